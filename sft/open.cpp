@@ -28,8 +28,8 @@ NodeOptions with_defaults(const NodeOptions& options, std::uint32_t domain) {
 }
 
 /// `options` with its defaults resolved.
-Result<std::unique_ptr<core::Transport>> open_udp(const NodeOptions& options,
-                                                  std::shared_ptr<core::BufferPool> heap) {
+Result<std::unique_ptr<core::Network>> open_udp(const NodeOptions& options,
+                                                std::shared_ptr<core::BufferPool> heap) {
   Result<std::vector<std::string>> interfaces =
       core::discovery_interfaces(*options.domain, options.discovery, *options.cyclonedds_config);
   if (!interfaces) return tl::unexpected(interfaces.error());
@@ -46,7 +46,7 @@ Result<std::unique_ptr<core::Transport>> open_udp(const NodeOptions& options,
   return udp::open_udp_transport(udp, std::move(heap));
 }
 
-Result<std::unique_ptr<core::Transport>> open_shm(const NodeOptions& options) {
+Result<std::unique_ptr<core::SharedMemory>> open_shm(const NodeOptions& options) {
   shm::ShmOptions shm;
   shm.daemon_path = options.shm.daemon_path;
   // Not in a program that has more rights than who started it: its environment is that one's.
@@ -82,12 +82,12 @@ Result<Node> Node::open(const NodeOptions& options) {
   if (options.transport != TransportChoice::shm) {
     auto udp = open_udp(resolved, parts.heap);
     if (!udp) return tl::unexpected(udp.error());
-    parts.udp = std::move(*udp);
+    parts.network = std::move(*udp);
   }
   if (options.transport != TransportChoice::udp) {
     auto shm = open_shm(options);
     if (!shm) return tl::unexpected(shm.error());
-    parts.shm = std::move(*shm);
+    parts.memory = std::move(*shm);
   }
   return core::NodeCore::open(resolved, std::move(parts)).map([](auto&& core) {
     return Node(std::forward<decltype(core)>(core));

@@ -17,7 +17,7 @@ using core::Availability;
 
 /// The transport of one node, which uses the session of the process. When the daemon is lost and another one
 /// comes, the transport first reports that the old session is lost, and later that a new one is ready.
-class ShmTransport final : public core::Transport {
+class ShmTransport final : public core::SharedMemory {
  public:
   explicit ShmTransport(const ShmOptions& options) : options_(options), daemon_(ProcessDaemon::shared()) {}
 
@@ -44,7 +44,7 @@ class ShmTransport final : public core::Transport {
 
   bool may_write() const override { return session_ == nullptr || session_->can_write(); }
 
-  Result<std::unique_ptr<core::WriterPort>> open_writer(const core::WriterSpec& spec) override {
+  Result<std::unique_ptr<core::LendingWriter>> open_writer(const core::WriterSpec& spec) override {
     if (session_ == nullptr) return not_ready();
     const auto deadline = Clock::now() + options_.port_deadline;
     const auto publisher = session_->create_publisher(spec.id, deadline);
@@ -59,7 +59,7 @@ class ShmTransport final : public core::Transport {
                                            session_->reader_accounts());
   }
 
-  Result<std::unique_ptr<core::ReaderPort>> open_reader(const core::ReaderSpec& spec) override {
+  Result<std::unique_ptr<core::BorrowingReader>> open_reader(const core::ReaderSpec& spec) override {
     if (session_ == nullptr) return not_ready();
     session_->admit_writers(spec.doorbell.page);
     return std::make_unique<ShmReaderPort>(session_, spec, options_, statistics_);
@@ -86,7 +86,7 @@ class ShmTransport final : public core::Transport {
 
 }  // namespace
 
-Result<std::unique_ptr<core::Transport>> open_shm_transport(const ShmOptions& options) {
+Result<std::unique_ptr<core::SharedMemory>> open_shm_transport(const ShmOptions& options) {
   const auto users = user_ids(options.daemon_users);
   if (!users) return tl::unexpected(users.error());
   ShmOptions clamped = options;

@@ -13,6 +13,6 @@ namespace sft::shm {
 /// Opens the transport without waiting, and also if there is no daemon: Transport::poll() finds or starts the
 /// daemon later.
 /// Errc::invalid_argument names an account in daemon_users that does not exist.
-Result<std::unique_ptr<core::Transport>> open_shm_transport(const ShmOptions& options);
+Result<std::unique_ptr<core::SharedMemory>> open_shm_transport(const ShmOptions& options);
 
 }  // namespace sft::shm

@@ -10,7 +10,7 @@
 
 namespace sft::udp {
 
-class UdpReader final : public core::ReaderPort {
+class UdpReader final : public core::NetworkReader {
  public:
   UdpReader(const core::ReaderSpec& spec, std::shared_ptr<ReceiveLoop> receiver);
   /// Waits for a call of the listener to return, unless it is made by that call.
@@ -29,8 +29,7 @@ class UdpReader final : public core::ReaderPort {
   void interrupt() noexcept override { receiver_->interrupt(this); }
   void share_reader() override;
   void accept(std::vector<core::Accepted> accepted) override;
-  std::uint64_t discarded() const noexcept override { return inbox_->discarded(); }
-  std::uint64_t lost_unnoticed() const noexcept override { return inbox_->lost_unnoticed(); }
+  Counters counters() const noexcept override { return {inbox_->discarded(), inbox_->lost_unnoticed()}; }
 
  private:
   core::ReaderSpec spec_;

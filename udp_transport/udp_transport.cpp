@@ -32,7 +32,7 @@ std::string note_on_buffer(const UdpOptions& options, const UdpSocket& socket) {
 }
 
 /// The ports share the two halves, and can outlive the transport; they do nothing then.
-class UdpTransport final : public core::Transport {
+class UdpTransport final : public core::Network {
  public:
   UdpTransport(const UdpOptions& options, const UdpSocket& socket, std::string description,
                bool uses_io_uring, std::shared_ptr<ReceiveLoop> receiver, std::shared_ptr<SendSide> send_side)
@@ -101,13 +101,13 @@ class UdpTransport final : public core::Transport {
     return changed;
   }
 
-  Result<std::unique_ptr<core::WriterPort>> open_writer(const core::WriterSpec& spec) override {
+  Result<std::unique_ptr<core::NetworkWriter>> open_writer(const core::WriterSpec& spec) override {
     if (spec.id == 0 || spec.type == nullptr)
       return fail(Errc::invalid_argument, "a writer needs an id and a type");
     return std::make_unique<UdpWriter>(spec, send_side_);
   }
 
-  Result<std::unique_ptr<core::ReaderPort>> open_reader(const core::ReaderSpec& spec) override {
+  Result<std::unique_ptr<core::NetworkReader>> open_reader(const core::ReaderSpec& spec) override {
     if (spec.type == nullptr) return fail(Errc::invalid_argument, "a reader needs a type");
     return std::make_unique<UdpReader>(spec, receiver_);
   }
@@ -194,9 +194,9 @@ std::shared_ptr<ReceiveLoop> make_receiver(const UdpOptions& options,
 
 }  // namespace
 
-Result<std::unique_ptr<core::Transport>> open_udp_transport(const UdpOptions& options,
-                                                            std::shared_ptr<core::BufferPool> pool,
-                                                            const DecorateIo& decorate) {
+Result<std::unique_ptr<core::Network>> open_udp_transport(const UdpOptions& options,
+                                                          std::shared_ptr<core::BufferPool> pool,
+                                                          const DecorateIo& decorate) {
   const auto forward = [](Error& error) { return tl::unexpected<Error>(std::move(error)); };
   if (Result<void> sound = check_interfaces(options.interfaces); !sound) return forward(sound.error());
   Result<std::shared_ptr<const UdpSocket>> socket =

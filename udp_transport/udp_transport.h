@@ -52,8 +52,8 @@ struct UdpOptions {
 using DecorateIo = std::function<DatagramIo(DatagramIo)>;
 
 /// What is received lies in memory of `pool`, the node's own.
-Result<std::unique_ptr<core::Transport>> open_udp_transport(const UdpOptions& options,
-                                                            std::shared_ptr<core::BufferPool> pool,
-                                                            const DecorateIo& decorate = {});
+Result<std::unique_ptr<core::Network>> open_udp_transport(const UdpOptions& options,
+                                                          std::shared_ptr<core::BufferPool> pool,
+                                                          const DecorateIo& decorate = {});
 
 }  // namespace sft::udp

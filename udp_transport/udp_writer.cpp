@@ -52,6 +52,7 @@ UdpWriter::UdpWriter(const core::WriterSpec& spec, std::shared_ptr<SendSide> sid
                 side_->kept),
       variants_(side_->queue_depth, tally_, &channels_),
       keeper_(groups_of(spec, *side_, tally_)),
+      book_(spec.book),
       sender_(spec, side_, tally_, jobs_),
       left_(std::make_shared<FanOut>(spec, side_, tally_, jobs_)) {
   routes_.store(std::make_shared<RouteTable>());
@@ -63,11 +64,10 @@ UdpWriter::~UdpWriter() {
   left_->finish();
 }
 
-std::uint64_t UdpWriter::bytes_sent() const noexcept {
-  return tally_->bytes_sent.load(std::memory_order_relaxed);
+core::NetworkWriter::Counters UdpWriter::counters() const noexcept {
+  return {tally_->bytes_sent.load(std::memory_order_relaxed),
+          tally_->dropped.load(std::memory_order_relaxed)};
 }
-
-std::uint64_t UdpWriter::dropped() const noexcept { return tally_->dropped.load(std::memory_order_relaxed); }
 
 std::string UdpWriter::silence(core::EndpointId reader) const {
   const std::shared_ptr<const RouteTable> table = routes_.share();
@@ -127,25 +127,19 @@ void UdpWriter::turn_to(const RouteTable& routes) noexcept {
   in_use_ = &routes;
 }
 
-void UdpWriter::begin() noexcept {
+void UdpWriter::begin_sample() noexcept {
   const RouteTable* routes = routes_.load();
   if (routes != in_use_) [[unlikely]]
     turn_to(*routes);
-  begun_ = true;
-}
-
-void UdpWriter::rest() noexcept {
-  if (in_use_ != &nobody_) turn_to(nobody_);
-}
-
-const RouteTable& UdpWriter::routes_of_sample() noexcept {
-  if (!begun_) begin();
-  begun_ = false;
-  return *in_use_;
 }
 
 core::SendStatus UdpWriter::send(const core::SampleHandle& sample) noexcept {
-  const std::span<const Audience> groups = routes_of_sample().reached(std::exchange(with_spares_, false));
+  begin_sample();
+  return send_begun(sample, core::Reach::usual_routes);
+}
+
+core::SendStatus UdpWriter::send_begun(const core::SampleHandle& sample, core::Reach reach) noexcept {
+  const std::span<const Audience> groups = in_use_->reached(reach);
   if (side_->sender.stopped()) {
     count_missed(groups);
     return core::SendStatus::lost_port;
@@ -192,9 +186,9 @@ std::size_t UdpWriter::hold_or_send(const Audience& group, const core::SampleHan
   return sender_.send(group, sample);
 }
 
-void UdpWriter::hold(bool goes_on) noexcept {
+void UdpWriter::hold(core::BatchPatience patience) noexcept {
   holds_ = true;
-  if (!goes_on) sender_.be_patient(max_blocking_);
+  if (patience == core::BatchPatience::fresh) sender_.be_patient(max_blocking_);
   missed_ = 0;
   held_for_ = routes_.loaded();
 }
@@ -207,10 +201,7 @@ std::size_t UdpWriter::flush() noexcept {
   return std::exchange(missed_, 0);
 }
 
-void UdpWriter::miss() noexcept {
-  with_spares_ = false;
-  count_missed(routes_of_sample().reached(false));
-}
+void UdpWriter::miss_begun() noexcept { count_missed(in_use_->reached(core::Reach::usual_routes)); }
 
 void UdpWriter::count_missed(std::span<const Audience> groups) noexcept {
   for (const Audience& group : groups) {

@@ -20,37 +20,33 @@
 
 namespace sft::udp {
 
-class UdpWriter final : public core::WriterPort, private Tended {
+class UdpWriter final : public core::NetworkWriter, private Tended {
  public:
   UdpWriter(const core::WriterSpec& spec, std::shared_ptr<SendSide> side);
   ~UdpWriter() override;
 
   core::SendStatus send(const core::SampleHandle& sample) noexcept override;
-  bool takes_postponed() const noexcept override { return true; }
-  void hold(bool goes_on) noexcept override;
-  std::size_t flush() noexcept override;
-  void begin() noexcept override;
-  void rest() noexcept override;
-  void include_spares() noexcept override { with_spares_ = true; }
-  void miss() noexcept override;
-  void count_in(std::shared_ptr<core::DeliveryBook> book) override { book_ = std::move(book); }
+  void be_patient(std::chrono::nanoseconds at_most) noexcept override { patience_max_ = at_most; }
   void set_routes(std::vector<core::Route> routes) override;
+  bool takes_postponed() const noexcept override { return true; }
   void send_history(const core::Route& to, std::vector<core::SampleHandle> samples) override;
   bool history_sent(core::EndpointId reader) noexcept override;
-  void be_patient(std::chrono::nanoseconds at_most) noexcept override { patience_max_ = at_most; }
+  Counters counters() const noexcept override;
   std::string multicast(core::EndpointId reader) const override { return keeper_.why(reader); }
   std::string silence(core::EndpointId reader) const override;
-  std::uint64_t bytes_sent() const noexcept override;
-  std::uint64_t dropped() const noexcept override;
 
  private:
+  void begin_sample() noexcept override;
+  core::SendStatus send_begun(const core::SampleHandle& sample, core::Reach reach) noexcept override;
+  void miss_begun() noexcept override;
+  void hold(core::BatchPatience patience) noexcept override;
+  std::size_t flush() noexcept override;
   void tend(std::chrono::steady_clock::time_point now) override;
   void make_table();
   std::size_t own_variants(const core::SampleBuffer& sample) const noexcept;
   std::size_t hold_or_send(const Audience& group, const core::SampleHandle& sample) noexcept;
   void send_held() noexcept { missed_ += sender_.flush(); }
   bool leave(const core::SampleHandle& sample, std::size_t first, std::size_t end) noexcept;
-  const RouteTable& routes_of_sample() noexcept;
   static void count_missed(std::span<const Audience> groups) noexcept;
   void turn_to(const RouteTable& routes) noexcept;
 
@@ -67,17 +63,15 @@ class UdpWriter final : public core::WriterPort, private Tended {
   GroupKeeper keeper_;                  ///< likewise
   std::vector<core::Route> asked_for_;  ///< likewise: as they were set
   core::Snapshot<RouteTable> routes_;
-  std::shared_ptr<core::DeliveryBook> book_;  ///< null: nobody asks what became of samples
+  const std::shared_ptr<core::DeliveryBook> book_;  ///< null: nobody asks what became of samples
 
   // Of the publisher's thread.
   std::chrono::nanoseconds patience_max_ = std::chrono::nanoseconds::max();
   const RouteTable nobody_;
-  const RouteTable* in_use_ = &nobody_;           ///< of the last sample; whose page is open
-  bool begun_ = false;                            ///< they are those of the present one
-  bool with_spares_ = false;                      ///< of these, too, is the present one
+  const RouteTable* in_use_ = &nobody_;           ///< of the sample begun last; whose page is open
   core::DeliveryBook::LateCounts late_counts_{};  ///< of what was left on the page before
   VariantSender sender_;
-  bool holds_ = false;                          ///< until flush()
+  bool holds_ = false;                          ///< a batch lasts
   std::size_t missed_ = 0;                      ///< of what was held
   std::shared_ptr<const RouteTable> held_for_;  ///< keeps the groups of what is held
   const std::shared_ptr<FanOut> left_;

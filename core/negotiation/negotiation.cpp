@@ -28,7 +28,7 @@ Negotiation::Negotiation(const Limits& limits)
 /// Returns the token of the shared memory that our endpoint can use. A writer that may not write to that
 /// memory has none, so that nobody waits for it there.
 HostToken Negotiation::host_of(Role role) const {
-  return role == Role::writer && !self_.may_write_shm ? HostToken{} : self_.host;
+  return role == Role::writer && !self_.may_write_memory ? HostToken{} : self_.host;
 }
 
 bool Negotiation::self_changed(const Self& self) {

@@ -28,11 +28,12 @@ namespace sft::core {
 
 /// The desired state of one of our writers.
 struct Serving {
-  bool shm_port = false;  ///< be reachable in shared memory, even if no reader is attached yet
-  std::vector<Route> shm;
-  std::vector<Route> udp;
-  std::vector<Route> spare;  ///< by UDP, to those of `shm` that listen there: for what does not go that way
-  std::vector<Route> unreached;       ///< would be in `shm`, but the port cannot tell these of samples
+  bool memory_port = false;  ///< be reachable in shared memory, even if no reader is attached yet
+  std::vector<Route> memory;
+  std::vector<Route> network;
+  /// Over the network, to those of `memory` that listen there: for what does not go that way.
+  std::vector<Route> fallback;
+  std::vector<Route> unreached;       ///< would be in `memory`, but the port cannot tell these of samples
   std::vector<ReaderStatus> readers;  ///< all of the topic, with reasons
   bool lease_requested = false;       ///< some reader wants to know whether the writer lives
   bool samples_tell = true;           ///< and each of these gets every sample
@@ -40,7 +41,8 @@ struct Serving {
 
   /// Returns true if both send the same to the same readers. What status() tells of these readers may differ.
   bool serves_like(const Serving& other) const {
-    return shm_port == other.shm_port && shm == other.shm && udp == other.udp && spare == other.spare;
+    return memory_port == other.memory_port && memory == other.memory && network == other.network &&
+           fallback == other.fallback;
   }
   friend bool operator==(const Serving&, const Serving&) = default;
 };
@@ -50,8 +52,8 @@ struct Hearing {
   Source source;
   Qos offered;
   std::uint32_t owed = 0;  ///< retained samples that should come first
-  bool shm = false;        ///< connect to it in shared memory
-  bool udp = false;
+  bool memory = false;     ///< connect to it in shared memory
+  bool network = false;
   WriterStatus status;
 };
 

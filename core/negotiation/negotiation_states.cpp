@@ -74,13 +74,13 @@ ReaderStatus Negotiation::serve(const Entry& writer, const Entry& reader, const 
     status.reason = "its node does not answer";
     return status;
   }
-  serving.shm_port |= verdict.shm;
+  serving.memory_port |= verdict.memory;
   const std::uint32_t owed = history_owed(writer, r);
-  const bool history_first = owed != 0 && verdict.udp;
+  const bool history_first = owed != 0 && verdict.network;
   const bool reliable = r.qos.reliability == Reliability::reliable;
-  const bool listens = verdict.udp && holds(r.request.listening, writer.endpoint.id);
+  const bool listens = verdict.network && holds(r.request.listening, writer.endpoint.id);
   serving.history_owed |= history_first;
-  const bool attached = verdict.shm && !history_first && holds(r.request.attached, writer.endpoint.id);
+  const bool attached = verdict.memory && !history_first && holds(r.request.attached, writer.endpoint.id);
   const auto unreached = writer.unreached.find(r.id);
   const bool unreachable = attached && unreached != writer.unreached.end();
   if (unreachable) serving.unreached.push_back({r.id, r.doorbell, status.mask, period});
@@ -89,26 +89,26 @@ ReaderStatus Negotiation::serve(const Entry& writer, const Entry& reader, const 
     status.transport = TransportKind::shm;
     status.reason = "same host";
     const bool begun = holds(r.request.begun, writer.endpoint.id);
-    serving.shm.push_back(
+    serving.memory.push_back(
         {r.id, r.doorbell, status.mask, period, nullptr, begun ? 0 : owed, false, reliable});
     if (listens)
-      serving.spare.push_back({r.id, address_of(r), status.mask, period, nullptr, 0, true, reliable});
+      serving.fallback.push_back({r.id, address_of(r), status.mask, period, nullptr, 0, true, reliable});
   } else if (listens) {
     status.served = true;
     status.transport = TransportKind::udp;
-    status.reason = !verdict.shm    ? verdict.udp_reason
+    status.reason = !verdict.memory ? verdict.network_reason
                     : unreachable   ? unreached->second
                     : history_first ? "same host, what was published before comes first"
                                     : "same host, shared memory is being attached";
-    serving.udp.push_back({r.id, address_of(r), status.mask, period, nullptr, owed, false, reliable});
-  } else if (verdict.udp) {
+    serving.network.push_back({r.id, address_of(r), status.mask, period, nullptr, owed, false, reliable});
+  } else if (verdict.network) {
     status.reason = unreachable ? unreached->second : "the subscriber is not listening yet";
   } else {
-    status.no_path = !verdict.shm || unreachable;
-    status.no_path_yet = verdict.shm_may_come || unreachable;
-    status.reason = unreachable   ? "UDP is ruled out, and " + unreached->second
-                    : verdict.shm ? "shared memory is being attached"
-                                  : "UDP is ruled out, and " + verdict.udp_reason;
+    status.no_path = !verdict.memory || unreachable;
+    status.no_path_yet = verdict.memory_may_come || unreachable;
+    status.reason = unreachable      ? "UDP is ruled out, and " + unreached->second
+                    : verdict.memory ? "shared memory is being attached"
+                                     : "UDP is ruled out, and " + verdict.network_reason;
   }
   return status;
 }
@@ -144,7 +144,7 @@ std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
     const Endpoint& w = writer->endpoint;
     const Verdict verdict = judge(*writer, entry->second, definitions);
     const std::uint32_t owed = history_owed(*writer, r);
-    const bool history_first = owed != 0 && verdict.udp;
+    const bool history_first = owed != 0 && verdict.network;
     // Samples that others get through shared memory would overtake the retained ones.
     const bool history_comes = history_first && !entry->second.history_came.contains(w.id);
     const bool awaited = history_first || (owed != 0 && !holds(r.request.begun, w.id));
@@ -154,8 +154,8 @@ std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
     result.push_back({.source = {w.id, w.max_sample_bytes, awaited, reliable, w.waits, node, !writer->lost()},
                       .offered = w.qos,
                       .owed = owed,
-                      .shm = verdict.shm && !history_comes && (!writer->lost() || attached),
-                      .udp = verdict.udp,
+                      .memory = verdict.memory && !history_comes && (!writer->lost() || attached),
+                      .network = verdict.network,
                       .status = heard_as(w, !writer->lost(), r, verdict, history_comes)});
   }
   if (result.size() > writers_per_reader_max) hear_no_more_than_possible(result);
@@ -167,7 +167,7 @@ std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
 void Negotiation::hear_no_more_than_possible(std::vector<Hearing>& hearing) const {
   std::vector<Hearing*> matched;
   for (Hearing& h : hearing) {
-    if (h.shm || h.udp) matched.push_back(&h);
+    if (h.memory || h.network) matched.push_back(&h);
   }
   if (matched.size() <= writers_per_reader_max) return;
   std::ranges::sort(matched, {}, [&](const Hearing* h) {
@@ -176,7 +176,7 @@ void Negotiation::hear_no_more_than_possible(std::vector<Hearing>& hearing) cons
   });
   for (std::size_t i = writers_per_reader_max; i < matched.size(); ++i) {
     Hearing& h = *matched[i];
-    h.shm = h.udp = h.status.matched = h.status.connected = false;
+    h.memory = h.network = h.status.matched = h.status.connected = false;
     h.status.reason =
         "the subscriber hears as many publishers as one can, " + std::to_string(writers_per_reader_max);
   }

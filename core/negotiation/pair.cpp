@@ -10,15 +10,15 @@ namespace sft::core {
 
 namespace {
 
-std::string why_not_shm(const Pair& pair, const Self& self) {
+std::string why_not_memory(const Pair& pair, const Self& self) {
   if (!pair.writer.may_use_shm) return "the publisher or its node rules shared memory out";
   if (!pair.reader.may_use_shm) return "the subscriber or its node rules shared memory out";
   const Endpoint& peer = pair.peer();
   if (!on_one_machine(peer.network, self.network)) return "another host";
   if (self.host.known() && peer.host.known() && peer.host != self.host)
     return "another host or container: it has a /dev/shm of its own";
-  if (!self.host.known()) return "no shared memory: " + self.shm_state;
-  if (pair.we_write && !self.may_write_shm && peer.host.known())
+  if (!self.host.known()) return "no shared memory: " + self.memory_state;
+  if (pair.we_write && !self.may_write_memory && peer.host.known())
     return "this user may only read shared memory";
   return "the other side has no shared memory yet; its status says why";
 }
@@ -26,7 +26,7 @@ std::string why_not_shm(const Pair& pair, const Self& self) {
 /// Returns true if a pair on one machine may come to share memory: tokens that differ may be those of a
 /// daemon that has just gone.
 bool may_come_to_share(const Pair& pair, const Self& self) {
-  const bool read_only = pair.we_write && self.host.known() && !self.may_write_shm;
+  const bool read_only = pair.we_write && self.host.known() && !self.may_write_memory;
   return pair.writer.may_use_shm && pair.reader.may_use_shm &&
          on_one_machine(pair.peer().network, self.network) && !read_only;
 }
@@ -61,11 +61,11 @@ Verdict judge(const Pair& pair, const TypeSupport& type, const Self& self, TypeC
     verdict.mismatch = std::move(conflict.reason);
     return verdict;
   }
-  verdict.shm = writer.may_use_shm && reader.may_use_shm && self.host.known() && writer.host == self.host &&
-                reader.host == self.host;
-  verdict.udp = writer.may_use_udp && reader.may_use_udp && !reader.addresses.empty();
-  if (!verdict.shm) verdict.udp_reason = why_not_shm(pair, self);
-  verdict.shm_may_come = !verdict.shm && !verdict.udp && may_come_to_share(pair, self);
+  verdict.memory = writer.may_use_shm && reader.may_use_shm && self.host.known() &&
+                   writer.host == self.host && reader.host == self.host;
+  verdict.network = writer.may_use_udp && reader.may_use_udp && !reader.addresses.empty();
+  if (!verdict.memory) verdict.network_reason = why_not_memory(pair, self);
+  verdict.memory_may_come = !verdict.memory && !verdict.network && may_come_to_share(pair, self);
   return verdict;
 }
 
@@ -75,24 +75,24 @@ WriterStatus heard_as(const Endpoint& writer, bool writer_lives, const Endpoint&
   const auto holds = [id](const std::vector<EndpointId>& ids) {
     return std::ranges::find(ids, id) != ids.end();
   };
-  const bool attached = verdict.shm && holds(reader.request.attached);
-  const bool listening = verdict.udp && holds(reader.request.listening);
+  const bool attached = verdict.memory && holds(reader.request.attached);
+  const bool listening = verdict.network && holds(reader.request.listening);
   WriterStatus status{.id = id, .node = writer.node, .alive = writer_lives};
   status.incompatible_type = verdict.incompatible_type;
   status.incompatible_policy = verdict.incompatible_policy;
-  status.matched = verdict.shm || verdict.udp;
+  status.matched = verdict.memory || verdict.network;
   status.connected = writer_lives && (attached || listening);
   status.no_path = !status.matched && verdict.mismatch.empty();
-  status.no_path_yet = verdict.shm_may_come;
-  status.transport = attached || !verdict.udp ? TransportKind::shm : TransportKind::udp;
+  status.no_path_yet = verdict.memory_may_come;
+  status.transport = attached || !verdict.network ? TransportKind::shm : TransportKind::udp;
   status.mismatch = verdict.definitions;
-  status.reason = !verdict.mismatch.empty()      ? verdict.mismatch
-                  : !writer_lives                ? "its node does not answer"
-                  : attached                     ? "same host"
-                  : verdict.shm && history_comes ? "same host, what was published before comes first"
-                  : verdict.shm                  ? "same host, shared memory is being attached"
-                  : verdict.udp                  ? verdict.udp_reason
-                                                 : "UDP is ruled out, and " + verdict.udp_reason;
+  status.reason = !verdict.mismatch.empty()         ? verdict.mismatch
+                  : !writer_lives                   ? "its node does not answer"
+                  : attached                        ? "same host"
+                  : verdict.memory && history_comes ? "same host, what was published before comes first"
+                  : verdict.memory                  ? "same host, shared memory is being attached"
+                  : verdict.network                 ? verdict.network_reason
+                                                    : "UDP is ruled out, and " + verdict.network_reason;
   return status;
 }
 

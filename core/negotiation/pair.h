@@ -16,8 +16,8 @@ namespace sft::core {
 struct Self {
   HostToken host;  ///< known while shared memory is ready
   std::uint64_t network = 0;
-  std::string shm_state;      ///< why shared memory is not ready, for reasons given to people
-  bool may_write_shm = true;  ///< where it is
+  std::string memory_state;      ///< why shared memory is not ready, for reasons given to people
+  bool may_write_memory = true;  ///< where it is
   friend bool operator==(const Self&, const Self&) = default;
 };
 
@@ -34,10 +34,10 @@ struct Verdict {
   bool incompatible_type = false;
   std::shared_ptr<const TypeMismatch> definitions;  ///< not null: they are two of one type
   QosPolicy incompatible_policy = QosPolicy::none;
-  bool shm = false;  ///< both may and can use shared memory
-  bool udp = false;
-  std::string udp_reason;
-  bool shm_may_come = false;  ///< neither, as yet
+  bool memory = false;  ///< both may and can use shared memory
+  bool network = false;
+  std::string network_reason;
+  bool memory_may_come = false;  ///< neither, as yet
 };
 
 /// `type`: of what is ours; of the writer if both are. Without `comparisons` two definitions of a type are

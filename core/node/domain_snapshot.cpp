@@ -69,13 +69,13 @@ PairInfo pair_info(const Endpoint& writer, const Endpoint& reader, const std::op
   static const TypeSupport unknown(no_members);
   const Self self{.host = writer.host,
                   .network = writer.network,
-                  .shm_state = "the publisher's node has none at present; its status says why"};
+                  .memory_state = "the publisher's node has none at present; its status says why"};
   const Verdict verdict =
       judge({writer, reader, true}, type ? type->support() : unknown, self, type ? &comparisons : nullptr);
   const bool durable = writer.qos.durability == Durability::transient_local &&
                        reader.qos.durability == Durability::transient_local;
   const bool begun = std::ranges::find(reader.request.begun, writer.id) != reader.request.begun.end();
-  WriterStatus status = heard_as(writer, true, reader, verdict, durable && verdict.udp && !begun);
+  WriterStatus status = heard_as(writer, true, reader, verdict, durable && verdict.network && !begun);
   return {.publisher = writer.id,
           .subscriber = reader.id,
           .matched = status.matched,

@@ -19,8 +19,8 @@ constexpr std::chrono::seconds max_spin{1};   // of the thread that calls back: 
 
 bool EndpointOpening::may_use(TransportKind kind, TransportChoice choice) const {
   const TransportChoice other = kind == TransportKind::shm ? TransportChoice::udp : TransportChoice::shm;
-  const Transport* transport = kind == TransportKind::shm ? node_.shm : node_.udp;
-  return transport != nullptr && choice != other && node_.options.transport != other;
+  const bool exists = kind == TransportKind::shm ? node_.memory != nullptr : node_.network != nullptr;
+  return exists && choice != other && node_.options.transport != other;
 }
 
 Result<void> EndpointOpening::check_topic(std::string_view topic) {
@@ -67,7 +67,7 @@ Endpoint EndpointOpening::describe(Role role, std::string_view topic, const Type
   endpoint.type_description = announced_description(type.type());
   endpoint.may_use_shm = may_use(TransportKind::shm, choice);
   endpoint.may_use_udp = may_use(TransportKind::udp, choice);
-  if (endpoint.may_use_udp) endpoint.addresses = node_.udp->addresses();
+  if (endpoint.may_use_udp) endpoint.addresses = node_.network->addresses();
   return endpoint;
 }
 
@@ -77,15 +77,16 @@ Result<void> EndpointOpening::keep_ways_for_largest_sample(Endpoint& writer) con
   const auto most = [](bool may_use, const Transport* transport) {
     return may_use ? transport->max_sample_bytes() : std::size_t{0};
   };
-  const std::size_t by_shm = most(writer.may_use_shm, node_.shm);
-  const std::size_t by_udp = most(writer.may_use_udp, node_.udp);
-  if (writer.max_sample_bytes > std::max(by_shm, by_udp)) {
+  const std::size_t in_memory = most(writer.may_use_shm, node_.memory);
+  const std::size_t over_network = most(writer.may_use_udp, node_.network);
+  if (writer.max_sample_bytes > std::max(in_memory, over_network)) {
     return fail(Errc::limit_exceeded, "topic '" + writer.topic + "': PublisherOptions::max_sample_bytes of " +
                                           std::to_string(writer.max_sample_bytes) + " is more than the " +
-                                          std::to_string(std::max(by_shm, by_udp)) + " that can be sent");
+                                          std::to_string(std::max(in_memory, over_network)) +
+                                          " that can be sent");
   }
-  writer.may_use_udp = writer.may_use_udp && writer.max_sample_bytes <= by_udp;
-  writer.may_use_shm = writer.may_use_shm && (writer.may_use_udp || writer.max_sample_bytes <= by_shm);
+  writer.may_use_udp = writer.may_use_udp && writer.max_sample_bytes <= over_network;
+  writer.may_use_shm = writer.may_use_shm && (writer.may_use_udp || writer.max_sample_bytes <= in_memory);
   if (!writer.may_use_udp) writer.addresses.clear();
   return {};
 }
@@ -100,29 +101,32 @@ Result<EndpointOpening::Writer> EndpointOpening::open_writer(std::string_view to
   endpoint.max_sample_bytes = options.max_sample_bytes;
   endpoint.waits = options.max_blocking.count() > 0;
   if (auto fits = keep_ways_for_largest_sample(endpoint); !fits) return tl::unexpected(fits.error());
-  auto udp = open_udp(endpoint, type, options);
-  if (!udp) return tl::unexpected(udp.error());
+  const auto book = std::make_shared<DeliveryBook>();
+  auto network = open_network(endpoint, type, options, book);
+  if (!network) return tl::unexpected(network.error());
   std::function<void()> asserted;
   if (qos->liveliness == Liveliness::manual_by_topic)
     asserted = [tell = news_.asserted, id = endpoint.id] { tell(id); };
   auto core = std::make_shared<PublisherCore>(
       PublisherCore::Spec{endpoint.id, endpoint.topic, &type, options.max_sample_bytes, *qos,
                           options.on_readers_changed, options.on_event, std::move(asserted),
-                          options.max_blocking},
-      node_.heap, std::move(*udp));
+                          options.max_blocking, book},
+      node_.heap, std::move(*network));
   return Writer{std::move(endpoint), std::move(core)};
 }
 
 /// Null if the writer may not use UDP.
-Result<std::shared_ptr<WriterPort>> EndpointOpening::open_udp(const Endpoint& writer, const TypeSupport& type,
-                                                              const PublisherOptions& options) const {
+Result<std::shared_ptr<NetworkWriter>> EndpointOpening::open_network(
+    const Endpoint& writer, const TypeSupport& type, const PublisherOptions& options,
+    std::shared_ptr<DeliveryBook> book) const {
   if (!writer.may_use_udp) return nullptr;
-  auto port = node_.udp->open_writer({.id = writer.id,
-                                      .type = &type,
-                                      .max_blocking = options.max_blocking,
-                                      .max_bytes_per_s = options.max_bytes_per_s});
+  auto port = node_.network->open_writer({.id = writer.id,
+                                          .type = &type,
+                                          .max_blocking = options.max_blocking,
+                                          .max_bytes_per_s = options.max_bytes_per_s,
+                                          .book = std::move(book)});
   if (!port) return tl::unexpected(port.error());
-  return std::shared_ptr<WriterPort>(std::move(*port));
+  return std::shared_ptr<NetworkWriter>(std::move(*port));
 }
 
 Result<EndpointOpening::Reader> EndpointOpening::open_reader(ReaderOrder order) const {
@@ -144,7 +148,7 @@ Result<EndpointOpening::Reader> EndpointOpening::open_reader(ReaderOrder order) 
                        [tell = news_.requirement_changed, id = reader.endpoint.id] { tell(id); });
   }
   reader.parts.core = make_core(reader, order, std::move(*poll_handle));
-  if (auto opened = open_udp(reader, order); !opened) {
+  if (auto opened = open_network(reader, order); !opened) {
     node_.slots.give_back(*slot);
     return tl::unexpected(opened.error());
   }
@@ -192,31 +196,31 @@ std::shared_ptr<SubscriberCore> EndpointOpening::make_core(const Reader& reader,
                            .rate_changed = [tell = news_.rate_changed, id = endpoint.id] { tell(id); },
                            .as_remote = order.options.recording.as_remote ? node_.heap : nullptr,
                            .poll_handle = std::move(poll_handle),
-                           .shm_depth = shm_depth_of(endpoint)},
+                           .memory_depth = memory_depth_of(endpoint)},
       node_.slots.at(reader.slot), reader.parts.recorder);
 }
 
 /// Leaves the port null if the reader may not use UDP.
-Result<void> EndpointOpening::open_udp(Reader& reader, const ReaderOrder& order) const {
+Result<void> EndpointOpening::open_network(Reader& reader, const ReaderOrder& order) const {
   const Endpoint& endpoint = reader.endpoint;
   if (!endpoint.may_use_udp) return {};
   LocalReader::Parts& parts = reader.parts;
   ReaderSpec spec{endpoint.id, &order.type, order.options.depth, parts.core.get(), endpoint.doorbell};
   spec.only_waited_for = !parts.core->has_callback() && !order.options.pollable;
   spec.spin = std::clamp(order.options.spin, std::chrono::nanoseconds(0), std::chrono::nanoseconds(max_spin));
-  auto port = node_.udp->open_reader(spec);
+  auto port = node_.network->open_reader(spec);
   if (!port) return tl::unexpected(port.error());
-  parts.udp = std::move(*port);
-  parts.udp->accept({{.wanted = {order.requirement.mask, endpoint.request.min_period_us}}});
-  parts.core->ports().set(TransportKind::udp, parts.udp);
+  parts.network = std::move(*port);
+  parts.network->accept({{.wanted = {order.requirement.mask, endpoint.request.min_period_us}}});
+  parts.core->ports().set_network(parts.network);
   return {};
 }
 
 /// The part of a reader's depth that shared memory keeps. The log says so if the reader asks for more: with a
 /// warning if the reader relies on that.
-std::uint32_t EndpointOpening::shm_depth_of(const Endpoint& reader) const {
+std::uint32_t EndpointOpening::memory_depth_of(const Endpoint& reader) const {
   const std::uint32_t depth = reader.qos.history_depth;
-  const std::uint32_t most = node_.shm == nullptr ? depth : node_.shm->max_depth();
+  const std::uint32_t most = node_.memory == nullptr ? depth : node_.memory->max_depth();
   if (!reader.may_use_shm || depth <= most) return depth;
   const bool reliable = reader.qos.reliability == Reliability::reliable;
   news_.log(reliable ? LogLevel::warning : LogLevel::info,

@@ -30,8 +30,8 @@ class EndpointOpening {
     const NodeOptions& options;
     NodeId id = 0;
     std::chrono::milliseconds life_lease{};
-    Transport* shm = nullptr;
-    Transport* udp = nullptr;
+    SharedMemory* memory = nullptr;
+    Network* network = nullptr;
     std::shared_ptr<BufferPool> heap;  ///< memory for samples outside of shared memory
     WakeSlots& slots;
     Dispatcher& dispatcher;
@@ -77,14 +77,15 @@ class EndpointOpening {
   static Result<void> check(const SubscriberOptions& options);
   Endpoint describe(Role role, std::string_view topic, const TypeSupport& type, TransportChoice choice) const;
   Result<void> keep_ways_for_largest_sample(Endpoint& writer) const;
-  Result<std::shared_ptr<WriterPort>> open_udp(const Endpoint& writer, const TypeSupport& type,
-                                               const PublisherOptions& options) const;
+  Result<std::shared_ptr<NetworkWriter>> open_network(const Endpoint& writer, const TypeSupport& type,
+                                                      const PublisherOptions& options,
+                                                      std::shared_ptr<DeliveryBook> book) const;
   Result<std::uint32_t> take_slot(const ReaderOrder& order) const;
   Endpoint describe_reader(const ReaderOrder& order, const Qos& qos, std::uint32_t slot) const;
   std::shared_ptr<SubscriberCore> make_core(const Reader& reader, ReaderOrder& order,
                                             std::unique_ptr<PollHandle> poll_handle) const;
-  Result<void> open_udp(Reader& reader, const ReaderOrder& order) const;
-  std::uint32_t shm_depth_of(const Endpoint& reader) const;
+  Result<void> open_network(Reader& reader, const ReaderOrder& order) const;
+  std::uint32_t memory_depth_of(const Endpoint& reader) const;
 
   const Node node_;
   const News news_;

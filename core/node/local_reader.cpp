@@ -15,7 +15,7 @@ constexpr std::size_t unattached_max = 128;
 constexpr std::chrono::milliseconds attach_again_after{500};
 constexpr int looks_in_callback_max = 4;                 // in a row
 constexpr std::chrono::milliseconds restart_pause{500};  // for the other side to see that nobody listens
-constexpr std::chrono::seconds udp_preferred_min{2}, udp_preferred_max{60};
+constexpr std::chrono::seconds network_preferred_min{2}, network_preferred_max{60};
 
 /// The first announcement of a writer that is heard may be somebody else's: a later one corrects it.
 bool says_otherwise(Source wanted, const Source& before) {
@@ -32,7 +32,7 @@ LocalReader::LocalReader(NodeContext& node, const Endpoint& endpoint, Parts part
       id_(endpoint.id),
       core_(std::move(parts.core)),
       recorder_(std::move(parts.recorder)),
-      udp_(std::move(parts.udp)),
+      network_(std::move(parts.network)),
       requested_(endpoint.qos),
       accepted_({core_->spec().requirement.mask, endpoint.request.min_period_us},
                 endpoint.qos.reliability == Reliability::reliable) {
@@ -40,8 +40,8 @@ LocalReader::LocalReader(NodeContext& node, const Endpoint& endpoint, Parts part
 }
 
 void LocalReader::close() {
-  core_->ports().set(TransportKind::udp, nullptr);
-  core_->ports().set(TransportKind::shm, nullptr);
+  core_->ports().set_network(nullptr);
+  core_->ports().set_memory(nullptr);
 }
 
 void LocalReader::reconcile(std::size_t& unattached) {
@@ -64,39 +64,40 @@ void LocalReader::reconcile(std::size_t& unattached) {
 /// Connects to and disconnects from one writer as wanted; returns what is in force then.
 Hearing LocalReader::connect(const Hearing& wanted, const Hearing& before, std::size_t& unattached) {
   Connecting& connecting = connecting_[wanted.source.writer];
-  if (!wanted.shm) connecting.shm = {};
-  if (!wanted.udp) connecting.udp = {};
+  if (!wanted.memory) connecting.memory = {};
+  if (!wanted.network) connecting.network = {};
   departed_.erase(wanted.source.writer);
   Hearing now = wanted;
-  now.udp = connect_udp(wanted, before, connecting.udp);
-  now.shm = connect_shm(wanted, before, connecting.shm, unattached);
+  now.network = connect_network(wanted, before, connecting.network);
+  now.memory = connect_memory(wanted, before, connecting.memory, unattached);
   return now;
 }
 
-bool LocalReader::connect_udp(const Hearing& wanted, const Hearing& before, Retry& retry) {
-  if (wanted.udp == before.udp) {
-    if (wanted.udp && says_otherwise(wanted.source, before.source)) udp_->announced(wanted.source);
-    return wanted.udp;
+bool LocalReader::connect_network(const Hearing& wanted, const Hearing& before, Retry& retry) {
+  if (wanted.network == before.network) {
+    if (wanted.network && says_otherwise(wanted.source, before.source)) network_->announced(wanted.source);
+    return wanted.network;
   }
-  if (wanted.udp) return node_.attempts.by_udp(retry, [&] { return udp_->connect(wanted.source); });
-  udp_->disconnect(wanted.source.writer);
+  if (wanted.network)
+    return node_.attempts.over_network(retry, [&] { return network_->connect(wanted.source); });
+  network_->disconnect(wanted.source.writer);
   return false;
 }
 
 /// A connection is made anew if its writer begins or ceases to wait for the reader: its queue depends on
 /// that.
-bool LocalReader::connect_shm(const Hearing& wanted, const Hearing& before, Retry& retry,
-                              std::size_t& unattached) {
+bool LocalReader::connect_memory(const Hearing& wanted, const Hearing& before, Retry& retry,
+                                 std::size_t& unattached) {
   const auto attempt = [&] {
-    return node_.attempts.in_shm(retry, [&] { return connect_in_shm(wanted.source); });
+    return node_.attempts.in_memory(retry, [&] { return connect_in_memory(wanted.source); });
   };
-  if (!wanted.shm) {
-    if (before.shm && shm_ != nullptr) shm_->disconnect(wanted.source.writer);
+  if (!wanted.memory) {
+    if (before.memory && memory_ != nullptr) memory_->disconnect(wanted.source.writer);
     return false;
   }
-  if (before.shm) {
+  if (before.memory) {
     if (is_waited_for(wanted.source) == is_waited_for(before.source)) return true;
-    shm_->disconnect(wanted.source.writer);
+    memory_->disconnect(wanted.source.writer);
     return attempt();
   }
   if (unattached >= unattached_max) {
@@ -108,24 +109,24 @@ bool LocalReader::connect_shm(const Hearing& wanted, const Hearing& before, Retr
   return connected;
 }
 
-Result<void> LocalReader::connect_in_shm(const Source& source) {
-  if (shm_ == nullptr) {
+Result<void> LocalReader::connect_in_memory(const Source& source) {
+  if (memory_ == nullptr) {
     const SubscriberOptions& options = core_->spec().options;
-    auto port = node_.shm->open_reader({id_, &core_->type(), options.depth, core_.get(),
-                                        node_.negotiation.local(id_)->doorbell, options.max_held});
+    auto port = node_.memory->open_reader({id_, &core_->type(), options.depth, core_.get(),
+                                           node_.negotiation.local(id_)->doorbell, options.max_held});
     if (!port) return tl::unexpected(port.error());
-    shm_ = std::move(*port);
-    core_->ports().set(TransportKind::shm, shm_);
+    memory_ = std::move(*port);
+    core_->ports().set_memory(memory_);
   }
-  return shm_->connect(source);
+  return memory_->connect(source);
 }
 
 void LocalReader::disconnect_departed(const std::map<EndpointId, Hearing>& heard) {
   bool changed = false;
   for (const auto& [writer, before] : heard_) {
     if (heard.contains(writer)) continue;
-    if (before.udp) departed_[writer] = std::chrono::steady_clock::now();
-    if (before.shm && shm_ != nullptr) shm_->disconnect(writer);
+    if (before.network) departed_[writer] = std::chrono::steady_clock::now();
+    if (before.memory && memory_ != nullptr) memory_->disconnect(writer);
     changed |= node_.negotiation.connection_changed(id_, writer, TransportKind::udp, false);
     changed |= node_.negotiation.connection_changed(id_, writer, TransportKind::shm, false);
   }
@@ -134,7 +135,7 @@ void LocalReader::disconnect_departed(const std::map<EndpointId, Hearing>& heard
 
 std::size_t LocalReader::unattached() const {
   return static_cast<std::size_t>(std::ranges::count_if(heard_, [this](const auto& item) {
-    return item.second.shm && shm_ != nullptr && !shm_->connected(item.first);
+    return item.second.memory && memory_ != nullptr && !memory_->connected(item.first);
   }));
 }
 
@@ -142,15 +143,15 @@ LocalReader::Connections LocalReader::look_after_connections() {
   Connections connections;
   bool request_changed = false;
   for (const auto& [writer, hearing] : heard_) {
-    const bool listening = hearing.udp && udp_->connected(writer);
-    const bool attached = hearing.shm && shm_ != nullptr && shm_->connected(writer);
+    const bool listening = hearing.network && network_->connected(writer);
+    const bool attached = hearing.memory && memory_ != nullptr && memory_->connected(writer);
     const bool awaits_history = hearing.source.history_first;
     request_changed |= node_.negotiation.connection_changed(id_, writer, TransportKind::udp, listening);
     request_changed |= node_.negotiation.connection_changed(id_, writer, TransportKind::shm, attached);
-    if (listening && awaits_history) request_changed |= look_after_history(*udp_, writer, connections);
-    if (attached && awaits_history && !hearing.udp)
-      request_changed |= look_after_history(*shm_, writer, connections);
-    connections.waiting |= hearing.shm && !attached;
+    if (listening && awaits_history) request_changed |= look_after_history(*network_, writer, connections);
+    if (attached && awaits_history && !hearing.network)
+      request_changed |= look_after_history(*memory_, writer, connections);
+    connections.waiting |= hearing.memory && !attached;
   }
   if (request_changed) send_request();
   connections.changed |= request_changed;
@@ -165,17 +166,17 @@ bool LocalReader::look_after_history(const ReaderPort& port, EndpointId writer, 
   return node_.negotiation.history_began(id_, writer);
 }
 
-void LocalReader::drop_shm() {
-  core_->ports().set(TransportKind::shm, nullptr);
-  shm_.reset();
-  for (auto& [writer, hearing] : heard_) hearing.shm = false;
-  for (auto& [writer, connecting] : connecting_) connecting.shm = {};
+void LocalReader::drop_memory() {
+  core_->ports().set_memory(nullptr);
+  memory_.reset();
+  for (auto& [writer, hearing] : heard_) hearing.memory = false;
+  for (auto& [writer, connecting] : connecting_) connecting.memory = {};
 }
 
 bool LocalReader::may_try_again(Time now) const {
   return std::ranges::any_of(connecting_, [&](const auto& item) {
     const Connecting& connecting = item.second;
-    return node_.attempts.may_retry_in_shm(connecting.shm, now) || connecting.udp.due_again(now);
+    return node_.attempts.may_retry_in_memory(connecting.memory, now) || connecting.network.due_again(now);
   });
 }
 
@@ -201,7 +202,7 @@ void LocalReader::ask(const Wanted& wanted) {
 }
 
 void LocalReader::accept() {
-  if (udp_ != nullptr) udp_->accept(accepted_.all());
+  if (network_ != nullptr) network_->accept(accepted_.all());
 }
 
 void LocalReader::send_request() {
@@ -215,7 +216,7 @@ void LocalReader::forget_what_was_in_flight(Time now) {
   if (accepted_.look(now)) accept();
   std::erase_if(departed_, [&](const auto& departed) {
     if (now - departed.second <= AcceptedRequests::in_flight_max) return false;
-    udp_->disconnect(departed.first);
+    network_->disconnect(departed.first);
     return true;
   });
 }
@@ -286,8 +287,9 @@ bool LocalReader::is_deaf(const Hearing& hearing, const Assertion& assertion, bo
   const bool lossy = !attached && !hearing.source.reliable;
   std::uint64_t signs = core_->ports().arrivals(writer);
   // Parts of samples may arrive although no sample does.
-  if (lossy && node_.udp != nullptr) signs += node_.udp->counters().incomplete;
-  const ReaderPort* const by = attached ? shm_.get() : udp_.get();
+  if (lossy && node_.network != nullptr) signs += node_.network->counters().incomplete;
+  const ReaderPort* by = network_.get();
+  if (attached) by = memory_.get();
   const bool awaits_history =
       hearing.source.history_first && by != nullptr && by->history(writer) != HistoryProgress::came;
   return watchdog.look(
@@ -299,22 +301,23 @@ bool LocalReader::is_deaf(const Hearing& hearing, const Assertion& assertion, bo
 /// Shared memory that was deaf has its turn again after a while in which UDP is used.
 void LocalReader::restart(Hearing& hearing, Time now) {
   const EndpointId writer = hearing.source.writer;
-  const bool attached = shm_ != nullptr && hearing.shm && shm_->connected(writer);
+  const bool attached = memory_ != nullptr && hearing.memory && memory_->connected(writer);
   Connecting& connecting = connecting_[writer];
-  if (hearing.udp) {
-    udp_->disconnect(writer);
-    connecting.udp.hold(now + restart_pause);
+  if (hearing.network) {
+    network_->disconnect(writer);
+    connecting.network.hold(now + restart_pause);
   }
-  if (hearing.shm) {
-    if (shm_ != nullptr) shm_->disconnect(writer);
-    const bool prefers_udp = attached && hearing.udp;
-    if (prefers_udp) {
-      connecting.udp_preferred =
-          std::clamp(connecting.udp_preferred * 2, udp_preferred_min, udp_preferred_max);
+  if (hearing.memory) {
+    if (memory_ != nullptr) memory_->disconnect(writer);
+    const bool prefers_network = attached && hearing.network;
+    if (prefers_network) {
+      connecting.network_preferred =
+          std::clamp(connecting.network_preferred * 2, network_preferred_min, network_preferred_max);
     }
-    connecting.shm.hold(now + (prefers_udp ? Time::duration(connecting.udp_preferred) : restart_pause));
+    connecting.memory.hold(now +
+                           (prefers_network ? Time::duration(connecting.network_preferred) : restart_pause));
   }
-  hearing.udp = hearing.shm = false;
+  hearing.network = hearing.memory = false;
   const bool listened = node_.negotiation.connection_changed(id_, writer, TransportKind::udp, false);
   const bool was_attached = node_.negotiation.connection_changed(id_, writer, TransportKind::shm, false);
   if (listened || was_attached) send_request();

@@ -25,8 +25,8 @@ class LocalReader {
  public:
   struct Parts {
     std::shared_ptr<SubscriberCore> core;
-    std::shared_ptr<Recorder> recorder;  ///< null unless the requirement is recorded
-    std::shared_ptr<ReaderPort> udp;     ///< null if UDP is ruled out; accepts the first mask already
+    std::shared_ptr<Recorder> recorder;      ///< null unless the requirement is recorded
+    std::shared_ptr<NetworkReader> network;  ///< null if UDP is ruled out; accepts the first mask already
   };
   /// `node` outlives this object. `endpoint` as it is added to the negotiation.
   LocalReader(NodeContext& node, const Endpoint& endpoint, Parts parts);
@@ -49,7 +49,7 @@ class LocalReader {
   /// Tells writers which of them the reader hears by now.
   Connections look_after_connections();
   /// The memory of the port is gone, or another daemon's.
-  void drop_shm();
+  void drop_memory();
   /// True if a connection failed that may be tried again.
   bool may_try_again(Time now) const;
 
@@ -86,15 +86,15 @@ class LocalReader {
 
  private:
   struct Connecting {
-    Retry shm;
-    Retry udp;
-    std::chrono::seconds udp_preferred{0};  ///< the pause of shared memory after it was deaf last
+    Retry memory;
+    Retry network;
+    std::chrono::seconds network_preferred{0};  ///< the pause of shared memory after it was deaf last
   };
 
   Hearing connect(const Hearing& wanted, const Hearing& before, std::size_t& unattached);
-  bool connect_udp(const Hearing& wanted, const Hearing& before, Retry& retry);
-  bool connect_shm(const Hearing& wanted, const Hearing& before, Retry& retry, std::size_t& unattached);
-  Result<void> connect_in_shm(const Source& source);
+  bool connect_network(const Hearing& wanted, const Hearing& before, Retry& retry);
+  bool connect_memory(const Hearing& wanted, const Hearing& before, Retry& retry, std::size_t& unattached);
+  Result<void> connect_in_memory(const Source& source);
   void disconnect_departed(const std::map<EndpointId, Hearing>& heard);
   bool look_after_history(const ReaderPort& port, EndpointId writer, Connections& connections);
   void ask(const Wanted& wanted);
@@ -107,8 +107,8 @@ class LocalReader {
   EndpointId id_;
   std::shared_ptr<SubscriberCore> core_;
   std::shared_ptr<Recorder> recorder_;
-  std::shared_ptr<ReaderPort> shm_;
-  std::shared_ptr<ReaderPort> udp_;
+  std::shared_ptr<BorrowingReader> memory_;
+  std::shared_ptr<NetworkReader> network_;
   // By writer:
   std::map<EndpointId, Hearing> heard_;  ///< what is in force
   std::map<EndpointId, Connecting> connecting_;

@@ -19,24 +19,25 @@ LocalWriter::LocalWriter(NodeContext& node, const Endpoint& endpoint, std::share
 
 void LocalWriter::reconcile() {
   Serving wanted = node_.negotiation.serving(id_);
-  open_shm(wanted.shm_port);
+  open_memory(wanted.memory_port);
   wanted = reachable(std::move(wanted));
   if (in_force_ == wanted) return;
   const bool as_before = in_force_ && in_force_->serves_like(wanted);
   in_force_ = wanted;
   has_news_ = true;
-  as_before ? core_->show(wanted.readers) : core_->serve(wanted, shm_);
+  as_before ? core_->show(wanted.readers) : core_->serve(wanted, memory_);
 }
 
-void LocalWriter::open_shm(bool wanted) {
-  if (!wanted || shm_ != nullptr) {
-    opening_shm_ = {};
+void LocalWriter::open_memory(bool wanted) {
+  if (!wanted || memory_ != nullptr) {
+    opening_memory_ = {};
     return;
   }
-  node_.attempts.in_shm(opening_shm_, [this]() -> Result<void> {
-    auto port = node_.shm->open_writer({id_, &core_->type(), core_->retains(), core_->spec().max_blocking});
+  node_.attempts.in_memory(opening_memory_, [this]() -> Result<void> {
+    auto port =
+        node_.memory->open_writer({id_, &core_->type(), core_->retains(), core_->spec().max_blocking});
     if (!port) return tl::unexpected(port.error());
-    shm_ = std::move(*port);
+    memory_ = std::move(*port);
     in_force_.reset();
     return {};
   });
@@ -45,11 +46,11 @@ void LocalWriter::open_shm(bool wanted) {
 /// A reader is served in shared memory only if it can be told of samples there. Returns what can be served.
 Serving LocalWriter::reachable(Serving wanted) {
   forget_unreached_but(wanted);
-  if (shm_ == nullptr) return wanted;
+  if (memory_ == nullptr) return wanted;
   bool changed = false;
-  for (const Route& route : wanted.shm) {
+  for (const Route& route : wanted.memory) {
     if (is_served_already(route)) continue;
-    const std::string why_not = shm_->why_unreachable(route);
+    const std::string why_not = memory_->why_unreachable(route);
     if (why_not.empty()) {
       reaching_.erase(route.reader);
     } else {
@@ -64,14 +65,15 @@ Serving LocalWriter::reachable(Serving wanted) {
 void LocalWriter::forget_unreached_but(const Serving& wanted) {
   std::erase_if(reaching_, [&](const auto& item) {
     const auto is_it = [&](const Route& route) { return route.reader == item.first; };
-    if (std::ranges::any_of(wanted.shm, is_it) || std::ranges::any_of(wanted.unreached, is_it)) return false;
+    if (std::ranges::any_of(wanted.memory, is_it) || std::ranges::any_of(wanted.unreached, is_it))
+      return false;
     node_.negotiation.reach_changed(id_, item.first, {});
     return true;
   });
 }
 
 bool LocalWriter::is_served_already(const Route& route) const {
-  return in_force_ && std::ranges::any_of(in_force_->shm, [&](const Route& before) {
+  return in_force_ && std::ranges::any_of(in_force_->memory, [&](const Route& before) {
            return before.reader == route.reader && before.destination == route.destination;
          });
 }
@@ -98,7 +100,7 @@ bool LocalWriter::look_after_history() {
   if (!in_force_ || !in_force_->history_owed) return false;
   bool changed = false;
   const std::set<EndpointId> before = std::exchange(history_sent_, {});
-  for (const Route& route : in_force_->udp) {
+  for (const Route& route : in_force_->network) {
     if (route.history == 0 || !core_->history_sent(route.reader)) continue;
     history_sent_.insert(route.reader);
     if (before.contains(route.reader)) changed |= node_.negotiation.history_given(id_, route.reader);
@@ -106,13 +108,13 @@ bool LocalWriter::look_after_history() {
   return changed;
 }
 
-bool LocalWriter::drop_shm() {
-  opening_shm_ = {};
+bool LocalWriter::drop_memory() {
+  opening_memory_ = {};
   bool changed = false;
   for (const auto& [reader, retry] : std::exchange(reaching_, {}))
     changed |= node_.negotiation.reach_changed(id_, reader, {});
-  if (shm_ == nullptr) return changed;
-  shm_.reset();
+  if (memory_ == nullptr) return changed;
+  memory_.reset();
   in_force_.reset();
   return changed;
 }
@@ -126,7 +128,7 @@ bool LocalWriter::watch_promises(Time now) {
 }
 
 std::optional<Progress> LocalWriter::take_progress() {
-  if (!in_force_ || (in_force_->shm.empty() && in_force_->udp.empty())) return std::nullopt;
+  if (!in_force_ || (in_force_->memory.empty() && in_force_->network.empty())) return std::nullopt;
   const std::uint64_t published = core_->signs().published;
   if (published == progress_told_) return std::nullopt;
   progress_told_ = published;

@@ -36,9 +36,9 @@ class LocalWriter {
   /// that it was sent by UDP has left.
   bool look_after_history();
   /// The memory of the port is gone, or another daemon's.
-  bool drop_shm();
+  bool drop_memory();
   /// True if the port could not be opened and may be tried again.
-  bool may_try_again(Time now) const { return node_.attempts.may_retry_in_shm(opening_shm_, now); }
+  bool may_try_again(Time now) const { return node_.attempts.may_retry_in_memory(opening_memory_, now); }
 
   /// Looks at what the publisher has promised. True if its readers have to be told now that it lives.
   bool watch_promises(Time now);
@@ -55,7 +55,7 @@ class LocalWriter {
   Account::OfWriter account_of(EndpointId reader) const;
 
  private:
-  void open_shm(bool wanted);
+  void open_memory(bool wanted);
   Serving reachable(Serving wanted);
   void forget_unreached_but(const Serving& wanted);
   bool is_served_already(const Route& route) const;
@@ -64,8 +64,8 @@ class LocalWriter {
   NodeContext& node_;
   EndpointId id_;
   std::shared_ptr<PublisherCore> core_;
-  std::shared_ptr<WriterPort> shm_;
-  Retry opening_shm_;
+  std::shared_ptr<LendingWriter> memory_;
+  Retry opening_memory_;
   std::optional<Serving> in_force_;
   OfferWatch watch_;
   std::set<EndpointId> history_sent_;     ///< late readers that had been sent everything at the last tick

@@ -15,8 +15,8 @@ struct NodeContext {
   ControlOutbox& outbox;
   PortAttempts& attempts;
   NodeLog& log;
-  Transport* shm = nullptr;  ///< null if the node must not use it
-  Transport* udp = nullptr;  ///< likewise
+  SharedMemory* memory = nullptr;  ///< null if the node must not use it
+  Network* network = nullptr;      ///< likewise
 };
 
 /// Tells the user what differs between the states that the user could have polled. `told`: the state that was

@@ -39,13 +39,13 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
     for (const std::string& text : *texts) node->log_.write(LogLevel::warning, "discovery: " + text);
   }
   node->reconciler_ =
-      std::make_unique<Reconciler>(node->id_, node->network_, node->shm_.get(), node->udp_.get(),
+      std::make_unique<Reconciler>(node->id_, node->network_id_, node->memory_.get(), node->network_.get(),
                                    *node->discovery_, node->dispatcher_, node->log_);
   node->opening_.emplace(EndpointOpening::Node{.options = node->options_,
                                                .id = node->id_,
                                                .life_lease = node->discovery_->life_signs().lease,
-                                               .shm = node->shm_.get(),
-                                               .udp = node->udp_.get(),
+                                               .memory = node->memory_.get(),
+                                               .network = node->network_.get(),
                                                .heap = heap,
                                                .slots = node->wake_slots_,
                                                .dispatcher = node->dispatcher_,
@@ -62,9 +62,9 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
 NodeCore::NodeCore(const NodeOptions& options, Parts parts)
     : options_(options),
       id_(random_id()),
-      network_(network_id()),
-      shm_(std::move(parts.shm)),
-      udp_(std::move(parts.udp)),
+      network_id_(network_id()),
+      memory_(std::move(parts.memory)),
+      network_(std::move(parts.network)),
       log_(options.name, options.log_level, options.log),
       dispatcher_(wake_slots_.at(WakeSlots::dispatcher), {"call " + options.name, options.threads.callbacks}),
       poller_(wake_slots_.at(WakeSlots::poller), {"poll " + options.name, options.threads.callbacks}) {}
@@ -241,7 +241,7 @@ DomainSnapshot NodeCore::domain() {
   Known known = ask_agent([&] {
     return Known{reconciler_->known_endpoints(), reconciler_->accounts().known()};
   });
-  return domain_snapshot(std::move(known.endpoints), known.accounts, id_, network_);
+  return domain_snapshot(std::move(known.endpoints), known.accounts, id_, network_id_);
 }
 
 Result<AccountInquiry> NodeCore::ask_accounts(const std::shared_ptr<NodeCore>& self, std::string_view topic) {
@@ -265,20 +265,20 @@ NodeStatus NodeCore::status() const {
   std::ranges::move(discovery.remarks, std::back_inserter(status.discovery_warnings));
   status.waits_for_network = discovery.waits_for_network;
   status.discovery_interfaces = std::move(discovery.interfaces);
-  status.udp = udp_ == nullptr ? "the node rules it out" : udp_->description();
-  status.io_uring_in_use = udp_ != nullptr && udp_->uses_io_uring();
-  status.lacks_daemon = shm_ != nullptr && shm_->lacks_daemon();
-  status.shm = reconciler_->transports().shm_state();
-  status.shm_ready = reconciler_->transports().shm_ready();
-  if (udp_ != nullptr) {
-    const Transport::Counters counters = udp_->counters();
+  status.udp = network_ == nullptr ? "the node rules it out" : network_->description();
+  status.io_uring_in_use = network_ != nullptr && network_->uses_io_uring();
+  status.lacks_daemon = memory_ != nullptr && memory_->lacks_daemon();
+  status.shm = reconciler_->transports().memory_state();
+  status.shm_ready = reconciler_->transports().memory_ready();
+  if (network_ != nullptr) {
+    const Transport::Counters counters = network_->counters();
     status.datagrams_malformed = counters.malformed;
     status.datagrams_unknown = counters.unknown + counters.disbelieved;
     status.samples_incomplete = counters.incomplete;
     status.over_limit = counters.over_limit;
   }
-  if (shm_ != nullptr) {
-    const Transport::Counters counters = shm_->counters();
+  if (memory_ != nullptr) {
+    const Transport::Counters counters = memory_->counters();
     status.shm_samples_malformed = counters.malformed;
     status.shm_over_limit = counters.over_limit;
   }

@@ -36,8 +36,8 @@ namespace sft::core {
 class NodeCore final : private DiscoveryListener {
  public:
   struct Parts {
-    std::unique_ptr<Transport> shm;  ///< null where the node must not use it
-    std::unique_ptr<Transport> udp;
+    std::unique_ptr<SharedMemory> memory;  ///< null where the node must not use it
+    std::unique_ptr<Network> network;
     std::shared_ptr<BufferPool> heap;  ///< all memory for samples outside of shared memory
   };
 
@@ -86,9 +86,9 @@ class NodeCore final : private DiscoveryListener {
 
   const NodeOptions options_;
   const NodeId id_;
-  const std::uint64_t network_;
-  const std::unique_ptr<Transport> shm_;
-  const std::unique_ptr<Transport> udp_;
+  const std::uint64_t network_id_;
+  const std::unique_ptr<SharedMemory> memory_;
+  const std::unique_ptr<Network> network_;
   WakeSlots wake_slots_;
   std::atomic<std::uint64_t> control_malformed_{0};
   std::atomic<std::uint64_t> links_renewed_{0};

@@ -9,14 +9,14 @@ bool PortAttempts::is_new_failure(Retry& retry, const Result<void>& outcome) {
   return false;
 }
 
-bool PortAttempts::by_udp(Retry& retry, const Open& open) {
+bool PortAttempts::over_network(Retry& retry, const Open& open) {
   if (!retry.due(std::chrono::steady_clock::now())) return false;
   const Result<void> opened = open();
   if (is_new_failure(retry, opened)) log_.write(LogLevel::warning, opened.error().message);
   return opened.has_value();
 }
 
-bool PortAttempts::in_shm(Retry& retry, const Open& open) {
+bool PortAttempts::in_memory(Retry& retry, const Open& open) {
   const Time now = std::chrono::steady_clock::now();
   if (!retry.due(now) || !asking_daemon_.due(now)) return false;
   const Result<void> opened = open();

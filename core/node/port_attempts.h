@@ -19,14 +19,14 @@ class PortAttempts {
   explicit PortAttempts(NodeLog& log) : log_(log) {}
 
   /// Returns true if open() was called and has succeeded. Does not call it while `retry` pauses.
-  bool by_udp(Retry& retry, const Open& open);
+  bool over_network(Retry& retry, const Open& open);
   /// The same where the daemon of shared memory is asked. A daemon that did not answer is asked nothing at
   /// all for a while, for nobody: each such request costs its whole deadline, in which the agent does nothing
   /// else.
-  bool in_shm(Retry& retry, const Open& open);
+  bool in_memory(Retry& retry, const Open& open);
 
-  /// True if something failed that was tried by in_shm(), and may be tried again.
-  bool may_retry_in_shm(const Retry& retry, Time now) const {
+  /// True if something failed that was tried by in_memory(), and may be tried again.
+  bool may_retry_in_memory(const Retry& retry, Time now) const {
     return retry.due_again(now) && asking_daemon_.due(now);
   }
   /// Another daemon runs, which may be asked at once.

@@ -14,20 +14,20 @@ constexpr std::chrono::seconds held_up_for{1};
 constexpr int hurried_ticks_max = 1000;  // a connection that takes longer is not worth the looking
 }  // namespace
 
-Reconciler::Reconciler(NodeId id, std::uint64_t network, Transport* shm, Transport* udp, Discovery& discovery,
-                       Dispatcher& dispatcher, NodeLog& log)
+Reconciler::Reconciler(NodeId id, std::uint64_t network_id, SharedMemory* memory, Network* network,
+                       Discovery& discovery, Dispatcher& dispatcher, NodeLog& log)
     : discovery_(discovery),
       dispatcher_(dispatcher),
       log_(log),
-      transports_(shm, udp, network, log),
+      transports_(memory, network, network_id, log),
       outbox_(negotiation_, discovery, log),
       control_watch_(negotiation_, log),
       attempts_(log),
-      context_{negotiation_, outbox_, attempts_, log, shm, udp},
+      context_{negotiation_, outbox_, attempts_, log, memory, network},
       accounts_(negotiation_, ours_, std::max(asks_last_least, 3 * discovery.life_signs().pause)),
       life_(id, discovery.life_signs().pause) {
   negotiation_.self_changed(transports_.self());
-  if (udp != nullptr) negotiation_.network_changed(transports_.addresses(), transports_.links());
+  if (network != nullptr) negotiation_.network_changed(transports_.addresses(), transports_.links());
 }
 
 void Reconciler::add_writer(const Endpoint& endpoint, std::shared_ptr<PublisherCore> core) {
@@ -119,7 +119,7 @@ void Reconciler::node_lost(NodeId id) {
 }
 
 std::chrono::milliseconds Reconciler::tick(Time now) {
-  look_after_shm(now);
+  look_after_memory(now);
   look_after_addresses(now);
   for (auto& [id, reader] : ours_.readers) reader.forget_what_was_in_flight(now);
   dirty_ |= negotiation_.tick(now);
@@ -138,17 +138,17 @@ std::chrono::milliseconds Reconciler::tick(Time now) {
   return hurry ? tick_while_attaching : pace();
 }
 
-void Reconciler::look_after_shm(Time now) {
-  const TransportWatch::ShmChange change = transports_.look_at_shm(now);
+void Reconciler::look_after_memory(Time now) {
+  const TransportWatch::MemoryChange change = transports_.look_at_memory(now);
   if (!change.any) return;
   dirty_ |= negotiation_.self_changed(transports_.self());
   if (change.of_host) {  // the memory of the ports is gone, or another daemon's, which is to be asked at once
     attempts_.forget_daemon();
-    for (auto& [id, writer] : ours_.writers) dirty_ |= writer.drop_shm();
-    for (auto& [id, reader] : ours_.readers) reader.drop_shm();
+    for (auto& [id, writer] : ours_.writers) dirty_ |= writer.drop_memory();
+    for (auto& [id, reader] : ours_.readers) reader.drop_memory();
     reconcile();  // first: readers that were served in shared memory are served by UDP from here on
   }
-  if (change.of_state || change.of_host) transports_.log_shm();
+  if (change.of_state || change.of_host) transports_.log_memory();
   if (!change.of_host) return;
   announce_all();
   for (auto& [id, reader] : ours_.readers) reader.send_request();
@@ -156,7 +156,7 @@ void Reconciler::look_after_shm(Time now) {
 
 /// Interfaces come and go: the addresses at which we are reached are then announced anew.
 void Reconciler::look_after_addresses(Time now) {
-  const TransportWatch::NetworkChange change = transports_.look_at_udp(now);
+  const TransportWatch::NetworkChange change = transports_.look_at_network(now);
   if (change == TransportWatch::NetworkChange::none) return;
   dirty_ |= negotiation_.network_changed(transports_.addresses(), transports_.links());
   if (change == TransportWatch::NetworkChange::addresses) announce_all();

@@ -32,8 +32,8 @@ namespace sft::core {
 class Reconciler {
  public:
   /// All that it is given outlives it; a transport is null if the node must not use it.
-  Reconciler(NodeId id, std::uint64_t network, Transport* shm, Transport* udp, Discovery& discovery,
-             Dispatcher& dispatcher, NodeLog& log);
+  Reconciler(NodeId id, std::uint64_t network_id, SharedMemory* memory, Network* network,
+             Discovery& discovery, Dispatcher& dispatcher, NodeLog& log);
 
   void add_writer(const Endpoint& endpoint, std::shared_ptr<PublisherCore> core);
   void add_reader(const Endpoint& endpoint, LocalReader::Parts parts);
@@ -74,7 +74,7 @@ class Reconciler {
   void heard_of(const Endpoint& endpoint);
   void tell_of_life(std::vector<EndpointId> living, Time now);
   void watch_promises(Time now);
-  void look_after_shm(Time now);
+  void look_after_memory(Time now);
   void look_after_addresses(Time now);
   void look_after_endpoints(Time now);
   bool look_after_connections();

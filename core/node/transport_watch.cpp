@@ -9,60 +9,60 @@ constexpr const char* ruled_out = "the node rules it out";
 constexpr std::chrono::milliseconds look_at_addresses_every{200};  // costs one call while nothing changes
 }  // namespace
 
-TransportWatch::TransportWatch(Transport* shm, Transport* udp, std::uint64_t network, NodeLog& log)
-    : shm_(shm), udp_(udp), log_(log) {
-  self_.network = network;
-  self_.shm_state = shm_ == nullptr ? ruled_out : "starting";
-  if (udp_ == nullptr) return;
-  addresses_ = udp_->addresses();
-  links_ = udp_->links();
+TransportWatch::TransportWatch(SharedMemory* memory, Network* network, std::uint64_t network_id, NodeLog& log)
+    : memory_(memory), network_(network), log_(log) {
+  self_.network = network_id;
+  self_.memory_state = memory_ == nullptr ? ruled_out : "starting";
+  if (network_ == nullptr) return;
+  addresses_ = network_->addresses();
+  links_ = network_->links();
 }
 
-TransportWatch::ShmChange TransportWatch::look_at_shm(Time now) {
-  if (shm_ == nullptr) return {};
+TransportWatch::MemoryChange TransportWatch::look_at_memory(Time now) {
+  if (memory_ == nullptr) return {};
   Self self = self_;
-  shm_availability_ = shm_->poll(now);
-  const bool ready = shm_availability_ == Availability::ready;
-  self.host = ready ? shm_->host_token() : HostToken{};
-  self.shm_state = shm_->description();
-  self.may_write_shm = shm_->may_write();
+  memory_availability_ = memory_->poll(now);
+  const bool ready = memory_availability_ == Availability::ready;
+  self.host = ready ? memory_->host_token() : HostToken{};
+  self.memory_state = memory_->description();
+  self.may_write_memory = memory_->may_write();
   if (self == self_) return {};
-  const ShmChange change{
-      .any = true, .of_host = self.host != self_.host, .of_state = self.shm_state != self_.shm_state};
+  const MemoryChange change{
+      .any = true, .of_host = self.host != self_.host, .of_state = self.memory_state != self_.memory_state};
   self_ = std::move(self);
-  shm_ready_.store(ready);
-  const std::scoped_lock lock(shm_state_mutex_);
-  shm_state_ = self_.shm_state;
+  memory_ready_.store(ready);
+  const std::scoped_lock lock(memory_state_mutex_);
+  memory_state_ = self_.memory_state;
   return change;
 }
 
 /// An attempt that follows a failed one is no news, only its outcome is. A program that is to start the
 /// daemon and cannot is set up wrongly: that is worth a warning.
-void TransportWatch::log_shm() {
-  const bool unavailable = shm_availability_ == Availability::unavailable;
-  if (shm_availability_ == Availability::starting && !shm_failure_.empty()) return;
-  if (unavailable && self_.shm_state == shm_failure_) return;
-  shm_failure_ = unavailable ? self_.shm_state : "";
-  const bool not_started = shm_failure_.find("could not be started") != std::string::npos;
-  const bool warns = not_started && !std::exchange(shm_warned_, true);
-  log_.write(warns ? LogLevel::warning : LogLevel::info, "shared memory: " + self_.shm_state);
+void TransportWatch::log_memory() {
+  const bool unavailable = memory_availability_ == Availability::unavailable;
+  if (memory_availability_ == Availability::starting && !memory_failure_.empty()) return;
+  if (unavailable && self_.memory_state == memory_failure_) return;
+  memory_failure_ = unavailable ? self_.memory_state : "";
+  const bool not_started = memory_failure_.find("could not be started") != std::string::npos;
+  const bool warns = not_started && !std::exchange(memory_warned_, true);
+  log_.write(warns ? LogLevel::warning : LogLevel::info, "shared memory: " + self_.memory_state);
 }
 
 /// A transport that the system has stopped cannot be repaired from within; status() says so from then on.
-TransportWatch::NetworkChange TransportWatch::look_at_udp(Time now) {
-  if (udp_ == nullptr || udp_failed_) return NetworkChange::none;
-  if (udp_->poll(now) == Availability::ready) return look_at_addresses(now);
-  udp_failed_ = true;
-  log_.write(LogLevel::error, "UDP: " + udp_->description());
+TransportWatch::NetworkChange TransportWatch::look_at_network(Time now) {
+  if (network_ == nullptr || network_failed_) return NetworkChange::none;
+  if (network_->poll(now) == Availability::ready) return look_at_addresses(now);
+  network_failed_ = true;
+  log_.write(LogLevel::error, "UDP: " + network_->description());
   return NetworkChange::none;
 }
 
 TransportWatch::NetworkChange TransportWatch::look_at_addresses(Time now) {
   if (now < next_look_at_addresses_) return NetworkChange::none;
   next_look_at_addresses_ = now + look_at_addresses_every;
-  if (!udp_->network_changed()) return NetworkChange::none;
-  std::vector<UdpAddress> addresses = udp_->addresses();
-  std::vector<Link> links = udp_->links();
+  if (!network_->network_changed()) return NetworkChange::none;
+  std::vector<UdpAddress> addresses = network_->addresses();
+  std::vector<Link> links = network_->links();
   const bool moved = addresses != addresses_;
   if (!moved && links == links_) return NetworkChange::none;
   addresses_ = std::move(addresses);
@@ -70,9 +70,9 @@ TransportWatch::NetworkChange TransportWatch::look_at_addresses(Time now) {
   return moved ? NetworkChange::addresses : NetworkChange::links;
 }
 
-std::string TransportWatch::shm_state() const {
-  const std::scoped_lock lock(shm_state_mutex_);
-  return shm_ == nullptr ? ruled_out : shm_state_;
+std::string TransportWatch::memory_state() const {
+  const std::scoped_lock lock(memory_state_mutex_);
+  return memory_ == nullptr ? ruled_out : memory_state_;
 }
 
 }  // namespace sft::core

@@ -19,18 +19,19 @@ void gather_gates(const std::vector<Route>& routes, const RateGates& gates, Outl
   }
 }
 
-void gather_locals(const Serving& serving, Outlets& outlets) {
-  for (const Route& route : serving.shm) {
-    const auto is_it = [&](const Route& spare) { return spare.reader == route.reader; };
-    const bool spare = outlets.has_spares && std::ranges::any_of(serving.spare, is_it);
-    const auto same = [&](const Outlets::Locals& locals) {
-      return locals.gate == route.gate && locals.spare == spare;
+void gather_memory_groups(const Serving& serving, Outlets& outlets) {
+  for (const Route& route : serving.memory) {
+    const auto is_it = [&](const Route& fallback) { return fallback.reader == route.reader; };
+    const bool has_fallback = outlets.has_fallback && std::ranges::any_of(serving.fallback, is_it);
+    const auto same = [&](const Outlets::MemoryGroup& known) {
+      return known.gate == route.gate && known.have_fallback == has_fallback;
     };
-    auto locals = std::find_if(outlets.locals.begin(), outlets.locals.end(), same);
-    if (locals == outlets.locals.end())
-      locals = outlets.locals.insert(locals, {route.gate, std::make_shared<DeliveryTally>(), spare});
-    outlets.needs_shm |= route.reliable && !spare;
-    outlets.page.push_back({route.reader, {.tally = locals->tally, .gate = route.gate}});
+    auto group = std::find_if(outlets.memory_groups.begin(), outlets.memory_groups.end(), same);
+    if (group == outlets.memory_groups.end())
+      group =
+          outlets.memory_groups.insert(group, {route.gate, std::make_shared<DeliveryTally>(), has_fallback});
+    outlets.needs_memory |= route.reliable && !has_fallback;
+    outlets.page.push_back({route.reader, {.tally = group->tally, .gate = route.gate}});
   }
 }
 
@@ -55,17 +56,17 @@ Outlets Outlets::with(const Outlets& other) const {
 std::shared_ptr<Outlets> make_outlets(const TypeSupport& type, const Serving& serving, const RateGates& gates,
                                       Means means) {
   auto outlets = std::make_shared<Outlets>();
-  outlets->shm = std::move(means.shm);
-  outlets->to_shm = outlets->shm != nullptr && !serving.shm.empty();
-  outlets->to_udp = means.udp && !serving.udp.empty();
-  outlets->has_spares = outlets->to_shm && means.udp && !serving.spare.empty();
-  outlets->is_wanted = outlets->to_shm || outlets->to_udp || means.retains;
-  outlets->mask = outlets->to_shm || means.retains ? type.full() : type.closed(type.none());
-  for (const Route& route : serving.udp) outlets->mask |= route.mask;
+  outlets->memory = std::move(means.memory);
+  outlets->to_memory = outlets->memory != nullptr && !serving.memory.empty();
+  outlets->to_network = means.network && !serving.network.empty();
+  outlets->has_fallback = outlets->to_memory && means.network && !serving.fallback.empty();
+  outlets->is_wanted = outlets->to_memory || outlets->to_network || means.retains;
+  outlets->mask = outlets->to_memory || means.retains ? type.full() : type.closed(type.none());
+  for (const Route& route : serving.network) outlets->mask |= route.mask;
   outlets->whole = outlets->mask.is_full();
-  gather_gates(serving.shm, gates, *outlets);
-  gather_gates(serving.udp, gates, *outlets);
-  gather_locals(serving, *outlets);
+  gather_gates(serving.memory, gates, *outlets);
+  gather_gates(serving.network, gates, *outlets);
+  gather_memory_groups(serving, *outlets);
   return outlets;
 }
 

@@ -1,5 +1,5 @@
-// Where the samples of a publisher go, and what each has to have for that: made of what the negotiation
-// wants, for the publisher's thread. Immutable once in force.
+// Outlets say where the samples of a publisher go, and what each sample has to have for that. They are made
+// of what the negotiation wants, for the publisher's thread. Immutable once in force.
 #pragma once
 
 #include <memory>
@@ -15,37 +15,37 @@ namespace sft::core {
 
 struct Outlets {
   /// Readers in shared memory with one limit.
-  struct Locals {
+  struct MemoryGroup {
     std::shared_ptr<const RateGate> gate;
     std::shared_ptr<DeliveryTally> tally;
-    bool spare;  ///< they can be sent by UDP what shared memory does not take
-    bool want() const { return gate == nullptr || gate->passes(); }
+    bool have_fallback;  ///< they can be sent over the network what shared memory does not take
+    bool wants_sample() const { return gate == nullptr || gate->passes(); }
   };
 
-  std::shared_ptr<WriterPort> shm;
-  bool is_wanted = false;  ///< a sample: somebody reads, or it is retained
-  bool to_shm = false;
-  bool to_udp = false;
-  bool has_spares = false;                       ///< some of `locals` are spare
+  std::shared_ptr<LendingWriter> memory;  ///< null while there is no shared memory
+  bool is_wanted = false;                 ///< a sample: somebody reads, or it is retained
+  bool to_memory = false;
+  bool to_network = false;
+  bool has_fallback = false;                     ///< some of `memory_groups` have one
   std::vector<std::shared_ptr<RateGate>> gates;  ///< to be asked about each sample
-  /// Some reliable reader in shared memory can be sent nothing by UDP instead.
-  bool needs_shm = false;
+  /// Some reliable reader in shared memory can be sent nothing over the network instead.
+  bool needs_memory = false;
   bool to_all = false;  ///< some reader gets every sample
   FieldMask mask;       ///< to be encoded: everything for shared memory, else the union of what is asked for
-  bool whole = false;   ///< which is all there is
-  std::vector<Locals> locals;
+  bool whole = false;   ///< `mask` is all there is
+  std::vector<MemoryGroup> memory_groups;
   DeliveryBook::Page page;  ///< of these readers
 
-  /// Whether each sample is made so that the others' routes can send it.
+  /// True if each sample is made so that the others' routes can send it.
   bool provides_for(const Outlets& other) const;
   /// The same places, and all that the others need.
   Outlets with(const Outlets& other) const;
 };
 
-/// What a publisher has beside its routes.
+/// The ports of a publisher, and whether it retains samples.
 struct Means {
-  std::shared_ptr<WriterPort> shm;  ///< null while there is no shared memory
-  bool udp = false;                 ///< it may use that
+  std::shared_ptr<LendingWriter> memory;  ///< null while there is no shared memory
+  bool network = false;                   ///< it may use that
   bool retains = false;  ///< samples, for late readers, of which nobody knows what they will ask for
 };
 

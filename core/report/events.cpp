@@ -160,12 +160,12 @@ void add_diverted(const Diverted& before, const Diverted& after, std::vector<Eve
 
 /// Says what was lost although the subscriber asked for reliability, and what helps against that.
 std::string reliable_loss_text(const WriterStatus& writer, std::uint64_t lost) {
-  const bool by_shm = writer.transport == TransportKind::shm;
+  const bool in_memory = writer.transport == TransportKind::shm;
   return std::to_string(lost) + " lost by " + to_string(writer.transport) +
          ", although they were to come reliably: " +
-         (by_shm ? "its queue holds " : "the publisher keeps only so many for it, and its queue holds ") +
+         (in_memory ? "its queue holds " : "the publisher keeps only so many for it, and its queue holds ") +
          std::to_string(writer.depth) + " samples; take them sooner, raise SubscriberOptions::depth" +
-         (by_shm ? " (up to what shared memory keeps)" : "") +
+         (in_memory ? " (up to what shared memory keeps)" : "") +
          ", or let the publisher wait (PublisherOptions::max_blocking)";
 }
 

@@ -27,7 +27,7 @@ struct Delivered {
   std::uint64_t withheld = 0;
   std::uint64_t dropped = 0;
   std::uint64_t retained = 0;
-  std::uint64_t diverted = 0;     ///< of `sent`: by a spare route
+  std::uint64_t diverted = 0;     ///< of `sent`: by a fallback route
   std::uint64_t bytes = 0;        ///< of what was sent
   std::uint64_t bytes_saved = 0;  ///< of the fields that were left out of it
   friend bool operator==(const Delivered&, const Delivered&) = default;
@@ -81,7 +81,7 @@ class DeliveryMeter {
   std::shared_ptr<const DeliveryTally> tally{};
   std::shared_ptr<const LossTally> losses{};
   std::shared_ptr<const RateGate> gate{};
-  bool diverted = false;  ///< the tally is of a spare route
+  bool diverted = false;  ///< the tally is of a fallback route
 };
 
 class DeliveryBook {

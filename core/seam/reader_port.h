@@ -1,4 +1,17 @@
-// The receiving end of a transport, for one reader. transport.h says which thread calls what.
+// The receiving end of a transport, for one reader. There are two kinds, as there are two kinds of writers
+// (writer_port.h):
+//
+//   BorrowingReader  Looks at samples in the memory of their writers: the whole sample, in the order of each
+//                    writer, woken by a doorbell (core/platform/doorbell.h). What it holds, its writers lack.
+//   NetworkReader    Receives bytes, and puts samples together: only the fields that were asked for, perhaps
+//                    several variants at one address, woken by a listener or in receive().
+//
+// Ownership. A port belongs to one reader, and may outlive the transport that opened it: nothing arrives
+// then. Samples that were taken outlive the port.
+//
+// Threads. take() and take_of() are called by any thread, one at a time; what is marked "any thread" by
+// several; all else by the node's agent thread, at the same time as these. Listeners are called by threads of
+// the transport, and by those in receive().
 #pragma once
 
 #include <chrono>
@@ -29,12 +42,13 @@ struct ReaderSpec {
   EndpointId id = 0;
   const TypeSupport* type = nullptr;  ///< outlives the port
   std::uint32_t depth = 1;            ///< samples kept until taken, per writer; the oldest goes first
-  ArrivalListener* listener =
-      nullptr;               ///< outlives the port; not called by shared memory, where doorbells ring
-  DoorbellAddress doorbell;  ///< what writers in shared memory ring for this reader
-  /// Handles of one writer that may be out; take() gives no more of it then. For shared memory.
+  /// Outlives the port. A NetworkReader calls it.
+  ArrivalListener* listener = nullptr;
+  /// What the writers of a BorrowingReader ring.
+  DoorbellAddress doorbell;
+  /// Handles of one writer that may be out; take() of a BorrowingReader gives no more of that writer then.
   std::uint32_t max_held = 256;
-  /// All that its listener does is to ring `doorbell`, for threads in ReaderPort::receive(), which any of
+  /// All that the listener does is to ring `doorbell`, for threads in NetworkReader::receive(), which any of
   /// them may do for the others.
   bool only_waited_for = false;
   /// How long the thread that calls the listener looks for more, and keeps a core busy with it, before it
@@ -42,7 +56,7 @@ struct ReaderSpec {
   std::chrono::nanoseconds spin{0};
 };
 
-/// Of a thread that waits for a sample, until its reader's doorbell is rung.
+/// A thread that waits for a sample, until its reader's doorbell is rung.
 struct Waiting {
   Doorbell& bell;
   std::uint32_t seen = 0;  ///< of its rings
@@ -63,61 +77,62 @@ class ReaderPort {
 
   /// The oldest sample not yet taken, validated so far that every getter is safe; empty if there is none.
   virtual SampleHandle take() noexcept = 0;
-  /// The same, of that writer only. Where writers do not pass each other there is no need for it.
-  virtual SampleHandle take_of(EndpointId writer) noexcept {
-    static_cast<void>(writer);
-    return {};
-  }
 
-  /// Wakes writers that wait for room that take() has made since this was called last. After take(), without
-  /// a lock: it may make a system call. Any thread.
-  virtual void tell_of_room() noexcept {}
-
-  /// Begins to accept a writer's samples. In shared memory asks the daemon, with a deadline of its own.
+  /// Begins to accept a writer's samples. May ask a daemon, with a deadline of its own.
   virtual Result<void> connect(const Source& source) = 0;
-  /// Whether samples that the writer sends from now on will arrive.
+  /// True if samples that the writer sends from now on will arrive.
   virtual bool connected(EndpointId writer) const noexcept = 0;
-  /// Of a writer that was connected to with `history_first`.
-  virtual HistoryProgress history(EndpointId writer) const noexcept {
-    static_cast<void>(writer);
-    return HistoryProgress::came;
-  }
+  /// Accepts no more of them; what has arrived can still be taken.
+  virtual void disconnect(EndpointId writer) noexcept = 0;
+  /// How far a writer is that was connected to with `history_first`.
+  virtual HistoryProgress history(EndpointId writer) const noexcept = 0;
   /// Differs from what it was whenever a sample of that writer has arrived meanwhile, taken or not.
   virtual std::uint64_t arrivals(EndpointId writer) noexcept = 0;
+
+  struct Counters {
+    /// Samples that arrived whole and were thrown away: pushed out of a full queue, or malformed.
+    std::uint64_t discarded = 0;
+    /// Those of them that no gap in the sequences of the samples taken shows: before the first of a writer,
+    /// or behind the last one of a writer that was disconnected.
+    std::uint64_t lost_unnoticed = 0;
+  };
+  /// Any thread.
+  virtual Counters counters() const noexcept = 0;
+};
+
+/// A reader of samples that lie in memory of their writers.
+class BorrowingReader : public ReaderPort {
+ public:
+  /// As take(), of that writer only: samples of one writer may have to go before those of others.
+  virtual SampleHandle take_of(EndpointId writer) noexcept = 0;
+  /// Wakes writers that wait for room that take() has made since this was called last. After take(), without
+  /// a lock: it may make a system call. Any thread.
+  virtual void tell_of_room() noexcept = 0;
+  /// Times that as many samples of a writer were held as may be, and the next one could not be taken. Any
+  /// thread.
+  virtual std::uint64_t held_too_many() const noexcept = 0;
+};
+
+/// A reader of samples that come as bytes.
+class NetworkReader : public ReaderPort {
+ public:
   /// Waits on the spot where samples come in, and does the transport's receiving there, which spares what is
   /// waited for the way from one thread to another; listeners of this and other readers are called meanwhile.
   /// Spurious returns are possible. False, at once, where that cannot be: the transport has its own thread
   /// for it, and the bell will be rung. Any thread.
-  virtual bool receive(const Waiting& waiting) noexcept {
-    static_cast<void>(waiting);
-    return false;
-  }
+  virtual bool receive(const Waiting& waiting) noexcept = 0;
   /// After somebody else than the transport rang the bell: whoever is in receive() looks at it. Any thread.
-  virtual void interrupt() noexcept {}
-  /// It has samples by another transport from now on, too, which those of this one must not be behind: the
-  /// transport's own thread receives, always.
-  virtual void share_reader() {}
+  virtual void interrupt() noexcept = 0;
+  /// The reader has samples by another transport from now on, too, which those of this one must not be
+  /// behind: the transport's own thread receives, always.
+  virtual void share_reader() = 0;
 
   /// A writer that is connected has announced something else than before, or its node answers, or does not.
   /// `history_first` does not change.
-  virtual void announced(const Source& source) { static_cast<void>(source); }
-
-  /// Accepts no more of them; what has arrived can still be taken.
-  virtual void disconnect(EndpointId writer) noexcept = 0;
-
+  virtual void announced(const Source& source) = 0;
   /// Which samples are for this reader: what it requests now, as the last, and what it requested before while
-  /// such samples may be under way. Only meaningful where variants share a destination (UDP).
+  /// such samples may be under way. Variants for several readers may come to one address.
   virtual void accept(std::vector<Accepted> accepted) = 0;
-
-  /// Samples that arrived whole and were thrown away: pushed out of a full queue, or malformed.
-  virtual std::uint64_t discarded() const noexcept = 0;
-
-  /// Times that as many samples of a writer were held as may be, and the next one could not be taken.
-  virtual std::uint64_t held_too_many() const noexcept { return 0; }
-
-  /// Of those discarded, samples that no gap in the sequences of those taken shows: before the first of a
-  /// writer, or behind the last one of a writer that was disconnected.
-  virtual std::uint64_t lost_unnoticed() const noexcept { return 0; }
 };
 
 }  // namespace sft::core

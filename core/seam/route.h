@@ -21,8 +21,8 @@ struct Route {
   std::shared_ptr<const RateGate> gate{};  ///< which keeps that limit; null: every sample is for it
   /// Not 0: it is served apart from all others, from so many retained samples on.
   std::uint32_t history = 0;
-  /// It is served elsewhere, and by this only as WriterPort::include_spares() says.
-  bool spare = false;
+  /// The reader is served elsewhere: this route is for samples that are sent by fallback routes, too.
+  bool fallback = false;
   bool reliable = false;  ///< what gets lost on the way is sent again
   friend bool operator==(const Route&, const Route&) = default;
 };

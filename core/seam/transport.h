@@ -1,19 +1,26 @@
-// The seam between the core and the ways a sample can travel. Shared memory and UDP are each one Transport;
-// the core decides who is served by which (core/negotiation/negotiation.h) and never asks which one it talks
-// to.
+// The seam between the core and the ways a sample can travel. There are two kinds of transports, because two
+// processes either look at the same memory or send each other bytes:
 //
-// Threads. Everything is called from the node's agent thread except WriterPort::loan, begin, include_spares,
-// hold, flush, send, can_send and miss (the publisher's thread), ReaderPort::take and take_of (any thread,
-// one at a time), receive and interrupt (any thread), and what counts or describes (bytes_sent, dropped,
-// discarded, held_too_many, lost_unnoticed, description, counters) and, for UDP, open_writer and open_reader
-// (any thread); set_routes, connect, disconnect and accept may run at the same time as these. Listeners are
-// called from threads of the transport, and from those in receive().
+//   SharedMemory  Readers on this host look at samples where their writer made them. It needs a daemon that
+//                 owns the memory, it can be lost and come back, and it is asked for ports only while it is
+//                 ready. Readers are woken by doorbells.
+//   Network       Readers anywhere are sent bytes, at addresses that the node announces.
+//
+// The core decides who is served by which (core/negotiation/negotiation.h), and uses each kind for what only
+// that kind can do (writer_port.h, reader_port.h); which transport it is that lies behind, it never asks.
+// Whoever adds a transport derives from one of both kinds, opens it in sft/open.cpp, and runs the conformance
+// suite on it (tests/conformance/conformance.md): tests/conformance/fake_transport is a Network to begin
+// with.
+//
+// Ownership. The node owns the transport. Ports may outlive it; they do nothing then.
+//
+// Threads. The node's agent thread calls everything, except what is marked "any thread". Threads of the
+// transport call nothing of the core but ArrivalListener and BufferOwner.
 #pragma once
 
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,8 +28,8 @@
 #include "core/seam/address.h"
 #include "core/seam/reader_port.h"
 #include "core/seam/writer_port.h"
-#include "sft/status.h"
 #include "sft/result.h"
+#include "sft/status.h"
 
 namespace sft::core {
 
@@ -33,34 +40,16 @@ enum class Availability : std::uint8_t { ready, starting, unavailable };
 class Transport {
  public:
   virtual ~Transport() = default;
-  /// The largest body that it carries.
-  virtual std::size_t max_sample_bytes() const noexcept = 0;
-  /// A reader's port keeps no more samples of a writer, whatever depth it asks for.
-  virtual std::uint32_t max_depth() const noexcept { return std::numeric_limits<std::uint32_t>::max(); }
 
   /// Looks after the transport (starts or finds its daemon, notices its death) and tells its state; called
-  /// often, from the agent, and returns at once. When the answer leaves `ready`, ports of before are dead:
-  /// destroy and reopen them.
+  /// often, and returns at once. When the answer leaves `ready`, ports of before are dead: destroy them and
+  /// open others.
   virtual Availability poll(std::chrono::steady_clock::time_point now) = 0;
-  /// One sentence on the state: how it works ("io_uring, GRO"), or why it does not and what to do.
+  /// The largest body that it carries. Any thread.
+  virtual std::size_t max_sample_bytes() const noexcept = 0;
+  /// One sentence on the state: how it works ("io_uring, GRO"), or why it does not and what to do. Any
+  /// thread.
   virtual std::string description() const = 0;
-  /// Parts of that, for tools. Any thread.
-  virtual bool uses_io_uring() const { return false; }
-  virtual bool lacks_daemon() const { return false; }  ///< none is running, and this node starts none
-  /// Known while shared memory is ready; never for UDP.
-  virtual HostToken host_token() const { return {}; }
-  /// False where this user may only read what others write: open_writer then fails.
-  virtual bool may_write() const { return true; }
-  /// Where readers of this node are reached, best first; empty for shared memory (readers have doorbells).
-  /// They change as interfaces come and go.
-  virtual std::vector<UdpAddress> addresses() const { return {}; }
-  /// The networks that others can be reached in directly; empty for shared memory.
-  virtual std::vector<Link> links() const { return {}; }
-  /// Whether these two may be others than when this was asked last. From the agent; returns at once.
-  virtual bool network_changed() noexcept { return true; }
-
-  virtual Result<std::unique_ptr<WriterPort>> open_writer(const WriterSpec& spec) = 0;
-  virtual Result<std::unique_ptr<ReaderPort>> open_reader(const ReaderSpec& spec) = 0;
 
   /// Counted since open: datagrams or samples that were refused, by reason. For tools and tests.
   struct Counters {
@@ -68,10 +57,43 @@ class Transport {
     std::uint64_t unknown = 0;     ///< from writers that nobody here reads
     std::uint64_t incomplete = 0;  ///< samples of which a part never came
     std::uint64_t over_limit = 0;  ///< dropped to stay within a limit
-    /// Answers of nothing that was sent, or from others than was sent to; marks of nobody who is read here.
+    /// Answers to nothing that was sent, or from others than was sent to; marks of nobody who is read here.
     std::uint64_t disbelieved = 0;
   };
-  virtual Counters counters() const noexcept { return {}; }
+  /// Any thread.
+  virtual Counters counters() const noexcept = 0;
+};
+
+class SharedMemory : public Transport {
+ public:
+  virtual Result<std::unique_ptr<LendingWriter>> open_writer(const WriterSpec& spec) = 0;
+  virtual Result<std::unique_ptr<BorrowingReader>> open_reader(const ReaderSpec& spec) = 0;
+
+  /// Processes with the same token see the same memory. Known while the transport is ready.
+  virtual HostToken host_token() const = 0;
+  /// False if this user may only read what others write: open_writer then fails.
+  virtual bool may_write() const = 0;
+  /// True if no daemon is running, and this node starts none. Any thread.
+  virtual bool lacks_daemon() const = 0;
+  /// A reader's port keeps no more samples of a writer, whatever depth it asks for. Any thread.
+  virtual std::uint32_t max_depth() const noexcept = 0;
+};
+
+class Network : public Transport {
+ public:
+  /// Any thread.
+  virtual Result<std::unique_ptr<NetworkWriter>> open_writer(const WriterSpec& spec) = 0;
+  /// Any thread.
+  virtual Result<std::unique_ptr<NetworkReader>> open_reader(const ReaderSpec& spec) = 0;
+
+  /// Where readers of this node are reached, best first. They change as interfaces come and go. Any thread.
+  virtual std::vector<UdpAddress> addresses() const = 0;
+  /// The networks that others can be reached in directly. They change, too. Any thread.
+  virtual std::vector<Link> links() const = 0;
+  /// True if these two may be others than when this was asked last. Returns at once.
+  virtual bool network_changed() noexcept = 0;
+  /// For status(): part of the description. Any thread.
+  virtual bool uses_io_uring() const = 0;
 };
 
 }  // namespace sft::core

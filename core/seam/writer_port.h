@@ -1,13 +1,33 @@
-// The sending end of a transport, for one writer. transport.h says which thread calls what.
+// The sending end of a transport, for one writer. There are two kinds, because samples leave a process in two
+// ways that have little in common:
+//
+//   LendingWriter   Samples lie in memory that the transport lends, and readers look at that memory. So a
+//                   sample can only be sent from a loan, it is there once for all readers, and what is held
+//                   back for a late reader is kept by whoever retains samples.
+//   NetworkWriter   Samples travel as bytes, from any memory. So each reader can be sent its own fields, late
+//                   readers are given their history apart from all others, and small samples can share
+//                   datagrams.
+//
+// The publisher (core/publish) needs to know which kind it talks to, and no more: another shared memory is a
+// LendingWriter, a relay or another network is a NetworkWriter.
+//
+// Ownership. A port belongs to one writer, and may outlive the transport that opened it: it then answers
+// SendStatus::lost_port. Nothing that a port is given refers to the caller once the call has returned, except
+// samples, whose handles share their memory.
+//
+// Threads. The publisher's thread is whichever thread publishes, one at a time. It calls send(), be_patient()
+// and whatever else is marked with its name. All else is called by the node's agent thread, except what is
+// marked "any thread". Both threads may call at the same time.
 #pragma once
 
+#include <cassert>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/seam/address.h"
@@ -21,15 +41,19 @@ namespace sft::core {
 struct WriterSpec {
   EndpointId id = 0;
   const TypeSupport* type = nullptr;  ///< outlives the port
-  bool retains = true;                ///< samples for late readers; false: begin_with() is never called
-  /// send() may wait so long until what is sent reliably costs no reader an older sample.
+  /// The writer keeps samples for late readers. False: LendingWriter::begin_with() is never called.
+  bool retains = true;
+  /// send() may wait for so long until what is sent reliably costs no reader an older sample.
   std::chrono::nanoseconds max_blocking{0};
   std::uint64_t max_bytes_per_s = 0;  ///< over a network, to all readers together; 0: no limit
+  /// A NetworkWriter counts in this book what becomes of samples, on the pages of
+  /// DeliveryBook::Teller::network. Null: nobody asks.
+  std::shared_ptr<DeliveryBook> book{};
 };
 
 enum class SendStatus : std::uint8_t {
   sent,       ///< handed over for every route
-  displaced,  ///< the same, but a reader that was waited for had no room in the end, and lost its oldest
+  displaced,  ///< handed over, but a reader that was waited for had no room in the end, and lost its oldest
               ///< sample
   dropped,    ///< at least one route did not get it (queue full, socket error); counted by the port
   lost_port,  ///< the transport is gone; the agent has been told through Transport::poll
@@ -39,125 +63,178 @@ class WriterPort {
  public:
   virtual ~WriterPort() = default;
 
-  /// Memory of the transport for a sample of `bytes` in all (header, index, body); empty if there is none
-  /// now, and always where samples travel from any memory. Owner, data, capacity are set and the header is a
-  /// fresh one.
-  virtual SampleHandle loan(std::size_t bytes) noexcept {
-    static_cast<void>(bytes);
-    return {};
-  }
-  /// No loan() of more can ever succeed: for telling why one did not.
-  virtual std::size_t largest_loan_bytes() const noexcept { return std::numeric_limits<std::size_t>::max(); }
-
-  /// Sends an encoded sample to the routes in force whose gates it passes, as these say on this thread; see
-  /// can_send() for where it may come from. The caller may still read the sample afterwards while it keeps a
-  /// handle, but not write, unless its is the only one. Waits for readers as WriterSpec says. Every route's
-  /// mask must be a subset of sample->mask.
+  /// Sends an encoded sample to the routes in force whose gates it passes; the gates were asked on this
+  /// thread before. The caller may go on reading the sample while it keeps a handle, but may write into it
+  /// only if nobody else has one. Waits for readers as WriterSpec says. The mask of every route must be a
+  /// subset of sample->mask. The publisher's thread.
   virtual SendStatus send(const SampleHandle& sample) noexcept = 0;
 
-  /// Whether send() takes samples of which copies are postponed (SampleBuffer::postponed). What it gives to
-  /// other threads it completes; of the rest some may never be copied, so that such a sample is of no use to
-  /// others.
-  virtual bool takes_postponed() const noexcept { return false; }
+  /// From now on send() waits no longer than this, and no longer than WriterSpec says. The publisher's
+  /// thread.
+  virtual void be_patient(std::chrono::nanoseconds at_most) noexcept = 0;
 
-  /// Until flush() the samples that are sent need not leave at once, so that small ones share datagrams. All
-  /// of them together wait for readers as long as one may; if it `goes_on`, with those of before.
-  virtual void hold([[maybe_unused]] bool goes_on) noexcept {}
-  /// Sends what was held. Returns how many of these samples did not get to each route.
-  virtual std::size_t flush() noexcept { return 0; }
-
-  /// A sample is about to be made, and gates to be asked: it goes by the routes that are in force now.
-  /// Without this by those in force when it is sent.
-  virtual void begin() noexcept {}
-  /// The following samples are for nobody here, until begin() or send().
-  virtual void rest() noexcept {}
-  /// The sample that is sent next goes by spare routes, too: where it should have gone it could not.
-  virtual void include_spares() noexcept {}
-  /// The sample that the gates were asked about last could not be made: whom it was for misses it, but for
-  /// spare routes.
-  virtual void miss() noexcept {}
-
-  /// Where to count what becomes of samples, by the pages of DeliveryBook::Teller::network. Called at most
-  /// once, before anything else.
-  virtual void count_in(std::shared_ptr<DeliveryBook> book) { static_cast<void>(book); }
-
-  /// Why that reader, although it is attached, cannot be told here that a sample has come, and so must be
-  /// served otherwise; empty if it can. To be asked before it gets a route, and again later while there is a
-  /// reason.
-  virtual std::string why_unreachable(const Route& to) {
-    static_cast<void>(to);
-    return {};
-  }
-
-  /// A route with `history` is served apart: what is sent to it names its reader, and waits until
-  /// send_history() was called for it. It may become one without.
+  /// Replaces the routes. The publisher's thread goes on with the earlier ones until the next sample.
   virtual void set_routes(std::vector<Route> routes) = 0;
-  /// Sends these to one such route of those in force, once, and then what waited for it. Where the transport
-  /// cannot address a single reader nothing is sent.
-  virtual void send_history(const Route& to, std::vector<SampleHandle> samples) {
-    static_cast<void>(to);
-    static_cast<void>(samples);
-  }
-  // Where what is sent cannot wait for one reader alone (shared memory) it is held back from that reader, and
-  // has to be in what is retained by then.
-
-  /// How many samples were held back, where that reader waits: to be asked before what is retained is looked
-  /// at. Nothing where it does not, or not yet.
-  virtual std::optional<std::uint64_t> held_back(EndpointId reader) noexcept {
-    static_cast<void>(reader);
-    return std::nullopt;
-  }
-  /// Sends these, which it holds(), to that one reader, and from then on what send() sends. False if that is
-  /// not possible right now, or something was held back since: then look again.
-  virtual bool begin_with(const Route& to, const std::vector<SampleHandle>& retained,
-                          std::uint64_t held_back) {
-    static_cast<void>(to), static_cast<void>(retained), static_cast<void>(held_back);
-    return false;
-  }
-  /// Whether the sample lies in memory that this port lent.
-  virtual bool holds(const SampleBuffer& sample) const noexcept {
-    static_cast<void>(sample);
-    return false;
-  }
-  /// Whether all that was sent to the reader of such a route has left.
-  virtual bool history_sent(EndpointId reader) noexcept {
-    static_cast<void>(reader);
-    return true;
-  }
-
-  /// Whether send() can take this sample as it is: shared memory only carries what it lent itself.
-  virtual bool can_send(const SampleBuffer& sample) const noexcept {
-    static_cast<void>(sample);
-    return true;
-  }
-
-  /// With whom a reader shares what is sent, or why with nobody: for status(). Empty where that is no
-  /// question. Any thread.
-  virtual std::string multicast(EndpointId reader) const {
-    static_cast<void>(reader);
-    return {};
-  }
-
-  /// Why nothing is sent to a reader that is served, for status(): its host does not answer. Empty where that
-  /// is not so. Any thread.
-  virtual std::string silence(EndpointId reader) const {
-    static_cast<void>(reader);
-    return {};
-  }
-
-  /// From now on send() waits no longer than this, and than WriterSpec says. The publisher's thread.
-  virtual void be_patient(std::chrono::nanoseconds at_most) noexcept { static_cast<void>(at_most); }
-  /// What the last send() has left of the time that it might have waited, of ports that carry samples in
-  /// shared memory. The publisher's thread.
-  virtual std::chrono::nanoseconds patience_left() const noexcept { return std::chrono::nanoseconds{0}; }
-
-  /// Bytes of payload and headers of ours handed to the operating system so far, over all routes (0 in shared
-  /// memory).
-  virtual std::uint64_t bytes_sent() const noexcept = 0;
-
-  /// Samples that send() queued and that were not sent after all, counted for each destination that missed
-  /// one.
-  virtual std::uint64_t dropped() const noexcept { return 0; }
 };
+
+/// A writer whose samples lie in memory of the transport.
+class LendingWriter : public WriterPort {
+ public:
+  /// Memory for a sample of `bytes` in all (header, index, body); empty if there is none now. Owner, data and
+  /// capacity are set, and the header is a fresh one. The publisher's thread.
+  virtual SampleHandle loan(std::size_t bytes) noexcept = 0;
+  /// No loan() of more can ever succeed: for telling why one did not. Any thread.
+  virtual std::size_t largest_loan_bytes() const noexcept = 0;
+  /// True if send() can take the sample: this port lent it, and it was not sent yet. The publisher's thread.
+  virtual bool can_send(const SampleBuffer& sample) const noexcept = 0;
+  /// True if this port lent the sample, sent or not. Any thread.
+  virtual bool owns(const SampleBuffer& sample) const noexcept = 0;
+
+  /// What the last send() has left of the time that it might have waited. The publisher's thread.
+  virtual std::chrono::nanoseconds patience_left() const noexcept = 0;
+
+  /// Why that reader, although it is attached, cannot be told here that a sample has come, and must be served
+  /// otherwise; empty if it can be told. To be asked before the reader gets a route, and again later while
+  /// there is a reason.
+  virtual std::string why_unreachable(const Route& to) = 0;
+
+  // The hand-over to a late reader. A route with `history` is to such a reader: from it all samples are held
+  // back until begin_with() was called, and they have to be among what the writer retains by then.
+
+  /// How many samples were held back, if that reader waits: to be asked before the retained samples are
+  /// looked at. Nothing if the reader does not wait, or does not wait yet.
+  virtual std::optional<std::uint64_t> held_back(EndpointId reader) noexcept = 0;
+  /// Sends these samples, which the port owns(), to that one reader, and from then on whatever send() sends.
+  /// False if that is not possible right now, or if more than `held_back` samples were held back by now: then
+  /// look at the retained samples again.
+  virtual bool begin_with(const Route& to, const std::vector<SampleHandle>& retained,
+                          std::uint64_t held_back) = 0;
+};
+
+/// Which routes a sample is sent by.
+enum class Reach : std::uint8_t {
+  usual_routes,
+  fallback_routes_too,  ///< also by those of readers that could not be served where they usually are
+};
+
+/// Whose time the samples of a batch wait for readers.
+enum class BatchPatience : std::uint8_t {
+  fresh,     ///< all of them together as long as one sample may
+  continued  ///< what the batch before has left of that
+};
+
+class Transmission;
+class Batch;
+
+/// A writer whose samples travel as bytes.
+class NetworkWriter : public WriterPort {
+ public:
+  /// A sample is about to be made, and gates are about to be asked about it: the sample goes by the routes
+  /// that are in force now, and deliveries are counted by them from here on. A transmission that is let go of
+  /// was of a sample that nobody wanted. The publisher's thread.
+  [[nodiscard]] Transmission begin() noexcept;
+
+  /// The samples that are sent while the batch lasts need not leave at once, so that small ones share
+  /// datagrams. One batch at a time. The publisher's thread.
+  [[nodiscard]] Batch batch(BatchPatience patience) noexcept;
+
+  /// True if samples may be sent of which copies are postponed (SampleBuffer::postponed). The port then
+  /// completes what it gives to other threads; of the rest some may never be copied, so that such a sample is
+  /// of no use to others. Always the same answer. Any thread.
+  virtual bool takes_postponed() const noexcept = 0;
+
+  // History. A route with `history` is served apart: what is sent to it names its reader, and waits until
+  // send_history() was called for it. The route may become one without.
+
+  /// Sends these samples to the reader of one such route of those in force, once, and then what waited for
+  /// it.
+  virtual void send_history(const Route& to, std::vector<SampleHandle> samples) = 0;
+  /// True if all that was sent to the reader of such a route has left.
+  virtual bool history_sent(EndpointId reader) noexcept = 0;
+
+  // For status(). Any thread.
+
+  struct Counters {
+    std::uint64_t bytes_sent = 0;  ///< payload and headers of ours handed to the system, over all routes
+    /// Samples that send() took and that were not sent after all, counted for each destination that missed
+    /// one.
+    std::uint64_t dropped = 0;
+  };
+  virtual Counters counters() const noexcept = 0;
+  /// With whom a reader shares what is sent, or why with nobody. Empty where that is no question.
+  virtual std::string multicast(EndpointId reader) const = 0;
+  /// Why nothing is sent to a reader that is served: its host does not answer. Empty where that is not so.
+  virtual std::string silence(EndpointId reader) const = 0;
+
+ private:
+  friend class Transmission;
+  friend class Batch;
+
+  // Transmission and Batch call these, and keep their order.
+  virtual void begin_sample() noexcept = 0;
+  /// By the routes of the last begin_sample().
+  virtual SendStatus send_begun(const SampleHandle& sample, Reach reach) noexcept = 0;
+  virtual void miss_begun() noexcept = 0;
+  virtual void hold(BatchPatience patience) noexcept = 0;
+  virtual std::size_t flush() noexcept = 0;
+};
+
+/// One sample on its way: begun, and then sent, or missed, or let go of. The publisher's thread; must not
+/// outlive its port, and ends before the next one begins.
+class [[nodiscard]] Transmission {
+ public:
+  Transmission(Transmission&& other) noexcept : port_(std::exchange(other.port_, nullptr)) {}
+  Transmission& operator=(Transmission&&) = delete;
+
+  /// As WriterPort::send(), by the routes that were in force when this began.
+  SendStatus send(const SampleHandle& sample, Reach reach = Reach::usual_routes) && noexcept {
+    return take().send_begun(sample, reach);
+  }
+  /// The sample could not be made: those on the usual routes whose gates it passes miss it.
+  void miss() && noexcept { take().miss_begun(); }
+
+ private:
+  friend class NetworkWriter;
+  explicit Transmission(NetworkWriter& port) noexcept : port_(&port) {}
+  NetworkWriter& take() noexcept {
+    assert(port_ != nullptr);
+    return *std::exchange(port_, nullptr);
+  }
+
+  NetworkWriter* port_;
+};
+
+/// Samples that may share datagrams: from NetworkWriter::batch() to the end of this. The publisher's thread;
+/// must not outlive its port.
+class [[nodiscard]] Batch {
+ public:
+  Batch(Batch&& other) noexcept : port_(std::exchange(other.port_, nullptr)) {}
+  Batch& operator=(Batch&&) = delete;
+  ~Batch() {
+    if (port_ != nullptr) port_->flush();
+  }
+
+  /// Sends what was held. Returns how many of these samples did not get to each route.
+  std::size_t flush() && noexcept {
+    assert(port_ != nullptr);
+    return std::exchange(port_, nullptr)->flush();
+  }
+
+ private:
+  friend class NetworkWriter;
+  explicit Batch(NetworkWriter& port) noexcept : port_(&port) {}
+
+  NetworkWriter* port_;
+};
+
+inline Transmission NetworkWriter::begin() noexcept {
+  begin_sample();
+  return Transmission(*this);
+}
+
+inline Batch NetworkWriter::batch(BatchPatience patience) noexcept {
+  hold(patience);
+  return Batch(*this);
+}
 
 }  // namespace sft::core

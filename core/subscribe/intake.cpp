@@ -16,7 +16,7 @@ bool goes_first(const SampleBuffer& a, const SampleBuffer& b) {
 }  // namespace
 
 TransportKind Intake::transport_of(Inlet inlet) {
-  return inlet == Inlet::udp ? TransportKind::udp : TransportKind::shm;
+  return inlet == Inlet::network ? TransportKind::udp : TransportKind::shm;
 }
 
 bool Intake::has_of(Inlet inlet, EndpointId writer) const {
@@ -28,7 +28,7 @@ Numbered Intake::numbered(Inlet inlet) const {
   const SampleBuffer& buffer = *head(inlet);
   return {.sequence = buffer.sequence,
           .stamp_ns = buffer.source_stamp_ns,
-          .gated = inlet == Inlet::udp,
+          .gated = inlet == Inlet::network,
           .min_period_us = buffer.min_period_us,
           .ordinal = buffer.ordinal,
           .oldest_retained = buffer.oldest_retained,
@@ -37,7 +37,7 @@ Numbered Intake::numbered(Inlet inlet) const {
 
 std::optional<Intake::Inlet> Intake::oldest() const {
   std::optional<Inlet> oldest;
-  for (const Inlet inlet : {Inlet::shm, Inlet::udp, Inlet::overtaken}) {
+  for (const Inlet inlet : {Inlet::memory, Inlet::network, Inlet::overtaken}) {
     if (!is_empty(inlet) && (!oldest || goes_first(*head(inlet), *head(*oldest)))) oldest = inlet;
   }
   return oldest;
@@ -52,7 +52,7 @@ Intake::Decision Intake::next(LazyRealtime& now) {
   if (!oldest) return Decision::nothing;
   chosen_ = *oldest;
   if (follows(chosen_)) return choose(chosen_, now);
-  if (chosen_ == Inlet::udp) return let_overtaken_go_first(now);
+  if (chosen_ == Inlet::network) return let_overtaken_go_first(now);
   if (!may_wait(now)) return choose(chosen_, now);
   asked_about_ = head(chosen_)->writer;
   return Decision::ask_connected;
@@ -69,25 +69,25 @@ bool Intake::may_wait(LazyRealtime& now) {
                             from.sequences.is_new(diverted) && from.sequences.allows(diverted);
   // Samples that go by UDP to this subscriber alone are not named, since its writer serves others in shared
   // memory all the time. Only the path of the last sample tells of them.
-  if (!was_diverted && !from.last_by_udp) return false;
+  if (!was_diverted && !from.last_over_network) return false;
   const std::int64_t age_ns = now.ns() - (was_diverted ? diverted.stamp_ns : buffer.source_stamp_ns);
   if (age_ns < 0 || age_ns >= options_.patience.count()) return false;
-  return !has_of(Inlet::udp, buffer.writer);
+  return !has_of(Inlet::network, buffer.writer);
 }
 
 Intake::Decision Intake::connected(bool is_connected, LazyRealtime& now) {
   if (!is_connected) return choose(chosen_, now);
   holds_back_ = true;
   // The sample that is waited for may lie behind samples of other writers that came by UDP.
-  return is_empty(Inlet::udp) ? Decision::nothing : let_overtaken_go_first(now);
+  return is_empty(Inlet::network) ? Decision::nothing : let_overtaken_go_first(now);
 }
 
 /// Chooses the sample that came by UDP, or an earlier one of its writer that lies in shared memory behind
 /// samples of other writers.
 Intake::Decision Intake::let_overtaken_go_first(LazyRealtime& now) {
-  const SampleBuffer& by_udp = *head(Inlet::udp);
-  if (!follows(Inlet::udp) && is_empty(Inlet::overtaken) && !has_of(Inlet::shm, by_udp.writer)) {
-    asked_about_ = by_udp.writer;
+  const SampleBuffer& ahead = *head(Inlet::network);
+  if (!follows(Inlet::network) && is_empty(Inlet::overtaken) && !has_of(Inlet::memory, ahead.writer)) {
+    asked_about_ = ahead.writer;
     return Decision::ask_overtaken;
   }
   return choose_in_turn(now);
@@ -99,10 +99,10 @@ Intake::Decision Intake::overtaken(SampleHandle found, LazyRealtime& now) {
 }
 
 Intake::Decision Intake::choose_in_turn(LazyRealtime& now) {
-  const SampleBuffer& by_udp = *head(Inlet::udp);
+  const SampleBuffer& ahead = *head(Inlet::network);
   const bool is_earlier =
-      has_of(Inlet::overtaken, by_udp.writer) && head(Inlet::overtaken)->sequence < by_udp.sequence;
-  return choose(is_earlier ? Inlet::overtaken : Inlet::udp, now);
+      has_of(Inlet::overtaken, ahead.writer) && head(Inlet::overtaken)->sequence < ahead.sequence;
+  return choose(is_earlier ? Inlet::overtaken : Inlet::network, now);
 }
 
 /// The sample of that inlet is the next one: delivers it, or drops it if it is not for the subscriber.
@@ -137,7 +137,7 @@ Taken Intake::take() {
                         .receive_stamp = Stamp(std::chrono::nanoseconds(next->receive_stamp_ns)),
                         .lost_before = std::exchange(from.lost_untold, 0),
                         .transport = transport};
-  if (transport == TransportKind::udp || !options_.copies_shm) ++from.received;
+  if (transport == TransportKind::udp || !options_.copies_from_memory) ++from.received;
   return {std::move(next), info};
 }
 
@@ -149,7 +149,7 @@ void Intake::copied(const SampleInfo& info, bool is_delivered) {
 void Intake::keep_newer(Taken& latest, Taken other) {
   if (is_newer(other.info, latest.info)) std::swap(latest, other);
   Writer& from = accounts_.of(other.info.writer);
-  if (other.info.transport == TransportKind::shm && options_.copies_shm) ++from.received;
+  if (other.info.transport == TransportKind::shm && options_.copies_from_memory) ++from.received;
   from.lost_untold += other.info.lost_before;  // the next sample of that writer reports it
 }
 

@@ -39,12 +39,12 @@ class Intake {
     std::uint32_t min_period_us = 0;       ///< of the maximum rate; 0: none
     /// Samples from shared memory are copied before they are delivered: they count as received by copied(),
     /// not by take().
-    bool copies_shm = false;
+    bool copies_from_memory = false;
   };
 
   /// Where samples lie until it is their turn, each inlet with one sample. `overtaken`: a sample that was
   /// taken from the middle of shared memory, because UDP is ahead of it.
-  enum class Inlet : std::uint8_t { shm, udp, overtaken };
+  enum class Inlet : std::uint8_t { memory, network, overtaken };
 
   enum class Decision : std::uint8_t {
     deliver,        ///< take() returns the next sample
@@ -56,7 +56,7 @@ class Intake {
 
   explicit Intake(const Options& options) : options_(options), accounts_(options.min_period_us) {}
 
-  /// The inlets `shm` and `udp` are filled before next() is called, as far as there are samples.
+  /// The inlets `memory` and `network` are filled before next() is called, as far as there are samples.
   bool is_empty(Inlet inlet) const { return !head(inlet); }
   bool is_empty() const { return !heads_[0] && !heads_[1] && !heads_[2]; }
   void put(Inlet inlet, SampleHandle sample) { head(inlet) = std::move(sample); }

@@ -13,7 +13,7 @@ SubscriberCore::SubscriberCore(Spec spec, Doorbell& bell, std::shared_ptr<Record
       events_(spec_.options.on_event),
       ports_({.patience = spec_.diverted_patience,
               .min_period_us = spec_.min_period_us,
-              .copies_shm = spec_.as_remote != nullptr},
+              .copies_from_memory = spec_.as_remote != nullptr},
              spec_.requirement.mask),
       waiter_(ports_, bell, spec_.poll_handle.get(), spec_.options.spin),
       callbacks_(spec_.callback) {
@@ -117,8 +117,8 @@ Requirements SubscriberCore::requirements() {
 SubscriberStatus SubscriberCore::status() {
   SubscriberStatus status = ports_.status();
   for (WriterStatus& writer : status.writers) {
-    const bool as_asked = writer.transport == TransportKind::udp || spec_.shm_depth == 0;
-    writer.depth = as_asked ? spec_.options.depth : spec_.shm_depth;
+    const bool as_asked = writer.transport == TransportKind::udp || spec_.memory_depth == 0;
+    writer.depth = as_asked ? spec_.options.depth : spec_.memory_depth;
   }
   return status;
 }

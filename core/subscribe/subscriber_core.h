@@ -47,7 +47,7 @@ class SubscriberCore final : public ArrivalListener {
     /// How long a sample in shared memory waits for an earlier one that went by UDP: far longer than UDP
     /// takes within a host. But the earlier sample may be lost, and nobody should wait long for that.
     std::chrono::nanoseconds diverted_patience = std::chrono::milliseconds(100);
-    std::uint32_t shm_depth = 0;  ///< samples of a writer that shared memory keeps; 0: options.depth
+    std::uint32_t memory_depth = 0;  ///< samples of a writer that shared memory keeps; 0: options.depth
   };
 
   /// `bell` is rung when samples arrive; `recorder` is null unless the requirement is recorded.

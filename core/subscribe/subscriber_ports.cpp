@@ -6,34 +6,45 @@
 namespace sft::core {
 
 void SubscriberPorts::Counts::add(const ReaderPort& port) {
-  lost += port.lost_unnoticed();
-  discarded += port.discarded();
-  held_too_many += port.held_too_many();
+  const ReaderPort::Counters counters = port.counters();
+  lost += counters.lost_unnoticed;
+  discarded += counters.discarded;
 }
 
-void SubscriberPorts::set(TransportKind kind, std::shared_ptr<ReaderPort> port) {
-  const std::shared_ptr<ReaderPort> by_udp = udp();
-  if (kind == TransportKind::shm && port != nullptr && by_udp != nullptr) by_udp->share_reader();
+void SubscriberPorts::set_memory(std::shared_ptr<BorrowingReader> port) {
+  const std::shared_ptr<NetworkReader> beside = network();
+  if (port != nullptr && beside != nullptr) beside->share_reader();
   const std::scoped_lock lock(mutex_);
-  // The former port ends with the argument, after the mutex was released.
-  ports_[static_cast<std::size_t>(kind)].swap(port);
+  memory_.swap(port);  // the former port ends with the argument, after the mutex was released
+  if (port == nullptr) return;
+  of_former_ports_.add(*port);
+  of_former_ports_.held_too_many += port->held_too_many();
+}
+
+void SubscriberPorts::set_network(std::shared_ptr<NetworkReader> port) {
+  const std::scoped_lock lock(mutex_);
+  network_.swap(port);  // likewise
   if (port != nullptr) of_former_ports_.add(*port);
 }
 
-std::shared_ptr<ReaderPort> SubscriberPorts::port(TransportKind kind) {
+std::shared_ptr<NetworkReader> SubscriberPorts::network() {
   const std::scoped_lock lock(mutex_);
-  return ports_[static_cast<std::size_t>(kind)];
+  return network_;
 }
 
 /// Called without the mutex after samples may have been taken: the port may make a system call.
 void SubscriberPorts::tell_of_room() {
   if (!writers_wait_.load(std::memory_order_relaxed)) [[likely]]
     return;
-  if (const std::shared_ptr<ReaderPort> shm = port(TransportKind::shm)) shm->tell_of_room();
+  std::shared_ptr<BorrowingReader> memory;
+  {
+    const std::scoped_lock lock(mutex_);
+    memory = memory_;
+  }
+  if (memory != nullptr) memory->tell_of_room();
 }
 
-void SubscriberPorts::fill(Intake::Inlet inlet, TransportKind kind) {
-  ReaderPort* const port = at(kind);
+void SubscriberPorts::fill(Intake::Inlet inlet, ReaderPort* port) {
   if (port != nullptr && intake_.is_empty(inlet)) intake_.put(inlet, port->take());
 }
 
@@ -49,20 +60,20 @@ bool SubscriberPorts::find_next() {
       case Decision::nothing:
         return false;
       case Decision::dropped:
-        fill(Intake::Inlet::shm, TransportKind::shm);
-        fill(Intake::Inlet::udp, TransportKind::udp);
+        fill(Intake::Inlet::memory, memory_.get());
+        fill(Intake::Inlet::network, network_.get());
         if (intake_.is_empty()) return false;
         decision = intake_.next(now);
         break;
       case Decision::ask_connected: {
-        const ReaderPort* const udp = at(TransportKind::udp);
-        decision = intake_.connected(udp != nullptr && udp->connected(intake_.asked_about()), now);
+        const bool is_connected = network_ != nullptr && network_->connected(intake_.asked_about());
+        decision = intake_.connected(is_connected, now);
         break;
       }
       case Decision::ask_overtaken: {
-        ReaderPort* const shm = at(TransportKind::shm);
-        decision =
-            intake_.overtaken(shm == nullptr ? SampleHandle() : shm->take_of(intake_.asked_about()), now);
+        SampleHandle found;
+        if (memory_ != nullptr) found = memory_->take_of(intake_.asked_about());
+        decision = intake_.overtaken(std::move(found), now);
         break;
       }
     }
@@ -127,7 +138,7 @@ FieldMask SubscriberPorts::requested() {
 }
 
 void SubscriberPorts::hears(const std::vector<Hearing>& hearing) {
-  const auto waits = [](const Hearing& h) { return h.shm && h.source.reliable && h.source.waits; };
+  const auto waits = [](const Hearing& h) { return h.memory && h.source.reliable && h.source.waits; };
   const std::scoped_lock lock(mutex_);
   writers_wait_.store(std::ranges::any_of(hearing, waits), std::memory_order_relaxed);
   intake_.accounts().hears(hearing, realtime_ns());
@@ -163,16 +174,13 @@ std::uint64_t SubscriberPorts::losses() {
 
 std::uint64_t SubscriberPorts::held_too_many() {
   const std::scoped_lock lock(mutex_);
-  std::uint64_t sum = of_former_ports_.held_too_many;
-  for (const auto& port : ports_) sum += port == nullptr ? 0 : port->held_too_many();
-  return sum;
+  return of_former_ports_.held_too_many + (memory_ == nullptr ? 0 : memory_->held_too_many());
 }
 
 std::uint64_t SubscriberPorts::arrivals(EndpointId writer) {
   const std::scoped_lock lock(mutex_);
-  std::uint64_t sum = 0;
-  for (const auto& port : ports_) sum += port == nullptr ? 0 : port->arrivals(writer);
-  return sum;
+  return (memory_ == nullptr ? 0 : memory_->arrivals(writer)) +
+         (network_ == nullptr ? 0 : network_->arrivals(writer));
 }
 
 Account::OfReader SubscriberPorts::account_of(EndpointId writer) {
@@ -185,9 +193,11 @@ Account::OfReader SubscriberPorts::account_of(EndpointId writer) {
 /// With the mutex held.
 SubscriberPorts::Counts SubscriberPorts::counts() const {
   Counts counts = of_former_ports_;
-  for (const auto& port : ports_) {
-    if (port != nullptr) counts.add(*port);
+  if (memory_ != nullptr) {
+    counts.add(*memory_);
+    counts.held_too_many += memory_->held_too_many();
   }
+  if (network_ != nullptr) counts.add(*network_);
   return counts;
 }
 

@@ -3,7 +3,6 @@
 // a sample or a callback.
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -35,7 +34,7 @@ class SubscriberPorts {
   bool available();
   /// See Intake.
   void copied(const SampleInfo& info, bool is_delivered);
-  std::shared_ptr<ReaderPort> udp() { return port(TransportKind::udp); }
+  std::shared_ptr<NetworkReader> network();
 
   void ask(std::uint32_t min_period_us);
   std::uint32_t min_period_us();
@@ -43,7 +42,9 @@ class SubscriberPorts {
   SubscriberStatus status();
 
   // The agent's.
-  void set(TransportKind kind, std::shared_ptr<ReaderPort> port);
+  /// Null: the subscriber has none any more.
+  void set_memory(std::shared_ptr<BorrowingReader> port);
+  void set_network(std::shared_ptr<NetworkReader> port);
   void hears(const std::vector<Hearing>& hearing);
   /// The mask and the number of the request in force. `asked` is the mask as a plan, where samples are
   /// copied.
@@ -72,9 +73,7 @@ class SubscriberPorts {
     void add(const ReaderPort& port);
   };
 
-  ReaderPort* at(TransportKind kind) const { return ports_[static_cast<std::size_t>(kind)].get(); }
-  std::shared_ptr<ReaderPort> port(TransportKind kind);
-  void fill(Intake::Inlet inlet, TransportKind kind);
+  void fill(Intake::Inlet inlet, ReaderPort* port);
   bool find_next();
   Next next();
   Counts counts() const;
@@ -82,7 +81,8 @@ class SubscriberPorts {
 
   std::mutex mutex_;
   Intake intake_;
-  std::array<std::shared_ptr<ReaderPort>, 2> ports_;  ///< by TransportKind
+  std::shared_ptr<BorrowingReader> memory_;
+  std::shared_ptr<NetworkReader> network_;
   Counts of_former_ports_;
   FieldMask requested_;
   std::shared_ptr<const detail::ProjectionPlan> asked_;  ///< null where samples are delivered as they are

@@ -16,8 +16,8 @@ bool Waiter::wait_until(Time deadline) {
       if (found || spin_until < deadline) spins_.store(found, std::memory_order_relaxed);
       return found;
     }
-    const std::shared_ptr<ReaderPort> udp = ports_.udp();
-    if (udp != nullptr && udp->receive({bell_, seen, deadline, spin_until})) continue;
+    const std::shared_ptr<NetworkReader> network = ports_.network();
+    if (network != nullptr && network->receive({bell_, seen, deadline, spin_until})) continue;
     if (handle_ == nullptr && bell_.spin(seen, spin_until)) continue;
     sleep_until(deadline);
   }
@@ -34,7 +34,7 @@ void Waiter::sleep_until(Time deadline) {
 
 void Waiter::wake() {
   bell_.ring();
-  if (const std::shared_ptr<ReaderPort> udp = ports_.udp()) udp->interrupt();
+  if (const std::shared_ptr<NetworkReader> network = ports_.network()) network->interrupt();
 }
 
 void Waiter::sample_arrived() { handle_ != nullptr ? handle_->raise() : bell_.ring(); }

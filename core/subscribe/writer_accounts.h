@@ -16,7 +16,7 @@ class WriterAccounts {
   struct Writer {
     EndpointId id = 0;
     SequenceAccount sequences;
-    bool last_by_udp = false;  ///< the sample that was entered last came by UDP
+    bool last_over_network = false;  ///< the sample that was entered last came by UDP
     std::uint64_t received = 0;
     std::uint64_t lost = 0;
     std::uint64_t withheld = 0;
@@ -54,7 +54,7 @@ class WriterAccounts {
     writer.lost_untold += missing.lost;
     losses_ += missing.lost;
     writer.withheld += missing.withheld;
-    writer.last_by_udp = by == TransportKind::udp;
+    writer.last_over_network = by == TransportKind::udp;
   }
   /// A sample that was entered could not be delivered after all.
   void lose_entered(EndpointId writer, std::uint64_t lost_before);

@@ -327,12 +327,12 @@ void ShmReaderPort::disconnect(core::EndpointId writer) noexcept {
   drained = forget_drained();
 }
 
-std::uint64_t ShmReaderPort::discarded() const noexcept {
+core::ReaderPort::Counters ShmReaderPort::counters() const noexcept {
   const std::scoped_lock lock(mutex_);
-  std::uint64_t sum = discarded_before_;
-  for (const auto& writer : writers_) sum += writer->discarded();
-  for (const auto& writer : departed_) sum += writer->discarded();
-  return sum;
+  Counters counters{discarded_before_, lost_unnoticed_};
+  for (const auto& writer : writers_) counters.discarded += writer->discarded();
+  for (const auto& writer : departed_) counters.discarded += writer->discarded();
+  return counters;
 }
 
 std::uint64_t ShmReaderPort::held_too_many() const noexcept {
@@ -341,11 +341,6 @@ std::uint64_t ShmReaderPort::held_too_many() const noexcept {
   for (const auto& writer : writers_) sum += writer->held_too_many();
   for (const auto& writer : departed_) sum += writer->held_too_many();
   return sum;
-}
-
-std::uint64_t ShmReaderPort::lost_unnoticed() const noexcept {
-  const std::scoped_lock lock(mutex_);
-  return lost_unnoticed_;
 }
 
 std::shared_ptr<ChunkBorrower> ShmReaderPort::find(core::EndpointId writer) const noexcept {

@@ -106,7 +106,7 @@ class ChunkBorrower final : public core::BufferOwner,
   ChunkSlots slots_;
 };
 
-class ShmReaderPort final : public core::ReaderPort {
+class ShmReaderPort final : public core::BorrowingReader {
  public:
   ShmReaderPort(std::shared_ptr<Session> session, const core::ReaderSpec& spec, const ShmOptions& options,
                 std::shared_ptr<Statistics> statistics);
@@ -119,10 +119,8 @@ class ShmReaderPort final : public core::ReaderPort {
   core::HistoryProgress history(core::EndpointId writer) const noexcept override;
   std::uint64_t arrivals(core::EndpointId writer) noexcept override;
   void disconnect(core::EndpointId writer) noexcept override;
-  void accept(std::vector<core::Accepted>) override {}  // there is one variant in shared memory: all of it
-  std::uint64_t discarded() const noexcept override;
+  Counters counters() const noexcept override;
   std::uint64_t held_too_many() const noexcept override;
-  std::uint64_t lost_unnoticed() const noexcept override;
   void tell_of_room() noexcept override;
 
  private:

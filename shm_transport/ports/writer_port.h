@@ -109,7 +109,7 @@ class ChunkLender final : public core::BufferOwner,
   Audience audience_;
 };
 
-class ShmWriterPort final : public core::WriterPort {
+class ShmWriterPort final : public core::LendingWriter {
  public:
   ShmWriterPort(std::shared_ptr<ChunkLender> chunks, std::shared_ptr<DoorbellPages> pages,
                 std::shared_ptr<Statistics> statistics, std::chrono::nanoseconds max_blocking = {},
@@ -128,7 +128,7 @@ class ShmWriterPort final : public core::WriterPort {
   }
   std::string why_unreachable(const core::Route& to) override;
   void set_routes(std::vector<core::Route> routes) override;
-  bool holds(const core::SampleBuffer& sample) const noexcept override { return chunks_->owns(sample); }
+  bool owns(const core::SampleBuffer& sample) const noexcept override { return chunks_->owns(sample); }
   std::optional<std::uint64_t> held_back(core::EndpointId reader) noexcept override {
     return chunks_->held_back(reader);
   }
@@ -136,7 +136,6 @@ class ShmWriterPort final : public core::WriterPort {
                   std::uint64_t held_back) override;
   void be_patient(std::chrono::nanoseconds at_most) noexcept override { patience_max_ = at_most; }
   std::chrono::nanoseconds patience_left() const noexcept override { return patience_; }
-  std::uint64_t bytes_sent() const noexcept override { return 0; }
 
  private:
   core::SendStatus drop() noexcept;

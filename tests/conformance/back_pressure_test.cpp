@@ -54,7 +54,7 @@ TEST_P(BackPressure, LosesNothingOfABurstThatIsLargerThanAnyQueue) {
   writer.serve(reader);
   const Publishing publishing(writer, burst);
   EXPECT_EQ(reader.next_sequences(burst), numbers(1, burst));
-  EXPECT_EQ(reader.port().discarded(), 0U);
+  EXPECT_EQ(reader.discarded(), 0U);
 }
 
 TEST_P(BackPressure, LosesNothingForAReaderThatStallsWhileItIsWaitedFor) {
@@ -70,7 +70,7 @@ TEST_P(BackPressure, LosesNothingForAReaderThatStallsWhileItIsWaitedFor) {
   ASSERT_TRUE(eventually(waits, patience, 100ms));
   EXPECT_LT(before, burst) << "there is no room for more";
   EXPECT_EQ(reader.next_sequences(burst), numbers(1, burst));
-  EXPECT_EQ(reader.port().discarded(), 0U);
+  EXPECT_EQ(reader.discarded(), 0U);
 }
 
 TEST_P(BackPressure, WaitsForTheSlowerOfTwoReadersAndLosesNeitherOfThemAnything) {

@@ -14,6 +14,16 @@ using core::SendStatus;
 namespace {
 const TypeSupport& image_type() { return udp::test::type_support<Image>(); }
 using Clock = std::chrono::steady_clock;
+
+AnyReader open_reader(const AnyTransport& node, const core::ReaderSpec& spec) {
+  if (node.memory() != nullptr) return node.memory()->open_reader(spec).value();
+  return node.network()->open_reader(spec).value();
+}
+
+AnyWriter open_writer(const AnyTransport& node, const core::WriterSpec& spec) {
+  if (node.memory() != nullptr) return node.memory()->open_writer(spec).value();
+  return node.network()->open_writer(spec).value();
+}
 }  // namespace
 
 Reader::Reader(Stage& stage, const ReaderOptions& options)
@@ -24,13 +34,13 @@ Reader::Reader(Stage& stage, const ReaderOptions& options)
   core::ReaderSpec spec{.id = id, .type = &image_type(), .depth = options.depth, .doorbell = bell};
   spec.listener = this;
   spec.only_waited_for = true;
-  port_ = stage.here->open_reader(spec).value();
+  port_ = open_reader(stage.here, spec);
   std::vector<core::Accepted> accepted;
   for (const std::string& mask : options.masks) accepted.push_back({.wanted = {fields<Image>(mask)}});
   route_ = {
-      .reader = id, .destination = stage.medium->locator(*stage.here, bell), .mask = accepted[0].wanted.mask};
+      .reader = id, .destination = stage.medium->locator(stage.here, bell), .mask = accepted[0].wanted.mask};
   route_.reliable = reliable_;
-  port_->accept(std::move(accepted));
+  if (port_.network() != nullptr) port_.network()->accept(std::move(accepted));
 }
 
 void Reader::hear(const Writer& writer) {
@@ -51,7 +61,7 @@ core::Route Reader::route(const std::string& mask) const {
 
 SampleHandle Reader::take() {
   SampleHandle sample = port_->take();
-  port_->tell_of_room();
+  if (port_.memory() != nullptr) port_.memory()->tell_of_room();
   return sample;
 }
 
@@ -61,7 +71,8 @@ SampleHandle Reader::next() {
   for (const auto deadline = Clock::now() + patience; Clock::now() < deadline;) {
     const std::uint32_t seen = bell_.rings;
     if (came()) break;
-    if (!port_->receive({bell_, seen, deadline, {}})) bell_.wait(deadline, came);
+    const bool received = port_.network() != nullptr && port_.network()->receive({bell_, seen, deadline, {}});
+    if (!received) bell_.wait(deadline, came);
   }
   return sample;
 }
@@ -85,7 +96,7 @@ std::vector<std::uint64_t> Reader::take_sequences() {
 Writer::Writer(Stage& stage, core::EndpointId id, std::chrono::nanoseconds max_blocking)
     : id_(id),
       waits_(max_blocking.count() > 0),
-      port_(stage.there->open_writer({id, &image_type(), true, max_blocking}).value()) {}
+      port_(open_writer(stage.there, {id, &image_type(), true, max_blocking})) {}
 
 void Writer::serve(Reader& reader) {
   reader.hear(*this);
@@ -96,8 +107,7 @@ SampleHandle Writer::make(std::size_t data_bytes) {
   const FieldMask all = image_type().full();
   const Image image = make_image(data_bytes, static_cast<std::uint32_t>(sequence_ + 1));
   const std::size_t bytes = udp::test::sample_bytes(image, all);
-  SampleHandle sample = pool_->take(bytes);
-  if (!sample || !port_->can_send(*sample)) sample = port_->loan(bytes);
+  SampleHandle sample = port_.memory() == nullptr ? pool_->take(bytes) : port_.memory()->loan(bytes);
   if (sample) udp::test::fill(*sample, image, all, id_, ++sequence_);
   return sample;
 }

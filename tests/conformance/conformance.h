@@ -34,8 +34,8 @@ struct Stage {
   explicit Stage(std::unique_ptr<Medium> chosen) : medium(std::move(chosen)) {}
 
   const std::unique_ptr<Medium> medium;
-  std::unique_ptr<core::Transport> there;  ///< of the writers
-  std::unique_ptr<core::Transport> here;   ///< of the readers
+  AnyTransport there;  ///< of the writers
+  AnyTransport here;   ///< of the readers
   const std::unique_ptr<core::DoorbellPage> bells = core::DoorbellPage::create();
   std::atomic<std::uint32_t> readers{0};  ///< so far
 };
@@ -68,6 +68,8 @@ class Reader final : private core::ArrivalListener {
   std::vector<std::uint64_t> take_sequences();
 
   core::ReaderPort& port() { return *port_; }
+  std::uint64_t discarded() const { return port_->counters().discarded; }
+  std::uint64_t lost_unnoticed() const { return port_->counters().lost_unnoticed; }
   void destroy_port() { port_.reset(); }
 
  private:
@@ -76,7 +78,7 @@ class Reader final : private core::ArrivalListener {
   core::Doorbell& bell_;
   const bool reliable_;
   core::Route route_;
-  std::unique_ptr<core::ReaderPort> port_;  // goes first: then nobody calls any more
+  AnyReader port_;  // goes first: then nobody calls any more
 };
 
 /// Its sample number n is an image made of the seed n.
@@ -99,12 +101,19 @@ class Writer {
   void publish_to(Reader& reader, std::size_t data_bytes = 50);
 
   core::WriterPort& port() { return *port_; }
+  /// On such a medium.
+  core::LendingWriter& lending_port() { return *port_.memory(); }
+  core::NetworkWriter& network_port() { return *port_.network(); }
+  /// Over a network.
+  std::uint64_t bytes_sent() const {
+    return port_.network() == nullptr ? 0 : port_.network()->counters().bytes_sent;
+  }
   void destroy_port() { port_.reset(); }
 
  private:
   core::EndpointId id_;
   const bool waits_;
-  std::unique_ptr<core::WriterPort> port_;
+  AnyWriter port_;
   std::shared_ptr<core::BufferPool> pool_ = core::BufferPool::make(std::size_t{256} << 20);
   std::uint64_t sequence_ = 0;
 };
@@ -143,5 +152,8 @@ class LateReaders : public Conformance {};
 
 /// Of transports that send each reader its fields only.
 class Projection : public Conformance {};
+
+/// Of networks.
+class Transmissions : public Conformance {};
 
 }  // namespace sft::conformance

@@ -9,8 +9,8 @@ using namespace detail;
 
 class FakeMedium final : public Medium {
  public:
-  std::unique_ptr<core::Transport> open() override { return test::open_fake_transport(network_); }
-  core::Locator locator(const core::Transport&, const core::DoorbellAddress& bell) override { return bell; }
+  AnyTransport open() override { return test::open_fake_transport(network_); }
+  core::Locator locator(const AnyTransport&, const core::DoorbellAddress& bell) override { return bell; }
 
  private:
   const std::shared_ptr<test::FakeNetwork> network_ = test::make_fake_network();
@@ -21,6 +21,7 @@ const auto in_process = testing::Values(MediumChoice{"InProcess", std::make_uniq
 INSTANTIATE_TEST_SUITE_P(Fake, Conformance, in_process, name_of);
 INSTANTIATE_TEST_SUITE_P(Fake, LateReaders, in_process, name_of);
 INSTANTIATE_TEST_SUITE_P(Fake, Projection, in_process, name_of);
+INSTANTIATE_TEST_SUITE_P(Fake, Transmissions, in_process, name_of);
 
 }  // namespace
 }  // namespace sft::conformance

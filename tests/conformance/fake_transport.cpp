@@ -1,5 +1,6 @@
 #include "tests/conformance/fake_transport.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cstring>
 #include <iterator>
@@ -16,8 +17,10 @@ namespace sft::test {
 using namespace detail;
 using core::EndpointId;
 using core::HistoryProgress;
+using core::Reach;
 using core::SampleHandle;
 using core::SendStatus;
+using core::Source;
 
 class FakeNetwork {
  public:
@@ -57,51 +60,63 @@ struct FakeNode {
   std::atomic<std::uint64_t> over_limit{0};
 };
 
-class FakeWriter final : public core::WriterPort {
+/// To one reader. The newest routes and those of the present sample may share it.
+struct Line {
+  core::Route route;
+  std::shared_ptr<const ProjectionPlan> plan;
+  std::shared_ptr<core::DeliveryTally> tally = std::make_shared<core::DeliveryTally>();
+  bool awaits_history = route.history != 0;
+  std::uint64_t oldest_retained = 0;
+  std::vector<SampleHandle> waiting{};
+};
+using Lines = std::vector<std::shared_ptr<Line>>;
+
+class FakeWriter final : public core::NetworkWriter {
  public:
   FakeWriter(const core::WriterSpec& spec, std::shared_ptr<FakeNode> node)
-      : type_(*spec.type), node_(std::move(node)), copier_(type_, node_->pool) {}
+      : type_(*spec.type), node_(std::move(node)), book_(spec.book), copier_(type_, node_->pool) {}
+
+  // The publisher's thread.
 
   SendStatus send(const SampleHandle& sample) noexcept override {
-    if (node_->closed) return SendStatus::lost_port;
-    if (sample->header().body_bytes > node_->options.max_sample_bytes) {
-      ++node_->over_limit;
-      return SendStatus::dropped;
-    }
-    Arrivals arrivals;
-    const std::scoped_lock lock(mutex_);
-    bool sent = true;
-    for (Line& line : lines_) {
-      if (line.route.gate != nullptr && !line.route.gate->passes()) continue;
-      if (line.awaits_history) {
-        line.waiting.push_back(sample);
-      } else {
-        sent &= deliver(line, *sample, arrivals);
-      }
-    }
-    return sent ? SendStatus::sent : SendStatus::dropped;
+    begin_sample();
+    return send_begun(sample, Reach::usual_routes);
   }
+  void be_patient(std::chrono::nanoseconds) noexcept override {}  // nobody is ever waited for
+  bool takes_postponed() const noexcept override { return false; }
+
+  // The agent's thread.
 
   void set_routes(std::vector<core::Route> routes) override {
+    core::DeliveryBook::Page page;
     const std::scoped_lock lock(mutex_);
-    std::vector<Line> lines;
-    for (core::Route& route : routes) lines.push_back(line_for(std::move(route)));
-    lines_ = std::move(lines);
+    Lines lines;
+    for (core::Route& route : routes) {
+      lines.push_back(line_for(std::move(route)));
+      page.push_back(entry_of(*lines.back()));
+    }
+    if (book_ != nullptr) book_->enter(page);
+    newest_ = std::move(lines);
   }
 
   void send_history(const core::Route& to, std::vector<SampleHandle> samples) override {
     Arrivals arrivals;
     const std::scoped_lock lock(mutex_);
-    for (Line& line : lines_) {
-      if (line.route.reader != to.reader || !std::exchange(line.awaits_history, false)) continue;
-      std::move(line.waiting.begin(), line.waiting.end(), std::back_inserter(samples));
-      line.waiting.clear();
-      if (!samples.empty()) line.oldest_retained = samples.front()->sequence;
-      for (const SampleHandle& sample : samples) deliver(line, *sample, arrivals);
+    for (const auto& line : newest_) {
+      if (line->route.reader != to.reader || !std::exchange(line->awaits_history, false)) continue;
+      std::move(line->waiting.begin(), line->waiting.end(), std::back_inserter(samples));
+      line->waiting.clear();
+      if (!samples.empty()) line->oldest_retained = samples.front()->sequence;
+      for (const SampleHandle& sample : samples) deliver(*line, *sample, arrivals);
     }
   }
+  bool history_sent(EndpointId) noexcept override { return true; }
 
-  std::uint64_t bytes_sent() const noexcept override { return bytes_sent_; }
+  // Any thread.
+
+  Counters counters() const noexcept override { return {.bytes_sent = bytes_sent_}; }
+  std::string multicast(EndpointId) const override { return {}; }
+  std::string silence(EndpointId) const override { return {}; }
 
  private:
   /// Listeners are called at its end, which comes after that of a lock taken later.
@@ -112,28 +127,70 @@ class FakeWriter final : public core::WriterPort {
     }
   };
 
-  /// To one reader.
-  struct Line {
-    core::Route route;
-    std::shared_ptr<const ProjectionPlan> plan;
-    bool awaits_history = false;
-    std::uint64_t oldest_retained = 0;
-    std::vector<SampleHandle> waiting{};
-  };
+  void begin_sample() noexcept override {
+    const std::scoped_lock lock(mutex_);
+    if (begun_ == newest_) return;
+    begun_ = newest_;
+    core::DeliveryBook::Page page;
+    for (const auto& line : begun_) page.push_back(entry_of(*line));
+    if (book_ != nullptr) book_->turn_to(core::DeliveryBook::Teller::network, page);
+  }
+
+  SendStatus send_begun(const SampleHandle& sample, Reach reach) noexcept override {
+    if (node_->closed) return SendStatus::lost_port;
+    if (sample->header().body_bytes > node_->options.max_sample_bytes) {
+      ++node_->over_limit;
+      miss_begun();
+      return SendStatus::dropped;
+    }
+    Arrivals arrivals;
+    const std::scoped_lock lock(mutex_);
+    bool sent = true;
+    for (const auto& line : begun_) {
+      if (!is_for(*line, reach)) continue;
+      if (line->awaits_history) {
+        line->waiting.push_back(sample);
+      } else {
+        sent &= deliver(*line, *sample, arrivals);
+      }
+    }
+    return sent ? SendStatus::sent : SendStatus::dropped;
+  }
+
+  void miss_begun() noexcept override {
+    const std::scoped_lock lock(mutex_);
+    for (const auto& line : begun_) {
+      if (is_for(*line, Reach::usual_routes)) line->tally->dropped();
+    }
+  }
+
+  // A batch spares nothing here: samples leave at once.
+  void hold(core::BatchPatience) noexcept override {}
+  std::size_t flush() noexcept override { return 0; }
+
+  static bool is_for(const Line& line, Reach reach) {
+    if (line.route.fallback && reach == Reach::usual_routes) return false;
+    return line.route.gate == nullptr || line.route.gate->passes();
+  }
+
+  /// What a gate withholds from a reader with a fallback route is counted where it usually is served.
+  static std::pair<EndpointId, core::DeliveryMeter> entry_of(const Line& line) {
+    const bool fallback = line.route.fallback;
+    return {line.route.reader,
+            {.tally = line.tally, .gate = fallback ? nullptr : line.route.gate, .diverted = fallback}};
+  }
 
   /// A reader that is still late goes on where it was.
-  Line line_for(core::Route route) {
-    Line line{.route = std::move(route), .plan = nullptr, .awaits_history = false};
-    line.plan = std::make_shared<const ProjectionPlan>(type_.type(), line.route.mask);
-    line.awaits_history = line.route.history != 0;
-    for (Line& known : lines_) {
-      if (known.route.reader != line.route.reader || known.route.history == 0 || line.route.history == 0)
-        continue;
-      line.awaits_history = known.awaits_history;
-      line.oldest_retained = known.oldest_retained;
-      line.waiting = std::move(known.waiting);
-    }
-    return line;
+  std::shared_ptr<Line> line_for(core::Route route) const {
+    auto plan = std::make_shared<const ProjectionPlan>(type_.type(), route.mask);
+    const auto goes_on = [&](const auto& known) {
+      return known->route.reader == route.reader && known->route.history != 0 && route.history != 0;
+    };
+    const auto known = std::ranges::find_if(newest_, goes_on);
+    if (known == newest_.end()) return std::make_shared<Line>(std::move(route), std::move(plan));
+    (*known)->route = std::move(route);
+    (*known)->plan = std::move(plan);
+    return *known;
   }
 
   /// False where there is no memory for it. A reader that left misses nothing.
@@ -142,7 +199,10 @@ class FakeWriter final : public core::WriterPort {
     if (inbox == nullptr) return true;
     SampleHandle copy = copy_of(sample);
     if (copy) copy = copier_.of(std::move(copy), *line.plan);
-    if (!copy) return false;
+    if (!copy) {
+      line.tally->dropped();
+      return false;
+    }
     if (line.route.history != 0) {
       copy->addressee = line.route.reader;
       copy->oldest_retained = line.oldest_retained;
@@ -151,7 +211,9 @@ class FakeWriter final : public core::WriterPort {
       copy->min_period_us = line.route.min_period_us;
       copy->ordinal = line.route.gate->ordinal();
     }
-    bytes_sent_ += copy->header().body_bytes;
+    const std::uint64_t body_bytes = copy->header().body_bytes;
+    bytes_sent_ += body_bytes;
+    line.tally->sent(body_bytes, std::max<std::uint64_t>(sample.whole_bytes, body_bytes));
     if (inbox->put(std::move(copy))) arrivals.inboxes.push_back(std::move(inbox));
     return true;
   }
@@ -170,13 +232,16 @@ class FakeWriter final : public core::WriterPort {
 
   const TypeSupport& type_;
   const std::shared_ptr<FakeNode> node_;
+  const std::shared_ptr<core::DeliveryBook> book_;  ///< null: nobody asks what became of samples
+  std::atomic<std::uint64_t> bytes_sent_{0};
+
   std::mutex mutex_;  // guards what follows; not held while listeners are called, which may send
   core::RemoteCopy copier_;
-  std::vector<Line> lines_;
-  std::atomic<std::uint64_t> bytes_sent_{0};
+  Lines newest_;
+  Lines begun_;  ///< of the present sample
 };
 
-class FakeReader final : public core::ReaderPort {
+class FakeReader final : public core::NetworkReader {
  public:
   FakeReader(const core::ReaderSpec& spec, std::shared_ptr<FakeNode> node)
       : node_(std::move(node)), inbox_(std::make_shared<FakeInbox>(spec)) {
@@ -188,42 +253,53 @@ class FakeReader final : public core::ReaderPort {
   }
 
   SampleHandle take() noexcept override { return inbox_->take(); }
-  Result<void> connect(const core::Source& source) override {
+  Result<void> connect(const Source& source) override {
     inbox_->connect(source);
     return {};
   }
   bool connected(EndpointId writer) const noexcept override { return inbox_->connected(writer); }
+  void disconnect(EndpointId writer) noexcept override { inbox_->disconnect(writer); }
   HistoryProgress history(EndpointId writer) const noexcept override { return inbox_->history(writer); }
   std::uint64_t arrivals(EndpointId writer) noexcept override { return inbox_->arrivals(writer); }
-  void disconnect(EndpointId writer) noexcept override { inbox_->disconnect(writer); }
+  Counters counters() const noexcept override { return {inbox_->discarded(), inbox_->lost_unnoticed()}; }
   void accept(std::vector<core::Accepted> accepted) override { inbox_->accept(std::move(accepted)); }
-  std::uint64_t discarded() const noexcept override { return inbox_->discarded(); }
-  std::uint64_t lost_unnoticed() const noexcept override { return inbox_->lost_unnoticed(); }
+  void announced(const Source&) override {}
+
+  // Samples come on the thread that sends: there is nothing to receive, and nobody to interrupt.
+  bool receive(const core::Waiting&) noexcept override { return false; }
+  void interrupt() noexcept override {}
+  void share_reader() override {}
 
  private:
   const std::shared_ptr<FakeNode> node_;
   const std::shared_ptr<FakeInbox> inbox_;
 };
 
-class FakeTransport final : public core::Transport {
+class FakeTransport final : public core::Network {
  public:
   FakeTransport(std::shared_ptr<FakeNetwork> network, const FakeOptions& options)
       : node_(std::make_shared<FakeNode>(std::move(network), options)) {}
   ~FakeTransport() override { node_->closed = true; }
 
-  std::size_t max_sample_bytes() const noexcept override { return node_->options.max_sample_bytes; }
   core::Availability poll(std::chrono::steady_clock::time_point) override {
     return core::Availability::ready;
   }
+  std::size_t max_sample_bytes() const noexcept override { return node_->options.max_sample_bytes; }
   std::string description() const override { return "within this process"; }
+  Counters counters() const noexcept override { return {.over_limit = node_->over_limit}; }
 
-  Result<std::unique_ptr<core::WriterPort>> open_writer(const core::WriterSpec& spec) override {
+  Result<std::unique_ptr<core::NetworkWriter>> open_writer(const core::WriterSpec& spec) override {
     return std::make_unique<FakeWriter>(spec, node_);
   }
-  Result<std::unique_ptr<core::ReaderPort>> open_reader(const core::ReaderSpec& spec) override {
+  Result<std::unique_ptr<core::NetworkReader>> open_reader(const core::ReaderSpec& spec) override {
     return std::make_unique<FakeReader>(spec, node_);
   }
-  Counters counters() const noexcept override { return {.over_limit = node_->over_limit}; }
+
+  // Nothing here is an address, and no interface comes or goes.
+  std::vector<core::UdpAddress> addresses() const override { return {}; }
+  std::vector<core::Link> links() const override { return {}; }
+  bool network_changed() noexcept override { return false; }
+  bool uses_io_uring() const override { return false; }
 
  private:
   const std::shared_ptr<FakeNode> node_;
@@ -231,8 +307,8 @@ class FakeTransport final : public core::Transport {
 
 }  // namespace
 
-std::unique_ptr<core::Transport> open_fake_transport(std::shared_ptr<FakeNetwork> network,
-                                                     const FakeOptions& options) {
+std::unique_ptr<core::Network> open_fake_transport(std::shared_ptr<FakeNetwork> network,
+                                                   const FakeOptions& options) {
   return std::make_unique<FakeTransport>(std::move(network), options);
 }
 

@@ -1,6 +1,19 @@
-// A transport within the process, for tests of what is above the seam and as the plainest reading of
-// core/seam/transport.h: it delivers, under each reader's mask, before send() returns; nothing is ever late
-// or lost.
+// A transport within the process: the plainest reading of core/seam, for tests of what is above the seam, and
+// for whoever writes a transport of their own. It is a Network: it delivers copies, under each reader's mask,
+// before send() returns. Nothing is ever late or lost.
+//
+// How it is made, in the order in which another transport would be made:
+//
+//   FakeTransport   opens ports and tells where its readers are reached; here nobody needs an address,
+//   because
+//                   FakeNetwork finds readers by their ids.
+//   FakeWriter      has one Line for each route: the fields that the reader asked for, its gate, its tally in
+//                   the delivery book, and what waits for the reader until it was given its history.
+//   FakeReader      is FakeInbox behind the seam: a queue of the newest samples of each writer, and the
+//   account
+//                   of what was pushed out of it.
+//
+// tests/conformance/fake_test.cpp shows how a transport is run through the suite.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +34,7 @@ struct FakeOptions {
 
 /// Readers are found by the ids in the routes; where these say that they are does not matter. Listeners are
 /// called by the thread that sends. Ports may outlive the transport; they do nothing then.
-std::unique_ptr<core::Transport> open_fake_transport(std::shared_ptr<FakeNetwork> network,
-                                                     const FakeOptions& options = {});
+std::unique_ptr<core::Network> open_fake_transport(std::shared_ptr<FakeNetwork> network,
+                                                   const FakeOptions& options = {});
 
 }  // namespace sft::test

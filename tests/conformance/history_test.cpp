@@ -41,7 +41,7 @@ TEST_P(LateReaders, GetWhatWasRetainedBeforeWhatCameMeanwhile) {
   for (int i = 0; i < 2; ++i) ASSERT_EQ(writer.publish(), SendStatus::sent);
   EXPECT_EQ(early.next_sequences(2), numbers(4, 5)) << "it waits for nobody";
   EXPECT_EQ(latecomer.port().history(writer.id()), HistoryProgress::awaited) << "it was not for it";
-  writer.port().send_history(late(latecomer), retained);
+  writer.network_port().send_history(late(latecomer), retained);
   for (std::uint64_t n = 1; n <= 5; ++n) {
     const SampleHandle sample = latecomer.next();
     ASSERT_TRUE(is_image(sample, n <= depth ? 30'000 : 50));
@@ -59,9 +59,10 @@ TEST_P(LateReaders, AreServedAsAllOthersOnceTheirHistoryHasLeft) {
   early.hear(writer);
   hear_late(latecomer, writer);
   writer.serve({early.route(), late(latecomer)});
-  writer.port().send_history(late(latecomer), retain(writer, 10));
+  writer.network_port().send_history(late(latecomer), retain(writer, 10));
   ASSERT_EQ(writer.publish(), SendStatus::sent);
-  ASSERT_TRUE(eventually([&] { return writer.port().history_sent(latecomer.route().reader); }, patience));
+  ASSERT_TRUE(
+      eventually([&] { return writer.network_port().history_sent(latecomer.route().reader); }, patience));
   writer.serve({early.route(), latecomer.route()});
   ASSERT_EQ(writer.publish(), SendStatus::sent);
   EXPECT_EQ(latecomer.next_sequences(5), numbers(1, 5));
@@ -74,7 +75,7 @@ TEST_P(LateReaders, GetTheirHistoryOnce) {
   hear_late(latecomer, writer);
   const std::vector<SampleHandle> retained = retain(writer, 10);
   writer.serve({late(latecomer)});
-  for (int i = 0; i < 2; ++i) writer.port().send_history(late(latecomer), retained);
+  for (int i = 0; i < 2; ++i) writer.network_port().send_history(late(latecomer), retained);
   writer.serve({late(latecomer)});
   ASSERT_EQ(writer.publish(), SendStatus::sent);
   EXPECT_EQ(latecomer.next_sequences(4), numbers(1, 4));
@@ -87,7 +88,7 @@ TEST_P(LateReaders, AreServedAlsoWhereNothingWasRetained) {
   hear_late(latecomer, writer);
   writer.serve({late(latecomer)});
   ASSERT_EQ(writer.publish(), SendStatus::sent);
-  writer.port().send_history(late(latecomer), {});
+  writer.network_port().send_history(late(latecomer), {});
   ASSERT_EQ(writer.publish(), SendStatus::sent);
   EXPECT_EQ(latecomer.next_sequences(2), numbers(1, 2));
 }

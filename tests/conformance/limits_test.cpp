@@ -64,7 +64,7 @@ TEST_P(Conformance, KeepsAsManySamplesAsItsDepthSays) {
   writer.serve(reader);
   for (std::uint32_t i = 0; i < depth; ++i) writer.publish_to(reader, 10);
   EXPECT_EQ(reader.take_sequences(), numbers(1, depth));
-  EXPECT_EQ(reader.port().discarded(), 0U);
+  EXPECT_EQ(reader.discarded(), 0U);
 }
 
 TEST_P(Conformance, ServesManyReadersOfOneWriter) {

@@ -42,8 +42,8 @@ TEST_P(Conformance, KeepsTheNewestOfEachWriterForASlowReaderAndCountsTheRest) {
     (sample->writer == 1 ? of_first : of_second).push_back(sample->sequence);
   EXPECT_EQ(of_first, numbers(9, 11));
   EXPECT_EQ(of_second, numbers(1, 2)) << "a flood of one writer is nothing to another";
-  EXPECT_EQ(reader.port().discarded(), 7U);
-  EXPECT_EQ(reader.port().lost_unnoticed(), 0U) << "the gap tells";
+  EXPECT_EQ(reader.discarded(), 7U);
+  EXPECT_EQ(reader.lost_unnoticed(), 0U) << "the gap tells";
 }
 
 TEST_P(Conformance, KeepsTheNewestOneAtADepthOfOne) {
@@ -61,10 +61,10 @@ TEST_P(Conformance, CountsWhatWasPushedOutBeforeTheFirstSampleWasTaken) {
   for (int i = 0; i < 10; ++i) writer.publish_to(reader);
   EXPECT_EQ(reader.take_sequences(), numbers(8, 10));
   if (traits().counts_before_first_taken) {
-    EXPECT_EQ(reader.port().discarded(), 7U);
-    EXPECT_EQ(reader.port().lost_unnoticed(), 7U) << "no gap tells: nobody knew where its sequences began";
+    EXPECT_EQ(reader.discarded(), 7U);
+    EXPECT_EQ(reader.lost_unnoticed(), 7U) << "no gap tells: nobody knew where its sequences began";
   } else {
-    EXPECT_GE(reader.port().discarded(), 1U);
+    EXPECT_GE(reader.discarded(), 1U);
   }
 }
 
@@ -86,7 +86,7 @@ TEST_P(Conformance, KnowsWhatAReaderMissedThatTakesNowAndThen) {
   while (const SampleHandle sample = reader.take()) account.enter(sample);
   EXPECT_EQ(account.last(), writer.sequence());
   EXPECT_EQ(account.taken() + account.missed(), writer.sequence());
-  EXPECT_EQ(reader.port().discarded(), account.missed());
+  EXPECT_EQ(reader.discarded(), account.missed());
 }
 
 /// The writer waits now and then until it has all arrived, so that none is lost on the way.
@@ -117,7 +117,7 @@ TEST_P(Conformance, KnowsWhatAReaderMissedThatTakesWhileSamplesCome) {
   }
   publisher.join();
   EXPECT_EQ(account.taken() + account.missed(), samples);
-  EXPECT_EQ(reader.port().discarded(), account.missed());
+  EXPECT_EQ(reader.discarded(), account.missed());
 }
 
 TEST_P(Conformance, KeepsOneDepthOfWhatDepartedWritersLeftAndCountsTheRest) {
@@ -128,11 +128,11 @@ TEST_P(Conformance, KeepsOneDepthOfWhatDepartedWritersLeftAndCountsTheRest) {
     for (int i = 0; i < 2; ++i) writer.publish_to(reader);
     reader.port().disconnect(id);
   }
-  EXPECT_EQ(reader.port().discarded(), 9U);
+  EXPECT_EQ(reader.discarded(), 9U);
   std::vector<std::pair<core::EndpointId, std::uint64_t>> taken;
   while (const SampleHandle sample = reader.take()) taken.emplace_back(sample->writer, sample->sequence);
   EXPECT_EQ(taken, (decltype(taken){{5, 2}, {6, 1}, {6, 2}}));
-  EXPECT_EQ(reader.port().lost_unnoticed(), 9U) << "nothing was taken before what is missing";
+  EXPECT_EQ(reader.lost_unnoticed(), 9U) << "nothing was taken before what is missing";
 }
 
 TEST_P(Conformance, CountsWhatADepartedWriterLeftThatNoGapShows) {
@@ -144,9 +144,9 @@ TEST_P(Conformance, CountsWhatADepartedWriterLeftThatNoGapShows) {
   next.serve(reader);
   for (int i = 0; i < 2; ++i) next.publish_to(reader);
   reader.port().disconnect(1);
-  const std::uint64_t before = reader.port().lost_unnoticed();
+  const std::uint64_t before = reader.lost_unnoticed();
   reader.port().disconnect(2);
-  EXPECT_EQ(reader.port().lost_unnoticed(), before + 1) << "sample 3 of the first one";
+  EXPECT_EQ(reader.lost_unnoticed(), before + 1) << "sample 3 of the first one";
   EXPECT_EQ(reader.take_sequences(), numbers(1, 2));
 }
 
@@ -160,7 +160,7 @@ TEST_P(Conformance, LeavesOthersAloneWhereOneReaderIsSlow) {
     ASSERT_EQ(writer.publish(), SendStatus::sent);
     ASSERT_EQ(fast.next_sequences(1), numbers(n, n));
   }
-  EXPECT_EQ(fast.port().discarded(), 0U);
+  EXPECT_EQ(fast.discarded(), 0U);
   std::uint64_t newest = 0;
   while (newest < 200) {
     const SampleHandle sample = slow.next();

@@ -7,6 +7,7 @@
 #include <memory>
 #include <ostream>
 #include <string>
+#include <utility>
 
 #include "core/seam/transport.h"
 
@@ -19,6 +20,33 @@ struct Traits {
   bool reliable = false;                  ///< readers ask for that
 };
 
+/// Something of shared memory, or of a network, used as what both have in common.
+template <class Common, class OfMemory, class OfNetwork>
+class Either {
+ public:
+  Either() = default;
+  Either(std::unique_ptr<OfMemory> given)  // NOLINT(google-explicit-constructor)
+      : memory_(given.get()), common_(std::move(given)) {}
+  Either(std::unique_ptr<OfNetwork> given)  // NOLINT(google-explicit-constructor)
+      : network_(given.get()), common_(std::move(given)) {}
+
+  Common& operator*() const { return *common_; }
+  Common* operator->() const { return common_.get(); }
+  /// Null if it is the other one.
+  OfMemory* memory() const { return memory_; }
+  OfNetwork* network() const { return network_; }
+  void reset() { *this = Either(); }
+
+ private:
+  OfMemory* memory_ = nullptr;
+  OfNetwork* network_ = nullptr;
+  std::unique_ptr<Common> common_;
+};
+
+using AnyTransport = Either<core::Transport, core::SharedMemory, core::Network>;
+using AnyWriter = Either<core::WriterPort, core::LendingWriter, core::NetworkWriter>;
+using AnyReader = Either<core::ReaderPort, core::BorrowingReader, core::NetworkReader>;
+
 class Medium {
  public:
   virtual ~Medium() = default;
@@ -27,9 +55,9 @@ class Medium {
   virtual Traits traits() const { return {}; }
 
   /// A node's transport, ready. REQUIRES: no refusal.
-  virtual std::unique_ptr<core::Transport> open() = 0;
+  virtual AnyTransport open() = 0;
   /// Where a reader is reached that belongs to a node and waits at a doorbell.
-  virtual core::Locator locator(const core::Transport& node, const core::DoorbellAddress& bell) = 0;
+  virtual core::Locator locator(const AnyTransport& node, const core::DoorbellAddress& bell) = 0;
 };
 
 struct MediumChoice {

@@ -23,7 +23,7 @@ class UdpMedium final : public Medium {
     return udp::test::refusal_of(backend_);
   }
   Traits traits() const override { return {.reliable = link_ == Link::bad}; }
-  std::unique_ptr<core::Transport> open() override {
+  AnyTransport open() override {
     return udp::open_udp_transport({.bind_address = loopback_, .backend = backend_}, udp::test::make_pool(),
                                    [this](udp::DatagramIo io) {
                                      if (link_ == Link::good) return io;
@@ -34,8 +34,8 @@ class UdpMedium final : public Medium {
                                    })
         .value();
   }
-  core::Locator locator(const core::Transport& node, const core::DoorbellAddress&) override {
-    return udp::test::loopback_address(node);
+  core::Locator locator(const AnyTransport& node, const core::DoorbellAddress&) override {
+    return udp::test::loopback_address(*node.network());
   }
 
  private:
@@ -64,6 +64,7 @@ INSTANTIATE_TEST_SUITE_P(Udp, BackPressure,
                          name_of);
 INSTANTIATE_TEST_SUITE_P(Udp, LateReaders, both_backends, name_of);
 INSTANTIATE_TEST_SUITE_P(Udp, Projection, both_backends, name_of);
+INSTANTIATE_TEST_SUITE_P(Udp, Transmissions, both_backends, name_of);
 
 }  // namespace
 }  // namespace sft::conformance

@@ -1,4 +1,4 @@
-/* PublisherCore::serve, on the agent's thread, against publish() and commit() on the program's: whatever the
+/* Dispatch::serve, on the agent's thread, against publish() and commit() on the program's: whatever the
    interleaving, no route asks for a field that the sample at hand is not encoded with. See model.md. */
 
 #ifndef CHANGES

@@ -104,8 +104,8 @@ class IncomingWriter {
   void expire(Time now, std::optional<Time>& next) { samples_.expire(now, next); }
   /// Sends what is to be acknowledged or asked for by now.
   void answer(Time now, const SendAck& send);
-  /// The earliest time when answer() has something to ask for; Time::max() if never, or if nothing may be asked
-  /// for until more of the writer has come.
+  /// The earliest time when answer() has something to ask for. Time::max() if never, or if nothing may be
+  /// asked for until more of the writer has come.
   Time next_answer() const {
     const bool may_ask = window_ != nullptr && answers_.is_known() && answers_.parts_covered() > 0;
     return may_ask ? window_->next_look() : Time::max();

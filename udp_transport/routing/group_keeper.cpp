@@ -31,7 +31,7 @@ void GroupKeeper::merge(std::vector<RouteBundle>& routes, Time now) {
   explain(routes);
   for (const Planned& planned : planned_) merge(planned, routes);
   std::erase_if(routes, [](const RouteBundle& bundle) { return bundle.destinations.empty(); });
-  std::ranges::stable_partition(routes, [](const RouteBundle& bundle) { return !bundle.spare; });
+  std::ranges::stable_partition(routes, [](const RouteBundle& bundle) { return !bundle.fallback; });
   replan_at_ = std::max(replan_at_, now + settling);
   found_.clear();
 }
@@ -47,7 +47,7 @@ void GroupKeeper::look_at(const std::vector<RouteBundle>& routes, Time now) {
       if (is_new) choose_link(candidate, now);
       if (bundle.gate != nullptr) candidate.refusal = "a reader there has a maximum rate";
       if (bundle.late_reader != 0) candidate.refusal = "a reader there is sent what was retained";
-      if (bundle.spare) candidate.refusal = "a reader there is served in shared memory";
+      if (bundle.fallback) candidate.refusal = "a reader there is served in shared memory";
       if (!holds(candidate.masks, bundle.wanted.mask)) candidate.masks.push_back(bundle.wanted.mask);
       candidate.reliable = candidate.reliable || bundle.reliable.contains(to.get());
     }

@@ -17,17 +17,17 @@ std::vector<RouteBundle> bundle_routes(std::span<const core::Route> routes, Dest
     const core::Wanted wanted{route.mask, route.gate == nullptr ? 0 : route.gate->min_period_us()};
     const core::EndpointId late_reader = route.history == 0 ? 0 : route.reader;
     auto bundle = std::find_if(bundles.begin(), bundles.end(), [&](const RouteBundle& b) {
-      return b.wanted == wanted && b.late_reader == late_reader && b.spare == route.spare;
+      return b.wanted == wanted && b.late_reader == late_reader && b.fallback == route.fallback;
     });
     if (bundle == bundles.end())
-      bundle = bundles.insert(bundles.end(), {wanted, late_reader, route.spare, route.gate});
+      bundle = bundles.insert(bundles.end(), {wanted, late_reader, route.fallback, route.gate});
     const std::shared_ptr<Destination> destination = directory.find(*address);
     bundle->readers.emplace_back(route.reader, destination.get());
     if (route.reliable) bundle->reliable[destination.get()].insert(route.reader);
     bundle->add(destination);
   }
   std::stable_partition(bundles.begin(), bundles.end(),
-                        [](const RouteBundle& bundle) { return !bundle.spare; });
+                        [](const RouteBundle& bundle) { return !bundle.fallback; });
   return bundles;
 }
 

@@ -18,7 +18,7 @@ namespace sft::udp {
 struct RouteBundle {
   core::Wanted wanted;
   core::EndpointId late_reader = 0;
-  bool spare = false;
+  bool fallback = false;
   std::shared_ptr<const core::RateGate> gate{};
   std::vector<std::shared_ptr<Destination>> destinations{};
   std::vector<std::pair<core::EndpointId, const Destination*>> readers{};

@@ -21,17 +21,17 @@ std::shared_ptr<const WireMask> make_wire_mask(const FieldMask& mask, std::uint1
   return std::make_shared<WireMask>(WireMask{number, mask.hash(), words_to_send(mask)});
 }
 
-/// What a gate withholds from readers on spare routes is counted by the transport that serves them.
+/// What a gate withholds from readers on fallback routes is counted by the transport that serves them.
 void write_page(const RouteBundle& bundle, const Audience& audience, RouteTable& table) {
   for (const auto& [reader, destination] : bundle.readers) {
     const auto leads_there = [to = destination](const auto& lane) { return &lane->destination() == to; };
     const auto lane = std::find_if(audience.lanes.begin(), audience.lanes.end(), leads_there);
-    if (!audience.spare) table.lanes_of[reader] = *lane;
+    if (!audience.fallback) table.lanes_of[reader] = *lane;
     table.page.push_back({reader,
                           {.tally = audience.tally,
                            .losses = (*lane)->losses(),
-                           .gate = audience.spare ? nullptr : audience.gate,
-                           .diverted = audience.spare}});
+                           .gate = audience.fallback ? nullptr : audience.gate,
+                           .diverted = audience.fallback}});
   }
 }
 
@@ -52,21 +52,21 @@ ReliableReaders reliable_readers(const std::vector<RouteBundle>& bundles) {
 }
 
 /// True if another audience is sent the same by the same lane: readers in one process share a socket.
-bool is_reached_anyway(const RouteTable& table, const Audience& spare, std::size_t lane) {
+bool is_reached_anyway(const RouteTable& table, const Audience& fallback, std::size_t lane) {
   return std::any_of(table.audiences.begin(), table.audiences.end(), [&](const Audience& audience) {
-    if (&audience == &spare || audience.wire != spare.wire) return false;
-    const auto same = std::find(audience.lanes.begin(), audience.lanes.end(), spare.lanes[lane]);
+    if (&audience == &fallback || audience.wire != fallback.wire) return false;
+    const auto same = std::find(audience.lanes.begin(), audience.lanes.end(), fallback.lanes[lane]);
     return same != audience.lanes.end() &&
-           (spare.channels[lane] == nullptr ||
-            audience.channels[same - audience.lanes.begin()] == spare.channels[lane]);
+           (fallback.channels[lane] == nullptr ||
+            audience.channels[same - audience.lanes.begin()] == fallback.channels[lane]);
   });
 }
 
-void leave_out_the_reached(const RouteTable& table, Audience& spare) {
-  for (std::size_t lane = spare.lanes.size(); lane-- > 0;) {
-    if (!is_reached_anyway(table, spare, lane)) continue;
-    spare.lanes.erase(spare.lanes.begin() + static_cast<std::ptrdiff_t>(lane));
-    spare.channels.erase(spare.channels.begin() + static_cast<std::ptrdiff_t>(lane));
+void leave_out_the_reached(const RouteTable& table, Audience& fallback) {
+  for (std::size_t lane = fallback.lanes.size(); lane-- > 0;) {
+    if (!is_reached_anyway(table, fallback, lane)) continue;
+    fallback.lanes.erase(fallback.lanes.begin() + static_cast<std::ptrdiff_t>(lane));
+    fallback.channels.erase(fallback.channels.begin() + static_cast<std::ptrdiff_t>(lane));
   }
 }
 
@@ -187,7 +187,7 @@ std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
         table->audiences.emplace_back(Audience{detail::ProjectionPlan(type, std::move(bundle.wanted.mask)),
                                                std::move(bundle.gate),
                                                bundle.late_reader,
-                                               bundle.spare,
+                                               bundle.fallback,
                                                variant.wire,
                                                {}});
     for (const std::shared_ptr<Destination>& to : bundle.destinations) {
@@ -199,7 +199,7 @@ std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
     if (bundle.multicast) audience.multicast = keeper->find(*bundle.multicast, members_of(audience));
     if (bundle.late_reader != 0) late_readers.insert(bundle.late_reader);
     write_page(bundle, audience, *table);
-    if (bundle.spare) {
+    if (bundle.fallback) {
       leave_out_the_reached(*table, audience);
     } else {
       table->usual = table->audiences.size();

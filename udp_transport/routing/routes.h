@@ -24,7 +24,7 @@ struct Audience {
   detail::ProjectionPlan plan;
   std::shared_ptr<const core::RateGate> gate;  ///< null: every sample is for the audience
   core::EndpointId late_reader = 0;            ///< 0: the audience is not a late reader
-  bool spare = false;                          ///< gets only samples that are meant for spare routes, too
+  bool fallback = false;                       ///< gets only samples that are meant for fallback routes, too
   std::shared_ptr<const WireMask> wire;
   std::vector<std::shared_ptr<Lane>> lanes;
   /// One for each lane: not null if a reader there is served reliably.
@@ -44,17 +44,17 @@ struct Audience {
 
 /// Immutable: a change of routes makes another table.
 struct RouteTable {
-  std::vector<Audience> audiences;  ///< spare ones last
+  std::vector<Audience> audiences;  ///< fallback ones last
   core::DeliveryBook::Page page;    ///< which tallies are whose
-  /// The lanes that lead to each reader, without spare ones.
+  /// The lanes that lead to each reader, without fallback ones.
   std::map<core::EndpointId, std::shared_ptr<Lane>> lanes_of;
 
-  std::size_t usual = 0;               ///< counts the audiences that are not spare
+  std::size_t usual = 0;               ///< counts the audiences that are not fallback
   std::shared_ptr<BodySizes> sizes{};  ///< to be measured; null: nobody asks
 
   /// The audiences that a sample may be for.
-  std::span<const Audience> reached(bool with_spares) const {
-    return std::span(audiences).first(with_spares ? audiences.size() : usual);
+  std::span<const Audience> reached(core::Reach reach) const {
+    return std::span(audiences).first(reach == core::Reach::usual_routes ? usual : audiences.size());
   }
   /// The audience that is this late reader; null if there is none.
   const Audience* of_late_reader(core::EndpointId reader) const;

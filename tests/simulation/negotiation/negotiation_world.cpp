@@ -209,7 +209,8 @@ void NegotiationWorld::start_node(std::size_t place) {
   Node& node = nodes_.emplace_back();
   node.id = nodes_.size();
   node.place = place;
-  node.self = {.host = plan_.common_memory ? token(1) : HostToken{}, .network = place + 1, .shm_state = ""};
+  node.self = {
+      .host = plan_.common_memory ? token(1) : HostToken{}, .network = place + 1, .memory_state = ""};
   node.negotiation.self_changed(node.self);
   for (std::size_t other = 0; other < n; ++other) {
     if (!nodes_[other].up) continue;
@@ -308,7 +309,7 @@ void NegotiationWorld::change_rate(std::size_t n, std::size_t which) {
   send_request(n, id);
 }
 
-/// Negotiation::self_changed and what Reconciler::look_after_shm does then.
+/// Negotiation::self_changed and what Reconciler::look_after_memory does then.
 void NegotiationWorld::change_memory(std::size_t n, const HostToken& host) {
   Node& node = nodes_[n];
   node.self.host = host;
@@ -322,7 +323,7 @@ void NegotiationWorld::change_memory(std::size_t n, const HostToken& host) {
   for (auto& [id, reader] : node.readers) {
     reader.subscribed.clear();
     reader.fed.clear();
-    for (auto& [writer, heard] : reader.heard) heard.shm = false;
+    for (auto& [writer, heard] : reader.heard) heard.memory = false;
     note_request(node.negotiation, id);
     if (!node.negotiation.local(id)->request.attached.empty()) fail("attached to memory that is gone");
   }
@@ -339,7 +340,7 @@ void NegotiationWorld::change_memory(std::size_t n, const HostToken& host) {
 
 void NegotiationWorld::publish(std::size_t n, std::size_t which) {
   const auto& [id, writer] = *std::next(nodes_[n].writers.begin(), static_cast<std::ptrdiff_t>(which));
-  for (const Route& route : writer.in_force.udp) datagrams_.push_back({id, route.reader, route.mask});
+  for (const Route& route : writer.in_force.network) datagrams_.push_back({id, route.reader, route.mask});
 }
 
 /// The datagram names its mask, so it is decoded under that mask. The check is that its reader takes such
@@ -362,8 +363,8 @@ void NegotiationWorld::arrive(std::size_t which) {
 
 bool NegotiationWorld::owes_history(const Writer& writer) {
   const auto is_late = [](const Route& route) { return route.history != 0; };
-  return std::ranges::any_of(writer.in_force.shm, is_late) ||
-         std::ranges::any_of(writer.in_force.udp, [&](const Route& route) {
+  return std::ranges::any_of(writer.in_force.memory, is_late) ||
+         std::ranges::any_of(writer.in_force.network, [&](const Route& route) {
            return is_late(route) && !writer.history_given.contains(route.reader);
          });
 }
@@ -373,10 +374,10 @@ void NegotiationWorld::give_history(std::size_t n, std::size_t which) {
   Node& node = nodes_[n];
   auto& [id, writer] = *std::next(node.writers.begin(), static_cast<std::ptrdiff_t>(which));
   bool dirty = false;
-  for (const Route& route : writer.in_force.shm) {
+  for (const Route& route : writer.in_force.memory) {
     if (route.history != 0) history_comes(id, route.reader, TransportKind::shm);
   }
-  for (const Route& route : writer.in_force.udp) {
+  for (const Route& route : writer.in_force.network) {
     if (route.history == 0) continue;
     history_comes(id, route.reader, TransportKind::udp);
     if (has_begun(node, id, route.reader)) writer.history_given.insert(route.reader);
@@ -387,14 +388,14 @@ void NegotiationWorld::give_history(std::size_t n, std::size_t which) {
 
 /// Something of that writer comes for that reader alone, if it is still there and listens.
 void NegotiationWorld::history_comes(Id writer, Id reader, TransportKind path) {
-  const bool by_udp = path == TransportKind::udp;
+  const bool over_network = path == TransportKind::udp;
   for (std::size_t n = 0; n < nodes_.size(); ++n) {
     const auto here = nodes_[n].readers.find(reader);
     if (!nodes_[n].up || here == nodes_[n].readers.end() ||
-        !holds(by_udp ? here->second.connected : here->second.fed, writer))
+        !holds(over_network ? here->second.connected : here->second.fed, writer))
       continue;
     const Request& said = nodes_[n].negotiation.local(reader)->request;
-    if (!holds(by_udp ? said.listening : said.attached, writer)) continue;
+    if (!holds(over_network ? said.listening : said.attached, writer)) continue;
     if (!nodes_[n].negotiation.history_began(reader, writer)) continue;
     note_request(nodes_[n].negotiation, reader);
     changed(n, true);

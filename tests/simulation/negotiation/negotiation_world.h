@@ -107,8 +107,8 @@ class NegotiationWorld {
     std::shared_ptr<const core::Request> last_request;
   };
   struct Heard {
-    bool udp = false;
-    bool shm = false;
+    bool network = false;
+    bool memory = false;
   };
   struct Reader {
     core::Endpoint endpoint;

@@ -44,8 +44,8 @@ void NegotiationWorld::check_serving(const Node& node, const Writer& writer) {
     const Endpoint& own = *node.negotiation.local(id);
     routes += check_route(node, writer, own, own.request.sequence);
   }
-  if (routes != writer.wanted.shm.size() + writer.wanted.udp.size() ||
-      writer.wanted.spare.size() > writer.wanted.shm.size()) {
+  if (routes != writer.wanted.memory.size() + writer.wanted.network.size() ||
+      writer.wanted.fallback.size() > writer.wanted.memory.size()) {
     fail("a reader is served that is not there, or twice");
   }
 }
@@ -64,19 +64,19 @@ std::size_t NegotiationWorld::check_route(const Node& node, const Writer& writer
   const bool history_first = owed != 0 && network;
   const bool shm = matches && memory && !history_first && holds(asked.request.attached, w);
   const bool udp = matches && !shm && network && holds(asked.request.listening, w);
-  const Route* by_shm = route_to(writer.wanted.shm, reader.id);
-  const Route* by_udp = route_to(writer.wanted.udp, reader.id);
-  const Route* spare = route_to(writer.wanted.spare, reader.id);
-  if ((spare != nullptr) != (shm && network && holds(asked.request.listening, w)))
+  const Route* by_shm = route_to(writer.wanted.memory, reader.id);
+  const Route* by_udp = route_to(writer.wanted.network, reader.id);
+  const Route* fallback = route_to(writer.wanted.fallback, reader.id);
+  if ((fallback != nullptr) != (shm && network && holds(asked.request.listening, w)))
     fail("by UDP what shared memory does not take: unasked, or not");
   if ((by_shm != nullptr) != shm) fail("in shared memory: served unasked, or not served");
   if ((by_udp != nullptr) != udp) fail("by UDP: served unasked, or not served");
-  for (const Route* route : {by_shm, by_udp, spare}) {
+  for (const Route* route : {by_shm, by_udp, fallback}) {
     if (route == nullptr) continue;
     if (!(route->mask == asked.mask)) fail("not the newest mask that the reader asked for");
     if (route->min_period_us != asked.request.min_period_us) fail("not the newest rate that it asked for");
-    // A spare route, of a reader in shared memory, never has one.
-    const bool has_it = shm && (route == spare || holds(asked.request.begun, w));
+    // A fallback route, of a reader in shared memory, never has one.
+    const bool has_it = shm && (route == fallback || holds(asked.request.begun, w));
     if (route->history != (has_it ? 0 : owed)) fail("not what it is owed of the history");
   }
   return shm || udp ? 1 : 0;
@@ -176,8 +176,8 @@ void NegotiationWorld::check_pair(const Node& there, const Writer& writer, const
   const bool matches = fits(w.qos, r.qos);
   const bool shm = matches && memory;
   const bool udp = matches && !memory && network;
-  const Route* by_shm = route_to(writer.in_force.shm, r.id);
-  const Route* by_udp = route_to(writer.in_force.udp, r.id);
+  const Route* by_shm = route_to(writer.in_force.memory, r.id);
+  const Route* by_udp = route_to(writer.in_force.network, r.id);
   if ((by_shm != nullptr) != shm || (by_udp != nullptr) != udp) fail("at rest, but not by the best path");
   const Route* route = by_shm != nullptr ? by_shm : by_udp;
   if (route != nullptr && !(route->mask == asked_.at(r.id).back().mask))

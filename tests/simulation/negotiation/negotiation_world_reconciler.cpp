@@ -23,7 +23,7 @@ void NegotiationWorld::reconcile(std::size_t n) {
   Node& node = nodes_[n];
   node.dirty = false;
   for (auto& [id, writer] : node.writers) {
-    writer.port |= writer.wanted.shm_port;
+    writer.port |= writer.wanted.memory_port;
     writer.in_force = writer.wanted;
   }
   for (auto& [id, reader] : node.readers) reconcile_reader(n, id, reader);
@@ -34,10 +34,10 @@ void NegotiationWorld::reconcile_reader(std::size_t n, Id id, Reader& reader) {
   std::map<Id, Heard> heard;
   for (const core::Hearing& hearing : negotiation.hearing(id)) {
     const Id writer = hearing.source.writer;
-    heard[writer] = {hearing.udp, hearing.shm};
-    if (hearing.udp) insert(reader.connected, writer);
-    if (hearing.shm) insert(reader.subscribed, writer);
-    if (hearing.shm) continue;
+    heard[writer] = {hearing.network, hearing.memory};
+    if (hearing.network) insert(reader.connected, writer);
+    if (hearing.memory) insert(reader.subscribed, writer);
+    if (hearing.memory) continue;
     std::erase(reader.subscribed, writer);
     std::erase(reader.fed, writer);
   }
@@ -61,8 +61,8 @@ bool NegotiationWorld::connections_changed(const Node& node) const {
   for (const auto& [id, reader] : node.readers) {
     const Request& request = node.negotiation.local(id)->request;
     for (const auto& [writer, heard] : reader.heard) {
-      if ((heard.udp && holds(reader.connected, writer)) != holds(request.listening, writer)) return true;
-      if ((heard.shm && holds(reader.fed, writer)) != holds(request.attached, writer)) return true;
+      if ((heard.network && holds(reader.connected, writer)) != holds(request.listening, writer)) return true;
+      if ((heard.memory && holds(reader.fed, writer)) != holds(request.attached, writer)) return true;
       if (holds(request.begun, writer) && !holds(reader.history_came, writer)) return true;
     }
   }
@@ -75,8 +75,8 @@ void NegotiationWorld::look_after_connections(std::size_t n) {
     bool dirty = false;
     bool came = false;
     for (const auto& [writer, heard] : reader.heard) {
-      const bool listening = heard.udp && holds(reader.connected, writer);
-      const bool attached = heard.shm && holds(reader.fed, writer);
+      const bool listening = heard.network && holds(reader.connected, writer);
+      const bool attached = heard.memory && holds(reader.fed, writer);
       dirty |= negotiation.connection_changed(id, writer, TransportKind::udp, listening);
       dirty |= negotiation.connection_changed(id, writer, TransportKind::shm, attached);
       if (!holds(negotiation.local(id)->request.begun, writer)) {

@@ -25,69 +25,85 @@ using sensor_msgs::msg::PointCloud2;
 constexpr EndpointId reader_id = 1;
 constexpr EndpointId neighbour_id = 2;
 
-/// Keeps what it sends until the test delivers it.
-class PathWriter final : public WriterPort {
+/// Keeps what is sent by it until the test delivers it.
+class Path {
  public:
-  /// In shared memory the reader keeps the limit of the rate.
-  PathWriter(TransportKind kind, std::shared_ptr<BufferPool> pool, std::function<void()> between)
-      : by_datagrams_(kind == TransportKind::udp), pool_(std::move(pool)), between_(std::move(between)) {}
+  explicit Path(std::function<void()> between) : between_(std::move(between)) {}
 
-  SampleHandle loan(std::size_t bytes) noexcept override {
-    return refuses ? SampleHandle() : pool_->take(bytes);
-  }
-  bool can_send(const SampleBuffer& sample) const noexcept override {
-    return by_datagrams_ || sample.owner == pool_;
-  }
-  void include_spares() noexcept override { with_spares_ = true; }
-  SendStatus send(const SampleHandle& sample) noexcept override {
-    const bool with_spares = std::exchange(with_spares_, false);
-    for (const Route& route : routes_) {
-      if (route.spare && !with_spares) continue;
-      if (!sample->mask.contains(route.mask)) ++uncovered;
-      if (by_datagrams_ && route.gate != nullptr && !route.gate->passes()) continue;
-      if (by_datagrams_) mark(*sample, route);
-      if (route.reader == reader_id) sent.push_back(sample);
-    }
-    return SendStatus::sent;
-  }
-  void set_routes(std::vector<Route> routes) override {
+  std::deque<SampleHandle> sent;
+  int uncovered = 0;  ///< routes that asked for more than the sample had
+
+ protected:
+  void put(std::vector<Route> routes) {
     between_();
     routes_ = std::move(routes);
     between_();
   }
-  std::uint64_t bytes_sent() const noexcept override { return 0; }
-
-  std::deque<SampleHandle> sent;
-  bool refuses = false;  ///< to lend
-  int uncovered = 0;     ///< routes that asked for more than the sample had
+  const std::vector<Route>& routes() const { return routes_; }
 
  private:
-  static void mark(SampleBuffer& sample, const Route& route) {
-    if (route.reader != reader_id) return;
-    sample.min_period_us = route.gate == nullptr ? 0 : route.gate->min_period_us();
-    sample.ordinal = route.gate == nullptr ? 0 : route.gate->ordinal();
-  }
-
-  const bool by_datagrams_;
-  std::shared_ptr<BufferPool> pool_;
   std::function<void()> between_;
   std::vector<Route> routes_;
-  bool with_spares_ = false;
+};
+
+/// In shared memory it is the reader that keeps a limit.
+class MemoryPath final : public IdleLendingWriter, public Path {
+ public:
+  MemoryPath(std::shared_ptr<BufferPool> pool, std::function<void()> between)
+      : Path(std::move(between)), pool_(std::move(pool)) {}
+
+  SampleHandle loan(std::size_t bytes) noexcept override {
+    return refuses ? SampleHandle() : pool_->take(bytes);
+  }
+  bool can_send(const SampleBuffer& sample) const noexcept override { return sample.owner == pool_; }
+  SendStatus send(const SampleHandle& sample) noexcept override {
+    for (const Route& route : routes()) {
+      if (!sample->mask.contains(route.mask)) ++uncovered;
+      if (route.reader == reader_id) sent.push_back(sample);
+    }
+    return SendStatus::sent;
+  }
+  void set_routes(std::vector<Route> routes) override { put(std::move(routes)); }
+
+  bool refuses = false;  ///< to lend
+
+ private:
+  std::shared_ptr<BufferPool> pool_;
+};
+
+class NetworkPath final : public IdleNetworkWriter, public Path {
+ public:
+  using Path::Path;
+  void set_routes(std::vector<Route> routes) override { put(std::move(routes)); }
+
+ private:
+  SendStatus send_begun(const SampleHandle& sample, Reach reach) noexcept override {
+    for (const Route& route : routes()) {
+      if (route.fallback && reach == Reach::usual_routes) continue;
+      if (!sample->mask.contains(route.mask)) ++uncovered;
+      if (route.gate != nullptr && !route.gate->passes()) continue;
+      if (route.reader != reader_id) continue;
+      sample->min_period_us = route.gate == nullptr ? 0 : route.gate->min_period_us();
+      sample->ordinal = route.gate == nullptr ? 0 : route.gate->ordinal();
+      sent.push_back(sample);
+    }
+    return SendStatus::sent;
+  }
 };
 
 class PathSwitch : public test::RandomTest {
  protected:
   explicit PathSwitch(std::chrono::nanoseconds diverted_patience = std::chrono::milliseconds(1))
       : patience(diverted_patience) {
-    subscriber.ports().set(TransportKind::shm, shm_reader);
-    subscriber.ports().set(TransportKind::udp, udp_reader);
+    subscriber.ports().set_memory(memory_reader);
+    subscriber.ports().set_network(network_reader);
   }
 
   std::size_t below(std::size_t end) { return random() % end; }
 
   void publish() {
     const PointCloud2 value{};
-    shm_writer->refuses = below(100) < refused_percent;
+    memory_writer->refuses = below(100) < refused_percent;
     publisher.publish(&value);
     ++published;
   }
@@ -95,9 +111,9 @@ class PathSwitch : public test::RandomTest {
   /// The request of the reader may arrive late.
   std::uint32_t asked_period_us() { return periods_us[below(periods_us.size())]; }
 
-  static Route spare(Route route) {
+  static Route fallback(Route route) {
     route.destination = UdpAddress{};
-    route.spare = true;
+    route.fallback = true;
     return route;
   }
 
@@ -107,25 +123,25 @@ class PathSwitch : public test::RandomTest {
     for (const EndpointId id : {reader_id, neighbour_id}) {
       const FieldMask mask = type.closed(FieldMask::from_words(type.leaves(), {{random()}}));
       const std::size_t path = below(3);
-      if (path == 0) serving.shm.push_back({id, DoorbellAddress{}, mask, asked_period_us()});
-      if (path == 0 && below(2) == 0) serving.spare.push_back(spare(serving.shm.back()));
-      if (path == 1) serving.udp.push_back({id, UdpAddress{}, mask, asked_period_us()});
+      if (path == 0) serving.memory.push_back({id, DoorbellAddress{}, mask, asked_period_us()});
+      if (path == 0 && below(2) == 0) serving.fallback.push_back(fallback(serving.memory.back()));
+      if (path == 1) serving.network.push_back({id, UdpAddress{}, mask, asked_period_us()});
     }
-    publisher.serve(serving, shm_writer);
+    publisher.serve(serving, memory_writer);
     const std::uint32_t asked = asked_period_us();
     ASSERT_TRUE(subscriber.set_max_rate_hz(asked == 0 ? 0 : 1e6 / asked));
   }
 
   /// Datagrams may be lost, come late and come twice; chunks may be pushed out, but come in order.
   void move_one() {
-    if (below(2) == 0 && !shm_writer->sent.empty()) {
-      if (below(8) != 0) shm_reader->samples.push_back(shm_writer->sent.front());
-      shm_writer->sent.pop_front();
-    } else if (!udp_writer->sent.empty()) {
+    if (below(2) == 0 && !memory_writer->sent.empty()) {
+      if (below(8) != 0) memory_reader->samples.push_back(memory_writer->sent.front());
+      memory_writer->sent.pop_front();
+    } else if (!network_writer->sent.empty()) {
       const auto which =
-          udp_writer->sent.begin() + static_cast<std::ptrdiff_t>(below(udp_writer->sent.size()));
-      if (below(8) != 0) udp_reader->samples.push_back(*which);
-      if (below(8) != 0) udp_writer->sent.erase(which);
+          network_writer->sent.begin() + static_cast<std::ptrdiff_t>(below(network_writer->sent.size()));
+      if (below(8) != 0) network_reader->samples.push_back(*which);
+      if (below(8) != 0) network_writer->sent.erase(which);
     }
   }
 
@@ -143,7 +159,7 @@ class PathSwitch : public test::RandomTest {
   }
 
   /// Delivers everything that is under way.
-  static void deliver_all_of(PathWriter& writer, QueuePort& reader) {
+  static void deliver_all_of(Path& writer, Queue& reader) {
     for (; !writer.sent.empty(); writer.sent.pop_front()) reader.samples.push_back(writer.sent.front());
   }
 
@@ -168,13 +184,12 @@ class PathSwitch : public test::RandomTest {
   const std::function<void()> between = [this] {
     if (below(2) == 0) publish();
   };
-  const std::shared_ptr<PathWriter> udp_writer =
-      std::make_shared<PathWriter>(TransportKind::udp, pool, between);
-  const std::shared_ptr<PathWriter> shm_writer =
-      std::make_shared<PathWriter>(TransportKind::shm, BufferPool::make(1 << 22), between);
-  const std::shared_ptr<QueuePort> udp_reader = std::make_shared<QueuePort>();
-  const std::shared_ptr<QueuePort> shm_reader = std::make_shared<QueuePort>();
-  PublisherCore publisher{{9, "points", &type, 1 << 16}, pool, udp_writer};
+  const std::shared_ptr<NetworkPath> network_writer = std::make_shared<NetworkPath>(between);
+  const std::shared_ptr<MemoryPath> memory_writer =
+      std::make_shared<MemoryPath>(BufferPool::make(1 << 22), between);
+  const std::shared_ptr<NetworkQueue> network_reader = std::make_shared<NetworkQueue>();
+  const std::shared_ptr<MemoryQueue> memory_reader = std::make_shared<MemoryQueue>();
+  PublisherCore publisher{{9, "points", &type, 1 << 16}, pool, network_writer};
   SubscriberCore subscriber{{.id = reader_id,
                              .topic = "points",
                              .type = &type,
@@ -197,33 +212,33 @@ TEST_F(PathSwitch, LosesNothingUncountedTakesNothingTwiceAndAsksForNothingThatIs
   EXPECT_GT(status.received, 1000U);
   EXPECT_EQ(status.received + status.lost, last - first + 1);
   EXPECT_EQ(publisher.status().published, published);
-  EXPECT_EQ(shm_writer->uncovered + udp_writer->uncovered, 0);
+  EXPECT_EQ(memory_writer->uncovered + network_writer->uncovered, 0);
 }
 
 TEST_F(PathSwitch, WhatSharedMemoryRefusesIsLostTakenOnceOrCountedAsWell) {
   refused_percent = 30;
   run();
-  shm_writer->refuses = false;
+  memory_writer->refuses = false;
   EXPECT_TRUE(test::eventually([&] {  // what waited for datagrams that were lost
     take();
-    return shm_reader->samples.empty() && udp_reader->samples.empty() && !subscriber.available();
+    return memory_reader->samples.empty() && network_reader->samples.empty() && !subscriber.available();
   }));
   const SubscriberStatus status = subscriber.status();
   EXPECT_GT(status.received, 1000U);
   EXPECT_EQ(status.received + status.lost, last - first + 1);
-  EXPECT_EQ(shm_writer->uncovered + udp_writer->uncovered, 0);
+  EXPECT_EQ(memory_writer->uncovered + network_writer->uncovered, 0);
 }
 
 class PatientPathSwitch : public PathSwitch {
  protected:
   PatientPathSwitch() : PathSwitch(std::chrono::hours(1)) {
     Serving serving;
-    serving.shm = {{reader_id, DoorbellAddress{}, type.full()}};
-    serving.spare = {spare(serving.shm.front())};
-    publisher.serve(serving, shm_writer);
+    serving.memory = {{reader_id, DoorbellAddress{}, type.full()}};
+    serving.fallback = {fallback(serving.memory.front())};
+    publisher.serve(serving, memory_writer);
   }
 
-  void expect_in_place(const Serving& by_udp, const Serving& by_shm);
+  void expect_in_place(const Serving& over_network, const Serving& in_memory);
 };
 
 // In shared memory a sample arrives when it is published; datagrams are under way for a while.
@@ -233,15 +248,15 @@ TEST_F(PatientPathSwitch, WhatSharedMemoryRefusesComesByUdpInItsPlaceHoweverLate
     const std::size_t what = below(4);
     if (what == 0) publish();
     if (what == 1) take();
-    if (what == 2) deliver_all_of(*shm_writer, *shm_reader);
-    auto& under_way = udp_writer->sent;
+    if (what == 2) deliver_all_of(*memory_writer, *memory_reader);
+    auto& under_way = network_writer->sent;
     if (what != 3 || under_way.empty()) continue;
-    deliver_all_of(*shm_writer, *shm_reader);
-    udp_reader->samples.push_back(under_way.front());
+    deliver_all_of(*memory_writer, *memory_reader);
+    network_reader->samples.push_back(under_way.front());
     under_way.pop_front();
   }
-  deliver_all_of(*shm_writer, *shm_reader);
-  deliver_all_of(*udp_writer, *udp_reader);
+  deliver_all_of(*memory_writer, *memory_reader);
+  deliver_all_of(*network_writer, *network_reader);
   take();
   const SubscriberStatus status = subscriber.status();
   EXPECT_EQ(last, published);
@@ -254,20 +269,20 @@ TEST_F(PatientPathSwitch, WhatSharedMemoryRefusesComesByUdpInItsPlaceHoweverLate
 }
 
 /// Served by UDP the reader is attached while samples are under way.
-void PatientPathSwitch::expect_in_place(const Serving& by_udp, const Serving& by_shm) {
+void PatientPathSwitch::expect_in_place(const Serving& over_network, const Serving& in_memory) {
   for (int round = 0; round < 100; ++round) {
-    publisher.serve(by_udp, shm_writer);
+    publisher.serve(over_network, memory_writer);
     publish();
-    deliver_all_of(*shm_writer, *shm_reader);
-    deliver_all_of(*udp_writer, *udp_reader);
+    deliver_all_of(*memory_writer, *memory_reader);
+    deliver_all_of(*network_writer, *network_reader);
     take();
     const std::uint64_t lost = subscriber.status().lost;
     for (int i = 0; i < 7; ++i) publish();
-    publisher.serve(by_shm, shm_writer);  // samples are published meanwhile
+    publisher.serve(in_memory, memory_writer);  // samples are published meanwhile
     publish();
-    deliver_all_of(*shm_writer, *shm_reader);
+    deliver_all_of(*memory_writer, *memory_reader);
     take();
-    deliver_all_of(*udp_writer, *udp_reader);
+    deliver_all_of(*network_writer, *network_reader);
     take();
     ASSERT_EQ(last, published);
     ASSERT_EQ(subscriber.status().lost, lost);
@@ -275,35 +290,35 @@ void PatientPathSwitch::expect_in_place(const Serving& by_udp, const Serving& by
 }
 
 TEST_F(PatientPathSwitch, WhatIsStillUnderWayByUdpWhenTheReaderIsAttachedComesInItsPlace) {
-  Serving by_udp, by_shm;
-  by_udp.udp = {{reader_id, UdpAddress{}, type.full()}};
-  by_shm.shm = {{reader_id, DoorbellAddress{}, type.full()}};
-  expect_in_place(by_udp, by_shm);
+  Serving over_network, in_memory;
+  over_network.network = {{reader_id, UdpAddress{}, type.full()}};
+  in_memory.memory = {{reader_id, DoorbellAddress{}, type.full()}};
+  expect_in_place(over_network, in_memory);
 }
 
 TEST_F(PatientPathSwitch, WhatIsStillUnderWayByUdpComesInItsPlaceAlsoWhereOthersWereAttachedBefore) {
   const Route neighbour{neighbour_id, DoorbellAddress{}, type.full()};
-  Serving by_udp, by_shm;
-  by_udp.udp = {{reader_id, UdpAddress{}, type.full()}};
-  by_udp.shm = {neighbour};
-  by_shm.shm = {{reader_id, DoorbellAddress{}, type.full()}, neighbour};
-  expect_in_place(by_udp, by_shm);
+  Serving over_network, in_memory;
+  over_network.network = {{reader_id, UdpAddress{}, type.full()}};
+  over_network.memory = {neighbour};
+  in_memory.memory = {{reader_id, DoorbellAddress{}, type.full()}, neighbour};
+  expect_in_place(over_network, in_memory);
 }
 
 TEST_F(PathSwitch, FromUdpToSharedMemoryNoSampleFallsBetweenThePorts) {
-  Serving by_udp, by_shm;
-  by_udp.udp = {{reader_id, UdpAddress{}, type.full()}};
-  by_shm.shm = {{reader_id, DoorbellAddress{}, type.full()}};
+  Serving over_network, in_memory;
+  over_network.network = {{reader_id, UdpAddress{}, type.full()}};
+  in_memory.memory = {{reader_id, DoorbellAddress{}, type.full()}};
   for (int round = 0; round < 100; ++round) {
-    publisher.serve({}, shm_writer);
-    publisher.serve(by_udp, shm_writer);
-    shm_writer->sent.clear();
-    udp_writer->sent.clear();
+    publisher.serve({}, memory_writer);
+    publisher.serve(over_network, memory_writer);
+    memory_writer->sent.clear();
+    network_writer->sent.clear();
     const std::uint64_t before = published;
-    publisher.serve(by_shm, shm_writer);  // samples are published meanwhile
+    publisher.serve(in_memory, memory_writer);  // samples are published meanwhile
     publish();
     std::set<std::uint64_t> sent;
-    for (const auto* samples : {&shm_writer->sent, &udp_writer->sent}) {
+    for (const auto* samples : {&memory_writer->sent, &network_writer->sent}) {
       for (const SampleHandle& sample : *samples) sent.insert(sample->sequence);
     }
     EXPECT_EQ(sent.size(), published - before);
@@ -318,10 +333,10 @@ TEST_F(PathSwitch, CountsEachSampleThatDidNotComeAsLostOrWithheldWhileLimitsChan
   periods_us = {0};
   ASSERT_TRUE(subscriber.set_max_rate_hz(0));
   Serving unlimited;
-  unlimited.shm = {{reader_id, DoorbellAddress{}, type.full()}};
-  publisher.serve(unlimited, shm_writer);
+  unlimited.memory = {{reader_id, DoorbellAddress{}, type.full()}};
+  publisher.serve(unlimited, memory_writer);
   publish();  // what was skipped before is entered, too
-  shm_reader->samples.push_back(shm_writer->sent.back());
+  memory_reader->samples.push_back(memory_writer->sent.back());
   periods_us = {0, 10, 30};
   EXPECT_TRUE(test::eventually([&] { return take(), last == published; }))
       << last;  // or it waits, for a while
@@ -329,7 +344,7 @@ TEST_F(PathSwitch, CountsEachSampleThatDidNotComeAsLostOrWithheldWhileLimitsChan
   EXPECT_GT(status.received, 1000U);
   EXPECT_GT(status.withheld, 100U);
   EXPECT_EQ(status.received + status.lost + status.withheld, last - first + 1);
-  EXPECT_EQ(shm_writer->uncovered + udp_writer->uncovered, 0);
+  EXPECT_EQ(memory_writer->uncovered + network_writer->uncovered, 0);
 }
 
 }  // namespace

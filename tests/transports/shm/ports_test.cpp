@@ -100,12 +100,12 @@ TEST_F(ShmPorts, KeepOneDepthOfSamplesOfDepartedWritersAndCountTheRest) {
     reader.port().disconnect(id);
   }
   EXPECT_TRUE(chunks.comes_to(before - depth));
-  EXPECT_EQ(reader.port().lost_unnoticed(), 4 * 2U) << "of those of which nothing is left";
-  EXPECT_EQ(reader.port().discarded(), 4 * 2U + 1);
+  EXPECT_EQ(reader.port().counters().lost_unnoticed, 4 * 2U) << "of those of which nothing is left";
+  EXPECT_EQ(reader.port().counters().discarded, 4 * 2U + 1);
   std::vector<std::pair<core::EndpointId, std::uint64_t>> taken;
   while (const SampleHandle got = reader.take()) taken.emplace_back(got->writer, got->sequence);
   EXPECT_EQ(taken, (decltype(taken){{5, 2}, {6, 1}, {6, 2}}));
-  EXPECT_EQ(reader.port().lost_unnoticed(), 4 * 2U + 1) << "no gap tells of the fifth one's first";
+  EXPECT_EQ(reader.port().counters().lost_unnoticed, 4 * 2U + 1) << "no gap tells of the fifth one's first";
   EXPECT_TRUE(chunks.comes_to(before));
 }
 
@@ -139,7 +139,7 @@ TEST_F(ShmPorts, SkipMalformedSamplesAndCountThem) {
   writer.send_frame();
   EXPECT_TRUE(reader.next());
   EXPECT_FALSE(reader.take());
-  EXPECT_EQ(reader.port().discarded(), 2U);
+  EXPECT_EQ(reader.port().counters().discarded, 2U);
   EXPECT_EQ(node()->counters().malformed, 2U);
 }
 
@@ -192,7 +192,7 @@ class ForgedChunk : public ShmPorts {
   void expect_refusal() {
     EXPECT_EQ(writer_->port().send(bad_), SendStatus::sent);
     EXPECT_FALSE(reader_->take());
-    EXPECT_EQ(reader_->port().discarded(), 1U);
+    EXPECT_EQ(reader_->port().counters().discarded, 1U);
     EXPECT_EQ(node()->counters().malformed, 1U);
   }
 
@@ -456,7 +456,7 @@ class LostSamples : public ShmPorts {
   void make_gap(std::uint64_t samples) { sequence_ += samples; }
   std::uint64_t counted() {
     while (reader_->take()) continue;
-    return reader_->port().discarded();
+    return reader_->port().counters().discarded;
   }
 
   std::optional<Writer> writer_;

@@ -80,11 +80,11 @@ class Node {
   core::Availability poll() { return transport_->poll(Clock::now()); }
   bool becomes(core::Availability wanted, std::chrono::milliseconds within = 30s);
   bool becomes_ready() { return becomes(core::Availability::ready); }
-  core::Transport& transport() { return *transport_; }
-  core::Transport* operator->() { return transport_.get(); }
+  core::SharedMemory& transport() { return *transport_; }
+  core::SharedMemory* operator->() { return transport_.get(); }
 
  private:
-  std::unique_ptr<core::Transport> transport_;
+  std::unique_ptr<core::SharedMemory> transport_;
 };
 
 class Writer {
@@ -96,13 +96,13 @@ class Writer {
   /// Fills in the next frame and sends it.
   core::SendStatus send(const core::SampleHandle& sample, std::uint32_t data);
   core::SendStatus send_frame(std::uint32_t data = 100);
-  core::WriterPort& port() { return *port_; }
+  core::LendingWriter& port() { return *port_; }
   core::EndpointId id() const { return id_; }
   std::uint64_t sequence() const { return sequence_; }
 
  private:
   core::EndpointId id_;
-  std::unique_ptr<core::WriterPort> port_;
+  std::unique_ptr<core::LendingWriter> port_;
   std::uint64_t sequence_ = 0;
 };
 
@@ -113,10 +113,10 @@ class Reader {
   bool connects_to(core::EndpointId writer);
   core::SampleHandle take() { return port_->take(); }
   core::SampleHandle next(std::chrono::milliseconds within = 5s);
-  core::ReaderPort& port() { return *port_; }
+  core::BorrowingReader& port() { return *port_; }
 
  private:
-  std::unique_ptr<core::ReaderPort> port_;
+  std::unique_ptr<core::BorrowingReader> port_;
 };
 
 inline std::uint64_t sequence_of(const core::SampleHandle& sample) { return sample->header().sequence; }
@@ -132,7 +132,7 @@ class ChunkCounter {
  private:
   Node& node_;
   std::uint32_t data_;
-  std::vector<std::unique_ptr<core::WriterPort>> ports_;
+  std::vector<std::unique_ptr<core::LendingWriter>> ports_;
 };
 
 inline bool contains(const std::string& text, const std::string& part) {

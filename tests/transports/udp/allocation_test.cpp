@@ -23,7 +23,7 @@ class Counting final : public core::ArrivalListener {
   void arrived() noexcept override {
     while (reader->take()) ++samples;
   }
-  core::ReaderPort* reader = nullptr;
+  core::NetworkReader* reader = nullptr;
   std::atomic<std::size_t> samples{0};
 };
 

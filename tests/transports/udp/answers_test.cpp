@@ -45,7 +45,7 @@ class AnswerWatch final : public test::PassingReceiver {
 
 class AnswersTest : public TransportTest {
  protected:
-  std::unique_ptr<core::Transport> open(AnswerWatch::Seen& seen, std::uint16_t port = 0) {
+  std::unique_ptr<core::Network> open(AnswerWatch::Seen& seen, std::uint16_t port = 0) {
     return TransportTest::open({.port = port}, [&](DatagramIo io) {
       io.receiver = std::make_unique<AnswerWatch>(std::move(io.receiver), seen);
       return io;
@@ -53,7 +53,7 @@ class AnswersTest : public TransportTest {
   }
 
   /// Enough for reports and acks.
-  void transfer(core::Transport& there, core::Transport& here) {
+  void transfer(core::Network& there, core::Network& here) {
     Subscriber subscriber(here, {"*"});
     Publisher publisher(there);
     subscriber.listen_reliably_to(publisher.id());

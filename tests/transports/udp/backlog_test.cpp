@@ -26,7 +26,7 @@ using test::Subscriber;
 class BacklogTest : public TransportTest {
  protected:
   /// Nothing leaves for that one until the gate is opened.
-  std::unique_ptr<core::Transport> open_before(test::Gate& gate, std::shared_ptr<core::BufferPool> pool) {
+  std::unique_ptr<core::Network> open_before(test::Gate& gate, std::shared_ptr<core::BufferPool> pool) {
     UdpOptions options;
     options.bind_address = INADDR_LOOPBACK;
     options.backend = GetParam();

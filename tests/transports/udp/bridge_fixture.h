@@ -40,7 +40,7 @@ inline Traffic traffic_of(const std::string& interface) {
 class BridgeTest : public testing::Test {
  protected:
   struct Host {
-    std::unique_ptr<core::Transport> transport;
+    std::unique_ptr<core::Network> transport;
     std::unique_ptr<Subscriber> subscriber;
     core::UdpAddress address;
     std::string mask;
@@ -150,7 +150,7 @@ class BridgeTest : public testing::Test {
 
   static constexpr std::size_t data_bytes = 5000, name_bytes = 3000;
 
-  std::unique_ptr<core::Transport> writer_;
+  std::unique_ptr<core::Network> writer_;
   std::unique_ptr<Publisher> publisher_;
   std::vector<Host> hosts_;
   std::size_t served_ = 0;

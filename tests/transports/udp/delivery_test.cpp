@@ -23,8 +23,7 @@ class DeliveryTest : public testing::Test {
                     {.bind_address = INADDR_LOOPBACK, .backend = Backend::sockets, .send_queue_depth = 4},
                     test::make_pool(), decorate)
                     .value();
-    publisher.emplace(*transport);
-    publisher->port().count_in(book);
+    publisher.emplace(*transport, test::Publisher::usual_id, 0, book);
   }
   core::UdpAddress here() { return test::loopback_address(*transport); }
   /// Bytes of one body under a mask.
@@ -46,7 +45,7 @@ class DeliveryTest : public testing::Test {
   }
 
   const std::shared_ptr<core::DeliveryBook> book = std::make_shared<core::DeliveryBook>();
-  std::unique_ptr<core::Transport> transport;
+  std::unique_ptr<core::Network> transport;
   std::optional<test::Publisher> publisher;
 };
 
@@ -85,7 +84,7 @@ TEST_F(DeliveryTest, CountsGoOnWhileMasksChange) {
 TEST_F(DeliveryTest, WhatCouldNotBeMadeIsDroppedForAll) {
   open();
   publisher->serve({{here(), "name"}, {here(), "*"}});
-  publisher->port().miss();
+  publisher->port().begin().miss();
   EXPECT_EQ(book->of(1), (Delivered{.dropped = 1}));
   EXPECT_EQ(book->of(2), (Delivered{.dropped = 1}));
 }

@@ -25,7 +25,7 @@ namespace sft::udp::test {
 
 inline constexpr std::chrono::seconds patience{20};  // for what must happen
 
-inline core::UdpAddress loopback_address(const core::Transport& transport) {
+inline core::UdpAddress loopback_address(const core::Network& transport) {
   core::UdpAddress address = transport.addresses().at(0);
   address.ip = address.ip.is_ipv4() ? core::loopback_ipv4 : core::loopback_ipv6;
   return address;
@@ -58,7 +58,7 @@ inline std::shared_ptr<core::BufferPool> make_pool() {
 
 class Subscriber final : private core::ArrivalListener {
  public:
-  Subscriber(core::Transport& transport, const std::vector<std::string>& masks, std::uint32_t depth = 1000,
+  Subscriber(core::Network& transport, const std::vector<std::string>& masks, std::uint32_t depth = 1000,
              core::EndpointId id = 1) {
     port_ =
         transport
@@ -78,7 +78,7 @@ class Subscriber final : private core::ArrivalListener {
     listen({.writer = writer, .history_first = true, .reliable = reliable});
   }
 
-  core::ReaderPort& port() { return *port_; }
+  core::NetworkReader& port() { return *port_; }
 
   /// Takes all samples as they come, until there are `count` in all. Fewer after `at_most`.
   std::vector<core::SampleHandle> await(std::size_t count, std::chrono::seconds at_most = patience) {
@@ -114,16 +114,20 @@ class Subscriber final : private core::ArrivalListener {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<core::SampleHandle> taken_;
-  std::unique_ptr<core::ReaderPort> port_;  // goes first: then nobody calls any more
+  std::unique_ptr<core::NetworkReader> port_;  // goes first: then nobody calls any more
 };
 
 class Publisher {
  public:
-  explicit Publisher(core::Transport& transport, core::EndpointId id = 0x1234'5678'0000'0001,
-                     std::uint64_t max_bytes_per_s = 0)
+  static constexpr core::EndpointId usual_id = 0x1234'5678'0000'0001;
+  explicit Publisher(core::Network& transport, core::EndpointId id = usual_id,
+                     std::uint64_t max_bytes_per_s = 0, std::shared_ptr<core::DeliveryBook> book = {})
       : id_(id),
         port_(transport
-                  .open_writer({.id = id, .type = &type_support<Image>(), .max_bytes_per_s = max_bytes_per_s})
+                  .open_writer({.id = id,
+                                .type = &type_support<Image>(),
+                                .max_bytes_per_s = max_bytes_per_s,
+                                .book = std::move(book)})
                   .value()) {}
 
   struct Reader {
@@ -169,11 +173,11 @@ class Publisher {
   }
 
   core::EndpointId id() const { return id_; }
-  core::WriterPort& port() { return *port_; }
+  core::NetworkWriter& port() { return *port_; }
 
  private:
   core::EndpointId id_;
-  std::unique_ptr<core::WriterPort> port_;
+  std::unique_ptr<core::NetworkWriter> port_;
   std::shared_ptr<core::BufferPool> pool_ = make_pool();
   std::uint64_t sequence_ = 0;
 };

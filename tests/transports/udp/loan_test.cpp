@@ -16,6 +16,7 @@
 #include "core/publish/publisher_core.h"
 #include "sft/publisher.h"
 #include "tests/support/encoded.h"
+#include "tests/unit/core/seam/idle_ports.h"
 #include "udp_transport/udp_transport.h"
 #include "udp_transport/wire/datagram.h"
 
@@ -112,7 +113,7 @@ class Wire {
 };
 
 /// Shared memory with a reader who writes into what it was sent.
-class ScribbledOn final : public core::WriterPort {
+class ScribbledOn final : public core::IdleLendingWriter {
  public:
   core::SampleHandle loan(std::size_t bytes) noexcept override { return pool_->take(bytes); }
   core::SendStatus send(const core::SampleHandle& sample) noexcept override {
@@ -121,8 +122,6 @@ class ScribbledOn final : public core::WriterPort {
     sample->header().sequence = 4711;
     return core::SendStatus::sent;
   }
-  void set_routes(std::vector<core::Route>) override {}
-  std::uint64_t bytes_sent() const noexcept override { return 0; }
 
  private:
   std::shared_ptr<core::BufferPool> pool_ = core::BufferPool::make(1 << 20);
@@ -132,7 +131,7 @@ class LoansOnTheWire : public ::testing::TestWithParam<Backend> {
  protected:
   LoansOnTheWire() {
     core::Serving serving;
-    serving.udp = {{2, wire.address(), type.full()}};
+    serving.network = {{2, wire.address(), type.full()}};
     core->serve(serving, nullptr);
   }
 
@@ -151,7 +150,7 @@ class LoansOnTheWire : public ::testing::TestWithParam<Backend> {
 
   const TypeSupport& type = type_support<Recording>();
   std::shared_ptr<core::BufferPool> pool = core::BufferPool::make(1 << 20);
-  std::unique_ptr<core::Transport> transport =
+  std::unique_ptr<core::Network> transport =
       open_udp_transport({.bind_address = INADDR_LOOPBACK, .backend = GetParam()}, pool).value();
   std::shared_ptr<core::PublisherCore> core =
       std::make_shared<core::PublisherCore>(core::PublisherCore::Spec{7, "topic", &type, 1 << 20}, pool,
@@ -182,8 +181,8 @@ TEST_P(LoansOnTheWire, CarryNothingOfEarlierSamples) {
 
 TEST_P(LoansOnTheWire, AreSentAsTheyWereWhateverLocalReadersWriteIntoThem) {
   core::Serving serving;
-  serving.udp = {{2, wire.address(), type.full()}};
-  serving.shm = {{3, core::DoorbellAddress{}, type.full()}};
+  serving.network = {{2, wire.address(), type.full()}};
+  serving.memory = {{3, core::DoorbellAddress{}, type.full()}};
   core->serve(serving, std::make_shared<ScribbledOn>());
   Recording message;
   message.cloud.data.assign(3000, 7);

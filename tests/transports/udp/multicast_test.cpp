@@ -28,7 +28,7 @@ using test::Subscriber;
 class MulticastTest : public TransportTest {
  protected:
   struct Process {
-    std::unique_ptr<core::Transport> transport;
+    std::unique_ptr<core::Network> transport;
     std::unique_ptr<Subscriber> subscriber;
     std::string mask;
     bool reliable = false;
@@ -103,10 +103,10 @@ class MulticastTest : public TransportTest {
     constexpr std::size_t data_bytes = 1000;
     publish_in_turn(data_bytes);
     await_all();
-    const std::uint64_t before = publisher_->port().bytes_sent();
+    const std::uint64_t before = publisher_->port().counters().bytes_sent;
     for (int i = 0; i < samples; ++i) publish_in_turn(data_bytes);
     await_all();
-    return (publisher_->port().bytes_sent() - before) / samples;
+    return (publisher_->port().counters().bytes_sent - before) / samples;
   }
   void expect_all_of(std::size_t process) {
     const std::size_t count = published_ - processes_[process].since;
@@ -116,7 +116,7 @@ class MulticastTest : public TransportTest {
   }
 
   std::atomic<bool> deaf_{false};  ///< outlives the transport that looks at it
-  std::unique_ptr<core::Transport> writer_;
+  std::unique_ptr<core::Network> writer_;
   std::unique_ptr<Publisher> publisher_;
   std::vector<Process> processes_;
   std::uint32_t published_ = 0;

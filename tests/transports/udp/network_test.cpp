@@ -43,7 +43,7 @@ class NetworkTest : public testing::TestWithParam<Backend> {
       GTEST_SKIP() << "no pair of virtual network devices can be made here";
   }
 
-  std::unique_ptr<core::Transport> open(UdpOptions options = {}) {
+  std::unique_ptr<core::Network> open(UdpOptions options = {}) {
     options.backend = GetParam();
     return open_udp_transport(options, test::make_pool()).value();
   }
@@ -127,7 +127,7 @@ TEST_P(NetworkTest, TransfersAThousandSamplesOfAllSizesReliablyWhereDatagramsGet
                               })
         .value();
   };
-  std::unique_ptr<core::Transport> far;
+  std::unique_ptr<core::Network> far;
   core::UdpAddress address;
   address.ip = on_another_host(GetParam() == Backend::io_uring ? 10 : 11, [&] { far = open_here(); });
   if (address.ip == 0) GTEST_SKIP() << "a second host cannot be had here";
@@ -195,7 +195,7 @@ TEST_P(NetworkTest, SendsNextToNothingToAPortOfThisHostThatNobodyAskedFor) {
 
 TEST_P(NetworkTest, GoesOnWithinASecondAfterAHostThatCouldNotBeReachedIsBack) {
   const unsigned net = GetParam() == Backend::io_uring ? 22 : 23;
-  std::unique_ptr<core::Transport> far;
+  std::unique_ptr<core::Network> far;
   core::UdpAddress address;
   address.ip = on_another_host(net, [&] { far = open(); });
   if (address.ip == 0) GTEST_SKIP() << "a second host cannot be had here";

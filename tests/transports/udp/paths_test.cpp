@@ -92,7 +92,7 @@ class Host {
     here([&] { run(commands); });
   }
 
-  core::Transport& open_transport(Backend backend) {
+  core::Network& open_transport(Backend backend) {
     here([&] {
       transport_ = open_udp_transport({.backend = backend}, test::make_pool(), [this](DatagramIo io) {
                      io.receiver = std::make_unique<LengthWatch>(std::move(io.receiver), longest_);
@@ -118,7 +118,7 @@ class Host {
   std::function<void()> task_;
   bool gone_ = false;
   std::atomic<std::size_t> longest_{0};
-  std::unique_ptr<core::Transport> transport_;
+  std::unique_ptr<core::Network> transport_;
 };
 
 enum class Family : std::uint8_t { ipv4, ipv6 };
@@ -154,7 +154,7 @@ class PathsTest : public testing::TestWithParam<Family> {
     host.run_here(add_address(net, 2, "in0") + "; ip link set in0 up");
   }
 
-  std::unique_ptr<core::Transport> open() {
+  std::unique_ptr<core::Network> open() {
     return open_udp_transport({.backend = Backend::sockets}, test::make_pool()).value();
   }
 };
@@ -200,7 +200,7 @@ TEST_P(IPv4PathsTest, LeadToWhereIPv6IsSwitchedOff) {
   Host far;
   far.run_here("for f in /proc/sys/net/ipv6/conf/*/disable_ipv6; do echo 1 > $f; done");
   plug_in(far, 1, 1500);
-  core::Transport& there = far.open_transport(Backend::io_uring);
+  core::Network& there = far.open_transport(Backend::io_uring);
   Subscriber subscriber(there, {"*"});
   far.here([&] { EXPECT_EQ(there.addresses().size(), 1U); });
   const auto near = open();
@@ -267,13 +267,13 @@ TEST_P(PathsTest, LosesNoneOfManySmallSamplesWhereALinkTakesLessFromNowOn) {
   publisher.serve({{far.at(ip(1, 2)), "*"}});
   for (std::size_t n = 1; n <= 3; ++n) {
     if (n == 2) run("ip link set out1 mtu 1300");
-    publisher.port().hold(false);
+    core::Batch batch = publisher.port().batch(core::BatchPatience::fresh);
     for (int i = 0; i < 100; ++i) {
       const core::SampleHandle sample = publisher.make(make_image(40));
       sample->source_stamp_ns = 7;
       publisher.port().send(sample);
     }
-    EXPECT_EQ(publisher.port().flush(), 0U);
+    EXPECT_EQ(std::move(batch).flush(), 0U);
     EXPECT_EQ(subscriber.await(100 * n).size(), 100 * n);
   }
 }

@@ -33,7 +33,7 @@ class ReliableTest : public testing::TestWithParam<Backend> {
   }
 
   /// Datagrams of 1,400 bytes, so that large samples have many.
-  std::unique_ptr<core::Transport> open(const test::Faults& faults = {}, UdpOptions options = {}) {
+  std::unique_ptr<core::Network> open(const test::Faults& faults = {}, UdpOptions options = {}) {
     options.bind_address = INADDR_LOOPBACK;
     options.backend = GetParam();
     if (options.max_datagram_bytes == datagram_bytes_max) options.max_datagram_bytes = 1400;
@@ -44,7 +44,7 @@ class ReliableTest : public testing::TestWithParam<Backend> {
   }
 
   /// One reader, served reliably.
-  void join(Publisher& publisher, Subscriber& subscriber, const core::Transport& here) {
+  void join(Publisher& publisher, Subscriber& subscriber, const core::Network& here) {
     subscriber.listen_reliably_to(publisher.id());
     publisher.serve({{test::loopback_address(here), "*", true}});
   }
@@ -93,7 +93,7 @@ TEST_P(ReliableTest, SendsReadersOfOneProcessOneCopyWhetherTheyAreReliableOrNot)
   for (int i = 0; i < 20; ++i) publisher.publish(make_image(50'000));
   EXPECT_EQ(careful.await_sequences(20), up_to(20));
   EXPECT_EQ(careless.await_sequences(20), up_to(20));
-  EXPECT_LT(publisher.port().bytes_sent(), 20 * 53'000U);
+  EXPECT_LT(publisher.port().counters().bytes_sent, 20 * 53'000U);
 }
 
 TEST_P(ReliableTest, LosesNothingWhileTheMaskChanges) {
@@ -120,10 +120,11 @@ TEST_P(ReliableTest, FallsSilentOnceAllHasCome) {
   join(publisher, subscriber, *here);
   for (int i = 0; i < 10; ++i) publisher.publish(make_image(50));
   EXPECT_EQ(subscriber.await_sequences(10), up_to(10));
-  const auto rests = [&, last = publisher.port().bytes_sent(),
+  const auto rests = [&, last = publisher.port().counters().bytes_sent,
                       since = std::chrono::steady_clock::now()]() mutable {
     const auto now = std::chrono::steady_clock::now();
-    if (const auto sent = publisher.port().bytes_sent(); std::exchange(last, sent) != sent) since = now;
+    if (const auto sent = publisher.port().counters().bytes_sent; std::exchange(last, sent) != sent)
+      since = now;
     return now - since > 3s;
   };
   EXPECT_TRUE(test::eventually(rests));

@@ -19,8 +19,8 @@ class TransportDestroying final : public core::ArrivalListener {
     transport.reset();
     done = true;
   }
-  std::unique_ptr<core::Transport> transport;
-  std::unique_ptr<core::ReaderPort> reader;
+  std::unique_ptr<core::Network> transport;
+  std::unique_ptr<core::NetworkReader> reader;
   std::atomic<bool> done{false};
 };
 

@@ -32,7 +32,7 @@ std::int64_t realtime_ns() { return std::chrono::system_clock::now().time_since_
 
 /// A publisher here, and its reader there.
 struct Topic {
-  Topic(core::Transport& near, core::Transport& far, const Publisher::Reader& reader, core::EndpointId id,
+  Topic(core::Network& near, core::Network& far, const Publisher::Reader& reader, core::EndpointId id,
         std::uint32_t depth)
       : publisher(near, id), subscriber(far, {"*"}, depth, id) {
     reader.reliable ? subscriber.listen_reliably_to(id) : subscriber.listen_to(id);
@@ -45,8 +45,7 @@ struct Topic {
 /// A topic of small samples, and how long these take.
 class SmallTopic {
  public:
-  SmallTopic(core::Transport& near, core::Transport& far, const Publisher::Reader& reader,
-             core::EndpointId id)
+  SmallTopic(core::Network& near, core::Network& far, const Publisher::Reader& reader, core::EndpointId id)
       : topic_(near, far, reader, id, 2000) {}
   void publish() {
     published_at_.push_back(realtime_ns());
@@ -75,8 +74,7 @@ class SmallTopic {
 /// Publishes samples of 1 MB, every 10 ms.
 class LargeTopic {
  public:
-  LargeTopic(core::Transport& near, core::Transport& far, const Publisher::Reader& reader,
-             core::EndpointId id)
+  LargeTopic(core::Network& near, core::Network& far, const Publisher::Reader& reader, core::EndpointId id)
       : topic_(near, far, reader, id, 4) {}
   static constexpr std::size_t bytes = 1'000'000;
   void publish() { topic_.publisher.port().send(topic_.publisher.make(image_)); }
@@ -119,7 +117,7 @@ class ShapedLinkTest : public testing::TestWithParam<Backend> {
   }
   Publisher::Reader reader(bool reliable) const { return {reader_.address, "*", reliable}; }
 
-  std::unique_ptr<core::Transport> near_, far_;
+  std::unique_ptr<core::Network> near_, far_;
   Publisher::Reader reader_;
 };
 

@@ -27,7 +27,7 @@ constexpr std::uint64_t under_way_max = 4096;  // samples that a channel keeps
 /// Takes nothing by itself.
 class SlowSubscriber final : private core::ArrivalListener {
  public:
-  SlowSubscriber(core::Transport& transport, const core::Source& source) {
+  SlowSubscriber(core::Network& transport, const core::Source& source) {
     port_ = transport
                 .open_reader({.id = 1,
                               .type = &test::type_support<Image>(),
@@ -47,11 +47,11 @@ class SlowSubscriber final : private core::ArrivalListener {
     });
     return sequences;
   }
-  std::uint64_t discarded() const { return port_->discarded(); }
+  std::uint64_t discarded() const { return port_->counters().discarded; }
 
  private:
   void arrived() noexcept override {}
-  std::unique_ptr<core::ReaderPort> port_;
+  std::unique_ptr<core::NetworkReader> port_;
 };
 
 class SlowReaderTest : public TransportTest {
@@ -74,7 +74,7 @@ class SlowReaderTest : public TransportTest {
     eventually([&] { return over_.load(); });  // what it keeps goes with it
   }
 
-  std::unique_ptr<core::Transport> here_ = nullptr, there_ = nullptr;
+  std::unique_ptr<core::Network> here_ = nullptr, there_ = nullptr;
   std::atomic<std::uint64_t> published_{0};
   std::atomic<bool> over_{false};
 

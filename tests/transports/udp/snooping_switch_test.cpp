@@ -43,7 +43,7 @@ class SnoopingSwitchTest : public test::BridgeTest {
     });
   }
 
-  std::unique_ptr<core::Transport> bystander_;  ///< for as long as this is open there is its host
+  std::unique_ptr<core::Network> bystander_;  ///< for as long as this is open there is its host
 };
 
 TEST_F(SnoopingSwitchTest, PassesAGroupOnToItsMembersOnly) {

@@ -25,19 +25,19 @@ using test::Subscriber;
 class SpanTest : public TransportTest {
  protected:
   /// Datagrams as on an Ethernet.
-  std::unique_ptr<core::Transport> open(double loss = 0) {
+  std::unique_ptr<core::Network> open(double loss = 0) {
     return TransportTest::open({.max_datagram_bytes = 1472}, [&](DatagramIo io) {
       return test::with_faults(std::move(io), {.loss = loss}, static_cast<unsigned>(sft::test::test_seed()));
     });
   }
   static void publish(Publisher& publisher, const std::vector<std::size_t>& data_bytes) {
-    publisher.port().hold(false);
+    core::Batch batch = publisher.port().batch(core::BatchPatience::fresh);
     for (const std::size_t bytes : data_bytes) {
       core::SampleHandle sample = publisher.make(make_image(bytes));
       sample->source_stamp_ns = 7;  // of the span
       publisher.port().send(sample);
     }
-    EXPECT_EQ(publisher.port().flush(), 0U);
+    EXPECT_EQ(std::move(batch).flush(), 0U);
   }
 };
 
@@ -55,7 +55,7 @@ TEST_P(SpanTest, SharesDatagramsAndGivesEachReaderItsFields) {
   EXPECT_EQ(bytes.await_sequences(300), first_numbers(300));
   EXPECT_EQ(test::body_of(*all.await(300)[299]), test::encoded_body(make_image(40), fields<Image>("*")));
   EXPECT_EQ(test::body_of(*bytes.await(300)[0]), test::encoded_body(make_image(40), fields<Image>("data")));
-  EXPECT_LT(publisher.port().bytes_sent(), 300 * (44 + 79) * 11 / 10);
+  EXPECT_LT(publisher.port().counters().bytes_sent, 300 * (44 + 79) * 11 / 10);
 }
 
 TEST_P(SpanTest, KeepsTheOrderWhereSomeSamplesAreLarge) {
@@ -99,7 +99,7 @@ TEST_P(SpanTest, LosesNothingToAReaderThatTakesAtOnceHoweverFewMayWait) {
   publisher.serve({{loopback_address(*here), "*"}});
   publish(publisher, std::vector<std::size_t>(50, 5));
   EXPECT_EQ(subscriber.await_sequences(50), first_numbers(50));
-  EXPECT_EQ(subscriber.port().discarded(), 0U);
+  EXPECT_EQ(subscriber.port().counters().discarded, 0U);
 }
 
 TEST_P(SpanTest, WaitsForAReaderThatDoesNotKeepUpAsLongAsItMay) {
@@ -114,14 +114,14 @@ TEST_P(SpanTest, WaitsForAReaderThatDoesNotKeepUpAsLongAsItMay) {
   const auto pool = test::make_pool();
   const Image image = make_image(20);
   for (std::uint64_t sequence = 1; sequence <= 10'000;) {
-    port->hold(false);
+    core::Batch batch = port->batch(core::BatchPatience::fresh);
     for (int i = 0; i < 1000; ++i, ++sequence) {
       const core::SampleHandle sample = pool->take(test::sample_bytes(image, fields<Image>("*")));
       test::fill(*sample, image, fields<Image>("*"), 7, sequence);
       sample->source_stamp_ns = 7;
       ASSERT_EQ(port->send(sample), core::SendStatus::sent);
     }
-    ASSERT_EQ(port->flush(), 0U);
+    ASSERT_EQ(std::move(batch).flush(), 0U);
   }
   EXPECT_EQ(subscriber.await_sequences(10'000), first_numbers(10'000));
 
@@ -154,18 +154,18 @@ class FullSpanTest : public SpanTest {
       routes.back().reliable = true;
     }
     port_->set_routes(routes);
-    for (int i = 0; i < 4; ++i) EXPECT_EQ(send(1024, false), 0U);
+    for (int i = 0; i < 4; ++i) EXPECT_EQ(send(1024, core::BatchPatience::fresh), 0U);
   }
   /// Returns how many were missed.
-  std::size_t send(std::size_t samples, bool goes_on) {
-    port_->hold(goes_on);
+  std::size_t send(std::size_t samples, core::BatchPatience patience) {
+    core::Batch batch = port_->batch(patience);
     for (; samples > 0; --samples) {
       const core::SampleHandle sample = pool_->take(test::sample_bytes(image_, fields<Image>("*")));
       test::fill(*sample, image_, fields<Image>("*"), 7, ++sequence_);
       sample->source_stamp_ns = 7;
       port_->send(sample);
     }
-    return port_->flush();
+    return std::move(batch).flush();
   }
 
   void SetUp() override {
@@ -173,8 +173,8 @@ class FullSpanTest : public SpanTest {
     if (!IsSkipped()) there_ = open();
   }
 
-  std::unique_ptr<core::Transport> there_;
-  std::unique_ptr<core::WriterPort> port_;
+  std::unique_ptr<core::Network> there_;
+  std::unique_ptr<core::NetworkWriter> port_;
   const std::shared_ptr<core::BufferPool> pool_ = test::make_pool();
   const Image image_ = make_image(20);
   std::uint64_t sequence_ = 0;
@@ -185,8 +185,8 @@ INSTANTIATE_TEST_SUITE_P(Backends, FullSpanTest, test::both_backends, test::back
 TEST_P(FullSpanTest, WaitsForItsPartsTogetherNoLongerThanForOne) {
   open_to({9});
   const auto begin = std::chrono::steady_clock::now();
-  send(1024, false);
-  for (int i = 0; i < 9; ++i) send(1024, true);
+  send(1024, core::BatchPatience::fresh);
+  for (int i = 0; i < 9; ++i) send(1024, core::BatchPatience::continued);
   const auto took = std::chrono::steady_clock::now() - begin;
   EXPECT_GE(took, max_blocking);
   EXPECT_LT(took, 5 * max_blocking);
@@ -194,8 +194,8 @@ TEST_P(FullSpanTest, WaitsForItsPartsTogetherNoLongerThanForOne) {
 
 TEST_P(FullSpanTest, CountsASampleOnceThatSeveralMiss) {
   open_to({9, 10}, 1);  // so that hardly anything leaves
-  for (int i = 0; i < 2; ++i) send(1024, false);
-  EXPECT_EQ(send(10, false), 10U);
+  for (int i = 0; i < 2; ++i) send(1024, core::BatchPatience::fresh);
+  EXPECT_EQ(send(10, core::BatchPatience::fresh), 10U);
 }
 
 }  // namespace

@@ -43,7 +43,7 @@ class TransportTest : public testing::TestWithParam<Way> {
     if (const std::string why = test::refusal_of(GetParam()); !why.empty()) GTEST_SKIP() << why;
   }
 
-  std::unique_ptr<core::Transport> open(UdpOptions options = {}, const DecorateIo& decorate = {}) {
+  std::unique_ptr<core::Network> open(UdpOptions options = {}, const DecorateIo& decorate = {}) {
     options.backend = GetParam();
     options.bind_address = GetParam().loopback;
     return open_udp_transport(options, test::make_pool(), decorate).value();

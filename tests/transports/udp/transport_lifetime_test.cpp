@@ -39,7 +39,7 @@ TEST_P(TransportTest, TellsPortsThatItIsGone) {
 /// Publishes without pause from a thread of its own.
 class Flood {
  public:
-  Flood(core::Transport& transport, const core::UdpAddress& to, std::size_t bytes) : publisher_(transport) {
+  Flood(core::Network& transport, const core::UdpAddress& to, std::size_t bytes) : publisher_(transport) {
     publisher_.serve({{to}});
     thread_ = std::thread([this, bytes] {
       const Image image = make_image(bytes);
@@ -95,7 +95,7 @@ class ReaderDestroying final : public core::ArrivalListener {
     reader.reset();
     done = true;
   }
-  std::unique_ptr<core::ReaderPort> reader;
+  std::unique_ptr<core::NetworkReader> reader;
   std::atomic<bool> done{false};
 };
 

@@ -24,7 +24,7 @@ using test::Subscriber;
 /// Readers behind one socket, each with a mask of its own.
 class Audience {
  public:
-  explicit Audience(core::Transport& here) : here_(here) {
+  explicit Audience(core::Network& here) : here_(here) {
     for (const char* scalar : {"", "stamp", "height", "stamp.sec, width"}) {
       for (const char* text : {"", ", name"}) {
         for (const char* bytes : {"", ", data"}) masks_.push_back(std::string(scalar) + text + bytes);
@@ -55,7 +55,7 @@ class Audience {
   }
 
  private:
-  core::Transport& here_;
+  core::Network& here_;
   std::vector<std::string> masks_;
   std::vector<std::unique_ptr<Subscriber>> subscribers_;
   std::vector<Publisher::Reader> readers_;
@@ -120,7 +120,7 @@ TEST_P(TransportTest, SendsReadersOfOneProcessOneCopy) {
   publisher.publish(make_image(1000));
   EXPECT_EQ(one.await(1).size(), 1U);
   EXPECT_EQ(other.await(1).size(), 1U);
-  EXPECT_EQ(publisher.port().bytes_sent(), first_header_bytes + 4 + 1000);
+  EXPECT_EQ(publisher.port().counters().bytes_sent, first_header_bytes + 4 + 1000);
 }
 
 TEST_P(TransportTest, DeliversOnlyWhatIsConnectedAndAccepted) {

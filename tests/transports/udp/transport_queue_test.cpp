@@ -95,7 +95,7 @@ TEST_P(TransportTest, CountsWhatItDropsAfterItTookIt) {
   subscriber.listen_to(publisher.id());
   publisher.serve({{loopback_address(*here)}});
   EXPECT_EQ(publisher.publish(make_image(100'000)), core::SendStatus::sent);
-  EXPECT_TRUE(eventually([&] { return publisher.port().dropped() == 1; }));
+  EXPECT_TRUE(eventually([&] { return publisher.port().counters().dropped == 1; }));
 }
 
 TEST_P(TransportTest, DropsASampleThatCannotLeaveForLong) {
@@ -105,7 +105,7 @@ TEST_P(TransportTest, DropsASampleThatCannotLeaveForLong) {
   Publisher publisher(*there);
   publisher.serve({{loopback_address(*here)}});
   EXPECT_EQ(publisher.publish(make_image(10)), core::SendStatus::sent);
-  EXPECT_TRUE(eventually([&] { return publisher.port().dropped() == 1; }));
+  EXPECT_TRUE(eventually([&] { return publisher.port().counters().dropped == 1; }));
 }
 
 TEST_P(TransportTest, LetsGoOfWhatIsQueuedForADestinationThatLeft) {
@@ -120,7 +120,7 @@ TEST_P(TransportTest, LetsGoOfWhatIsQueuedForADestinationThatLeft) {
   EXPECT_FALSE(pool->take(100'000)) << "it is being sent";
   publisher.serve({});
   EXPECT_TRUE(eventually([&] { return static_cast<bool>(pool->take(100'000)); }));
-  EXPECT_EQ(publisher.port().dropped(), 0U) << "nobody misses it";
+  EXPECT_EQ(publisher.port().counters().dropped, 0U) << "nobody misses it";
 }
 
 TEST_P(TransportTest, SendsWhatIsQueuedAfterThePublisherWent) {
@@ -161,9 +161,9 @@ TEST_P(TransportTest, KeepsTheRatesOfAWriterAndOfAllTogether) {
   const auto since = [&] { return std::chrono::steady_clock::now() - begin; };
   for (int i = 0; i < 4; ++i) other.publish(make_image(1'000'000));
   limited.publish(make_image(1'500'000));
-  EXPECT_TRUE(eventually([&] { return other.port().bytes_sent() > 4'000'000; }));
+  EXPECT_TRUE(eventually([&] { return other.port().counters().bytes_sent > 4'000'000; }));
   EXPECT_GT(since(), std::chrono::milliseconds(80));
-  EXPECT_TRUE(eventually([&] { return limited.port().bytes_sent() > 1'500'000; }));
+  EXPECT_TRUE(eventually([&] { return limited.port().counters().bytes_sent > 1'500'000; }));
   EXPECT_GT(since(), std::chrono::milliseconds(130));
   EXPECT_EQ(subscriber.await(5).size(), 5U);
 }
@@ -198,7 +198,7 @@ TEST_P(TransportTest, KeepsTheNewestUntilTheyAreTaken) {
   ASSERT_TRUE(reader->connect({publisher.id(), 0}));
   publisher.serve({{loopback_address(*here)}});
   for (int i = 0; i < 10; ++i) publisher.publish(make_image(10));
-  EXPECT_TRUE(eventually([&] { return reader->discarded() == 7; }));
+  EXPECT_TRUE(eventually([&] { return reader->counters().discarded == 7; }));
   for (std::uint64_t sequence = 8; sequence <= 10; ++sequence)
     EXPECT_EQ(reader->take()->header().sequence, sequence);
   EXPECT_FALSE(reader->take());

@@ -204,7 +204,7 @@ TEST_P(TransportTest, DeliversEachSampleOnceOrCountsIt) {
   publisher.serve({{loopback_address(*here)}});
   const auto lost = [&] {
     const auto counters = here->counters();
-    return counters.incomplete + counters.over_limit + subscriber.port().discarded();
+    return counters.incomplete + counters.over_limit + subscriber.port().counters().discarded;
   };
   for (std::uint64_t n = 1; n <= 100; ++n) {
     publisher.publish(make_image(500'000));
@@ -227,9 +227,9 @@ TEST_P(TransportTest, HandsASingleSampleToTheSystemBeforeItReturns) {
   publisher.publish(make_image(100'000));  // a large one leaves once its receiver has reported
   ASSERT_EQ(subscriber.await(1).size(), 1U);
   for (std::size_t n = 2; n <= 101; ++n) {
-    const std::uint64_t before = publisher.port().bytes_sent();
+    const std::uint64_t before = publisher.port().counters().bytes_sent;
     publisher.publish(make_image(10));
-    ASSERT_GE(publisher.port().bytes_sent() - before, first_header_bytes + body) << n;
+    ASSERT_GE(publisher.port().counters().bytes_sent - before, first_header_bytes + body) << n;
     ASSERT_EQ(subscriber.await(n).size(), n);
   }
 }

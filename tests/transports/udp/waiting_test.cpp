@@ -33,7 +33,7 @@ using test::Publisher;
 /// One that only threads in receive() wait for.
 class Waited final : private core::ArrivalListener {
  public:
-  explicit Waited(core::Transport& transport, core::EndpointId id = 1) {
+  explicit Waited(core::Network& transport, core::EndpointId id = 1) {
     core::ReaderSpec spec{
         .id = id, .type = &test::type_support<Image>(), .depth = 1000, .listener = this, .doorbell = {}};
     spec.only_waited_for = true;
@@ -93,7 +93,7 @@ class Waited final : private core::ArrivalListener {
   std::atomic<bool> waits_{false};
   mutable std::mutex mutex_;
   std::vector<std::thread::id> called_by_;
-  std::unique_ptr<core::ReaderPort> port_;  // goes first: then nobody calls any more
+  std::unique_ptr<core::NetworkReader> port_;  // goes first: then nobody calls any more
 };
 
 class WaitingThread : public TransportTest {
@@ -107,7 +107,7 @@ class WaitingThread : public TransportTest {
     publisher->serve({{loopback_address(*here)}});
   }
 
-  std::unique_ptr<core::Transport> there, here;
+  std::unique_ptr<core::Network> there, here;
   std::unique_ptr<Publisher> publisher;
 };
 
@@ -255,7 +255,7 @@ TEST_P(WaitingThread, IsNotNeededForLookingBeforeSleeping) {
         if (++taken < 300) publisher->publish(make_image(10));
       }
     }
-    core::ReaderPort* reader = nullptr;
+    core::NetworkReader* reader = nullptr;
     Publisher* publisher = nullptr;
     std::atomic<int> taken{0};
   } called_back;

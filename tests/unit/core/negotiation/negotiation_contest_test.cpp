@@ -15,7 +15,7 @@ class Contests : public NegotiationTest {
   Contests() {
     our_reader();
     negotiation.connection_changed(200, 100, TransportKind::udp, true);
-    there.self_changed({.host = token(2), .network = elsewhere, .shm_state = "off"});
+    there.self_changed({.host = token(2), .network = elsewhere, .memory_state = "off"});
     there.local_added(endpoint(Role::writer, 100), type);
     announce();
   }
@@ -48,10 +48,10 @@ class Contests : public NegotiationTest {
     there.endpoint_seen(endpoint);
     negotiation.endpoint_seen(endpoint);
   }
-  bool served() const { return there.serving(100).udp.size() == 1; }
+  bool served() const { return there.serving(100).network.size() == 1; }
   bool served_as_asked() const {
     const Serving serving = there.serving(100);
-    return serving.udp.size() == 1 && serving.udp[0].mask == FieldMask(F::height | F::width);
+    return serving.network.size() == 1 && serving.network[0].mask == FieldMask(F::height | F::width);
   }
 
   Negotiation there;
@@ -140,7 +140,7 @@ TEST_F(Contests, ARevisionFarBeyondAllOthersIsNoReasonToRefuseThose) {
 
 TEST_F(Contests, AForgedRequestThatComesBeforeTheReaderIsNotInForceLonger) {
   Negotiation late;
-  late.self_changed({.host = token(2), .network = elsewhere, .shm_state = "off"});
+  late.self_changed({.host = token(2), .network = elsewhere, .memory_state = "off"});
   late.local_added(endpoint(Role::writer, 100), type);
   for (const std::uint64_t sequence : {negotiation.local(200)->request.sequence + 5, request_sequence_max}) {
     Request forged = request(200, sequence, F::data);

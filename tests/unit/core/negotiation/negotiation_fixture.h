@@ -31,7 +31,7 @@ class NegotiationTest : public ::testing::Test {
   }
 
   void at_host(const HostToken& host) {
-    negotiation.self_changed({.host = host, .network = here, .shm_state = "off"});
+    negotiation.self_changed({.host = host, .network = here, .memory_state = "off"});
   }
 
   Endpoint endpoint(Role role, EndpointId id, std::uint64_t network = elsewhere, std::uint8_t host = 2) {

@@ -31,9 +31,9 @@ class LateReaderTest : public NegotiationTest {
 TEST_F(LateReaderTest, GetsByUdpWhatBothSidesKeepAndChangesOverToSharedMemoryThen) {
   negotiation.endpoint_seen(late_reader());
   Serving serving = negotiation.serving(100);
-  EXPECT_TRUE(serving.shm.empty());
-  ASSERT_EQ(serving.udp.size(), 1U);
-  EXPECT_EQ(serving.udp[0].history, 3U);
+  EXPECT_TRUE(serving.memory.empty());
+  ASSERT_EQ(serving.network.size(), 1U);
+  EXPECT_EQ(serving.network[0].history, 3U);
   EXPECT_TRUE(serving.history_owed);
   EXPECT_FALSE(negotiation.history_given(100, 7)) << "nothing of it has come yet";
   begin(7, 2);
@@ -41,8 +41,8 @@ TEST_F(LateReaderTest, GetsByUdpWhatBothSidesKeepAndChangesOverToSharedMemoryThe
   EXPECT_TRUE(negotiation.history_given(100, 7));
   EXPECT_FALSE(negotiation.history_given(100, 7));
   serving = negotiation.serving(100);
-  EXPECT_TRUE(serving.udp.empty());
-  EXPECT_EQ(serving.shm.size(), 1U);
+  EXPECT_TRUE(serving.network.empty());
+  EXPECT_EQ(serving.memory.size(), 1U);
   EXPECT_FALSE(serving.history_owed);
 }
 
@@ -51,17 +51,17 @@ TEST_F(LateReaderTest, GetsThroughSharedMemoryAloneWhatBothSidesKeepUntilItSaysT
   reader.may_use_udp = false;
   negotiation.endpoint_seen(reader);
   Serving serving = negotiation.serving(100);
-  EXPECT_EQ(serving.shm.at(0).history, 3U);
+  EXPECT_EQ(serving.memory.at(0).history, 3U);
   EXPECT_EQ(serving.readers.at(0).reason, "same host");
   begin(7, 2);
-  EXPECT_EQ(negotiation.serving(100).shm.at(0).history, 0U);
+  EXPECT_EQ(negotiation.serving(100).memory.at(0).history, 0U);
 }
 
 TEST_F(LateReaderTest, ThatIsVolatileGetsNothing) {
   Endpoint reader = late_reader();
   reader.qos.durability = volatile_;
   negotiation.endpoint_seen(reader);
-  EXPECT_EQ(negotiation.serving(100).shm.size(), 1U);
+  EXPECT_EQ(negotiation.serving(100).memory.size(), 1U);
 }
 
 TEST_F(LateReaderTest, ThatWasLostAndReturnsIsNotGivenItAgainAndOneThatWentIs) {
@@ -70,10 +70,10 @@ TEST_F(LateReaderTest, ThatWasLostAndReturnsIsNotGivenItAgainAndOneThatWentIs) {
   negotiation.history_given(100, 7);
   negotiation.endpoint_lost(7, Time{});
   negotiation.endpoint_seen(late_reader());
-  EXPECT_EQ(negotiation.serving(100).shm.size(), 1U);
+  EXPECT_EQ(negotiation.serving(100).memory.size(), 1U);
   negotiation.endpoint_departed(7);
   negotiation.endpoint_seen(late_reader());
-  EXPECT_EQ(negotiation.serving(100).udp.size(), 1U);
+  EXPECT_EQ(negotiation.serving(100).network.size(), 1U);
 }
 
 TEST_F(LateReaderTest, ThatLostUsAndFoundUsAgainIsGivenItAgain) {
@@ -93,13 +93,13 @@ TEST_F(NegotiationTest, OurReaderIsAttachedOnlyOnceTheHistoryHasCome) {
   Endpoint writer = endpoint(Role::writer, 7, here, 1);
   writer.qos.durability = transient_local;
   negotiation.endpoint_seen(writer);
-  EXPECT_FALSE(negotiation.hearing(200).at(0).shm);
+  EXPECT_FALSE(negotiation.hearing(200).at(0).memory);
   EXPECT_EQ(negotiation.hearing(200).at(0).status.reason, "same host, what was published before comes first");
   negotiation.history_began(200, 7);
-  EXPECT_FALSE(negotiation.hearing(200).at(0).shm);
+  EXPECT_FALSE(negotiation.hearing(200).at(0).memory);
   EXPECT_TRUE(negotiation.history_came(200, 7));
   EXPECT_FALSE(negotiation.history_came(200, 7));
-  EXPECT_TRUE(negotiation.hearing(200).at(0).shm);
+  EXPECT_TRUE(negotiation.hearing(200).at(0).memory);
 }
 
 class OurLateReaderTest : public NegotiationTest {
@@ -125,10 +125,10 @@ TEST_F(OurLateReaderTest, IsOwedTheHistoryAgainOnceThePathIsGoneThatItCameBy) {
   changed(TransportKind::shm, true);
   changed(TransportKind::shm, false);
   EXPECT_TRUE(has_begun()) << "it came by UDP, which is there still";
-  EXPECT_TRUE(negotiation.hearing(200).at(0).shm);
+  EXPECT_TRUE(negotiation.hearing(200).at(0).memory);
   changed(TransportKind::udp, false);
   EXPECT_FALSE(has_begun());
-  EXPECT_FALSE(negotiation.hearing(200).at(0).shm);
+  EXPECT_FALSE(negotiation.hearing(200).at(0).memory);
 }
 
 TEST_F(OurLateReaderTest, IsOwedTheHistoryAgainOnceSharedMemoryIsGoneThatItCameBy) {

@@ -28,7 +28,7 @@ TEST_F(Limits, AReaderThatComesAfterTenThousandMadeUpOnesIsServed) {
   our_writer();
   flood(Role::reader, "");
   negotiation.endpoint_seen(of(honest, endpoint(Role::reader, 7)));
-  EXPECT_EQ(negotiation.serving(100).udp.size(), 1U);
+  EXPECT_EQ(negotiation.serving(100).network.size(), 1U);
   EXPECT_EQ(negotiation.endpoints(), 4097U) << "with our own";
   EXPECT_GT(negotiation.take_refusals().at("flooder"), 5000U);
   EXPECT_TRUE(negotiation.take_refusals().empty()) << "they are told once";
@@ -40,7 +40,7 @@ TEST_F(Limits, OfOneTopicNobodyGetsMoreThanItsShareOnceThatIsCrowded) {
   negotiation.endpoint_seen(of(honest, endpoint(Role::reader, 7)));
   const Serving serving = negotiation.serving(100);
   EXPECT_LE(serving.readers.size(), 257U);
-  EXPECT_TRUE(std::ranges::any_of(serving.udp, [](const Route& route) { return route.reader == 7; }));
+  EXPECT_TRUE(std::ranges::any_of(serving.network, [](const Route& route) { return route.reader == 7; }));
 }
 
 TEST_F(Limits, AReaderListensToAWriterThatComesAfterTenThousandMadeUpOnes) {
@@ -50,7 +50,7 @@ TEST_F(Limits, AReaderListensToAWriterThatComesAfterTenThousandMadeUpOnes) {
   const auto heard = negotiation.hearing(200);
   const auto it = std::ranges::find_if(heard, [](const Hearing& h) { return h.source.writer == 7; });
   ASSERT_NE(it, heard.end());
-  EXPECT_TRUE(it->udp);
+  EXPECT_TRUE(it->network);
 }
 
 TEST_F(Limits, ANodeWithThousandsOfEndpointsIsKnownWhole) {
@@ -85,13 +85,13 @@ TEST_F(Limits, AReaderHearsTheWritersThatItHasKnownLongestAndThatAnswer) {
     return Hearing{};
   };
   const EndpointId last = first - writers_per_reader_max - 1;
-  EXPECT_TRUE(heard(first).udp);
-  EXPECT_FALSE(heard(last).udp || heard(last + 1).udp);
+  EXPECT_TRUE(heard(first).network);
+  EXPECT_FALSE(heard(last).network || heard(last + 1).network);
   EXPECT_EQ(heard(last).status.reason, "the subscriber hears as many publishers as one can, 1024");
   negotiation.endpoint_lost(first, Time{});
-  EXPECT_FALSE(heard(first).udp);
-  EXPECT_TRUE(heard(last + 1).udp);
-  EXPECT_FALSE(heard(last).udp);
+  EXPECT_FALSE(heard(first).network);
+  EXPECT_TRUE(heard(last + 1).network);
+  EXPECT_FALSE(heard(last).network);
 }
 
 TEST_F(Limits, OtherDefinitionsOfOurTypeAreComparedOnceAndOnlyTheFirstOfThem) {

@@ -22,11 +22,11 @@ struct Taller {
 
 TEST_F(NegotiationTest, AWriterThatMayNotWriteSharedMemoryServesItsHostByUdpAndSaysWhy) {
   negotiation.self_changed(
-      {.host = token(1), .network = here, .shm_state = "iceoryx", .may_write_shm = false});
+      {.host = token(1), .network = here, .memory_state = "iceoryx", .may_write_memory = false});
   our_writer();
   our_reader();
   negotiation.endpoint_seen(endpoint(Role::reader, 7, here, 1));
-  EXPECT_FALSE(negotiation.serving(100).shm_port);
+  EXPECT_FALSE(negotiation.serving(100).memory_port);
   EXPECT_EQ(negotiation.serving(100).readers.at(0).reason, "this user may only read shared memory");
   EXPECT_FALSE(negotiation.local(100)->host.known()) << "others would wait for it there";
   EXPECT_TRUE(negotiation.local(200)->host.known());
@@ -50,8 +50,8 @@ TEST_F(NegotiationTest, AReaderThatRulesUdpOutIsNotServedBeforeItIsAttached) {
   reader.may_use_udp = false;
   negotiation.endpoint_seen(reader);
   const Serving serving = negotiation.serving(100);
-  EXPECT_TRUE(serving.udp.empty());
-  EXPECT_TRUE(serving.shm_port);
+  EXPECT_TRUE(serving.network.empty());
+  EXPECT_TRUE(serving.memory_port);
   EXPECT_FALSE(serving.readers[0].served);
 }
 
@@ -61,7 +61,7 @@ TEST_F(NegotiationTest, AnotherDefinitionOfTheTypeNeverMatchesAndSaysSo) {
   reader.type_hash ^= 1;
   negotiation.endpoint_seen(reader);
   const Serving serving = negotiation.serving(100);
-  EXPECT_TRUE(serving.udp.empty());
+  EXPECT_TRUE(serving.network.empty());
   EXPECT_EQ(serving.readers.at(0).reason, "two different definitions of type sensor_msgs::msg::PointCloud2");
   ASSERT_NE(serving.readers.at(0).mismatch, nullptr);
   EXPECT_EQ(serving.readers.at(0).mismatch->there, "") << "it did not describe its own";
@@ -103,8 +103,8 @@ TEST_F(NegotiationTest, AnIncompatiblePairNeverMatchesAndBothSidesSayWhy) {
   reader.qos.reliability = reliable;
   negotiation.endpoint_seen(reader);
   const Serving serving = negotiation.serving(100);
-  EXPECT_TRUE(serving.udp.empty());
-  EXPECT_FALSE(serving.shm_port);
+  EXPECT_TRUE(serving.network.empty());
+  EXPECT_FALSE(serving.memory_port);
   EXPECT_FALSE(serving.readers.at(0).served);
   EXPECT_EQ(serving.readers.at(0).incompatible_policy, QosPolicy::reliability);
 
@@ -116,7 +116,7 @@ TEST_F(NegotiationTest, AnIncompatiblePairNeverMatchesAndBothSidesSayWhy) {
   negotiation.endpoint_seen(writer);
   ASSERT_EQ(negotiation.hearing(200).size(), 2U);
   for (const Hearing& hearing : negotiation.hearing(200)) {
-    EXPECT_FALSE(hearing.shm || hearing.udp || hearing.status.matched);
+    EXPECT_FALSE(hearing.memory || hearing.network || hearing.status.matched);
     EXPECT_EQ(hearing.status.incompatible_policy, QosPolicy::deadline);
     EXPECT_NE(hearing.status.reason.find("is offered, 5 ms is requested"), std::string::npos);
   }
@@ -160,18 +160,18 @@ TEST_F(NegotiationTest, AReaderHearsWritersOfItsTopicByTheWaysBothAllow) {
   negotiation.endpoint_seen(remote);
   const auto hearing = negotiation.hearing(200);
   ASSERT_EQ(hearing.size(), 2U);
-  EXPECT_TRUE(hearing[0].shm && hearing[0].udp);
-  EXPECT_TRUE(!hearing[1].shm && hearing[1].udp);
+  EXPECT_TRUE(hearing[0].memory && hearing[0].network);
+  EXPECT_TRUE(!hearing[1].memory && hearing[1].network);
   EXPECT_EQ(hearing[1].status.reason, "the publisher or its node rules shared memory out");
 }
 
 TEST_F(NegotiationTest, WriterAndReaderOfOneNodeMatchLikeAnyOthers) {
   our_writer();
   our_reader();
-  EXPECT_EQ(negotiation.serving(100).udp.size(), 1U);
-  EXPECT_TRUE(negotiation.serving(100).shm_port);
+  EXPECT_EQ(negotiation.serving(100).network.size(), 1U);
+  EXPECT_TRUE(negotiation.serving(100).memory_port);
   negotiation.connection_changed(200, 100, TransportKind::shm, true);
-  EXPECT_EQ(negotiation.serving(100).shm.size(), 1U);
+  EXPECT_EQ(negotiation.serving(100).memory.size(), 1U);
 }
 
 }  // namespace

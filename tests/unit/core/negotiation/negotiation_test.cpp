@@ -16,20 +16,20 @@ using namespace std::chrono_literals;
 TEST_F(NegotiationTest, AWriterWithoutReadersServesNobody) {
   our_writer();
   const Serving serving = negotiation.serving(100);
-  EXPECT_TRUE(serving.udp.empty());
-  EXPECT_TRUE(serving.shm.empty());
-  EXPECT_FALSE(serving.shm_port);
+  EXPECT_TRUE(serving.network.empty());
+  EXPECT_TRUE(serving.memory.empty());
+  EXPECT_FALSE(serving.memory_port);
 }
 
 TEST_F(NegotiationTest, AReaderOnAnotherHostIsServedByUdpWithTheMaskOfItsFirstRequest) {
   our_writer();
   negotiation.endpoint_seen(endpoint(Role::reader, 7));
   const Serving serving = negotiation.serving(100);
-  ASSERT_EQ(serving.udp.size(), 1U);
-  EXPECT_EQ(serving.udp[0].mask, FieldMask(F::height | F::width));
-  EXPECT_EQ(std::get<UdpAddress>(serving.udp[0].destination).ip, 0x0a000001U);
+  ASSERT_EQ(serving.network.size(), 1U);
+  EXPECT_EQ(serving.network[0].mask, FieldMask(F::height | F::width));
+  EXPECT_EQ(std::get<UdpAddress>(serving.network[0].destination).ip, 0x0a000001U);
   EXPECT_EQ(serving.readers[0].reason, "another host");
-  EXPECT_FALSE(serving.shm_port);
+  EXPECT_FALSE(serving.memory_port);
 }
 
 TEST_F(NegotiationTest, NothingIsSentToAReaderBeforeItSaysThatItListens) {
@@ -37,10 +37,10 @@ TEST_F(NegotiationTest, NothingIsSentToAReaderBeforeItSaysThatItListens) {
   Endpoint reader = endpoint(Role::reader, 7);
   reader.request.listening.clear();
   negotiation.endpoint_seen(reader);
-  EXPECT_TRUE(negotiation.serving(100).udp.empty());
+  EXPECT_TRUE(negotiation.serving(100).network.empty());
   EXPECT_EQ(negotiation.serving(100).readers.at(0).reason, "the subscriber is not listening yet");
   negotiation.request_received(request(7, 2, F::data));
-  EXPECT_EQ(negotiation.serving(100).udp.at(0).mask, FieldMask(F::data));
+  EXPECT_EQ(negotiation.serving(100).network.at(0).mask, FieldMask(F::data));
 }
 
 TEST_F(NegotiationTest, WhatAReaderAskedForWhileItsNodeWasSilentHoldsOnceThatIsHeardAgain) {
@@ -51,7 +51,7 @@ TEST_F(NegotiationTest, WhatAReaderAskedForWhileItsNodeWasSilentHoldsOnceThatIsH
   negotiation.node_lost(66);
   EXPECT_FALSE(negotiation.request_received(request(7, 2, F::data)));
   EXPECT_TRUE(negotiation.node_returned(66));
-  EXPECT_EQ(negotiation.serving(100).udp.at(0).mask, FieldMask(F::data));
+  EXPECT_EQ(negotiation.serving(100).network.at(0).mask, FieldMask(F::data));
 }
 
 TEST_F(NegotiationTest, WhatALostReaderAskedForIsKeptUntilItIsSeenAgainHoweverLong) {
@@ -63,10 +63,10 @@ TEST_F(NegotiationTest, WhatALostReaderAskedForIsKeptUntilItIsSeenAgainHoweverLo
   negotiation.node_lost(66);
   negotiation.request_received(request(7, 2, F::data));
   negotiation.node_returned(66);  // discovery has not found it again
-  EXPECT_TRUE(negotiation.serving(100).udp.empty());
+  EXPECT_TRUE(negotiation.serving(100).network.empty());
   EXPECT_TRUE(negotiation.tick(Time{} + 60s)) << "the reader is forgotten, but not its request";
   negotiation.endpoint_seen(reader);
-  EXPECT_EQ(negotiation.serving(100).udp.at(0).mask, FieldMask(F::data));
+  EXPECT_EQ(negotiation.serving(100).network.at(0).mask, FieldMask(F::data));
 }
 
 TEST_F(NegotiationTest, AReaderIsReachedInANetworkThatWeAreInToo) {
@@ -75,7 +75,7 @@ TEST_F(NegotiationTest, AReaderIsReachedInANetworkThatWeAreInToo) {
   reader.addresses.push_back({0x0b000001, 7000, 1 << 20});
   negotiation.endpoint_seen(reader);
   const auto destination = [&] {
-    return std::get<UdpAddress>(negotiation.serving(100).udp.at(0).destination).ip;
+    return std::get<UdpAddress>(negotiation.serving(100).network.at(0).destination).ip;
   };
   EXPECT_EQ(destination(), 0x0a000001U);
   EXPECT_TRUE(negotiation.network_changed({}, {{0x0b000002, 24}}));
@@ -103,11 +103,11 @@ TEST_F(NegotiationTest, ANodeThatIsSilentIsNotServedUntilItIsHeardOfAgainAndNotF
   EXPECT_TRUE(negotiation.node_lost(70));
   EXPECT_TRUE(negotiation.misses_somebody());
   negotiation.tick(Time{} + 1h);
-  ASSERT_EQ(negotiation.serving(100).udp.size(), 1U);
-  EXPECT_EQ(negotiation.serving(100).udp[0].reader, 8U);
+  ASSERT_EQ(negotiation.serving(100).network.size(), 1U);
+  EXPECT_EQ(negotiation.serving(100).network[0].reader, 8U);
   EXPECT_EQ(negotiation.serving(100).readers.at(0).reason, "its node does not answer");
   EXPECT_TRUE(negotiation.node_returned(70));
-  EXPECT_EQ(negotiation.serving(100).udp.size(), 2U);
+  EXPECT_EQ(negotiation.serving(100).network.size(), 2U);
   EXPECT_FALSE(negotiation.node_returned(70)) << "that is no news";
 }
 
@@ -119,7 +119,7 @@ TEST_F(NegotiationTest, ANodeThatReturnsIsServedAsItAskedMeanwhile) {
   negotiation.node_lost(70);
   negotiation.request_received(request(7, 2, F::data));
   negotiation.node_returned(70);
-  EXPECT_EQ(negotiation.serving(100).udp.at(0).mask, FieldMask(F::data));
+  EXPECT_EQ(negotiation.serving(100).network.at(0).mask, FieldMask(F::data));
 }
 
 TEST_F(NegotiationTest, ANodeThatDiscoveryHasGivenUpReturnsOnlyByDiscovery) {
@@ -130,15 +130,15 @@ TEST_F(NegotiationTest, ANodeThatDiscoveryHasGivenUpReturnsOnlyByDiscovery) {
   negotiation.node_lost(70);
   negotiation.endpoint_lost(7, Time{});
   negotiation.node_returned(70);
-  EXPECT_TRUE(negotiation.serving(100).udp.empty());
+  EXPECT_TRUE(negotiation.serving(100).network.empty());
   negotiation.endpoint_seen(reader);
-  EXPECT_EQ(negotiation.serving(100).udp.size(), 1U);
+  EXPECT_EQ(negotiation.serving(100).network.size(), 1U);
 }
 
 TEST_F(NegotiationTest, AReaderInTheSameNetworkStackIsReachedThroughLoopback) {
   our_writer();
   negotiation.endpoint_seen(endpoint(Role::reader, 7, here, 3));
-  EXPECT_EQ(std::get<UdpAddress>(negotiation.serving(100).udp.at(0).destination).ip, 0x7f000001U);
+  EXPECT_EQ(std::get<UdpAddress>(negotiation.serving(100).network.at(0).destination).ip, 0x7f000001U);
 }
 
 TEST_F(NegotiationTest, AReaderInTheSameNetworkStackThatHasOnlyIPv6IsReachedThroughThatLoopback) {
@@ -146,7 +146,7 @@ TEST_F(NegotiationTest, AReaderInTheSameNetworkStackThatHasOnlyIPv6IsReachedThro
   Endpoint reader = endpoint(Role::reader, 7, here, 3);
   reader.addresses = {{parse_ip_address("fd00::7").value(), 7000, 1 << 20}};
   negotiation.endpoint_seen(reader);
-  EXPECT_EQ(std::get<UdpAddress>(negotiation.serving(100).udp.at(0).destination).ip, loopback_ipv6);
+  EXPECT_EQ(std::get<UdpAddress>(negotiation.serving(100).network.at(0).destination).ip, loopback_ipv6);
 }
 
 TEST_F(NegotiationTest, AReaderThatGetsAnotherAddressIsStillTheSame) {
@@ -158,25 +158,25 @@ TEST_F(NegotiationTest, AReaderThatGetsAnotherAddressIsStillTheSame) {
   reader.addresses = {{parse_ip_address("fd00::7").value(), 7000, 1 << 20}};
   negotiation.endpoint_seen(reader);
   const Serving after = negotiation.serving(100);
-  UdpAddress moved = std::get<UdpAddress>(before.udp.at(0).destination);
+  UdpAddress moved = std::get<UdpAddress>(before.network.at(0).destination);
   EXPECT_EQ(moved.node, reader.node_id);
   moved.ip = reader.addresses[0].ip;
-  EXPECT_EQ(std::get<UdpAddress>(after.udp.at(0).destination), moved);
+  EXPECT_EQ(std::get<UdpAddress>(after.network.at(0).destination), moved);
 }
 
 TEST_F(NegotiationTest, AReaderThatSharesMemoryIsServedByUdpUntilItIsAttachedAndThenByMemoryOnly) {
   our_writer();
   negotiation.endpoint_seen(endpoint(Role::reader, 7, here, 1));
   Serving serving = negotiation.serving(100);
-  EXPECT_TRUE(serving.shm_port);
-  EXPECT_EQ(serving.udp.size(), 1U);
-  EXPECT_TRUE(serving.shm.empty());
+  EXPECT_TRUE(serving.memory_port);
+  EXPECT_EQ(serving.network.size(), 1U);
+  EXPECT_TRUE(serving.memory.empty());
 
   negotiation.request_received(request(7, 2, F::height | F::width, {100}));
   serving = negotiation.serving(100);
-  EXPECT_TRUE(serving.udp.empty());
-  ASSERT_EQ(serving.shm.size(), 1U);
-  EXPECT_EQ(std::get<DoorbellAddress>(serving.shm[0].destination).page, 7U);
+  EXPECT_TRUE(serving.network.empty());
+  ASSERT_EQ(serving.memory.size(), 1U);
+  EXPECT_EQ(std::get<DoorbellAddress>(serving.memory[0].destination).page, 7U);
   EXPECT_EQ(serving.readers[0].reason, "same host");
 }
 
@@ -185,15 +185,15 @@ TEST_F(NegotiationTest, AnAttachedReaderThatListensByUdpTooGetsThereWhatSharedMe
   negotiation.endpoint_seen(endpoint(Role::reader, 7, here, 1));
   negotiation.request_received(request(7, 2, F::height, {100}));
   const Serving serving = negotiation.serving(100);
-  ASSERT_EQ(serving.spare.size(), 1U);
-  EXPECT_TRUE(serving.spare[0].spare);
-  EXPECT_EQ(serving.spare[0].mask, FieldMask(F::height));
-  EXPECT_TRUE(std::holds_alternative<UdpAddress>(serving.spare[0].destination));
+  ASSERT_EQ(serving.fallback.size(), 1U);
+  EXPECT_TRUE(serving.fallback[0].fallback);
+  EXPECT_EQ(serving.fallback[0].mask, FieldMask(F::height));
+  EXPECT_TRUE(std::holds_alternative<UdpAddress>(serving.fallback[0].destination));
   Request deaf = request(7, 3, F::height, {100});
   deaf.listening.clear();
   negotiation.request_received(deaf);
-  EXPECT_EQ(negotiation.serving(100).shm.size(), 1U);
-  EXPECT_TRUE(negotiation.serving(100).spare.empty());
+  EXPECT_EQ(negotiation.serving(100).memory.size(), 1U);
+  EXPECT_TRUE(negotiation.serving(100).fallback.empty());
 }
 
 TEST_F(NegotiationTest, WhenTheMemoryIsLostItsReadersAreServedByUdpAgain) {
@@ -202,8 +202,8 @@ TEST_F(NegotiationTest, WhenTheMemoryIsLostItsReadersAreServedByUdpAgain) {
   negotiation.request_received(request(7, 2, F::height, {100}));
   at_host({});
   const Serving serving = negotiation.serving(100);
-  EXPECT_TRUE(serving.shm.empty());
-  EXPECT_EQ(serving.udp.size(), 1U);
+  EXPECT_TRUE(serving.memory.empty());
+  EXPECT_EQ(serving.network.size(), 1U);
   EXPECT_EQ(serving.readers[0].reason, "no shared memory: off");
 }
 
@@ -213,14 +213,14 @@ TEST_F(NegotiationTest, ALaterRequestReplacesTheMaskAndAReorderedOrRepeatedOneDo
   EXPECT_TRUE(negotiation.request_received(request(7, 5, F::data)));
   EXPECT_FALSE(negotiation.request_received(request(7, 5, F::height)));
   EXPECT_FALSE(negotiation.request_received(request(7, 4, F::height)));
-  EXPECT_EQ(negotiation.serving(100).udp.at(0).mask, FieldMask(F::data));
+  EXPECT_EQ(negotiation.serving(100).network.at(0).mask, FieldMask(F::data));
 }
 
 TEST_F(NegotiationTest, ARequestThatComesBeforeItsReaderIsKeptForIt) {
   our_writer();
   negotiation.request_received(request(7, 3, F::data));
   negotiation.endpoint_seen(endpoint(Role::reader, 7));
-  EXPECT_EQ(negotiation.serving(100).udp.at(0).mask, FieldMask(F::data));
+  EXPECT_EQ(negotiation.serving(100).network.at(0).mask, FieldMask(F::data));
 }
 
 TEST_F(NegotiationTest, ARepeatedAnnouncementDoesNotTakeALaterRequestBack) {
@@ -228,7 +228,7 @@ TEST_F(NegotiationTest, ARepeatedAnnouncementDoesNotTakeALaterRequestBack) {
   negotiation.endpoint_seen(endpoint(Role::reader, 7));
   negotiation.request_received(request(7, 3, F::data));
   negotiation.endpoint_seen(endpoint(Role::reader, 7));
-  EXPECT_EQ(negotiation.serving(100).udp.at(0).mask, FieldMask(F::data));
+  EXPECT_EQ(negotiation.serving(100).network.at(0).mask, FieldMask(F::data));
 }
 
 TEST_F(NegotiationTest, ALostReaderIsNotServedButItsMaskIsKeptUntilItReturns) {
@@ -236,11 +236,11 @@ TEST_F(NegotiationTest, ALostReaderIsNotServedButItsMaskIsKeptUntilItReturns) {
   negotiation.endpoint_seen(endpoint(Role::reader, 7));
   negotiation.request_received(request(7, 3, F::data));
   negotiation.endpoint_lost(7, Time{});
-  EXPECT_TRUE(negotiation.serving(100).udp.empty());
+  EXPECT_TRUE(negotiation.serving(100).network.empty());
   EXPECT_EQ(negotiation.serving(100).readers.at(0).reason, "its node does not answer");
 
   negotiation.endpoint_seen(endpoint(Role::reader, 7));
-  EXPECT_EQ(negotiation.serving(100).udp.at(0).mask, FieldMask(F::data));
+  EXPECT_EQ(negotiation.serving(100).network.at(0).mask, FieldMask(F::data));
 }
 
 // The two control topics come back one after the other, and each tells what it has only once.
@@ -251,7 +251,7 @@ TEST_F(NegotiationTest, ARequestThatComesBackBeforeItsLostReaderOutlivesThatThis
   negotiation.request_received(request(7, 3, F::data));
   EXPECT_TRUE(negotiation.tick(Time{} + 60s));
   negotiation.endpoint_seen(endpoint(Role::reader, 7));
-  EXPECT_EQ(negotiation.serving(100).udp.at(0).mask, FieldMask(F::data));
+  EXPECT_EQ(negotiation.serving(100).network.at(0).mask, FieldMask(F::data));
 }
 
 TEST_F(NegotiationTest, ALostReaderIsForgottenAfterAWhileAndADepartedOneAtOnce) {
@@ -326,8 +326,8 @@ TEST_F(NegotiationTest, AReaderIsServedReliablyAndHearsSoIfItAsksForThat) {
     negotiation.endpoint_seen(reader);
   }
   const Serving serving = negotiation.serving(100);
-  ASSERT_EQ(serving.udp.size(), 2U);
-  for (const Route& route : serving.udp) EXPECT_EQ(route.reliable, route.reader == 7);
+  ASSERT_EQ(serving.network.size(), 2U);
+  for (const Route& route : serving.network) EXPECT_EQ(route.reliable, route.reader == 7);
 
   Endpoint ours = endpoint(Role::reader, 200);
   ours.qos.reliability = Reliability::reliable;
@@ -350,8 +350,8 @@ TEST_F(NegotiationTest, AMaximumRateTravelsInRequestsAndIsInForceInRoutes) {
   negotiation.request_received(slower);
   const Serving serving = negotiation.serving(100);
   const auto route =
-      std::find_if(serving.udp.begin(), serving.udp.end(), [](auto& r) { return r.reader == 7; });
-  ASSERT_NE(route, serving.udp.end());
+      std::find_if(serving.network.begin(), serving.network.end(), [](auto& r) { return r.reader == 7; });
+  ASSERT_NE(route, serving.network.end());
   EXPECT_EQ(route->min_period_us, 50'000U);
   EXPECT_EQ(serving.readers.at(0).max_rate_hz, 20);
 }
@@ -378,7 +378,7 @@ TEST_F(NegotiationTest, OfTooManyRequestsOfReadersThatHaveNotComeTheOldestMakesR
   small.local_added(endpoint(Role::writer, 100), type);
   for (const EndpointId id : {90, 91, 7, 8}) small.request_received(request(id, 2, F::data));
   small.endpoint_seen(endpoint(Role::reader, 7));
-  EXPECT_EQ(small.serving(100).udp.at(0).mask, FieldMask(F::data));
+  EXPECT_EQ(small.serving(100).network.at(0).mask, FieldMask(F::data));
 }
 
 // Announcement, requests and shared memory may come in any order. Once all have come, the outcome is the
@@ -393,7 +393,7 @@ TEST_F(NegotiationTest, TheOutcomeDoesNotDependOnTheOrderOfEvents) {
     std::shuffle(events.begin(), events.end(), random);
     Negotiation n;
     for (const int event : events) {
-      if (event == 0) n.self_changed({.host = token(1), .network = here, .shm_state = ""});
+      if (event == 0) n.self_changed({.host = token(1), .network = here, .memory_state = ""});
       if (event == 1) n.local_added(endpoint(Role::writer, 100), type);
       if (event == 2) n.endpoint_seen(endpoint(Role::reader, 7, here, 1));
       if (event == 3) n.request_received(request(7, 2, F::data));
@@ -401,10 +401,10 @@ TEST_F(NegotiationTest, TheOutcomeDoesNotDependOnTheOrderOfEvents) {
       if (event == 5) n.endpoint_seen(endpoint(Role::reader, 8));
     }
     const Serving serving = n.serving(100);
-    ASSERT_EQ(serving.shm.size(), 1U);
-    ASSERT_EQ(serving.shm[0].mask, FieldMask(F::width | F::width));
-    ASSERT_EQ(serving.udp.size(), 1U);
-    ASSERT_EQ(serving.udp[0].reader, 8U);
+    ASSERT_EQ(serving.memory.size(), 1U);
+    ASSERT_EQ(serving.memory[0].mask, FieldMask(F::width | F::width));
+    ASSERT_EQ(serving.network.size(), 1U);
+    ASSERT_EQ(serving.network[0].reader, 8U);
   }
 }
 

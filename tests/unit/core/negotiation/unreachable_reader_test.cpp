@@ -19,7 +19,7 @@ class UnreachableReader : public NegotiationTest {
     negotiation.request_received(request(7, 2, F::height, {100}));
   }
   ReaderStatus status() const { return negotiation.serving(100).readers.at(0); }
-  bool is_served_in_memory() const { return negotiation.serving(100).shm.size() == 1; }
+  bool is_served_in_memory() const { return negotiation.serving(100).memory.size() == 1; }
 };
 
 TEST_F(UnreachableReader, IsServedByUdpWithTheReason) {
@@ -27,7 +27,7 @@ TEST_F(UnreachableReader, IsServedByUdpWithTheReason) {
   ASSERT_TRUE(is_served_in_memory());
   EXPECT_TRUE(negotiation.reach_changed(100, 7, "its doorbell is gone"));
   EXPECT_FALSE(is_served_in_memory());
-  EXPECT_EQ(negotiation.serving(100).udp.size(), 1U);
+  EXPECT_EQ(negotiation.serving(100).network.size(), 1U);
   EXPECT_TRUE(status().served);
   EXPECT_EQ(status().transport, TransportKind::udp);
   EXPECT_EQ(status().reason, "its doorbell is gone");
@@ -48,7 +48,7 @@ TEST_F(UnreachableReader, IsKeptForTheWriterToAskForAgain) {
   ASSERT_EQ(serving.unreached.size(), 1U);
   EXPECT_EQ(serving.unreached[0].reader, 7U);
   EXPECT_EQ(serving.unreached[0].destination, Locator(DoorbellAddress{7, 1}));
-  EXPECT_TRUE(serving.shm_port) << "other readers may be reached";
+  EXPECT_TRUE(serving.memory_port) << "other readers may be reached";
 }
 
 TEST_F(UnreachableReader, WithoutUdpHasNoPathForAsLongAsThatLasts) {

@@ -10,12 +10,12 @@ namespace sft::core {
 class LocalEndpointTest : public ::testing::Test {
  protected:
   LocalEndpointTest() {
-    negotiation.self_changed({.host = memory.host_token(), .network = 1, .shm_state = "ready"});
+    negotiation.self_changed({.host = memory.host_token(), .network = 1, .memory_state = "ready"});
   }
 
   /// An endpoint on this host that uses shared memory only.
   Endpoint here(Role role, EndpointId id) const {
-    Endpoint e = by_udp(role, id);
+    Endpoint e = over_network(role, id);
     e.network = 1;
     e.may_use_udp = false;
     e.may_use_shm = true;
@@ -24,7 +24,7 @@ class LocalEndpointTest : public ::testing::Test {
     return e;
   }
   /// An endpoint on another host.
-  Endpoint by_udp(Role role, EndpointId id) const {
+  Endpoint over_network(Role role, EndpointId id) const {
     Endpoint e;
     e.id = id;
     e.role = role;
@@ -51,12 +51,12 @@ class LocalEndpointTest : public ::testing::Test {
   NodeLog log{"node", LogLevel::warning,
               [this](LogLevel, std::string_view text) { logged.emplace_back(text); }};
   TestDiscovery discovery;
-  TestTransport udp;
+  TestTransport network;
   TestMemory memory;
   Negotiation negotiation;
   ControlOutbox outbox{negotiation, discovery, log};
   PortAttempts attempts{log};
-  NodeContext node{negotiation, outbox, attempts, log, &memory, &udp};
+  NodeContext node{negotiation, outbox, attempts, log, &memory, &network};
 };
 
 }  // namespace sft::core

@@ -17,12 +17,12 @@ class LocalReaderTest : public LocalEndpointTest {
                               .callback = nullptr,
                               .rate_changed = [] {}};
     core = std::make_shared<SubscriberCore>(std::move(spec), bells->at(1), recorder);
-    if (endpoint.may_use_udp) core->ports().set(TransportKind::udp, udp_port);
+    if (endpoint.may_use_udp) core->ports().set_network(network_port);
     reader.emplace(node, endpoint,
-                   LocalReader::Parts{core, recorder, endpoint.may_use_udp ? udp_port : nullptr});
+                   LocalReader::Parts{core, recorder, endpoint.may_use_udp ? network_port : nullptr});
     negotiation.local_added(endpoint, type);
   }
-  void open_by_udp() { open(by_udp(Role::reader, 200)); }
+  void open_by_network() { open(over_network(Role::reader, 200)); }
   void open_in_memory() { open(here(Role::reader, 200)); }
   void seen(const Endpoint& writer) {
     negotiation.endpoint_seen(writer);
@@ -32,15 +32,15 @@ class LocalReaderTest : public LocalEndpointTest {
 
   const std::unique_ptr<DoorbellPage> bells = DoorbellPage::create();
   Connections connections;
-  const std::shared_ptr<TestReaderPort> udp_port = std::make_shared<TestReaderPort>(connections);
+  const std::shared_ptr<TestReaderPort> network_port = std::make_shared<TestReaderPort>(connections);
   std::shared_ptr<SubscriberCore> core;
   std::optional<LocalReader> reader;
   std::size_t unattached = 0;
 };
 
 TEST_F(LocalReaderTest, ConnectsToTheWritersThatItShouldHearAndTellsThemOnceItDoes) {
-  open_by_udp();
-  seen(by_udp(Role::writer, 7));
+  open_by_network();
+  seen(over_network(Role::writer, 7));
   EXPECT_THAT(connections.writers, ElementsAre(7));
   EXPECT_THAT(request().listening, IsEmpty());
   EXPECT_TRUE(reader->look_after_connections().changed);
@@ -51,8 +51,8 @@ TEST_F(LocalReaderTest, ConnectsToTheWritersThatItShouldHearAndTellsThemOnceItDo
 
 TEST_F(LocalReaderTest, AConnectionThatFailsIsTriedAgainAfterAPause) {
   connections.refusal = "the same short id";
-  open_by_udp();
-  seen(by_udp(Role::writer, 7));
+  open_by_network();
+  seen(over_network(Role::writer, 7));
   reader->reconcile(unattached);
   EXPECT_THAT(logged, ElementsAre("node: the same short id"));
   EXPECT_FALSE(reader->may_try_again(std::chrono::steady_clock::now()));
@@ -60,8 +60,8 @@ TEST_F(LocalReaderTest, AConnectionThatFailsIsTriedAgainAfterAPause) {
 }
 
 TEST_F(LocalReaderTest, SamplesInFlightOfAWriterThatDepartedAreTakenForAWhile) {
-  open_by_udp();
-  seen(by_udp(Role::writer, 7));
+  open_by_network();
+  seen(over_network(Role::writer, 7));
   negotiation.endpoint_departed(7);
   reader->reconcile(unattached);
   reader->forget_what_was_in_flight(std::chrono::steady_clock::now());
@@ -95,14 +95,14 @@ TEST_F(LocalReaderTest, AfterItsPortWasDroppedItConnectsAnew) {
   open_in_memory();
   seen(here(Role::writer, 7));
   memory.connections.clear();
-  reader->drop_shm();
+  reader->drop_memory();
   reader->reconcile(unattached);
   EXPECT_THAT(memory.connections, ElementsAre(7));
   EXPECT_THAT(memory.asked_for, ElementsAre(7, 7));
 }
 
 TEST_F(LocalReaderTest, AnotherMaximumRateIsAskedForOnce) {
-  open_by_udp();
+  open_by_network();
   EXPECT_FALSE(reader->rate_changed()) << "it is the same as before";
   ASSERT_TRUE(core->set_max_rate_hz(10));
   EXPECT_TRUE(reader->rate_changed());
@@ -112,7 +112,7 @@ TEST_F(LocalReaderTest, AnotherMaximumRateIsAskedForOnce) {
 }
 
 TEST_F(LocalReaderTest, ItsRequestTellsTheSubscriberWhatIsInForce) {
-  open_by_udp();
+  open_by_network();
   negotiation.rate_changed(200, 1000);
   reader->send_request();
   EXPECT_EQ(core->status().requests, request().sequence);
@@ -120,8 +120,8 @@ TEST_F(LocalReaderTest, ItsRequestTellsTheSubscriberWhatIsInForce) {
 }
 
 TEST_F(LocalReaderTest, AConnectionByWhichNothingArrivesIsClosedAndMadeAnewAfterAPause) {
-  open_by_udp();
-  seen(by_udp(Role::writer, 7));
+  open_by_network();
+  seen(over_network(Role::writer, 7));
   reader->look_after_connections();
   Time now = std::chrono::steady_clock::now();
   std::uint64_t sent = 0;
@@ -139,8 +139,8 @@ TEST_F(LocalReaderTest, AConnectionByWhichNothingArrivesIsClosedAndMadeAnewAfter
 }
 
 TEST_F(LocalReaderTest, WhileACallbackHoldsUpWhatArrivesNoConnectionCountsAsDeaf) {
-  open_by_udp();
-  seen(by_udp(Role::writer, 7));
+  open_by_network();
+  seen(over_network(Role::writer, 7));
   reader->look_after_connections();
   Time now = std::chrono::steady_clock::now();
   for (std::uint64_t i = 1; i <= 20; ++i)
@@ -150,16 +150,16 @@ TEST_F(LocalReaderTest, WhileACallbackHoldsUpWhatArrivesNoConnectionCountsAsDeaf
 }
 
 TEST_F(LocalReaderTest, HasAnAccountOfEachWriterThatMatches) {
-  open_by_udp();
-  seen(by_udp(Role::writer, 7));
-  Endpoint other = by_udp(Role::writer, 8);
+  open_by_network();
+  seen(over_network(Role::writer, 7));
+  Endpoint other = over_network(Role::writer, 8);
   other.type_hash = 1;
   seen(other);
   EXPECT_THAT(reader->matching_writers(), ElementsAre(7));
 }
 
 TEST_F(LocalReaderTest, OnceItIsClosedItTakesNothingMore) {
-  open_by_udp();
+  open_by_network();
   connections.sample = BufferPool::make(1 << 20)->take(256);
   connections.sample->sequence = 1;
   reader->close();

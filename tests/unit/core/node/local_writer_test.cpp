@@ -13,7 +13,7 @@ class LocalWriterTest : public LocalEndpointTest {
     spec.qos = endpoint.qos;
     spec.on_event = [this](const Event& event) { events.push_back(event); };
     core = std::make_shared<PublisherCore>(std::move(spec), BufferPool::make(1 << 20),
-                                           endpoint.may_use_udp ? udp_port : nullptr);
+                                           endpoint.may_use_udp ? network_port : nullptr);
     writer.emplace(node, endpoint, core);
     negotiation.local_added(endpoint, type);
   }
@@ -27,7 +27,7 @@ class LocalWriterTest : public LocalEndpointTest {
   }
   /// A reader on another host that listens to our writer.
   void reader_listens(EndpointId id) {
-    Endpoint reader = by_udp(Role::reader, id);
+    Endpoint reader = over_network(Role::reader, id);
     reader.request.listening = {7};
     negotiation.endpoint_seen(reader);
     writer->reconcile();
@@ -38,7 +38,7 @@ class LocalWriterTest : public LocalEndpointTest {
     return readers;
   }
 
-  const std::shared_ptr<TestWriterPort> udp_port = std::make_shared<TestWriterPort>();
+  const std::shared_ptr<TestWriterPort> network_port = std::make_shared<TestWriterPort>();
   std::vector<Event> events;
   std::shared_ptr<PublisherCore> core;
   std::optional<LocalWriter> writer;
@@ -68,7 +68,7 @@ TEST_F(LocalWriterTest, AfterItsPortWasDroppedItIsServedAnewWithTheSameReaders) 
   open_in_memory();
   reader_attaches(200);
   memory.routes.clear();
-  writer->drop_shm();
+  writer->drop_memory();
   writer->reconcile();
   EXPECT_EQ(memory.openings, 2);
   EXPECT_EQ(memory.writers, 1) << "the first port is gone";
@@ -90,7 +90,7 @@ TEST_F(LocalWriterTest, AReaderThatCannotBeToldOfSamplesIsNotServedInMemoryUntil
 }
 
 TEST_F(LocalWriterTest, ItsProgressIsTakenOnceForAllThatWasSentAndOnlyIfSomebodyIsServed) {
-  open(by_udp(Role::writer, 7));
+  open(over_network(Role::writer, 7));
   writer->reconcile();
   const PointCloud2 cloud;
   core->publish(&cloud);
@@ -105,10 +105,10 @@ TEST_F(LocalWriterTest, ItsProgressIsTakenOnceForAllThatWasSentAndOnlyIfSomebody
 }
 
 TEST_F(LocalWriterTest, HasAnAccountOfEachReaderThatMatches) {
-  open(by_udp(Role::writer, 7));
+  open(over_network(Role::writer, 7));
   EXPECT_THAT(writer->matching_readers(), IsEmpty());
   reader_listens(200);
-  Endpoint other = by_udp(Role::reader, 201);
+  Endpoint other = over_network(Role::reader, 201);
   other.type_hash = 1;
   negotiation.endpoint_seen(other);
   writer->reconcile();
@@ -116,18 +116,18 @@ TEST_F(LocalWriterTest, HasAnAccountOfEachReaderThatMatches) {
 }
 
 TEST_F(LocalWriterTest, TellsEventsOnceAndOnlyIfSomethingHasHappened) {
-  open(by_udp(Role::writer, 7));
+  open(over_network(Role::writer, 7));
   reader_listens(200);
   writer->tell_events();
   EXPECT_EQ(events.size(), 1U) << "a reader matches";
-  const int looks = udp_port->looks;
+  const int looks = network_port->looks;
   writer->tell_events();
   EXPECT_EQ(events.size(), 1U);
-  EXPECT_EQ(udp_port->looks, looks) << "no state is compared";
+  EXPECT_EQ(network_port->looks, looks) << "no state is compared";
 }
 
 TEST_F(LocalWriterTest, ItsReadersAreToldThatItLivesOnlyIfTheyAskForALease) {
-  open(by_udp(Role::writer, 7));
+  open(over_network(Role::writer, 7));
   reader_listens(200);
   EXPECT_FALSE(writer->watch_promises(soon()));
   EXPECT_FALSE(writer->pace());

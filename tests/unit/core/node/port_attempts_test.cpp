@@ -38,41 +38,41 @@ class PortAttemptsTest : public ::testing::Test {
 };
 
 TEST_F(PortAttemptsTest, WhatWorksIsNotPaused) {
-  EXPECT_TRUE(attempts.by_udp(one, working()));
-  EXPECT_TRUE(attempts.by_udp(one, working()));
-  EXPECT_TRUE(attempts.in_shm(other, working()));
+  EXPECT_TRUE(attempts.over_network(one, working()));
+  EXPECT_TRUE(attempts.over_network(one, working()));
+  EXPECT_TRUE(attempts.in_memory(other, working()));
   EXPECT_EQ(calls, 3);
   EXPECT_THAT(logged, IsEmpty());
 }
 
 TEST_F(PortAttemptsTest, WhatHasFailedIsNotCalledAgainBeforeItsPauseIsOver) {
-  EXPECT_FALSE(attempts.by_udp(one, failing(Errc::system, "no socket")));
-  EXPECT_FALSE(attempts.by_udp(one, working()));
+  EXPECT_FALSE(attempts.over_network(one, failing(Errc::system, "no socket")));
+  EXPECT_FALSE(attempts.over_network(one, working()));
   EXPECT_EQ(calls, 1);
   EXPECT_THAT(logged, ElementsAre("node: no socket"));
   EXPECT_TRUE(one.due_again(later()));
 }
 
 TEST_F(PortAttemptsTest, ADaemonThatRefusesOneRequestIsAskedForOthersAtOnce) {
-  attempts.in_shm(one, failing(Errc::limit_exceeded, "no port is left"));
-  attempts.in_shm(other, failing(Errc::limit_exceeded, "no port is left"));
+  attempts.in_memory(one, failing(Errc::limit_exceeded, "no port is left"));
+  attempts.in_memory(other, failing(Errc::limit_exceeded, "no port is left"));
   EXPECT_EQ(calls, 2);
   EXPECT_EQ(logged.size(), 2U) << "each is a port of its own";
 }
 
 TEST_F(PortAttemptsTest, ADaemonThatDoesNotAnswerIsAskedNothingForAWhile) {
-  attempts.in_shm(one, failing(Errc::unavailable, "no answer"));
-  EXPECT_FALSE(attempts.in_shm(other, working()));
+  attempts.in_memory(one, failing(Errc::unavailable, "no answer"));
+  EXPECT_FALSE(attempts.in_memory(other, working()));
   EXPECT_EQ(calls, 1);
   EXPECT_THAT(logged, ElementsAre("node: no answer"));
-  EXPECT_FALSE(attempts.may_retry_in_shm(one, std::chrono::steady_clock::now()));
-  EXPECT_TRUE(attempts.may_retry_in_shm(one, later()));
+  EXPECT_FALSE(attempts.may_retry_in_memory(one, std::chrono::steady_clock::now()));
+  EXPECT_TRUE(attempts.may_retry_in_memory(one, later()));
 }
 
 TEST_F(PortAttemptsTest, AnotherDaemonIsAskedAtOnce) {
-  attempts.in_shm(one, failing(Errc::unavailable, "no answer"));
+  attempts.in_memory(one, failing(Errc::unavailable, "no answer"));
   attempts.forget_daemon();
-  EXPECT_TRUE(attempts.in_shm(other, working()));
+  EXPECT_TRUE(attempts.in_memory(other, working()));
 }
 
 }  // namespace

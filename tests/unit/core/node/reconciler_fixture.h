@@ -10,6 +10,7 @@
 #include <set>
 
 #include "tests/support/eventually.h"
+#include "tests/unit/core/seam/idle_ports.h"
 
 namespace sft::core {
 
@@ -18,16 +19,14 @@ using F = PointCloud2::Field;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-class TestWriterPort final : public WriterPort {
+class TestWriterPort final : public IdleNetworkWriter {
  public:
-  SendStatus send(const SampleHandle&) noexcept override { return SendStatus::sent; }
   void set_routes(std::vector<Route> set) override {
     routes = std::move(set);
     ++changes;
   }
-  void send_history(const Route&, std::vector<SampleHandle>) override {}
   bool history_sent(EndpointId) noexcept override { return history_left; }
-  std::uint64_t bytes_sent() const noexcept override { return ++looks, 0; }
+  Counters counters() const noexcept override { return ++looks, Counters{}; }
   std::vector<Route> routes;
   bool history_left = true;
   int changes = 0;
@@ -44,7 +43,7 @@ struct Connections {
   int looks = 0;  ///< at the state of the subscriber
 };
 
-class TestReaderPort final : public ReaderPort {
+class TestReaderPort final : public IdleNetworkReader {
  public:
   explicit TestReaderPort(Connections& connections) : connections_(connections) {}
   ~TestReaderPort() override { ++connections_.ports_gone; }
@@ -55,11 +54,9 @@ class TestReaderPort final : public ReaderPort {
     return {};
   }
   bool connected(EndpointId writer) const noexcept override { return connections_.writers.contains(writer); }
-  std::uint64_t arrivals(EndpointId) noexcept override { return 0; }
   void announced(const Source& source) override { connections_.announced.push_back(source); }
   void disconnect(EndpointId writer) noexcept override { connections_.writers.erase(writer); }
-  void accept(std::vector<Accepted>) override {}
-  std::uint64_t discarded() const noexcept override { return ++connections_.looks, 0; }
+  ReaderPort::Counters counters() const noexcept override { return ++connections_.looks, Counters{}; }
 
  private:
   Connections& connections_;
@@ -92,14 +89,9 @@ class TestDiscovery final : public Discovery {
 };
 
 /// A transport as far as it has addresses.
-class TestTransport final : public Transport {
+class TestTransport final : public IdleNetwork {
  public:
-  std::size_t max_sample_bytes() const noexcept override { return 1 << 20; }
-  Availability poll(Time) override { return Availability::ready; }
-  std::string description() const override { return "test"; }
   std::vector<UdpAddress> addresses() const override { return addresses_now; }
-  Result<std::unique_ptr<WriterPort>> open_writer(const WriterSpec&) override { return nullptr; }
-  Result<std::unique_ptr<ReaderPort>> open_reader(const ReaderSpec&) override { return nullptr; }
   std::vector<UdpAddress> addresses_now{{0x0a000001, 7000, 1 << 20}};
 };
 
@@ -134,12 +126,12 @@ class ReconcilerTest : public ::testing::Test {
                                                                       .callback = std::move(callback),
                                                                       .rate_changed = [] {}},
                                                  bells->at(1), nullptr);
-    core->ports().set(TransportKind::udp, port);
+    core->ports().set_network(port);
     reconciler.add_reader(endpoint(Role::reader, id), {core, nullptr, port});
     reconciler.reconcile();
     return core;
   }
-  std::shared_ptr<PublisherCore> our_writer(EndpointId id, const std::shared_ptr<WriterPort>& port) {
+  std::shared_ptr<PublisherCore> our_writer(EndpointId id, const std::shared_ptr<NetworkWriter>& port) {
     PublisherCore::Spec spec{id, "points", &type, 1 << 16};
     spec.on_readers_changed = [this](const PublisherStatus&) { ++readers_changed; };
     auto core = std::make_shared<PublisherCore>(std::move(spec), BufferPool::make(1 << 20), port);
@@ -169,10 +161,10 @@ class ReconcilerTest : public ::testing::Test {
   Dispatcher dispatcher{bells->at(0), "test"};
   Connections connections;
   TestDiscovery discovery;
-  TestTransport udp;
+  TestTransport network;
   NodeLog log{"node", LogLevel::warning,
               [this](LogLevel, std::string_view text) { logged.emplace_back(text); }};
-  Reconciler reconciler{our_node, 1, nullptr, &udp, discovery, dispatcher, log};
+  Reconciler reconciler{our_node, 1, nullptr, &network, discovery, dispatcher, log};
 };
 
 }  // namespace sft::core

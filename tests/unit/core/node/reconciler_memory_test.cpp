@@ -6,13 +6,10 @@ namespace sft::core {
 namespace {
 
 /// Shared memory that does not come up.
-class AbsentMemory final : public Transport {
+class AbsentMemory final : public IdleSharedMemory {
  public:
-  std::size_t max_sample_bytes() const noexcept override { return 1 << 20; }
   Availability poll(Time) override { return availability; }
   std::string description() const override { return state; }
-  Result<std::unique_ptr<WriterPort>> open_writer(const WriterSpec&) override { return nullptr; }
-  Result<std::unique_ptr<ReaderPort>> open_reader(const ReaderSpec&) override { return nullptr; }
   Availability availability = Availability::starting;
   std::string state = "starting";
 };
@@ -185,7 +182,7 @@ TEST_F(ReconcilerTest, TheLogSaysWhySharedMemoryDoesNotComeUp) {
   NodeLog all("node", LogLevel::info, [&](LogLevel level, std::string_view text) {
     lines.push_back((level == LogLevel::warning ? "warning " : "info ") + std::string(text));
   });
-  Reconciler own(our_node, 1, &memory, &udp, discovery, dispatcher, all);
+  Reconciler own(our_node, 1, &memory, &network, discovery, dispatcher, all);
   const auto becomes = [&](Availability availability, const std::string& state) {
     memory.availability = availability;
     memory.state = state;

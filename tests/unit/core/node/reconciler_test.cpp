@@ -252,12 +252,12 @@ TEST_F(ReconcilerTest, AnAddressThatComesOrGoesIsAnnounced) {
   our_reader(200);
   reconciler.tick();
   EXPECT_EQ(discovery.announced.size(), 1U) << "nothing has changed";
-  udp.addresses_now.insert(udp.addresses_now.begin(), {0x0b000001, 7000, 1 << 20});
+  network.addresses_now.insert(network.addresses_now.begin(), {0x0b000001, 7000, 1 << 20});
   ASSERT_TRUE(test::eventually([&] {
     reconciler.tick();
     return discovery.announced.size() > 1;
   }));
-  EXPECT_EQ(discovery.announced.back().addresses, udp.addresses_now);
+  EXPECT_EQ(discovery.announced.back().addresses, network.addresses_now);
 }
 
 TEST_F(ReconcilerTest, ANodeSaysThatItLivesEveryNowAndThenAndToANewcomerAtOnce) {
@@ -275,12 +275,12 @@ TEST_F(ReconcilerTest, AnAnnouncementThatCannotBeWrittenIsWrittenLaterAsItIsByTh
   discovery.failures = 2;
   our_reader(200);
   EXPECT_THAT(discovery.announced, IsEmpty());
-  udp.addresses_now.push_back({0x0b000001, 7000, 1 << 20});
+  network.addresses_now.push_back({0x0b000001, 7000, 1 << 20});
   ASSERT_TRUE(test::eventually([&] {
     reconciler.tick();
     return !discovery.announced.empty();
   }));
-  EXPECT_EQ(discovery.announced.back().addresses, udp.addresses_now);
+  EXPECT_EQ(discovery.announced.back().addresses, network.addresses_now);
   EXPECT_THAT(
       logged,
       ElementsAre("node: a control sample was not written: Timeout; it is tried again until it succeeds"));

@@ -10,29 +10,27 @@
 #include <vector>
 
 #include "core/platform/clock.h"
-#include "core/seam/transport.h"
+#include "tests/unit/core/seam/idle_ports.h"
 
 namespace sft::core {
 
 /// Ports in the memory of one daemon or another, as far as they come and go.
-class TestMemory final : public Transport {
+class TestMemory final : public IdleSharedMemory {
  public:
-  class Writer final : public WriterPort {
+  class Writer final : public IdleLendingWriter {
    public:
     explicit Writer(TestMemory& memory) : memory_(memory) { ++memory_.writers; }
     ~Writer() override { --memory_.writers; }
     SendStatus send(const SampleHandle&) noexcept override { return SendStatus::sent; }
     void set_routes(std::vector<Route> given) override { memory_.routes = std::move(given); }
     std::string why_unreachable(const Route&) override { return memory_.why_unreachable; }
-    std::uint64_t bytes_sent() const noexcept override { return 0; }
 
    private:
     TestMemory& memory_;
   };
-  class Reader final : public ReaderPort {
+  class Reader final : public IdleBorrowingReader {
    public:
     explicit Reader(TestMemory& memory) : memory_(memory) {}
-    SampleHandle take() noexcept override { return {}; }
     Result<void> connect(const Source& source) override {
       memory_.asked_for.push_back(source.writer);
       if (memory_.refusal) return fail(*memory_.refusal, "it does not do that");
@@ -41,29 +39,23 @@ class TestMemory final : public Transport {
     }
     bool connected(EndpointId) const noexcept override { return memory_.attaches; }
     HistoryProgress history(EndpointId) const noexcept override { return memory_.progress; }
-    std::uint64_t arrivals(EndpointId) noexcept override { return 0; }
     void disconnect(EndpointId writer) noexcept override { memory_.connections.erase(writer); }
-    void accept(std::vector<Accepted>) override {}
-    std::uint64_t discarded() const noexcept override { return 0; }
 
    private:
     TestMemory& memory_;
   };
 
-  std::size_t max_sample_bytes() const noexcept override { return 1 << 20; }
-  Availability poll(Time) override { return Availability::ready; }
-  std::string description() const override { return "test"; }
   HostToken host_token() const override {
     HostToken token;
     token.bytes.fill(daemon);
     return token;
   }
-  Result<std::unique_ptr<WriterPort>> open_writer(const WriterSpec&) override {
+  Result<std::unique_ptr<LendingWriter>> open_writer(const WriterSpec&) override {
     ++openings;
     if (is_full) return fail(Errc::unavailable, "no port is left");
     return std::make_unique<Writer>(*this);
   }
-  Result<std::unique_ptr<ReaderPort>> open_reader(const ReaderSpec&) override {
+  Result<std::unique_ptr<BorrowingReader>> open_reader(const ReaderSpec&) override {
     return std::make_unique<Reader>(*this);
   }
 

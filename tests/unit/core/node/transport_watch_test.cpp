@@ -4,15 +4,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/unit/core/seam/idle_ports.h"
+
 namespace sft::core {
 namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-class FakeTransport final : public Transport {
+class FakeMemory final : public IdleSharedMemory {
  public:
-  std::size_t max_sample_bytes() const noexcept override { return 1 << 20; }
   Availability poll(Time) override { return availability; }
   std::string description() const override { return state; }
   HostToken host_token() const override {
@@ -20,15 +21,22 @@ class FakeTransport final : public Transport {
     token.bytes.fill(daemon);
     return token;
   }
-  std::vector<UdpAddress> addresses() const override { return addresses_now; }
-  std::vector<Link> links() const override { return links_now; }
-  bool network_changed() noexcept override { return ++looks, changed; }
-  Result<std::unique_ptr<WriterPort>> open_writer(const WriterSpec&) override { return nullptr; }
-  Result<std::unique_ptr<ReaderPort>> open_reader(const ReaderSpec&) override { return nullptr; }
 
   Availability availability = Availability::ready;
   std::string state = "works";
   std::uint8_t daemon = 1;
+};
+
+class FakeNetwork final : public IdleNetwork {
+ public:
+  Availability poll(Time) override { return availability; }
+  std::string description() const override { return state; }
+  std::vector<UdpAddress> addresses() const override { return addresses_now; }
+  std::vector<Link> links() const override { return links_now; }
+  bool network_changed() noexcept override { return ++looks, changed; }
+
+  Availability availability = Availability::ready;
+  std::string state = "works";
   std::vector<UdpAddress> addresses_now{{0x0a000001, 7000, 1 << 20}};
   std::vector<Link> links_now;
   bool changed = true;
@@ -37,65 +45,66 @@ class FakeTransport final : public Transport {
 
 class TransportWatchTest : public ::testing::Test {
  protected:
-  TransportWatch::ShmChange look_at_shm() { return watch.look_at_shm(now); }
-  TransportWatch::NetworkChange look_at_udp() {
+  TransportWatch::MemoryChange look_at_memory() { return watch.look_at_memory(now); }
+  TransportWatch::NetworkChange look_at_network() {
     now += std::chrono::seconds(1);
-    return watch.look_at_udp(now);
+    return watch.look_at_network(now);
   }
   /// Returns the lines that the log gets if shared memory is in that state now.
   std::vector<std::string> lines_if(Availability availability, const std::string& state) {
-    shm.availability = availability;
-    shm.state = state;
+    memory.availability = availability;
+    memory.state = state;
     lines.clear();
-    if (look_at_shm().any) watch.log_shm();
+    if (look_at_memory().any) watch.log_memory();
     return lines;
   }
 
-  FakeTransport shm, udp;
+  FakeMemory memory;
+  FakeNetwork network;
   std::vector<std::string> lines;
   NodeLog log{"node", LogLevel::info, [this](LogLevel level, std::string_view text) {
                 lines.push_back((level == LogLevel::info ? "info " : "louder ") + std::string(text));
               }};
-  TransportWatch watch{&shm, &udp, 5, log};
+  TransportWatch watch{&memory, &network, 5, log};
   Time now = std::chrono::steady_clock::now();
 };
 
 TEST_F(TransportWatchTest, SharedMemoryIsReadyOnceItHasAHost) {
-  EXPECT_FALSE(watch.shm_ready());
-  EXPECT_EQ(watch.shm_state(), "starting");
-  const auto change = look_at_shm();
+  EXPECT_FALSE(watch.memory_ready());
+  EXPECT_EQ(watch.memory_state(), "starting");
+  const auto change = look_at_memory();
   EXPECT_TRUE(change.any);
   EXPECT_TRUE(change.of_host);
   EXPECT_TRUE(change.of_state);
-  EXPECT_TRUE(watch.shm_ready());
-  EXPECT_EQ(watch.shm_state(), "works");
-  EXPECT_EQ(watch.self().host, shm.host_token());
+  EXPECT_TRUE(watch.memory_ready());
+  EXPECT_EQ(watch.memory_state(), "works");
+  EXPECT_EQ(watch.self().host, memory.host_token());
   EXPECT_EQ(watch.self().network, 5U);
-  EXPECT_FALSE(look_at_shm().any);
+  EXPECT_FALSE(look_at_memory().any);
 }
 
 TEST_F(TransportWatchTest, AnotherDaemonIsAnotherHostInTheSameState) {
-  look_at_shm();
-  shm.daemon = 2;
-  const auto change = look_at_shm();
+  look_at_memory();
+  memory.daemon = 2;
+  const auto change = look_at_memory();
   EXPECT_TRUE(change.of_host);
   EXPECT_FALSE(change.of_state);
 }
 
 TEST_F(TransportWatchTest, SharedMemoryThatIsNotReadyHasNoHost) {
-  look_at_shm();
-  shm.availability = Availability::unavailable;
-  EXPECT_TRUE(look_at_shm().of_host);
+  look_at_memory();
+  memory.availability = Availability::unavailable;
+  EXPECT_TRUE(look_at_memory().of_host);
   EXPECT_EQ(watch.self().host, HostToken{});
-  EXPECT_FALSE(watch.shm_ready());
+  EXPECT_FALSE(watch.memory_ready());
 }
 
 TEST_F(TransportWatchTest, ATransportThatIsRuledOutNeverChanges) {
   TransportWatch none(nullptr, nullptr, 5, log);
-  EXPECT_FALSE(none.look_at_shm(now).any);
-  EXPECT_EQ(none.look_at_udp(now), TransportWatch::NetworkChange::none);
-  EXPECT_EQ(none.shm_state(), "the node rules it out");
-  EXPECT_FALSE(none.shm_ready());
+  EXPECT_FALSE(none.look_at_memory(now).any);
+  EXPECT_EQ(none.look_at_network(now), TransportWatch::NetworkChange::none);
+  EXPECT_EQ(none.memory_state(), "the node rules it out");
+  EXPECT_FALSE(none.memory_ready());
   EXPECT_THAT(none.addresses(), IsEmpty());
 }
 
@@ -115,32 +124,32 @@ TEST_F(TransportWatchTest, ADaemonThatCannotBeStartedIsWarnedOfOnce) {
 }
 
 TEST_F(TransportWatchTest, AddressesAndLinksAreToldApart) {
-  EXPECT_EQ(look_at_udp(), TransportWatch::NetworkChange::none) << "they are as at the beginning";
-  udp.links_now.emplace_back();
-  EXPECT_EQ(look_at_udp(), TransportWatch::NetworkChange::links);
-  EXPECT_EQ(watch.links(), udp.links_now);
-  udp.addresses_now.push_back({0x0b000001, 7000, 1 << 20});
-  EXPECT_EQ(look_at_udp(), TransportWatch::NetworkChange::addresses);
-  EXPECT_EQ(watch.addresses(), udp.addresses_now);
-  EXPECT_EQ(look_at_udp(), TransportWatch::NetworkChange::none);
+  EXPECT_EQ(look_at_network(), TransportWatch::NetworkChange::none) << "they are as at the beginning";
+  network.links_now.emplace_back();
+  EXPECT_EQ(look_at_network(), TransportWatch::NetworkChange::links);
+  EXPECT_EQ(watch.links(), network.links_now);
+  network.addresses_now.push_back({0x0b000001, 7000, 1 << 20});
+  EXPECT_EQ(look_at_network(), TransportWatch::NetworkChange::addresses);
+  EXPECT_EQ(watch.addresses(), network.addresses_now);
+  EXPECT_EQ(look_at_network(), TransportWatch::NetworkChange::none);
 }
 
 TEST_F(TransportWatchTest, AddressesAreAskedForOnlyIfTheNetworkMayHaveChangedAndNotAllTheTime) {
-  udp.changed = false;
-  udp.addresses_now.clear();
-  EXPECT_EQ(look_at_udp(), TransportWatch::NetworkChange::none);
-  EXPECT_EQ(udp.looks, 1);
-  watch.look_at_udp(now + std::chrono::milliseconds(199));
-  EXPECT_EQ(udp.looks, 1);
-  watch.look_at_udp(now + std::chrono::milliseconds(200));
-  EXPECT_EQ(udp.looks, 2);
+  network.changed = false;
+  network.addresses_now.clear();
+  EXPECT_EQ(look_at_network(), TransportWatch::NetworkChange::none);
+  EXPECT_EQ(network.looks, 1);
+  watch.look_at_network(now + std::chrono::milliseconds(199));
+  EXPECT_EQ(network.looks, 1);
+  watch.look_at_network(now + std::chrono::milliseconds(200));
+  EXPECT_EQ(network.looks, 2);
 }
 
 TEST_F(TransportWatchTest, UdpThatFailsIsAnErrorThatIsLoggedOnce) {
-  udp.availability = Availability::unavailable;
-  udp.state = "the system has stopped io_uring";
-  look_at_udp();
-  look_at_udp();
+  network.availability = Availability::unavailable;
+  network.state = "the system has stopped io_uring";
+  look_at_network();
+  look_at_network();
   EXPECT_THAT(lines, ElementsAre("louder node: UDP: the system has stopped io_uring"));
 }
 

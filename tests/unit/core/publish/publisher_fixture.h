@@ -9,20 +9,19 @@
 
 #include "core/publish/publisher_core.h"
 #include "sft/publisher.h"
+#include "tests/unit/core/seam/idle_ports.h"
 
 namespace sft::core::test {
 
-class KeepingPort final : public WriterPort {
+class KeepingPort final : public IdleNetworkWriter {
  public:
-  SampleHandle loan(std::size_t) noexcept override { return {}; }
-  SendStatus send(const SampleHandle& sample) noexcept override {
+  SampleHandle last;
+
+ private:
+  SendStatus send_begun(const SampleHandle& sample, Reach) noexcept override {
     last = sample;
     return SendStatus::sent;
   }
-  void set_routes(std::vector<Route>) override {}
-  std::uint64_t bytes_sent() const noexcept override { return 0; }
-
-  SampleHandle last;
 };
 
 /// What memory is filled with that is lent next.
@@ -36,7 +35,7 @@ class PublisherOf {
     auto core =
         std::make_shared<PublisherCore>(PublisherCore::Spec{1, "topic", &type, 1 << 24}, pool_, port_);
     Serving serving;
-    serving.udp = {Route{2, UdpAddress{}, type.full()}};
+    serving.network = {Route{2, UdpAddress{}, type.full()}};
     core->serve(serving, nullptr);
     publisher_.emplace(detail::untyped::Publisher(std::move(core)));
   }

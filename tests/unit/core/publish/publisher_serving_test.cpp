@@ -10,6 +10,7 @@
 #include "core/publish/publisher_core.h"
 #include "sft/detail/encode.h"
 #include "sft/detail/project.h"
+#include "tests/unit/core/seam/idle_ports.h"
 
 namespace sft::core {
 namespace {
@@ -21,26 +22,27 @@ using sensor_msgs::msg::PointCloud2;
 using F = PointCloud2::Field;
 
 /// Sends as long as it is made to.
-class SlowPort final : public WriterPort {
+class SlowPort final : public IdleNetworkWriter {
  public:
-  SendStatus send(const SampleHandle&) noexcept override {
-    sending.set_value();
-    go_on.get_future().wait();
-    return SendStatus::sent;
-  }
   void set_routes(std::vector<Route>) override { ++routes_set; }
-  std::uint64_t bytes_sent() const noexcept override { return 0; }
 
   std::promise<void> sending;
   std::promise<void> go_on;
   std::atomic<int> routes_set{0};
+
+ private:
+  SendStatus send_begun(const SampleHandle&, Reach) noexcept override {
+    sending.set_value();
+    go_on.get_future().wait();
+    return SendStatus::sent;
+  }
 };
 
 class PublisherServingTest : public ::testing::Test {
  protected:
   Serving to_one(const FieldMask& mask) const {
     Serving serving;
-    serving.udp = {{2, UdpAddress{0x7f000001, 5000}, type.closed(mask)}};
+    serving.network = {{2, UdpAddress{0x7f000001, 5000}, type.closed(mask)}};
     return serving;
   }
 
@@ -117,11 +119,8 @@ TEST_F(PublisherServingTest, OnceClosedItTellsTheProgramOfNoReaders) {
 }
 
 /// Notes to which addresses it is given what was retained.
-class HistoryPort final : public WriterPort {
+class HistoryPort final : public IdleNetworkWriter {
  public:
-  SendStatus send(const SampleHandle&) noexcept override { return SendStatus::sent; }
-  void set_routes(std::vector<Route>) override {}
-  std::uint64_t bytes_sent() const noexcept override { return 0; }
   void send_history(const Route& to, std::vector<SampleHandle> samples) override {
     given.emplace_back(std::get<UdpAddress>(to.destination).port, samples.size());
   }
@@ -137,8 +136,8 @@ TEST_F(PublisherServingTest, ALateReaderIsGivenTheHistoryOnceAndAgainWhereItHasM
   for (int i = 0; i < 4; ++i) durable.publish(&cloud);
   const auto serve_at = [&](std::uint16_t socket, std::uint32_t history) {
     Serving serving = to_one(type.full());
-    serving.udp[0].destination = UdpAddress{0x7f000001, socket};
-    serving.udp[0].history = history;
+    serving.network[0].destination = UdpAddress{0x7f000001, socket};
+    serving.network[0].history = history;
     durable.serve(serving, nullptr);
   };
   using Given = decltype(network->given);
@@ -152,42 +151,47 @@ TEST_F(PublisherServingTest, ALateReaderIsGivenTheHistoryOnceAndAgainWhereItHasM
   EXPECT_EQ(network->given, (Given{{5000, 2}, {6000, 2}, {7000, 2}}));
 }
 
-/// Counts what it is given, and lets the program publish while its routes change.
-class InterruptedPort final : public WriterPort {
+/// Lets the program publish while its routes change.
+class InterruptedPort final : public IdleNetworkWriter {
  public:
-  SampleHandle loan(std::size_t bytes) noexcept override { return memory->take(bytes); }
-  SendStatus send(const SampleHandle&) noexcept override { return ++sent, SendStatus::sent; }
   void set_routes(std::vector<Route>) override {
     if (meanwhile) meanwhile();
   }
-  std::uint64_t bytes_sent() const noexcept override { return 0; }
 
-  const std::shared_ptr<BufferPool> memory = BufferPool::make(1 << 20);
   std::function<void()> meanwhile;
+};
+
+/// Counts what it is given.
+class CountingMemory final : public IdleLendingWriter {
+ public:
+  SampleHandle loan(std::size_t bytes) noexcept override { return memory_->take(bytes); }
+  SendStatus send(const SampleHandle&) noexcept override { return ++sent, SendStatus::sent; }
+
   int sent = 0;
+
+ private:
+  const std::shared_ptr<BufferPool> memory_ = BufferPool::make(1 << 20);
 };
 
 TEST_F(PublisherServingTest, AReaderThatChangesOverToSharedMemoryIsSentASampleThereThatIsPublishedMeanwhile) {
-  const auto network = std::make_shared<InterruptedPort>(), in_memory = std::make_shared<InterruptedPort>();
+  const auto network = std::make_shared<InterruptedPort>();
+  const auto in_memory = std::make_shared<CountingMemory>();
   PublisherCore changing({1, "points", &type, 1 << 16}, BufferPool::make(1 << 20), network);
   changing.serve(to_one(type.full()), nullptr);
   network->meanwhile = [&] { changing.publish(&cloud); };
-  Serving in_shm;
-  in_shm.shm_port = true;
-  in_shm.shm = {{.reader = 2, .destination = DoorbellAddress{}, .mask = type.full()}};
-  changing.serve(in_shm, in_memory);
+  Serving serving;
+  serving.memory_port = true;
+  serving.memory = {{.reader = 2, .destination = DoorbellAddress{}, .mask = type.full()}};
+  changing.serve(serving, in_memory);
   EXPECT_EQ(in_memory->sent, 1);
 }
 
 /// In memory of its own, where a late reader waits that a sample is held back from while somebody looks what
 /// is retained, as often as is said.
-class MemoryPort final : public WriterPort {
+class MemoryPort final : public IdleLendingWriter {
  public:
   SampleHandle loan(std::size_t bytes) noexcept override { return memory->take(bytes); }
-  SendStatus send(const SampleHandle&) noexcept override { return SendStatus::sent; }
-  void set_routes(std::vector<Route>) override {}
-  std::uint64_t bytes_sent() const noexcept override { return 0; }
-  bool holds(const SampleBuffer& sample) const noexcept override { return sample.owner == memory; }
+  bool owns(const SampleBuffer& sample) const noexcept override { return sample.owner == memory; }
   std::optional<std::uint64_t> held_back(EndpointId) noexcept override {
     return given ? std::nullopt : std::optional(interruptions);
   }
@@ -198,7 +202,7 @@ class MemoryPort final : public WriterPort {
     }
     given.emplace();
     for (const SampleHandle& sample : retained) {
-      EXPECT_TRUE(holds(*sample));
+      EXPECT_TRUE(owns(*sample));
       given->push_back(sample->sequence);
     }
     return true;
@@ -219,7 +223,7 @@ class LateInMemoryTest : public PublisherServingTest {
   }
   Serving to_late_reader() const {
     Serving serving;
-    serving.shm = {{.reader = 2, .destination = DoorbellAddress{}, .mask = type.full(), .history = 2}};
+    serving.memory = {{.reader = 2, .destination = DoorbellAddress{}, .mask = type.full(), .history = 2}};
     return serving;
   }
   const std::shared_ptr<MemoryPort> memory = std::make_shared<MemoryPort>();
@@ -246,7 +250,7 @@ TEST_F(LateInMemoryTest, AReaderFromWhichSomethingIsHeldBackMeanwhileIsGivenThat
 }
 
 /// Shared memory in which a send waits so long for readers, and that has no chunk for a number of loans.
-class FullMemoryPort final : public WriterPort {
+class FullMemoryPort final : public IdleLendingWriter {
  public:
   SampleHandle loan(std::size_t bytes) noexcept override {
     if (refusals == 0) return memory_->take(bytes);
@@ -259,8 +263,6 @@ class FullMemoryPort final : public WriterPort {
   }
   void be_patient(std::chrono::nanoseconds at_most) noexcept override { patience_ = at_most; }
   std::chrono::nanoseconds patience_left() const noexcept override { return patience_; }
-  void set_routes(std::vector<Route>) override {}
-  std::uint64_t bytes_sent() const noexcept override { return 0; }
 
   std::chrono::nanoseconds waits{0};
   int refusals = 0;
@@ -270,12 +272,9 @@ class FullMemoryPort final : public WriterPort {
   std::chrono::nanoseconds patience_{0};
 };
 
-class PatientPort final : public WriterPort {
+class PatientPort final : public IdleNetworkWriter {
  public:
-  SendStatus send(const SampleHandle&) noexcept override { return SendStatus::sent; }
   void be_patient(std::chrono::nanoseconds at_most) noexcept override { patience = at_most; }
-  void set_routes(std::vector<Route>) override {}
-  std::uint64_t bytes_sent() const noexcept override { return 0; }
   std::chrono::nanoseconds patience{0};
 };
 
@@ -298,8 +297,8 @@ TEST_F(WaitingPublisherTest, WaitsForReadersByBothPathsNoLongerThanForThoseByOne
   const auto network = std::make_shared<PatientPort>();
   PublisherCore core(waiting(), BufferPool::make(1 << 20), network);
   Serving serving;
-  serving.shm = {local(true)};
-  serving.udp = {Route{3, UdpAddress{}, type.full()}};
+  serving.memory = {local(true)};
+  serving.network = {Route{3, UdpAddress{}, type.full()}};
   core.serve(serving, memory);
   memory->waits = std::chrono::milliseconds(30);
   for (int i = 0; i < 2; ++i) {
@@ -311,7 +310,7 @@ TEST_F(WaitingPublisherTest, WaitsForReadersByBothPathsNoLongerThanForThoseByOne
 TEST_F(WaitingPublisherTest, WaitsForAChunkWhereAReliableReaderCanBeSentNothingByUdp) {
   PublisherCore core(waiting(), BufferPool::make(1 << 20), nullptr);
   Serving serving;
-  serving.shm = {local(true)};
+  serving.memory = {local(true)};
   core.serve(serving, memory);
   memory->refusals = 3;
   EXPECT_EQ(core.publish(&cloud), PublishStatus::ok);
@@ -321,7 +320,7 @@ TEST_F(WaitingPublisherTest, WaitsForAChunkWhereAReliableReaderCanBeSentNothingB
 TEST_F(WaitingPublisherTest, WaitsForNoChunkOfBestEffortReaders) {
   PublisherCore core(waiting(), BufferPool::make(1 << 20), nullptr);
   Serving serving;
-  serving.shm = {local(false)};
+  serving.memory = {local(false)};
   core.serve(serving, memory);
   memory->refusals = 3;
   EXPECT_EQ(core.publish(&cloud), PublishStatus::no_memory);

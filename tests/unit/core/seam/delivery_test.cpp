@@ -91,24 +91,24 @@ TEST_F(DeliveryTest, WhatAQueueLosesWasNotSent) {
 }
 
 TEST_F(DeliveryTest, WhatWentByASpareRouteIsToldApart) {
-  const Tally usual = tally(), spare = tally();
+  const Tally usual = tally(), fallback = tally();
   book.enter({{reader, {}}});
   book.turn_to(DeliveryBook::Teller::publisher, {{reader, {.tally = usual}}});
-  book.turn_to(DeliveryBook::Teller::network, {{reader, {.tally = spare, .diverted = true}}});
+  book.turn_to(DeliveryBook::Teller::network, {{reader, {.tally = fallback, .diverted = true}}});
   usual->sent(0, 0);
-  spare->sent(10, 15);
-  spare->sent(10, 15);
+  fallback->sent(10, 15);
+  fallback->sent(10, 15);
   EXPECT_EQ(book.of(reader), (Delivered{.sent = 3, .diverted = 2, .bytes = 20, .bytes_saved = 10}));
   book.turn_to(DeliveryBook::Teller::network, {}, DeliveryBook::LateCounts::to_come);
-  spare->sent(10, 15);
+  fallback->sent(10, 15);
   EXPECT_EQ(book.of(reader).diverted, 3U);
 }
 
 TEST_F(DeliveryTest, WhatWasLostOnASpareRouteWasNotDiverted) {
-  const Tally spare = tally();
+  const Tally fallback = tally();
   const auto queue = std::make_shared<LossTally>();
-  turn_to({{reader, {.tally = spare, .losses = queue, .diverted = true}}});
-  for (int i = 0; i < 3; ++i) spare->sent(10, 15);
+  turn_to({{reader, {.tally = fallback, .losses = queue, .diverted = true}}});
+  for (int i = 0; i < 3; ++i) fallback->sent(10, 15);
   queue->lost(10, 15);
   EXPECT_EQ(book.of(reader),
             (Delivered{.sent = 2, .dropped = 1, .diverted = 2, .bytes = 20, .bytes_saved = 10}));

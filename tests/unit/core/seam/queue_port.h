@@ -6,20 +6,37 @@
 #include <deque>
 #include <mutex>
 #include <utility>
-#include <vector>
 
-#include "core/seam/transport.h"
+#include "tests/unit/core/seam/idle_ports.h"
 
 namespace sft::core {
 
-class QueuePort final : public ReaderPort {
- public:
-  SampleHandle take() noexcept override {
+struct Queue {
+  SampleHandle pop() {
     if (samples.empty()) return {};
     SampleHandle first = std::move(samples.front());
     samples.pop_front();
     return first;
   }
+
+  bool is_connected = true;
+  std::uint64_t unnoticed = 0;
+  std::deque<SampleHandle> samples;
+};
+
+template <class Idle>
+class QueueOf : public Idle, public Queue {
+ public:
+  SampleHandle take() noexcept override { return pop(); }
+  bool connected(EndpointId) const noexcept override { return is_connected; }
+  std::uint64_t arrivals(EndpointId) noexcept override { return samples.size(); }
+  ReaderPort::Counters counters() const noexcept override { return {.lost_unnoticed = unnoticed}; }
+};
+
+using NetworkQueue = QueueOf<IdleNetworkReader>;
+
+class MemoryQueue final : public QueueOf<IdleBorrowingReader> {
+ public:
   SampleHandle take_of(EndpointId writer) noexcept override {
     const auto first = std::find_if(samples.begin(), samples.end(),
                                     [&](const SampleHandle& sample) { return sample->writer == writer; });
@@ -28,21 +45,11 @@ class QueuePort final : public ReaderPort {
     samples.erase(first);
     return sample;
   }
-  Result<void> connect(const Source&) override { return {}; }
-  bool connected(EndpointId) const noexcept override { return is_connected; }
-  std::uint64_t arrivals(EndpointId) noexcept override { return samples.size(); }
-  void disconnect(EndpointId) noexcept override {}
-  void accept(std::vector<Accepted>) override {}
-  std::uint64_t discarded() const noexcept override { return 0; }
-  std::uint64_t lost_unnoticed() const noexcept override { return unnoticed; }
-
-  bool is_connected = true;
-  std::uint64_t unnoticed = 0;
-  std::deque<SampleHandle> samples;
 };
 
 /// A port that another thread fills.
-class SharedPort final : public ReaderPort {
+template <class Idle>
+class SharedQueueOf final : public Idle {
  public:
   void put(SampleHandle sample) {
     const std::scoped_lock lock(mutex_);
@@ -50,18 +57,15 @@ class SharedPort final : public ReaderPort {
   }
   SampleHandle take() noexcept override {
     const std::scoped_lock lock(mutex_);
-    return queue_.take();
+    return queue_.pop();
   }
-  Result<void> connect(const Source&) override { return {}; }
-  bool connected(EndpointId) const noexcept override { return true; }
-  std::uint64_t arrivals(EndpointId) noexcept override { return 0; }
-  void disconnect(EndpointId) noexcept override {}
-  void accept(std::vector<Accepted>) override {}
-  std::uint64_t discarded() const noexcept override { return 0; }
 
  private:
   std::mutex mutex_;
-  QueuePort queue_;
+  Queue queue_;
 };
+
+using SharedMemoryQueue = SharedQueueOf<IdleBorrowingReader>;
+using SharedNetworkQueue = SharedQueueOf<IdleNetworkReader>;
 
 }  // namespace sft::core

@@ -113,7 +113,7 @@ class SequenceAccountTest : public ::testing::Test {
     lost += missing.lost;
     withheld += missing.withheld;
   }
-  static Numbered by_udp(std::uint64_t sequence, std::uint32_t period = 0, std::uint32_t ordinal = 0) {
+  static Numbered over_network(std::uint64_t sequence, std::uint32_t period = 0, std::uint32_t ordinal = 0) {
     return {sequence, stamp(sequence), true, period, ordinal};
   }
   static Numbered by_memory(std::uint64_t sequence) { return {sequence, stamp(sequence), false, 0, 0}; }
@@ -129,21 +129,21 @@ class SequenceAccountTest : public ::testing::Test {
 };
 
 TEST_F(SequenceAccountTest, WithoutALimitEveryGapIsALoss) {
-  for (const std::uint64_t sequence : {5U, 6U, 9U}) enter(by_udp(sequence));
+  for (const std::uint64_t sequence : {5U, 6U, 9U}) enter(over_network(sequence));
   enter(by_memory(20));
   EXPECT_EQ(lost, 12U);
   EXPECT_EQ(withheld, 0U);
 }
 
 TEST_F(SequenceAccountTest, WhatComesAgainOrTooLateIsNotNew) {
-  enter(by_udp(5));
-  EXPECT_FALSE(account.is_new(by_udp(5)));
+  enter(over_network(5));
+  EXPECT_FALSE(account.is_new(over_network(5)));
   EXPECT_FALSE(account.is_new(by_memory(4)));
 }
 
 TEST_F(SequenceAccountTest, BeginsAnewWithTheSecondSampleInARowThatIsFarBehindOneThatNobodySent) {
   enter(by_memory(5));
-  enter(by_udp(0x7000'0000));
+  enter(over_network(0x7000'0000));
   const std::uint64_t lost_then = lost;
   EXPECT_FALSE(account.is_new(by_memory(6)));
   account.refuse(by_memory(6));
@@ -153,7 +153,7 @@ TEST_F(SequenceAccountTest, BeginsAnewWithTheSecondSampleInARowThatIsFarBehindOn
 }
 
 TEST_F(SequenceAccountTest, DoesNotBeginAnewForOneOldSampleOrForOnesThatAnotherPathBringsAgain) {
-  enter(by_udp(200'000));
+  enter(over_network(200'000));
   account.refuse(by_memory(7));
   account.refuse(by_memory(199'990));
   EXPECT_FALSE(account.is_new(by_memory(8)));
@@ -193,8 +193,8 @@ TEST_F(SequenceAccountTest, OverUdpLostAndWithheldAreExact) {
 }
 
 TEST_F(SequenceAccountTest, NumbersOfAGateMayTurnOver) {
-  enter(by_udp(10, 100'000, 0xffff'ffff));
-  enter(by_udp(30, 100'000, 1));
+  enter(over_network(10, 100'000, 0xffff'ffff));
+  enter(over_network(30, 100'000, 1));
   EXPECT_EQ(lost, 1U);
   EXPECT_EQ(withheld, 18U);
 }
@@ -218,12 +218,12 @@ TEST_F(SequenceAccountTest, WhatAQueuePushedOutIsLostOnlyAsFarAsTheReaderWasEnti
 }
 
 TEST_F(SequenceAccountTest, WhereTheLimitChangesWhatIsMissingIsJudgedByTheSlowerOne) {
-  enter(by_udp(1, 100'000, 1));
-  enter(by_udp(11, 100'000, 2));
-  enter(by_udp(18));  // the limit is lifted
-  enter(by_udp(19));
+  enter(over_network(1, 100'000, 1));
+  enter(over_network(11, 100'000, 2));
+  enter(over_network(18));  // the limit is lifted
+  enter(over_network(19));
   EXPECT_EQ(lost, 0U);
-  enter(by_udp(25, 100'000, 9));  // and comes again
+  enter(over_network(25, 100'000, 9));  // and comes again
   EXPECT_EQ(lost, 0U);
   EXPECT_EQ(withheld, 20U);
 }
@@ -251,21 +251,21 @@ TEST_F(SequenceAccountTest, UnderOneLimitWhatIsSavedOfItIsReckonedWith) {
 
 TEST_F(SequenceAccountTest, AnotherPathUnderTheSameLimitLosesNothing) {
   account.ask(100'000);
-  enter(by_udp(1, 100'000, 1));
-  enter(by_udp(11, 100'000, 2));
+  enter(over_network(1, 100'000, 1));
+  enter(over_network(11, 100'000, 2));
   enter(by_memory(21));
-  enter(by_udp(31, 100'000, 4));
+  enter(over_network(31, 100'000, 4));
   EXPECT_EQ(lost, 0U);
   EXPECT_EQ(withheld, 27U);
 }
 
 TEST_F(SequenceAccountTest, OfWhatWasRetainedTheFirstSampleTellsWhatIsMissing) {
   account.owe(5);
-  Numbered retained = by_udp(8);
+  Numbered retained = over_network(8);
   retained.oldest_retained = 6;
   enter(retained);
   EXPECT_EQ(lost, 2U);
-  enter(by_udp(10));
+  enter(over_network(10));
   EXPECT_EQ(lost, 3U);
 }
 

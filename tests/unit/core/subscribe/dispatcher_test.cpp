@@ -23,7 +23,7 @@ TEST(DispatcherTest, EverySampleIsCalledBackForOnceWhileCallbacksMoveBetweenThre
   const TypeSupport type{TypeTable<PointCloud2>::type};
   const auto bells = DoorbellPage::create();
   const auto pool = BufferPool::make(64 << 20);
-  const auto port = std::make_shared<SharedPort>();
+  const auto port = std::make_shared<SharedNetworkQueue>();
   std::atomic<std::uint64_t> called{0};
   std::atomic<int> inside{0}, disorder{0}, by_dispatcher{0};
   Dispatcher dispatcher(bells->at(0), "test");
@@ -44,7 +44,7 @@ TEST(DispatcherTest, EverySampleIsCalledBackForOnceWhileCallbacksMoveBetweenThre
                                                             .options = {},
                                                             .callback = call_back},
                                        bells->at(0), nullptr);
-  subscriber->ports().set(TransportKind::udp, port);
+  subscriber->ports().set_network(port);
   const auto receive = [&](std::uint64_t sequence) {
     SampleHandle sample = pool->take(256);
     sample->writer = 9;

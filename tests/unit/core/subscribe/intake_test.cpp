@@ -35,8 +35,8 @@ struct Sent {
 /// Two queues that the test fills stand for the two ports. The test sets the time.
 class IntakeTest : public sft::test::RandomTest {
  protected:
-  void by_shm(const Sent& sent) { shm.push_back(sample(sent)); }
-  void by_udp(const Sent& sent) { udp.push_back(sample(sent)); }
+  void in_memory(const Sent& sent) { memory.push_back(sample(sent)); }
+  void over_network(const Sent& sent) { network.push_back(sample(sent)); }
 
   /// One decision about the samples that have come, without answers to what it asks.
   Decision decide() {
@@ -100,7 +100,7 @@ class IntakeTest : public sft::test::RandomTest {
   static constexpr std::int64_t patience_ns = 1000;
   static constexpr Intake::Options usual{.patience = std::chrono::nanoseconds(patience_ns)};
   const std::shared_ptr<BufferPool> pool = BufferPool::make(64 << 20);
-  std::deque<SampleHandle> shm, udp;
+  std::deque<SampleHandle> memory, network;
   bool is_connected = true;  ///< by UDP, to all writers
   std::int64_t now_ns = 0;
   std::optional<Intake> intake{std::in_place, usual};
@@ -112,46 +112,46 @@ class IntakeTest : public sft::test::RandomTest {
       intake->put(inlet, std::move(queue.front()));
       queue.pop_front();
     };
-    fill_one(Inlet::shm, shm);
-    fill_one(Inlet::udp, udp);
+    fill_one(Inlet::memory, memory);
+    fill_one(Inlet::network, network);
   }
   Decision follow_up(Decision decision) {
     if (decision == Decision::ask_connected) return answer_connected(is_connected);
-    if (decision == Decision::ask_overtaken) return answer_overtaken(first_in_shm(intake->asked_about()));
+    if (decision == Decision::ask_overtaken) return answer_overtaken(first_in_memory(intake->asked_about()));
     return decide();
   }
-  SampleHandle first_in_shm(EndpointId writer) {
-    const auto found = std::ranges::find_if(shm, [&](const auto& s) { return s->writer == writer; });
-    if (found == shm.end()) return {};
+  SampleHandle first_in_memory(EndpointId writer) {
+    const auto found = std::ranges::find_if(memory, [&](const auto& s) { return s->writer == writer; });
+    if (found == memory.end()) return {};
     SampleHandle first = std::move(*found);
-    shm.erase(found);
+    memory.erase(found);
     return first;
   }
 };
 
 TEST_F(IntakeTest, SamplesOfOneWriterComeByRisingSequenceWhicheverPathBringsThem) {
-  by_udp({1});
-  by_shm({2});
-  by_udp({3});
-  by_shm({4});
+  over_network({1});
+  in_memory({2});
+  over_network({3});
+  in_memory({4});
   EXPECT_THAT(taken(), ElementsAre(1, 2, 3, 4));
   EXPECT_EQ(status().received, 4U);
   EXPECT_EQ(status().lost, 0U);
 }
 
 TEST_F(IntakeTest, BetweenWritersTheOlderStampGoesFirst) {
-  by_shm({.sequence = 1, .writer = 8, .stamp_ns = 30});
-  by_udp({.sequence = 1, .writer = 9, .stamp_ns = 20});
-  by_udp({.sequence = 2, .writer = 9, .stamp_ns = 40});
+  in_memory({.sequence = 1, .writer = 8, .stamp_ns = 30});
+  over_network({.sequence = 1, .writer = 9, .stamp_ns = 20});
+  over_network({.sequence = 2, .writer = 9, .stamp_ns = 40});
   std::vector<EndpointId> writers;
   for (Taken next = take(); next.sample; next = take()) writers.push_back(next.info.writer);
   EXPECT_THAT(writers, ElementsAre(9, 8, 9));
 }
 
 TEST_F(IntakeTest, ASampleTellsWhereItCameFrom) {
-  by_shm({.sequence = 1, .stamp_ns = 5});
-  by_udp({.sequence = 2, .stamp_ns = 6});
-  udp.back()->receive_stamp_ns = 7;
+  in_memory({.sequence = 1, .stamp_ns = 5});
+  over_network({.sequence = 2, .stamp_ns = 6});
+  network.back()->receive_stamp_ns = 7;
   EXPECT_EQ(take().info.transport, TransportKind::shm);
   const SampleInfo second = take().info;
   EXPECT_EQ(second.transport, TransportKind::udp);
@@ -161,23 +161,23 @@ TEST_F(IntakeTest, ASampleTellsWhereItCameFrom) {
 }
 
 TEST_F(IntakeTest, ASampleThatBothPathsBringIsTakenOnce) {
-  by_udp({1});
-  by_udp({2});
-  by_shm({2});
-  by_shm({3});
+  over_network({1});
+  over_network({2});
+  in_memory({2});
+  in_memory({3});
   EXPECT_THAT(taken(), ElementsAre(1, 2, 3));
   EXPECT_EQ(status().received, 3U);
   EXPECT_EQ(status().lost, 0U);
 }
 
 TEST_F(IntakeTest, EveryDropOfASampleIsADecisionAfterWhichTheInletsAreFilledAnew) {
-  by_shm({1});
+  in_memory({1});
   ASSERT_EQ(decide(), Decision::deliver);
   intake->take();
-  by_shm({1});
-  by_shm({2});
+  in_memory({1});
+  in_memory({2});
   EXPECT_EQ(decide(), Decision::dropped);
-  EXPECT_TRUE(intake->is_empty(Inlet::shm));
+  EXPECT_TRUE(intake->is_empty(Inlet::memory));
   EXPECT_EQ(decide(), Decision::deliver);
 }
 
@@ -186,10 +186,10 @@ TEST_F(IntakeTest, EveryDropOfASampleIsADecisionAfterWhichTheInletsAreFilledAnew
 class DivertedTest : public IntakeTest {
  protected:
   DivertedTest() {
-    by_shm({1});
+    in_memory({1});
     EXPECT_THAT(taken(), ElementsAre(1));
     now_ns = 10;
-    by_shm({.sequence = 3, .diverted = 2, .diverted_ns = 5});
+    in_memory({.sequence = 3, .diverted = 2, .diverted_ns = 5});
   }
 };
 
@@ -197,7 +197,7 @@ TEST_F(DivertedTest, ASampleInSharedMemoryWaitsForAnEarlierOneThatWentByUdp) {
   EXPECT_EQ(decide(), Decision::ask_connected);
   EXPECT_EQ(intake->asked_about(), 9U);
   EXPECT_EQ(answer_connected(true), Decision::nothing);
-  by_udp({2});
+  over_network({2});
   EXPECT_THAT(taken(), ElementsAre(2, 3));
   EXPECT_EQ(status().lost, 0U);
 }
@@ -210,8 +210,8 @@ TEST_F(DivertedTest, ThatASampleWasHeldBackIsToldOnce) {
 }
 
 TEST_F(DivertedTest, WhileASampleWaitsThoseOfOtherWritersThatCameByUdpGoFirst) {
-  by_udp({.sequence = 1, .writer = 8, .stamp_ns = 100});
-  by_udp({2});
+  over_network({.sequence = 1, .writer = 8, .stamp_ns = 100});
+  over_network({2});
   EXPECT_THAT(taken(), ElementsAre(1, 2, 3));
 }
 
@@ -236,16 +236,16 @@ TEST_F(DivertedTest, NobodyWaitsWhereTheClockWasSetBack) {
 }
 
 TEST_F(DivertedTest, NobodyWaitsOnceALaterSampleOfTheWriterHasComeByUdp) {
-  by_udp({4});
+  over_network({4});
   EXPECT_THAT(taken(), ElementsAre(3, 4));
   EXPECT_EQ(status().lost, 1U);
 }
 
 TEST_F(IntakeTest, ADivertedSampleThatHasComeIsNotWaitedFor) {
-  by_shm({1});
-  by_udp({2});
-  by_shm({.sequence = 3, .diverted = 2});
-  by_shm({.sequence = 5, .diverted = 2});
+  in_memory({1});
+  over_network({2});
+  in_memory({.sequence = 3, .diverted = 2});
+  in_memory({.sequence = 5, .diverted = 2});
   EXPECT_THAT(taken(), ElementsAre(1, 2, 3, 5));
   EXPECT_EQ(status().lost, 1U);
 }
@@ -253,46 +253,46 @@ TEST_F(IntakeTest, ADivertedSampleThatHasComeIsNotWaitedFor) {
 TEST_F(IntakeTest, WhatWasDivertedBeforeTheWriterWasHeardIsNotWaitedFor) {
   now_ns = 10;
   hear(9);
-  by_shm({.sequence = 2, .diverted = 1, .diverted_ns = 9});
+  in_memory({.sequence = 2, .diverted = 1, .diverted_ns = 9});
   EXPECT_THAT(taken(), ElementsAre(2));
   EXPECT_EQ(status().lost, 0U);
 }
 
 TEST_F(IntakeTest, ADivertedSampleThatTheMaximumRateDoesNotAllowIsNotWaitedFor) {
   reopen({.patience = std::chrono::nanoseconds(patience_ns), .min_period_us = 1});
-  by_shm({.sequence = 1, .stamp_ns = 10'000});
-  by_shm({.sequence = 2, .stamp_ns = 10'100});
-  by_shm({.sequence = 4, .stamp_ns = 13'000, .diverted = 3, .diverted_ns = 10'200});
+  in_memory({.sequence = 1, .stamp_ns = 10'000});
+  in_memory({.sequence = 2, .stamp_ns = 10'100});
+  in_memory({.sequence = 4, .stamp_ns = 13'000, .diverted = 3, .diverted_ns = 10'200});
   now_ns = 10'300;
   EXPECT_THAT(taken(), ElementsAre(1, 2, 4)) << "a period may be saved, but not a second one";
 }
 
 // A writer that serves others in shared memory all the time names no sample that went by UDP to us alone.
 TEST_F(IntakeTest, AfterASampleThatCameByUdpAGapInSharedMemoryIsWaitedForToo) {
-  by_udp({1});
+  over_network({1});
   EXPECT_THAT(taken(), ElementsAre(1));
-  by_shm({3});
+  in_memory({3});
   now_ns = 3 + patience_ns - 1;
   EXPECT_THAT(taken(), IsEmpty());
-  by_udp({2});
+  over_network({2});
   EXPECT_THAT(taken(), ElementsAre(2, 3));
-  by_shm({5});
+  in_memory({5});
   EXPECT_THAT(taken(), ElementsAre(5)) << "the last one came in shared memory";
 }
 
 TEST_F(IntakeTest, ASampleThatFollowsIsDeliveredWithoutAQuestion) {
-  by_shm({1});
-  by_shm({.sequence = 2, .diverted = 1});
+  in_memory({1});
+  in_memory({.sequence = 2, .diverted = 1});
   EXPECT_EQ(decide(), Decision::deliver);
   intake->take();
   EXPECT_EQ(decide(), Decision::deliver);
 }
 
 TEST_F(IntakeTest, EarlierSamplesThatLieBehindOthersInSharedMemoryGoBeforeTheOneThatCameByUdp) {
-  by_shm({.sequence = 1, .writer = 8, .stamp_ns = 100});
-  by_shm({1});
-  by_shm({2});
-  by_udp({3});
+  in_memory({.sequence = 1, .writer = 8, .stamp_ns = 100});
+  in_memory({1});
+  in_memory({2});
+  over_network({3});
   ASSERT_EQ(decide(), Decision::ask_overtaken);
   EXPECT_EQ(intake->asked_about(), 9U);
   EXPECT_THAT(taken(), ElementsAre(1, 2, 3, 1));
@@ -300,30 +300,30 @@ TEST_F(IntakeTest, EarlierSamplesThatLieBehindOthersInSharedMemoryGoBeforeTheOne
 }
 
 TEST_F(IntakeTest, SharedMemoryIsNotLookedThroughIfTheWritersNextSampleIsTheFirstThere) {
-  by_shm({.sequence = 4, .stamp_ns = 50});
-  by_udp({.sequence = 2, .stamp_ns = 20});
+  in_memory({.sequence = 4, .stamp_ns = 50});
+  over_network({.sequence = 2, .stamp_ns = 20});
   EXPECT_EQ(decide(), Decision::deliver);
   EXPECT_EQ(intake->take().info.sequence, 2U);
 }
 
 TEST_F(IntakeTest, IfNothingEarlierIsFoundTheSampleThatCameByUdpIsNext) {
-  by_udp({3});
+  over_network({3});
   ASSERT_EQ(decide(), Decision::ask_overtaken);
   EXPECT_EQ(answer_overtaken({}), Decision::deliver);
   EXPECT_EQ(intake->take().info.sequence, 3U);
 }
 
 TEST_F(IntakeTest, ALaterSampleThatIsFoundInSharedMemoryIsKeptForItsTurn) {
-  by_shm({.sequence = 1, .writer = 8, .stamp_ns = 100});
-  by_shm({5});
-  by_udp({3});
+  in_memory({.sequence = 1, .writer = 8, .stamp_ns = 100});
+  in_memory({5});
+  over_network({3});
   EXPECT_THAT(taken(), ElementsAre(3, 5, 1));
   EXPECT_EQ(status().lost, 1U) << "the fourth one";
 }
 
 TEST_F(IntakeTest, TheNextSampleReportsTheGapBeforeIt) {
-  by_udp({5});
-  by_udp({8});
+  over_network({5});
+  over_network({8});
   EXPECT_EQ(take().info.lost_before, 0U) << "nobody knows what was sent before the first one";
   EXPECT_EQ(take().info.lost_before, 2U);
   EXPECT_EQ(status().lost, 2U);
@@ -331,30 +331,30 @@ TEST_F(IntakeTest, TheNextSampleReportsTheGapBeforeIt) {
 }
 
 TEST_F(IntakeTest, EveryWriterHasItsOwnSequence) {
-  by_udp({.sequence = 5, .writer = 9});
-  by_udp({.sequence = 6, .writer = 10});
-  by_udp({.sequence = 7, .writer = 9});
+  over_network({.sequence = 5, .writer = 9});
+  over_network({.sequence = 6, .writer = 10});
+  over_network({.sequence = 7, .writer = 9});
   EXPECT_THAT(taken(), ElementsAre(5, 6, 7));
   EXPECT_EQ(status().lost, 1U);
 }
 
 TEST_F(IntakeTest, RetainedSamplesThatWereOwedAndDidNotComeAreLost) {
   hear(9, {}, 3);
-  by_udp({10});
+  over_network({10});
   EXPECT_EQ(take().info.lost_before, 3U);
 }
 
 TEST_F(IntakeTest, WhereSamplesExpireNobodyKnowsHowManyWereOwed) {
   hear(9, std::chrono::minutes(1), 3);
-  by_udp({10});
+  over_network({10});
   EXPECT_EQ(take().info.lost_before, 0U);
 }
 
 TEST_F(IntakeTest, AnExpiredSampleIsDroppedAndCountsAsExpiredAndNotAsLost) {
   hear(9, std::chrono::nanoseconds(100));
   now_ns = 1000;
-  by_udp({.sequence = 1, .stamp_ns = 899});
-  by_udp({.sequence = 2, .stamp_ns = 900});
+  over_network({.sequence = 1, .stamp_ns = 899});
+  over_network({.sequence = 2, .stamp_ns = 900});
   EXPECT_THAT(taken(), ElementsAre(2));
   EXPECT_EQ(status().expired, 1U);
   EXPECT_EQ(status().lost, 0U);
@@ -364,9 +364,9 @@ TEST_F(IntakeTest, AnExpiredSampleIsDroppedAndCountsAsExpiredAndNotAsLost) {
 TEST_F(IntakeTest, WhatIsMissingBeforeAnExpiredSampleIsReportedByTheNextOneThatIsDelivered) {
   hear(9, std::chrono::nanoseconds(100));
   now_ns = 1000;
-  by_udp({.sequence = 1, .stamp_ns = 950});
-  by_udp({.sequence = 4, .stamp_ns = 1});
-  by_udp({.sequence = 5, .stamp_ns = 960});
+  over_network({.sequence = 1, .stamp_ns = 950});
+  over_network({.sequence = 4, .stamp_ns = 1});
+  over_network({.sequence = 5, .stamp_ns = 960});
   EXPECT_EQ(take().info.lost_before, 0U);
   EXPECT_EQ(take().info.lost_before, 2U);
 }
@@ -374,47 +374,47 @@ TEST_F(IntakeTest, WhatIsMissingBeforeAnExpiredSampleIsReportedByTheNextOneThatI
 TEST_F(IntakeTest, TheMaximumRateWithholdsSamplesInSharedMemoryAndNoneThatItsWriterHasSentByUdp) {
   reopen({.patience = std::chrono::nanoseconds(patience_ns), .min_period_us = 1});
   for (std::uint64_t i = 1; i <= 10; ++i)
-    by_shm({.sequence = i, .stamp_ns = 100'000 + static_cast<std::int64_t>(i)});
+    in_memory({.sequence = i, .stamp_ns = 100'000 + static_cast<std::int64_t>(i)});
   EXPECT_THAT(taken(), ElementsAre(1, 2));
   EXPECT_EQ(status().withheld, 8U);
   for (std::uint64_t i = 11; i <= 20; ++i)
-    by_udp({.sequence = i, .stamp_ns = 100'000 + static_cast<std::int64_t>(i)});
+    over_network({.sequence = i, .stamp_ns = 100'000 + static_cast<std::int64_t>(i)});
   EXPECT_EQ(taken().size(), 10U);
   EXPECT_EQ(status().withheld, 8U);
   EXPECT_EQ(status().lost, 0U);
 }
 
 TEST_F(IntakeTest, AMaximumRateThatIsAskedForLaterHoldsForWritersThatAreHeardAndForNewOnes) {
-  by_shm({.sequence = 1, .stamp_ns = 1000});
+  in_memory({.sequence = 1, .stamp_ns = 1000});
   EXPECT_EQ(taken().size(), 1U);
   intake->accounts().ask(1'000'000);
   for (const EndpointId writer : {9U, 10U}) {
     for (std::uint64_t i = 2; i <= 10; ++i)
-      by_shm({.sequence = i, .writer = writer, .stamp_ns = 1000 + static_cast<std::int64_t>(i)});
+      in_memory({.sequence = i, .writer = writer, .stamp_ns = 1000 + static_cast<std::int64_t>(i)});
   }
   EXPECT_LE(taken().size(), 4U);
   EXPECT_EQ(status().max_rate_hz, 1.0);
 }
 
 TEST_F(IntakeTest, SequencesThatBeginAnewByTheWordOfTheTransportAreBelieved) {
-  by_udp({1000});
-  by_udp({.sequence = 1, .numbering = 1});
-  by_udp({.sequence = 2, .numbering = 1});
+  over_network({1000});
+  over_network({.sequence = 1, .numbering = 1});
+  over_network({.sequence = 2, .numbering = 1});
   EXPECT_THAT(taken(), ElementsAre(1000, 1, 2));
   EXPECT_EQ(status().lost, 0U);
 }
 
 TEST_F(IntakeTest, TheSecondSampleInARowThatIsFarBehindTellsThatAForgedNumberWasAhead) {
   constexpr std::uint64_t forged = std::uint64_t{1} << 40;
-  by_udp({1});
-  by_udp({forged});
-  by_udp({2});
-  by_udp({3});
+  over_network({1});
+  over_network({forged});
+  over_network({2});
+  over_network({3});
   EXPECT_THAT(taken(), ElementsAre(1, forged, 3));
 }
 
 TEST_F(IntakeTest, TheLatestSampleReportsTheLossesOfThoseThatWerePassedOver) {
-  for (const std::uint64_t sequence : {1U, 3U, 4U}) by_udp({sequence});
+  for (const std::uint64_t sequence : {1U, 3U, 4U}) over_network({sequence});
   const Taken newest = latest();
   EXPECT_EQ(newest.info.sequence, 4U);
   EXPECT_EQ(newest.info.lost_before, 1U);
@@ -422,44 +422,44 @@ TEST_F(IntakeTest, TheLatestSampleReportsTheLossesOfThoseThatWerePassedOver) {
 }
 
 TEST_F(IntakeTest, TheLatestOfSeveralWritersIsTheOneThatWasPublishedLast) {
-  by_udp({.sequence = 1, .writer = 9, .stamp_ns = 100});
-  by_udp({.sequence = 1, .writer = 10, .stamp_ns = 300});
-  by_udp({.sequence = 2, .writer = 9, .stamp_ns = 200});
+  over_network({.sequence = 1, .writer = 9, .stamp_ns = 100});
+  over_network({.sequence = 1, .writer = 10, .stamp_ns = 300});
+  over_network({.sequence = 2, .writer = 9, .stamp_ns = 200});
   EXPECT_EQ(latest().info.writer, 10U);
 }
 
 TEST_F(IntakeTest, TheLatestOfOneWriterHasTheHighestSequenceEvenIfTheClockWasSetBack) {
-  by_udp({.sequence = 1, .stamp_ns = 300});
-  by_udp({.sequence = 2, .stamp_ns = 100});
+  over_network({.sequence = 1, .stamp_ns = 300});
+  over_network({.sequence = 2, .stamp_ns = 100});
   EXPECT_EQ(latest().info.sequence, 2U);
 }
 
 TEST_F(IntakeTest, LossesOfAWriterThatWasPassedOverAreReportedByItsNextSample) {
-  by_udp({.sequence = 1, .writer = 9, .stamp_ns = 100});
-  by_udp({.sequence = 5, .writer = 9, .stamp_ns = 200});
-  by_udp({.sequence = 1, .writer = 10, .stamp_ns = 300});
+  over_network({.sequence = 1, .writer = 9, .stamp_ns = 100});
+  over_network({.sequence = 5, .writer = 9, .stamp_ns = 200});
+  over_network({.sequence = 1, .writer = 10, .stamp_ns = 300});
   EXPECT_EQ(latest().info.lost_before, 0U);
-  by_udp({.sequence = 7, .writer = 9, .stamp_ns = 400});
+  over_network({.sequence = 7, .writer = 9, .stamp_ns = 400});
   EXPECT_EQ(take().info.lost_before, 4U);
 }
 
 TEST_F(IntakeTest, ASampleThatIsCopiedCountsAsReceivedOnceTheCopyIsDelivered) {
-  reopen({.copies_shm = true});
-  by_shm({1});
+  reopen({.copies_from_memory = true});
+  in_memory({1});
   const Taken next = take();
   EXPECT_EQ(status().received, 0U);
   intake->copied(next.info, true);
   EXPECT_EQ(status().received, 1U);
-  by_udp({2});
+  over_network({2});
   take();
   EXPECT_EQ(status().received, 2U) << "what comes by UDP is not copied";
 }
 
 TEST_F(IntakeTest, ASampleThatCouldNotBeCopiedIsLostAndTheNextOneReportsItWithTheGapBeforeIt) {
-  reopen({.copies_shm = true});
-  by_shm({1});
-  by_shm({3});
-  by_shm({4});
+  reopen({.copies_from_memory = true});
+  in_memory({1});
+  in_memory({3});
+  in_memory({4});
   intake->copied(take().info, true);
   intake->copied(take().info, false);
   EXPECT_EQ(take().info.lost_before, 2U);
@@ -468,8 +468,8 @@ TEST_F(IntakeTest, ASampleThatCouldNotBeCopiedIsLostAndTheNextOneReportsItWithTh
 }
 
 TEST_F(IntakeTest, CopiedSamplesThatArePassedOverCountAsReceived) {
-  reopen({.copies_shm = true});
-  for (const std::uint64_t sequence : {1U, 2U, 3U}) by_shm({sequence});
+  reopen({.copies_from_memory = true});
+  for (const std::uint64_t sequence : {1U, 2U, 3U}) in_memory({sequence});
   const Taken newest = latest();
   EXPECT_EQ(status().received, 2U);
   intake->copied(newest.info, true);
@@ -478,8 +478,8 @@ TEST_F(IntakeTest, CopiedSamplesThatArePassedOverCountAsReceived) {
 
 TEST_F(IntakeTest, CountsOfWritersThatDepartedRemainInTheSumsAfterTheWritersWereForgotten) {
   for (EndpointId writer = 100; writer < 200; ++writer) {
-    by_udp({.sequence = 1, .writer = writer});
-    by_udp({.sequence = 3, .writer = writer});
+    over_network({.sequence = 1, .writer = writer});
+    over_network({.sequence = 3, .writer = writer});
   }
   EXPECT_EQ(taken().size(), 200U);
   hear(9);
@@ -521,7 +521,7 @@ class RandomPathsTest : public IntakeTest {
               .diverted = writer.diverted,
               .diverted_ns = writer.diverted_ns};
     if (random() % 3 != 0) {
-      if (!is_lost()) by_shm(sent);
+      if (!is_lost()) in_memory(sent);
       return;
     } else {
       writer.diverted = sent.sequence;
@@ -529,10 +529,10 @@ class RandomPathsTest : public IntakeTest {
     }
     if (!is_lost()) writer.under_way.push_back(sample(sent));
   }
-  void one_arrives_by_udp() {
+  void one_arrives_by_network() {
     std::deque<SampleHandle>& under_way = writers[random() % writers.size()].under_way;
     if (under_way.empty()) return;
-    udp.push_back(std::move(under_way.front()));
+    network.push_back(std::move(under_way.front()));
     under_way.pop_front();
   }
   void some_are_taken() {
@@ -544,11 +544,11 @@ class RandomPathsTest : public IntakeTest {
   void run(int steps) {
     for (int step = 0; step < steps; ++step) {
       one_sends();
-      one_arrives_by_udp();
-      one_arrives_by_udp();
+      one_arrives_by_network();
+      one_arrives_by_network();
       some_are_taken();
     }
-    for (Writer& writer : writers) std::ranges::move(writer.under_way, std::back_inserter(udp));
+    for (Writer& writer : writers) std::ranges::move(writer.under_way, std::back_inserter(network));
     now_ns += lossy ? patience_ns : 0;
     for (Taken next = take(); next.sample; next = take()) note(next);
   }

@@ -93,10 +93,10 @@ TEST_F(RemoteCopyTest, IsNotMadeWithoutMemory) {
 
 class AsRemoteSubscriberTest : public RemoteCopyTest {
  protected:
-  AsRemoteSubscriberTest() { subscriber.ports().set(TransportKind::shm, port); }
+  AsRemoteSubscriberTest() { subscriber.ports().set_memory(port); }
 
   const std::unique_ptr<DoorbellPage> bells = DoorbellPage::create();
-  const std::shared_ptr<QueuePort> port = std::make_shared<QueuePort>();
+  const std::shared_ptr<MemoryQueue> port = std::make_shared<MemoryQueue>();
   SubscriberCore subscriber{{.id = 1,
                              .topic = "points",
                              .type = &type,

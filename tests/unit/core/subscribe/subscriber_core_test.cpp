@@ -31,14 +31,14 @@ class SubscriberCoreTest : public ::testing::Test {
                                                                        .callback = std::move(callback),
                                                                        .rate_changed = [] {}},
                                                   bells->at(1), nullptr);
-    subscriber->ports().set(TransportKind::shm, shm);
-    subscriber->ports().set(TransportKind::udp, udp);
+    subscriber->ports().set_memory(memory);
+    subscriber->ports().set_network(network);
   }
 
-  void arrives(QueuePort& port, std::uint64_t sequence, EndpointId writer = 9) {
+  void arrives(Queue& port, std::uint64_t sequence, EndpointId writer = 9) {
     arrives(port, sequence, writer, static_cast<std::int64_t>(sequence));
   }
-  void arrives(QueuePort& port, std::uint64_t sequence, EndpointId writer, std::int64_t stamp_ns) {
+  void arrives(Queue& port, std::uint64_t sequence, EndpointId writer, std::int64_t stamp_ns) {
     SampleHandle sample = pool->take(256);
     sample->writer = writer;
     sample->sequence = sequence;
@@ -49,9 +49,9 @@ class SubscriberCoreTest : public ::testing::Test {
 
   /// Through shared memory, after one that went by UDP.
   void arrives_after_diverted(std::uint64_t sequence, std::uint64_t diverted, std::int64_t diverted_at_ns) {
-    arrives(*shm, sequence);
-    shm->samples.back()->diverted_sequence = diverted;
-    shm->samples.back()->diverted_stamp_ns = diverted_at_ns;
+    arrives(*memory, sequence);
+    memory->samples.back()->diverted_sequence = diverted;
+    memory->samples.back()->diverted_stamp_ns = diverted_at_ns;
   }
 
   std::vector<std::uint64_t> taken() {
@@ -64,36 +64,36 @@ class SubscriberCoreTest : public ::testing::Test {
   const TypeSupport type{TypeTable<PointCloud2>::type};
   const std::unique_ptr<DoorbellPage> bells = DoorbellPage::create();
   const std::shared_ptr<BufferPool> pool = BufferPool::make(1 << 20);
-  const std::shared_ptr<QueuePort> shm = std::make_shared<QueuePort>();
-  const std::shared_ptr<QueuePort> udp = std::make_shared<QueuePort>();
+  const std::shared_ptr<MemoryQueue> memory = std::make_shared<MemoryQueue>();
+  const std::shared_ptr<NetworkQueue> network = std::make_shared<NetworkQueue>();
   std::unique_ptr<SubscriberCore> subscriber;
 };
 
 TEST_F(SubscriberCoreTest, SamplesOfBothPathsComeInTheOrderOfTheirWriter) {
-  arrives(*udp, 1);
-  arrives(*shm, 2);
-  arrives(*udp, 3);
+  arrives(*network, 1);
+  arrives(*memory, 2);
+  arrives(*network, 3);
   EXPECT_EQ(taken(), (Sequences{1, 2, 3}));
 }
 
 TEST_F(SubscriberCoreTest, ASampleInSharedMemoryWaitsForOneBeforeItThatWentByUdp) {
-  arrives(*shm, 1);
+  arrives(*memory, 1);
   arrives_after_diverted(3, 2, realtime_ns());
   EXPECT_EQ(taken(), (Sequences{1}));
   EXPECT_FALSE(subscriber->available());
-  arrives(*udp, 7, 8);  // of another writer
+  arrives(*network, 7, 8);  // of another writer
   EXPECT_EQ(taken(), (Sequences{7}));
-  arrives(*udp, 2);
+  arrives(*network, 2);
   EXPECT_EQ(taken(), (Sequences{2, 3}));
   EXPECT_EQ(subscriber->status().lost, 0U);
 }
 
 TEST_F(SubscriberCoreTest, WhatWentByUdpToOthersIsNotWaitedForWhereNobodyListensThere) {
-  udp->is_connected = false;
-  arrives(*shm, 1);
+  network->is_connected = false;
+  arrives(*memory, 1);
   arrives_after_diverted(3, 2, realtime_ns());
   EXPECT_EQ(taken(), (Sequences{1, 3}));
-  subscriber->ports().set(TransportKind::udp, nullptr);
+  subscriber->ports().set_network(nullptr);
   arrives_after_diverted(5, 4, realtime_ns());
   EXPECT_EQ(taken(), (Sequences{5}));
 }
@@ -109,25 +109,25 @@ TEST_F(SubscriberCoreTest, OneThatWaitsInVainIsLookedAtAgain) {
 }
 
 TEST_F(SubscriberCoreTest, WhatItsWriterSentBeforeIsFoundInSharedMemoryBehindSamplesOfOthers) {
-  arrives(*shm, 1, 8, 100);
-  arrives(*shm, 1, 9, 5);
-  arrives(*shm, 2, 9, 6);
-  arrives(*udp, 3, 9, 7);
+  arrives(*memory, 1, 8, 100);
+  arrives(*memory, 1, 9, 5);
+  arrives(*memory, 2, 9, 6);
+  arrives(*network, 3, 9, 7);
   EXPECT_EQ(taken(), (Sequences{1, 2, 3, 1}));
   EXPECT_EQ(subscriber->status().lost, 0U);
 }
 
 TEST_F(SubscriberCoreTest, WhatAPortLostUnseenIsCountedAlsoWhenThePortIsGone) {
-  shm->unnoticed = 5;
+  memory->unnoticed = 5;
   EXPECT_EQ(subscriber->status().lost, 5U);
-  subscriber->ports().set(TransportKind::shm, nullptr);
+  subscriber->ports().set_memory(nullptr);
   EXPECT_EQ(subscriber->status().lost, 5U);
 }
 
 TEST_F(SubscriberCoreTest, LossesThatOnlyAPortKnowsAreCountedWithThoseSeen) {
-  arrives(*udp, 5);
-  arrives(*udp, 8);
-  udp->unnoticed = 3;
+  arrives(*network, 5);
+  arrives(*network, 8);
+  network->unnoticed = 3;
   taken();
   EXPECT_EQ(subscriber->status().lost, 5U);
 }
@@ -141,8 +141,8 @@ TEST_F(SubscriberCoreTest, WhetherASampleIsExpiredIsToldOfAnyStamp) {
     hearing.source.writer = hearing.status.id = 9;
     hearing.offered.lifespan = std::chrono::nanoseconds(lifespan);
     subscriber->hears({hearing});
-    arrives(*udp, 1, 9, first);
-    arrives(*udp, 2, 9, last);
+    arrives(*network, 1, 9, first);
+    arrives(*network, 2, 9, last);
     EXPECT_EQ(taken(), (Sequences{2})) << lifespan;
     EXPECT_EQ(subscriber->status().expired, 1U) << lifespan;
   }
@@ -154,7 +154,7 @@ TEST_F(SubscriberCoreTest, AMaximumRateIsKeptWithAnyStamps) {
   for (int round = 0; round < 3; ++round) {
     for (const std::int64_t stamp : {std::numeric_limits<std::int64_t>::min(), std::int64_t{-1},
                                      std::int64_t{0}, std::numeric_limits<std::int64_t>::max()}) {
-      arrives(*shm, ++sequence, 9, stamp);
+      arrives(*memory, ++sequence, 9, stamp);
     }
   }
   const std::size_t delivered = taken().size();
@@ -163,9 +163,9 @@ TEST_F(SubscriberCoreTest, AMaximumRateIsKeptWithAnyStamps) {
 }
 
 TEST_F(SubscriberCoreTest, TheLatestSampleCarriesTheLossesOfThosePassedOver) {
-  arrives(*udp, 1);
-  arrives(*udp, 3);
-  arrives(*udp, 4);
+  arrives(*network, 1);
+  arrives(*network, 3);
+  arrives(*network, 4);
   const untyped::Sample latest = subscriber->take_latest();
   EXPECT_EQ(latest.info().sequence, 4U);
   EXPECT_EQ(latest.info().lost_before, 1U);
@@ -174,15 +174,15 @@ TEST_F(SubscriberCoreTest, TheLatestSampleCarriesTheLossesOfThosePassedOver) {
 
 TEST_F(SubscriberCoreTest, WaitReturnsAtOnceIfThereIsASampleAndAtTheDeadlineIfNot) {
   EXPECT_FALSE(subscriber->wait(std::chrono::milliseconds(5)));
-  arrives(*shm, 1);
+  arrives(*memory, 1);
   EXPECT_TRUE(subscriber->wait(std::chrono::hours(1)));
 }
 
 TEST_F(SubscriberCoreTest, ACallbackGetsAllThatArrived) {
   Sequences called;
   reopen([&](untyped::Sample&& sample) { called.push_back(sample.info().sequence); });
-  arrives(*udp, 1);
-  arrives(*shm, 2);
+  arrives(*network, 1);
+  arrives(*memory, 2);
   subscriber->arrived();
   EXPECT_EQ(called, (Sequences{1, 2}));
 }
@@ -195,12 +195,12 @@ TEST_F(SubscriberCoreTest, ASampleThatArrivesDuringACallbackIsCalledBackForAfter
     inside = true;
     called.push_back(sample.info().sequence);
     if (called.size() == 1) {
-      arrives(*udp, 2);
+      arrives(*network, 2);
       subscriber->arrived();
     }
     inside = false;
   });
-  arrives(*udp, 1);
+  arrives(*network, 1);
   subscriber->arrived();
   EXPECT_EQ(called, (Sequences{1, 2}));
 }
@@ -211,8 +211,8 @@ TEST_F(SubscriberCoreTest, AClosedSubscriberCallsNobody) {
     ++calls;
     subscriber->close();  // from within: returns at once
   });
-  arrives(*udp, 1);
-  arrives(*udp, 2);
+  arrives(*network, 1);
+  arrives(*network, 2);
   subscriber->arrived();
   EXPECT_EQ(calls, 1);
 }
@@ -227,7 +227,7 @@ TEST_F(SubscriberCoreTest, AfterASlowCallbackTheDispatcherCallsBackUntilManyWere
     }
   });
   auto arrive_together = [&, sequence = std::uint64_t{0}](int count) mutable {
-    for (int i = 0; i < count; ++i) arrives(*udp, ++sequence);
+    for (int i = 0; i < count; ++i) arrives(*network, ++sequence);
     subscriber->arrived();
   };
   arrive_together(101);

@@ -19,13 +19,13 @@ using sensor_msgs::msg::PointCloud2;
 
 class WaiterTest : public ::testing::Test {
  protected:
-  WaiterTest() { ports.set(TransportKind::shm, shm); }
+  WaiterTest() { ports.set_memory(memory); }
 
   void arrives(std::uint64_t sequence) {
     SampleHandle sample = pool->take(256);
     sample->writer = 9;
     sample->sequence = sequence;
-    shm->samples.push_back(std::move(sample));
+    memory->samples.push_back(std::move(sample));
   }
   bool is_readable() const {
     pollfd waits{.fd = polled.descriptor(), .events = POLLIN, .revents = 0};
@@ -35,7 +35,7 @@ class WaiterTest : public ::testing::Test {
 
   const TypeSupport type{TypeTable<PointCloud2>::type};
   const std::shared_ptr<BufferPool> pool = BufferPool::make(1 << 20);
-  const std::shared_ptr<QueuePort> shm = std::make_shared<QueuePort>();
+  const std::shared_ptr<MemoryQueue> memory = std::make_shared<MemoryQueue>();
   const std::unique_ptr<DoorbellPage> bells = DoorbellPage::create();
   const std::unique_ptr<PollHandle> handle = PollHandle::create().value();
   Doorbell& bell = bells->at(0);

@@ -116,8 +116,8 @@ class SubscriberWakeUp : public WakeUp {
     spec.options.spin = spin;
     spec.poll_handle = std::move(poll_handle);
     subscriber_ = std::make_shared<SubscriberCore>(std::move(spec), bell(), nullptr);
-    subscriber_->ports().set(TransportKind::shm, shm_);
-    subscriber_->ports().set(TransportKind::udp, udp_);
+    subscriber_->ports().set_memory(memory_);
+    subscriber_->ports().set_network(network_);
   }
 
   /// One sample a round, on a thread of its own, while `receive` takes them on this one.
@@ -153,11 +153,12 @@ class SubscriberWakeUp : public WakeUp {
     SampleHandle sample = pool_->take(256);
     sample->writer = 9;
     sample->sequence = sequence;
-    const bool by_shm = sequence % 3 != 0;
-    (by_shm ? shm_ : udp_)->put(std::move(sample));
-    if (by_shm) {
+    const bool in_memory = sequence % 3 != 0;
+    if (in_memory) {
+      memory_->put(std::move(sample));
       bell().ring();
     } else {
+      network_->put(std::move(sample));
       subscriber_->arrived();
     }
   }
@@ -165,8 +166,8 @@ class SubscriberWakeUp : public WakeUp {
   const TypeSupport type_{TypeTable<PointCloud2>::type};
   const std::unique_ptr<DoorbellPage> bells_ = DoorbellPage::create();
   const std::shared_ptr<BufferPool> pool_ = BufferPool::make(1 << 20);
-  const std::shared_ptr<SharedPort> shm_ = std::make_shared<SharedPort>();
-  const std::shared_ptr<SharedPort> udp_ = std::make_shared<SharedPort>();
+  const std::shared_ptr<SharedMemoryQueue> memory_ = std::make_shared<SharedMemoryQueue>();
+  const std::shared_ptr<SharedNetworkQueue> network_ = std::make_shared<SharedNetworkQueue>();
   std::shared_ptr<SubscriberCore> subscriber_;
   std::atomic<std::uint64_t> taken_{0};
   std::uint64_t round_ = 0;

@@ -227,14 +227,14 @@ TEST_F(GroupKeeperTest, LeavesAMemberAloneFromTheMomentThatItHasAMaximumRate) {
 TEST_F(GroupKeeperTest, LeavesThoseAloneThatAreSentMoreThanTheGroup) {
   readers(4);
   routes_[2].history = 3;
-  routes_[3].spare = true;
+  routes_[3].fallback = true;
   serve();
   go_on(200ms);
   EXPECT_EQ(members(), 2U);
   EXPECT_EQ(why(3), "alone: a reader there is sent what was retained");
   EXPECT_EQ(why(4), "alone: a reader there is served in shared memory");
-  EXPECT_FALSE(merged_.front().spare);
-  EXPECT_TRUE(merged_.back().spare);
+  EXPECT_FALSE(merged_.front().fallback);
+  EXPECT_TRUE(merged_.back().fallback);
 }
 
 TEST_F(GroupKeeperTest, LeavesThoseAloneThatNoGoodLinkLeadsTo) {

@@ -43,14 +43,14 @@ TEST_F(RoutesTest, GroupsReadersByMaskAndMaskReadersByAddress) {
   EXPECT_NE(t->audiences[0].wire->variant, t->audiences[1].wire->variant);
 }
 
-TEST_F(RoutesTest, SpareRoutesComeLastAndShareNumbersAndLanesWithOthers) {
+TEST_F(RoutesTest, FallbackRoutesComeLastAndShareNumbersAndLanesWithOthers) {
   const FieldMask data = fields<Image>("data");
-  core::Route spare = route(2, data), beside = route(1, data);
-  spare.spare = beside.spare = true;
+  core::Route fallback = route(2, data), beside = route(1, data);
+  fallback.fallback = beside.fallback = true;
   beside.reader = 7;
-  const auto t = table({spare, beside, route(1, data)});
-  EXPECT_EQ(t->reached(false).size(), 1U);
-  ASSERT_EQ(t->reached(true).size(), 2U);
+  const auto t = table({fallback, beside, route(1, data)});
+  EXPECT_EQ(t->reached(core::Reach::usual_routes).size(), 1U);
+  ASSERT_EQ(t->reached(core::Reach::fallback_routes_too).size(), 2U);
   EXPECT_EQ(t->audiences[1].wire, t->audiences[0].wire);
   // Who is behind a socket that the sample goes to anyway gets it there.
   ASSERT_EQ(t->audiences[1].lanes.size(), 1U);

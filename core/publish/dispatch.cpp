@@ -1,0 +1,167 @@
+#include "core/publish/dispatch.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/publish/lent_copy.h"
+
+namespace sft::core {
+
+Dispatch::Dispatch(Setup setup)
+    : type_(*setup.type),
+      network_(std::move(setup.network)),
+      book_(std::move(setup.book)),
+      history_(setup.history),
+      waits_(setup.waits),
+      postpones_(network_ != nullptr && history_ == nullptr && network_->takes_postponed()) {
+  outlets_.store(make_outlets(type_, {}, gates_, {nullptr, network_ != nullptr, history_ != nullptr}));
+}
+
+/// The network ceases here, too, to count for readers that it serves no more: a publisher that sends nothing
+/// there does not begin anything there either.
+void Dispatch::turn_to(const Outlets& outlets) noexcept {
+  book_->turn_to(DeliveryBook::Teller::publisher, outlets.page);
+  if (network_ != nullptr && !outlets.to_network) static_cast<void>(network_->begin());
+  in_force_ = &outlets;
+}
+
+/// True if a reader that was served over the network is served in shared memory from now on.
+bool Dispatch::changes_over(const Serving& serving) {
+  const bool somebody_does = std::ranges::any_of(
+      serving.memory, [this](const Route& route) { return over_network_.contains(route.reader); });
+  over_network_.clear();
+  for (const Route& route : serving.network) over_network_.insert(route.reader);
+  return somebody_does;
+}
+
+FieldMask Dispatch::serve(Serving& serving, std::shared_ptr<LendingWriter> memory) {
+  gates_.tidy();
+  for (auto* routes : {&serving.memory, &serving.network, &serving.fallback}) gates_.give(*routes);
+  const std::shared_ptr<Outlets> after =
+      make_outlets(type_, serving, gates_, {std::move(memory), network_ != nullptr, history_ != nullptr});
+  const std::shared_ptr<const Outlets> before = outlets_.share();
+  if (!before->provides_for(*after)) {
+    // A route must never ask for more than is encoded, or by a gate that was not asked: first do what old and
+    // new routes need together, wait for a call that may have begun before that, and only then change the
+    // routes.
+    outlets_.store(std::make_shared<Outlets>(before->with(*after)));
+    calls_.wait_for_present_call();
+  }
+  book_->enter(after->page);
+  if (after->memory != nullptr) after->memory->set_routes(serving.memory);
+  if (changes_over(serving)) {
+    // The reader must not fall between two ports: for a moment both send it samples, and it takes them once.
+    auto both = std::make_shared<Outlets>(before->with(*after));
+    both->memory = after->memory;
+    both->to_memory = true;
+    outlets_.store(std::move(both));
+    calls_.wait_for_present_call();
+  }
+  if (network_ != nullptr) {
+    std::vector<Route> routes = serving.network;
+    if (after->has_fallback) routes.insert(routes.end(), serving.fallback.begin(), serving.fallback.end());
+    network_->set_routes(std::move(routes));
+  }
+  outlets_.store(after);
+  return after->is_wanted ? after->mask : type_.none();
+}
+
+PublishStatus Dispatch::miss(Admission&& admission, std::uint32_t body_bytes) noexcept {
+  const Outlets& outlets = *in_force_;
+  sequence_.fetch_add(1, std::memory_order_relaxed);
+  dropped_.fetch_add(1, std::memory_order_relaxed);
+  for (const Outlets::MemoryGroup& group : outlets.memory_groups) {
+    if (group.wants_sample()) group.tally->dropped();
+  }
+  if (outlets.to_network) {
+    if (!admission.transmission) admission.transmission.emplace(network_->begin());
+    (*std::move(admission.transmission)).miss();
+  }
+  if (outlets.to_memory) count_refusal(body_bytes);
+  return PublishStatus::no_memory;
+}
+
+/// Why shared memory has not lent what such a body needs.
+void Dispatch::count_refusal(std::uint32_t body_bytes) noexcept {
+  const std::size_t bytes = detail::SampleLayout(type_.slots()).bytes(body_bytes);
+  (bytes > in_force_->memory->largest_loan_bytes() ? too_large_ : exhausted_)
+      .fetch_add(1, std::memory_order_relaxed);
+}
+
+PublishStatus Dispatch::send(const SampleHandle& sample, std::int64_t stamp_ns, Admission&& admission,
+                             std::chrono::nanoseconds& patience) noexcept {
+  detail::SampleHeader& header = sample->header();
+  header.sequence = sequence_.fetch_add(1, std::memory_order_relaxed) + 1;
+  header.source_stamp_ns = stamp_ns;
+  header.diverted_sequence = diverted_sequence_;
+  header.diverted_stamp_ns = diverted_stamp_ns_;
+  sample->trust_header();
+  if (history_ != nullptr) {
+    history_->add(sample);
+    look_at_outlets();  // see LateReaders
+  }
+  const Outlets& outlets = *in_force_;
+  PublishStatus status = PublishStatus::ok;
+  Reach reach = Reach::usual_routes;
+  if (outlets.to_memory) {
+    const SendStatus there = send_to_memory(sample, patience);
+    if (there == SendStatus::displaced) status = PublishStatus::dropped;
+    if (there == SendStatus::sent || there == SendStatus::displaced) {
+      for (const Outlets::MemoryGroup& group : outlets.memory_groups) {
+        if (group.wants_sample()) group.tally->sent(0, 0);
+      }
+    } else {
+      status = divert(*sample);
+      if (outlets.has_fallback) reach = Reach::fallback_routes_too;
+    }
+  }
+  if (outlets.to_network && !outlets.to_memory) note_sent_over_network_alone(*sample);
+  if (outlets.to_network || reach == Reach::fallback_routes_too) {
+    if (waits_) network_->be_patient(patience);
+    if (send_over_network(sample, reach, admission.transmission) != SendStatus::sent)
+      status = PublishStatus::dropped;
+  }
+  if (status != PublishStatus::ok) dropped_.fetch_add(1, std::memory_order_relaxed);
+  return status;
+}
+
+/// The sample may have been lent elsewhere, before shared memory came up or while it had no chunk free.
+SendStatus Dispatch::send_to_memory(const SampleHandle& sample, std::chrono::nanoseconds& patience) noexcept {
+  LendingWriter& memory = *in_force_->memory;
+  const SampleHandle lent = memory.can_send(*sample) ? sample : copy_into(memory, *sample, type_);
+  if (!lent) {
+    count_refusal(sample->header().body_bytes);
+    return SendStatus::dropped;
+  }
+  if (waits_) memory.be_patient(patience);
+  const SendStatus status = memory.send(lent);
+  if (waits_) patience = memory.patience_left();
+  if (status != SendStatus::sent && status != SendStatus::displaced)
+    unavailable_.fetch_add(1, std::memory_order_relaxed);
+  return status;
+}
+
+/// Shared memory does not take the sample: those readers miss it that have no fallback route.
+PublishStatus Dispatch::divert(const SampleBuffer& sample) noexcept {
+  if (in_force_->has_fallback) note_sent_over_network_alone(sample);
+  PublishStatus status = PublishStatus::ok;
+  for (const Outlets::MemoryGroup& group : in_force_->memory_groups) {
+    if (group.have_fallback || !group.wants_sample()) continue;
+    group.tally->dropped();
+    status = PublishStatus::dropped;
+  }
+  return status;
+}
+
+std::optional<Batch> Dispatch::batch(BatchPatience patience) noexcept {
+  std::optional<Batch> batch;
+  if (network_ != nullptr) batch.emplace(network_->batch(patience));
+  return batch;
+}
+
+Diverted Dispatch::diverted() const noexcept {
+  return {exhausted_.load(std::memory_order_relaxed), too_large_.load(std::memory_order_relaxed),
+          unavailable_.load(std::memory_order_relaxed)};
+}
+
+}  // namespace sft::core

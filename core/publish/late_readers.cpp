@@ -1,0 +1,73 @@
+#include "core/publish/late_readers.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "core/platform/clock.h"
+#include "core/publish/lent_copy.h"
+
+namespace sft::core {
+
+LateReaders::LateReaders(const TypeSupport& type, std::shared_ptr<NetworkWriter> network,
+                         std::shared_ptr<DeliveryBook> book, History* history)
+    : type_(type), network_(std::move(network)), book_(std::move(book)), history_(history) {}
+
+void LateReaders::serve(const Serving& serving, std::shared_ptr<LendingWriter> memory) {
+  for (const Route& route : take_latecomers(serving)) {
+    std::vector<SampleHandle> samples = history_->last(route.history, realtime_ns());
+    book_->retained(route.reader, samples.size());
+    network_->send_history(route, std::move(samples));
+  }
+  memory_ = std::move(memory);
+  late_in_memory_.clear();
+  std::ranges::copy_if(serving.memory, std::back_inserter(late_in_memory_),
+                       [](const Route& route) { return route.history != 0; });
+  give_history();
+}
+
+/// Routes of readers that are to be given the history over the network now, and not already at that address.
+std::vector<Route> LateReaders::take_latecomers(const Serving& serving) {
+  std::vector<Route> latecomers;
+  std::map<EndpointId, Locator> begun;
+  for (const Route& route : serving.network) {
+    if (route.history == 0) continue;
+    begun.emplace(route.reader, route.destination);
+    const auto before = begun_.find(route.reader);
+    if (before == begun_.end() || before->second != route.destination) latecomers.push_back(route);
+  }
+  begun_ = std::move(begun);
+  return latecomers;
+}
+
+void LateReaders::give_history() {
+  constexpr int attempts = 20;  // each one lost to a sample that was published meanwhile
+  for (const Route& route : late_in_memory_) {
+    for (int i = 0; memory_ != nullptr && i < attempts && !give_history(*memory_, route); ++i) continue;
+  }
+}
+
+/// True if that is done. Asked first is what was held back: all of that, at least, is in the history then.
+bool LateReaders::give_history(LendingWriter& memory, const Route& route) {
+  const auto held_back = memory.held_back(route.reader);
+  if (!held_back) return true;
+  const std::vector<SampleHandle> samples = retained_in(memory, route.history);
+  if (!memory.begin_with(route, samples, *held_back)) return false;
+  book_->retained(route.reader, samples.size());
+  return true;
+}
+
+/// Samples that were published before there was shared memory are copied there now. A sample for which there
+/// is no room is missing, as any sample would be.
+std::vector<SampleHandle> LateReaders::retained_in(LendingWriter& memory, std::uint32_t count) {
+  std::vector<SampleHandle> samples = history_->last(count, realtime_ns());
+  for (SampleHandle& sample : samples) {
+    if (memory.owns(*sample)) continue;
+    sample = copy_into(memory, *sample, type_);
+    sample ? history_->replace(sample) : static_cast<void>(missed_.fetch_add(1, std::memory_order_relaxed));
+  }
+  std::erase_if(samples, [](const SampleHandle& sample) { return !sample; });
+  return samples;
+}
+
+}  // namespace sft::core

@@ -1,0 +1,23 @@
+#include "core/publish/lent_copy.h"
+
+#include <cstring>
+
+#include "sft/detail/sample_format.h"
+
+namespace sft::core {
+
+SampleHandle copy_into(LendingWriter& memory, const SampleBuffer& sample, const TypeSupport& type) noexcept {
+  if (!sample.mask.is_full()) return {};
+  // The sample may lie in shared memory, too, of a port that is gone: there its header is not trusted.
+  const std::size_t bytes =
+      detail::SampleLayout(type.slots()).bytes(state_of(sample, type.slots()).body_bytes);
+  SampleHandle copy = memory.loan(bytes);
+  if (!copy) return {};
+  std::memcpy(copy->data, sample.data, bytes);
+  copy->mask = sample.mask;
+  copy->whole_bytes = sample.whole_bytes;
+  copy->trust_header();
+  return copy;
+}
+
+}  // namespace sft::core

@@ -1,0 +1,200 @@
+#include "core/publish/sample_maker.h"
+
+#include <algorithm>
+#include <cstring>
+#include <new>
+#include <thread>
+#include <utility>
+
+#include "sft/detail/encode.h"
+#include "sft/detail/encode_fault.h"
+
+namespace sft::core {
+
+namespace {
+
+/// A sample that is not encoded whole is measured, for what it saves, only so often: to walk through a large
+/// message can take longer than to encode a few of its fields.
+constexpr std::int64_t measured_every_ns = 10'000'000;
+
+/// Waits until a reader gives memory back, as long as patience lasts.
+SampleHandle await_chunk(LendingWriter& memory, std::size_t bytes, std::chrono::nanoseconds& patience) {
+  using Clock = std::chrono::steady_clock;
+  constexpr std::chrono::milliseconds pause{1};
+  if (bytes > memory.largest_loan_bytes()) return {};
+  SampleHandle sample;
+  const Clock::time_point until = Clock::now() + patience;
+  while (!sample && Clock::now() < until) {
+    std::this_thread::sleep_for(std::min<Clock::duration>(pause, until - Clock::now()));
+    sample = memory.loan(bytes);
+  }
+  patience = std::max<std::chrono::nanoseconds>(until - Clock::now(), {});
+  return sample;
+}
+
+}  // namespace
+
+SampleMaker::SampleMaker(Product product, std::shared_ptr<BufferPool> heap)
+    : product_(std::move(product)),
+      type_(*product_.type),
+      full_(type_.full()),
+      layout_(type_.slots()),
+      heap_(std::move(heap)),
+      onto_itself_(type_.type(), full_) {}
+
+SampleMaker::Made SampleMaker::encode(const Outlets& outlets, const void* message, std::int64_t stamp_ns,
+                                      bool may_postpone, std::chrono::nanoseconds& patience) {
+  const StructType& type = type_.type();
+  const detail::EncodedSize size = detail::encoded_size(type, message, outlets.mask);
+  if (size.status != detail::EncodeStatus::ok || size.bytes > product_.max_sample_bytes) [[unlikely]]
+    return {{}, refuse(message, outlets.mask), 0};
+  Made made{lend(outlets, size.bytes, patience), PublishStatus::ok, size.bytes};
+  if (!made.sample) {
+    made.why_not = PublishStatus::no_memory;
+    return made;
+  }
+  SampleBuffer& sample = *made.sample;
+  fill_header(sample, outlets.mask, size.bytes);
+  if (!outlets.whole) sample.whole_bytes = whole_bytes(message, size.bytes, stamp_ns);
+  sft::detail::encode(type, message, outlets.mask, {sample.data + layout_.body_offset, size.bytes},
+                      {sample.index(), type_.slots()}, {}, may_postpone ? &postponed_ : nullptr);
+  if (!postponed_.empty()) sample.postponed = &postponed_;
+  return made;
+}
+
+/// Looks for what is wrong with a message; nobody does before it failed.
+PublishStatus SampleMaker::refuse(const void* message, const FieldMask& mask) {
+  why_invalid_ = fault_of(message, mask).message;
+  return PublishStatus::invalid;
+}
+
+Error SampleMaker::fault_of(const void* message, const FieldMask& mask,
+                            std::span<const detail::Reservation> reservations) const {
+  const std::size_t most = product_.max_sample_bytes;
+  std::string text =
+      "topic '" + product_.topic + "': " + detail::encode_fault(type_, message, mask, most, reservations);
+  const detail::EncodedSize size = detail::encoded_size(type_.type(), message, mask, reservations);
+  if (size.status != detail::EncodeStatus::ok) return {Errc::invalid_argument, std::move(text)};
+  return {Errc::limit_exceeded, text + ": raise PublisherOptions::max_sample_bytes"};
+}
+
+/// The bytes that the body would have if all fields were encoded, as far as that was measured.
+std::uint32_t SampleMaker::whole_bytes(const void* message, std::uint32_t encoded_bytes,
+                                       std::int64_t stamp_ns) noexcept {
+  if (stamp_ns - measured_at_ns_ >= measured_every_ns || stamp_ns < measured_at_ns_) {
+    const detail::EncodedSize size = detail::encoded_size(type_.type(), message, full_);
+    if (size.status == detail::EncodeStatus::ok) measured_bytes_ = size.bytes;
+    measured_at_ns_ = stamp_ns;
+  }
+  return std::max(measured_bytes_, encoded_bytes);
+}
+
+Result<std::uint32_t> SampleMaker::converted_bytes(const detail::Payload& payload) const {
+  const detail::ConvertedSize size = detail::converted_size(payload, type_.type());
+  if (size.status != detail::WalkStatus::ok) return malformed(size.status);
+  if (size.bytes > product_.max_sample_bytes) {
+    return fail(Errc::limit_exceeded, "topic '" + product_.topic + "': the payload has " +
+                                          std::to_string(size.bytes) + " bytes; at most " +
+                                          std::to_string(product_.max_sample_bytes) +
+                                          " may be sent: raise PublisherOptions::max_sample_bytes");
+  }
+  return size.bytes;
+}
+
+Result<SampleMaker::Made> SampleMaker::convert(const Outlets& outlets, const detail::Payload& payload,
+                                               std::uint32_t body_bytes, std::chrono::nanoseconds& patience) {
+  SampleHandle sample = lend(outlets, body_bytes, patience);
+  if (!sample) return Made{{}, PublishStatus::no_memory, body_bytes};
+  const std::span<std::byte> body(sample->data + layout_.body_offset, body_bytes);
+  const detail::SampleState state{.body = body.data(), .body_bytes = body_bytes, .mask = &full_};
+  detail::WalkStatus status = sft::detail::convert(payload, type_.type(), body);
+  if (status == detail::WalkStatus::ok)
+    status = detail::build_index(state, type_.type(), {sample->index(), type_.slots()}, &body_bytes);
+  if (status != detail::WalkStatus::ok) return malformed(status);
+  fill_header(*sample, full_, body_bytes);
+  return Made{std::move(sample), PublishStatus::ok, body_bytes};
+}
+
+tl::unexpected<Error> SampleMaker::malformed(detail::WalkStatus why) const {
+  return fail(Errc::malformed, "not a " + std::string(type_.name()) + ": " + to_string(why));
+}
+
+Result<SampleHandle> SampleMaker::loan(const Outlets& outlets, const void* prototype,
+                                       std::span<const detail::Reservation> reservations,
+                                       detail::ReservedMemory memory, std::chrono::nanoseconds& patience) {
+  const detail::EncodedSize size = detail::encoded_size(type_.type(), prototype, full_, reservations);
+  if (size.status != detail::EncodeStatus::ok || size.bytes > product_.max_sample_bytes)
+    return tl::unexpected(fault_of(prototype, full_, reservations));
+  SampleHandle sample = lend(outlets, size.bytes, patience);
+  if (!sample) return fail(Errc::out_of_memory, "no memory free for a loan: readers or loans hold too much");
+  fill_header(*sample, full_, size.bytes);
+  const std::span body(sample->data + layout_.body_offset, size.bytes);
+  const auto is_reserved = [](const detail::Reservation& r) { return r.length.has_value(); };
+  if (memory == detail::ReservedMemory::zeroed && std::ranges::any_of(reservations, is_reserved))
+    std::memset(body.data(), 0, body.size());
+  sft::detail::encode(type_.type(), prototype, full_, body, {sample->index(), type_.slots()}, reservations);
+  return sample;
+}
+
+PublishStatus SampleMaker::close_gaps(SampleBuffer& sample) noexcept try {
+  const PublishStatus status = move_together(sample);
+  if (status == PublishStatus::invalid) {
+    why_invalid_ =
+        "topic '" + product_.topic + "': another program has overwritten the loan in shared memory";
+  }
+  return status;
+} catch (const std::bad_alloc&) {
+  return PublishStatus::no_memory;
+}
+
+/// Nothing of the body lies further behind then than before, so that it can be moved front to back within the
+/// same memory; what a segment is copied over was moved already.
+PublishStatus SampleMaker::move_together(SampleBuffer& sample) {
+  std::byte* const body = sample.data + layout_.body_offset;
+  detail::SampleState state = state_of(sample, type_.slots());
+  // In shared memory a broken program may have changed lengths and index meanwhile.
+  if (!closing_.project(state, onto_itself_) || closing_.bytes() > state.body_bytes)
+    return PublishStatus::invalid;
+  std::byte* to = body;
+  for (const detail::Segment& segment : closing_.segments()) {
+    if (to != segment.data) std::memmove(to, segment.data, segment.bytes);
+    to += segment.bytes;
+  }
+  const auto bytes = static_cast<std::uint32_t>(closing_.bytes());
+  state.body_bytes = sample.header().body_bytes = sample.whole_bytes = bytes;
+  const detail::WalkStatus walked = detail::build_index(state, type_.type(), {sample.index(), type_.slots()});
+  return walked == detail::WalkStatus::ok ? PublishStatus::ok : PublishStatus::invalid;
+}
+
+SampleHandle SampleMaker::lend(const Outlets& outlets, std::uint32_t body_bytes,
+                               std::chrono::nanoseconds& patience) noexcept {
+  const std::size_t bytes = layout_.bytes(body_bytes);
+  SampleHandle sample;
+  if (outlets.to_memory) sample = outlets.memory->loan(bytes);
+  if (!sample && outlets.needs_memory && patience.count() > 0)
+    sample = await_chunk(*outlets.memory, bytes, patience);
+  // Without a chunk the sample can still go over the network.
+  if (!sample && (!outlets.to_memory || outlets.to_network || outlets.has_fallback))
+    sample = take_heap(bytes);
+  return sample;
+}
+
+void SampleMaker::fill_header(SampleBuffer& buffer, const FieldMask& mask,
+                              std::uint32_t body_bytes) const noexcept {
+  detail::SampleHeader& header = buffer.header();
+  header = detail::SampleHeader{};
+  header.slots = static_cast<std::uint32_t>(type_.slots());
+  header.writer = product_.writer;
+  header.type_hash = type_.hash();
+  header.body_offset = static_cast<std::uint32_t>(layout_.body_offset);
+  header.body_bytes = body_bytes;
+  buffer.mask = mask;
+  buffer.whole_bytes = body_bytes;
+  // Between index and encapsulation nothing may remain of what the memory held before.
+  std::byte* const encapsulation = buffer.data + layout_.body_offset - detail::encapsulation_bytes;
+  auto* const index_end = reinterpret_cast<std::byte*>(buffer.index() + type_.slots());
+  std::fill(index_end, encapsulation, std::byte{0});
+  std::memcpy(encapsulation, detail::encapsulation_cdr_le.data(), detail::encapsulation_bytes);
+}
+
+}  // namespace sft::core

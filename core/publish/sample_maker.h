@@ -1,0 +1,106 @@
+// Makes the samples of one publisher: finds memory for them, and puts there the header, the index and the
+// body, be it from a message, from a payload of somebody else's, or from what the program wrote into a loan
+// itself.
+//
+// Memory comes from the port to shared memory where somebody reads there, and from the heap else. A small
+// sample gets the memory of the one before, if nobody has kept that.
+//
+// All of it on the publisher's thread. `patience`: how long this may wait for memory, of which it leaves what
+// it did not need.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "core/publish/outlets.h"
+#include "core/seam/buffer_pool.h"
+#include "core/seam/sample_buffer.h"
+#include "sft/detail/convert.h"
+#include "sft/detail/project.h"
+#include "sft/detail/untyped.h"
+#include "sft/detail/walk.h"
+
+namespace sft::core {
+
+class SampleMaker {
+ public:
+  struct Product {
+    EndpointId writer = 0;
+    std::string topic;                  ///< for error messages
+    const TypeSupport* type = nullptr;  ///< outlives this
+    std::size_t max_sample_bytes = 0;
+  };
+  SampleMaker(Product product, std::shared_ptr<BufferPool> heap);
+
+  /// A sample, or the reason why there is none: `invalid`, which why_invalid() explains, or `no_memory`.
+  struct Made {
+    SampleHandle sample;
+    PublishStatus why_not = PublishStatus::ok;
+    std::uint32_t body_bytes = 0;
+  };
+
+  /// Encodes what the outlets need of the message. If it `may_postpone`, some of the message may be copied
+  /// only when somebody asks for it (SampleBuffer::postponed): the message must then live until sent() was
+  /// called.
+  Made encode(const Outlets& outlets, const void* message, std::int64_t stamp_ns, bool may_postpone,
+              std::chrono::nanoseconds& patience);
+  /// The port is done with the sample that was encoded last.
+  void sent(SampleBuffer& sample) noexcept {
+    if (postponed_.empty()) return;
+    if (sample.postponed != nullptr) sample.postponed = nullptr;  // else others may have it, and look
+    postponed_.clear();
+  }
+  /// Why the last message could not be sent.
+  const std::string& why_invalid() const { return why_invalid_; }
+
+  /// The bytes of the body that convert() makes of the payload.
+  Result<std::uint32_t> converted_bytes(const detail::Payload& payload) const;
+  Result<Made> convert(const Outlets& outlets, const detail::Payload& payload, std::uint32_t body_bytes,
+                       std::chrono::nanoseconds& patience);
+
+  /// Memory for a message that the program writes itself: a whole sample as encoded from the prototype, with
+  /// room for the sequences that are reserved.
+  Result<SampleHandle> loan(const Outlets& outlets, const void* prototype,
+                            std::span<const detail::Reservation> reservations, detail::ReservedMemory memory,
+                            std::chrono::nanoseconds& patience);
+  /// A loan whose sequences were shortened where they lie becomes what encoding the shorter ones would have
+  /// made.
+  PublishStatus close_gaps(SampleBuffer& sample) noexcept;
+
+ private:
+  static constexpr std::size_t recycled_bytes_max = 4096;  ///< that a publisher keeps for its next sample
+
+  [[gnu::cold, gnu::noinline]] PublishStatus refuse(const void* message, const FieldMask& mask);
+  Error fault_of(const void* message, const FieldMask& mask,
+                 std::span<const detail::Reservation> reservations = {}) const;
+  tl::unexpected<Error> malformed(detail::WalkStatus why) const;
+  SampleHandle lend(const Outlets& outlets, std::uint32_t body_bytes,
+                    std::chrono::nanoseconds& patience) noexcept;
+  /// The memory of the last sample, if nobody has kept that and it is not too large.
+  SampleHandle take_heap(std::size_t bytes) noexcept {
+    if (bytes > recycled_bytes_max) return heap_->take(bytes);
+    if (!recycled_ || !recycled_.is_only() || recycled_->capacity < bytes) recycled_ = heap_->take(bytes);
+    return recycled_;
+  }
+  void fill_header(SampleBuffer& buffer, const FieldMask& mask, std::uint32_t body_bytes) const noexcept;
+  PublishStatus move_together(SampleBuffer& sample);
+  std::uint32_t whole_bytes(const void* message, std::uint32_t encoded_bytes, std::int64_t stamp_ns) noexcept;
+
+  const Product product_;
+  const TypeSupport& type_;
+  const FieldMask full_;
+  const detail::SampleLayout layout_;
+  const std::shared_ptr<BufferPool> heap_;
+  const detail::ProjectionPlan onto_itself_;  ///< closes the gaps of a loan that was shortened
+  detail::Projection closing_;
+  SampleHandle recycled_;              ///< from the heap; the next sample's, if nobody else has it by then
+  detail::PostponedCopies postponed_;  ///< of the present sample
+  std::uint32_t measured_bytes_ = 0;   ///< of a sample with all its fields, as measured last
+  std::int64_t measured_at_ns_ = 0;    ///< when that sample was published
+  std::string why_invalid_;
+};
+
+}  // namespace sft::core

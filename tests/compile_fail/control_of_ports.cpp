@@ -1,0 +1,14 @@
+// Compiles: what the snippets about transmissions and batches do wrong, done right.
+#include <utility>
+
+#include "core/seam/writer_port.h"
+
+using namespace sft::core;
+
+SendStatus send_in_a_batch(NetworkWriter& port, const SampleHandle& sample) {
+  Batch batch = port.batch(BatchPatience::fresh);
+  Transmission transmission = port.begin();
+  const SendStatus status = std::move(transmission).send(sample, Reach::fallback_routes_too);
+  port.begin().miss();
+  return std::move(batch).flush() == 0 ? status : SendStatus::dropped;
+}

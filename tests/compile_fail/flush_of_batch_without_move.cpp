@@ -1,0 +1,7 @@
+// expect: (as 'this' argument discards qualifiers|'flush' is an lvalue)
+#include "core/seam/writer_port.h"
+
+auto misuse(sft::core::NetworkWriter& port) {
+  auto batch = port.batch(sft::core::BatchPatience::fresh);
+  return batch.flush();
+}

@@ -1,0 +1,7 @@
+// expect: (as 'this' argument discards qualifiers|'send' is an lvalue)
+#include "core/seam/writer_port.h"
+
+auto misuse(sft::core::NetworkWriter& port, const sft::core::SampleHandle& sample) {
+  auto transmission = port.begin();
+  return transmission.send(sample);
+}

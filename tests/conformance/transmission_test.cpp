@@ -1,0 +1,53 @@
+// What a network promises of single transmissions and of batches: fallback routes carry only what is meant
+// for them, and nothing of a batch stays behind.
+#include <utility>
+
+#include "tests/conformance/conformance.h"
+
+namespace sft::conformance {
+namespace {
+
+using core::Reach;
+using core::SendStatus;
+
+TEST_P(Transmissions, ReachAReaderWithAFallbackRouteOnlyIfTheyAreMeantForIt) {
+  Writer writer(stage);
+  Reader usual(stage), elsewhere(stage, {.masks = {"name"}});  // else one datagram would do for both
+  usual.hear(writer);
+  elsewhere.hear(writer);
+  core::Route fallback = elsewhere.route();
+  fallback.fallback = true;
+  writer.serve({usual.route(), fallback});
+  for (const Reach reach : {Reach::usual_routes, Reach::fallback_routes_too}) {
+    const core::SampleHandle sample = writer.make(10);
+    ASSERT_EQ(writer.network_port().begin().send(sample, reach), SendStatus::sent);
+  }
+  EXPECT_EQ(usual.next_sequences(2), numbers(1, 2));
+  EXPECT_EQ(elsewhere.next_sequences(1), numbers(2, 2));
+}
+
+TEST_P(Transmissions, MayBeLetGoOf) {
+  Writer writer(stage);
+  Reader reader(stage);
+  writer.serve(reader);
+  static_cast<void>(writer.network_port().begin());
+  writer.network_port().begin().miss();
+  ASSERT_EQ(writer.publish(), SendStatus::sent);
+  EXPECT_EQ(reader.next_sequences(1), numbers(1, 1));
+}
+
+TEST_P(Transmissions, OfABatchHaveAllLeftAtItsEnd) {
+  Writer writer(stage);
+  Reader reader(stage);
+  writer.serve(reader);
+  for (std::uint64_t first = 1; first <= 21; first += 10) {
+    core::Batch batch = writer.network_port().batch(core::BatchPatience::fresh);
+    for (int i = 0; i < 10; ++i) ASSERT_EQ(writer.publish(10), SendStatus::sent);
+    if (first == 21) break;  // a batch that is let go of leaves as well
+    ASSERT_EQ(std::move(batch).flush(), 0U);
+  }
+  EXPECT_EQ(reader.next_sequences(30), numbers(1, 30));
+}
+
+}  // namespace
+}  // namespace sft::conformance
