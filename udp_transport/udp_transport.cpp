@@ -22,7 +22,7 @@ namespace sft::udp {
 
 namespace {
 
-/// What to do where large samples would get lost.
+/// Advice for hosts where large samples would get lost.
 std::string note_on_buffer(const UdpOptions& options, const UdpSocket& socket) {
   if (socket.receive_buffer_bytes >= options.receive_buffer_bytes) return "";
   return "; the system grants its socket " + std::to_string(socket.receive_buffer_bytes) + " of " +

@@ -51,7 +51,7 @@ struct UdpOptions {
 /// Puts something around the transport's I/O: loss, delay, repetition, another order.
 using DecorateIo = std::function<DatagramIo(DatagramIo)>;
 
-/// What is received lies in memory of `pool`, the node's own.
+/// Received samples lie in memory of `pool`, the node's own.
 Result<std::unique_ptr<core::Network>> open_udp_transport(const UdpOptions& options,
                                                           std::shared_ptr<core::BufferPool> pool,
                                                           const DecorateIo& decorate = {});

@@ -116,7 +116,8 @@ void UdpWriter::send_history(const core::Route& to, std::vector<core::SampleHand
   side_->sender.wake(lane->begin(std::move(jobs)), lane);
 }
 
-/// What was left under the routes before still counts; under those before that, nothing may be left.
+/// Samples that were left to the sending thread under the routes before still count. None may be left under
+/// older routes.
 void UdpWriter::turn_to(const RouteTable& routes) noexcept {
   using core::DeliveryBook;
   send_held();
@@ -165,7 +166,7 @@ core::SendStatus UdpWriter::send_begun(const core::SampleHandle& sample, core::R
   return missed == 0 && left ? core::SendStatus::sent : core::SendStatus::dropped;
 }
 
-/// For how many masks this thread sends it itself.
+/// The number of masks for which this thread sends the sample itself.
 std::size_t UdpWriter::own_variants(const core::SampleBuffer& sample) const noexcept {
   if (!left_->done()) return 0;                    // nothing overtakes what was left before
   if (max_blocking_.count() > 0) return SIZE_MAX;  // the sending thread does not wait
@@ -173,7 +174,7 @@ std::size_t UdpWriter::own_variants(const core::SampleBuffer& sample) const noex
   return holds_ ? SIZE_MAX : small_variants_max;
 }
 
-/// What cannot be held does not overtake what is.
+/// A sample that cannot be held does not overtake those that are held.
 std::size_t UdpWriter::hold_or_send(const Audience& group, const core::SampleHandle& sample) noexcept {
   using Hold = VariantSender::Hold;
   Hold hold = holds_ ? sender_.hold(group, sample) : Hold::unfit;
@@ -209,8 +210,8 @@ void UdpWriter::count_missed(std::span<const Audience> groups) noexcept {
   }
 }
 
-/// To the sending thread: what is without a maximum rate, from that group on. False if an older sample had to
-/// go for it.
+/// Leaves the sample to the sending thread, for the groups without a maximum rate from `first` on. Returns
+/// false if an older sample had to go for it.
 bool UdpWriter::leave(const core::SampleHandle& sample, std::size_t first, std::size_t end) noexcept {
   const auto rest = std::span(routes_.loaded()->audiences).subspan(first, end - first);
   if (std::ranges::all_of(rest, [](const Audience& group) { return group.gate != nullptr; })) return true;

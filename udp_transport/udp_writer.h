@@ -65,7 +65,7 @@ class UdpWriter final : public core::NetworkWriter, private Tended {
   core::Snapshot<RouteTable> routes_;
   const std::shared_ptr<core::DeliveryBook> book_;  ///< null: nobody asks what became of samples
 
-  // Of the publisher's thread.
+  // Used by the publisher's thread.
   std::chrono::nanoseconds patience_max_ = std::chrono::nanoseconds::max();
   const RouteTable nobody_;
   const RouteTable* in_use_ = &nobody_;           ///< of the sample begun last; whose page is open

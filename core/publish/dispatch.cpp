@@ -81,7 +81,7 @@ PublishStatus Dispatch::miss(Admission&& admission, std::uint32_t body_bytes) no
   return PublishStatus::no_memory;
 }
 
-/// Why shared memory has not lent what such a body needs.
+/// Counts the reason why shared memory has not lent memory for such a body.
 void Dispatch::count_refusal(std::uint32_t body_bytes) noexcept {
   const std::size_t bytes = detail::SampleLayout(type_.slots()).bytes(body_bytes);
   (bytes > in_force_->memory->largest_loan_bytes() ? too_large_ : exhausted_)

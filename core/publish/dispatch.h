@@ -27,7 +27,7 @@ namespace sft::core {
 
 class Dispatch {
  public:
-  /// What it sends, and by what. All of it outlives this.
+  /// The type, the book and the ports that the dispatch works with. All of them outlive the dispatch.
   struct Setup {
     const TypeSupport* type = nullptr;
     std::shared_ptr<NetworkWriter> network;  ///< null if the publisher must not use it
@@ -45,7 +45,7 @@ class Dispatch {
     explicit Call(Dispatch& dispatch) : count_(dispatch.calls_), dispatch_(dispatch) {
       dispatch.look_at_outlets();
     }
-    /// They may become others whenever a sample is sent.
+    /// The outlets in force. Sending a sample may replace them.
     const Outlets& outlets() const noexcept { return *dispatch_.in_force_; }
 
    private:
@@ -53,7 +53,7 @@ class Dispatch {
     const Dispatch& dispatch_;
   };
 
-  /// What the gates say of one sample.
+  /// The verdict of the gates on one sample.
   struct Admission {
     bool passes = false;                       ///< the sample is for somebody
     std::optional<Transmission> transmission;  ///< of it, if it may go over the network
@@ -91,7 +91,7 @@ class Dispatch {
 
   /// Nothing if the publisher does not use the network.
   std::optional<Batch> batch(BatchPatience patience) noexcept;
-  /// So many samples that were sent did not leave after all.
+  /// Counts samples that were sent and did not leave after all.
   void count_dropped(std::size_t samples) noexcept { dropped_.fetch_add(samples, std::memory_order_relaxed); }
 
   // The agent's thread.

@@ -29,7 +29,8 @@ class LateReaders {
   LateReaders(const TypeSupport& type, std::shared_ptr<NetworkWriter> network,
               std::shared_ptr<DeliveryBook> book, History* history);
 
-  /// To be called once the routes are in force. `memory` is null while there is no shared memory.
+  /// Serves the late readers among these. The routes have to be in force. `memory` is null while there is no
+  /// shared memory.
   void serve(const Serving& serving, std::shared_ptr<LendingWriter> memory);
   /// To late readers in shared memory, as soon as they can be given it: to be called now and then.
   void give_history();

@@ -10,7 +10,8 @@ namespace sft::core {
 
 namespace {
 
-/// So many samples of a span are sent in one call: whoever changes the outlets waits no longer.
+/// The most samples of a span that one call sends: whoever changes the outlets waits no longer than for
+/// these.
 constexpr std::size_t span_at_once = 1024;
 
 bool equal_but_for_number(ReaderStatus a, const ReaderStatus& b) {

@@ -54,7 +54,7 @@ class PublisherCore {
   PublisherCore(Spec spec, std::shared_ptr<BufferPool> heap, std::shared_ptr<NetworkWriter> network);
 
   PublishStatus publish(const void* value);
-  /// So many values, each `stride` bytes behind the one before.
+  /// Publishes `count` values, each `stride` bytes behind the one before.
   PublishedSpan publish(const void* values, std::size_t count, std::size_t stride);
   Result<PublishStatus> publish_cdr(std::span<const std::byte> bytes);
   Result<SampleHandle> loan(const void* prototype, std::span<const detail::Reservation> reservations,
@@ -62,7 +62,7 @@ class PublisherCore {
   /// `has_gaps`: sequences of it were shortened where they lie.
   PublishStatus commit(SampleHandle sample, bool has_gaps);
 
-  /// What is wrong with the last message that publish() refused. The publisher's thread.
+  /// The fault of the last message that publish() refused. The publisher's thread.
   const std::string& why_invalid() const { return maker_.why_invalid(); }
 
   void assert_liveliness();
@@ -88,14 +88,15 @@ class PublisherCore {
   /// no change to tell the program of.
   void show(std::vector<ReaderStatus> readers);
 
-  /// What became of its samples for one reader.
+  /// The fate of the publisher's samples for one reader.
   Delivered delivered(EndpointId reader) const { return spec_.book->of(reader); }
 
-  // What the program did, and for status() how it keeps its promises.
+  // The signs of life that the program gave, from which status() tells whether the publisher keeps its
+  // promises.
   OfferWatch::Signs signs() const;
   /// Counts samples that went to all of its routes, so that it is a lower bound.
   Progress progress() const;
-  /// From here on the next assertion of the program is told again.
+  /// Makes the next assertion of the program be told again.
   void listen_for_assertions() { assertion_told_.store(false, std::memory_order_relaxed); }
   /// Returns true if status() differs by it.
   bool keeps_promises(std::uint64_t deadlines_missed, bool alive);

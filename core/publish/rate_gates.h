@@ -11,7 +11,7 @@
 
 namespace sft::core {
 
-/// Of the agent's thread; the gates themselves are the publisher's.
+/// Used by the agent's thread. The gates themselves are used by the publisher's thread.
 class RateGates {
  public:
   /// Before routes are given theirs: lets go of gates that nobody has used for long, beyond a few. Until then
@@ -19,7 +19,7 @@ class RateGates {
   void tidy();
   /// Gives each route the gate of its limit, or none.
   void give(std::span<Route> routes);
-  /// That which give() gave.
+  /// The gate that give() gave to the route.
   const std::shared_ptr<RateGate>& of(const Route& route) const { return gates_.at(route.min_period_us); }
 
  private:

@@ -152,7 +152,7 @@ PublishStatus SampleMaker::close_gaps(SampleBuffer& sample) noexcept try {
 PublishStatus SampleMaker::move_together(SampleBuffer& sample) {
   std::byte* const body = sample.data + layout_.body_offset;
   detail::SampleState state = state_of(sample, type_.slots());
-  // In shared memory a broken program may have changed lengths and index meanwhile.
+  // A broken program may have changed lengths and index in shared memory meanwhile.
   if (!closing_.project(state, onto_itself_) || closing_.bytes() > state.body_bytes)
     return PublishStatus::invalid;
   std::byte* to = body;
@@ -173,7 +173,7 @@ SampleHandle SampleMaker::lend(const Outlets& outlets, std::uint32_t body_bytes,
   if (outlets.to_memory) sample = outlets.memory->loan(bytes);
   if (!sample && outlets.needs_memory && patience.count() > 0)
     sample = await_chunk(*outlets.memory, bytes, patience);
-  // Without a chunk the sample can still go over the network.
+  // The sample can still go over the network if there is no chunk for it.
   if (!sample && (!outlets.to_memory || outlets.to_network || outlets.has_fallback))
     sample = take_heap(bytes);
   return sample;

@@ -53,7 +53,7 @@ class SampleMaker {
     if (sample.postponed != nullptr) sample.postponed = nullptr;  // else others may have it, and look
     postponed_.clear();
   }
-  /// Why the last message could not be sent.
+  /// The reason why the last message could not be sent.
   const std::string& why_invalid() const { return why_invalid_; }
 
   /// The bytes of the body that convert() makes of the payload.

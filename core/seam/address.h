@@ -1,4 +1,4 @@
-// Where readers are reached, and who an endpoint is.
+// The addresses of readers, and the identity of an endpoint.
 #pragma once
 
 #include <array>
@@ -11,15 +11,16 @@ namespace sft::core {
 
 using EndpointId = std::uint64_t;  ///< random per incarnation, never 0; datagrams carry its low 32 bits
 
-/// Where datagrams for a reader go.
+/// The address that datagrams for a reader go to.
 struct UdpAddress {
   IpAddress ip;
   std::uint16_t port = 0;
   std::uint32_t receive_buffer_bytes =
       0;                  ///< of the socket, as the kernel counts: a sender paces bursts by it
   bool wireless = false;  ///< the interface that has it is
-  /// Whose socket it is, random per incarnation: of equal ones with equal ports, one takes the other's place.
-  /// 0: it is not known what other addresses that socket has.
+  /// The node that owns the socket, as a random number of each incarnation. Of two addresses with equal
+  /// numbers and ports, the newer one replaces the other. 0: it is not known which other addresses the socket
+  /// has.
   std::uint64_t node = 0;
   friend bool operator==(const UdpAddress&, const UdpAddress&) = default;
 };

@@ -24,7 +24,8 @@ class BufferPool final : public BufferOwner, public std::enable_shared_from_this
   /// `leave_bytes` of the limit would remain for others. Any thread.
   SampleHandle take(std::size_t bytes, std::size_t leave_bytes = 0) noexcept;
 
-  /// As many such buffers as are kept at present, but at most `count`, behind those in `buffers`. Any thread.
+  /// Takes up to `count` of the buffers of that size that the pool keeps at present, and appends them to
+  /// `buffers`. Any thread.
   void take_kept(std::size_t bytes, std::size_t leave_bytes, std::size_t count,
                  std::vector<SampleHandle>& buffers);
 

@@ -46,8 +46,8 @@ Reading& Reading::operator-=(const Reading& other) noexcept {
   return *this;
 }
 
-/// What a queue lost may have been put there for somebody else before this reader came: no more than its own
-/// counts.
+/// The queue may have lost samples that were put there for somebody else before this reader came. So the
+/// reader is charged with no more than its own counts.
 Delivered Reading::delivered() const noexcept {
   Delivered d;
   const std::uint64_t lost_of_ours = std::min(lost, sent);
@@ -138,7 +138,7 @@ void DeliveryBook::keep(const std::set<std::uint64_t>& readers) {
   forget_the_gone();
 }
 
-/// Those on the open pages still count until these are turned.
+/// Readers on the open pages still count until these pages are turned.
 void DeliveryBook::forget_the_gone() {
   std::erase_if(accounts_, [this](const auto& entry) {
     if (!entry.second.gone || entry.second.open()) return false;

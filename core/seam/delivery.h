@@ -1,10 +1,10 @@
-// What became of samples, for each reader of a publisher.
+// The fate of a publisher's samples, for each of its readers.
 //
-// Counting is for groups of readers that get the same: whoever sends adds to the tally of a group, three
-// additions for a sample, however many readers there are. Which tallies are those of a reader is written in a
-// page; pages come with new routes, and tallies and pages go with old ones. The book carries each reader's
-// counts from page to page. It is the publisher's thread that turns the page, between two samples, at the
-// moment from which it counts by other tallies: so none is missed and none counts twice.
+// Counts are kept for groups of readers that get the same. Whoever sends adds to the tally of a group: three
+// additions for a sample, however many readers there are. A page says which tallies belong to which reader.
+// New routes bring new pages, and tallies and pages go with old routes. The book carries each reader's counts
+// from page to page. The publisher's thread turns the page, between two samples, at the moment from which it
+// counts by other tallies. So no sample is missed, and none counts twice.
 #pragma once
 
 #include <atomic>
@@ -21,7 +21,7 @@
 
 namespace sft::core {
 
-/// Of one reader, or added up. Bytes are those of bodies, without headers.
+/// The counts of one reader, or of several together. Bytes are those of bodies, without headers.
 struct Delivered {
   std::uint64_t sent = 0;
   std::uint64_t withheld = 0;
@@ -33,7 +33,7 @@ struct Delivered {
   friend bool operator==(const Delivered&, const Delivered&) = default;
 };
 
-/// Of one group of readers. Any thread.
+/// The counts of one group of readers. Any thread.
 class DeliveryTally {
  public:
   /// `whole_bytes`: of the sample with all its fields.
@@ -49,7 +49,7 @@ class DeliveryTally {
   std::atomic<std::uint64_t> sent_{0}, dropped_{0}, bytes_{0}, whole_bytes_{0};
 };
 
-/// Of the readers behind one queue: samples that counted as sent and did not leave it. Any thread.
+/// The losses of the readers behind one queue: samples that counted as sent and did not leave it. Any thread.
 class LossTally {
  public:
   void lost(std::uint64_t bytes, std::uint64_t whole_bytes, std::uint64_t samples = 1) noexcept {
@@ -63,7 +63,7 @@ class LossTally {
   std::atomic<std::uint64_t> lost_{0}, bytes_{0}, whole_bytes_{0};
 };
 
-/// What is counted for a reader while one page is open. Each part may be missing.
+/// The tallies that count for a reader while one page is open. Each of them may be missing.
 class DeliveryMeter {
  public:
   /// Sums of the past; they only make sense as differences.
@@ -86,30 +86,30 @@ class DeliveryMeter {
 
 class DeliveryBook {
  public:
-  /// Who counts: the publisher itself, or its port to the network. Each turns pages of its own.
+  /// Those who count: the publisher itself, or its port to the network. Each turns pages of its own.
   enum class Teller : std::uint8_t { publisher, network };
   using Page = std::vector<std::pair<std::uint64_t, DeliveryMeter>>;  ///< by id of the reader
 
   // The agent's thread.
 
-  /// Before a page with these readers can be turned to.
+  /// Opens accounts for these readers. Called before the page can be turned to.
   void enter(const Page& page);
-  /// So many samples of the past were sent to a reader first.
+  /// Counts samples of the past that were sent to a reader first.
   void retained(std::uint64_t reader, std::uint64_t samples);
-  /// Those that are not among these do not come back: from here on they only count in total().
+  /// Forgets all other readers, which do not come back: from here on they only count in total().
   void keep(const std::set<std::uint64_t>& readers);
 
-  /// Tallies of the page before may still be added to, until the next turn: they must not be on this page
-  /// too.
+  /// Tells whether tallies of the page before may still be added to until the next turn. Such tallies must
+  /// not be on the new page, too.
   enum class LateCounts : std::uint8_t { none, to_come };
 
-  /// The publisher's thread. Allocates nothing.
+  /// Turns to that page. The publisher's thread. Allocates nothing.
   void turn_to(Teller teller, const Page& page, LateCounts late = LateCounts::none) noexcept;
 
   // Any thread.
 
   Delivered of(std::uint64_t reader) const;
-  /// Of all readers, those that are gone too.
+  /// The counts of all readers, including those that are gone.
   Delivered total() const;
 
  private:

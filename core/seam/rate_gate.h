@@ -19,17 +19,18 @@ class RateBudget {
  public:
   static constexpr std::int64_t most_saved = 2;
 
-  /// With all that can be saved. A period of 0 us: no limit.
+  /// Begins with all that can be saved. A period of 0 us means no limit.
   explicit RateBudget(std::uint32_t min_period_us = 0, std::int64_t saved = most_saved)
       : min_period_us_(min_period_us), saved_(saved) {}
-  /// With nothing to spend before the next slot.
+  /// Returns a budget that has nothing to spend before the next slot.
   static RateBudget spent(std::uint32_t min_period_us, std::int64_t stamp_ns);
 
   std::uint32_t min_period_us() const { return min_period_us_; }
   bool allows(std::int64_t stamp_ns) const;
-  /// Whether it allows a sample, which it has then paid for. Stamps may go back: the clock was set.
+  /// True if the budget allows a sample, which it has then paid for. Stamps may go back: the clock was set.
   bool take(std::int64_t stamp_ns);
-  /// How many more samples than can be saved it would have allowed until then; without limit any number.
+  /// The number of samples beyond what can be saved that the budget would have allowed until then. Without a
+  /// limit it is any number.
   std::uint64_t forfeited(std::int64_t stamp_ns) const;
 
  private:
@@ -51,10 +52,9 @@ class RateGate {
   std::uint32_t min_period_us() const { return budget_.min_period_us(); }
   /// Once for every sample.
   void consider(std::int64_t stamp_ns);
-  /// Whether the sample considered last is for the readers behind this gate.
+  /// True if the sample that was considered last is for the readers behind this gate.
   bool passes() const { return passes_; }
-  /// Of the samples that passed, the number of the last; readers tell by it what was lost from what was
-  /// withheld.
+  /// The number of the last sample that passed. Readers tell by it what was lost from what was withheld.
   std::uint32_t ordinal() const { return ordinal_; }
   std::uint64_t withheld() const { return withheld_.load(std::memory_order_relaxed); }
 

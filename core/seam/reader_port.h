@@ -44,15 +44,15 @@ struct ReaderSpec {
   std::uint32_t depth = 1;            ///< samples kept until taken, per writer; the oldest goes first
   /// Outlives the port. A NetworkReader calls it.
   ArrivalListener* listener = nullptr;
-  /// What the writers of a BorrowingReader ring.
+  /// The doorbell that the writers of a BorrowingReader ring.
   DoorbellAddress doorbell;
   /// Handles of one writer that may be out; take() of a BorrowingReader gives no more of that writer then.
   std::uint32_t max_held = 256;
-  /// All that the listener does is to ring `doorbell`, for threads in NetworkReader::receive(), which any of
-  /// them may do for the others.
+  /// True if all that the listener does is to ring `doorbell`, for threads in NetworkReader::receive(). Each
+  /// of these threads may ring it for the others.
   bool only_waited_for = false;
-  /// How long the thread that calls the listener looks for more, and keeps a core busy with it, before it
-  /// sleeps.
+  /// The time for which the thread that calls the listener looks for more, and keeps a core busy with it,
+  /// before it sleeps.
   std::chrono::nanoseconds spin{0};
 };
 
@@ -64,7 +64,7 @@ struct Waiting {
   std::chrono::steady_clock::time_point spin_until;  ///< keeps the core busy so long
 };
 
-/// How far a late reader is with what comes for it alone.
+/// The progress of a late reader with the samples that come for it alone.
 enum class HistoryProgress : std::uint8_t {
   awaited,  ///< nothing has come yet
   coming,
@@ -84,7 +84,7 @@ class ReaderPort {
   virtual bool connected(EndpointId writer) const noexcept = 0;
   /// Accepts no more of them; what has arrived can still be taken.
   virtual void disconnect(EndpointId writer) noexcept = 0;
-  /// How far a writer is that was connected to with `history_first`.
+  /// The progress of a writer that was connected to with `history_first`.
   virtual HistoryProgress history(EndpointId writer) const noexcept = 0;
   /// Differs from what it was whenever a sample of that writer has arrived meanwhile, taken or not.
   virtual std::uint64_t arrivals(EndpointId writer) noexcept = 0;
@@ -92,8 +92,8 @@ class ReaderPort {
   struct Counters {
     /// Samples that arrived whole and were thrown away: pushed out of a full queue, or malformed.
     std::uint64_t discarded = 0;
-    /// Those of them that no gap in the sequences of the samples taken shows: before the first of a writer,
-    /// or behind the last one of a writer that was disconnected.
+    /// The part of `discarded` that no gap in the sequences of taken samples shows: samples before the first
+    /// one of a writer, or behind the last one of a writer that was disconnected.
     std::uint64_t lost_unnoticed = 0;
   };
   /// Any thread.
@@ -103,7 +103,8 @@ class ReaderPort {
 /// A reader of samples that lie in memory of their writers.
 class BorrowingReader : public ReaderPort {
  public:
-  /// As take(), of that writer only: samples of one writer may have to go before those of others.
+  /// Does what take() does, for that writer only: samples of one writer may have to go before those of
+  /// others.
   virtual SampleHandle take_of(EndpointId writer) noexcept = 0;
   /// Wakes writers that wait for room that take() has made since this was called last. After take(), without
   /// a lock: it may make a system call. Any thread.
@@ -116,22 +117,23 @@ class BorrowingReader : public ReaderPort {
 /// A reader of samples that come as bytes.
 class NetworkReader : public ReaderPort {
  public:
-  /// Waits on the spot where samples come in, and does the transport's receiving there, which spares what is
-  /// waited for the way from one thread to another; listeners of this and other readers are called meanwhile.
-  /// Spurious returns are possible. False, at once, where that cannot be: the transport has its own thread
-  /// for it, and the bell will be rung. Any thread.
+  /// Waits where samples come in, and does the transport's receiving there. This spares samples the way from
+  /// one thread to another. Listeners of this and other readers are called meanwhile. Spurious returns are
+  /// possible. Returns false at once if this is not possible: the transport has a thread of its own for it,
+  /// and the bell will be rung. Any thread.
   virtual bool receive(const Waiting& waiting) noexcept = 0;
-  /// After somebody else than the transport rang the bell: whoever is in receive() looks at it. Any thread.
+  /// Makes whoever is in receive() look at the bell. Called after somebody else than the transport rang it.
+  /// Any thread.
   virtual void interrupt() noexcept = 0;
-  /// The reader has samples by another transport from now on, too, which those of this one must not be
-  /// behind: the transport's own thread receives, always.
+  /// Tells that the reader has samples by another transport from now on, too, which those of this transport
+  /// must not fall behind: the transport's own thread receives from now on.
   virtual void share_reader() = 0;
 
-  /// A writer that is connected has announced something else than before, or its node answers, or does not.
-  /// `history_first` does not change.
+  /// Tells that a connected writer has announced something else than before, or that its node answers, or
+  /// does not. `history_first` does not change.
   virtual void announced(const Source& source) = 0;
-  /// Which samples are for this reader: what it requests now, as the last, and what it requested before while
-  /// such samples may be under way. Variants for several readers may come to one address.
+  /// Sets which samples are for this reader: what it requests now comes last, and before it what it requested
+  /// earlier, while such samples may be under way. Variants for several readers may come to one address.
   virtual void accept(std::vector<Accepted> accepted) = 0;
 };
 

@@ -1,4 +1,4 @@
-// Who is served with what: routes of a writer, and what a reader asks for and accepts.
+// The routes of a writer, and what a reader asks for and accepts.
 #pragma once
 
 #include <cstddef>
@@ -27,7 +27,7 @@ struct Route {
   friend bool operator==(const Route&, const Route&) = default;
 };
 
-/// Where a writer's node can be reached: nobody else is answered in its name.
+/// The addresses of a writer's node. Nobody else is answered in its name.
 struct Announced {
   bool known = false;  ///< false: nothing is known of it, and it is answered wherever it says
   std::vector<UdpAddress> addresses{};
@@ -35,7 +35,7 @@ struct Announced {
   friend bool operator==(const Announced&, const Announced&) = default;
 };
 
-/// What a reader has to know of a writer whose samples it wants.
+/// The facts that a reader has to know of a writer whose samples it wants.
 struct Source {
   EndpointId writer = 0;
   std::size_t max_sample_bytes = 0;
@@ -47,14 +47,15 @@ struct Source {
   friend bool operator==(const Source&, const Source&) = default;
 };
 
-/// Which samples of a writer are for a reader, where several share a destination.
+/// The samples of a writer that are for one reader, where several readers share a destination.
 struct Wanted {
   FieldMask mask;  ///< closed
   std::uint32_t min_period_us = 0;
   friend bool operator==(const Wanted&, const Wanted&) = default;
 };
 
-/// What a reader asks its writers for, or has asked for while samples may be under way under that.
+/// A request of a reader to its writers: the present one, or an earlier one while samples may be under way
+/// under it.
 struct Accepted {
   Wanted wanted;
   /// Counts up, for readers that get samples in order: once a writer has told how far it was when it knew of

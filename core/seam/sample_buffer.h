@@ -36,8 +36,8 @@ struct SampleBuffer {
   std::int64_t receive_stamp_ns = 0;  ///< CLOCK_REALTIME; 0 on the sending side
   /// On the sending side, for what is counted as saved: of the body with all fields; 0: unknown.
   std::uint32_t whole_bytes = 0;
-  // What the header said when it could be trusted: set by readers' ports once they have checked it, and by
-  // publishers. A header in shared memory is never asked again.
+  // The header's values at the time when it could be trusted. Ports of readers set them once they have
+  // checked the header, and publishers set them. A header in shared memory is never asked again.
   std::uint64_t writer = 0;
   std::uint64_t sequence = 0;
   std::int64_t source_stamp_ns = 0;
@@ -79,9 +79,10 @@ struct SampleBuffer {
   }
 };
 
-/// What getters and projections read, of a sample with so many slots. A header in shared memory can be
-/// written by every process of the host, also after it was checked: where the body begins is known, and it is
-/// bounded by the buffer. Without the buffer's `elements`, which are a reader's.
+/// The state that getters and projections read, of a sample with so many slots. Every process of the host can
+/// write a header in shared memory, also after it was checked. Therefore the beginning of the body is not
+/// read from there, and the body is bounded by the buffer. The state does not have the buffer's `elements`,
+/// which belong to a reader.
 inline detail::SampleState state_of(const SampleBuffer& buffer, std::size_t slots) noexcept {
   const std::size_t body_offset = detail::SampleLayout(slots).body_offset;
   const std::size_t body_bytes = __atomic_load_n(&buffer.header().body_bytes, __ATOMIC_RELAXED);

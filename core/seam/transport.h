@@ -86,13 +86,14 @@ class Network : public Transport {
   /// Any thread.
   virtual Result<std::unique_ptr<NetworkReader>> open_reader(const ReaderSpec& spec) = 0;
 
-  /// Where readers of this node are reached, best first. They change as interfaces come and go. Any thread.
+  /// The addresses at which readers of this node are reached, best first. They change as interfaces come and
+  /// go. Any thread.
   virtual std::vector<UdpAddress> addresses() const = 0;
   /// The networks that others can be reached in directly. They change, too. Any thread.
   virtual std::vector<Link> links() const = 0;
   /// True if these two may be others than when this was asked last. Returns at once.
   virtual bool network_changed() noexcept = 0;
-  /// For status(): part of the description. Any thread.
+  /// True if the network uses io_uring; part of the description in status(). Any thread.
   virtual bool uses_io_uring() const = 0;
 };
 

@@ -69,8 +69,7 @@ class WriterPort {
   /// subset of sample->mask. The publisher's thread.
   virtual SendStatus send(const SampleHandle& sample) noexcept = 0;
 
-  /// From now on send() waits no longer than this, and no longer than WriterSpec says. The publisher's
-  /// thread.
+  /// Limits what send() waits from now on, together with the limit of WriterSpec. The publisher's thread.
   virtual void be_patient(std::chrono::nanoseconds at_most) noexcept = 0;
 
   /// Replaces the routes. The publisher's thread goes on with the earlier ones until the next sample.
@@ -90,19 +89,19 @@ class LendingWriter : public WriterPort {
   /// True if this port lent the sample, sent or not. Any thread.
   virtual bool owns(const SampleBuffer& sample) const noexcept = 0;
 
-  /// What the last send() has left of the time that it might have waited. The publisher's thread.
+  /// The rest of the time that the last send() might have waited. The publisher's thread.
   virtual std::chrono::nanoseconds patience_left() const noexcept = 0;
 
-  /// Why that reader, although it is attached, cannot be told here that a sample has come, and must be served
-  /// otherwise; empty if it can be told. To be asked before the reader gets a route, and again later while
-  /// there is a reason.
+  /// The reason why that reader, although it is attached, cannot be told here that a sample has come, and
+  /// must be served otherwise. Empty if it can be told. The agent asks before the reader gets a route, and
+  /// again later while there is a reason.
   virtual std::string why_unreachable(const Route& to) = 0;
 
   // The hand-over to a late reader. A route with `history` is to such a reader: from it all samples are held
   // back until begin_with() was called, and they have to be among what the writer retains by then.
 
-  /// How many samples were held back, if that reader waits: to be asked before the retained samples are
-  /// looked at. Nothing if the reader does not wait, or does not wait yet.
+  /// The number of samples that were held back, if that reader waits. The agent asks before it looks at the
+  /// retained samples. Nothing if the reader does not wait, or does not wait yet.
   virtual std::optional<std::uint64_t> held_back(EndpointId reader) noexcept = 0;
   /// Sends these samples, which the port owns(), to that one reader, and from then on whatever send() sends.
   /// False if that is not possible right now, or if more than `held_back` samples were held back by now: then
@@ -111,13 +110,13 @@ class LendingWriter : public WriterPort {
                           std::uint64_t held_back) = 0;
 };
 
-/// Which routes a sample is sent by.
+/// The routes that a sample is sent by.
 enum class Reach : std::uint8_t {
   usual_routes,
   fallback_routes_too,  ///< also by those of readers that could not be served where they usually are
 };
 
-/// Whose time the samples of a batch wait for readers.
+/// The time that the samples of a batch may wait for readers.
 enum class BatchPatience : std::uint8_t {
   fresh,     ///< all of them together as long as one sample may
   continued  ///< what the batch before has left of that
@@ -161,9 +160,11 @@ class NetworkWriter : public WriterPort {
     std::uint64_t dropped = 0;
   };
   virtual Counters counters() const noexcept = 0;
-  /// With whom a reader shares what is sent, or why with nobody. Empty where that is no question.
+  /// The readers with which a reader shares what is sent, or the reason why it shares with nobody. Empty
+  /// where that is no question.
   virtual std::string multicast(EndpointId reader) const = 0;
-  /// Why nothing is sent to a reader that is served: its host does not answer. Empty where that is not so.
+  /// The reason why nothing is sent to a reader that is served: its host does not answer. Empty if there is
+  /// none.
   virtual std::string silence(EndpointId reader) const = 0;
 
  private:
@@ -172,7 +173,7 @@ class NetworkWriter : public WriterPort {
 
   // Transmission and Batch call these, and keep their order.
   virtual void begin_sample() noexcept = 0;
-  /// By the routes of the last begin_sample().
+  /// Sends by the routes of the last begin_sample().
   virtual SendStatus send_begun(const SampleHandle& sample, Reach reach) noexcept = 0;
   virtual void miss_begun() noexcept = 0;
   virtual void hold(BatchPatience patience) noexcept = 0;
@@ -186,7 +187,7 @@ class [[nodiscard]] Transmission {
   Transmission(Transmission&& other) noexcept : port_(std::exchange(other.port_, nullptr)) {}
   Transmission& operator=(Transmission&&) = delete;
 
-  /// As WriterPort::send(), by the routes that were in force when this began.
+  /// Does what WriterPort::send() does, by the routes that were in force when the transmission began.
   SendStatus send(const SampleHandle& sample, Reach reach = Reach::usual_routes) && noexcept {
     return take().send_begun(sample, reach);
   }

@@ -29,7 +29,7 @@ class Publishing {
   std::jthread thread_;
 };
 
-/// What a reader took, and the gaps between.
+/// The samples that a reader took, and the gaps between them.
 struct Taken {
   std::uint64_t last = 0, count = 0, missed = 0;
   bool in_order = true;

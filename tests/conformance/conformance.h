@@ -55,16 +55,16 @@ class Reader final : private core::ArrivalListener {
   /// Waits until it is connected.
   void hear(const Writer& writer);
   core::Source source(const Writer& writer) const;
-  /// What the writer has to know of it.
+  /// The route that the writer needs to serve this reader.
   core::Route route() const { return route_; }
   core::Route route(const std::string& mask) const;
 
   core::SampleHandle take();
   /// The next sample, as soon as it has come; empty after `patience`.
   core::SampleHandle next();
-  /// Of so many samples, fewer where they do not come.
+  /// Waits for so many samples, and returns their sequences; fewer if they do not come.
   std::vector<std::uint64_t> next_sequences(std::size_t count);
-  /// Of what is there.
+  /// Returns the sequences of the samples that are there.
   std::vector<std::uint64_t> take_sequences();
 
   core::ReaderPort& port() { return *port_; }
@@ -81,7 +81,7 @@ class Reader final : private core::ArrivalListener {
   AnyReader port_;  // goes first: then nobody calls any more
 };
 
-/// Its sample number n is an image made of the seed n.
+/// A writer whose sample number n is an image made of the seed n.
 class Writer {
  public:
   /// Waits for reliable readers for so long.
@@ -101,7 +101,7 @@ class Writer {
   void publish_to(Reader& reader, std::size_t data_bytes = 50);
 
   core::WriterPort& port() { return *port_; }
-  /// On such a medium.
+  /// The port as the kind that such a medium has.
   core::LendingWriter& lending_port() { return *port_.memory(); }
   core::NetworkWriter& network_port() { return *port_.network(); }
   /// Over a network.
@@ -133,7 +133,7 @@ class Flood {
 inline std::uint64_t sequence_of(const core::SampleHandle& sample) { return sample->sequence; }
 std::vector<std::uint64_t> numbers(std::uint64_t first, std::uint64_t last);
 
-/// Whether it has what its writer put there, of the fields that its mask names, and nothing else.
+/// True if the sample has what its writer put there, of the fields that its mask names, and nothing else.
 testing::AssertionResult is_image(const core::SampleHandle& sample, std::size_t data_bytes);
 
 class Conformance : public testing::TestWithParam<MediumChoice> {
@@ -144,16 +144,16 @@ class Conformance : public testing::TestWithParam<MediumChoice> {
   Stage stage{GetParam().make()};
 };
 
-/// Of media whose readers ask for reliability.
+/// Runs on media whose readers ask for reliability.
 class BackPressure : public Conformance {};
 
-/// Of transports that can send one reader something apart from all others.
+/// Runs on transports that can send one reader something apart from all others.
 class LateReaders : public Conformance {};
 
-/// Of transports that send each reader its fields only.
+/// Runs on transports that send each reader only its fields.
 class Projection : public Conformance {};
 
-/// Of networks.
+/// Runs on networks.
 class Transmissions : public Conformance {};
 
 }  // namespace sft::conformance

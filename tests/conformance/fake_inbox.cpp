@@ -37,7 +37,7 @@ bool FakeInbox::wants(const SampleBuffer& sample) const {
   });
 }
 
-/// Of the writers that are counted together, one depth.
+/// Keeps as many samples as the depth allows of all writers that are counted together.
 template <class Condition>
 void FakeInbox::keep_newest(Condition is_counted, std::vector<SampleHandle>& surplus) {
   const auto counted = [&](const SampleHandle& sample) { return is_counted(*find(sample->writer)); };

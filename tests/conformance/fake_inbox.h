@@ -1,4 +1,5 @@
-// What has arrived for one reader of the fake transport, and what was pushed out of there.
+// The samples that have arrived for one reader of the fake transport, and the counts of those that were
+// pushed out.
 #pragma once
 
 #include <condition_variable>

@@ -49,7 +49,7 @@ std::shared_ptr<FakeNetwork> make_fake_network() { return std::make_shared<FakeN
 
 namespace {
 
-/// What a transport's ports share with it.
+/// The state that a transport shares with its ports.
 struct FakeNode {
   FakeNode(std::shared_ptr<FakeNetwork> shared, const FakeOptions& given)
       : network(std::move(shared)), options(given), pool(core::BufferPool::make(given.pool_bytes)) {}
@@ -60,7 +60,7 @@ struct FakeNode {
   std::atomic<std::uint64_t> over_limit{0};
 };
 
-/// To one reader. The newest routes and those of the present sample may share it.
+/// The way to one reader. The newest routes and those of the present sample may share it.
 struct Line {
   core::Route route;
   std::shared_ptr<const ProjectionPlan> plan;
@@ -173,7 +173,8 @@ class FakeWriter final : public core::NetworkWriter {
     return line.route.gate == nullptr || line.route.gate->passes();
   }
 
-  /// What a gate withholds from a reader with a fallback route is counted where it usually is served.
+  /// A sample that a gate withholds from a reader with a fallback route is counted where that reader usually
+  /// is served.
   static std::pair<EndpointId, core::DeliveryMeter> entry_of(const Line& line) {
     const bool fallback = line.route.fallback;
     return {line.route.reader,

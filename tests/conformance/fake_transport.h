@@ -23,7 +23,7 @@
 
 namespace sft::test {
 
-/// What the writers of some transports share with the readers of others. Any thread.
+/// The network that writers of some transports and readers of others share. Any thread.
 class FakeNetwork;
 std::shared_ptr<FakeNetwork> make_fake_network();
 

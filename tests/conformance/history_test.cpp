@@ -11,7 +11,7 @@ using core::SendStatus;
 
 constexpr std::uint32_t depth = 3;
 
-/// For a reader that is to be served from retained samples on.
+/// The route of a reader that is to be served from retained samples on.
 core::Route late(const Reader& reader) {
   core::Route route = reader.route();
   route.history = depth;

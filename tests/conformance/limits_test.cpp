@@ -7,7 +7,7 @@ namespace {
 using core::SampleHandle;
 using core::SendStatus;
 
-/// Of an image without data, all of which is before it.
+/// The size of an image without data: all other fields lie before the data.
 const std::size_t empty_image_bytes = encoded_body(make_image(0), fields<Image>("*")).size();
 
 TEST_P(Conformance, CarriesSamplesOfEverySize) {

@@ -1,5 +1,5 @@
-// What a reader missed is known exactly: each sample that came is taken, or counted as discarded and seen as
-// a gap in the sequences, or as one that no gap shows.
+// A reader knows exactly what it missed: each sample that came is taken, or counted as discarded and seen as
+// a gap in the sequences, or counted as one that no gap shows.
 #include "tests/conformance/conformance.h"
 #include "tests/support/test_seed.h"
 

@@ -1,4 +1,5 @@
-// What the conformance suite is run on: a way for samples to travel between two nodes of this process.
+// A medium, on which the conformance suite runs: a way for samples to travel between two nodes of this
+// process.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -13,7 +14,7 @@
 
 namespace sft::conformance {
 
-/// Where transports may differ in the same test (conformance.md says why they do).
+/// The differences that transports may have in the same test (conformance.md says why they have them).
 struct Traits {
   bool projects = true;  ///< a reader gets the fields that it asked for, or else the whole sample
   bool counts_before_first_taken = true;  ///< what a queue pushed out before anything was taken from it
@@ -50,13 +51,13 @@ using AnyReader = Either<core::ReaderPort, core::BorrowingReader, core::NetworkR
 class Medium {
  public:
   virtual ~Medium() = default;
-  /// Why it cannot be had here; empty if it can.
+  /// The reason why the medium cannot be had here; empty if it can.
   virtual std::string refusal() { return {}; }
   virtual Traits traits() const { return {}; }
 
   /// A node's transport, ready. REQUIRES: no refusal.
   virtual AnyTransport open() = 0;
-  /// Where a reader is reached that belongs to a node and waits at a doorbell.
+  /// The address of a reader that belongs to a node and waits at a doorbell.
   virtual core::Locator locator(const AnyTransport& node, const core::DoorbellAddress& bell) = 0;
 };
 
@@ -64,7 +65,7 @@ struct MediumChoice {
   std::string name;
   std::function<std::unique_ptr<Medium>()> make;
 };
-/// For GoogleTest.
+/// Returns the name that GoogleTest prints.
 inline std::string name_of(const testing::TestParamInfo<MediumChoice>& choice) { return choice.param.name; }
 inline std::ostream& operator<<(std::ostream& out, const MediumChoice& choice) { return out << choice.name; }
 

@@ -1,4 +1,4 @@
-// What a network promises of single transmissions and of batches: fallback routes carry only what is meant
+// The promises of a network about single transmissions and batches: fallback routes carry only what is meant
 // for them, and nothing of a batch stays behind.
 #include <utility>
 

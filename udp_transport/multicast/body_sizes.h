@@ -48,7 +48,7 @@ class BodySizes {
   std::unique_ptr<std::atomic<double>[]> bytes_;  ///< by set
   std::atomic<std::uint64_t> samples_{0};
   std::atomic<bool> known_{false}, several_{false};
-  // Of the publisher's thread.
+  // Used by the publisher's thread.
   detail::Projection projection_;
   std::size_t next_ = 0;
   Time round_at_{};

@@ -18,7 +18,7 @@ namespace sft::udp {
 
 class JobPool;
 
-/// How one of a writer's masks is called on the wire.
+/// The name of one of a writer's masks on the wire.
 struct WireMask {
   std::uint16_t variant = 0;
   std::uint64_t mask = 0;            ///< as in the header
@@ -43,12 +43,12 @@ struct Job {
   std::uint32_t sent_bytes = 0;   ///< of the body; the lane that it is posted to sends the rest
 
   EncodedBody body() const { return body(first); }
-  /// With another header.
+  /// Returns the body with another header.
   EncodedBody body(const FirstHeader& header) const {
     if (is_pack()) return {header, mask->words, packed_, true};
     return {header, mask->words, copied_.data == nullptr ? projection.segments() : std::span(&copied_, 1)};
   }
-  /// Of a pack only these; one alone is a sample like any other.
+  /// Returns these samples of a pack; a single one is a sample like any other.
   EncodedBody body(const FirstHeader& header, std::size_t part, std::size_t samples) const {
     if (!is_pack()) return body(header);
     return {header, mask->words, std::span(packed_).subspan(part, samples), samples > 1};
@@ -57,7 +57,7 @@ struct Job {
   bool is_pack() const { return !packed_.empty(); }
   bool is_small() const { return is_pack() || first.total <= direct_bytes_max; }
   std::size_t samples() const { return is_pack() ? packed_.size() : 1; }
-  /// Of a sample's body.
+  /// The length of one sample's body.
   std::uint32_t body_bytes(std::size_t part) const {
     return is_pack() ? static_cast<std::uint32_t>(packed_[part].bytes) : first.total;
   }
@@ -132,10 +132,10 @@ class JobPool : public std::enable_shared_from_this<JobPool> {
     return std::shared_ptr<JobPool>(new JobPool(std::move(memory)));
   }
 
-  /// Without a sample.
+  /// Returns a job without a sample.
   JobHandle take();
 
-  /// Whether one more sample of so much borrowed memory may be held.
+  /// True if one more sample of so much borrowed memory may be held.
   bool may_borrow(std::size_t bytes) const {
     const std::size_t samples = borrowed_samples_.load(std::memory_order_relaxed);
     const std::size_t in_all = borrowed_bytes_.load(std::memory_order_relaxed) + bytes;
@@ -152,7 +152,8 @@ class JobPool : public std::enable_shared_from_this<JobPool> {
   static constexpr std::size_t spare_max = 2048;
   /// Longer copies are not kept for the next job.
   static constexpr std::size_t spare_copy_bytes_max = 64 * 1024;
-  /// What may be on its way to readers that keep up, and a few more; others on this host need the rest.
+  /// Enough for what is on its way to readers that keep up, and a few more. Others on this host need the
+  /// rest.
   static constexpr std::size_t borrowed_samples_max = 8;
   static constexpr std::size_t borrowed_bytes_max = std::size_t{24} << 20;
   const std::shared_ptr<KeptMemory> memory_;

@@ -1,5 +1,5 @@
-// What the sending thread has to be told after something was given to a lane or a channel, or an answer was
-// heard.
+// The news that the sending thread has to be told after something was given to a lane or a channel, or an
+// answer was heard.
 #pragma once
 
 #include <algorithm>

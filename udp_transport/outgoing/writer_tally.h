@@ -1,4 +1,4 @@
-// What one writer has sent and lost, and how fast it may send.
+// The counts of what one writer has sent and lost, and the limit of its rate.
 #pragma once
 
 #include <atomic>

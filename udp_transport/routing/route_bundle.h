@@ -23,7 +23,7 @@ struct RouteBundle {
   std::vector<std::shared_ptr<Destination>> destinations{};
   std::vector<std::pair<core::EndpointId, const Destination*>> readers{};
   ReliableReaders reliable{};  ///< those of the readers that are served reliably
-  /// Which multicast group sends to all of them; empty: none does.
+  /// The multicast group that sends to all of them; empty if none does.
   std::optional<std::size_t> multicast{};
 
   void add(const std::shared_ptr<Destination>& to);

@@ -11,7 +11,7 @@ namespace sft::udp {
 namespace {
 /// The most samples in all. There may be as many large ones as in a lane: they hold much memory.
 constexpr std::size_t samples_max = 64;
-// As much may wait that is sent reliably as a channel keeps: nothing repairs a sample that never got into a
+// As many reliable samples may wait as a channel keeps: nothing repairs a sample that never got into a
 // channel.
 constexpr std::size_t reliable_samples_max = ResendLimits{}.samples;
 constexpr std::size_t reliable_bytes_max = ResendLimits{}.bytes;

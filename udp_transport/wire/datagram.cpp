@@ -52,7 +52,7 @@ void store_common(DatagramKind kind, std::uint8_t flags, const SampleLabel& labe
   store(label.sequence, out + at_sequence);
 }
 
-/// As kind_of(), but the compiler may put its code into its callers.
+/// Does what kind_of() does, but the compiler may put its code into its callers.
 std::optional<DatagramKind> claimed_kind(std::span<const std::byte> bytes) noexcept {
   if (bytes.size() < following_header_bytes || bytes.size() > datagram_bytes_max) return {};
   const auto version_and_kind = load<std::uint8_t>(&bytes[at_kind]);

@@ -145,7 +145,7 @@ struct FollowingHeader {
   std::uint32_t offset = 0;  ///< of the payload in the body
 };
 
-/// What the samples of a packed datagram have in common.
+/// The facts that the samples of a packed datagram share.
 struct PackedHeader {
   FirstHeader first;             ///< the header of the first sample; its total is not sent
   std::uint16_t samples = 0;     ///< 1 to packed_samples_max

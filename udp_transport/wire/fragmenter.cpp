@@ -68,7 +68,7 @@ void Fragmenter::next(Batch& batch, std::size_t bytes_max, std::size_t datagrams
   } while (!done() && batch.datagrams_ < datagrams_max && bytes_with_next(batch) <= bytes_max);
 }
 
-/// Of the batch with another datagram.
+/// The length of the batch with another datagram.
 std::size_t Fragmenter::bytes_with_next(const Batch& batch) const {
   if (body_.packed) return batch.datagrams_ * batch.segment_bytes_ + next_pack().bytes;
   return batch.bytes_ + std::min<std::size_t>(datagram_bytes_, following_header_bytes + end_ - offset_);

@@ -15,7 +15,7 @@
 
 namespace sft::udp {
 
-/// What one system call takes, and older kernels too.
+/// Limits of one system call, on older kernels, too.
 inline constexpr std::size_t batch_bytes_max = datagram_bytes_max;
 inline constexpr std::size_t batch_datagrams_max = 64;
 
@@ -32,7 +32,7 @@ class Batch {
   std::span<const iovec> parts() const { return {parts_.data(), part_count_}; }
   std::size_t bytes() const { return bytes_; }
   std::size_t datagrams() const { return datagrams_; }
-  /// Of all datagrams but the last; 0 if there is one.
+  /// The length of all datagrams but the last one; 0 if there is only one.
   std::uint16_t segment_bytes() const { return datagrams_ > 1 ? segment_bytes_ : std::uint16_t{0}; }
 
  private:
@@ -75,11 +75,11 @@ class Fragmenter {
 
   std::size_t bytes() const { return body_.first.total; }  ///< of the body
   bool begun() const { return begun_; }
-  /// Of what has been cut, in the body.
+  /// The place in the body up to which datagrams have been cut.
   std::uint32_t offset() const { return offset_; }
   bool done() const { return body_.packed ? segment_ == body_.segments.size() : begun_ && offset_ >= end_; }
 
-  /// What is left is cut into datagrams of that length.
+  /// Cuts the rest into datagrams of that length.
   void set_datagram_bytes(std::size_t bytes) { datagram_bytes_ = std::min(bytes, datagram_bytes_max); }
 
   /// Replaces the batch by the next datagrams: at least one, even where the limits have no room for it.

@@ -31,12 +31,12 @@ class RecordedSample;
 
 namespace sft::detail {
 
-/// What reserved memory holds at first: zeros, or whatever was there before.
+/// The contents of reserved memory at first: zeros, or whatever was there before.
 enum class ReservedMemory : std::uint8_t { zeroed, as_it_is };
 
 namespace untyped {
 
-/// What an empty sample has instead of bytes: no field, at any slot. To read it is a mistake, but not an
+/// The state of an empty sample, which has no field, at any slot. To read it is a mistake, but not an
 /// undefined one.
 extern const SampleState empty_state;
 
@@ -117,7 +117,7 @@ class Publisher {
   Publisher& operator=(Publisher&&) = default;
 
   PublishStatus publish(const void* value);
-  /// So many values, each `stride` bytes behind the one before.
+  /// Publishes `count` values, each `stride` bytes behind the one before.
   PublishedSpan publish(const void* values, std::size_t count, std::size_t stride);
   /// An encoded payload of the whole type, see Publisher::publish_cdr.
   Result<PublishStatus> publish_cdr(std::span<const std::byte> payload);
@@ -135,7 +135,7 @@ class Publisher {
 /// Must not throw: as out of any thread, that would end the program.
 using Callback = std::function<void(Sample&&)>;
 
-/// What a subscriber asks for.
+/// The requirement of a subscriber.
 struct Requirement {
   FieldMask mask;  ///< declared; where recorded, what is asked for at first
   bool recorded = false;

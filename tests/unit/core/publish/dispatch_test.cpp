@@ -1,4 +1,4 @@
-// Where a sample goes, and who is said to have got it.
+// Tests where a sample goes, and which readers count as having got it.
 #include "core/publish/dispatch.h"
 
 #include <gtest/gtest.h>

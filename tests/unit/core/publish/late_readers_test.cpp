@@ -1,4 +1,4 @@
-// What readers that come late are given of what was published before.
+// Tests what readers that come late get of the samples that were published before.
 #include "core/publish/late_readers.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ using namespace detail;
 using sensor_msgs::msg::PointCloud2;
 using Calls = std::vector<std::string>;
 
-/// Of a publisher that has published four samples and retains three of them.
+/// A publisher has published four samples and retains three of them.
 class LateReadersTest : public ::testing::Test {
  protected:
   LateReadersTest() {

@@ -11,7 +11,7 @@
 namespace switches {
 enum class Flags : std::uint16_t { left = 1, right = 2, both_ways = 4 };
 
-/// As generated, but for what loans do not need.
+/// A generated type, without what loans do not need.
 struct Switches {
   std::uint8_t lead = 0;
   Flags flags{};
@@ -62,7 +62,7 @@ class LoanTest : public sft::test::RandomTest {
  protected:
   Loan<Recording> loan(const Sizes& sizes) { return publisher->loan({}, sizes).value(); }
 
-  /// Whether header, index, padding and body are what a fresh encoding of `message` has.
+  /// Expects header, index, padding and body to be those of a fresh encoding of `message`.
   void expect_sent(const Recording& message) {
     ASSERT_TRUE(publisher.has_sent());
     const Encoded expected(message);
@@ -222,7 +222,7 @@ TEST_F(LoanTest, ForOverwriteLeavesElementsAsTheyAreAndNothingElse) {
 
 TEST_F(LoanTest, OfAnyMessageHoweverReservedAndShrunkIsItsEncoding) {
   sft::test::RandomValues values(random);
-  // Of some sequences, for some more elements than there are; the prototype has something else there.
+  // Reserves some sequences, for some more elements than there are; the prototype has something else there.
   const auto reserve = [&](auto& size, auto& in_prototype, const auto& value, std::size_t most = 100'000) {
     if (random() % 3 == 0) return;
     const std::size_t more = random() % 2 == 0 ? 0 : random() % 5000;

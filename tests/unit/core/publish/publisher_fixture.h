@@ -24,7 +24,7 @@ class KeepingPort final : public IdleNetworkWriter {
   }
 };
 
-/// What memory is filled with that is lent next.
+/// The byte with which memory is filled that is lent next.
 inline constexpr std::byte canary{0xA5};
 
 template <class T>

@@ -1,4 +1,4 @@
-// How a publisher changes over from one division of its readers to another.
+// Tests how a publisher changes from one division of its readers to another.
 #include <gtest/gtest.h>
 
 #include <cstring>

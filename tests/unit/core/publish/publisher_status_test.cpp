@@ -1,4 +1,4 @@
-// What a publisher's status says of samples that did not reach everybody.
+// Tests what a publisher's status says of samples that did not reach everybody.
 #include <gtest/gtest.h>
 
 #include <sensor_msgs/msg/PointCloud2.hpp>
