@@ -1,9 +1,9 @@
 // Sends the samples of one publisher to where its readers are: by shared memory, over the network, or by
 // both; and what shared memory does not take, over the network to the readers that have a fallback route.
 //
-// The agent puts outlets in force (serve()), and the publisher's thread sends by them. So that no route ever
-// asks for more than a sample has, whoever replaces the outlets may wait for a Call that began with the ones
-// before; for that reason the publisher's thread does everything within one.
+// The agent puts outlets in force (serve()), and the publisher's thread sends by them. No route may ever ask
+// for more than a sample has. Therefore the publisher's thread does everything within a Call, and whoever
+// replaces the outlets may wait for the Call that began with the ones before.
 #pragma once
 
 #include <atomic>

@@ -6,7 +6,7 @@
 // for its outlets. What send() sends by earlier routes or outlets does not reach the late reader, but is in
 // the history, too. Both may hold the same sample; the reader takes it once.
 //
-// All of it on the agent's thread, except missed().
+// The agent's thread calls everything, except missed().
 #pragma once
 
 #include <atomic>
@@ -32,7 +32,8 @@ class LateReaders {
   /// Serves the late readers among these. The routes have to be in force. `memory` is null while there is no
   /// shared memory.
   void serve(const Serving& serving, std::shared_ptr<LendingWriter> memory);
-  /// To late readers in shared memory, as soon as they can be given it: to be called now and then.
+  /// Gives the history to late readers in shared memory as soon as they can be given it. To be called now and
+  /// then.
   void give_history();
   /// True if all has left that was for that reader alone.
   bool history_sent(EndpointId reader) const { return network_ == nullptr || network_->history_sent(reader); }

@@ -1,12 +1,12 @@
-// Makes the samples of one publisher: finds memory for them, and puts there the header, the index and the
-// body, be it from a message, from a payload of somebody else's, or from what the program wrote into a loan
-// itself.
+// Makes the samples of one publisher: finds memory for them, and puts header, index and body there. The body
+// comes from a message, from a payload that somebody else encoded, or from what the program wrote into a
+// loan.
 //
-// Memory comes from the port to shared memory where somebody reads there, and from the heap else. A small
-// sample gets the memory of the one before, if nobody has kept that.
+// The memory comes from the port to shared memory if somebody reads there, else from the heap. A small sample
+// gets the memory of the sample before, if nobody has kept that.
 //
-// All of it on the publisher's thread. `patience`: how long this may wait for memory, of which it leaves what
-// it did not need.
+// The publisher's thread calls everything. `patience` is the time that a function may wait for memory; the
+// function leaves of it what it did not need.
 #pragma once
 
 #include <chrono>
