@@ -1,9 +1,8 @@
 #include "core/negotiation/pair.h"
 
-#include <algorithm>
 #include <utility>
-#include <vector>
 
+#include "core/negotiation/id_list.h"
 #include "core/platform/network_id.h"
 
 namespace sft::core {
@@ -71,13 +70,9 @@ Verdict judge(const Pair& pair, const TypeSupport& type, const Self& self, TypeC
 
 WriterStatus heard_as(const Endpoint& writer, bool writer_lives, const Endpoint& reader,
                       const Verdict& verdict, bool history_comes) {
-  const EndpointId id = writer.id;
-  const auto holds = [id](const std::vector<EndpointId>& ids) {
-    return std::ranges::find(ids, id) != ids.end();
-  };
-  const bool attached = verdict.memory && holds(reader.request.attached);
-  const bool listening = verdict.network && holds(reader.request.listening);
-  WriterStatus status{.id = id, .node = writer.node, .alive = writer_lives};
+  const bool attached = verdict.memory && holds(reader.request.attached, writer.id);
+  const bool listening = verdict.network && holds(reader.request.listening, writer.id);
+  WriterStatus status{.id = writer.id, .node = writer.node, .alive = writer_lives};
   status.incompatible_type = verdict.incompatible_type;
   status.incompatible_policy = verdict.incompatible_policy;
   status.matched = verdict.memory || verdict.network;

@@ -7,7 +7,7 @@ void AccountDesk::hear(const Assertion& sign, Time now) {
     if (ours_.contains(id)) answers_.asked(id, now);
   }
   questions_.answered(
-      sign, [this](EndpointId id) { return negotiation_.known(id); }, now);
+      sign, [this](EndpointId id) { return negotiation_.table().known(id); }, now);
 }
 
 void AccountDesk::fill_in(Assertion& sign, Time now) {
@@ -19,7 +19,7 @@ void AccountDesk::fill_in(Assertion& sign, Time now) {
 std::vector<EndpointId> AccountDesk::questions() {
   if (!questions_.asks()) return {};
   std::set<EndpointId> others;
-  for (const Endpoint* endpoint : negotiation_.present()) {
+  for (const Endpoint* endpoint : negotiation_.table().present()) {
     if (!ours_.contains(endpoint->id) && questions_.asks_about(endpoint->topic)) others.insert(endpoint->id);
   }
   return questions_.take_turns(others);

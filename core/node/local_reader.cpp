@@ -261,7 +261,7 @@ bool LocalReader::is_in_long_callback() {
 bool LocalReader::restart_deaf(const Assertion& assertion, bool held_up, Time now) {
   bool restarted = false;
   for (auto& [writer, hearing] : heard_) {
-    const Endpoint* const endpoint = node_.negotiation.known(writer);
+    const Endpoint* const endpoint = node_.negotiation.table().known(writer);
     if (endpoint == nullptr || endpoint->node_id != assertion.node) continue;
     if (!is_deaf(hearing, assertion, held_up, now)) continue;
     restart(hearing, now);

@@ -80,7 +80,7 @@ bool LocalWriter::is_served_already(const Route& route) const {
 
 void LocalWriter::cannot_reach(const Route& route, const std::string& why_not) {
   if (!reaching_[route.reader].failed(why_not, std::chrono::steady_clock::now(), reach_again_after)) return;
-  const Endpoint* reader = node_.negotiation.known(route.reader);
+  const Endpoint* reader = node_.negotiation.table().known(route.reader);
   node_.log.write(LogLevel::warning, core_->spec().topic + ": the subscriber of node '" +
                                          (reader == nullptr ? "" : reader->node) +
                                          "' is not served in shared memory: " + why_not);

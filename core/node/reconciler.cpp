@@ -82,9 +82,9 @@ void Reconciler::program_asserts(EndpointId id) {
 }
 
 void Reconciler::endpoint_seen(const Endpoint& endpoint) {
-  if (!negotiation_.knows(endpoint.node_id)) life_.newcomer_seen();
+  if (!negotiation_.table().knows(endpoint.node_id)) life_.newcomer_seen();
   dirty_ |= negotiation_.endpoint_seen(endpoint);
-  if (negotiation_.knows(endpoint.node_id)) heard_of(endpoint);
+  if (negotiation_.table().knows(endpoint.node_id)) heard_of(endpoint);
 }
 
 /// The node of that endpoint has said something else than that it lives.
@@ -100,7 +100,7 @@ void Reconciler::endpoint_lost(EndpointId id) {
 }
 
 void Reconciler::request_received(const Request& request) {
-  if (const Endpoint* reader = negotiation_.known(request.reader)) heard_of(*reader);
+  if (const Endpoint* reader = negotiation_.table().known(request.reader)) heard_of(*reader);
   dirty_ |= negotiation_.request_received(request);
 }
 
@@ -131,7 +131,7 @@ std::chrono::milliseconds Reconciler::tick(Time now) {
   settle();
   hurried_ticks_ = look_after_connections() ? hurried_ticks_ + 1 : 0;
   watch_promises(now);
-  discovery_.look_after(now, negotiation_.misses_somebody());
+  discovery_.look_after(now, negotiation_.table().misses_somebody());
   reconcile();
   log_.tick(now);
   const bool hurry = hurried_ticks_ > 0 && hurried_ticks_ <= hurried_ticks_max;
@@ -241,8 +241,8 @@ void Reconciler::settle() {
 
 std::vector<KnownEndpoint> Reconciler::known_endpoints() const {
   std::vector<KnownEndpoint> known;
-  for (const Endpoint* endpoint : negotiation_.present()) {
-    const Progress* const progress = negotiation_.progress_of(endpoint->id);
+  for (const Endpoint* endpoint : negotiation_.table().present()) {
+    const Progress* const progress = negotiation_.table().progress_of(endpoint->id);
     known.push_back({*endpoint, progress == nullptr ? std::nullopt : std::optional(*progress)});
   }
   return known;

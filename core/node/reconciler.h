@@ -60,7 +60,7 @@ class Reconciler {
   void reconcile();
 
   /// All endpoints that are known and not lost, ours too. Valid until the next event.
-  std::vector<const Endpoint*> endpoints() const { return negotiation_.present(); }
+  std::vector<const Endpoint*> endpoints() const { return negotiation_.table().present(); }
   /// The same, with how far the writers are.
   std::vector<KnownEndpoint> known_endpoints() const;
   AccountDesk& accounts() { return accounts_; }

@@ -15,7 +15,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/negotiation/negotiation.h"
+#include "core/negotiation/serving.h"
 #include "core/publish/history.h"
 #include "core/seam/delivery.h"
 #include "core/seam/writer_port.h"

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/negotiation/negotiation.h"
+#include "core/negotiation/serving.h"
 #include "core/publish/rate_gates.h"
 #include "core/seam/delivery.h"
 #include "core/seam/transport.h"

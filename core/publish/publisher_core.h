@@ -18,8 +18,8 @@
 #include <string>
 #include <vector>
 
-#include "core/negotiation/negotiation.h"
 #include "core/negotiation/qos_watch.h"
+#include "core/negotiation/serving.h"
 #include "core/publish/dispatch.h"
 #include "core/publish/history.h"
 #include "core/publish/late_readers.h"

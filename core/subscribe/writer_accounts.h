@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/negotiation/negotiation.h"
+#include "core/negotiation/hearing.h"
 #include "core/subscribe/sequence_account.h"
 #include "sft/status.h"
 

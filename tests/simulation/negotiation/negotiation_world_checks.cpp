@@ -153,7 +153,7 @@ void NegotiationWorld::check_agreement() {
   for (const Node& node : nodes_) endpoints += node.up ? node.writers.size() + node.readers.size() : 0;
   for (const Node& there : nodes_) {
     if (!there.up) continue;
-    if (there.negotiation.endpoints() != endpoints)
+    if (there.negotiation.table().size() != endpoints)
       fail("endpoints are known that are gone, or are not known");
     for (const auto& [id, writer] : there.writers) {
       for (const Node& here : nodes_) {

@@ -85,7 +85,7 @@ TEST_F(Contests, ARequestWithTheSameSequenceIsOutbid) {
 }
 
 TEST_F(Contests, ARequestFarBeyondAllOthersCountsOnlyIfItsOwnNodeSendsIt) {
-  const std::uint64_t far = negotiation.local(200)->request.sequence + Negotiation::jump_max + 1;
+  const std::uint64_t far = negotiation.local(200)->request.sequence + RemoteRequests::jump_max + 1;
   for (const std::uint64_t sequence : {far, request_sequence_max}) {
     forge(request(200, sequence, F::data));
     EXPECT_TRUE(served_as_asked());

@@ -29,7 +29,7 @@ TEST_F(Limits, AReaderThatComesAfterTenThousandMadeUpOnesIsServed) {
   flood(Role::reader, "");
   negotiation.endpoint_seen(of(honest, endpoint(Role::reader, 7)));
   EXPECT_EQ(negotiation.serving(100).network.size(), 1U);
-  EXPECT_EQ(negotiation.endpoints(), 4097U) << "with our own";
+  EXPECT_EQ(negotiation.table().size(), 4097U) << "with our own";
   EXPECT_GT(negotiation.take_refusals().at("flooder"), 5000U);
   EXPECT_TRUE(negotiation.take_refusals().empty()) << "they are told once";
 }
@@ -66,7 +66,7 @@ TEST_F(Limits, OurOwnEndpointsTakeNothingOfTheRoomForOthers) {
   Negotiation small({.endpoints = 2, .forget_lost_after = std::chrono::seconds(60)});
   for (EndpointId id = 100; id < 110; ++id) small.local_added(endpoint(Role::writer, id), type);
   for (EndpointId id = 1; id <= 3; ++id) small.endpoint_seen(endpoint(Role::reader, id));
-  EXPECT_EQ(small.endpoints(), 12U);
+  EXPECT_EQ(small.table().size(), 12U);
 }
 
 TEST_F(Limits, AReaderHearsTheWritersThatItHasKnownLongestAndThatAnswer) {

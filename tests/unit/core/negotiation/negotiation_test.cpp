@@ -99,9 +99,9 @@ TEST_F(NegotiationTest, ANodeThatIsSilentIsNotServedUntilItIsHeardOfAgainAndNotF
   other.node_id = 80;
   negotiation.endpoint_seen(reader);
   negotiation.endpoint_seen(other);
-  EXPECT_FALSE(negotiation.misses_somebody());
+  EXPECT_FALSE(negotiation.table().misses_somebody());
   EXPECT_TRUE(negotiation.node_lost(70));
-  EXPECT_TRUE(negotiation.misses_somebody());
+  EXPECT_TRUE(negotiation.table().misses_somebody());
   negotiation.tick(Time{} + 1h);
   ASSERT_EQ(negotiation.serving(100).network.size(), 1U);
   EXPECT_EQ(negotiation.serving(100).network[0].reader, 8U);
@@ -369,7 +369,7 @@ TEST_F(NegotiationTest, EntriesBeyondTheLimitAreIgnoredAndCounted) {
   Negotiation small({.endpoints = 2, .forget_lost_after = 60s});
   for (EndpointId id = 1; id <= 4; ++id) small.endpoint_seen(endpoint(Role::reader, id));
   for (EndpointId id = 11; id <= 14; ++id) small.request_received(request(id, 1, F::data));
-  EXPECT_EQ(small.endpoints(), 2U);
+  EXPECT_EQ(small.table().size(), 2U);
   EXPECT_EQ(small.ignored(), 4U);
 }
 

@@ -1,0 +1,169 @@
+#include "core/negotiation/endpoint_table.h"
+
+#include <algorithm>
+
+namespace sft::core {
+
+void EndpointTable::add_ours(const Endpoint& endpoint, const TypeSupport& type) {
+  entries_.insert_or_assign(endpoint.id,
+                            TableEntry{.endpoint = endpoint, .type = &type, .arrival = ++arrivals_});
+  index(endpoint);
+}
+
+TableShares::Admission EndpointTable::admit(const Endpoint& newcomer) {
+  const TableShares::Admission admission = shares_.admit(newcomer.announcer, newcomer.topic);
+  if (!admission.granted) {
+    refuse(newcomer);
+  } else if (admission.instead_of) {
+    refuse(entries_.at(*admission.instead_of).endpoint);
+  }
+  return admission;
+}
+
+void EndpointTable::refuse(const Endpoint& endpoint) {
+  ++refused_;
+  ++refusals_[endpoint.node];
+}
+
+std::optional<Endpoint> EndpointTable::enter(const Endpoint& endpoint) {
+  const auto [at, is_new] = entries_.try_emplace(endpoint.id);
+  TableEntry& entry = at->second;
+  if (is_new) {
+    entry.arrival = ++arrivals_;
+  } else {
+    unindex(entry.endpoint);
+  }
+  std::optional<Endpoint> before;
+  Endpoint known = std::exchange(entry.endpoint, endpoint);
+  if (!is_new) before = std::move(known);
+  entry.endpoint.request.announcer = endpoint.announcer;
+  entry.lost_since.reset();
+  entry.silent = false;
+  index(endpoint);
+  const AnnouncerId* const entered_by = shares_.announcer_of(endpoint.id);
+  if (entered_by == nullptr || *entered_by != endpoint.announcer)
+    shares_.enter(endpoint.id, endpoint.announcer, endpoint.topic);
+  return before;
+}
+
+bool EndpointTable::erase(EndpointId id) {
+  const auto gone = entries_.find(id);
+  if (gone == entries_.end()) return false;
+  unindex(gone->second.endpoint);
+  entries_.erase(gone);
+  shares_.remove(id);
+  return true;
+}
+
+void EndpointTable::unindex(const Endpoint& endpoint) {
+  const auto topic = topics_.find(endpoint.topic);
+  topic->second.erase(endpoint.id);
+  if (topic->second.empty()) topics_.erase(topic);
+}
+
+const TableEntry* EndpointTable::find(EndpointId id) const {
+  const auto entry = entries_.find(id);
+  return entry == entries_.end() ? nullptr : &entry->second;
+}
+
+TableEntry* EndpointTable::find(EndpointId id) {
+  const auto entry = entries_.find(id);
+  return entry == entries_.end() ? nullptr : &entry->second;
+}
+
+const TableEntry* EndpointTable::find_ours(EndpointId id) const {
+  const TableEntry* const entry = find(id);
+  return entry != nullptr && entry->is_ours() ? entry : nullptr;
+}
+
+TableEntry* EndpointTable::find_ours(EndpointId id) {
+  TableEntry* const entry = find(id);
+  return entry != nullptr && entry->is_ours() ? entry : nullptr;
+}
+
+std::vector<Endpoint*> EndpointTable::ours() {
+  std::vector<Endpoint*> endpoints;
+  for (auto& [id, entry] : entries_) {
+    if (entry.is_ours()) endpoints.push_back(&entry.endpoint);
+  }
+  return endpoints;
+}
+
+std::vector<const TableEntry*> EndpointTable::counterparts(const TableEntry& entry) const {
+  std::vector<const TableEntry*> found;
+  for (const EndpointId id : topics_.at(entry.endpoint.topic)) {
+    const TableEntry& other = entries_.at(id);
+    if (other.endpoint.role != entry.endpoint.role) found.push_back(&other);
+  }
+  return found;
+}
+
+bool EndpointTable::lost(EndpointId id, Time now) {
+  TableEntry* const entry = find(id);
+  if (entry == nullptr || entry->is_ours() || entry->lost_since) return false;
+  entry->lost_since = now;
+  return true;
+}
+
+bool EndpointTable::node_lost(NodeId id) {
+  bool changed = false;
+  for (auto& [endpoint, entry] : entries_) {
+    if (entry.endpoint.node_id != id || entry.is_ours() || entry.silent) continue;
+    entry.silent = true;
+    changed = true;
+  }
+  return changed;
+}
+
+std::vector<TableEntry*> EndpointTable::node_returned(NodeId id) {
+  std::vector<TableEntry*> returned;
+  for (auto& [endpoint, entry] : entries_) {
+    if (entry.endpoint.node_id != id || !entry.silent) continue;
+    entry.silent = false;
+    returned.push_back(&entry);
+  }
+  return returned;
+}
+
+std::vector<EndpointId> EndpointTable::lost_for(std::chrono::seconds duration, Time now) const {
+  std::vector<EndpointId> lost;
+  for (const auto& [id, entry] : entries_) {
+    if (entry.lost_since && now - *entry.lost_since >= duration) lost.push_back(id);
+  }
+  return lost;
+}
+
+void EndpointTable::progressed(NodeId node, const Progress& progress) {
+  TableEntry* const entry = find(progress.writer);
+  if (entry == nullptr || entry->endpoint.node_id != node) return;
+  if (entry->endpoint.role == Role::writer) entry->progress = progress;
+}
+
+const Progress* EndpointTable::progress_of(EndpointId id) const {
+  const TableEntry* const entry = find(id);
+  return entry == nullptr || !entry->progress ? nullptr : &*entry->progress;
+}
+
+std::vector<const Endpoint*> EndpointTable::present() const {
+  std::vector<const Endpoint*> endpoints;
+  for (const auto& [id, entry] : entries_) {
+    if (!entry.lost()) endpoints.push_back(&entry.endpoint);
+  }
+  return endpoints;
+}
+
+bool EndpointTable::knows(NodeId id) const {
+  return std::ranges::any_of(entries_,
+                             [&](const auto& entry) { return entry.second.endpoint.node_id == id; });
+}
+
+const Endpoint* EndpointTable::known(EndpointId id) const {
+  const TableEntry* const entry = find(id);
+  return entry == nullptr ? nullptr : &entry->endpoint;
+}
+
+bool EndpointTable::misses_somebody() const {
+  return std::ranges::any_of(entries_, [](const auto& entry) { return entry.second.lost(); });
+}
+
+}  // namespace sft::core

@@ -1,0 +1,99 @@
+// The table of endpoints, ours and those of other nodes, by their ids and by their topics. It knows which
+// endpoints are lost, and admits endpoints of other nodes while there is room for them. Pure.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/control/control.h"
+#include "core/negotiation/table_shares.h"
+#include "core/platform/clock.h"
+#include "sft/type_support.h"
+
+namespace sft::core {
+
+struct TableEntry {
+  Endpoint endpoint;
+  const TypeSupport* type = nullptr;   ///< of our own endpoints
+  std::optional<Time> lost_since{};    ///< by discovery: if it returns, it is seen again
+  bool silent = false;                 ///< its node is not heard of
+  std::uint64_t arrival = 0;           ///< counts entries
+  std::optional<Progress> progress{};  ///< of writers, as it was told last
+
+  bool is_ours() const { return type != nullptr; }
+  bool lost() const { return lost_since || silent; }
+};
+
+class EndpointTable {
+ public:
+  explicit EndpointTable(const TableShares::Limits& limits) : shares_(limits) {}
+
+  /// The id must not be in the table. `type` outlives the entry.
+  void add_ours(const Endpoint& endpoint, const TypeSupport& type);
+  /// Decides whether a newcomer of another node may enter, and counts the one that is refused or removed. The
+  /// caller erases the entry that has to be removed.
+  TableShares::Admission admit(const Endpoint& newcomer);
+  /// An endpoint of another node is there, for the first time or again. Returns what was known of it before.
+  std::optional<Endpoint> enter(const Endpoint& endpoint);
+  /// Returns false if it was not in the table.
+  bool erase(EndpointId id);
+
+  /// Null if there is none of that id.
+  TableEntry* find(EndpointId id);
+  const TableEntry* find(EndpointId id) const;
+  /// Null if there is none of that id, or if it is not ours.
+  TableEntry* find_ours(EndpointId id);
+  const TableEntry* find_ours(EndpointId id) const;
+  std::vector<Endpoint*> ours();
+  /// The readers of a writer's topic, or the writers of a reader's topic.
+  std::vector<const TableEntry*> counterparts(const TableEntry& entry) const;
+
+  // These return whether anything has changed.
+  bool lost(EndpointId id, Time now);
+  bool node_lost(NodeId id);
+  /// Returns the endpoints of the node, if it was silent. Those that discovery has lost remain lost.
+  std::vector<TableEntry*> node_returned(NodeId id);
+  std::vector<EndpointId> lost_for(std::chrono::seconds duration, Time now) const;
+
+  /// Takes the progress of a writer as its node reports it. A report about a writer of another node changes
+  /// nothing.
+  void progressed(NodeId node, const Progress& progress);
+  /// Null while nothing was told of that. Valid until the next event.
+  const Progress* progress_of(EndpointId id) const;
+
+  std::size_t size() const { return entries_.size(); }
+  /// All endpoints but the lost ones; ours too. Valid until the next event.
+  std::vector<const Endpoint*> present() const;
+  /// Returns true if the table has an endpoint of that node.
+  bool knows(NodeId id) const;
+  /// Null if there is none of that id. Valid until the next event.
+  const Endpoint* known(EndpointId id) const;
+  /// Returns true if some endpoint is lost.
+  bool misses_somebody() const;
+
+  /// Announcements that were refused, and entries that were removed, because the table was full.
+  std::uint64_t refused() const { return refused_; }
+  /// The same by the name of the node that they came from, since this was last asked.
+  std::map<std::string, std::uint64_t> take_refusals() { return std::exchange(refusals_, {}); }
+
+ private:
+  void index(const Endpoint& endpoint) { topics_[endpoint.topic].insert(endpoint.id); }
+  void unindex(const Endpoint& endpoint);
+  void refuse(const Endpoint& endpoint);
+
+  std::map<EndpointId, TableEntry> entries_;
+  std::map<std::string, std::set<EndpointId>, std::less<>> topics_;  ///< of all entries
+  TableShares shares_;                                               ///< of those that are not ours
+  std::uint64_t arrivals_ = 0;
+  std::uint64_t refused_ = 0;
+  std::map<std::string, std::uint64_t> refusals_;
+};
+
+}  // namespace sft::core

@@ -1,0 +1,15 @@
+// Requests name the other endpoints of their pairs in lists of ids.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "core/control/control.h"
+
+namespace sft::core {
+
+inline bool holds(const std::vector<EndpointId>& ids, EndpointId id) {
+  return std::ranges::find(ids, id) != ids.end();
+}
+
+}  // namespace sft::core

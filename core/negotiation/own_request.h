@@ -1,0 +1,31 @@
+// The request of one of our readers. Each change makes it a newer request: its sequence grows by one. Pure.
+#pragma once
+
+#include <cstdint>
+
+#include "core/control/control.h"
+#include "sft/mask.h"
+#include "sft/status.h"
+
+namespace sft::core {
+
+class OwnRequest {
+ public:
+  /// `request` outlives this object.
+  explicit OwnRequest(Request& request) : request_(request) {}
+
+  // Each returns true if the request has changed.
+  bool needs(const FieldMask& mask);
+  bool takes_a_sample_per(std::uint32_t min_period_us);
+  /// Tells that samples of a writer now arrive by that path, or no longer arrive. A history begins again
+  /// after the path is lost by which it came.
+  bool connection_changed(EndpointId writer, TransportKind path, bool connected);
+  bool history_began(EndpointId writer);
+  /// The shared memory is gone, and all attachments with it.
+  bool memory_lost();
+
+ private:
+  Request& request_;
+};
+
+}  // namespace sft::core

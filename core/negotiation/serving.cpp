@@ -1,0 +1,93 @@
+#include "core/negotiation/serving.h"
+
+#include <string>
+
+#include "core/negotiation/id_list.h"
+#include "core/negotiation/pair_judge.h"
+
+namespace sft::core {
+
+namespace {
+
+ReaderStatus serve(const TableEntry& writer, const TableEntry& reader, const Verdict& verdict,
+                   const KnownFacts& facts, Serving& serving) {
+  const Endpoint& r = reader.endpoint;
+  const TypeSupport& type = *writer.type;
+  ReaderStatus status{.id = r.id, .node = r.node, .request_sequence = r.request.sequence};
+  if (!verdict.mismatch.empty()) {
+    status.reason = verdict.mismatch;
+    status.mismatch = verdict.definitions;
+    status.incompatible_type = verdict.incompatible_type;
+    status.incompatible_policy = verdict.incompatible_policy;
+    return status;
+  }
+  status.mask = type.closed(FieldMask::from_words(type.leaves(), r.request.mask_words));
+  const std::uint32_t period = r.request.min_period_us;
+  status.max_rate_hz = period == 0 ? 0 : 1e6 / period;
+  if (reader.lost()) {
+    status.reason = "its node does not answer";
+    return status;
+  }
+  serving.memory_port |= verdict.memory;
+  const std::uint32_t owed = facts.history.owed(writer.endpoint, r);
+  const bool history_first = owed != 0 && verdict.network;
+  const bool reliable = r.qos.reliability == Reliability::reliable;
+  const bool listens = verdict.network && holds(r.request.listening, writer.endpoint.id);
+  serving.history_owed |= history_first;
+  const bool attached = verdict.memory && !history_first && holds(r.request.attached, writer.endpoint.id);
+  const std::string* const unreached = facts.unreachable.why({writer.endpoint.id, r.id});
+  const bool unreachable = attached && unreached != nullptr;
+  if (unreachable) serving.unreached.push_back({r.id, r.doorbell, status.mask, period});
+  if (attached && !unreachable) {
+    status.served = true;
+    status.transport = TransportKind::shm;
+    status.reason = "same host";
+    const bool begun = holds(r.request.begun, writer.endpoint.id);
+    serving.memory.push_back(
+        {r.id, r.doorbell, status.mask, period, nullptr, begun ? 0 : owed, false, reliable});
+    if (listens)
+      serving.fallback.push_back(
+          {r.id, facts.host.address_of(r), status.mask, period, nullptr, 0, true, reliable});
+  } else if (listens) {
+    status.served = true;
+    status.transport = TransportKind::udp;
+    status.reason = !verdict.memory ? verdict.network_reason
+                    : unreachable   ? *unreached
+                    : history_first ? "same host, what was published before comes first"
+                                    : "same host, shared memory is being attached";
+    serving.network.push_back(
+        {r.id, facts.host.address_of(r), status.mask, period, nullptr, owed, false, reliable});
+  } else if (verdict.network) {
+    status.reason = unreachable ? *unreached : "the subscriber is not listening yet";
+  } else {
+    status.no_path = !verdict.memory || unreachable;
+    status.no_path_yet = verdict.memory_may_come || unreachable;
+    status.reason = unreachable      ? "UDP is ruled out, and " + *unreached
+                    : verdict.memory ? "shared memory is being attached"
+                                     : "UDP is ruled out, and " + verdict.network_reason;
+  }
+  return status;
+}
+
+/// Liveliness is the same for all that match, served at present or not.
+void look_after_lease(const Endpoint& reader, const ReaderStatus& status, Serving& serving) {
+  const bool matches = !status.incompatible_type && status.incompatible_policy == QosPolicy::none;
+  if (!matches || reader.qos.liveliness_lease.count() == 0) return;
+  serving.lease_requested = true;
+  serving.samples_tell &= status.served && reader.request.min_period_us == 0;
+}
+
+}  // namespace
+
+Serving serving_of(const TableEntry& writer, const KnownFacts& facts, TypeComparisons& comparisons) {
+  Serving serving;
+  PairJudge judge(facts.host.self(), comparisons);
+  for (const TableEntry* reader : facts.table.counterparts(writer)) {
+    const Verdict verdict = judge.judge(writer, *reader);
+    serving.readers.push_back(serve(writer, *reader, verdict, facts, serving));
+    look_after_lease(reader->endpoint, serving.readers.back(), serving);
+  }
+  return serving;
+}
+
+}  // namespace sft::core

@@ -1,0 +1,130 @@
+// These tests check what the table of endpoints knows, and that nothing remains noted of an endpoint that is
+// gone.
+#include "core/negotiation/endpoint_table.h"
+
+#include <gmock/gmock.h>
+
+#include <sensor_msgs/msg/PointCloud2.hpp>
+
+#include "core/negotiation/known_facts.h"
+
+namespace sft::core {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+constexpr EndpointId our_writer = 100, reader = 5, other_reader = 6;
+constexpr NodeId node = 77;
+
+Endpoint endpoint(Role role, EndpointId id, const std::string& topic = "points") {
+  Endpoint e;
+  e.id = id;
+  e.role = role;
+  e.topic = topic;
+  e.node = "theirs";
+  e.node_id = node;
+  e.announcer = 11;
+  return e;
+}
+
+class EndpointTableTest : public ::testing::Test {
+ protected:
+  EndpointTableTest() { table.add_ours(endpoint(Role::writer, our_writer), type); }
+
+  std::vector<EndpointId> readers_of_our_writer() const {
+    std::vector<EndpointId> ids;
+    for (const TableEntry* entry : table.counterparts(*table.find(our_writer)))
+      ids.push_back(entry->endpoint.id);
+    return ids;
+  }
+
+  const TypeSupport type{detail::TypeTable<sensor_msgs::msg::PointCloud2>::type};
+  const Time now{1h};
+  EndpointTable table{{.entries = 2}};
+};
+
+TEST_F(EndpointTableTest, CounterpartsAreOfTheSameTopicAndTheOtherRole) {
+  table.enter(endpoint(Role::reader, reader));
+  table.enter(endpoint(Role::writer, other_reader));
+  EXPECT_THAT(readers_of_our_writer(), ElementsAre(reader));
+  table.enter(endpoint(Role::reader, reader, "another topic"));
+  EXPECT_THAT(readers_of_our_writer(), IsEmpty());
+}
+
+TEST_F(EndpointTableTest, OnlyOurEndpointsAreFoundAsOurs) {
+  table.enter(endpoint(Role::reader, reader));
+  EXPECT_NE(table.find_ours(our_writer), nullptr);
+  EXPECT_NE(table.find(reader), nullptr);
+  EXPECT_EQ(table.find_ours(reader), nullptr);
+}
+
+TEST_F(EndpointTableTest, WhatWasKnownOfAnEndpointIsReturnedWhenItIsReplaced) {
+  EXPECT_FALSE(table.enter(endpoint(Role::reader, reader)));
+  EXPECT_EQ(table.enter(endpoint(Role::reader, reader, "another topic"))->topic, "points");
+}
+
+TEST_F(EndpointTableTest, ALostEndpointIsNotPresentUntilItIsSeenAgain) {
+  table.enter(endpoint(Role::reader, reader));
+  EXPECT_TRUE(table.lost(reader, now));
+  EXPECT_FALSE(table.lost(reader, now));
+  EXPECT_TRUE(table.misses_somebody());
+  EXPECT_EQ(table.present().size(), 1U);
+  EXPECT_THAT(table.lost_for(60s, now + 59s), IsEmpty());
+  EXPECT_THAT(table.lost_for(60s, now + 60s), ElementsAre(reader));
+  table.enter(endpoint(Role::reader, reader));
+  EXPECT_FALSE(table.misses_somebody());
+}
+
+TEST_F(EndpointTableTest, ASilentNodeReturnsOnceAndOurEndpointsAreNeverLost) {
+  table.enter(endpoint(Role::reader, reader));
+  EXPECT_FALSE(table.lost(our_writer, now));
+  EXPECT_TRUE(table.node_lost(node));
+  EXPECT_EQ(table.present().size(), 1U);
+  EXPECT_EQ(table.node_returned(node).size(), 1U);
+  EXPECT_THAT(table.node_returned(node), IsEmpty());
+}
+
+TEST_F(EndpointTableTest, OnlyAWritersOwnNodeReportsItsProgress) {
+  table.enter(endpoint(Role::writer, 7));
+  table.progressed(node + 1, {.writer = 7, .samples = 3});
+  EXPECT_EQ(table.progress_of(7), nullptr);
+  table.progressed(node, {.writer = 7, .samples = 3});
+  EXPECT_EQ(table.progress_of(7)->samples, 3U);
+}
+
+TEST_F(EndpointTableTest, ANewcomerThatIsRefusedIsCountedByTheNameOfItsNode) {
+  for (EndpointId id = 5; id <= 7; ++id) {
+    if (table.admit(endpoint(Role::reader, id)).granted) table.enter(endpoint(Role::reader, id));
+  }
+  EXPECT_EQ(table.size(), 3U) << "with our own";
+  EXPECT_EQ(table.refused(), 1U);
+  EXPECT_EQ(table.take_refusals().at("theirs"), 1U);
+  EXPECT_THAT(table.take_refusals(), IsEmpty());
+}
+
+TEST(KnownFactsTest, NothingRemainsNotedOfAnEndpointThatIsGone) {
+  KnownFacts facts{.host = {}, .table = EndpointTable({}), .history = {}, .unreachable = {}};
+  Endpoint gone = endpoint(Role::reader, reader);
+  gone.request.begun = {our_writer};
+  facts.table.enter(gone);
+  EXPECT_TRUE(facts.history.given(our_writer, gone));
+  EXPECT_TRUE(facts.unreachable.changed({our_writer, reader}, "no doorbell"));
+  facts.erase(reader);
+  EXPECT_EQ(facts.table.known(reader), nullptr);
+  EXPECT_TRUE(facts.history.given(our_writer, gone)) << "it counts as new";
+  EXPECT_EQ(facts.unreachable.why({our_writer, reader}), nullptr);
+}
+
+TEST(UnreachableReadersTest, OnlyAnotherReasonIsNews) {
+  UnreachableReaders unreachable;
+  EXPECT_TRUE(unreachable.changed({our_writer, reader}, "no doorbell"));
+  EXPECT_FALSE(unreachable.changed({our_writer, reader}, "no doorbell"));
+  EXPECT_EQ(*unreachable.why({our_writer, reader}), "no doorbell");
+  EXPECT_TRUE(unreachable.changed({our_writer, reader}, ""));
+  EXPECT_FALSE(unreachable.changed({our_writer, reader}, ""));
+}
+
+}  // namespace
+}  // namespace sft::core
