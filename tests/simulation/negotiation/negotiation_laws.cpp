@@ -1,7 +1,7 @@
-// These checks must hold in the world after each step, and at rest.
+#include "tests/simulation/negotiation/negotiation_laws.h"
+
 #include <algorithm>
 
-#include "tests/simulation/negotiation/negotiation_world.h"
 #include "tests/unit/core/control/endpoint_ids.h"
 
 namespace sft::test {
@@ -34,7 +34,7 @@ std::uint32_t retained_for(const core::Qos& offered, const core::Qos& requested)
 
 /// Exactly those readers are served that were told to be there, each under the newest mask and rate that it
 /// was told to want, and by a path that it is known to listen on.
-void NegotiationWorld::check_serving(const Node& node, const Writer& writer) {
+void NegotiationLaws::check_serving(const WorldNode& node, const WorldWriter& writer) {
   std::size_t routes = 0;
   for (const auto& [id, told] : node.told) {
     const bool here = told.endpoint != nullptr && !told.lost() && told.endpoint->role == Role::reader;
@@ -51,9 +51,9 @@ void NegotiationWorld::check_serving(const Node& node, const Writer& writer) {
 }
 
 /// The number of routes that there should be.
-std::size_t NegotiationWorld::check_route(const Node& node, const Writer& writer, const Endpoint& reader,
-                                          std::uint64_t newest) {
-  const Asked& asked = asked_.at(reader.id).at(newest);
+std::size_t NegotiationLaws::check_route(const WorldNode& node, const WorldWriter& writer,
+                                         const Endpoint& reader, std::uint64_t newest) {
+  const AskedRequests::Asked& asked = asked_.at(reader.id, newest);
   const Id w = writer.endpoint.id;
   const bool memory = writer.endpoint.may_use_shm && reader.may_use_shm && node.self.host.known() &&
                       reader.host == node.self.host;
@@ -82,81 +82,15 @@ std::size_t NegotiationWorld::check_route(const Node& node, const Writer& writer
   return shm || udp ? 1 : 0;
 }
 
-void NegotiationWorld::settle() {
-  find_all_that_are_up();
-  for (int round = 0; violation_.empty(); ++round) {
-    if (round == 100) return fail("it does not come to rest");
-    const bool delivered = deliver_all();
-    const bool connected = connect_all();
-    const bool given = give_all();
-    if (!delivered && !connected && !given) break;
-  }
-  if (violation_.empty()) check_agreement();
-}
-
-void NegotiationWorld::find_all_that_are_up() {
-  std::vector<std::pair<std::size_t, std::size_t>> ends;
-  for (const auto& [pair, c] : channels_) ends.push_back(pair);
-  for (const auto& [from, to] : ends) {
-    if (nodes_[from].up && !channel(from, to).found) find(from, to);
-    if (nodes_[from].up) hear_again(from, to);
-    if (nodes_[from].up) continue;
-    if (channel(from, to).found) lose(from, to);
-  }
-  deliver_all();
-  for (std::size_t n = 0; n < nodes_.size(); ++n) {
-    if (nodes_[n].up) forget(n);
-  }
-}
-
-bool NegotiationWorld::deliver_all() {
-  bool any = false;
-  for (auto& [ends, c] : channels_) {
-    for (; !c.announcements.empty(); c.announcements.pop_front())
-      deliver(ends.second, c.announcements.front());
-    for (; !c.requests.empty(); c.requests.pop_front()) deliver(ends.second, *c.requests.front());
-  }
-  for (std::size_t n = 0; n < nodes_.size(); ++n) {
-    if (!nodes_[n].up || !nodes_[n].dirty) continue;
-    reconcile(n);
-    any = true;
-  }
-  return any;
-}
-
-bool NegotiationWorld::connect_all() {
-  bool any = false;
-  while (connect_by_daemon(false)) any = true;
-  for (std::size_t n = 0; n < nodes_.size(); ++n) {
-    if (!nodes_[n].up || !connections_changed(nodes_[n])) continue;
-    look_after_connections(n);
-    any = true;
-  }
-  return any;
-}
-
-bool NegotiationWorld::give_all() {
-  bool any = false;
-  for (std::size_t n = 0; n < nodes_.size(); ++n) {
-    for (std::size_t i = 0; nodes_[n].up && i < nodes_[n].writers.size(); ++i) {
-      const auto writer = std::next(nodes_[n].writers.begin(), static_cast<std::ptrdiff_t>(i));
-      if (!owes_history(writer->second)) continue;
-      give_history(n, i);
-      any = true;
-    }
-  }
-  return any;
-}
-
-void NegotiationWorld::check_agreement() {
+void NegotiationLaws::check_agreement(const std::vector<WorldNode>& nodes) {
   std::size_t endpoints = 0;
-  for (const Node& node : nodes_) endpoints += node.up ? node.writers.size() + node.readers.size() : 0;
-  for (const Node& there : nodes_) {
+  for (const WorldNode& node : nodes) endpoints += node.up ? node.writers.size() + node.readers.size() : 0;
+  for (const WorldNode& there : nodes) {
     if (!there.up) continue;
     if (there.negotiation.table().size() != endpoints)
       fail("endpoints are known that are gone, or are not known");
     for (const auto& [id, writer] : there.writers) {
-      for (const Node& here : nodes_) {
+      for (const WorldNode& here : nodes) {
         if (!here.up) continue;
         for (const auto& [reader_id, reader] : here.readers) check_pair(there, writer, here, reader);
       }
@@ -166,8 +100,8 @@ void NegotiationWorld::check_agreement() {
 
 /// Both sides of a pair at rest: by the best path that both have, under exactly what the reader asks for, or
 /// not at all if their policies do not fit. The history was given where it can be.
-void NegotiationWorld::check_pair(const Node& there, const Writer& writer, const Node& here,
-                                  const Reader& reader) {
+void NegotiationLaws::check_pair(const WorldNode& there, const WorldWriter& writer, const WorldNode& here,
+                                 const WorldReader& reader) {
   const Endpoint& w = writer.endpoint;
   const Endpoint& r = reader.endpoint;
   const bool memory =
@@ -180,9 +114,8 @@ void NegotiationWorld::check_pair(const Node& there, const Writer& writer, const
   const Route* by_udp = route_to(writer.in_force.network, r.id);
   if ((by_shm != nullptr) != shm || (by_udp != nullptr) != udp) fail("at rest, but not by the best path");
   const Route* route = by_shm != nullptr ? by_shm : by_udp;
-  if (route != nullptr && !(route->mask == asked_.at(r.id).back().mask))
-    fail("at rest, but under another mask");
-  if (route != nullptr && route->min_period_us != asked_.at(r.id).back().request.min_period_us)
+  if (route != nullptr && !(route->mask == asked_.last(r.id).mask)) fail("at rest, but under another mask");
+  if (route != nullptr && route->min_period_us != asked_.last(r.id).request.min_period_us)
     fail("at rest, but at another rate");
   const bool durable = matches && network && retained_for(w.qos, r.qos) != 0;
   if (writer.history_given.contains(r.id) != durable) fail("at rest, but the history was not given");
@@ -193,6 +126,20 @@ void NegotiationWorld::check_pair(const Node& there, const Writer& writer, const
     if (hearing.status.matched != (shm || udp)) fail("the reader thinks otherwise");
     const TransportKind kind = shm ? TransportKind::shm : TransportKind::udp;
     if (hearing.status.matched && hearing.status.transport != kind) fail("the reader thinks of another path");
+  }
+}
+
+/// The datagram names its mask, so it is decoded under that mask. The check is that its reader takes such
+/// samples.
+void NegotiationLaws::check_arrival(const std::vector<WorldNode>& nodes, const Datagram& datagram) {
+  for (const WorldNode& node : nodes) {
+    const auto reader = node.readers.find(datagram.reader);
+    if (!node.up || reader == node.readers.end()) continue;
+    if (holds(reader->second.let_go, datagram.writer)) continue;
+    if (!holds(reader->second.connected, datagram.writer))
+      fail("a sample came to a reader that does not listen");
+    if (!asked_.has_ever_asked_for(datagram.reader, datagram.mask))
+      fail("a sample came under a mask that its reader never asked for");
   }
 }
 

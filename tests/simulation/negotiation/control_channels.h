@@ -1,0 +1,73 @@
+// The control channels between nodes. Each keeps the last of each endpoint and reader: what was overwritten
+// before it came may or may not come. Announcements come in order. Requests come at any time, and where
+// chance decides, in any order.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "core/control/control.h"
+#include "tests/support/test_seed.h"
+
+namespace sft::test {
+
+struct Announcement {
+  core::EndpointId id = 0;
+  std::shared_ptr<const core::Endpoint> endpoint;  ///< null: withdrawn
+};
+
+using SentRequest = std::shared_ptr<const core::Request>;
+
+struct ControlChannel {
+  bool found = false;
+  std::deque<Announcement> announcements;
+  std::deque<SentRequest> requests;
+  Announcement last_announcement;
+  SentRequest last_request;
+};
+
+class ControlChannels {
+ public:
+  using Ends = std::pair<std::size_t, std::size_t>;  ///< from, to
+
+  /// Without `random` the first possibility is chosen.
+  explicit ControlChannels(Random* random) : random_(random) {}
+
+  void open(std::size_t from, std::size_t to, bool found) { channels_[{from, to}].found = found; }
+  /// All that is under way is gone, and the receiver has to find the sender again.
+  void lose(std::size_t from, std::size_t to) { channels_.at({from, to}) = {}; }
+  /// Nobody is there any more to whom anything could come.
+  void close_to(std::size_t to);
+
+  const ControlChannel& between(std::size_t from, std::size_t to) const { return channels_.at({from, to}); }
+  std::vector<Ends> ends() const;
+
+  /// These come to all that have found the sender.
+  void send(std::size_t from, const Announcement& announcement);
+  void send(std::size_t from, const SentRequest& request);
+  /// The receiver finds the sender, which has all of this to say.
+  void find(std::size_t from, std::size_t to, const std::map<core::EndpointId, SentRequest>& requests,
+            const std::map<core::EndpointId, std::shared_ptr<const core::Endpoint>>& announced);
+
+  Announcement take_announcement(std::size_t from, std::size_t to);
+  SentRequest take_request(std::size_t from, std::size_t to);
+  struct UnderWay {
+    std::deque<Announcement> announcements;
+    std::deque<SentRequest> requests;
+  };
+  /// Returns all that is under way, in the order in which it was sent.
+  UnderWay take_all(std::size_t from, std::size_t to);
+
+ private:
+  bool coin() { return random_ != nullptr && (*random_)() % 2 == 0; }
+  void post(ControlChannel& channel, Announcement announcement);
+  void post(ControlChannel& channel, SentRequest request);
+
+  Random* random_;
+  std::map<Ends, ControlChannel> channels_;
+};
+
+}  // namespace sft::test

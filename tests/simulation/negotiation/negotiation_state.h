@@ -1,0 +1,137 @@
+// The hosts of a world of negotiations: their nodes, with the endpoints of these, and what each node was told
+// of endpoints elsewhere. All of it can be copied.
+#pragma once
+
+#include <cstdint>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "core/negotiation/negotiation.h"
+#include "tests/simulation/negotiation/control_channels.h"
+#include "tests/simulation/negotiation/negotiation_plan.h"
+
+namespace sft::test {
+
+using Id = core::EndpointId;
+
+core::HostToken host_token(std::uint8_t n);
+
+/// All requests that readers have ever made, with the masks under which they may be served.
+class AskedRequests {
+ public:
+  struct Asked {
+    core::Request request;
+    FieldMask mask;  ///< closed
+  };
+
+  /// `type` outlives this object.
+  explicit AskedRequests(const TypeSupport& type) : type_(&type) {}
+
+  void note(const core::Request& request);
+  const Asked& at(Id reader, std::uint64_t sequence) const { return asked_.at(reader).at(sequence); }
+  const Asked& last(Id reader) const { return asked_.at(reader).back(); }
+  bool has_ever_asked_for(Id reader, const FieldMask& mask) const;
+
+ private:
+  const TypeSupport* type_;
+  std::map<Id, std::vector<Asked>> asked_;  ///< by sequence
+};
+
+struct Heard {
+  bool network = false;
+  bool memory = false;
+};
+struct WorldReader {
+  core::Endpoint endpoint;
+  std::map<Id, Heard> heard;
+  std::vector<Id> connected;   ///< takes datagrams of
+  std::vector<Id> let_go;      ///< did so before
+  std::vector<Id> subscribed;  ///< in shared memory
+  std::vector<Id> fed;
+  std::vector<Id> history_came;  ///< from these writers, all of it
+};
+struct WorldWriter {
+  core::Endpoint endpoint;
+  core::Serving wanted;
+  core::Serving in_force;
+  bool port = false;
+  std::set<Id> history_given;  ///< to these readers
+
+  /// Returns true if something of the history is to be sent.
+  bool owes_history() const;
+};
+/// The state that a node was told of an endpoint elsewhere: the specification that its negotiation is held
+/// against.
+struct Told {
+  std::shared_ptr<const core::Endpoint> endpoint;
+  std::optional<core::Time> lost_since;
+  bool silent = false;                  ///< its node says no more that it lives
+  std::uint64_t newest = 0;             ///< sequence of a request
+  std::uint64_t newest_while_away = 0;  ///< told while there was no endpoint, or it was lost
+  bool lost() const { return lost_since || silent; }
+};
+struct WorldNode {
+  core::NodeId id = 0;
+  std::size_t place = 0;
+  bool up = true;
+  bool dirty = false;  ///< as the negotiation said
+  core::Negotiation negotiation;
+  core::Self self;
+  core::Time now{};
+  std::map<Id, WorldWriter> writers;
+  std::map<Id, WorldReader> readers;
+  std::map<Id, std::shared_ptr<const core::Endpoint>> announced;  ///< what others find
+  std::map<Id, std::shared_ptr<const core::Request>> sent;
+  std::map<Id, Told> told;
+  std::vector<Id> opened;  ///< endpoints of this node, those that are gone as well
+
+  /// Returns true if the reader has told this node that the history of the writer has begun to come.
+  bool has_begun(Id writer, Id reader, const AskedRequests& asked) const;
+  /// A reader that lost a writer and found it again begins anew.
+  void owe_what_has_not_begun(Id reader, const AskedRequests& asked);
+  /// A reader that comes again after it went is another one as far as its writers can tell.
+  void forget_history(Id reader);
+  bool knows_as_silent(const WorldNode& other) const;
+  /// Returns true if a request does not say what is connected.
+  bool connections_changed() const;
+};
+struct Datagram {
+  Id writer = 0;
+  Id reader = 0;
+  FieldMask mask;
+};
+
+struct NegotiationState {
+  std::size_t places = 0;
+  NegotiationPlan::Budget left{};
+  std::vector<WorldNode> nodes{};  ///< dead ones too: their last words may be under way
+  ControlChannels channels;
+  AskedRequests asked;
+  std::vector<Datagram> datagrams{};
+
+  /// One node finds another, and with it all that the other has to say.
+  void find(std::size_t from, std::size_t to);
+  /// A writer of that node sends a sample over the network to all that it serves there.
+  void publish(std::size_t node, std::size_t writer);
+  Datagram take_datagram(std::size_t which);
+};
+
+/// A subscriber that waits until the daemon connects it with a writer's port.
+struct Unconnected {
+  std::size_t node = 0;
+  Id reader = 0;
+  Id writer = 0;
+};
+std::optional<Unconnected> unconnected(const std::vector<WorldNode>& nodes);
+
+/// Returns the n-th item of a map.
+template <class Map>
+auto& nth(Map& map, std::size_t n) {
+  return *std::next(map.begin(), static_cast<std::ptrdiff_t>(n));
+}
+
+}  // namespace sft::test
