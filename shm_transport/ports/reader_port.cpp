@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "core/platform/clock.h"
-#include "shm_transport/host/chunk_hand.h"
 #include "shm_transport/host/queue_room.h"
 
 namespace sft::shm {
@@ -32,39 +31,33 @@ ChunkBorrower::ChunkBorrower(std::shared_ptr<Session> session, iox::popo::Subscr
       statistics_(std::move(statistics)),
       retained_first_(wishes.late),
       is_awaited_(wishes.awaited),
-      data_(port),
-      port_(&port),
-      slots_(held_limit, type.full()) {}
+      queue_(port, held_limit, type.full()) {}
 
 /// All samples are back when this runs. The session gives the port back as soon as no writer delivers to it
 /// any more.
 ChunkBorrower::~ChunkBorrower() {
   close();
-  session_->retire(&data_);
-}
-
-bool ChunkBorrower::open() const noexcept {
-  const std::scoped_lock lock(mutex_);
-  return open_;
-}
-
-bool ChunkBorrower::drained() const noexcept {
-  const std::scoped_lock lock(mutex_);
-  return lost_ || (!open_ && arrived_ == 0);
+  session_->retire(&queue_.port());
 }
 
 bool ChunkBorrower::connected() noexcept {
   if (!open()) return false;
-  if (feeder_ == nullptr || !Session::feeds(*feeder_, data_)) feeder_ = session_->feeder_of(data_);
+  if (feeder_ == nullptr || !Session::feeds(*feeder_, queue_.port()))
+    feeder_ = session_->feeder_of(queue_.port());
   return feeder_ != nullptr;
 }
 
 SampleHandle ChunkBorrower::take() noexcept {
-  while (ChunkSlot* slot = next_chunk()) {
+  for (;;) {
+    const ChunkQueue::Taken taken = queue_.take();
+    if (taken.limit_reached) count_held_too_many();
+    if (taken.slot == nullptr) return {};
     after_chunk_came();
-    if (is_awaited_ && QueueRoom(data_).is_waited_for()) owes_wake_.store(true, std::memory_order_relaxed);
-    SampleBuffer& buffer = slot->buffer;
-    if (!check(*slot)) {
+    if (taken.overflowed) losses_.overflowed();
+    if (is_awaited_ && QueueRoom(queue_.port()).is_waited_for())
+      owes_wake_.store(true, std::memory_order_relaxed);
+    SampleBuffer& buffer = taken.slot->buffer;
+    if (!check(*taken.slot, taken.popped)) {
       recycle(buffer);
       continue;
     }
@@ -72,42 +65,22 @@ SampleHandle ChunkBorrower::take() noexcept {
     buffer.owner = shared_from_this();
     return SampleHandle(buffer);
   }
-  return {};
 }
 
 void ChunkBorrower::wake_writer() noexcept {
-  if (owes_wake_.exchange(false, std::memory_order_relaxed)) QueueRoom(data_).wake();
+  if (owes_wake_.exchange(false, std::memory_order_relaxed)) QueueRoom(queue_.port()).wake();
 }
 
-/// Takes the oldest chunk out of the queue if a slot is free for it. Otherwise the chunk stays in the queue,
-/// which may overflow. iceoryx itself would drop a chunk that exceeds its limit of held chunks.
-ChunkSlot* ChunkBorrower::next_chunk() noexcept {
-  const std::scoped_lock lock(mutex_);
-  if (lost_ || (!open_ && arrived_ == 0)) return nullptr;
-  if (slots_.empty()) {
-    if (at_limit_ || !port_.hasNewChunks()) return nullptr;
-    at_limit_ = true;
-    held_too_many_.fetch_add(1, std::memory_order_relaxed);
-    statistics_->over_limit.fetch_add(1, std::memory_order_relaxed);
-    return nullptr;
-  }
-  if (!open_) --arrived_;
-  const ChunkInHand hand(data_);
-  // The overflow is queried before the chunk is taken, because a later overflow may concern samples behind
-  // this one.
-  overflowed_ |= std::exchange(overflow_is_news_, false);
-  overflowed_ |= port_.hasLostChunksSinceLastCall();
-  auto chunk = port_.tryGetChunk();
-  if (chunk.has_error()) return nullptr;
-  ++popped_;
-  ChunkSlot* slot = slots_.take();
-  slot->chunk = const_cast<iox::mepoo::ChunkHeader*>(chunk.value());
-  return slot;
+/// A chunk waits, but the most samples are held that may be.
+void ChunkBorrower::count_held_too_many() noexcept {
+  held_too_many_.fetch_add(1, std::memory_order_relaxed);
+  statistics_->over_limit.fetch_add(1, std::memory_order_relaxed);
 }
 
 /// Copies the checked values into the buffer, which lies in the memory of this process. The header in the
-/// chunk must not be read again, because a hostile writer can still change it.
-bool ChunkBorrower::check(ChunkSlot& slot) noexcept {
+/// chunk must not be read again, because a hostile writer can still change it. `popped`: so many chunks were
+/// taken out of the queue so far.
+bool ChunkBorrower::check(ChunkSlot& slot, std::uint64_t popped) noexcept {
   SampleBuffer& buffer = slot.buffer;
   buffer.data = static_cast<std::byte*>(slot.chunk->userPayload());
   const std::size_t size = slot.chunk->userPayloadSize();
@@ -125,88 +98,21 @@ bool ChunkBorrower::check(ChunkSlot& slot) noexcept {
   buffer.source_stamp_ns = sample->source_stamp_ns;
   buffer.diverted_sequence = sample->diverted_sequence;
   buffer.diverted_stamp_ns = sample->diverted_stamp_ns;
-  const bool is_first = last_sequence_ == 0 && !overflowed_;
-  buffer.oldest_retained = retained_first_ && is_first ? sample->sequence : 0;
-  enter(sample->sequence);
+  buffer.oldest_retained = retained_first_ && losses_.nothing_came_before() ? sample->sequence : 0;
+  const std::uint64_t lost = losses_.enter(sample->sequence, popped, [this] { return queue_.capacity(); });
+  if (lost != 0) discarded_.fetch_add(lost, std::memory_order_relaxed);
   return true;
-}
-
-/// Counts the samples that the queue has lost before this one. iceoryx tells that the queue has overflowed,
-/// but not how many samples were lost. The gaps in the sequence numbers tell how many, but gaps have other
-/// reasons, too (samples that took another way). Both together give the number. A writer reports an overflow
-/// after it has pushed a sample out, and by then the reader may have taken a whole queue of other samples.
-void ChunkBorrower::enter(std::uint64_t sequence) noexcept {
-  const bool overflowed = std::exchange(overflowed_, false);
-  std::uint64_t lost = 0;
-  if (last_sequence_ == 0) {
-    dropped_at_begin_ = dropped_since_;
-    lost = 1;  // counts only after an overflow; the first sequence number is not known, so neither is the gap
-  } else if (sequence > last_sequence_ + 1) {
-    unexplained_gap_ += sequence - last_sequence_ - 1;
-    explicable_ = popped_ + data_.m_chunkReceiverData.m_queue.capacity() + 2;
-  }
-  if (overflowed) {
-    discarded_.fetch_add(lost + unexplained_gap_, std::memory_order_relaxed);
-    unexplained_gap_ = 0;
-  }
-  if (popped_ >= explicable_) unexplained_gap_ = 0;
-  dropped_since_ = 0;
-  last_sequence_ = sequence;
-}
-
-/// Counts the samples that were taken and those that wait. When the queue is full, this sum does not change
-/// any more, so overflows are counted, too.
-std::uint64_t ChunkBorrower::arrivals() noexcept {
-  const std::scoped_lock lock(mutex_);
-  if (lost_) return popped_ + overflows_;
-  if (port_.hasLostChunksSinceLastCall()) {
-    overflow_is_news_ = true;
-    ++overflows_;
-  }
-  return popped_ + overflows_ + data_.m_chunkReceiverData.m_queue.size();
 }
 
 void ChunkBorrower::recycle(SampleBuffer& buffer) noexcept {
   before_chunk_leaves();
-  ChunkSlot& slot = ChunkSlot::of(buffer);
-  const std::scoped_lock lock(mutex_);
-  if (!lost_) {
-    const ChunkInHand hand(data_);
-    port_.releaseChunk(slot.chunk);
-  }
-  slots_.give_back(slot);
-  at_limit_ = false;
-}
-
-void ChunkBorrower::close() noexcept {
-  const std::scoped_lock lock(mutex_);
-  if (!std::exchange(open_, false)) return;
-  // The writer goes on delivering until the daemon has disconnected it, so only the samples of now are
-  // counted.
-  arrived_ = data_.m_chunkReceiverData.m_queue.size();
-  port_.unsubscribe();
-}
-
-std::uint64_t ChunkBorrower::left() const noexcept {
-  const std::scoped_lock lock(mutex_);
-  return lost_ ? 0 : arrived_;
+  queue_.give_back(ChunkSlot::of(buffer));
 }
 
 void ChunkBorrower::drop_oldest() noexcept {
-  const std::scoped_lock lock(mutex_);
-  if (lost_ || arrived_ == 0) return;
-  --arrived_;
-  ++dropped_since_;
+  if (!queue_.drop_oldest()) return;
+  losses_.dropped();
   discarded_.fetch_add(1, std::memory_order_relaxed);
-  const ChunkInHand hand(data_);
-  // If too many chunks are held already, iceoryx gives this one back itself.
-  if (auto chunk = port_.tryGetChunk(); !chunk.has_error()) port_.releaseChunk(chunk.value());
-}
-
-void ChunkBorrower::lose() noexcept {
-  const std::scoped_lock lock(mutex_);
-  open_ = false;
-  lost_ = true;
 }
 
 ShmReaderPort::ShmReaderPort(std::shared_ptr<Session> session, const core::ReaderSpec& spec,

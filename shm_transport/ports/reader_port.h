@@ -13,16 +13,17 @@
 #include <vector>
 
 #include "core/seam/transport.h"
-#include "shm_transport/host/chunk_slots.h"
 #include "shm_transport/host/sample_check.h"
 #include "shm_transport/host/session.h"
 #include "shm_transport/host/shm_options.h"
 #include "shm_transport/host/statistics.h"
+#include "shm_transport/ports/chunk_queue.h"
+#include "shm_transport/ports/loss_account.h"
 
 namespace sft::shm {
 
-/// The connection of a reader to one writer. It outlives the port of the reader for as long as any of its
-/// samples is held.
+/// The connection of a reader to one writer: finds the samples in the chunks of its queue, and lends them
+/// out. It outlives the port of the reader for as long as any of its samples is held.
 class ChunkBorrower final : public core::BufferOwner,
                             public SessionMember,
                             public std::enable_shared_from_this<ChunkBorrower> {
@@ -34,13 +35,13 @@ class ChunkBorrower final : public core::BufferOwner,
   ~ChunkBorrower() override;
 
   core::EndpointId writer() const { return writer_; }
-  bool open() const noexcept;     ///< neither closed nor lost
-  bool drained() const noexcept;  ///< not open, and no sample remains to be taken
-  bool connected() noexcept;      ///< only one thread at a time may call it
+  bool open() const noexcept { return queue_.open(); }        ///< neither closed nor lost
+  bool drained() const noexcept { return queue_.drained(); }  ///< not open, and no sample remains to be taken
+  bool connected() noexcept;                                  ///< only one thread at a time may call it
   /// Returns whether the retained samples of the writer come first and nothing has come yet.
   bool awaits_retained() noexcept { return retained_first_ && arrivals() == 0; }
   /// Returns a number that changes whenever a sample has arrived.
-  std::uint64_t arrivals() noexcept;
+  std::uint64_t arrivals() noexcept { return queue_.arrivals(); }
   std::uint64_t discarded() const noexcept { return discarded_.load(std::memory_order_relaxed); }
   std::uint64_t held_too_many() const noexcept { return held_too_many_.load(std::memory_order_relaxed); }
 
@@ -52,25 +53,23 @@ class ChunkBorrower final : public core::BufferOwner,
   /// Wakes the writer if owes_wake() is true. Any thread; the caller holds no lock.
   void wake_writer() noexcept;
   /// Ends the connection. The samples that have arrived before can still be taken.
-  void close() noexcept;
+  void close() noexcept { queue_.close(); }
   /// Returns how many samples remain to be taken after close().
-  std::uint64_t left() const noexcept;
+  std::uint64_t left() const noexcept { return queue_.left(); }
   /// Drops the oldest of the samples that remain after close().
   void drop_oldest() noexcept;
-  /// Returns how many samples were dropped before the first sample that was taken and behind the last one. No
-  /// gap in the sequence numbers shows these.
-  std::uint64_t lost_unnoticed() const noexcept { return dropped_at_begin_ + dropped_since_; }
+  /// Returns how many samples are missing without a gap in the sequence numbers that shows them.
+  std::uint64_t lost_unnoticed() const noexcept { return losses_.lost_unnoticed(); }
 
   void recycle(core::SampleBuffer& buffer) noexcept override;
-  void lose() noexcept override;
+  void lose() noexcept override { queue_.lose(); }
 
  private:
   ChunkBorrower(std::shared_ptr<Session> session, iox::popo::SubscriberPortData& port,
                 core::EndpointId writer, const TypeSupport& type, std::shared_ptr<Statistics> statistics,
                 std::uint32_t held_limit, const QueueWishes& wishes);
-  ChunkSlot* next_chunk() noexcept;
-  bool check(ChunkSlot& slot) noexcept;
-  void enter(std::uint64_t sequence) noexcept;
+  void count_held_too_many() noexcept;
+  bool check(ChunkSlot& slot, std::uint64_t popped) noexcept;
 
   const std::shared_ptr<Session> session_;
   const core::EndpointId writer_;
@@ -85,25 +84,8 @@ class ChunkBorrower final : public core::BufferOwner,
   /// The port of the writer where it was last found. Only the thread that calls connected() uses it.
   const iox::popo::PublisherPortData* feeder_ = nullptr;
 
-  // The thread that takes or drops samples uses these members.
-  bool overflowed_ = false;            ///< iceoryx has reported an overflow since the last sample
-  std::uint64_t last_sequence_ = 0;    ///< of the last sample that was taken; 0: none was taken
-  std::uint64_t unexplained_gap_ = 0;  ///< missing sequence numbers for which no overflow was reported yet
-  std::uint64_t explicable_ = 0;  ///< the value of popped_ until which an overflow may still explain the gap
-  std::uint64_t dropped_at_begin_ = 0;  ///< samples dropped before the first one that was taken
-  std::uint64_t dropped_since_ = 0;     ///< samples dropped since the last one that was taken
-
-  mutable std::mutex mutex_;       // guards the members below; never held over a system call
-  bool open_ = true;               ///< neither closed nor lost
-  bool lost_ = false;              ///< the session is lost, and iceoryx must not be used any more
-  std::uint64_t arrived_ = 0;      ///< samples that had arrived at close() and are not yet taken
-  std::uint64_t popped_ = 0;       ///< chunks taken out of the queue
-  std::uint64_t overflows_ = 0;    ///< overflows that arrivals() has noticed
-  bool overflow_is_news_ = false;  ///< arrivals() noticed an overflow, and take() has not seen it
-  bool at_limit_ = false;          ///< the most samples are held that may be, and this was counted
-  iox::popo::SubscriberPortData& data_;
-  iox::popo::SubscriberPortUser port_;
-  ChunkSlots slots_;
+  LossAccount losses_;  ///< only the thread that takes or drops samples uses it
+  ChunkQueue queue_;
 };
 
 class ShmReaderPort final : public core::BorrowingReader {

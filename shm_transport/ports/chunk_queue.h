@@ -1,0 +1,62 @@
+// The queue of chunks that one writer fills for a reader, and the chunks that are borrowed from it. No more
+// than a limited number of chunks is borrowed at a time. After the queue is closed, the samples that have
+// arrived before can still be taken; after it is lost, iceoryx is not used any more.
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+
+#include "shm_transport/host/chunk_slots.h"
+#include "shm_transport/host/iceoryx.h"
+
+namespace sft::shm {
+
+/// All functions may be called by any thread, but only one at a time may take or drop chunks.
+class ChunkQueue {
+ public:
+  /// `port` outlives the queue. `most`: chunks that may be borrowed at a time.
+  ChunkQueue(iox::popo::SubscriberPortData& port, std::uint32_t most, const FieldMask& mask)
+      : data_(port), port_(&port), slots_(most, mask) {}
+
+  iox::popo::SubscriberPortData& port() const noexcept { return data_; }
+  std::uint64_t capacity() const noexcept { return data_.m_chunkReceiverData.m_queue.capacity(); }
+
+  struct Taken {
+    ChunkSlot* slot = nullptr;   ///< null: there is no chunk, or the limit is reached
+    bool overflowed = false;     ///< samples before this one were lost since the last one was taken
+    bool limit_reached = false;  ///< a chunk waits, and none could be borrowed; told once until one is back
+    std::uint64_t popped = 0;    ///< chunks taken so far
+  };
+  /// Borrows the oldest chunk if a slot is free for it. Otherwise the chunk stays in the queue, which may
+  /// overflow. iceoryx itself would drop a chunk that exceeds its limit of held chunks.
+  Taken take() noexcept;
+  void give_back(ChunkSlot& slot) noexcept;
+
+  /// Returns a number that changes whenever a sample has arrived.
+  std::uint64_t arrivals() noexcept;
+
+  bool open() const noexcept;     ///< neither closed nor lost
+  bool drained() const noexcept;  ///< not open, and no sample remains to be taken
+  void close() noexcept;
+  /// Returns how many samples remain to be taken after close().
+  std::uint64_t left() const noexcept;
+  /// Drops the oldest of the samples that remain after close(). Returns false if there is none.
+  bool drop_oldest() noexcept;
+  /// The session is lost.
+  void lose() noexcept;
+
+ private:
+  mutable std::mutex mutex_;       // guards the members below; never held over a system call
+  bool open_ = true;               ///< neither closed nor lost
+  bool lost_ = false;              ///< the session is lost, and iceoryx must not be used any more
+  std::uint64_t arrived_ = 0;      ///< samples that had arrived at close() and are not yet taken
+  std::uint64_t popped_ = 0;       ///< chunks taken out of the queue
+  std::uint64_t overflows_ = 0;    ///< overflows that arrivals() has noticed
+  bool overflow_is_news_ = false;  ///< an overflow was noticed, and take() has not told of it
+  bool at_limit_ = false;          ///< the most chunks are borrowed that may be, and this was told
+  iox::popo::SubscriberPortData& data_;
+  iox::popo::SubscriberPortUser port_;
+  ChunkSlots slots_;
+};
+
+}  // namespace sft::shm

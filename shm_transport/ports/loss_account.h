@@ -1,0 +1,59 @@
+// Counts the samples of one writer that a reader in shared memory has lost. iceoryx tells that the queue has
+// overflowed, but not how many samples were lost. The gaps in the sequence numbers tell how many, but gaps
+// have other reasons, too (samples that took another way). Both together give the number. A writer reports an
+// overflow after it has pushed a sample out, and by then the reader may have taken a whole queue of other
+// samples.
+//
+// The class is not thread-safe: the thread that takes or drops samples uses it.
+#pragma once
+
+#include <cstdint>
+#include <utility>
+
+namespace sft::shm {
+
+class LossAccount {
+ public:
+  /// iceoryx has reported an overflow of the queue.
+  void overflowed() noexcept { overflowed_ = true; }
+  /// The reader itself has dropped the oldest sample of the queue.
+  void dropped() noexcept { ++dropped_since_; }
+
+  /// Returns true if the next sample is the first one of all that the writer has sent to this reader.
+  bool nothing_came_before() const noexcept { return last_sequence_ == 0 && !overflowed_; }
+
+  /// A sample was taken. `popped`: so many chunks were taken out of the queue so far. `capacity()` tells how
+  /// many the queue has room for. Returns how many samples turned out to be lost in the queue before this
+  /// one.
+  template <class Capacity>
+  std::uint64_t enter(std::uint64_t sequence, std::uint64_t popped, Capacity capacity) noexcept {
+    const bool overflowed = std::exchange(overflowed_, false);
+    std::uint64_t lost = 0;
+    if (last_sequence_ == 0) {
+      dropped_at_begin_ = dropped_since_;
+      lost = 1;  // the first sequence number is not known, so neither is the gap
+    } else if (sequence > last_sequence_ + 1) {
+      unexplained_gap_ += sequence - last_sequence_ - 1;
+      explicable_ = popped + capacity() + 2;
+    }
+    lost += unexplained_gap_;
+    if (overflowed || popped >= explicable_) unexplained_gap_ = 0;
+    dropped_since_ = 0;
+    last_sequence_ = sequence;
+    return overflowed ? lost : 0;
+  }
+
+  /// Returns how many samples were dropped before the first sample that was taken and behind the last one. No
+  /// gap in the sequence numbers shows these.
+  std::uint64_t lost_unnoticed() const noexcept { return dropped_at_begin_ + dropped_since_; }
+
+ private:
+  bool overflowed_ = false;             ///< iceoryx has reported an overflow since the last sample
+  std::uint64_t last_sequence_ = 0;     ///< of the last sample that was taken; 0: none was taken
+  std::uint64_t unexplained_gap_ = 0;   ///< missing sequence numbers for which no overflow was reported yet
+  std::uint64_t explicable_ = 0;        ///< the count of chunks until which an overflow may explain the gap
+  std::uint64_t dropped_at_begin_ = 0;  ///< samples dropped before the first one that was taken
+  std::uint64_t dropped_since_ = 0;     ///< samples dropped since the last one that was taken
+};
+
+}  // namespace sft::shm

@@ -1,0 +1,104 @@
+// These tests check which chunks a reader may borrow from its queue. The port and the pool of chunks lie in
+// the memory of this process.
+#include "shm_transport/ports/chunk_queue.h"
+
+#include <gtest/gtest.h>
+
+#include <iceoryx_posh/mepoo/mepoo_config.hpp>
+#include <iceoryx_posh/roudi/port_pool.hpp>
+#include <memory>
+#include <vector>
+
+namespace sft::shm {
+namespace {
+
+constexpr std::uint32_t chunk_bytes = 128;
+constexpr std::uint64_t capacity = 2;
+
+class ChunkQueueTest : public ::testing::Test {
+ protected:
+  ChunkQueueTest() {
+    pools_config_.addMemPool({chunk_bytes, 16});
+    management_.resize(iox::mepoo::MemoryManager::requiredManagementMemorySize(pools_config_) / 8 + 8);
+    samples_.resize(iox::mepoo::MemoryManager::requiredChunkMemorySize(pools_config_) / 8 + 8);
+    iox::posix::Allocator management(management_.data(), management_.size() * 8);
+    iox::posix::Allocator samples(samples_.data(), samples_.size() * 8);
+    memory_.configureMemoryManager(pools_config_, management, samples);
+    iox::popo::SubscriberOptions options;
+    options.queueCapacity = capacity;
+    port_ = pool_.addSubscriberPort({"sft", "w", "1"}, "sft_node", options, iox::mepoo::MemoryInfo{}).value();
+    queue_ = std::make_unique<ChunkQueue>(*port_, 2, FieldMask{});
+  }
+
+  /// Chunks arrive as a writer delivers them.
+  void arrive(int count) {
+    iox::popo::ChunkQueuePusher<iox::popo::SubscriberPortData::ChunkQueueData_t> writer(
+        &port_->m_chunkReceiverData);
+    for (; count > 0; --count) {
+      const auto settings = iox::mepoo::ChunkSettings::create(chunk_bytes, 8).value();
+      if (!writer.push(memory_.getChunk(settings).value())) writer.lostAChunk();
+    }
+  }
+  std::uint32_t in_use() const { return memory_.getMemPoolInfo(0).m_usedChunks; }
+
+  iox::mepoo::MePooConfig pools_config_;
+  std::vector<std::uint64_t> management_, samples_;
+  iox::mepoo::MemoryManager memory_;
+  const std::unique_ptr<iox::roudi::PortPoolData> ports_ = std::make_unique<iox::roudi::PortPoolData>();
+  iox::roudi::PortPool pool_{*ports_};
+  iox::popo::SubscriberPortData* port_ = nullptr;
+  std::unique_ptr<ChunkQueue> queue_;
+};
+
+TEST_F(ChunkQueueTest, NoMoreChunksAreBorrowedThanTheLimitAndThisIsToldOnce) {
+  arrive(2);
+  ChunkSlot* const first = queue_->take().slot;
+  ASSERT_NE(first, nullptr);
+  EXPECT_EQ(queue_->take().popped, 2U);
+  arrive(1);
+  EXPECT_TRUE(queue_->take().limit_reached);
+  EXPECT_FALSE(queue_->take().limit_reached);
+  queue_->give_back(*first);
+  EXPECT_NE(queue_->take().slot, nullptr);
+}
+
+TEST_F(ChunkQueueTest, AnOverflowIsToldWithTheNextChunkAlsoIfArrivalsNoticedItFirst) {
+  arrive(3);
+  EXPECT_EQ(queue_->arrivals(), 3U);
+  const ChunkQueue::Taken first = queue_->take();
+  EXPECT_TRUE(first.overflowed);
+  EXPECT_FALSE(queue_->take().overflowed);
+}
+
+TEST_F(ChunkQueueTest, OnlySamplesThatArrivedBeforeTheQueueWasClosedCanBeTaken) {
+  arrive(1);
+  queue_->close();
+  arrive(1);
+  EXPECT_FALSE(queue_->open());
+  EXPECT_EQ(queue_->left(), 1U);
+  EXPECT_NE(queue_->take().slot, nullptr);
+  EXPECT_TRUE(queue_->drained());
+  EXPECT_EQ(queue_->take().slot, nullptr);
+}
+
+TEST_F(ChunkQueueTest, AChunkThatIsDroppedIsFree) {
+  arrive(2);
+  EXPECT_FALSE(queue_->drop_oldest()) << "the queue is open";
+  queue_->close();
+  EXPECT_TRUE(queue_->drop_oldest());
+  EXPECT_EQ(in_use(), 1U);
+  EXPECT_EQ(queue_->left(), 1U);
+}
+
+TEST_F(ChunkQueueTest, NothingIsTakenOnceTheSessionIsLost) {
+  arrive(2);
+  ChunkSlot* const slot = queue_->take().slot;
+  queue_->lose();
+  EXPECT_TRUE(queue_->drained());
+  EXPECT_EQ(queue_->take().slot, nullptr);
+  queue_->give_back(*slot);
+  EXPECT_EQ(in_use(), 2U) << "iceoryx is not used any more";
+}
+
+}  // namespace
+}  // namespace sft::shm
