@@ -37,14 +37,16 @@ std::uint64_t sequence_of(const FirstHeader& first, const SequenceWatch& sequenc
 }
 
 /// Another sample has begun at that place. It gives way if it makes no progress: it may have been forged.
-bool gives_way(ArrivalWindow& window, const SampleAssembly& samples, std::uint64_t place,
+bool gives_way(ArrivedSamples& arrived, const SampleAssembly& samples, std::uint64_t place,
                const SampleLabel& label, IncomingWriter::Time now) {
   constexpr std::chrono::milliseconds claim_holds{20};
-  const std::optional<SampleLabel> claimed = window.begun_at(place);
-  if (!claimed || *claimed == label) return false;
-  const UnfinishedSample* const sample = samples.find(*claimed);
+  using State = ArrivedSamples::State;
+  if (!arrived.slots().contains(place) || arrived.slots()[place].state != State::begun) return false;
+  const SampleLabel claimed = arrived.slots()[place].label;
+  if (claimed == label) return false;
+  const UnfinishedSample* const sample = samples.find(claimed);
   if (sample != nullptr && now - sample->last_progress() < claim_holds) return false;
-  window.give_back(place, now);
+  arrived.give_back(place, now);
   return true;
 }
 
@@ -127,7 +129,7 @@ bool IncomingWriter::place_by_group(Datagram& d, Time now) {
   if (!is_placed) {
     elsewhere_.add(d.label());
   } else if (window_ != nullptr && has(d, channel_follows)) {
-    window_->spread_asking();
+    window_->samples().schedule().spread();
   }
   return is_placed;
 }
@@ -166,9 +168,11 @@ Arrival IncomingWriter::accept_first(const Datagram& d, const WantedMasks::Named
   ArrivalWindow::Met met{Standing::wanted, 0};
   if (window_ != nullptr && has(d, channel_follows)) {
     met = window_->meet(d.first.channel, now.steady, same_datagram);
-    if (met.standing == Standing::known && gives_way(*window_, samples_, met.place, d.label(), now.steady))
+    if (met.standing == Standing::known &&
+        gives_way(window_->samples(), samples_, met.place, d.label(), now.steady))
       met = window_->meet(d.first.channel, now.steady, same_datagram);
-    if (met.standing == Standing::known && met.place != 0) window_->doubt(met.place, d.label().sequence);
+    if (met.standing == Standing::known && met.place != 0)
+      window_->samples().doubt(met.place, d.label().sequence);
     drop_abandoned();
   }
   UnfinishedSample* sample = samples_.find(d.label());
@@ -182,7 +186,7 @@ Arrival IncomingWriter::accept_first(const Datagram& d, const WantedMasks::Named
   }
   if (is_wanted && met.place != 0 && repeated) {  // it had begun before it was wanted reliably
     samples_.set_place(*sample, met.place);
-    window_->begun(met.place, sample->label(), sample->buffer());
+    window_->samples().begun(met.place, sample->label(), sample->buffer());
   }
   if (repeated || !is_wanted) return nothing;
 
@@ -200,7 +204,7 @@ Arrival IncomingWriter::accept_first(const Datagram& d, const WantedMasks::Named
 /// The sample has more datagrams than this one, or some of them came before it.
 Arrival IncomingWriter::begin(const Datagram& d, UnfinishedSample* sample, std::uint64_t place,
                               core::SampleHandle buffer, ArrivalTime now) {
-  if (place != 0) window_->begun(place, d.label(), buffer);
+  if (place != 0) window_->samples().begun(place, d.label(), buffer);
   if (sample == nullptr) sample = &samples_.begin(d.label(), place, now.steady);
   samples_.set_place(*sample, place);
   samples_.describe(*sample, d.first, detail::SampleLayout(facts_.type->slots()).body_offset,
@@ -234,7 +238,7 @@ Arrival IncomingWriter::accept(const Following& d, const Envelope& envelope) {
     return {};
   }
   const bool again = added == UnfinishedSample::Added::yes && sample->received().covered() == had;
-  if (again && sample->place() != 0) window_->came_again(sample->place());
+  if (again && sample->place() != 0) window_->samples().came_again(sample->place());
   return proceed(*sample, added, now);
 }
 
@@ -275,7 +279,7 @@ Arrival IncomingWriter::complete(core::SampleHandle sample, const FirstHeader& f
   }
   if (!believes({header.sequence, place, shared_.datagrams, header.source_stamp_ns}, now.steady)) {
     ++shared_.counters.malformed;
-    if (place != 0) window_->refuse(place);
+    if (place != 0) window_->samples().refuse(place);
     return {{}, facts_.stream_index, place != 0};
   }
   sample->numbering = sequences_.numbering();
@@ -292,7 +296,7 @@ bool IncomingWriter::believes(const SequenceWatch::Claim& claim, Time now) {
   const bool believed = sequences_.believes(claim, now);
   const bool begins_anew = sequences_.numbering() != numbering;
   if (window_ != nullptr && begins_anew && sequences_.newest_was_wrong())
-    window_->distrust_above(claim.sequence);
+    window_->samples().distrust_above(claim.sequence);
   return believed;
 }
 
@@ -324,7 +328,7 @@ core::SampleHandle IncomingWriter::take_buffer(const Datagram& d, std::uint64_t 
   const std::size_t total = d.first.total;
   const std::size_t bytes = detail::SampleLayout(facts_.type->slots()).bytes(total);
   if (place == 0) return samples_.take_buffer(bytes, d.label(), total, d.payload.size() == total);
-  const std::size_t reserved = place == window_->next_place() ? 0 : reserved_for_first_missing();
+  const std::size_t reserved = place == window_->samples().next() ? 0 : reserved_for_first_missing();
   return samples_.take_reliable_buffer(bytes, total, reserved);
 }
 
@@ -362,14 +366,13 @@ void IncomingWriter::drop(const SampleLabel& label, std::uint64_t& counter) {
 /// Drops the samples that the writer does not have any more, and those that begin anew.
 void IncomingWriter::drop_abandoned() {
   if (window_ == nullptr) return;
-  if (window_->has_abandoned()) [[unlikely]] {
-    for (const SampleLabel& label : window_->take_abandoned()) drop(label, shared_.counters.incomplete);
-  }
-  if (window_->has_given_back()) [[unlikely]] {
-    for (const SampleLabel& label : window_->take_given_back()) {
-      ++shared_.counters.incomplete;
-      samples_.give_back(label);
-    }
+  if (window_->samples().dropped().empty()) [[likely]]
+    return;
+  const ArrivedSamples::Dropped dropped = window_->samples().take_dropped();
+  for (const SampleLabel& label : dropped.abandoned) drop(label, shared_.counters.incomplete);
+  for (const SampleLabel& label : dropped.given_back) {
+    ++shared_.counters.incomplete;
+    samples_.give_back(label);
   }
 }
 
@@ -388,9 +391,9 @@ void IncomingWriter::answer(Time now, const SendAck& send) {
     const UnfinishedSample* sample = samples_.find(label);
     return sample == nullptr ? Time{} : sample->last_progress();
   };
-  std::vector<ArrivalWindow::Gap> gaps;
+  std::vector<ArrivedSamples::Gap> gaps;
   const std::size_t askable = std::min(asked_at_once_max, answers_.parts_covered());
-  if (askable > 0 && now >= window_->next_look()) gaps = window_->due_gaps(now, came_at, askable);
+  if (askable > 0 && now >= window_->next_look()) gaps = window_->samples().due_gaps(now, came_at, askable);
   drop_abandoned();
   if (gaps.empty() && !window_->ack_due()) return;
   Ack ack = window_->ack(facts_.short_id());
@@ -403,11 +406,11 @@ void IncomingWriter::answer(Time now, const SendAck& send) {
     }
     ack.missing[ack.missing_count++] = part;
   };
-  for (const ArrivalWindow::Gap& gap : gaps) {
+  for (const ArrivedSamples::Gap& gap : gaps) {
     const UnfinishedSample* sample = gap.label ? samples_.find(*gap.label) : nullptr;
     const std::size_t before = asked;
-    for_each_missing(static_cast<std::uint32_t>(gap.ordinal), sample, ask);
-    window_->asked_for(gap.place, static_cast<std::uint32_t>(asked - before));
+    for_each_missing(static_cast<std::uint32_t>(window_->ordinal_of(gap.place)), sample, ask);
+    window_->samples().asked_for(gap.place, static_cast<std::uint32_t>(asked - before));
   }
   answers_.send(ack, send);
 }

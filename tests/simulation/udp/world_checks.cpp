@@ -23,27 +23,28 @@ void World::check_limits() {
   if (window_->kept_bytes() > scenario_.resend.bytes && window_->kept() > 1)
     fail("the writer keeps too much");
   if (reassembly_ == nullptr) return;
-  const udp::ArrivalWindow& arrivals = *reassembly_->window(0);
-  if (arrivals.size() > scenario_.reassembly.channel.samples) fail("the reader keeps too many places");
+  udp::ArrivalWindow& arrivals = *reassembly_->window(0);
+  if (arrivals.samples().slots().size() > scenario_.reassembly.channel.samples)
+    fail("the reader keeps too many places");
   const udp::ArrivalLimits& limits = scenario_.reassembly.channel;
   const std::size_t buffer_bytes_max = 2 * scenario_.sample_bytes_max;
   const std::size_t most = scenario_.readers_lag ? limits.awaited_bytes + buffer_bytes_max
                                                  : limits.held_bytes + scenario_.sample_bytes_max;
-  if (arrivals.held_bytes() > most) fail("the reader holds back too much");
+  if (arrivals.samples().held_bytes() > most) fail("the reader holds back too much");
   if (!forgers_) check_losses();
 }
 
 /// The process was told of each lost sample once, the oldest first: all of them lie before what may still
 /// come.
 void World::check_losses() {
-  const udp::ArrivalWindow& arrivals = *reassembly_->window(0);
+  udp::ArrivalWindow& arrivals = *reassembly_->window(0);
   const auto mark = arrivals.mark();
-  if (arrivals.lost() == lost_ || !mark) return;
-  lost_ = arrivals.lost();
+  if (arrivals.samples().lost() == lost_ || !mark) return;
+  lost_ = arrivals.samples().lost();
   std::uint64_t missing = 0;
   for (const auto& [number, channel] : channels_) {
     const bool present = number == mark->channel;
-    const std::uint64_t next = present ? std::max(arrivals.next_place(), channel.base) - channel.base : 0;
+    const std::uint64_t next = present ? std::max(arrivals.samples().next(), channel.base) - channel.base : 0;
     missing += missing_of(channel, std::max(next, channel.gone_before));
   }
   if (missing != lost_)

@@ -106,8 +106,8 @@ class LiveStreams {
     const Ack ack = window->ack(0);
     return text + ", the writer keeps ordinals from " + std::to_string(one.window.begin()) + " to " +
            std::to_string(one.window.end()) + ", the reader awaits " + std::to_string(ack.next) +
-           " of channel " + std::to_string(ack.channel) + " and has " + std::to_string(window->size()) +
-           " places";
+           " of channel " + std::to_string(ack.channel) + " and has " +
+           std::to_string(window->samples().slots().size()) + " places";
   }
   /// Lost samples, as the reader of that stream is told.
   std::uint64_t lost(StreamKind kind) const { return streams_[static_cast<std::size_t>(kind)]->lost; }

@@ -325,7 +325,7 @@ TEST_F(IncomingWriterTest, PutsSamplesOfAGroupIntoTheChannelByTheOfferOfThatGrou
   const Arrival arrival = receive(*writer_, datagram);
   EXPECT_TRUE(arrival.sample);
   EXPECT_TRUE(arrival.in_channel);
-  EXPECT_EQ(writer_->window()->next_place(), 2U);
+  EXPECT_EQ(writer_->window()->samples().next(), 2U);
 }
 
 }  // namespace

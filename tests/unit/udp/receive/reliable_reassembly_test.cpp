@@ -131,7 +131,7 @@ TEST_F(ReliableReassemblyTest, TakesWhatIsSentAfterHeartbeatsWhoseOrdinalsLeaveN
   receive(sent(ordinal_max, 100, 5));
   receive(sent(2, 100, 5));
   EXPECT_EQ(taken_, (Sequences{1, 2}));
-  EXPECT_EQ(window().size(), 0U);
+  EXPECT_EQ(window().samples().slots().size(), 0U);
 }
 
 TEST_F(ReliableReassemblyTest, GivesNoSampleUpForItsGaps) {

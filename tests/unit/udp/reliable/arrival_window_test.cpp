@@ -39,7 +39,8 @@ class ArrivalWindowTest : public testing::Test {
   }
   void begin(std::uint64_t ordinal, std::uint64_t addressee = 0) {
     const auto met = window.meet({1, 0, ordinal}, now);
-    window.begun(met.place, {1, static_cast<std::uint32_t>(ordinal), 0}, sample(10 * ordinal, addressee));
+    window.samples().begun(met.place, {1, static_cast<std::uint32_t>(ordinal), 0},
+                           sample(10 * ordinal, addressee));
   }
   void hear(std::uint64_t first, std::uint64_t end, std::uint32_t channel = 1) {
     window.hear({.writer = 1, .channel = channel, .port = 1, .first = first, .end = end}, now);
@@ -55,9 +56,9 @@ class ArrivalWindowTest : public testing::Test {
   }
   Numbers asks(std::size_t at_once_max = 100) {
     Numbers ordinals;
-    for (const auto& gap : window.due_gaps(
+    for (const auto& gap : window.samples().due_gaps(
              now, [&](const SampleLabel&) { return came_at; }, at_once_max))
-      ordinals.push_back(gap.ordinal);
+      ordinals.push_back(window.ordinal_of(gap.place));
     return ordinals;
   }
 
@@ -74,8 +75,8 @@ TEST_F(ArrivalWindowTest, HandsOverWhatComesInOrderAtOnce) {
   come(2);
   EXPECT_EQ(take(), (Numbers{20}));
   window.release();
-  EXPECT_EQ(window.size(), 0U);
-  EXPECT_EQ(window.held_bytes(), 0U);
+  EXPECT_EQ(window.samples().slots().size(), 0U);
+  EXPECT_EQ(window.samples().held_bytes(), 0U);
 }
 
 TEST_F(ArrivalWindowTest, HoldsBackWhatIsBehindAGap) {
@@ -113,8 +114,8 @@ TEST_F(ArrivalWindowTest, GoesOnWithoutWhatTheWriterDoesNotHaveAnyMore) {
   come(4);
   hear(4, 5);
   EXPECT_EQ(take(), (Numbers{10, 40}));
-  EXPECT_EQ(window.lost(), 2U);
-  ASSERT_EQ(window.take_abandoned().size(), 1U) << "that had begun";
+  EXPECT_EQ(window.samples().lost(), 2U);
+  ASSERT_EQ(window.samples().take_dropped().abandoned.size(), 1U) << "that had begun";
 }
 
 TEST_F(ArrivalWindowTest, BeginsWhereTheWriterIsByNow) {
@@ -127,20 +128,20 @@ TEST_F(ArrivalWindowTest, BeginsWhereTheWriterIsByNow) {
 
 TEST_F(ArrivalWindowTest, TakesNothingThatIsOutOfReach) {
   EXPECT_EQ(meet(101), Standing::beyond);
-  EXPECT_EQ(window.size(), 0U);
+  EXPECT_EQ(window.samples().slots().size(), 0U);
   EXPECT_EQ(meet(100), Standing::wanted);
-  EXPECT_EQ(window.size(), 100U);
+  EXPECT_EQ(window.samples().slots().size(), 100U);
 }
 
 TEST_F(ArrivalWindowTest, ReachesFurtherAsPlacesAreLetGoOf) {
   hear(1, 500);
-  EXPECT_EQ(window.size(), 100U);
+  EXPECT_EQ(window.samples().slots().size(), 100U);
   window.set_readers({1});
   for (std::uint64_t ordinal = 1; ordinal < 500; ++ordinal) {
     come(ordinal);
     EXPECT_EQ(take(), (Numbers{10 * ordinal}));
     window.release();
-    EXPECT_EQ(window.size(), std::min<std::uint64_t>(100, 499 - ordinal));
+    EXPECT_EQ(window.samples().slots().size(), std::min<std::uint64_t>(100, 499 - ordinal));
   }
 }
 
@@ -300,7 +301,7 @@ TEST_F(ArrivalWindowTest, AcknowledgesWhatHasComeFromTimeToTimeAndEachHeartbeat)
 TEST_F(ArrivalWindowTest, GivesTheOldestUpWhereTooMuchIsHeldBack) {
   for (std::uint64_t ordinal = 2; ordinal <= 6; ++ordinal) come(ordinal, 0, 30'000);
   EXPECT_EQ(take(), (Numbers{20, 30, 40, 50, 60}));
-  EXPECT_EQ(window.lost(), 1U);
+  EXPECT_EQ(window.samples().lost(), 1U);
   EXPECT_EQ(window.ack(1).next, 7U);
 }
 
@@ -309,21 +310,21 @@ TEST_F(ArrivalWindowTest, GivesNoMoreUpThanThat) {
   EXPECT_EQ(take(), (Numbers{20, 30})) << "4 need not be given up";
   come(4, 0, 30'000);
   EXPECT_EQ(take(), (Numbers{40, 50, 60}));
-  EXPECT_EQ(window.lost(), 1U);
+  EXPECT_EQ(window.samples().lost(), 1U);
 }
 
 TEST_F(ArrivalWindowTest, GivesNothingUpForWhatItCanHandOver) {
   for (const std::uint64_t ordinal : {2U, 3U}) come(ordinal, 0, 30'000);
   begin(4);
   come(1, 0, 40'000);
-  EXPECT_EQ(window.lost(), 0U);
+  EXPECT_EQ(window.samples().lost(), 0U);
   EXPECT_EQ(take(), (Numbers{10, 20, 30}));
 }
 
 TEST_F(ArrivalWindowTest, HandsNothingOverThatItHasGivenUp) {
   begin(1);
   for (std::uint64_t ordinal = 2; ordinal <= 5; ++ordinal) come(ordinal, 0, 30'000);
-  EXPECT_EQ(window.lost(), 1U);
+  EXPECT_EQ(window.samples().lost(), 1U);
   window.whole(1, sample(10));
   EXPECT_EQ(take(), (Numbers{20, 30, 40, 50}));
 }
@@ -335,7 +336,7 @@ std::vector<ArrivalWindow::Time::duration> times_of_asking(bool spread) {
   std::mt19937 seeds(1);
   for (int i = 0; i < 100; ++i) {
     ArrivalWindow window({.ask_after = 2ms, .spread = 8ms, .seed = static_cast<std::uint32_t>(seeds())});
-    if (spread) window.spread_asking();
+    if (spread) window.samples().schedule().spread();
     window.meet({1, 0, 2}, now);
     times.push_back(window.next_look() - now);
   }
@@ -359,15 +360,15 @@ TEST_F(ArrivalWindowTest, LetsGoOfASampleOnlyWhenAllReadersHaveIt) {
   come(2);
   take(1);
   window.release();
-  EXPECT_EQ(window.size(), 2U);
+  EXPECT_EQ(window.samples().slots().size(), 2U);
   EXPECT_EQ(take(2), (Numbers{10, 20}));
   window.release();
-  EXPECT_EQ(window.size(), 0U);
+  EXPECT_EQ(window.samples().slots().size(), 0U);
   come(3);
   take(1);
   window.set_readers({1});
   window.release();
-  EXPECT_EQ(window.size(), 0U);
+  EXPECT_EQ(window.samples().slots().size(), 0U);
 }
 
 TEST_F(ArrivalWindowTest, AcknowledgesWhatAllReadersHaveWhereTheWriterWaitsForThem) {
@@ -400,7 +401,7 @@ TEST_F(ArrivalWindowTest, KeepsWhatReadersDoNotHaveUntilTheWriterGoesOnWithoutTh
   window.release();
   EXPECT_FALSE(window.overtakes());
   EXPECT_EQ(meet(101), Standing::wanted);
-  EXPECT_EQ(window.lost(), 0U);
+  EXPECT_EQ(window.samples().lost(), 0U);
 }
 
 TEST_F(ArrivalWindowTest, KeepsNoMoreThanItMayForReadersThatDoNotTakeIt) {
@@ -412,7 +413,7 @@ TEST_F(ArrivalWindowTest, KeepsNoMoreThanItMayForReadersThatDoNotTakeIt) {
   }
   come(5, 0, 40'000);
   EXPECT_TRUE(window.overtakes());
-  EXPECT_EQ(window.lost(), 0U);
+  EXPECT_EQ(window.samples().lost(), 0U);
 }
 
 TEST_F(ArrivalWindowTest, BeginsForAReaderThatComesLaterWithWhatHasNotComeYet) {

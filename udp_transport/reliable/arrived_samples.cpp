@@ -1,0 +1,155 @@
+#include "udp_transport/reliable/arrived_samples.h"
+
+#include <algorithm>
+
+namespace sft::udp {
+
+bool ArrivedSamples::begin_with(Place place) {
+  if (place < next_ || !slots_.empty()) return false;
+  slots_.begin_at(place);
+  next_ = end_ = skip_to_ = place;
+  return true;
+}
+
+bool ArrivedSamples::reach(Place end, Time now) {
+  end_ = std::max(end_, end);
+  while (slots_.end() < end) {
+    if (slots_.empty() && slots_.begin() < skip_to_) {
+      slots_.begin_at(skip_to_);
+      next_ = std::max(next_, skip_to_);
+      continue;
+    }
+    if (slots_.size() >= samples_max_) return false;
+    Slot& slot = slots_.push_back({.repair = schedule_.noticed(now)});
+    if (slots_.end() <= skip_to_) slot.state = State::passed;
+    look_at(slot.repair.ask_at);
+  }
+  advance();
+  return true;
+}
+
+void ArrivedSamples::lose_before(Place end, bool all_counted) {
+  for (Place place = next_; place < std::min(end, slots_.end()); ++place) {
+    Slot& slot = slots_[place];
+    if (slot.settled()) continue;
+    if (slot.state == State::begun) dropped_.abandoned.push_back(slot.label);
+    slot.state = State::passed;
+    slot.sample.reset();
+    ++lost_;
+  }
+  const Place unseen = std::max(slots_.end(), skip_to_);
+  if (end > unseen && all_counted) lost_ += end - unseen;
+  skip_to_ = std::max(skip_to_, end);
+  end_ = std::max(end_, end);
+  advance();
+}
+
+/// Samples that nothing is missing before go to the readers now.
+void ArrivedSamples::hold_no_more_than_allowed() {
+  while (held_bytes_ - ready_bytes_ > held_bytes_max_) lose_before(next_ + 1, false);
+}
+
+void ArrivedSamples::release_before(Place end) {
+  while (!slots_.empty() && slots_.begin() < end) {
+    const Slot& slot = slots_[slots_.begin()];
+    if (slot.state == State::whole) {
+      held_bytes_ -= slot.sample->capacity;
+      ready_bytes_ -= slot.sample->capacity;
+    }
+    slots_.pop_front();
+  }
+}
+
+void ArrivedSamples::begun(Place place, const SampleLabel& label, core::SampleHandle buffer) {
+  if (!slots_.contains(place)) return;
+  Slot& slot = slots_[place];
+  slot.state = State::begun;
+  slot.label = label;
+  slot.sample = std::move(buffer);
+  slot.repair.asked = 0;
+  look_at(slot.repair.ask_at);
+}
+
+bool ArrivedSamples::whole(Place place, core::SampleHandle sample) {
+  if (!slots_.contains(place)) return false;
+  Slot& slot = slots_[place];
+  if (slot.state == State::passed) return false;  // it was given up
+  held_bytes_ += sample->capacity;
+  slot.sample = std::move(sample);
+  slot.state = State::whole;
+  schedule_.came_whole(slot.repair);
+  advance();
+  return true;
+}
+
+void ArrivedSamples::pass(Place place) {
+  if (!slots_.contains(place)) return;
+  slots_[place].state = State::passed;
+  slots_[place].sample.reset();
+  advance();
+}
+
+void ArrivedSamples::refuse(Place place) {
+  if (!slots_.contains(place) || slots_[place].settled()) return;
+  Slot& slot = slots_[place];
+  slot.state = State::missing;
+  slot.sample.reset();
+  schedule_.noticed_again(slot.repair);
+  look_at(slot.repair.ask_at);
+}
+
+bool ArrivedSamples::makes_no_sense_again(Place place) {
+  return slots_.contains(place) && std::exchange(slots_[place].makes_no_sense, true);
+}
+
+void ArrivedSamples::doubt(Place place, std::uint32_t sequence) {
+  if (place < next_ || !slots_.contains(place) || slots_[place].state != State::whole) return;
+  if (static_cast<std::uint32_t>(slots_[place].sample->sequence) != sequence) come_again(place);
+}
+
+/// Samples before the first missing one were acknowledged: they do not come again.
+void ArrivedSamples::distrust_above(std::uint64_t sequence) {
+  for (Place place = slots_.begin(); place < slots_.end(); ++place) {
+    const Slot& slot = slots_[place];
+    if (slot.state == State::whole && slot.sample->sequence > sequence) come_again(place);
+  }
+}
+
+/// The whole sample there was not the true one.
+void ArrivedSamples::come_again(Place place) {
+  Slot& slot = slots_[place];
+  held_bytes_ -= slot.sample->capacity;
+  if (place < next_) ready_bytes_ -= slot.sample->capacity;
+  slot.state = place < next_ ? State::passed : State::missing;
+  slot.sample.reset();
+  slot.repair.asked = 0;
+  schedule_.noticed_again(slot.repair);
+  if (place >= next_) look_at(slot.repair.ask_at);
+}
+
+void ArrivedSamples::give_back(Place place, Time now) {
+  Slot& slot = slots_[place];
+  dropped_.given_back.push_back(slot.label);
+  slot.state = State::missing;
+  slot.sample.reset();
+  slot.repair.asked = 0;
+  slot.repair.ask_at = now;
+}
+
+void ArrivedSamples::came_again(Place place) {
+  if (slots_.contains(place)) schedule_.came_again(slots_[place].repair);
+}
+
+void ArrivedSamples::asked_for(Place place, std::uint32_t parts) {
+  if (slots_.contains(place)) RepairSchedule::asked_for(slots_[place].repair, parts);
+}
+
+void ArrivedSamples::advance() {
+  next_ = std::max(next_, slots_.begin());
+  for (; next_ < slots_.end() && slots_[next_].settled(); ++next_) {
+    if (slots_[next_].state == State::whole) ready_bytes_ += slots_[next_].sample->capacity;
+  }
+  if (next_ == slots_.end()) schedule_.nothing_is_missing();
+}
+
+}  // namespace sft::udp

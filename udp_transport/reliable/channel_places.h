@@ -1,0 +1,32 @@
+// Where the ordinals of the present channel stand among the places of a writer. Places count up over all
+// channels of a writer, one after the other: ordinal and place differ by what the channels before had. Pure.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+namespace sft::udp {
+
+class ChannelPlaces {
+ public:
+  using Place = std::uint64_t;
+
+  /// A channel goes on at that place with that ordinal.
+  void begin(std::uint64_t ordinal, Place place) {
+    base_ = place - ordinal;
+    first_ordinal_ = ordinal;
+  }
+  /// False for an ordinal before those that are followed.
+  bool follows(std::uint64_t ordinal) const { return ordinal >= first_ordinal_; }
+  /// The place of that ordinal, or of the first one that is followed.
+  Place place_of(std::uint64_t ordinal) const { return base_ + std::max(ordinal, first_ordinal_); }
+  std::uint64_t ordinal_of(Place place) const { return place - base_; }
+  /// The first place of the channel.
+  Place first() const { return place_of(first_ordinal_); }
+
+ private:
+  Place base_ = 0;                   ///< place of ordinal 0, modulo 2^64
+  std::uint64_t first_ordinal_ = 1;  ///< as far as the channel is followed
+};
+
+}  // namespace sft::udp

@@ -1,0 +1,110 @@
+// Decides when a missing sample is asked for, for the first time and again, and when somebody has to look for
+// such samples. Pure: calls and times in, answers out.
+//
+// The delay before asking adapts: it doubles where samples come although they were asked for too early, and
+// shrinks while they come once. It is never less than ArrivalLimits::ask_after.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <random>
+
+#include "udp_transport/reliable/arrival_limits.h"
+
+namespace sft::udp {
+
+class RepairSchedule {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  static constexpr std::chrono::milliseconds delay_longest{100};
+
+  /// A sample that is missing, or has begun.
+  struct Entry {
+    std::uint8_t asked = 0;   ///< times, since something of it came
+    std::uint32_t parts = 0;  ///< asked for last, less those of which something came again
+    Time asked_at{};
+    Time ask_at{};
+    Time::duration apart{};  ///< later than others may ask
+  };
+
+  explicit RepairSchedule(const ArrivalLimits& limits)
+      : limits_(limits), delay_(limits.ask_after), random_(limits.seed) {}
+
+  /// The writer was heard. Without a word from it nothing is asked for after ArrivalLimits::forget_after.
+  void heard(Time now) { heard_at_ = now; }
+  Time heard_at() const { return heard_at_; }
+  bool is_forgotten(Time now) const { return now - heard_at_ > limits_.forget_after; }
+
+  /// Others get the same, and may miss the same at the same time: asks at times of its own from now on.
+  void spread() { spread_ = limits_.spread; }
+
+  /// The entry of a sample that is known of from now on, and has not come.
+  Entry noticed(Time now);
+  /// The sample has to come again; it is not asked for at once.
+  void noticed_again(Entry& entry) const { entry.ask_at = heard_at_ + delay_ + entry.apart; }
+  /// The time when the sample is to be asked for. `came` is the time when the last part of it came; it is
+  /// Time{} if nothing has.
+  Time due(Entry& entry, Time came) const;
+  /// Notes that the sample is asked for now, and returns the time when it is to be asked for again.
+  Time ask(Entry& entry, Time now) const;
+  /// So many parts of the sample were asked for.
+  static void asked_for(Entry& entry, std::uint32_t parts) { entry.parts = parts > 0 ? parts : 1; }
+  /// Something of the sample came once more: if as much comes again as was asked for, that was too early;
+  /// less is what networks do.
+  void came_again(Entry& entry);
+  /// The sample is whole.
+  void came_whole(const Entry& entry);
+  /// The time when something that is noticed now may be asked for.
+  Time soon(Time now) const { return now + delay_; }
+
+  /// Returns true if nothing that has begun gets any further, although the writer is heard: the first missing
+  /// sample, whose last part came at `first_came`, is still the one at `next`.
+  bool is_stuck(std::uint64_t next, Time first_came, Time now);
+  /// Returns true if a sample whose last part came at that time is to begin anew while is_stuck().
+  bool has_lost_patience(Time came, Time now) const { return now - came >= limits_.claim_patience; }
+
+  /// Somebody looks now at what is missing.
+  void begin_look(Time now) {
+    look_at_ = Time::max();
+    looked_at_ = now;
+  }
+  /// Has somebody look at that time. The window holds so many samples: many are not looked at too often.
+  void look_at(Time time, std::size_t samples);
+  void nothing_is_missing() { look_at_ = Time::max(); }
+  Time next_look() const { return look_at_; }
+
+ private:
+  const ArrivalLimits limits_;
+  Time::duration delay_;
+  Time::duration spread_{};
+  std::minstd_rand random_;
+  Time heard_at_{};
+  Time look_at_ = Time::max();
+  Time looked_at_{};
+  std::uint64_t first_missing_ = 0;  ///< when is_stuck() was asked last
+  Time first_missing_since_{};
+};
+
+inline RepairSchedule::Entry RepairSchedule::noticed(Time now) {
+  const Time::duration apart =
+      spread_.count() == 0
+          ? spread_
+          : Time::duration(std::uniform_int_distribution<Time::rep>(0, spread_.count())(random_));
+  return {.ask_at = now + delay_ + apart, .apart = apart};
+}
+
+inline RepairSchedule::Time RepairSchedule::due(Entry& entry, Time came) const {
+  if (came > entry.asked_at) entry.asked = 0;
+  return came == Time{} ? entry.ask_at : std::max(entry.ask_at, came + delay_ + entry.apart);
+}
+
+inline void RepairSchedule::look_at(Time time, std::size_t samples) {
+  constexpr std::size_t few = 256;
+  constexpr std::chrono::microseconds pause{500};
+  look_at_ = std::min(look_at_, samples <= few ? time : std::max(time, looked_at_ + pause));
+}
+
+}  // namespace sft::udp
