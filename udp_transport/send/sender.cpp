@@ -179,7 +179,7 @@ bool Sender::begin(Flow& flow) {
   if (flow.lane->channel() != nullptr) return pass_on(flow);
   const Job* job = flow.lane->next();
   if (job == nullptr) return false;
-  flow.size = ResendWindow::size_of(job->first.total);
+  flow.size = KeptSamples::size_of(job->first.total);
   flow.fragments.emplace(job->body(), flow.lane->destination().datagram_bytes(), BodyRange{job->sent_bytes});
   return true;
 }
