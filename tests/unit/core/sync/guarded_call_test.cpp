@@ -1,0 +1,192 @@
+// When a callback that was taken away is not called any more, by whichever threads.
+#include "core/sync/guarded_call.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <atomic>
+#include <functional>
+#include <latch>
+#include <memory>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+namespace sft::core {
+namespace {
+
+/// Waits until another thread has set the flag. The test hangs, and fails by its time limit, if none does.
+void wait_for(const std::atomic<bool>& flag) { flag.wait(false); }
+void set(std::atomic<bool>& flag) {
+  flag = true;
+  flag.notify_all();
+}
+
+TEST(GuardedCallTest, CallsItsFunctionWithTheArgumentsUntilItIsCleared) {
+  int sum = 0;
+  GuardedCall<int, int> call([&](int a, int b) { sum += a * b; });
+  call(2, 3);
+  EXPECT_TRUE(call.is_set());
+  call.clear();
+  call(10, 10);
+  EXPECT_FALSE(call.is_set());
+  EXPECT_EQ(sum, 6);
+}
+
+TEST(GuardedCallTest, AnEmptyFunctionIsNotCalled) {
+  GuardedCall<> call(nullptr);
+  EXPECT_FALSE(call.is_set());
+  call();
+  call.clear();
+}
+
+TEST(GuardedCallTest, AFunctionThatClearsItsOwnCallIsNotWaitedForAndIsNotCalledAgain) {
+  int calls = 0;
+  GuardedCall<>* self = nullptr;
+  GuardedCall<> call([&] {
+    ++calls;
+    self->clear();
+    (*self)();
+  });
+  self = &call;
+  call();
+  call();
+  EXPECT_EQ(calls, 1);
+}
+
+TEST(GuardedCallTest, AFunctionThatCallsItselfMayClearItAtAnyDepth) {
+  GuardedCall<int>* self = nullptr;
+  int deepest = 0;
+  GuardedCall<int> call([&](int depth) {
+    deepest = depth;
+    depth < 3 ? (*self)(depth + 1) : self->clear();
+  });
+  self = &call;
+  call(1);
+  EXPECT_EQ(deepest, 3);
+  call.clear();
+}
+
+TEST(GuardedCallTest, ACallThatThrowsIsOver) {
+  GuardedCall<> call([] { throw std::runtime_error("the callback has failed"); });
+  EXPECT_THROW(call(), std::runtime_error);
+  call.clear();
+}
+
+/// A call that another thread is inside of, and that ends only after release(), when clear() had the time to
+/// return too early.
+class GuardedCallOfAnotherThread : public testing::Test {
+ protected:
+  GuardedCallOfAnotherThread() { wait_for(inside_); }
+  ~GuardedCallOfAnotherThread() override { caller_.join(); }
+
+  void release() { set(released_); }
+
+  std::function<void()> on_this_thread = [] {};
+  bool ended = false;  // not atomic: it is clear() that orders the threads
+  const std::thread::id this_thread_ = std::this_thread::get_id();
+  GuardedCall<> call{[this] {
+    if (std::this_thread::get_id() == this_thread_) return on_this_thread();
+    set(inside_);
+    wait_for(released_);
+    linger();
+    ended = true;
+  }};
+
+  static void linger() {
+    for (int i = 0; i < 1000; ++i) std::this_thread::yield();
+  }
+
+ private:
+  std::atomic<bool> inside_{false}, released_{false};
+  std::thread caller_{[this] { call(); }};
+};
+
+TEST_F(GuardedCallOfAnotherThread, IsWaitedForByWhoeverClearsIt) {
+  release();
+  call.clear();
+  EXPECT_TRUE(ended);
+}
+
+TEST_F(GuardedCallOfAnotherThread, IsWaitedForByAFunctionThatClearsItFromWithin) {
+  on_this_thread = [&] {
+    release();
+    call.clear();
+    EXPECT_TRUE(ended);
+  };
+  call();
+}
+
+TEST_F(GuardedCallOfAnotherThread, IsWaitedForByAFunctionThatIsWithinAnotherCall) {
+  GuardedCall<> other([&] {
+    release();
+    call.clear();
+    EXPECT_TRUE(ended);
+  });
+  other();
+  EXPECT_TRUE(other.is_set());
+}
+
+TEST(GuardedCallTest, TwoThatClearItFromWithinDoNotWaitForEachOther) {
+  for (int round = 0; round < 200; ++round) {
+    std::latch both_inside(2);
+    GuardedCall<>* self = nullptr;
+    GuardedCall<> call([&] {
+      both_inside.arrive_and_wait();
+      self->clear();
+    });
+    self = &call;
+    std::thread other([&] { call(); });
+    call();
+    other.join();
+  }
+}
+
+TEST_F(GuardedCallOfAnotherThread, KeepsOneThatClearsItFromWithinAndThatOneIsWaitedForFromOutside) {
+  bool ended_here = false;
+  std::thread outside;
+  on_this_thread = [&] {
+    std::atomic<bool> clearing{false};
+    outside = std::thread([&] {
+      set(clearing);
+      call.clear();
+      EXPECT_TRUE(ended);
+      EXPECT_TRUE(ended_here);
+    });
+    wait_for(clearing);
+    release();
+    call.clear();
+    linger();
+    ended_here = true;
+  };
+  call();
+  outside.join();
+}
+
+TEST(GuardedCallTest, NoneOfManyThreadsIsInsideOnceItWasCleared) {
+  constexpr int callers = 4;
+  for (int round = 0; round < 50; ++round) {
+    auto used = std::make_unique<std::array<int, callers>>();  // the sanitizers see who uses it too late
+    GuardedCall<std::size_t> call([used = used.get()](std::size_t who) { ++(*used)[who]; });
+    std::latch begun(callers);
+    std::atomic<bool> stop{false};
+    std::vector<std::thread> threads;
+    for (std::size_t who = 0; who < callers; ++who) {
+      threads.emplace_back([&, who] {
+        call(who);
+        begun.count_down();
+        while (!stop) call(who);
+      });
+    }
+    begun.wait();
+    call.clear();
+    for (const int calls : *used) EXPECT_GT(calls, 0);
+    used.reset();
+    for (int i = 0; i < 10; ++i) std::this_thread::yield();
+    stop = true;
+    for (std::thread& thread : threads) thread.join();
+  }
+}
+
+}  // namespace
+}  // namespace sft::core
