@@ -23,13 +23,13 @@ struct NodeContext {
 /// told last. `differences` turns two states into events.
 template <class Core, class Status, class Differences>
 void tell_events(Core& core, Status& told, NodeLog& log, Differences differences) {
-  if (!core.events().wanted() && !log.wants(LogLevel::warning)) return;
+  if (!core.events().is_set() && !log.wants(LogLevel::warning)) return;
   Status status = core.status();
   const std::vector<Event> events = differences(told, status);
   told = std::move(status);
   for (const Event& event : events) {
     log.write(core.spec().topic, event);
-    core.events().tell(event);
+    core.events()(event);
   }
 }
 

@@ -47,7 +47,7 @@ void PublisherCore::serve(Serving serving, std::shared_ptr<LendingWriter> memory
     encoded_ = encoded;
   }
   readers_known_.notify_all();
-  if (readers_changed_.wanted()) readers_changed_.tell(status());
+  if (readers_changed_.is_set()) readers_changed_(status());
 }
 
 void PublisherCore::show(std::vector<ReaderStatus> readers) {
@@ -58,7 +58,7 @@ void PublisherCore::show(std::vector<ReaderStatus> readers) {
     readers_ = std::move(readers);
   }
   readers_known_.notify_all();
-  if (is_news && readers_changed_.wanted()) readers_changed_.tell(status());
+  if (is_news && readers_changed_.is_set()) readers_changed_(status());
 }
 
 PublishStatus PublisherCore::publish(const void* value) {
@@ -167,8 +167,8 @@ void PublisherCore::assert_liveliness() {
 }
 
 void PublisherCore::close() {
-  events_.close();
-  readers_changed_.close();
+  events_.clear();
+  readers_changed_.clear();
 }
 
 OfferWatch::Signs PublisherCore::signs() const {

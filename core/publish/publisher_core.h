@@ -24,10 +24,10 @@
 #include "core/publish/history.h"
 #include "core/publish/late_readers.h"
 #include "core/publish/sample_maker.h"
-#include "core/report/event_sink.h"
 #include "core/seam/buffer_pool.h"
 #include "core/seam/delivery.h"
 #include "core/seam/writer_port.h"
+#include "core/sync/guarded_call.h"
 #include "sft/detail/untyped.h"
 
 namespace sft::core {
@@ -77,7 +77,7 @@ class PublisherCore {
   const TypeSupport& type() const { return *spec_.type; }
   EndpointId id() const { return spec_.id; }
   const Spec& spec() const { return spec_; }
-  EventSink& events() { return events_; }
+  GuardedCall<const Event&>& events() { return events_; }
 
   // The agent's thread.
 
@@ -124,8 +124,8 @@ class PublisherCore {
   std::atomic<bool> assertion_told_{false};
   std::atomic<std::uint64_t> deadlines_missed_{0};
   std::atomic<bool> alive_{true};
-  EventSink events_;
-  NewsSink<PublisherStatus> readers_changed_;
+  GuardedCall<const Event&> events_;
+  GuardedCall<const PublisherStatus&> readers_changed_;
 
   mutable std::mutex status_mutex_;
   mutable std::condition_variable readers_known_;  ///< that they may be others than before

@@ -17,13 +17,13 @@
 #include "core/negotiation/negotiation.h"
 #include "core/platform/doorbell.h"
 #include "core/platform/poll_handle.h"
-#include "core/report/event_sink.h"
 #include "core/seam/transport.h"
 #include "core/subscribe/callback_dispatch.h"
 #include "core/subscribe/recorder.h"
 #include "core/subscribe/remote_copy.h"
 #include "core/subscribe/subscriber_ports.h"
 #include "core/subscribe/waiter.h"
+#include "core/sync/guarded_call.h"
 #include "sft/detail/untyped.h"
 
 namespace sft::core {
@@ -86,7 +86,7 @@ class SubscriberCore final : public ArrivalListener {
   const TypeSupport& type() const { return *spec_.type; }
   const Spec& spec() const { return spec_; }
   bool has_callback() const { return static_cast<bool>(spec_.callback); }
-  EventSink& events() { return events_; }
+  GuardedCall<const Event&>& events() { return events_; }
   SubscriberPorts& ports() { return ports_; }
 
   // The agent's.
@@ -112,7 +112,7 @@ class SubscriberCore final : public ArrivalListener {
   const std::shared_ptr<Recorder> recorder_;
   std::mutex remote_mutex_;           ///< held by the one thread that copies a sample
   std::optional<RemoteCopy> remote_;  ///< guarded by remote_mutex_
-  EventSink events_;
+  GuardedCall<const Event&> events_;
   SubscriberPorts ports_;
   Waiter waiter_;
   CallbackDispatch callbacks_;

@@ -1,14 +1,10 @@
-// Events as the difference of two states, and the sink between the agent and a destructor.
+// Events as the difference of two states.
 #include "core/report/events.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <functional>
 #include <sensor_msgs/msg/PointCloud2.hpp>
-#include <thread>
-
-#include "core/report/event_sink.h"
 
 namespace sft::core {
 namespace {
@@ -192,39 +188,6 @@ TEST(EventsTest, LossesOfAReliablePairNameThePathTheQueueAndWhatHelps) {
   EXPECT_THAT(events[0].text, testing::StartsWith("5 lost by shm, although they were to come reliably"));
   EXPECT_THAT(events[0].text, testing::HasSubstr("holds 256 samples"));
   EXPECT_THAT(events[0].text, testing::HasSubstr("PublisherOptions::max_blocking"));
-}
-
-TEST(EventSinkTest, ClosedFromWithinACallItReturnsAtOnceAndIsTheLast) {
-  int calls = 0;
-  std::function<void()> close;
-  EventSink sink([&](const Event&) {
-    ++calls;
-    close();
-  });
-  close = [&] { sink.close(); };
-  sink.tell({});
-  sink.tell({});
-  EXPECT_EQ(calls, 1);
-  EXPECT_FALSE(sink.wanted());
-}
-
-TEST(EventSinkTest, OnceItIsClosedNoCallIsUnderWay) {
-  for (int round = 0; round < 200; ++round) {
-    int calls = 0;  // not atomic: it is close() that orders the threads
-    std::atomic<bool> begun{false};
-    EventSink sink([&](const Event&) {
-      begun = true;
-      ++calls;
-    });
-    std::thread agent([&] {
-      for (int i = 0; i < 100; ++i) sink.tell({});
-    });
-    while (!begun) std::this_thread::yield();
-    sink.close();
-    const int seen = calls;
-    agent.join();
-    EXPECT_EQ(calls, seen);
-  }
 }
 
 }  // namespace
