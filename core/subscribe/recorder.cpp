@@ -44,17 +44,6 @@ Recorder::Recorder(std::size_t leaves, const RecordingSettings& settings, Change
   for (std::size_t i = 0; i < required_.size(); ++i) required_[i].store(all.word(i));
 }
 
-void Recorder::detach() {
-  detached_.store(true);
-  while (const std::uint32_t telling = telling_.load()) telling_.wait(telling);
-}
-
-void Recorder::tell() noexcept {
-  telling_.fetch_add(1);
-  if (!detached_.load()) changed_();
-  if (telling_.fetch_sub(1) == 1) telling_.notify_all();
-}
-
 RecordedSample* Recorder::begin() {
   RecordedSample* sample = nullptr;
   {
@@ -89,7 +78,7 @@ void Recorder::fold(RecordedSample& sample) noexcept {
     changed |= samples_ == settings_.learn_samples && finish_learning();
     sample.next_free_ = std::exchange(free_, &sample);
   }
-  if (changed) tell();
+  if (changed) changed_();
 }
 
 // ---- with the mutex held; true: required_ has changed ----
@@ -154,7 +143,7 @@ void Recorder::first_read(std::size_t leaf) noexcept {
     const std::scoped_lock lock(mutex_);
     if (!need(leaf, samples_ + 1)) return;  // the sample being read is not released before
   }
-  tell();
+  changed_();
 }
 
 FieldMask Recorder::required() const {

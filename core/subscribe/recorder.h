@@ -8,12 +8,12 @@
 
 #include <atomic>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <vector>
 
 #include "core/subscribe/read_order.h"
+#include "core/sync/guarded_call.h"
 #include "sft/detail/access_log.h"
 #include "sft/mask.h"
 #include "sft/options.h"
@@ -43,15 +43,15 @@ class Recorder final : public std::enable_shared_from_this<Recorder>, private de
   /// Told that required() has changed, on the thread of a getter or of whoever released a sample, with no
   /// lock held. It posts, and returns. Since required() is asked for then, it does not matter in which order
   /// two threads tell.
-  using Changed = std::function<void()>;
+  using Changed = GuardedCall<>::Function;
 
   static Result<void> check(const RecordingSettings& settings);
   /// `settings` have been checked.
   static std::shared_ptr<Recorder> make(std::size_t leaves, const RecordingSettings& settings,
                                         Changed changed);
 
-  /// When it returns nobody is being told, nor will be. Samples may outlive whoever was.
-  void detach();
+  /// When it returns, nobody is being told of changes, nor will be. Samples may outlive whoever was told.
+  void detach() { changed_.clear(); }
 
   RecordedSample* begin();
   /// Folds the accesses of a sample.
@@ -85,10 +85,9 @@ class Recorder final : public std::enable_shared_from_this<Recorder>, private de
   bool give_up_stale() noexcept;
   bool finish_learning() noexcept;
   bool is_required(std::size_t leaf) const noexcept;
-  void tell() noexcept;
 
   const RecordingSettings settings_;
-  const Changed changed_;
+  GuardedCall<> changed_;
 
   mutable std::mutex mutex_;  // held for a few instructions
   /// Changed with the mutex held; getters look without it.
@@ -98,10 +97,6 @@ class Recorder final : public std::enable_shared_from_this<Recorder>, private de
   std::uint64_t samples_ = 0;
   std::vector<std::unique_ptr<RecordedSample>> owned_;
   RecordedSample* free_ = nullptr;
-
-  // Sequentially consistent: either tell() sees that it is detached, or detach() that somebody tells.
-  std::atomic<bool> detached_{false};
-  std::atomic<std::uint32_t> telling_{0};
 };
 
 }  // namespace sft::core
