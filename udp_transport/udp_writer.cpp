@@ -56,11 +56,11 @@ UdpWriter::UdpWriter(const core::WriterSpec& spec, std::shared_ptr<SendSide> sid
       sender_(spec, side_, tally_, jobs_),
       left_(std::make_shared<FanOut>(spec, side_, tally_, jobs_)) {
   routes_.store(std::make_shared<RouteTable>());
-  side_->writers.add(*this);
+  side_->writers.add(tended_);
 }
 
 UdpWriter::~UdpWriter() {
-  side_->writers.remove(*this);
+  tended_->clear();
   left_->finish();
 }
 

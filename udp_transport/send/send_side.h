@@ -1,10 +1,8 @@
 // The state that the writers of one transport share.
 #pragma once
 
-#include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -13,6 +11,7 @@
 #include <vector>
 
 #include "core/seam/buffer_pool.h"
+#include "core/sync/guarded_call.h"
 #include "udp_transport/flow/destination.h"
 #include "udp_transport/io/multicast_links.h"
 #include "udp_transport/multicast/multicast_group.h"
@@ -22,56 +21,29 @@
 
 namespace sft::udp {
 
-/// Something that has to be looked after now and then, on the agent's thread.
-class Tended {
- public:
-  virtual void tend(std::chrono::steady_clock::time_point now) = 0;
-
- protected:
-  ~Tended() = default;
-};
+/// Looks after something now and then, on the agent's thread, until it is cleared.
+using Tended = core::GuardedCall<std::chrono::steady_clock::time_point>;
 
 /// Any thread.
 class TendedRoster {
  public:
-  void add(Tended& one) {
+  void add(std::shared_ptr<Tended> one) {
     const std::scoped_lock lock(mutex_);
-    all_.push_back(&one);
+    all_.push_back(std::move(one));
   }
-  /// Afterwards it is not called any more. Not from tend().
-  void remove(Tended& one) {
-    std::unique_lock lock(mutex_);
-    std::erase(all_, &one);
-    done_.wait(lock, [&] { return tended_ != &one; });
-  }
-  /// The agent's thread: each in its turn, without keeping others out meanwhile.
+  /// The agent's thread: calls each in its turn, without keeping others out meanwhile, and forgets those that
+  /// were cleared.
   void tend(std::chrono::steady_clock::time_point now) {
     std::unique_lock lock(mutex_);
-    const std::vector<Tended*> round = all_;
-    for (Tended* one : round) {
-      if (std::ranges::find(all_, one) == all_.end()) continue;
-      tended_ = one;
-      lock.unlock();
-      const Turn turn{*this, lock};
-      one->tend(now);
-    }
+    std::erase_if(all_, [](const auto& one) { return !one->is_set(); });
+    const std::vector<std::shared_ptr<Tended>> round = all_;
+    lock.unlock();
+    for (const auto& one : round) (*one)(now);
   }
 
  private:
-  struct Turn {  ///< is over at its end, however that comes
-    TendedRoster& roster;
-    std::unique_lock<std::mutex>& lock;
-    ~Turn() {
-      lock.lock();
-      roster.tended_ = nullptr;
-      roster.done_.notify_all();
-    }
-  };
-
   std::mutex mutex_;
-  std::condition_variable done_;
-  std::vector<Tended*> all_;
-  Tended* tended_ = nullptr;  ///< at present
+  std::vector<std::shared_ptr<Tended>> all_;
 };
 
 /// Outlives the transport as long as a writer does.
