@@ -19,25 +19,12 @@ void Inbox::deliver(std::span<core::SampleHandle> samples) noexcept {
     Enqueued enqueued;
     {
       const std::scoped_lock lock(mutex_);
-      if (detached_) return;
       enqueued = enqueue_some(samples);
-      if (enqueued.kept > 0 && listener_ != nullptr) calling_ = std::this_thread::get_id();
     }
     for (core::SampleHandle& pushed_out : samples.first(enqueued.samples)) pushed_out.reset();
     samples = samples.subspan(enqueued.samples);
-    if (enqueued.kept > 0 && listener_ != nullptr) call();
+    if (enqueued.kept > 0) tell_listener_();
   }
-}
-
-void Inbox::call() noexcept {
-  listener_->arrived();
-  bool awaited = false;
-  {
-    const std::scoped_lock lock(mutex_);
-    calling_ = {};
-    awaited = detached_;
-  }
-  if (awaited) called_.notify_all();
 }
 
 std::size_t Inbox::room(core::EndpointId id) const noexcept {
@@ -169,13 +156,6 @@ std::uint64_t Inbox::discarded() const noexcept {
 std::uint64_t Inbox::lost_unnoticed() const noexcept {
   const std::scoped_lock lock(mutex_);
   return lost_unnoticed_;
-}
-
-void Inbox::detach() noexcept {
-  std::unique_lock lock(mutex_);
-  detached_ = true;
-  if (calling_ == std::this_thread::get_id()) return;
-  called_.wait(lock, [this] { return calling_ == std::thread::id(); });
 }
 
 Inbox::Writer* Inbox::find(core::EndpointId id) noexcept { return find_in(writers_, id); }

@@ -1,14 +1,13 @@
 // Between the receiving thread, which delivers, and the threads of one reader, which take.
 #pragma once
 
-#include <condition_variable>
 #include <cstdint>
 #include <mutex>
 #include <span>
-#include <thread>
 #include <vector>
 
 #include "core/seam/transport.h"
+#include "core/sync/guarded_call.h"
 #include "udp_transport/receive/keep_last_queue.h"
 #include "udp_transport/receive/late_filter.h"
 
@@ -18,7 +17,9 @@ class Inbox {
  public:
   /// The listener may be null.
   Inbox(std::size_t depth, core::ArrivalListener* listener)
-      : depth_(depth == 0 ? 1 : depth), listener_(listener) {}
+      : depth_(depth == 0 ? 1 : depth), tell_listener_([listener] {
+          if (listener != nullptr) listener->arrived();
+        }) {}
 
   /// Queues a sample of a connected writer and calls the listener, without a lock. The receiving thread.
   void deliver(core::SampleHandle sample) noexcept { deliver(std::span(&sample, 1)); }
@@ -41,9 +42,9 @@ class Inbox {
   std::uint64_t discarded() const noexcept;
   std::uint64_t lost_unnoticed() const noexcept;
 
-  /// After this the listener is not called any more, and no call of it is
-  /// under way but the one that this is part of.
-  void detach() noexcept;
+  /// When it returns, the listener is not called any more, and no call is inside any more but the one in
+  /// which it is called itself.
+  void detach() noexcept { tell_listener_.clear(); }
 
  private:
   struct Writer {
@@ -63,7 +64,6 @@ class Inbox {
     std::size_t kept = 0;     ///< so many of these were kept
   };
   Enqueued enqueue_some(std::span<core::SampleHandle> samples) noexcept;
-  void call() noexcept;
   /// The writer whose oldest sample came first.
   template <class Condition>
   Writer* first_to_come(Condition condition) noexcept;
@@ -76,10 +76,7 @@ class Inbox {
   std::uint64_t arrivals_ = 0;
   std::uint64_t discarded_ = 0;
   std::uint64_t lost_unnoticed_ = 0;
-  core::ArrivalListener* listener_;
-  bool detached_ = false;
-  std::thread::id calling_;  ///< the thread that calls the listener now; none otherwise
-  std::condition_variable called_;
+  core::GuardedCall<> tell_listener_;  ///< called without the mutex
 };
 
 }  // namespace sft::udp
