@@ -11,7 +11,9 @@ using core::SampleBuffer;
 using core::SampleHandle;
 
 FakeInbox::FakeInbox(const core::ReaderSpec& spec)
-    : id_(spec.id), depth_(std::max(spec.depth, 1U)), listener_(spec.listener) {}
+    : id_(spec.id), depth_(std::max(spec.depth, 1U)), tell_listener_([listener = spec.listener] {
+        if (listener != nullptr) listener->arrived();
+      }) {}
 
 bool FakeInbox::put(SampleHandle sample) {
   std::vector<SampleHandle> surplus;  // released after the lock
@@ -59,29 +61,6 @@ void FakeInbox::forget_the_finished() {
     lost_unnoticed_ += writer.dropped;
     return true;
   });
-}
-
-void FakeInbox::announce() noexcept {
-  core::ArrivalListener* listener = nullptr;
-  {
-    const std::scoped_lock lock(mutex_);
-    if (listener_ == nullptr) return;
-    listener = listener_;
-    calling_.push_back(std::this_thread::get_id());
-  }
-  listener->arrived();
-  {
-    const std::scoped_lock lock(mutex_);
-    calling_.erase(std::ranges::find(calling_, std::this_thread::get_id()));
-  }
-  called_.notify_all();
-}
-
-void FakeInbox::detach() noexcept {
-  std::unique_lock lock(mutex_);
-  listener_ = nullptr;
-  const auto is_other = [](std::thread::id id) { return id != std::this_thread::get_id(); };
-  called_.wait(lock, [&] { return std::ranges::none_of(calling_, is_other); });
 }
 
 SampleHandle FakeInbox::take() {

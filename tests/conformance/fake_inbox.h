@@ -2,14 +2,13 @@
 // pushed out.
 #pragma once
 
-#include <condition_variable>
 #include <cstdint>
 #include <deque>
 #include <mutex>
-#include <thread>
 #include <vector>
 
 #include "core/seam/transport.h"
+#include "core/sync/guarded_call.h"
 
 namespace sft::test {
 
@@ -21,9 +20,10 @@ class FakeInbox {
   /// False if the sample is not for this reader.
   bool put(core::SampleHandle sample);
   /// Calls the listener.
-  void announce() noexcept;
-  /// The listener is not called any more, and no call of it is under way but the one that this is part of.
-  void detach() noexcept;
+  void announce() noexcept { tell_listener_(); }
+  /// When it returns, the listener is not called any more, and no call is inside any more but the one in
+  /// which it is called itself.
+  void detach() noexcept { tell_listener_.clear(); }
 
   core::SampleHandle take();
   void connect(const core::Source& source);
@@ -55,6 +55,7 @@ class FakeInbox {
 
   const core::EndpointId id_;
   const std::size_t depth_;
+  core::GuardedCall<> tell_listener_;
 
   mutable std::mutex mutex_;  // guards what follows
   std::vector<core::Accepted> accepted_;
@@ -62,9 +63,6 @@ class FakeInbox {
   std::deque<core::SampleHandle> queue_;  ///< of all writers, as they came
   std::uint64_t discarded_ = 0;
   std::uint64_t lost_unnoticed_ = 0;
-  core::ArrivalListener* listener_;  ///< null once detached
-  std::vector<std::thread::id> calling_;
-  std::condition_variable called_;
 };
 
 }  // namespace sft::test
