@@ -55,7 +55,7 @@ UdpWriter::UdpWriter(const core::WriterSpec& spec, std::shared_ptr<SendSide> sid
       book_(spec.book),
       sender_(spec, side_, tally_, jobs_),
       left_(std::make_shared<FanOut>(spec, side_, tally_, jobs_)) {
-  routes_.store(std::make_shared<RouteTable>());
+  routes_.replace(std::make_shared<RouteTable>());
   side_->writers.add(tended_);
 }
 
@@ -97,7 +97,7 @@ void UdpWriter::tend(std::chrono::steady_clock::time_point now) {
 void UdpWriter::make_table() {
   auto table = make_route_table(type_.type(), asked_for_, variants_, side_->destinations, &keeper_);
   if (book_ != nullptr) book_->enter(table->page);
-  routes_.store(std::move(table));
+  routes_.replace(std::move(table));
   side_->sender.look_again();
 }
 

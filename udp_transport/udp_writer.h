@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "core/seam/transport.h"
-#include "core/sync/snapshot.h"
+#include "core/sync/published.h"
 #include "udp_transport/routing/routes.h"
 #include "udp_transport/send/fan_out.h"
 #include "udp_transport/send/send_side.h"
@@ -62,7 +62,7 @@ class UdpWriter final : public core::NetworkWriter {
   VariantDirectory variants_;           ///< likewise
   GroupKeeper keeper_;                  ///< likewise
   std::vector<core::Route> asked_for_;  ///< likewise: as they were set
-  core::Snapshot<RouteTable> routes_;
+  core::Published<RouteTable> routes_;
   const std::shared_ptr<core::DeliveryBook> book_;  ///< null: nobody asks what became of samples
 
   // Used by the publisher's thread.

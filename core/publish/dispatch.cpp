@@ -14,7 +14,7 @@ Dispatch::Dispatch(Setup setup)
       history_(setup.history),
       waits_(setup.waits),
       postpones_(network_ != nullptr && history_ == nullptr && network_->takes_postponed()) {
-  outlets_.store(make_outlets(type_, {}, gates_, {nullptr, network_ != nullptr, history_ != nullptr}));
+  outlets_.replace(make_outlets(type_, {}, gates_, {nullptr, network_ != nullptr, history_ != nullptr}));
 }
 
 /// The network ceases here, too, to count for readers that it serves no more: a publisher that sends nothing
@@ -44,8 +44,8 @@ FieldMask Dispatch::serve(Serving& serving, std::shared_ptr<LendingWriter> memor
     // A route must never ask for more than is encoded, or by a gate that was not asked: first do what old and
     // new routes need together, wait for a call that may have begun before that, and only then change the
     // routes.
-    outlets_.store(std::make_shared<Outlets>(before->with(*after)));
-    calls_.wait_for_present_call();
+    outlets_.replace(std::make_shared<Outlets>(before->with(*after)));
+    outlets_.wait_for_reader();
   }
   book_->enter(after->page);
   if (after->memory != nullptr) after->memory->set_routes(serving.memory);
@@ -54,15 +54,15 @@ FieldMask Dispatch::serve(Serving& serving, std::shared_ptr<LendingWriter> memor
     auto both = std::make_shared<Outlets>(before->with(*after));
     both->memory = after->memory;
     both->to_memory = true;
-    outlets_.store(std::move(both));
-    calls_.wait_for_present_call();
+    outlets_.replace(std::move(both));
+    outlets_.wait_for_reader();
   }
   if (network_ != nullptr) {
     std::vector<Route> routes = serving.network;
     if (after->has_fallback) routes.insert(routes.end(), serving.fallback.begin(), serving.fallback.end());
     network_->set_routes(std::move(routes));
   }
-  outlets_.store(after);
+  outlets_.replace(after);
   return after->is_wanted ? after->mask : type_.none();
 }
 

@@ -18,8 +18,7 @@
 #include "core/publish/rate_gates.h"
 #include "core/seam/delivery.h"
 #include "core/seam/writer_port.h"
-#include "core/sync/call_count.h"
-#include "core/sync/snapshot.h"
+#include "core/sync/published.h"
 #include "sft/detail/sample_format.h"
 #include "sft/detail/untyped.h"
 
@@ -42,14 +41,14 @@ class Dispatch {
   /// The outlets that are in force for one call of the program, from the beginning to the end of the scope.
   class Call {
    public:
-    explicit Call(Dispatch& dispatch) : count_(dispatch.calls_), dispatch_(dispatch) {
+    explicit Call(Dispatch& dispatch) : reading_(dispatch.outlets_), dispatch_(dispatch) {
       dispatch.look_at_outlets();
     }
     /// The outlets in force. Sending a sample may replace them.
     const Outlets& outlets() const noexcept { return *dispatch_.in_force_; }
 
    private:
-    CallCount::Call count_;
+    Published<Outlets>::Reading reading_;
     const Dispatch& dispatch_;
   };
 
@@ -138,8 +137,7 @@ class Dispatch {
   const bool waits_;
   const bool postpones_;
 
-  Snapshot<Outlets> outlets_;
-  CallCount calls_;  ///< those that read the outlets
+  Published<Outlets> outlets_;
   std::atomic<std::uint64_t> sequence_{0};
   std::atomic<std::uint64_t> dropped_{0};
   std::atomic<std::uint64_t> exhausted_{0};

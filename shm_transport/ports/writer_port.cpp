@@ -326,7 +326,7 @@ void ShmWriterPort::set_routes(std::vector<core::Route> routes) {
   }
   chunks_->wait_for(std::move(awaited));
   chunks_->owe_nothing(std::move(owed_nothing));
-  doorbells_.store(routes.empty() ? nullptr : pages_->doorbells_of(routes, reader_accounts_));
+  doorbells_.replace(routes.empty() ? nullptr : pages_->doorbells_of(routes, reader_accounts_));
   reached_.clear();
 }
 

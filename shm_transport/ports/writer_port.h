@@ -25,7 +25,7 @@
 #include <vector>
 
 #include "core/seam/transport.h"
-#include "core/sync/snapshot.h"
+#include "core/sync/published.h"
 #include "shm_transport/host/chunk_pools.h"
 #include "shm_transport/host/chunk_slots.h"
 #include "shm_transport/host/session.h"
@@ -153,7 +153,7 @@ class ShmWriterPort final : public core::LendingWriter {
   std::chrono::nanoseconds patience_max_ = std::chrono::nanoseconds::max();
   std::chrono::nanoseconds patience_{0};  ///< how long the current sample may still wait
 
-  core::Snapshot<Doorbells> doorbells_;  ///< null if there are no routes
+  core::Published<Doorbells> doorbells_;  ///< null if there are no routes
 };
 
 }  // namespace sft::shm

@@ -1,0 +1,91 @@
+// A value that some threads replace now and then, and that another thread reads all the time without a lock:
+// reading an unchanged value is one atomic load. There is one reading thread at a time.
+//
+// Whoever has replaced the value may wait until nobody uses a former one any more. For that the reading
+// thread reads within a Reading, which begins before the value is loaded; the other thread replaces the value
+// and then looks for a Reading. These accesses are sequentially consistent, so that at least one of both
+// threads sees what the other did: a Reading that was not seen loads the new value.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <utility>
+
+#include "core/sync/backoff.h"
+
+namespace sft::core {
+
+template <class T>
+class Published {
+ public:
+  // Any thread.
+
+  void replace(std::shared_ptr<const T> value) {
+    const std::scoped_lock lock(mutex_);
+    latest_.swap(value);
+    version_.fetch_add(1, std::memory_order_seq_cst);
+  }  // the former value dies after the lock is released
+
+  /// When it returns, no Reading uses a value that was replaced before this call. Waits for the Reading that
+  /// lasts now, if any, but not for those that begin meanwhile: beside a thread that reads all the time it
+  /// waits no longer. Not called within a Reading.
+  void wait_for_reader() const {
+    const std::uint64_t seen = steps_.load(std::memory_order_seq_cst);
+    if (seen % 2 == 0) return;
+    wait_until([&] { return steps_.load(std::memory_order_acquire) != seen; });
+  }
+
+  std::shared_ptr<const T> share() const {
+    const std::scoped_lock lock(mutex_);
+    return latest_;
+  }
+
+  // The reading thread.
+
+  /// From here to the end of the scope the values that load() returns are in use.
+  class Reading {
+   public:
+    explicit Reading(Published& published) : published_(published) {
+      published_.step(std::memory_order_seq_cst);
+    }
+    ~Reading() { published_.step(std::memory_order_release); }
+    Reading(const Reading&) = delete;
+    Reading& operator=(const Reading&) = delete;
+
+   private:
+    Published& published_;
+  };
+
+  /// The latest value, which lives until the next load(). A thread that nobody waits for needs no Reading.
+  const T* load() {
+    if (version_.load(std::memory_order_seq_cst) != seen_) refresh();
+    return in_use_.get();
+  }
+
+  /// What load() returned last, to be kept beyond the next one.
+  const std::shared_ptr<const T>& loaded() const { return in_use_; }
+
+ private:
+  void refresh() {
+    std::shared_ptr<const T> fresh;
+    {
+      const std::scoped_lock lock(mutex_);
+      fresh = latest_;
+      seen_ = version_.load(std::memory_order_relaxed);
+    }
+    in_use_.swap(fresh);
+  }
+
+  void step(std::memory_order order) { steps_.store(steps_.load(std::memory_order_relaxed) + 1, order); }
+
+  mutable std::mutex mutex_;
+  std::shared_ptr<const T> latest_;
+  std::atomic<std::uint64_t> version_{0};
+  std::shared_ptr<const T> in_use_;  // the reading thread's
+  std::uint64_t seen_ = 0;
+  std::atomic<std::uint64_t> steps_{0};  ///< odd within a Reading
+};
+
+}  // namespace sft::core
