@@ -13,9 +13,9 @@ constexpr std::size_t delivered_at_once = 256;
 }  // namespace
 
 void Delivery::enter() {
-  std::shared_ptr<const Subscriptions> latest = subscriptions_.enter();
+  const std::shared_ptr<const Subscriptions>& latest = subscriptions_.enter();
   if (latest == wanted_) return;
-  wanted_ = std::move(latest);
+  wanted_ = latest;
   reassembly_.set_streams(wanted_->streams);
   keep_groups_(reassembly_.groups());
   for (std::size_t i = 0; i < wanted_->streams.size(); ++i) follow_readers(i);
@@ -42,8 +42,8 @@ void Delivery::deliver(Arrival& arrival, Time now) {
   if (in_channel) deliver_in_order(writer, now);
 }
 
-/// Delivers to readers that take samples as they come. Listeners run outside the snapshot of subscriptions:
-/// they may take long, and may connect and destroy readers.
+/// Delivers to readers that take samples as they come. Listeners run while no subscriptions are in use: they
+/// may take long, and may connect and destroy readers.
 void Delivery::deliver_at_once(Arrival& arrival) {
   const auto in_turn = [&](const Subscriber& s) { return arrival.in_channel && s.reliable; };
   if (std::ranges::all_of(wanted_->subscribers[arrival.stream], in_turn)) return;

@@ -114,33 +114,12 @@ void SubscriptionDirectory::accept(const Inbox& inbox, std::vector<core::Accepte
 }
 
 void SubscriptionDirectory::remove(const Inbox& inbox) {
-  std::unique_lock lock(mutex_);
-  std::erase_if(readers_, [&](const Reader& r) { return r.inbox.get() == &inbox; });
-  publish();
-  const std::shared_ptr<const Subscriptions> without = latest_;
-  ++waiting_;
-  left_.wait(lock, [&] { return !entered_ || followed_ == without || followed_ == latest_; });
-  --waiting_;
-}
-
-std::shared_ptr<const Subscriptions> SubscriptionDirectory::enter() {
-  std::shared_ptr<const Subscriptions> before;  // goes outside the lock
-  const std::scoped_lock lock(mutex_);
-  entered_ = true;
-  if (followed_ != latest_) {
-    before = std::exchange(followed_, latest_);
-  }
-  return followed_;
-}
-
-void SubscriptionDirectory::leave() {
-  bool awaited = false;
   {
     const std::scoped_lock lock(mutex_);
-    entered_ = false;
-    awaited = waiting_ > 0;
+    std::erase_if(readers_, [&](const Reader& r) { return r.inbox.get() == &inbox; });
+    publish();
   }
-  if (awaited) left_.notify_all();
+  subscriptions_.wait_for_reader();
 }
 
 SubscriptionDirectory::Reader& SubscriptionDirectory::find(const Inbox& inbox) {
@@ -150,7 +129,7 @@ SubscriptionDirectory::Reader& SubscriptionDirectory::find(const Inbox& inbox) {
   return *found;
 }
 
-/// Makes a snapshot; with the lock held.
+/// With the lock held.
 void SubscriptionDirectory::publish() {
   auto next = std::make_shared<Subscriptions>();
   std::unordered_map<core::EndpointId, std::size_t> places;
@@ -165,7 +144,7 @@ void SubscriptionDirectory::publish() {
       next->subscribers[place->second].push_back({reader.id, reader.inbox, reader.accepted, source.reliable});
     }
   }
-  latest_ = std::move(next);
+  subscriptions_.replace(std::move(next));
 }
 
 }  // namespace sft::udp

@@ -1,13 +1,15 @@
-// Tells the receiving thread who reads what. The receiving thread looks at an immutable snapshot. A thread
-// that removes a reader waits until no older snapshot is in use, and none is in use while listeners run.
+// Tells the receiving thread who reads what. The receiving thread looks at a published value that does not
+// change. A thread that removes a reader waits until no former value is in use, and none is in use while
+// listeners run.
 #pragma once
 
-#include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "core/seam/transport.h"
+#include "core/sync/published.h"
 #include "udp_transport/receive/inbox.h"
 #include "udp_transport/receive/incoming_writer.h"
 
@@ -33,7 +35,7 @@ struct Subscriptions {
 
 class SubscriptionDirectory {
  public:
-  SubscriptionDirectory() : latest_(std::make_shared<Subscriptions>()), followed_(latest_) {}
+  SubscriptionDirectory() { subscriptions_.replace(std::make_shared<Subscriptions>()); }
 
   // Any thread.
   void add(core::EndpointId reader, const std::shared_ptr<Inbox>& inbox, const TypeSupport& type);
@@ -41,14 +43,18 @@ class SubscriptionDirectory {
   void announced(const Inbox& reader, const core::Source& source);
   void disconnect(const Inbox& reader, core::EndpointId writer);
   void accept(const Inbox& reader, std::vector<core::Accepted> accepted);
-  /// When it returns, the reader's type is not used any more.
+  /// When it returns, the reader's type is not used any more. Not between enter() and leave().
   void remove(const Inbox& reader);
 
   // The receiving thread.
 
-  /// The latest snapshot; its types may be used until leave().
-  std::shared_ptr<const Subscriptions> enter();
-  void leave();
+  /// The latest subscriptions; their types may be used until leave().
+  const std::shared_ptr<const Subscriptions>& enter() {
+    reading_.emplace(subscriptions_);
+    subscriptions_.load();
+    return subscriptions_.loaded();
+  }
+  void leave() { reading_.reset(); }
 
  private:
   struct Reader {
@@ -63,12 +69,11 @@ class SubscriptionDirectory {
   void publish();
 
   std::mutex mutex_;
-  std::condition_variable left_;
   std::vector<Reader> readers_;
-  std::shared_ptr<const Subscriptions> latest_;
-  std::shared_ptr<const Subscriptions> followed_;  ///< what the receiving thread got last
-  bool entered_ = false;
-  std::size_t waiting_ = 0;
+  core::Published<Subscriptions> subscriptions_;
+
+  // The receiving thread's.
+  std::optional<core::Published<Subscriptions>::Reading> reading_;
 };
 
 }  // namespace sft::udp

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <thread>
+
 #include "tests/unit/udp/datagrams.h"
 
 namespace sft::udp {
@@ -47,6 +50,27 @@ TEST_F(SubscriptionsTest, WhatAWriterAnnouncesAnewIsTakenOver) {
   EXPECT_TRUE(subscriptions->streams[0].reliable);
   EXPECT_TRUE(subscriptions->streams[0].waits);
   directory_.leave();
+}
+
+TEST_F(SubscriptionsTest, AReaderIsRemovedOnceTheReceivingThreadDoesNotUseItsTypeAnyMore) {
+  ASSERT_TRUE(connects(6));
+  std::atomic<bool> entered{false};
+  bool has_left = false;  // not atomic: it is remove() that orders the threads
+  std::thread receiving([&] {
+    const auto subscriptions = directory_.enter();
+    entered = true;
+    entered.notify_all();
+    for (int i = 0; i < 1000; ++i) std::this_thread::yield();  // remove() has the time to return too early
+    EXPECT_FALSE(subscriptions->streams[0].type->name().empty());
+    has_left = true;
+    directory_.leave();
+  });
+  entered.wait(false);
+  directory_.remove(*inbox_);
+  EXPECT_TRUE(has_left);
+  EXPECT_TRUE(directory_.enter()->streams.empty());
+  directory_.leave();
+  receiving.join();
 }
 
 }  // namespace
