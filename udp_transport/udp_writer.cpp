@@ -56,11 +56,11 @@ UdpWriter::UdpWriter(const core::WriterSpec& spec, std::shared_ptr<SendSide> sid
       sender_(spec, side_, tally_, jobs_),
       left_(std::make_shared<FanOut>(spec, side_, tally_, jobs_)) {
   routes_.replace(std::make_shared<RouteTable>());
-  side_->writers.add(tended_);
+  side_->writers.add(*this);
 }
 
 UdpWriter::~UdpWriter() {
-  tended_->clear();
+  side_->writers.remove(*this);
   left_->finish();
 }
 

@@ -20,7 +20,7 @@
 
 namespace sft::udp {
 
-class UdpWriter final : public core::NetworkWriter {
+class UdpWriter final : public core::NetworkWriter, private Tended {
  public:
   UdpWriter(const core::WriterSpec& spec, std::shared_ptr<SendSide> side);
   ~UdpWriter() override;
@@ -41,7 +41,7 @@ class UdpWriter final : public core::NetworkWriter {
   void miss_begun() noexcept override;
   void hold(core::BatchPatience patience) noexcept override;
   std::size_t flush() noexcept override;
-  void tend(std::chrono::steady_clock::time_point now);
+  void tend(std::chrono::steady_clock::time_point now) override;
   void make_table();
   std::size_t own_variants(const core::SampleBuffer& sample) const noexcept;
   std::size_t hold_or_send(const Audience& group, const core::SampleHandle& sample) noexcept;
@@ -75,9 +75,6 @@ class UdpWriter final : public core::NetworkWriter {
   std::size_t missed_ = 0;                      ///< of what was held
   std::shared_ptr<const RouteTable> held_for_;  ///< keeps the groups of what is held
   const std::shared_ptr<FanOut> left_;
-
-  /// Calls tend(), until the destructor begins.
-  const std::shared_ptr<Tended> tended_ = std::make_shared<Tended>([this](auto now) { tend(now); });
 };
 
 }  // namespace sft::udp

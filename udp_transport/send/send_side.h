@@ -1,6 +1,7 @@
 // The state that the writers of one transport share.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstddef>
@@ -21,29 +22,48 @@
 
 namespace sft::udp {
 
-/// Looks after something now and then, on the agent's thread, until it is cleared.
-using Tended = core::GuardedCall<std::chrono::steady_clock::time_point>;
+/// Something that has to be looked after now and then, on the agent's thread.
+class Tended {
+ public:
+  virtual void tend(std::chrono::steady_clock::time_point now) = 0;
+
+ protected:
+  ~Tended() = default;
+};
 
 /// Any thread.
 class TendedRoster {
  public:
-  void add(std::shared_ptr<Tended> one) {
+  void add(Tended& one) {
     const std::scoped_lock lock(mutex_);
-    all_.push_back(std::move(one));
+    all_.push_back({&one, std::make_shared<Tend>([&one](auto now) { one.tend(now); })});
   }
-  /// The agent's thread: calls each in its turn, without keeping others out meanwhile, and forgets those that
-  /// were cleared.
+  /// When it returns, `one` is not called any more, and no call is inside any more.
+  void remove(const Tended& one) {
+    std::unique_lock lock(mutex_);
+    const auto found = std::ranges::find(all_, &one, &Entry::one);
+    const std::shared_ptr<Tend> removed = std::move(found->tend);
+    all_.erase(found);
+    lock.unlock();
+    removed->clear();
+  }
+  /// The agent's thread: calls each in its turn, without keeping others out meanwhile.
   void tend(std::chrono::steady_clock::time_point now) {
     std::unique_lock lock(mutex_);
-    std::erase_if(all_, [](const auto& one) { return !one->is_set(); });
-    const std::vector<std::shared_ptr<Tended>> round = all_;
+    const std::vector<Entry> round = all_;
     lock.unlock();
-    for (const auto& one : round) (*one)(now);
+    for (const Entry& entry : round) (*entry.tend)(now);
   }
 
  private:
+  using Tend = core::GuardedCall<std::chrono::steady_clock::time_point>;
+  struct Entry {
+    const Tended* one;
+    std::shared_ptr<Tend> tend;
+  };
+
   std::mutex mutex_;
-  std::vector<std::shared_ptr<Tended>> all_;
+  std::vector<Entry> all_;
 };
 
 /// Outlives the transport as long as a writer does.

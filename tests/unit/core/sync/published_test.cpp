@@ -62,7 +62,7 @@ TEST(PublishedTest, WhoeverReplacesTheValueWaitsForAReadingThatUsesTheFormerOne)
     reads = true;
     reads.notify_all();
     replaced.wait(false);
-    for (int i = 0; i < 1000; ++i) std::this_thread::yield();  // the other has the time to return too early
+    for (int i = 0; i < 1000; ++i) std::this_thread::yield();  // the other could return too early
     EXPECT_EQ(*former, 1);
     ended = true;
   });
@@ -89,8 +89,8 @@ TEST(PublishedTest, AReadingThatBeginsMeanwhileIsNotWaitedFor) {
   reading.reset();
 }
 
-// A Reading must be visible before the value is loaded. Threads meet the wrong order too seldom for this test;
-// tests/model/routes.pml finds it (announced_late).
+// A Reading must be visible before the value is loaded. Threads meet the wrong order too seldom for this
+// test; tests/model/routes.pml finds it (announced_late).
 TEST(PublishedTest, AfterTheWaitNoReadingUsesAFormerValue) {
   using Alive = std::atomic<bool>;
   Published<Alive> latest;

@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <functional>
 #include <future>
-#include <memory>
-#include <utility>
+#include <thread>
 
 #include "udp_transport/send/send_side.h"
 
@@ -12,18 +12,18 @@ namespace {
 
 using namespace std::chrono_literals;
 
+struct Busy final : Tended {
+  void tend(std::chrono::steady_clock::time_point) override {
+    ++times;
+    if (meanwhile) meanwhile();
+  }
+  int times = 0;
+  std::function<void()> meanwhile;
+};
+
 class TendedRosterTest : public testing::Test {
  protected:
-  struct Busy {
-    int times = 0;
-    std::function<void()> meanwhile = [] {};
-    std::shared_ptr<Tended> tended = std::make_shared<Tended>([this](auto) {
-      ++times;
-      meanwhile();
-    });
-  };
-
-  TendedRosterTest() { roster.add(one.tended); }
+  TendedRosterTest() { roster.add(one); }
   Busy one, other;
   TendedRoster roster;
 };
@@ -31,32 +31,43 @@ class TendedRosterTest : public testing::Test {
 TEST_F(TendedRosterTest, KeepsNobodyOutWhileOneIsBusy) {
   std::future<void> added;
   one.meanwhile = [&] {
-    added = std::async(std::launch::async, [&] { roster.add(other.tended); });
+    added = std::async(std::launch::async, [&] { roster.add(other); });
     EXPECT_EQ(added.wait_for(5s), std::future_status::ready);
   };
   roster.tend({});
-  one.meanwhile = [] {};
+  one.meanwhile = {};
   roster.tend({});
   EXPECT_EQ(one.times, 2);
   EXPECT_EQ(other.times, 1);
 }
 
-TEST_F(TendedRosterTest, SkipsOneThatGoesWhileAnotherIsBusy) {
-  roster.add(other.tended);
+TEST_F(TendedRosterTest, LetsOneGoOnlyWhenItIsNotBusyAnyMore) {
+  std::atomic<bool> is_gone{false};
+  bool was_gone = true;
+  std::promise<void> is_busy;
+  std::thread remover([&] {
+    is_busy.get_future().wait();
+    roster.remove(one);
+    is_gone = true;
+  });
   one.meanwhile = [&] {
-    const auto cleared = std::async(std::launch::async, [&] { other.tended->clear(); });
-    EXPECT_EQ(cleared.wait_for(5s), std::future_status::ready);
+    is_busy.set_value();
+    for (int i = 0; i < 1000; ++i) std::this_thread::yield();
+    was_gone = is_gone;
   };
+  roster.tend({});
+  remover.join();
+  EXPECT_FALSE(was_gone);
+  roster.tend({});
+  EXPECT_EQ(one.times, 1);
+}
+
+TEST_F(TendedRosterTest, SkipsWhoGoesWhileAnotherIsBusy) {
+  roster.add(other);
+  one.meanwhile = [&] { std::async(std::launch::async, [&] { roster.remove(other); }).wait_for(5s); };
   roster.tend({});
   EXPECT_EQ(one.times, 1);
   EXPECT_EQ(other.times, 0);
-}
-
-TEST_F(TendedRosterTest, ForgetsOneThatHasGone) {
-  const std::weak_ptr<Tended> gone = one.tended;
-  std::exchange(one.tended, nullptr)->clear();
-  roster.tend({});
-  EXPECT_TRUE(gone.expired());
 }
 
 }  // namespace
