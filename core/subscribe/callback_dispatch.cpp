@@ -23,11 +23,4 @@ Time CallbackDispatch::call_back(detail::untyped::Sample sample, Time before) {
   return done;
 }
 
-void CallbackDispatch::wait_for_end() const {
-  while (const std::uint32_t pending = pending_.load()) {
-    if (dispatching_.load() == std::this_thread::get_id()) return;
-    pending_.wait(pending);
-  }
-}
-
 }  // namespace sft::core

@@ -5,10 +5,10 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
-#include <thread>
 #include <utility>
 
 #include "core/platform/clock.h"
+#include "core/sync/guarded_call.h"
 #include "sft/detail/untyped.h"
 
 namespace sft::core {
@@ -24,22 +24,27 @@ class CallbackDispatch {
   /// at once if a call is under way on another thread: that thread goes on. Returns false if the dispatcher
   /// has to call back for the rest.
   template <class Samples>
-  bool dispatch(Caller caller, Samples& samples);
+  bool dispatch(Caller caller, Samples& samples) {
+    bool done = true;
+    gate_.call([&] { done = call_back_for_arrivals(caller, samples); });
+    return done;
+  }
   /// True if nobody is calling back: samples that are there now wait for dispatch().
-  bool is_idle() const { return pending_.load() == 0 && !closed_.load(); }
+  bool is_idle() const { return pending_.load() == 0 && !gate_.is_closed(); }
   /// True after a callback took long, until many quick ones have come.
   bool is_slow() const { return is_slow_.load(); }
 
   /// True while a callback may be running. Once closed, and when this is false, none will run any more.
   bool is_called_back() const { return pending_.load() != 0; }
-  void close() { closed_.store(true); }
-  /// After close(): when this returns no callback runs any more, except for one in which it is called itself.
-  void wait_for_end() const;
+  /// When it returns, no callback runs any more, except for one in which it is called itself.
+  void close() noexcept { gate_.close(); }
 
   /// True if this thread is within a callback of some subscriber.
   static bool in_callback() noexcept;
 
  private:
+  template <class Samples>
+  bool call_back_for_arrivals(Caller caller, Samples& samples);
   template <class Samples>
   bool call_back_for_all(Caller caller, Samples& samples);
   Time call_back(detail::untyped::Sample sample, Time before);
@@ -48,21 +53,18 @@ class CallbackDispatch {
   // All are sequentially consistent: is_idle() of one thread against the end of dispatch() on another.
   /// Arrivals that are not dispatched yet. The thread that raises it from 0 dispatches.
   std::atomic<std::uint32_t> pending_{0};
-  std::atomic<bool> closed_{false};
+  CallGate gate_;
   std::atomic<bool> is_slow_{false};
   int quick_in_a_row_ = 0;  ///< written only by the thread that dispatches
-  std::atomic<std::thread::id> dispatching_{};
 };
 
 template <class Samples>
-bool CallbackDispatch::dispatch(Caller caller, Samples& samples) {
+bool CallbackDispatch::call_back_for_arrivals(Caller caller, Samples& samples) {
   if (pending_.fetch_add(1) != 0) return true;  // the thread that dispatches sees the count
-  bool done = true;
   for (std::uint32_t seen = 1;;) {
     if (!call_back_for_all(caller, samples)) {
       pending_.store(0);
-      done = false;
-      break;
+      return false;
     }
     const std::uint32_t before = pending_.fetch_sub(seen);
     if (before != seen) {
@@ -70,25 +72,21 @@ bool CallbackDispatch::dispatch(Caller caller, Samples& samples) {
       continue;
     }
     // A thread that looked while the count was not yet zero left a sample to this one, which had not seen it.
-    if (closed_.load() || !samples.available() || pending_.fetch_add(1) != 0) break;
+    if (gate_.is_closed() || !samples.available() || pending_.fetch_add(1) != 0) return true;
     seen = 1;
   }
-  pending_.notify_all();
-  return done;
 }
 
 template <class Samples>
 bool CallbackDispatch::call_back_for_all(Caller caller, Samples& samples) {
-  dispatching_.store(std::this_thread::get_id());
   bool goes_on = true;
   Time time = std::chrono::steady_clock::now();
-  while (goes_on && !closed_.load()) {
+  while (goes_on && !gate_.is_closed()) {
     detail::untyped::Sample sample = samples.take();
     if (!sample) break;
     time = call_back(std::move(sample), time);
     goes_on = caller == Caller::dispatcher || !is_slow_.load();
   }
-  dispatching_.store({});
   return goes_on;
 }
 

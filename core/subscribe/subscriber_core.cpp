@@ -105,7 +105,6 @@ void SubscriberCore::call_back(CallbackDispatch::Caller caller) {
 void SubscriberCore::close() {
   callbacks_.close();
   events_.clear();
-  callbacks_.wait_for_end();
 }
 
 Requirements SubscriberCore::requirements() {

@@ -126,8 +126,7 @@ TEST_F(CallbackDispatchTest, AfterAHundredQuickCallbacksInARowTheyAreQuickAgain)
 
 TEST_F(CallbackDispatchTest, OnceItIsClosedNobodyIsCalledBack) {
   in_callback = [&] {
-    callbacks.close();
-    callbacks.wait_for_end();  // returns at once, since this is the callback
+    callbacks.close();  // returns at once, since this is the callback
   };
   samples.count = 2;
   dispatch(Caller::transport);
@@ -149,9 +148,8 @@ TEST_F(CallbackDispatchTest, WhoeverClosesItWaitsForTheCallbackOfAnotherThread) 
   std::thread transport([&] { dispatch(Caller::transport); });
   EXPECT_TRUE(test::eventually([&] { return begun.load(); }));
   EXPECT_TRUE(callbacks.is_called_back());
-  callbacks.close();
   goes_on = true;
-  callbacks.wait_for_end();
+  callbacks.close();
   EXPECT_TRUE(ended);
   EXPECT_FALSE(callbacks.is_called_back());
   transport.join();
