@@ -13,6 +13,10 @@ _CLOSE = {"(": ")", "[": "]", "[[": "]]", "{": "}"}
 _CLASS = {"class", "struct", "union"}
 _ACCESS = {"public", "private", "protected"}
 _TESTS = {"TEST", "TEST_F", "TEST_P", "TYPED_TEST", "TYPED_TEST_P"}
+# The attributes of core/sync/thread_annotations.h.
+_ATTRIBUTES = {"SFT_GUARDED_BY", "SFT_PT_GUARDED_BY", "SFT_REQUIRES", "SFT_EXCLUDES", "SFT_ACQUIRE", "SFT_RELEASE",
+               "SFT_TRY_ACQUIRE", "SFT_CAPABILITY", "SFT_ACQUIRED_AFTER"}
+_ATTRIBUTES_ALONE = {"SFT_SCOPED_CAPABILITY", "SFT_NO_THREAD_SAFETY_ANALYSIS"}
 _AFTER_PARAMETERS = {"const", "noexcept", "override", "final", "&", "&&", "mutable", "try"}
 
 
@@ -219,8 +223,10 @@ def _outside_angles(head):
             continue
         elif text in ("alignas", "decltype", "explicit") and index + 1 < len(head) and head[index + 1].text == "(":
             skip_group = True
-        elif text == "[[":
+        elif text == "[[" or text in _ATTRIBUTES:
             skip_group = True
+        elif text in _ATTRIBUTES_ALONE:
+            continue
         elif skip_group:
             skip_group = text not in (")", "]]")
         else:

@@ -232,6 +232,24 @@ void f() {
 """
         self.assertEqual(self.functions(text), [("f", 4)])
 
+    def test_attributes_of_locks_change_neither_members_nor_functions(self):
+        text = """class SFT_CAPABILITY("mutex") Mutex {
+  void lock() SFT_ACQUIRE() { mutex_.lock(); }
+  std::mutex mutex_;
+};
+class SFT_SCOPED_CAPABILITY Lock {
+  int f() const SFT_REQUIRES(mutex_) SFT_EXCLUDES(other_);
+  int g() SFT_REQUIRES(mutex_) {
+    return a_;
+  }
+  int a_ SFT_GUARDED_BY(mutex_) = 0;
+  std::map<int, int> b_ SFT_GUARDED_BY(mutex_){};
+};
+"""
+        classes = [(c.name, c.data, c.methods) for c in structure.read(text).classes]
+        self.assertEqual(classes, [("Mutex", 1, 1), ("Lock", 2, 2)])
+        self.assertEqual(self.functions(text), [("lock", 1), ("g", 3)])
+
     def test_members_are_data_without_constants_and_methods_without_defaulted_ones(self):
         text = """class A final : public B<int, int> {
  public:

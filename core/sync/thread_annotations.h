@@ -1,0 +1,40 @@
+// The attributes by which Clang checks at compile time that a lock is held where it has to be
+// (-Wthread-safety). Other compilers see nothing of them.
+//
+// These are macros, although the project has no others: Clang knows most of these attributes only in the GNU
+// spelling, which other compilers refuse, and nothing is configured by them.
+#pragma once
+
+#if defined(__clang__)
+#define SFT_THREAD_ATTRIBUTE(attribute) __attribute__((attribute))
+#else
+#define SFT_THREAD_ATTRIBUTE(attribute)
+#endif
+
+/// The member is read and written only while this mutex is held.
+#define SFT_GUARDED_BY(mutex) SFT_THREAD_ATTRIBUTE(guarded_by(mutex))
+/// What the pointer points to is read and written only while this mutex is held.
+#define SFT_PT_GUARDED_BY(mutex) SFT_THREAD_ATTRIBUTE(pt_guarded_by(mutex))
+
+/// The caller of the function holds these mutexes.
+#define SFT_REQUIRES(...) SFT_THREAD_ATTRIBUTE(requires_capability(__VA_ARGS__))
+/// The caller of the function does not hold these mutexes.
+#define SFT_EXCLUDES(...) SFT_THREAD_ATTRIBUTE(locks_excluded(__VA_ARGS__))
+
+/// The function locks these mutexes; without an argument, the object itself.
+#define SFT_ACQUIRE(...) SFT_THREAD_ATTRIBUTE(acquire_capability(__VA_ARGS__))
+/// The function unlocks these mutexes; without an argument, the object itself.
+#define SFT_RELEASE(...) SFT_THREAD_ATTRIBUTE(release_capability(__VA_ARGS__))
+/// The function has locked the mutex if it returns the value of the first argument.
+#define SFT_TRY_ACQUIRE(...) SFT_THREAD_ATTRIBUTE(try_acquire_capability(__VA_ARGS__))
+
+/// The class is a mutex. `kind`: its name in Clang's messages.
+#define SFT_CAPABILITY(kind) SFT_THREAD_ATTRIBUTE(capability(kind))
+/// The class locks a mutex in its constructor, and unlocks it in its destructor.
+#define SFT_SCOPED_CAPABILITY SFT_THREAD_ATTRIBUTE(scoped_lockable)
+
+/// The mutex is locked after these ones, where a thread holds both.
+#define SFT_ACQUIRED_AFTER(...) SFT_THREAD_ATTRIBUTE(acquired_after(__VA_ARGS__))
+
+/// Clang does not check the body of the function. A comment says why.
+#define SFT_NO_THREAD_SAFETY_ANALYSIS SFT_THREAD_ATTRIBUTE(no_thread_safety_analysis)
