@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <mutex>
 #include <string_view>
 #include <system_error>
 #include <thread>
@@ -16,6 +15,7 @@
 
 #include "core/platform/process_limits.h"
 #include "core/platform/thread.h"
+#include "core/sync/mutex.h"
 
 namespace sft::core {
 
@@ -37,9 +37,9 @@ constexpr std::array<std::string_view, 10> names_of_cyclone{"gc",  "tev",  "recv
 
 /// The domains of this process, kept where Cyclone keeps them.
 struct OpenDomains {
-  std::mutex mutex;
-  std::map<DomainPlan, std::weak_ptr<const CycloneDomain>> by_plan;
-  std::uint32_t made = 0;
+  Mutex mutex;
+  std::map<DomainPlan, std::weak_ptr<const CycloneDomain>> by_plan SFT_GUARDED_BY(mutex);
+  std::uint32_t made SFT_GUARDED_BY(mutex) = 0;
 };
 OpenDomains open_domains;
 
@@ -52,10 +52,10 @@ std::pair<std::uint32_t, dds_entity_t> make_secured_domain(const std::string& co
   return {0, DDS_RETCODE_OUT_OF_RESOURCES};
 }
 
-std::pair<std::uint32_t, dds_entity_t> make_domain(const std::string& config, bool is_secured) {
-  if (is_secured) return make_secured_domain(config);
-  const std::uint32_t id = first_domain + open_domains.made++;
-  return {id, dds_create_domain(id, config.c_str())};
+/// `free_id`: used unless the domain is secured.
+std::pair<std::uint32_t, dds_entity_t> make_domain(const DomainPlan& plan, std::uint32_t free_id) {
+  if (plan.is_secured) return make_secured_domain(plan.config);
+  return {free_id, dds_create_domain(free_id, plan.config.c_str())};
 }
 
 using ThreadNames = std::map<std::string, std::string>;  // by the number of the thread
@@ -105,22 +105,22 @@ struct MadeDomain {
   std::vector<std::string> errors{};
 };
 
-MadeDomain make(const DomainPlan& plan) {
+MadeDomain make(const DomainPlan& plan, std::uint32_t free_id) {
   const CycloneMessages messages;
   const std::string& prefix = plan.threads.name_prefix;
   const ThreadNames before = prefix.empty() ? ThreadNames() : thread_names();
-  const auto [id, entity] = make_domain(plan.config, plan.is_secured);
+  const auto [id, entity] = make_domain(plan, free_id);
   if (entity >= 0 && !prefix.empty()) rename_threads_since(before, prefix);
   return {id, entity, messages.text(), messages.errors()};
 }
 
 /// Cyclone's threads take CPUs and policy over from the one that makes the domain, which is a thread for just
 /// that.
-Result<MadeDomain> make_in_a_thread_with(const DomainPlan& plan) {
+Result<MadeDomain> make_in_a_thread_with(const DomainPlan& plan, std::uint32_t free_id) {
   MadeDomain made;
   ThreadSpec maker(name_of_maker);
   maker.settings = plan.threads;
-  Result<std::thread> thread = start_thread(maker, [&] { made = make(plan); });
+  Result<std::thread> thread = start_thread(maker, [&] { made = make(plan, free_id); });
   if (!thread) return tl::unexpected(thread.error());
   thread->join();
   return made;
@@ -154,14 +154,14 @@ std::string CycloneMessages::text() const {
 Result<std::shared_ptr<const CycloneDomain>> cyclone_domain(const DomainPlan& plan,
                                                             const CycloneDomain* instead_of,
                                                             std::vector<std::string>& complaints) {
-  const std::scoped_lock lock(open_domains.mutex);  // so that two nodes do not make the same one
+  const Lock lock(open_domains.mutex);  // so that two nodes do not make the same one
   std::erase_if(open_domains.by_plan, [](const auto& entry) { return entry.second.expired(); });
   std::weak_ptr<const CycloneDomain>& known = open_domains.by_plan[plan];
   if (auto domain = known.lock(); domain != nullptr && domain.get() != instead_of) return domain;
   // Cyclone does not survive a lack of them while it makes a domain.
   if (Result<void> enough = check_room_for(descriptors_of_a_domain, threads_of_a_domain); !enough)
     return tl::unexpected(enough.error());
-  Result<MadeDomain> made = make_in_a_thread_with(plan);
+  Result<MadeDomain> made = make_in_a_thread_with(plan, first_domain + open_domains.made++);
   if (!made) return tl::unexpected(made.error());
   if (made->entity < 0)
     return fail(Errc::invalid_argument, "Cyclone DDS refuses its configuration (" + made->messages +

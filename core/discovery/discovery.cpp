@@ -1,7 +1,6 @@
 #include "core/discovery/discovery.h"
 
 #include <algorithm>
-#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -12,6 +11,7 @@
 #include "core/discovery/own_announcements.h"
 #include "core/platform/clock.h"
 #include "core/platform/network_watch.h"
+#include "core/sync/mutex.h"
 
 namespace sft::core {
 
@@ -44,7 +44,7 @@ class LinkedDiscovery final : public Discovery {
 
   LifeSigns life_signs() const override { return life_signs_; }
   Configuration configuration() const override {
-    const std::scoped_lock lock(configuration_mutex_);
+    const Lock lock(configuration_mutex_);
     return configuration_;
   }
 
@@ -145,7 +145,7 @@ class LinkedDiscovery final : public Discovery {
       if (std::ranges::find(present.interfaces, spec.interface) == present.interfaces.end())
         present.interfaces.push_back(spec.interface);
     }
-    const std::scoped_lock lock(configuration_mutex_);
+    const Lock lock(configuration_mutex_);
     configuration_ = std::move(present);
   }
 
@@ -182,8 +182,8 @@ class LinkedDiscovery final : public Discovery {
   std::vector<HostInterface> interfaces_;
   NodeId node_ = 0;  ///< ours, once it has said that it lives
   Time asserts_often_until_{};
-  mutable std::mutex configuration_mutex_;
-  Configuration configuration_;  ///< guarded by configuration_mutex_
+  mutable Mutex configuration_mutex_;
+  Configuration configuration_ SFT_GUARDED_BY(configuration_mutex_);
 
   OwnAnnouncements own_;
   DiscoveryEar ear_;

@@ -7,11 +7,11 @@
 #include <cstdint>
 #include <deque>
 #include <map>
-#include <mutex>
 #include <optional>
 #include <set>
 
 #include "core/control/control.h"
+#include "core/sync/mutex.h"
 
 namespace sft::core {
 
@@ -21,19 +21,19 @@ class Participants {
 
   /// The number of a participant, never 0. A participant that comes back soon has the number that it had.
   AnnouncerId number_of(const Guid& guid) {
-    const std::scoped_lock lock(mutex_);
+    const Lock lock(mutex_);
     const auto [entry, is_new] = numbers_.try_emplace(guid, last_ + 1);
     if (is_new) ++last_;
     return entry->second;
   }
   /// The participant that has that number. Nothing if it is forgotten.
   std::optional<Guid> guid_of(AnnouncerId number) const {
-    const std::scoped_lock lock(mutex_);
+    const Lock lock(mutex_);
     const auto entry = std::ranges::find(numbers_, number, [](const auto& known) { return known.second; });
     return entry == numbers_.end() ? std::nullopt : std::optional(entry->first);
   }
   void gone(const Guid& guid) {
-    const std::scoped_lock lock(mutex_);
+    const Lock lock(mutex_);
     gone_.push_back(guid);
     if (gone_.size() <= gone_max) return;
     numbers_.erase(gone_.front());
@@ -41,22 +41,22 @@ class Participants {
   }
   /// A participant of the node itself, on any link.
   void add_own(const Guid& guid) {
-    const std::scoped_lock lock(mutex_);
+    const Lock lock(mutex_);
     own_.insert(guid);
   }
   bool is_own(const Guid& guid) const {
-    const std::scoped_lock lock(mutex_);
+    const Lock lock(mutex_);
     return own_.contains(guid);
   }
 
  private:
   static constexpr std::size_t gone_max = 1024;
 
-  mutable std::mutex mutex_;
-  std::map<Guid, AnnouncerId> numbers_;
-  std::deque<Guid> gone_;
-  std::set<Guid> own_;
-  AnnouncerId last_ = 0;
+  mutable Mutex mutex_;
+  std::map<Guid, AnnouncerId> numbers_ SFT_GUARDED_BY(mutex_);
+  std::deque<Guid> gone_ SFT_GUARDED_BY(mutex_);
+  std::set<Guid> own_ SFT_GUARDED_BY(mutex_);
+  AnnouncerId last_ SFT_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace sft::core
