@@ -56,27 +56,27 @@ SubscriberSnapshot snapshot_of(SubscriberCore& subscriber) {
 }  // namespace
 
 void EndpointRoster::enter(const PublisherCore& publisher) {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   publishers_.push_back(&publisher);
 }
 
 void EndpointRoster::enter(SubscriberCore& subscriber) {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   subscribers_.push_back(&subscriber);
 }
 
 void EndpointRoster::strike_off(const PublisherCore& publisher) {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   std::erase(publishers_, &publisher);
 }
 
 void EndpointRoster::strike_off(const SubscriberCore& subscriber) {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   std::erase(subscribers_, &subscriber);
 }
 
 void EndpointRoster::describe(NodeSnapshot& snapshot) {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   for (const PublisherCore* publisher : publishers_) snapshot.publishers.push_back(snapshot_of(*publisher));
   for (SubscriberCore* subscriber : subscribers_) snapshot.subscribers.push_back(snapshot_of(*subscriber));
 }

@@ -1,11 +1,11 @@
 // The publishers and subscribers that a node's program holds, to be looked at all at once. Any thread.
 #pragma once
 
-#include <mutex>
 #include <vector>
 
 #include "core/publish/publisher_core.h"
 #include "core/subscribe/subscriber_core.h"
+#include "core/sync/mutex.h"
 #include "sft/snapshot.h"
 
 namespace sft::core {
@@ -22,9 +22,9 @@ class EndpointRoster {
   void describe(NodeSnapshot& snapshot);
 
  private:
-  std::mutex mutex_;  // also while they are asked, which takes locks of theirs; nothing else happens under it
-  std::vector<const PublisherCore*> publishers_;
-  std::vector<SubscriberCore*> subscribers_;
+  Mutex mutex_;  // also held while the endpoints are asked for their status, which takes their own locks
+  std::vector<const PublisherCore*> publishers_ SFT_GUARDED_BY(mutex_);
+  std::vector<SubscriberCore*> subscribers_ SFT_GUARDED_BY(mutex_);
 };
 
 }  // namespace sft::core

@@ -3,9 +3,9 @@
 #pragma once
 
 #include <map>
-#include <mutex>
 #include <string>
 
+#include "core/sync/mutex.h"
 #include "sft/dynamic_type.h"
 
 namespace sft::core {
@@ -16,13 +16,13 @@ class KeptTypes {
   const TypeSupport& keep(const DynamicType& type) {
     const std::span<const std::byte> bytes = type.description();
     const std::string description(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    const std::scoped_lock lock(mutex_);
+    const Lock lock(mutex_);
     return by_description_.try_emplace(description, type).first->second.support();
   }
 
  private:
-  std::mutex mutex_;
-  std::map<std::string, DynamicType> by_description_;  ///< guarded by mutex_
+  Mutex mutex_;
+  std::map<std::string, DynamicType> by_description_ SFT_GUARDED_BY(mutex_);
 };
 
 }  // namespace sft::core

@@ -31,7 +31,7 @@ TransportWatch::MemoryChange TransportWatch::look_at_memory(Time now) {
       .any = true, .of_host = self.host != self_.host, .of_state = self.memory_state != self_.memory_state};
   self_ = std::move(self);
   memory_ready_.store(ready);
-  const std::scoped_lock lock(memory_state_mutex_);
+  const Lock lock(memory_state_mutex_);
   memory_state_ = self_.memory_state;
   return change;
 }
@@ -71,7 +71,7 @@ TransportWatch::NetworkChange TransportWatch::look_at_addresses(Time now) {
 }
 
 std::string TransportWatch::memory_state() const {
-  const std::scoped_lock lock(memory_state_mutex_);
+  const Lock lock(memory_state_mutex_);
   return memory_ == nullptr ? ruled_out : memory_state_;
 }
 

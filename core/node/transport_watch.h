@@ -4,7 +4,6 @@
 
 #include <atomic>
 #include <cstdint>
-#include <mutex>
 #include <string>
 #include <vector>
 
@@ -12,6 +11,7 @@
 #include "core/platform/clock.h"
 #include "core/report/node_log.h"
 #include "core/seam/transport.h"
+#include "core/sync/mutex.h"
 
 namespace sft::core {
 
@@ -61,8 +61,8 @@ class TransportWatch {
   Time next_look_at_addresses_{};
 
   std::atomic<bool> memory_ready_{false};
-  mutable std::mutex memory_state_mutex_;
-  std::string memory_state_ = "starting";  ///< guarded by memory_state_mutex_
+  mutable Mutex memory_state_mutex_;
+  std::string memory_state_ SFT_GUARDED_BY(memory_state_mutex_) = "starting";
 };
 
 }  // namespace sft::core

@@ -13,7 +13,7 @@ WakeSlots::WakeSlots() : page_(DoorbellPage::create()), free_(DoorbellPage::slot
 }
 
 Result<std::uint32_t> WakeSlots::take() {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   if (free_.empty())
     return fail(Errc::limit_exceeded,
                 "a node has at most 1022 subscribers with neither callback nor file descriptor");
@@ -24,7 +24,7 @@ Result<std::uint32_t> WakeSlots::take() {
 
 void WakeSlots::give_back(std::uint32_t slot) {
   if (slot < shared_slots) return;
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   free_.push_back(slot);
 }
 

@@ -5,10 +5,10 @@
 
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <vector>
 
 #include "core/platform/doorbell.h"
+#include "core/sync/mutex.h"
 #include "sft/result.h"
 
 namespace sft::core {
@@ -30,8 +30,8 @@ class WakeSlots {
 
  private:
   const std::unique_ptr<DoorbellPage> page_;
-  std::mutex mutex_;
-  std::vector<std::uint32_t> free_;  ///< guarded by mutex_
+  Mutex mutex_;
+  std::vector<std::uint32_t> free_ SFT_GUARDED_BY(mutex_);
 };
 
 }  // namespace sft::core
