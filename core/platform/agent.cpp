@@ -12,7 +12,7 @@ Result<void> Agent::start(const ThreadSpec& thread, Duties duties) {
 void Agent::stop() {
   if (!thread_.joinable()) return;
   {
-    const std::scoped_lock lock(mutex_);
+    const Lock lock(mutex_);
     stopping_ = true;
   }
   posted_.notify_one();
@@ -21,7 +21,7 @@ void Agent::stop() {
 
 void Agent::post(Task task) {
   {
-    const std::scoped_lock lock(mutex_);
+    const Lock lock(mutex_);
     tasks_.push_back(std::move(task));
   }
   posted_.notify_one();
@@ -34,8 +34,8 @@ void Agent::run() {
   for (;;) {
     bool stopping = false;
     {
-      std::unique_lock lock(mutex_);
-      posted_.wait_until(lock, next_tick, [this] { return stopping_ || !tasks_.empty(); });
+      Lock lock(mutex_);
+      while (!stopping_ && tasks_.empty() && posted_.wait_until(lock, next_tick)) continue;
       batch.swap(tasks_);
       stopping = stopping_;
     }

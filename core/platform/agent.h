@@ -4,14 +4,13 @@
 
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <functional>
-#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "core/platform/thread.h"
+#include "core/sync/mutex.h"
 #include "sft/result.h"
 
 namespace sft::core {
@@ -43,10 +42,10 @@ class Agent {
   void run();
 
   Duties duties_;
-  std::mutex mutex_;
-  std::condition_variable posted_;
-  std::vector<Task> tasks_;
-  bool stopping_ = false;
+  Mutex mutex_;
+  Condition posted_;
+  std::vector<Task> tasks_ SFT_GUARDED_BY(mutex_);
+  bool stopping_ SFT_GUARDED_BY(mutex_) = false;
   std::atomic<std::thread::id> thread_id_{};
   std::thread thread_;
 };
