@@ -2,10 +2,10 @@
 #pragma once
 
 #include <cstdint>
-#include <mutex>
 #include <vector>
 
 #include "core/seam/sample_buffer.h"
+#include "core/sync/mutex.h"
 
 namespace sft::core {
 
@@ -26,9 +26,9 @@ class History {
   bool is_expired(const SampleHandle& sample, std::int64_t now_ns) const;
 
   const std::int64_t lifespan_ns_;
-  mutable std::mutex mutex_;           // held for a few instructions; samples are let go of outside
-  std::vector<SampleHandle> samples_;  ///< a ring, empty handles where nothing is kept
-  std::size_t next_ = 0;               ///< place of the next sample, which is that of the oldest
+  mutable Mutex mutex_;  // held for a few instructions; samples are let go of outside
+  std::vector<SampleHandle> samples_ SFT_GUARDED_BY(mutex_);  ///< a ring, empty handles where nothing is kept
+  std::size_t next_ SFT_GUARDED_BY(mutex_) = 0;  ///< place of the next sample, which is that of the oldest
 };
 
 }  // namespace sft::core

@@ -42,7 +42,7 @@ void PublisherCore::serve(Serving serving, std::shared_ptr<LendingWriter> memory
   for (const ReaderStatus& reader : serving.readers) known.insert(reader.id);
   spec_.book->keep(known);
   {
-    const std::scoped_lock lock(status_mutex_);
+    const Lock lock(status_mutex_);
     readers_ = std::move(serving.readers);
     encoded_ = encoded;
   }
@@ -53,7 +53,7 @@ void PublisherCore::serve(Serving serving, std::shared_ptr<LendingWriter> memory
 void PublisherCore::show(std::vector<ReaderStatus> readers) {
   bool is_news = false;
   {
-    const std::scoped_lock lock(status_mutex_);
+    const Lock lock(status_mutex_);
     is_news = !std::ranges::equal(readers_, readers, equal_but_for_number);
     readers_ = std::move(readers);
   }
@@ -190,12 +190,15 @@ bool PublisherCore::keeps_promises(std::uint64_t deadlines_missed, bool alive) {
 }
 
 bool PublisherCore::wait_for_readers(std::size_t count, std::chrono::nanoseconds timeout) const {
-  const auto are_served = [&] {
-    const auto served = std::ranges::count_if(readers_, [](const ReaderStatus& r) { return r.served; });
-    return static_cast<std::size_t>(served) >= count;
-  };
-  std::unique_lock lock(status_mutex_);
-  return readers_known_.wait_until(lock, deadline_after(timeout), are_served);
+  const auto deadline = deadline_after(timeout);
+  Lock lock(status_mutex_);
+  while (served() < count && readers_known_.wait_until(lock, deadline)) continue;
+  return served() >= count;
+}
+
+std::size_t PublisherCore::served() const {
+  const auto count = std::ranges::count_if(readers_, [](const ReaderStatus& r) { return r.served; });
+  return static_cast<std::size_t>(count);
 }
 
 PublisherStatus PublisherCore::status() const {
@@ -211,7 +214,7 @@ PublisherStatus PublisherCore::status() const {
     status.dropped += sent.dropped;
   }
   status.bytes_saved = spec_.book->total().bytes_saved;
-  const std::scoped_lock lock(status_mutex_);
+  const Lock lock(status_mutex_);
   status.mask = encoded_;
   status.readers = readers_;
   for (ReaderStatus& reader : status.readers) {

@@ -9,11 +9,9 @@
 
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <span>
 #include <string>
 #include <vector>
@@ -28,6 +26,7 @@
 #include "core/seam/delivery.h"
 #include "core/seam/writer_port.h"
 #include "core/sync/guarded_call.h"
+#include "core/sync/mutex.h"
 #include "sft/detail/untyped.h"
 
 namespace sft::core {
@@ -112,6 +111,8 @@ class PublisherCore {
                             std::chrono::nanoseconds& patience);
   PublishedSpan publish_some(const std::byte* values, std::size_t count, std::size_t stride,
                              BatchPatience share, std::chrono::nanoseconds& patience);
+  /// Returns how many readers are served.
+  std::size_t served() const SFT_REQUIRES(status_mutex_);
 
   const Spec spec_;
   const std::shared_ptr<NetworkWriter> network_;  ///< null where the publisher rules it out
@@ -127,10 +128,10 @@ class PublisherCore {
   GuardedCall<const Event&> events_;
   GuardedCall<const PublisherStatus&> readers_changed_;
 
-  mutable std::mutex status_mutex_;
-  mutable std::condition_variable readers_known_;  ///< that they may be others than before
-  std::vector<ReaderStatus> readers_;
-  FieldMask encoded_;  ///< at present
+  mutable Mutex status_mutex_;
+  mutable Condition readers_known_;  ///< that they may be others than before
+  std::vector<ReaderStatus> readers_ SFT_GUARDED_BY(status_mutex_);
+  FieldMask encoded_ SFT_GUARDED_BY(status_mutex_);  ///< at present
 };
 
 }  // namespace sft::core
