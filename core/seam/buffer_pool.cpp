@@ -65,7 +65,7 @@ SampleHandle BufferPool::take(std::size_t bytes, std::size_t leave_bytes) noexce
   const std::size_t capacity = capacity_of(size_class);
   SampleBuffer* buffer = nullptr;
   {
-    const std::scoped_lock lock(mutex_);
+    const Lock lock(mutex_);
     if (lent_bytes_ + capacity + leave_bytes > limit_bytes_) return {};
     lent_bytes_ += capacity;
     auto& list = free_[size_class];
@@ -76,7 +76,7 @@ SampleHandle BufferPool::take(std::size_t bytes, std::size_t leave_bytes) noexce
   }
   if (buffer == nullptr) buffer = make_buffer(capacity);
   if (buffer == nullptr) {
-    const std::scoped_lock lock(mutex_);
+    const Lock lock(mutex_);
     lent_bytes_ -= capacity;
     return {};
   }
@@ -101,7 +101,7 @@ void BufferPool::take_kept(std::size_t bytes, std::size_t leave_bytes, std::size
   const std::size_t capacity = capacity_of(size_class);
   const std::shared_ptr<BufferOwner> self = shared_from_this();
   buffers.reserve(buffers.size() + count);
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   auto& list = free_[size_class];
   for (; count > 0 && !list.empty(); --count) {
     if (lent_bytes_ + capacity + leave_bytes > limit_bytes_) return;
@@ -114,7 +114,7 @@ void BufferPool::take_kept(std::size_t bytes, std::size_t leave_bytes, std::size
 SampleBuffer* BufferPool::make_buffer(std::size_t capacity) noexcept {
   shrink(capacity);
   {
-    const std::scoped_lock lock(mutex_);
+    const Lock lock(mutex_);
     if (held_bytes_ + capacity > limit_bytes_) return nullptr;
     held_bytes_ += capacity;
   }
@@ -123,7 +123,7 @@ SampleBuffer* BufferPool::make_buffer(std::size_t capacity) noexcept {
   if (buffer == nullptr || data == nullptr) {
     release(data, capacity);
     delete buffer;
-    const std::scoped_lock lock(mutex_);
+    const Lock lock(mutex_);
     held_bytes_ -= capacity;
     return nullptr;
   }
@@ -137,7 +137,7 @@ void BufferPool::shrink(std::size_t needed) noexcept {
   for (;;) {
     SampleBuffer* victim = nullptr;
     {
-      const std::scoped_lock lock(mutex_);
+      const Lock lock(mutex_);
       if (held_bytes_ + needed <= limit_bytes_) return;
       for (auto list = free_.rbegin(); list != free_.rend() && victim == nullptr; ++list) {
         if (list->empty()) continue;
@@ -152,7 +152,7 @@ void BufferPool::shrink(std::size_t needed) noexcept {
 }
 
 void BufferPool::recycle(SampleBuffer& buffer) noexcept {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   lent_bytes_ -= buffer.capacity;
   try {
     free_[class_for(buffer.capacity)].push_back(&buffer);

@@ -123,33 +123,33 @@ Delivered DeliveryBook::Account::delivered() const noexcept {
 }
 
 void DeliveryBook::enter(const Page& page) {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   for (const auto& [reader, meter] : page) accounts_.try_emplace(reader);
 }
 
 void DeliveryBook::retained(std::uint64_t reader, std::uint64_t samples) {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   accounts_[reader].retained += samples;
 }
 
 void DeliveryBook::keep(const std::set<std::uint64_t>& readers) {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   for (auto& [reader, account] : accounts_) account.gone = !readers.contains(reader);
   forget_the_gone();
 }
 
 /// Readers on the open pages still count until these pages are turned.
 void DeliveryBook::forget_the_gone() {
-  std::erase_if(accounts_, [this](const auto& entry) {
+  std::erase_if(accounts_, [&gone = gone_](const auto& entry) {
     if (!entry.second.gone || entry.second.open()) return false;
-    add(gone_, entry.second.delivered());
+    add(gone, entry.second.delivered());
     return true;
   });
 }
 
 void DeliveryBook::turn_to(Teller teller, const Page& page, LateCounts late) noexcept {
   const auto number = static_cast<std::size_t>(teller);
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   for (auto& [reader, account] : accounts_) account.columns[number].close(late);
   for (const auto& [reader, meter] : page) {
     const auto account = accounts_.find(reader);
@@ -161,13 +161,13 @@ void DeliveryBook::turn_to(Teller teller, const Page& page, LateCounts late) noe
 }
 
 Delivered DeliveryBook::of(std::uint64_t reader) const {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   const auto account = accounts_.find(reader);
   return account == accounts_.end() ? Delivered{} : account->second.delivered();
 }
 
 Delivered DeliveryBook::total() const {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   Delivered total = gone_;
   for (const auto& [reader, account] : accounts_) add(total, account.delivered());
   return total;

@@ -12,12 +12,12 @@
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <set>
 #include <utility>
 #include <vector>
 
 #include "core/seam/rate_gate.h"
+#include "core/sync/mutex.h"
 
 namespace sft::core {
 
@@ -129,11 +129,11 @@ class DeliveryBook {
     bool open() const noexcept;
     Delivered delivered() const noexcept;
   };
-  void forget_the_gone();
+  void forget_the_gone() SFT_REQUIRES(mutex_);
 
-  mutable std::mutex mutex_;
-  std::map<std::uint64_t, Account> accounts_;
-  Delivered gone_;
+  mutable Mutex mutex_;
+  std::map<std::uint64_t, Account> accounts_ SFT_GUARDED_BY(mutex_);
+  Delivered gone_ SFT_GUARDED_BY(mutex_);
 };
 
 }  // namespace sft::core
