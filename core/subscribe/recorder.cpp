@@ -35,7 +35,8 @@ std::shared_ptr<Recorder> Recorder::make(std::size_t leaves, const RecordingSett
 }
 
 Recorder::Recorder(std::size_t leaves, const RecordingSettings& settings, Changed changed)
-    : settings_(settings),
+    : leaf_count_(leaves),
+      settings_(settings),
       changed_(std::move(changed)),
       required_(FieldMask(leaves).words()),
       leaves_(leaves),
@@ -47,7 +48,7 @@ Recorder::Recorder(std::size_t leaves, const RecordingSettings& settings, Change
 RecordedSample* Recorder::begin() {
   RecordedSample* sample = nullptr;
   {
-    const std::scoped_lock lock(mutex_);
+    const Lock lock(mutex_);
     if (free_ != nullptr) sample = std::exchange(free_, free_->next_free_);
   }
   if (sample == nullptr) sample = add();
@@ -59,7 +60,7 @@ RecordedSample* Recorder::begin() {
 RecordedSample* Recorder::add() {
   detail::AccessLog::Listener* const listener = this;
   auto added = std::make_unique<RecordedSample>(required_.size(), listener);
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   return owned_.emplace_back(std::move(added)).get();
 }
 
@@ -71,7 +72,7 @@ void Recorder::end(RecordedSample* sample) noexcept {
 void Recorder::fold(RecordedSample& sample) noexcept {
   bool changed = false;
   {
-    const std::scoped_lock lock(mutex_);
+    const Lock lock(mutex_);
     ++samples_;
     changed = count(sample);
     changed |= give_up_stale();
@@ -80,8 +81,6 @@ void Recorder::fold(RecordedSample& sample) noexcept {
   }
   if (changed) changed_();
 }
-
-// ---- with the mutex held; true: required_ has changed ----
 
 bool Recorder::count(RecordedSample& sample) noexcept {
   bool changed = false;
@@ -135,12 +134,10 @@ bool Recorder::is_required(std::size_t leaf) const noexcept {
   return (required_[leaf / 64].load(std::memory_order_relaxed) & bit(leaf)) != 0;
 }
 
-// ---- any thread ----
-
 void Recorder::first_read(std::size_t leaf) noexcept {
   if (is_required(leaf)) return;
   {
-    const std::scoped_lock lock(mutex_);
+    const Lock lock(mutex_);
     if (!need(leaf, samples_ + 1)) return;  // the sample being read is not released before
   }
   changed_();
@@ -149,15 +146,15 @@ void Recorder::first_read(std::size_t leaf) noexcept {
 FieldMask Recorder::required() const {
   std::vector<std::uint64_t> words(required_.size());
   {
-    const std::scoped_lock lock(mutex_);
+    const Lock lock(mutex_);
     for (std::size_t i = 0; i < words.size(); ++i) words[i] = required_[i].load(std::memory_order_relaxed);
   }
-  return FieldMask::from_words(leaves_.size(), words);
+  return FieldMask::from_words(leaf_count_, words);
 }
 
 Recorder::Use Recorder::use() const {
-  Use use{.samples = 0, .leaves = std::vector<LeafUse>(leaves_.size())};
-  const std::scoped_lock lock(mutex_);
+  Use use{.samples = 0, .leaves = std::vector<LeafUse>(leaf_count_)};
+  const Lock lock(mutex_);
   use.samples = samples_;
   for (std::size_t leaf = 0; leaf < leaves_.size(); ++leaf) use.leaves[leaf] = leaves_[leaf].use;
   return use;

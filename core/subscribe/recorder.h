@@ -9,11 +9,11 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <vector>
 
 #include "core/subscribe/read_order.h"
 #include "core/sync/guarded_call.h"
+#include "core/sync/mutex.h"
 #include "sft/detail/access_log.h"
 #include "sft/mask.h"
 #include "sft/options.h"
@@ -80,23 +80,25 @@ class Recorder final : public std::enable_shared_from_this<Recorder>, private de
   RecordedSample* add();
   void first_read(std::size_t leaf) noexcept override;
   void fold(RecordedSample& sample) noexcept;
-  bool count(RecordedSample& sample) noexcept;
-  bool need(std::size_t leaf, std::uint64_t sample) noexcept;
-  bool give_up_stale() noexcept;
-  bool finish_learning() noexcept;
+  // These return true if required_ has changed.
+  bool count(RecordedSample& sample) noexcept SFT_REQUIRES(mutex_);
+  bool need(std::size_t leaf, std::uint64_t sample) noexcept SFT_REQUIRES(mutex_);
+  bool give_up_stale() noexcept SFT_REQUIRES(mutex_);
+  bool finish_learning() noexcept SFT_REQUIRES(mutex_);
   bool is_required(std::size_t leaf) const noexcept;
 
+  const std::size_t leaf_count_;
   const RecordingSettings settings_;
   GuardedCall<> changed_;
 
-  mutable std::mutex mutex_;  // held for a few instructions
+  mutable Mutex mutex_;  // held for a few instructions
   /// Changed with the mutex held; getters look without it.
   std::vector<std::atomic<std::uint64_t>> required_;
-  std::vector<Leaf> leaves_;
-  ReadOrder order_;  ///< of the leaves that are needed, by needed_since
-  std::uint64_t samples_ = 0;
-  std::vector<std::unique_ptr<RecordedSample>> owned_;
-  RecordedSample* free_ = nullptr;
+  std::vector<Leaf> leaves_ SFT_GUARDED_BY(mutex_);
+  ReadOrder order_ SFT_GUARDED_BY(mutex_);  ///< of the leaves that are needed, by needed_since
+  std::uint64_t samples_ SFT_GUARDED_BY(mutex_) = 0;
+  std::vector<std::unique_ptr<RecordedSample>> owned_ SFT_GUARDED_BY(mutex_);
+  RecordedSample* free_ SFT_GUARDED_BY(mutex_) = nullptr;
 };
 
 }  // namespace sft::core

@@ -59,7 +59,7 @@ detail::untyped::Sample SubscriberCore::take_latest() {
 /// have missed the sample.
 bool SubscriberCore::copy_as_remote(Next& next) {
   {
-    const std::scoped_lock lock(remote_mutex_);
+    const Lock lock(remote_mutex_);
     next.sample = remote_->of(std::move(next.sample), *next.asked);
   }
   const bool is_delivered = static_cast<bool>(next.sample);

@@ -9,7 +9,6 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,6 +23,7 @@
 #include "core/subscribe/subscriber_ports.h"
 #include "core/subscribe/waiter.h"
 #include "core/sync/guarded_call.h"
+#include "core/sync/mutex.h"
 #include "sft/detail/untyped.h"
 
 namespace sft::core {
@@ -110,8 +110,8 @@ class SubscriberCore final : public ArrivalListener {
   const Spec spec_;
   Doorbell& bell_;
   const std::shared_ptr<Recorder> recorder_;
-  std::mutex remote_mutex_;           ///< held by the one thread that copies a sample
-  std::optional<RemoteCopy> remote_;  ///< guarded by remote_mutex_
+  Mutex remote_mutex_;  ///< held by the one thread that copies a sample
+  std::optional<RemoteCopy> remote_ SFT_GUARDED_BY(remote_mutex_);
   GuardedCall<const Event&> events_;
   SubscriberPorts ports_;
   Waiter waiter_;

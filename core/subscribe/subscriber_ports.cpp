@@ -14,7 +14,7 @@ void SubscriberPorts::Counts::add(const ReaderPort& port) {
 void SubscriberPorts::set_memory(std::shared_ptr<BorrowingReader> port) {
   const std::shared_ptr<NetworkReader> beside = network();
   if (port != nullptr && beside != nullptr) beside->share_reader();
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   memory_.swap(port);  // the former port ends with the argument, after the mutex was released
   if (port == nullptr) return;
   of_former_ports_.add(*port);
@@ -22,23 +22,22 @@ void SubscriberPorts::set_memory(std::shared_ptr<BorrowingReader> port) {
 }
 
 void SubscriberPorts::set_network(std::shared_ptr<NetworkReader> port) {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   network_.swap(port);  // likewise
   if (port != nullptr) of_former_ports_.add(*port);
 }
 
 std::shared_ptr<NetworkReader> SubscriberPorts::network() {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   return network_;
 }
 
-/// Called without the mutex after samples may have been taken: the port may make a system call.
 void SubscriberPorts::tell_of_room() {
   if (!writers_wait_.load(std::memory_order_relaxed)) [[likely]]
     return;
   std::shared_ptr<BorrowingReader> memory;
   {
-    const std::scoped_lock lock(mutex_);
+    const Lock lock(mutex_);
     memory = memory_;
   }
   if (memory != nullptr) memory->tell_of_room();
@@ -48,7 +47,6 @@ void SubscriberPorts::fill(Intake::Inlet inlet, ReaderPort* port) {
   if (port != nullptr && intake_.is_empty(inlet)) intake_.put(inlet, port->take());
 }
 
-/// With the mutex held: true if intake_ can deliver a sample.
 bool SubscriberPorts::find_next() {
   using Decision = Intake::Decision;
   LazyRealtime now;
@@ -80,7 +78,6 @@ bool SubscriberPorts::find_next() {
   }
 }
 
-/// With the mutex held.
 SubscriberPorts::Next SubscriberPorts::next() {
   if (!find_next()) return {};
   Next next{intake_.take(), nullptr};
@@ -89,7 +86,7 @@ SubscriberPorts::Next SubscriberPorts::next() {
 }
 
 SubscriberPorts::Next SubscriberPorts::take() {
-  std::unique_lock lock(mutex_);
+  Lock lock(mutex_);
   Next taken = next();
   lock.unlock();
   tell_of_room();
@@ -97,7 +94,7 @@ SubscriberPorts::Next SubscriberPorts::take() {
 }
 
 SubscriberPorts::Next SubscriberPorts::take_latest() {
-  std::unique_lock lock(mutex_);
+  Lock lock(mutex_);
   Next latest = next();
   while (latest.sample && find_next()) intake_.keep_newer(latest, intake_.take());
   if (latest.sample) intake_.report_losses(latest);
@@ -110,7 +107,7 @@ SubscriberPorts::Next SubscriberPorts::take_latest() {
 bool SubscriberPorts::available() {
   bool found = false;
   {
-    const std::scoped_lock lock(mutex_);
+    const Lock lock(mutex_);
     found = find_next();
   }
   tell_of_room();
@@ -118,79 +115,78 @@ bool SubscriberPorts::available() {
 }
 
 void SubscriberPorts::copied(const SampleInfo& info, bool is_delivered) {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   intake_.copied(info, is_delivered);
 }
 
 void SubscriberPorts::ask(std::uint32_t min_period_us) {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   intake_.accounts().ask(min_period_us);
 }
 
 std::uint32_t SubscriberPorts::min_period_us() {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   return intake_.accounts().min_period_us();
 }
 
 FieldMask SubscriberPorts::requested() {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   return requested_;
 }
 
 void SubscriberPorts::hears(const std::vector<Hearing>& hearing) {
   const auto waits = [](const Hearing& h) { return h.memory && h.source.reliable && h.source.waits; };
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   writers_wait_.store(std::ranges::any_of(hearing, waits), std::memory_order_relaxed);
   intake_.accounts().hears(hearing, realtime_ns());
 }
 
 void SubscriberPorts::requests(const FieldMask& mask, std::uint64_t sequence,
                                std::shared_ptr<const detail::ProjectionPlan> asked) {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   requested_ = mask;
   requests_ = sequence;
   asked_ = std::move(asked);
 }
 
 bool SubscriberPorts::keeps_promises(EndpointId writer, std::uint64_t deadlines_missed, bool alive) {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   return intake_.accounts().keeps_promises(writer, deadlines_missed, alive);
 }
 
 void SubscriberPorts::restarted(EndpointId writer) {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   ++intake_.accounts().of(writer).restarts;
 }
 
 bool SubscriberPorts::take_held_back() {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   return intake_.take_held_back();
 }
 
 std::uint64_t SubscriberPorts::losses() {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   return intake_.accounts().losses();
 }
 
 std::uint64_t SubscriberPorts::held_too_many() {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   return of_former_ports_.held_too_many + (memory_ == nullptr ? 0 : memory_->held_too_many());
 }
 
 std::uint64_t SubscriberPorts::arrivals(EndpointId writer) {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   return (memory_ == nullptr ? 0 : memory_->arrivals(writer)) +
          (network_ == nullptr ? 0 : network_->arrivals(writer));
 }
 
 Account::OfReader SubscriberPorts::account_of(EndpointId writer) {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   const WriterAccounts::Writer* const known = intake_.accounts().find(writer);
   if (known == nullptr) return {};
   return {.received = known->received, .lost = known->lost};
 }
 
-/// With the mutex held.
 SubscriberPorts::Counts SubscriberPorts::counts() const {
   Counts counts = of_former_ports_;
   if (memory_ != nullptr) {
@@ -202,7 +198,7 @@ SubscriberPorts::Counts SubscriberPorts::counts() const {
 }
 
 SubscriberStatus SubscriberPorts::status() {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   SubscriberStatus status;
   intake_.accounts().describe(status);
   const Counts counts = this->counts();

@@ -7,11 +7,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <vector>
 
 #include "core/seam/transport.h"
 #include "core/subscribe/intake.h"
+#include "core/sync/mutex.h"
 #include "sft/detail/project.h"
 
 namespace sft::core {
@@ -73,22 +73,25 @@ class SubscriberPorts {
     void add(const ReaderPort& port);
   };
 
-  void fill(Intake::Inlet inlet, ReaderPort* port);
-  bool find_next();
-  Next next();
-  Counts counts() const;
-  void tell_of_room();
+  void fill(Intake::Inlet inlet, ReaderPort* port) SFT_REQUIRES(mutex_);
+  /// True if intake_ can deliver a sample.
+  bool find_next() SFT_REQUIRES(mutex_);
+  Next next() SFT_REQUIRES(mutex_);
+  Counts counts() const SFT_REQUIRES(mutex_);
+  /// Called after samples may have been taken. The port may make a system call.
+  void tell_of_room() SFT_EXCLUDES(mutex_);
 
-  std::mutex mutex_;
-  Intake intake_;
-  std::shared_ptr<BorrowingReader> memory_;
-  std::shared_ptr<NetworkReader> network_;
-  Counts of_former_ports_;
-  FieldMask requested_;
-  std::shared_ptr<const detail::ProjectionPlan> asked_;  ///< null where samples are delivered as they are
-  std::uint64_t requests_ = 1;
-  std::atomic<bool> writers_wait_{
-      false};  ///< some writer in shared memory waits for room; written under mutex_
+  Mutex mutex_;
+  Intake intake_ SFT_GUARDED_BY(mutex_);
+  std::shared_ptr<BorrowingReader> memory_ SFT_GUARDED_BY(mutex_);
+  std::shared_ptr<NetworkReader> network_ SFT_GUARDED_BY(mutex_);
+  Counts of_former_ports_ SFT_GUARDED_BY(mutex_);
+  FieldMask requested_ SFT_GUARDED_BY(mutex_);
+  /// Null where samples are delivered as they are.
+  std::shared_ptr<const detail::ProjectionPlan> asked_ SFT_GUARDED_BY(mutex_);
+  std::uint64_t requests_ SFT_GUARDED_BY(mutex_) = 1;
+  /// Some writer in shared memory waits for room. Written with the mutex held, read without it.
+  std::atomic<bool> writers_wait_{false};
 };
 
 }  // namespace sft::core
