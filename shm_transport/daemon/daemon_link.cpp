@@ -237,7 +237,7 @@ void DaemonLink::give_up(core::Retry& attempt, const std::string& reason, Clock:
 
 void DaemonLink::publish(Availability availability, std::string description, std::shared_ptr<Session> session,
                          bool lacks_daemon) {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   availability_ = availability;
   lacks_daemon_ = lacks_daemon;
   description_ = std::move(description);
@@ -245,7 +245,7 @@ void DaemonLink::publish(Availability availability, std::string description, std
 }
 
 DaemonLink::State DaemonLink::current() const {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   std::shared_ptr<Session> session = session_.lock();
   // A session that all its users have released cannot be shared any more.
   if (availability_ == Availability::ready && session == nullptr) return {Availability::starting, nullptr};
@@ -253,12 +253,12 @@ DaemonLink::State DaemonLink::current() const {
 }
 
 std::string DaemonLink::description() const {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   return description_;
 }
 
 bool DaemonLink::lacks_daemon() const {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   return lacks_daemon_;
 }
 

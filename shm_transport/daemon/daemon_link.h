@@ -7,13 +7,13 @@
 #include <atomic>
 #include <chrono>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/platform/retry.h"
 #include "core/seam/transport.h"
+#include "core/sync/mutex.h"
 #include "shm_transport/daemon/daemon_launch.h"
 #include "shm_transport/daemon/launch_obstacles.h"
 #include "shm_transport/host/session.h"
@@ -74,11 +74,12 @@ class DaemonLink {
                              ///< tried at once
   std::array<std::uint8_t, 16> registered_with_{};  ///< the token of that daemon
 
-  mutable std::mutex mutex_;  // guards the members below, which the functions for any thread read
-  core::Availability availability_ = core::Availability::starting;
-  std::string description_ = looking_for_daemon;
-  bool lacks_daemon_ = false;
-  std::weak_ptr<Session> session_;  ///< transports and ports own it, the link does not
+  // The functions for any thread read the members below.
+  mutable core::Mutex mutex_;
+  core::Availability availability_ SFT_GUARDED_BY(mutex_) = core::Availability::starting;
+  std::string description_ SFT_GUARDED_BY(mutex_) = looking_for_daemon;
+  bool lacks_daemon_ SFT_GUARDED_BY(mutex_) = false;
+  std::weak_ptr<Session> session_ SFT_GUARDED_BY(mutex_);  ///< transports and ports own it, the link does not
 };
 
 }  // namespace sft::shm
