@@ -12,12 +12,12 @@ IceoryxRuntime::IceoryxRuntime()
 }
 
 bool IceoryxRuntime::announce_segment(std::uint64_t id, std::span<std::byte> memory) noexcept {
-  const std::scoped_lock lock(segments_mutex_);
+  const core::Lock lock(segments_mutex_);
   return iox::rp::BaseRelativePointer::registerPtr(id, memory.data(), memory.size());
 }
 
 void IceoryxRuntime::withdraw_segment(std::uint64_t id) noexcept {
-  const std::scoped_lock lock(segments_mutex_);
+  const core::Lock lock(segments_mutex_);
   iox::rp::BaseRelativePointer::unregisterPtr(id);
 }
 

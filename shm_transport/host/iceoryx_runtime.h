@@ -4,9 +4,9 @@
 #pragma once
 
 #include <cstdint>
-#include <mutex>
 #include <span>
 
+#include "core/sync/mutex.h"
 #include "shm_transport/host/iceoryx.h"
 
 namespace sft::shm {
@@ -24,7 +24,7 @@ class IceoryxRuntime {
 
  private:
   iox::cxx::GenericRAII error_handler_;
-  std::mutex segments_mutex_;
+  core::Mutex segments_mutex_;
 };
 
 }  // namespace sft::shm

@@ -11,6 +11,7 @@
 #include <charconv>
 #include <cstring>
 #include <tuple>
+#include <utility>
 
 #include "core/platform/trusted_file.h"
 #include "shm_transport/host/access.h"
@@ -126,14 +127,14 @@ tl::unexpected<Error> too_late() {
 class RoudiChannel::Turn {
  public:
   Turn(RoudiChannel& channel, Clock::time_point deadline) : channel_(channel) {
-    std::unique_lock lock(channel.turn_mutex_);
-    taken_ = channel.turn_ends_.wait_until(lock, deadline, [&channel] { return !channel.turn_taken_; });
-    if (taken_) channel.turn_taken_ = true;
+    core::Lock lock(channel.turn_mutex_);
+    while (channel.turn_taken_ && channel.turn_ends_.wait_until(lock, deadline)) continue;
+    taken_ = !std::exchange(channel.turn_taken_, true);
   }
   ~Turn() {
     if (!taken_) return;
     {
-      const std::scoped_lock lock(channel_.turn_mutex_);
+      const core::Lock lock(channel_.turn_mutex_);
       channel_.turn_taken_ = false;
     }
     channel_.turn_ends_.notify_one();
@@ -215,7 +216,7 @@ Result<IpcMessage> RoudiChannel::receive(Clock::time_point deadline) {
 }
 
 std::string RoudiChannel::next_label() {
-  const std::scoped_lock lock(turn_mutex_);
+  const core::Lock lock(turn_mutex_);
   return runtime_name_ + "#" + std::to_string(++requests_);
 }
 

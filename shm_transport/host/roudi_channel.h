@@ -6,14 +6,13 @@
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 
+#include "core/sync/mutex.h"
 #include "shm_transport/host/file_lock.h"
 #include "shm_transport/host/iceoryx.h"
 
@@ -75,10 +74,10 @@ class RoudiChannel {
   Descriptor to_daemon_;    ///< connected, so that no message can reach a later daemon
   std::int64_t registration_stamp_ = 0;
 
-  std::mutex turn_mutex_;
-  std::condition_variable turn_ends_;
-  bool turn_taken_ = false;  ///< a request is under way
-  std::uint64_t requests_ = 0;
+  core::Mutex turn_mutex_;
+  core::Condition turn_ends_;
+  bool turn_taken_ SFT_GUARDED_BY(turn_mutex_) = false;  ///< a request is under way
+  std::uint64_t requests_ SFT_GUARDED_BY(turn_mutex_) = 0;
 };
 
 }  // namespace sft::shm

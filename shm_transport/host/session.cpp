@@ -190,7 +190,7 @@ core::TrustedAccounts Session::reader_accounts() const {
 }
 
 ChunkPools& Session::pools(const iox::mepoo::MemoryManager& pools) {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   if (pools_ == nullptr) pools_ = std::make_unique<ChunkPools>(pools);
   return *pools_;
 }
@@ -212,12 +212,12 @@ bool Session::feeds(const PublisherPortData& feeder, const SubscriberPortData& p
 }
 
 void Session::retire(SubscriberPortData* port) {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   if (!lost_) retired_.push_back(port);
 }
 
 void Session::collect() {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   if (lost_) return;
   std::erase_if(retired_, [this](SubscriberPortData* port) {
     const bool unsubscribed = port->m_subscriptionState.load() == iox::SubscribeState::NOT_SUBSCRIBED;
@@ -236,7 +236,7 @@ bool Session::holds(const void* data, std::size_t size) const {
 
 void Session::enlist(const std::shared_ptr<SessionMember>& member) {
   {
-    const std::scoped_lock lock(mutex_);
+    const core::Lock lock(mutex_);
     std::erase_if(members_, [](const auto& other) { return other.expired(); });
     if (!lost_) {
       members_.push_back(member);
@@ -249,7 +249,7 @@ void Session::enlist(const std::shared_ptr<SessionMember>& member) {
 void Session::lose() noexcept {
   std::vector<std::weak_ptr<SessionMember>> members;
   {
-    const std::scoped_lock lock(mutex_);
+    const core::Lock lock(mutex_);
     if (std::exchange(lost_, true)) return;
     members.swap(members_);
   }

@@ -14,12 +14,12 @@
 
 #include <atomic>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
 #include "core/platform/forked.h"
 #include "core/seam/transport.h"
+#include "core/sync/mutex.h"
 #include "shm_transport/host/chunk_pools.h"
 #include "shm_transport/host/host_file.h"
 #include "shm_transport/host/mapping.h"
@@ -119,11 +119,11 @@ class Session : public std::enable_shared_from_this<Session> {
   std::vector<Segment> segments_;  ///< the management segment is the first
   bool can_write_ = true;
 
-  std::mutex mutex_;  // guards the members below
-  bool lost_ = false;
-  std::vector<std::weak_ptr<SessionMember>> members_;
-  std::vector<iox::popo::SubscriberPortData*> retired_;
-  std::unique_ptr<ChunkPools> pools_;
+  core::Mutex mutex_;
+  bool lost_ SFT_GUARDED_BY(mutex_) = false;
+  std::vector<std::weak_ptr<SessionMember>> members_ SFT_GUARDED_BY(mutex_);
+  std::vector<iox::popo::SubscriberPortData*> retired_ SFT_GUARDED_BY(mutex_);
+  std::unique_ptr<ChunkPools> pools_ SFT_GUARDED_BY(mutex_);
 };
 
 }  // namespace sft::shm
