@@ -72,7 +72,7 @@ SampleHandle ChunkLender::lend(std::size_t bytes) noexcept {
   if (bytes < sizeof(detail::SampleHeader) || bytes > largest_sample_bytes) return {};
   ChunkSlot* slot = nullptr;
   {
-    const std::scoped_lock lock(mutex_);
+    const core::Lock lock(mutex_);
     if (lost_ || slots_.empty()) return {};
     const ChunkInHand hand(publisher_);
     ChunkHeader* chunk = allocate(bytes);
@@ -120,7 +120,7 @@ void ChunkLender::hold(ChunkSlot& slot, ChunkHeader& chunk) noexcept {
 }
 
 ChunkLender::Commit ChunkLender::commit(ChunkSlot& slot, bool to_readers, bool may_wait) noexcept {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   if (lost_) return Commit::lost;
   bool full = false;
   if (to_readers) {
@@ -156,7 +156,7 @@ void ChunkLender::deliver(ChunkSlot& slot) noexcept {
 }
 
 std::optional<ChunkLender::FullQueue> ChunkLender::full_queue() noexcept {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   auto& port = publisher_.m_chunkSenderData;
   if (lost_ || !port.tryLock()) return std::nullopt;
   audience_.look(port.m_queues, *session_);
@@ -182,12 +182,12 @@ void ChunkLender::await_room(Clock::time_point until) noexcept {
 }
 
 void ChunkLender::wait_for(std::set<core::EndpointId> readers) noexcept {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   audience_.wait_for(std::move(readers));
 }
 
 std::optional<std::uint64_t> ChunkLender::held_back(core::EndpointId reader) noexcept {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   auto& port = publisher_.m_chunkSenderData;
   if (lost_ || !retains_ || !port.tryLock()) return std::nullopt;
   audience_.look(port.m_queues, *session_);
@@ -198,7 +198,7 @@ std::optional<std::uint64_t> ChunkLender::held_back(core::EndpointId reader) noe
 
 bool ChunkLender::begin(core::EndpointId reader, const std::vector<SampleHandle>& retained,
                         std::uint64_t held_back) noexcept {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   auto& port = publisher_.m_chunkSenderData;
   if (lost_ || held_back != audience_.held_back() || !port.tryLock()) return false;
   audience_.look(port.m_queues, *session_);
@@ -216,7 +216,7 @@ bool ChunkLender::begin(core::EndpointId reader, const std::vector<SampleHandle>
 }
 
 void ChunkLender::owe_nothing(std::set<core::EndpointId> readers) noexcept {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   audience_.owe_nothing(std::move(readers));
 }
 
@@ -224,7 +224,7 @@ void ChunkLender::recycle(SampleBuffer& buffer) noexcept {
   before_chunk_leaves();
   ChunkSlot& slot = ChunkSlot::of(buffer);
   std::shared_ptr<Session> gone;  // its destructor unmaps memory, so it must run after the lock is released
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   if (!lost_) {
     const ChunkInHand hand(publisher_);
     SharedChunk held;  // its destructor gives the chunk back
@@ -236,12 +236,12 @@ void ChunkLender::recycle(SampleBuffer& buffer) noexcept {
 
 void ChunkLender::lose() noexcept {
   std::shared_ptr<Session> gone;
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   lost_ = true;
   gone = let_go();
 }
 
-/// Returns the session if this writer does not need its memory any more. The caller holds the lock.
+/// Returns the session if this writer does not need its memory any more.
 std::shared_ptr<Session> ChunkLender::let_go() noexcept {
   return lost_ && slots_.all_back() ? std::move(session_) : nullptr;
 }

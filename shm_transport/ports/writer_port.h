@@ -19,13 +19,13 @@
 
 #include <chrono>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <vector>
 
 #include "core/seam/transport.h"
 #include "core/sync/published.h"
+#include "core/sync/mutex.h"
 #include "shm_transport/host/chunk_pools.h"
 #include "shm_transport/host/chunk_slots.h"
 #include "shm_transport/host/session.h"
@@ -83,30 +83,32 @@ class ChunkLender final : public core::BufferOwner,
  private:
   ChunkLender(std::shared_ptr<Session> session, iox::popo::PublisherPortData& publisher,
               iox::popo::SubscriberPortData& keeper, const core::WriterSpec& spec, std::uint32_t held_limit);
-  iox::mepoo::ChunkHeader* allocate(std::size_t bytes) noexcept;
-  void hold(ChunkSlot& slot, iox::mepoo::ChunkHeader& chunk) noexcept;
-  void deliver(ChunkSlot& slot) noexcept;
+  iox::mepoo::ChunkHeader* allocate(std::size_t bytes) noexcept SFT_REQUIRES(mutex_);
+  void hold(ChunkSlot& slot, iox::mepoo::ChunkHeader& chunk) noexcept SFT_REQUIRES(mutex_);
+  void deliver(ChunkSlot& slot) noexcept SFT_REQUIRES(mutex_);
   struct FullQueue {
     Audience::Listener listener;
     std::shared_ptr<Session> session;  ///< keeps the memory of the queue mapped
   };
   std::optional<FullQueue> full_queue() noexcept;
-  std::shared_ptr<Session> let_go() noexcept;
+  std::shared_ptr<Session> let_go() noexcept SFT_REQUIRES(mutex_);
 
   const FieldMask full_mask_;
   const std::size_t largest_bytes_;
   const bool retains_;
   const bool waits_;  ///< the writer waits for reliable readers
 
-  mutable std::mutex mutex_;          // guards the members below; never held over a system call
-  bool lost_ = false;                 ///< the session is lost, and iceoryx must not be used any more
-  std::shared_ptr<Session> session_;  ///< keeps the memory of the ports mapped; null: do not use them
-  iox::popo::PublisherPortData& publisher_;
-  iox::popo::PublisherPortUser port_;
-  iox::popo::SubscriberPortData& keeper_;
-  ChunkPools& pools_;
-  ChunkSlots slots_;
-  Audience audience_;
+  mutable core::Mutex mutex_;  // never held over a system call
+  /// The session is lost, and iceoryx must not be used any more.
+  bool lost_ SFT_GUARDED_BY(mutex_) = false;
+  /// Keeps the memory of the ports mapped; null: do not use them.
+  std::shared_ptr<Session> session_ SFT_GUARDED_BY(mutex_);
+  iox::popo::PublisherPortData& publisher_ SFT_GUARDED_BY(mutex_);
+  iox::popo::PublisherPortUser port_ SFT_GUARDED_BY(mutex_);
+  iox::popo::SubscriberPortData& keeper_ SFT_GUARDED_BY(mutex_);
+  ChunkPools& pools_ SFT_GUARDED_BY(mutex_);
+  ChunkSlots slots_ SFT_GUARDED_BY(mutex_);
+  Audience audience_ SFT_GUARDED_BY(mutex_);
 };
 
 class ShmWriterPort final : public core::LendingWriter {
