@@ -35,27 +35,27 @@ bool ClientTable::is_dead(const std::string& name, const Process& process, bool 
 
 void ClientTable::add(const std::string& name, pid_t pid) {
   auto life = std::make_shared<const Descriptor>(static_cast<int>(syscall(SYS_pidfd_open, pid, 0)));
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   clients_.insert_or_assign(name, Process{pid, std::move(life)});
 }
 
 void ClientTable::remove(const std::string& name) {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   clients_.erase(name);
 }
 
 bool ClientTable::empty() const {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   return clients_.empty();
 }
 
 std::size_t ClientTable::size() const {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   return clients_.size();
 }
 
 std::vector<ClientTable::Client> ClientTable::all() const {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   std::vector<Client> clients;
   for (const auto& [name, process] : clients_) clients.push_back({name, process.pid});
   return clients;
@@ -64,7 +64,7 @@ std::vector<ClientTable::Client> ClientTable::all() const {
 std::vector<std::string> ClientTable::find_dead(Clock::time_point now) {
   std::map<std::string, Process> clients;
   {
-    const std::scoped_lock lock(mutex_);
+    const core::Lock lock(mutex_);
     clients = clients_;
   }
   std::vector<pollfd> processes;
@@ -85,7 +85,7 @@ std::vector<std::string> ClientTable::find_dead(Clock::time_point now) {
 bool ClientTable::is_gone(const std::string& name) const {
   Process process;
   {
-    const std::scoped_lock lock(mutex_);
+    const core::Lock lock(mutex_);
     const auto client = clients_.find(name);
     if (client == clients_.end()) return true;
     process = client->second;

@@ -9,10 +9,10 @@
 #include <chrono>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
+#include "core/sync/mutex.h"
 #include "shm_transport/host/file_lock.h"
 
 namespace sft::shm {
@@ -49,8 +49,8 @@ class ClientTable {
   };
   static bool is_dead(const std::string& name, const Process& process, bool exited);
 
-  mutable std::mutex mutex_;  // guards the map
-  std::map<std::string, Process> clients_;
+  mutable core::Mutex mutex_;
+  std::map<std::string, Process> clients_ SFT_GUARDED_BY(mutex_);
   Clock::time_point next_round_{};  ///< when find_dead() looks at all sockets again; only find_dead() uses it
 };
 

@@ -12,7 +12,7 @@ IceoryxErrors::IceoryxErrors(const Log& log)
           })) {}
 
 void IceoryxErrors::end_process_with(EndProcess end) {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   end_ = std::move(end);
 }
 
@@ -20,7 +20,7 @@ void IceoryxErrors::report(const iox::Error error, const iox::ErrorLevel level) 
   const std::string text = std::string("iceoryx reports ") + iox::ErrorHandler::toString(error);
   const bool moderate = level == iox::ErrorLevel::MODERATE;
   log_.write(moderate ? LogLevel::debug : LogLevel::warning, text);
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   if (!moderate && end_) end_(text);
 }
 

@@ -6,9 +6,9 @@
 #pragma once
 
 #include <functional>
-#include <mutex>
 #include <string>
 
+#include "core/sync/mutex.h"
 #include "shm_transport/host/iceoryx.h"
 #include "shm_transport/sftd/log.h"
 
@@ -32,8 +32,8 @@ class IceoryxErrors {
   void report(iox::Error error, iox::ErrorLevel level);
 
   const Log& log_;
-  std::mutex mutex_;  // guards end_
-  EndProcess end_{};
+  core::Mutex mutex_;
+  EndProcess end_ SFT_GUARDED_BY(mutex_){};
   iox::cxx::GenericRAII handler_;
 };
 

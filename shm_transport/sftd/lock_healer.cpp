@@ -40,7 +40,7 @@ void LockHealer::note_ports() {
   for (const auto* port : ports_.getPublisherPortDataList()) {
     ports.push_back({port, &port->m_chunkSenderData, port->m_runtimeName, port->m_serviceDescription, true});
   }
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   known_.swap(ports);
 }
 
@@ -48,7 +48,7 @@ void LockHealer::note_ports() {
 /// of the daemon that waits for it goes on, and may destroy a port whose queue is still locked.
 bool LockHealer::heal() {
   const auto now = Clock::now();
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   bool queues_are_clear = true;
   bool all_is_clear = true;
   for (const KnownPort& known : known_) {

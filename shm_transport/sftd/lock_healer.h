@@ -16,10 +16,10 @@
 #include <chrono>
 #include <cstdint>
 #include <map>
-#include <mutex>
 #include <string>
 #include <vector>
 
+#include "core/sync/mutex.h"
 #include "shm_transport/host/port_lock.h"
 #include "shm_transport/sftd/client_table.h"
 #include "shm_transport/sftd/log.h"
@@ -61,9 +61,9 @@ class LockHealer {
     Clock::time_point last_look{};
   };
   enum class Finding { in_order, opened, unclear };
-  Finding look_at(const KnownPort& port, Clock::time_point now);
-  bool holder_is_dead(const KnownPort& port) const;
-  bool is_confirmed(const Lock* lock, int holder, Clock::time_point now);
+  Finding look_at(const KnownPort& port, Clock::time_point now) SFT_REQUIRES(mutex_);
+  bool holder_is_dead(const KnownPort& port) const SFT_REQUIRES(mutex_);
+  bool is_confirmed(const Lock* lock, int holder, Clock::time_point now) SFT_REQUIRES(mutex_);
 
   iox::roudi::PortPool& ports_;
   const ClientTable& clients_;
@@ -71,10 +71,11 @@ class LockHealer {
 
   std::atomic<std::uint64_t> opened_{0};
 
-  std::mutex mutex_;  // guards the members below; held for a whole heal(), in which no call blocks
-  std::vector<KnownPort> known_;  ///< subscribers come first
+  // Held for a whole heal(), in which no call blocks.
+  core::Mutex mutex_;
+  std::vector<KnownPort> known_ SFT_GUARDED_BY(mutex_);  ///< subscribers come first
   /// Closed locks of dead processes that a thread of the daemon may yet hold.
-  std::map<const Lock*, Suspect> suspects_;
+  std::map<const Lock*, Suspect> suspects_ SFT_GUARDED_BY(mutex_);
 };
 
 }  // namespace sft::shm

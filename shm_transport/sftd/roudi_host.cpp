@@ -62,7 +62,7 @@ RoudiHost::RoudiHost(HostMemory& memory, iox::roudi::PortManager& ports, const G
 RoudiHost::~RoudiHost() {
   shutdown();
   {
-    const std::scoped_lock lock(mutex_);
+    const core::Lock lock(mutex_);
     stopping_ = true;
   }
   stop_.notify_one();
@@ -193,18 +193,21 @@ void RoudiHost::note_usage() {
   usage.deaths = deaths_;
   usage.unaudited = unaudited();
   usage.stamp_ns = core::realtime_ns();
-  const std::scoped_lock lock(usage_mutex_);
+  const core::Lock lock(usage_mutex_);
   usage_ = std::move(usage);
 }
 
 Usage RoudiHost::usage() const {
-  const std::scoped_lock lock(usage_mutex_);
+  const core::Lock lock(usage_mutex_);
   return usage_;
 }
 
 void RoudiHost::heal_until_stopped() {
-  std::unique_lock lock(mutex_);
-  while (!stop_.wait_for(lock, healing_interval, [this] { return stopping_; })) {
+  core::Lock lock(mutex_);
+  for (;;) {
+    const auto next_look = std::chrono::steady_clock::now() + healing_interval;
+    while (!stopping_ && stop_.wait_until(lock, next_look)) continue;
+    if (stopping_) return;
     lock.unlock();
     healer_.heal();
     lock.lock();

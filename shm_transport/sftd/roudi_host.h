@@ -11,11 +11,10 @@
 
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <memory>
-#include <mutex>
 #include <thread>
 
+#include "core/sync/mutex.h"
 #include "shm_transport/sftd/chunk_auditor.h"
 #include "shm_transport/sftd/client_table.h"
 #include "shm_transport/sftd/groups.h"
@@ -81,12 +80,12 @@ class RoudiHost final : private HookGate, public iox::roudi::RouDi {
   std::uint64_t leaks_healed_ = 0;
   std::chrono::steady_clock::time_point next_audit_{};
 
-  mutable std::mutex usage_mutex_;  // guards usage_
-  Usage usage_;
+  mutable core::Mutex usage_mutex_;
+  Usage usage_ SFT_GUARDED_BY(usage_mutex_);
 
-  std::mutex mutex_;  // guards stopping_
-  std::condition_variable stop_;
-  bool stopping_ = false;
+  core::Mutex mutex_;
+  core::Condition stop_;
+  bool stopping_ SFT_GUARDED_BY(mutex_) = false;
   std::thread healing_;
 };
 
