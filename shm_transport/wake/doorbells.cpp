@@ -89,7 +89,7 @@ std::string DoorbellPages::nameless_link(std::uint64_t id) {
 Result<std::shared_ptr<core::DoorbellPage>> DoorbellPages::open(std::uint64_t id,
                                                                 const core::TrustedAccounts& accounts) {
   {
-    const std::scoped_lock lock(mutex_);
+    const core::Lock lock(mutex_);
     if (const auto known = pages_.find(id); known != pages_.end()) {
       if (auto page = known->second.lock()) return page;
     }
@@ -101,7 +101,7 @@ Result<std::shared_ptr<core::DoorbellPage>> DoorbellPages::open(std::uint64_t id
   }
   if (!opened) return tl::unexpected(opened.error());
   std::shared_ptr<core::DoorbellPage> page = std::move(*opened);
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   std::erase_if(pages_, [](const auto& entry) { return entry.second.expired(); });
   pages_[id] = page;
   return page;

@@ -8,13 +8,13 @@
 #include <deque>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/platform/doorbell.h"
 #include "core/seam/transport.h"
+#include "core/sync/mutex.h"
 #include "shm_transport/wake/waker.h"
 
 namespace sft::shm {
@@ -82,8 +82,8 @@ class DoorbellPages {
   std::chrono::steady_clock::time_point next_search_{};
 
   Waker waker_;
-  std::mutex mutex_;  // guards pages_
-  std::map<std::uint64_t, std::weak_ptr<core::DoorbellPage>> pages_;
+  core::Mutex mutex_;
+  std::map<std::uint64_t, std::weak_ptr<core::DoorbellPage>> pages_ SFT_GUARDED_BY(mutex_);
 };
 
 }  // namespace sft::shm
