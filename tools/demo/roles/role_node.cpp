@@ -26,13 +26,13 @@ Result<std::unique_ptr<RoleNode>> RoleNode::open(const NodePlan& plan) {
 }
 
 std::string RoleNode::last_warning() {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   return last_warning_;
 }
 
 void RoleNode::note(LogLevel level, std::string_view text) {
   if (level < LogLevel::warning) return;
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   last_warning_ = text;
 }
 

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 
+#include "core/sync/mutex.h"
 #include "sft/node.h"
 #include "tools/demo/roles/traffic.h"
 
@@ -32,8 +32,8 @@ class RoleNode {
   void note(LogLevel level, std::string_view text);
 
   std::unique_ptr<TrafficMeter> meter_;
-  std::mutex mutex_;
-  std::string last_warning_;
+  core::Mutex mutex_;
+  std::string last_warning_ SFT_GUARDED_BY(mutex_);
   std::optional<Node> node_;  // last, since its threads note warnings
 };
 

@@ -1,7 +1,7 @@
 #include <chrono>
 #include <memory>
-#include <mutex>
 
+#include "core/sync/mutex.h"
 #include "tools/demo/roles/consumers.h"
 #include "tools/demo/roles/latency.h"
 #include "tools/demo/roles/protocol.h"
@@ -18,7 +18,7 @@ class Record {
 
   template <class Sample>
   void on_sample(const Sample& sample, std::chrono::system_clock::time_point arrival, bool may_learn) {
-    const std::scoped_lock lock(mutex_);
+    const core::Lock lock(mutex_);
     latency_.add(arrival - sample.info().source_stamp);
     ++received_;
     payload_bytes_ += sample.cdr().size();
@@ -26,7 +26,7 @@ class Record {
   }
 
   void add_to(SubscriberReport& report) {
-    const std::scoped_lock lock(mutex_);
+    const core::Lock lock(mutex_);
     report.payload_bytes = payload_bytes_;
     report.latency_p50_us = latency_.percentile_us(0.50);
     report.latency_p99_us = latency_.percentile_us(0.99);
@@ -36,7 +36,7 @@ class Record {
  private:
   /// Learning cost all bytes until the last full sample had come. The next sample, which is not full, shows
   /// that it was the last one.
-  void watch_learning(bool full) {
+  void watch_learning(bool full) SFT_REQUIRES(mutex_) {
     if (!full) {
       learnt_ = true;
     } else {
@@ -45,12 +45,12 @@ class Record {
   }
 
   RoleNode& node_;
-  std::mutex mutex_;
-  LatencyRecord latency_;
-  std::uint64_t received_ = 0;
-  std::uint64_t payload_bytes_ = 0;
-  LearningReport after_full_sample_;
-  bool learnt_ = false;
+  core::Mutex mutex_;
+  LatencyRecord latency_ SFT_GUARDED_BY(mutex_);
+  std::uint64_t received_ SFT_GUARDED_BY(mutex_) = 0;
+  std::uint64_t payload_bytes_ SFT_GUARDED_BY(mutex_) = 0;
+  LearningReport after_full_sample_ SFT_GUARDED_BY(mutex_);
+  bool learnt_ SFT_GUARDED_BY(mutex_) = false;
 };
 
 FieldMask complement(const FieldMask& mask) {

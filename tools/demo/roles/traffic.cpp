@@ -65,7 +65,7 @@ void TrafficMeter::count_control() {
 }
 
 Traffic TrafficMeter::read() {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   const InterfaceBytes bytes = interface_bytes(interface_).value_or(InterfaceBytes{});
   Traffic traffic;
   traffic.received = bytes.received;

@@ -10,10 +10,10 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <string>
 
 #include "core/platform/file_descriptor.h"
+#include "core/sync/mutex.h"
 #include "sft/result.h"
 
 namespace sft::demo {
@@ -41,13 +41,13 @@ class TrafficMeter {
  private:
   TrafficMeter(std::string interface, core::FileDescriptor packets)
       : interface_(std::move(interface)), packets_(std::move(packets)) {}
-  void count_control();
+  void count_control() SFT_REQUIRES(mutex_);
 
   const std::string interface_;
   const core::FileDescriptor packets_;
-  std::mutex mutex_;
-  std::uint64_t control_received_ = 0;
-  std::uint64_t control_sent_ = 0;
+  core::Mutex mutex_;
+  std::uint64_t control_received_ SFT_GUARDED_BY(mutex_) = 0;
+  std::uint64_t control_sent_ SFT_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace sft::demo
