@@ -5,8 +5,8 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <mutex>
 
+#include "core/sync/mutex.h"
 #include "udp_transport/flow/pacer.h"
 
 namespace sft::udp {
@@ -25,12 +25,12 @@ class RateLimit {
 
   bool ready(bool small, Time now) {
     if (!limited_) return true;
-    const std::scoped_lock lock(mutex_);
+    const core::Lock lock(mutex_);
     return pacer_.ready(now, small ? 0 : reserve_);
   }
   void spend(std::size_t bytes) {
     if (!limited_) return;
-    const std::scoped_lock lock(mutex_);
+    const core::Lock lock(mutex_);
     pacer_.spend(bytes);
   }
   /// The largest part of a large sample that is sent at a time, so that small samples do not have to wait for
@@ -39,7 +39,7 @@ class RateLimit {
   /// When to ask again, if nothing is spent until then.
   Time next_ready(bool small, Time now) {
     if (!limited_) return now;
-    const std::scoped_lock lock(mutex_);
+    const core::Lock lock(mutex_);
     return pacer_.next_ready(now, small ? 0 : reserve_);
   }
 
@@ -52,8 +52,8 @@ class RateLimit {
   const bool limited_;
   const std::size_t batch_;
   const std::size_t reserve_;
-  std::mutex mutex_;
-  Pacer pacer_;
+  core::Mutex mutex_;
+  Pacer pacer_ SFT_GUARDED_BY(mutex_);
 };
 
 }  // namespace sft::udp

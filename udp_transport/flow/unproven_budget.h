@@ -8,10 +8,10 @@
 #include <cstddef>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 
 #include "core/platform/ip_address.h"
+#include "core/sync/mutex.h"
 
 namespace sft::udp {
 
@@ -26,28 +26,28 @@ class UnprovenBudget {
   static constexpr std::chrono::seconds answers_for{10};
 
   std::size_t left(Time now) {
-    const std::scoped_lock lock(mutex_);
+    const core::Lock lock(mutex_);
     recover(now);
     return datagrams_max - spent_;
   }
   void spend(std::size_t datagrams, Time now) {
-    const std::scoped_lock lock(mutex_);
+    const core::Lock lock(mutex_);
     recover(now);
     spent_ = std::min(spent_ + datagrams, datagrams_max);
   }
   /// A destination that was sent so many has reported: they were welcome.
   void give_back(std::size_t datagrams) {
-    const std::scoped_lock lock(mutex_);
+    const core::Lock lock(mutex_);
     spent_ -= std::min(spent_, datagrams);
   }
   /// Some destination there reports. Marks are welcome there for a while.
   void answered(Time now) {
-    const std::scoped_lock lock(mutex_);
+    const core::Lock lock(mutex_);
     answered_at_ = now;
   }
   /// Returns whether one more mark may go to a destination that has had its own ones, and counts it then.
   bool takes_mark(Time now) {
-    const std::scoped_lock lock(mutex_);
+    const core::Lock lock(mutex_);
     if (answered_at_ && now - *answered_at_ < answers_for) return true;
     recover(now);
     if (spent_ == datagrams_max) return false;
@@ -57,17 +57,17 @@ class UnprovenBudget {
   bool is_unused(Time now) { return left(now) == datagrams_max; }
 
  private:
-  void recover(Time now) {
+  void recover(Time now) SFT_REQUIRES(mutex_) {
     if (spent_ == 0) since_ = now;
     const auto steps = static_cast<std::size_t>(std::max<Time::duration>(now - since_, {}) / refill);
     since_ += steps * refill;
     spent_ -= std::min(spent_, steps);
   }
 
-  std::mutex mutex_;
-  std::size_t spent_ = 0;
-  Time since_{};  ///< when one datagram was forgiven last
-  std::optional<Time> answered_at_{};
+  core::Mutex mutex_;
+  std::size_t spent_ SFT_GUARDED_BY(mutex_) = 0;
+  Time since_ SFT_GUARDED_BY(mutex_){};  ///< when one datagram was forgiven last
+  std::optional<Time> answered_at_ SFT_GUARDED_BY(mutex_){};
 };
 
 /// One for each host. Not thread-safe.
