@@ -8,10 +8,10 @@
 
 #include <algorithm>
 #include <atomic>
-#include <mutex>
 #include <utility>
 #include <vector>
 
+#include "core/sync/mutex.h"
 #include "udp_transport/io/group_socket.h"
 
 namespace sft::udp {
@@ -72,7 +72,7 @@ class SocketConnection final : public Connection {
 
   void redirect(const SocketAddress& to) noexcept override {
     {
-      const std::scoped_lock lock(mutex_);
+      const core::Lock lock(mutex_);
       to_ = to;
     }
     connect();
@@ -89,7 +89,7 @@ class SocketConnection final : public Connection {
 
  private:
   SocketAddress address() noexcept {
-    const std::scoped_lock lock(mutex_);
+    const core::Lock lock(mutex_);
     return to_;
   }
 
@@ -124,8 +124,8 @@ class SocketConnection final : public Connection {
   std::atomic<int> family_;  ///< of that socket
   std::atomic<bool> connected_{false};
   bool full_ = false;  ///< of the thread that calls await()
-  std::mutex mutex_;   ///< of the address
-  SocketAddress to_;
+  core::Mutex mutex_;
+  SocketAddress to_ SFT_GUARDED_BY(mutex_);
 };
 
 class SocketSender final : public DatagramSender {
