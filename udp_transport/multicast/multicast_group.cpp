@@ -42,7 +42,7 @@ MulticastGroup::MulticastGroup(const Name& name, std::shared_ptr<Lane> lane, std
       ahead_(members_.size()) {}
 
 std::uint64_t MulticastGroup::next_ordinal(Time now) noexcept {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   for (GroupMembership& membership : memberships_) membership.sent(now);
   return ++last_ordinal_;
 }
@@ -52,7 +52,7 @@ std::uint64_t MulticastGroup::next_ordinal(Time now) noexcept {
 void MulticastGroup::placed(std::size_t member, std::uint64_t ordinal, std::uint64_t in_channel) noexcept {
   const auto ahead = static_cast<std::int64_t>(in_channel - ordinal);
   {
-    const std::scoped_lock lock(mutex_);
+    const core::Lock lock(mutex_);
     if (!ahead_[member]) ahead_[member] = ahead;
     if (*ahead_[member] == ahead) return;
     broken_.store(true, std::memory_order_relaxed);
@@ -89,7 +89,7 @@ Wake MulticastGroup::note_departed(const Job& job, bool lost) noexcept {
     }
     std::optional<std::int64_t> ahead;
     {
-      const std::scoped_lock lock(mutex_);
+      const core::Lock lock(mutex_);
       ahead = ahead_[i];
     }
     if (ahead) wake = strongest(wake, member.channel->departed(ordinal + static_cast<std::uint64_t>(*ahead)));
@@ -99,7 +99,7 @@ Wake MulticastGroup::note_departed(const Job& job, bool lost) noexcept {
 
 void MulticastGroup::hear(const GroupReport& report, Time now) {
   const std::optional<std::size_t> member = member_named(report.member);
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   if (!member || report.heard > last_ordinal_ || broken()) return;
   GroupMembership& membership = memberships_[*member];
   if (report.heard == 0) {
@@ -132,7 +132,7 @@ Wake MulticastGroup::take_over_repairs(std::size_t member, Ack& ack, Time now) {
 bool MulticastGroup::is_taken_over(std::size_t member, std::uint64_t in_channel, Time now, Wake& wake) {
   std::optional<std::int64_t> ahead;
   {
-    const std::scoped_lock lock(mutex_);
+    const core::Lock lock(mutex_);
     ahead = ahead_[member];
   }
   if (!ahead || broken() || !hears(member)) return false;
@@ -164,7 +164,7 @@ std::string MulticastGroup::state_of(std::size_t member) const {
 
 std::vector<MulticastGroup::Offer> MulticastGroup::offers(Time now) {
   std::vector<Offer> due;
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   for (std::size_t i = 0; i < members_.size(); ++i) {
     GroupMembership& membership = memberships_[i];
     membership.look(now);
@@ -183,7 +183,7 @@ std::vector<MulticastGroup::Offer> MulticastGroup::offers(Time now) {
 
 std::vector<const Destination*> MulticastGroup::given_up() const {
   std::vector<const Destination*> destinations;
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   for (std::size_t i = 0; i < members_.size(); ++i) {
     if (memberships_[i].given_up()) destinations.push_back(&members_[i].lane->destination());
   }
@@ -196,7 +196,7 @@ GroupOffer MulticastGroup::farewell(std::size_t member) const {
 }
 
 void GroupRoster::add(const std::shared_ptr<MulticastGroup>& group) {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   std::erase_if(known_, [](const auto& entry) { return entry.second.expired(); });
   std::erase_if(by_channel_, [](const auto& entry) { return entry.second.group.expired(); });
   known_[{group->name().writer, group->name().number}] = group;
@@ -207,13 +207,13 @@ void GroupRoster::add(const std::shared_ptr<MulticastGroup>& group) {
 }
 
 std::shared_ptr<MulticastGroup> GroupRoster::find(std::uint32_t writer, std::uint32_t number) {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   const auto known = known_.find({writer, number});
   return known == known_.end() ? nullptr : known->second.lock();
 }
 
 GroupRoster::OfChannel GroupRoster::of_channel(std::uint32_t writer, std::uint32_t channel) {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   const auto known = by_channel_.find({writer, channel});
   if (known == by_channel_.end()) return {};
   return {known->second.group.lock(), known->second.member};

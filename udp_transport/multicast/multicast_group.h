@@ -9,12 +9,12 @@
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "core/sync/mutex.h"
 #include "udp_transport/multicast/group_membership.h"
 #include "udp_transport/reliable/channel.h"
 #include "udp_transport/reliable/lane.h"
@@ -113,12 +113,12 @@ class MulticastGroup final : public LaneListener {
   const std::vector<std::uint32_t> member_names_;
   std::unique_ptr<std::atomic<bool>[]> hears_;  ///< for each member
 
-  mutable std::mutex mutex_;  ///< held for a few instructions
-  std::vector<GroupMembership> memberships_;
+  mutable core::Mutex mutex_;  ///< held for a few instructions
+  std::vector<GroupMembership> memberships_ SFT_GUARDED_BY(mutex_);
   /// For each member: its channel's ordinals are ahead of the group's by so many; empty: nothing was sent
   /// yet.
-  std::vector<std::optional<std::int64_t>> ahead_;
-  std::uint64_t last_ordinal_ = 0;
+  std::vector<std::optional<std::int64_t>> ahead_ SFT_GUARDED_BY(mutex_);
+  std::uint64_t last_ordinal_ SFT_GUARDED_BY(mutex_) = 0;
   std::atomic<bool> broken_{false};
   std::array<Asked, 64> asked_{};  ///< used by the thread that hears answers
   std::size_t next_asked_ = 0;
@@ -140,9 +140,10 @@ class GroupRoster {
     std::weak_ptr<MulticastGroup> group;
     std::size_t member = 0;
   };
-  std::mutex mutex_;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::weak_ptr<MulticastGroup>> known_;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, Membership> by_channel_;
+  core::Mutex mutex_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::weak_ptr<MulticastGroup>> known_
+      SFT_GUARDED_BY(mutex_);
+  std::map<std::pair<std::uint32_t, std::uint32_t>, Membership> by_channel_ SFT_GUARDED_BY(mutex_);
 };
 
 }  // namespace sft::udp
