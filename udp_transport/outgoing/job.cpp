@@ -60,7 +60,7 @@ void Job::seal() {
 JobHandle JobPool::take() {
   std::unique_ptr<Job> job;
   {
-    const std::scoped_lock lock(mutex_);
+    const core::Lock lock(mutex_);
     if (!spare_.empty()) {
       job = std::move(spare_.back());
       spare_.pop_back();
@@ -88,7 +88,7 @@ void JobPool::recycle(std::unique_ptr<Job> job) noexcept {
   }
   job->packed_.clear();
   job->packed_bytes_ = 0;
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   if (spare_.size() < spare_max) {
     spare_.push_back(std::move(job));
   } else {

@@ -5,11 +5,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <utility>
 #include <vector>
 
 #include "core/seam/sample_buffer.h"
+#include "core/sync/mutex.h"
 #include "sft/detail/project.h"
 #include "udp_transport/outgoing/kept_memory.h"
 #include "udp_transport/wire/fragmenter.h"
@@ -158,9 +158,9 @@ class JobPool : public std::enable_shared_from_this<JobPool> {
   static constexpr std::size_t borrowed_bytes_max = std::size_t{24} << 20;
   const std::shared_ptr<KeptMemory> memory_;
   std::atomic<std::size_t> borrowed_samples_{0}, borrowed_bytes_{0};
-  std::mutex mutex_;
-  std::vector<std::unique_ptr<Job>> spare_;  ///< with room for all that there are
-  std::size_t jobs_ = 0;                     ///< that are out or spare
+  core::Mutex mutex_;
+  std::vector<std::unique_ptr<Job>> spare_ SFT_GUARDED_BY(mutex_);  ///< with room for all that there are
+  std::size_t jobs_ SFT_GUARDED_BY(mutex_) = 0;                     ///< that are out or spare
 };
 
 }  // namespace sft::udp
