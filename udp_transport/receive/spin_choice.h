@@ -3,8 +3,9 @@
 
 #include <atomic>
 #include <chrono>
-#include <mutex>
 #include <set>
+
+#include "core/sync/mutex.h"
 
 namespace sft::udp {
 
@@ -30,22 +31,24 @@ class SpinLimits {
   using Duration = std::chrono::nanoseconds;
 
   void add(Duration limit) {
-    const std::scoped_lock lock(mutex_);
+    const core::Lock lock(mutex_);
     all_.insert(limit);
     note();
   }
   void remove(Duration limit) {
-    const std::scoped_lock lock(mutex_);
+    const core::Lock lock(mutex_);
     all_.erase(all_.find(limit));
     note();
   }
   Duration largest() const { return largest_.load(std::memory_order_relaxed); }
 
  private:
-  void note() { largest_.store(all_.empty() ? Duration{0} : *all_.rbegin(), std::memory_order_relaxed); }
+  void note() SFT_REQUIRES(mutex_) {
+    largest_.store(all_.empty() ? Duration{0} : *all_.rbegin(), std::memory_order_relaxed);
+  }
 
-  std::mutex mutex_;
-  std::multiset<Duration> all_;
+  core::Mutex mutex_;
+  std::multiset<Duration> all_ SFT_GUARDED_BY(mutex_);
   std::atomic<Duration> largest_{Duration{0}};
 };
 
