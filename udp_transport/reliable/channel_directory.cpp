@@ -5,13 +5,13 @@
 namespace sft::udp {
 
 void ChannelRoster::add(const std::shared_ptr<Channel>& channel) {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   std::erase_if(known_, [](const auto& entry) { return entry.second.expired(); });
   known_[{channel->writer(), channel->number()}] = channel;
 }
 
 std::shared_ptr<Channel> ChannelRoster::find(std::uint32_t writer, std::uint32_t number) {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   const auto known = known_.find({writer, number});
   return known == known_.end() ? nullptr : known->second.lock();
 }
@@ -19,7 +19,7 @@ std::shared_ptr<Channel> ChannelRoster::find(std::uint32_t writer, std::uint32_t
 std::vector<std::shared_ptr<Channel>> ChannelRoster::find_at(std::uint32_t writer,
                                                              const core::IpAddress& ip) {
   std::vector<std::shared_ptr<Channel>> found;
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   for (auto one = known_.lower_bound({writer, 0}); one != known_.end() && one->first.first == writer; ++one) {
     std::shared_ptr<Channel> channel = one->second.lock();
     if (channel != nullptr && channel->destination().is_at(ip)) found.push_back(std::move(channel));

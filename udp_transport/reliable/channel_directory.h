@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <set>
 #include <utility>
 #include <vector>
 
+#include "core/sync/mutex.h"
 #include "udp_transport/reliable/channel.h"
 
 namespace sft::udp {
@@ -24,8 +24,8 @@ class ChannelRoster {
   std::vector<std::shared_ptr<Channel>> find_at(std::uint32_t writer, const core::IpAddress& ip);
 
  private:
-  std::mutex mutex_;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::weak_ptr<Channel>> known_;
+  core::Mutex mutex_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::weak_ptr<Channel>> known_ SFT_GUARDED_BY(mutex_);
 };
 
 /// The readers at each destination that are served reliably, under whatever masks.
