@@ -180,7 +180,7 @@ void GroupKeeper::merged(Time now) {
     if (!holds(found_, group)) retired_.push_back({group, now});
   }
   groups_ = std::exchange(found_, {});
-  const std::scoped_lock lock(why_mutex_);
+  const core::Lock lock(why_mutex_);
   shown_ = groups_;
 }
 
@@ -279,7 +279,7 @@ void GroupKeeper::send(Destination& to, const GroupOffer& offer, Time now) {
 }
 
 void GroupKeeper::explain(const std::vector<RouteBundle>& routes) {
-  const std::scoped_lock lock(why_mutex_);
+  const core::Lock lock(why_mutex_);
   why_.clear();
   several_ = sizes_ != nullptr;
   for (const RouteBundle& bundle : routes) {
@@ -288,7 +288,7 @@ void GroupKeeper::explain(const std::vector<RouteBundle>& routes) {
 }
 
 std::string GroupKeeper::why(core::EndpointId reader) const {
-  const std::scoped_lock lock(why_mutex_);
+  const core::Lock lock(why_mutex_);
   const auto known = why_.find(reader);
   if (known == why_.end()) return {};
   const Why& why = known->second;

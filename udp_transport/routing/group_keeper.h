@@ -8,11 +8,11 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "core/sync/mutex.h"
 #include "udp_transport/io/multicast_links.h"
 #include "udp_transport/multicast/body_sizes.h"
 #include "udp_transport/multicast/multicast_group.h"
@@ -110,14 +110,14 @@ class GroupKeeper {
   Time counted_at_{};
   std::uint64_t counted_ = 0;
 
-  mutable std::mutex why_mutex_;
+  mutable core::Mutex why_mutex_;
   struct Why {
     const Destination* to = nullptr;
     std::string refusal{};
   };
-  std::map<core::EndpointId, Why> why_;
-  std::vector<std::shared_ptr<MulticastGroup>> shown_;
-  bool several_ = false;  ///< could be in a group
+  std::map<core::EndpointId, Why> why_ SFT_GUARDED_BY(why_mutex_);
+  std::vector<std::shared_ptr<MulticastGroup>> shown_ SFT_GUARDED_BY(why_mutex_);
+  bool several_ SFT_GUARDED_BY(why_mutex_) = false;  ///< could be in a group
 };
 
 }  // namespace sft::udp
