@@ -27,7 +27,7 @@ FanOut::Posted FanOut::post(Remainder remainder) noexcept try {
     count_dropped(*surplus);
     posted.dropped_oldest = true;
   }
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   const std::size_t bytes = remainder.sample->capacity;
   queue_.push_back(std::move(remainder));
   queued_bytes_ += bytes;
@@ -41,7 +41,7 @@ FanOut::Posted FanOut::post(Remainder remainder) noexcept try {
 /// Takes out what has to go for another one: the oldest, or the oldest large one if there are too many of
 /// these.
 std::optional<FanOut::Remainder> FanOut::take_surplus_before(const Remainder& newcomer) noexcept {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   if (queue_.empty()) return {};
   if (is_reliable(newcomer)) {
     const bool fits = queue_.size() < reliable_samples_max &&
@@ -67,7 +67,6 @@ bool FanOut::is_reliable(const Remainder& remainder) {
   });
 }
 
-/// With the mutex held. The queue is not empty.
 FanOut::Remainder FanOut::pop_oldest() noexcept {
   Remainder oldest = std::move(queue_[queue_.begin()]);
   queue_.pop_front();
@@ -82,7 +81,7 @@ void FanOut::count_dropped(const Remainder& remainder) noexcept {
 }
 
 std::optional<FanOut::Remainder> FanOut::take() noexcept {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   if (queue_.empty()) {
     done_.store(true, std::memory_order_release);
     return std::nullopt;

@@ -5,12 +5,12 @@
 #include <atomic>
 #include <cstddef>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 
 #include "core/seam/sample_buffer.h"
 #include "core/seam/transport.h"
+#include "core/sync/mutex.h"
 #include "udp_transport/reliable/ordinal_ring.h"
 #include "udp_transport/routing/routes.h"
 #include "udp_transport/send/send_side.h"
@@ -51,7 +51,8 @@ class FanOut final : public DeferredWork {
  private:
   static bool is_large(const Remainder& remainder) { return remainder.sample->capacity > direct_bytes_max; }
   std::optional<Remainder> take_surplus_before(const Remainder& newcomer) noexcept;
-  Remainder pop_oldest() noexcept;
+  /// The queue is not empty.
+  Remainder pop_oldest() noexcept SFT_REQUIRES(mutex_);
   std::optional<Remainder> take() noexcept;
   static std::span<const Audience> audiences_of(const Remainder& remainder) {
     return std::span(remainder.routes->audiences).subspan(remainder.first, remainder.end - remainder.first);
@@ -62,10 +63,10 @@ class FanOut final : public DeferredWork {
   const std::shared_ptr<SendSide> side_;
   const std::shared_ptr<WriterTally> tally_;
   std::atomic<bool> done_{true};
-  std::mutex mutex_;
-  OrdinalRing<Remainder> queue_{1};  ///< the oldest first
-  std::size_t queued_bytes_ = 0;     ///< memory that the queued samples hold
-  VariantSender sender_;             ///< used by the sending thread
+  core::Mutex mutex_;
+  OrdinalRing<Remainder> queue_ SFT_GUARDED_BY(mutex_){1};  ///< the oldest first
+  std::size_t queued_bytes_ SFT_GUARDED_BY(mutex_) = 0;     ///< memory that the queued samples hold
+  VariantSender sender_;                                    ///< used by the sending thread
 };
 
 }  // namespace sft::udp

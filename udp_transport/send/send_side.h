@@ -7,12 +7,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <utility>
 #include <vector>
 
 #include "core/seam/buffer_pool.h"
 #include "core/sync/guarded_call.h"
+#include "core/sync/mutex.h"
 #include "udp_transport/flow/destination.h"
 #include "udp_transport/io/multicast_links.h"
 #include "udp_transport/multicast/multicast_group.h"
@@ -35,12 +35,12 @@ class Tended {
 class TendedRoster {
  public:
   void add(Tended& one) {
-    const std::scoped_lock lock(mutex_);
+    const core::Lock lock(mutex_);
     all_.push_back({&one, std::make_shared<Tend>([&one](auto now) { one.tend(now); })});
   }
   /// When it returns, `one` is not called any more, and no call is inside any more.
   void remove(const Tended& one) {
-    std::unique_lock lock(mutex_);
+    core::Lock lock(mutex_);
     const auto found = std::ranges::find(all_, &one, &Entry::one);
     const std::shared_ptr<Tend> removed = std::move(found->tend);
     all_.erase(found);
@@ -49,7 +49,7 @@ class TendedRoster {
   }
   /// The agent's thread: calls each in its turn, without keeping others out meanwhile.
   void tend(std::chrono::steady_clock::time_point now) {
-    std::unique_lock lock(mutex_);
+    core::Lock lock(mutex_);
     const std::vector<Entry> round = all_;
     lock.unlock();
     for (const Entry& entry : round) (*entry.tend)(now);
@@ -62,8 +62,8 @@ class TendedRoster {
     std::shared_ptr<Tend> tend;
   };
 
-  std::mutex mutex_;
-  std::vector<Entry> all_;
+  core::Mutex mutex_;
+  std::vector<Entry> all_ SFT_GUARDED_BY(mutex_);
 };
 
 /// Outlives the transport as long as a writer does.
