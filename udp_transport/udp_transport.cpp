@@ -1,13 +1,13 @@
 #include "udp_transport/udp_transport.h"
 
 #include <algorithm>
-#include <mutex>
 #include <optional>
 #include <random>
 #include <utility>
 #include <vector>
 
 #include "core/platform/network_watch.h"
+#include "core/sync/mutex.h"
 #include "udp_transport/io/interfaces.h"
 #include "udp_transport/io/socket_io.h"
 #include "udp_transport/io/udp_socket.h"
@@ -89,7 +89,7 @@ class UdpTransport final : public core::Network {
 
   std::vector<core::Link> links() const override {
     std::optional<std::vector<core::Link>> links = own_links(interfaces_);
-    const std::scoped_lock lock(links_mutex_);
+    const core::Lock lock(links_mutex_);
     if (!links) return links_;
     if (family_ == AF_INET) std::erase_if(*links, [](const core::Link& link) { return !link.ip.is_ipv4(); });
     links_ = *links;
@@ -129,8 +129,9 @@ class UdpTransport final : public core::Network {
   const std::vector<std::string> interfaces_;
   core::NetworkWatch network_watch_;
   bool network_has_changed_ = false;
-  mutable std::mutex links_mutex_;
-  mutable std::vector<core::Link> links_;  ///< as the system listed them last: at times it cannot
+  mutable core::Mutex links_mutex_;
+  /// The links as the system listed them last; at times it cannot.
+  mutable std::vector<core::Link> links_ SFT_GUARDED_BY(links_mutex_);
   std::chrono::steady_clock::time_point destinations_looked_after_at_{};
   const std::uint16_t port_;
   const int family_;  ///< of the socket: one of IPv6 takes both
