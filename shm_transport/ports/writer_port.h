@@ -24,8 +24,8 @@
 #include <vector>
 
 #include "core/seam/transport.h"
-#include "core/sync/published.h"
 #include "core/sync/mutex.h"
+#include "core/sync/published.h"
 #include "shm_transport/host/chunk_pools.h"
 #include "shm_transport/host/chunk_slots.h"
 #include "shm_transport/host/session.h"
