@@ -17,6 +17,11 @@
 #include <optional>
 #include <utility>
 
+#include "udp_transport/flow/congestion_window.h"
+#include "udp_transport/flow/flow_limits.h"
+#include "udp_transport/flow/receiver_watch.h"
+#include "udp_transport/flow/round_trips.h"
+#include "udp_transport/flow/unproven_allowance.h"
 #include "udp_transport/flow/unproven_budget.h"
 #include "udp_transport/wire/datagram.h"
 
@@ -31,35 +36,6 @@ constexpr std::size_t socket_bytes(std::size_t bytes, std::size_t datagrams) {
 /// Returns the part of a receive buffer that senders may fill: the kernel gives back what was read in steps
 /// of a quarter.
 constexpr std::size_t usable_bytes(std::size_t receive_buffer_bytes) { return receive_buffer_bytes / 4 * 3; }
-
-struct FlowLimits {
-  bool asks = true;  ///< false: nobody is asked to report, or waited for: a multicast group
-  std::uint64_t unheard_bytes_per_s = 600'000'000;  ///< that pass where nobody is asked
-  std::uint64_t unasked_bytes_per_s = 1'000'000;    ///< that receivers take, as we believe without a report;
-                                                    ///< here datagrams count as long as they are
-  // These limits hold for a receiver that has not reported yet.
-  std::size_t unproven_bytes = 24'000;
-  std::size_t unproven_datagrams = 16;
-  std::size_t unproven_marks = 8;                  ///< more of them count as datagrams to the host
-  std::size_t first_bytes = std::size_t{1} << 20;  ///< under way, before anything is known of the way
-  std::size_t least_bytes = 32 * 1024;             ///< under way, however bad it is
-  std::size_t mark_spacing_min = 24 * 1024;
-  std::size_t mark_spacing_max = 3072 * 1024;
-  std::chrono::milliseconds queueing{4};    ///< more than the shortest time there and back
-  std::chrono::milliseconds mark_again{2};  ///< after twice the time there and back, but not before
-  std::chrono::milliseconds mark_again_unheard{10};
-  std::chrono::milliseconds mark_again_longest{50};
-  std::chrono::milliseconds mark_anew{2000};  ///< after the last report, if anything is sent
-  /// The same where acks come. A slow reliable flow has one every 4 s (ResendLimits::heartbeat_period), which
-  /// does what a mark would.
-  std::chrono::milliseconds mark_anew_behind_acks{4500};
-  std::chrono::milliseconds silence{1000};  ///< after which nothing but marks is sent
-  // Between two marks to a receiver that is silent, or has never reported: longer the longer it lasts, but it
-  // is served again soon after it has come back.
-  std::chrono::milliseconds mark_silent{250};
-  std::chrono::milliseconds mark_silent_longest{750};
-  std::chrono::milliseconds mark_unproven_longest{2000};
-};
 
 class FlowWindow {
  public:
@@ -96,9 +72,9 @@ class FlowWindow {
   /// Takes a report of the other end; nonsense is ignored. Returns true if somebody waits who may go on now.
   [[nodiscard]] bool hear(const FlowReport& report, Time now);
   /// The other end has said something else that only it can say.
-  void lives(Time now);
+  void lives(Time now) { receiver_.lives(now); }
   /// The host there says that nobody has this port. A receiver that has just reported is believed instead.
-  void refused(Time now);
+  void refused(Time now) { receiver_.refused(now); }
   /// From now on datagrams go to another address, which has to answer first.
   void move(std::uint64_t secret, std::shared_ptr<UnprovenBudget> host = {});
   /// When to try again, if nothing is heard until then.
@@ -107,74 +83,50 @@ class FlowWindow {
   std::uint64_t position() const { return sent_; }
   /// The shortest time there and back of late; 0: not known.
   Time::duration round_trip() const {
-    return shortest_ == Time::duration::max() ? Time::duration{} : shortest_;
+    const auto shortest = round_trips_.shortest();
+    return shortest == Time::duration::max() ? Time::duration{} : shortest;
   }
   /// The receiver has reported, and is not silent: nobody else decides that something is sent there.
-  bool answers(Time now) const { return !limits_.asks || (heard_ && !silent(now)); }
+  bool answers(Time now) const { return !limits_.asks || (receiver_.heard() && !receiver_.is_mute(now)); }
   /// True if the receiver was asked for a second, and never answered or does not answer any more.
-  bool is_mute(Time now) const;
+  bool is_mute(Time now) const { return receiver_.is_mute(now); }
   /// True if everything that was sent up to that position has arrived, or never will.
-  bool passed(std::uint64_t position) const { return position <= (heard_ ? reported_ : passed_); }
+  bool passed(std::uint64_t position) const { return position <= (receiver_.heard() ? reported_ : passed_); }
   std::size_t under_way() const { return static_cast<std::size_t>(sent_ - passed_); }
-  std::size_t window() const { return std::min(share_, sustainable_); }
+  std::size_t window() const { return std::min(share_, congestion_.bytes()); }
 
  private:
   void pass_time(Time now);
   double believed_rate() const;
   bool answer_is_due() const { return marked_ > reported_; }
-  bool silent(Time now) const { return heard_ && is_mute(now); }
-  std::size_t unproven_datagrams_left(Time now) const;
-  std::size_t room_before_report(Size size, Time now) const;
   void note_unproven(std::size_t bytes, std::size_t datagrams, Time now);
-  bool takes_mark(Time now);
-  Time::duration retry_pause() const;
   std::size_t mark_spacing() const;
   bool mark_is_due(Time now) const;
-  Time next_retry() const { return marked_at_ + retry_pause(); }
-  void note_life(Time now);
   /// The inverse of itself: hides a time in a mark, and recovers it from a report.
   std::int64_t hidden(std::int64_t ns) const {
     return static_cast<std::int64_t>(static_cast<std::uint64_t>(ns) ^ secret_);
   }
+  Time marked_at(const FlowReport& report) const {
+    return Time(std::chrono::nanoseconds(hidden(report.sent_at_ns)));
+  }
   void learn(const FlowReport& report, Time now);
-  void note_time_there_and_back(Time::duration time, Time now);
-  bool lost_much(const FlowReport& report) const;
 
   std::uint32_t flow_;
   FlowLimits limits_;
   std::uint64_t secret_;
-  std::shared_ptr<UnprovenBudget> host_;
-  std::size_t share_;        ///< of the receiver's buffer
-  std::size_t sustainable_;  ///< what the way carries without a long queue
+  std::size_t share_ = 0;  ///< of the receiver's buffer
   std::uint64_t sent_ = 0;
-  std::uint64_t passed_ = 0;        ///< reported, or believed to have passed
-  std::size_t unproven_bytes_ = 0;  ///< sent before the first report
-  std::size_t unproven_datagrams_ = 0;
-  std::size_t unproven_marks_ = 0;
+  std::uint64_t passed_ = 0;    ///< reported, or believed to have passed
   std::uint64_t reported_ = 0;  ///< the last report was of that
   std::uint64_t marked_ = 0;
   std::uint32_t datagrams_ = 0;
   double expansion_ = 1;  ///< socket bytes for each byte of late
   Time passed_at_{};      ///< when passed_ was brought up to date
-  Time marked_at_{};
-  Time first_marked_at_{};
-  Time heard_at_{};
-  int unanswered_ = 0;               ///< marks that were sent again
-  std::optional<Time> asked_since_;  ///< the first mark behind the last report
-  int asked_ = 0;                    ///< marks since then
-  bool refused_ = false;
-  bool heard_ = false;
   bool waiting_ = false;
-  bool acks_come_ = false;
-
-  // These members describe the way:
-  Time::duration latest_ = limits_.mark_again_unheard;  ///< there and back
-  Time::duration shortest_ = Time::duration::max();     ///< likewise
-  Time shortest_at_{};
-  std::uint64_t full_at_ = 0;    ///< position where as much as it carries was under way last
-  std::uint64_t turned_at_ = 0;  ///< position where sustainable_ was made smaller
-  std::uint32_t datagrams_at_report_ = 0;
-  std::uint32_t came_at_report_ = 0;
+  UnprovenAllowance unproven_;
+  ReceiverWatch receiver_;
+  RoundTrips round_trips_;
+  CongestionWindow congestion_;
 };
 
 }  // namespace sft::udp

@@ -1,0 +1,81 @@
+#include "udp_transport/flow/receiver_watch.h"
+
+#include <algorithm>
+
+namespace sft::udp {
+
+namespace {
+constexpr std::chrono::seconds longest_pause_between_marks{3};  // of those that are a silence
+}
+
+void ReceiverWatch::ask(bool again, Time now) {
+  unanswered_ = again ? unanswered_ + 1 : 0;
+  if (first_marked_at_ == Time{}) first_marked_at_ = now;
+  if (!asked_since_ || (!is_mute(now) && now - marked_at_ > longest_pause_between_marks)) {
+    asked_since_ = now;
+    asked_ = 0;
+  }
+  ++asked_;
+  put_off(now);
+}
+
+/// Of several threads one may have looked at the clock before.
+void ReceiverWatch::put_off(Time now) { marked_at_ = std::max(marked_at_, now); }
+
+void ReceiverWatch::note_life(Time now) {
+  heard_at_ = now;
+  asked_since_.reset();
+  asked_ = 0;
+  refused_ = false;
+}
+
+void ReceiverWatch::reported(Time now) {
+  heard_ = true;
+  note_life(now);
+  unanswered_ = 0;
+}
+
+void ReceiverWatch::lives(Time now) {
+  acks_come_ = true;
+  if (heard_ && !is_silent(now)) note_life(now);
+}
+
+void ReceiverWatch::refused(Time now) {
+  if (!limits_.asks || (heard_ && now - heard_at_ < limits_.mark_silent)) return;
+  refused_ = true;
+  if (!asked_since_) asked_since_ = now;
+}
+
+void ReceiverWatch::begin_anew() {
+  heard_ = false;
+  first_marked_at_ = {};
+  asked_since_.reset();
+  asked_ = 0;
+  refused_ = acks_come_ = false;
+}
+
+/// A receiver that does not answer is asked more and more seldom. On a short way the pause stays short as
+/// long as the receiver does not count as silent: there a missing answer was lost, and a longer pause would
+/// only make the window stand still for longer.
+ReceiverWatch::Time::duration ReceiverWatch::retry_pause(const RoundTrips& round_trips) const {
+  if (is_mute(marked_at_)) {
+    const Time::duration longest = heard_ ? limits_.mark_silent_longest : limits_.mark_unproven_longest;
+    return std::clamp<Time::duration>((marked_at_ - *asked_since_) / 8, limits_.mark_silent, longest);
+  }
+  const auto first =
+      std::clamp<Time::duration>(2 * round_trips.latest(), limits_.mark_again, limits_.mark_again_unheard);
+  const auto after = [first](int marks) { return first * (1 << std::min(marks, 6)); };
+  const auto longest = std::clamp<Time::duration>(
+      8 * std::min<Time::duration>(round_trips.shortest(), limits_.mark_again_longest),
+      limits_.mark_again_unheard, limits_.mark_again_longest);
+  return heard_ ? std::min(after(unanswered_), longest)
+                : std::min<Time::duration>(after(asked_ - 1), limits_.mark_silent);
+}
+
+bool ReceiverWatch::has_to_ask_anew(Time now) const {
+  const auto unasked = acks_come_ ? limits_.mark_anew_behind_acks : limits_.mark_anew;
+  const Time::duration anew = asked_since_ ? limits_.mark_silent : unasked;
+  return now - std::max(heard_at_, marked_at_) >= anew;
+}
+
+}  // namespace sft::udp

@@ -1,0 +1,68 @@
+// What a receiver may be sent before its first report: a few small datagrams and marks, and no more than its
+// host has left. So nobody can make this host flood another one that did not ask for it.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <memory>
+#include <utility>
+
+#include "udp_transport/flow/flow_limits.h"
+#include "udp_transport/flow/unproven_budget.h"
+#include "udp_transport/wire/datagram.h"
+
+namespace sft::udp {
+
+class UnprovenAllowance {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  /// `host` is what all to that host may be sent before they answer; null: no more than this one may.
+  UnprovenAllowance(const FlowLimits& limits, std::shared_ptr<UnprovenBudget> host)
+      : bytes_max_(limits.unproven_bytes),
+        datagrams_max_(limits.unproven_datagrams),
+        marks_max_(limits.unproven_marks),
+        host_(std::move(host)) {}
+
+  std::size_t datagrams_left(Time now) const {
+    const std::size_t left = datagrams_max_ - std::min(datagrams_max_, datagrams_);
+    return left == 0 || host_ == nullptr ? left : std::min(left, host_->left(now));
+  }
+  std::size_t bytes_left(Time now) const {
+    if (bytes_ >= bytes_max_) return 0;
+    return std::min(bytes_max_ - bytes_, datagrams_left(now) * datagram_bytes_min);
+  }
+  void spend(std::size_t bytes, std::size_t datagrams, Time now) {
+    bytes_ += bytes;
+    datagrams_ += datagrams;
+    if (host_ != nullptr) host_->spend(datagrams, now);
+  }
+  /// Returns whether a mark may go, and counts it then. The receiver has some of its own, and shares further
+  /// ones with its host.
+  bool takes_mark(Time now) { return marks_++ < marks_max_ || host_ == nullptr || host_->takes_mark(now); }
+  /// The receiver has reported: what it was sent was welcome.
+  void proven() {
+    if (host_ != nullptr) host_->give_back(datagrams_);
+  }
+  /// Some report has come from the host.
+  void answered(Time now) {
+    if (host_ != nullptr) host_->answered(now);
+  }
+  /// The receiver has another address, which has to answer first.
+  void begin_anew(std::shared_ptr<UnprovenBudget> host) {
+    host_ = std::move(host);
+    bytes_ = datagrams_ = marks_ = 0;
+  }
+
+ private:
+  std::size_t bytes_max_;
+  std::size_t datagrams_max_;
+  std::size_t marks_max_;
+  std::shared_ptr<UnprovenBudget> host_;
+  std::size_t bytes_ = 0;
+  std::size_t datagrams_ = 0;
+  std::size_t marks_ = 0;
+};
+
+}  // namespace sft::udp
