@@ -59,7 +59,8 @@ void SequenceWatch::advance(const Claim& claim, Time now) {
   newest_stamp_ns_ = claim.stamp_ns;
   advanced_at_ = now;
   doubted_ = 0;
-  late_ = repairs_ = 0;
+  late_.end();
+  repairs_.end();
 }
 
 void SequenceWatch::begin_anew(const Claim& claim, Time now) {
@@ -95,12 +96,10 @@ bool SequenceWatch::note_late(const Claim& claim, Time now) {
   const std::uint64_t sequence = claim.sequence;
   if (sequence == newest_ || claim.datagram == last_late_datagram_) return false;
   last_late_datagram_ = claim.datagram;
-  late_ = late_ > 0 && sequence <= last_late_ ? 1 : late_ + 1;
-  if (late_ == 1) late_since_ = now;
-  last_late_ = sequence;
+  late_.add(sequence, now);
   const bool is_later = claim.stamp_ns > newest_stamp_ns_ || newest_ - sequence > reach || is_younger(claim);
-  const bool are_enough = late_ >= late_in_a_row || (late_ >= 2 && is_later);
-  return are_enough && now - late_since_ >= newest_doubted_after;
+  const bool are_enough = late_.count() >= late_in_a_row || (late_.count() >= 2 && is_later);
+  return are_enough && late_.lasts(now) >= newest_doubted_after;
 }
 
 /// By its stamp it was published after the newest one came, whatever the stamp of that one says.
@@ -116,10 +115,8 @@ bool SequenceWatch::is_younger(const Claim& claim) const {
 bool SequenceWatch::note_repair(const Claim& claim, Time now) {
   if (claim.datagram == last_late_datagram_) return false;
   last_late_datagram_ = claim.datagram;
-  repairs_ = repairs_ > 0 && claim.sequence <= last_repair_ ? 1 : repairs_ + 1;
-  if (repairs_ == 1) repairs_since_ = now;
-  last_repair_ = claim.sequence;
-  return repairs_ >= late_in_a_row && now - repairs_since_ >= newest_doubted_after;
+  repairs_.add(claim.sequence, now);
+  return repairs_.count() >= late_in_a_row && repairs_.lasts(now) >= newest_doubted_after;
 }
 
 }  // namespace sft::udp

@@ -9,6 +9,8 @@
 #include <chrono>
 #include <cstdint>
 
+#include "udp_transport/reliable/ascending_row.h"
+
 namespace sft::udp {
 
 class SequenceWatch {
@@ -85,13 +87,9 @@ class SequenceWatch {
   std::uint64_t doubted_ = 0;  ///< a sequence out of reach that waits to be confirmed; 0: none
   std::uint64_t doubted_datagram_ = 0;
   Time doubted_at_{};
-  std::uint32_t late_ = 0;  ///< datagrams in a row
-  std::uint64_t last_late_ = 0;
-  Time late_since_{};  ///< when the first of these came
+  AscendingRow late_;
+  AscendingRow repairs_;  ///< datagrams that look like repairs
   std::uint64_t last_late_datagram_ = 0;
-  std::uint32_t repairs_ = 0;  ///< datagrams in a row that look like repairs
-  std::uint64_t last_repair_ = 0;
-  Time repairs_since_{};  ///< when the first of these came
   bool newest_was_wrong_ = false;
 };
 
