@@ -60,7 +60,7 @@ class CycloneLink final : public DiscoveryLink {
         mark_{.is_secured = place.is_secured} {}
 
   ~CycloneLink() override {
-    if (participant_ > 0) dds_delete(participant_);  // waits for listeners that run
+    if (participant_ > 0) dds_delete(participant_);  // Cyclone waits for listeners that run
   }
 
   Result<void> open(const LifeSigns& signs) {

@@ -6,6 +6,9 @@
 // woken for it. The own thread meanwhile stands by. It takes the role back when nobody came, when somebody
 // else waits or has to be told at once, and when the holder does nothing although there is something to do: a
 // thread can be held up by a signal handler or a debugger.
+//
+// The role is passed on and never taken away for good, so that it is neither a GuardedCall nor a Published
+// value (core/sync): whoever waits for the end of a turn only wants the next turn to be another thread's.
 #pragma once
 
 #include <chrono>
