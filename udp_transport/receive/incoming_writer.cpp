@@ -368,7 +368,7 @@ void IncomingWriter::drop_abandoned() {
   if (window_ == nullptr) return;
   if (window_->samples().dropped().empty()) [[likely]]
     return;
-  const ArrivedSamples::Dropped dropped = window_->samples().take_dropped();
+  const ArrivedSamples::Dropped dropped = std::exchange(window_->samples().dropped(), {});
   for (const SampleLabel& label : dropped.abandoned) drop(label, shared_.counters.incomplete);
   for (const SampleLabel& label : dropped.given_back) {
     ++shared_.counters.incomplete;

@@ -140,6 +140,7 @@ void ArrivalWindow::hear(const Heartbeat& heartbeat, Time now) {
   if (!follow(heartbeat, heard_before, now)) return ask_for_next(now);
   fresh_ = false;
   const Place end = places_.place_of(heartbeat.end);
+  samples_.forget_unpublished(end + heartbeat.waiting, now);
   samples_.reach(std::max(samples_.end(), std::min(end, samples_.first_wanted() + kept_max)), now);
   if (samples_.next() < samples_.slots().end()) samples_.look_at(samples_.schedule().soon(now));
   readers_.end_requests(end + heartbeat.waiting);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "udp_transport/reliable/ordinal_watch.h"
+
 namespace sft::udp {
 
 bool ArrivedSamples::begin_with(Place place) {
@@ -113,6 +115,24 @@ void ArrivedSamples::distrust_above(std::uint64_t sequence) {
     const Slot& slot = slots_[place];
     if (slot.state == State::whole && slot.sample->sequence > sequence) come_again(place);
   }
+}
+
+void ArrivedSamples::forget_unpublished(Place from, Time now) {
+  from = std::max(from, first_wanted());
+  if (unpublished_end_ <= from) {  // what was doubted before is published by now
+    unpublished_end_ = end_ > from ? end_ : 0;
+    unpublished_since_ = now;
+    return;
+  }
+  if (now - unpublished_since_ < OrdinalWatch::doubted_after) return;
+  for (; slots_.end() > from; slots_.pop_back()) {
+    const Slot& last = slots_[slots_.end() - 1];
+    if (last.state == State::whole) held_bytes_ -= last.sample->capacity;
+    if (last.state == State::begun) dropped_.given_back.push_back(last.label);
+  }
+  end_ = from;
+  unpublished_end_ = 0;
+  advance();
 }
 
 /// The whole sample there was not the true one.

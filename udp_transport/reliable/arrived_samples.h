@@ -10,7 +10,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "core/seam/transport.h"
@@ -73,6 +72,10 @@ class ArrivedSamples {
   void doubt(Place place, std::uint32_t sequence);
   /// Samples with a greater sequence have a wrong one, and have to come again.
   void distrust_above(std::uint64_t sequence);
+  /// The writer says that it has published nothing from that place on. If it said so before, for
+  /// OrdinalWatch::doubted_after, of a place that was known of then, the places from there on are forgotten:
+  /// the writer's samples would find them taken.
+  void forget_unpublished(Place from, Time now);
   /// The sample begins anew, or another sample begins there.
   void give_back(Place place, Time now);
   /// Some of the sample came once more.
@@ -96,9 +99,8 @@ class ArrivedSamples {
     std::vector<SampleLabel> given_back;  ///< they begin anew
     bool empty() const { return abandoned.empty() && given_back.empty(); }
   };
-  /// Those since last taken.
-  const Dropped& dropped() const { return dropped_; }
-  Dropped take_dropped() { return std::exchange(dropped_, {}); }
+  /// Those since the caller emptied it last.
+  Dropped& dropped() { return dropped_; }
 
   const OrdinalRing<Slot>& slots() const { return slots_; }
   Place next() const { return next_; }  ///< the first that is missing or not whole
@@ -117,7 +119,9 @@ class ArrivedSamples {
   OrdinalRing<Slot> slots_{1};
   Place next_ = 1;
   Place end_ = 1;
-  Place skip_to_ = 1;  ///< those before are lost; not above end_
+  Place skip_to_ = 1;          ///< those before are lost; not above end_
+  Place unpublished_end_ = 0;  ///< end_ when the writer said that less was published; 0: it did not
+  Time unpublished_since_{};   ///< that time
   std::size_t held_bytes_ = 0;
   std::size_t ready_bytes_ = 0;  ///< of these, before next_
   std::uint64_t lost_ = 0;

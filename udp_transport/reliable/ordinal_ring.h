@@ -46,6 +46,10 @@ class OrdinalRing {
     ++begin_;
     --size_;
   }
+  void pop_back() {
+    (*this)[end() - 1] = T{};
+    --size_;
+  }
   /// REQUIRES: the ring is empty. The next item gets that ordinal.
   void begin_at(std::uint64_t ordinal) {
     assert(empty());

@@ -116,11 +116,12 @@ void ResendWindow::hear(const Ack& ack, Time now, Time::duration round_trip) {
   heartbeats_.answered(kept_.amount(), now);
 }
 
-/// A part that is asked for. What is under way for the first time comes anyway.
+/// A part that is asked for. What is under way for the first time comes anyway. If the sample is gone, or was
+/// never published, a heartbeat tells which samples there are.
 void ResendWindow::ask_for(const Missing& part, std::uint64_t next, Time now) {
   const std::uint64_t ordinal = widen_sequence(next, part.ordinal);
-  if (ordinal < kept_.begin()) heartbeats_.want();  // it is gone
-  if (!kept_.contains(ordinal) || kept_[ordinal].state != KeptSamples::State::sent) return;
+  if (!kept_.contains(ordinal)) return heartbeats_.want();
+  if (kept_[ordinal].state != KeptSamples::State::sent) return;
   heartbeats_.lost(now);
   repairs_.ask_for({ordinal, {part.begin, std::min(part.end, kept_[ordinal].first.total)}});
 }

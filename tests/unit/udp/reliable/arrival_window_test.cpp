@@ -115,7 +115,7 @@ TEST_F(ArrivalWindowTest, GoesOnWithoutWhatTheWriterDoesNotHaveAnyMore) {
   hear(4, 5);
   EXPECT_EQ(take(), (Numbers{10, 40}));
   EXPECT_EQ(window.samples().lost(), 2U);
-  ASSERT_EQ(window.samples().take_dropped().abandoned.size(), 1U) << "that had begun";
+  ASSERT_EQ(window.samples().dropped().abandoned.size(), 1U) << "that had begun";
 }
 
 TEST_F(ArrivalWindowTest, BeginsWhereTheWriterIsByNow) {

@@ -56,6 +56,33 @@ TEST_F(ArrivedSamplesTest, CountsTheBytesOfWholeSamplesUntilTheyAreReleased) {
   EXPECT_EQ(samples.held_bytes(), 0U);
 }
 
+/// Otherwise the samples that the writer publishes there later would count as known.
+TEST_F(ArrivedSamplesTest, ForgetsWhatTheWriterInsistsThatItHasNotPublished) {
+  samples.reach(6, now);
+  samples.whole(3, sample(3));
+  samples.whole(4, sample(4));
+  samples.pass(5);
+  samples.forget_unpublished(4, now);
+  samples.forget_unpublished(4, now + 249ms);
+  EXPECT_EQ(samples.end(), 6U) << "the samples may have overtaken the heartbeat";
+  samples.forget_unpublished(4, now + 250ms);
+  EXPECT_EQ(samples.end(), 4U);
+  EXPECT_EQ(samples.slots().end(), 4U);
+  EXPECT_EQ(samples.held_bytes(), bytes_each) << "the third was published";
+}
+
+TEST_F(ArrivedSamplesTest, KeepsWhatTheWriterPublishesSoonAfterItHasSaidThatItDidNot) {
+  samples.reach(6, now);
+  samples.whole(4, sample(4));
+  samples.whole(5, sample(5));
+  samples.forget_unpublished(4, now);
+  samples.forget_unpublished(6, now + 1s);
+  EXPECT_EQ(samples.end(), 6U);
+  samples.reach(7, now + 1s);
+  samples.forget_unpublished(6, now + 2s);
+  EXPECT_EQ(samples.end(), 7U) << "of this place the writer has said it only once";
+}
+
 TEST_F(ArrivedSamplesTest, LosesTheOldestWhereTooMuchIsHeldBackBehindIt) {
   const SampleLabel label{1, 1, 0};
   samples.reach(6, now);
