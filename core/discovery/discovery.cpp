@@ -93,6 +93,7 @@ class LinkedDiscovery final : public Discovery {
   Result<void> join_the_program(std::uint32_t domain) {
     watches_ = false;
     if (Result<void> joined = links_->join(domain); !joined) return joined;
+    const Lock lock(configuration_mutex_);
     configuration_.summary = "as the program itself configured DDS domain " + std::to_string(domain);
     configuration_.warnings = {
         "the program opened DDS domain " + std::to_string(domain) +

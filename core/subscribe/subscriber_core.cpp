@@ -23,8 +23,9 @@ SubscriberCore::SubscriberCore(Spec spec, Doorbell& bell, std::shared_ptr<Record
 }
 
 void SubscriberCore::requests(const FieldMask& mask, std::uint64_t sequence) {
+  const bool copies = spec_.as_remote != nullptr;
   ports_.requests(mask, sequence,
-                  remote_ ? std::make_shared<const detail::ProjectionPlan>(type().type(), mask) : nullptr);
+                  copies ? std::make_shared<const detail::ProjectionPlan>(type().type(), mask) : nullptr);
 }
 
 void SubscriberCore::hears(const std::vector<Hearing>& hearing) {
