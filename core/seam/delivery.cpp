@@ -140,11 +140,15 @@ void DeliveryBook::keep(const std::set<std::uint64_t>& readers) {
 
 /// Readers on the open pages still count until these pages are turned.
 void DeliveryBook::forget_the_gone() {
-  std::erase_if(accounts_, [&gone = gone_](const auto& entry) {
-    if (!entry.second.gone || entry.second.open()) return false;
-    add(gone, entry.second.delivered());
-    return true;
-  });
+  for (auto entry = accounts_.begin(); entry != accounts_.end();) {
+    const Account& account = entry->second;
+    if (account.gone && !account.open()) {
+      add(gone_, account.delivered());
+      entry = accounts_.erase(entry);
+    } else {
+      ++entry;
+    }
+  }
 }
 
 void DeliveryBook::turn_to(Teller teller, const Page& page, LateCounts late) noexcept {
