@@ -69,7 +69,7 @@ ReceiverWatch::Time::duration ReceiverWatch::retry_pause(const RoundTrips& round
       8 * std::min<Time::duration>(round_trips.shortest(), limits_.mark_again_longest),
       limits_.mark_again_unheard, limits_.mark_again_longest);
   return heard_ ? std::min(after(unanswered_), longest)
-                : std::min<Time::duration>(after(asked_ - 1), limits_.mark_silent);
+                : std::min<Time::duration>(after(std::max(asked_ - 1, 0)), limits_.mark_silent);
 }
 
 bool ReceiverWatch::has_to_ask_anew(Time now) const {
