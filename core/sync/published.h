@@ -64,7 +64,7 @@ class Published {
     return in_use_.get();
   }
 
-  /// What load() returned last, to be kept beyond the next one.
+  /// The value that load() returned last, to be kept beyond the next load().
   const std::shared_ptr<const T>& loaded() const { return in_use_; }
 
  private:

@@ -13,7 +13,7 @@
 
 /// The member is read and written only while this mutex is held.
 #define SFT_GUARDED_BY(mutex) SFT_THREAD_ATTRIBUTE(guarded_by(mutex))
-/// What the pointer points to is read and written only while this mutex is held.
+/// The object behind the pointer is read and written only while this mutex is held.
 #define SFT_PT_GUARDED_BY(mutex) SFT_THREAD_ATTRIBUTE(pt_guarded_by(mutex))
 
 /// The caller of the function holds these mutexes.

@@ -2,7 +2,7 @@
 // for whoever writes a transport of their own. It is a Network: it delivers copies, under each reader's mask,
 // before send() returns. Nothing is ever late or lost.
 //
-// How it is made, in the order in which another transport would be made:
+// Its parts, in the order in which another transport would be made:
 //
 //   FakeTransport   opens ports and tells where its readers are reached; here nobody needs an address,
 //   because

@@ -1,7 +1,7 @@
-// What the way to a remote socket carries without a queue that others have to stand in: the bytes that may be
-// under way. Pure.
+// The bytes that may be under way to a remote socket: as many as the way carries without a queue in which
+// others have to wait. Pure.
 //
-// The window shrinks, at most once for what was sent before, where a queue grows long or much is lost; it
+// The window shrinks where a queue grows long or much is lost, and at most once for what was sent before. It
 // grows only where it was the limit. It is never smaller than FlowLimits::least_bytes.
 #pragma once
 
@@ -25,7 +25,7 @@ class CongestionWindow {
   /// Shrinks so that the own queue is short for a moment, which shows the shortest time there and back.
   void make_queue_short();
 
-  /// What a report is judged by.
+  /// The facts by which a report is judged.
   struct Known {
     bool counted = false;  ///< another report of this way came before
     std::chrono::steady_clock::duration queueing{};

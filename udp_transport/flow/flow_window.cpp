@@ -137,7 +137,8 @@ bool FlowWindow::hear(const FlowReport& report, Time now) {
   return waiting_ && (was_awaited || under_way() <= limit / 2) && std::exchange(waiting_, false);
 }
 
-/// To see the shortest time there and back again, our own queue has to be short for a moment.
+/// Learns from a report. Our own queue has to be short for a moment, so that the shortest time there and back
+/// shows again.
 void FlowWindow::learn(const FlowReport& report, Time now) {
   const bool begins_anew = round_trips_.note(now - marked_at(report), now);
   if (begins_anew && receiver_.heard()) congestion_.make_queue_short();

@@ -19,7 +19,7 @@ void ReceiverWatch::ask(bool again, Time now) {
   put_off(now);
 }
 
-/// Of several threads one may have looked at the clock before.
+/// Keeps the later time, because one of several threads may have looked at the clock before.
 void ReceiverWatch::put_off(Time now) { marked_at_ = std::max(marked_at_, now); }
 
 void ReceiverWatch::note_life(Time now) {

@@ -47,13 +47,13 @@ class ReceiverWatch {
   /// The receiver has another address, which has to answer first.
   void begin_anew();
 
-  /// When a mark that was not answered is followed by another one.
+  /// The time at which a mark that was not answered is followed by another one.
   Time next_retry(const RoundTrips& round_trips) const { return marked_at_ + retry_pause(round_trips); }
   /// True if so long nothing was heard that what was sent since then has to be asked about.
   bool has_to_ask_anew(Time now) const;
 
  private:
-  /// So many marks without an answer are a silence.
+  /// The number of unanswered marks that count as silence.
   static constexpr int marks_of_silence = 3;
 
   Time::duration retry_pause(const RoundTrips& round_trips) const;

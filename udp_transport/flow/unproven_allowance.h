@@ -1,4 +1,4 @@
-// What a receiver may be sent before its first report: a few small datagrams and marks, and no more than its
+// The allowance of a receiver before its first report: a few small datagrams and marks, and no more than its
 // host has left. So nobody can make this host flood another one that did not ask for it.
 #pragma once
 

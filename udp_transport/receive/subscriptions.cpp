@@ -129,7 +129,7 @@ SubscriptionDirectory::Reader& SubscriptionDirectory::find(const Inbox& inbox) {
   return *found;
 }
 
-/// With the lock held.
+/// Publishes the subscriptions of the present readers. The caller holds the lock.
 void SubscriptionDirectory::publish() {
   auto next = std::make_shared<Subscriptions>();
   std::unordered_map<core::EndpointId, std::size_t> places;

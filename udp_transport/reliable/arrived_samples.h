@@ -80,7 +80,7 @@ class ArrivedSamples {
   void give_back(Place place, Time now);
   /// Some of the sample came once more.
   void came_again(Place place);
-  /// So many parts of the sample were asked for.
+  /// Tells that so many parts of the sample were asked for.
   void asked_for(Place place, std::uint32_t parts);
 
   /// Returns the gaps that have lasted so long that the samples are to be asked for now. `came_at(label)`

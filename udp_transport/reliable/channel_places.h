@@ -1,5 +1,6 @@
-// Where the ordinals of the present channel stand among the places of a writer. Places count up over all
-// channels of a writer, one after the other: ordinal and place differ by what the channels before had. Pure.
+// The places that the ordinals of the present channel have in a writer. Places count up over all channels of
+// a writer, one after the other: ordinal and place differ by the number of samples in the channels before.
+// Pure.
 #pragma once
 
 #include <algorithm>

@@ -37,7 +37,7 @@ class HeartbeatSchedule {
 
   /// Returns true if a heartbeat is due; it counts as sent.
   bool take(Kept kept, Time now);
-  /// When to look again, if nothing happens until then; Time::max() if never.
+  /// The time to look again, if nothing happens until then; Time::max() if never.
   Time next() const { return next_; }
   /// Heartbeats since the last answer.
   int unanswered() const { return unanswered_; }

@@ -63,11 +63,11 @@ class KeptSamples {
   /// Begins to send the sample, and so many behind it as wait, too, and are of the same pack. Returns how
   /// many these are in all.
   std::uint32_t begin_sending(std::uint64_t ordinal);
-  /// So many samples, those that are still kept, have been sent.
+  /// Tells that so many samples have been sent; those that are not kept any more do not count.
   void sent(std::uint64_t ordinal, std::uint32_t samples);
   /// A sample that was sent elsewhere has left. Returns true for the first time; empty for other samples.
   std::optional<bool> departed(std::uint64_t ordinal);
-  /// So many samples wait again: each is to be sent on from that byte.
+  /// Puts so many samples back: each is to be sent on from that byte.
   void put_back(std::uint64_t ordinal, std::uint32_t samples, std::uint32_t sent_bytes);
   /// Each sample before was sent, or is gone.
   std::uint64_t sent_end() const;

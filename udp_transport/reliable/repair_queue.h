@@ -31,7 +31,7 @@ class RepairQueue {
     BodyRange range;
   };
   void ask_for(const Repair& repair);
-  /// What was sent a round trip ago, or earlier, has arrived by now.
+  /// Forgets what was sent at that time or earlier: it has arrived by now.
   void forget_sent_before(Time time);
   /// The samples before that ordinal are not kept any more.
   void drop_before(std::uint64_t ordinal);
@@ -39,7 +39,7 @@ class RepairQueue {
   std::optional<Repair> next(Size size, Time now);
 
   bool empty() const { return waiting_.empty(); }
-  /// When next() allows one; Time::max() if the last one did, or nothing waits.
+  /// The time at which next() allows a repair; Time::max() if the last call gave one, or nothing waits.
   Time next_ready(Time now) const { return is_paced_ ? pacer_.next_ready(now) : Time::max(); }
   std::uint64_t sent() const { return sent_; }  ///< parts in all
 

@@ -50,7 +50,7 @@ class RepairSchedule {
   Time due(Entry& entry, Time came) const;
   /// Notes that the sample is asked for now, and returns the time when it is to be asked for again.
   Time ask(Entry& entry, Time now) const;
-  /// So many parts of the sample were asked for.
+  /// Tells that so many parts of the sample were asked for.
   static void asked_for(Entry& entry, std::uint32_t parts) { entry.parts = parts > 0 ? parts : 1; }
   /// Something of the sample came once more: if as much comes again as was asked for, that was too early;
   /// less is what networks do.

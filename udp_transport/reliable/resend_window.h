@@ -82,7 +82,7 @@ class ResendWindow {
   /// The last one: nothing is kept any more.
   Heartbeat parting() const;
 
-  /// When to look again, if nothing is kept, heard and taken until then.
+  /// The time to look again, if nothing happens until then; Time::max() if never.
   Time next_look(Time now) const;
   /// Returns true if so much more can be kept, and nothing has to go for it.
   bool can_keep(std::size_t samples, std::size_t bytes) const { return kept_.can_keep(samples, bytes); }

@@ -1,4 +1,4 @@
-// What heartbeats tell about the end of a channel, where that contradicts what has come. Pure.
+// The end of a channel as heartbeats tell it, where that contradicts what has come. Pure.
 #pragma once
 
 #include <algorithm>

@@ -21,7 +21,7 @@ std::shared_ptr<const WireMask> make_wire_mask(const FieldMask& mask, std::uint1
   return std::make_shared<WireMask>(WireMask{number, mask.hash(), words_to_send(mask)});
 }
 
-/// What a gate withholds from readers on fallback routes is counted by the transport that serves them.
+/// The transport that serves the readers on fallback routes counts what a gate withholds from them.
 void write_page(const RouteBundle& bundle, const Audience& audience, RouteTable& table) {
   for (const auto& [reader, destination] : bundle.readers) {
     const auto leads_there = [to = destination](const auto& lane) { return &lane->destination() == to; };

@@ -33,7 +33,7 @@ class ControlChannels {
  public:
   using Ends = std::pair<std::size_t, std::size_t>;  ///< from, to
 
-  /// Without `random` the first possibility is chosen.
+  /// Channels that choose among possibilities by `random`; without it they choose the first one.
   explicit ControlChannels(Random* random) : random_(random) {}
 
   void open(std::size_t from, std::size_t to, bool found) { channels_[{from, to}].found = found; }

@@ -16,7 +16,7 @@ struct NegotiationPlan {
     bool may_use_udp = true;
     core::Qos qos{};
   };
-  /// How often each event may happen that is not the protocol's own doing.
+  /// The number of times that each event may happen which is not the protocol's own doing.
   struct Budget {
     int mask_changes = 0;
     int rate_changes = 0;

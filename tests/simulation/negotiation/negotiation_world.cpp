@@ -20,7 +20,7 @@ struct NegotiationWorld::StepKind {
   void (*happens)(NegotiationWorld& world, std::size_t n, std::size_t other);
 };
 
-/// In the order of NegotiationStep::What.
+/// The kinds of steps, in the order of NegotiationStep::What.
 const std::array<NegotiationWorld::StepKind, 22> NegotiationWorld::step_kinds{{
     {"announcement comes",
      [](auto& world, auto n, auto other) {

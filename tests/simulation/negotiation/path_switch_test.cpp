@@ -46,7 +46,7 @@ class Path {
   std::vector<Route> routes_;
 };
 
-/// In shared memory it is the reader that keeps a limit.
+/// The way through shared memory, where the reader keeps the limit of its rate.
 class MemoryPath final : public IdleLendingWriter, public Path {
  public:
   MemoryPath(std::shared_ptr<BufferPool> pool, std::function<void()> between)

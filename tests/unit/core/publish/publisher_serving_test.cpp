@@ -10,6 +10,7 @@
 #include "core/publish/publisher_core.h"
 #include "sft/detail/encode.h"
 #include "sft/detail/project.h"
+#include "tests/unit/core/publish/port_logs.h"
 #include "tests/unit/core/seam/idle_ports.h"
 
 namespace sft::core {
@@ -186,33 +187,6 @@ TEST_F(PublisherServingTest, AReaderThatChangesOverToSharedMemoryIsSentASampleTh
   EXPECT_EQ(in_memory->sent, 1);
 }
 
-/// In memory of its own, where a late reader waits that a sample is held back from while somebody looks what
-/// is retained, as often as is said.
-class MemoryPort final : public IdleLendingWriter {
- public:
-  SampleHandle loan(std::size_t bytes) noexcept override { return memory->take(bytes); }
-  bool owns(const SampleBuffer& sample) const noexcept override { return sample.owner == memory; }
-  std::optional<std::uint64_t> held_back(EndpointId) noexcept override {
-    return given ? std::nullopt : std::optional(interruptions);
-  }
-  bool begin_with(const Route&, const std::vector<SampleHandle>& retained, std::uint64_t before) override {
-    if (before > 0) {
-      --interruptions;
-      return false;
-    }
-    given.emplace();
-    for (const SampleHandle& sample : retained) {
-      EXPECT_TRUE(owns(*sample));
-      given->push_back(sample->sequence);
-    }
-    return true;
-  }
-
-  const std::shared_ptr<BufferPool> memory = BufferPool::make(1 << 20);
-  std::uint64_t interruptions = 0;
-  std::optional<std::vector<std::uint64_t>> given;
-};
-
 class LateInMemoryTest : public PublisherServingTest {
  protected:
   PublisherCore::Spec retaining() const {
@@ -226,16 +200,25 @@ class LateInMemoryTest : public PublisherServingTest {
     serving.memory = {{.reader = 2, .destination = DoorbellAddress{}, .mask = type.full(), .history = 2}};
     return serving;
   }
-  const std::shared_ptr<MemoryPort> memory = std::make_shared<MemoryPort>();
+  /// The sequences of the samples that the reader was given. All of them have to lie in the port's memory.
+  std::vector<std::uint64_t> given() const {
+    std::vector<std::uint64_t> sequences;
+    for (const SampleHandle& sample : memory->given.value()) {
+      EXPECT_TRUE(memory->owns(*sample));
+      sequences.push_back(sample->sequence);
+    }
+    return sequences;
+  }
+  const std::shared_ptr<test::MemoryLog> memory = std::make_shared<test::MemoryLog>();
 };
 
 TEST_F(LateInMemoryTest, AReaderIsGivenWhatWasPublishedBeforeThereWasSharedMemory) {
   PublisherCore durable(retaining(), BufferPool::make(1 << 20), nullptr);
   for (int i = 0; i < 4; ++i) durable.publish(&cloud);
   durable.serve(to_late_reader(), memory);
-  EXPECT_EQ(memory->given, (std::vector<std::uint64_t>{3, 4}));
+  EXPECT_EQ(given(), (std::vector<std::uint64_t>{3, 4}));
   durable.give_history();
-  EXPECT_EQ(memory->given->size(), 2U) << "once";
+  EXPECT_EQ(given().size(), 2U) << "once";
 }
 
 TEST_F(LateInMemoryTest, AReaderFromWhichSomethingIsHeldBackMeanwhileIsGivenThatToo) {
@@ -246,7 +229,7 @@ TEST_F(LateInMemoryTest, AReaderFromWhichSomethingIsHeldBackMeanwhileIsGivenThat
   EXPECT_FALSE(memory->given) << "the agent has other things to do";
   durable.publish(&cloud);
   durable.give_history();
-  EXPECT_EQ(memory->given, (std::vector<std::uint64_t>{1, 2}));
+  EXPECT_EQ(given(), (std::vector<std::uint64_t>{1, 2}));
 }
 
 /// Shared memory in which a send waits so long for readers, and that has no chunk for a number of loans.

@@ -1,4 +1,5 @@
-// When a callback that was taken away is not called any more, by whichever threads.
+// Tests that a callback is not called any more once it was taken away, whichever threads call it and take it
+// away.
 #include "core/sync/guarded_call.h"
 
 #include <gtest/gtest.h>
