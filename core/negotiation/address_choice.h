@@ -8,12 +8,12 @@
 
 namespace sft::core {
 
-/// The first of the best: those in a network that we are in, too, by an interface of our own with a carrier,
-/// by wire at both ends before by radio; then those that routes may lead to, of a family that we have; then
-/// link-local ones, since
-/// these look near everywhere, completed by an interface of ours. Behind an interface without carrier there
-/// is none but by name, and an address that we have ourselves is another host's only by name, too (bridges of
-/// containers have the same everywhere): these come last. REQUIRES: there is one.
+/// Returns the first of the best addresses. The best ones are in a network that this host is in, too, by an
+/// interface of its own with a carrier; a wire at both ends is better than radio. Next come addresses that
+/// routes may lead to, of a family that this host has. Then come link-local addresses, since these look near
+/// everywhere; an interface of this host completes them. Last come addresses behind an interface without a
+/// carrier, which leads to nobody, and addresses that this host has itself, which then belong to another host
+/// of the same name (bridges of containers have the same addresses everywhere). REQUIRES: there is one.
 UdpAddress choose_address(std::span<const UdpAddress> of_reader, std::span<const Link> ours);
 
 }  // namespace sft::core

@@ -29,6 +29,7 @@ struct Report {
   std::atomic<std::uint64_t> taken{0};
   std::atomic<std::uint64_t> liveliness_lost{0};
   std::atomic<std::uint64_t> out_of_order{0};  ///< samples that did not follow the one before
+  std::atomic<std::size_t> addresses{0};       ///< that the publisher's node says it has
   std::atomic<double> share_of_a_core{1};      ///< that it took while it waited
 };
 
@@ -141,6 +142,7 @@ void subscribe_reliably(Node& node, Report& report) {
       last = sample->height();
       ++report.taken;
     }
+    for (const EndpointInfo& one : node.domain().publishers) report.addresses = one.addresses.size();
   }
 }
 
@@ -386,9 +388,13 @@ TEST_F(DiscoveryTest, AReliableStreamOutlivesTheInterfaceOfThePublishersDiscover
   const NodeProcess publisher(host(0), options(both), publish_reliably);
   const NodeProcess subscriber(host(1), options(both), subscribe_reliably);
   ASSERT_TRUE(subscriber.takes_samples());
-  for (const char* change : {"eth0 down", "eth0 up", "eth1 down"}) {
-    ASSERT_TRUE(run_on(0, std::string("ip link set dev ") + change));
+  for (const std::string change : {"eth0 down", "eth0 up", "eth1 down"}) {
+    ASSERT_TRUE(run_on(0, "ip link set dev " + change));
     EXPECT_TRUE(subscriber.takes_samples(2s)) << change;
+    if (change == "eth0 up") {
+      const auto both_are_known = [&] { return subscriber.report().addresses >= 2; };
+      EXPECT_TRUE(eventually(both_are_known, 5s)) << "nodes look at their interfaces five times a second";
+    }
   }
   EXPECT_EQ(subscriber.report().out_of_order, 0U);
   EXPECT_EQ(publisher.report().matched, 1U);
