@@ -12,8 +12,8 @@ namespace sft::core {
 /// interface of its own with a carrier; a wire at both ends is better than radio. Next come addresses that
 /// routes may lead to, of a family that this host has. Then come link-local addresses, since these look near
 /// everywhere; an interface of this host completes them. Last come addresses behind an interface without a
-/// carrier, which leads to nobody, and addresses that this host has itself, which then belong to another host
-/// of the same name (bridges of containers have the same addresses everywhere). REQUIRES: there is one.
+/// carrier, and addresses that this host has as well: datagrams to these stay here (bridges of containers
+/// have the same addresses on all hosts). REQUIRES: there is one.
 UdpAddress choose_address(std::span<const UdpAddress> of_reader, std::span<const Link> ours);
 
 }  // namespace sft::core

@@ -20,7 +20,8 @@ int main() {
   auto commands = node->subscriber<Twist, F::linear.x>("cmd_vel", {.pollable = true}).value();
 
   // A command that is published before the two have found each other would not be received.
-  if (!publisher.wait_for_subscribers(1, std::chrono::seconds(5))) return std::puts("no subscriber for 5 s"), 1;
+  if (!publisher.wait_for_subscribers(1, std::chrono::seconds(5)))
+    return std::puts("no subscriber for 5 s"), 1;
 
   const int timer = timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC);
   const itimerspec every_50_ms{.it_interval = {0, 50'000'000}, .it_value = {0, 50'000'000}};
