@@ -1,38 +1,26 @@
-// A network and a clock in memory: datagrams get lost, delayed, swapped and repeated as a seed says, and
-// nothing passes while it is parted.
+// The wires between two hosts, in memory: datagrams get lost, delayed, swapped and repeated as a seed says,
+// and none passes while the hosts are parted.
 #pragma once
 
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <random>
-#include <span>
 #include <utility>
-#include <vector>
 
+#include "tests/simulation/udp/random.h"
 #include "tests/unit/udp/mutations.h"
 
 namespace sft::simulation {
-
-using Time = std::chrono::steady_clock::time_point;
-using Random = std::mt19937_64;
-using Bytes = std::vector<std::byte>;
-
-inline bool happens(Random& random, double probability) {
-  return std::uniform_real_distribution<>()(random) < probability;
-}
-inline std::uint64_t from_to(Random& random, std::uint64_t least, std::uint64_t most) {
-  return std::uniform_int_distribution<std::uint64_t>(least, most)(random);
-}
 
 struct Weather {
   double loss = 0;
   double repetition = 0;
   std::chrono::microseconds delay{50};
-  std::chrono::microseconds jitter{0};  ///< at most, of some: then others overtake
+  /// Some datagrams are late by up to this time. Others overtake them then.
+  std::chrono::microseconds jitter{0};
   Time parted_from{}, parted_until{};
-  double forged = 0;  ///< share of which a mutated copy comes as well
+  double forged = 0;  ///< the share of the datagrams of which a mutated copy comes, too
   Time forged_until{};
 };
 
@@ -44,10 +32,15 @@ class Network {
     Bytes bytes;
   };
 
-  Network(const Weather& weather, Random& random) : weather_(weather), random_(random) {}
+  /// `datagram_bytes`: the longest datagrams that the path takes. `random` outlives the network.
+  Network(const Weather& weather, std::size_t datagram_bytes, Random& random)
+      : weather_(weather), datagram_bytes_(datagram_bytes), random_(random) {}
+
+  std::size_t datagram_bytes() const { return datagram_bytes_; }
+  /// Datagrams take another path from now on.
+  void take_detour(std::size_t datagram_bytes) { datagram_bytes_ = datagram_bytes; }
 
   void send(Side to, Bytes bytes, Time now) {
-    ++sent_;
     if (now >= weather_.parted_from && now < weather_.parted_until) return;
     if (happens(random_, weather_.loss)) return;
     if (happens(random_, weather_.repetition)) deliver_later({to, bytes}, now);
@@ -58,9 +51,10 @@ class Network {
     }
     deliver_later({to, std::move(bytes)}, now);
   }
+
+  /// The time when the next datagram arrives.
   Time next() const { return under_way_.empty() ? Time::max() : under_way_.begin()->first; }
   Datagram take() { return std::move(under_way_.extract(under_way_.begin()).mapped()); }
-  std::uint64_t sent() const { return sent_; }
 
  private:
   void deliver_later(Datagram datagram, Time now) {
@@ -72,9 +66,9 @@ class Network {
   }
 
   const Weather weather_;
+  std::size_t datagram_bytes_;
   Random& random_;
   std::multimap<Time, Datagram> under_way_;
-  std::uint64_t sent_ = 0;
 };
 
 }  // namespace sft::simulation

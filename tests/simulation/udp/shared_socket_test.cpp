@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/simulation/udp/network.h"
+#include "tests/simulation/udp/random.h"
 #include "tests/support/test_seed.h"
 #include "udp_transport/flow/flow_window.h"
 #include "udp_transport/flow/receive_shares.h"

@@ -1,0 +1,67 @@
+// The writer's end of a reliable channel: keeps samples, sends them datagram by datagram as fast as the flow
+// window allows, and sends them again when an ack asks for them.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "tests/simulation/udp/loss_ledger.h"
+#include "tests/simulation/udp/network.h"
+#include "tests/simulation/udp/scenario.h"
+#include "udp_transport/flow/flow_window.h"
+#include "udp_transport/reliable/resend_window.h"
+
+namespace sft::simulation {
+
+class ChannelSender {
+ public:
+  using Size = udp::ResendWindow::Size;
+
+  /// Opens the first channel. The arguments outlive this object.
+  ChannelSender(const Scenario& scenario, Random& random, Network& network, LossLedger& ledger);
+
+  /// Opens another channel. Nothing more is sent in the former one.
+  void open();
+  std::uint32_t number() const { return number_; }
+  const udp::ResendWindow& window() const { return *window_; }
+
+  udp::ResendWindow::Kept keep(const udp::JobHandle& job, bool elsewhere = false);
+  /// A sample that was sent elsewhere has left.
+  void departed(std::uint64_t ordinal, Time now) { window_->departed(ordinal, now); }
+  /// There may be something to send.
+  void wake(Time now);
+  void send(Time now);
+  /// Takes an ack, or a report of the flow.
+  void hear(const Bytes& bytes, Time now);
+  /// The time of the next send().
+  Time next(Time now) const;
+
+ private:
+  /// A sample, or a part of it, that is being cut into datagrams.
+  struct Sending {
+    udp::ResendWindow::Piece piece;
+    udp::Fragmenter fragments;
+  };
+
+  void send_some(Size size, Time now);
+  bool begin_piece(std::optional<Sending>& sending, Size size, Time now);
+  bool may_send(Size size, Time now);
+  void send_datagram(Sending& sending, Time now);
+  void end_piece(Sending& sending, Time now);
+  void send_mark(Time now);
+  void send_heartbeat(Time now);
+
+  const Scenario& scenario_;
+  Random& random_;
+  Network& network_;
+  LossLedger& ledger_;
+  std::uint32_t number_ = 0;
+  std::unique_ptr<udp::ResendWindow> window_;
+  std::unique_ptr<udp::FlowWindow> flow_;
+  std::uint64_t oldest_kept_ = 1;  ///< ordinal
+  std::optional<Sending> sending_[2];
+  Time send_at_ = start_time;
+};
+
+}  // namespace sft::simulation

@@ -1,0 +1,149 @@
+#include "tests/simulation/udp/laws.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+namespace sft::simulation {
+namespace {
+
+using namespace std::chrono_literals;
+
+std::string name_of(std::uint64_t sequence) { return "sample " + std::to_string(sequence); }
+
+std::string name_of(std::uint64_t sequence, core::EndpointId reader) {
+  return name_of(sequence) + " of reader " + std::to_string(reader);
+}
+
+}  // namespace
+
+void Laws::fail(const std::string& what) {
+  if (violation_.empty()) violation_ = what;
+}
+
+void Laws::fail_unless_forged(const std::string& what) {
+  if (!scenario_.forgers) fail(what);
+}
+
+void Laws::published(std::uint64_t sequence, Image image, Time now) {
+  images_.emplace(sequence, std::move(image));
+  next_sequence_ = sequence + 1;
+  if (scenario_.forgers && now < scenario_.weather.forged_until + 1s) first_owed_ = next_sequence_;
+}
+
+void Laws::process_started() {
+  readers_.clear();
+  ledger_.process_started();
+  lost_ = 0;
+}
+
+void Laws::came(const core::SampleBuffer& sample) {
+  if (scenario_.forgers) return;
+  const std::string which = name_of(sample.sequence);
+  if (is_sound(sample, which) && !ledger_.came({sample.sequence, sample.mask.hash()}))
+    fail(which + " comes twice");
+}
+
+void Laws::refused(std::span<const std::byte> bytes) {
+  if (scenario_.forgers) return;
+  const auto datagram = udp::parse(bytes);
+  if (!datagram) return fail("what makes no sense is taken for unwanted");
+  const std::uint64_t sequence = udp::widen_sequence(next_sequence_, datagram->label().sequence);
+  for (std::uint64_t i = 0; i < std::max<std::uint64_t>(datagram->samples, 1); ++i)
+    ledger_.refused({sequence + i, datagram->first.mask});
+}
+
+void Laws::taken(core::EndpointId reader, const core::SampleBuffer& sample, bool changes) {
+  const std::string which = name_of(sample.sequence, reader);
+  Account& account = readers_[reader];
+  if (scenario_.forgers && sample.sequence < first_owed_) return;
+  if (scenario_.forgers && !images_.contains(sample.sequence)) return;
+  if (!is_sound(sample, which)) return;
+  if (scenario_.forgers) return static_cast<void>(account.got.insert(sample.sequence));
+  if (sample.sequence == account.last) {
+    // While its mask changes, a sample can come under both, for it and for another.
+    const bool may_repeat = account.changed || changes;
+    if (!may_repeat || !account.last_masks.insert(sample.mask.hash()).second) fail(which + " comes twice");
+    return;
+  }
+  if (sample.sequence < account.last) return fail(which + " comes after " + std::to_string(account.last));
+  account.last = sample.sequence;
+  account.last_masks = {sample.mask.hash()};
+  account.changed = changes;
+  account.got.insert(sample.sequence);
+}
+
+/// Returns true if the sample is what was published, under its mask.
+bool Laws::is_sound(const core::SampleBuffer& sample, const std::string& which) {
+  if (sample.writer != writer_id) return fail(which + " names another writer"), false;
+  const auto image = images_.find(sample.sequence);
+  if (image == images_.end()) return fail(which + " was never published"), false;
+  const std::span<const std::byte> body(sample.data + sample.header().body_offset,
+                                        sample.header().body_bytes);
+  if (std::ranges::equal(body, udp::test::encoded_body(image->second, sample.mask))) return true;
+  return fail(which + " has other bytes, or those of another mask"), false;
+}
+
+void Laws::check(const udp::ResendWindow& sent, udp::ArrivalWindow* arrivals) {
+  if (sent.kept() > scenario_.resend.samples) fail("the writer keeps too many samples");
+  if (sent.kept_bytes() > scenario_.resend.bytes && sent.kept() > 1) fail("the writer keeps too much");
+  if (arrivals == nullptr) return;
+  const udp::ArrivalLimits& limits = scenario_.reassembly.channel;
+  if (arrivals->samples().slots().size() > limits.samples) fail("the reader keeps too many places");
+  const std::size_t buffer_bytes_max = 2 * scenario_.sample_bytes_max;
+  const std::size_t most = scenario_.readers_lag ? limits.awaited_bytes + buffer_bytes_max
+                                                 : limits.held_bytes + scenario_.sample_bytes_max;
+  if (arrivals->samples().held_bytes() > most) fail("the reader holds back too much");
+  if (!scenario_.forgers) check_losses(*arrivals);
+}
+
+/// The process was told of each lost sample once, the oldest first: all of them lie before what may still
+/// come.
+void Laws::check_losses(udp::ArrivalWindow& arrivals) {
+  const auto mark = arrivals.mark();
+  if (arrivals.samples().lost() == lost_ || !mark) return;
+  lost_ = arrivals.samples().lost();
+  const std::uint64_t missing = ledger_.lost(mark->channel, arrivals.samples().next());
+  if (missing != lost_)
+    fail(std::to_string(lost_) + " are said to be lost, and " + std::to_string(missing) + " did not come");
+}
+
+void Laws::check_end(const udp::ResendWindow& sent, std::uint32_t channel) {
+  if (readers_.empty()) return;
+  if (!sent.settled()) fail("the writer waits for an ack that does not come");
+  const std::uint64_t missing = ledger_.lost_in_the_end(channel);
+  if (missing != lost_)
+    fail_unless_forged(std::to_string(missing) + " did not come, and " + std::to_string(lost_) +
+                       " are said to be lost");
+  for (const auto& [reader, account] : readers_)
+    scenario_.forgers ? check_end_after_forgeries(account) : check_end(reader, account);
+}
+
+void Laws::check_end(core::EndpointId reader, const Account& account) {
+  for (const Variant& sample : account.owed) {
+    if (account.got.contains(sample.sequence)) continue;
+    const std::string which = name_of(sample.sequence, reader);
+    if (ledger_.was_refused(sample)) return fail(which + " came, and was refused");
+    if (ledger_.has_come(sample)) return fail(which + " came, and was not handed over");
+    if (ledger_.was_dropped(sample.sequence)) continue;
+    if (!scenario_.tight_reader) return fail(which + " did not come");
+    if (!ledger_.anything_came_from(sample.sequence))
+      return fail(which + " is lost, and nothing behind it came");
+  }
+}
+
+/// A forged sample that claimed a place in the future has taken it from the true one: nobody can tell them
+/// apart. There are few of these.
+void Laws::check_end_after_forgeries(const Account& account) {
+  std::size_t owed = 0, missing = 0;
+  for (const Variant& sample : account.owed) {
+    if (sample.sequence < first_owed_ || ledger_.was_dropped(sample.sequence)) continue;
+    ++owed;
+    missing += account.got.contains(sample.sequence) ? 0 : 1;
+  }
+  if (owed < 50) fail("it was not looked at for long enough");
+  if (100 * missing > owed)
+    fail(std::to_string(missing) + " of " + std::to_string(owed) + " samples did not come");
+}
+
+}  // namespace sft::simulation

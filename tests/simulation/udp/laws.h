@@ -1,0 +1,82 @@
+// The laws of the simulated world: what must hold after each event, and at the end. The hosts report what
+// they do, and the laws compare both sides. The first violation is kept.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/seam/sample_buffer.h"
+#include "tests/simulation/udp/loss_ledger.h"
+#include "tests/simulation/udp/scenario.h"
+#include "tests/simulation/udp/topic.h"
+#include "udp_transport/reliable/resend_window.h"
+
+namespace sft::simulation {
+
+class Laws {
+ public:
+  /// `scenario` outlives the laws.
+  explicit Laws(const Scenario& scenario) : scenario_(scenario), next_sequence_(scenario.first_sequence) {}
+
+  /// The first violation; empty if there is none.
+  const std::string& violation() const { return violation_; }
+  void fail(const std::string& what);
+  /// Fails, unless a forged datagram can be the cause.
+  void fail_unless_forged(const std::string& what);
+  LossLedger& ledger() { return ledger_; }
+
+  // What the writer reports.
+
+  void published(std::uint64_t sequence, Image image, Time now);
+  /// The sample was sent to that reader.
+  void owes(core::EndpointId reader, const Variant& sample) { readers_[reader].owed.push_back(sample); }
+
+  // What the process of the readers reports.
+
+  void process_started();
+  void process_crashed() { readers_.clear(); }
+  void reader_joined(core::EndpointId reader) { readers_.try_emplace(reader); }
+  /// A whole sample came. Best-effort readers would take it at once.
+  void came(const core::SampleBuffer& sample);
+  /// The datagram came, and nobody in the process had asked for its samples.
+  void refused(std::span<const std::byte> datagram);
+  /// The reader was given a sample. `changes`: the reader is changing from one mask to another.
+  void taken(core::EndpointId reader, const core::SampleBuffer& sample, bool changes);
+
+  // What is checked.
+
+  /// Checks what must hold after each event. `arrivals`: null while the process of the readers is away.
+  void check(const udp::ResendWindow& sent, udp::ArrivalWindow* arrivals);
+  /// Checks what must hold when nothing is under way any more. `channel`: the last channel of the writer.
+  void check_end(const udp::ResendWindow& sent, std::uint32_t channel);
+
+ private:
+  /// What one reader has to get, and has got.
+  struct Account {
+    std::vector<Variant> owed{};
+    std::set<std::uint64_t> got{};         ///< sequences
+    std::uint64_t last = 0;                ///< the sequence that the reader got last
+    std::set<std::uint64_t> last_masks{};  ///< hashes of the masks under which this sequence came
+    bool changed = false;                  ///< the reader was changing its mask when it got that
+  };
+
+  bool is_sound(const core::SampleBuffer& sample, const std::string& which);
+  void check_losses(udp::ArrivalWindow& arrivals);
+  void check_end(core::EndpointId reader, const Account& account);
+  void check_end_after_forgeries(const Account& account);
+
+  const Scenario& scenario_;
+  std::string violation_;
+  std::uint64_t next_sequence_;
+  std::uint64_t first_owed_ = 0;  ///< the first sample that was published a second after the last forgery
+  std::map<std::uint64_t, Image> images_;
+  std::map<core::EndpointId, Account> readers_;
+  LossLedger ledger_;
+  std::uint64_t lost_ = 0;  ///< as the process counted when it was asked last
+};
+
+}  // namespace sft::simulation

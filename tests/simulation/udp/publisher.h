@@ -1,0 +1,51 @@
+// The publisher of the simulation: makes samples now and then, encodes them under the masks that readers ask
+// for, and hands them to the channel or to the multicast group.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <set>
+#include <span>
+#include <vector>
+
+#include "core/seam/buffer_pool.h"
+#include "tests/simulation/udp/channel_sender.h"
+#include "tests/simulation/udp/group_path.h"
+#include "tests/simulation/udp/laws.h"
+#include "tests/simulation/udp/scenario.h"
+#include "tests/simulation/udp/topic.h"
+
+namespace sft::simulation {
+
+class Publisher {
+ public:
+  /// The arguments outlive this object.
+  Publisher(const Scenario& scenario, Random& random, ChannelSender& channel, GroupPath& group, Laws& laws)
+      : scenario_(scenario), random_(random), channel_(channel), group_(group), laws_(laws) {}
+
+  /// Publishes one sample, or several small ones. `asked`: the masks of the readers, as the writer knows
+  /// them.
+  void publish(const std::map<core::EndpointId, Mask>& asked, Time now);
+  /// The time of the next publish().
+  Time next() const { return publish_at_; }
+
+ private:
+  std::vector<Image> next_images(bool may_span);
+  void publish_to_group(const Image& image, const std::set<Mask>& served, const FieldMask& all, Time now);
+  udp::JobHandle encode(std::span<const Image> images, const FieldMask& mask, std::uint16_t variant);
+  void project(udp::Job& job, const core::SampleHandle& sample, const FieldMask& mask, bool packed);
+
+  const Scenario& scenario_;
+  Random& random_;
+  ChannelSender& channel_;
+  GroupPath& group_;
+  Laws& laws_;
+  std::shared_ptr<udp::JobPool> jobs_ = udp::JobPool::make();
+  std::shared_ptr<core::BufferPool> memory_ = core::BufferPool::make(std::size_t{64} << 20);
+  std::uint64_t sequence_ = scenario_.first_sequence;  ///< of the next sample
+  std::size_t published_ = 0;
+  Time publish_at_ = start_time;
+};
+
+}  // namespace sft::simulation

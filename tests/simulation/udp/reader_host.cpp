@@ -1,0 +1,168 @@
+#include "tests/simulation/udp/reader_host.h"
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+
+#include "tests/unit/udp/arrivals.h"
+
+namespace sft::simulation {
+
+void ReaderHost::start() {
+  reassembly_ = std::make_unique<udp::Reassembly>(scenario_.reassembly, memory_);
+  directory_ = std::make_unique<udp::SubscriptionDirectory>();
+  shares_ = std::make_unique<udp::ReceiveShares>(scenario_.receive_buffer_bytes);
+  readers_.clear();
+  laws_.process_started();
+  for (std::size_t i = 0; i < from_to(random_, 1, 3); ++i) add_reader(from_to(random_, 0, 2));
+  follow();
+}
+
+void ReaderHost::add_reader(Mask mask) {
+  readers_.push_back({.id = ++last_id_,
+                      .inbox = std::make_shared<udp::Inbox>(1, nullptr),
+                      .requests = core::AcceptedRequests({masks()[mask]}, true),
+                      .known = mask});
+  const Reader& reader = readers_.back();
+  laws_.reader_joined(reader.id);
+  directory_->add(reader.id, reader.inbox, image_type());
+  directory_->accept(*reader.inbox, reader.requests.all());
+  const core::Source source{.writer = writer_id, .reliable = true, .waits = scenario_.readers_lag};
+  if (!directory_->connect(*reader.inbox, source)) laws_.fail("a reader is not connected");
+}
+
+/// Tells the reassembly what the readers want by now.
+void ReaderHost::follow() {
+  subscriptions_ = directory_->enter();
+  reassembly_->set_streams(subscriptions_->streams);
+  std::vector<core::EndpointId> ids;
+  for (const Reader& reader : readers_) ids.push_back(reader.id);
+  reassembly_->window(0)->set_readers(ids);
+  for (const udp::Subscriber& subscriber : subscriptions_->subscribers[0])
+    reassembly_->window(0)->heard(subscriber.reader, subscriber.heard_request());
+}
+
+void ReaderHost::crash() {
+  reassembly_.reset();
+  readers_.clear();
+  laws_.process_crashed();
+  look_again_at_ = Time::max();
+}
+
+std::map<core::EndpointId, Mask> ReaderHost::masks_known() const {
+  std::map<core::EndpointId, Mask> known;
+  for (const Reader& reader : readers_) known.emplace(reader.id, reader.known);
+  return known;
+}
+
+void ReaderHost::change_a_mask(Time now) {
+  if (readers_.empty()) return;
+  Reader& reader = readers_[from_to(random_, 0, readers_.size() - 1)];
+  const Mask mask = from_to(random_, 0, 2);
+  if (reader.requests.latest().mask == masks()[mask]) return;
+  reader.requests.asks_for({masks()[mask]}, now);
+  directory_->accept(*reader.inbox, reader.requests.all());
+  follow();
+  const Time after = reader.under_way.empty() ? now : reader.under_way.back().first;
+  const auto delay = std::chrono::microseconds(log_uniform(random_, 50'000));
+  reader.under_way.emplace_back(std::max(after, now + delay), mask);
+}
+
+void ReaderHost::tell_writer_of_masks(Time now) {
+  for (Reader& reader : readers_) {
+    while (!reader.under_way.empty() && reader.under_way.front().first <= now) {
+      reader.known = reader.under_way.front().second;
+      reader.under_way.pop_front();
+    }
+    if (!reader.requests.look(now)) continue;
+    directory_->accept(*reader.inbox, reader.requests.all());
+    follow();
+  }
+}
+
+void ReaderHost::receive(const Bytes& bytes, Time now) {
+  if (reassembly_ == nullptr) return;
+  if (udp::kind_of(bytes) == udp::DatagramKind::mark) return report(bytes, now);
+  if (udp::kind_of(bytes) == udp::DatagramKind::group_offer)
+    return static_cast<void>(udp::test::accept(*reassembly_, bytes, {now, 1}));
+  shares_->count({});
+  accept(bytes, now);
+  hand_over(now);
+  answer(now);
+}
+
+void ReaderHost::accept(const Bytes& bytes, Time now) {
+  const auto before = arrivals()->mark();
+  const std::uint64_t refused_before = reassembly_->counters().unknown;
+  const udp::Arrival arrival = udp::test::accept(*reassembly_, bytes, {now, 1});
+  const std::optional<udp::Heartbeat> heartbeat = udp::parse_heartbeat(bytes);
+  if (!heartbeat && reassembly_->counters().unknown > refused_before) laws_.refused(bytes);
+  if (arrival.sample) laws_.came(*arrival.sample);
+  for (const core::SampleHandle& sample : arrival.packed) laws_.came(*sample);
+  laws_.ledger().heard(before, arrivals()->mark(), heartbeat);
+}
+
+void ReaderHost::report(const Bytes& bytes, Time now) {
+  const auto mark = udp::parse_mark(bytes);
+  if (!mark) return laws_.fail_unless_forged("a mark is malformed");
+  Bytes report(udp::report_bytes);
+  udp::encode(shares_->answer(*mark, {}, now), report.data());
+  network_.send(Network::Side::writer, std::move(report), now);
+}
+
+void ReaderHost::look(Time now) {
+  if (reassembly_ == nullptr) return;
+  if (look_again_at_ <= now) hand_over(now);
+  answer(now);
+}
+
+void ReaderHost::hand_over(Time now) {
+  for (std::size_t i = 0; i < readers_.size(); ++i) {
+    const Reader& reader = readers_[i];
+    const udp::Subscriber& subscriber = subscriptions_->subscribers[0][i];
+    const auto accepts = [&](const core::SampleBuffer& sample, std::uint64_t request) {
+      return subscriber.accepts(sample, request);
+    };
+    for (std::size_t room = room_now(); room > 0; --room) {
+      const core::SampleHandle sample = arrivals()->next(reader.id, accepts);
+      if (!sample) break;
+      laws_.taken(reader.id, *sample, reader.requests.all().size() > 1);
+    }
+  }
+  arrivals()->release();
+  look_again_at_ =
+      arrivals()->holds_back() ? now + std::chrono::microseconds(log_uniform(random_, 20'000)) : Time::max();
+}
+
+/// Returns the room in the queue of a reader whose queue is now and then full.
+std::size_t ReaderHost::room_now() {
+  const bool lags = scenario_.readers_lag && !arrivals()->overtakes();
+  return lags ? from_to(random_, 0, 2) : SIZE_MAX;
+}
+
+void ReaderHost::answer(Time now) {
+  reassembly_->answer(now, [&](const udp::SocketAddress& to, const udp::Ack& ack) {
+    if (to.port != writer_port) return laws_.fail_unless_forged("an ack goes elsewhere");
+    Bytes bytes(ack.bytes());
+    udp::encode(ack, bytes.data());
+    network_.send(Network::Side::writer, std::move(bytes), now);
+  });
+  reassembly_->report_groups([&](const udp::SocketAddress&, const udp::GroupReport& report) {
+    Bytes bytes(udp::group_report_bytes);
+    udp::encode(report, bytes.data());
+    network_.send(Network::Side::writer, std::move(bytes), now);
+  });
+  reassembly_->expire(now);
+}
+
+Time ReaderHost::next() const {
+  if (reassembly_ == nullptr) return Time::max();
+  Time next = std::min(
+      {look_again_at_, reassembly_->next_answer(), reassembly_->next_expiry().value_or(Time::max())});
+  for (const Reader& reader : readers_) {
+    if (!reader.under_way.empty()) next = std::min(next, reader.under_way.front().first);
+  }
+  return next;
+}
+
+}  // namespace sft::simulation

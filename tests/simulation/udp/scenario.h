@@ -1,0 +1,46 @@
+// The plan of a run: what a seed decides before the run begins.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "tests/simulation/udp/network.h"
+#include "tests/simulation/udp/random.h"
+#include "udp_transport/receive/reassembly.h"
+#include "udp_transport/reliable/resend_window.h"
+
+namespace sft::simulation {
+
+/// The probabilities are those of an event after each published sample.
+struct Scenario {
+  bool forgers;
+  Weather weather;
+  std::size_t datagram_bytes = 1472;
+  std::size_t samples = 40;
+  std::size_t sample_bytes_max = 20'000;
+  std::uint64_t first_sequence = 1;
+  std::uint64_t first_ordinal = 1;
+  bool tight_writer = false;  ///< the writer keeps little
+  bool tight_reader = false;
+  bool crashes = false;  ///< the process of the readers crashes, and is started again
+  double change = 0;     ///< probability that a reader asks for another mask
+  std::size_t receive_buffer_bytes = 212'992;
+  double regroup = 0;        ///< probability that the multicast group of the process changes
+  double span = 0;           ///< probability that several samples are published instead of one
+  bool readers_lag = false;  ///< readers take a few samples now and then, and the writer waits for them
+  double detour = 0;         ///< probability that datagrams take another path, with another longest datagram
+  Time stalled_from = Time::max(), stalled_until{};  ///< the writer sends only heartbeats in this time
+  udp::ResendLimits resend{};
+  udp::ReassemblyLimits reassembly{};
+
+  /// `with_forgers`: datagrams are forged, too, in the beginning.
+  Scenario(Random& random, bool with_forgers);
+
+ private:
+  void beset(Random& random);
+};
+
+/// The longest datagrams of some path.
+std::size_t any_datagram_bytes(Random& random);
+
+}  // namespace sft::simulation
