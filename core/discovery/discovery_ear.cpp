@@ -38,71 +38,68 @@ std::string describe(HearingWatch::Missing missing, const std::string& node) {
 DiscoveryEar::DiscoveryEar(DiscoveryListener& listener)
     : listener_(listener), hearing_(std::random_device{}()) {}
 
-/// Enters an event under the mutex, and passes on what has come of it.
-template <class Event>
-void DiscoveryEar::news(Event event) {
-  const auto take = [&] {
-    event();
-    return merge_.take_news();
-  };
-  delivery_.deliver(mutex_, take, [this](const News& one) {
+/// Passes on the news that have come of an event. The lock is not held meanwhile, but when this returns.
+void DiscoveryEar::pass_on_news(Lock& lock) {
+  delivery_.deliver(lock, merge_.take_news(), [this](const News& one) {
     const NewsDesk::Links links = has_silent_links(one) ? copy_of_specs() : NewsDesk::Links{};
     std::visit(NewsDesk(listener_, links), one);
   });
 }
 
 NewsDesk::Links DiscoveryEar::copy_of_specs() const {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   return specs_;
 }
 
 void DiscoveryEar::set_own(EndpointId id, bool is_own) {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   is_own ? merge_.owns(id) : merge_.disowns(id);
 }
 
 void DiscoveryEar::tick(Time now) {
-  news([&] { merge_.tick(now); });
+  Lock lock(mutex_);
+  merge_.tick(now);
+  pass_on_news(lock);
 }
 
 void DiscoveryEar::link_expected(LinkId link) {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   hearing_.link_made(link);
 }
 
 void DiscoveryEar::link_opened(LinkId link, const LinkSpec& spec) {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   specs_[link] = spec;
 }
 
 void DiscoveryEar::link_failed(LinkId link) {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   hearing_.link_dropped(link);
 }
 
 void DiscoveryEar::link_dropped(LinkId link, bool is_replaced, Time now) {
-  news([&] {
-    specs_.erase(link);
-    hearing_.link_dropped(link);
-    is_replaced ? merge_.replaced_link_dropped(link, now) : merge_.link_dropped(link, now);
-  });
+  Lock lock(mutex_);
+  specs_.erase(link);
+  hearing_.link_dropped(link);
+  is_replaced ? merge_.replaced_link_dropped(link, now) : merge_.link_dropped(link, now);
+  pass_on_news(lock);
 }
 
 void DiscoveryEar::link_replaced(LinkId link, LinkId by) {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   specs_.erase(link);
   hearing_.link_replaced(link, by);
   merge_.doubt_departures();
 }
 
 bool DiscoveryEar::is_replaced(LinkId link, LinkId by, Time now) const {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   return hearing_.is_replaced_by(link, by, now);
 }
 
 std::map<LinkId, std::string> DiscoveryEar::take_complaints() {
   std::map<LinkId, std::string> complaints;
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   for (const Speaker& by : std::exchange(complaints_, {}))
     complaints.emplace(by.link, called(merge_.node_name(hearing_.node_of(by))));
   return complaints;
@@ -112,7 +109,7 @@ void DiscoveryEar::report_other_releases(Time now) {
   std::optional<OtherReleases::Report> report;
   std::string where;
   {
-    const std::scoped_lock lock(mutex_);
+    const Lock lock(mutex_);
     report = other_releases_.take_report(now);
     if (!report) return;
     const auto spec = specs_.find(report->speaker.link);
@@ -124,7 +121,7 @@ void DiscoveryEar::report_other_releases(Time now) {
 DiscoveryEar::Deafness DiscoveryEar::look_for_deafness(std::chrono::milliseconds participant_lease,
                                                        Time now) {
   Deafness deafness;
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   if (!hearing_.wants_look(now)) return deafness;
   for (const HearingWatch::Deaf& deaf : hearing_.look(merge_.digests(), participant_lease, now)) {
     switch (deaf.remedy) {
@@ -144,85 +141,89 @@ DiscoveryEar::Deafness DiscoveryEar::look_for_deafness(std::chrono::milliseconds
 }
 
 void DiscoveryEar::was_renewed_for(const HearingWatch::Deaf& deaf) {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   hearing_.tried(deaf.participant);
   merge_.begin_anew({deaf.link, deaf.participant});
 }
 
 void DiscoveryEar::endpoint_came(const Speaker& speaker, Endpoint endpoint) {
-  news([&] {
-    hearing_.heard(speaker, time());
-    merge_.endpoint_came(speaker, std::move(endpoint), time());
-  });
+  Lock lock(mutex_);
+  hearing_.heard(speaker, time());
+  merge_.endpoint_came(speaker, std::move(endpoint), time());
+  pass_on_news(lock);
 }
 
 void DiscoveryEar::endpoint_withdrawn(const Speaker& speaker, EndpointId id) {
-  news([&] { merge_.endpoint_withdrawn(speaker, id, time()); });
+  Lock lock(mutex_);
+  merge_.endpoint_withdrawn(speaker, id, time());
+  pass_on_news(lock);
 }
 
 void DiscoveryEar::endpoint_unheard(LinkId link, EndpointId id) {
-  news([&] { merge_.endpoint_unheard(link, id, time()); });
+  Lock lock(mutex_);
+  merge_.endpoint_unheard(link, id, time());
+  pass_on_news(lock);
 }
 
 void DiscoveryEar::request_came(const Speaker& speaker, Request request) {
-  news([&] {
-    hearing_.heard(speaker, time());
-    merge_.request_came(speaker, std::move(request), time());
-  });
+  Lock lock(mutex_);
+  hearing_.heard(speaker, time());
+  merge_.request_came(speaker, std::move(request), time());
+  pass_on_news(lock);
 }
 
 void DiscoveryEar::assertion_came(const Speaker& speaker, Assertion assertion,
                                   std::chrono::milliseconds lease) {
-  news([&] {
-    hearing_.heard_life(speaker, assertion.node, assertion.digest, lease, time());
-    merge_.assertion_came(speaker, std::move(assertion), time());
-  });
+  Lock lock(mutex_);
+  hearing_.heard_life(speaker, assertion.node, assertion.digest, lease, time());
+  merge_.assertion_came(speaker, std::move(assertion), time());
+  pass_on_news(lock);
 }
 
 void DiscoveryEar::node_unheard(LinkId link, NodeId id) {
-  news([&] {
-    hearing_.life_ended(link, id);
-    merge_.node_unheard(link, id, time());
-  });
+  Lock lock(mutex_);
+  hearing_.life_ended(link, id);
+  merge_.node_unheard(link, id, time());
+  pass_on_news(lock);
 }
 
 void DiscoveryEar::participant_came(const Speaker& speaker) {
   newcomer_ = true;
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   hearing_.participant_came(speaker, time());
 }
 
 void DiscoveryEar::participant_speaks(const Speaker& speaker) {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   hearing_.participant_speaks(speaker, time());
 }
 
 void DiscoveryEar::other_release_seen(const Speaker& speaker, std::uint32_t version) {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   other_releases_.seen(speaker, version);
 }
 
 void DiscoveryEar::complaint_came(const Speaker& speaker) {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   if (complaints_.size() < complaints_max) complaints_.push_back(speaker);
 }
 
 void DiscoveryEar::endpoint_matched(const Speaker& speaker) {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   hearing_.endpoint_matched(speaker);
 }
 
 void DiscoveryEar::endpoint_unmatched(const Speaker& speaker) {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   hearing_.endpoint_unmatched(speaker, time());
 }
 
 void DiscoveryEar::participant_departed(const Speaker& speaker) {
-  news([&] {
-    hearing_.participant_departed(speaker);
-    other_releases_.departed(speaker);
-    merge_.participant_departed(speaker, time());
-  });
+  Lock lock(mutex_);
+  hearing_.participant_departed(speaker);
+  other_releases_.departed(speaker);
+  merge_.participant_departed(speaker, time());
+  pass_on_news(lock);
 }
 
 }  // namespace sft::core

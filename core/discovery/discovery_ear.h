@@ -7,7 +7,6 @@
 #include <chrono>
 #include <cstdint>
 #include <map>
-#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,6 +20,7 @@
 #include "core/discovery/ordered_delivery.h"
 #include "core/discovery/other_releases.h"
 #include "core/platform/clock.h"
+#include "core/sync/mutex.h"
 
 namespace sft::core {
 
@@ -82,20 +82,19 @@ class DiscoveryEar final : public LinkListener {
   void sample_malformed(std::string why) override { listener_.control_malformed(std::move(why)); }
 
  private:
-  template <class Event>
-  void news(Event event);
-  NewsDesk::Links copy_of_specs() const;
+  void pass_on_news(Lock& lock) SFT_REQUIRES(mutex_);
+  NewsDesk::Links copy_of_specs() const SFT_EXCLUDES(mutex_);
 
   DiscoveryListener& listener_;
   std::atomic<bool> newcomer_{false};
 
-  mutable std::mutex mutex_;  ///< guards what follows
-  LinkMerge merge_;
-  HearingWatch hearing_;
-  OtherReleases other_releases_;
-  std::vector<Speaker> complaints_;  ///< participants that complain about us
-  NewsDesk::Links specs_;            ///< of the links that are open
-  OrderedDelivery<News> delivery_;
+  mutable Mutex mutex_;
+  LinkMerge merge_ SFT_GUARDED_BY(mutex_);
+  HearingWatch hearing_ SFT_GUARDED_BY(mutex_);
+  OtherReleases other_releases_ SFT_GUARDED_BY(mutex_);
+  std::vector<Speaker> complaints_ SFT_GUARDED_BY(mutex_);  ///< participants that complain about us
+  NewsDesk::Links specs_ SFT_GUARDED_BY(mutex_);            ///< of the links that are open
+  OrderedDelivery<News> delivery_ SFT_GUARDED_BY(mutex_);
 };
 
 }  // namespace sft::core

@@ -1,21 +1,23 @@
 // Passes items of several threads on to one receiver: in their order, one at a time, and without a lock held.
 #pragma once
 
-#include <mutex>
 #include <utility>
 #include <vector>
+
+#include "core/sync/mutex.h"
 
 namespace sft::core {
 
 template <class Item>
 class OrderedDelivery {
  public:
-  /// `take()` returns items; it is called under `mutex`, which gives them their order. `give(item)` is called
-  /// on this thread, or on another one that is giving items at that moment and then gives these, too.
-  template <class Take, class Give>
-  void deliver(std::mutex& mutex, Take take, Give give) {
-    std::unique_lock lock(mutex);
-    for (Item& item : take()) queue_.push_back(std::move(item));
+  /// All calls hold the same mutex, which gives items their order. `give(item)` is called without the lock:
+  /// on this thread, or on another one that is giving items at that moment and then gives these, too. The
+  /// lock is held again when this returns. Clang does not follow a lock through a reference, so it does not
+  /// check this function.
+  template <class Give>
+  void deliver(Lock& lock, std::vector<Item> items, Give give) SFT_NO_THREAD_SAFETY_ANALYSIS {
+    for (Item& item : items) queue_.push_back(std::move(item));
     if (delivering_) return;
     delivering_ = true;
     while (!queue_.empty()) {
@@ -28,6 +30,7 @@ class OrderedDelivery {
   }
 
  private:
+  // The mutex of the callers guards both.
   std::vector<Item> queue_;
   bool delivering_ = false;
 };

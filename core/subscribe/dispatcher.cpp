@@ -14,27 +14,30 @@ Dispatcher::~Dispatcher() {
 }
 
 Result<void> Dispatcher::start() {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   if (thread_.joinable()) return {};
-  return start_thread(spec_, [this] { run(); }).map([this](std::thread&& t) { thread_ = std::move(t); });
+  auto started = start_thread(spec_, [this] { run(); });
+  if (!started) return tl::unexpected(started.error());
+  thread_ = std::move(*started);
+  return {};
 }
 
 void Dispatcher::add(std::shared_ptr<SubscriberCore> subscriber) {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   auto more = std::make_shared<Subscribers>(*subscribers_);
   more->push_back(std::move(subscriber));
   subscribers_ = std::move(more);
 }
 
 void Dispatcher::remove(const SubscriberCore& subscriber) {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   auto fewer = std::make_shared<Subscribers>(*subscribers_);
   std::erase_if(*fewer, [&](const auto& s) { return s.get() == &subscriber; });
   subscribers_ = std::move(fewer);
 }
 
 std::shared_ptr<const Dispatcher::Subscribers> Dispatcher::subscribers() const {
-  const std::scoped_lock lock(mutex_);
+  const Lock lock(mutex_);
   return subscribers_;
 }
 

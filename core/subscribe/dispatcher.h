@@ -5,7 +5,6 @@
 
 #include <atomic>
 #include <memory>
-#include <mutex>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -13,6 +12,7 @@
 #include "core/platform/doorbell.h"
 #include "core/platform/thread.h"
 #include "core/subscribe/subscriber_core.h"
+#include "core/sync/mutex.h"
 
 namespace sft::core {
 
@@ -38,11 +38,11 @@ class Dispatcher {
 
   Doorbell& bell_;
   const ThreadSpec spec_;
-  mutable std::mutex mutex_;
-  std::shared_ptr<const Subscribers> subscribers_ = std::make_shared<Subscribers>();
+  mutable Mutex mutex_;
+  std::shared_ptr<const Subscribers> subscribers_ SFT_GUARDED_BY(mutex_) = std::make_shared<Subscribers>();
   std::atomic<bool> stopping_{false};
   std::atomic<std::thread::id> thread_id_{};
-  std::thread thread_;
+  std::thread thread_ SFT_GUARDED_BY(mutex_);
 };
 
 }  // namespace sft::core

@@ -1,13 +1,13 @@
 #include "shm_transport/daemon/process_daemon.h"
 
-#include <mutex>
+#include "core/sync/mutex.h"
 
 namespace sft::shm {
 
 std::shared_ptr<ProcessDaemon> ProcessDaemon::shared() {
-  static std::mutex mutex;
-  static std::weak_ptr<ProcessDaemon> current;
-  const std::scoped_lock lock(mutex);
+  static core::Mutex mutex;
+  static std::weak_ptr<ProcessDaemon> current SFT_GUARDED_BY(mutex);
+  const core::Lock lock(mutex);
   std::shared_ptr<ProcessDaemon> daemon = current.lock();
   if (daemon == nullptr) {
     daemon.reset(new ProcessDaemon);

@@ -7,7 +7,7 @@
 namespace sft::shm {
 
 ChunkQueue::Taken ChunkQueue::take() noexcept {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   if (lost_ || (!open_ && arrived_ == 0)) return {};
   if (slots_.empty()) {
     if (at_limit_ || !port_.hasNewChunks()) return {};
@@ -27,7 +27,7 @@ ChunkQueue::Taken ChunkQueue::take() noexcept {
 }
 
 void ChunkQueue::give_back(ChunkSlot& slot) noexcept {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   if (!lost_) {
     const ChunkInHand hand(data_);
     port_.releaseChunk(slot.chunk);
@@ -39,7 +39,7 @@ void ChunkQueue::give_back(ChunkSlot& slot) noexcept {
 /// Counts the samples that were taken and those that wait. When the queue is full, this sum does not change
 /// any more, so overflows are counted, too.
 std::uint64_t ChunkQueue::arrivals() noexcept {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   if (lost_) return popped_ + overflows_;
   if (port_.hasLostChunksSinceLastCall()) {
     overflow_is_news_ = true;
@@ -49,17 +49,17 @@ std::uint64_t ChunkQueue::arrivals() noexcept {
 }
 
 bool ChunkQueue::open() const noexcept {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   return open_;
 }
 
 bool ChunkQueue::drained() const noexcept {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   return lost_ || (!open_ && arrived_ == 0);
 }
 
 void ChunkQueue::close() noexcept {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   if (!std::exchange(open_, false)) return;
   // The writer goes on delivering until the daemon has disconnected it, so only the samples of now are
   // counted.
@@ -68,12 +68,12 @@ void ChunkQueue::close() noexcept {
 }
 
 std::uint64_t ChunkQueue::left() const noexcept {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   return lost_ ? 0 : arrived_;
 }
 
 bool ChunkQueue::drop_oldest() noexcept {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   if (lost_ || arrived_ == 0) return false;
   --arrived_;
   const ChunkInHand hand(data_);
@@ -83,7 +83,7 @@ bool ChunkQueue::drop_oldest() noexcept {
 }
 
 void ChunkQueue::lose() noexcept {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   open_ = false;
   lost_ = true;
 }

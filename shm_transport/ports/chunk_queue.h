@@ -4,8 +4,8 @@
 #pragma once
 
 #include <cstdint>
-#include <mutex>
 
+#include "core/sync/mutex.h"
 #include "shm_transport/host/chunk_slots.h"
 #include "shm_transport/host/iceoryx.h"
 
@@ -46,17 +46,21 @@ class ChunkQueue {
   void lose() noexcept;
 
  private:
-  mutable std::mutex mutex_;       // guards the members below; never held over a system call
-  bool open_ = true;               ///< neither closed nor lost
-  bool lost_ = false;              ///< the session is lost, and iceoryx must not be used any more
-  std::uint64_t arrived_ = 0;      ///< samples that had arrived at close() and are not yet taken
-  std::uint64_t popped_ = 0;       ///< chunks taken out of the queue
-  std::uint64_t overflows_ = 0;    ///< overflows that arrivals() has noticed
-  bool overflow_is_news_ = false;  ///< an overflow was noticed, and take() has not told of it
-  bool at_limit_ = false;          ///< the most chunks are borrowed that may be, and this was told
   iox::popo::SubscriberPortData& data_;
-  iox::popo::SubscriberPortUser port_;
-  ChunkSlots slots_;
+  mutable core::Mutex mutex_;  ///< never held over a system call
+  iox::popo::SubscriberPortUser port_ SFT_GUARDED_BY(mutex_);
+  ChunkSlots slots_ SFT_GUARDED_BY(mutex_);
+  bool open_ SFT_GUARDED_BY(mutex_) = true;  ///< neither closed nor lost
+  /// The session is lost, and iceoryx must not be used any more.
+  bool lost_ SFT_GUARDED_BY(mutex_) = false;
+  /// The samples that had arrived at close() and are not yet taken.
+  std::uint64_t arrived_ SFT_GUARDED_BY(mutex_) = 0;
+  std::uint64_t popped_ SFT_GUARDED_BY(mutex_) = 0;     ///< chunks taken out of the queue
+  std::uint64_t overflows_ SFT_GUARDED_BY(mutex_) = 0;  ///< overflows that arrivals() has noticed
+  /// An overflow was noticed, and take() has not told of it.
+  bool overflow_is_news_ SFT_GUARDED_BY(mutex_) = false;
+  /// As many chunks are borrowed as may be, and take() has told of it.
+  bool at_limit_ SFT_GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace sft::shm

@@ -125,7 +125,7 @@ ShmReaderPort::~ShmReaderPort() {
 
 SampleHandle ShmReaderPort::take() noexcept {
   Writers drained;  // destroyed after the lock is released
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   if (!departed_.empty()) {
     if (SampleHandle sample = take_what_was_left(drained)) return sample;
   }
@@ -140,7 +140,7 @@ SampleHandle ShmReaderPort::take() noexcept {
 }
 
 SampleHandle ShmReaderPort::take_of(core::EndpointId writer) noexcept {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   const auto found = std::ranges::find_if(writers_, [&](const auto& w) { return w->writer() == writer; });
   return found == writers_.end() ? SampleHandle() : (*found)->take();
 }
@@ -149,7 +149,7 @@ void ShmReaderPort::tell_of_room() noexcept {
   for (;;) {
     std::shared_ptr<ChunkBorrower> due;
     {
-      const std::scoped_lock lock(mutex_);
+      const core::Lock lock(mutex_);
       const auto found = std::ranges::find_if(writers_, [](const auto& w) { return w->owes_wake(); });
       if (found == writers_.end()) return;
       due = *found;
@@ -158,7 +158,6 @@ void ShmReaderPort::tell_of_room() noexcept {
   }
 }
 
-/// The caller of this function and of the next two holds the lock.
 SampleHandle ShmReaderPort::take_what_was_left(Writers& drained) noexcept {
   SampleHandle sample;
   for (auto writer = departed_.begin(); writer != departed_.end() && !sample; ++writer)
@@ -200,7 +199,7 @@ Result<void> ShmReaderPort::connect(const core::Source& source) {
   if (!port) return tl::unexpected(port.error());
   auto writer =
       ChunkBorrower::make(session_, **port, source.writer, *spec_.type, statistics_, max_held(), wishes);
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   writers_.push_back(std::move(writer));
   return {};
 }
@@ -226,7 +225,7 @@ void ShmReaderPort::disconnect(core::EndpointId writer) noexcept {
   if (gone == nullptr) return;
   gone->close();
   Writers drained;  // destroyed after the lock is released
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   std::erase(writers_, gone);
   departed_.push_back(gone);
   drop_excess();
@@ -234,7 +233,7 @@ void ShmReaderPort::disconnect(core::EndpointId writer) noexcept {
 }
 
 core::ReaderPort::Counters ShmReaderPort::counters() const noexcept {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   Counters counters{discarded_before_, lost_unnoticed_};
   for (const auto& writer : writers_) counters.discarded += writer->discarded();
   for (const auto& writer : departed_) counters.discarded += writer->discarded();
@@ -242,7 +241,7 @@ core::ReaderPort::Counters ShmReaderPort::counters() const noexcept {
 }
 
 std::uint64_t ShmReaderPort::held_too_many() const noexcept {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   std::uint64_t sum = held_too_many_before_;
   for (const auto& writer : writers_) sum += writer->held_too_many();
   for (const auto& writer : departed_) sum += writer->held_too_many();
@@ -250,7 +249,7 @@ std::uint64_t ShmReaderPort::held_too_many() const noexcept {
 }
 
 std::shared_ptr<ChunkBorrower> ShmReaderPort::find(core::EndpointId writer) const noexcept {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   const auto found =
       std::ranges::find_if(writers_, [&](const auto& w) { return w->writer() == writer && w->open(); });
   return found == writers_.end() ? nullptr : *found;

@@ -9,10 +9,10 @@
 #include <algorithm>
 #include <atomic>
 #include <memory>
-#include <mutex>
 #include <vector>
 
 #include "core/seam/transport.h"
+#include "core/sync/mutex.h"
 #include "shm_transport/host/sample_check.h"
 #include "shm_transport/host/session.h"
 #include "shm_transport/host/shm_options.h"
@@ -110,23 +110,24 @@ class ShmReaderPort final : public core::BorrowingReader {
   std::shared_ptr<ChunkBorrower> find(core::EndpointId writer) const noexcept;
   std::uint32_t max_held() const noexcept { return std::clamp(spec_.max_held, 1U, options_.held_limit); }
   std::uint32_t depth() const noexcept { return std::clamp(spec_.depth, 1U, options_.queue_limit); }
-  core::SampleHandle take_what_was_left(Writers& drained) noexcept;
-  void drop_excess() noexcept;
-  Writers forget_drained() noexcept;
+  core::SampleHandle take_what_was_left(Writers& drained) noexcept SFT_REQUIRES(mutex_);
+  void drop_excess() noexcept SFT_REQUIRES(mutex_);
+  Writers forget_drained() noexcept SFT_REQUIRES(mutex_);
 
   const std::shared_ptr<Session> session_;
   const core::ReaderSpec spec_;
   const ShmOptions options_;
   const std::shared_ptr<Statistics> statistics_;
 
-  mutable std::mutex mutex_;  // guards the members below
-  Writers writers_;
-  Writers departed_;  ///< disconnected and not yet drained, in the order of disconnection
-  std::size_t next_writer_ = 0;
+  mutable core::Mutex mutex_;
+  Writers writers_ SFT_GUARDED_BY(mutex_);
+  /// The writers that were disconnected and are not yet drained, in the order of disconnection.
+  Writers departed_ SFT_GUARDED_BY(mutex_);
+  std::size_t next_writer_ SFT_GUARDED_BY(mutex_) = 0;
   // The sums of the counters of writers that were drained and forgotten.
-  std::uint64_t discarded_before_ = 0;
-  std::uint64_t held_too_many_before_ = 0;
-  std::uint64_t lost_unnoticed_ = 0;
+  std::uint64_t discarded_before_ SFT_GUARDED_BY(mutex_) = 0;
+  std::uint64_t held_too_many_before_ SFT_GUARDED_BY(mutex_) = 0;
+  std::uint64_t lost_unnoticed_ SFT_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace sft::shm

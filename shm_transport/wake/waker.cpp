@@ -13,7 +13,7 @@ Waker::~Waker() {
 }
 
 void Waker::start() {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   if (thread_.joinable()) return;
   auto started = core::start_thread(spec_, [this] { serve(); });
   if (!started) return;

@@ -5,12 +5,12 @@
 
 #include <atomic>
 #include <memory>
-#include <mutex>
 #include <thread>
 #include <utility>
 
 #include "core/platform/doorbell.h"
 #include "core/platform/thread.h"
+#include "core/sync/mutex.h"
 
 namespace sft::shm {
 
@@ -56,8 +56,8 @@ class Waker {
   std::atomic<const WakeTask*> submitted_{nullptr};  ///< a list of tasks, the latest first
   std::atomic<bool> running_{false};
   std::atomic<bool> stopping_{false};
-  std::mutex mutex_;  // guards thread_
-  std::thread thread_;
+  core::Mutex mutex_;
+  std::thread thread_ SFT_GUARDED_BY(mutex_);
 };
 
 }  // namespace sft::shm

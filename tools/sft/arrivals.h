@@ -43,7 +43,8 @@ class Arrivals {
 
   const std::string topic_;
   const Measure measure_;
-  std::mutex mutex_;
+  /// This class uses only public headers of SFT, and none of these has the mutex that Clang checks.
+  std::mutex mutex_;  // guards the members below, but not the subscriber
   Periods periods_;
   Series values_;
   std::uint64_t samples_ = 0;

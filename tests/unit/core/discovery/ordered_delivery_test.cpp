@@ -11,7 +11,7 @@ namespace {
 
 TEST(OrderedDelivery, GivesItemsOfAllThreadsOneAtATimeInTheirOrder) {
   constexpr int threads = 4, items_each = 2000;
-  std::mutex mutex;
+  Mutex mutex;
   OrderedDelivery<int> delivery;
   int next = 0;                // under the mutex
   std::vector<int> delivered;  // by one thread at a time
@@ -19,13 +19,12 @@ TEST(OrderedDelivery, GivesItemsOfAllThreadsOneAtATimeInTheirOrder) {
   std::atomic<bool> overlapped{false};
   const auto work = [&] {
     for (int i = 0; i < items_each; ++i) {
-      delivery.deliver(
-          mutex, [&] { return std::vector<int>{next++}; },
-          [&](int item) {
-            if (inside.fetch_add(1) != 0) overlapped = true;
-            delivered.push_back(item);
-            inside.fetch_sub(1);
-          });
+      Lock lock(mutex);
+      delivery.deliver(lock, {next++}, [&](int item) {
+        if (inside.fetch_add(1) != 0) overlapped = true;
+        delivered.push_back(item);
+        inside.fetch_sub(1);
+      });
     }
   };
   std::vector<std::thread> workers;
@@ -37,25 +36,22 @@ TEST(OrderedDelivery, GivesItemsOfAllThreadsOneAtATimeInTheirOrder) {
 }
 
 TEST(OrderedDelivery, HoldsNoLockWhileItGives) {
-  std::mutex mutex;
+  Mutex mutex;
   OrderedDelivery<int> delivery;
   std::vector<int> delivered;
   const auto give = [&](int item) {
-    ASSERT_TRUE(mutex.try_lock());
-    mutex.unlock();
+    const bool is_free = mutex.try_lock();
+    if (is_free) mutex.unlock();
+    EXPECT_TRUE(is_free);
     delivered.push_back(item);
   };
-  delivery.deliver(
-      mutex,
-      [] {
-        return std::vector<int>{1, 2};
-      },
-      [&](int item) {
-        give(item);  // and the receiver may cause more
-        if (item == 1)
-          delivery.deliver(
-              mutex, [] { return std::vector<int>{3}; }, give);
-      });
+  Lock lock(mutex);
+  delivery.deliver(lock, {1, 2}, [&](int item) {
+    give(item);
+    if (item != 1) return;
+    Lock again(mutex);  // the receiver may cause more items
+    delivery.deliver(again, {3}, give);
+  });
   EXPECT_EQ(delivered, (std::vector<int>{1, 2, 3}));
 }
 
