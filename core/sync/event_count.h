@@ -3,9 +3,9 @@
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
-#include <mutex>
+
+#include "core/sync/mutex.h"
 
 namespace sft::core {
 
@@ -15,27 +15,30 @@ class EventCount {
 
   void raise() {
     {
-      const std::scoped_lock lock(mutex_);
+      const Lock lock(mutex_);
       ++count_;
     }
     raised_.notify_all();
   }
 
   std::uint64_t value() const {
-    const std::scoped_lock lock(mutex_);
+    const Lock lock(mutex_);
     return count_;
   }
 
   /// Waits until the count is beyond `seen`. Returns false if it is not at the deadline.
   bool wait_beyond(std::uint64_t seen, TimePoint deadline) {
-    std::unique_lock lock(mutex_);
-    return raised_.wait_until(lock, deadline, [&] { return count_ > seen; });
+    Lock lock(mutex_);
+    while (count_ <= seen) {
+      if (!raised_.wait_until(lock, deadline)) return count_ > seen;
+    }
+    return true;
   }
 
  private:
-  mutable std::mutex mutex_;
-  std::condition_variable raised_;
-  std::uint64_t count_ = 0;
+  mutable Mutex mutex_;
+  Condition raised_;
+  std::uint64_t count_ SFT_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace sft::core

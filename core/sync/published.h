@@ -10,10 +10,10 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <utility>
 
 #include "core/sync/backoff.h"
+#include "core/sync/mutex.h"
 
 namespace sft::core {
 
@@ -23,7 +23,7 @@ class Published {
   // Any thread.
 
   void replace(std::shared_ptr<const T> value) {
-    const std::scoped_lock lock(mutex_);
+    const Lock lock(mutex_);
     latest_.swap(value);
     version_.fetch_add(1, std::memory_order_seq_cst);
   }  // the former value dies after the lock is released
@@ -38,7 +38,7 @@ class Published {
   }
 
   std::shared_ptr<const T> share() const {
-    const std::scoped_lock lock(mutex_);
+    const Lock lock(mutex_);
     return latest_;
   }
 
@@ -71,7 +71,7 @@ class Published {
   void refresh() {
     std::shared_ptr<const T> fresh;
     {
-      const std::scoped_lock lock(mutex_);
+      const Lock lock(mutex_);
       fresh = latest_;
       seen_ = version_.load(std::memory_order_relaxed);
     }
@@ -80,8 +80,8 @@ class Published {
 
   void step(std::memory_order order) { steps_.store(steps_.load(std::memory_order_relaxed) + 1, order); }
 
-  mutable std::mutex mutex_;
-  std::shared_ptr<const T> latest_;
+  mutable Mutex mutex_;
+  std::shared_ptr<const T> latest_ SFT_GUARDED_BY(mutex_);
   std::atomic<std::uint64_t> version_{0};
   std::shared_ptr<const T> in_use_;  // the reading thread's
   std::uint64_t seen_ = 0;
