@@ -20,6 +20,10 @@ class JobPool;
 
 /// The name of one of a writer's masks on the wire.
 struct WireMask {
+  /// The words of longer masks would fill most of the shortest first datagram. They are not sent: the hash
+  /// alone names such a mask.
+  static constexpr std::size_t words_max = 32;
+
   std::uint16_t variant = 0;
   std::uint64_t mask = 0;            ///< as in the header
   std::vector<std::uint64_t> words;  ///< empty where the header says it all

@@ -12,7 +12,7 @@ namespace sft::udp {
 namespace {
 
 /// Masks of larger types are named by their hashes only.
-constexpr std::size_t leaves_max = 2048;
+constexpr std::size_t leaves_max = 64 * WireMask::words_max;
 
 template <class Range, class Value>
 bool holds(const Range& range, const Value& value) {

@@ -7,12 +7,9 @@ namespace sft::udp {
 
 namespace {
 
-/// The words of longer masks are not sent: the hash alone names such a mask.
-constexpr std::size_t mask_words_max = 32;
-
 std::vector<std::uint64_t> words_to_send(const FieldMask& mask) {
   std::vector<std::uint64_t> words;
-  if (mask.words() == 1 || mask.words() > mask_words_max) return words;
+  if (mask.words() == 1 || mask.words() > WireMask::words_max) return words;
   for (std::size_t i = 0; i < mask.words(); ++i) words.push_back(mask.word(i));
   return words;
 }
