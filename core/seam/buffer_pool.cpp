@@ -86,10 +86,7 @@ SampleHandle BufferPool::take(std::size_t bytes, std::size_t leave_bytes) noexce
 SampleHandle BufferPool::hand_out(SampleBuffer& buffer, std::shared_ptr<BufferOwner> self) noexcept {
   new (buffer.data) detail::SampleHeader{};
   buffer.receive_stamp_ns = 0;
-  buffer.min_period_us = buffer.ordinal = 0;
-  buffer.addressee = buffer.oldest_retained = 0;
-  buffer.numbering = 0;
-  buffer.merged = false;
+  buffer.origin() = {};
   buffer.owner = std::move(self);
   return SampleHandle(buffer);
 }

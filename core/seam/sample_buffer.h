@@ -10,6 +10,7 @@
 #include <memory>
 #include <utility>
 
+#include "core/seam/sample_origin.h"
 #include "sft/detail/element_index.h"
 #include "sft/detail/postponed_copies.h"
 #include "sft/detail/sample_format.h"
@@ -27,8 +28,9 @@ class BufferOwner {
   virtual void recycle(SampleBuffer& buffer) noexcept = 0;
 };
 
-/// Filled by the owner when it hands the buffer out, but for `elements`, which is then empty.
-struct SampleBuffer {
+/// Filled by the owner when it hands the buffer out, but for `elements`, which is then empty. Ports of
+/// readers set the origin once they have checked the header, and publishers set it.
+struct SampleBuffer : SampleOrigin {
   std::byte* data = nullptr;  ///< 8-aligned; begins with a SampleHeader
   std::size_t capacity = 0;
   FieldMask mask;                     ///< leaves that the sample has
@@ -36,24 +38,6 @@ struct SampleBuffer {
   std::int64_t receive_stamp_ns = 0;  ///< CLOCK_REALTIME; 0 on the sending side
   /// On the sending side, for what is counted as saved: of the body with all fields; 0: unknown.
   std::uint32_t whole_bytes = 0;
-  // The header's values at the time when it could be trusted. Ports of readers set them once they have
-  // checked the header, and publishers set them. A header in shared memory is never asked again.
-  std::uint64_t writer = 0;
-  std::uint64_t sequence = 0;
-  std::int64_t source_stamp_ns = 0;
-  std::uint64_t diverted_sequence = 0;  ///< of no meaning for what came by UDP
-  std::int64_t diverted_stamp_ns = 0;
-  /// Received by UDP: the gate for a maximum rate that it passed (0: none), and the number of the sample
-  /// among those that passed it.
-  std::uint32_t min_period_us = 0;
-  std::uint32_t ordinal = 0;
-  /// Likewise: the only reader that it is for (0: all), and the first sequence that was sent to that.
-  std::uint64_t addressee = 0;
-  std::uint64_t oldest_retained = 0;
-  /// Likewise: counts how often the sequences of its writer began anew, since those before made no sense.
-  std::uint32_t numbering = 0;
-  /// Likewise: its mask is the union of those of several readers.
-  bool merged = false;
   /// On the sending side, while publish() runs: what of the body is still in the program's own memory; null:
   /// nothing.
   detail::PostponedCopies* postponed = nullptr;
@@ -63,13 +47,8 @@ struct SampleBuffer {
 
   detail::SampleHeader& header() const { return *reinterpret_cast<detail::SampleHeader*>(data); }
   /// Takes over what the header says, which only this process can write so far.
-  void trust_header() noexcept {
-    writer = header().writer;
-    sequence = header().sequence;
-    source_stamp_ns = header().source_stamp_ns;
-    diverted_sequence = header().diverted_sequence;
-    diverted_stamp_ns = header().diverted_stamp_ns;
-  }
+  void trust_header() noexcept { trust(header()); }
+  SampleOrigin& origin() noexcept { return *this; }
   /// Before anybody else sees the body, or publish() returns.
   void complete() noexcept {
     if (detail::PostponedCopies* const copies = std::exchange(postponed, nullptr)) copies->make_all();

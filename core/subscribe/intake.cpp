@@ -24,15 +24,8 @@ bool Intake::has_of(Inlet inlet, EndpointId writer) const {
 }
 
 /// A writer sends by UDP only what is for this subscriber: the writer has kept the maximum rate itself.
-Numbered Intake::numbered(Inlet inlet) const {
-  const SampleBuffer& buffer = *head(inlet);
-  return {.sequence = buffer.sequence,
-          .stamp_ns = buffer.source_stamp_ns,
-          .gated = inlet == Inlet::network,
-          .min_period_us = buffer.min_period_us,
-          .ordinal = buffer.ordinal,
-          .oldest_retained = buffer.oldest_retained,
-          .numbering = buffer.numbering};
+RateKeeper Intake::rate_keeper_of(Inlet inlet) {
+  return inlet == Inlet::network ? RateKeeper::writer : RateKeeper::reader;
 }
 
 std::optional<Intake::Inlet> Intake::oldest() const {
@@ -44,7 +37,7 @@ std::optional<Intake::Inlet> Intake::oldest() const {
 }
 
 bool Intake::follows(Inlet inlet) {
-  return accounts_.of(head(inlet)->writer).sequences.follows(numbered(inlet));
+  return accounts_.of(head(inlet)->writer).sequences.follows(*head(inlet));
 }
 
 Intake::Decision Intake::next(LazyRealtime& now) {
@@ -63,14 +56,16 @@ Intake::Decision Intake::next(LazyRealtime& now) {
 /// Both clocks are this host's; if the clock is set meanwhile, nobody waits.
 bool Intake::may_wait(LazyRealtime& now) {
   const SampleBuffer& buffer = *head(chosen_);
-  const Numbered diverted{.sequence = buffer.diverted_sequence, .stamp_ns = buffer.diverted_stamp_ns};
+  const SampleOrigin diverted{.sequence = buffer.diverted_sequence,
+                              .source_stamp_ns = buffer.diverted_stamp_ns};
   const Writer& from = accounts_.of(buffer.writer);
-  const bool was_diverted = diverted.sequence < buffer.sequence && diverted.stamp_ns >= from.since_ns &&
-                            from.sequences.is_new(diverted) && from.sequences.allows(diverted);
+  const bool was_diverted = diverted.sequence < buffer.sequence &&
+                            diverted.source_stamp_ns >= from.since_ns && from.sequences.is_new(diverted) &&
+                            from.sequences.allows(diverted, RateKeeper::reader);
   // Samples that go by UDP to this subscriber alone are not named, since its writer serves others in shared
   // memory all the time. Only the path of the last sample tells of them.
   if (!was_diverted && !from.last_over_network) return false;
-  const std::int64_t age_ns = now.ns() - (was_diverted ? diverted.stamp_ns : buffer.source_stamp_ns);
+  const std::int64_t age_ns = now.ns() - (was_diverted ? diverted.source_stamp_ns : buffer.source_stamp_ns);
   if (age_ns < 0 || age_ns >= options_.patience.count()) return false;
   return !has_of(Inlet::network, buffer.writer);
 }
@@ -108,32 +103,33 @@ Intake::Decision Intake::choose_in_turn(LazyRealtime& now) {
 /// The sample of that inlet is the next one: delivers it, or drops it if it is not for the subscriber.
 Intake::Decision Intake::choose(Inlet inlet, LazyRealtime& now) {
   chosen_ = inlet;
-  Writer& from = accounts_.of(head(inlet)->writer);
-  const Numbered sample = numbered(inlet);
+  const SampleOrigin& sample = *head(inlet);
+  const RateKeeper keeper = rate_keeper_of(inlet);
+  Writer& from = accounts_.of(sample.writer);
   const bool is_new = from.sequences.is_new(sample);  // false if both paths bring it while they are switched
-  const bool is_allowed = is_new && from.sequences.allows(sample);
+  const bool is_allowed = is_new && from.sequences.allows(sample, keeper);
   const bool expired = is_allowed && is_expired(from, sample, now);
   if (is_allowed && !expired) return Decision::deliver;
-  is_new ? accounts_.enter(from, sample, transport_of(inlet)) : from.sequences.refuse(sample);
+  is_new ? accounts_.enter(from, sample, keeper) : from.sequences.refuse(sample);
   if (expired) ++from.expired;
   head(inlet).reset();
   return Decision::dropped;
 }
 
-bool Intake::is_expired(const Writer& from, const Numbered& sample, LazyRealtime& now) {
-  return from.lifespan_ns != 0 && is_older(sample.stamp_ns, from.lifespan_ns, now.ns());
+bool Intake::is_expired(const Writer& from, const SampleOrigin& sample, LazyRealtime& now) {
+  return from.lifespan_ns != 0 && is_older(sample.source_stamp_ns, from.lifespan_ns, now.ns());
 }
 
 Taken Intake::take() {
-  const Numbered sample = numbered(chosen_);
   const TransportKind transport = transport_of(chosen_);
   SampleHandle& next = head(chosen_);
-  Writer& from = accounts_.of(next->writer);
-  accounts_.enter(from, sample, transport);
+  const SampleOrigin& sample = *next;
+  Writer& from = accounts_.of(sample.writer);
+  accounts_.enter(from, sample, rate_keeper_of(chosen_));
   using Stamp = std::chrono::sys_time<std::chrono::nanoseconds>;
   const SampleInfo info{.sequence = sample.sequence,
                         .writer = from.id,
-                        .source_stamp = Stamp(std::chrono::nanoseconds(sample.stamp_ns)),
+                        .source_stamp = Stamp(std::chrono::nanoseconds(sample.source_stamp_ns)),
                         .receive_stamp = Stamp(std::chrono::nanoseconds(next->receive_stamp_ns)),
                         .lost_before = std::exchange(from.lost_untold, 0),
                         .transport = transport};

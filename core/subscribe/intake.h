@@ -98,9 +98,9 @@ class Intake {
   Decision let_overtaken_go_first(LazyRealtime& now);
   Decision choose_in_turn(LazyRealtime& now);
   Decision choose(Inlet inlet, LazyRealtime& now);
-  static bool is_expired(const Writer& from, const Numbered& sample, LazyRealtime& now);
+  static bool is_expired(const Writer& from, const SampleOrigin& sample, LazyRealtime& now);
   static TransportKind transport_of(Inlet inlet);
-  Numbered numbered(Inlet inlet) const;
+  static RateKeeper rate_keeper_of(Inlet inlet);
 
   const Options options_;
   std::array<SampleHandle, 3> heads_;  ///< by Inlet

@@ -4,32 +4,32 @@
 
 namespace sft::core {
 
-bool SequenceAccount::allows(const Numbered& sample) const {
-  if (sample.gated || asked_ != budget_.min_period_us()) return true;
-  return budget_.allows(sample.stamp_ns);
+bool SequenceAccount::allows(const SampleOrigin& sample, RateKeeper keeper) const {
+  if (keeper == RateKeeper::writer || asked_ != budget_.min_period_us()) return true;
+  return budget_.allows(sample.source_stamp_ns);
 }
 
-SequenceAccount::Missing SequenceAccount::enter(const Numbered& sample) {
+SequenceAccount::Missing SequenceAccount::enter(const SampleOrigin& sample, RateKeeper keeper) {
   const std::uint64_t gap = gap_before(sample);
   Missing missing;
-  missing.lost = gap == 0 ? 0 : std::min(gap, lost_before(sample, gap));
+  missing.lost = gap == 0 ? 0 : std::min(gap, lost_before(sample, keeper, gap));
   missing.withheld = gap - missing.lost;
-  if (!allows(sample)) ++missing.withheld;
-  const std::uint32_t limit = limit_of(sample);
+  if (!allows(sample, keeper)) ++missing.withheld;
+  const std::uint32_t limit = limit_of(sample, keeper);
   if (budget_.min_period_us() != limit) budget_ = RateBudget(limit);
-  budget_.take(sample.stamp_ns);
+  budget_.take(sample.source_stamp_ns);
   ordinal_.reset();
-  if (sample.gated && limit != 0) ordinal_ = sample.ordinal;
+  if (keeper == RateKeeper::writer && limit != 0) ordinal_ = sample.ordinal;
   last_ = sample.sequence;
   far_behind_ = 0;
   numbering_ = std::max(numbering_, sample.numbering);
-  stamp_ns_ = sample.stamp_ns;
+  stamp_ns_ = sample.source_stamp_ns;
   return missing;
 }
 
 /// Before the first sample that came, only retained samples can be missing. If sequences begin anew, nobody
 /// knows what the wrong ones hid.
-std::uint64_t SequenceAccount::gap_before(const Numbered& sample) const {
+std::uint64_t SequenceAccount::gap_before(const SampleOrigin& sample) const {
   if (last_ != 0) {
     const std::uint64_t gap = sample.sequence - last_ - 1;
     return begins_anew(sample) && gap >= gap_max ? 0 : gap;
@@ -40,13 +40,14 @@ std::uint64_t SequenceAccount::gap_before(const Numbered& sample) const {
 
 /// The lost ones among the `gap` samples between the last one and this. If the limit has changed, the slower
 /// one counts.
-std::uint64_t SequenceAccount::lost_before(const Numbered& sample, std::uint64_t gap) const {
-  const std::uint32_t limit = limit_of(sample);
+std::uint64_t SequenceAccount::lost_before(const SampleOrigin& sample, RateKeeper keeper,
+                                           std::uint64_t gap) const {
+  const std::uint32_t limit = limit_of(sample, keeper);
   const std::uint32_t before = budget_.min_period_us();
   if (last_ == 0 || (limit == 0 && before == 0)) return gap;
-  if (limit == before && sample.gated && ordinal_) return sample.ordinal - *ordinal_ - 1U;
-  if (limit <= before) return budget_.forfeited(sample.stamp_ns);
-  return RateBudget::spent(limit, stamp_ns_).forfeited(sample.stamp_ns);
+  if (limit == before && keeper == RateKeeper::writer && ordinal_) return sample.ordinal - *ordinal_ - 1U;
+  if (limit <= before) return budget_.forfeited(sample.source_stamp_ns);
+  return RateBudget::spent(limit, stamp_ns_).forfeited(sample.source_stamp_ns);
 }
 
 }  // namespace sft::core

@@ -17,19 +17,13 @@
 #include <optional>
 
 #include "core/seam/rate_gate.h"
+#include "core/seam/sample_origin.h"
 
 namespace sft::core {
 
-/// The numbers of a sample that has arrived.
-struct Numbered {
-  std::uint64_t sequence = 0;
-  std::int64_t stamp_ns = 0;
-  bool gated = false;               ///< by its writer, which fills in what follows; then the sample is for us
-  std::uint32_t min_period_us = 0;  ///< of the gate that the sample passed; 0: none
-  std::uint32_t ordinal = 0;        ///< its number among the samples that passed the gate
-  std::uint64_t oldest_retained = 0;  ///< the first retained sample that its writer has sent; 0: unknown
-  std::uint32_t numbering = 0;        ///< greater if sequences began anew, because those before made no sense
-};
+/// Says who keeps the maximum rate that a reader asked for: the writer for samples that it sends by UDP,
+/// which are all for the reader, or the reader itself for samples in shared memory.
+enum class RateKeeper : std::uint8_t { reader, writer };
 
 class SequenceAccount {
  public:
@@ -39,40 +33,42 @@ class SequenceAccount {
   void owe(std::uint32_t samples) { owed_ = samples; }
 
   /// False if the sample came before, or if later ones were taken already.
-  bool is_new(const Numbered& sample) const { return sample.sequence > last_ || begins_anew(sample); }
+  bool is_new(const SampleOrigin& sample) const { return sample.sequence > last_ || begins_anew(sample); }
   /// Notes a sample that is not new. One path is never so far behind another as a forged number can be ahead
   /// of both: the second sample in a row that is so far behind tells that the account begins anew with it.
-  void refuse(const Numbered& sample) { far_behind_ = is_far_behind(sample) ? sample.sequence : 0; }
+  void refuse(const SampleOrigin& sample) { far_behind_ = is_far_behind(sample) ? sample.sequence : 0; }
   /// True if the sample comes next, as far as the numbers tell.
-  bool follows(const Numbered& sample) const { return sample.sequence == last_ + 1 || begins_anew(sample); }
+  bool follows(const SampleOrigin& sample) const {
+    return sample.sequence == last_ + 1 || begins_anew(sample);
+  }
   /// True if a new sample is for the reader, false if it has to be skipped.
-  bool allows(const Numbered& sample) const;
+  bool allows(const SampleOrigin& sample, RateKeeper keeper) const;
 
   struct Missing {
     std::uint64_t lost = 0;
     std::uint64_t withheld = 0;  ///< with the sample itself, if it is skipped
   };
   /// Enters a new sample, to be delivered or skipped as allows() says.
-  Missing enter(const Numbered& sample);
+  Missing enter(const SampleOrigin& sample, RateKeeper keeper);
 
  private:
   /// Nothing that is larger is believed to be missing where sequences begin anew, or of what was retained.
   static constexpr std::uint64_t gap_max = std::uint64_t{1} << 16;
 
-  bool begins_anew(const Numbered& sample) const {
+  bool begins_anew(const SampleOrigin& sample) const {
     return sample.numbering > numbering_ || (is_far_behind(sample) && confirms(sample));
   }
-  bool is_far_behind(const Numbered& sample) const {
+  bool is_far_behind(const SampleOrigin& sample) const {
     return sample.sequence < last_ && last_ - sample.sequence >= gap_max;
   }
-  bool confirms(const Numbered& sample) const {
+  bool confirms(const SampleOrigin& sample) const {
     return far_behind_ != 0 && sample.sequence > far_behind_ && sample.sequence - far_behind_ < gap_max;
   }
-  std::uint32_t limit_of(const Numbered& sample) const {
-    return sample.gated ? sample.min_period_us : asked_;
+  std::uint32_t limit_of(const SampleOrigin& sample, RateKeeper keeper) const {
+    return keeper == RateKeeper::writer ? sample.min_period_us : asked_;
   }
-  std::uint64_t gap_before(const Numbered& sample) const;
-  std::uint64_t lost_before(const Numbered& sample, std::uint64_t gap) const;
+  std::uint64_t gap_before(const SampleOrigin& sample) const;
+  std::uint64_t lost_before(const SampleOrigin& sample, RateKeeper keeper, std::uint64_t gap) const;
 
   std::uint32_t asked_ = 0;
   std::uint32_t owed_ = 0;

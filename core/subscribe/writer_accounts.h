@@ -48,13 +48,13 @@ class WriterAccounts {
   void hears(const std::vector<Hearing>& hearing, std::int64_t now_ns);
 
   /// Enters a new sample in its writer's account, and counts what is missing before that sample.
-  void enter(Writer& writer, const Numbered& sample, TransportKind by) {
-    const SequenceAccount::Missing missing = writer.sequences.enter(sample);
+  void enter(Writer& writer, const SampleOrigin& sample, RateKeeper keeper) {
+    const SequenceAccount::Missing missing = writer.sequences.enter(sample, keeper);
     writer.lost += missing.lost;
     writer.lost_untold += missing.lost;
     losses_ += missing.lost;
     writer.withheld += missing.withheld;
-    writer.last_over_network = by == TransportKind::udp;
+    writer.last_over_network = keeper == RateKeeper::writer;
   }
   /// A sample that was entered could not be delivered after all.
   void lose_entered(EndpointId writer, std::uint64_t lost_before);

@@ -21,9 +21,9 @@ std::optional<CheckedSample> check_sample(const std::byte* data, std::size_t siz
     const std::uint32_t offset = __atomic_load_n(index + slot, __ATOMIC_RELAXED);
     if (offset >= header.body_bytes && offset != detail::no_offset) return std::nullopt;
   }
-  return CheckedSample{
-      body_offset + header.body_bytes, header.writer,           header.sequence, header.source_stamp_ns,
-      header.diverted_sequence,        header.diverted_stamp_ns};
+  CheckedSample checked{.bytes = body_offset + header.body_bytes};
+  checked.origin.trust(header);
+  return checked;
 }
 
 }  // namespace sft::shm

@@ -10,15 +10,11 @@
 
 namespace sft::shm {
 
-/// The fields of the header at the moment of the check. The header in the chunk may change later.
+/// A sample at the moment of the check. The header in the chunk may change later.
 struct CheckedSample {
   /// Bytes of header, index and body. Readers stay within them, whatever the header says later.
   std::size_t bytes = 0;
-  core::EndpointId writer = 0;
-  std::uint64_t sequence = 0;
-  std::int64_t source_stamp_ns = 0;
-  std::uint64_t diverted_sequence = 0;
-  std::int64_t diverted_stamp_ns = 0;
+  core::SampleOrigin origin{};
 };
 
 /// Returns nothing if the chunk is no valid sample of this type and writer. Reads the header once and the

@@ -93,13 +93,9 @@ bool ChunkBorrower::check(ChunkSlot& slot, std::uint64_t popped) noexcept {
     return false;
   }
   buffer.capacity = sample->bytes;
-  buffer.writer = sample->writer;
-  buffer.sequence = sample->sequence;
-  buffer.source_stamp_ns = sample->source_stamp_ns;
-  buffer.diverted_sequence = sample->diverted_sequence;
-  buffer.diverted_stamp_ns = sample->diverted_stamp_ns;
-  buffer.oldest_retained = retained_first_ && losses_.nothing_came_before() ? sample->sequence : 0;
-  const std::uint64_t lost = losses_.enter(sample->sequence, popped, [this] { return queue_.capacity(); });
+  buffer.origin() = sample->origin;
+  buffer.oldest_retained = retained_first_ && losses_.nothing_came_before() ? buffer.sequence : 0;
+  const std::uint64_t lost = losses_.enter(buffer.sequence, popped, [this] { return queue_.capacity(); });
   if (lost != 0) discarded_.fetch_add(lost, std::memory_order_relaxed);
   return true;
 }

@@ -254,10 +254,9 @@ class LiveStreams {
   /// Takes samples as a subscriber does.
   void take(One& one) {
     while (const core::SampleHandle sample = one.inbox.take()) {
-      const core::Numbered numbered{
-          .sequence = sample->sequence, .gated = true, .numbering = sample->numbering};
-      if (!one.account.is_new(numbered)) continue;
-      one.lost += one.account.enter(numbered).lost;
+      const core::SampleOrigin origin{.sequence = sample->sequence, .numbering = sample->numbering};
+      if (!one.account.is_new(origin)) continue;
+      one.lost += one.account.enter(origin, core::RateKeeper::writer).lost;
       one.last = sample->sequence;
       // A sample without a channel carries only the low half of its sequence.
       const std::uint64_t said =

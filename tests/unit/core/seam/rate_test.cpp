@@ -106,17 +106,29 @@ TEST(RateGateTest, NumbersWhatPassesAndCountsWhatDoesNot) {
 
 class SequenceAccountTest : public ::testing::Test {
  protected:
-  void enter(const Numbered& sample) {
-    ASSERT_TRUE(account.is_new(sample));
-    delivered += account.allows(sample) ? 1 : 0;
-    const auto missing = account.enter(sample);
+  struct Arrival {
+    SampleOrigin origin;
+    RateKeeper keeper;
+  };
+  void enter(const Arrival& sample) {
+    ASSERT_TRUE(is_new(sample));
+    delivered += account.allows(sample.origin, sample.keeper) ? 1 : 0;
+    const auto missing = account.enter(sample.origin, sample.keeper);
     lost += missing.lost;
     withheld += missing.withheld;
   }
-  static Numbered over_network(std::uint64_t sequence, std::uint32_t period = 0, std::uint32_t ordinal = 0) {
-    return {sequence, stamp(sequence), true, period, ordinal};
+  bool is_new(const Arrival& sample) const { return account.is_new(sample.origin); }
+  void refuse(const Arrival& sample) { account.refuse(sample.origin); }
+  static Arrival over_network(std::uint64_t sequence, std::uint32_t period = 0, std::uint32_t ordinal = 0) {
+    return {{.sequence = sequence,
+             .source_stamp_ns = stamp(sequence),
+             .min_period_us = period,
+             .ordinal = ordinal},
+            RateKeeper::writer};
   }
-  static Numbered by_memory(std::uint64_t sequence) { return {sequence, stamp(sequence), false, 0, 0}; }
+  static Arrival by_memory(std::uint64_t sequence) {
+    return {{.sequence = sequence, .source_stamp_ns = stamp(sequence)}, RateKeeper::reader};
+  }
   /// Returns the stamp of a sample of a source of 100 Hz.
   static std::int64_t stamp(std::uint64_t sequence) {
     return now_ns / (100 * ms) * (100 * ms) + static_cast<std::int64_t>(sequence) * 10 * ms;
@@ -137,16 +149,16 @@ TEST_F(SequenceAccountTest, WithoutALimitEveryGapIsALoss) {
 
 TEST_F(SequenceAccountTest, WhatComesAgainOrTooLateIsNotNew) {
   enter(over_network(5));
-  EXPECT_FALSE(account.is_new(over_network(5)));
-  EXPECT_FALSE(account.is_new(by_memory(4)));
+  EXPECT_FALSE(is_new(over_network(5)));
+  EXPECT_FALSE(is_new(by_memory(4)));
 }
 
 TEST_F(SequenceAccountTest, BeginsAnewWithTheSecondSampleInARowThatIsFarBehindOneThatNobodySent) {
   enter(by_memory(5));
   enter(over_network(0x7000'0000));
   const std::uint64_t lost_then = lost;
-  EXPECT_FALSE(account.is_new(by_memory(6)));
-  account.refuse(by_memory(6));
+  EXPECT_FALSE(is_new(by_memory(6)));
+  refuse(by_memory(6));
   enter(by_memory(7));
   enter(by_memory(8));
   EXPECT_EQ(lost, lost_then) << "nobody knows what the false number hid";
@@ -154,11 +166,11 @@ TEST_F(SequenceAccountTest, BeginsAnewWithTheSecondSampleInARowThatIsFarBehindOn
 
 TEST_F(SequenceAccountTest, DoesNotBeginAnewForOneOldSampleOrForOnesThatAnotherPathBringsAgain) {
   enter(over_network(200'000));
-  account.refuse(by_memory(7));
-  account.refuse(by_memory(199'990));
-  EXPECT_FALSE(account.is_new(by_memory(8)));
-  account.refuse(by_memory(8));
-  EXPECT_FALSE(account.is_new(by_memory(8))) << "the same sample again confirms nothing";
+  refuse(by_memory(7));
+  refuse(by_memory(199'990));
+  EXPECT_FALSE(is_new(by_memory(8)));
+  refuse(by_memory(8));
+  EXPECT_FALSE(is_new(by_memory(8))) << "the same sample again confirms nothing";
 }
 
 // Over UDP lost and withheld samples are told apart exactly, whatever is lost and whatever pauses the source
@@ -185,7 +197,9 @@ TEST_F(SequenceAccountTest, OverUdpLostAndWithheldAreExact) {
       passed_lost += std::exchange(lost_since, 0);
       gate_withheld += std::exchange(withheld_since, 0);
       any = true;
-      enter({sequence, t, true, gate.min_period_us(), gate.ordinal()});
+      Arrival arrival = over_network(sequence, gate.min_period_us(), gate.ordinal());
+      arrival.origin.source_stamp_ns = t;
+      enter(arrival);
     }
     ASSERT_EQ(lost, passed_lost);
     ASSERT_EQ(withheld, gate_withheld);
@@ -261,8 +275,8 @@ TEST_F(SequenceAccountTest, AnotherPathUnderTheSameLimitLosesNothing) {
 
 TEST_F(SequenceAccountTest, OfWhatWasRetainedTheFirstSampleTellsWhatIsMissing) {
   account.owe(5);
-  Numbered retained = over_network(8);
-  retained.oldest_retained = 6;
+  Arrival retained = over_network(8);
+  retained.origin.oldest_retained = 6;
   enter(retained);
   EXPECT_EQ(lost, 2U);
   enter(over_network(10));

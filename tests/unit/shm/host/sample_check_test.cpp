@@ -35,8 +35,8 @@ TEST_F(SampleCheck, AcceptsAFrameAndReturnsItsExactSizeAndItsWriter) {
   const auto checked = shm::check_sample(sample_.data, 4096, frame_type(), writer);
   ASSERT_TRUE(checked);
   EXPECT_EQ(checked->bytes, frame_bytes(data));
-  EXPECT_EQ(checked->writer, writer);
-  EXPECT_EQ(checked->sequence, 5U);
+  EXPECT_EQ(checked->origin.writer, writer);
+  EXPECT_EQ(checked->origin.sequence, 5U);
 }
 
 TEST_F(SampleCheck, RefusesAChunkThatIsNoSample) {

@@ -1,0 +1,44 @@
+// The facts about the origin of a sample by which readers order, count and choose samples: its writer's
+// numbers and stamps, and what the writer said to the readers with it.
+#pragma once
+
+#include <cstdint>
+
+#include "core/seam/address.h"
+#include "sft/detail/sample_format.h"
+
+namespace sft::core {
+
+struct SampleOrigin {
+  // These are the values of the header at the time when it could be trusted. A header in shared memory is
+  // never asked again.
+
+  EndpointId writer = 0;
+  std::uint64_t sequence = 0;
+  std::int64_t source_stamp_ns = 0;
+  std::uint64_t diverted_sequence = 0;  ///< of no meaning for a sample that came by UDP
+  std::int64_t diverted_stamp_ns = 0;
+
+  // Samples that were received by UDP have the values that follow. In shared memory only oldest_retained is
+  // set.
+
+  /// The gate for a maximum rate that the sample passed at its writer; 0: none.
+  std::uint32_t min_period_us = 0;
+  std::uint32_t ordinal = 0;  ///< its number among the samples that passed the gate
+  EndpointId addressee = 0;   ///< the only reader that the sample is for; 0: it is for all
+  /// The sequence of the first retained sample that the writer has sent to the reader; 0: unknown.
+  std::uint64_t oldest_retained = 0;
+  /// Counts how often the sequences of the writer began anew, since those before made no sense.
+  std::uint32_t numbering = 0;
+  bool merged = false;  ///< the mask is the union of those of several readers
+
+  void trust(const detail::SampleHeader& header) noexcept {
+    writer = header.writer;
+    sequence = header.sequence;
+    source_stamp_ns = header.source_stamp_ns;
+    diverted_sequence = header.diverted_sequence;
+    diverted_stamp_ns = header.diverted_stamp_ns;
+  }
+};
+
+}  // namespace sft::core
