@@ -4,17 +4,20 @@
 
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <utility>
 
+#include "core/sync/mutex.h"
 #include "udp_transport/flow/destination.h"
 #include "udp_transport/outgoing/wake.h"
 #include "udp_transport/outgoing/writer_tally.h"
+#include "udp_transport/reliable/attention.h"
+#include "udp_transport/reliable/channel_life.h"
+#include "udp_transport/reliable/length_watch.h"
 #include "udp_transport/reliable/resend_window.h"
+#include "udp_transport/reliable/room_waiters.h"
 
 namespace sft::udp {
 
@@ -22,8 +25,6 @@ class Channel {
  public:
   using Time = ResendWindow::Time;
   using Piece = ResendWindow::Piece;
-  /// After the last reader has gone, samples are repaired for so long.
-  static constexpr std::chrono::seconds linger{2};
 
   /// `port` is where acks come in.
   Channel(std::uint32_t writer, std::uint32_t number, std::shared_ptr<Destination> to,
@@ -108,12 +109,12 @@ class Channel {
   Care look_after();
 
  private:
-  void judge_length(const Ack& ack, Time now);
-  static Time now() { return std::chrono::steady_clock::now(); }
-  Heartbeat addressed(Heartbeat heartbeat) const {
-    heartbeat.port = port_;
-    return heartbeat;
-  }
+  bool has_room_for(const Job& job) const SFT_REQUIRES(mutex_);
+  bool runs_ahead_with(const Job& job) const SFT_REQUIRES(mutex_);
+  bool wait_for_room(const Job& job, std::chrono::nanoseconds& patience, core::Lock& lock)
+      SFT_REQUIRES(mutex_);
+  Wake looks_sooner(Time now) SFT_REQUIRES(mutex_);
+  void judge_length(const Ack& ack, Time now) SFT_REQUIRES(mutex_);
 
   const std::uint32_t writer_;
   const std::uint32_t number_;
@@ -121,27 +122,17 @@ class Channel {
   const std::shared_ptr<WriterTally> tally_;
   const std::uint16_t port_;
   const std::shared_ptr<const KeptMemory> memory_;
-  bool has_room_for(const Job& job) const;
-  bool runs_ahead_with(const Job& job) const;
-  bool wait_for_room(const Job& job, std::chrono::nanoseconds& patience, std::unique_lock<std::mutex>& lock);
-  Wake attend();
-  Wake looks_sooner(Time now);
-
   std::atomic<std::uint64_t> behind_{0};
-  std::mutex mutex_;
-  ResendWindow window_;
-  bool awaits_room_ = false;    ///< the publisher
-  bool tells_of_room_ = false;  ///< the sending thread has something that waits for room here
-  std::condition_variable room_;
-  bool attended_ = false;        ///< the sending thread knows of it
-  bool woken_ = false;           ///< and will look at it
-  Time looks_at_ = Time::max();  ///< the sending thread looks at the channel by then
-  bool closed_ = false;          ///< it has parted
   std::atomic<bool> went_wrong_{false};
-  std::optional<Time> ended_at_;
-  std::size_t length_ = 0;              ///< the length of datagrams when an ack came last
-  std::uint64_t sent_so_from_ = 0;      ///< the first ordinal that was surely sent in such, and not judged
-  std::uint32_t moves_ = to_->moves();  ///< how often the destination has moved, as far as this channel knows
+
+  core::Mutex mutex_;
+  ResendWindow window_ SFT_GUARDED_BY(mutex_);
+  ChannelLife life_ SFT_GUARDED_BY(mutex_);
+  Attention attention_ SFT_GUARDED_BY(mutex_);
+  RoomWaiters waiters_ SFT_GUARDED_BY(mutex_);
+  LengthWatch lengths_ SFT_GUARDED_BY(mutex_);
+  /// Counts the moves of the destination that the window knows of.
+  std::uint32_t moves_ SFT_GUARDED_BY(mutex_) = to_->moves();
 };
 
 }  // namespace sft::udp
