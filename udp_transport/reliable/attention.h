@@ -32,11 +32,11 @@ class Attention {
 
   // The sending thread.
 
-  /// It looks for something to send.
+  /// The sending thread looks for something to send.
   void looks() { is_woken_ = false; }
-  /// It has looked after the channel, and does so again by that time.
+  /// The sending thread has looked after the channel, and does so again by that time.
   void looks_again_by(Time time) { looks_at_ = time; }
-  /// It attends to the channel no more.
+  /// The sending thread attends to the channel no more.
   void rest() { is_paid_ = false; }
 
  private:

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "udp_transport/send/allowance.h"
+
 namespace sft::udp {
 
 namespace {
@@ -51,7 +53,8 @@ std::uint32_t DirectPath::send_some(const EncodedBody& body, Destination& to) {
   Fragmenter fragments(body, cut_for);
   while (!fragments.done()) {
     const Time now = Clock::now();
-    const std::size_t allowed = side_->sender.allowance(to, tally_->limit, ResendWindow::Size::large, now);
+    const std::size_t allowed =
+        allowance(to, tally_->limit, side_->sender.limit(), ResendWindow::Size::large, now);
     if (allowed == 0) break;
     Fragmenter next = fragments;
     next.next(batch_, std::min(allowed, to.batch_bytes()), to.datagrams_per_call());

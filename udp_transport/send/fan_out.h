@@ -13,6 +13,7 @@
 #include "core/sync/mutex.h"
 #include "udp_transport/reliable/ordinal_ring.h"
 #include "udp_transport/routing/routes.h"
+#include "udp_transport/send/deferred_work.h"
 #include "udp_transport/send/send_side.h"
 #include "udp_transport/send/variant_sender.h"
 

@@ -22,6 +22,8 @@ class Connections {
   }
   std::size_t open() const { return open_; }
   std::size_t reconnected() const { return reconnected_; }
+  /// Counts how often the thread that sends was woken.
+  std::size_t woken() const { return woken_; }
   const std::vector<SocketAddress>& redirected() const { return redirected_; }
   /// Datagrams.
   const std::vector<Bytes>& sent() const { return sent_; }
@@ -45,6 +47,7 @@ class Connections {
   void behind_each(std::function<void()> act) { behind_each_ = std::move(act); }
 
  private:
+  friend class NoSender;
   class Nowhere final : public Connection {
    public:
     explicit Nowhere(Connections& all) : all_(all) { ++all_.open_; }
@@ -72,11 +75,12 @@ class Connections {
   std::size_t batches_left_ = SIZE_MAX;
   std::size_t open_ = 0;
   std::size_t reconnected_ = 0;
+  std::size_t woken_ = 0;
   std::vector<SocketAddress> redirected_;
 };
 
 /// A sender whose connections these are, and which never has anything to do.
-class NoSender final : public DatagramSender {
+class NoSender : public DatagramSender {
  public:
   explicit NoSender(Connections& connections) : connections_(connections) {}
   std::unique_ptr<Connection> connect(const SocketAddress& to) override { return connections_.connect()(to); }
@@ -85,7 +89,7 @@ class NoSender final : public DatagramSender {
   }
   void await(std::chrono::steady_clock::time_point) noexcept override {}
   void send_to(const SocketAddress&, std::span<const std::byte>) noexcept override {}
-  void wake() noexcept override {}
+  void wake() noexcept override { ++connections_.woken_; }
 
  private:
   Connections& connections_;

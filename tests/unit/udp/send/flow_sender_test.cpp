@@ -1,0 +1,101 @@
+#include "udp_transport/send/flow_sender.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/udp/send/sending.h"
+
+namespace sft::udp {
+namespace {
+
+using namespace std::chrono_literals;
+using Progress = FlowSender::Progress;
+
+constexpr std::size_t small = 100, large = 300'000;
+
+class FlowSenderTest : public testing::Test, protected test::Sending {
+ protected:
+  SendFlow flow(std::size_t bytes) {
+    sent_job = job(bytes);
+    SendFlow made{.lane = lane(), .size = KeptSamples::size_of(sent_job->first.total)};
+    made.fragments.emplace(sent_job->body(), to->datagram_bytes());
+    return made;
+  }
+  /// Goes on until the flow has to wait, or ends.
+  Progress send(SendFlow& flow) {
+    Progress progress = Progress::some;
+    while (progress == Progress::some) progress = sender.send_a_few(flow, now);
+    return progress;
+  }
+
+  FlowSender::Time now{1h};
+  JobHandle sent_job;
+};
+
+TEST_F(FlowSenderTest, SendsASmallSampleInOneCall) {
+  SendFlow one = flow(small);
+  EXPECT_EQ(sender.send_a_few(one, now), Progress::whole);
+  EXPECT_EQ(connections.sent().size(), 1U);
+  EXPECT_EQ(tally->bytes_sent, bytes_left());
+}
+
+TEST_F(FlowSenderTest, SendsALargeSampleInSeveralCalls) {
+  SendFlow one = flow(large);
+  EXPECT_EQ(sender.send_a_few(one, now), Progress::some);
+  EXPECT_LT(bytes_left(), large / 2);
+  EXPECT_EQ(send(one), Progress::whole);
+  EXPECT_GT(bytes_left(), large);
+  EXPECT_EQ(tally->bytes_sent, bytes_left());
+  EXPECT_EQ(one.behind, to->position());
+}
+
+TEST_F(FlowSenderTest, GoesOnBehindWhatTheSendBufferTook) {
+  SendFlow one = flow(large);
+  connections.take_batches(2);
+  EXPECT_EQ(send(one), Progress::none);
+  EXPECT_EQ(round.time(), now + FlowSender::patience);
+  connections.take_batches(SIZE_MAX);
+  EXPECT_EQ(send(one), Progress::whole);
+  EXPECT_EQ(connections.sent(), test::cut(sent_job->body(), to->datagram_bytes())) << "nothing twice";
+}
+
+TEST_F(FlowSenderTest, LosesASampleWhoseConnectionStaysFull) {
+  SendFlow one = flow(large);
+  connections.take_batches(0);
+  EXPECT_EQ(sender.send_a_few(one, now), Progress::none);
+  EXPECT_EQ(sender.send_a_few(one, now + FlowSender::patience - 1ms), Progress::none);
+  EXPECT_EQ(sender.send_a_few(one, now + FlowSender::patience), Progress::lost);
+}
+
+TEST_F(FlowSenderTest, IsPatientAnewWhenSomethingHasLeft) {
+  SendFlow one = flow(large);
+  connections.take_batches(0);
+  EXPECT_EQ(send(one), Progress::none);
+  now += FlowSender::patience - 1ms;
+  connections.take_batches(1);
+  EXPECT_EQ(send(one), Progress::none);
+  now += 1s;
+  EXPECT_EQ(sender.send_a_few(one, now), Progress::none);
+}
+
+TEST_F(FlowSenderTest, WaitsUntilTheRateOfItsWriterAllowsMore) {
+  tally = std::make_shared<WriterTally>(1'000'000);
+  SendFlow one = flow(large);
+  EXPECT_EQ(send(one), Progress::none);
+  EXPECT_GT(round.time(), now);
+  EXPECT_LT(round.time(), now + 1s);
+  const std::size_t before = bytes_left();
+  now = round.time();
+  send(one);
+  EXPECT_GT(bytes_left(), before);
+}
+
+TEST_F(FlowSenderTest, AsksForARoundAtOnceIfATurnWasNotEnough) {
+  to->note(SendOutcome::no_segments);  // one datagram in each batch
+  SendFlow one = flow(large);
+  EXPECT_EQ(sender.send_some(one), Progress::some);
+  EXPECT_LT(bytes_left(), large);
+  EXPECT_EQ(round.time(), NextRound::Time{}) << "others go on before this one does";
+}
+
+}  // namespace
+}  // namespace sft::udp

@@ -1,0 +1,112 @@
+#include "udp_transport/send/lane_flows.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/udp/send/sending.h"
+
+namespace sft::udp {
+namespace {
+
+constexpr std::size_t small = 100, large = 300'000;
+
+class LaneFlowsTest : public testing::Test, protected test::Sending {
+ protected:
+  void serve_small() {
+    flows.send_small();
+    flows.forget_idle();
+  }
+
+  LaneFlows flows{sender, scheduled, round};
+};
+
+TEST_F(LaneFlowsTest, SendsTheJobsOfALaneUntilItIsIdle) {
+  const auto one = lane();
+  for (int i = 0; i < 3; ++i) one->post(job(small));
+  flows.add(one);
+  for (int rounds = 0; rounds < 3; ++rounds) {
+    EXPECT_EQ(flows.count(), 1U);
+    EXPECT_FALSE(one->idle());
+    serve_small();
+  }
+  EXPECT_EQ(connections.sent().size(), 3U);
+  EXPECT_EQ(flows.count(), 0U);
+  EXPECT_TRUE(one->idle());
+}
+
+TEST_F(LaneFlowsTest, SendsLargeJobsOnlyInTheirTurn) {
+  const auto one = lane();
+  one->post(job(large));
+  flows.add(one);
+  serve_small();
+  EXPECT_EQ(bytes_left(), 0U);
+  flows.send_large(0);
+  EXPECT_GT(bytes_left(), large);
+  EXPECT_EQ(one->behind(), to->position()) << "later samples do not overtake it";
+}
+
+TEST_F(LaneFlowsTest, LetsLargeSamplesOfAWriterGoToADestinationOneAfterAnother) {
+  const auto one = lane(), other = lane();
+  for (const auto& each : {one, other}) {
+    each->post(job(large));
+    flows.add(each);
+  }
+  serve_small();
+  connections.take_batches(1);
+  flows.send_large(0);
+  connections.take_batches(SIZE_MAX);
+  const std::size_t begun = bytes_left();
+  EXPECT_GT(begun, 0U);
+  flows.send_large(1);
+  EXPECT_EQ(bytes_left(), begun) << "the first sample is under way";
+  flows.send_large(0);
+  EXPECT_GT(bytes_left(), large);
+  flows.send_large(1);
+  EXPECT_GT(bytes_left(), 2 * large);
+}
+
+TEST_F(LaneFlowsTest, ForgetsALaneThatWasClosed) {
+  const auto one = lane();
+  one->post(job(large));
+  one->post(job(large));
+  flows.add(one);
+  serve_small();
+  connections.take_batches(1);
+  flows.send_large(0);
+  one->close();
+  serve_small();
+  EXPECT_EQ(flows.count(), 0U);
+}
+
+TEST_F(LaneFlowsTest, LetsAJobWaitForRoomInTheSendBuffer) {
+  connections.take_batches(0);
+  const auto one = lane();
+  one->post(job(small));
+  flows.add(one);
+  serve_small();
+  EXPECT_EQ(flows.count(), 1U);
+  EXPECT_NE(round.time(), NextRound::Time::max());
+  connections.take_batches(SIZE_MAX);
+  serve_small();
+  EXPECT_EQ(connections.sent().size(), 1U);
+  EXPECT_TRUE(one->idle());
+  EXPECT_EQ(tally->dropped, 0U);
+}
+
+TEST_F(LaneFlowsTest, HandsTheJobsOfALateReaderToItsChannel) {
+  const auto through = channel();
+  const auto late = lane(Lane::Start::held, through);
+  late->post(job(small));
+  EXPECT_EQ(late->begin({job(small)}), Wake::schedule);
+  flows.add(late);
+  serve_small();
+  EXPECT_EQ(flows.count(), 0U);
+  EXPECT_EQ(connections.sent().size(), 0U) << "the channel sends them";
+  EXPECT_TRUE(through->keeps(1));
+  EXPECT_TRUE(through->keeps(2));
+  ScheduledWork::Taken taken;
+  scheduled.take(taken);
+  EXPECT_EQ(taken.channels, std::vector{through}) << "the sending thread learns of the channel";
+}
+
+}  // namespace
+}  // namespace sft::udp

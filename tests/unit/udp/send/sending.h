@@ -1,0 +1,42 @@
+// The parts of the sending thread, without the thread: tests send by them, to nowhere.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "tests/unit/udp/connections.h"
+#include "tests/unit/udp/jobs.h"
+#include "udp_transport/send/flow_sender.h"
+#include "udp_transport/send/scheduled_work.h"
+
+namespace sft::udp::test {
+
+struct Sending {
+  Sending() { to->set_receive_buffer(8 << 20); }
+
+  std::shared_ptr<Lane> lane(Lane::Start start = Lane::Start::open, std::shared_ptr<Channel> through = {}) {
+    return std::make_shared<Lane>(to, 100, tally, start, std::move(through));
+  }
+  std::shared_ptr<Channel> channel() { return std::make_shared<Channel>(1, 1, to, tally, 7); }
+  JobHandle job(std::size_t bytes) { return make_job(*jobs, ++sequence, bytes); }
+  std::size_t bytes_left() const {
+    std::size_t bytes = 0;
+    for (const Bytes& datagram : connections.sent()) bytes += datagram.size();
+    return bytes;
+  }
+
+  std::shared_ptr<JobPool> jobs = JobPool::make();
+  std::uint64_t sequence = 0;
+  Connections connections;
+  DestinationDirectory destinations{{.datagram_bytes = 1472}, connections.connect()};
+  std::shared_ptr<Destination> to = destinations.find({.ip = 0x7F000001, .port = 1});
+  std::shared_ptr<WriterTally> tally = std::make_shared<WriterTally>();
+  NoSender io{connections};
+  RateLimit limit{0};
+  NextRound round;
+  AnswerEar ear{io, round};
+  FlowSender sender{limit, ear, round};
+  ScheduledWork scheduled{io};
+};
+
+}  // namespace sft::udp::test

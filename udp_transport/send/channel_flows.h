@@ -1,0 +1,44 @@
+// The channels that the sending thread serves: it sends what they give out, and their heartbeats.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "udp_transport/send/flow_sender.h"
+#include "udp_transport/send/next_round.h"
+#include "udp_transport/send/send_flow.h"
+
+namespace sft::udp {
+
+/// Used by the sending thread.
+class ChannelFlows {
+ public:
+  /// Both outlive this object.
+  ChannelFlows(FlowSender& sender, NextRound& round) : sender_(sender), round_(round) {}
+
+  void add(std::shared_ptr<Channel> channel);
+  /// Sends the small samples and the heartbeats that are due.
+  void send_small();
+  /// Gives one channel its turn with a large sample; `which` is less than count().
+  void send_large(std::size_t which);
+  std::size_t count() const { return attended_.size(); }
+  /// Forgets the channels that have nothing left to look after.
+  void forget_resting();
+  void clear() { attended_.clear(); }
+
+ private:
+  struct Attended {
+    std::shared_ptr<Channel> channel;  ///< null: it is forgotten at the end of the round
+    SendFlow small, large;
+  };
+  void advance(SendFlow& flow);
+  void look_after(Attended& attended);
+  void send(const Heartbeat& heartbeat, const Attended& attended);
+
+  FlowSender& sender_;
+  NextRound& round_;
+  std::vector<Attended> attended_;
+};
+
+}  // namespace sft::udp

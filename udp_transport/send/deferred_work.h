@@ -1,0 +1,18 @@
+// Work that a publisher's thread hands over to the sending thread.
+#pragma once
+
+#include <memory>
+
+namespace sft::udp {
+
+class DeferredWork {
+ public:
+  virtual ~DeferredWork() = default;
+  virtual void carry_out() noexcept = 0;
+
+ private:
+  friend class ScheduledWork;
+  std::shared_ptr<DeferredWork> next_;  ///< while the work is scheduled
+};
+
+}  // namespace sft::udp

@@ -1,0 +1,101 @@
+#include "udp_transport/send/flow_sender.h"
+
+#include <algorithm>
+#include <chrono>
+#include <span>
+
+#include "udp_transport/send/allowance.h"
+
+namespace sft::udp {
+
+FlowSender::Progress FlowSender::send_some(SendFlow& flow) {
+  Progress progress = Progress::some;
+  for (int calls = 0; progress == Progress::some && calls < calls_per_turn; ++calls) {
+    if (calls > 0) ear_.listen();
+    progress = send_a_few(flow, std::chrono::steady_clock::now());
+  }
+  if (progress == Progress::some) round_.at_once();
+  return progress;
+}
+
+FlowSender::Progress FlowSender::send_a_few(SendFlow& flow, Time now) {
+  Destination& to = flow.destination();
+  Connection& by = flow.connection();
+  if (by.full()) return wait_for_room(flow, by, now);
+  const std::size_t cut = cut_batches(flow, now);
+  if (cut == 0) return flow.fragments->done() ? Progress::whole : Progress::none;
+  const Connection::Sent sent = by.try_send({outgoing_.data(), cut});
+  if (sent.refused) to.refused(now);
+  if (sent.batches > 0) {
+    account_for(flow, by, sent.batches, now);
+    flow.fragments = rest_[sent.batches - 1];
+    flow.full_since.reset();
+  }
+  if (sent.outcome == SendOutcome::would_wait) return wait_for_room(flow, by, now);
+  if (sent.outcome != SendOutcome::sent) {
+    const std::size_t refused = to.datagram_bytes();
+    to.note(sent.outcome);
+    if (sent.outcome != SendOutcome::too_long || to.datagram_bytes() >= refused) return Progress::lost;
+    flow.fragments->set_datagram_bytes(to.datagram_bytes());
+    return Progress::some;
+  }
+  return flow.fragments->done() ? Progress::whole : Progress::some;
+}
+
+void FlowSender::account_for(SendFlow& flow, Connection& by, std::size_t batches, Time now) {
+  std::size_t bytes = 0, datagrams = 0;
+  for (const Batch& batch : std::span(batches_).first(batches)) {
+    bytes += batch.bytes();
+    datagrams += batch.datagrams();
+  }
+  flow.tally().bytes_sent.fetch_add(bytes, std::memory_order_relaxed);
+  flow.tally().limit.spend(bytes);
+  limit_.spend(bytes);
+  flow.destination().sent(by, bytes, datagrams, now);
+  if (flow.size == SendFlow::Size::large) flow.behind = flow.destination().position();
+}
+
+/// The flow has no allowance: it is looked at again once it has some.
+void FlowSender::wait_for_allowance(SendFlow& flow, Time now) {
+  const bool small = flow.size == SendFlow::Size::small;
+  for (RateLimit* limit : {&flow.tally().limit, &limit_}) {
+    if (limit->ready(small, now)) continue;
+    round_.by(limit->next_ready(small, now));
+    return;
+  }
+  flow.destination().mark(now);
+  round_.by(flow.destination().next_ready(now));
+}
+
+/// Cuts as many batches as may go now.
+std::size_t FlowSender::cut_batches(SendFlow& flow, Time now) {
+  Destination& to = flow.destination();
+  Fragmenter fragments = *flow.fragments;
+  const std::size_t allowed = allowance(to, flow.tally().limit, limit_, flow.size, now);
+  if (allowed == 0) wait_for_allowance(flow, now);
+  const std::size_t bytes_max = std::min(allowed, to.batch_bytes());
+  const std::size_t call_bytes = std::min(allowed, bytes_per_call);
+  std::size_t n = 0;
+  for (std::size_t cut = 0; n < batches_per_call && !fragments.done() && cut < call_bytes; ++n) {
+    fragments.next(batches_[n], bytes_max, to.datagrams_per_call());
+    if (batches_[n].bytes() > allowed && !to.answers()) {  // not even one datagram of it
+      wait_for_allowance(flow, now);
+      break;
+    }
+    cut += socket_bytes(batches_[n].bytes(), batches_[n].datagrams());
+    outgoing_[n] = {batches_[n].parts(), batches_[n].segment_bytes()};
+    rest_[n] = fragments;
+  }
+  return n;
+}
+
+FlowSender::Progress FlowSender::wait_for_room(SendFlow& flow, Connection& by, Time now) {
+  if (!flow.full_since) flow.full_since = now;
+  const Time at_most = *flow.full_since + patience;
+  if (now >= at_most) return Progress::lost;
+  by.wait_for_room();
+  round_.by(at_most);
+  return Progress::none;
+}
+
+}  // namespace sft::udp

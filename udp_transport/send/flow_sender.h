@@ -1,0 +1,64 @@
+// Sends as much of a flow as its destination and the limits of rates allow, and tells when the sending thread
+// has to go on with it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "udp_transport/flow/rate_limit.h"
+#include "udp_transport/io/datagram_io.h"
+#include "udp_transport/send/answer_ear.h"
+#include "udp_transport/send/next_round.h"
+#include "udp_transport/send/send_flow.h"
+
+namespace sft::udp {
+
+/// Used by the sending thread.
+class FlowSender {
+ public:
+  using Time = SendFlow::Time;
+  enum class Progress : std::uint8_t {
+    none,   ///< the flow has to wait
+    some,   ///< and there is more
+    whole,  ///< all has left
+    lost,
+  };
+  static bool is_under_way(Progress progress) {
+    return progress == Progress::none || progress == Progress::some;
+  }
+  /// A flow whose connection is full for longer is lost: the memory of its sample is worth more elsewhere,
+  /// and a receiver that had a part of the sample has given up.
+  static constexpr std::chrono::seconds patience{2};
+
+  /// `limit` is that of all writers. All three outlive this object.
+  FlowSender(RateLimit& limit, AnswerEar& ear, NextRound& round) : limit_(limit), ear_(ear), round_(round) {}
+
+  /// Sends what may go in one turn, and hears answers meanwhile.
+  Progress send_some(SendFlow& flow);
+  /// Sends what may go in one call.
+  Progress send_a_few(SendFlow& flow, Time now);
+
+ private:
+  std::size_t cut_batches(SendFlow& flow, Time now);
+  void wait_for_allowance(SendFlow& flow, Time now);
+  void account_for(SendFlow& flow, Connection& by, std::size_t batches, Time now);
+  Progress wait_for_room(SendFlow& flow, Connection& by, Time now);
+
+  static constexpr int calls_per_turn = 8;  ///< then it is the turn of the next flow
+  static constexpr std::size_t batches_per_call = 8;
+  /// Socket bytes: what was cut is still in the nearest caches when the kernel copies it, and a receiver that
+  /// sleeps is woken by the first.
+  static constexpr std::size_t bytes_per_call = batch_bytes_max;
+
+  RateLimit& limit_;
+  AnswerEar& ear_;
+  NextRound& round_;
+  // The batches of the present call.
+  std::array<Batch, batches_per_call> batches_;
+  std::array<OutgoingBatch, batches_per_call> outgoing_;
+  std::array<std::optional<Fragmenter>, batches_per_call> rest_;  ///< what is left behind each batch
+};
+
+}  // namespace sft::udp

@@ -1,0 +1,81 @@
+#include "udp_transport/send/lane_flows.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace sft::udp {
+
+namespace {
+using Progress = FlowSender::Progress;
+using Size = SendFlow::Size;
+}  // namespace
+
+void LaneFlows::send_small() {
+  for (SendFlow& flow : flows_) {
+    if (flow.lane->closed()) flow.fragments.reset();
+    if (!flow.fragments && !begin(flow)) flow.lane.reset();
+    if (flow.lane && flow.fragments && flow.size == Size::small) advance(flow);
+  }
+}
+
+void LaneFlows::send_large(std::size_t which) {
+  SendFlow& flow = flows_[which];
+  if (flow.lane && flow.fragments && flow.size == Size::large) advance(flow);
+}
+
+void LaneFlows::forget_idle() {
+  std::erase_if(flows_, [](const SendFlow& flow) { return flow.lane == nullptr; });
+}
+
+/// Takes the next job of the flow's lane; false if there is none.
+bool LaneFlows::begin(SendFlow& flow) {
+  flow.fragments.reset();
+  flow.full_since.reset();
+  if (flow.lane->channel() != nullptr) return pass_on(flow);
+  const Job* job = flow.lane->next();
+  if (job == nullptr) return false;
+  flow.size = KeptSamples::size_of(job->first.total);
+  flow.fragments.emplace(job->body(), flow.lane->destination().datagram_bytes(), BodyRange{job->sent_bytes});
+  return true;
+}
+
+/// Hands the history of a late reader, and what waited for it, to the channel as far as there is room:
+/// nothing has to go there for samples that can wait here. False if nothing remains.
+bool LaneFlows::pass_on(SendFlow& flow) {
+  Lane& lane = *flow.lane;
+  if (lane.closed()) flow.waits_for_room = false;
+  while (flow.waits_for_room || lane.next() != nullptr) {
+    const JobHandle& job = lane.current();
+    flow.waits_for_room = !lane.channel()->has_room_or_tells(*job);
+    if (flow.waits_for_room) return true;
+    const Channel::Posted posted = lane.channel()->post(job, job->first, false);
+    lane.passed_on(posted.kept.ordinal);
+    if (posted.wake == Wake::schedule) scheduled_.add(lane.shared_channel());
+    round_.at_once();
+    for (std::size_t i = 0; i < posted.kept.dropped; ++i) lane.losses()->lost(0, 0);
+  }
+  return false;
+}
+
+/// Sends what the flow may send now, and takes its next job when there is nothing left.
+void LaneFlows::advance(SendFlow& flow) {
+  if (must_wait(flow)) return;
+  const Progress progress = sender_.send_some(flow);
+  if (FlowSender::is_under_way(progress)) return;
+  if (progress == Progress::lost) flow.lane->lose_current();
+  if (flow.size == Size::large) flow.lane->stay_behind(flow.behind);
+  round_.at_once();
+  if (!begin(flow)) flow.lane.reset();
+}
+
+/// Large samples of one writer go to a destination one after another, under whichever masks: a receiver puts
+/// only so many together at a time, and the first is whole sooner. Small ones pass between.
+bool LaneFlows::must_wait(const SendFlow& flow) const {
+  if (flow.fragments->begun() || flow.size == Size::small) return false;
+  return std::any_of(flows_.begin(), flows_.end(), [&](const SendFlow& other) {
+    return other.fragments && other.fragments->begun() && &other.lane->tally() == &flow.lane->tally() &&
+           &other.lane->destination() == &flow.lane->destination();
+  });
+}
+
+}  // namespace sft::udp

@@ -1,0 +1,46 @@
+// The lanes that the sending thread serves: it sends their jobs, one after another in each lane, or hands
+// them to the channel of the lane.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "udp_transport/send/flow_sender.h"
+#include "udp_transport/send/next_round.h"
+#include "udp_transport/send/scheduled_work.h"
+#include "udp_transport/send/send_flow.h"
+
+namespace sft::udp {
+
+/// Used by the sending thread.
+class LaneFlows {
+ public:
+  /// `scheduled` takes channels that have something to look after again. All three outlive this object.
+  LaneFlows(FlowSender& sender, ScheduledWork& scheduled, NextRound& round)
+      : sender_(sender), scheduled_(scheduled), round_(round) {}
+
+  void add(std::shared_ptr<Lane> lane) { flows_.emplace_back().lane = std::move(lane); }
+  /// Takes the next job where there is none, and sends small ones.
+  void send_small();
+  /// Gives one lane its turn with a large job; `which` is less than count().
+  void send_large(std::size_t which);
+  std::size_t count() const { return flows_.size(); }
+  /// Forgets the lanes that have become idle.
+  void forget_idle();
+  void clear() { flows_.clear(); }
+
+ private:
+  bool begin(SendFlow& flow);
+  bool pass_on(SendFlow& flow);
+  void advance(SendFlow& flow);
+  bool must_wait(const SendFlow& flow) const;
+
+  FlowSender& sender_;
+  ScheduledWork& scheduled_;
+  NextRound& round_;
+  std::vector<SendFlow> flows_;  ///< one without a lane is forgotten at the end of the round
+};
+
+}  // namespace sft::udp

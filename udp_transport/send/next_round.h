@@ -1,0 +1,23 @@
+// The time of the sending thread's next round: until then it sleeps. Pure.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+
+namespace sft::udp {
+
+class NextRound {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  /// A round begins, and so far nothing asks for another one.
+  void begin() { time_ = Time::max(); }
+  void at_once() { time_ = {}; }
+  void by(Time time) { time_ = std::min(time_, time); }
+  Time time() const { return time_; }
+
+ private:
+  Time time_ = Time::max();
+};
+
+}  // namespace sft::udp

@@ -1,0 +1,65 @@
+#include "udp_transport/send/scheduled_work.h"
+
+#include <utility>
+
+namespace sft::udp {
+
+void ScheduledWork::add(std::shared_ptr<Lane> lane) {
+  bool first = false;
+  {
+    const core::Lock lock(mutex_);
+    if (is_closed_) return;
+    first = added_.lanes.empty();
+    added_.lanes.push_back(std::move(lane));
+  }
+  if (first) io_.wake();
+}
+
+void ScheduledWork::add(std::shared_ptr<Channel> channel) {
+  {
+    const core::Lock lock(mutex_);
+    if (is_closed_) return;
+    added_.channels.push_back(std::move(channel));
+  }
+  io_.wake();
+}
+
+void ScheduledWork::add(std::shared_ptr<DeferredWork> work) noexcept {
+  {
+    const core::Lock lock(mutex_);
+    if (is_closed_) return;
+    work->next_ = std::exchange(deferred_, work);
+    any_deferred_.store(true, std::memory_order_release);
+  }
+  io_.wake();
+}
+
+void ScheduledWork::close() {
+  const core::Lock lock(mutex_);
+  is_closed_ = true;
+  added_.lanes.clear();
+  added_.channels.clear();
+  deferred_.reset();
+}
+
+void ScheduledWork::take(Taken& taken) {
+  const core::Lock lock(mutex_);
+  taken.lanes.swap(added_.lanes);
+  taken.channels.swap(added_.channels);
+}
+
+void ScheduledWork::carry_out_all_deferred() {
+  std::shared_ptr<DeferredWork> work;
+  {
+    const core::Lock lock(mutex_);
+    work.swap(deferred_);
+    any_deferred_.store(false, std::memory_order_relaxed);
+  }
+  while (work != nullptr) {
+    std::shared_ptr<DeferredWork> next = std::move(work->next_);  // it may be scheduled again at once
+    work->carry_out();
+    work = std::move(next);
+  }
+}
+
+}  // namespace sft::udp

@@ -1,0 +1,56 @@
+// Hands lanes, channels and deferred work over to the sending thread, and wakes that thread.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <vector>
+
+#include "core/sync/mutex.h"
+#include "udp_transport/io/datagram_io.h"
+#include "udp_transport/reliable/channel.h"
+#include "udp_transport/reliable/lane.h"
+#include "udp_transport/send/deferred_work.h"
+
+namespace sft::udp {
+
+class ScheduledWork {
+ public:
+  /// `io` is what the sending thread sleeps in. It outlives this object.
+  explicit ScheduledWork(DatagramSender& io) : io_(io) {}
+
+  // Any thread.
+
+  void add(std::shared_ptr<Lane> lane);
+  void add(std::shared_ptr<Channel> channel);
+  /// Work must be carried out before it is added again. Allocates nothing.
+  void add(std::shared_ptr<DeferredWork> work) noexcept;
+  /// Lets go of all that nobody has taken, and of what is added later: deferred work shares what owns the
+  /// sending thread.
+  void close();
+
+  // The sending thread.
+
+  struct Taken {
+    std::vector<std::shared_ptr<Lane>> lanes;
+    std::vector<std::shared_ptr<Channel>> channels;
+  };
+  /// Takes the lanes and channels that were added since the last call. `taken` is empty before; its memory is
+  /// used for what is added next.
+  void take(Taken& taken);
+  void carry_out_deferred() {
+    if (any_deferred_.load(std::memory_order_acquire)) carry_out_all_deferred();
+  }
+
+ private:
+  void carry_out_all_deferred();
+
+  DatagramSender& io_;
+  core::Mutex mutex_;
+  bool is_closed_ SFT_GUARDED_BY(mutex_) = false;
+  Taken added_ SFT_GUARDED_BY(mutex_);
+  std::shared_ptr<DeferredWork> deferred_
+      SFT_GUARDED_BY(mutex_);  ///< the last one; each knows the one before
+  std::atomic<bool> any_deferred_{false};
+};
+
+}  // namespace sft::udp
