@@ -18,7 +18,7 @@ void Inbox::deliver(std::span<core::SampleHandle> samples) noexcept {
   while (!samples.empty()) {
     Enqueued enqueued;
     {
-      const std::scoped_lock lock(mutex_);
+      const core::Lock lock(mutex_);
       enqueued = enqueue_some(samples);
     }
     for (core::SampleHandle& pushed_out : samples.first(enqueued.samples)) pushed_out.reset();
@@ -28,7 +28,7 @@ void Inbox::deliver(std::span<core::SampleHandle> samples) noexcept {
 }
 
 std::size_t Inbox::room(core::EndpointId id) const noexcept {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   const Writer* writer = find(id);
   return writer == nullptr ? depth_ : depth_ - std::min(depth_, writer->queue.size());
 }
@@ -79,7 +79,7 @@ Inbox::Writer* Inbox::first_to_come(Condition condition) noexcept {
 }
 
 core::SampleHandle Inbox::take() noexcept {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   Writer* first = first_to_come([](const Writer&) { return true; });
   if (first == nullptr) return {};
   core::SampleHandle sample = first->queue.pop();
@@ -91,7 +91,7 @@ core::SampleHandle Inbox::take() noexcept {
 }
 
 void Inbox::connect(const core::Source& source) {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   Writer* writer = find(source.writer);
   if (writer == nullptr) writer = &writers_.emplace_back(Writer{source.writer, KeepLastQueue(depth_)});
   writer->connected = true;
@@ -100,7 +100,7 @@ void Inbox::connect(const core::Source& source) {
 
 void Inbox::disconnect(core::EndpointId id) noexcept {
   {
-    const std::scoped_lock lock(mutex_);
+    const core::Lock lock(mutex_);
     if (Writer* writer = find(id); writer != nullptr) writer->connected = false;
     forget_the_finished();
   }
@@ -116,7 +116,7 @@ void Inbox::forget_the_finished() noexcept {
 /// no more of them than may be kept.
 core::SampleHandle Inbox::drop_surplus() noexcept {
   const auto departed = [](const Writer& w) { return !w.connected; };
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   std::size_t kept = 0;
   for (const Writer& writer : writers_) kept += departed(writer) ? writer.queue.size() : 0;
   if (kept <= depth_) return {};
@@ -130,31 +130,31 @@ core::SampleHandle Inbox::drop_surplus() noexcept {
 }
 
 bool Inbox::connected(core::EndpointId id) const noexcept {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   const Writer* writer = find(id);
   return writer != nullptr && writer->connected;
 }
 
 core::HistoryProgress Inbox::history(core::EndpointId id) const noexcept {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   const Writer* writer = find(id);
   return writer == nullptr ? core::HistoryProgress::awaited
                            : writer->filter.progress(std::chrono::steady_clock::now());
 }
 
 std::uint64_t Inbox::arrivals(core::EndpointId id) noexcept {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   const Writer* writer = find(id);
   return writer == nullptr ? 0 : writer->arrivals;
 }
 
 std::uint64_t Inbox::discarded() const noexcept {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   return discarded_;
 }
 
 std::uint64_t Inbox::lost_unnoticed() const noexcept {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   return lost_unnoticed_;
 }
 

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <cstdint>
-#include <mutex>
 #include <span>
 #include <vector>
 
 #include "core/seam/transport.h"
 #include "core/sync/guarded_call.h"
+#include "core/sync/mutex.h"
 #include "udp_transport/receive/keep_last_queue.h"
 #include "udp_transport/receive/late_filter.h"
 
@@ -56,26 +56,26 @@ class Inbox {
     std::uint64_t dropped = 0;  ///< since then
     std::uint64_t arrivals = 0;
   };
-  Writer* find(core::EndpointId id) noexcept;
-  const Writer* find(core::EndpointId id) const noexcept;
-  bool enqueue(core::SampleHandle& sample) noexcept;
+  Writer* find(core::EndpointId id) noexcept SFT_REQUIRES(mutex_);
+  const Writer* find(core::EndpointId id) const noexcept SFT_REQUIRES(mutex_);
+  bool enqueue(core::SampleHandle& sample) noexcept SFT_REQUIRES(mutex_);
   struct Enqueued {
     std::size_t samples = 0;  ///< counts those that were looked at, from the first on
     std::size_t kept = 0;     ///< so many of these were kept
   };
-  Enqueued enqueue_some(std::span<core::SampleHandle> samples) noexcept;
+  Enqueued enqueue_some(std::span<core::SampleHandle> samples) noexcept SFT_REQUIRES(mutex_);
   /// The writer whose oldest sample came first.
   template <class Condition>
-  Writer* first_to_come(Condition condition) noexcept;
+  Writer* first_to_come(Condition condition) noexcept SFT_REQUIRES(mutex_);
   core::SampleHandle drop_surplus() noexcept;
-  void forget_the_finished() noexcept;
+  void forget_the_finished() noexcept SFT_REQUIRES(mutex_);
 
   const std::size_t depth_;
-  mutable std::mutex mutex_;
-  std::vector<Writer> writers_;
-  std::uint64_t arrivals_ = 0;
-  std::uint64_t discarded_ = 0;
-  std::uint64_t lost_unnoticed_ = 0;
+  mutable core::Mutex mutex_;
+  std::vector<Writer> writers_ SFT_GUARDED_BY(mutex_);
+  std::uint64_t arrivals_ SFT_GUARDED_BY(mutex_) = 0;
+  std::uint64_t discarded_ SFT_GUARDED_BY(mutex_) = 0;
+  std::uint64_t lost_unnoticed_ SFT_GUARDED_BY(mutex_) = 0;
   core::GuardedCall<> tell_listener_;  ///< called without the mutex
 };
 

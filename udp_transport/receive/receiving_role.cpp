@@ -6,7 +6,7 @@
 namespace sft::udp {
 
 ReceivingRole::Entry ReceivingRole::enter(Time now) {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   if (closed_ || tended_ > 0) return Entry::refused;
   if (inside_) return Entry::occupied;
   inside_ = true;
@@ -20,26 +20,26 @@ ReceivingRole::Entry ReceivingRole::enter(Time now) {
 }
 
 bool ReceivingRole::begin() {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   if (closed_ || tended_ > 0 || holder_ != Holder::waiter) return false;
   in_turn_ = true;
   return true;
 }
 
 void ReceivingRole::end(Time next_deadline) {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   in_turn_ = false;
   ++turns_;
   next_deadline_ = next_deadline;
 }
 
 bool ReceivingRole::lost() const {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   return closed_ || tended_ > 0 || (holder_ != Holder::waiter && !promised_);
 }
 
 ReceivingRole::Leaving ReceivingRole::leave(Time now) {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   inside_ = promised_ = false;
   last_used_ = now;
   if (holder_ != Holder::waiter) return {};
@@ -49,24 +49,24 @@ ReceivingRole::Leaving ReceivingRole::leave(Time now) {
 }
 
 bool ReceivingRole::wait_behind() {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   ++behind_;
   return holder_ == Holder::nobody;
 }
 
 void ReceivingRole::unwait_behind() {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   --behind_;
 }
 
 bool ReceivingRole::add_tended() {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   ++tended_;
   return holder_ != Holder::own;
 }
 
 void ReceivingRole::remove_tended() {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   --tended_;
 }
 
@@ -87,7 +87,7 @@ ReceivingRole::Time ReceivingRole::next_look(Time now) const {
 }
 
 ReceivingRole::Task ReceivingRole::next(Time now, bool readable) {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   if (closed_) return {.duty = Duty::stop};
   const bool evicts = holder_ == Holder::waiter;
   if (holder_ == Holder::waiter) {
@@ -107,14 +107,14 @@ ReceivingRole::Task ReceivingRole::next(Time now, bool readable) {
 }
 
 bool ReceivingRole::take_turn() {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   if (closed_ || holder_ != Holder::own) return false;
   in_turn_ = true;
   return true;
 }
 
 bool ReceivingRole::end_turn(Time next_deadline) {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   in_turn_ = false;
   ++turns_;
   next_deadline_ = next_deadline;
@@ -124,17 +124,17 @@ bool ReceivingRole::end_turn(Time next_deadline) {
 }
 
 void ReceivingRole::alarm_rang() {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   alarm_set_ = false;
 }
 
 void ReceivingRole::close() {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   closed_ = true;
 }
 
 bool ReceivingRole::waiter_in_turn() const {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   return in_turn_ && holder_ == Holder::waiter;
 }
 

@@ -14,8 +14,9 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <mutex>
 #include <optional>
+
+#include "core/sync/mutex.h"
 
 namespace sft::udp {
 
@@ -89,23 +90,23 @@ class ReceivingRole {
  private:
   enum class Holder : std::uint8_t { own, waiter, nobody };
 
-  bool seems_idle(Time now, bool readable);
-  Time next_look(Time now) const;
+  bool seems_idle(Time now, bool readable) SFT_REQUIRES(mutex_);
+  Time next_look(Time now) const SFT_REQUIRES(mutex_);
 
-  mutable std::mutex mutex_;
-  Holder holder_ = Holder::own;
-  bool in_turn_ = false;   ///< the holder is receiving
-  bool inside_ = false;    ///< a thread is between enter() and leave()
-  bool promised_ = false;  ///< to that thread
-  bool alarm_set_ = false;
-  bool closed_ = false;
-  std::size_t tended_ = 0;
-  std::size_t behind_ = 0;
-  std::uint64_t turns_ = 0;
-  std::uint64_t turns_seen_ = 0;  ///< when the holder seemed idle
-  bool seemed_idle_ = false;
-  std::optional<Time> last_used_;  ///< by a waiting thread
-  Time next_deadline_ = Time::max();
+  mutable core::Mutex mutex_;
+  Holder holder_ SFT_GUARDED_BY(mutex_) = Holder::own;
+  bool in_turn_ SFT_GUARDED_BY(mutex_) = false;   ///< the holder is receiving
+  bool inside_ SFT_GUARDED_BY(mutex_) = false;    ///< a thread is between enter() and leave()
+  bool promised_ SFT_GUARDED_BY(mutex_) = false;  ///< to that thread
+  bool alarm_set_ SFT_GUARDED_BY(mutex_) = false;
+  bool closed_ SFT_GUARDED_BY(mutex_) = false;
+  std::size_t tended_ SFT_GUARDED_BY(mutex_) = 0;
+  std::size_t behind_ SFT_GUARDED_BY(mutex_) = 0;
+  std::uint64_t turns_ SFT_GUARDED_BY(mutex_) = 0;
+  std::uint64_t turns_seen_ SFT_GUARDED_BY(mutex_) = 0;  ///< when the holder seemed idle
+  bool seemed_idle_ SFT_GUARDED_BY(mutex_) = false;
+  std::optional<Time> last_used_ SFT_GUARDED_BY(mutex_);  ///< by a waiting thread
+  Time next_deadline_ SFT_GUARDED_BY(mutex_) = Time::max();
 };
 
 }  // namespace sft::udp

@@ -55,12 +55,12 @@ std::uint64_t Subscriber::heard_request() const {
 
 void SubscriptionDirectory::add(core::EndpointId reader, const std::shared_ptr<Inbox>& inbox,
                                 const TypeSupport& type) {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   readers_.push_back({reader, inbox, &type, {}, {}});
 }
 
 Result<void> SubscriptionDirectory::connect(const Inbox& inbox, const core::Source& source) {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   Reader& reader = find(inbox);
   if (Result<void> checked = check(reader, source); !checked) return checked;
   std::erase_if(reader.sources, [&](const core::Source& s) { return s.writer == source.writer; });
@@ -94,7 +94,7 @@ Result<void> SubscriptionDirectory::check(const Reader& reader, const core::Sour
 }
 
 void SubscriptionDirectory::announced(const Inbox& inbox, const core::Source& source) {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   for (core::Source& known : find(inbox).sources) {
     if (known.writer == source.writer) known = source;
   }
@@ -102,20 +102,20 @@ void SubscriptionDirectory::announced(const Inbox& inbox, const core::Source& so
 }
 
 void SubscriptionDirectory::disconnect(const Inbox& inbox, core::EndpointId writer) {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   std::erase_if(find(inbox).sources, [&](const core::Source& s) { return s.writer == writer; });
   publish();
 }
 
 void SubscriptionDirectory::accept(const Inbox& inbox, std::vector<core::Accepted> accepted) {
-  const std::scoped_lock lock(mutex_);
+  const core::Lock lock(mutex_);
   find(inbox).accepted = std::move(accepted);
   publish();
 }
 
 void SubscriptionDirectory::remove(const Inbox& inbox) {
   {
-    const std::scoped_lock lock(mutex_);
+    const core::Lock lock(mutex_);
     std::erase_if(readers_, [&](const Reader& r) { return r.inbox.get() == &inbox; });
     publish();
   }
@@ -129,7 +129,7 @@ SubscriptionDirectory::Reader& SubscriptionDirectory::find(const Inbox& inbox) {
   return *found;
 }
 
-/// Publishes the subscriptions of the present readers. The caller holds the lock.
+/// Publishes the subscriptions of the present readers.
 void SubscriptionDirectory::publish() {
   auto next = std::make_shared<Subscriptions>();
   std::unordered_map<core::EndpointId, std::size_t> places;

@@ -4,11 +4,11 @@
 #pragma once
 
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <vector>
 
 #include "core/seam/transport.h"
+#include "core/sync/mutex.h"
 #include "core/sync/published.h"
 #include "udp_transport/receive/inbox.h"
 #include "udp_transport/receive/incoming_writer.h"
@@ -64,12 +64,12 @@ class SubscriptionDirectory {
     std::vector<core::Accepted> accepted;
     std::vector<core::Source> sources;
   };
-  Reader& find(const Inbox& reader);
-  Result<void> check(const Reader& reader, const core::Source& source) const;
-  void publish();
+  Reader& find(const Inbox& reader) SFT_REQUIRES(mutex_);
+  Result<void> check(const Reader& reader, const core::Source& source) const SFT_REQUIRES(mutex_);
+  void publish() SFT_REQUIRES(mutex_);
 
-  std::mutex mutex_;
-  std::vector<Reader> readers_;
+  core::Mutex mutex_;
+  std::vector<Reader> readers_ SFT_GUARDED_BY(mutex_);
   core::Published<Subscriptions> subscriptions_;
 
   // The receiving thread's.
