@@ -12,7 +12,7 @@
 namespace sft::udp::test {
 
 struct Sending {
-  Sending() { to->set_receive_buffer(8 << 20); }
+  Sending() { to->set_receive_buffer(roomy); }
 
   std::shared_ptr<Lane> lane(Lane::Start start = Lane::Start::open, std::shared_ptr<Channel> through = {}) {
     return std::make_shared<Lane>(to, 100, tally, start, std::move(through));
@@ -25,10 +25,14 @@ struct Sending {
     return bytes;
   }
 
+  /// The window of the destination has room for all that a test sends, however fast that is.
+  static constexpr std::uint32_t roomy = 256 << 20;
+
   std::shared_ptr<JobPool> jobs = JobPool::make();
   std::uint64_t sequence = 0;
   Connections connections;
-  DestinationDirectory destinations{{.datagram_bytes = 1472}, connections.connect()};
+  DestinationDirectory destinations{{.datagram_bytes = 1472, .flow = {.first_bytes = roomy}},
+                                    connections.connect()};
   std::shared_ptr<Destination> to = destinations.find({.ip = 0x7F000001, .port = 1});
   std::shared_ptr<WriterTally> tally = std::make_shared<WriterTally>();
   NoSender io{connections};
