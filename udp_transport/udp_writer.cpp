@@ -74,8 +74,8 @@ std::string UdpWriter::silence(core::EndpointId reader) const {
   const auto lane = table->lanes_of.find(reader);
   if (lane == table->lanes_of.end()) return {};
   Destination& to = lane->second->destination();
-  if (!to.is_mute(std::chrono::steady_clock::now())) return {};
-  const auto [ip, port] = to.address();
+  if (!to.window().is_mute(std::chrono::steady_clock::now())) return {};
+  const auto [ip, port] = to.path().address();
   return "the host did not answer at " + core::format(ip, port) +
          ": nothing is sent there until it does; see that its firewall lets UDP in, and ours the answers";
 }

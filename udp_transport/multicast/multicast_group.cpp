@@ -66,8 +66,8 @@ std::shared_ptr<Lane> MulticastGroup::lane_of(const std::shared_ptr<MulticastGro
 }
 
 bool MulticastGroup::is_answered() const noexcept {
-  return std::ranges::any_of(members_,
-                             [](const Member& member) { return member.lane->destination().answers(); });
+  return std::ranges::any_of(
+      members_, [](const Member& member) { return member.lane->destination().window().answers(); });
 }
 
 MulticastGroup::BestEffort MulticastGroup::best_effort() const noexcept {

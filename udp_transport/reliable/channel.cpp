@@ -131,7 +131,7 @@ void Channel::put_back(const Piece& piece) {
 
 Wake Channel::hear(const Ack& ack) {
   const Time time = now();
-  const Time::duration round_trip = ack.missing_count == 0 ? Time::duration{} : to_->round_trip();
+  const Time::duration round_trip = ack.missing_count == 0 ? Time::duration{} : to_->window().round_trip();
   const core::Lock lock(mutex_);
   if (ack.channel == number_) judge_length(ack, time);
   window_.hear(ack, time, round_trip);
@@ -149,7 +149,7 @@ Wake Channel::hear(const Ack& ack) {
 
 void Channel::judge_length(const Ack& ack, Time now) {
   const LengthWatch::Verdict verdict =
-      lengths_.judge(ack, window_, to_->datagram_bytes(), to_->length_in_doubt());
+      lengths_.judge(ack, window_, to_->path().datagram_bytes(), to_->path().length_in_doubt());
   if (verdict.arrived) to_->long_ones_arrived(now);
   if (verdict.lost) to_->long_ones_were_lost(now);
 }

@@ -22,7 +22,7 @@ std::vector<std::shared_ptr<Channel>> ChannelRoster::find_at(std::uint32_t write
   const core::Lock lock(mutex_);
   for (auto one = known_.lower_bound({writer, 0}); one != known_.end() && one->first.first == writer; ++one) {
     std::shared_ptr<Channel> channel = one->second.lock();
-    if (channel != nullptr && channel->destination().is_at(ip)) found.push_back(std::move(channel));
+    if (channel != nullptr && channel->destination().path().is_at(ip)) found.push_back(std::move(channel));
   }
   return found;
 }

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/seam/address.h"
 #include "core/sync/mutex.h"
 #include "udp_transport/reliable/channel.h"
 

@@ -89,12 +89,12 @@ bool Lane::has_room_for(const Job& job) const {
 
 /// Before the first report of the receiver, and for a moment after it.
 bool Lane::may_pile_up(Clock::time_point now) const {
-  if (unproven_) return !to_->is_mute(now);
+  if (unproven_) return !to_->window().is_mute(now);
   return reported_at_ && now - *reported_at_ < pile_lasts;
 }
 
 void Lane::note_report(const Job& job) {
-  unproven_ = !to_->answers();
+  unproven_ = !to_->window().answers();
   if (unproven_) {
     small_ones_wait_ = small_ones_wait_ || job.is_small();
     reported_at_.reset();

@@ -55,7 +55,7 @@ void GroupKeeper::look_at(const std::vector<RouteBundle>& routes, Time now) {
 }
 
 void GroupKeeper::choose_link(Candidate& candidate, Time now) const {
-  const core::IpAddress address = candidate.to->address().ip;
+  const core::IpAddress address = candidate.to->path().address().ip;
   if (setup_.use == Multicast::off) candidate.refusal = "multicast is off by option";
   if (now < packed_until_) candidate.refusal = "samples that are published together share datagrams";
   if (too_many_leaves_) candidate.refusal = "its type has too many fields";
@@ -161,8 +161,8 @@ std::shared_ptr<MulticastGroup> GroupKeeper::find(std::size_t place,
   std::uint32_t receive_buffer_bytes = UINT32_MAX;
   for (const MulticastGroup::Member& member : members) {
     const Destination& to = member.lane->destination();
-    datagram_bytes = std::min(datagram_bytes, to.datagram_bytes());
-    receive_buffer_bytes = std::min(receive_buffer_bytes, to.receive_buffer_bytes());
+    datagram_bytes = std::min(datagram_bytes, to.path().datagram_bytes());
+    receive_buffer_bytes = std::min(receive_buffer_bytes, to.window().receive_buffer_bytes());
   }
   const Candidate& candidate = candidates_.at(&members.front().lane->destination());
   const std::shared_ptr<Destination> to =
@@ -193,7 +193,7 @@ std::vector<PlanDestination> GroupKeeper::plan_destinations(std::vector<const De
       if (holds(candidate.masks, sizes_->masks()[i])) destination.masks |= MaskSet{1} << i;
     }
     destination.link = *candidate.link;
-    destination.datagram_bytes = to->datagram_bytes();
+    destination.datagram_bytes = to->path().datagram_bytes();
     destination.reliable = candidate.reliable;
     places.push_back(to);
   }

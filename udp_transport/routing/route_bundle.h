@@ -11,6 +11,7 @@
 
 #include "core/seam/transport.h"
 #include "udp_transport/flow/destination.h"
+#include "udp_transport/flow/destination_directory.h"
 #include "udp_transport/reliable/channel_directory.h"
 
 namespace sft::udp {

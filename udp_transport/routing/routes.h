@@ -12,6 +12,7 @@
 #include "core/seam/transport.h"
 #include "sft/detail/project.h"
 #include "udp_transport/flow/destination.h"
+#include "udp_transport/flow/destination_directory.h"
 #include "udp_transport/reliable/channel_directory.h"
 #include "udp_transport/reliable/lane.h"
 #include "udp_transport/routing/group_keeper.h"

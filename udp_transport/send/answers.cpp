@@ -37,7 +37,7 @@ Wake hear_of_unknown_channel(SendSide& side, const Ack& ack, const SocketAddress
 Wake hear(SendSide& side, const Ack& ack, const SocketAddress& from, Time now) {
   const std::shared_ptr<Channel> channel = side.channels.find(ack.writer, ack.channel);
   if (channel == nullptr) return hear_of_unknown_channel(side, ack, from);
-  if (!channel->destination().is_at(from.ip)) return disbelieve(side);
+  if (!channel->destination().path().is_at(from.ip)) return disbelieve(side);
   channel->destination().lives(now);
   Ack alone = ack;
   if (ack.missing_count > 0) hand_repairs_to_group(side, alone, now);
@@ -57,7 +57,7 @@ Wake hear(SendSide& side, const FlowReport& report, const SocketAddress& from, T
 Wake hear(SendSide& side, const GroupReport& report, const SocketAddress& from, Time now) {
   const std::shared_ptr<MulticastGroup> group = side.groups.find(report.writer, report.group);
   const auto member = group == nullptr ? std::nullopt : group->member_named(report.member);
-  const bool is_of_member = member && group->members()[*member].lane->destination().is_at(from.ip);
+  const bool is_of_member = member && group->members()[*member].lane->destination().path().is_at(from.ip);
   if (!is_of_member) return disbelieve(side);
   group->hear(report, now);
   return Wake::none;

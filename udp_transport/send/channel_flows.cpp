@@ -41,7 +41,8 @@ void ChannelFlows::advance(SendFlow& flow) {
       flow.piece = flow.channel->next(flow.size);
       if (!flow.piece) return;
       flow.full_since.reset();
-      flow.fragments.emplace(flow.piece->body(), flow.destination().datagram_bytes(), flow.piece->range);
+      flow.fragments.emplace(flow.piece->body(), flow.destination().path().datagram_bytes(),
+                             flow.piece->range);
     }
     if (FlowSender::is_under_way(sender_.send_some(flow))) return;
     static_cast<void>(flow.channel->finished(*flow.piece, Clock::now()));  // or lost, and will be asked for

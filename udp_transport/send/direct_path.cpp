@@ -13,7 +13,7 @@ using Clock = std::chrono::steady_clock;
 bool DirectPath::may_send(Destination& to, const Job& job, Time now) {
   if (!tally_->limit.ready(true, now) || !side_->sender.limit().ready(true, now)) return false;
   const std::size_t room = to.room(Destination::Size::small, now);
-  if (room == 0 || to.answers()) return room > 0;
+  if (room == 0 || to.window().answers()) return room > 0;
   return job.first.bytes() + (job.is_pack() ? job.packed_bytes() : job.first.total) <= room;
 }
 
@@ -28,7 +28,7 @@ SendOutcome DirectPath::send(Lane& lane, Job& job) {
   if ((job.first.flags & history_follows) != 0) lane.mark(job);
   if (!may_send(to, job, now)) return SendOutcome::would_wait;
   // Most destinations take datagrams of the same length: the sample is cut once for these.
-  if (const std::size_t datagram_bytes = to.datagram_bytes(); datagram_bytes != cut_for_) {
+  if (const std::size_t datagram_bytes = to.path().datagram_bytes(); datagram_bytes != cut_for_) {
     Fragmenter fragments(job.body(), datagram_bytes);
     fragments.next(batch_);
     cut_for_ = fragments.done() ? datagram_bytes : 0;
@@ -49,7 +49,7 @@ Wake DirectPath::send(Channel& channel, const Channel::Piece& piece, Time now) {
 
 std::uint32_t DirectPath::send_some(const EncodedBody& body, Destination& to) {
   Connection& by = *to.bulk_in_use();
-  const std::size_t cut_for = to.datagram_bytes();
+  const std::size_t cut_for = to.path().datagram_bytes();
   Fragmenter fragments(body, cut_for);
   while (!fragments.done()) {
     const Time now = Clock::now();
@@ -57,7 +57,7 @@ std::uint32_t DirectPath::send_some(const EncodedBody& body, Destination& to) {
         allowance(to, tally_->limit, side_->sender.limit(), ResendWindow::Size::large, now);
     if (allowed == 0) break;
     Fragmenter next = fragments;
-    next.next(batch_, std::min(allowed, to.batch_bytes()), to.datagrams_per_call());
+    next.next(batch_, std::min(allowed, to.window().batch_bytes()), to.datagrams_per_call());
     if (send_batch(to, by, cut_for, now) != SendOutcome::sent) break;
     fragments = next;
   }
@@ -66,7 +66,7 @@ std::uint32_t DirectPath::send_some(const EncodedBody& body, Destination& to) {
 
 /// A small body takes one call; a pack may take several. `would_wait` if the sending thread has to do it.
 SendOutcome DirectPath::send_whole(const EncodedBody& body, Destination& to, Connection& by, Time now) {
-  const std::size_t datagram_bytes = to.datagram_bytes();
+  const std::size_t datagram_bytes = to.path().datagram_bytes();
   Fragmenter fragments(body, datagram_bytes);
   do {
     fragments.next(batch_, batch_bytes_max, body.packed ? to.datagrams_per_call() : batch_datagrams_max);
@@ -90,7 +90,8 @@ SendOutcome DirectPath::send_batch(Destination& to, Connection& by, std::size_t 
     to.sent(by, batch_.bytes(), batch_.datagrams(), now);
   } else if (outcome != SendOutcome::would_wait) {
     to.note(outcome);
-    if (outcome == SendOutcome::too_long && to.datagram_bytes() < cut_for) return SendOutcome::would_wait;
+    if (outcome == SendOutcome::too_long && to.path().datagram_bytes() < cut_for)
+      return SendOutcome::would_wait;
   }
   return outcome;
 }

@@ -33,10 +33,10 @@ FlowSender::Progress FlowSender::send_a_few(SendFlow& flow, Time now) {
   }
   if (sent.outcome == SendOutcome::would_wait) return wait_for_room(flow, by, now);
   if (sent.outcome != SendOutcome::sent) {
-    const std::size_t refused = to.datagram_bytes();
+    const std::size_t refused = to.path().datagram_bytes();
     to.note(sent.outcome);
-    if (sent.outcome != SendOutcome::too_long || to.datagram_bytes() >= refused) return Progress::lost;
-    flow.fragments->set_datagram_bytes(to.datagram_bytes());
+    if (sent.outcome != SendOutcome::too_long || to.path().datagram_bytes() >= refused) return Progress::lost;
+    flow.fragments->set_datagram_bytes(to.path().datagram_bytes());
     return Progress::some;
   }
   return flow.fragments->done() ? Progress::whole : Progress::some;
@@ -52,7 +52,7 @@ void FlowSender::account_for(SendFlow& flow, Connection& by, std::size_t batches
   flow.tally().limit.spend(bytes);
   limit_.spend(bytes);
   flow.destination().sent(by, bytes, datagrams, now);
-  if (flow.size == SendFlow::Size::large) flow.behind = flow.destination().position();
+  if (flow.size == SendFlow::Size::large) flow.behind = flow.destination().window().position();
 }
 
 /// The flow has no allowance: it is looked at again once it has some.
@@ -64,7 +64,7 @@ void FlowSender::wait_for_allowance(SendFlow& flow, Time now) {
     return;
   }
   flow.destination().mark(now);
-  round_.by(flow.destination().next_ready(now));
+  round_.by(flow.destination().window().next_ready(now));
 }
 
 /// Cuts as many batches as may go now.
@@ -73,12 +73,12 @@ std::size_t FlowSender::cut_batches(SendFlow& flow, Time now) {
   Fragmenter fragments = *flow.fragments;
   const std::size_t allowed = allowance(to, flow.tally().limit, limit_, flow.size, now);
   if (allowed == 0) wait_for_allowance(flow, now);
-  const std::size_t bytes_max = std::min(allowed, to.batch_bytes());
+  const std::size_t bytes_max = std::min(allowed, to.window().batch_bytes());
   const std::size_t call_bytes = std::min(allowed, bytes_per_call);
   std::size_t n = 0;
   for (std::size_t cut = 0; n < batches_per_call && !fragments.done() && cut < call_bytes; ++n) {
     fragments.next(batches_[n], bytes_max, to.datagrams_per_call());
-    if (batches_[n].bytes() > allowed && !to.answers()) {  // not even one datagram of it
+    if (batches_[n].bytes() > allowed && !to.window().answers()) {  // not even one datagram of it
       wait_for_allowance(flow, now);
       break;
     }

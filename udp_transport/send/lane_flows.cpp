@@ -35,7 +35,8 @@ bool LaneFlows::begin(SendFlow& flow) {
   const Job* job = flow.lane->next();
   if (job == nullptr) return false;
   flow.size = KeptSamples::size_of(job->first.total);
-  flow.fragments.emplace(job->body(), flow.lane->destination().datagram_bytes(), BodyRange{job->sent_bytes});
+  flow.fragments.emplace(job->body(), flow.lane->destination().path().datagram_bytes(),
+                         BodyRange{job->sent_bytes});
   return true;
 }
 

@@ -26,7 +26,7 @@ Packer::Pack& Packer::pack_for(const Audience& audience) {
   if (known != packs_.end()) return *known;
   std::size_t datagram_bytes = datagram_bytes_max;
   for (const auto& lane : audience.lanes)
-    datagram_bytes = std::min(datagram_bytes, lane->destination().datagram_bytes());
+    datagram_bytes = std::min(datagram_bytes, lane->destination().path().datagram_bytes());
   const std::size_t header =
       first_header_bytes + channel_bytes + length_bytes + audience.wire->words.size() * sizeof(std::uint64_t);
   // Every path takes such a sample in one datagram, so that no sample ever has to be cut.

@@ -29,7 +29,7 @@ std::size_t PostponedDelivery::send_once(const std::shared_ptr<Lane>& lane,
                                          const core::SampleHandle& sample) {
   Job& job = draft_.job();
   const std::uint32_t sent = send_located(job.first, lane->destination());
-  lane->stay_behind(lane->destination().position());
+  lane->stay_behind(lane->destination().window().position());
   if (sent == job.first.total) return 0;
   job.sent_bytes = sent;
   sample->complete();
@@ -48,7 +48,7 @@ std::optional<std::size_t> PostponedDelivery::send_reliably(Lane& lane,
   if (!posted) return {};
   Channel::Piece& piece = *posted->piece;
   piece.range.begin = send_located(piece.first, channel->destination());
-  channel->stay_behind(channel->destination().position());
+  channel->stay_behind(channel->destination().window().position());
   while (!sample->postponed->empty() && channel->keeps(piece.ordinal))
     sample->postponed->make(copied_at_a_time);
   if (piece.range.begin == piece.first.total) {

@@ -14,6 +14,7 @@
 #include "core/sync/guarded_call.h"
 #include "core/sync/mutex.h"
 #include "udp_transport/flow/destination.h"
+#include "udp_transport/flow/destination_directory.h"
 #include "udp_transport/io/multicast_links.h"
 #include "udp_transport/multicast/multicast_group.h"
 #include "udp_transport/outgoing/kept_memory.h"

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "tests/unit/udp/datagrams.h"
-#include "udp_transport/flow/destination.h"
+#include "udp_transport/flow/connection_pair.h"
 
 namespace sft::udp::test {
 

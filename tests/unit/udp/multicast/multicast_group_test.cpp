@@ -7,6 +7,7 @@
 
 #include "tests/unit/udp/connections.h"
 #include "tests/unit/udp/messages.h"
+#include "udp_transport/flow/destination_directory.h"
 
 namespace sft::udp {
 namespace {

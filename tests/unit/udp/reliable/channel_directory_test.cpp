@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "tests/unit/udp/connections.h"
+#include "udp_transport/flow/destination_directory.h"
 
 namespace sft::udp {
 namespace {

@@ -9,6 +9,7 @@
 #include "core/seam/buffer_pool.h"
 #include "tests/unit/udp/connections.h"
 #include "tests/unit/udp/jobs.h"
+#include "udp_transport/flow/destination_directory.h"
 
 namespace sft::udp {
 namespace {

@@ -14,6 +14,7 @@
 #include "core/seam/rate_gate.h"
 #include "tests/unit/udp/connections.h"
 #include "tests/unit/udp/messages.h"
+#include "udp_transport/flow/destination_directory.h"
 
 namespace sft::udp {
 namespace {
@@ -445,10 +446,11 @@ TEST_F(GroupKeeperTest, SendsDatagramsThatTheNarrowestWayTakesAndTheSmallestBuff
   ASSERT_EQ(groups_.size(), 1U);
   std::uint32_t smallest = UINT32_MAX;
   for (const auto& member : groups_[0]->members())
-    smallest = std::min(smallest, member.lane->destination().receive_buffer_bytes());
+    smallest = std::min(smallest, member.lane->destination().window().receive_buffer_bytes());
   EXPECT_EQ(smallest, 300'000U);
-  EXPECT_EQ(groups_[0]->lane()->destination().receive_buffer_bytes(), smallest);
-  EXPECT_LE(connected_.at(0).datagram_bytes, groups_[0]->members()[0].lane->destination().datagram_bytes());
+  EXPECT_EQ(groups_[0]->lane()->destination().window().receive_buffer_bytes(), smallest);
+  EXPECT_LE(connected_.at(0).datagram_bytes,
+            groups_[0]->members()[0].lane->destination().path().datagram_bytes());
 }
 
 TEST_F(GroupKeeperTest, HasAddressesOfItsRangeOnly) {

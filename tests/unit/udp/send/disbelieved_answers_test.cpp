@@ -101,9 +101,9 @@ TEST_F(DisbelievedAnswersTest, ReportsThatRepeatNoMarkOpenNothing) {
   ++guess.flow;
   hear(guess, reader_);
   EXPECT_EQ(disbelieved(), 2U);
-  EXPECT_FALSE(to_->answers());
+  EXPECT_FALSE(to_->window().answers());
   hear(true_report(), reader_);
-  EXPECT_TRUE(to_->answers());
+  EXPECT_TRUE(to_->window().answers());
 }
 
 TEST_F(DisbelievedAnswersTest, TheReceiverMayHaveAnotherAddressAsItsReportShows) {

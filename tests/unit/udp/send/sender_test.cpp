@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tests/unit/udp/jobs.h"
+#include "udp_transport/flow/destination_directory.h"
 
 namespace sft::udp {
 namespace {

@@ -113,8 +113,8 @@ TEST_F(SendsAhead, LeavesACopyToTheSendingThreadWhereSendBuffersAreFull) {
   const Job* const rest = audience_.lanes.front()->next();
   ASSERT_NE(rest, nullptr);
   EXPECT_GT(rest->sent_bytes, 100'000U);
-  EXPECT_EQ(to_->position(), audience_.lanes.front()->behind());
-  for (const Bytes& datagram : test::cut(rest->body(), to_->datagram_bytes())) {
+  EXPECT_EQ(to_->window().position(), audience_.lanes.front()->behind());
+  for (const Bytes& datagram : test::cut(rest->body(), to_->path().datagram_bytes())) {
     const Datagram d = parse(datagram).value();
     EXPECT_TRUE(std::ranges::equal(d.payload, std::span(expected_).subspan(d.offset, d.payload.size())));
   }
@@ -145,7 +145,7 @@ TEST_F(SendsAhead, GoesOnInTheSendingThreadFromWhereItHadNoRoom) {
   const auto rest = channel_->next(ResendWindow::Size::large);
   ASSERT_TRUE(rest);
   EXPECT_GT(rest->range.begin, 150'000U);
-  Fragmenter fragments(rest->body(), to_->datagram_bytes(), rest->range);
+  Fragmenter fragments(rest->body(), to_->path().datagram_bytes(), rest->range);
   for (Batch batch; !fragments.done();) {
     fragments.next(batch);
     const OutgoingBatch next{batch.parts(), batch.segment_bytes()};

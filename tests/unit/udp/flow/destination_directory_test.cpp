@@ -1,0 +1,64 @@
+#include "udp_transport/flow/destination_directory.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "tests/unit/udp/connections.h"
+
+namespace sft::udp {
+namespace {
+
+class DestinationDirectoryTest : public testing::Test {
+ protected:
+  test::Connections connections_;
+  DestinationDirectory directory_{{.report_port = 7}, connections_.connect()};
+};
+
+TEST_F(DestinationDirectoryTest, GivesEachDestinationANumberThatNobodyGuesses) {
+  const auto one = directory_.find({.ip = 1, .port = 1}), two = directory_.find({.ip = 1, .port = 2});
+  EXPECT_GT(std::max(one->flow() - two->flow(), two->flow() - one->flow()), 1000U);
+}
+
+TEST_F(DestinationDirectoryTest, FindsADestinationByTheNumberThatItsReceiverKnows) {
+  const auto one = directory_.find({.ip = 1, .port = 5000});
+  const auto other = directory_.find({.ip = 1, .port = 5001});
+  EXPECT_EQ(directory_.of_flow(one->flow()), one);
+  EXPECT_EQ(directory_.of_flow(other->flow()), other);
+  EXPECT_EQ(directory_.of_flow(other->flow() + 1), nullptr);
+}
+
+TEST_F(DestinationDirectoryTest, TellsADestinationTheAnnouncedReceiveBuffer) {
+  const auto one = directory_.find({.ip = 1, .port = 5000, .receive_buffer_bytes = 1'000'000});
+  EXPECT_EQ(one->window().receive_buffer_bytes(), 1'000'000U);
+  directory_.find({.ip = 1, .port = 5000});
+  EXPECT_EQ(one->window().receive_buffer_bytes(), 1'000'000U) << "nothing else was announced";
+}
+
+TEST_F(DestinationDirectoryTest, MovesADestinationToAnotherAddressOfTheSameSocket) {
+  const auto at = [&](std::uint32_t ip, std::uint64_t node, std::uint16_t port = 5000) {
+    return directory_.find({.ip = ip, .port = port, .node = node});
+  };
+  const auto there = at(1, 7);
+  EXPECT_EQ(at(1, 7), there);
+  EXPECT_EQ(there->moves(), 0U);
+  EXPECT_EQ(at(2, 7), there);
+  EXPECT_EQ(there->moves(), 1U);
+  EXPECT_EQ(there->path().address(), (SocketAddress{2, 5000}));
+  EXPECT_EQ(connections_.redirected(), (std::vector<SocketAddress>{{2, 5000}}));
+  EXPECT_NE(at(2, 7, 5001), there) << "it is another socket of that node";
+  EXPECT_NE(at(2, 8), there) << "it is another node, by an address that changed hands";
+  EXPECT_EQ(connections_.open(), 1U) << "those two are gone";
+}
+
+TEST_F(DestinationDirectoryTest, FindsADestinationByWhereItIsWhenNobodySaysWhoseItIs) {
+  const auto there = directory_.find({.ip = 1, .port = 5000, .node = 7});
+  directory_.find({.ip = 2, .port = 5000, .node = 7});
+  EXPECT_EQ(directory_.find({.ip = 2, .port = 5000}), there);
+  EXPECT_EQ(there->path().address(), (SocketAddress{2, 5000}));
+  EXPECT_NE(directory_.find({.ip = 1, .port = 5000}), there);
+}
+
+}  // namespace
+}  // namespace sft::udp

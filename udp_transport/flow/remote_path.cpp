@@ -1,0 +1,79 @@
+#include "udp_transport/flow/remote_path.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "udp_transport/io/interfaces.h"
+
+namespace sft::udp {
+
+namespace {
+PathMtu mtu_to(const SocketAddress& address, std::size_t kernel_says) {
+  return {headers_before_datagram(address.ip),
+          std::min(datagram_bytes_of_every_path(address.ip), kernel_says), kernel_says};
+}
+}  // namespace
+
+RemotePath::RemotePath(const SocketAddress& address, std::size_t kernel_says)
+    : address_(address), mtu_(mtu_to(address, kernel_says)), datagram_bytes_(mtu_.datagram_bytes()) {}
+
+void RemotePath::publish_length() noexcept {
+  datagram_bytes_.store(mtu_.datagram_bytes(), std::memory_order_relaxed);
+  length_in_doubt_.store(mtu_.in_doubt(), std::memory_order_relaxed);
+}
+
+SocketAddress RemotePath::address() const {
+  const core::Lock lock(mutex_);
+  return address_;
+}
+
+bool RemotePath::is_at(const core::IpAddress& ip) const {
+  const core::Lock lock(mutex_);
+  return ip == address_.ip || std::ranges::find(also_at_, ip) != also_at_.end();
+}
+
+void RemotePath::learn(const core::IpAddress& ip) {
+  const core::Lock lock(mutex_);
+  if (also_at_.size() == also_at_max) also_at_.pop_front();
+  also_at_.push_back(ip);
+}
+
+bool RemotePath::move_to(const SocketAddress& address) noexcept {
+  const core::Lock lock(mutex_);
+  if (address == std::exchange(address_, address)) return false;
+  also_at_.clear();
+  return true;
+}
+
+void RemotePath::measure_anew(const SocketAddress& address, std::size_t kernel_says) noexcept {
+  const PathMtu mtu = mtu_to(address, kernel_says);
+  const core::Lock lock(mutex_);
+  mtu_ = mtu;
+  publish_length();
+}
+
+void RemotePath::learn_length(const SocketAddress& asked, std::size_t kernel_says) noexcept {
+  const core::Lock lock(mutex_);
+  if (asked == address_) mtu_.kernel_says(kernel_says);
+  publish_length();
+}
+
+void RemotePath::long_ones_were_lost(Time now) noexcept {
+  const core::Lock lock(mutex_);
+  mtu_.lost(now);
+  publish_length();
+}
+
+void RemotePath::long_ones_arrived(Time now) noexcept {
+  const core::Lock lock(mutex_);
+  mtu_.arrived(now);
+  publish_length();
+}
+
+void RemotePath::look_after(Time now) noexcept {
+  const core::Lock lock(mutex_);
+  mtu_.look_after(now);
+  publish_length();
+}
+
+}  // namespace sft::udp

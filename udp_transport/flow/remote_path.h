@@ -1,0 +1,63 @@
+// The path to a remote socket: the address at which the socket is sent to at present, further addresses that
+// its answers have come from, and the length of datagrams that the path takes. Any thread.
+//
+// The class makes no system call: what the kernel says of the path is given to it.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <deque>
+
+#include "core/platform/ip_address.h"
+#include "core/sync/mutex.h"
+#include "udp_transport/flow/path_mtu.h"
+#include "udp_transport/io/datagram_io.h"
+
+namespace sft::udp {
+
+class RemotePath {
+ public:
+  using Time = PathMtu::Time;
+
+  /// The last few addresses that answers came from count, beside the one that is sent to.
+  static constexpr std::size_t also_at_max = 4;
+
+  /// `kernel_says`: the longest datagram, as far as the kernel knows.
+  RemotePath(const SocketAddress& address, std::size_t kernel_says);
+
+  SocketAddress address() const;
+  /// Returns true if a datagram from that address can be the receiver's word: we send there, or the receiver
+  /// has reported from there.
+  bool is_at(const core::IpAddress& ip) const;
+  /// The receiver has reported from there: its host has several addresses, or somebody on the way translates
+  /// addresses.
+  void learn(const core::IpAddress& ip);
+
+  /// From now on the socket is sent to at that address. False if that is so already. Lengths are those of the
+  /// former path until measure_anew().
+  bool move_to(const SocketAddress& address) noexcept;
+  /// Forgets what was learnt of lengths on another path.
+  void measure_anew(const SocketAddress& address, std::size_t kernel_says) noexcept;
+
+  std::size_t datagram_bytes() const { return datagram_bytes_.load(std::memory_order_relaxed); }
+  /// True if it should be told when long datagrams arrive (PathMtu::in_doubt()).
+  bool length_in_doubt() const { return length_in_doubt_.load(std::memory_order_relaxed); }
+  /// The kernel was asked about the path to that address. Ignored if the socket has moved meanwhile.
+  void learn_length(const SocketAddress& asked, std::size_t kernel_says) noexcept;
+  void long_ones_were_lost(Time now) noexcept;
+  void long_ones_arrived(Time now) noexcept;
+  /// From time to time: the path may take longer datagrams by now.
+  void look_after(Time now) noexcept;
+
+ private:
+  void publish_length() noexcept SFT_REQUIRES(mutex_);
+
+  mutable core::Mutex mutex_;
+  SocketAddress address_ SFT_GUARDED_BY(mutex_);
+  std::deque<core::IpAddress> also_at_ SFT_GUARDED_BY(mutex_);
+  PathMtu mtu_ SFT_GUARDED_BY(mutex_);
+  std::atomic<std::size_t> datagram_bytes_;
+  std::atomic<bool> length_in_doubt_{false};
+};
+
+}  // namespace sft::udp

@@ -1,0 +1,73 @@
+// A FlowWindow that several threads use: publishers and the sending thread send, and any thread may hear
+// reports. A lock guards the window. Questions that each sample asks are answered without the lock.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "core/sync/mutex.h"
+#include "udp_transport/flow/flow_limits.h"
+#include "udp_transport/flow/flow_window.h"
+#include "udp_transport/flow/unproven_budget.h"
+#include "udp_transport/wire/datagram.h"
+
+namespace sft::udp {
+
+class SharedFlowWindow {
+ public:
+  using Time = FlowWindow::Time;
+  using Size = FlowWindow::Size;
+
+  /// The arguments are those of FlowWindow.
+  SharedFlowWindow(std::uint32_t flow, const FlowLimits& limits, std::uint64_t secret,
+                   std::shared_ptr<UnprovenBudget> host = {});
+
+  /// The size of the remote socket's receive buffer as announced; 0 if none was.
+  std::uint32_t receive_buffer_bytes() const { return receive_buffer_bytes_.load(std::memory_order_relaxed); }
+  void announce(std::uint32_t receive_buffer_bytes);
+
+  // FlowWindow explains the following functions.
+
+  std::size_t room(Size size, Time now);
+  std::size_t batch_bytes() const;
+  Time next_ready(Time now) const;
+  std::uint64_t position() const;
+  bool passed(std::uint64_t position) const;
+  /// 0: not known.
+  Time::duration round_trip() const;
+  bool is_mute(Time now) const;
+  /// True if the receiver has reported, and was not silent at the last look.
+  bool answers() const { return answers_.load(std::memory_order_relaxed); }
+
+  /// True if a heartbeat or an offer may go. The next report tells if one was withheld.
+  bool takes_control(Time now);
+  /// Returns the mark that the caller sends to the receiver now, if one is due.
+  [[nodiscard]] std::optional<FlowMark> sent(std::size_t bytes, std::size_t datagrams, Time now, bool aside);
+  /// Somebody waits for room: asks a receiver again that does not report. Returns the mark as sent() does.
+  [[nodiscard]] std::optional<FlowMark> await_room(Time now);
+
+  struct Heard {
+    bool believed = false;
+    bool goes_on = false;               ///< somebody waited who may go on now
+    bool control_was_withheld = false;  ///< since the last report; it may go now
+  };
+  [[nodiscard]] Heard hear(const FlowReport& report, Time now);
+  void lives(Time now);
+  void refused(Time now);
+  void move(std::uint64_t secret, std::shared_ptr<UnprovenBudget> host);
+
+ private:
+  void note_answers(Time now) SFT_REQUIRES(mutex_);
+
+  const bool asks_;
+  mutable core::Mutex mutex_;
+  FlowWindow window_ SFT_GUARDED_BY(mutex_);
+  bool control_withheld_ SFT_GUARDED_BY(mutex_) = false;
+  std::atomic<bool> answers_;
+  std::atomic<std::uint32_t> receive_buffer_bytes_{0};
+};
+
+}  // namespace sft::udp
