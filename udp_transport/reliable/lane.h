@@ -5,20 +5,20 @@
 
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <vector>
 
 #include "core/seam/delivery.h"
+#include "core/sync/mutex.h"
 #include "udp_transport/flow/destination.h"
 #include "udp_transport/outgoing/job.h"
 #include "udp_transport/outgoing/wake.h"
 #include "udp_transport/outgoing/writer_tally.h"
-#include "udp_transport/reliable/ordinal_ring.h"
+#include "udp_transport/reliable/lane_queue.h"
+#include "udp_transport/reliable/unproven_burst.h"
 
 namespace sft::udp {
 
@@ -97,7 +97,7 @@ class Lane {
   /// The next job, valid until the next call; null if there is none, which makes the lane idle.
   const Job* next();
   /// The job that next() returned.
-  const JobHandle& current() const { return current_; }
+  const JobHandle& current() const { return current_.job; }
   WriterTally& tally() const { return *tally_; }
   /// The job that next() gave did not leave.
   void lose_current();
@@ -105,18 +105,16 @@ class Lane {
   void passed_on(std::uint64_t ordinal);
 
  private:
+  using Clock = std::chrono::steady_clock;
+
   void count_lost(const Job& job) const;
   void done_with(const JobHandle& job, bool lost) const;
   std::optional<Posted> queue_up(JobHandle& job, JobHandle& oldest);
-  using Clock = std::chrono::steady_clock;
-
-  bool has_room_for(const Job& job) const;
-  bool may_pile_up(Clock::time_point now) const;
-  void note_report(const Job& job);
-  JobHandle pop_oldest();
+  bool has_room_for(const Job& job) const SFT_REQUIRES(mutex_);
+  bool may_pile_up(Clock::time_point now) const SFT_REQUIRES(mutex_);
+  void note_report(const Job& job) SFT_REQUIRES(mutex_);
 
   const std::shared_ptr<Destination> to_;
-  const std::size_t depth_;
   const bool late_;  ///< began as held
   const std::shared_ptr<Channel> channel_;
   const std::shared_ptr<WriterTally> tally_;
@@ -126,21 +124,14 @@ class Lane {
   std::atomic<bool> closed_{false};
   std::atomic<std::uint64_t> behind_{0};
   std::atomic<std::uint64_t> last_retained_{0};  ///< its ordinal in the channel; 0: none was passed on
-  JobHandle current_;                            ///< the sending thread's
-  bool is_retained_ = false;  ///< the present job is a retained sample; used by the sending thread
-  bool is_lost_ = false;      ///< the present job was not sent; used by the sending thread
-  std::mutex mutex_;
-  std::condition_variable room_;  ///< the queue has become shorter
-  bool scheduled_ = false;        ///< the sending thread knows of it
-  bool held_;
-  std::uint64_t oldest_ = 0;         ///< sequence of the first sample, once there is one
-  std::vector<JobHandle> history_;   ///< goes first, the newest first
-  OrdinalRing<JobHandle> queue_{0};  ///< the oldest first
-  bool unproven_ = false;            ///< the receiver had not reported when something was posted last
-  bool small_ones_wait_ = false;     ///< for that report
-  /// The receiver had reported when something was posted next, and small jobs had waited for that.
-  std::optional<Clock::time_point> reported_at_;
-  std::size_t queued_bytes_ = 0;  ///< memory that the queued jobs hold
+  LaneQueue::Next current_;                      ///< the present job; used by the sending thread
+  bool is_lost_ = false;                         ///< the present job was not sent; used by the sending thread
+  core::Mutex mutex_;
+  core::Condition room_;                           ///< the queue has become shorter
+  bool scheduled_ SFT_GUARDED_BY(mutex_) = false;  ///< the sending thread knows of it
+  bool held_ SFT_GUARDED_BY(mutex_);
+  LaneQueue queue_ SFT_GUARDED_BY(mutex_);
+  UnprovenBurst burst_ SFT_GUARDED_BY(mutex_);
 };
 
 }  // namespace sft::udp
