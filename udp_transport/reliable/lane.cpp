@@ -79,7 +79,8 @@ bool Lane::has_room_for(const Job& job) const {
          (channel_ == nullptr || !channel_->must_give_up_some_of(queue_.bytes_with(job)));
 }
 
-/// Before the first report of the receiver, and for a moment after it.
+/// Returns true before the first report of the receiver, unless it is mute, and for a moment after the
+/// report.
 bool Lane::may_pile_up(Clock::time_point now) const {
   return burst_.awaits_report() ? !to_->window().is_mute(now) : burst_.is_just_reported(now);
 }

@@ -4,12 +4,14 @@
 
 #include <chrono>
 #include <future>
+#include <thread>
 #include <vector>
 
 #include "core/seam/buffer_pool.h"
 #include "tests/unit/udp/connections.h"
 #include "tests/unit/udp/jobs.h"
 #include "udp_transport/flow/destination_directory.h"
+#include "udp_transport/reliable/channel.h"
 
 namespace sft::udp {
 namespace {
@@ -99,6 +101,18 @@ TEST_F(LaneTest, KeepsThatBurstWhenTheReportCame) {
   EXPECT_EQ(take_all(lane).size(), 20U);
 }
 
+TEST_F(LaneTest, KeepsNoBurstIfOnlyLargeSamplesHaveWaitedForTheReport) {
+  DestinationDirectory asking({.report_port = 7}, connections_.connect());
+  const auto to = asking.find({.ip = 0x7F000001, .port = 1});
+  Lane lane(to, 3, tally_);
+  lane.post(test::make_job(*jobs_, 1, 2 * direct_bytes_max));
+  const auto now = std::chrono::steady_clock::now();
+  to->sent(to->connection(), 100, 1, now);
+  ASSERT_TRUE(to->hear(connections_.answer_to_mark(), core::IpAddress{0x7F000001U}, now).believed);
+  for (std::uint32_t n = 2; n <= 3; ++n) EXPECT_FALSE(lane.post(test::make_job(*jobs_, n)).dropped_oldest);
+  EXPECT_TRUE(lane.post(test::make_job(*jobs_, 4)).dropped_oldest);
+}
+
 TEST_F(LaneTest, SkipsNothingForADestinationThatFallsBehind) {
   for (std::uint32_t n = 1; n <= 6; ++n) {
     const JobHandle shared = job(n);
@@ -167,6 +181,21 @@ TEST_F(LaneTest, IsIdleOnceItHasBegunWithNothing) {
   EXPECT_EQ(late_.post(job(1)).wake, Wake::schedule);
 }
 
+TEST_F(LaneTest, SaysThatTheHistoryHasDepartedOnceItIsAcknowledgedAlthoughLaterSamplesAreNot) {
+  const auto to = destinations_.find({.ip = 0x7F000001, .port = 1});
+  const auto channel = std::make_shared<Channel>(1, 1, to, tally_, 7);
+  Lane lane(to, 3, tally_, Lane::Start::held, channel);
+  lane.post(test::make_job(*jobs_, 6));
+  EXPECT_EQ(lane.begin({test::make_job(*jobs_, 5)}), Wake::schedule);
+  while (lane.next() != nullptr)
+    lane.passed_on(channel->post(lane.current(), lane.current()->first, false).kept.ordinal);
+  EXPECT_FALSE(lane.history_has_departed());
+  while (const auto piece = channel->next(ResendWindow::Size::small))
+    static_cast<void>(channel->finished(*piece, {}));
+  static_cast<void>(channel->hear({.writer = 1, .channel = 1, .next = 2}));
+  EXPECT_TRUE(lane.history_has_departed());
+}
+
 TEST_F(LaneTest, TellsWithEachSampleWhichWasTheFirst) {
   late_.post(for_late_reader(7));
   EXPECT_EQ(late_.begin(retained({5, 6})), Wake::schedule);
@@ -202,6 +231,31 @@ TEST_F(LaneTest, SendsNothingAnyMoreWhenItIsClosedBeforeItBegins) {
   EXPECT_EQ(late_.begin(retained({1, 2, 3})), Wake::none);
   EXPECT_EQ(take_all(late_), Numbers{});
   EXPECT_EQ(held(), 0U);
+}
+
+TEST_F(LaneTest, WaitsNotAtAllIfThereIsRoomAndUsesUpThePatienceIfThereIsNone) {
+  std::chrono::nanoseconds patience = std::chrono::milliseconds(1);
+  one_.await_room(*job(1), patience);
+  EXPECT_EQ(patience, std::chrono::milliseconds(1));
+  for (std::uint32_t n = 1; n <= 3; ++n) one_.post(job(n));
+  one_.await_room(*job(4), patience);
+  EXPECT_EQ(patience.count(), 0);
+}
+
+/// By the time of next() the other thread most likely waits. If it does not, it finds room at once.
+TEST_F(LaneTest, WaitsForRoomOnlyUntilAJobIsTaken) {
+  for (std::uint32_t n = 1; n <= 3; ++n) one_.post(job(n));
+  std::promise<void> begins;
+  auto remaining = std::async(std::launch::async, [&, next = job(4)] {
+    std::chrono::nanoseconds patience = std::chrono::seconds(20);
+    begins.set_value();
+    one_.await_room(*next, patience);
+    return patience;
+  });
+  begins.get_future().wait();
+  for (int turns = 0; turns < 10'000; ++turns) std::this_thread::yield();
+  one_.next();
+  EXPECT_GT(remaining.get().count(), 0);
 }
 
 TEST_F(LaneTest, UsesJobsAgain) {
