@@ -17,7 +17,7 @@ class FlowSenderTest : public testing::Test, protected test::Sending {
   SendFlow flow(std::size_t bytes) {
     sent_job = job(bytes);
     SendFlow made{.lane = lane(), .size = KeptSamples::size_of(sent_job->first.total)};
-    made.fragments.emplace(sent_job->body(), to->datagram_bytes());
+    made.fragments.emplace(sent_job->body(), to->path().datagram_bytes());
     return made;
   }
   /// Goes on until the flow has to wait, or ends.
@@ -45,7 +45,7 @@ TEST_F(FlowSenderTest, SendsALargeSampleInSeveralCalls) {
   EXPECT_EQ(send(one), Progress::whole);
   EXPECT_GT(bytes_left(), large);
   EXPECT_EQ(tally->bytes_sent, bytes_left());
-  EXPECT_EQ(one.behind, to->position());
+  EXPECT_EQ(one.behind, to->window().position());
 }
 
 TEST_F(FlowSenderTest, GoesOnBehindWhatTheSendBufferTook) {
@@ -56,7 +56,7 @@ TEST_F(FlowSenderTest, GoesOnBehindWhatTheSendBufferTook) {
   EXPECT_EQ(round.time(), now + FlowSender::patience);
   connections.take_batches(SIZE_MAX);
   EXPECT_EQ(send(one), Progress::whole);
-  EXPECT_EQ(connections.sent(), test::cut(sent_job->body(), to->datagram_bytes())) << "nothing twice";
+  EXPECT_EQ(connections.sent(), test::cut(sent_job->body(), to->path().datagram_bytes())) << "nothing twice";
 }
 
 TEST_F(FlowSenderTest, LosesASampleWhoseConnectionStaysFull) {

@@ -41,7 +41,7 @@ TEST_F(LaneFlowsTest, SendsLargeJobsOnlyInTheirTurn) {
   EXPECT_EQ(bytes_left(), 0U);
   flows.send_large(0);
   EXPECT_GT(bytes_left(), large);
-  EXPECT_EQ(one->behind(), to->position()) << "later samples do not overtake it";
+  EXPECT_EQ(one->behind(), to->window().position()) << "later samples do not overtake it";
 }
 
 TEST_F(LaneFlowsTest, LetsLargeSamplesOfAWriterGoToADestinationOneAfterAnother) {

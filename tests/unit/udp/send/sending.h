@@ -6,6 +6,7 @@
 
 #include "tests/unit/udp/connections.h"
 #include "tests/unit/udp/jobs.h"
+#include "udp_transport/flow/destination_directory.h"
 #include "udp_transport/send/flow_sender.h"
 #include "udp_transport/send/scheduled_work.h"
 
