@@ -1,6 +1,6 @@
-// A socket of somebody's that samples are sent to, shared by all writers that serve readers behind it, and
-// the ways there, which can change: a socket has several addresses. At each it has to answer before it is
-// sent more than a few datagrams (flow_window.h).
+// A remote socket that samples are sent to, and the path to it. All writers that serve readers behind the
+// socket share it. The path can change, since a socket has several addresses. At each address the socket has
+// to answer before it is sent more than a few datagrams (flow_window.h).
 #pragma once
 
 #include <atomic>
@@ -32,10 +32,9 @@ class Destination {
   using Size = FlowWindow::Size;
   using Heard = SharedFlowWindow::Heard;
 
-  /// `flow` is what its receiver will call us by, and nobody else can guess; `connect` is called again for
-  /// the first large sample.
-  /// Channels to it are numbered from `channels` on, which nobody else can guess either. `host`: of the
-  /// address, see FlowWindow.
+  /// `flow` is the number by which the receiver names this host; nobody else can guess it. `connect` is
+  /// called again for the first large sample. Channels to this socket are numbered from `channels` on, which
+  /// nobody else can guess either. `host` is the budget of the address, see FlowWindow.
   Destination(const SocketAddress& address, const DestinationLimits& limits, std::uint32_t flow,
               Connect connect, std::uint32_t channels = 0, std::shared_ptr<UnprovenBudget> host = {});
 
