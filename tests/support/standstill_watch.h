@@ -31,7 +31,7 @@ class StandstillWatch {
         for (Pace pace(period); !stop.stop_requested();) {
           const auto due = Clock::now() + period;
           pace.await_turn();
-          if (const auto now = Clock::now(); now - due > slack) late.push_back({due, now});
+          if (const auto now = Clock::now(); now - due > least) late.push_back({due, now});
         }
       });
   }
@@ -65,7 +65,7 @@ class StandstillWatch {
   }
 
  private:
-  static constexpr std::chrono::milliseconds period{1}, slack{2};
+  static constexpr std::chrono::milliseconds period{1}, least{30};
 
   std::vector<std::vector<Standstill>> late_;  // of each CPU; its thread alone writes it
   std::vector<std::jthread> threads_;
