@@ -1,0 +1,237 @@
+#!/usr/bin/env python3
+"""Runs all benchmarks one after the other, or compares their figures with those of another commit.
+
+With --against, the commit is checked out and built in build/against/COMMIT, where it stays for the next time. Both
+sides run in turns (this, that, that, this ...). A table says what is worse, better and the same, by more than the
+noise that the rounds show; bench/comparison.py says how."""
+
+import argparse
+import json
+import os
+import signal
+import sys
+
+sys.dont_write_bytecode = True  # no files beside the sources
+import benchmarks
+import comparison
+import processes
+import trees
+
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+
+
+def say(*words):
+    print(*words, file=sys.stderr, flush=True)
+
+
+def parse(words):
+    names = [benchmark.name for benchmark in benchmarks.ALL]
+    parser = argparse.ArgumentParser(
+        prog="./run bench all", usage="./run bench all [OPTION...] [-- ARGUMENT...]", description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        epilog="Behind -- are arguments for all benchmarks; one that does not know an argument runs without it.")
+    parser.add_argument("--against", metavar="COMMIT", help="compare this tree with this commit")
+    parser.add_argument("--rounds", type=int, metavar="N",
+                        help=f"times that each side runs each benchmark (default: {benchmarks.ROUNDS}, with --quick "
+                             f"{benchmarks.QUICK_ROUNDS})")
+    parser.add_argument("--quick", action="store_true", help="short runs of each benchmark, about 15 minutes a side")
+    parser.add_argument("--only", metavar="NAME,NAME", help="these benchmarks only, of " + ",".join(names))
+    parser.add_argument("--json", metavar="FILE", help="also write the figures or the comparison to this file")
+    parser.add_argument("--time-limit", type=float, metavar="SECONDS",
+                        help="end a run of a benchmark that takes longer (default: four times its usual time)")
+    parser.add_argument("--fail-above", type=float, metavar="PERCENT",
+                        help="exit code 1 if a figure is clearly worse, and by more than this")
+    own, further = (words[:words.index("--")], words[words.index("--") + 1:]) if "--" in words else (words, [])
+    arguments = parser.parse_args(own)
+    arguments.further = further
+    wanted = arguments.only.split(",") if arguments.only else names
+    for name in set(wanted) - set(names):
+        parser.error(f"no benchmark is called '{name}'; there are: {', '.join(names)}")
+    arguments.benchmarks = [benchmark for benchmark in benchmarks.ALL if benchmark.name in wanted]
+    if arguments.against is None:
+        for option in ("rounds", "fail_above"):
+            if getattr(arguments, option) is not None:
+                parser.error(f"--{option.replace('_', '-')} needs --against")
+    if arguments.rounds is None:
+        arguments.rounds = benchmarks.QUICK_ROUNDS if arguments.quick else benchmarks.ROUNDS
+    if arguments.rounds < 1:
+        parser.error("--rounds takes a number above 0")
+    return arguments
+
+
+def options_among(words):
+    """Pairs of an option and its words: `--rounds 2`, `--rounds=2`."""
+    options = []
+    for word in words:
+        if word.startswith("--") or not options:
+            options.append((word.partition("=")[0], [word]))
+        else:
+            options[-1][1].append(word)
+    return options
+
+
+class Session:
+    """Runs benchmarks, and remembers what could not be run."""
+
+    def __init__(self, arguments):
+        self.arguments = arguments
+        self.problems = []
+
+    def problem(self, text):
+        say(f"run: {text}")
+        self.problems.append(text)
+
+    def build(self, tree, names):
+        """The names of `names` that are there to be run."""
+        say(f"Building {tree.title}")
+        missing = [name for name in names if not tree.has(name)]
+        for name in missing:
+            self.problem(f"{tree.title} has no benchmark {name}")
+        names = [name for name in names if name not in missing]
+        broken = tree.build(names) if names else []
+        for name in broken:
+            self.problem(f"bench_{name} of {tree.title} does not build")
+        return [name for name in names if name not in broken]
+
+    def words_for(self, benchmark, sides):
+        """The arguments of a benchmark, the same on all sides; None if it cannot be run with them."""
+        words = []
+        of_sides = [(tree, tree.options(benchmark.name)) for tree in sides]
+        given = options_among(self.arguments.further)
+        quick = options_among(benchmark.quick) if self.arguments.quick else []
+        for option, parts in [one for one in quick if one[0] not in dict(given)] + given:
+            lacking = [tree.title for tree, options in of_sides if option not in options]
+            if lacking:
+                say(f"run: {benchmark.name} runs without {option}, which it lacks in {' and '.join(lacking)}")
+                continue
+            value = parts[-1].partition("=")[2] if len(parts) == 1 else parts[-1]
+            for tree, options in of_sides:
+                if options[option] and value not in options[option]:
+                    say(f"run: {benchmark.name} is left out: {option} takes no '{value}' in {tree.title}")
+                    return None
+            words += parts
+        return words
+
+    def limit_s(self, benchmark):
+        return self.arguments.time_limit or benchmark.limit_s(self.arguments.quick)
+
+    def run(self, tree, benchmark, words, out):
+        figures, problem = tree.run(benchmark.name, words, self.limit_s(benchmark), out)
+        if figures is None:
+            self.problem(f"bench_{benchmark.name} of {tree.title} {problem}")
+        return figures
+
+
+def run_all(session, this):
+    """The figures of each benchmark by its name."""
+    figures = {}
+    built = session.build(this, [benchmark.name for benchmark in session.arguments.benchmarks])
+    for benchmark in session.arguments.benchmarks:
+        words = session.words_for(benchmark, [this]) if benchmark.name in built else None
+        if words is None:
+            continue
+        print(f"== {benchmark.name}", flush=True)
+        found = session.run(this, benchmark, words, None)
+        if found is not None:
+            figures[benchmark.name] = found
+    return figures
+
+
+def measure_both(session, this, that, benchmark, words):
+    """The figures of this and of that side, a list for each round. Ends with the first run that has none."""
+    rounds = []
+    for number in range(session.arguments.rounds):
+        say(f"{benchmark.name}, round {number + 1} of {session.arguments.rounds}")
+        found = {}
+        # The side that begins changes, so that a machine that becomes slower favours none.
+        for tree in (this, that) if number % 2 == 0 else (that, this):
+            found[tree] = session.run(tree, benchmark, words, processes.NOWHERE)
+            if found[tree] is None:
+                return rounds
+        rounds.append((found[this], found[that]))
+    return rounds
+
+
+def compare_all(session, this, that):
+    """Verdicts on all figures, and (bench, name) of those that only this side and only that side has."""
+    verdicts, only_this, only_that = [], [], []
+    names = [benchmark.name for benchmark in session.arguments.benchmarks]
+    built = session.build(that, session.build(this, names))
+    for benchmark in session.arguments.benchmarks:
+        words = session.words_for(benchmark, [this, that]) if benchmark.name in built else None
+        if words is None:
+            continue
+        rounds = measure_both(session, this, that, benchmark, words)
+        of_bench, this_names, that_names = comparison.compare(
+            benchmark.name, [figures for figures, _ in rounds], [figures for _, figures in rounds])
+        verdicts += of_bench
+        only_this += [(benchmark.name, name) for name in this_names]
+        only_that += [(benchmark.name, name) for name in that_names]
+    return verdicts, only_this, only_that
+
+
+def print_comparison(verdicts, only_this, only_that, this, that):
+    print(f"this: {this.title}\nthat: {that.title}")
+    for kind in (comparison.WORSE, comparison.BETTER, comparison.SAME, comparison.UNJUDGED):
+        of_kind = [verdict for verdict in verdicts if verdict.verdict == kind]
+        print(f"\n{kind}: {len(of_kind) or 'none'}")
+        if of_kind:
+            print(f"  {'figure':<48} {'this':>11} {'that':>11} {'unit':<5} {'of':<5} {'change':>9}  99 % interval")
+        for verdict in of_kind:
+            print(comparison.row(verdict))
+    for title, names in (("this", only_this), ("that", only_that)):
+        if names:
+            print(f"\nonly {title} side has: " + ", ".join(f"{bench} {name}" for bench, name in names))
+    judged = sum(verdict.verdict != comparison.UNJUDGED for verdict in verdicts)
+    print(f"\n{judged} figures were judged. One in about 100 that did not change is called worse or better by chance.")
+
+
+def as_json(verdicts, only_this, only_that, this, that):
+    return {"this": this.title, "that": that.title, "only_this": only_this, "only_that": only_that,
+            "figures": [comparison.as_json(verdict) for verdict in verdicts]}
+
+
+def main(words, root=ROOT):
+    arguments = parse(words)
+    processes.adopt_orphans()
+    session = Session(arguments)
+    this = trees.Tree(root, "this tree")
+    file = open(arguments.json, "w", encoding="utf-8") if arguments.json else None
+    regressions = []
+    if arguments.against is None:
+        result = run_all(session, this)
+    else:
+        that = trees.check_out(root, arguments.against)
+        verdicts, *only = compare_all(session, this, that)
+        print_comparison(verdicts, *only, this, that)
+        result = as_json(verdicts, *only, this, that)
+        if arguments.fail_above is not None:
+            regressions = [one for one in verdicts if one.loss_percent() > arguments.fail_above]
+    if file:
+        json.dump(result, file, indent=2)
+        file.close()
+    for one in regressions:
+        say(f"run: {one.bench} {one.name} is worse by more than {arguments.fail_above:g} %")
+    for problem in session.problems:
+        say(f"run: {problem}")
+    return 1 if session.problems or regressions else 0
+
+
+ENDS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+
+def leave(number, _):
+    """Ends this process by way of every `finally`, which a second Ctrl-C does not disturb."""
+    for end in ENDS:
+        signal.signal(end, signal.SIG_IGN)
+    sys.exit(128 + number)
+
+
+if __name__ == "__main__":
+    for end in ENDS:
+        signal.signal(end, leave)
+    try:
+        sys.exit(main(sys.argv[1:]))
+    except (trees.Refusal, OSError) as error:
+        say(f"run: {error}")
+        sys.exit(2)

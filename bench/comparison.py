@@ -1,0 +1,214 @@
+"""Compares figures that two builds have measured in the same rounds. Pure functions: nothing is run or read here.
+
+In each round both builds measure once, one right after the other, so that a change of the machine's speed meets both.
+A round gives one relative change: the logarithm of this build's value divided by that build's. The change of a figure
+is the median of its rounds, and its noise is the 99 % interval around it:
+
+- With 8 rounds and more, it is the interval between two of the sorted changes, by the sign test. It assumes nothing
+  about how the noise is distributed, and one disturbed round does not matter.
+- With 2 to 7 rounds, even the least and the greatest change are no 99 % interval. It is that of Student's t instead,
+  which takes the noise to be normal. It is wide with few rounds: 2.1 standard deviations of a round with
+  5 rounds, 5.7 with 3, and 45 with 2.
+- One round says nothing about noise, so that nothing is called worse or better.
+
+A figure is worse or better if its interval does not contain "no change". One in about a hundred figures that did not
+change is called so by chance.
+"""
+
+import math
+import statistics
+from dataclasses import dataclass, field
+
+LOWER, HIGHER = "lower", "higher"
+
+# Which values are better, for each unit of the benchmarks. A figure with another unit is not judged.
+UNITS = {
+    "ns": LOWER,
+    "us": LOWER,
+    "ms": LOWER,
+    "s": LOWER,
+    "s/GB": LOWER,  # processor time
+    "B": LOWER,
+    "MB": LOWER,
+    "B/s": LOWER,  # traffic that carries no samples
+    "/s": LOWER,  # the same in datagrams
+    "%": LOWER,  # overhead, processor time
+    "": LOWER,  # lost samples, allocations, lines of code
+    "GB/s": HIGHER,
+    "k/s": HIGHER,  # thousands of samples
+}
+
+WORSE, BETTER, SAME, UNJUDGED = "worse", "better", "same", "not judged"
+
+# Two-sided 99 % quantiles of Student's t for 1 to 6 degrees of freedom.
+STUDENT = [63.657, 9.925, 5.841, 4.604, 4.032, 3.707]
+SIGN_TEST_ROUNDS_MIN = len(STUDENT) + 2
+ERROR = 0.01
+
+
+@dataclass
+class Change:
+    """Relative: 0.1 is 10 % more. Infinite for a change from zero, which has no relative size."""
+
+    middle: float
+    low: float
+    high: float
+
+    def differs(self):
+        return self.low > 0 or self.high < 0
+
+    def width(self):
+        return self.high - self.low
+
+
+@dataclass
+class Verdict:
+    bench: str
+    name: str
+    unit: str
+    verdict: str
+    used: str = "value"  # or "ratio"
+    change: Change | None = None
+    reason: str = ""  # of a figure that is not judged, or what a reader should know
+    this: list = field(default_factory=list)
+    that: list = field(default_factory=list)
+
+    def loss_percent(self):
+        """By how much the figure is worse; 0 if it is not clearly worse."""
+        return 100 * abs(self.change.middle) if self.verdict == WORSE else 0.0
+
+
+def sign_test_rank(rounds):
+    """The rank k, so that the median is between the k-th smallest and the k-th largest value in 99 % of cases."""
+    below, rank = 0.0, 0
+    while True:
+        below += math.comb(rounds, rank) / 2**rounds
+        if 2 * below > ERROR:
+            return rank
+        rank += 1
+
+
+def interval(numbers):
+    """The lower and the upper end of the 99 % interval of the middle of at least two numbers."""
+    rounds = len(numbers)
+    if rounds >= SIGN_TEST_ROUNDS_MIN:
+        rank = sign_test_rank(rounds)
+        in_order = sorted(numbers)
+        return in_order[rank - 1], in_order[-rank]
+    mean = statistics.fmean(numbers)
+    half = STUDENT[rounds - 2] * statistics.stdev(numbers) / math.sqrt(rounds)
+    return mean - half, mean + half
+
+
+def change_of(this, that):
+    """The change from `that` to `this`, whose n-th values are of the same round. None with fewer than two rounds."""
+    if len(this) < 2:
+        return None
+    if min(this + that) > 0:
+        steps = [math.log(a / b) for a, b in zip(this, that)]
+        numbers = (statistics.median(steps), *interval(steps))
+        return Change(*(math.expm1(min(number, 700.0)) for number in numbers))
+    # Zero and negative values, such as lost samples and differences of times, have no ratio.
+    steps = [a - b for a, b in zip(this, that)]
+    numbers = (statistics.median(steps), *interval(steps))
+    base = abs(statistics.median(that))
+    return Change(*(number / base if base else math.copysign(math.inf, number) if number else 0.0
+                    for number in numbers))
+
+
+def rounds_of(this, that, key):
+    """The values of the rounds in which both sides have measured one."""
+    pairs = [(a[key], b[key]) for a, b in zip(this, that)
+             if a is not None and b is not None and is_number(a.get(key)) and is_number(b.get(key))]
+    return [a for a, _ in pairs], [b for _, b in pairs]
+
+
+def is_number(value):
+    return isinstance(value, (int, float)) and math.isfinite(value)
+
+
+def value_or_ratio(this, that):
+    """Whether the value or the ratio to the reference is judged, and the change of each.
+
+    The ratio is judged if its noise is less and the reference is the same on both sides. Where the reference differs,
+    as it may where the reference is SFT itself, the ratio would hide a change of both.
+    """
+    by_value = change_of(*rounds_of(this, that, "value"))
+    by_ratio = change_of(*rounds_of(this, that, "ratio"))
+    of_reference = change_of(*rounds_of(this, that, "reference"))
+    if by_value is None or by_ratio is None or of_reference is None:
+        return "value", by_value, by_ratio, ""
+    if of_reference.differs():
+        return "value", by_value, by_ratio, f"the reference changed by {percent(of_reference.middle)}"
+    return ("ratio" if by_ratio.width() < by_value.width() else "value"), by_value, by_ratio, ""
+
+
+def judge(bench, name, this, that):
+    """The verdict on one figure. The lists have one entry for each round: what --json has of the figure, or None."""
+    unit = next(entry["unit"] for entry in this + that if entry is not None)
+    used, by_value, by_ratio, reason = value_or_ratio(this, that)
+    change = by_ratio if used == "ratio" else by_value
+    verdict = Verdict(bench, name, unit, UNJUDGED, used, change, reason, *rounds_of(this, that, used))
+    if {entry["unit"] for entry in this + that if entry is not None} != {unit}:
+        verdict.reason = "the two sides measure it in different units"
+    elif unit not in UNITS:
+        verdict.reason = f"the unit '{unit}' is unknown; bench/comparison.py lists which values are better"
+    elif change is None:
+        verdict.reason = f"{len(verdict.this)} rounds with a value on both sides; noise needs two"
+    elif not change.differs():
+        verdict.verdict = SAME
+    else:
+        verdict.verdict = WORSE if (change.middle > 0) == (UNITS[unit] == LOWER) else BETTER
+        verdict.reason = reason or contradiction(used, by_value, by_ratio)
+    return verdict
+
+
+def contradiction(used, by_value, by_ratio):
+    """What to say if the value and the ratio changed in opposite directions."""
+    if by_ratio is None or not (by_value.differs() and by_ratio.differs()):
+        return ""
+    if (by_value.middle > 0) == (by_ratio.middle > 0):
+        return ""
+    return f"the {'value' if used == 'ratio' else 'ratio'} changed in the opposite direction"
+
+
+def compare(bench, this, that):
+    """Verdicts on all figures of a benchmark, and the names that only this side and only that side has.
+
+    `this` and `that` have one list of figures for each round.
+    """
+    this_rounds = [{figure["name"]: figure for figure in figures} for figures in this]
+    that_rounds = [{figure["name"]: figure for figure in figures} for figures in that]
+    this_names = list(dict.fromkeys(name for figures in this_rounds for name in figures))
+    that_names = list(dict.fromkeys(name for figures in that_rounds for name in figures))
+    verdicts = [judge(bench, name, [figures.get(name) for figures in this_rounds],
+                      [figures.get(name) for figures in that_rounds])
+                for name in this_names if name in that_names]
+    return (verdicts, [name for name in this_names if name not in that_names],
+            [name for name in that_names if name not in this_names])
+
+
+def percent(change):
+    return f"{100 * change:+.1f} %" if math.isfinite(change) and change < 1e4 else "from 0" if change > 0 else "to less"
+
+
+def row(verdict):
+    """A line of the table."""
+    this, that = (f"{statistics.median(side):.4g}" if side else "" for side in (verdict.this, verdict.that))
+    change = verdict.change
+    words = (f"{percent(change.middle):>9}  {percent(change.low)} to {percent(change.high)}" if change else " " * 9)
+    reason = f"  ({verdict.reason})" if verdict.reason else ""
+    unit = verdict.unit if verdict.used == "value" else ""
+    return (f"  {verdict.bench + ' ' + verdict.name:<48} {this:>11} {that:>11} {unit:<5} {verdict.used:<5} "
+            f"{words}{reason}").rstrip()
+
+
+def as_json(verdict):
+    def in_percent(number):
+        return 100 * number if math.isfinite(number) else None
+
+    change = verdict.change
+    return {"bench": verdict.bench, "name": verdict.name, "unit": verdict.unit, "verdict": verdict.verdict,
+            "used": verdict.used, "change_percent": in_percent(change.middle) if change else None,
+            "interval_percent": [in_percent(change.low), in_percent(change.high)] if change else None,
+            "this": verdict.this, "that": verdict.that, "reason": verdict.reason}
