@@ -176,14 +176,15 @@ def print_comparison(verdicts, only_this, only_that, this, that):
         of_kind = [verdict for verdict in verdicts if verdict.verdict == kind]
         print(f"\n{kind}: {len(of_kind) or 'none'}")
         if of_kind:
-            print(f"  {'figure':<48} {'this':>11} {'that':>11} {'unit':<5} {'of':<5} {'change':>9}  99 % interval")
+            print(f"  {'figure':<48} {'this':>11} {'that':>11} {'unit':<5} {'of':<6} {'change':>9}  99 % interval")
         for verdict in of_kind:
             print(comparison.row(verdict))
     for title, names in (("this", only_this), ("that", only_that)):
         if names:
             print(f"\nonly {title} side has: " + ", ".join(f"{bench} {name}" for bench, name in names))
     judged = sum(verdict.verdict != comparison.UNJUDGED for verdict in verdicts)
-    print(f"\n{judged} figures were judged. One in about 100 that did not change is called worse or better by chance.")
+    if judged:
+        print(f"\nJudged: {judged}. One in about 100 that did not change is called worse or better by chance.")
 
 
 def as_json(verdicts, only_this, only_that, this, that):
@@ -196,7 +197,8 @@ def main(words, root=ROOT):
     processes.adopt_orphans()
     session = Session(arguments)
     this = trees.Tree(root, "this tree")
-    file = open(arguments.json, "w", encoding="utf-8") if arguments.json else None
+    if arguments.json and not os.access(os.path.dirname(os.path.abspath(arguments.json)), os.W_OK):
+        raise trees.Refusal(f"cannot write {arguments.json}")  # before hours of measuring
     regressions = []
     if arguments.against is None:
         result = run_all(session, this)
@@ -207,9 +209,9 @@ def main(words, root=ROOT):
         result = as_json(verdicts, *only, this, that)
         if arguments.fail_above is not None:
             regressions = [one for one in verdicts if one.loss_percent() > arguments.fail_above]
-    if file:
-        json.dump(result, file, indent=2)
-        file.close()
+    if arguments.json:
+        with open(arguments.json, "w", encoding="utf-8") as file:
+            json.dump(result, file, indent=2)
     for one in regressions:
         say(f"run: {one.bench} {one.name} is worse by more than {arguments.fail_above:g} %")
     for problem in session.problems:

@@ -17,7 +17,7 @@ change is called so by chance.
 
 import math
 import statistics
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 LOWER, HIGHER = "lower", "higher"
 
@@ -67,15 +67,18 @@ class Verdict:
     name: str
     unit: str
     verdict: str
-    used: str = "value"  # or "ratio"
-    change: Change | None = None
-    reason: str = ""  # of a figure that is not judged, or what a reader should know
-    this: list = field(default_factory=list)
-    that: list = field(default_factory=list)
+    used: str  # "value" or "ratio"
+    changes: dict  # of the value, of the ratio and of the reference
+    notes: list
+    this: list  # what was judged, of each round
+    that: list
+
+    def change(self):
+        return self.changes[self.used]
 
     def loss_percent(self):
         """By how much the figure is worse; 0 if it is not clearly worse."""
-        return 100 * abs(self.change.middle) if self.verdict == WORSE else 0.0
+        return 100 * abs(self.change().middle) if self.verdict == WORSE else 0.0
 
 
 def sign_test_rank(rounds):
@@ -127,49 +130,54 @@ def is_number(value):
     return isinstance(value, (int, float)) and math.isfinite(value)
 
 
-def value_or_ratio(this, that):
-    """Whether the value or the ratio to the reference is judged, and the change of each.
+def value_or_ratio(by_value, by_ratio, of_reference):
+    """Whether the value or the ratio to the reference is judged, and what the reader should know of that.
 
     The ratio is judged if its noise is less and the reference is the same on both sides. Where the reference differs,
     as it may where the reference is SFT itself, the ratio would hide a change of both.
     """
-    by_value = change_of(*rounds_of(this, that, "value"))
-    by_ratio = change_of(*rounds_of(this, that, "ratio"))
-    of_reference = change_of(*rounds_of(this, that, "reference"))
     if by_value is None or by_ratio is None or of_reference is None:
-        return "value", by_value, by_ratio, ""
+        return "value", []
+    used, other = ("ratio", by_value) if by_ratio.width() < by_value.width() else ("value", by_ratio)
+    notes = []
     if of_reference.differs():
-        return "value", by_value, by_ratio, f"the reference changed by {percent(of_reference.middle)}"
-    return ("ratio" if by_ratio.width() < by_value.width() else "value"), by_value, by_ratio, ""
+        used, other = "value", by_ratio
+        notes.append(f"the reference changed by {percent(of_reference.middle)}")
+    change = by_ratio if used == "ratio" else by_value
+    if other.differs() and not (change.differs() and (change.middle > 0) == (other.middle > 0)):
+        notes.append(f"the {'value' if used == 'ratio' else 'ratio'} changed by {percent(other.middle)}")
+    return used, notes
+
+
+def gaps(this, that):
+    """Says which side has rounds without a value."""
+    notes = []
+    for side, rounds in (("this", this), ("that", that)):
+        missing = sum(entry is None or not is_number(entry["value"]) for entry in rounds)
+        if missing:
+            notes.append(f"{side} side has no value in {missing} of {len(rounds)} rounds")
+    return notes
 
 
 def judge(bench, name, this, that):
     """The verdict on one figure. The lists have one entry for each round: what --json has of the figure, or None."""
-    unit = next(entry["unit"] for entry in this + that if entry is not None)
-    used, by_value, by_ratio, reason = value_or_ratio(this, that)
-    change = by_ratio if used == "ratio" else by_value
-    verdict = Verdict(bench, name, unit, UNJUDGED, used, change, reason, *rounds_of(this, that, used))
-    if {entry["unit"] for entry in this + that if entry is not None} != {unit}:
-        verdict.reason = "the two sides measure it in different units"
-    elif unit not in UNITS:
-        verdict.reason = f"the unit '{unit}' is unknown; bench/comparison.py lists which values are better"
+    units = list(dict.fromkeys(entry["unit"] for entry in this + that if entry is not None))
+    changes = {key: change_of(*rounds_of(this, that, key)) for key in ("value", "ratio", "reference")}
+    used, notes = value_or_ratio(*changes.values())
+    change = changes[used]
+    verdict = Verdict(bench, name, units[0], UNJUDGED, used, changes, gaps(this, that) + notes,
+                      *rounds_of(this, that, used))
+    if len(units) > 1:
+        verdict.notes.append(f"it has several units: {', '.join(units)}")
+    elif units[0] not in UNITS:
+        verdict.notes.append(f"the unit '{units[0]}' is unknown to the table in bench/comparison.py")
     elif change is None:
-        verdict.reason = f"{len(verdict.this)} rounds with a value on both sides; noise needs two"
+        verdict.notes.append(f"rounds with a value on both sides: {len(verdict.this)}; noise needs two")
     elif not change.differs():
         verdict.verdict = SAME
     else:
-        verdict.verdict = WORSE if (change.middle > 0) == (UNITS[unit] == LOWER) else BETTER
-        verdict.reason = reason or contradiction(used, by_value, by_ratio)
+        verdict.verdict = WORSE if (change.middle > 0) == (UNITS[units[0]] == LOWER) else BETTER
     return verdict
-
-
-def contradiction(used, by_value, by_ratio):
-    """What to say if the value and the ratio changed in opposite directions."""
-    if by_ratio is None or not (by_value.differs() and by_ratio.differs()):
-        return ""
-    if (by_value.middle > 0) == (by_ratio.middle > 0):
-        return ""
-    return f"the {'value' if used == 'ratio' else 'ratio'} changed in the opposite direction"
 
 
 def compare(bench, this, that):
@@ -195,20 +203,18 @@ def percent(change):
 def row(verdict):
     """A line of the table."""
     this, that = (f"{statistics.median(side):.4g}" if side else "" for side in (verdict.this, verdict.that))
-    change = verdict.change
-    words = (f"{percent(change.middle):>9}  {percent(change.low)} to {percent(change.high)}" if change else " " * 9)
-    reason = f"  ({verdict.reason})" if verdict.reason else ""
+    change = verdict.change()
+    words = f"{percent(change.middle):>9}  {percent(change.low)} to {percent(change.high)}" if change else ""
+    notes = f"  ({'; '.join(verdict.notes)})" if verdict.notes else ""
     unit = verdict.unit if verdict.used == "value" else ""
-    return (f"  {verdict.bench + ' ' + verdict.name:<48} {this:>11} {that:>11} {unit:<5} {verdict.used:<5} "
-            f"{words}{reason}").rstrip()
+    return (f"  {verdict.bench + ' ' + verdict.name:<48} {this:>11} {that:>11} {unit:<5} {verdict.used:<6} "
+            f"{words}{notes}").rstrip()
 
 
 def as_json(verdict):
-    def in_percent(number):
-        return 100 * number if math.isfinite(number) else None
+    def in_percent(change):
+        return change and {key: 100 * number if math.isfinite(number) else None for key, number in vars(change).items()}
 
-    change = verdict.change
     return {"bench": verdict.bench, "name": verdict.name, "unit": verdict.unit, "verdict": verdict.verdict,
-            "used": verdict.used, "change_percent": in_percent(change.middle) if change else None,
-            "interval_percent": [in_percent(change.low), in_percent(change.high)] if change else None,
-            "this": verdict.this, "that": verdict.that, "reason": verdict.reason}
+            "used": verdict.used, "notes": verdict.notes, "this": verdict.this, "that": verdict.that,
+            "changes_percent": {key: in_percent(change) for key, change in verdict.changes.items()}}

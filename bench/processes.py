@@ -18,45 +18,43 @@ def adopt_orphans():
 
 def run(command, limit_s=None, **options):
     """The exit code, or None after the time limit. Whatever happens, none of the command's processes is left."""
-    process = subprocess.Popen(command, stdin=subprocess.DEVNULL, start_new_session=True, **options)
     try:
+        process = subprocess.Popen(command, stdin=subprocess.DEVNULL, start_new_session=True, **options)
         return process.wait(limit_s)
     except subprocess.TimeoutExpired:
         return None
     finally:
-        end_all(process)
+        end_all()  # also what an interrupted Popen() has begun
 
 
-def end_all(process):
-    if process.poll() is None:
-        # A terminated build tool ends its compilers, which have process groups of their own.
-        os.killpg(process.pid, signal.SIGTERM)
-        try:
-            process.wait(PATIENCE_S)
-        except subprocess.TimeoutExpired:
-            pass
-    until = time.monotonic() + PATIENCE_S
-    while (left := descendants(os.getpid())) and time.monotonic() < until:
-        for pid in left:
-            kill(pid)
-        if process.poll() is not None:
-            reap()
+def end_all():
+    """Ends all processes that this one or its children have started. Those that are asked have a while to clean up."""
+    asked_until = time.monotonic() + PATIENCE_S
+    asked = set()
+    while left_after_reaping():
+        patient = time.monotonic() < asked_until
+        for pid in descendants(os.getpid()):
+            if not patient or pid not in asked:
+                send(pid, signal.SIGTERM if patient else signal.SIGKILL)
+                asked.add(pid)
         time.sleep(0.01)
 
 
-def kill(pid):
+def send(pid, number):
     try:
-        os.kill(pid, signal.SIGKILL)
+        os.kill(pid, number)
     except ProcessLookupError:
         pass
 
 
-def reap():
+def left_after_reaping():
+    """Whether this process has children; those of dead children are among them, if it adopts orphans."""
     try:
         while os.waitpid(-1, os.WNOHANG)[0]:
             pass
     except ChildProcessError:
-        pass
+        return False
+    return True
 
 
 def descendants(ancestor):

@@ -63,6 +63,8 @@ class Tree:
         # All at once, since that takes less time than one after the other.
         if self._build([f"bench_{name}" for name in names]):
             return []
+        if len(names) == 1:
+            return names
         return [name for name in names if not self._build([f"bench_{name}"])]
 
     def _build(self, targets):
@@ -74,7 +76,8 @@ class Tree:
 
     def options(self, name):
         """The options of a benchmark, each with the set of its values if there are only some."""
-        done = subprocess.run([self.program(name), "--help"], capture_output=True, text=True, check=False, timeout=60)
+        command = ["timeout", "60", self.program(name), "--help"]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
         found = re.findall(r"^\s+(?:-\w,)?(--[\w-]+)(?: \w+(?::\{([^}]*)\})?)?", done.stdout, re.MULTILINE)
         return {option: values.split(",") if values else None for option, values in found}
 
@@ -84,7 +87,7 @@ class Tree:
             file = os.path.join(folder, "figures.json")
             code = processes.run([self.program(name), "--json", file, *arguments], limit_s, cwd=self.root, stdout=out)
             if code is None:
-                return None, f"does not end within {limit_s} s"
+                return None, f"does not end within {limit_s:g} s"
             if code != 0:
                 return None, f"fails with exit code {code}"
             try:
