@@ -172,7 +172,7 @@ def compare_all(session, this, that):
 
 def print_comparison(verdicts, only_this, only_that, this, that):
     print(f"this: {this.title}\nthat: {that.title}")
-    for kind in (comparison.WORSE, comparison.BETTER, comparison.SAME, comparison.UNJUDGED):
+    for kind in comparison.VERDICTS:
         of_kind = [verdict for verdict in verdicts if verdict.verdict == kind]
         print(f"\n{kind}: {len(of_kind) or 'none'}")
         if of_kind:

@@ -16,12 +16,12 @@ class Benchmark:
 
 
 ALL = [
-    Benchmark("typesupport", 60, 30, ["--rounds", "50"]),
-    Benchmark("spine", 60, 50, ["--rounds", "1"]),
-    Benchmark("shm", 60, 15, ["--rounds", "1", "--idle-seconds", "2"]),
-    Benchmark("negotiation", 60, 20, ["--rounds", "1"]),
-    Benchmark("udp", 240, 60, ["--rounds", "1", "--messages", "500", "--seconds", "0.3"]),
-    Benchmark("recovery", 180, 60, ["--rounds", "1"]),
+    Benchmark("typesupport", 70, 50, ["--rounds", "50"]),
+    Benchmark("spine", 110, 60, ["--rounds", "1"]),
+    Benchmark("shm", 80, 20, ["--rounds", "1", "--idle-seconds", "2"]),
+    Benchmark("negotiation", 90, 25, ["--rounds", "1"]),
+    Benchmark("udp", 300, 100, ["--rounds", "1", "--messages", "500", "--seconds", "0.3"]),
+    Benchmark("recovery", 140, 50, ["--rounds", "1"]),
 ]
 ROUNDS = 5
-QUICK_ROUNDS = 3
+QUICK_ROUNDS = 3  # of five minutes on each side

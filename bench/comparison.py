@@ -12,7 +12,7 @@ is the median of its rounds, and its noise is the 99 % interval around it:
 - One round says nothing about noise, so that nothing is called worse or better.
 
 A figure is worse or better if its interval does not contain "no change". One in about a hundred figures that did not
-change is called so by chance.
+change is called so by chance. A figure is the same if its interval is narrow, else it is unclear.
 """
 
 import math
@@ -38,7 +38,9 @@ UNITS = {
     "k/s": HIGHER,  # thousands of samples
 }
 
-WORSE, BETTER, SAME, UNJUDGED = "worse", "better", "same", "not judged"
+WORSE, BETTER, SAME, UNCLEAR, UNJUDGED = "worse", "better", "same", "unclear, since the noise is large", "not judged"
+VERDICTS = (WORSE, BETTER, SAME, UNCLEAR, UNJUDGED)
+SAME_MAX = 0.1  # a figure is the same if the ends of its interval are within this change
 
 # Two-sided 99 % quantiles of Student's t for 1 to 6 degrees of freedom.
 STUDENT = [63.657, 9.925, 5.841, 4.604, 4.032, 3.707]
@@ -174,7 +176,7 @@ def judge(bench, name, this, that):
     elif change is None:
         verdict.notes.append(f"rounds with a value on both sides: {len(verdict.this)}; noise needs two")
     elif not change.differs():
-        verdict.verdict = SAME
+        verdict.verdict = SAME if -SAME_MAX <= change.low and change.high <= SAME_MAX else UNCLEAR
     else:
         verdict.verdict = WORSE if (change.middle > 0) == (UNITS[units[0]] == LOWER) else BETTER
     return verdict
