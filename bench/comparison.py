@@ -5,10 +5,10 @@ A round gives one relative change: the logarithm of this build's value divided b
 is the median of its rounds, and its noise is the 99 % interval around it:
 
 - With 8 rounds and more, it is the interval between two of the sorted changes, by the sign test. It assumes nothing
-  about how the noise is distributed, and one disturbed round does not matter.
+  about how the noise is distributed. With 12 rounds and more, one disturbed round does not matter.
 - With 2 to 7 rounds, even the least and the greatest change are no 99 % interval. It is that of Student's t instead,
-  which takes the noise to be normal. It is wide with few rounds: 2.1 standard deviations of a round with
-  5 rounds, 5.7 with 3, and 45 with 2.
+  which takes the noise to be normal. It is wide with few rounds: 2.1 standard deviations of a round with 5 rounds, 5.7
+  with 3, and 45 with 2.
 - One round says nothing about noise, so that nothing is called worse or better.
 
 A figure is worse or better if its interval does not contain "no change". One in about a hundred figures that did not
@@ -199,7 +199,9 @@ def compare(bench, this, that):
 
 
 def percent(change):
-    return f"{100 * change:+.1f} %" if math.isfinite(change) and change < 1e4 else "from 0" if change > 0 else "to less"
+    if not math.isfinite(change):
+        return "from 0" if change > 0 else "below 0"
+    return f"{100 * change:+.1f} %" if change < 100 else "> 9999 %"
 
 
 def row(verdict):
