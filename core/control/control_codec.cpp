@@ -71,7 +71,7 @@ sft_control_UdpLocator to_dds(const UdpAddress& address) {
 }
 
 /// Empty where it is nothing that one socket could be reached at.
-std::optional<UdpAddress> from_dds(const sft_control_UdpLocator& in) {
+std::optional<UdpAddress> part_from_dds(const sft_control_UdpLocator& in) {
   IpAddress ip;
   std::ranges::copy(in.address, ip.bytes.begin());
   const bool sound = in.family == (ip.is_ipv4() ? 4 : 6) && !ip.is_any() && !ip.is_multicast();
@@ -91,7 +91,7 @@ sft_control_Qos to_dds(const Qos& qos) {
   return out;
 }
 
-std::optional<Qos> from_dds(const sft_control_Qos& in) {
+std::optional<Qos> part_from_dds(const sft_control_Qos& in) {
   constexpr std::uint64_t longest = INT64_MAX;
   if (in.reliability > 1 || in.durability > 1 || in.liveliness > 1 || in.deadline > longest ||
       in.liveliness_lease > longest || in.lifespan > longest) {
@@ -123,7 +123,7 @@ sft_control_Account to_dds(const Account& account) {
 }
 
 /// Empty where neither side says it. What one side says of the other's counts is left out.
-std::optional<Account> from_dds(const sft_control_Account& in) {
+std::optional<Account> part_from_dds(const sft_control_Account& in) {
   if (in.said_by > static_cast<std::uint8_t>(Role::reader)) return std::nullopt;
   Account account{.id = {{in.writer, in.reader}, static_cast<Role>(in.said_by)}};
   if (account.id.said_by == Role::writer) {
@@ -231,7 +231,7 @@ Result<Assertion> from_dds(const sft_control_Assertion& in) {
   }
   out.asked_about = copy(in.asked_about);
   for (std::uint32_t i = 0; i < in.accounts._length; ++i) {
-    const std::optional<Account> account = from_dds(in.accounts._buffer[i]);
+    const std::optional<Account> account = part_from_dds(in.accounts._buffer[i]);
     if (!account) return fail(Errc::malformed, "a sign of life with an account of neither writer nor reader");
     out.accounts.push_back(*account);
   }
@@ -258,7 +258,7 @@ Result<Endpoint> from_dds(const sft_control_Endpoint& in) {
   }
   if (const Result<void> named = check_names(in); !named) return tl::unexpected(named.error());
   if (in.request.request_sequence > request_sequence_max) return beyond_all(in.request.request_sequence);
-  const std::optional<Qos> qos = from_dds(in.qos);
+  const std::optional<Qos> qos = part_from_dds(in.qos);
   if (!qos) return fail(Errc::malformed, "an endpoint of unknown quality of service");
   Endpoint out;
   out.id = in.id;
@@ -275,7 +275,7 @@ Result<Endpoint> from_dds(const sft_control_Endpoint& in) {
   out.may_use_shm = in.may_use_shm;
   out.may_use_udp = in.may_use_udp;
   for (std::uint32_t i = 0; i < in.addresses._length; ++i) {
-    if (const auto address = from_dds(in.addresses._buffer[i])) out.addresses.push_back(*address);
+    if (const auto address = part_from_dds(in.addresses._buffer[i])) out.addresses.push_back(*address);
   }
   out.doorbell = {in.doorbell_page, in.doorbell_slot};
   out.max_sample_bytes = in.max_sample_bytes;

@@ -242,7 +242,7 @@ std::optional<std::string> CycloneSettings::value(std::string_view path) const {
 }
 
 namespace {
-std::string escaped(std::string_view text) {
+std::string in_xml(std::string_view text) {
   std::string result;
   for (const char c : text) {
     switch (c) {
@@ -276,8 +276,8 @@ void CycloneSettings::write(const Element& element, std::vector<std::string>& pa
   });
   if (!is_left_out) {
     text += "<" + element.name;
-    for (const auto& [name, value] : element.attributes) text += " " + name + "=\"" + escaped(value) + "\"";
-    text += ">" + escaped(element.value);
+    for (const auto& [name, value] : element.attributes) text += " " + name + "=\"" + in_xml(value) + "\"";
+    text += ">" + in_xml(element.value);
     for (const Element& inner : element.elements) write(inner, path, left_out, text);
     text += "</" + element.name + ">";
   }

@@ -92,7 +92,7 @@ std::string path_of(const Demand& demand) {
 }
 
 // Our settings of the lease after which Cyclone forgets a participant of which nothing comes.
-constexpr std::chrono::seconds lease{20}, lease_if_asked_seldom{150};
+constexpr std::chrono::seconds usual_lease{20}, lease_if_asked_seldom{150};
 
 /// The settings of a domain, put together.
 class Composition {
@@ -108,7 +108,7 @@ class Composition {
     if (equals(config.domain_on_wire, "default")) config.domain_on_wire = std::to_string(domain);
     config.multicast = !finds_by_peers_only() && !equals(multicast_, "spdp");
     config.found_by_multicast = !finds_by_peers_only();
-    config.participant_lease = asks_seldom() ? lease_if_asked_seldom : lease;
+    config.participant_lease = asks_seldom() ? lease_if_asked_seldom : usual_lease;
     config.is_secured = user_.sets("Security");
     config.peers = settings_.peers;
     config.user_peers = user_.values("Discovery/Peers/Peer/@Address");
@@ -159,7 +159,8 @@ class Composition {
   /// A peer is asked at every port that a node of it may have, each time: that has to be rare, and they few.
   std::string discovery() const {
     if (!asks_seldom())
-      return element("SPDPInterval", "10 s") + element("LeaseDuration", std::to_string(lease.count()) + " s");
+      return element("SPDPInterval", "10 s") +
+             element("LeaseDuration", std::to_string(usual_lease.count()) + " s");
     return element("SPDPInterval", "120 s") +
            element("LeaseDuration", std::to_string(lease_if_asked_seldom.count()) + " s") +
            element("ParticipantIndex", "auto") + element("MaxAutoParticipantIndex", "20");

@@ -40,10 +40,10 @@ void take_all(dds_entity_t reader, Use use) {
   }
 }
 
-struct EndpointInfoDeleter {
+struct MatchedEndpointDeleter {
   void operator()(dds_builtintopic_endpoint_t* info) const { dds_builtintopic_free_endpoint(info); }
 };
-using EndpointInfo = std::unique_ptr<dds_builtintopic_endpoint_t, EndpointInfoDeleter>;
+using MatchedEndpoint = std::unique_ptr<dds_builtintopic_endpoint_t, MatchedEndpointDeleter>;
 
 Participants::Guid to_guid(const dds_guid_t& guid) {
   Participants::Guid bytes{};
@@ -177,7 +177,7 @@ class CycloneLink final : public DiscoveryLink {
 
   std::optional<Writer> writer_of(dds_entity_t reader, const dds_sample_info_t& info) {
     if (const auto known = remotes_.writer(info.publication_handle)) return known;
-    const EndpointInfo matched(dds_get_matched_publication_data(reader, info.publication_handle));
+    const MatchedEndpoint matched(dds_get_matched_publication_data(reader, info.publication_handle));
     if (matched == nullptr) return std::nullopt;
     const Participants::Guid guid = to_guid(matched->participant_key);
     const Writer writer{participants_.is_own(guid) ? 0 : participants_.number_of(guid),
@@ -243,17 +243,17 @@ class CycloneLink final : public DiscoveryLink {
 
   static void on_subscription_matched(dds_entity_t reader, const dds_subscription_matched_status_t status,
                                       void* self) {
-    const EndpointInfo there(status.current_count_change > 0
-                                 ? dds_get_matched_publication_data(reader, status.last_publication_handle)
-                                 : nullptr);
+    const MatchedEndpoint there(status.current_count_change > 0
+                                    ? dds_get_matched_publication_data(reader, status.last_publication_handle)
+                                    : nullptr);
     static_cast<CycloneLink*>(self)->matched(status.last_publication_handle, there.get(),
                                              status.current_count_change);
   }
   static void on_publication_matched(dds_entity_t writer, const dds_publication_matched_status_t status,
                                      void* self) {
-    const EndpointInfo there(status.current_count_change > 0
-                                 ? dds_get_matched_subscription_data(writer, status.last_subscription_handle)
-                                 : nullptr);
+    const MatchedEndpoint there(status.current_count_change > 0 ? dds_get_matched_subscription_data(
+                                                                      writer, status.last_subscription_handle)
+                                                                : nullptr);
     static_cast<CycloneLink*>(self)->matched(status.last_subscription_handle, there.get(),
                                              status.current_count_change);
   }

@@ -9,7 +9,7 @@ namespace sft::core {
 namespace {
 
 constexpr char secured = 's', complaint_begins = '!';
-constexpr std::string_view digits = "0123456789abcdef";
+constexpr std::string_view hex_digits = "0123456789abcdef";
 
 constexpr std::string_view name_prefix = "sft/";
 constexpr std::size_t version_digits_max = 4;
@@ -37,8 +37,8 @@ std::string to_text(const ParticipantMark& mark) {
   for (const Participants::Guid& guid : mark.complaints) {
     text += complaint_begins;
     for (const std::uint8_t byte : guid) {
-      text += digits[byte >> 4];
-      text += digits[byte & 15];
+      text += hex_digits[byte >> 4];
+      text += hex_digits[byte & 15];
     }
   }
   return text;

@@ -25,7 +25,7 @@ namespace sft::core {
 
 namespace {
 
-constexpr const char* directory = "/dev/shm";
+constexpr const char* page_directory = "/dev/shm";
 constexpr std::string_view prefix = "sft_bell_";
 constexpr std::string_view no_directory = "/memfd:";  // in links to files that never had a path
 constexpr std::size_t page_bytes = DoorbellPage::slots * sizeof(Doorbell);
@@ -73,7 +73,7 @@ bool is_number(const char* text) {
 std::optional<std::uint64_t> nameless_id(const std::filesystem::path& link) {
   std::error_code ignored;
   const std::string target = std::filesystem::read_symlink(link, ignored);
-  const std::string named = std::string(directory) + "/" + std::string(prefix);
+  const std::string named = std::string(page_directory) + "/" + std::string(prefix);
   const std::string never_named = std::string(no_directory) + std::string(prefix);
   const bool is_page = target.starts_with(named) || target.starts_with(never_named);
   if (!is_page || !target.ends_with(" (deleted)")) return std::nullopt;
@@ -113,7 +113,7 @@ void Doorbell::sleep(std::uint32_t seen, std::chrono::steady_clock::time_point d
 }
 
 std::string DoorbellPage::path_of(std::uint64_t id) {
-  return std::string(directory) + "/" + std::string(prefix) + in_hex(id);
+  return std::string(page_directory) + "/" + std::string(prefix) + in_hex(id);
 }
 
 std::unique_ptr<DoorbellPage> DoorbellPage::create() {
@@ -168,7 +168,7 @@ Result<std::unique_ptr<DoorbellPage>> DoorbellPage::share(std::uint64_t id, cons
 std::size_t DoorbellPage::sweep() noexcept {
   std::size_t removed = 0;
   std::error_code ignored;
-  for (const auto& entry : std::filesystem::directory_iterator(directory, ignored)) {
+  for (const auto& entry : std::filesystem::directory_iterator(page_directory, ignored)) {
     const std::string name = entry.path().filename().string();
     if (!name.starts_with(prefix)) continue;
     const auto file = open_trusted_file(entry.path(), O_RDWR, {.everybody = true});

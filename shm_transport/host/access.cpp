@@ -21,7 +21,7 @@ struct Free {
 };
 using Qualifier = std::unique_ptr<id_t, Free>;
 
-tl::unexpected<Error> fail_on(const std::string& path) {
+tl::unexpected<Error> access_failure(const std::string& path) {
   return fail(errno == EOPNOTSUPP ? Errc::unavailable : Errc::no_permission,
               path + ": its access control list: " + std::strerror(errno));
 }
@@ -51,12 +51,12 @@ Result<void> grant(const std::string& path, acl_tag_t tag, id_t id) {
   // and the change use the same descriptor.
   const core::FileDescriptor descriptor(open(path.c_str(), O_PATH | O_NOFOLLOW | O_CLOEXEC));
   struct stat file {};
-  if (!descriptor || fstat(descriptor.get(), &file) != 0) return fail_on(path);
+  if (!descriptor || fstat(descriptor.get(), &file) != 0) return access_failure(path);
   if (file.st_uid != geteuid() || S_ISLNK(file.st_mode))
     return fail(Errc::no_permission, path + " does not belong to this account any more");
   const std::string opened = "/proc/self/fd/" + std::to_string(descriptor.get());
   acl_t list = acl_get_file(opened.c_str(), ACL_TYPE_ACCESS);
-  if (list == nullptr) return fail_on(path);
+  if (list == nullptr) return access_failure(path);
   acl_permset_t rights{};
   const acl_entry_t entry = entry_for(list, tag, id);
   const bool granted = entry != nullptr && acl_get_permset(entry, &rights) == 0 &&
@@ -65,7 +65,7 @@ Result<void> grant(const std::string& path, acl_tag_t tag, id_t id) {
   const int error = errno;
   acl_free(list);
   errno = error;
-  return granted ? Result<void>{} : fail_on(path);
+  return granted ? Result<void>{} : access_failure(path);
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ struct flock whole_file(short type) {
   return lock;
 }
 
-tl::unexpected<Error> fail_on(const std::string& path) {
+tl::unexpected<Error> lock_failure(const std::string& path) {
   const Errc code = errno == EACCES || errno == EPERM ? Errc::no_permission : Errc::system;
   return fail(code, path + ": " + std::strerror(errno));
 }
@@ -76,7 +76,7 @@ bool is_locked_at(const char* path) noexcept {
 
 /// Makes the file readable for everybody, so that other processes see the lock from now on.
 Result<FileLock> FileLock::publish(FileLock lock) {
-  if (fchmod(lock.descriptor(), 0644) != 0) return fail_on(lock.path_);
+  if (fchmod(lock.descriptor(), 0644) != 0) return lock_failure(lock.path_);
   return lock;
 }
 
@@ -87,7 +87,7 @@ Result<FileLock> FileLock::take(const std::string& path) {
       if (!lock(file) || !core::still_names(path, file.get())) continue;
       return publish(FileLock(path, std::move(file)));
     }
-    if (errno != EEXIST) return fail_on(path);
+    if (errno != EEXIST) return lock_failure(path);
     // The file of a dead holder is never reused: a process that still has it open would take this process for
     // the dead one.
     if (is_locked_at(path.c_str())) return is_taken(path);
@@ -106,7 +106,7 @@ Result<FileLock> FileLock::take(const std::string& path) {
     // A new file was made a moment ago by another process that starts. This process locked it first and keeps
     // it.
     if (locked && is_new(*leftover)) return publish(FileLock(path, std::move(*leftover)));
-    if (unlink(path.c_str()) != 0 && errno != ENOENT) return fail_on(path);
+    if (unlink(path.c_str()) != 0 && errno != ENOENT) return lock_failure(path);
   }
   return fail(Errc::address_in_use, path + " was taken and left by other processes at each of " +
                                         std::to_string(attempts) + " attempts");

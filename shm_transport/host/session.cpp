@@ -24,9 +24,9 @@ iox::capro::ServiceDescription service_of(core::EndpointId writer) {
   return {"sft", "w", iox::capro::IdString_t(iox::cxx::TruncateToCapacity, core::in_hex(writer))};
 }
 
-using ChunkQueue = SubscriberPortData::ChunkQueueData_t;
+using QueueData = SubscriberPortData::ChunkQueueData_t;
 
-bool delivers_to(const PublisherPortData& publisher, const ChunkQueue& queue) {
+bool delivers_to(const PublisherPortData& publisher, const QueueData& queue) {
   const auto& queues = publisher.m_chunkSenderData.m_queues;
   return std::any_of(queues.begin(), queues.end(),
                      [&queue](const auto& known) { return known.get() == &queue; });
@@ -162,10 +162,10 @@ Result<SubscriberPortData*> Session::create_subscriber(core::EndpointId writer, 
       channel_->create_subscriber(service_of(writer), options, claim(), deadline, to_text(wishes)));
 }
 
-const SubscriberPortData* Session::port_of(const ChunkQueue& queue) const noexcept {
+const SubscriberPortData* Session::port_of(const QueueData& queue) const noexcept {
   auto& table = const_cast<iox::roudi::PortPoolData*>(port_pool())->m_subscriberPortMembers;
   for (const SubscriberPortData* port : table.content()) {
-    if (static_cast<const ChunkQueue*>(&port->m_chunkReceiverData) == &queue) return port;
+    if (static_cast<const QueueData*>(&port->m_chunkReceiverData) == &queue) return port;
   }
   return nullptr;
 }

@@ -52,7 +52,7 @@ bool ends_within(const Descriptor& process, std::chrono::milliseconds patience) 
   return poll(&end, 1, static_cast<int>(patience.count())) > 0;
 }
 
-ExitCode code_of(const Error& error) {
+ExitCode exit_code_of_stop(const Error& error) {
   return error.code == Errc::no_permission ? ExitCode::not_permitted : ExitCode::failed;
 }
 
@@ -75,7 +75,7 @@ ExitCode stop_daemon(std::chrono::milliseconds patience) {
   const auto daemon = RunningDaemon::find();
   if (!daemon) return print_error(daemon.error().code, daemon.error().reason);
   const auto process = daemon->process();
-  if (!process) return print_error(code_of(process.error()), process.error().message);
+  if (!process) return print_error(exit_code_of_stop(process.error()), process.error().message);
   const std::string users = users_of(read_status_file(daemon->user()));
   if (syscall(SYS_pidfd_send_signal, process->get(), SIGTERM, nullptr, 0) != 0)
     return print_error(ExitCode::failed,

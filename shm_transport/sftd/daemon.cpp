@@ -48,7 +48,7 @@ void raise_file_size_limit() {
   std::ignore = setrlimit(RLIMIT_FSIZE, &limit);
 }
 
-ExitCode code_of(const Error& error) {
+ExitCode exit_code_of_start(const Error& error) {
   return error.code == Errc::invalid_argument ? ExitCode::bad_config : ExitCode::failed;
 }
 
@@ -70,7 +70,7 @@ Daemon::Started Daemon::start(const DaemonSettings& settings, const Log& log, En
   if (const auto large_enough = core::check_file_size(smallest_shm_bytes); !large_enough)
     return refuse(ExitCode::no_space, large_enough.error().message);
   auto groups = take_up_groups(settings.access);
-  if (!groups) return refuse(code_of(groups.error()), groups.error().message);
+  if (!groups) return refuse(exit_code_of_start(groups.error()), groups.error().message);
   if (auto living = refuse_beside_the_living()) return tl::unexpected(*living);
   if (const auto others = files_of_others(daemon_files(groups->writers)); !others.empty())
     return refuse(ExitCode::failed, in_the_way(others));

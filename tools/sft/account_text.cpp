@@ -9,7 +9,7 @@ namespace sft::tool {
 namespace {
 
 constexpr const char* not_told = "not told yet";
-constexpr const char* columns = "  {:<27.27} {:<3.3} {:>9.9} {:>18.18} {:>9.9} {:>7.7}";
+constexpr const char* account_row = "  {:<27.27} {:<3.3} {:>9.9} {:>18.18} {:>9.9} {:>7.7}";
 constexpr std::size_t sent_width = 9, withheld_width = 9, lost_width = 7;
 
 double whole_bytes(const SentAccount& account) {
@@ -59,7 +59,7 @@ std::string lost_text(const PairInfo& pair) {
 }
 
 std::string account_headings() {
-  return fmt::format(columns, "PAIR", "BY", "SENT", "SAVED", "WITHHELD", "LOST");
+  return fmt::format(account_row, "PAIR", "BY", "SENT", "SAVED", "WITHHELD", "LOST");
 }
 
 std::string account_columns(const std::string& names, const std::string& by, const PairInfo& pair) {
@@ -71,7 +71,7 @@ std::string account_columns(const std::string& names, const std::string& by, con
     withheld = short_count_text(account->withheld, withheld_width);
   }
   if (const auto& account = pair.account.subscriber) lost = short_count_text(account->lost, lost_width);
-  return fmt::format(columns, names, by, sent, saved, withheld, lost);
+  return fmt::format(account_row, names, by, sent, saved, withheld, lost);
 }
 
 }  // namespace sft::tool

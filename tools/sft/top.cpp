@@ -25,7 +25,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds look_pause{100};  // nodes report their progress about twice a second
+constexpr std::chrono::milliseconds key_pause{100};  // nodes report their progress about twice a second
 
 struct View {
   DomainSnapshot domain;
@@ -143,7 +143,7 @@ void watch(const TopOptions& options, Session& session, const Screen* screen, Sh
       next = now + seconds(options.every_s);
     }
     if (options.for_s > 0 && now - begun >= seconds(options.for_s)) return;
-    session.stop().wait_for(look_pause, screen == nullptr ? -1 : screen->keys());
+    session.stop().wait_for(key_pause, screen == nullptr ? -1 : screen->keys());
     if (screen != nullptr && screen->pressed('q')) return;
   }
 }

@@ -94,7 +94,7 @@ void print_text(const OneTopic& topic, const WhyOptions& options, Output& output
   if (topic.subscribers.empty()) output.line("Nobody subscribes to it.");
 }
 
-void print_json(const OneTopic& topic, Output& output) {
+void print_pairs_json(const OneTopic& topic, Output& output) {
   Json pairs = Json::array();
   for (const PairInfo& pair : topic.pairs) {
     pairs.push_back(pair_json(pair, *endpoint_of(pair.publisher, topic.publishers),
@@ -120,7 +120,7 @@ ExitCode run(const WhyOptions& options, const CommonOptions& common, Session& se
     return std::ranges::all_of(topic->pairs, is_told);
   };
   session.wait_until(all_are_told, common.wait_s);
-  common.json ? print_json(*topic, session.output()) : print_text(*topic, options, session.output());
+  common.json ? print_pairs_json(*topic, session.output()) : print_text(*topic, options, session.output());
   const bool all_match = std::ranges::all_of(topic->pairs, &PairInfo::matched);
   return all_match && !topic->pairs.empty() ? ExitCode::done : ExitCode::nothing;
 }

@@ -13,11 +13,6 @@ namespace {
 
 constexpr std::size_t twins_max = 64;  // with one short id, of which something is heard
 
-template <class Container, class Value>
-bool holds(const Container& container, const Value& value) {
-  return std::find(container.begin(), container.end(), value) != container.end();
-}
-
 /// Puts the wishes of all readers of one writer together.
 void join(Stream& stream, const TypeSupport* type, const core::Source& source,
           const std::vector<core::Accepted>& accepted) {
@@ -29,7 +24,8 @@ void join(Stream& stream, const TypeSupport* type, const core::Source& source,
   stream.alive = source.alive;
   stream.max_sample_bytes = std::max(stream.max_sample_bytes, source.max_sample_bytes);
   for (const core::Accepted& a : accepted) {
-    if (!holds(stream.masks, a.wanted.mask)) stream.masks.push_back(a.wanted.mask);
+    const auto end = stream.masks.end();
+    if (std::find(stream.masks.begin(), end, a.wanted.mask) == end) stream.masks.push_back(a.wanted.mask);
   }
 }
 

@@ -7,7 +7,7 @@ namespace {
 
 // The macros that GCC 12 and Clang 16 with glibc 2.36 define when a generated header, <cfenv>, <cfloat>,
 // <cmath> and <csignal> are included. Each name stands between spaces.
-constexpr std::string_view names =
+constexpr std::string_view macros =
     " ADJ_ESTERROR ADJ_FREQUENCY ADJ_MAXERROR ADJ_MICRO ADJ_NANO ADJ_OFFSET ADJ_OFFSET_SINGLESHOT "
     "ADJ_OFFSET_SS_READ ADJ_SETOFFSET ADJ_STATUS ADJ_TAI ADJ_TICK ADJ_TIMECONST AIO_PRIO_DELTA_MAX "
     "ATOMIC_BOOL_LOCK_FREE ATOMIC_CHAR16_T_LOCK_FREE ATOMIC_CHAR32_T_LOCK_FREE "
@@ -95,6 +95,6 @@ constexpr std::string_view names =
 
 }  // namespace
 
-bool is_macro(std::string_view name) { return names.find(' ' + std::string(name) + ' ') != names.npos; }
+bool is_macro(std::string_view name) { return macros.find(' ' + std::string(name) + ' ') != macros.npos; }
 
 }  // namespace sft::idl

@@ -11,7 +11,7 @@ namespace sft::msg {
 namespace {
 
 // A leading underscore escapes a name in IDL: the name may then be a keyword, and IDL drops the underscore.
-std::string scoped(const TypeName& type) { return fmt::format("_{}::_msg::_{}", type.package, type.name); }
+std::string idl_name(const TypeName& type) { return fmt::format("_{}::_msg::_{}", type.package, type.name); }
 
 std::string_view primitive(sft_kind kind) {
   switch (kind) {
@@ -45,7 +45,7 @@ std::string_view primitive(sft_kind kind) {
 }
 
 std::string element(const Type& type) {
-  if (type.kind == SFT_STRUCTURE) return scoped(type.nested);
+  if (type.kind == SFT_STRUCTURE) return idl_name(type.nested);
   if (type.string_bound != 0) return fmt::format("string<{}>", type.string_bound);
   return std::string(primitive(type.kind));
 }

@@ -7,7 +7,7 @@
 namespace sft::msg {
 namespace {
 
-std::string scoped(const TypeName& type) { return fmt::format("::{}::msg::{}", type.package, type.name); }
+std::string cpp_name(const TypeName& type) { return fmt::format("::{}::msg::{}", type.package, type.name); }
 
 }  // namespace
 
@@ -33,7 +33,7 @@ void ModelOf::add_constants(const Definition& definition) {
   for (const Constant& constant : definition.constants) {
     sft_declaration& declaration = declarations_.emplace_back();
     declaration.kind = SFT_CONSTANT;
-    declaration.name = keep(fmt::format("{}_Constants::{}", scoped(definition.type), constant.name));
+    declaration.name = keep(fmt::format("{}_Constants::{}", cpp_name(definition.type), constant.name));
     declaration.type = type_of(constant.type);
     declaration.value = value_of(constant.value);
   }
@@ -43,7 +43,7 @@ void ModelOf::add_struct(const Definition& definition) {
   for (const Field& field : definition.fields) members_.push_back(member_of(field));
   sft_declaration& declaration = declarations_.emplace_back();
   declaration.kind = SFT_STRUCT;
-  declaration.name = keep(scoped(definition.type));
+  declaration.name = keep(cpp_name(definition.type));
   declaration.members = members_.data();
   declaration.member_count = members_.size();
 }
@@ -68,7 +68,7 @@ sft_member ModelOf::member_of(const Field& field) {
 sft_type ModelOf::type_of(const Type& type) {
   sft_type result{};
   result.kind = type.kind;
-  if (type.kind == SFT_STRUCTURE) result.name = keep(scoped(type.nested));
+  if (type.kind == SFT_STRUCTURE) result.name = keep(cpp_name(type.nested));
   result.string_bound = type.string_bound;
   result.is_sequence = type.is_sequence;
   result.bound = type.bound;

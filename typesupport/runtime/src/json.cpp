@@ -13,7 +13,7 @@ using namespace detail;
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 std::string base64(std::span<const std::byte> bytes) {
   static constexpr std::string_view digits =
@@ -38,16 +38,18 @@ double shortest(float value) {
   return result;
 }
 
-Json json_of(double value) {
+OrderedJson json_of(double value) {
   if (std::isnan(value)) return "NaN";
   if (std::isinf(value)) return value < 0 ? "-Infinity" : "Infinity";
   return value;
 }
-Json json_of(float value) { return std::isfinite(value) ? Json(shortest(value)) : json_of(double{value}); }
-Json json_of(char value) { return std::string(1, value); }
-Json json_of(std::string_view value) { return value; }
+OrderedJson json_of(float value) {
+  return std::isfinite(value) ? OrderedJson(shortest(value)) : json_of(double{value});
+}
+OrderedJson json_of(char value) { return std::string(1, value); }
+OrderedJson json_of(std::string_view value) { return value; }
 template <std::integral I>
-Json json_of(I value) {
+OrderedJson json_of(I value) {
   return value;
 }
 
@@ -57,21 +59,21 @@ class JsonWriter {
 
   Result<std::string> write(const DynamicView& view) {
     if (view.is_absent()) return fail(Errc::unavailable, "the field was not sent in this sample");
-    const Json json = value(view);
+    const OrderedJson json = value(view);
     if (failure_) return tl::unexpected(*std::move(failure_));
-    return json.dump(options_.indent, ' ', false, Json::error_handler_t::replace);
+    return json.dump(options_.indent, ' ', false, OrderedJson::error_handler_t::replace);
   }
 
  private:
-  Json value(const DynamicView& view) {
+  OrderedJson value(const DynamicView& view) {
     if (view.error() != nullptr) return failed(*view.error());
     if (view.is_struct()) return structure(view);
     if (view.is_collection()) return collection(view);
     return scalar(view);
   }
 
-  Json structure(const DynamicView& view) {
-    Json object = Json::object();
+  OrderedJson structure(const DynamicView& view) {
+    OrderedJson object = OrderedJson::object();
     for (const DynamicView& m : view.members()) {
       if (m.is_absent()) continue;
       std::string name(m.name());
@@ -79,7 +81,7 @@ class JsonWriter {
       if (m.has_only_size()) {
         name += ".size";
         const Result<std::size_t> size = m.size();
-        object[name] = size ? Json(*size) : failed(size.error());
+        object[name] = size ? OrderedJson(*size) : failed(size.error());
       } else {
         object[name] = value(m);
       }
@@ -88,14 +90,14 @@ class JsonWriter {
     return object;
   }
 
-  Json collection(const DynamicView& view) {
+  OrderedJson collection(const DynamicView& view) {
     const bool is_bytes = view.kind() == Kind::octet || view.kind() == Kind::uint8;
     if (is_bytes && view.member()->enumeration == nullptr && options_.bytes_as_base64) {
       const auto bytes = view.as<std::span<const std::byte>>();
       if (!bytes) return failed(bytes.error());
-      return count(bytes->size() * 4 / 3) ? Json(base64(*bytes)) : Json();
+      return count(bytes->size() * 4 / 3) ? OrderedJson(base64(*bytes)) : OrderedJson();
     }
-    Json array = Json::array();
+    OrderedJson array = OrderedJson::array();
     const Result<std::size_t> size = view.size();
     if (!size) return failed(size.error());
     for (const DynamicView& element : view.elements()) {
@@ -111,7 +113,7 @@ class JsonWriter {
     return array;
   }
 
-  Json scalar(const DynamicView& view) {
+  OrderedJson scalar(const DynamicView& view) {
     const Result<DynamicView::Scalar> value = view.scalar();
     if (!value) return failed(value.error());
     const auto* text = std::get_if<std::string_view>(&*value);
@@ -132,7 +134,7 @@ class JsonWriter {
     return false;
   }
 
-  Json failed(const Error& error) {
+  OrderedJson failed(const Error& error) {
     if (!failure_) failure_ = error;
     return {};
   }
