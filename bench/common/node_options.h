@@ -4,6 +4,7 @@
 #include <sched.h>
 
 #include <string>
+#include <utility>
 
 #include "sft/options.h"
 
@@ -23,6 +24,10 @@ inline NodeOptions node_options(std::string name, TransportChoice transport) {
   return {.name = std::move(name),
           .transport = transport,
           .threads = {settings, settings, settings, settings, settings}};
+}
+
+inline NodeOptions udp_node_options(std::string name) {
+  return node_options(std::move(name), TransportChoice::udp);
 }
 
 }  // namespace sft::bench

@@ -50,7 +50,7 @@ class SftProgram {
     return late == Late::nothing ? Durability::volatile_ : Durability::transient_local;
   }
 
-  Node node_ = Node::open(node_options("bench", TransportChoice::udp)).value();
+  Node node_ = Node::open(udp_node_options("bench")).value();
 };
 
 class RawProgram {

@@ -15,7 +15,7 @@ constexpr std::int64_t period_us = 100;
 constexpr std::int64_t settled_us = 100'000;  // the control traffic of the last change is over
 
 /// The publisher's node starts at the same moment, or has been running for a while.
-enum class Publisher { starts_too, runs };
+enum class Sender { starts_too, runs };
 
 /// Waits for the receiver, so that both sides go on at the same moment.
 void meet_receiver(Exchange& exchange) {
@@ -38,11 +38,11 @@ void send_until_over(Exchange& exchange, std::uint64_t readers, Writer& writer) 
 }
 
 template <class Program>
-void publish_to_new_node(Exchange& exchange, Publisher publisher) {
-  if (publisher == Publisher::starts_too) meet_receiver(exchange);
+void publish_to_new_node(Exchange& exchange, Sender publisher) {
+  if (publisher == Sender::starts_too) meet_receiver(exchange);
   Program program;
   typename Program::Writer writer(program, topic, Late::nothing);
-  if (publisher == Publisher::runs) {
+  if (publisher == Sender::runs) {
     sleep_us(settled_us);
     meet_receiver(exchange);
   }
@@ -62,7 +62,7 @@ void read_as_new_node(Exchange& exchange) {
 
 /// Starts new processes once, and adds the time to the first sample in milliseconds.
 template <class Program>
-void start(const TwoHosts& hosts, Publisher publisher, std::vector<double>& ms) {
+void start(const TwoHosts& hosts, Sender publisher, std::vector<double>& ms) {
   const auto us = run_pair(hosts.sides([=](Exchange& e) { publish_to_new_node<Program>(e, publisher); },
                                        [](Exchange& e) { read_as_new_node<Program>(e); }),
                            1);
@@ -120,10 +120,10 @@ std::vector<Figure> first_sample_new_nodes(const Scale& scale) {
   const TwoHosts hosts;
   std::vector<double> both, second, both_raw, second_raw;
   for (int i = 0; i < scale.starts; ++i) {
-    start<SftProgram>(hosts, Publisher::starts_too, both);
-    start<RawProgram>(hosts, Publisher::starts_too, both_raw);
-    start<SftProgram>(hosts, Publisher::runs, second);
-    start<RawProgram>(hosts, Publisher::runs, second_raw);
+    start<SftProgram>(hosts, Sender::starts_too, both);
+    start<RawProgram>(hosts, Sender::starts_too, both_raw);
+    start<SftProgram>(hosts, Sender::runs, second);
+    start<RawProgram>(hosts, Sender::runs, second_raw);
   }
   const char* reference = "Cyclone DDS, domain to sample";
   return {{"first_sample_new_nodes", quantile(both, 0.5), "ms", quantile(both_raw, 0.5), reference, 50, true},

@@ -18,7 +18,7 @@ namespace {
 
 using sensor_msgs::msg::PointCloud2;
 
-constexpr std::size_t readers = 64;
+constexpr std::size_t readers_asking = 64;
 constexpr std::size_t data_bytes = 1'660'000;
 constexpr std::size_t cache_bytes = 64 << 20;  // more than any level of cache
 
@@ -36,22 +36,21 @@ std::string small_fields(std::size_t number) {
 }
 
 std::string own_fields_and_data(std::size_t number) { return "data" + small_fields(number); }
-std::string equal_fields_and_data(std::size_t) { return own_fields_and_data(readers - 1); }
+std::string equal_fields_and_data(std::size_t) { return own_fields_and_data(readers_asking - 1); }
 /// Four readers, such as a display, a recorder and a planner, want the data; 60 monitors do not.
 std::string mostly_small_fields(std::size_t number) {
   return number < 4 ? own_fields_and_data(number) : "header.frame_id" + small_fields(number);
 }
 
-NodeOptions options(const char* name) { return node_options(name, TransportChoice::udp); }
-
 bool all_served(const PublisherStatus& status) {
-  return status.readers.size() == readers && std::ranges::all_of(status.readers, &ReaderStatus::served);
+  return status.readers.size() == readers_asking &&
+         std::ranges::all_of(status.readers, &ReaderStatus::served);
 }
 
 /// Waits until each reader has the sample, or until no more come, since UDP may lose some.
 void wait_for_readers(Exchange& exchange) {
   std::uint64_t before = 0;
-  for (int quiet = 0; before < readers && quiet < 100; ++quiet) {
+  for (int quiet = 0; before < readers_asking && quiet < 100; ++quiet) {
     sleep_us(1000);
     const std::uint64_t received = exchange.received.load();
     if (received != before) quiet = 0;
@@ -69,7 +68,7 @@ std::uint64_t clear_caches(const std::vector<std::uint64_t>& larger_than_caches)
 /// the last half counts, because allocations of a node without samples (its signs of life) fall into some
 /// samples.
 void publish(Exchange& exchange, std::uint64_t samples, double& allocations) {
-  Node node = Node::open(options("publisher")).value();
+  Node node = Node::open(udp_node_options("publisher")).value();
   auto publisher = node.publisher<PointCloud2>("points").value();
   PointCloud2 cloud;
   cloud.data.resize(data_bytes);
@@ -93,11 +92,11 @@ void publish(Exchange& exchange, std::uint64_t samples, double& allocations) {
 }
 
 void subscribe(Exchange& exchange, Fields fields) {
-  Node node = Node::open(options("subscriber")).value();
+  Node node = Node::open(udp_node_options("subscriber")).value();
   const DynamicType type = node.find_type("points", std::chrono::seconds(5)).value();
   const auto count = [&](const DynamicSample&) { exchange.received.fetch_add(1); };
   std::vector<DynamicSubscriber> subscribers;
-  for (std::size_t i = 0; i < readers; ++i)
+  for (std::size_t i = 0; i < readers_asking; ++i)
     subscribers.push_back(node.subscriber("points", type, fields(i), {}, count).value());
   while (exchange.sent.load() == 0 && !exchange.failed.load()) sleep_us(10'000);
 }

@@ -18,8 +18,6 @@ using F = PointCloud2::Field;
 
 constexpr std::int64_t patience_ns = 1'000'000'000;
 
-NodeOptions options(const char* name) { return node_options(name, TransportChoice::udp); }
-
 /// Publishes a thousand times a second, and records when a reader asks for `height`.
 void publish(Exchange& exchange, std::uint64_t messages) {
   const FieldMask wanted = FieldMask(F::height);
@@ -31,7 +29,7 @@ void publish(Exchange& exchange, std::uint64_t messages) {
     exchange.received_at[n - 1] = now_ns();
     exchange.received = n;
   };
-  Node node = Node::open(options("publisher")).value();
+  Node node = Node::open(udp_node_options("publisher")).value();
   auto publisher = node.publisher<PointCloud2>("points", {.on_readers_changed = note}).value();
   const PointCloud2 message;
   while (exchange.received.load() < messages && !exchange.failed.load()) {
@@ -44,7 +42,7 @@ void publish(Exchange& exchange, std::uint64_t messages) {
 /// asks for it.
 void subscribe(Exchange& exchange, std::uint64_t messages) {
   const FieldMask wanted = FieldMask(F::height);
-  Node node = Node::open(options("subscriber")).value();
+  Node node = Node::open(udp_node_options("subscriber")).value();
   auto subscriber = node.subscriber<PointCloud2, recorded>(
                             "points", {.recording = {.learn_samples = 2, .narrow_after_samples = 3}})
                         .value();

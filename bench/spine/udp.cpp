@@ -18,8 +18,6 @@ using F = PointCloud2::Field;
 
 constexpr std::size_t field_bytes = 64;  // a length of 4 bytes and 60 elements
 
-NodeOptions options(const char* name) { return node_options(name, TransportChoice::udp); }
-
 PointCloud2 message() {
   PointCloud2 m;
   m.data.assign(field_bytes - 4, 1);
@@ -31,7 +29,7 @@ void wait_served(const Publisher<PointCloud2>& publisher) {
 }
 
 void ping(Exchange& exchange, std::uint64_t messages) {
-  Node node = Node::open(options("ping")).value();
+  Node node = Node::open(udp_node_options("ping")).value();
   auto publisher = node.publisher<PointCloud2>("ping").value();
   const PointCloud2 m = message();
   std::atomic<std::uint64_t> rounds{0};
@@ -69,7 +67,7 @@ void ping(Exchange& exchange, std::uint64_t messages) {
 }
 
 void echo(Exchange& exchange, std::uint64_t messages) {
-  Node node = Node::open(options("pong")).value();
+  Node node = Node::open(udp_node_options("pong")).value();
   auto publisher = node.publisher<PointCloud2>("pong").value();
   const PointCloud2 m = message();
   auto ping = node.subscriber<PointCloud2, F::data>("ping",

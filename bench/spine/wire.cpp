@@ -17,11 +17,9 @@ using F = PointCloud2::Field;
 constexpr int phase_seconds = 20;  // longer than the longest period of control traffic
 constexpr std::uint64_t samples = 25 * phase_seconds;
 
-NodeOptions options(const char* name) { return node_options(name, TransportChoice::udp); }
-
 /// Exchange::sent is the phase: 1 both sides are matched and quiet, 2 publishing, 3 published.
 void publish(Exchange& exchange) {
-  Node node = Node::open(options("lidar")).value();
+  Node node = Node::open(udp_node_options("lidar")).value();
   auto publisher = node.publisher<PointCloud2>("points").value();
   while (publisher.status().readers.empty()) sleep_us(1000);
   PointCloud2 cloud;
@@ -40,7 +38,7 @@ void publish(Exchange& exchange) {
 /// Writes four figures to received_at: bytes sent and received in the quiet phase, and bytes received and
 /// samples in the other phase.
 void subscribe(Exchange& exchange) {
-  Node node = Node::open(options("diagnostic")).value();
+  Node node = Node::open(udp_node_options("diagnostic")).value();
   std::atomic<std::int64_t> received{0};
   auto subscriber =
       node.subscriber<PointCloud2, F::height | F::width>("points", [&](const auto&) { ++received; }).value();

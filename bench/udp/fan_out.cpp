@@ -31,8 +31,6 @@ struct Board {
   double bytes = std::numeric_limits<double>::quiet_NaN();  ///< per sample
 };
 
-NodeOptions options(const char* name) { return node_options(name, TransportChoice::udp); }
-
 class Source {
  public:
   Source() {
@@ -55,7 +53,7 @@ class Source {
   }
 
  private:
-  Node node_ = Node::open(options("source")).value();
+  Node node_ = Node::open(udp_node_options("source")).value();
   Publisher<Halves> publisher_ = node_.publisher<Halves>("halves").value();
   Halves halves_;
 };
@@ -79,7 +77,7 @@ int send(Board& board, std::size_t readers) {
 
 template <class Mask>
 void receive(Board& board, Mask subscribe) {
-  Node node = Node::open(options("reader")).value();
+  Node node = Node::open(udp_node_options("reader")).value();
   const auto subscriber = subscribe(node, [&](const auto&) { ++board.received; });
   while (subscriber.status().writers.empty()) sleep_us(1000);
   ++board.ready;

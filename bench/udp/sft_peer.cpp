@@ -133,7 +133,7 @@ class SftPeer : public Peer {
 
  private:
   const bool loans_;
-  Node node_ = Node::open(node_options("bench", TransportChoice::udp)).value();
+  Node node_ = Node::open(udp_node_options("bench")).value();
 };
 
 }  // namespace

@@ -11,8 +11,9 @@ using core::SampleHandle;
 using core::SendStatus;
 using namespace std::chrono_literals;
 
-constexpr std::uint32_t depth = 8;
-constexpr std::uint64_t burst = 6'000;  // more than any medium keeps on its way (udp::ResendLimits: 4096)
+constexpr std::uint32_t bounded_depth = 8;
+constexpr std::uint64_t burst_samples =
+    6'000;  // more than any medium keeps on its way (udp::ResendLimits: 4096)
 constexpr std::chrono::seconds for_good{60};
 
 /// Publishes so many, on a thread of its own.
@@ -50,33 +51,33 @@ struct Taken {
 
 TEST_P(BackPressure, LosesNothingOfABurstThatIsLargerThanAnyQueue) {
   Writer writer(stage, 1, for_good);
-  Reader reader(stage, {.depth = depth});
+  Reader reader(stage, {.depth = bounded_depth});
   writer.serve(reader);
-  const Publishing publishing(writer, burst);
-  EXPECT_EQ(reader.next_sequences(burst), numbers(1, burst));
+  const Publishing publishing(writer, burst_samples);
+  EXPECT_EQ(reader.next_sequences(burst_samples), numbers(1, burst_samples));
   EXPECT_EQ(reader.discarded(), 0U);
 }
 
 TEST_P(BackPressure, LosesNothingForAReaderThatStallsWhileItIsWaitedFor) {
   Writer writer(stage, 1, for_good);
-  Reader reader(stage, {.depth = depth});
+  Reader reader(stage, {.depth = bounded_depth});
   writer.serve(reader);
-  const Publishing publishing(writer, burst);
+  const Publishing publishing(writer, burst_samples);
   std::uint64_t before = 0;
   const auto waits = [&] {
     const std::uint64_t published = publishing.published();
-    return std::exchange(before, published) == published && published >= depth;
+    return std::exchange(before, published) == published && published >= bounded_depth;
   };
   ASSERT_TRUE(eventually(waits, patience, 100ms));
-  EXPECT_LT(before, burst) << "there is no room for more";
-  EXPECT_EQ(reader.next_sequences(burst), numbers(1, burst));
+  EXPECT_LT(before, burst_samples) << "there is no room for more";
+  EXPECT_EQ(reader.next_sequences(burst_samples), numbers(1, burst_samples));
   EXPECT_EQ(reader.discarded(), 0U);
 }
 
 TEST_P(BackPressure, WaitsForTheSlowerOfTwoReadersAndLosesNeitherOfThemAnything) {
   constexpr std::uint64_t samples = 1000;
   Writer writer(stage, 1, for_good);
-  Reader slow(stage, {.depth = depth}), fast(stage, {.depth = depth});
+  Reader slow(stage, {.depth = bounded_depth}), fast(stage, {.depth = bounded_depth});
   slow.hear(writer);
   fast.hear(writer);
   writer.serve({slow.route(), fast.route()});
@@ -97,56 +98,57 @@ TEST_P(BackPressure, WaitsForTheSlowerOfTwoReadersAndLosesNeitherOfThemAnything)
 
 TEST_P(BackPressure, WaitsForNoBestEffortReader) {
   Writer writer(stage, 1, for_good);
-  Reader careful(stage, {.depth = depth}), careless(stage, {.depth = depth, .best_effort = true});
+  Reader careful(stage, {.depth = bounded_depth}),
+      careless(stage, {.depth = bounded_depth, .best_effort = true});
   careful.hear(writer);
   careless.hear(writer);
   writer.serve({careful.route(), careless.route()});
   const auto begin = std::chrono::steady_clock::now();
-  const Publishing publishing(writer, burst);
-  EXPECT_EQ(careful.next_sequences(burst), numbers(1, burst));
+  const Publishing publishing(writer, burst_samples);
+  EXPECT_EQ(careful.next_sequences(burst_samples), numbers(1, burst_samples));
   EXPECT_LT(std::chrono::steady_clock::now() - begin, for_good);
 }
 
 TEST_P(BackPressure, DropsWhoTakesNothingBehindOnceItHasWaitedLongEnough) {
   Writer writer(stage, 1, 100us);
-  Reader reader(stage, {.depth = depth});
+  Reader reader(stage, {.depth = bounded_depth});
   writer.serve(reader);
   Taken taken;
   ASSERT_EQ(writer.publish(), SendStatus::sent);
   taken.take_until(reader, 1);
   std::uint64_t told = 0;
-  for (std::uint64_t n = 1; n < burst; ++n) told += writer.publish() == SendStatus::sent ? 0 : 1;
-  taken.take_until(reader, burst);
+  for (std::uint64_t n = 1; n < burst_samples; ++n) told += writer.publish() == SendStatus::sent ? 0 : 1;
+  taken.take_until(reader, burst_samples);
   EXPECT_TRUE(taken.in_order);
   EXPECT_GT(taken.missed, 0U);
-  EXPECT_EQ(taken.count + taken.missed, burst) << "each sample is taken or seen as a gap";
+  EXPECT_EQ(taken.count + taken.missed, burst_samples) << "each sample is taken or seen as a gap";
   EXPECT_GT(told, 0U) << "the publisher knows that it did not wait long enough";
 }
 
 TEST_P(BackPressure, LosesNoMoreThanAReaderKnowsOfWhereItMayNotWait) {
   Writer writer(stage);
-  Reader reader(stage, {.depth = depth});
+  Reader reader(stage, {.depth = bounded_depth});
   writer.serve(reader);
   Taken taken;
   ASSERT_EQ(writer.publish(), SendStatus::sent);
   taken.take_until(reader, 1);
-  for (std::uint64_t n = 1; n < burst; ++n) writer.publish();
-  taken.take_until(reader, burst);
+  for (std::uint64_t n = 1; n < burst_samples; ++n) writer.publish();
+  taken.take_until(reader, burst_samples);
   EXPECT_TRUE(taken.in_order);
   EXPECT_GT(taken.missed, 0U);
-  EXPECT_EQ(taken.count + taken.missed, burst) << "each sample is taken or seen as a gap";
+  EXPECT_EQ(taken.count + taken.missed, burst_samples) << "each sample is taken or seen as a gap";
 }
 
 TEST_P(BackPressure, EndsWithTheReaderThatIsWaitedFor) {
   Writer writer(stage, 1, for_good);
-  Reader reader(stage, {.depth = depth});
+  Reader reader(stage, {.depth = bounded_depth});
   writer.serve(reader);
   const auto begin = std::chrono::steady_clock::now();
-  const Publishing publishing(writer, burst);
-  ASSERT_TRUE(eventually([&] { return publishing.published() >= depth; }, patience));
+  const Publishing publishing(writer, burst_samples);
+  ASSERT_TRUE(eventually([&] { return publishing.published() >= bounded_depth; }, patience));
   reader.destroy_port();
   writer.serve(std::vector<core::Route>{});
-  ASSERT_TRUE(eventually([&] { return publishing.published() == burst; }, patience));
+  ASSERT_TRUE(eventually([&] { return publishing.published() == burst_samples; }, patience));
   EXPECT_LT(std::chrono::steady_clock::now() - begin, for_good);
 }
 

@@ -9,12 +9,12 @@ using core::HistoryProgress;
 using core::SampleHandle;
 using core::SendStatus;
 
-constexpr std::uint32_t depth = 3;
+constexpr std::uint32_t history_depth = 3;
 
 /// The route of a reader that is to be served from retained samples on.
 core::Route late(const Reader& reader) {
   core::Route route = reader.route();
-  route.history = depth;
+  route.history = history_depth;
   return route;
 }
 
@@ -27,7 +27,7 @@ void hear_late(Reader& reader, const Writer& writer) {
 
 std::vector<SampleHandle> retain(Writer& writer, std::size_t data_bytes) {
   std::vector<SampleHandle> retained;
-  for (std::uint32_t i = 0; i < depth; ++i) retained.push_back(writer.make(data_bytes));
+  for (std::uint32_t i = 0; i < history_depth; ++i) retained.push_back(writer.make(data_bytes));
   return retained;
 }
 
@@ -44,7 +44,7 @@ TEST_P(LateReaders, GetWhatWasRetainedBeforeWhatCameMeanwhile) {
   writer.network_port().send_history(late(latecomer), retained);
   for (std::uint64_t n = 1; n <= 5; ++n) {
     const SampleHandle sample = latecomer.next();
-    ASSERT_TRUE(is_image(sample, n <= depth ? 30'000 : 50));
+    ASSERT_TRUE(is_image(sample, n <= history_depth ? 30'000 : 50));
     EXPECT_EQ(sample->sequence, n);
     EXPECT_EQ(sample->addressee, latecomer.route().reader);
     EXPECT_EQ(sample->oldest_retained, 1U);

@@ -232,7 +232,7 @@ void survive_anything(Body& body, const FieldMask& narrower) {
 }
 
 std::optional<std::vector<std::byte>> converted(const StructType& type, std::span<const std::byte> payload) {
-  const Result<Payload> parsed = parse_payload(payload);
+  const Result<Payload> parsed = detail::parse_payload(payload);
   if (!parsed) return std::nullopt;
   const ConvertedSize size = converted_size(*parsed, type);
   if (size.status != WalkStatus::ok) return std::nullopt;

@@ -141,11 +141,6 @@ void make_page(const std::string& path) {
   close(page);
 }
 
-void remove_quietly(const fs::path& path) {
-  std::error_code ignored;
-  fs::remove_all(path, ignored);
-}
-
 /// Removes all files of this account in the directory.
 void remove_all_in(const char* directory) {
   std::error_code ignored;

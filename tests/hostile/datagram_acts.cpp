@@ -18,7 +18,6 @@ using core::Endpoint;
 using core::Role;
 using udp::FirstHeader;
 
-constexpr std::uint64_t far_future = std::uint64_t{1} << 62;
 constexpr std::uint32_t channels_swept = 16;
 
 /// A sample of two small fields that claims to be of this writer.

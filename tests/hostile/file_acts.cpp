@@ -26,11 +26,6 @@ namespace {
 
 constexpr std::size_t block_bytes = 1024 * 1024;
 
-void remove_quietly(const std::string& path) {
-  std::error_code ignored;
-  fs::remove_all(path, ignored);
-}
-
 /// Puts something at each name that is free, and removes in the end what it put there.
 Act at_every_name(const Target& target, std::function<bool(const std::string&)> put) {
   const auto taken = std::make_shared<std::vector<std::string>>();

@@ -42,6 +42,11 @@ std::vector<std::string> shared_files(const std::string& prefix) {
   return found;
 }
 
+void remove_quietly(const fs::path& path) {
+  std::error_code ignored;
+  fs::remove_all(path, ignored);
+}
+
 std::vector<pid_t> processes(const std::string& program) {
   std::vector<pid_t> found;
   std::error_code ignored;

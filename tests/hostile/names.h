@@ -3,6 +3,7 @@
 
 #include <sys/types.h>
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,9 @@ std::vector<std::string> names_of(uid_t account);
 
 /// Files in /dev/shm whose names begin so.
 std::vector<std::string> shared_files(const std::string& prefix);
+
+/// Removes a file, or a directory with all that is in it. A path that is not there is no error.
+void remove_quietly(const std::filesystem::path& path);
 
 /// Process ids of programs that run, by the name of the program's file.
 std::vector<pid_t> processes(const std::string& program);

@@ -14,8 +14,6 @@ namespace sft::hostile {
 
 namespace {
 
-constexpr std::uint64_t far_future = std::uint64_t{1} << 62;
-
 udp::DatagramKind kind_of(const Overheard& heard) {
   return udp::kind_of(heard.payload).value_or(udp::DatagramKind::first);
 }

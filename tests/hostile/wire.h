@@ -15,6 +15,9 @@ namespace sft::hostile {
 
 using Bytes = std::vector<std::byte>;
 
+/// A number that no honest writer reaches.
+inline constexpr std::uint64_t far_future = std::uint64_t{1} << 62;
+
 /// Returns an address of this host as an endpoint announces it.
 core::UdpAddress own_address(std::uint16_t port);
 

@@ -24,7 +24,7 @@ using sensor_msgs::msg::PointCloud2;
 using F = PointCloud2::Field;
 using namespace std::chrono_literals;
 
-constexpr std::uint32_t samples = 1000;
+constexpr std::uint32_t samples_sent = 1000;
 constexpr double bytes_max = 100'000;  // some 70 datagrams: most of these lose one
 
 struct Published {
@@ -46,7 +46,7 @@ std::uint8_t byte_of(std::uint32_t number, std::size_t at) {
   return static_cast<std::uint8_t>(number + at * 31 + at / 256);
 }
 
-void publish(Node& node, Published& published) {
+void publish_clouds(Node& node, Published& published) {
   auto publisher = node.publisher<PointCloud2>("points").value();
   std::mt19937_64 random{test_seed()};
   std::uniform_real_distribution<> exponent(0, std::log(bytes_max));
@@ -65,9 +65,9 @@ void publish(Node& node, Published& published) {
   }
 }
 
-void subscribe(Node& node, Taken& taken) {
+void check_clouds(Node& node, Taken& taken) {
   auto subscriber =
-      node.subscriber<PointCloud2, F::height | F::data>("points", {.depth = samples + 10}).value();
+      node.subscriber<PointCloud2, F::height | F::data>("points", {.depth = samples_sent + 10}).value();
   for (;;) {
     subscriber.wait(5ms);
     while (const auto sample = subscriber.take()) {
@@ -115,8 +115,8 @@ INSTANTIATE_TEST_SUITE_P(By, BestEffortTest, testing::Bool(),
 /// The first sample and the last one come by a cable that is good, so that all between them is accounted for.
 TEST_P(BestEffortTest, TellsASubscriberExactlyWhatWasDroppedOnTheWay) {
   SCOPED_TRACE(how_to_repeat());
-  const NodeProcessWith<Published> publisher(cable_->host(0), options(), publish);
-  const NodeProcessWith<Taken> subscriber(cable_->host(1), options(), subscribe);
+  const NodeProcessWith<Published> publisher(cable_->host(0), options(), publish_clouds);
+  const NodeProcessWith<Taken> subscriber(cable_->host(1), options(), check_clouds);
   Published& published = publisher.report();
   const Taken& taken = subscriber.report();
   const auto publish_up_to = [&](std::uint32_t number) {
@@ -127,20 +127,20 @@ TEST_P(BestEffortTest, TellsASubscriberExactlyWhatWasDroppedOnTheWay) {
   ASSERT_TRUE(publish_up_to(1));
   ASSERT_TRUE(eventually([&] { return taken.last == 1; }));
   cable_->become(true);
-  ASSERT_TRUE(publish_up_to(samples));
+  ASSERT_TRUE(publish_up_to(samples_sent));
   cable_->become(false);
-  ASSERT_TRUE(publish_up_to(samples + 1));
-  ASSERT_TRUE(eventually([&] { return taken.last == samples + 1 && taken.lost == taken.told; }));
+  ASSERT_TRUE(publish_up_to(samples_sent + 1));
+  ASSERT_TRUE(eventually([&] { return taken.last == samples_sent + 1 && taken.lost == taken.told; }));
 
   EXPECT_FALSE(taken.wrong);
-  EXPECT_EQ(taken.count + taken.told, samples + 1);
-  EXPECT_GT(harmed(samples + 1), samples / 10) << "most are small, and a twentieth of these is";
+  EXPECT_EQ(taken.count + taken.told, samples_sent + 1);
+  EXPECT_GT(harmed(samples_sent + 1), samples_sent / 10) << "most are small, and a twentieth of these is";
   EXPECT_GT(cable_->notes().repeated, 0U);
   EXPECT_GT(cable_->notes().swapped, 0U);
   EXPECT_EQ(cable_->notes().failed, 0U);
-  const auto accounted = [&] { return harmed(samples + 1) + taken.late + published.dropped; };
+  const auto accounted = [&] { return harmed(samples_sent + 1) + taken.late + published.dropped; };
   EXPECT_TRUE(eventually([&] { return taken.lost == accounted(); }))
-      << taken.lost << " are lost; the cable harmed " << harmed(samples + 1) << ", " << taken.late
+      << taken.lost << " are lost; the cable harmed " << harmed(samples_sent + 1) << ", " << taken.late
       << " came behind later ones, and the publisher dropped " << published.dropped;
 }
 

@@ -22,10 +22,10 @@ using F = PointCloud2::Field;
 using namespace std::chrono_literals;
 
 constexpr std::size_t sample_bytes = 200'000;
-constexpr std::uint32_t samples = 600;  // of which a publisher keeps 64 MiB
-constexpr std::uint32_t kept = 240;     // at least
+constexpr std::uint32_t samples_published = 600;  // of which a publisher keeps 64 MiB
+constexpr std::uint32_t kept = 240;               // at least
 
-struct Published {
+struct Kept {
   std::atomic<bool> failed{false};
   std::atomic<std::size_t> served{0};
   std::atomic<std::uint32_t> wanted{0};  ///< so many are to be published
@@ -33,7 +33,7 @@ struct Published {
   std::atomic<std::int64_t> longest_ms{0};  ///< that publishing took
 };
 
-struct Taken {
+struct TakenInOrder {
   std::atomic<bool> failed{false};
   std::atomic<bool> out_of_order{false};
   std::atomic<std::uint32_t> last{0};
@@ -41,7 +41,7 @@ struct Taken {
   std::atomic<std::uint32_t> in_a_row{0};  ///< the last ones
 };
 
-void publish(Node& node, Published& published) {
+void publish_many(Node& node, Kept& published) {
   auto publisher = node.publisher<PointCloud2>("points", {.reliability = reliable}).value();
   const std::vector<std::uint8_t> data(sample_bytes);
   for (Pace pace(2ms);; pace.await_turn()) {
@@ -56,9 +56,9 @@ void publish(Node& node, Published& published) {
   }
 }
 
-void subscribe(Node& node, Taken& taken) {
+void take_in_order(Node& node, TakenInOrder& taken) {
   auto subscriber = node.subscriber<PointCloud2, F::height | F::data>(
-                            "points", {.reliability = reliable, .depth = 2 * samples})
+                            "points", {.reliability = reliable, .depth = 2 * samples_published})
                         .value();
   for (;;) {
     subscriber.wait(5ms);
@@ -78,11 +78,11 @@ TEST(StalledReader, LosesTheOldestAndKnowsItWhileAnotherGetsAllInTime) {
   const auto network = hosts::EmulatedNetwork::create(2);
   if (!network) GTEST_SKIP() << network.error().message;
   const NodeOptions options{.transport = TransportChoice::udp};
-  const NodeProcessWith<Published> publisher(network->host(0), options, publish);
-  const NodeProcessWith<Taken> good(network->host(1), options, subscribe);
-  const NodeProcessWith<Taken> stalled(network->host(1), options, subscribe);
-  Published& published = publisher.report();
-  const auto has = [](const NodeProcessWith<Taken>& subscriber, std::uint32_t last) {
+  const NodeProcessWith<Kept> publisher(network->host(0), options, publish_many);
+  const NodeProcessWith<TakenInOrder> good(network->host(1), options, take_in_order);
+  const NodeProcessWith<TakenInOrder> stalled(network->host(1), options, take_in_order);
+  Kept& published = publisher.report();
+  const auto has = [](const NodeProcessWith<TakenInOrder>& subscriber, std::uint32_t last) {
     return eventually([&] { return subscriber.report().last == last; });
   };
   ASSERT_TRUE(eventually([&] { return published.served == 2; }));
@@ -91,17 +91,17 @@ TEST(StalledReader, LosesTheOldestAndKnowsItWhileAnotherGetsAllInTime) {
   ASSERT_TRUE(has(stalled, 1));
 
   stalled.hold_up();
-  published.wanted = samples;
-  ASSERT_TRUE(has(good, samples)) << "while the other one is held up";
+  published.wanted = samples_published;
+  ASSERT_TRUE(has(good, samples_published)) << "while the other one is held up";
   EXPECT_EQ(good.report().told, 0U);
-  EXPECT_EQ(good.report().count, samples);
+  EXPECT_EQ(good.report().count, samples_published);
   EXPECT_LT(published.longest_ms, 1000) << "nobody was waited for";
   stalled.let_go();
-  ASSERT_TRUE(has(stalled, samples)) << stalled.report().last;
-  const Taken& taken = stalled.report();
+  ASSERT_TRUE(has(stalled, samples_published)) << stalled.report().last;
+  const TakenInOrder& taken = stalled.report();
   EXPECT_FALSE(taken.out_of_order);
   EXPECT_GT(taken.told, 0U);
-  EXPECT_EQ(taken.count + taken.told, samples);
+  EXPECT_EQ(taken.count + taken.told, samples_published);
   EXPECT_GE(taken.in_a_row, kept) << "what the publisher still had";
   EXPECT_EQ(published.served, 2U);
 }

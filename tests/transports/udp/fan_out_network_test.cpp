@@ -10,7 +10,7 @@ namespace sft::udp {
 namespace {
 
 constexpr unsigned hosts = 8;
-constexpr std::size_t samples = 100;
+constexpr std::size_t samples_counted = 100;
 
 class FanOutTest : public test::BridgeTest, public testing::WithParamInterface<bool> {
  protected:
@@ -26,8 +26,8 @@ class FanOutTest : public test::BridgeTest, public testing::WithParamInterface<b
   double bytes_of_a_sample() {
     publish();
     const std::uint32_t before = test::traffic_of("bridge").sent;
-    publish(samples);
-    return static_cast<double>(test::traffic_of("bridge").sent - before) / samples;
+    publish(samples_counted);
+    return static_cast<double>(test::traffic_of("bridge").sent - before) / samples_counted;
   }
   /// Measures samples that go out before the first reader is offered a group, which takes a while. There are
   /// fewer of them where the machine is slow.
@@ -36,7 +36,7 @@ class FanOutTest : public test::BridgeTest, public testing::WithParamInterface<b
     const std::uint32_t before = test::traffic_of("bridge").sent;
     std::uint32_t bytes = 0;
     std::size_t count = 0;
-    for (; count < samples && !HasFatalFailure(); ++count) {
+    for (; count < samples_counted && !HasFatalFailure(); ++count) {
       publish();
       if (some_join_groups()) break;
       bytes = test::traffic_of("bridge").sent - before;

@@ -25,7 +25,7 @@ using test::make_image;
 using test::Publisher;
 using test::Subscriber;
 
-void run(const std::string& commands) {
+void run_all(const std::string& commands) {
   ASSERT_EQ(std::system(("sh -ec '" + commands + "'").c_str()), 0) << commands;
 }
 
@@ -89,7 +89,7 @@ class Host {
     idle_.wait(lock, [this] { return !task_; });
   }
   void run_here(const std::string& commands) {
-    here([&] { run(commands); });
+    here([&] { run_all(commands); });
   }
 
   core::Network& open_transport(Backend backend) {
@@ -148,9 +148,9 @@ class PathsTest : public testing::TestWithParam<Family> {
   /// A cable from this host to that one: network `net`, we are its number 1. Frames are cut before it.
   static void plug_in(Host& host, unsigned net, unsigned mtu) {
     const std::string number = std::to_string(net), out = "out" + number, mtus = std::to_string(mtu);
-    run("ip link add " + out + " mtu " + mtus + " type veth peer name in0 mtu " + mtus + " netns " +
-        host.name() + "; " + add_address(net, 1, out) + "; ip link set " + out + " up; ethtool -K " + out +
-        " tx-udp-segmentation off > /dev/null");
+    run_all("ip link add " + out + " mtu " + mtus + " type veth peer name in0 mtu " + mtus + " netns " +
+            host.name() + "; " + add_address(net, 1, out) + "; ip link set " + out + " up; ethtool -K " +
+            out + " tx-udp-segmentation off > /dev/null");
     host.run_here(add_address(net, 2, "in0") + "; ip link set in0 up");
   }
 
@@ -180,11 +180,11 @@ TEST_P(PathsTest, SendsEachHostTheLongestDatagramsThatItsPathTakes) {
   EXPECT_EQ(usual.longest(), payload(1500));
 
   // Shorter from now on: what is refused is cut again, not lost. And longer again.
-  run("ip link set out1 mtu 1280");
+  run_all("ip link set out1 mtu 1280");
   publisher.publish(make_image(300'000));
   EXPECT_EQ(of_jumbo.await(2).size(), 2U);
   EXPECT_EQ(jumbo.longest(), payload(1280));
-  run("ip link set out1 mtu 9000");
+  run_all("ip link set out1 mtu 9000");
   EXPECT_TRUE(near->network_changed());
   near->poll(std::chrono::steady_clock::now());
   publisher.publish(make_image(300'000));
@@ -218,7 +218,7 @@ TEST_P(PathsTest, LearnsFromARouterWhatThePathBehindItTakes) {
                   add_address(2, 1, "r1") + "; ip link set r1 up; echo 1 > /proc/sys/net/" +
                   (ipv6() ? "ipv6/conf/all/forwarding" : "ipv4/ip_forward"));
   far.run_here(add_address(2, 2, "in0") + "; ip link set in0 up; ip route add default via " + address(2, 1));
-  run("ip route add " + address(2, 0) + bits() + " via " + address(1, 2));
+  run_all("ip route add " + address(2, 0) + bits() + " via " + address(1, 2));
   Subscriber subscriber(far.open_transport(Backend::io_uring), {"*"});
   const auto near = open();
   Publisher publisher(*near);
@@ -266,7 +266,7 @@ TEST_P(PathsTest, LosesNoneOfManySmallSamplesWhereALinkTakesLessFromNowOn) {
   subscriber.listen_to(publisher.id());
   publisher.serve({{far.at(ip(1, 2)), "*"}});
   for (std::size_t n = 1; n <= 3; ++n) {
-    if (n == 2) run("ip link set out1 mtu 1300");
+    if (n == 2) run_all("ip link set out1 mtu 1300");
     core::Batch batch = publisher.port().batch(core::BatchPatience::fresh);
     for (int i = 0; i < 100; ++i) {
       const core::SampleHandle sample = publisher.make(make_image(40));

@@ -30,7 +30,7 @@ constexpr auto pause = 5ms;
 constexpr double link_bytes_per_s = 12.5e6;
 
 using sft::test::StandstillWatch;
-using Clock = StandstillWatch::Clock;
+using WatchedClock = StandstillWatch::Clock;
 using Standstills = std::vector<StandstillWatch::Standstill>;
 
 /// A publisher here, and its reader there.
@@ -51,26 +51,27 @@ class SmallTopic {
   SmallTopic(core::Network& near, core::Network& far, const Publisher::Reader& reader, core::EndpointId id)
       : topic_(near, far, reader, id, 2000) {}
   void publish() {
-    published_at_.push_back(Clock::now());
+    published_at_.push_back(WatchedClock::now());
     topic_.publisher.publish(make_image(100));
   }
   /// Returns how long each of the samples took that were published since the last call, but for the time in
   /// which the machine stood still. The times are sorted. A lost sample took forever, unless the machine
   /// stood still when it was under way.
-  std::vector<Clock::duration> times(const Standstills& standstills = {}) {
+  std::vector<WatchedClock::duration> times(const Standstills& standstills = {}) {
     std::vector<std::int64_t> came_ns(published_at_.size());
     for (const auto& sample : topic_.subscriber.await(published_at_.size(), 1s))
       came_ns.at(sample->header().sequence - 1) = sample->receive_stamp_ns;
-    std::vector<Clock::duration> times;
+    std::vector<WatchedClock::duration> times;
     for (; done_ < published_at_.size(); ++done_) {
-      const Clock::time_point from = published_at_[done_];
+      const WatchedClock::time_point from = published_at_[done_];
       const bool lost = came_ns[done_] == 0;
-      const Clock::time_point until = lost ? from + bound : Clock::time_point(came_ns[done_] * 1ns);
-      const Clock::duration still = StandstillWatch::within(standstills, from, until);
+      const WatchedClock::time_point until =
+          lost ? from + bound : WatchedClock::time_point(came_ns[done_] * 1ns);
+      const WatchedClock::duration still = StandstillWatch::within(standstills, from, until);
       if (!lost)
         times.push_back(until - from - still);
       else if (still == 0ns)
-        times.push_back(Clock::duration::max());
+        times.push_back(WatchedClock::duration::max());
     }
     std::ranges::sort(times);
     return times;
@@ -78,7 +79,7 @@ class SmallTopic {
 
  private:
   Topic topic_;
-  std::vector<Clock::time_point> published_at_;
+  std::vector<WatchedClock::time_point> published_at_;
   std::size_t done_ = 0;
 };
 
@@ -146,13 +147,13 @@ TEST_P(ShapedLinkTest, KeepsSmallSamplesFastWhileLargeOnesFillTheLink) {
   ASSERT_LT(small[0]->times().back(), 1s);
 
   StandstillWatch watch(2);
-  const auto began = Clock::now();
+  const auto began = WatchedClock::now();
   sft::test::Pace schedule(pause, sft::test::Keeps::rate);
   for (int step = 0; step < duration / pause; ++step, schedule.await_turn()) {
     for (const auto& topic : small) topic->publish();
     if (step % 2 == 0) large[static_cast<std::size_t>(step / 2 % 4)]->publish();
   }
-  const auto ended = Clock::now();
+  const auto ended = WatchedClock::now();
   std::size_t all = 0, least = SIZE_MAX;
   for (const auto& topic : large) {
     all += topic->came();

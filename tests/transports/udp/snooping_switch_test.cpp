@@ -7,7 +7,7 @@
 namespace sft::udp {
 namespace {
 
-constexpr std::size_t samples = 100;
+constexpr std::size_t samples_watched = 100;
 constexpr std::size_t sample_bytes = 8000;  // no less
 constexpr const char* bystander = "port4";
 
@@ -38,7 +38,7 @@ class SnoopingSwitchTest : public test::BridgeTest {
     return publish_until([this] {
       if (!all_are_in_groups()) return false;
       const std::uint32_t before = test::traffic_of(bystander).sent;
-      publish(samples);
+      publish(samples_watched);
       return test::traffic_of(bystander).sent - before < sample_bytes;
     });
   }
@@ -54,11 +54,11 @@ TEST_F(SnoopingSwitchTest, PassesAGroupOnToItsMembersOnly) {
   const std::uint32_t sent = test::traffic_of("port1").received;
   const std::uint32_t to_one = test::traffic_of("port2").sent, to_other = test::traffic_of("port3").sent;
   const std::uint32_t to_bystander = test::traffic_of(bystander).sent;
-  publish(samples);
+  publish(samples_watched);
   EXPECT_TRUE(all_came());
-  EXPECT_LT(test::traffic_of("port1").received - sent, samples * sample_bytes * 3 / 2) << "one copy";
-  EXPECT_GE(test::traffic_of("port2").sent - to_one, samples * sample_bytes);
-  EXPECT_GE(test::traffic_of("port3").sent - to_other, samples * sample_bytes);
+  EXPECT_LT(test::traffic_of("port1").received - sent, samples_watched * sample_bytes * 3 / 2) << "one copy";
+  EXPECT_GE(test::traffic_of("port2").sent - to_one, samples_watched * sample_bytes);
+  EXPECT_GE(test::traffic_of("port3").sent - to_other, samples_watched * sample_bytes);
   EXPECT_LT(test::traffic_of(bystander).sent - to_bystander, sample_bytes);
 }
 
@@ -70,13 +70,14 @@ TEST_F(SnoopingSwitchTest, CostsNoSampleWhilePassingNothingOnForWantOfAQuerier) 
   serve(2);
   ASSERT_TRUE(publish_until([this] { return publisher_->port().multicast(1).starts_with("group "); }));
   const std::uint32_t sent = test::traffic_of("port1").received, to_one = test::traffic_of("port2").sent;
-  for (std::size_t i = 0; i < samples; ++i) {
+  for (std::size_t i = 0; i < samples_watched; ++i) {
     publish();
     ASSERT_FALSE(HasFatalFailure() || hears(1) || hears(2));
   }
   EXPECT_TRUE(all_came());
-  EXPECT_GE(test::traffic_of("port1").received - sent, 3 * samples * sample_bytes) << "two, and the group's";
-  EXPECT_LT(test::traffic_of("port2").sent - to_one, samples * sample_bytes * 3 / 2);
+  EXPECT_GE(test::traffic_of("port1").received - sent, 3 * samples_watched * sample_bytes)
+      << "two, and the group's";
+  EXPECT_LT(test::traffic_of("port2").sent - to_one, samples_watched * sample_bytes * 3 / 2);
   switch_querier_on();
   EXPECT_TRUE(group_passes_to_members_only()) << publisher_->port().multicast(1);
 }

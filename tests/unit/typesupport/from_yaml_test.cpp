@@ -43,7 +43,7 @@ template <class T>
 }
 
 template <class T>
-std::string fault(std::string_view yaml) {
+std::string yaml_fault(std::string_view yaml) {
   const auto payload = payload_of<T>(yaml);
   return payload ? "" : payload.error().message;
 }
@@ -75,27 +75,28 @@ TEST(FromYamlTest, AScalarIsWhatItsFieldNeeds) {
 }
 
 TEST(FromYamlTest, WhatIsNotOfTheTypeIsNamedByItsPath) {
-  EXPECT_EQ(fault<PointCloud2>("fields: [{}, {offset: -1}]"),
+  EXPECT_EQ(yaml_fault<PointCloud2>("fields: [{}, {offset: -1}]"),
             "'fields[1].offset' is -1; an integer from 0 to 4294967295 was expected");
-  EXPECT_EQ(fault<PointCloud2>("width: '7'"),
+  EXPECT_EQ(yaml_fault<PointCloud2>("width: '7'"),
             "'width' is \"7\"; an integer from 0 to 4294967295 was expected");
-  EXPECT_EQ(fault<PointCloud2>("widht: 7"),
+  EXPECT_EQ(yaml_fault<PointCloud2>("widht: 7"),
             "'widht' is no member of sensor_msgs::msg::PointCloud2; did you mean 'width'?");
-  EXPECT_EQ(fault<PointCloud2>("header:\n  frame_id:\n"), "'header.frame_id' is null; a string was expected");
-  EXPECT_EQ(fault<PointCloud2>("fields: x"), "'fields' is \"x\"; an array was expected");
-  EXPECT_EQ(fault<PointCloud2>("width: [1]"),
+  EXPECT_EQ(yaml_fault<PointCloud2>("header:\n  frame_id:\n"),
+            "'header.frame_id' is null; a string was expected");
+  EXPECT_EQ(yaml_fault<PointCloud2>("fields: x"), "'fields' is \"x\"; an array was expected");
+  EXPECT_EQ(yaml_fault<PointCloud2>("width: [1]"),
             "'width' is an array; an integer from 0 to 4294967295 was expected");
-  EXPECT_EQ(fault<PointCloud2>(""),
+  EXPECT_EQ(yaml_fault<PointCloud2>(""),
             "the message is null; an object with the members of sensor_msgs::msg::PointCloud2 was expected");
 }
 
 TEST(FromYamlTest, WhatIsNoYamlIsNamedByItsPlace) {
-  EXPECT_THAT(fault<PointCloud2>("header:\n  frame_id: [\n"), HasSubstr("this is no YAML in line "));
-  EXPECT_EQ(fault<PointCloud2>("width: 1\nheight: 2\nwidth: 3\n"),
+  EXPECT_THAT(yaml_fault<PointCloud2>("header:\n  frame_id: [\n"), HasSubstr("this is no YAML in line "));
+  EXPECT_EQ(yaml_fault<PointCloud2>("width: 1\nheight: 2\nwidth: 3\n"),
             "'width' stands twice in one mapping, the second time in line 3, column 1");
-  EXPECT_EQ(fault<PointCloud2>("width: 1\n---\nwidth: 2\n"),
+  EXPECT_EQ(yaml_fault<PointCloud2>("width: 1\n---\nwidth: 2\n"),
             "there is more behind the first document of YAML; one message was expected");
-  EXPECT_NE(fault<PointCloud2>(",width: 1"), "");
+  EXPECT_NE(yaml_fault<PointCloud2>(",width: 1"), "");
 }
 
 TEST(FromYamlTest, AliasesThatMakeMuchOfLittleAreRefused) {
@@ -109,14 +110,14 @@ TEST(FromYamlTest, AliasesThatMakeMuchOfLittleAreRefused) {
   for (int i = 0; i < 500; ++i) yaml += "{x: 1}, ";
   yaml += "], colors: [], text: a}, ";
   for (int i = 0; i < 5000; ++i) yaml += "*m, ";
-  EXPECT_THAT(fault<visualization_msgs::msg::MarkerArray>(yaml + "]}"),
+  EXPECT_THAT(yaml_fault<visualization_msgs::msg::MarkerArray>(yaml + "]}"),
               HasSubstr("aliases multiply the values of the text too often"));
 }
 
 TEST(FromYamlTest, DeepNestingIsRefusedAndNoHarm) {
   const std::string deep(100'000, '[');
-  EXPECT_NE(fault<PointCloud2>("width: " + deep), "");
-  EXPECT_NE(fault<PointCloud2>("width: " + std::string(100'000, '{')), "");
+  EXPECT_NE(yaml_fault<PointCloud2>("width: " + deep), "");
+  EXPECT_NE(yaml_fault<PointCloud2>("width: " + std::string(100'000, '{')), "");
 }
 
 class DamagedYaml : public test::RandomTest {};
@@ -126,7 +127,7 @@ TEST_F(DamagedYaml, IsAnErrorOrAWholeMessage) {
       "header: {stamp: {sec: 7, nanosec: 0}, frame_id: \"a\\x41\"}\nheight: !!int 1\nfields:\n- &f\n  name: "
       "|\n"
       "    x\n  offset: 0x10\n- *f\n- {name: 'y', ? count : 1}\ndata: [1, 2, 255]\nis_dense: true # yes\n";
-  ASSERT_TRUE(payload_of<PointCloud2>(good)) << fault<PointCloud2>(good);
+  ASSERT_TRUE(payload_of<PointCloud2>(good)) << yaml_fault<PointCloud2>(good);
   const std::string_view alphabet = "{}[]:,-&*!|>'\"\n \t#?%@\\\x7f\xff~a0<.";
   const std::uint64_t rounds = test::test_rounds(5000);
   std::uint64_t errors = 0;

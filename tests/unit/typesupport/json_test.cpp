@@ -108,7 +108,7 @@ TEST(JsonTest, WhatIsMalformedOrTooLongIsAnError) {
 // ---- from JSON ----
 
 template <class T>
-std::string fault(std::string_view json, std::size_t bytes_max = 1000) {
+std::string json_fault(std::string_view json, std::size_t bytes_max = 1000) {
   const auto payload = cdr_from_json(TypeTable<T>::type, json, {.bytes_max = bytes_max});
   return payload ? "" : payload.error().message;
 }
@@ -131,43 +131,44 @@ TEST(FromJsonTest, MembersComeInAnyOrderAndWhatIsLeftOutIsZeroOrEmpty) {
 }
 
 TEST(FromJsonTest, WhatIsNotOfTheTypeIsNamedByItsPathWithWhatWasExpected) {
-  EXPECT_EQ(fault<PointCloud2>(R"({"fields": [{}, {"offset": -1}]})"),
+  EXPECT_EQ(json_fault<PointCloud2>(R"({"fields": [{}, {"offset": -1}]})"),
             "'fields[1].offset' is -1; an integer from 0 to 4294967295 was expected");
-  EXPECT_EQ(fault<PointCloud2>(R"({"header": {"frame_id": 7}})"),
+  EXPECT_EQ(json_fault<PointCloud2>(R"({"header": {"frame_id": 7}})"),
             "'header.frame_id' is 7; a string was expected");
-  EXPECT_EQ(fault<PointCloud2>(R"({"is_dense": 1})"), "'is_dense' is 1; true or false was expected");
-  EXPECT_EQ(fault<PointCloud2>(R"({"header": []})"),
+  EXPECT_EQ(json_fault<PointCloud2>(R"({"is_dense": 1})"), "'is_dense' is 1; true or false was expected");
+  EXPECT_EQ(json_fault<PointCloud2>(R"({"header": []})"),
             "'header' is an array; an object with the members of std_msgs::msg::Header was expected");
-  EXPECT_EQ(fault<PointCloud2>(R"({"fields": {}})"), "'fields' is an object; an array was expected");
-  EXPECT_EQ(fault<PointCloud2>(R"({"data": "Zm8"})"), "'data' is no base64 (RFC 4648, padded)");
-  EXPECT_EQ(fault<PointCloud2>(R"({"data": [256]})"),
+  EXPECT_EQ(json_fault<PointCloud2>(R"({"fields": {}})"), "'fields' is an object; an array was expected");
+  EXPECT_EQ(json_fault<PointCloud2>(R"({"data": "Zm8"})"), "'data' is no base64 (RFC 4648, padded)");
+  EXPECT_EQ(json_fault<PointCloud2>(R"({"data": [256]})"),
             "'data[0]' is 256; an integer from 0 to 255 was expected");
-  EXPECT_EQ(fault<PointCloud2>("7"),
+  EXPECT_EQ(json_fault<PointCloud2>("7"),
             "the message is 7; an object with the members of sensor_msgs::msg::PointCloud2 was expected");
   EXPECT_EQ(
-      fault<torture::Primitives>(R"({"a_float": "much"})"),
+      json_fault<torture::Primitives>(R"({"a_float": "much"})"),
       R"('a_float' is "much"; a number that a float holds, "NaN", "Infinity" or "-Infinity" was expected)");
-  EXPECT_EQ(fault<torture::Primitives>(R"({"a_float": 1e300})").substr(0, 18), "'a_float' is 1e+30");
-  EXPECT_EQ(fault<torture::Primitives>(R"({"a_char": "ab"})"),
+  EXPECT_EQ(json_fault<torture::Primitives>(R"({"a_float": 1e300})").substr(0, 18), "'a_float' is 1e+30");
+  EXPECT_EQ(json_fault<torture::Primitives>(R"({"a_char": "ab"})"),
             R"('a_char' is "ab"; a string of one ASCII character was expected)");
-  EXPECT_NE(fault<torture::Sequences>(R"({"colors": ["MAUVE"]})").find("'colors[0]' is \"MAUVE\"; one of "),
-            std::string::npos);
+  EXPECT_NE(
+      json_fault<torture::Sequences>(R"({"colors": ["MAUVE"]})").find("'colors[0]' is \"MAUVE\"; one of "),
+      std::string::npos);
 }
 
 TEST(FromJsonTest, AMemberThatTheTypeDoesNotHaveIsAnErrorThatNamesTheNearest) {
-  EXPECT_EQ(fault<PointCloud2>(R"({"header": {"frameid": "x"}})"),
+  EXPECT_EQ(json_fault<PointCloud2>(R"({"header": {"frameid": "x"}})"),
             "'header.frameid' is no member of std_msgs::msg::Header; did you mean 'frame_id'?");
 }
 
 TEST(FromJsonTest, TextsWithANulAndTextsThatAreNoJsonAreErrors) {
-  EXPECT_EQ(fault<PointCloud2>(R"({"header": {"frame_id": "a\u0000"}})"),
+  EXPECT_EQ(json_fault<PointCloud2>(R"({"header": {"frame_id": "a\u0000"}})"),
             "'header.frame_id' has a NUL in it; a string ends at its first one");
-  EXPECT_EQ(fault<PointCloud2>(R"({"width": )"), "the text is no JSON: the error is at byte 11");
-  EXPECT_EQ(fault<PointCloud2>(""), "the text is no JSON: the error is at byte 1");
+  EXPECT_EQ(json_fault<PointCloud2>(R"({"width": )"), "the text is no JSON: the error is at byte 11");
+  EXPECT_EQ(json_fault<PointCloud2>(""), "the text is no JSON: the error is at byte 1");
 }
 
 TEST(FromJsonTest, AMessageThatIsTooLargeIsRefusedWhereItBecomesThat) {
-  EXPECT_EQ(fault<PointCloud2>(R"({"data": [1, 2, 3]})", 45),
+  EXPECT_EQ(json_fault<PointCloud2>(R"({"data": [1, 2, 3]})", 45),
             "'data[1]' is where the message has more than 45 bytes");
 }
 
@@ -190,7 +191,7 @@ TEST(FromJsonTest, AStampMayBeNowAndAHeaderAuto) {
 }
 
 TEST(FromJsonTest, WithoutAClockNowIsNoStamp) {
-  EXPECT_EQ(fault<PointCloud2>(R"({"header": {"stamp": "now"}})"),
+  EXPECT_EQ(json_fault<PointCloud2>(R"({"header": {"stamp": "now"}})"),
             "'header.stamp' is \"now\"; an object with the members of builtin_interfaces::msg::Time was "
             "expected");
 }

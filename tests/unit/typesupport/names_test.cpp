@@ -72,10 +72,11 @@ TEST(NamesTest, AreGettersInElementsToo) {
 }
 
 TEST(NamesTest, AreNamesOfFields) {
-  using F = InSequences::Field;
-  EXPECT_EQ(to_string(F::size.size | F::size.each.size), "size.size, size[].size");
-  EXPECT_EQ(to_string(F::each.each.each | F::view.mask), "each[].each, view.mask");
-  EXPECT_EQ(to_string(F::data.each.data | F::begin | F::end.each.end), "data[].data, begin, end[].end");
+  using Inner = InSequences::Field;
+  EXPECT_EQ(to_string(Inner::size.size | Inner::size.each.size), "size.size, size[].size");
+  EXPECT_EQ(to_string(Inner::each.each.each | Inner::view.mask), "each[].each, view.mask");
+  EXPECT_EQ(to_string(Inner::data.each.data | Inner::begin | Inner::end.each.end),
+            "data[].data, begin, end[].end");
   EXPECT_EQ(to_string(Names::Field::empty | Names::Field::words), "empty, words");
 }
 

@@ -126,7 +126,7 @@ class Handmade {
 Handmade with_structs(std::uint64_t n) { return Handmade().byte(1).number(0).number(n); }
 
 constexpr unsigned uint8 = 4;
-constexpr unsigned nested = 14;
+constexpr unsigned nested_kind = 14;
 constexpr unsigned array = 1 << 4;
 constexpr unsigned sequence = 2 << 4;
 constexpr unsigned attributes = 1 << 7;
@@ -183,22 +183,25 @@ TEST(HostileDescriptionTest, EnumerationsHaveEnumeratorsThatFit) {
 }
 
 TEST(HostileDescriptionTest, OnlyEarlierStructsCanBeReferencedSoThatNothingIsRecursive) {
-  EXPECT_THAT(with_structs(1).structure("A", {{nested | sequence, "self", 0}}).error(), HasSubstr("earlier"));
-  EXPECT_THAT(with_structs(1).structure("A", {{nested, "none", UINT64_MAX}}).error(), HasSubstr("earlier"));
+  EXPECT_THAT(with_structs(1).structure("A", {{nested_kind | sequence, "self", 0}}).error(),
+              HasSubstr("earlier"));
+  EXPECT_THAT(with_structs(1).structure("A", {{nested_kind, "none", UINT64_MAX}}).error(),
+              HasSubstr("earlier"));
 }
 
 TEST(HostileDescriptionTest, ExponentialNestingIsRefusedBeforeItIsWalked) {
   Handmade bomb = with_structs(40);
   bomb.structure("S0", {{uint8, "a"}, {uint8, "b"}});
   for (std::uint64_t i = 1; i < 40; ++i)
-    bomb.structure("S" + std::to_string(i), {{nested, "a", i - 1}, {nested, "b", i - 1}});
+    bomb.structure("S" + std::to_string(i), {{nested_kind, "a", i - 1}, {nested_kind, "b", i - 1}});
   EXPECT_THAT(bomb.error(), HasSubstr("more than 4096 fields"));
 }
 
 TEST(HostileDescriptionTest, DepthIsLimited) {
   const auto nest = [](std::uint64_t depth) {
     Handmade deep = with_structs(depth).structure("S0", {{uint8, "a"}});
-    for (std::uint64_t i = 1; i < depth; ++i) deep.structure("S" + std::to_string(i), {{nested, "a", i - 1}});
+    for (std::uint64_t i = 1; i < depth; ++i)
+      deep.structure("S" + std::to_string(i), {{nested_kind, "a", i - 1}});
     return deep.error();
   };
   EXPECT_EQ(nest(16), "");
@@ -211,7 +214,7 @@ TEST(HostileDescriptionTest, LongNamesThatAreRepeatedInManyPathsAreRefused) {
   for (int i = 0; i < 64; ++i) members.push_back({uint8, std::string(250, 'x') + std::to_string(i)});
   wide.structure("A", members);
   members.clear();
-  for (int i = 0; i < 8; ++i) members.push_back({nested, std::string(250, 'y') + std::to_string(i), 0});
+  for (int i = 0; i < 8; ++i) members.push_back({nested_kind, std::string(250, 'y') + std::to_string(i), 0});
   wide.structure("B", members);
   for (auto& m : members) m.type = 1;
   EXPECT_THAT(wide.structure("C", members).error(), HasSubstr("bytes of paths"));
@@ -231,7 +234,7 @@ TEST(HostileDescriptionTest, WhatIsOrderedOtherwiseRepeatedOrUnusedIsRefused) {
   EXPECT_THAT(with_structs(3)
                   .structure("A", x)
                   .structure("B", x)
-                  .structure("C", {{nested, "b", 1}, {nested, "a", 0}})
+                  .structure("C", {{nested_kind, "b", 1}, {nested_kind, "a", 0}})
                   .error(),
               HasSubstr("order"));
   EXPECT_THAT(with_structs(1).text("A").byte(0x81).byte(0).byte(uint8).text("x").error(), HasSubstr("order"))

@@ -28,7 +28,7 @@ std::string yaml_of(const T& value, const Mask<T>& mask = all<T>, const YamlOpti
   return to_yaml(DynamicView(encoded.state(), type.type()), options).value();
 }
 
-PointCloud2 cloud() {
+PointCloud2 cloud_in_yaml() {
   PointCloud2 c;
   c.header.stamp.sec = 7;
   c.header.frame_id = "lidar";
@@ -42,7 +42,7 @@ PointCloud2 cloud() {
 }
 
 TEST(YamlTest, IsABlockPerStructAndAFlowPerSequenceOfNumbers) {
-  EXPECT_EQ(yaml_of(cloud()),
+  EXPECT_EQ(yaml_of(cloud_in_yaml()),
             "header:\n"
             "  stamp:\n"
             "    sec: 7\n"
@@ -67,20 +67,20 @@ TEST(YamlTest, IsABlockPerStructAndAFlowPerSequenceOfNumbers) {
 }
 
 TEST(YamlTest, LeavesOutWhatIsNotInTheSample) {
-  EXPECT_EQ(yaml_of(cloud(), F::header.frame_id | F::fields.each.name),
+  EXPECT_EQ(yaml_of(cloud_in_yaml(), F::header.frame_id | F::fields.each.name),
             "header:\n"
             "  frame_id: lidar\n"
             "fields:\n"
             "- name: x\n"
             "- name: \"y axis: right\"\n");
-  EXPECT_EQ(yaml_of<PointCloud2>(cloud(), F::fields.size), "fields.size: 2\n");
-  EXPECT_EQ(yaml_of(cloud(), Mask<PointCloud2>{}), "{}\n");
+  EXPECT_EQ(yaml_of<PointCloud2>(cloud_in_yaml(), F::fields.size), "fields.size: 2\n");
+  EXPECT_EQ(yaml_of(cloud_in_yaml(), Mask<PointCloud2>{}), "{}\n");
 }
 
 TEST(YamlTest, SaysHowManyElementsAreBeyondTheLimit) {
-  EXPECT_EQ(yaml_of<PointCloud2>(cloud(), F::data, {.elements_max = 3}),
+  EXPECT_EQ(yaml_of<PointCloud2>(cloud_in_yaml(), F::data, {.elements_max = 3}),
             "data: [0, 97, 194]  # ... 1 more\n");
-  EXPECT_EQ(yaml_of<PointCloud2>(cloud(), F::fields.each.offset, {.elements_max = 1}),
+  EXPECT_EQ(yaml_of<PointCloud2>(cloud_in_yaml(), F::fields.each.offset, {.elements_max = 1}),
             "fields:\n"
             "- offset: 0\n"
             "# ... 1 more\n");
@@ -91,7 +91,7 @@ TEST(YamlTest, EmptySequencesAreEmptyFlows) {
 }
 
 TEST(YamlTest, PartsOfASampleCanBePrintedAlone) {
-  const Encoded encoded(cloud());
+  const Encoded encoded(cloud_in_yaml());
   const DynamicView view(encoded.state(), TypeTable<PointCloud2>::type);
   EXPECT_EQ(to_yaml(view["header"]["stamp"]), "sec: 7\nnanosec: 0\n");
   EXPECT_EQ(to_yaml(view["height"]), "2\n");
@@ -179,7 +179,7 @@ TEST(YamlTest, EnumerationsCharactersAndUnitsAreReadable) {
 }
 
 TEST(YamlTest, WhatIsMalformedIsAnError) {
-  Encoded encoded(cloud());
+  Encoded encoded(cloud_in_yaml());
   const std::uint32_t length = 1000;
   std::memcpy(encoded.body() + encoded.index()[9], &length, sizeof length);
   const auto yaml = to_yaml(DynamicView(encoded.state(), TypeTable<PointCloud2>::type));
@@ -189,7 +189,7 @@ TEST(YamlTest, WhatIsMalformedIsAnError) {
 }
 
 TEST(YamlTest, TheLengthOfTheWholeTextIsLimited) {
-  const Encoded encoded(cloud());
+  const Encoded encoded(cloud_in_yaml());
   const auto yaml =
       to_yaml(DynamicView(encoded.state(), TypeTable<PointCloud2>::type), {.output_bytes_max = 50});
   ASSERT_FALSE(yaml);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "core/seam/transport.h"
@@ -13,7 +14,8 @@ namespace sft::udp::test {
 using Bytes = std::vector<std::byte>;
 
 /// The writer of the samples, where a test has one writer.
-inline constexpr core::EndpointId writer = 0xaaaa'bbbb'0000'0001;
+inline constexpr core::EndpointId lone_writer = 0xaaaa'bbbb'0000'0001;
+inline constexpr std::uint32_t short_id = static_cast<std::uint32_t>(lone_writer);
 
 inline void append_datagrams(std::span<const iovec> parts, std::size_t segment_bytes,
                              std::vector<Bytes>& out) {

@@ -19,15 +19,15 @@ DdsConfig config(const std::string& user, const DiscoverySettings& settings = {}
   return dds_config(0, settings, user).value();
 }
 
-const LinkSpec lo{"lo", loopback_ipv4, 8, true, true, 1};
-const LinkSpec eth0{"eth0", IpAddress(0x0A000005), 24, false, false, 2};
+const LinkSpec loopback{"lo", loopback_ipv4, 8, true, true, 1};
+const LinkSpec card{"eth0", IpAddress(0x0A000005), 24, false, false, 2};
 
 /// Returns the settings that Cyclone gets in the end, for the loopback unless another link is given.
-CycloneSettings heard(const DdsConfig& config, const LinkSpec& link = lo) {
+CycloneSettings heard(const DdsConfig& config, const LinkSpec& link = loopback) {
   return CycloneSettings::read(config.text_for(link), 0).value();
 }
 std::optional<std::string> in_force(const DdsConfig& config, std::string_view path,
-                                    const LinkSpec& link = lo) {
+                                    const LinkSpec& link = loopback) {
   return heard(config, link).value(path);
 }
 auto is(const char* value) { return Optional(std::string(value)); }
@@ -43,13 +43,13 @@ TEST(DdsConfig, OfTheUserWinsOverOurs) {
   EXPECT_THAT(theirs.warnings, IsEmpty());
 }
 
-struct Case {
+struct Breakage {
   const char* user;
   const char* path;
   const char* in_force;
 };
 
-class WhatBreaksSft : public testing::TestWithParam<Case> {};
+class WhatBreaksSft : public testing::TestWithParam<Breakage> {};
 
 TEST_P(WhatBreaksSft, DoesNotHoldAndIsSaid) {
   const auto c = config(GetParam().user);
@@ -61,15 +61,15 @@ TEST_P(WhatBreaksSft, DoesNotHoldAndIsSaid) {
 INSTANTIATE_TEST_SUITE_P(
     DdsConfig, WhatBreaksSft,
     testing::Values(
-        Case{"<SharedMemory><Enable>true</></>", "SharedMemory/Enable", "false"},
-        Case{"<Shared><En>TRUE", "SharedMemory/Enable", "false"},
-        Case{"<General><EnableMulticastLoopback>false</></>", "General/EnableMulticastLoopback", "true"},
-        Case{"<General><FragmentSize>0 B</></>", "General/FragmentSize", "1344 B"},
-        Case{"<Internal><FragmentSize>100</></>", "General/FragmentSize", "1344 B"},
-        Case{"<Internal><MaxSampleSize>1 kB</></>", "Internal/MaxSampleSize", "2147483647 B"},
-        Case{"<Compatibility><ManySocketsMode>none</></>", "Compatibility/ManySocketsMode", "single"},
-        Case{"<General><AllowMulticast>false</></><Discovery><ParticipantIndex>none</></>",
-             "Discovery/ParticipantIndex", "auto"}),
+        Breakage{"<SharedMemory><Enable>true</></>", "SharedMemory/Enable", "false"},
+        Breakage{"<Shared><En>TRUE", "SharedMemory/Enable", "false"},
+        Breakage{"<General><EnableMulticastLoopback>false</></>", "General/EnableMulticastLoopback", "true"},
+        Breakage{"<General><FragmentSize>0 B</></>", "General/FragmentSize", "1344 B"},
+        Breakage{"<Internal><FragmentSize>100</></>", "General/FragmentSize", "1344 B"},
+        Breakage{"<Internal><MaxSampleSize>1 kB</></>", "Internal/MaxSampleSize", "2147483647 B"},
+        Breakage{"<Compatibility><ManySocketsMode>none</></>", "Compatibility/ManySocketsMode", "single"},
+        Breakage{"<General><AllowMulticast>false</></><Discovery><ParticipantIndex>none</></>",
+                 "Discovery/ParticipantIndex", "auto"}),
     [](const auto& param) { return "Case" + std::to_string(param.index); });
 
 TEST(DdsConfig, OfTheUserHoldsWhereItOnlyLooksDangerous) {
@@ -104,13 +104,14 @@ TEST(DdsConfig, ThatWouldSilenceTheControlTopicsIsAnError) {
 TEST(DdsConfig, WithPeersPutsNodesAtPortsThatCanBeGuessed) {
   const auto c = config("", {.peers = {"10.0.0.7", "robot.local"}});
   EXPECT_THAT(in_force(c, "Discovery/ParticipantIndex"), is("auto"));
-  EXPECT_THAT(heard(c, eth0).values("Discovery/Peers/Peer/@Address"), ElementsAre("10.0.0.7", "robot.local"));
-  EXPECT_THAT(heard(c, lo).values("Discovery/Peers/Peer/@Address"), IsEmpty()) << "nobody is reached by it";
-  EXPECT_EQ(in_force(c, "General/DontRoute", eth0), std::nullopt) << "they may be behind a router";
-  EXPECT_THAT(in_force(config(""), "General/DontRoute", eth0), is("true"));
+  EXPECT_THAT(heard(c, card).values("Discovery/Peers/Peer/@Address"), ElementsAre("10.0.0.7", "robot.local"));
+  EXPECT_THAT(heard(c, loopback).values("Discovery/Peers/Peer/@Address"), IsEmpty())
+      << "nobody is reached by it";
+  EXPECT_EQ(in_force(c, "General/DontRoute", card), std::nullopt) << "they may be behind a router";
+  EXPECT_THAT(in_force(config(""), "General/DontRoute", card), is("true"));
   EXPECT_THAT(in_force(c, "General/AllowMulticast"), is("spdp")) << "what follows might not reach them";
   EXPECT_FALSE(c.multicast);
-  EXPECT_EQ(c.summary(std::vector{lo, eth0}),
+  EXPECT_EQ(c.summary(std::vector{loopback, card}),
             "by multicast on lo, eth0 (10.0.0.5), and on the peers 10.0.0.7, robot.local");
   EXPECT_EQ(in_force(config(""), "Discovery/ParticipantIndex"), std::nullopt)
       << "that limits how many there can be";
@@ -122,13 +123,13 @@ TEST(DdsConfig, WithoutMulticastFindsNodesOfThisHostAllTheSame) {
   for (const auto& c :
        {config("", {.peers = {"a"}, .multicast = false}),
         config("<General><AllowMulticast>false</></><Discovery><Peers><Peer Address='a'/></></>")}) {
-    EXPECT_THAT(heard(c, lo).values("Discovery/Peers/Peer/@Address"), testing::Contains("localhost"));
-    EXPECT_THAT(heard(c, eth0).values("Discovery/Peers/Peer/@Address"), ElementsAre("a"));
+    EXPECT_THAT(heard(c, loopback).values("Discovery/Peers/Peer/@Address"), testing::Contains("localhost"));
+    EXPECT_THAT(heard(c, card).values("Discovery/Peers/Peer/@Address"), ElementsAre("a"));
     EXPECT_THAT(in_force(c, "General/AllowMulticast"), is("false"));
     EXPECT_FALSE(c.multicast);
     EXPECT_THAT(in_force(c, "Discovery/ParticipantIndex"), is("auto"));
     EXPECT_THAT(c.warnings, IsEmpty());
-    EXPECT_EQ(c.summary(std::vector{lo}), "on this host, and on the peers a, by lo");
+    EXPECT_EQ(c.summary(std::vector{loopback}), "on this host, and on the peers a, by lo");
   }
   EXPECT_THAT(config("", {.multicast = false}).warnings, ElementsAre(HasSubstr("only nodes of this host")));
 }
@@ -141,7 +142,7 @@ TEST(DdsConfig, GivesEachLinkItsAddressAndTheUsersOfThemNone) {
   const auto theirs = config(user, settings);
   EXPECT_THAT(theirs.interfaces, ElementsAre("wlan0"));
   EXPECT_THAT(theirs.warnings, ElementsAre(HasSubstr("CYCLONEDDS_URI chooses the network interfaces")));
-  const CycloneSettings in_the_end = heard(theirs, eth0);
+  const CycloneSettings in_the_end = heard(theirs, card);
   EXPECT_THAT(in_the_end.values("General/Interfaces/NetworkInterface/@name"), IsEmpty());
   EXPECT_THAT(in_the_end.values("General/Interfaces/NetworkInterface/@address"), ElementsAre("10.0.0.5"));
   EXPECT_THAT(in_the_end.value("General/FragmentSize"), is("2 kB"));
@@ -160,16 +161,16 @@ TEST(DdsConfig, OfADomainHoldsForItsLinksWhateverTheirNumbersInTheProcess) {
   const auto c = dds_config(5, {},
                             "<Domain Id='5'><Discovery><LeaseDuration>77 s</></></><Domain "
                             "Id='6'><Internal><NackDelay>6 s</></></>");
-  const auto in_the_end = CycloneSettings::read(c->text_for(eth0), 1001).value();
+  const auto in_the_end = CycloneSettings::read(c->text_for(card), 1001).value();
   EXPECT_THAT(in_the_end.value("Discovery/LeaseDuration"), is("77 s"));
   EXPECT_THAT(in_the_end.value("Internal/NackDelay"), is("1 ms"));
   EXPECT_THAT(in_the_end.value("Discovery/ExternalDomainId"), is("5"));
 }
 
 TEST(DdsConfig, LetsNodesOfOneHostMeetOnTheLoopbackAlone) {
-  EXPECT_THAT(in_force(config(""), "General/EnableMulticastLoopback", lo), is("true"));
-  EXPECT_THAT(in_force(config(""), "General/EnableMulticastLoopback", eth0), is("false"));
-  EXPECT_THAT(in_force(config(""), "General/EnableMulticastLoopback", {"eth0", eth0.ip, 24, false, true, 2}),
+  EXPECT_THAT(in_force(config(""), "General/EnableMulticastLoopback", loopback), is("true"));
+  EXPECT_THAT(in_force(config(""), "General/EnableMulticastLoopback", card), is("false"));
+  EXPECT_THAT(in_force(config(""), "General/EnableMulticastLoopback", {"eth0", card.ip, 24, false, true, 2}),
               is("true"));
 }
 

@@ -15,24 +15,24 @@ using Missing = HearingWatch::Missing;
 using Remedy = HearingWatch::Remedy;
 
 constexpr LinkId lan = 1;
-constexpr NodeId node = 77;
-constexpr Speaker peer{lan, 11}, other{lan, 12};
-constexpr std::uint32_t all = 1234;
-constexpr auto lease = 5000ms, participant_lease = 20'000ms;
+constexpr NodeId heard_node = 77;
+constexpr Speaker its_peer{lan, 11}, other_peer{lan, 12};
+constexpr std::uint32_t all_said = 1234;
+constexpr auto its_lease = 5000ms, participant_lease = 20'000ms;
 
 class HearingWatchTest : public ::testing::Test {
  protected:
   HearingWatchTest() {
     watch.link_made(lan);
-    watch.participant_came(peer, now);
-    watch.participant_speaks(peer, now);
+    watch.participant_came(its_peer, now);
+    watch.participant_speaks(its_peer, now);
   }
 
   /// Time passes in which the peer says that it lives, and what it has announced; nothing if that is 0.
-  void passes(std::chrono::milliseconds duration, std::uint32_t said = all) {
+  void passes(std::chrono::milliseconds duration, std::uint32_t said = all_said) {
     for (const auto end = now + duration; now < end;) {
       now += 500ms;
-      if (said != 0) watch.heard_life(peer, node, said, lease, now);
+      if (said != 0) watch.heard_life(its_peer, heard_node, said, its_lease, now);
       look();
     }
   }
@@ -45,25 +45,25 @@ class HearingWatchTest : public ::testing::Test {
     }
   }
   /// A participant of the node comes, and says that the node lives.
-  void comes(Speaker speaker, NodeId of = node) {
+  void comes(Speaker speaker, NodeId of = heard_node) {
     watch.participant_came(speaker, now);
     watch.participant_speaks(speaker, now);
-    known[speaker] = all;
-    watch.heard_life(speaker, of, all, lease, now);
+    known[speaker] = all_said;
+    watch.heard_life(speaker, of, all_said, its_lease, now);
   }
   /// Somebody else has said something in the peer's name, which says itself what it said before.
   void is_forged() {
-    known[peer] = all + 7;
+    known[its_peer] = all_said + 7;
     now += 50ms;
     look();
     now += 150ms;
-    watch.heard_life(peer, node, all, lease, now);
+    watch.heard_life(its_peer, heard_node, all_said, its_lease, now);
     look();
   }
 
   HearingWatch watch;
   Time now{1000s};
-  std::map<Speaker, std::uint32_t> known{{peer, all}};
+  std::map<Speaker, std::uint32_t> known{{its_peer, all_said}};
   std::optional<Missing> deaf;
   std::vector<Remedy> remedies;
 };
@@ -83,10 +83,10 @@ TEST_F(HearingWatchTest, MissesSignsOfLifeThatCycloneSaysCome) {
 
 TEST_F(HearingWatchTest, DoesNotMissANodeOfWhichCycloneSaysThatItIsSilent) {
   passes(3s);
-  watch.life_ended(lan, node);
+  watch.life_ended(lan, heard_node);
   passes(20s, 0);
   EXPECT_FALSE(deaf) << "it was killed, and its participant is not forgotten yet";
-  watch.participant_departed(peer);
+  watch.participant_departed(its_peer);
   passes(100s, 0);
   EXPECT_FALSE(deaf);
 }
@@ -101,12 +101,12 @@ TEST_F(HearingWatchTest, DoesNotBlameOthersForItsOwnLongPause) {
 }
 
 TEST_F(HearingWatchTest, MissesAnnouncementsThatSignsOfLifeTellOfAndThatDoNotCome) {
-  passes(5s, all + 1);
+  passes(5s, all_said + 1);
   EXPECT_FALSE(deaf) << "many may be under way at first";
   passes(10s);
-  passes(1s, all + 1);
+  passes(1s, all_said + 1);
   EXPECT_FALSE(deaf) << "they may be under way";
-  passes(500ms, all + 1);
+  passes(500ms, all_said + 1);
   EXPECT_EQ(deaf, Missing::announcements);
 }
 
@@ -118,14 +118,14 @@ TEST_F(HearingWatchTest, NoticesWithTheNextSignOfLifeThatAnAnnouncementWasSomebo
 
 TEST_F(HearingWatchTest, IsNotMisledByASignOfLifeThatAnAnnouncementHasOvertaken) {
   passes(10s);
-  known[peer] = all + 7;
+  known[its_peer] = all_said + 7;
   look();
   now += 50ms;
-  watch.heard_life(peer, node, all, lease, now);
+  watch.heard_life(its_peer, heard_node, all_said, its_lease, now);
   look();
   EXPECT_FALSE(deaf);
   now += 650ms;
-  watch.heard_life(peer, node, all + 7, lease, now);
+  watch.heard_life(its_peer, heard_node, all_said + 7, its_lease, now);
   look();
   EXPECT_FALSE(deaf);
 }
@@ -151,31 +151,31 @@ TEST_F(HearingWatchTest, DoesNotBelieveAParticipantAnyMoreWhoseNodeHasComeAnewAf
   is_forged();
   ASSERT_EQ(remedies, std::vector{Remedy::complaint});
   now += 300ms;
-  watch.participant_came(other, now);
-  watch.participant_speaks(other, now);
-  known[other] = all;
-  watch.heard(other, now);
-  watch.heard_life(other, node, all, lease, now);
+  watch.participant_came(other_peer, now);
+  watch.participant_speaks(other_peer, now);
+  known[other_peer] = all_said;
+  watch.heard(other_peer, now);
+  watch.heard_life(other_peer, heard_node, all_said, its_lease, now);
   look();
   EXPECT_EQ(remedies, std::vector{Remedy::disbelief});
   for (int i = 0; i < 20; ++i) {
     now += 500ms;
-    watch.heard_life(peer, node, all, lease, now);
-    watch.heard_life(other, node, all, lease, now);
+    watch.heard_life(its_peer, heard_node, all_said, its_lease, now);
+    watch.heard_life(other_peer, heard_node, all_said, its_lease, now);
     look();
     EXPECT_THAT(remedies, IsEmpty()) << "it goes soon";
   }
-  watch.participant_departed(peer);
+  watch.participant_departed(its_peer);
   passes(2s, 0);
   EXPECT_THAT(remedies, IsEmpty());
 }
 
 TEST_F(HearingWatchTest, NobodyWhoComesAfterAComplaintMakesItForgotten) {
   passes(3s);
-  known[peer] = all + 7;
+  known[its_peer] = all_said + 7;
 
   while (remedies != std::vector{Remedy::complaint}) passes(500ms);
-  comes(other);
+  comes(other_peer);
   now += 100ms;
   look();
   EXPECT_EQ(remedies, std::vector{Remedy::disbelief});
@@ -183,7 +183,7 @@ TEST_F(HearingWatchTest, NobodyWhoComesAfterAComplaintMakesItForgotten) {
 
 TEST_F(HearingWatchTest, WhatIsForgedOnALinkThatIsReplacedIsNotBelievedEither) {
   constexpr LinkId next = 2;
-  constexpr Speaker there{next, peer.participant};
+  constexpr Speaker there{next, its_peer.participant};
   passes(10s);
   watch.link_made(next);
   watch.link_replaced(lan, next);
@@ -197,10 +197,10 @@ TEST_F(HearingWatchTest, WhatIsForgedOnALinkThatIsReplacedIsNotBelievedEither) {
 
 TEST_F(HearingWatchTest, AParticipantOfAnotherNodeIsNoneThatHasComeAnew) {
   passes(10s);
-  comes(other, node + 1);
+  comes(other_peer, heard_node + 1);
   look();
   passes(4s);
-  watch.heard_life(other, node + 1, all, lease, now);
+  watch.heard_life(other_peer, heard_node + 1, all_said, its_lease, now);
   is_forged();
   now += 10ms;  // of two who may complain
   look();
@@ -212,11 +212,11 @@ TEST_F(HearingWatchTest, ManyWhoMissTheSameDoNotAllComplainAtOnce) {
   std::vector<HearingWatch> watches;
   for (std::uint64_t i = 0; i < nodes; ++i) watches.emplace_back(i);
   std::map<Speaker, std::uint32_t> known_to_all;
-  for (AnnouncerId one = 1; one <= nodes; ++one) known_to_all[{lan, one}] = all;
+  for (AnnouncerId one = 1; one <= nodes; ++one) known_to_all[{lan, one}] = all_said;
   const auto everybody_says = [&](std::uint32_t digest) {
     for (HearingWatch& one : watches) {
       for (AnnouncerId speaker = 1; speaker <= nodes; ++speaker)
-        one.heard_life({lan, speaker}, speaker, digest, lease, now);
+        one.heard_life({lan, speaker}, speaker, digest, its_lease, now);
     }
   };
   for (HearingWatch& one : watches) {
@@ -228,13 +228,13 @@ TEST_F(HearingWatchTest, ManyWhoMissTheSameDoNotAllComplainAtOnce) {
   }
   for (int i = 0; i < 4; ++i) {
     now += 1s;
-    everybody_says(all);
+    everybody_says(all_said);
     for (HearingWatch& one : watches) EXPECT_THAT(one.look(known_to_all, participant_lease, now), IsEmpty());
   }
-  known_to_all[{lan, 1}] = all + 7;  // forged, and heard by all
+  known_to_all[{lan, 1}] = all_said + 7;  // forged, and heard by all
   for (HearingWatch& one : watches) (void)one.look(known_to_all, participant_lease, now);
   now += 500ms;
-  everybody_says(all);
+  everybody_says(all_said);
   const auto complaints_now = [&] {
     std::size_t complaints = 0;
     for (HearingWatch& one : watches) complaints += one.look(known_to_all, participant_lease, now).size();
@@ -249,7 +249,7 @@ TEST_F(HearingWatchTest, LooksMoreOftenWhileSomethingMayBeMissing) {
   passes(10s);
   EXPECT_FALSE(watch.wants_look(now + 400ms));
   EXPECT_TRUE(watch.wants_look(now + 500ms));
-  watch.heard(peer, now);
+  watch.heard(its_peer, now);
   EXPECT_TRUE(watch.wants_look(now + 100ms));
   EXPECT_FALSE(watch.wants_look(now + 90ms));
   look();
@@ -260,11 +260,11 @@ TEST_F(HearingWatchTest, LooksMoreOftenWhileSomethingMayBeMissing) {
 
 TEST_F(HearingWatchTest, GivesAnnouncementsTimeAsLongAsTheyCome) {
   for (std::uint32_t i = 0; i < 20; ++i) {
-    known[peer] = all + i;
-    passes(2s, all + 100);
+    known[its_peer] = all_said + i;
+    passes(2s, all_said + 100);
     EXPECT_FALSE(deaf) << i;
   }
-  passes(6s, all + 100);
+  passes(6s, all_said + 100);
   EXPECT_EQ(deaf, Missing::announcements);
 }
 
@@ -272,25 +272,25 @@ TEST_F(HearingWatchTest, GivesAnnouncementsTimeWhileOtherNodesStart) {
   passes(10s);
   for (AnnouncerId one = 100; one < 110; ++one) {
     watch.participant_came({lan, one}, now);
-    passes(1s, all + 1);
+    passes(1s, all_said + 1);
     EXPECT_FALSE(deaf);
   }
-  passes(3s, all + 1);
+  passes(3s, all_said + 1);
   EXPECT_EQ(deaf, Missing::announcements);
 }
 
 TEST_F(HearingWatchTest, TakesOneSignOfLifeThatAgreesForAnAnswer) {
   passes(10s);
   for (int i = 0; i < 10; ++i) {
-    passes(2s, all + 1);
-    passes(500ms, all);
+    passes(2s, all_said + 1);
+    passes(500ms, all_said);
     EXPECT_FALSE(deaf) << "somebody else says otherwise in its name";
   }
 }
 
 TEST_F(HearingWatchTest, MissesOneWhoIsThereAndSaysNothingAnyMore) {
   passes(3s);
-  watch.life_ended(lan, node);  // in its name
+  watch.life_ended(lan, heard_node);  // in its name
   passes(participant_lease * 3 / 2, 0);
   EXPECT_FALSE(deaf);
   passes(1s, 0);
@@ -314,7 +314,7 @@ TEST_F(HearingWatchTest, MissesSignsOfLifeALittleAfterTheirLeaseAndAnotherLook) 
   const auto last = now;
   for (look(); !deaf && now < last + 1min; look()) now += 100ms;
   EXPECT_EQ(deaf, Missing::signs_of_life);
-  EXPECT_EQ(now - last, lease + 400ms + 400ms);
+  EXPECT_EQ(now - last, its_lease + 400ms + 400ms);
 }
 
 TEST_F(HearingWatchTest, BeginsAnewWithEachSignOfLifeThatIsOverdue) {
@@ -338,15 +338,15 @@ TEST_F(HearingWatchTest, DoesNotBlameOthersForAPauseOfItsOwnThatBeginsWhenTheyAr
 
 TEST_F(HearingWatchTest, MissesSignsOfLifeThoughThoseOfOthersEnd) {
   passes(3s);
-  watch.life_ended(lan + 1, node);
-  watch.life_ended(lan, node + 1);
+  watch.life_ended(lan + 1, heard_node);
+  watch.life_ended(lan, heard_node + 1);
   passes(6s, 0);
   EXPECT_EQ(deaf, Missing::signs_of_life);
 }
 
 TEST_F(HearingWatchTest, DoesNotMissAnnouncementsOfOneWhoIsNotHeardAtPresent) {
   passes(10s);
-  passes(500ms, all + 1);
+  passes(500ms, all_said + 1);
   for (int i = 0; i < 8; ++i) {
     passes(500ms, 0);
     EXPECT_FALSE(deaf) << "it may have told of them a moment ago";
@@ -356,17 +356,17 @@ TEST_F(HearingWatchTest, DoesNotMissAnnouncementsOfOneWhoIsNotHeardAtPresent) {
 TEST_F(HearingWatchTest, GivesAnnouncementsTimeSinceAllThatIsKnownWasSaidLast) {
   passes(10s);
   passes(2s, 0);
-  passes(1s, all + 1);
+  passes(1s, all_said + 1);
   EXPECT_FALSE(deaf);
-  passes(1s, all + 1);
+  passes(1s, all_said + 1);
   EXPECT_EQ(deaf, Missing::announcements);
 }
 
 TEST_F(HearingWatchTest, TakesASignOfLifeThatAgreesForAnAnswerThoughAnotherComesBeforeItLooks) {
   passes(10s);
   for (int i = 0; i < 20; ++i) {
-    watch.heard_life(peer, node, all, lease, now);
-    passes(500ms, all + 1);
+    watch.heard_life(its_peer, heard_node, all_said, its_lease, now);
+    passes(500ms, all_said + 1);
     EXPECT_FALSE(deaf) << i;
   }
 }
@@ -374,7 +374,7 @@ TEST_F(HearingWatchTest, TakesASignOfLifeThatAgreesForAnAnswerThoughAnotherComes
 TEST_F(HearingWatchTest, TellsOfOneOnEachLink) {
   const Speaker by_another_link{lan + 1, 13};
   watch.link_made(lan + 1);
-  for (const Speaker& one : {peer, other, by_another_link}) watch.heard(one, now);
+  for (const Speaker& one : {its_peer, other_peer, by_another_link}) watch.heard(one, now);
   now += 1min;
   std::vector<LinkId> links;
   for (const auto& one : watch.look({}, participant_lease, now)) links.push_back(one.link);
@@ -402,39 +402,39 @@ TEST_F(HearingWatchTest, ExpectsSomethingOfSoManySpeakersAndNoMore) {
 }
 
 TEST_F(HearingWatchTest, TriesThreeTimesForOneOfWhichTheNextLinkHearsNoMore) {
-  for (const std::uint32_t said : {all + 1, 0U}) {  // somebody who is made up, or does not get through
+  for (const std::uint32_t said : {all_said + 1, 0U}) {  // somebody who is made up, or does not get through
     for (int i = 0; i < 3; ++i) {
       passes(participant_lease * 2, said);
       EXPECT_TRUE(deaf) << i;
-      watch.tried(peer.participant);
+      watch.tried(its_peer.participant);
     }
     passes(participant_lease * 2, said);
     EXPECT_FALSE(deaf) << "something else is wrong with it";
-    watch.participant_departed(peer);
-    watch.participant_came(peer, now);
-    watch.participant_speaks(peer, now);
+    watch.participant_departed(its_peer);
+    watch.participant_came(its_peer, now);
+    watch.participant_speaks(its_peer, now);
   }
 }
 
 TEST_F(HearingWatchTest, TriesAgainAndAgainForOneWithWhichAllWasWellOnce) {
   passes(3s);
   for (int i = 0; i < 10; ++i) {
-    passes(participant_lease, all + 1);
+    passes(participant_lease, all_said + 1);
     EXPECT_TRUE(deaf) << i;
-    watch.tried(peer.participant);
+    watch.tried(its_peer.participant);
   }
 }
 
 TEST_F(HearingWatchTest, MissesEndpointsThatGoWithoutTheirParticipant) {
-  watch.endpoint_matched(peer);
+  watch.endpoint_matched(its_peer);
   passes(3s);
-  watch.endpoint_unmatched(peer, now);
-  watch.life_ended(lan, node);
+  watch.endpoint_unmatched(its_peer, now);
+  watch.life_ended(lan, heard_node);
   passes(1s, 0);
   EXPECT_FALSE(deaf) << "it may be leaving";
   passes(1s, 0);
   EXPECT_EQ(deaf, Missing::endpoints);
-  watch.endpoint_matched(peer);
+  watch.endpoint_matched(its_peer);
   passes(1s, 0);
   EXPECT_FALSE(deaf);
 }
@@ -445,36 +445,36 @@ TEST_F(HearingWatchTest, SaysWhenAnotherLinkHearsAllThatTheOneBeforeHears) {
   watch.link_made(next);
   watch.link_replaced(lan, next);
   EXPECT_FALSE(watch.is_replaced_by(lan, next, now));
-  watch.participant_came({next, peer.participant}, now);
-  watch.participant_speaks({next, peer.participant}, now);
+  watch.participant_came({next, its_peer.participant}, now);
+  watch.participant_speaks({next, its_peer.participant}, now);
   EXPECT_FALSE(watch.is_replaced_by(lan, next, now));
-  watch.heard({next, peer.participant}, now);
+  watch.heard({next, its_peer.participant}, now);
   EXPECT_TRUE(watch.is_replaced_by(lan, next, now));
-  watch.participant_came(other, now);
-  watch.participant_speaks(other, now);
+  watch.participant_came(other_peer, now);
+  watch.participant_speaks(other_peer, now);
   EXPECT_TRUE(watch.is_replaced_by(lan, next, now)) << "it is not heard on the one before, either";
-  watch.heard_life(other, node + 1, all, lease, now);
+  watch.heard_life(other_peer, heard_node + 1, all_said, its_lease, now);
   EXPECT_FALSE(watch.is_replaced_by(lan, next, now));
   now += 3s;
   EXPECT_TRUE(watch.is_replaced_by(lan, next, now)) << "it is not heard any more there, either";
 }
 
 TEST_F(HearingWatchTest, ExpectsNothingOfParticipantsThatAreNoNodes) {
-  watch.participant_departed(peer);
-  watch.participant_came(other, now);
+  watch.participant_departed(its_peer);
+  watch.participant_came(other_peer, now);
   passes(100s, 0);
   EXPECT_FALSE(deaf);
 }
 
 TEST_F(HearingWatchTest, ForgetsHowOftenItTriedForWhomNoLinkHasAnyMore) {
   passes(participant_lease * 2, 0);
-  for (int i = 0; i < 3; ++i) watch.tried(peer.participant);
+  for (int i = 0; i < 3; ++i) watch.tried(its_peer.participant);
   look();
   EXPECT_FALSE(deaf);
   watch.link_dropped(lan);
   watch.link_made(lan);
-  watch.participant_came(peer, now);
-  watch.participant_speaks(peer, now);
+  watch.participant_came(its_peer, now);
+  watch.participant_speaks(its_peer, now);
   passes(participant_lease, 0);
   EXPECT_EQ(deaf, Missing::everything);
 }
@@ -483,7 +483,7 @@ TEST_F(HearingWatchTest, ForgetsALinkThatIsDropped) {
   passes(3s);
   watch.link_dropped(lan);
   passes(100s, 0);
-  watch.heard(peer, now);
+  watch.heard(its_peer, now);
   passes(100s, 0);
   EXPECT_FALSE(deaf);
 }

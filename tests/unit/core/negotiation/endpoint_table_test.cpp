@@ -15,8 +15,8 @@ using namespace std::chrono_literals;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-constexpr EndpointId our_writer = 100, reader = 5, other_reader = 6;
-constexpr NodeId node = 77;
+constexpr EndpointId our_writer = 100, one_reader = 5, other_reader = 6;
+constexpr NodeId its_node = 77;
 
 Endpoint endpoint(Role role, EndpointId id, const std::string& topic = "points") {
   Endpoint e;
@@ -24,7 +24,7 @@ Endpoint endpoint(Role role, EndpointId id, const std::string& topic = "points")
   e.role = role;
   e.topic = topic;
   e.node = "theirs";
-  e.node_id = node;
+  e.node_id = its_node;
   e.announcer = 11;
   return e;
 }
@@ -46,51 +46,51 @@ class EndpointTableTest : public ::testing::Test {
 };
 
 TEST_F(EndpointTableTest, CounterpartsAreOfTheSameTopicAndTheOtherRole) {
-  table.enter(endpoint(Role::reader, reader));
+  table.enter(endpoint(Role::reader, one_reader));
   table.enter(endpoint(Role::writer, other_reader));
-  EXPECT_THAT(readers_of_our_writer(), ElementsAre(reader));
-  table.enter(endpoint(Role::reader, reader, "another topic"));
+  EXPECT_THAT(readers_of_our_writer(), ElementsAre(one_reader));
+  table.enter(endpoint(Role::reader, one_reader, "another topic"));
   EXPECT_THAT(readers_of_our_writer(), IsEmpty());
 }
 
 TEST_F(EndpointTableTest, OnlyOurEndpointsAreFoundAsOurs) {
-  table.enter(endpoint(Role::reader, reader));
+  table.enter(endpoint(Role::reader, one_reader));
   EXPECT_NE(table.find_ours(our_writer), nullptr);
-  EXPECT_NE(table.find(reader), nullptr);
-  EXPECT_EQ(table.find_ours(reader), nullptr);
+  EXPECT_NE(table.find(one_reader), nullptr);
+  EXPECT_EQ(table.find_ours(one_reader), nullptr);
 }
 
 TEST_F(EndpointTableTest, WhatWasKnownOfAnEndpointIsReturnedWhenItIsReplaced) {
-  EXPECT_FALSE(table.enter(endpoint(Role::reader, reader)));
-  EXPECT_EQ(table.enter(endpoint(Role::reader, reader, "another topic"))->topic, "points");
+  EXPECT_FALSE(table.enter(endpoint(Role::reader, one_reader)));
+  EXPECT_EQ(table.enter(endpoint(Role::reader, one_reader, "another topic"))->topic, "points");
 }
 
 TEST_F(EndpointTableTest, ALostEndpointIsNotPresentUntilItIsSeenAgain) {
-  table.enter(endpoint(Role::reader, reader));
-  EXPECT_TRUE(table.lost(reader, now));
-  EXPECT_FALSE(table.lost(reader, now));
+  table.enter(endpoint(Role::reader, one_reader));
+  EXPECT_TRUE(table.lost(one_reader, now));
+  EXPECT_FALSE(table.lost(one_reader, now));
   EXPECT_TRUE(table.misses_somebody());
   EXPECT_EQ(table.present().size(), 1U);
   EXPECT_THAT(table.lost_for(60s, now + 59s), IsEmpty());
-  EXPECT_THAT(table.lost_for(60s, now + 60s), ElementsAre(reader));
-  table.enter(endpoint(Role::reader, reader));
+  EXPECT_THAT(table.lost_for(60s, now + 60s), ElementsAre(one_reader));
+  table.enter(endpoint(Role::reader, one_reader));
   EXPECT_FALSE(table.misses_somebody());
 }
 
 TEST_F(EndpointTableTest, ASilentNodeReturnsOnceAndOurEndpointsAreNeverLost) {
-  table.enter(endpoint(Role::reader, reader));
+  table.enter(endpoint(Role::reader, one_reader));
   EXPECT_FALSE(table.lost(our_writer, now));
-  EXPECT_TRUE(table.node_lost(node));
+  EXPECT_TRUE(table.node_lost(its_node));
   EXPECT_EQ(table.present().size(), 1U);
-  EXPECT_EQ(table.node_returned(node).size(), 1U);
-  EXPECT_THAT(table.node_returned(node), IsEmpty());
+  EXPECT_EQ(table.node_returned(its_node).size(), 1U);
+  EXPECT_THAT(table.node_returned(its_node), IsEmpty());
 }
 
 TEST_F(EndpointTableTest, OnlyAWritersOwnNodeReportsItsProgress) {
   table.enter(endpoint(Role::writer, 7));
-  table.progressed(node + 1, {.writer = 7, .samples = 3});
+  table.progressed(its_node + 1, {.writer = 7, .samples = 3});
   EXPECT_EQ(table.progress_of(7), nullptr);
-  table.progressed(node, {.writer = 7, .samples = 3});
+  table.progressed(its_node, {.writer = 7, .samples = 3});
   EXPECT_EQ(table.progress_of(7)->samples, 3U);
 }
 
@@ -106,24 +106,24 @@ TEST_F(EndpointTableTest, ANewcomerThatIsRefusedIsCountedByTheNameOfItsNode) {
 
 TEST(KnownFactsTest, NothingRemainsNotedOfAnEndpointThatIsGone) {
   KnownFacts facts{.host = {}, .table = EndpointTable({}), .history = {}, .unreachable = {}};
-  Endpoint gone = endpoint(Role::reader, reader);
+  Endpoint gone = endpoint(Role::reader, one_reader);
   gone.request.begun = {our_writer};
   facts.table.enter(gone);
   EXPECT_TRUE(facts.history.given(our_writer, gone));
-  EXPECT_TRUE(facts.unreachable.changed({our_writer, reader}, "no doorbell"));
-  facts.erase(reader);
-  EXPECT_EQ(facts.table.known(reader), nullptr);
+  EXPECT_TRUE(facts.unreachable.changed({our_writer, one_reader}, "no doorbell"));
+  facts.erase(one_reader);
+  EXPECT_EQ(facts.table.known(one_reader), nullptr);
   EXPECT_TRUE(facts.history.given(our_writer, gone)) << "it counts as new";
-  EXPECT_EQ(facts.unreachable.why({our_writer, reader}), nullptr);
+  EXPECT_EQ(facts.unreachable.why({our_writer, one_reader}), nullptr);
 }
 
 TEST(UnreachableReadersTest, OnlyAnotherReasonIsNews) {
   UnreachableReaders unreachable;
-  EXPECT_TRUE(unreachable.changed({our_writer, reader}, "no doorbell"));
-  EXPECT_FALSE(unreachable.changed({our_writer, reader}, "no doorbell"));
-  EXPECT_EQ(*unreachable.why({our_writer, reader}), "no doorbell");
-  EXPECT_TRUE(unreachable.changed({our_writer, reader}, ""));
-  EXPECT_FALSE(unreachable.changed({our_writer, reader}, ""));
+  EXPECT_TRUE(unreachable.changed({our_writer, one_reader}, "no doorbell"));
+  EXPECT_FALSE(unreachable.changed({our_writer, one_reader}, "no doorbell"));
+  EXPECT_EQ(*unreachable.why({our_writer, one_reader}), "no doorbell");
+  EXPECT_TRUE(unreachable.changed({our_writer, one_reader}, ""));
+  EXPECT_FALSE(unreachable.changed({our_writer, one_reader}, ""));
 }
 
 }  // namespace

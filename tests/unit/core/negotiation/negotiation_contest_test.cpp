@@ -6,7 +6,7 @@
 namespace sft::core {
 namespace {
 
-constexpr AnnouncerId honest = 1, forger = 2;
+constexpr AnnouncerId forger = 2;
 
 /// Our reader 200 and, in a second negotiation, the writer 100 that serves it; what ours announces is carried
 /// to the other by the test.

@@ -11,6 +11,8 @@
 
 namespace sft::core {
 
+inline constexpr AnnouncerId honest = 1;  // who announces what is true
+
 class NegotiationTest : public ::testing::Test {
  protected:
   using PointCloud2 = sensor_msgs::msg::PointCloud2;

@@ -6,7 +6,7 @@
 namespace sft::core {
 namespace {
 
-constexpr AnnouncerId honest = 1, flooder = 2;
+constexpr AnnouncerId flooder = 2;
 
 class Limits : public NegotiationTest {
  protected:

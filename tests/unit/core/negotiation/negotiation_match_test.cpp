@@ -75,7 +75,7 @@ TEST_F(NegotiationTest, BothSidesAreToldTheFirstDifferenceBetweenTwoDefinitionsA
   Endpoint writer = endpoint(Role::writer, 8);
   for (Endpoint* e : {&reader, &writer}) {
     e->type_hash = structure_hash(other.type);
-    e->type_description = describe(other.type);
+    e->type_description = detail::describe(other.type);
     negotiation.endpoint_seen(*e);
   }
   const Serving serving = negotiation.serving(100);

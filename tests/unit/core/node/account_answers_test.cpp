@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/unit/core/start.h"
+
 namespace sft::core {
 namespace {
 
@@ -11,27 +13,25 @@ using namespace std::chrono_literals;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-constexpr Time start = Time{} + 100s;
-
 class AccountAnswersTest : public ::testing::Test {
  protected:
   AccountAnswers answers{3s};
 };
 
 TEST_F(AccountAnswersTest, AreGivenAsLongAsSomebodyGoesOnAsking) {
-  EXPECT_THAT(answers.asked_about(start), IsEmpty());
-  answers.asked(7, start);
-  answers.asked(8, start);
-  answers.asked(7, start + 2s);
-  EXPECT_THAT(answers.asked_about(start + 3s - 1ms), ElementsAre(7, 8));
-  EXPECT_THAT(answers.asked_about(start + 3s), ElementsAre(7));
-  EXPECT_THAT(answers.asked_about(start + 5s), IsEmpty());
+  EXPECT_THAT(answers.asked_about(test_start), IsEmpty());
+  answers.asked(7, test_start);
+  answers.asked(8, test_start);
+  answers.asked(7, test_start + 2s);
+  EXPECT_THAT(answers.asked_about(test_start + 3s - 1ms), ElementsAre(7, 8));
+  EXPECT_THAT(answers.asked_about(test_start + 3s), ElementsAre(7));
+  EXPECT_THAT(answers.asked_about(test_start + 5s), IsEmpty());
 }
 
 TEST_F(AccountAnswersTest, OfAnEndpointThatIsGoneAreNotGiven) {
-  answers.asked(7, start);
+  answers.asked(7, test_start);
   answers.removed(7);
-  EXPECT_THAT(answers.asked_about(start), IsEmpty());
+  EXPECT_THAT(answers.asked_about(test_start), IsEmpty());
 }
 
 TEST_F(AccountAnswersTest, BeyondWhatASignOfLifeHasRoomForAreGivenInTurns) {

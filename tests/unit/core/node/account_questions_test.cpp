@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/unit/core/start.h"
+
 namespace sft::core {
 namespace {
 
@@ -12,7 +14,6 @@ using namespace std::chrono_literals;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-constexpr Time start = Time{} + 100s;
 constexpr NodeId camera = 100, monitor = 200, liar = 300;
 
 class AccountQuestionsTest : public ::testing::Test {
@@ -52,7 +53,7 @@ class AccountQuestionsTest : public ::testing::Test {
 
   std::map<EndpointId, Endpoint> endpoints;
   AccountQuestions questions{{.answers = 100, .of_announcer = 30}};
-  Time now = start;
+  Time now = test_start;
 };
 
 TEST_F(AccountQuestionsTest, GoToAllWhoAreThereInTurns) {

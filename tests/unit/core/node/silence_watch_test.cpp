@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/unit/core/start.h"
+
 namespace sft::core {
 namespace {
 
@@ -11,8 +13,7 @@ using namespace std::chrono_literals;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-constexpr NodeId node = 7;
-constexpr Time start = Time{} + 100s;
+constexpr NodeId silent_node = 7;
 
 class SilenceWatchTest : public ::testing::Test {
  protected:
@@ -20,25 +21,25 @@ class SilenceWatchTest : public ::testing::Test {
 };
 
 TEST_F(SilenceWatchTest, ANodeOfWhichNothingElseCameIsLostAtOnce) {
-  EXPECT_TRUE(watch.is_lost(node, start));
-  watch.heard(node, 5s, start);
-  EXPECT_TRUE(watch.is_lost(node, start + 5s));
+  EXPECT_TRUE(watch.is_lost(silent_node, test_start));
+  watch.heard(silent_node, 5s, test_start);
+  EXPECT_TRUE(watch.is_lost(silent_node, test_start + 5s));
 }
 
 TEST_F(SilenceWatchTest, ANodeOfWhichSomethingCameIsLostALeaseAfterThat) {
-  watch.heard(node, 5s, start);
-  EXPECT_FALSE(watch.is_lost(node, start + 1s));
-  watch.heard(node, 5s, start + 3s);
-  EXPECT_THAT(watch.take_lost(start + 8s - 1ms), IsEmpty());
-  EXPECT_THAT(watch.take_lost(start + 8s), ElementsAre(node));
-  EXPECT_THAT(watch.take_lost(start + 20s), IsEmpty()) << "that was told";
+  watch.heard(silent_node, 5s, test_start);
+  EXPECT_FALSE(watch.is_lost(silent_node, test_start + 1s));
+  watch.heard(silent_node, 5s, test_start + 3s);
+  EXPECT_THAT(watch.take_lost(test_start + 8s - 1ms), IsEmpty());
+  EXPECT_THAT(watch.take_lost(test_start + 8s), ElementsAre(silent_node));
+  EXPECT_THAT(watch.take_lost(test_start + 20s), IsEmpty()) << "that was told";
 }
 
 TEST_F(SilenceWatchTest, OnceANodeSaysThatItLivesItIsForDiscoveryToTell) {
-  watch.heard(node, 5s, start);
-  watch.lives(node);
-  EXPECT_THAT(watch.take_lost(start + 20s), IsEmpty());
-  EXPECT_TRUE(watch.is_lost(node, start + 20s));
+  watch.heard(silent_node, 5s, test_start);
+  watch.lives(silent_node);
+  EXPECT_THAT(watch.take_lost(test_start + 20s), IsEmpty());
+  EXPECT_TRUE(watch.is_lost(silent_node, test_start + 20s));
 }
 
 }  // namespace

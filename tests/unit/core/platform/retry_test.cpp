@@ -2,21 +2,22 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/unit/core/start.h"
+
 namespace sft::core {
 namespace {
 
 using namespace std::chrono_literals;
-constexpr Time start{1000s};
 
 TEST(RetryTest, WhatHasNotFailedMayBeTriedAndIsNotTriedAgain) {
   const Retry retry;
-  EXPECT_TRUE(retry.due(start));
-  EXPECT_FALSE(retry.due_again(start));
+  EXPECT_TRUE(retry.due(test_start));
+  EXPECT_FALSE(retry.due_again(test_start));
 }
 
 TEST(RetryTest, PausesDoubleUpToALimit) {
   Retry retry;
-  Time now = start;
+  Time now = test_start;
   for (const auto pause : {500ms, 1000ms, 2000ms, 4000ms, 8000ms, 10'000ms, 10'000ms}) {
     retry.failed("no", now);
     EXPECT_FALSE(retry.due(now + pause - 1ms));
@@ -27,19 +28,19 @@ TEST(RetryTest, PausesDoubleUpToALimit) {
 
 TEST(RetryTest, AReasonIsNewsUntilItIsTheSame) {
   Retry retry;
-  EXPECT_TRUE(retry.failed("no memory", start));
-  EXPECT_FALSE(retry.failed("no memory", start));
-  EXPECT_TRUE(retry.failed("no answer", start));
+  EXPECT_TRUE(retry.failed("no memory", test_start));
+  EXPECT_FALSE(retry.failed("no memory", test_start));
+  EXPECT_TRUE(retry.failed("no answer", test_start));
 }
 
 TEST(RetryTest, AfterASuccessAllBeginsAnew) {
   Retry retry;
-  retry.failed("no", start);
-  retry.failed("no", start);
+  retry.failed("no", test_start);
+  retry.failed("no", test_start);
   retry.succeeded();
-  EXPECT_FALSE(retry.due_again(start + 1h));
-  EXPECT_TRUE(retry.failed("no", start));
-  EXPECT_TRUE(retry.due(start + Retry::pause_min));
+  EXPECT_FALSE(retry.due_again(test_start + 1h));
+  EXPECT_TRUE(retry.failed("no", test_start));
+  EXPECT_TRUE(retry.due(test_start + Retry::pause_min));
 }
 
 }  // namespace

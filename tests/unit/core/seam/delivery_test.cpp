@@ -13,7 +13,7 @@ namespace sft::core {
 namespace {
 
 using Teller = DeliveryBook::Teller;
-constexpr std::uint64_t reader = 7;
+constexpr std::uint64_t first_reader = 7;
 constexpr std::uint64_t neighbour = 8;
 
 class DeliveryTest : public ::testing::Test {
@@ -30,43 +30,43 @@ class DeliveryTest : public ::testing::Test {
 TEST_F(DeliveryTest, AReaderHasWhatWasCountedWhileItWasOnThePage) {
   const Tally group = tally();
   group->sent(10, 100);
-  turn_to({{reader, {.tally = group}}});
+  turn_to({{first_reader, {.tally = group}}});
   group->sent(20, 100);
   group->dropped();
-  EXPECT_EQ(book.of(reader), (Delivered{.sent = 1, .dropped = 1, .bytes = 20, .bytes_saved = 80}));
+  EXPECT_EQ(book.of(first_reader), (Delivered{.sent = 1, .dropped = 1, .bytes = 20, .bytes_saved = 80}));
   turn_to({});
   group->sent(30, 100);
-  EXPECT_EQ(book.of(reader), (Delivered{.sent = 1, .dropped = 1, .bytes = 20, .bytes_saved = 80}));
+  EXPECT_EQ(book.of(first_reader), (Delivered{.sent = 1, .dropped = 1, .bytes = 20, .bytes_saved = 80}));
   EXPECT_EQ(book.of(neighbour), Delivered{});
 }
 
 TEST_F(DeliveryTest, CountsGoOnFromPageToPageAndAddUpOverTellers) {
   const Tally one = tally();
   const Tally other = tally();
-  turn_to({{reader, {.tally = one}}, {neighbour, {.tally = one}}});
+  turn_to({{first_reader, {.tally = one}}, {neighbour, {.tally = one}}});
   one->sent(1, 5);
-  turn_to({{reader, {.tally = other}}, {neighbour, {.tally = one}}});
+  turn_to({{first_reader, {.tally = other}}, {neighbour, {.tally = one}}});
   one->sent(1, 5);
   other->sent(2, 5);
   const Tally local = tally();
-  turn_to({{reader, {.tally = local}}}, Teller::publisher);
+  turn_to({{first_reader, {.tally = local}}}, Teller::publisher);
   local->sent(0, 0);
-  EXPECT_EQ(book.of(reader), (Delivered{.sent = 3, .bytes = 3, .bytes_saved = 7}));
+  EXPECT_EQ(book.of(first_reader), (Delivered{.sent = 3, .bytes = 3, .bytes_saved = 7}));
   EXPECT_EQ(book.of(neighbour), (Delivered{.sent = 2, .bytes = 2, .bytes_saved = 8}));
 }
 
 TEST_F(DeliveryTest, WhatIsLeftOfThePageBeforeStillCountsIfItIsExpected) {
   const Tally before = tally(), now = tally();
-  turn_to({{reader, {.tally = before}}});
+  turn_to({{first_reader, {.tally = before}}});
   before->sent(1, 5);
-  book.turn_to(Teller::network, {{reader, {.tally = now}}}, DeliveryBook::LateCounts::to_come);
+  book.turn_to(Teller::network, {{first_reader, {.tally = now}}}, DeliveryBook::LateCounts::to_come);
   before->sent(1, 5);
   now->sent(1, 5);
-  EXPECT_EQ(book.of(reader).sent, 3U);
+  EXPECT_EQ(book.of(first_reader).sent, 3U);
   book.turn_to(Teller::network, {});
-  EXPECT_EQ(book.of(reader), (Delivered{.sent = 3, .bytes = 3, .bytes_saved = 12}));
+  EXPECT_EQ(book.of(first_reader), (Delivered{.sent = 3, .bytes = 3, .bytes_saved = 12}));
   before->sent(1, 5);
-  EXPECT_EQ(book.of(reader).sent, 3U);
+  EXPECT_EQ(book.of(first_reader).sent, 3U);
 }
 
 TEST_F(DeliveryTest, WhatAGateWithholdsIsItsReadersFromWhenTheyCameToIt) {
@@ -74,68 +74,68 @@ TEST_F(DeliveryTest, WhatAGateWithholdsIsItsReadersFromWhenTheyCameToIt) {
   const auto withhold = [&gate = *gate] { gate.consider(1); };
   withhold();  // passes
   withhold();
-  turn_to({{reader, {.gate = gate}}}, Teller::publisher);
+  turn_to({{first_reader, {.gate = gate}}}, Teller::publisher);
   withhold();
   withhold();
-  EXPECT_EQ(book.of(reader).withheld, 2U);
+  EXPECT_EQ(book.of(first_reader).withheld, 2U);
 }
 
 TEST_F(DeliveryTest, WhatAQueueLosesWasNotSent) {
   const Tally group = tally();
   const auto queue = std::make_shared<LossTally>();
-  turn_to({{reader, {.tally = group, .losses = queue}}, {neighbour, {.tally = group}}});
+  turn_to({{first_reader, {.tally = group, .losses = queue}}, {neighbour, {.tally = group}}});
   for (int i = 0; i < 3; ++i) group->sent(10, 15);
   queue->lost(10, 15);
-  EXPECT_EQ(book.of(reader), (Delivered{.sent = 2, .dropped = 1, .bytes = 20, .bytes_saved = 10}));
+  EXPECT_EQ(book.of(first_reader), (Delivered{.sent = 2, .dropped = 1, .bytes = 20, .bytes_saved = 10}));
   EXPECT_EQ(book.of(neighbour).sent, 3U);
 }
 
 TEST_F(DeliveryTest, WhatWentByASpareRouteIsToldApart) {
   const Tally usual = tally(), fallback = tally();
-  book.enter({{reader, {}}});
-  book.turn_to(DeliveryBook::Teller::publisher, {{reader, {.tally = usual}}});
-  book.turn_to(DeliveryBook::Teller::network, {{reader, {.tally = fallback, .diverted = true}}});
+  book.enter({{first_reader, {}}});
+  book.turn_to(DeliveryBook::Teller::publisher, {{first_reader, {.tally = usual}}});
+  book.turn_to(DeliveryBook::Teller::network, {{first_reader, {.tally = fallback, .diverted = true}}});
   usual->sent(0, 0);
   fallback->sent(10, 15);
   fallback->sent(10, 15);
-  EXPECT_EQ(book.of(reader), (Delivered{.sent = 3, .diverted = 2, .bytes = 20, .bytes_saved = 10}));
+  EXPECT_EQ(book.of(first_reader), (Delivered{.sent = 3, .diverted = 2, .bytes = 20, .bytes_saved = 10}));
   book.turn_to(DeliveryBook::Teller::network, {}, DeliveryBook::LateCounts::to_come);
   fallback->sent(10, 15);
-  EXPECT_EQ(book.of(reader).diverted, 3U);
+  EXPECT_EQ(book.of(first_reader).diverted, 3U);
 }
 
 TEST_F(DeliveryTest, WhatWasLostOnASpareRouteWasNotDiverted) {
   const Tally fallback = tally();
   const auto queue = std::make_shared<LossTally>();
-  turn_to({{reader, {.tally = fallback, .losses = queue, .diverted = true}}});
+  turn_to({{first_reader, {.tally = fallback, .losses = queue, .diverted = true}}});
   for (int i = 0; i < 3; ++i) fallback->sent(10, 15);
   queue->lost(10, 15);
-  EXPECT_EQ(book.of(reader),
+  EXPECT_EQ(book.of(first_reader),
             (Delivered{.sent = 2, .dropped = 1, .diverted = 2, .bytes = 20, .bytes_saved = 10}));
   for (int i = 0; i < 5; ++i) queue->lost(10, 15);
-  EXPECT_EQ(book.of(reader), (Delivered{.dropped = 3}));
+  EXPECT_EQ(book.of(first_reader), (Delivered{.dropped = 3}));
 }
 
 TEST_F(DeliveryTest, WhatWasLostOfOthersThatWereThereBeforeIsNotCounted) {
   const Tally group = tally();
   const auto queue = std::make_shared<LossTally>();
   group->sent(10, 15);
-  turn_to({{reader, {.tally = group, .losses = queue}}});
+  turn_to({{first_reader, {.tally = group, .losses = queue}}});
   queue->lost(10, 15);
-  EXPECT_EQ(book.of(reader), Delivered{});
+  EXPECT_EQ(book.of(first_reader), Delivered{});
 }
 
 TEST_F(DeliveryTest, ReadersThatAreGoneStayInTheTotal) {
   const Tally group = tally();
-  turn_to({{reader, {.tally = group}}, {neighbour, {.tally = group}}});
+  turn_to({{first_reader, {.tally = group}}, {neighbour, {.tally = group}}});
   group->sent(1, 2);
-  book.retained(reader, 5);
+  book.retained(first_reader, 5);
   book.keep({neighbour});
   group->sent(1, 2);  // the page is still open
   EXPECT_EQ(book.total().sent, 4U);
   turn_to({{neighbour, {.tally = group}}});
   book.keep({neighbour});
-  EXPECT_EQ(book.of(reader), Delivered{});
+  EXPECT_EQ(book.of(first_reader), Delivered{});
   EXPECT_EQ(book.total(), (Delivered{.sent = 4, .retained = 5, .bytes = 4, .bytes_saved = 4}));
 }
 
@@ -146,7 +146,7 @@ TEST_F(DeliveryTest, WhileOthersReadAndReadersComeAndGoNoSampleIsMissedOrCounted
   std::atomic<bool> stop{false};
   std::thread watcher([&] {
     for (std::uint64_t before = 0; !stop.load();) {
-      const std::uint64_t sent = book.of(reader).sent;
+      const std::uint64_t sent = book.of(first_reader).sent;
       EXPECT_GE(sent, before);
       before = sent;
     }
@@ -155,16 +155,16 @@ TEST_F(DeliveryTest, WhileOthersReadAndReadersComeAndGoNoSampleIsMissedOrCounted
   std::uint64_t published = 0;
   for (int page = 0; page < 1000; ++page) {
     const Tally& mine = tallies[random() % tallies.size()];
-    turn_to({{reader, {.tally = mine}}, {neighbour, {.tally = tallies[0]}}});
+    turn_to({{first_reader, {.tally = mine}}, {neighbour, {.tally = tallies[0]}}});
     book.enter({{100 + random() % 5, {}}});
-    book.keep({reader, random() % 2 == 0 ? neighbour : reader});
+    book.keep({first_reader, random() % 2 == 0 ? neighbour : first_reader});
     for (std::uint64_t i = random() % 10; i > 0; --i, ++published) {
       for (const Tally& t : tallies) t->sent(1, 1);
     }
   }
   stop = true;
   watcher.join();
-  EXPECT_EQ(book.of(reader).sent, published);
+  EXPECT_EQ(book.of(first_reader).sent, published);
   EXPECT_EQ(book.total().sent, 2 * published);
 }
 

@@ -28,8 +28,8 @@ int passed_in_10_s(RateBudget budget, double source_ms, double jitter_ms, std::m
 
 class RateBudgetTest : public ::testing::Test {
  protected:
-  std::mt19937_64 random{test::test_seed()};
-  ::testing::ScopedTrace trace{__FILE__, __LINE__, test::how_to_repeat()};
+  std::mt19937_64 random{sft::test::test_seed()};
+  ::testing::ScopedTrace trace{__FILE__, __LINE__, sft::test::how_to_repeat()};
 };
 
 TEST_F(RateBudgetTest, AFasterSourceIsThinnedToTheLimit) {
@@ -176,8 +176,8 @@ TEST_F(SequenceAccountTest, DoesNotBeginAnewForOneOldSampleOrForOnesThatAnotherP
 // Over UDP lost and withheld samples are told apart exactly, whatever is lost and whatever pauses the source
 // makes.
 TEST_F(SequenceAccountTest, OverUdpLostAndWithheldAreExact) {
-  std::mt19937_64 random(test::test_seed());
-  SCOPED_TRACE(test::how_to_repeat());
+  std::mt19937_64 random(sft::test::test_seed());
+  SCOPED_TRACE(sft::test::how_to_repeat());
   for (int round = 0; round < 200; ++round) {
     account = {};
     lost = withheld = 0;
@@ -244,8 +244,8 @@ TEST_F(SequenceAccountTest, WhereTheLimitChangesWhatIsMissingIsJudgedByTheSlower
 
 // A period that was saved can still be used, so what was pushed out in it is not lost.
 TEST_F(SequenceAccountTest, UnderOneLimitWhatIsSavedOfItIsReckonedWith) {
-  std::mt19937_64 random(test::test_seed());
-  SCOPED_TRACE(test::how_to_repeat());
+  std::mt19937_64 random(sft::test::test_seed());
+  SCOPED_TRACE(sft::test::how_to_repeat());
   account.ask(100'000);
   RateBudget budget(100'000);
   std::uint64_t sequence = 1;

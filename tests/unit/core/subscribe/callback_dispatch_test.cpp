@@ -141,12 +141,12 @@ TEST_F(CallbackDispatchTest, WhoeverClosesItWaitsForTheCallbackOfAnotherThread) 
   std::atomic<bool> begun{false};
   in_callback = [&] {
     begun = true;
-    EXPECT_TRUE(test::eventually([&] { return goes_on.load(); }));
+    EXPECT_TRUE(sft::test::eventually([&] { return goes_on.load(); }));
     ended = true;
   };
   samples.count = 1;
   std::thread transport([&] { dispatch(Caller::transport); });
-  EXPECT_TRUE(test::eventually([&] { return begun.load(); }));
+  EXPECT_TRUE(sft::test::eventually([&] { return begun.load(); }));
   EXPECT_TRUE(callbacks.is_called_back());
   goes_on = true;
   callbacks.close();

@@ -59,7 +59,7 @@ TEST(DispatcherTest, EverySampleIsCalledBackForOnceWhileCallbacksMoveBetweenThre
     for (std::uint64_t sequence = 2; sequence <= samples; ++sequence) receive(sequence);
   });
   receiver.join();
-  EXPECT_TRUE(test::eventually([&] { return called == samples; })) << called;
+  EXPECT_TRUE(sft::test::eventually([&] { return called == samples; })) << called;
   subscriber->close();
   EXPECT_EQ(disorder, 0);
   EXPECT_GT(by_dispatcher, 0);

@@ -29,7 +29,7 @@ using test::comes_to;
 using test::RandomMoment;
 using Clock = std::chrono::steady_clock;
 
-constexpr auto never = 10s;
+constexpr auto much_later = 10s;
 #ifndef SFT_TEST_SHARE
 #define SFT_TEST_SHARE 1
 #endif
@@ -42,8 +42,8 @@ class WakeUp : public test::RandomTest {};
 bool is_woken_for(Doorbell& bell, const std::atomic<std::uint32_t>& published, std::uint32_t round) {
   while (published < round) {
     const auto begun = Clock::now();
-    bell.wait(begun + never, [&] { return published >= round; });
-    if (Clock::now() - begun >= never) return false;
+    bell.wait(begun + much_later, [&] { return published >= round; });
+    if (Clock::now() - begun >= much_later) return false;
   }
   return true;
 }
@@ -175,12 +175,12 @@ class SubscriberWakeUp : public WakeUp {
 
 TEST_F(SubscriberWakeUp, FromSleepIsNeverLost) {
   open(0ns);
-  exchange(rounds_of(60'000), [&] { return subscriber().wait(never) && subscriber().take(); });
+  exchange(rounds_of(60'000), [&] { return subscriber().wait(much_later) && subscriber().take(); });
 }
 
 TEST_F(SubscriberWakeUp, BetweenSpinningAndSleepIsNeverLost) {
   open(2us);
-  exchange(rounds_of(40'000), [&] { return subscriber().wait(never) && subscriber().take(); });
+  exchange(rounds_of(40'000), [&] { return subscriber().wait(much_later) && subscriber().take(); });
 }
 
 TEST_F(SubscriberWakeUp, ByFileDescriptorIsNeverLostAndItIsReadableOnlyWhileThereIsASample) {
@@ -193,7 +193,7 @@ TEST_F(SubscriberWakeUp, ByFileDescriptorIsNeverLostAndItIsReadableOnlyWhileTher
     return ::poll(&waits, 1, static_cast<int>(within.count())) == 1;
   };
   exchange(rounds_of(40'000), [&] {
-    while (becomes_readable(never)) {
+    while (becomes_readable(much_later)) {
       end_round();  // so that the next one comes while this is taken, and the descriptor settled
       if (subscriber().take()) return true;
     }
@@ -210,7 +210,7 @@ TEST_F(SubscriberWakeUp, OfAWaitOnASubscriberWithAFileDescriptorIsNeverLost) {
   Dispatcher poller(bell(), "test");
   poller.add(shared());
   ASSERT_TRUE(poller.start());
-  exchange(rounds_of(20'000), [&] { return subscriber().wait(never) && subscriber().take(); });
+  exchange(rounds_of(20'000), [&] { return subscriber().wait(much_later) && subscriber().take(); });
 }
 
 }  // namespace

@@ -4,44 +4,45 @@
 
 #include <memory>
 
+#include "tests/unit/udp/start.h"
+
 namespace sft::udp {
 namespace {
 
 using namespace std::chrono_literals;
 
-constexpr UnprovenAllowance::Time now{1h};
-constexpr FlowLimits limits{.unproven_bytes = 10'000, .unproven_datagrams = 4, .unproven_marks = 2};
+constexpr FlowLimits unproven_limits{.unproven_bytes = 10'000, .unproven_datagrams = 4, .unproven_marks = 2};
 
 TEST(UnprovenAllowanceTest, IsAFewDatagramsAndBytes) {
-  UnprovenAllowance allowance(limits, nullptr);
-  EXPECT_EQ(allowance.bytes_left(now), 4 * datagram_bytes_min);
-  allowance.spend(1000, 3, now);
-  EXPECT_EQ(allowance.bytes_left(now), datagram_bytes_min);
-  EXPECT_EQ(allowance.datagrams_left(now), 1U);
-  allowance.spend(9000, 0, now);
-  EXPECT_EQ(allowance.bytes_left(now), 0U);
+  UnprovenAllowance allowance(unproven_limits, nullptr);
+  EXPECT_EQ(allowance.bytes_left(test_start), 4 * datagram_bytes_min);
+  allowance.spend(1000, 3, test_start);
+  EXPECT_EQ(allowance.bytes_left(test_start), datagram_bytes_min);
+  EXPECT_EQ(allowance.datagrams_left(test_start), 1U);
+  allowance.spend(9000, 0, test_start);
+  EXPECT_EQ(allowance.bytes_left(test_start), 0U);
 }
 
 TEST(UnprovenAllowanceTest, IsNoMoreThanTheHostHasLeftAndGoesBackToTheHostOnceProven) {
   const auto host = std::make_shared<UnprovenBudget>();
-  UnprovenAllowance allowance(limits, host);
-  allowance.spend(100, 1, now);
-  host->spend(UnprovenBudget::datagrams_max - 3, now);
-  EXPECT_EQ(allowance.datagrams_left(now), 2U);
+  UnprovenAllowance allowance(unproven_limits, host);
+  allowance.spend(100, 1, test_start);
+  host->spend(UnprovenBudget::datagrams_max - 3, test_start);
+  EXPECT_EQ(allowance.datagrams_left(test_start), 2U);
   allowance.proven();
-  EXPECT_EQ(host->left(now), 3U);
+  EXPECT_EQ(host->left(test_start), 3U);
 }
 
 TEST(UnprovenAllowanceTest, HasSomeMarksOfItsOwnAndThenThoseOfItsHost) {
   const auto host = std::make_shared<UnprovenBudget>();
-  UnprovenAllowance allowance(limits, host);
-  EXPECT_TRUE(allowance.takes_mark(now) && allowance.takes_mark(now));
-  host->spend(UnprovenBudget::datagrams_max, now);
-  EXPECT_FALSE(allowance.takes_mark(now));
-  allowance.answered(now);
-  EXPECT_TRUE(allowance.takes_mark(now)) << "somebody on that host answers";
+  UnprovenAllowance allowance(unproven_limits, host);
+  EXPECT_TRUE(allowance.takes_mark(test_start) && allowance.takes_mark(test_start));
+  host->spend(UnprovenBudget::datagrams_max, test_start);
+  EXPECT_FALSE(allowance.takes_mark(test_start));
+  allowance.answered(test_start);
+  EXPECT_TRUE(allowance.takes_mark(test_start)) << "somebody on that host answers";
   allowance.begin_anew(nullptr);
-  EXPECT_EQ(allowance.datagrams_left(now), 4U);
+  EXPECT_EQ(allowance.datagrams_left(test_start), 4U);
 }
 
 }  // namespace

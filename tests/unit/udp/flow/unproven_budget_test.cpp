@@ -3,20 +3,21 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/unit/udp/start.h"
+
 namespace sft::udp {
 namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::size_t all = UnprovenBudget::datagrams_max;
-constexpr UnprovenBudget::Time start{1h};
-const core::IpAddress host{0x0A090002U}, other_host{0x0A090003U};
+constexpr std::size_t whole_budget = UnprovenBudget::datagrams_max;
+const core::IpAddress one_host{0x0A090002U}, other_host{0x0A090003U};
 
 TEST(UnprovenBudgetTest, ComesBackByOneDatagramAfterEachSecondSinceItWasTouched) {
-  static_assert(all == 64 && UnprovenBudget::refill == 1s);
+  static_assert(whole_budget == 64 && UnprovenBudget::refill == 1s);
   UnprovenBudget budget;
-  const auto begin = start + 900ms;
-  budget.spend(all, begin);
+  const auto begin = test_start + 900ms;
+  budget.spend(whole_budget, begin);
   EXPECT_EQ(budget.left(begin + 999ms), 0U) << "the time before does not count";
   EXPECT_EQ(budget.left(begin + 1s), 1U);
   EXPECT_EQ(budget.left(begin + 1999ms), 1U);
@@ -25,45 +26,46 @@ TEST(UnprovenBudgetTest, ComesBackByOneDatagramAfterEachSecondSinceItWasTouched)
 
 TEST(UnprovenBudgetTest, IsNeverMoreThanWholeOrLessThanNothing) {
   UnprovenBudget budget;
-  budget.spend(5, start);
-  EXPECT_EQ(budget.left(start + 1h), all);
-  budget.spend(5, start + 1h);
+  budget.spend(5, test_start);
+  EXPECT_EQ(budget.left(test_start + 1h), whole_budget);
+  budget.spend(5, test_start + 1h);
   budget.give_back(10);
-  EXPECT_EQ(budget.left(start + 1h), all);
-  budget.spend(all + 5, start + 1h);
-  EXPECT_EQ(budget.left(start + 1h), 0U);
+  EXPECT_EQ(budget.left(test_start + 1h), whole_budget);
+  budget.spend(whole_budget + 5, test_start + 1h);
+  EXPECT_EQ(budget.left(test_start + 1h), 0U);
 }
 
 TEST(UnprovenBudgetTest, StaysAsItIsForAThreadWhoseClockIsAMomentBehind) {
   UnprovenBudget budget;
-  budget.spend(5, start);
-  EXPECT_EQ(budget.left(start - 10s), all - 5);
+  budget.spend(5, test_start);
+  EXPECT_EQ(budget.left(test_start - 10s), whole_budget - 5);
 }
 
 TEST(UnprovenBudgetTest, CountsNoMarksToAHostForTenSecondsAfterAReport) {
   static_assert(UnprovenBudget::answers_for == 10s);
   UnprovenBudget budget;
-  budget.answered(start);
-  budget.spend(all, start + 9999ms);
-  EXPECT_TRUE(budget.takes_mark(start + 9999ms));
-  EXPECT_FALSE(budget.takes_mark(start + 10s));
+  budget.answered(test_start);
+  budget.spend(whole_budget, test_start + 9999ms);
+  EXPECT_TRUE(budget.takes_mark(test_start + 9999ms));
+  EXPECT_FALSE(budget.takes_mark(test_start + 10s));
 }
 
 TEST(UnprovenBudgetTest, IsOneForAllWhoSendToAHost) {
   UnprovenBudgets budgets;
-  const auto one = budgets.of(host, start);
-  EXPECT_EQ(budgets.of(host, start), one);
-  EXPECT_NE(budgets.of(other_host, start), one);
+  const auto one = budgets.of(one_host, test_start);
+  EXPECT_EQ(budgets.of(one_host, test_start), one);
+  EXPECT_NE(budgets.of(other_host, test_start), one);
 }
 
 TEST(UnprovenBudgetTest, IsForgottenOnceNobodyUsesItAndAllOfItHasComeBack) {
   UnprovenBudgets budgets;
-  budgets.of(host, start)->spend(5, start);
-  EXPECT_EQ(budgets.of(host, start)->left(start), all - 5) << "who begins anew has no more";
-  const std::weak_ptr<UnprovenBudget> watched = budgets.of(host, start);
-  static_cast<void>(budgets.of(other_host, start + 4999ms));
+  budgets.of(one_host, test_start)->spend(5, test_start);
+  EXPECT_EQ(budgets.of(one_host, test_start)->left(test_start), whole_budget - 5)
+      << "who begins anew has no more";
+  const std::weak_ptr<UnprovenBudget> watched = budgets.of(one_host, test_start);
+  static_cast<void>(budgets.of(other_host, test_start + 4999ms));
   EXPECT_FALSE(watched.expired());
-  static_cast<void>(budgets.of(other_host, start + 5s));
+  static_cast<void>(budgets.of(other_host, test_start + 5s));
   EXPECT_TRUE(watched.expired());
 }
 

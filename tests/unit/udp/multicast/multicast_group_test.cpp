@@ -15,7 +15,7 @@ namespace {
 using namespace std::chrono_literals;
 using test::Image;
 
-constexpr std::uint32_t writer = 7, number = 2;
+constexpr std::uint32_t group_writer = 7, group_number = 2;
 
 /// Members 0 to 2 are served reliably, and in the channel of each something else was before; member 3 is not.
 class MulticastGroupTest : public testing::Test {
@@ -24,25 +24,25 @@ class MulticastGroupTest : public testing::Test {
     std::vector<MulticastGroup::Member> members;
     for (std::uint16_t i = 0; i < 4; ++i) {
       const auto to = directory_.find({.ip = core::loopback_ipv4, .port = static_cast<std::uint16_t>(i + 1)});
-      auto channel = i == 3 ? nullptr : std::make_shared<Channel>(writer, i + 1U, to, tally_, 9);
+      auto channel = i == 3 ? nullptr : std::make_shared<Channel>(group_writer, i + 1U, to, tally_, 9);
       for (std::uint16_t n = 0; channel != nullptr && n < i; ++n) keep(*channel, job(8), false);
       members.push_back({std::make_shared<Lane>(to, 4, tally_), std::move(channel)});
     }
     const auto to = directory_.find({.ip = core::IpAddress(private_groups + 1), .port = group_port});
-    group = MulticastGroup::make({writer, number, private_groups + 1}, std::make_shared<Lane>(to, 4, tally_),
-                                 std::move(members), 9);
+    group = MulticastGroup::make({group_writer, group_number, private_groups + 1},
+                                 std::make_shared<Lane>(to, 4, tally_), std::move(members), 9);
   }
 
   JobHandle job(std::size_t bytes) {
     const FieldMask all = test::fields<Image>("*");
     const Image image = test::make_image(bytes);
     core::SampleHandle sample = memory_->take(test::sample_bytes(image, all));
-    test::fill(*sample, image, all, writer, 1);
+    test::fill(*sample, image, all, group_writer, 1);
     JobHandle made = jobs_->take();
     const TypeSupport& type = test::type_support<Image>();
     made->projection.project(core::state_of(*sample, type.slots()), type.type(), all);
     made->mask = std::make_shared<WireMask>(WireMask{5, all.hash(), {}});
-    made->first.label = {writer, 1, 5};
+    made->first.label = {group_writer, 1, 5};
     made->first.total = static_cast<std::uint32_t>(made->projection.bytes());
     made->sample = std::move(sample);
     return made;
@@ -56,7 +56,7 @@ class MulticastGroupTest : public testing::Test {
     const std::uint64_t ordinal = group->next_ordinal(now);
     for (std::size_t i = 0; i < 3; ++i)
       group->placed(i, ordinal, keep(*group->members()[i].channel, sent, group->hears(i)));
-    sent->first.group = {number, 0, ordinal};
+    sent->first.group = {group_number, 0, ordinal};
     return sent;
   }
   /// Returns the ordinal in the group.
@@ -67,7 +67,7 @@ class MulticastGroupTest : public testing::Test {
   }
   std::uint32_t name_of(std::size_t member) const { return group->farewell(member).member; }
   void report(std::size_t member, std::uint64_t heard) {
-    group->hear({writer, number, name_of(member), heard}, now);
+    group->hear({group_writer, group_number, name_of(member), heard}, now);
   }
   void all_report() {
     const std::uint64_t ordinal = send();
@@ -75,7 +75,7 @@ class MulticastGroupTest : public testing::Test {
   }
   /// Returns what is left of a request for that sample to be answered alone.
   std::size_t ask(std::size_t member, std::uint64_t ordinal) {
-    Ack ack{.writer = writer, .channel = static_cast<std::uint32_t>(member + 1), .next = 1};
+    Ack ack{.writer = group_writer, .channel = static_cast<std::uint32_t>(member + 1), .next = 1};
     ack.missing[ack.missing_count++] = {static_cast<std::uint32_t>(ordinal + member), 0, 0};
     told += group->take_over_repairs(member, ack, now) == Wake::schedule ? 1 : 0;
     return ack.missing_count;
@@ -107,8 +107,8 @@ TEST_F(MulticastGroupTest, IsOfferedOnceItIsKnownHowFarTheChannelIsAhead) {
   offers = group->offers(now);
   ASSERT_EQ(offers.size(), 3U);
   for (std::uint32_t i = 0; i < 3; ++i) {
-    const GroupOffer offer{.writer = writer,
-                           .group = number,
+    const GroupOffer offer{.writer = group_writer,
+                           .group = group_number,
                            .member = name_of(i),
                            .port = 9,
                            .address = private_groups + 1,
@@ -125,7 +125,7 @@ TEST_F(MulticastGroupTest, BelievesNoReportOfWhatWasNotSent) {
   report(0, 2);
   EXPECT_FALSE(group->hears(0));
   for (const std::uint32_t name : {0U, 1U, 4U, name_of(1) - 1, name_of(0) + 1, name_of(0) ^ 0x10000}) {
-    group->hear({writer, number, name, 1}, now);
+    group->hear({group_writer, group_number, name, 1}, now);
     EXPECT_FALSE(group->hears(0) || group->hears(1)) << "a report of one that was altered is nobody else's";
   }
   report(0, 1);
@@ -151,7 +151,7 @@ TEST_F(MulticastGroupTest, TellsOfWhatLeavesOnceTheSendingThreadHasLooked) {
   const auto piece = channel.next(ResendWindow::Size::small).value();
   static_cast<void>(channel.finished(piece, std::chrono::steady_clock::now()));
   ASSERT_TRUE(channel.look_after().heartbeat);
-  static_cast<void>(channel.hear({.writer = writer, .channel = 1, .next = 2}));
+  static_cast<void>(channel.hear({.writer = group_writer, .channel = 1, .next = 2}));
   ASSERT_TRUE(channel.look_after().at_rest);
   const JobHandle sent = place();
   EXPECT_EQ(channel.look_after().next_look, Channel::Time::max());
@@ -212,7 +212,7 @@ TEST_F(MulticastGroupTest, AnswersEachAloneOfASampleThatAnotherGroupWasSent) {
   const std::uint64_t ordinal = group->next_ordinal(now);
   for (std::size_t i = 0; i < 3; ++i)
     group->placed(i, ordinal, keep(*group->members()[i].channel, sent, group->hears(i)));
-  sent->first.group = {number + 1, 0, ordinal};
+  sent->first.group = {group_number + 1, 0, ordinal};
   group->departed(*sent, false);
   for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(ask(i, ordinal), 1U);
   EXPECT_EQ(sent_again(), 0U);

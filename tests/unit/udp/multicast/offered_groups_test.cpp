@@ -7,31 +7,32 @@
 
 #include "udp_transport/multicast/group_membership.h"
 
+#include "tests/unit/udp/start.h"
+
 namespace sft::udp {
 namespace {
 
 using namespace std::chrono_literals;
 using Time = OfferedGroups::Time;
 
-constexpr Time start = Time(1h);
-constexpr std::uint32_t address = private_groups | 0x1001;
+constexpr std::uint32_t offered_address = private_groups | 0x1001;
 const SocketAddress writer_at{0x0a000001, 1};
 
 class OfferedGroupsTest : public testing::Test {
  protected:
   /// Returns whether it is to be joined anew.
-  bool offer(std::uint32_t group, std::uint32_t channel = 0, std::int64_t ahead = 0, Time now = start) {
+  bool offer(std::uint32_t group, std::uint32_t channel = 0, std::int64_t ahead = 0, Time now = test_start) {
     return groups_.hear({.writer = 1,
                          .group = group,
                          .member = 3,
                          .port = 77,
-                         .address = address,
+                         .address = offered_address,
                          .channel = channel,
                          .ahead = ahead},
                         writer_at, now);
   }
   bool offer_at(Time now) { return offer(1, 0, 0, now); }
-  bool place(std::uint32_t group, std::uint64_t ordinal, Time now = start,
+  bool place(std::uint32_t group, std::uint64_t ordinal, Time now = test_start,
              const ChannelWatch* channels = nullptr) {
     first_ = {};
     first_.flags = group_follows;
@@ -74,11 +75,11 @@ TEST_F(OfferedGroupsTest, AreToBeOfferedAgainWhereWhatComesHasNoPlace) {
   EXPECT_TRUE(reports().empty()) << "it is asked for not more often than for each eight";
   groups_.note(1, true);
   EXPECT_EQ(reports(), (std::vector<GroupReport>{{1, 1, 3, 0}}));
-  EXPECT_TRUE(place(1, 8, start + 1h));
+  EXPECT_TRUE(place(1, 8, test_start + 1h));
   EXPECT_TRUE(reports().empty()) << "who reports would not be offered it again";
   offer(1, 9, 6);
   offer(1, 9, 6);
-  EXPECT_TRUE(place(1, 9, start + 1h));
+  EXPECT_TRUE(place(1, 9, test_start + 1h));
   EXPECT_EQ(first_.channel.ordinal, 15U);
   EXPECT_EQ(reports(), (std::vector<GroupReport>{{1, 1, 3, 9}}));
 }
@@ -98,34 +99,34 @@ TEST_F(OfferedGroupsTest, AreToBeOfferedAgainAtOnceWhereSomebodyReplacesOrTakesB
   EXPECT_EQ(reports(), std::vector{offer_it_again});
   use();
   GroupOffer taken_back{.writer = 1, .group = 1, .member = 3, .port = 77};
-  groups_.hear(taken_back, writer_at, start);
+  groups_.hear(taken_back, writer_at, test_start);
   EXPECT_TRUE(reports().empty());
-  groups_.hear(taken_back, writer_at, start);
+  groups_.hear(taken_back, writer_at, test_start);
   EXPECT_EQ(reports(), std::vector{offer_it_again});
   use();
-  groups_.hear(taken_back, writer_at, start + 1s);
+  groups_.hear(taken_back, writer_at, test_start + 1s);
   EXPECT_TRUE(reports().empty()) << "its writer has used another one for a while";
 }
 
 TEST_F(OfferedGroupsTest, PlaceNothingInAChannelThatIsNotKnownWhileAnotherIs) {
   ChannelWatch channels;
   offer(1, 9);
-  EXPECT_TRUE(place(1, 1, start, &channels)) << "none is known";
+  EXPECT_TRUE(place(1, 1, test_start, &channels)) << "none is known";
   channels.turn(4, 0);
-  EXPECT_FALSE(place(1, 2, start, &channels));
+  EXPECT_FALSE(place(1, 2, test_start, &channels));
   channels.turn(9, 0);
-  EXPECT_TRUE(place(1, 3, start, &channels));
+  EXPECT_TRUE(place(1, 3, test_start, &channels));
   channels.turn(10, 0);
-  EXPECT_TRUE(place(1, 4, start, &channels)) << "what was sent before may be under way";
+  EXPECT_TRUE(place(1, 4, test_start, &channels)) << "what was sent before may be under way";
 }
 
 TEST_F(OfferedGroupsTest, AreToBeOfferedAgainWhereTheirChannelIsNoneThatIsKnown) {
   ChannelWatch channels;
   channels.turn(4, 0);
   offer(1, 9);
-  for (std::uint64_t n = 1; n <= 7; ++n) EXPECT_FALSE(place(1, n, start, &channels));
+  for (std::uint64_t n = 1; n <= 7; ++n) EXPECT_FALSE(place(1, n, test_start, &channels));
   EXPECT_TRUE(reports().empty()) << "the channel may become known yet";
-  EXPECT_FALSE(place(1, 8, start, &channels));
+  EXPECT_FALSE(place(1, 8, test_start, &channels));
   EXPECT_EQ(reports(), (std::vector<GroupReport>{{1, 1, 3, 0}}));
 }
 
@@ -163,10 +164,10 @@ TEST_F(OfferedGroupsTest, ReportTheLastOrdinalWhateverComesLate) {
 }
 
 TEST_F(OfferedGroupsTest, ReportToWhereTheLastOfferSays) {
-  GroupOffer again{.writer = 1, .group = 1, .member = 3, .port = 78, .address = address};
+  GroupOffer again{.writer = 1, .group = 1, .member = 3, .port = 78, .address = offered_address};
   offer(1);
-  groups_.hear(again, writer_at, start);
-  groups_.hear(again, writer_at, start);
+  groups_.hear(again, writer_at, test_start);
+  groups_.hear(again, writer_at, test_start);
   place(1, 1);
   std::vector<SocketAddress> told;
   groups_.report([&](const SocketAddress& to, const GroupReport&) { told.push_back(to); });
@@ -180,20 +181,20 @@ TEST_F(OfferedGroupsTest, MakeNoRoomForOthersWhileTheyAreHeard) {
   }
   offer(5);
   EXPECT_FALSE(place(5, 1));
-  for (std::uint32_t group = 2; group <= 4; ++group) ASSERT_TRUE(place(group, 2, start + 500ms));
-  offer(5, 0, 0, start + 500ms);
-  EXPECT_TRUE(place(5, 1, start + 500ms));
-  EXPECT_FALSE(place(1, 2, start + 500ms));
+  for (std::uint32_t group = 2; group <= 4; ++group) ASSERT_TRUE(place(group, 2, test_start + 500ms));
+  offer(5, 0, 0, test_start + 500ms);
+  EXPECT_TRUE(place(5, 1, test_start + 500ms));
+  EXPECT_FALSE(place(1, 2, test_start + 500ms));
 }
 
 TEST_F(OfferedGroupsTest, EndAsThoseBeforeAlsoWhereTheirNumbersTurnOver) {
   offer(0xFFFF'FFFF);
   offer(1);
-  groups_.hear({.writer = 1, .group = 0xFFFF'FFFF, .member = 3, .port = 77}, writer_at, start);
+  groups_.hear({.writer = 1, .group = 0xFFFF'FFFF, .member = 3, .port = 77}, writer_at, test_start);
   EXPECT_FALSE(place(0xFFFF'FFFF, 1));
   EXPECT_TRUE(place(1, 1));
   offer(0xFFFF'FFFE);
-  groups_.hear({.writer = 1, .group = 1, .member = 3, .port = 77}, writer_at, start + 1h);
+  groups_.hear({.writer = 1, .group = 1, .member = 3, .port = 77}, writer_at, test_start + 1h);
   EXPECT_TRUE(groups_.empty());
 }
 
@@ -229,12 +230,12 @@ TEST_F(OfferedGroupsTest, ReportTheFirstSampleAtOnceAndThenNowAndAgain) {
   offer(1);
   place(1, 5);
   EXPECT_EQ(reports(), (std::vector<GroupReport>{{1, 1, 3, 5}}));
-  place(1, 6, start + group_report_pause - 1ms);
+  place(1, 6, test_start + group_report_pause - 1ms);
   EXPECT_TRUE(reports().empty());
-  place(1, 7, start + group_report_pause);
+  place(1, 7, test_start + group_report_pause);
   EXPECT_EQ(reports(), (std::vector<GroupReport>{{1, 1, 3, 7}}));
   offer(1);  // the report got lost
-  place(1, 8, start + group_report_pause);
+  place(1, 8, test_start + group_report_pause);
   EXPECT_EQ(reports(), (std::vector<GroupReport>{{1, 1, 3, 8}}));
 }
 
@@ -242,28 +243,28 @@ TEST_F(OfferedGroupsTest, EndWithAnOfferWithoutAnAddressAsDoThoseBefore) {
   offer(1);
   offer(2);
   offer(3);
-  EXPECT_FALSE(groups_.hear({.writer = 1, .group = 2, .member = 3, .port = 77}, writer_at, start + 1h));
+  EXPECT_FALSE(groups_.hear({.writer = 1, .group = 2, .member = 3, .port = 77}, writer_at, test_start + 1h));
   EXPECT_FALSE(place(1, 1));
   EXPECT_FALSE(place(2, 1));
   EXPECT_TRUE(place(3, 1));
   std::vector<std::uint32_t> joined;
   groups_.addresses(joined);
-  EXPECT_EQ(joined, std::vector<std::uint32_t>{address});
+  EXPECT_EQ(joined, std::vector<std::uint32_t>{offered_address});
 }
 
 TEST_F(OfferedGroupsTest, AreJoinedAnewIfNothingOfThemComesButNotForEachOffer) {
-  EXPECT_FALSE(offer_at(start));
-  EXPECT_FALSE(offer_at(start + 249ms)) << "a switch may learn of it yet";
-  EXPECT_TRUE(offer_at(start + 250ms));
-  EXPECT_FALSE(offer_at(start + 499ms)) << "since it was joined anew";
-  EXPECT_TRUE(offer_at(start + 500ms));
+  EXPECT_FALSE(offer_at(test_start));
+  EXPECT_FALSE(offer_at(test_start + 249ms)) << "a switch may learn of it yet";
+  EXPECT_TRUE(offer_at(test_start + 250ms));
+  EXPECT_FALSE(offer_at(test_start + 499ms)) << "since it was joined anew";
+  EXPECT_TRUE(offer_at(test_start + 500ms));
 }
 
 TEST_F(OfferedGroupsTest, AreNotJoinedAnewWhileTheyAreHeard) {
-  EXPECT_FALSE(offer_at(start));
-  place(1, 1, start + 1h);
-  EXPECT_FALSE(offer_at(start + 1h + 249ms)) << "the report got lost";
-  EXPECT_TRUE(offer_at(start + 1h + 250ms));
+  EXPECT_FALSE(offer_at(test_start));
+  place(1, 1, test_start + 1h);
+  EXPECT_FALSE(offer_at(test_start + 1h + 249ms)) << "the report got lost";
+  EXPECT_TRUE(offer_at(test_start + 1h + 250ms));
 }
 
 TEST_F(OfferedGroupsTest, AreNeverMany) {
@@ -276,52 +277,52 @@ TEST_F(OfferedGroupsTest, AreNeverMany) {
 
 TEST(GroupMembership, IsOfferedUntilAReportComesButNotWhileNothingIsSent) {
   GroupMembership member;
-  EXPECT_TRUE(member.offer_due(start));
-  EXPECT_FALSE(member.offer_due(start + 10s)) << "it could not have heard anything";
-  member.sent(start + 10s);
-  EXPECT_TRUE(member.offer_due(start + 10s));
+  EXPECT_TRUE(member.offer_due(test_start));
+  EXPECT_FALSE(member.offer_due(test_start + 10s)) << "it could not have heard anything";
+  member.sent(test_start + 10s);
+  EXPECT_TRUE(member.offer_due(test_start + 10s));
   EXPECT_FALSE(member.hears());
-  member.sent(start + 20s);
-  member.reported(1, start + 20s);
+  member.sent(test_start + 20s);
+  member.reported(1, test_start + 20s);
   EXPECT_TRUE(member.hears());
-  EXPECT_FALSE(member.offer_due(start + 20s));
+  EXPECT_FALSE(member.offer_due(test_start + 20s));
 }
 
 TEST(GroupMembership, EndsWhenSamplesThatAreSentAreNotReportedAnyMore) {
   GroupMembership member;
-  member.reported(1, start);
-  member.look(start + 1h);
+  member.reported(1, test_start);
+  member.look(test_start + 1h);
   EXPECT_TRUE(member.hears()) << "nothing was sent";
-  member.sent(start + 1h);
-  member.look(start + 1h + 400ms);
+  member.sent(test_start + 1h);
+  member.look(test_start + 1h + 400ms);
   EXPECT_TRUE(member.hears());
-  member.look(start + 1h + 500ms);
+  member.look(test_start + 1h + 500ms);
   EXPECT_FALSE(member.hears());
-  EXPECT_TRUE(member.offer_due(start + 1h + 500ms));
-  member.reported(1, start + 2h);
+  EXPECT_TRUE(member.offer_due(test_start + 1h + 500ms));
+  member.reported(1, test_start + 2h);
   EXPECT_TRUE(member.hears());
 }
 
 TEST(GroupMembership, IsOfferedAgainAtOnceWhenItRefusesTheOffer) {
   GroupMembership member;
-  member.refused(0, start);
-  EXPECT_TRUE(member.offer_due(start));
-  EXPECT_FALSE(member.offer_due(start)) << "it is offered anyway";
-  member.reported(1, start);
-  EXPECT_FALSE(member.offer_due(start + 1s));
-  member.refused(7, start + 1s);
+  member.refused(0, test_start);
+  EXPECT_TRUE(member.offer_due(test_start));
+  EXPECT_FALSE(member.offer_due(test_start)) << "it is offered anyway";
+  member.reported(1, test_start);
+  EXPECT_FALSE(member.offer_due(test_start + 1s));
+  member.refused(7, test_start + 1s);
   EXPECT_FALSE(member.hears());
-  EXPECT_TRUE(member.offer_due(start + 1s));
-  member.reported(7, start + 1s);
+  EXPECT_TRUE(member.offer_due(test_start + 1s));
+  member.reported(7, test_start + 1s);
   EXPECT_FALSE(member.hears()) << "that is an earlier report once more, maybe by somebody else";
-  member.reported(8, start + 1s);
+  member.reported(8, test_start + 1s);
   EXPECT_TRUE(member.hears());
 }
 
 TEST(GroupMembership, StaysWhileReportsComeEveryNowAndThen) {
   GroupMembership member;
-  for (Time now = start; now < start + 10s; now += 10ms) {
-    if ((now - start) % 1000ms == 0ms) member.reported(1, now);
+  for (Time now = test_start; now < test_start + 10s; now += 10ms) {
+    if ((now - test_start) % 1000ms == 0ms) member.reported(1, now);
     member.sent(now);
     member.look(now);
     ASSERT_TRUE(member.hears());

@@ -22,11 +22,11 @@ using namespace std::chrono_literals;
 using test::Bytes;
 using test::fields;
 using test::Image;
+using test::lone_writer;
 using test::make_image;
-using test::writer;
+using test::short_id;
 
-constexpr std::uint32_t short_id = static_cast<std::uint32_t>(writer);
-constexpr std::uint32_t channel = 5;
+constexpr std::uint32_t heard_channel = 5;
 constexpr std::uint32_t group_address = private_groups | 3;
 const SocketAddress writers_node{core::IpAddress(0x0A630102), 7000};
 const SocketAddress stranger{core::IpAddress(0x0A630109), 7000};
@@ -52,7 +52,7 @@ Bytes encoded(const Control& control, std::size_t bytes) {
 class DemultiplexerTest : public sft::test::RandomTest {
  protected:
   DemultiplexerTest() {
-    Stream stream{writer, &test::type_support<Image>(), 0, {fields<Image>("*")}, true};
+    Stream stream{lone_writer, &test::type_support<Image>(), 0, {fields<Image>("*")}, true};
     stream.node = {.known = true, .addresses = {{.ip = writers_node.ip, .port = writers_node.port}}};
     reassembly_.set_streams({&stream, 1});
     reassembly_.window(0)->set_readers({1});
@@ -72,9 +72,9 @@ class DemultiplexerTest : public sft::test::RandomTest {
       case DatagramKind::whole:
         return sample_of(of_writer, 100, true).front();
       case DatagramKind::heartbeat:
-        return encoded(Heartbeat{of_writer, channel, 4000, 1, 2}, heartbeat_bytes);
+        return encoded(Heartbeat{of_writer, heard_channel, 4000, 1, 2}, heartbeat_bytes);
       case DatagramKind::ack: {
-        Ack ack{.writer = of_writer, .channel = channel, .next = 3};
+        Ack ack{.writer = of_writer, .channel = heard_channel, .next = 3};
         ack.missing[ack.missing_count++] = {3, 10, 20};
         return encoded(ack, ack.bytes());
       }
@@ -138,7 +138,7 @@ class DemultiplexerTest : public sft::test::RandomTest {
     first.total = static_cast<std::uint32_t>(body.size());
     first.mask = fields<Image>("*").hash();
     first.stamp_ns = 5;
-    first.channel = {channel, 0, 1, in_short};
+    first.channel = {heard_channel, 0, 1, in_short};
     return test::cut({first, {}, {&segment, 1}}, 1472);
   }
   static Bytes packed_of(std::uint32_t of_writer) {

@@ -21,12 +21,12 @@ using namespace std::chrono_literals;
 using test::Bytes;
 using test::fields;
 using test::Image;
+using test::lone_writer;
 using test::make_image;
-using test::writer;
+using test::short_id;
 
-constexpr std::uint32_t short_id = static_cast<std::uint32_t>(writer);
 constexpr std::size_t stream_index = 3;
-const SocketAddress home{core::IpAddress(0x0A630102), 4000}, elsewhere{core::IpAddress(0x0A630103), 4000};
+const SocketAddress home{core::IpAddress(0x0A630102), 4000}, other_home{core::IpAddress(0x0A630103), 4000};
 
 /// A sample's sequence is its ordinal: sent() makes its datagrams, receive() takes them, and ask() tells what
 /// the writer is asked for.
@@ -41,7 +41,7 @@ class IncomingWriterTest : public sft::test::RandomTest {
   }
   std::unique_ptr<IncomingWriter> make_writer() {
     auto made = std::make_unique<IncomingWriter>(*shared_);
-    made->follow({writer, &test::type_support<Image>(), 100'000, {fields<Image>("*")}}, stream_index);
+    made->follow({lone_writer, &test::type_support<Image>(), 100'000, {fields<Image>("*")}}, stream_index);
     return made;
   }
   void read_reliably() {
@@ -124,7 +124,7 @@ TEST_F(IncomingWriterTest, BringsASampleOfOneDatagramAtOnce) {
   ASSERT_TRUE(arrival.sample);
   EXPECT_EQ(arrival.stream, stream_index);
   EXPECT_FALSE(arrival.in_channel);
-  EXPECT_EQ(arrival.sample->header().writer, writer);
+  EXPECT_EQ(arrival.sample->header().writer, lone_writer);
   EXPECT_EQ(arrival.sample->header().sequence, 9U);
   EXPECT_EQ(arrival.sample->receive_stamp_ns, 77);
   EXPECT_EQ(test::body_of(*arrival.sample), test::encoded_body(make_image(100, 9), fields<Image>("*")));
@@ -210,12 +210,12 @@ TEST_F(IncomingWriterTest, AnswersNobodyBeforeAHeartbeatNamesAnAddress) {
 TEST_F(IncomingWriterTest, AnswersAtBothAddressesUntilASecondHeartbeatConfirmsTheNewOne) {
   read_reliably();
   hear(1, 2);
-  hear(1, 2, elsewhere);
+  hear(1, 2, other_home);
   ask(0ms);
-  EXPECT_EQ(answered_, (std::vector{home, elsewhere}));
-  hear(1, 2, elsewhere);
+  EXPECT_EQ(answered_, (std::vector{home, other_home}));
+  hear(1, 2, other_home);
   ask(0ms);
-  EXPECT_EQ(answered_, std::vector{elsewhere});
+  EXPECT_EQ(answered_, std::vector{other_home});
 }
 
 TEST_F(IncomingWriterTest, AsksForExactlyThoseBytesOfASampleThatHaveNotCome) {

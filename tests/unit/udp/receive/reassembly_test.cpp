@@ -21,9 +21,9 @@ using namespace std::chrono_literals;
 using test::Bytes;
 using test::fields;
 using test::Image;
+using test::lone_writer;
 using test::make_image;
 using test::Wide;
-using test::writer;
 
 /// Speaks of images of one writer: sent() makes their datagrams,
 /// receive() takes them, taken() tells what came out.
@@ -38,7 +38,7 @@ class ReassemblyTest : public testing::Test {
   }
 
   void read_under(std::initializer_list<const char*> masks, std::size_t max_sample_bytes = 0) {
-    Stream stream{writer, &test::type_support<Image>(), max_sample_bytes, {}};
+    Stream stream{lone_writer, &test::type_support<Image>(), max_sample_bytes, {}};
     for (const char* mask : masks) stream.masks.push_back(fields<Image>(mask));
     reassembly_->set_streams({&stream, 1});
   }
@@ -46,7 +46,7 @@ class ReassemblyTest : public testing::Test {
   std::vector<Bytes> sent(std::uint32_t sequence, const Image& image, const char* mask = "*",
                           std::uint16_t variant = 0) const {
     return test::datagrams_of(image, fields<Image>(mask),
-                              {static_cast<std::uint32_t>(writer), sequence, variant});
+                              {static_cast<std::uint32_t>(lone_writer), sequence, variant});
   }
 
   void receive(const Bytes& datagram) {
@@ -92,7 +92,7 @@ TEST_F(ReassemblyTest, GivesASmallSampleAtOnceAsItWasSent) {
   EXPECT_EQ(sample.mask, fields<Image>("*"));
   EXPECT_EQ(sample.receive_stamp_ns, 77);
   EXPECT_EQ(sample.header().magic, sample_magic);
-  EXPECT_EQ(sample.header().writer, writer);
+  EXPECT_EQ(sample.header().writer, lone_writer);
   EXPECT_EQ(sample.header().source_stamp_ns, 5);
   EXPECT_EQ(sample.header().type_hash, test::type_support<Image>().hash());
   EXPECT_EQ(sample.header().slots, 6U);
@@ -309,7 +309,7 @@ TEST_F(ReassemblyTest, CountsWritersThatNobodyReads) {
 
 TEST_F(ReassemblyTest, TellsWritersWithOneShortIdApartByTheAddressesOfTheirNodes) {
   const core::IpAddress honest_ip(0x0a000001), forger_ip(0x0a000002), unknown_ip(0x0a000003);
-  const core::EndpointId twin = writer + (core::EndpointId{1} << 32);
+  const core::EndpointId twin = lone_writer + (core::EndpointId{1} << 32);
   const auto stream = [](core::EndpointId id, const core::IpAddress& ip) {
     Stream made{id, &test::type_support<Image>(), 0, {fields<Image>("*")}};
     made.node = {.known = true, .addresses = {{.ip = ip, .port = 7000}}};
@@ -322,21 +322,21 @@ TEST_F(ReassemblyTest, TellsWritersWithOneShortIdApartByTheAddressesOfTheirNodes
     }
     return 0;
   };
-  const std::vector<Stream> both{stream(twin, forger_ip), stream(writer, honest_ip)};
+  const std::vector<Stream> both{stream(twin, forger_ip), stream(lone_writer, honest_ip)};
   reassembly_->set_streams(both);
-  EXPECT_EQ(writer_of(1, honest_ip), writer);
+  EXPECT_EQ(writer_of(1, honest_ip), lone_writer);
   EXPECT_EQ(writer_of(1, forger_ip), twin);
-  EXPECT_EQ(writer_of(2, honest_ip), writer);
+  EXPECT_EQ(writer_of(2, honest_ip), lone_writer);
   EXPECT_EQ(writer_of(2, unknown_ip), twin) << "the first one, if nobody announced the address";
   reassembly_->set_streams(std::span(both).last(1));
-  EXPECT_EQ(writer_of(3, unknown_ip), writer) << "who has no twin may come from anywhere";
+  EXPECT_EQ(writer_of(3, unknown_ip), lone_writer) << "who has no twin may come from anywhere";
 }
 
 TEST_F(ReassemblyTest, TellsWritersWithOneShortIdAndOneAddressApartByWhatTheyAnnouncedOfTheirSamples) {
   const core::IpAddress ip(0x0a000001);
   std::vector<Stream> streams;
   for (std::uint64_t i = 0; i < 8; ++i) {  // the honest one comes last
-    streams.push_back({writer + ((7 - i) << 32),
+    streams.push_back({lone_writer + ((7 - i) << 32),
                        &test::type_support<Image>(),
                        i == 7 ? 0 : std::size_t{1},
                        {fields<Image>("*")}});
@@ -350,18 +350,18 @@ TEST_F(ReassemblyTest, TellsWritersWithOneShortIdAndOneAddressApartByWhatTheyAnn
     }
     return 0;
   };
-  EXPECT_EQ(writer_of(1, 64), writer);
-  EXPECT_EQ(writer_of(2, 20'000), writer);
+  EXPECT_EQ(writer_of(1, 64), lone_writer);
+  EXPECT_EQ(writer_of(2, 20'000), lone_writer);
   for (std::size_t i = 0; i < 7; ++i) {
     streams[i].max_sample_bytes = 0;
     streams[i].alive = false;
   }
   reassembly_->set_streams(streams);
-  EXPECT_EQ(writer_of(3, 64), writer) << "those that live come first";
+  EXPECT_EQ(writer_of(3, 64), lone_writer) << "those that live come first";
 }
 
 TEST_F(ReassemblyTest, TakesNothingOnceMoreOfAWriterThatDoesNotAnswer) {
-  Stream stream{writer, &test::type_support<Image>(), 0, {fields<Image>("*")}};
+  Stream stream{lone_writer, &test::type_support<Image>(), 0, {fields<Image>("*")}};
   reassembly_->set_streams({&stream, 1});
   const auto takes = [&](std::uint32_t sequence) {
     bool came = false;
@@ -394,7 +394,7 @@ TEST_F(ReassemblyTest, RefusesPayloadBeyondTheTotal) {
   const auto datagrams = sent(1, make_image(3'000));
   receive(datagrams[0]);
   Bytes beyond = datagrams[1];
-  encode(FollowingHeader{.label = {static_cast<std::uint32_t>(writer), 1, 0}, .offset = 3'000},
+  encode(FollowingHeader{.label = {static_cast<std::uint32_t>(lone_writer), 1, 0}, .offset = 3'000},
          beyond.data());
   receive(beyond);
   EXPECT_EQ(counted().malformed, 1U);
@@ -434,12 +434,12 @@ TEST_F(ReassemblyTest, ForgetsAWriterThatNobodyReadsAnyMore) {
 
 TEST_F(ReassemblyTest, TellsMasksOfMoreThan64LeavesApart) {
   const FieldMask both = fields<Wide>("first, seventh");
-  Stream stream{writer, &test::type_support<Wide>(), 0, {both}};
+  Stream stream{lone_writer, &test::type_support<Wide>(), 0, {both}};
   reassembly_->set_streams({&stream, 1});
   Wide wide;
   wide.first.a = {1, 2, 3};
   wide.seventh.j = 4.5;
-  const SampleLabel label{static_cast<std::uint32_t>(writer), 1, 0};
+  const SampleLabel label{static_cast<std::uint32_t>(lone_writer), 1, 0};
   receive(test::datagrams_of(wide, fields<Wide>("first"), label));
   EXPECT_EQ(taken(), Sequences{});
   receive(test::datagrams_of(wide, both, {label.writer, 2, 1}));
@@ -450,9 +450,9 @@ TEST_F(ReassemblyTest, TellsMasksOfMoreThan64LeavesApart) {
 
 TEST_F(ReassemblyTest, KnowsALongMaskByItsHashAlone) {
   const FieldMask both = fields<Wide>("first, seventh");
-  Stream stream{writer, &test::type_support<Wide>(), 0, {both}};
+  Stream stream{lone_writer, &test::type_support<Wide>(), 0, {both}};
   reassembly_->set_streams({&stream, 1});
-  auto datagrams = test::datagrams_of(Wide{}, both, {static_cast<std::uint32_t>(writer), 1, 0});
+  auto datagrams = test::datagrams_of(Wide{}, both, {static_cast<std::uint32_t>(lone_writer), 1, 0});
   datagrams[0][1] = std::byte{0};
   datagrams[0].erase(datagrams[0].begin() + first_header_bytes,
                      datagrams[0].begin() + first_header_bytes + 16);
@@ -467,9 +467,9 @@ TEST_F(ReassemblyTest, RefusesMaskWordsThatAreNotThereOrNotNeeded) {
   EXPECT_EQ(counted().malformed, 1U);
 
   const FieldMask all = fields<Wide>("*");
-  Stream stream{writer, &test::type_support<Wide>(), 0, {all}};
+  Stream stream{lone_writer, &test::type_support<Wide>(), 0, {all}};
   reassembly_->set_streams({&stream, 1});
-  auto wide = test::datagrams_of(Wide{}, all, {static_cast<std::uint32_t>(writer), 2, 0});
+  auto wide = test::datagrams_of(Wide{}, all, {static_cast<std::uint32_t>(lone_writer), 2, 0});
   wide[0].resize(first_header_bytes + 8);
   receive(wide[0]);
   EXPECT_EQ(counted().malformed, 2U);

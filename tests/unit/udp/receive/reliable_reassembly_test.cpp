@@ -18,8 +18,8 @@ using namespace std::chrono_literals;
 using test::Bytes;
 using test::fields;
 using test::Image;
+using test::lone_writer;
 using test::make_image;
-using test::writer;
 
 constexpr SocketAddress acks_to{{}, 7};
 
@@ -38,7 +38,7 @@ class ReliableReassemblyTest : public testing::Test {
   }
 
   void read(bool reliably, std::size_t max_sample_bytes = 0) {
-    Stream stream{writer, &test::type_support<Image>(), max_sample_bytes, {fields<Image>("*")}};
+    Stream stream{lone_writer, &test::type_support<Image>(), max_sample_bytes, {fields<Image>("*")}};
     stream.reliable = reliably;
     reassembly_->set_streams({&stream, 1});
     if (reliably) window().set_readers({1});
@@ -49,7 +49,7 @@ class ReliableReassemblyTest : public testing::Test {
     const Bytes body = test::encoded_body(make_image(bytes), fields<Image>("*"));
     const Segment whole{body.data(), body.size()};
     FirstHeader first{};
-    first.label = {static_cast<std::uint32_t>(writer), static_cast<std::uint32_t>(ordinal), 0};
+    first.label = {static_cast<std::uint32_t>(lone_writer), static_cast<std::uint32_t>(ordinal), 0};
     first.flags = channel_follows;
     first.total = static_cast<std::uint32_t>(body.size());
     first.mask = fields<Image>("*").hash();
@@ -74,7 +74,8 @@ class ReliableReassemblyTest : public testing::Test {
   }
   void hear(std::uint64_t first, std::uint64_t end, std::uint32_t channel = 1) {
     Bytes bytes(heartbeat_bytes);
-    encode(Heartbeat{static_cast<std::uint32_t>(writer), channel, acks_to.port, first, end}, bytes.data());
+    encode(Heartbeat{static_cast<std::uint32_t>(lone_writer), channel, acks_to.port, first, end},
+           bytes.data());
     test::accept(*reassembly_, bytes, {now_, 1}, acks_to);
   }
   const core::Transport::Counters& counted() const { return reassembly_->counters(); }
@@ -154,7 +155,7 @@ TEST_F(ReliableReassemblyTest, GivesNoSampleUpForParkedPartsWithTooManyGaps) {
 TEST_F(ReliableReassemblyTest, GivesNoSampleUpForAPartThatIsNotOfIt) {
   const std::vector<Bytes> datagrams = sent(1, 10'000);
   Bytes beyond = datagrams[1];
-  encode(FollowingHeader{{static_cast<std::uint32_t>(writer), 1, 0}, 50'000}, beyond.data());
+  encode(FollowingHeader{{static_cast<std::uint32_t>(lone_writer), 1, 0}, 50'000}, beyond.data());
   receive(beyond);
   receive(std::span(datagrams));
   EXPECT_EQ(counted().malformed, 1U);
@@ -221,7 +222,7 @@ TEST_F(ReliableReassemblyTest, WaitsLongerWhereThePartsThatItAskedForComeTwice) 
 
 TEST_F(ReliableReassemblyTest, TakesNoPartsOfASampleOfAGroupThatItWasNotOffered) {
   FirstHeader first{};
-  first.label = {static_cast<std::uint32_t>(writer), 5, 0};
+  first.label = {static_cast<std::uint32_t>(lone_writer), 5, 0};
   first.flags = group_follows;
   first.mask = fields<Image>("*").hash();
   first.group = {3, 0, 1};
@@ -236,14 +237,14 @@ TEST_F(ReliableReassemblyTest, TakesNoPartsOfASampleOfAGroupThatItWasNotOffered)
 
 TEST_F(ReliableReassemblyTest, AnswersOnlyWhereTheWritersNodeCanBeReached) {
   const core::IpAddress its{0x0A630102}, of_a_third{0x0A630109};
-  Stream stream{writer, &test::type_support<Image>(), 0, {fields<Image>("*")}};
+  Stream stream{lone_writer, &test::type_support<Image>(), 0, {fields<Image>("*")}};
   stream.reliable = true;
   stream.node = {true, {{its, 7000}}, false};
   reassembly_->set_streams({&stream, 1});
   std::vector<SocketAddress> answered;
   const auto hear_from = [&](const core::IpAddress& ip, std::uint16_t port) {
     Bytes bytes(heartbeat_bytes);
-    encode(Heartbeat{static_cast<std::uint32_t>(writer), 1, port, 1, 2}, bytes.data());
+    encode(Heartbeat{static_cast<std::uint32_t>(lone_writer), 1, port, 1, 2}, bytes.data());
     test::accept(*reassembly_, bytes, {now_, 1}, {ip, 9});
     answered.clear();
     reassembly_->answer(now_, [&](const SocketAddress& to, const Ack&) { answered.push_back(to); });

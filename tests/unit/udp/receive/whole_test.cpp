@@ -19,14 +19,14 @@ using namespace std::chrono_literals;
 using test::Bytes;
 using test::fields;
 using test::Image;
+using test::lone_writer;
 using test::make_image;
 using test::Wide;
-using test::writer;
 
 constexpr std::size_t path = 1472;
 
 FirstHeader in_channel(std::uint64_t ordinal, std::uint64_t sequence, std::uint16_t variant = 3) {
-  return {.label = {static_cast<std::uint32_t>(writer), static_cast<std::uint32_t>(sequence), variant},
+  return {.label = {static_cast<std::uint32_t>(lone_writer), static_cast<std::uint32_t>(sequence), variant},
           .flags = channel_follows,
           .mask = 0xff,
           .stamp_ns = 4,
@@ -153,7 +153,7 @@ class WholeTest : public testing::Test {
   }
 
   void read(bool reliable) {
-    Stream stream{writer, &test::type_support<Image>(), 0, {}, reliable};
+    Stream stream{lone_writer, &test::type_support<Image>(), 0, {}, reliable};
     for (const char* mask : {"*", "stamp", "data"}) stream.masks.push_back(fields<Image>(mask));
     reassembly_.set_streams({&stream, 1});
     if (reliable) reassembly_.window(0)->set_readers({1});
@@ -228,7 +228,7 @@ TEST_F(WholeTest, ComesAsItWasSent) {
 
 TEST_F(WholeTest, ComesAgainWhereItsChannelIsNotKnownAsYet) {
   Reassembly fresh{{}, core::BufferPool::make(std::size_t{64} << 20)};
-  const Stream stream{writer, &test::type_support<Image>(), 0, {fields<Image>("*")}, true};
+  const Stream stream{lone_writer, &test::type_support<Image>(), 0, {fields<Image>("*")}, true};
   fresh.set_streams({&stream, 1});
   const auto datagrams = sent(1, 9, make_image(20));
   EXPECT_FALSE(test::accept(fresh, datagrams.at(0), {now_, 77}).sample);
@@ -246,7 +246,7 @@ TEST_F(WholeTest, WaitsForItsTurnAndIsThereOnce) {
 }
 
 TEST_F(WholeTest, MayBeOfTheEmptyMask) {
-  Stream stream{writer, &test::type_support<Image>(), 0, {fields<Image>("")}, true};
+  Stream stream{lone_writer, &test::type_support<Image>(), 0, {fields<Image>("")}, true};
   reassembly_.set_streams({&stream, 1});
   receive(sent(1, 3, make_image(100), path, ""));
   ASSERT_EQ(taken(), Sequences{3});
@@ -302,7 +302,7 @@ TEST_F(WholeTest, IsNotMistakenForTheSameSampleUnderAnotherMask) {
 TEST_F(WholeTest, IsNotRepeatedByAGroupThatSentItToo) {
   const Image image = make_image(900);
   Bytes offer(group_offer_bytes);
-  encode(GroupOffer{.writer = static_cast<std::uint32_t>(writer),
+  encode(GroupOffer{.writer = static_cast<std::uint32_t>(lone_writer),
                     .group = 1,
                     .port = 7,
                     .address = private_groups | 1,
@@ -338,7 +338,7 @@ TEST_F(WholeTest, IsNotRepeatedByAGroupThatSentItToo) {
 
 TEST_F(WholeTest, NamesAMaskOfMoreThan64Leaves) {
   const FieldMask both = fields<Wide>("first, seventh");
-  Stream stream{writer, &test::type_support<Wide>(), 0, {both}, true};
+  Stream stream{lone_writer, &test::type_support<Wide>(), 0, {both}, true};
   reassembly_.set_streams({&stream, 1});
   Wide wide;
   wide.first.a = {1, 2, 3};
@@ -354,7 +354,7 @@ TEST_F(WholeTest, NamesAMaskOfMoreThan64Leaves) {
 }
 
 TEST_F(WholeTest, IsRefusedBeyondTheLimitBeforeMemoryIsTaken) {
-  Stream stream{writer, &test::type_support<Image>(), 100, {fields<Image>("*")}, true};
+  Stream stream{lone_writer, &test::type_support<Image>(), 100, {fields<Image>("*")}, true};
   reassembly_.set_streams({&stream, 1});
   receive(sent(1, 1, make_image(200)));
   EXPECT_EQ(taken(), Sequences{});

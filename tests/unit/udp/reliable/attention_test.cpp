@@ -2,12 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/unit/udp/start.h"
+
 namespace sft::udp {
 namespace {
 
 using namespace std::chrono_literals;
-
-constexpr Attention::Time now{1h};
 
 TEST(AttentionTest, IsScheduledOnceUntilItRests) {
   Attention attention;
@@ -30,19 +30,20 @@ TEST(AttentionTest, WakesTheSendingThreadOnceBetweenTwoLooks) {
 
 TEST(AttentionTest, WakesTheSendingThreadOnlyForWhatIsDueBeforeItLooks) {
   Attention attention;
-  attention.looks_again_by(now + 10ms);
-  EXPECT_EQ(attention.look_by(now + 10ms, now), Wake::none);
-  EXPECT_EQ(attention.look_by(now + 9ms, now), Wake::look);
-  EXPECT_EQ(attention.look_by(now + 5ms, now), Wake::none) << "the sending thread was woken at `now`";
+  attention.looks_again_by(test_start + 10ms);
+  EXPECT_EQ(attention.look_by(test_start + 10ms, test_start), Wake::none);
+  EXPECT_EQ(attention.look_by(test_start + 9ms, test_start), Wake::look);
+  EXPECT_EQ(attention.look_by(test_start + 5ms, test_start), Wake::none)
+      << "the sending thread was woken at `now`";
   attention.looks_again_by(Attention::Time::max());
-  EXPECT_EQ(attention.look_by(Attention::Time::max(), now), Wake::none) << "nothing is due";
-  EXPECT_EQ(attention.look_by(now + 1h, now), Wake::look);
+  EXPECT_EQ(attention.look_by(Attention::Time::max(), test_start), Wake::none) << "nothing is due";
+  EXPECT_EQ(attention.look_by(test_start + 1h, test_start), Wake::look);
 }
 
 TEST(AttentionTest, WakesNobodyAfterItWasScheduledBecauseTheSendingThreadLooksAtOnce) {
   Attention attention;
   EXPECT_EQ(attention.attract(), Wake::schedule);
-  EXPECT_EQ(attention.look_by(now, now), Wake::none);
+  EXPECT_EQ(attention.look_by(test_start, test_start), Wake::none);
 }
 
 }  // namespace

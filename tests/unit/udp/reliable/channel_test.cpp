@@ -14,7 +14,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::size_t large = 5'000'000;  // two of them are more than stays in caches
+constexpr std::size_t beyond_caches = 5'000'000;  // two of them are more than stays in caches
 
 class ChannelTest : public testing::Test {
  protected:
@@ -42,10 +42,10 @@ class ChannelTest : public testing::Test {
 };
 
 TEST_F(ChannelTest, HoldsUpForAMomentWhoWouldRunAheadOfTheCaches) {
-  EXPECT_FALSE(post(large).waited);
-  EXPECT_FALSE(post(large).waited) << "one is encoded while the other one is sent";
+  EXPECT_FALSE(post(beyond_caches).waited);
+  EXPECT_FALSE(post(beyond_caches).waited) << "one is encoded while the other one is sent";
   EXPECT_EQ(patience, 60s);
-  const Channel::Posted third = post(large);
+  const Channel::Posted third = post(beyond_caches);
   EXPECT_TRUE(third.waited);
   EXPECT_EQ(third.kept.ordinal, 3u);
   EXPECT_EQ(third.kept.dropped, 0u);
@@ -54,17 +54,17 @@ TEST_F(ChannelTest, HoldsUpForAMomentWhoWouldRunAheadOfTheCaches) {
 }
 
 TEST_F(ChannelTest, HoldsUpNobodyOnceWhatWasSentIsAcknowledged) {
-  post(large);
-  post(large);
+  post(beyond_caches);
+  post(beyond_caches);
   ack(2);
-  EXPECT_FALSE(post(large).waited);
+  EXPECT_FALSE(post(beyond_caches).waited);
 }
 
 TEST_F(ChannelTest, HoldsUpNobodyWhoIsNotPatient) {
   patience = 0ns;
-  post(large);
-  post(large);
-  const JobHandle third = job(large);
+  post(beyond_caches);
+  post(beyond_caches);
+  const JobHandle third = job(beyond_caches);
   EXPECT_FALSE(channel.post(third, third->first, false).waited);
 }
 
@@ -76,7 +76,7 @@ TEST_F(ChannelTest, UsesUpAllPatienceBeforeSamplesAreLost) {
   bool lost = false;
   for (int i = 0; i < 20 && !lost; ++i) {
     patience = 20ms;
-    lost = post(large).kept.dropped > 0;
+    lost = post(beyond_caches).kept.dropped > 0;
   }
   EXPECT_TRUE(lost);
   EXPECT_EQ(patience, 0ns);

@@ -9,7 +9,7 @@
 namespace sft::udp {
 namespace {
 
-using Size = KeptSamples::Size;
+using KeptSize = KeptSamples::Size;
 using Amount = KeptSamples::Amount;
 
 class KeptSamplesTest : public testing::Test {
@@ -40,18 +40,18 @@ TEST_F(KeptSamplesTest, LetsTheOldestGoWhereThereAreTooMany) {
 TEST_F(KeptSamplesTest, HaveAQueueForEachSize) {
   keep(100'000);
   keep(100);
-  EXPECT_EQ(kept.first_waiting(Size::large), 1U);
-  EXPECT_EQ(kept.first_waiting(Size::small), 2U);
+  EXPECT_EQ(kept.first_waiting(KeptSize::large), 1U);
+  EXPECT_EQ(kept.first_waiting(KeptSize::small), 2U);
   kept.begin_sending(2);
-  EXPECT_EQ(kept.first_waiting(Size::small), kept.end());
+  EXPECT_EQ(kept.first_waiting(KeptSize::small), kept.end());
 }
 
 TEST_F(KeptSamplesTest, WaitAgainFromWhereTheyWerePutBack) {
   keep();
   kept.begin_sending(1);
-  EXPECT_EQ(kept.first_waiting(Size::small), 2U);
+  EXPECT_EQ(kept.first_waiting(KeptSize::small), 2U);
   kept.put_back(1, 1, 60);
-  EXPECT_EQ(kept.first_waiting(Size::small), 1U);
+  EXPECT_EQ(kept.first_waiting(KeptSize::small), 1U);
   EXPECT_EQ(kept[1].sent_bytes, 60U);
 }
 
@@ -74,7 +74,7 @@ TEST_F(KeptSamplesTest, StayUntilTheyHaveBegunHoweverMuchIsAcknowledged) {
 TEST_F(KeptSamplesTest, AreSentElsewhereWhileAtMostHalfIsKept) {
   keep(100, true);
   EXPECT_TRUE(last.elsewhere);
-  EXPECT_EQ(kept.first_waiting(Size::small), kept.end());
+  EXPECT_EQ(kept.first_waiting(KeptSize::small), kept.end());
   EXPECT_EQ(kept.departed(1), true);
   EXPECT_EQ(kept.departed(1), false) << "a second time";
   for (int i = 0; i < 2; ++i) keep();

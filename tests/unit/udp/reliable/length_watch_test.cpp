@@ -13,7 +13,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::size_t length = 1400;
-constexpr std::size_t small = 100, large = 10'000;  // bytes of an image
+constexpr std::size_t thumbnail_bytes = 100, whole_image_bytes = 10'000;
 
 class LengthWatchTest : public testing::Test {
  protected:
@@ -41,51 +41,51 @@ class LengthWatchTest : public testing::Test {
 };
 
 TEST_F(LengthWatchTest, TellsThatLongDatagramsArriveOnceALongSampleIsAcknowledged) {
-  send(small);
-  send(large);
-  EXPECT_FALSE(judge(2).arrived) << "the small sample is no proof";
+  send(thumbnail_bytes);
+  send(whole_image_bytes);
+  EXPECT_FALSE(judge(2).arrived) << "the thumbnail_bytes sample is no proof";
   EXPECT_TRUE(judge(3).arrived);
   EXPECT_FALSE(judge(3).arrived) << "nothing new arrived";
 }
 
 TEST_F(LengthWatchTest, TellsNothingOfArrivalsWhileNobodyDoubtsThem) {
   in_doubt = false;
-  send(large);
+  send(whole_image_bytes);
   EXPECT_FALSE(judge(2).arrived);
 }
 
 TEST_F(LengthWatchTest, TakesNoSampleOfAnotherLengthForAProof) {
-  send(large);
+  send(whole_image_bytes);
   EXPECT_FALSE(judge(2, {}, length + 100).arrived) << "it was sent in shorter datagrams";
-  send(large);
+  send(whole_image_bytes);
   EXPECT_TRUE(judge(3, {}, length + 100).arrived);
 }
 
 TEST_F(LengthWatchTest, TellsThatLongDatagramsWereLostIfAllOfALongSampleIsAskedFor) {
-  send(large);
+  send(whole_image_bytes);
   EXPECT_TRUE(judge(1, {{1, 0, 0}}).lost);
-  EXPECT_TRUE(judge(1, {{1, 0, large}}).lost) << "the last datagram is short";
+  EXPECT_TRUE(judge(1, {{1, 0, whole_image_bytes}}).lost) << "the last datagram is short";
 }
 
 TEST_F(LengthWatchTest, TellsOfNoLossIfAPartOfTheSampleArrived) {
-  send(large);
+  send(whole_image_bytes);
   EXPECT_FALSE(judge(1, {{1, 5000, 0}}).lost);
   EXPECT_FALSE(judge(1, {{1, 0, 5000}}).lost);
 }
 
 TEST_F(LengthWatchTest, TellsOfNoLossOfLongDatagramsIfASmallSampleIsAskedFor) {
-  send(small);
+  send(thumbnail_bytes);
   EXPECT_FALSE(judge(1, {{1, 0, 0}}).lost);
 }
 
 TEST_F(LengthWatchTest, LooksOnlyAtTheSampleThatIsMissingFirst) {
-  send(small);
-  send(large);
+  send(thumbnail_bytes);
+  send(whole_image_bytes);
   EXPECT_FALSE(judge(1, {{1, 0, 0}, {2, 0, 0}}).lost) << "even a short datagram was lost";
 }
 
 TEST_F(LengthWatchTest, TellsOfNoLossOfASampleThatWasNotSent) {
-  const JobHandle job = test::make_job(*jobs, 1, large);
+  const JobHandle job = test::make_job(*jobs, 1, whole_image_bytes);
   window.keep(job, job->first);
   EXPECT_FALSE(judge(1, {{1, 0, 0}}).lost);
 }

@@ -2,23 +2,23 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/unit/udp/start.h"
+
 namespace sft::udp {
 namespace {
 
 using namespace std::chrono_literals;
-using Size = RepairQueue::Size;
-
-constexpr RepairQueue::Time now{1h};
+using KeptSize = RepairQueue::Size;
 
 TEST(RepairQueueTest, GivesTheOldestPartOfThatSizeFirst) {
   RepairQueue queue(0);
   queue.ask_for({5, {0, 1'000'000}});
   queue.ask_for({6, {0, 1000}});
   queue.ask_for({4, {0, 1000}});
-  EXPECT_EQ(queue.next(Size::small, now)->ordinal, 6U);
-  EXPECT_EQ(queue.next(Size::small, now)->ordinal, 4U);
-  EXPECT_FALSE(queue.next(Size::small, now));
-  EXPECT_EQ(queue.next(Size::large, now)->ordinal, 5U);
+  EXPECT_EQ(queue.next(KeptSize::small, test_start)->ordinal, 6U);
+  EXPECT_EQ(queue.next(KeptSize::small, test_start)->ordinal, 4U);
+  EXPECT_FALSE(queue.next(KeptSize::small, test_start));
+  EXPECT_EQ(queue.next(KeptSize::large, test_start)->ordinal, 5U);
   EXPECT_TRUE(queue.empty());
   EXPECT_EQ(queue.sent(), 3U);
 }
@@ -27,13 +27,13 @@ TEST(RepairQueueTest, SendsAPartOnceInARoundTripHoweverOftenItIsAskedFor) {
   RepairQueue queue(0);
   queue.ask_for({5, {0, 1000}});
   queue.ask_for({5, {500, 1500}});
-  EXPECT_TRUE(queue.next(Size::small, now));
+  EXPECT_TRUE(queue.next(KeptSize::small, test_start));
   queue.ask_for({5, {0, 100}});
   EXPECT_TRUE(queue.empty()) << "the part is on its way";
-  queue.forget_sent_before(now - 1ms);
+  queue.forget_sent_before(test_start - 1ms);
   queue.ask_for({5, {0, 100}});
   EXPECT_TRUE(queue.empty());
-  queue.forget_sent_before(now);
+  queue.forget_sent_before(test_start);
   queue.ask_for({5, {0, 100}});
   EXPECT_FALSE(queue.empty());
 }
@@ -52,7 +52,7 @@ TEST(RepairQueueTest, DropsPartsOfSamplesThatAreGone) {
   queue.ask_for({5, {0, 1000}});
   queue.ask_for({6, {0, 1000}});
   queue.drop_before(6);
-  EXPECT_EQ(queue.next(Size::small, now)->ordinal, 6U);
+  EXPECT_EQ(queue.next(KeptSize::small, test_start)->ordinal, 6U);
   EXPECT_TRUE(queue.empty());
 }
 
@@ -60,19 +60,19 @@ TEST(RepairQueueTest, LetsNoMorePartsWaitThanItsMost) {
   RepairQueue queue(0);
   for (std::uint64_t i = 0; i < 2 * RepairQueue::repairs_max; ++i) queue.ask_for({i, {0, 1}});
   std::size_t sent = 0;
-  while (queue.next(Size::small, now)) ++sent;
+  while (queue.next(KeptSize::small, test_start)) ++sent;
   EXPECT_EQ(sent, RepairQueue::repairs_max);
 }
 
 TEST(RepairQueueTest, TellsWhenItsRateAllowsTheNextPart) {
   RepairQueue queue(1'000'000);
   for (std::uint64_t i = 0; i < 3; ++i) queue.ask_for({i, {0, 2'000'000}});
-  EXPECT_TRUE(queue.next(Size::large, now)) << "a burst";
-  EXPECT_EQ(queue.next_ready(now), RepairQueue::Time::max());
-  EXPECT_FALSE(queue.next(Size::large, now));
-  const auto ready = queue.next_ready(now);
-  EXPECT_GT(ready, now);
-  EXPECT_TRUE(queue.next(Size::large, ready));
+  EXPECT_TRUE(queue.next(KeptSize::large, test_start)) << "a burst";
+  EXPECT_EQ(queue.next_ready(test_start), RepairQueue::Time::max());
+  EXPECT_FALSE(queue.next(KeptSize::large, test_start));
+  const auto ready = queue.next_ready(test_start);
+  EXPECT_GT(ready, test_start);
+  EXPECT_TRUE(queue.next(KeptSize::large, ready));
 }
 
 }  // namespace

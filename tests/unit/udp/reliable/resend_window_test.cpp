@@ -15,9 +15,9 @@ namespace {
 
 using namespace std::chrono_literals;
 using test::Image;
-using Size = ResendWindow::Size;
+using KeptSize = ResendWindow::Size;
 
-constexpr std::uint32_t writer = 7, channel = 3;
+constexpr std::uint32_t its_writer = 7, its_channel = 3;
 
 class ResendWindowTest : public testing::Test {
  protected:
@@ -26,13 +26,13 @@ class ResendWindowTest : public testing::Test {
     const FieldMask all = test::fields<Image>("*");
     const Image image = test::make_image(bytes);
     core::SampleHandle sample = memory->take(test::sample_bytes(image, all));
-    test::fill(*sample, image, all, writer, sequence);
+    test::fill(*sample, image, all, its_writer, sequence);
     JobHandle made = jobs->take();
     const TypeSupport& type = test::type_support<Image>();
     made->projection.project(core::state_of(*sample, type.slots()), type.type(), all);
     made->mask = std::make_shared<WireMask>(WireMask{5, all.hash(), {}});
     made->sequence = sequence;
-    made->first.label = {writer, static_cast<std::uint32_t>(sequence), 5};
+    made->first.label = {its_writer, static_cast<std::uint32_t>(sequence), 5};
     made->first.total = static_cast<std::uint32_t>(made->projection.bytes());
     made->sample = std::move(sample);
     return made;
@@ -44,7 +44,7 @@ class ResendWindowTest : public testing::Test {
   /// Sends all that may be sent now; returns the ordinals.
   std::vector<std::uint64_t> send() {
     std::vector<std::uint64_t> sent;
-    for (const Size size : {Size::small, Size::large}) {
+    for (const KeptSize size : {KeptSize::small, KeptSize::large}) {
       while (const auto piece = window.next(size, now)) {
         sent.push_back(piece->ordinal);
         window.finished(*piece, now);
@@ -53,7 +53,7 @@ class ResendWindowTest : public testing::Test {
     return sent;
   }
   void ack(std::uint64_t next, std::vector<Missing> missing = {}) {
-    Ack ack{.writer = writer, .channel = channel, .next = next};
+    Ack ack{.writer = its_writer, .channel = its_channel, .next = next};
     for (const Missing& part : missing) ack.missing[ack.missing_count++] = part;
     window.hear(ack, now);
   }
@@ -66,19 +66,19 @@ class ResendWindowTest : public testing::Test {
   std::shared_ptr<core::BufferPool> memory = core::BufferPool::make(std::size_t{64} << 20);
   std::shared_ptr<JobPool> jobs = JobPool::make();
   ResendWindow::Time now{1h};
-  ResendWindow window{writer, channel, {.samples = 10, .bytes = 1'000'000}};
+  ResendWindow window{its_writer, its_channel, {.samples = 10, .bytes = 1'000'000}};
 };
 
 TEST_F(ResendWindowTest, NumbersSamplesInTheOrderInWhichTheyAreKept) {
   EXPECT_EQ(keep(5, 100), 1U);
   EXPECT_EQ(keep(5, 0x5'0000'0007), 2U);
-  const auto first = window.next(Size::small, now);
-  const auto second = window.next(Size::small, now);
+  const auto first = window.next(KeptSize::small, now);
+  const auto second = window.next(KeptSize::small, now);
   ASSERT_TRUE(first && second);
-  EXPECT_EQ(first->first.channel, (ChannelMark{channel, 0, 1}));
-  EXPECT_EQ(second->first.channel, (ChannelMark{channel, 5, 2}));
+  EXPECT_EQ(first->first.channel, (ChannelMark{its_channel, 0, 1}));
+  EXPECT_EQ(second->first.channel, (ChannelMark{its_channel, 5, 2}));
   EXPECT_TRUE(second->first.flags & channel_follows);
-  EXPECT_FALSE(window.next(Size::small, now));
+  EXPECT_FALSE(window.next(KeptSize::small, now));
 }
 
 TEST_F(ResendWindowTest, LetsGoOfWhatIsAcknowledged) {
@@ -98,8 +98,8 @@ TEST_F(ResendWindowTest, IgnoresAcksOfWhatWasNeverSentAndOfOthers) {
   send();
   ack(5);
   EXPECT_EQ(window.kept(), 3U);
-  window.hear({.writer = writer + 1, .channel = channel, .next = 3}, now);
-  window.hear({.writer = writer, .channel = channel + 1, .next = 3}, now);
+  window.hear({.writer = its_writer + 1, .channel = its_channel, .next = 3}, now);
+  window.hear({.writer = its_writer, .channel = its_channel + 1, .next = 3}, now);
   EXPECT_EQ(window.kept(), 3U);
 }
 
@@ -115,7 +115,7 @@ TEST_F(ResendWindowTest, LetsGoOfWhatHasLeftWhereTheOtherEndHasGivenUpOnMore) {
 TEST_F(ResendWindowTest, NamesItsChannelInFullUntilTheOtherEndAnswersAndWhereItDoesNotAnyMore) {
   const auto in_short = [&] {
     keep(100);
-    const auto piece = window.next(Size::small, now);
+    const auto piece = window.next(KeptSize::small, now);
     window.finished(*piece, now);
     return piece->first.channel.in_short;
   };
@@ -135,12 +135,12 @@ TEST_F(ResendWindowTest, NamesItsChannelInFullAtOnceWhereTheOtherEndFollowsAnoth
   while (!window.heartbeat(now)) now += 1ms;
   ack(2);
   now += 30ms;
-  window.hear({.writer = writer, .channel = channel + 2048, .next = 4}, now);
+  window.hear({.writer = its_writer, .channel = its_channel + 2048, .next = 4}, now);
   EXPECT_EQ(window.kept(), 2U);
   EXPECT_TRUE(window.heartbeat(now));
   EXPECT_FALSE(window.heartbeat(now)) << "one for each such ack";
   keep(100);
-  const auto piece = window.next(Size::small, now);
+  const auto piece = window.next(KeptSize::small, now);
   EXPECT_FALSE(piece->first.channel.in_short);
 }
 
@@ -150,7 +150,7 @@ TEST_F(ResendWindowTest, RepairsAPartOnceInARoundTripHoweverOftenItIsAskedFor) {
   send();
   std::size_t repaired = 0;
   for (const auto end = now + 100ms; now < end; now += 1ms) {
-    Ack asking{.writer = writer, .channel = channel, .next = 1};
+    Ack asking{.writer = its_writer, .channel = its_channel, .next = 1};
     asking.missing[0] = {1, 0, 0};
     asking.missing[1] = {2, 50'000, 60'000};
     asking.missing_count = 2;
@@ -161,19 +161,19 @@ TEST_F(ResendWindowTest, RepairsAPartOnceInARoundTripHoweverOftenItIsAskedFor) {
 }
 
 TEST(ResendWindowsTest, RepairNoMoreThanFiveHundredAndTwelvePartsThatAreAskedForTogether) {
-  ResendWindow window{writer, channel, {.samples = 1000}};
+  ResendWindow window{its_writer, its_channel, {.samples = 1000}};
   const auto jobs = JobPool::make();
   const JobHandle one = test::make_job(*jobs, 1);
   const auto send = [&window] {
     std::size_t sent = 0;
-    for (; const auto piece = window.next(Size::small, ResendWindow::Time{1h}); ++sent)
+    for (; const auto piece = window.next(KeptSize::small, ResendWindow::Time{1h}); ++sent)
       window.finished(*piece, ResendWindow::Time{1h});
     return sent;
   };
   for (int i = 0; i < 600; ++i) window.keep(one, one->first);
   EXPECT_EQ(send(), 600U);
   for (std::uint32_t ordinal = 1; ordinal <= 600; ++ordinal) {
-    Ack ack{.writer = writer, .channel = channel, .next = 1};
+    Ack ack{.writer = its_writer, .channel = its_channel, .next = 1};
     ack.missing[ack.missing_count++] = {ordinal, 0, 0};
     window.hear(ack, ResendWindow::Time{1h});
   }
@@ -205,7 +205,7 @@ TEST_F(ResendWindowTest, AsksForAnAckNowAndThenOnceItKeepsMuch) {
 TEST_F(ResendWindowTest, LetsMoreGoWhereALargeSampleIsCutShort) {
   for (int i = 0; i < 7; ++i) keep(100'000);
   EXPECT_EQ(window.kept(), 7U);
-  const auto piece = window.next(Size::large, now);
+  const auto piece = window.next(KeptSize::large, now);
   for (int i = 0; i < 3; ++i) keep(100'000);
   EXPECT_LE(window.kept(), 6U) << "the next one has some time";
   EXPECT_GE(window.kept(), 3U);
@@ -214,7 +214,7 @@ TEST_F(ResendWindowTest, LetsMoreGoWhereALargeSampleIsCutShort) {
 
 TEST_F(ResendWindowTest, BelievesAnAckOfWhatWasPutBackButHadLeft) {
   keep(5);
-  const auto piece = window.next(Size::small, now);
+  const auto piece = window.next(KeptSize::small, now);
   window.put_back(*piece);
   ack(2);
   EXPECT_TRUE(window.settled());
@@ -228,13 +228,13 @@ TEST_F(ResendWindowTest, GoesOnWithWhatIsLeftOfASampleThatWasPutBack) {
   piece->range.begin = 300'000;
   window.put_back(*piece);
   EXPECT_FALSE(window.all_sent());
-  const auto rest = window.next(Size::large, now);
+  const auto rest = window.next(KeptSize::large, now);
   ASSERT_TRUE(rest);
   EXPECT_EQ(rest->range, (BodyRange{.begin = 300'000}));
   window.finished(*rest, now);
   EXPECT_TRUE(window.all_sent());
   ack(1, {{1, 100'000, 200'000}});
-  EXPECT_EQ(window.next(Size::large, now)->range, (BodyRange{100'000, 200'000}))
+  EXPECT_EQ(window.next(KeptSize::large, now)->range, (BodyRange{100'000, 200'000}))
       << "what had left before, too";
 }
 
@@ -242,12 +242,12 @@ TEST_F(ResendWindowTest, SendsOnceMoreWhatIsAskedForUnderTheHeaderThatItWasSentW
   keep(3000);
   send();
   ack(1, {{1, 1000, 2000}});
-  const auto repair = window.next(Size::small, now);
+  const auto repair = window.next(KeptSize::small, now);
   ASSERT_TRUE(repair);
   EXPECT_TRUE(repair->is_repair);
   EXPECT_EQ(repair->range, (BodyRange{1000, 2000}));
   EXPECT_EQ(repair->first.label.variant, 5U);
-  EXPECT_FALSE(window.next(Size::small, now)) << "once";
+  EXPECT_FALSE(window.next(KeptSize::small, now)) << "once";
 }
 
 TEST_F(ResendWindowTest, SendsThePartsThatTwoAcksAskForOnlyOnceWhileTheyWait) {
@@ -276,19 +276,19 @@ TEST_F(ResendWindowTest, LetsLiveSamplesGoBetweenRepairs) {
 }
 
 TEST_F(ResendWindowTest, DoesNotRepairFasterThanItMay) {
-  ResendWindow slow(writer, channel, {.repair_bytes_per_s = 1'000'000});
+  ResendWindow slow(its_writer, its_channel, {.repair_bytes_per_s = 1'000'000});
   const JobHandle large = job(3'000'000);
   slow.keep(large, large->first);
-  slow.finished(*slow.next(Size::large, now), now);
+  slow.finished(*slow.next(KeptSize::large, now), now);
   slow.heartbeat(now);
   const auto ask = [&] {
-    slow.hear({.writer = writer,
-               .channel = channel,
+    slow.hear({.writer = its_writer,
+               .channel = its_channel,
                .next = 1,
                .missing = {{{1, 0, 3'000'000}}},
                .missing_count = 1},
               now);
-    return slow.next(Size::large, now).has_value();
+    return slow.next(KeptSize::large, now).has_value();
   };
   EXPECT_TRUE(ask());
   EXPECT_FALSE(ask());
@@ -296,7 +296,7 @@ TEST_F(ResendWindowTest, DoesNotRepairFasterThanItMay) {
   now = slow.next_look(now);
   EXPECT_FALSE(now > ResendWindow::Time(1h + 10s));
   now += 3s;
-  EXPECT_TRUE(slow.next(Size::large, now));
+  EXPECT_TRUE(slow.next(KeptSize::large, now));
 }
 
 TEST_F(ResendWindowTest, KeepsTheNewestAndCountsWhatWasNeverSent) {
@@ -355,17 +355,17 @@ TEST_F(ResendWindowTest, BeatsSoonAfterABurst) {
 }
 
 TEST_F(ResendWindowTest, BeatsEveryTwoSecondsAtMostHoweverUnevenTheSamplesAre) {
-  ResendWindow uneven(writer, channel, {});
+  ResendWindow uneven(its_writer, its_channel, {});
   std::uint64_t beats = 0, sent = 0;
   const auto end = now + 100s;
   while (now < end) {
     const JobHandle next = job(5);
     uneven.keep(next, next->first);
-    uneven.finished(*uneven.next(Size::small, now), now);
+    uneven.finished(*uneven.next(KeptSize::small, now), now);
     for (const auto pause = now + (++sent % 3 == 0 ? 700ms : 30ms); now < pause; now += 10ms) {
       if (!uneven.heartbeat(now)) continue;
       ++beats;
-      uneven.hear({.writer = writer, .channel = channel, .next = sent + 1}, now);
+      uneven.hear({.writer = its_writer, .channel = its_channel, .next = sent + 1}, now);
     }
   }
   EXPECT_GT(beats, 20U);
@@ -398,8 +398,8 @@ TEST_F(ResendWindowTest, NamesOnlyWhatHasBeenSent) {
   ack(1);
   keep(500'000);
   keep(5);
-  const auto small = window.next(Size::small, now);
-  const auto large = window.next(Size::large, now);
+  const auto small = window.next(KeptSize::small, now);
+  const auto large = window.next(KeptSize::large, now);
   ASSERT_TRUE(small && large);
   window.finished(*small, now);
   EXPECT_EQ(window.heartbeat(now)->end, 1U);
@@ -416,18 +416,18 @@ TEST_F(ResendWindowTest, SaysThatNothingIsLeftWhenItParts) {
 }
 
 TEST_F(ResendWindowTest, CountsBeyond32Bits) {
-  ResendWindow far(writer, channel, {.samples = 10}, 0xffff'ffff);
+  ResendWindow far(its_writer, its_channel, {.samples = 10}, 0xffff'ffff);
   for (int i = 0; i < 3; ++i) {
     const JobHandle next = job(5);
     far.keep(next, next->first);
-    far.finished(*far.next(Size::small, now), now);
+    far.finished(*far.next(KeptSize::small, now), now);
   }
   EXPECT_EQ(far.heartbeat(now)->end, 0x1'0000'0002U);
-  Ack ack{.writer = writer, .channel = channel, .next = 0x1'0000'0000};
+  Ack ack{.writer = its_writer, .channel = its_channel, .next = 0x1'0000'0000};
   ack.missing[ack.missing_count++] = {1, 0, 0};
   far.hear(ack, now);
   EXPECT_EQ(far.kept(), 2U);
-  EXPECT_EQ(far.next(Size::small, now)->ordinal, 0x1'0000'0001U);
+  EXPECT_EQ(far.next(KeptSize::small, now)->ordinal, 0x1'0000'0001U);
 }
 
 TEST_F(ResendWindowTest, RepairsWhatWasSentElsewhereOnceThatHasLeft) {
@@ -462,9 +462,9 @@ TEST_F(ResendWindowTest, SendsItselfWhatComesWhileMoreThanHalfOfWhatMayBeKeptIs)
 
 TEST_F(ResendWindowTest, TellsHowManyWereKeptAndHaveNotLeft) {
   keep(5), keep(5), keep(5), keep(5);
-  const auto first = window.next(Size::small, now);
+  const auto first = window.next(KeptSize::small, now);
   window.finished(*first, now);
-  const auto second = window.next(Size::small, now);
+  const auto second = window.next(KeptSize::small, now);
   const auto heartbeat = window.heartbeat(now);
   ASSERT_TRUE(heartbeat && second);
   EXPECT_EQ(heartbeat->end, 2U);
@@ -479,7 +479,7 @@ class SharedMemoryTest : public ResendWindowTest {
     ResendWindow window;
     std::uint64_t sequence = 0;
   };
-  Window open() { return {{writer, channel, {}, 1, shared}}; }
+  Window open() { return {{its_writer, its_channel, {}, 1, shared}}; }
   ResendWindow::Kept keep_in(Window& one) {
     const JobHandle kept = job(bytes, ++one.sequence);
     kept->keep();
@@ -527,9 +527,9 @@ TEST_F(SharedMemoryTest, IsLeftToThoseThatKeepLittle) {
   for (int i = 0; i < 100; ++i) {
     keep_in(much);
     EXPECT_EQ(keep_in(little).dropped, 0U);
-    const auto sent = little.window.next(Size::small, now);
+    const auto sent = little.window.next(KeptSize::small, now);
     little.window.finished(*sent, now);
-    little.window.hear({.writer = writer, .channel = channel, .next = sent->ordinal}, now);
+    little.window.hear({.writer = its_writer, .channel = its_channel, .next = sent->ordinal}, now);
     EXPECT_EQ(little.window.kept(), 1U);
   }
 }
@@ -582,7 +582,7 @@ TEST(BorrowedMemory, IsNotNeededForACopy) {
   const FieldMask all = test::fields<Image>("*");
   const Image image = test::make_image(30'000);
   core::SampleHandle sample = pool->take(test::sample_bytes(image, all));
-  test::fill(*sample, image, all, writer, 1);
+  test::fill(*sample, image, all, its_writer, 1);
   const TypeSupport& type = test::type_support<Image>();
   job->projection.project(core::state_of(*sample, type.slots()), type.type(), all);
   job->mask = std::make_shared<WireMask>();

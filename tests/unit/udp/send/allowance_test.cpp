@@ -3,14 +3,14 @@
 #include <gtest/gtest.h>
 
 #include "tests/unit/udp/send/sending.h"
+#include "tests/unit/udp/start.h"
 
 namespace sft::udp {
 namespace {
 
 using namespace std::chrono_literals;
-using Size = ResendWindow::Size;
+using KeptSize = ResendWindow::Size;
 
-constexpr Destination::Time now{1h};
 constexpr std::uint64_t bytes_per_s = 10'000'000;
 
 class AllowanceTest : public testing::Test, protected test::Sending {
@@ -20,29 +20,30 @@ class AllowanceTest : public testing::Test, protected test::Sending {
 
 TEST_F(AllowanceTest, IsTheRoomOfTheDestinationWhereNoRateIsLimited) {
   RateLimit unlimited(0);
-  EXPECT_EQ(allowance(*to, unlimited, limit, Size::large, now), to->room(Destination::Size::large, now));
+  EXPECT_EQ(allowance(*to, unlimited, limit, KeptSize::large, test_start),
+            to->room(Destination::Size::large, test_start));
 }
 
 TEST_F(AllowanceTest, IsTheLeastOfTheLimits) {
   RateLimit slower(bytes_per_s / 2);
-  EXPECT_EQ(allowance(*to, limited, limit, Size::large, now), limited.batch_bytes());
-  EXPECT_EQ(allowance(*to, limit, limited, Size::large, now), limited.batch_bytes());
-  EXPECT_EQ(allowance(*to, slower, limited, Size::large, now), slower.batch_bytes());
+  EXPECT_EQ(allowance(*to, limited, limit, KeptSize::large, test_start), limited.batch_bytes());
+  EXPECT_EQ(allowance(*to, limit, limited, KeptSize::large, test_start), limited.batch_bytes());
+  EXPECT_EQ(allowance(*to, slower, limited, KeptSize::large, test_start), slower.batch_bytes());
 }
 
 TEST_F(AllowanceTest, IsNothingWhileOneLimitIsUsedUp) {
-  EXPECT_GT(allowance(*to, limited, limit, Size::small, now), 0U);
+  EXPECT_GT(allowance(*to, limited, limit, KeptSize::small, test_start), 0U);
   limited.spend(1'000'000);
-  EXPECT_EQ(allowance(*to, limited, limit, Size::small, now), 0U);
-  EXPECT_EQ(allowance(*to, limit, limited, Size::small, now), 0U);
-  EXPECT_GT(allowance(*to, limit, limited, Size::small, now + 1s), 0U);
+  EXPECT_EQ(allowance(*to, limited, limit, KeptSize::small, test_start), 0U);
+  EXPECT_EQ(allowance(*to, limit, limited, KeptSize::small, test_start), 0U);
+  EXPECT_GT(allowance(*to, limit, limited, KeptSize::small, test_start + 1s), 0U);
 }
 
 TEST_F(AllowanceTest, LeavesTheLastOfABurstToSmallSamples) {
-  EXPECT_GT(allowance(*to, limited, limit, Size::large, now), 0U);
+  EXPECT_GT(allowance(*to, limited, limit, KeptSize::large, test_start), 0U);
   limited.spend(90'000);  // of a burst of 10 ms
-  EXPECT_EQ(allowance(*to, limited, limit, Size::large, now), 0U);
-  EXPECT_GT(allowance(*to, limited, limit, Size::small, now), 0U);
+  EXPECT_EQ(allowance(*to, limited, limit, KeptSize::large, test_start), 0U);
+  EXPECT_GT(allowance(*to, limited, limit, KeptSize::small, test_start), 0U);
 }
 
 }  // namespace

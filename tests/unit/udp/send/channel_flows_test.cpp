@@ -9,7 +9,9 @@
 namespace sft::udp {
 namespace {
 
-constexpr std::size_t small = 100, large = 100'000;
+using test::small_bytes;
+
+constexpr std::size_t image_bytes = 100'000;
 
 class ChannelFlowsTest : public testing::Test, protected test::Sending {
  protected:
@@ -29,7 +31,7 @@ class ChannelFlowsTest : public testing::Test, protected test::Sending {
 };
 
 TEST_F(ChannelFlowsTest, SendsSmallSamplesAndAHeartbeat) {
-  for (int i = 0; i < 3; ++i) post(small);
+  for (int i = 0; i < 3; ++i) post(small_bytes);
   flows.send_small();
   EXPECT_EQ(connections.sent().size(), 4U);
   EXPECT_EQ(heartbeats(), 1U);
@@ -37,20 +39,20 @@ TEST_F(ChannelFlowsTest, SendsSmallSamplesAndAHeartbeat) {
 }
 
 TEST_F(ChannelFlowsTest, SendsOneLargeSampleInATurn) {
-  post(large);
-  post(large);
+  post(image_bytes);
+  post(image_bytes);
   flows.send_small();
   EXPECT_EQ(bytes_left(), 0U);
   flows.send_large(0);
-  EXPECT_GT(bytes_left(), large);
-  EXPECT_LT(bytes_left(), 2 * large);
+  EXPECT_GT(bytes_left(), image_bytes);
+  EXPECT_LT(bytes_left(), 2 * image_bytes);
   EXPECT_EQ(round.time(), NextRound::Time{}) << "another one waits";
   flows.send_large(0);
-  EXPECT_GT(bytes_left(), 2 * large);
+  EXPECT_GT(bytes_left(), 2 * image_bytes);
 }
 
 TEST_F(ChannelFlowsTest, ForgetsAChannelThatHasNothingLeftToLookAfter) {
-  post(small);
+  post(small_bytes);
   flows.send_small();
   flows.forget_resting();
   EXPECT_EQ(flows.count(), 1U) << "the sample is not acknowledged yet";
@@ -65,7 +67,7 @@ TEST_F(ChannelFlowsTest, ForgetsAChannelThatHasNothingLeftToLookAfter) {
 }
 
 TEST_F(ChannelFlowsTest, GoesOnWithASampleThatHadNoRoom) {
-  post(small);
+  post(small_bytes);
   connections.take_batches(0);
   flows.send_small();
   EXPECT_EQ(connections.sent().size(), 0U);

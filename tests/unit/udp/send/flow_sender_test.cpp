@@ -10,7 +10,8 @@ namespace {
 using namespace std::chrono_literals;
 using Progress = FlowSender::Progress;
 
-constexpr std::size_t small = 100, large = 300'000;
+using test::large_bytes;
+using test::small_bytes;
 
 class FlowSenderTest : public testing::Test, protected test::Sending {
  protected:
@@ -32,25 +33,25 @@ class FlowSenderTest : public testing::Test, protected test::Sending {
 };
 
 TEST_F(FlowSenderTest, SendsASmallSampleInOneCall) {
-  SendFlow one = flow(small);
+  SendFlow one = flow(small_bytes);
   EXPECT_EQ(sender.send_a_few(one, now), Progress::whole);
   EXPECT_EQ(connections.sent().size(), 1U);
   EXPECT_EQ(tally->bytes_sent, bytes_left());
 }
 
 TEST_F(FlowSenderTest, SendsALargeSampleInSeveralCalls) {
-  SendFlow one = flow(large);
+  SendFlow one = flow(large_bytes);
   EXPECT_EQ(sender.send_a_few(one, now), Progress::some);
-  EXPECT_LT(bytes_left(), large / 2);
+  EXPECT_LT(bytes_left(), large_bytes / 2);
   EXPECT_EQ(send(one), Progress::whole);
-  EXPECT_GT(bytes_left(), large);
+  EXPECT_GT(bytes_left(), large_bytes);
   EXPECT_EQ(tally->bytes_sent, bytes_left());
   EXPECT_EQ(one.behind, to->window().position());
 }
 
 TEST_F(FlowSenderTest, GoesOnBehindWhatTheSendBufferTook) {
   to->note(SendOutcome::no_segments);  // several batches in each call
-  SendFlow one = flow(large);
+  SendFlow one = flow(large_bytes);
   connections.take_batches(3);
   EXPECT_EQ(send(one), Progress::none);
   EXPECT_EQ(round.time(), now + FlowSender::patience);
@@ -60,7 +61,7 @@ TEST_F(FlowSenderTest, GoesOnBehindWhatTheSendBufferTook) {
 }
 
 TEST_F(FlowSenderTest, LosesASampleWhoseConnectionStaysFull) {
-  SendFlow one = flow(large);
+  SendFlow one = flow(large_bytes);
   connections.take_batches(0);
   EXPECT_EQ(sender.send_a_few(one, now), Progress::none);
   EXPECT_EQ(sender.send_a_few(one, now + FlowSender::patience - 1ms), Progress::none);
@@ -68,7 +69,7 @@ TEST_F(FlowSenderTest, LosesASampleWhoseConnectionStaysFull) {
 }
 
 TEST_F(FlowSenderTest, IsPatientAnewWhenSomethingHasLeft) {
-  SendFlow one = flow(large);
+  SendFlow one = flow(large_bytes);
   connections.take_batches(0);
   EXPECT_EQ(send(one), Progress::none);
   now += FlowSender::patience - 1ms;
@@ -80,7 +81,7 @@ TEST_F(FlowSenderTest, IsPatientAnewWhenSomethingHasLeft) {
 
 TEST_F(FlowSenderTest, WaitsUntilTheRateOfItsWriterAllowsMore) {
   tally = std::make_shared<WriterTally>(1'000'000);
-  SendFlow one = flow(large);
+  SendFlow one = flow(large_bytes);
   EXPECT_EQ(send(one), Progress::none);
   EXPECT_GT(round.time(), now);
   EXPECT_LT(round.time(), now + 1s);
@@ -92,9 +93,9 @@ TEST_F(FlowSenderTest, WaitsUntilTheRateOfItsWriterAllowsMore) {
 
 TEST_F(FlowSenderTest, AsksForARoundAtOnceIfATurnWasNotEnough) {
   to->note(SendOutcome::no_segments);  // one datagram in each batch
-  SendFlow one = flow(large);
+  SendFlow one = flow(large_bytes);
   EXPECT_EQ(sender.send_some(one), Progress::some);
-  EXPECT_LT(bytes_left(), large);
+  EXPECT_LT(bytes_left(), large_bytes);
   EXPECT_EQ(round.time(), NextRound::Time{}) << "others go on before this one does";
 }
 

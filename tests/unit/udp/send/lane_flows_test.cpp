@@ -7,7 +7,8 @@
 namespace sft::udp {
 namespace {
 
-constexpr std::size_t small = 100, large = 300'000;
+using test::large_bytes;
+using test::small_bytes;
 
 class LaneFlowsTest : public testing::Test, protected test::Sending {
  protected:
@@ -21,7 +22,7 @@ class LaneFlowsTest : public testing::Test, protected test::Sending {
 
 TEST_F(LaneFlowsTest, SendsTheJobsOfALaneUntilItIsIdle) {
   const auto one = lane();
-  for (int i = 0; i < 3; ++i) one->post(job(small));
+  for (int i = 0; i < 3; ++i) one->post(job(small_bytes));
   flows.add(one);
   for (int rounds = 0; rounds < 3; ++rounds) {
     EXPECT_EQ(flows.count(), 1U);
@@ -35,19 +36,19 @@ TEST_F(LaneFlowsTest, SendsTheJobsOfALaneUntilItIsIdle) {
 
 TEST_F(LaneFlowsTest, SendsLargeJobsOnlyInTheirTurn) {
   const auto one = lane();
-  one->post(job(large));
+  one->post(job(large_bytes));
   flows.add(one);
   serve_small();
   EXPECT_EQ(bytes_left(), 0U);
   flows.send_large(0);
-  EXPECT_GT(bytes_left(), large);
+  EXPECT_GT(bytes_left(), large_bytes);
   EXPECT_EQ(one->behind(), to->window().position()) << "later samples do not overtake it";
 }
 
 TEST_F(LaneFlowsTest, LetsLargeSamplesOfAWriterGoToADestinationOneAfterAnother) {
   const auto one = lane(), other = lane();
   for (const auto& each : {one, other}) {
-    each->post(job(large));
+    each->post(job(large_bytes));
     flows.add(each);
   }
   serve_small();
@@ -59,15 +60,15 @@ TEST_F(LaneFlowsTest, LetsLargeSamplesOfAWriterGoToADestinationOneAfterAnother) 
   flows.send_large(1);
   EXPECT_EQ(bytes_left(), begun) << "the first sample is under way";
   flows.send_large(0);
-  EXPECT_GT(bytes_left(), large);
+  EXPECT_GT(bytes_left(), large_bytes);
   flows.send_large(1);
-  EXPECT_GT(bytes_left(), 2 * large);
+  EXPECT_GT(bytes_left(), 2 * large_bytes);
 }
 
 TEST_F(LaneFlowsTest, ForgetsALaneThatWasClosed) {
   const auto one = lane();
-  one->post(job(large));
-  one->post(job(large));
+  one->post(job(large_bytes));
+  one->post(job(large_bytes));
   flows.add(one);
   serve_small();
   connections.take_batches(1);
@@ -80,7 +81,7 @@ TEST_F(LaneFlowsTest, ForgetsALaneThatWasClosed) {
 TEST_F(LaneFlowsTest, LetsAJobWaitForRoomInTheSendBuffer) {
   connections.take_batches(0);
   const auto one = lane();
-  one->post(job(small));
+  one->post(job(small_bytes));
   flows.add(one);
   serve_small();
   EXPECT_EQ(flows.count(), 1U);
@@ -95,8 +96,8 @@ TEST_F(LaneFlowsTest, LetsAJobWaitForRoomInTheSendBuffer) {
 TEST_F(LaneFlowsTest, HandsTheJobsOfALateReaderToItsChannel) {
   const auto through = channel();
   const auto late = lane(Lane::Start::held, through);
-  late->post(job(small));
-  EXPECT_EQ(late->begin({job(small)}), Wake::schedule);
+  late->post(job(small_bytes));
+  EXPECT_EQ(late->begin({job(small_bytes)}), Wake::schedule);
   flows.add(late);
   serve_small();
   EXPECT_EQ(flows.count(), 0U);

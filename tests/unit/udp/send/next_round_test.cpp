@@ -2,27 +2,27 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/unit/udp/start.h"
+
 namespace sft::udp {
 namespace {
 
 using namespace std::chrono_literals;
 
-constexpr NextRound::Time now{1h};
-
 TEST(NextRoundTest, ComesAtTheEarliestOfTheTimesThatWereAskedFor) {
   NextRound round;
   EXPECT_EQ(round.time(), NextRound::Time::max()) << "nothing asks for it";
-  round.by(now + 2ms);
-  round.by(now + 1ms);
-  round.by(now + 3ms);
-  EXPECT_EQ(round.time(), now + 1ms);
+  round.by(test_start + 2ms);
+  round.by(test_start + 1ms);
+  round.by(test_start + 3ms);
+  EXPECT_EQ(round.time(), test_start + 1ms);
 }
 
 TEST(NextRoundTest, ComesAtOnceWhateverElseIsAskedFor) {
   NextRound round;
   round.at_once();
-  round.by(now);
-  EXPECT_LT(round.time(), now);
+  round.by(test_start);
+  EXPECT_LT(round.time(), test_start);
 }
 
 TEST(NextRoundTest, ForgetsWhatWasAskedForBeforeTheRoundThatBegins) {

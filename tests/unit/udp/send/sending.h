@@ -1,6 +1,7 @@
 // The parts of the sending thread, without the thread: tests send by them, to nowhere.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 
@@ -11,6 +12,8 @@
 #include "udp_transport/send/scheduled_work.h"
 
 namespace sft::udp::test {
+
+inline constexpr std::size_t small_bytes = 100, large_bytes = 300'000;  // of a sample
 
 struct Sending {
   Sending() { to->set_receive_buffer(roomy); }

@@ -19,7 +19,7 @@ using namespace detail;
 using test::Bytes;
 using test::Image;
 
-constexpr std::size_t large = 500'000;
+constexpr std::size_t sent_image_bytes = 500'000;
 
 class SendsAhead : public testing::Test {
  protected:
@@ -35,7 +35,7 @@ class SendsAhead : public testing::Test {
   }
   /// As publish() does, up to where it forgets the value.
   std::size_t publish() {
-    const Image image = test::make_image(large);
+    const Image image = test::make_image(sent_image_bytes);
     sample_ = memory_->take(test::sample_bytes(image, all_));
     std::memset(sample_->data, 0, sample_->capacity);
     test::fill(*sample_, image, all_, 7, ++sequence_, &postponed_);

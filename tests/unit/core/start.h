@@ -1,0 +1,10 @@
+// When tests begin that count time themselves.
+#pragma once
+
+#include "core/platform/clock.h"
+
+namespace sft::core {
+
+inline constexpr Time test_start = Time{} + std::chrono::seconds(100);
+
+}  // namespace sft::core

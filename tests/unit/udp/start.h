@@ -1,0 +1,10 @@
+// When tests begin that count time themselves.
+#pragma once
+
+#include <chrono>
+
+namespace sft::udp {
+
+inline constexpr std::chrono::steady_clock::time_point test_start{std::chrono::hours(1)};
+
+}  // namespace sft::udp
