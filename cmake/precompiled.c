@@ -1,2 +1,2 @@
-// Some targets of C++ contain C that is generated for Cyclone DDS. Hence precompiled.cmake needs a C source.
+// Some targets of C++ contain C that is generated for Cyclone DDS. Hence combined.cmake needs a C source.
 typedef int sft_precompiled;

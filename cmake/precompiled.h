@@ -1,4 +1,4 @@
-// The headers that precompiled.cmake compiles once. No source relies on them: each includes what it uses.
+// The headers that combined.cmake compiles once. No source relies on them: each includes what it uses.
 #pragma once
 
 #include <algorithm>

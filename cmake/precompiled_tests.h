@@ -1,4 +1,4 @@
-// The headers that precompiled.cmake compiles once for tests.
+// The headers that combined.cmake compiles once for tests.
 #pragma once
 
 #include <gmock/gmock.h>

@@ -54,23 +54,23 @@ inline PointCloud2 small_cloud(std::uint32_t points = 3) {
 template <class T>
 Bytes payload_of(const T& message) {
   Bytes payload;
-  append(payload, detail::encapsulation_cdr_le);
+  append(payload, sft::detail::encapsulation_cdr_le);
   append(payload, test::Encoded(message).bytes());
   return payload;
 }
 
 /// The cloud that a file became, as a struct.
 inline PointCloud2 message_in(const InputCloud& cloud) {
-  const std::span<const std::byte> body = std::span(cloud.payload).subspan(detail::encapsulation_bytes);
+  const std::span<const std::byte> body = std::span(cloud.payload).subspan(sft::detail::encapsulation_bytes);
   const FieldMask mask = cloud_type().full();
   std::vector<std::uint32_t> index(cloud_type().slots());
-  const detail::SampleState state{.body = body.data(),
-                                  .body_bytes = static_cast<std::uint32_t>(body.size()),
-                                  .index = index.data(),
-                                  .mask = &mask};
+  const sft::detail::SampleState state{.body = body.data(),
+                                       .body_bytes = static_cast<std::uint32_t>(body.size()),
+                                       .index = index.data(),
+                                       .mask = &mask};
   PointCloud2 message;
-  EXPECT_EQ(detail::build_index(state, cloud_type().type(), index), detail::WalkStatus::ok);
-  EXPECT_EQ(decode(state, cloud_type().type(), &message), detail::WalkStatus::ok);
+  EXPECT_EQ(sft::detail::build_index(state, cloud_type().type(), index), sft::detail::WalkStatus::ok);
+  EXPECT_EQ(decode(state, cloud_type().type(), &message), sft::detail::WalkStatus::ok);
   return message;
 }
 
