@@ -7,9 +7,10 @@
 namespace sft::tool {
 
 using namespace std::chrono_literals;
-using Clock = std::chrono::steady_clock;
 
 namespace {
+
+using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds look_pause{20};
 constexpr std::chrono::milliseconds settle_time{
