@@ -145,10 +145,14 @@ class Composition {
   /// Acknowledgements that do not wait and heartbeats that come at once make a newcomer's first request
   /// arrive within milliseconds, and soon where datagrams get lost; what repeats while nothing happens is
   /// kept rare. A link whose address is gone must not wait for acknowledgements when it is deleted.
+  ///
+  /// Each heartbeat that is repeated for one newcomer asks everybody, so a reader that has told already that
+  /// it has everything waits for `AckDelay` before it tells so again. News and gaps do not wait for that.
   std::string ours() const {
     return document(element("General", element("AllowMulticast", multicast_by_ours())) +
                     element("Discovery", discovery()) +
                     element("Internal", element("PreEmptiveAckDelay", "0 ms") + element("NackDelay", "1 ms") +
+                                            element("AckDelay", "1 s") +
                                             "<HeartbeatInterval max=\"2 s\">20 ms</HeartbeatInterval>" +
                                             element("MultipleReceiveThreads", "false") +
                                             element("WriterLingerDuration", "0 s")));

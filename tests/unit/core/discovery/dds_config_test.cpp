@@ -43,6 +43,12 @@ TEST(DdsConfig, OfTheUserWinsOverOurs) {
   EXPECT_THAT(theirs.warnings, IsEmpty());
 }
 
+/// Otherwise each of N readers answers each heartbeat that is repeated for one of N newcomers.
+TEST(DdsConfig, WhoHasToldThatNothingIsMissingWaitsBeforeItTellsSoAgain) {
+  EXPECT_THAT(in_force(config(""), "Internal/AckDelay"), is("1 s"));
+  EXPECT_THAT(in_force(config("<Internal><AckDelay>10 ms</></>"), "Internal/AckDelay"), is("10 ms"));
+}
+
 struct Breakage {
   const char* user;
   const char* path;
