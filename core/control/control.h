@@ -92,7 +92,7 @@ struct Account {
 };
 
 /// A node's sign of life. It names the writers of the node that live, the progress of those that have sent
-/// something lately, and what the node asks and answers about accounts.
+/// something lately, and what the node asks and answers about accounts. Most name nothing of all this.
 struct Assertion {
   NodeId node = 0;
   std::vector<EndpointId> writers;
@@ -100,6 +100,7 @@ struct Assertion {
   std::uint32_t digest = 0;               ///< of all that the node has announced (control_digest.h)
   std::vector<EndpointId> asked_about{};  ///< endpoints of others whose accounts it wants to know
   std::vector<Account> accounts{};        ///< of its own endpoints that others have asked about
+  bool wants_signs = false;               ///< everybody shall give signs of life often for a while
   AnnouncerId announcer = 0;              ///< who said it; does not travel
   friend bool operator==(const Assertion&, const Assertion&) = default;
 };

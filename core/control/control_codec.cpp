@@ -139,7 +139,7 @@ std::optional<Account> part_from_dds(const sft_control_Account& in) {
   return account;
 }
 
-Result<void> check_lengths(const sft_control_Assertion& in) {
+Result<void> check_lengths(const sft_control_SignNews& in) {
   const auto check = [](const char* what, std::size_t count, std::size_t most) -> Result<void> {
     if (count <= most) return {};
     return fail(Errc::malformed, "a sign of life with " + std::to_string(count) + " " + what + ", of which " +
@@ -150,6 +150,46 @@ Result<void> check_lengths(const sft_control_Assertion& in) {
   if (checked) checked = check("endpoints that are asked about", in.asked_about._length, asked_about_max);
   if (checked) checked = check("accounts", in.accounts._length, accounts_max);
   return checked;
+}
+
+bool has_news(const Assertion& sign) {
+  return sign.wants_signs || !sign.writers.empty() || !sign.progress.empty() || !sign.asked_about.empty() ||
+         !sign.accounts.empty();
+}
+
+sft_control_SignNews news_of(const Assertion& sign, ControlStorage& storage) {
+  sft_control_SignNews out{};
+  out.wants_signs = sign.wants_signs;
+  out.writers = borrow(sign.writers, assertions_max);
+  for (const Progress& p : sign.progress) {
+    if (storage.progress.size() < progress_max) storage.progress.push_back({p.writer, p.samples, p.bytes});
+  }
+  const auto progress = static_cast<std::uint32_t>(storage.progress.size());
+  out.progress = {progress, progress, storage.progress.data(), false};
+  out.asked_about = borrow(sign.asked_about, asked_about_max);
+  for (const Account& account : sign.accounts) {
+    if (storage.accounts.size() < accounts_max) storage.accounts.push_back(to_dds(account));
+  }
+  const auto accounts = static_cast<std::uint32_t>(storage.accounts.size());
+  out.accounts = {accounts, accounts, storage.accounts.data(), false};
+  return out;
+}
+
+Result<void> take_news(const sft_control_SignNews& in, Assertion& sign) {
+  if (Result<void> sound = check_lengths(in); !sound) return sound;
+  sign.wants_signs = in.wants_signs;
+  sign.writers = copy(in.writers);
+  for (std::uint32_t i = 0; i < in.progress._length; ++i) {
+    const sft_control_Progress& p = in.progress._buffer[i];
+    sign.progress.push_back({p.writer, p.samples, p.bytes});
+  }
+  sign.asked_about = copy(in.asked_about);
+  for (std::uint32_t i = 0; i < in.accounts._length; ++i) {
+    const std::optional<Account> account = part_from_dds(in.accounts._buffer[i]);
+    if (!account) return fail(Errc::malformed, "a sign of life with an account of neither writer nor reader");
+    sign.accounts.push_back(*account);
+  }
+  return {};
 }
 
 }  // namespace
@@ -204,37 +244,21 @@ sft_control_Assertion to_dds(const Assertion& assertion, ControlStorage& storage
   out.version = sft_control_protocol_version;
   for (std::size_t i = 0; i < std::size(out.digest); ++i)
     out.digest[i] = static_cast<std::uint8_t>(assertion.digest >> (8 * i));
-  out.writers = borrow(assertion.writers, assertions_max);
-  for (const Progress& p : assertion.progress) {
-    if (storage.progress.size() < progress_max) storage.progress.push_back({p.writer, p.samples, p.bytes});
-  }
-  const auto progress = static_cast<std::uint32_t>(storage.progress.size());
-  out.progress = {progress, progress, storage.progress.data(), false};
-  out.asked_about = borrow(assertion.asked_about, asked_about_max);
-  for (const Account& account : assertion.accounts) {
-    if (storage.accounts.size() < accounts_max) storage.accounts.push_back(to_dds(account));
-  }
-  const auto accounts = static_cast<std::uint32_t>(storage.accounts.size());
-  out.accounts = {accounts, accounts, storage.accounts.data(), false};
+  if (!has_news(assertion)) return out;
+  storage.news = news_of(assertion, storage);
+  out.news = {1, 1, &storage.news, false};
   return out;
 }
 
 Result<Assertion> from_dds(const sft_control_Assertion& in) {
   if (in.version != sft_control_protocol_version) return wrong_version(in.version);
   if (in.node == 0) return fail(Errc::malformed, "an assertion of no node");
-  if (const Result<void> sound = check_lengths(in); !sound) return tl::unexpected(sound.error());
-  Assertion out{.node = in.node, .writers = copy(in.writers)};
+  Assertion out{.node = in.node, .writers = {}};
   for (std::size_t i = 0; i < std::size(in.digest); ++i) out.digest |= std::uint32_t{in.digest[i]} << (8 * i);
-  for (std::uint32_t i = 0; i < in.progress._length; ++i) {
-    const sft_control_Progress& p = in.progress._buffer[i];
-    out.progress.push_back({p.writer, p.samples, p.bytes});
-  }
-  out.asked_about = copy(in.asked_about);
-  for (std::uint32_t i = 0; i < in.accounts._length; ++i) {
-    const std::optional<Account> account = part_from_dds(in.accounts._buffer[i]);
-    if (!account) return fail(Errc::malformed, "a sign of life with an account of neither writer nor reader");
-    out.accounts.push_back(*account);
-  }
+  if (in.news._length == 0) return out;
+  if (in.news._length > 1) return fail(Errc::malformed, "a sign of life with its news more than once");
+  if (const Result<void> sound = take_news(in.news._buffer[0], out); !sound)
+    return tl::unexpected(sound.error());
   return out;
 }
 

@@ -43,6 +43,7 @@ class LinkedDiscovery final : public Discovery {
   }
 
   LifeSigns life_signs() const override { return life_signs_; }
+  bool is_calm(Time now) const override { return own_pace_.is_calm(now) && pace_.is_calm(now); }
   Configuration configuration() const override {
     const Lock lock(configuration_mutex_);
     return configuration_;
@@ -50,18 +51,21 @@ class LinkedDiscovery final : public Discovery {
 
   Result<void> announce(const Endpoint& endpoint) override {
     const Endpoint& own = own_.announce(endpoint);
+    own_pace_.told_news(std::chrono::steady_clock::now());
     ear_.set_own(endpoint.id, true);
     return links_->write_to_all([&](DiscoveryLink& link) { return link.write(own); });
   }
 
   void withdraw(EndpointId id) override {
     own_.withdraw(id);
+    own_pace_.told_news(std::chrono::steady_clock::now());
     links_->each([&](DiscoveryLink& link) { link.dispose(id); });
     ear_.set_own(id, false);
   }
 
   Result<void> send(const Request& request) override {
     own_.request(request);
+    own_pace_.told_news(std::chrono::steady_clock::now());
     return links_->write_to_all([&](DiscoveryLink& link) { return link.write(request); });
   }
 
@@ -69,6 +73,7 @@ class LinkedDiscovery final : public Discovery {
     node_ = assertion.node;
     Assertion complete = assertion;
     complete.digest = own_.digest();
+    complete.wants_signs = pace_.wants();
     links_->each([&](DiscoveryLink& link) { link.write(complete); });
   }
 
@@ -85,7 +90,7 @@ class LinkedDiscovery final : public Discovery {
     ear_.report_other_releases(now);
     if (now < next_merge_) return;
     next_merge_ = now + merge_every;
-    ear_.tick(now);
+    pace_ = ear_.tick(now);
   }
 
  private:
@@ -187,6 +192,8 @@ class LinkedDiscovery final : public Discovery {
   Configuration configuration_ SFT_GUARDED_BY(configuration_mutex_);
 
   OwnAnnouncements own_;
+  SignPace own_pace_;  ///< after what this node has told itself
+  SignPace pace_;      ///< after what it has heard, at the last tick
   DiscoveryEar ear_;
   std::optional<LinkSet> links_;  ///< ends first: its threads use the ear
 };

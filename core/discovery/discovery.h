@@ -32,6 +32,8 @@ class Discovery {
   virtual ~Discovery() = default;
 
   virtual LifeSigns life_signs() const = 0;
+  /// True while signs of life may be as seldom as in calm.
+  virtual bool is_calm(Time now) const = 0;
   struct Configuration {
     std::string summary{};                ///< for people: how and where nodes are found
     std::vector<std::string> warnings{};  ///< for people: which of the user's settings do not hold, and why
@@ -49,7 +51,7 @@ class Discovery {
   virtual void withdraw(EndpointId id) = 0;
   virtual Result<void> send(const Request& request) = 0;
   /// Tells that this node lives, and which of our writers do. The message may get lost; to be called at least
-  /// after each pause of the life signs.
+  /// after each pause of the life signs, which is longer in calm.
   virtual void assert_liveliness(const Assertion& assertion) = 0;
   /// To be called often: takes interfaces into use and out of use, and lets nodes that have not heard of us,
   /// or have lost us, find us. Cyclone does that by itself every now and then.

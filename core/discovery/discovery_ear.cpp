@@ -56,10 +56,12 @@ void DiscoveryEar::set_own(EndpointId id, bool is_own) {
   is_own ? merge_.owns(id) : merge_.disowns(id);
 }
 
-void DiscoveryEar::tick(Time now) {
+SignPace DiscoveryEar::tick(Time now) {
   Lock lock(mutex_);
   merge_.tick(now);
+  sign_pace_.want(hearing_.wants_signs(now) || merge_.has_rivals(), now);
   pass_on_news(lock);
+  return sign_pace_;
 }
 
 void DiscoveryEar::link_expected(LinkId link) {
@@ -176,6 +178,7 @@ void DiscoveryEar::assertion_came(const Speaker& speaker, Assertion assertion,
                                   std::chrono::milliseconds lease) {
   Lock lock(mutex_);
   hearing_.heard_life(speaker, assertion.node, assertion.digest, lease, time());
+  if (assertion.wants_signs) sign_pace_.others_want(time());
   merge_.assertion_came(speaker, std::move(assertion), time());
   pass_on_news(lock);
 }

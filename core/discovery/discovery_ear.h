@@ -19,6 +19,7 @@
 #include "core/discovery/news_desk.h"
 #include "core/discovery/ordered_delivery.h"
 #include "core/discovery/other_releases.h"
+#include "core/discovery/sign_pace.h"
 #include "core/platform/clock.h"
 #include "core/sync/mutex.h"
 
@@ -35,7 +36,8 @@ class DiscoveryEar final : public LinkListener {
   void set_own(EndpointId id, bool is_own);
   /// True if a participant was heard for the first time since this was called last.
   bool take_newcomer() { return newcomer_.exchange(false); }
-  void tick(Time now);
+  /// Returns whether signs of life have to be frequent.
+  SignPace tick(Time now);
 
   void link_expected(LinkId link);  ///< before it is opened
   void link_opened(LinkId link, const LinkSpec& spec);
@@ -91,6 +93,7 @@ class DiscoveryEar final : public LinkListener {
   mutable Mutex mutex_;
   LinkMerge merge_ SFT_GUARDED_BY(mutex_);
   HearingWatch hearing_ SFT_GUARDED_BY(mutex_);
+  SignPace sign_pace_ SFT_GUARDED_BY(mutex_);
   OtherReleases other_releases_ SFT_GUARDED_BY(mutex_);
   std::vector<Speaker> complaints_ SFT_GUARDED_BY(mutex_);  ///< participants that complain about us
   NewsDesk::Links specs_ SFT_GUARDED_BY(mutex_);            ///< of the links that are open

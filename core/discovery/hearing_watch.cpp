@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/discovery/leases.h"
+
 namespace sft::core {
 
 namespace {
@@ -164,6 +166,14 @@ void HearingWatch::note_known(const std::map<Speaker, std::uint32_t>& known, Tim
     if (known_now == ear.told) ear.is_contradicted = false;
     ear.known = known_now;
   }
+}
+
+/// A sign is late after a time in which two would have come.
+bool HearingWatch::wants_signs(Time now) const {
+  return is_in_doubt_ || std::ranges::any_of(ears_, [now](const auto& entry) {
+           const Ear& ear = entry.second;
+           return ear.lives && now - ear.last_life > silence_in(ear.lease);
+         });
 }
 
 bool HearingWatch::wants_look(Time now) const {

@@ -75,6 +75,8 @@ class HearingWatch {
   /// not the cause.
   void tried(AnnouncerId participant) { ++participants_[participant].tries; }
 
+  /// True if frequent signs of life would help: something may be missing, or a sign is late.
+  bool wants_signs(Time now) const;
   /// True if look() is due: twice a second, and more often while something may be missing.
   bool wants_look(Time now) const;
   /// Finds what is missing. `known`: digests of what is known of each speaker. `participant_lease`: Cyclone

@@ -7,14 +7,17 @@ namespace sft::core {
 
 /// The pace at which a node says that it lives, and the time without such a sign after which it is lost: six
 /// in a row may get lost. If ten nodes lose a fifth of all packets, one is then lost falsely every ten
-/// minutes or so, and returns with the next sign.
+/// minutes or so, and returns with the next sign. Where all is calm (sign_pace.h) twice the pause will do: a
+/// single sign that gets lost ends the calm.
 struct LifeSigns {
   std::chrono::milliseconds pause;
+  std::chrono::milliseconds pause_in_calm;  ///< shorter than silence_in(lease)
   std::chrono::milliseconds lease;
 };
-inline constexpr LifeSigns life_signs_to_all{std::chrono::milliseconds(650), std::chrono::milliseconds(5000)};
+inline constexpr LifeSigns life_signs_to_all{std::chrono::milliseconds(650), std::chrono::milliseconds(1300),
+                                             std::chrono::milliseconds(5000)};
 /// Without multicast, where each node has to be told by itself.
-inline constexpr LifeSigns life_signs_to_each{std::chrono::milliseconds(1950),
-                                              std::chrono::milliseconds(14'000)};
+inline constexpr LifeSigns life_signs_to_each{
+    std::chrono::milliseconds(1950), std::chrono::milliseconds(3900), std::chrono::milliseconds(14'000)};
 
 }  // namespace sft::core

@@ -34,6 +34,15 @@ std::string LinkMerge::node_name(NodeId node) const {
   return endpoint == nullptr ? std::string() : endpoint->node;
 }
 
+bool LinkMerge::has_rivals() const {
+  const auto is_announced_twice = [](const auto& entry) {
+    int speakers = 0;
+    entry.second.each_alive([&speakers](const auto&...) { ++speakers; });
+    return speakers > 1;
+  };
+  return nodes_.has_rivals() || std::ranges::any_of(endpoints_, is_announced_twice);
+}
+
 std::map<Speaker, std::uint32_t> LinkMerge::digests() const {
   std::map<Speaker, std::uint32_t> digests;
   for (const auto& [id, known] : endpoints_) {

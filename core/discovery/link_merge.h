@@ -59,6 +59,8 @@ class LinkMerge {
   void replaced_link_dropped(LinkId link, Time now);
   void tick(Time now);
 
+  /// True if more than one speaker is heard for some endpoint or node: their silence decides between them.
+  bool has_rivals() const;
   /// The digests (control_digest.h) of all that is known here of each speaker's announcements.
   std::map<Speaker, std::uint32_t> digests() const;
   /// The name of that node, for people. Empty if no endpoint of it is known.

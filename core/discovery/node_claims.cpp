@@ -57,6 +57,12 @@ bool NodeClaims::is_vouched_for(NodeId id, const Speaker& speaker) const {
   return first != node->second.claims.end() && first->speaker == speaker;
 }
 
+bool NodeClaims::has_rivals() const {
+  return std::ranges::any_of(nodes_, [](const auto& entry) {
+    return std::ranges::count_if(entry.second.claims, &Claim::alive) > 1;
+  });
+}
+
 std::vector<NodeId> NodeClaims::take_lost(const LeaseOf& lease_of, Time now) {
   std::vector<NodeId> lost;
   for (auto& [id, node] : nodes_) {

@@ -31,6 +31,8 @@ class NodeClaims {
   void link_dropped(LinkId link);
   void forget_link(LinkId link);
 
+  /// True if several speakers are heard that say that the same node lives.
+  bool has_rivals() const;
   /// True if this speaker is the one that is believed on its link to say that the node lives.
   bool is_vouched_for(NodeId node, const Speaker& speaker) const;
 

@@ -33,6 +33,8 @@ class AccountDesk {
   void hear(const Assertion& sign, Time now);
   /// One of our endpoints was removed.
   void removed(EndpointId ours) { answers_.removed(ours); }
+  /// True if our signs of life ask or answer something at present.
+  bool has_to_tell(Time now) { return questions_.asks() || !answers_.asked_about(now).empty(); }
   /// Adds what our next sign of life asks and answers.
   void fill_in(Assertion& sign, Time now);
 

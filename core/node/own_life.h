@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/control/control.h"
+#include "core/discovery/life_signs.h"
 #include "core/node/account_desk.h"
 #include "core/node/local_endpoints.h"
 #include "core/platform/clock.h"
@@ -15,10 +16,14 @@ namespace sft::core {
 
 class OwnLife {
  public:
-  OwnLife(NodeId id, std::chrono::milliseconds pause) : id_(id), pause_(pause) {}
+  OwnLife(NodeId id, const LifeSigns& signs) : id_(id), signs_(signs) {}
 
-  /// True if the last sign of life is a pause ago.
-  bool is_sign_due(Time now) const { return now - told_at_ >= pause_; }
+  /// True if the last sign of life is a pause ago. In calm the pause is longer, unless signs tell of more
+  /// than life.
+  bool is_sign_due(bool is_calm, Time now) const {
+    const bool is_long = is_calm && now - told_more_at_ >= tells_more_for;
+    return now - told_at_ >= (is_long ? signs_.pause_in_calm : signs_.pause);
+  }
   /// A sign of life is due at once. Without it a newcomer would not notice the end of this node.
   void newcomer_seen() { told_at_ = {}; }
 
@@ -26,10 +31,12 @@ class OwnLife {
   Assertion next_sign(std::vector<EndpointId> living, LocalEndpoints& ours, AccountDesk& accounts, Time now);
 
  private:
+  static constexpr std::chrono::seconds tells_more_for{3};
+
   std::vector<Progress> take_progress(LocalEndpoints& ours);
 
   const NodeId id_;
-  const std::chrono::milliseconds pause_;
+  const LifeSigns signs_;
   Time told_at_{};
   Time told_more_at_{};  ///< when something else than life was told last
   Turns<EndpointId> progress_turns_;

@@ -25,7 +25,7 @@ Reconciler::Reconciler(NodeId id, std::uint64_t network_id, SharedMemory* memory
       attempts_(log),
       context_{negotiation_, outbox_, attempts_, log, memory, network},
       accounts_(negotiation_, ours_, std::max(asks_last_least, 3 * discovery.life_signs().pause)),
-      life_(id, discovery.life_signs().pause) {
+      life_(id, discovery.life_signs()) {
   negotiation_.self_changed(transports_.self());
   if (network != nullptr) negotiation_.network_changed(transports_.addresses(), transports_.links());
 }
@@ -198,7 +198,8 @@ void Reconciler::watch_promises(Time now) {
   for (auto& [id, writer] : ours_.writers) {
     if (writer.watch_promises(now)) living.push_back(id);
   }
-  if (!living.empty() || life_.is_sign_due(now)) tell_of_life(std::move(living), now);
+  const bool is_calm = discovery_.is_calm(now) && !accounts_.has_to_tell(now);
+  if (!living.empty() || life_.is_sign_due(is_calm, now)) tell_of_life(std::move(living), now);
   for (auto& [id, reader] : ours_.readers) reader.watch_promises(now);
 }
 

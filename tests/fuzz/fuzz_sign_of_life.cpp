@@ -39,10 +39,13 @@ void check(FuzzedDataProvider data) {
   auto asked_about = elements<std::uint64_t>(data, asked_about_max + 2);
   auto progress = elements<sft_control_Progress>(data, progress_max + 2);
   auto writers = elements<std::uint64_t>(data, assertions_max + 2);
-  put(sample.accounts, accounts);
-  put(sample.asked_about, asked_about);
-  put(sample.progress, progress);
-  put(sample.writers, writers);
+  sft_control_SignNews news{};
+  news.wants_signs = data.ConsumeBool();
+  put(news.accounts, accounts);
+  put(news.asked_about, asked_about);
+  put(news.progress, progress);
+  put(news.writers, writers);
+  sample.news = {data.ConsumeIntegralInRange<std::uint32_t>(0, 2), 1, &news, false};
   const Result<Assertion> taken = from_dds(sample);
   if (!taken) return require(!taken.error().message.empty(), "an error says what is wrong");
   require(taken->accounts.size() <= accounts_max && taken->asked_about.size() <= asked_about_max &&

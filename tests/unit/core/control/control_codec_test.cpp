@@ -68,6 +68,15 @@ TEST(ControlCodecTest, QuestionsAboutAccountsAndAnswersComeBackAsTheyWere) {
   EXPECT_EQ(from_dds(to_dds(with_accounts(), storage)), with_accounts());
 }
 
+TEST(ControlCodecTest, ASignOfLifeWithoutNewsIsAsShortAsCanBeAndAWishIsNews) {
+  ControlStorage storage;
+  Assertion sign{.node = 8, .writers = {}, .digest = 0x123456};
+  EXPECT_EQ(to_dds(sign, storage).news._length, 0U);
+  EXPECT_EQ(from_dds(to_dds(sign, storage)), sign);
+  sign.wants_signs = true;
+  EXPECT_EQ(from_dds(to_dds(sign, storage)), sign);
+}
+
 TEST(ControlCodecTest, MoreQuestionsAndAccountsThanASignOfLifeHasRoomForAreNotWritten) {
   Assertion sign = with_accounts();
   sign.asked_about.resize(1000, 21);
@@ -88,12 +97,13 @@ TEST(ControlCodecTest, ASignOfLifeWithMoreThanThereMayBeIsRefusedBeforeItIsRead)
     return decoded ? "" : decoded.error().message;
   };
   EXPECT_EQ(refusal([](auto&) {}), "");
-  EXPECT_EQ(refusal([](auto& s) { s.accounts._length = 33; }),
+  EXPECT_EQ(refusal([](auto& s) { s.news._buffer->accounts._length = 33; }),
             "a sign of life with 33 accounts, of which 32 are the most");
-  EXPECT_EQ(refusal([](auto& s) { s.asked_about._length = 65; }),
+  EXPECT_EQ(refusal([](auto& s) { s.news._buffer->asked_about._length = 65; }),
             "a sign of life with 65 endpoints that are asked about, of which 64 are the most");
-  EXPECT_NE(refusal([](auto& s) { s.progress._length = UINT32_MAX; }), "");
-  EXPECT_NE(refusal([](auto& s) { s.writers._length = UINT32_MAX; }), "");
+  EXPECT_NE(refusal([](auto& s) { s.news._buffer->progress._length = UINT32_MAX; }), "");
+  EXPECT_NE(refusal([](auto& s) { s.news._buffer->writers._length = UINT32_MAX; }), "");
+  EXPECT_NE(refusal([](auto& s) { s.news._length = 2; }), "");
 }
 
 TEST(ControlCodecTest, AnAccountThatNeitherSideSaysIsRefused) {

@@ -6,6 +6,8 @@
 
 #include <vector>
 
+#include "core/discovery/life_signs.h"
+
 namespace sft::core {
 namespace {
 
@@ -486,6 +488,32 @@ TEST_F(HearingWatchTest, ForgetsALinkThatIsDropped) {
   watch.heard(its_peer, now);
   passes(100s, 0);
   EXPECT_FALSE(deaf);
+}
+
+TEST_F(HearingWatchTest, WantsFrequentSignsOnceOneIsLateUntilItsLeaseEnds) {
+  passes(2s);
+  EXPECT_FALSE(watch.wants_signs(now));
+  now += life_signs_to_all.pause_in_calm + 100ms;
+  look();
+  EXPECT_FALSE(watch.wants_signs(now)) << "seldom signs are not late";
+  now += 101ms;
+  EXPECT_TRUE(watch.wants_signs(now));
+  watch.heard_life(peer, node, all, lease, now);
+  EXPECT_FALSE(watch.wants_signs(now));
+  now += 2s;
+  EXPECT_TRUE(watch.wants_signs(now));
+  watch.life_ended(lan, node);
+  EXPECT_FALSE(watch.wants_signs(now)) << "the dead give none";
+}
+
+TEST_F(HearingWatchTest, WantsFrequentSignsWhileTheyTellSomethingElseThanIsKnown) {
+  passes(2s);
+  known[peer] = all + 7;
+  look();
+  EXPECT_TRUE(watch.wants_signs(now));
+  known[peer] = all;
+  look();
+  EXPECT_FALSE(watch.wants_signs(now));
 }
 
 }  // namespace

@@ -63,15 +63,13 @@ TEST_F(OtherReleasesTest, ThatSomebodyMakesUpAreOneReportAMinuteAndLittleMemory)
 }
 
 TEST_F(OtherReleasesTest, AreDescribedByVersionAndInterfaceAndWhatToDo) {
-  EXPECT_EQ(describe({.speaker = speaker(1), .version = 7}, "eth0", 9),
-            "a participant with control protocol 7 is on eth0; this node has 9; they do not see each other: "
-            "use the "
-            "same release");
+  EXPECT_EQ(describe({.speaker = speaker(1), .version = 7}, "eth0", 10),
+            "a participant with control protocol 7 is on eth0; this node has 10; they do not see each other: "
+            "use the same release");
   EXPECT_EQ(
-      describe({.speaker = speaker(1), .version = 10, .others = 12}, "wlan0", 9),
-      "a participant with control protocol 10 is on wlan0; this node has 9; they do not see each other: "
-      "use the "
-      "same release (12 more with another protocol have come)");
+      describe({.speaker = speaker(1), .version = 11, .others = 12}, "wlan0", 10),
+      "a participant with control protocol 11 is on wlan0; this node has 10; they do not see each other: "
+      "use the same release (12 more with another protocol have come)");
 }
 
 }  // namespace

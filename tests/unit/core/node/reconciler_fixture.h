@@ -65,6 +65,7 @@ class TestReaderPort final : public IdleNetworkReader {
 class TestDiscovery final : public Discovery {
  public:
   LifeSigns life_signs() const override { return life_signs_to_all; }
+  bool is_calm(Time) const override { return calm; }
   Configuration configuration() const override { return {}; }
   Result<void> announce(const Endpoint& endpoint) override {
     if (fails()) return fail(Errc::system, "a control sample was not written: Timeout");
@@ -83,6 +84,7 @@ class TestDiscovery final : public Discovery {
   std::vector<Request> sent;
   std::vector<Assertion> asserted;
   int failures = 0;  ///< to come
+  bool calm = false;
 
  private:
   bool fails() { return failures > 0 && failures-- > 0; }

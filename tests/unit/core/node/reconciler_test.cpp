@@ -437,6 +437,26 @@ TEST_F(ReconcilerTest, ProgressIsToldOfWritersThatSentSomethingAndHaveReaders) {
   EXPECT_THAT(discovery.asserted.back().progress, IsEmpty()) << "nothing more was sent";
 }
 
+TEST_F(ReconcilerTest, ANodeSaysLessOftenThatItLivesInCalmUnlessItTellsMoreThanThat) {
+  const auto writer = our_writer(7, std::make_shared<TestWriterPort>());
+  Time now = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  const auto signs_in = [&](std::chrono::milliseconds duration) {
+    const std::size_t before = discovery.asserted.size();
+    for (const Time end = now + duration; now < end;) reconciler.tick(now += std::chrono::milliseconds(50));
+    return discovery.asserted.size() - before;
+  };
+  discovery.calm = true;
+  signs_in(std::chrono::seconds(5));
+  EXPECT_EQ(signs_in(std::chrono::milliseconds(13'000)), 10U);
+  discovery.calm = false;
+  signs_in(std::chrono::seconds(2));
+  EXPECT_EQ(signs_in(std::chrono::milliseconds(13'000)), 20U);
+  discovery.calm = true;
+  signs_in(std::chrono::seconds(2));
+  reconciler.liveliness_asserted({.node = 66, .writers = {}, .asked_about = {7}}, now);
+  EXPECT_GE(signs_in(std::chrono::milliseconds(1950)), 3U) << "somebody asks";
+}
+
 /// One of our publishers has a reader of another node, and one of our own.
 class AccountsTest : public ReconcilerTest {
  protected:
