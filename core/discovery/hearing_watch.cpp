@@ -168,11 +168,11 @@ void HearingWatch::note_known(const std::map<Speaker, std::uint32_t>& known, Tim
   }
 }
 
-/// A sign is late after a time in which two would have come.
+/// A sign is late after the pause in calm, and a while in which its node may have waited for a processor.
 bool HearingWatch::wants_signs(Time now) const {
   return is_in_doubt_ || std::ranges::any_of(ears_, [now](const auto& entry) {
            const Ear& ear = entry.second;
-           return ear.lives && now - ear.last_life > silence_in(ear.lease);
+           return ear.lives && now - ear.last_life > silence_in(ear.lease) + slack_of_leases;
          });
 }
 

@@ -493,7 +493,7 @@ TEST_F(HearingWatchTest, ForgetsALinkThatIsDropped) {
 TEST_F(HearingWatchTest, WantsFrequentSignsOnceOneIsLateUntilItsLeaseEnds) {
   passes(2s);
   EXPECT_FALSE(watch.wants_signs(now));
-  now += life_signs_to_all.pause_in_calm + 100ms;
+  now += life_signs_to_all.pause_in_calm + 400ms;
   look();
   EXPECT_FALSE(watch.wants_signs(now)) << "seldom signs are not late";
   now += 101ms;
