@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <functional>
 #include <utility>
 
@@ -26,13 +27,14 @@ GroupKeeper::GroupKeeper(Setup setup)
 
 void GroupKeeper::merge(std::vector<RouteBundle>& routes, Time now) {
   look_at(routes, now);
-  choose_masks(now);
+  choose_sizes(now);
   keep_possible();
+  if (someone_came()) replan_at_ = std::min(replan_at_, std::max(now, planned_at_ + settling));
+  if (may_plan(now)) plan(now);
   explain(routes);
   for (const Planned& planned : planned_) merge(planned, routes);
   std::erase_if(routes, [](const RouteBundle& bundle) { return bundle.destinations.empty(); });
   std::ranges::stable_partition(routes, [](const RouteBundle& bundle) { return !bundle.fallback; });
-  replan_at_ = std::max(replan_at_, now + settling);
   found_.clear();
 }
 
@@ -49,6 +51,8 @@ void GroupKeeper::look_at(const std::vector<RouteBundle>& routes, Time now) {
       if (bundle.late_reader != 0) candidate.refusal = "a reader there is sent what was retained";
       if (bundle.fallback) candidate.refusal = "a reader there is served in shared memory";
       if (!holds(candidate.masks, bundle.wanted.mask)) candidate.masks.push_back(bundle.wanted.mask);
+      if (is_new) candidate.fields = bundle.wanted.mask;
+      candidate.fields |= bundle.wanted.mask;
       candidate.reliable = candidate.reliable || bundle.reliable.contains(to.get());
     }
   }
@@ -78,39 +82,20 @@ void GroupKeeper::choose_link(Candidate& candidate, Time now) const {
   if (candidate.refusal.empty()) candidate.refusal = "it is not on a link of this host";
 }
 
-/// The most wanted ones, as many as are measured together. Destinations that want others, too, are served
-/// alone.
-void GroupKeeper::choose_masks(Time now) {
-  std::vector<std::pair<FieldMask, std::size_t>> wanted;
-  std::size_t possible = 0;
-  for (const auto& [to, candidate] : candidates_) {
-    if (!candidate.refusal.empty()) continue;
-    ++possible;
-    for (const FieldMask& mask : candidate.masks) {
-      const auto known = std::ranges::find_if(wanted, [&](const auto& item) { return item.first == mask; });
-      if (known == wanted.end()) {
-        wanted.emplace_back(mask, 1);
-      } else {
-        ++known->second;
-      }
-    }
-  }
-  std::ranges::stable_sort(wanted, std::greater{}, [](const auto& item) { return item.second; });
-  if (wanted.size() > BodySizes::masks_max) wanted.resize(BodySizes::masks_max);
-  std::vector<FieldMask> masks;
-  for (auto& item : wanted) masks.push_back(std::move(item.first));
-  for (auto& [to, candidate] : candidates_) {
-    const auto measured = [&](const FieldMask& mask) { return holds(masks, mask); };
-    if (candidate.refusal.empty() && !std::ranges::all_of(candidate.masks, measured))
-      candidate.refusal = "too many different masks";
-  }
-  if (possible < 2) {
-    sizes_ = nullptr;
-  } else if (sizes_ == nullptr || !std::ranges::is_permutation(sizes_->masks(), masks)) {
-    sizes_ = std::make_shared<BodySizes>(*setup_.type, std::move(masks));
-    counted_ = 0;
+std::size_t GroupKeeper::possible() const {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(candidates_, [](const auto& item) { return item.second.refusal.empty(); }));
+}
+
+/// Samples are measured for one that may be in a group, too: the plan is ready when another one comes.
+void GroupKeeper::choose_sizes(Time now) {
+  sizes_ = nullptr;
+  if (possible() == 0) return;
+  if (measured_ == nullptr) {
+    measured_ = std::make_shared<BodySizes>(*setup_.type);
     counted_at_ = now;
   }
+  sizes_ = measured_;
 }
 
 /// Whoever cannot be in a group any more is served alone from now on.
@@ -184,19 +169,34 @@ void GroupKeeper::merged(Time now) {
   shown_ = groups_;
 }
 
-std::vector<PlanDestination> GroupKeeper::plan_destinations(std::vector<const Destination*>& places) const {
+bool GroupKeeper::is_planned(const Destination* to) const {
+  return std::ranges::any_of(planned_, [&](const Planned& planned) { return holds(planned.members, to); });
+}
+
+/// Those whose fields have never been sent wait for a sample.
+std::vector<PlanDestination> GroupKeeper::plan_destinations(std::vector<const Destination*>& places) {
   std::vector<PlanDestination> destinations;
+  std::map<const Destination*, FieldMask> planned_for;
+  awaits_sizes_ = false;
   for (const auto& [to, candidate] : candidates_) {
     if (!candidate.refusal.empty()) continue;
-    PlanDestination& destination = destinations.emplace_back();
-    for (std::size_t i = 0; i < sizes_->masks().size(); ++i) {
-      if (holds(candidate.masks, sizes_->masks()[i])) destination.masks |= MaskSet{1} << i;
+    if (!sizes_->known(candidate.fields)) {
+      awaits_sizes_ = true;
+      if (!is_planned(to)) continue;
     }
-    destination.link = *candidate.link;
-    destination.datagram_bytes = to->path().datagram_bytes();
-    destination.reliable = candidate.reliable;
+    const std::size_t datagram_bytes = to->path().datagram_bytes();
+    double alone = 0;
+    for (const FieldMask& mask : candidate.masks)
+      alone += wire_bytes(sizes_->bytes_of(mask), datagram_bytes,
+                          candidate.reliable ? PlaceMark::in_channel : PlaceMark::none);
+    const auto known = planned_for_.find(to);
+    const bool is_new = known == planned_for_.end() || known->second != candidate.fields;
+    destinations.push_back({candidate.fields, alone, *candidate.link, datagram_bytes, is_new});
+    planned_for[to] = candidate.fields;
     places.push_back(to);
   }
+  if (awaits_sizes_) sizes_->measure_next();
+  planned_for_ = std::move(planned_for);
   return destinations;
 }
 
@@ -208,27 +208,63 @@ bool GroupKeeper::replan(Time now) {
     packed_until_ = now + packed_pause;
     if (is_news) return true;
   }
-  if (sizes_ == nullptr || !sizes_->known() || now < replan_at_) return false;
-  replan_at_ = now + replan_pause;
-  const std::uint64_t samples = sizes_->samples();
-  const std::chrono::duration<double> seconds = now - std::exchange(counted_at_, now);
-  const double rate =
-      static_cast<double>(samples - std::exchange(counted_, samples)) / std::max(seconds.count(), 0.1);
+  return may_plan(now) && plan(now);
+}
 
+/// Or asks for other fields than before.
+bool GroupKeeper::someone_came() const {
+  return std::ranges::any_of(candidates_, [&](const auto& item) {
+    const auto known = planned_for_.find(item.first);
+    return item.second.refusal.empty() &&
+           (known == planned_for_.end() || known->second != item.second.fields);
+  });
+}
+
+/// What a sample takes is known when one was published.
+bool GroupKeeper::may_plan(Time now) const {
+  if (sizes_ == nullptr || sizes_->samples() == 0 || possible() < 2) return false;
+  if (now >= replan_at_) return true;
+  return awaits_sizes_ && now >= planned_at_ + settling &&
+         std::ranges::any_of(candidates_, [&](const auto& item) {
+           return item.second.refusal.empty() && !planned_for_.contains(item.first) &&
+                  sizes_->known(item.second.fields);
+         });
+}
+
+/// The first samples count at once, although there may be more of them than it seems.
+void GroupKeeper::count_samples(Time now) {
+  const bool is_early = now - counted_at_ < counting;
+  if (is_early && samples_per_s_ > 0) return;
+  if (is_early) {
+    replan_at_ = counted_at_ + counting;
+    samples_per_s_ =
+        static_cast<double>(sizes_->samples() - counted_) / std::chrono::duration<double>(counting).count();
+    return;
+  }
+  const std::chrono::duration<double> seconds = now - std::exchange(counted_at_, now);
+  const std::uint64_t samples = sizes_->samples();
+  samples_per_s_ = static_cast<double>(samples - std::exchange(counted_, samples)) / seconds.count();
+}
+
+/// True if other groups are better than the present ones.
+bool GroupKeeper::plan(Time now) {
+  replan_at_ = now + replan_pause;
+  count_samples(now);
   std::vector<const Destination*> places;
   const std::vector<PlanDestination> destinations = plan_destinations(places);
   MulticastPlan present;
   for (const Planned& planned : planned_) {
     PlannedGroup& group = present.emplace_back();
+    group.fields = FieldMask(leaf_count(*setup_.type));
     for (std::size_t i = 0; i < places.size(); ++i) {
       if (!holds(planned.members, places[i])) continue;
-      group.masks |= destinations[i].masks;
+      group.fields |= destinations[i].fields;
       group.members.push_back(i);
     }
   }
-  const auto body_bytes = [this](MaskSet set) { return sizes_->bytes_of(set); };
-  const MulticastPlan plan = plan_multicast(destinations, body_bytes, rate, present, setup_.limits);
-  if (plan == present) return false;
+  const auto body_bytes = [this](const FieldMask& fields) { return sizes_->bytes_of(fields); };
+  const MulticastPlan plan = plan_multicast(destinations, body_bytes, samples_per_s_, present, setup_.limits);
+  if (std::ranges::is_permutation(plan, present)) return false;
   std::vector<Planned> next;
   for (const PlannedGroup& group : plan) {
     Planned planned{.place = next.size()};
@@ -236,6 +272,7 @@ bool GroupKeeper::replan(Time now) {
     next.push_back(std::move(planned));
   }
   planned_ = std::move(next);
+  planned_at_ = now;
   return true;
 }
 
@@ -281,10 +318,23 @@ void GroupKeeper::send(Destination& to, const GroupOffer& offer, Time now) {
 void GroupKeeper::explain(const std::vector<RouteBundle>& routes) {
   const core::Lock lock(why_mutex_);
   why_.clear();
-  several_ = sizes_ != nullptr;
+  several_ = possible() > 1;
+  shown_sizes_ = sizes_;
   for (const RouteBundle& bundle : routes) {
-    for (const auto& [reader, to] : bundle.readers) why_[reader] = {to, candidates_.at(to).refusal};
+    for (const auto& [reader, to] : bundle.readers)
+      why_[reader] = {to, candidates_.at(to).refusal, bundle.wanted.mask};
   }
+}
+
+std::string GroupKeeper::unwanted(const Why& why, const MulticastGroup& group) const {
+  FieldMask fields = why.fields;
+  for (const auto& [reader, other] : why_) {
+    const auto is_there = [&](const auto& member) { return &member.lane->destination() == other.to; };
+    if (std::ranges::any_of(group.members(), is_there)) fields |= other.fields;
+  }
+  if (shown_sizes_ == nullptr || fields == why.fields) return "";
+  const double bytes = shown_sizes_->bytes_of(fields) - shown_sizes_->bytes_of(why.fields);
+  return ", which adds " + std::to_string(std::lround(bytes)) + " bytes to a sample that others asked for";
 }
 
 std::string GroupKeeper::why(core::EndpointId reader) const {
@@ -297,7 +347,7 @@ std::string GroupKeeper::why(core::EndpointId reader) const {
     for (std::size_t i = 0; i < group->members().size(); ++i) {
       if (&group->members()[i].lane->destination() != why.to) continue;
       return "group " + core::format(core::IpAddress(group->name().address)) + " of " +
-             std::to_string(group->members().size()) + group->state_of(i);
+             std::to_string(group->members().size()) + unwanted(why, *group) + group->state_of(i);
     }
   }
   return several_ ? "alone: a group would put hardly fewer bytes on the wire"
