@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "udp_transport/multicast/multicast_plan.h"
+#include "udp_transport/multicast/plan_cost.h"
 
 namespace sft::udp {
 

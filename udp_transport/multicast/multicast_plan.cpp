@@ -1,20 +1,15 @@
 #include "udp_transport/multicast/multicast_plan.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
-#include <numeric>
 #include <set>
 #include <utility>
 
 #include "udp_transport/multicast/plan_search.h"
-#include "udp_transport/wire/datagram.h"
 
 namespace sft::udp {
 
 namespace {
-
-constexpr double lower_header_bytes = 14 + 20 + 8;  // Ethernet, IPv4, UDP: what interfaces count
 
 bool are_alike(const PlanDestination& a, const PlanDestination& b) {
   return a.fields == b.fields && a.alone_bytes == b.alone_bytes && a.datagram_bytes == b.datagram_bytes;
@@ -119,36 +114,6 @@ class LinkPlan {
 };
 
 }  // namespace
-
-double wire_bytes(double body_bytes, std::size_t datagram_bytes, PlaceMark place) {
-  const bool is_whole = body_bytes + first_header_bytes <= static_cast<double>(datagram_bytes);
-  const bool has_mark = place == PlaceMark::in_group || (place == PlaceMark::in_channel && !is_whole);
-  const double mark = has_mark ? group_bytes : 0;
-  const double all = body_bytes + static_cast<double>(first_header_bytes - following_header_bytes) + mark;
-  const auto room = static_cast<double>(datagram_bytes - following_header_bytes);
-  const double datagrams = std::max(1.0, std::ceil(all / room));
-  return all + datagrams * (static_cast<double>(following_header_bytes) + lower_header_bytes);
-}
-
-/// What a group is sent always has a mark.
-PlanCost plan_cost(std::span<const PlanDestination> destinations, const BodyBytes& body_bytes,
-                   const MulticastPlan& plan, const PlanLimits& limits) {
-  PlanCost all;
-  for (const PlanDestination& to : destinations) all = all + PlanCost{to.alone_bytes, to.alone_bytes};
-  for (const PlannedGroup& group : plan) {
-    std::size_t datagram_bytes = SIZE_MAX;
-    for (const std::size_t member : group.members)
-      datagram_bytes = std::min(datagram_bytes, destinations[member].datagram_bytes);
-    const double together = wire_bytes(body_bytes(group.fields), datagram_bytes, PlaceMark::in_group);
-    all = all + PlanCost{together, together};
-    for (const std::size_t member : group.members) {
-      const double apart = destinations[member].alone_bytes;
-      all.cost += limits.unwanted_weight * std::max(0.0, together - apart);
-      all = all - PlanCost{apart, apart};
-    }
-  }
-  return all;
-}
 
 double wire_bytes_max(std::span<const PlanDestination> destinations, std::size_t link,
                       const BodyBytes& body_bytes, const PlanLimits& limits) {

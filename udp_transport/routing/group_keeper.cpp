@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <functional>
 #include <utility>
 
@@ -93,7 +92,7 @@ void GroupKeeper::choose_sizes(Time now) {
   if (possible() == 0) return;
   if (measured_ == nullptr) {
     measured_ = std::make_shared<BodySizes>(*setup_.type);
-    counted_at_ = now;
+    rate_.emplace(now);
   }
   sizes_ = measured_;
 }
@@ -165,8 +164,7 @@ void GroupKeeper::merged(Time now) {
     if (!holds(found_, group)) retired_.push_back({group, now});
   }
   groups_ = std::exchange(found_, {});
-  const core::Lock lock(why_mutex_);
-  shown_ = groups_;
+  reasons_.set_groups(groups_);
 }
 
 bool GroupKeeper::is_planned(const Destination* to) const {
@@ -231,25 +229,10 @@ bool GroupKeeper::may_plan(Time now) const {
          });
 }
 
-/// The first samples count at once, although there may be more of them than it seems.
-void GroupKeeper::count_samples(Time now) {
-  const bool is_early = now - counted_at_ < counting;
-  if (is_early && samples_per_s_ > 0) return;
-  if (is_early) {
-    replan_at_ = counted_at_ + counting;
-    samples_per_s_ =
-        static_cast<double>(sizes_->samples() - counted_) / std::chrono::duration<double>(counting).count();
-    return;
-  }
-  const std::chrono::duration<double> seconds = now - std::exchange(counted_at_, now);
-  const std::uint64_t samples = sizes_->samples();
-  samples_per_s_ = static_cast<double>(samples - std::exchange(counted_, samples)) / seconds.count();
-}
-
 /// True if other groups are better than the present ones.
 bool GroupKeeper::plan(Time now) {
-  replan_at_ = now + replan_pause;
-  count_samples(now);
+  rate_->count(sizes_->samples(), now);
+  replan_at_ = rate_->due(now + replan_pause);
   std::vector<const Destination*> places;
   const std::vector<PlanDestination> destinations = plan_destinations(places);
   MulticastPlan present;
@@ -263,7 +246,7 @@ bool GroupKeeper::plan(Time now) {
     }
   }
   const auto body_bytes = [this](const FieldMask& fields) { return sizes_->bytes_of(fields); };
-  const MulticastPlan plan = plan_multicast(destinations, body_bytes, samples_per_s_, present, setup_.limits);
+  const MulticastPlan plan = plan_multicast(destinations, body_bytes, rate_->per_s(), present, setup_.limits);
   if (std::ranges::is_permutation(plan, present)) return false;
   std::vector<Planned> next;
   for (const PlannedGroup& group : plan) {
@@ -316,42 +299,12 @@ void GroupKeeper::send(Destination& to, const GroupOffer& offer, Time now) {
 }
 
 void GroupKeeper::explain(const std::vector<RouteBundle>& routes) {
-  const core::Lock lock(why_mutex_);
-  why_.clear();
-  several_ = possible() > 1;
-  shown_sizes_ = sizes_;
+  GroupReasons::Readers readers;
   for (const RouteBundle& bundle : routes) {
     for (const auto& [reader, to] : bundle.readers)
-      why_[reader] = {to, candidates_.at(to).refusal, bundle.wanted.mask};
+      readers[reader] = {to, candidates_.at(to).refusal, bundle.wanted.mask};
   }
-}
-
-std::string GroupKeeper::unwanted(const Why& why, const MulticastGroup& group) const {
-  FieldMask fields = why.fields;
-  for (const auto& [reader, other] : why_) {
-    const auto is_there = [&](const auto& member) { return &member.lane->destination() == other.to; };
-    if (std::ranges::any_of(group.members(), is_there)) fields |= other.fields;
-  }
-  if (shown_sizes_ == nullptr || fields == why.fields) return "";
-  const double bytes = shown_sizes_->bytes_of(fields) - shown_sizes_->bytes_of(why.fields);
-  return ", which adds " + std::to_string(std::lround(bytes)) + " bytes to a sample that others asked for";
-}
-
-std::string GroupKeeper::why(core::EndpointId reader) const {
-  const core::Lock lock(why_mutex_);
-  const auto known = why_.find(reader);
-  if (known == why_.end()) return {};
-  const Why& why = known->second;
-  if (!why.refusal.empty()) return "alone: " + why.refusal;
-  for (const auto& group : shown_) {
-    for (std::size_t i = 0; i < group->members().size(); ++i) {
-      if (&group->members()[i].lane->destination() != why.to) continue;
-      return "group " + core::format(core::IpAddress(group->name().address)) + " of " +
-             std::to_string(group->members().size()) + unwanted(why, *group) + group->state_of(i);
-    }
-  }
-  return several_ ? "alone: a group would put hardly fewer bytes on the wire"
-                  : "alone: nobody else could be in a group with it";
+  reasons_.set_readers(std::move(readers), sizes_, possible() > 1);
 }
 
 }  // namespace sft::udp

@@ -12,11 +12,12 @@
 #include <string>
 #include <vector>
 
-#include "core/sync/mutex.h"
 #include "udp_transport/io/multicast_links.h"
 #include "udp_transport/multicast/body_sizes.h"
 #include "udp_transport/multicast/multicast_group.h"
 #include "udp_transport/multicast/multicast_plan.h"
+#include "udp_transport/multicast/sample_rate.h"
+#include "udp_transport/routing/group_reasons.h"
 #include "udp_transport/routing/route_bundle.h"
 
 namespace sft::udp {
@@ -60,7 +61,7 @@ class GroupKeeper {
   void tend(Time now);
 
   /// Any thread: of a reader, in which group it is or why in none.
-  std::string why(core::EndpointId reader) const;
+  std::string why(core::EndpointId reader) const { return reasons_.of(reader); }
 
  private:
   struct Candidate {
@@ -90,7 +91,6 @@ class GroupKeeper {
   bool plan(Time now);
   bool may_plan(Time now) const;
   bool someone_came() const;
-  void count_samples(Time now);
   std::vector<PlanDestination> plan_destinations(std::vector<const Destination*>& places);
   bool is_planned(const Destination* to) const;
   std::uint32_t address(std::size_t place) const;
@@ -99,7 +99,6 @@ class GroupKeeper {
 
   /// Readers come in bunches: groups are not made anew more often.
   static constexpr std::chrono::milliseconds settling{50};
-  static constexpr std::chrono::milliseconds counting{100};  ///< samples, at least
   static constexpr std::chrono::seconds replan_pause{1};
   static constexpr std::chrono::minutes deaf_pause{1};  ///< before one that heard nothing is offered a group
   static constexpr std::chrono::seconds packed_pause{10};   ///< since samples were published together
@@ -120,22 +119,9 @@ class GroupKeeper {
   Time packed_until_{};
   std::uint32_t last_number_ = 0;
   Time replan_at_{};
-  Time planned_at_{};  ///< the last time that the plan changed
-  Time counted_at_{};
-  std::uint64_t counted_ = 0;
-  double samples_per_s_ = 0;
-
-  mutable core::Mutex why_mutex_;
-  struct Why {
-    const Destination* to = nullptr;
-    std::string refusal{};
-    FieldMask fields{};
-  };
-  std::string unwanted(const Why& why, const MulticastGroup& group) const SFT_REQUIRES(why_mutex_);
-  std::map<core::EndpointId, Why> why_ SFT_GUARDED_BY(why_mutex_);
-  std::vector<std::shared_ptr<MulticastGroup>> shown_ SFT_GUARDED_BY(why_mutex_);
-  std::shared_ptr<BodySizes> shown_sizes_ SFT_GUARDED_BY(why_mutex_);
-  bool several_ SFT_GUARDED_BY(why_mutex_) = false;  ///< could be in a group
+  Time planned_at_{};               ///< the last time that the plan changed
+  std::optional<SampleRate> rate_;  ///< as soon as samples are measured
+  GroupReasons reasons_;
 };
 
 }  // namespace sft::udp
