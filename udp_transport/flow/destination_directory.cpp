@@ -83,14 +83,14 @@ std::shared_ptr<Destination> DestinationDirectory::of_flow(std::uint32_t flow) {
 }
 
 void DestinationDirectory::look_after(PathMtu::Time now, bool anew) {
-  std::vector<std::shared_ptr<Destination>> all;
   {
     const core::Lock lock(mutex_);
-    for (const auto& [key, entry] : known_) all.push_back(entry.lock());
+    for (const auto& [key, entry] : known_) looked_after_.push_back(entry.lock());
   }
-  for (const std::shared_ptr<Destination>& destination : all) {
+  for (const std::shared_ptr<Destination>& destination : looked_after_) {
     if (destination != nullptr) destination->look_after(now, anew);
   }
+  looked_after_.clear();
 }
 
 }  // namespace sft::udp

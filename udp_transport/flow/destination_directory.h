@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "core/seam/address.h"
 #include "core/sync/mutex.h"
@@ -42,6 +43,7 @@ class DestinationDirectory {
   core::Mutex mutex_;
   std::map<Key, std::weak_ptr<Destination>> known_ SFT_GUARDED_BY(mutex_);
   UnprovenBudgets hosts_ SFT_GUARDED_BY(mutex_);
+  std::vector<std::shared_ptr<Destination>> looked_after_;  ///< used by look_after()
 };
 
 }  // namespace sft::udp

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <functional>
 #include <utility>
 
@@ -174,7 +175,6 @@ bool GroupKeeper::is_planned(const Destination* to) const {
 /// Those whose fields have never been sent wait for a sample.
 std::vector<PlanDestination> GroupKeeper::plan_destinations(std::vector<const Destination*>& places) {
   std::vector<PlanDestination> destinations;
-  std::map<const Destination*, FieldMask> planned_for;
   awaits_sizes_ = false;
   for (const auto& [to, candidate] : candidates_) {
     if (!candidate.refusal.empty()) continue;
@@ -188,13 +188,11 @@ std::vector<PlanDestination> GroupKeeper::plan_destinations(std::vector<const De
       alone += wire_bytes(sizes_->bytes_of(mask), datagram_bytes,
                           candidate.reliable ? PlaceMark::in_channel : PlaceMark::none);
     const auto known = planned_for_.find(to);
-    const bool is_new = known == planned_for_.end() || known->second != candidate.fields;
+    const bool is_new = known == planned_for_.end() || known->second.fields != candidate.fields;
     destinations.push_back({candidate.fields, alone, *candidate.link, datagram_bytes, is_new});
-    planned_for[to] = candidate.fields;
     places.push_back(to);
   }
   if (awaits_sizes_) sizes_->measure_next();
-  planned_for_ = std::move(planned_for);
   return destinations;
 }
 
@@ -214,7 +212,7 @@ bool GroupKeeper::someone_came() const {
   return std::ranges::any_of(candidates_, [&](const auto& item) {
     const auto known = planned_for_.find(item.first);
     return item.second.refusal.empty() &&
-           (known == planned_for_.end() || known->second != item.second.fields);
+           (known == planned_for_.end() || known->second.fields != item.second.fields);
   });
 }
 
@@ -227,6 +225,23 @@ bool GroupKeeper::may_plan(Time now) const {
            return item.second.refusal.empty() && !planned_for_.contains(item.first) &&
                   sizes_->known(item.second.fields);
          });
+}
+
+/// False if a plan was made for the same destinations, and for about the same bytes.
+bool GroupKeeper::is_news(std::span<const Destination* const> places,
+                          std::span<const PlanDestination> all) const {
+  const auto differ = [](double before, double now) {
+    constexpr double least = 0.01;
+    return std::abs(now - before) > least * before;
+  };
+  if (places.size() != planned_for_.size() || differ(planned_rate_, rate_->per_s())) return true;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const auto known = planned_for_.find(places[i]);
+    if (known == planned_for_.end() || known->second.fields != all[i].fields ||
+        known->second.link != all[i].link || differ(known->second.alone_bytes, all[i].alone_bytes))
+      return true;
+  }
+  return false;
 }
 
 /// True if other groups are better than the present ones.
@@ -245,6 +260,10 @@ bool GroupKeeper::plan(Time now) {
       group.members.push_back(i);
     }
   }
+  if (!is_news(places, destinations)) return false;
+  planned_rate_ = rate_->per_s();
+  planned_for_.clear();
+  for (std::size_t i = 0; i < places.size(); ++i) planned_for_.emplace(places[i], destinations[i]);
   const auto body_bytes = [this](const FieldMask& fields) { return sizes_->bytes_of(fields); };
   const MulticastPlan plan = plan_multicast(destinations, body_bytes, rate_->per_s(), present, setup_.limits);
   if (std::ranges::is_permutation(plan, present)) return false;

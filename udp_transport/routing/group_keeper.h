@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -93,6 +94,7 @@ class GroupKeeper {
   bool someone_came() const;
   std::vector<PlanDestination> plan_destinations(std::vector<const Destination*>& places);
   bool is_planned(const Destination* to) const;
+  bool is_news(std::span<const Destination* const> places, std::span<const PlanDestination> all) const;
   std::uint32_t address(std::size_t place) const;
   static void send(Destination& to, const GroupOffer& offer, Time now);
   void explain(const std::vector<RouteBundle>& routes);
@@ -108,10 +110,11 @@ class GroupKeeper {
   const bool too_many_leaves_;  ///< masks are not sent in words then
   std::vector<MulticastLink> links_;
   std::map<const Destination*, Candidate> candidates_;
-  std::shared_ptr<BodySizes> measured_;                  ///< what is known of samples, asked for or not
-  std::shared_ptr<BodySizes> sizes_;                     ///< the same, or null
-  std::map<const Destination*, FieldMask> planned_for_;  ///< who was there when the plan was made
-  bool awaits_sizes_ = false;                            ///< somebody could not be planned for
+  std::shared_ptr<BodySizes> measured_;                        ///< what is known of samples, asked for or not
+  std::shared_ptr<BodySizes> sizes_;                           ///< the same, or null
+  std::map<const Destination*, PlanDestination> planned_for_;  ///< who was there when the plan was made
+  double planned_rate_ = 0;                                    ///< and the samples per second
+  bool awaits_sizes_ = false;                                  ///< somebody could not be planned for
   std::vector<Planned> planned_;
   std::vector<std::shared_ptr<MulticastGroup>> groups_, found_;
   std::vector<Retired> retired_;

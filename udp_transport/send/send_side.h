@@ -48,12 +48,15 @@ class TendedRoster {
     lock.unlock();
     removed->clear();
   }
-  /// The agent's thread: calls each in its turn, without keeping others out meanwhile.
+  /// The agent's thread: calls each in its turn, without keeping others out meanwhile. Allocates nothing
+  /// while there are no more of them than before.
   void tend(std::chrono::steady_clock::time_point now) {
-    core::Lock lock(mutex_);
-    const std::vector<Entry> round = all_;
-    lock.unlock();
-    for (const Entry& entry : round) (*entry.tend)(now);
+    {
+      const core::Lock lock(mutex_);
+      round_ = all_;
+    }
+    for (const Entry& entry : round_) (*entry.tend)(now);
+    round_.clear();
   }
 
  private:
@@ -65,6 +68,7 @@ class TendedRoster {
 
   core::Mutex mutex_;
   std::vector<Entry> all_ SFT_GUARDED_BY(mutex_);
+  std::vector<Entry> round_;  ///< used by the agent's thread
 };
 
 /// Outlives the transport as long as a writer does.

@@ -101,5 +101,20 @@ TEST_P(AllocationTest, HappensForNoSampleOnceBuffersHaveGrown) {
   }
 }
 
+/// A large sample to many masks may take longer than the agent sleeps.
+TEST(AgentAllocations, AreNoneWhileWritersAreOnlyLookedAfter) {
+  const auto transport = open_udp_transport({.bind_address = INADDR_LOOPBACK}, test::make_pool()).value();
+  const auto writer = transport->open_writer({7, &test::type_support<Image>()}).value();
+  writer->set_routes({{1, test::loopback_address(*transport), fields<Image>("data")}});
+  auto now = std::chrono::steady_clock::now();
+  const auto look_for_a_minute = [&] {
+    for (int i = 0; i < 1200; ++i) transport->poll(now += std::chrono::milliseconds(50));
+  };
+  look_for_a_minute();
+  const std::uint64_t before = sft::test::process_allocations();
+  look_for_a_minute();
+  EXPECT_EQ(sft::test::process_allocations() - before, 0U);
+}
+
 }  // namespace
 }  // namespace sft::udp
