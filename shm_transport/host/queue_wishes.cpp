@@ -25,10 +25,10 @@ std::string to_text(const QueueWishes& wishes) {
 QueueWishes parse_wishes(std::string_view port_name) noexcept {
   const auto at = port_name.find_last_of(marks);
   if (at == std::string_view::npos) return {};
-  const std::string_view digits = port_name.substr(at + 1);
+  const std::string_view port_digits = port_name.substr(at + 1);
   QueueWishes wishes{.late = port_name[at] != awaited_mark, .awaited = port_name[at] != late_mark};
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), wishes.reader, 16);
-  return error == std::errc{} && end == digits.data() + digits.size() ? wishes : QueueWishes{};
+  const auto [end, error] = std::from_chars(port_digits.data(), port_digits.data() + port_digits.size(), wishes.reader, 16);
+  return error == std::errc{} && end == port_digits.data() + port_digits.size() ? wishes : QueueWishes{};
 }
 
 }  // namespace sft::shm
