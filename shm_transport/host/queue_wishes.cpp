@@ -27,7 +27,8 @@ QueueWishes parse_wishes(std::string_view port_name) noexcept {
   if (at == std::string_view::npos) return {};
   const std::string_view port_digits = port_name.substr(at + 1);
   QueueWishes wishes{.late = port_name[at] != awaited_mark, .awaited = port_name[at] != late_mark};
-  const auto [end, error] = std::from_chars(port_digits.data(), port_digits.data() + port_digits.size(), wishes.reader, 16);
+  const auto [end, error] =
+      std::from_chars(port_digits.data(), port_digits.data() + port_digits.size(), wishes.reader, 16);
   return error == std::errc{} && end == port_digits.data() + port_digits.size() ? wishes : QueueWishes{};
 }
 

@@ -18,7 +18,6 @@ using namespace detail;
 
 using nav_msgs::msg::Odometry;
 using sensor_msgs::msg::PointCloud2;
-using F = PointCloud2::Field;
 using ::testing::HasSubstr;
 
 constexpr NodeId our_node = 7;
@@ -41,7 +40,7 @@ class DomainSnapshotTest : public ::testing::Test {
     e.network = this_machine;
     e.may_use_shm = e.may_use_udp = true;
     e.addresses = {{loopback_ipv4, 4000}};
-    e.request.mask_words = FieldMask(F::width | F::height).to_words();
+    e.request.mask_words = FieldMask(PointCloud2::Field::width | PointCloud2::Field::height).to_words();
     e.request.sequence = 3;
     return e;
   }
