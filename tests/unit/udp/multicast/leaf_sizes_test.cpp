@@ -137,19 +137,22 @@ class LeafSizesTest : public sft::test::RandomTest {
     for (std::size_t i = 0; i < words; ++i) scene.words.push_back(text(10));
     return scene;
   }
+  /// `error_max`: in bytes.
   template <class T>
-  void expect_close(const T& value, double tolerance) {
+  void expect_close(const T& value, double error_max) {
     const Sample<T> sample(value);
     LeafSizes sizes(test::type_support<T>().type());
     sizes.measure(sample.state());
-    for (int i = 0; i < 200; ++i) {
+    for (int i = 0; i < 100; ++i) {
       const FieldMask fields = some_fields<T>();
       ASSERT_TRUE(sizes.known(fields));
       const double bytes = sample.projected(fields);
-      ASSERT_NEAR(sizes.bytes(fields), bytes, tolerance * bytes + (tolerance > 0 ? 16 : 0))
-          << test::type_support<T>().format_mask(fields);
+      ASSERT_NEAR(sizes.bytes(fields), bytes, error_max) << test::type_support<T>().format_mask(fields);
+      computed += sizes.bytes(fields);
+      projected += bytes;
     }
   }
+  double computed = 0, projected = 0;  ///< bytes of all that were compared
 };
 
 TEST_F(LeafSizesTest, AreExactWhereElementsHaveOneLength) {
@@ -158,12 +161,22 @@ TEST_F(LeafSizesTest, AreExactWhereElementsHaveOneLength) {
   for (const std::size_t points : {0U, 1U, 2U, 7U, 100U, 5001U}) expect_close(scene(0, points, 0), 0);
 }
 
-TEST_F(LeafSizesTest, AreWithinAFewPercentWhereElementsVary) {
-  for (int i = 0; i < 20; ++i) expect_close(scene(random() % 33, random() % 100, random() % 33), 0.08);
+/// Padding of up to 7 bytes before a member that follows something that varies has a standard deviation of
+/// up to 2.3 bytes. An element has three such members at most, and each word is followed by one. They are not
+/// quite independent of one another.
+TEST_F(LeafSizesTest, AreOffByThePaddingBetweenThingsThatVaryAndRightOnAverage) {
+  for (int i = 0; i < 200; ++i) {
+    const std::size_t things = random() % 33, words = random() % 33;
+    const double deviation = 2.3 * std::sqrt(static_cast<double>(3 * things + words));
+    expect_close(scene(things, random() % 100, words), 16 + 7 * deviation);
+  }
+  EXPECT_NEAR(computed, projected, 0.02 * projected);
 }
 
+/// The average of 32 names of up to 20 bytes is off by a byte or so, and that of the numbers, too.
 TEST_F(LeafSizesTest, FollowFromTheFirstElementsOfALongSequence) {
-  expect_close(scene(2000, 10'000, 3000), 0.25);
+  for (int i = 0; i < 6; ++i) expect_close(scene(2000, 10'000, 3000), 2000 * 10 + 3000 * 3);
+  EXPECT_NEAR(computed, projected, 0.05 * projected);
 }
 
 TEST_F(LeafSizesTest, AreKnownForFieldsThatHaveBeenSent) {
