@@ -490,6 +490,21 @@ class AccountsTest : public ReconcilerTest {
   Time now = std::chrono::steady_clock::now();
 };
 
+TEST_F(AccountsTest, KeepSignsOfLifeFrequentForAWhileAfterTheyWereToldLast) {
+  const auto signs_in = [this](std::chrono::milliseconds duration) {
+    int signs = 0;
+    for (const Time end = now + duration; now < end;)
+      signs += next_sign(std::chrono::milliseconds(50)) ? 1 : 0;
+    return signs;
+  };
+  discovery.calm = true;
+  hear(sign({7}));
+  signs_in(std::chrono::milliseconds(3200));
+  EXPECT_EQ(signs_in(std::chrono::milliseconds(1950)), 3);
+  signs_in(std::chrono::milliseconds(3000));
+  EXPECT_LE(signs_in(std::chrono::milliseconds(1950)), 2);
+}
+
 TEST_F(AccountsTest, AreToldInSignsOfLifeWhileSomebodyAsksAndNotLongerThanThreeSeconds) {
   EXPECT_THAT(next_sign()->accounts, IsEmpty()) << "nobody has asked";
   hear(sign({7, 300, 200, 12345}));  // the last two are not ours
