@@ -81,7 +81,10 @@ function(sft_precompile kind first)
     target_precompile_headers(${target} REUSE_FROM ${headers})
     # GCC gives false warnings about precompiled headers of the standard library.
     set(false_warnings -Wno-array-bounds -Wno-stringop-overflow)
-    target_compile_options(${target} PRIVATE "$<$<CXX_COMPILER_ID:GNU>:${false_warnings}>")
+    # Many sources take more memory than GCC uses before it looks for garbage: without that it is a tenth faster.
+    set(memory_kB 1000000)
+    target_compile_options(${target} PRIVATE
+      "$<$<CXX_COMPILER_ID:GNU>:${false_warnings};--param=ggc-min-heapsize=${memory_kB}>")
   endforeach()
 endfunction()
 
