@@ -498,20 +498,20 @@ TEST_F(HearingWatchTest, WantsFrequentSignsOnceOneIsLateUntilItsLeaseEnds) {
   EXPECT_FALSE(watch.wants_signs(now)) << "seldom signs are not late";
   now += 101ms;
   EXPECT_TRUE(watch.wants_signs(now));
-  watch.heard_life(peer, node, all, lease, now);
+  watch.heard_life(its_peer, heard_node, all_said, its_lease, now);
   EXPECT_FALSE(watch.wants_signs(now));
   now += 2s;
   EXPECT_TRUE(watch.wants_signs(now));
-  watch.life_ended(lan, node);
+  watch.life_ended(lan, heard_node);
   EXPECT_FALSE(watch.wants_signs(now)) << "the dead give none";
 }
 
 TEST_F(HearingWatchTest, WantsFrequentSignsWhileTheyTellSomethingElseThanIsKnown) {
   passes(2s);
-  known[peer] = all + 7;
+  known[its_peer] = all_said + 7;
   look();
   EXPECT_TRUE(watch.wants_signs(now));
-  known[peer] = all;
+  known[its_peer] = all_said;
   look();
   EXPECT_FALSE(watch.wants_signs(now));
 }
