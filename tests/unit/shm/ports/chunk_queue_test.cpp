@@ -13,7 +13,7 @@ namespace sft::shm {
 namespace {
 
 constexpr std::uint32_t chunk_bytes = 128;
-constexpr std::uint64_t capacity = 2;
+constexpr std::uint64_t queue_capacity = 2;
 
 class ChunkQueueTest : public ::testing::Test {
  protected:
@@ -25,7 +25,7 @@ class ChunkQueueTest : public ::testing::Test {
     iox::posix::Allocator samples(samples_.data(), samples_.size() * 8);
     memory_.configureMemoryManager(pools_config_, management, samples);
     iox::popo::SubscriberOptions options;
-    options.queueCapacity = capacity;
+    options.queueCapacity = queue_capacity;
     port_ = pool_.addSubscriberPort({"sft", "w", "1"}, "sft_node", options, iox::mepoo::MemoryInfo{}).value();
     queue_ = std::make_unique<ChunkQueue>(*port_, 2, FieldMask{});
   }
