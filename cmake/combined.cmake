@@ -80,7 +80,7 @@ function(sft_precompile kind first)
   foreach(target IN LISTS first ARGN)
     target_precompile_headers(${target} REUSE_FROM ${headers})
     # GCC gives false warnings about precompiled headers of the standard library.
-    set(false_warnings -Wno-array-bounds -Wno-stringop-overflow)
+    set(false_warnings -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread)
     # Many sources take more memory than GCC uses before it looks for garbage: without that it is a tenth faster.
     set(memory_kB 1000000)
     target_compile_options(${target} PRIVATE
