@@ -6,6 +6,7 @@
 
 #include <limits>
 #include <sensor_msgs/msg/PointCloud2.hpp>
+#include <thread>
 
 #include "core/platform/clock.h"
 #include "core/seam/buffer_pool.h"
