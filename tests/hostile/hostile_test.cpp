@@ -33,6 +33,9 @@ class Hostile : public test::RandomTest, public ::testing::WithParamInterface<En
     if (outcome.recovery) {
       EXPECT_LE(*outcome.recovery, recovery_max) << "ms until all pairs were served as before";
     }
+    if (outcome.command_line) {
+      EXPECT_LE(*outcome.command_line, recovery_max) << "ms until `sftd status` answered";
+    }
     for (const std::string& complaint : stage.end()) ADD_FAILURE() << complaint;
   }
 };

@@ -16,6 +16,7 @@
 
 namespace sft::hostile {
 
+using Clock = std::chrono::steady_clock;
 using Ms = std::chrono::milliseconds;
 
 /// When the act begins, seen from the honest programs.
@@ -27,6 +28,8 @@ struct Outcome {
   std::vector<std::string> complaints{};  ///< sentences; empty if all was well
   /// The time from the end of the act until each pair was served as before; empty if that did not come true.
   std::optional<Ms> recovery{};
+  /// The time from the end of the act until `sftd status` answered; empty if it was not asked, or never did.
+  std::optional<Ms> command_line{};
 };
 
 /// A publisher with a subscriber in shared memory and two by UDP on another host: one with reliable, one with
@@ -63,8 +66,8 @@ class Stage {
   bool all_served(Harm harm = Harm::none);
   void note_stopped(const Entry& entry, Outcome& outcome);
   void expect_samples(Outcome& outcome);
-  void await_recovery(const Entry& entry, Outcome& outcome);
-  void check_command_line(Outcome& outcome);
+  void await_recovery(const Entry& entry, Clock::time_point ended, Outcome& outcome);
+  void await_command_line(Clock::time_point ended, Outcome& outcome);
   std::string state();
 
   std::uint64_t seed_;
