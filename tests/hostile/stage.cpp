@@ -289,6 +289,8 @@ void Stage::await_recovery(const Entry& entry, Clock::time_point ended, Outcome&
       all = all && (pairs_[i]->received_by > noted[i].received_by + 2 ||
                     (entry.harm == Harm::leaves_files && pairs_[i]->received > noted[i].received + 2));
     }
+    if (!all && outcome.state_when_late.empty() && Clock::now() > ended + recovery_max)
+      outcome.state_when_late = state();
     return all;
   };
   if (test::eventually(recovered, patience_after_an_act, 5ms)) {

@@ -19,6 +19,9 @@ namespace sft::hostile {
 using Clock = std::chrono::steady_clock;
 using Ms = std::chrono::milliseconds;
 
+/// All pairs should be served as before this long after the end of an act.
+constexpr Ms recovery_max{1000};
+
 /// When the act begins, seen from the honest programs.
 enum class Moment : std::uint8_t { before_they_start, while_they_start, after_they_started };
 std::string_view to_string(Moment moment);
@@ -28,6 +31,7 @@ struct Outcome {
   std::vector<std::string> complaints{};  ///< sentences; empty if all was well
   /// The time from the end of the act until each pair was served as before; empty if that did not come true.
   std::optional<Ms> recovery{};
+  std::string state_when_late{};  ///< of all pairs, if recovery took longer than `recovery_max`
   /// The time from the end of the act until `sftd status` answered; empty if it was not asked, or never did.
   std::optional<Ms> command_line{};
 };
