@@ -12,8 +12,8 @@ using core::SendStatus;
 using namespace std::chrono_literals;
 
 constexpr std::uint32_t bounded_depth = 8;
-constexpr std::uint64_t burst_samples =
-    6'000;  // more than any medium keeps on its way (udp::ResendLimits: 4096)
+/// More than any medium keeps on its way (udp::ResendLimits: 4096).
+constexpr std::uint64_t burst_samples = 6'000;
 constexpr std::chrono::seconds for_good{60};
 
 /// Publishes so many, on a thread of its own.

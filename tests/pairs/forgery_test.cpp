@@ -75,8 +75,7 @@ TEST_F(Forgeries, AParticipantOfAnotherReleaseIsNamedOnceInTheLogOfEachNode) {
     const json warnings = peer.status()["warnings"];
     for (const std::string line : warnings) {
       if (line.find("discovery: a participant with control protocol 7 is on eth0; this node has 10; they do "
-                    "not see "
-                    "each other: use the same release") != std::string::npos)
+                    "not see each other: use the same release") != std::string::npos)
         ++count;
     }
     return count;

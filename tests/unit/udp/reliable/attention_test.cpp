@@ -34,7 +34,7 @@ TEST(AttentionTest, WakesTheSendingThreadOnlyForWhatIsDueBeforeItLooks) {
   EXPECT_EQ(attention.look_by(test_start + 10ms, test_start), Wake::none);
   EXPECT_EQ(attention.look_by(test_start + 9ms, test_start), Wake::look);
   EXPECT_EQ(attention.look_by(test_start + 5ms, test_start), Wake::none)
-      << "the sending thread was woken at `now`";
+      << "the sending thread was woken, and has not looked since";
   attention.looks_again_by(Attention::Time::max());
   EXPECT_EQ(attention.look_by(Attention::Time::max(), test_start), Wake::none) << "nothing is due";
   EXPECT_EQ(attention.look_by(test_start + 1h, test_start), Wake::look);

@@ -43,7 +43,7 @@ class LengthWatchTest : public testing::Test {
 TEST_F(LengthWatchTest, TellsThatLongDatagramsArriveOnceALongSampleIsAcknowledged) {
   send(thumbnail_bytes);
   send(whole_image_bytes);
-  EXPECT_FALSE(judge(2).arrived) << "the thumbnail_bytes sample is no proof";
+  EXPECT_FALSE(judge(2).arrived) << "the small sample is no proof";
   EXPECT_TRUE(judge(3).arrived);
   EXPECT_FALSE(judge(3).arrived) << "nothing new arrived";
 }
