@@ -54,18 +54,24 @@ pid_t start(int core, const std::function<void()>& enter, const std::function<vo
 
 }  // namespace
 
-std::vector<double> run_pair(const Sides& sides, std::uint64_t messages) {
+std::vector<Delivery> run_deliveries(const Sides& sides, std::uint64_t messages) {
   const Shared<Exchange> exchange;
   const pid_t receiver = start(1, sides.enter_receiver, sides.receiver, *exchange);
   const pid_t sender = start(0, sides.enter_sender, sides.sender, *exchange);
   const bool sent = succeeds(sender);
   if (!sent) kill(receiver, SIGKILL);
   succeeds(receiver);
+  std::vector<Delivery> deliveries;
+  for (std::uint64_t i = 0; sent && i < messages; ++i)
+    deliveries.push_back({exchange->sent_at[i], exchange->received_at[i]});
+  return deliveries;
+}
+
+std::vector<double> run_pair(const Sides& sides, std::uint64_t messages) {
+  const std::vector<Delivery> deliveries = run_deliveries(sides, messages);
   std::vector<double> times;
-  for (std::uint64_t i = messages / 10; sent && i < messages; ++i) {
-    if (exchange->received_at[i] != 0) {
-      times.push_back(static_cast<double>(exchange->received_at[i] - exchange->sent_at[i]) / 1000.0);
-    }
+  for (std::size_t i = messages / 10; i < deliveries.size(); ++i) {
+    if (deliveries[i].received_at != 0) times.push_back(deliveries[i].us());
   }
   return times;
 }

@@ -43,6 +43,16 @@ struct Sides {
   std::function<void()> enter_receiver = [] {};
 };
 
+/// When a message was sent, and when it was read.
+struct Delivery {
+  std::int64_t sent_at = 0;
+  std::int64_t received_at = 0;  ///< 0: it was not read
+
+  double us() const { return static_cast<double>(received_at - sent_at) / 1000.0; }
+};
+
+/// Runs both sides to their end, and returns the times of all messages. Empty if a side failed.
+std::vector<Delivery> run_deliveries(const Sides& sides, std::uint64_t messages);
 /// Runs both sides to their end, and returns the one-way times in microseconds of the messages that were
 /// read, without the first tenth. Empty if a side failed.
 std::vector<double> run_pair(const Sides& sides, std::uint64_t messages);

@@ -13,6 +13,7 @@ struct Scale {
   int rounds = 3;                 ///< of each contender, in turns; the median counts
   double seconds = 1;             ///< time for which a stream of samples is measured
   std::uint64_t messages = 2000;  ///< of 64 bytes, per round and contender; a fiftieth of large ones
+  bool trace = false;             ///< also tell where the time of the worst sample went
 };
 
 /// The highest rate of reliable samples of 4 MiB, and its processor time.
@@ -23,6 +24,9 @@ std::vector<Figure> small(const Scale& scale);
 std::vector<Figure> rate(const Scale& scale);
 /// The time from publish to callback of large samples that are sent now and then.
 std::vector<Figure> bulk_latency(const Scale& scale);
+/// The worst times from publish to callback of samples of 6.3 MB that are sent each 100 ms, the first one
+/// among them.
+std::vector<Figure> worst(const Scale& scale);
 /// The bytes that leave the publisher's host for up to eight readers on as many hosts, which ask for one of
 /// two masks.
 std::vector<Figure> fan_out(const Scale& scale);

@@ -1,0 +1,154 @@
+#include <algorithm>
+#include <cstdio>
+#include <optional>
+
+#include "bench/common/hosts.h"
+#include "bench/common/statistics.h"
+#include "bench/udp/contender.h"
+#include "bench/udp/udp.h"
+#include "bench/udp/wire_tap.h"
+
+namespace sft::bench {
+
+namespace {
+
+constexpr std::int64_t period_us = 100'000;
+constexpr std::uint64_t messages = 25;
+constexpr std::uint32_t bytes = 6'300'000;
+constexpr double bound = 1.5;
+
+void send(Exchange& exchange, Contender contender) {
+  const auto peer = contender();
+  const auto writer = peer->writer({.bulk_bytes = bytes});
+  exchange.failed = !wait_until([&] { return exchange.ready.load() && writer->readers() == 1; });
+  for (std::uint64_t i = 0; i < messages && !exchange.failed.load(); ++i) {
+    sleep_us(period_us);
+    exchange.sent_at[i] = now_ns();
+    writer->write(i + 1);
+  }
+  exchange.failed =
+      exchange.failed.load() || !wait_until([&] { return exchange.received.load() == messages; });
+}
+
+void receive(Exchange& exchange, Contender contender) {
+  const auto peer = contender();
+  const auto reader =
+      peer->reader({.bulk_bytes = bytes}, [&](std::uint64_t number) { exchange.note_receipt(number); });
+  while (reader->writers() == 0) sleep_us(1000);
+  exchange.ready = true;
+  while (exchange.received.load() < messages && !exchange.failed.load()) sleep_us(10'000);
+}
+
+/// The packets of one kind that pass one end of the link while a sample is under way.
+struct Traffic {
+  std::size_t packets = 0;
+  std::uint64_t bytes = 0;
+  std::int64_t first_ns = 0, last_ns = 0;
+  std::int64_t pause_ns = 0, pause_at_ns = 0;  ///< the longest pause between two packets, and when it began
+
+  void add(const Packet& packet) {
+    if (packets++ == 0) first_ns = last_ns = packet.at_ns;
+    if (packet.at_ns - last_ns > pause_ns) {
+      pause_ns = packet.at_ns - last_ns;
+      pause_at_ns = last_ns;
+    }
+    last_ns = packet.at_ns;
+    bytes += packet.bytes;
+  }
+  void print(const char* what, std::int64_t published_ns) const {
+    const auto us = [&](std::int64_t ns) { return static_cast<double>(ns - published_ns) / 1000; };
+    if (packets == 0) return;
+    std::printf("    %-22s %5zu packets, %9.3f MB, first at %8.0f us, last at %8.0f us", what, packets,
+                static_cast<double>(bytes) / 1e6, us(first_ns), us(last_ns));
+    std::printf("; longest pause %7.0f us, from %8.0f us on\n", static_cast<double>(pause_ns) / 1000,
+                us(pause_at_ns));
+  }
+};
+
+Traffic traffic(const std::vector<Packet>& packets, const Delivery& during, bool outgoing,
+                Packet::Kind kind) {
+  Traffic sum;
+  for (const Packet& packet : packets) {
+    if (packet.outgoing == outgoing && packet.kind == kind && packet.at_ns >= during.sent_at &&
+        packet.at_ns <= during.received_at)
+      sum.add(packet);
+  }
+  return sum;
+}
+
+/// Notes what passes both ends of the link.
+class Trace {
+ public:
+  explicit Trace(const TwoHosts& hosts)
+      : sender_([&] { hosts.enter(0); }), receiver_([&] { hosts.enter(1); }) {}
+
+  void forget() {
+    sender_.packets();
+    receiver_.packets();
+  }
+  void print_worst(const char* name, const std::vector<Delivery>& deliveries) {
+    const std::vector<Packet> at_sender = sender_.packets(), at_receiver = receiver_.packets();
+    const auto worst = std::ranges::max_element(deliveries, {}, &Delivery::us);
+    if (worst == deliveries.end()) return;
+    std::printf("%s: the worst of %zu samples is number %td, with %.0f us from publish to callback\n", name,
+                deliveries.size(), worst - deliveries.begin() + 1, worst->us());
+    using Kind = Packet::Kind;
+    traffic(at_sender, *worst, true, Kind::data).print("data leave", worst->sent_at);
+    traffic(at_receiver, *worst, false, Kind::data).print("data arrive", worst->sent_at);
+    traffic(at_receiver, *worst, true, Kind::answer).print("answers leave", worst->sent_at);
+    traffic(at_sender, *worst, false, Kind::answer).print("answers arrive", worst->sent_at);
+    if (sender_.lost() || receiver_.lost()) std::printf("    Some packets were not noted.\n");
+    std::fflush(stdout);  // otherwise each of the next processes has these lines, too
+  }
+
+ private:
+  WireTap sender_, receiver_;
+};
+
+class Contest {
+ public:
+  Contest(const char* name, Contender contender) : name_(name), contender_(contender) {}
+
+  void run(const TwoHosts& hosts, std::optional<Trace>& trace) {
+    if (trace) trace->forget();
+    const std::vector<Delivery> deliveries =
+        run_deliveries(hosts.sides([this](Exchange& e) { send(e, contender_); },
+                                   [this](Exchange& e) { receive(e, contender_); }),
+                       messages);
+    if (trace) trace->print_worst(name_, deliveries);
+    if (deliveries.empty()) return;
+    first_ms_.push_back(deliveries.front().us() / 1000);
+    std::vector<double> times;
+    for (const Delivery& delivery : deliveries) times.push_back(delivery.us() / 1000);
+    worst_ms_.push_back(quantile(times, 1));
+    median_ms_.push_back(quantile(times, 0.5));
+  }
+  double worst_ms() const { return median_if_any(worst_ms_); }
+  double median_ms() const { return median_if_any(median_ms_); }
+  double first_ms() const { return median_if_any(first_ms_); }
+
+ private:
+  const char* name_;
+  Contender contender_;
+  std::vector<double> worst_ms_, median_ms_, first_ms_;
+};
+
+}  // namespace
+
+std::vector<Figure> worst(const Scale& scale) {
+  const TwoHosts hosts(Trains::whole);
+  std::optional<Trace> trace;
+  if (scale.trace) trace.emplace(hosts);
+  Contest ours("SFT", sft_peer), loaned("SFT, loaned", sft_loan_peer), cyclone("Cyclone DDS", cyclone_peer),
+      tcp("raw TCP", raw_tcp_copying_peer);
+  for (int round = 0; round < scale.rounds; ++round) {
+    for (Contest* contest : {&ours, &loaned, &cyclone, &tcp}) contest->run(hosts, trace);
+  }
+  return {{"worst_6.3MB", ours.worst_ms(), "ms", tcp.worst_ms(), "raw TCP after a memcpy", bound},
+          {"worst_6.3MB_loan", loaned.worst_ms(), "ms", tcp.worst_ms(), "raw TCP after a memcpy", bound},
+          {"worst_6.3MB_vs_cyclone", ours.worst_ms(), "ms", cyclone.worst_ms(), "Cyclone DDS"},
+          {"paced_6.3MB", ours.median_ms(), "ms", tcp.median_ms(), "raw TCP after a memcpy"},
+          {"first_6.3MB", ours.first_ms(), "ms", tcp.first_ms(), "raw TCP after a memcpy"}};
+}
+
+}  // namespace sft::bench
