@@ -5,15 +5,16 @@ namespace sft::core {
 using Clock = std::chrono::steady_clock;
 
 bool Waiter::wait_until(Time deadline) {
-  const Time now = Clock::now();
-  const std::chrono::nanoseconds spin =
-      spins_.load(std::memory_order_relaxed) ? spin_ : std::chrono::nanoseconds(0);
-  const Time spin_until = deadline - now < spin ? deadline : now + spin;
+  if (ports_.available()) return true;
+  const Time began = Clock::now();
+  const std::chrono::nanoseconds spin = spinning_.spin();
+  const Time spin_until = deadline - began < spin ? deadline : began + spin;
   for (;;) {
     const std::uint32_t seen = bell_.rings.load(std::memory_order_seq_cst);
     const bool found = ports_.available();
-    if (found || Clock::now() >= deadline) {
-      if (found || spin_until < deadline) spins_.store(found, std::memory_order_relaxed);
+    const Time now = Clock::now();
+    if (found || now >= deadline) {
+      spinning_.waited(now - began, found);
       return found;
     }
     const std::shared_ptr<NetworkReader> network = ports_.network();

@@ -3,12 +3,12 @@
 // sample. Any thread.
 #pragma once
 
-#include <atomic>
 #include <chrono>
 
 #include "core/platform/clock.h"
 #include "core/platform/doorbell.h"
 #include "core/platform/poll_handle.h"
+#include "core/subscribe/spin_choice.h"
 #include "core/subscribe/subscriber_ports.h"
 
 namespace sft::core {
@@ -17,7 +17,7 @@ class Waiter {
  public:
   /// `handle` is null if the subscriber has no file descriptor; all others outlive this object.
   Waiter(SubscriberPorts& ports, Doorbell& bell, PollHandle* handle, std::chrono::nanoseconds spin)
-      : ports_(ports), bell_(bell), handle_(handle), spin_(spin) {}
+      : ports_(ports), bell_(bell), handle_(handle), spinning_(spin) {}
 
   bool has_descriptor() const { return handle_ != nullptr; }
   /// -1 if there is none.
@@ -43,8 +43,7 @@ class Waiter {
   SubscriberPorts& ports_;
   Doorbell& bell_;
   PollHandle* const handle_;
-  const std::chrono::nanoseconds spin_;
-  std::atomic<bool> spins_{true};  ///< false after a wait in vain: a node without traffic does not spin
+  SpinChoice spinning_;
 };
 
 }  // namespace sft::core

@@ -227,10 +227,10 @@ struct SubscriberOptions {
   /// How long wait() spins, which keeps a core busy, before it sleeps. A sample that comes within that time
   /// is taken within a microsecond, because no thread has to be woken. The default is about the time that it
   /// takes to wake a thread, so that spinning never costs more than it can save. Threads that wait for the
-  /// core get it meanwhile, and after a wait that ended without a sample the next one sleeps at once. For a
-  /// reader with a core of its own choose more than the period of the samples. With a callback, the thread
-  /// that receives by UDP spins so long (1 s at most), as long as datagrams come about as often. It has no
-  /// effect on a subscriber that is pollable.
+  /// core get it meanwhile. After a wait that ended without a sample, or took more than ten times as long as
+  /// this, the next one sleeps at once. For a reader with a core of its own choose more than the period of
+  /// the samples. With a callback, the thread that receives by UDP spins so long (1 s at most), as long as
+  /// datagrams come about as often. It has no effect on a subscriber that is pollable.
   std::chrono::nanoseconds spin = std::chrono::microseconds(20);
   /// True: the subscriber has a Subscriber::file_descriptor(), and its node a thread that makes it readable
   /// for samples in shared memory. Not together with a callback.
