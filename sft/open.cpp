@@ -38,8 +38,8 @@ Result<std::unique_ptr<core::Network>> open_udp(const NodeOptions& options,
   udp.port = options.udp.port;
   udp.receive_buffer_bytes = options.udp.receive_buffer_bytes;
   udp.max_bytes_per_s = options.udp.max_bytes_per_s;
-  udp.multicast =
-      options.udp.multicast == MulticastUse::automatic ? udp::Multicast::automatic : udp::Multicast::off;
+  udp.multicast = options.udp.multicast == UdpSettings::Multicast::automatic ? udp::Multicast::automatic
+                                                                             : udp::Multicast::off;
   udp.receive_thread = {"udp-recv", options.threads.receiver};
   udp.send_thread = {"udp-send", options.threads.sender};
   udp.backend = options.udp.use_io_uring ? udp::Backend::automatic : udp::Backend::sockets;
@@ -114,14 +114,15 @@ std::vector<TopicInfo> Node::topics() const { return core_->topics(); }
 
 Result<DynamicSubscriber> Node::subscriber(std::string_view topic, const DynamicType& type,
                                            std::string_view fields, const SubscriberOptions& options,
-                                           DynamicCallback callback) {
+                                           DynamicSubscriber::Callback callback) {
   Result<FieldMask> mask = type.support().parse_mask(fields);
   if (!mask) return tl::unexpected(mask.error());
   return open_subscriber(topic, type, {std::move(*mask), false}, options, std::move(callback));
 }
 
 Result<DynamicSubscriber> Node::subscriber(std::string_view topic, const DynamicType& type, Recorded,
-                                           const SubscriberOptions& options, DynamicCallback callback) {
+                                           const SubscriberOptions& options,
+                                           DynamicSubscriber::Callback callback) {
   return open_subscriber(topic, type, {type.support().full(), true}, options, std::move(callback));
 }
 
@@ -135,7 +136,8 @@ Result<DynamicPublisher> Node::publisher(std::string_view topic, const DynamicTy
 
 Result<DynamicSubscriber> Node::open_subscriber(std::string_view topic, const DynamicType& type,
                                                 detail::untyped::Requirement requirement,
-                                                const SubscriberOptions& options, DynamicCallback callback) {
+                                                const SubscriberOptions& options,
+                                                DynamicSubscriber::Callback callback) {
   std::shared_ptr<const FieldMask> declared;
   if (!requirement.recorded && !requirement.mask.is_full())
     declared = std::make_shared<const FieldMask>(type.support().closed(requirement.mask));

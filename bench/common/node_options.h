@@ -12,7 +12,7 @@ namespace sft::bench {
 
 /// Keeps all threads of the node on the CPUs of the calling thread, which has a core of its own in most
 /// benchmarks. By default, a node's threads do not inherit the CPUs of the thread that opens it
-/// (NodeThreads).
+/// (NodeOptions::Threads).
 inline NodeOptions node_options(std::string name, TransportChoice transport) {
   cpu_set_t set;
   CPU_ZERO(&set);

@@ -16,8 +16,8 @@ constexpr const char* topic = "points";
 Node open(const char* name) { return Node::open(node_options(name, TransportChoice::shm)).value(); }
 
 std::size_t served(const Publisher<PointCloud2>& publisher) {
-  const std::vector<ReaderStatus> readers = publisher.status().readers;
-  return static_cast<std::size_t>(std::ranges::count_if(readers, &ReaderStatus::served));
+  const std::vector<PublisherStatus::Reader> readers = publisher.status().readers;
+  return static_cast<std::size_t>(std::ranges::count_if(readers, &PublisherStatus::Reader::served));
 }
 
 }  // namespace
@@ -57,8 +57,8 @@ std::uint64_t SftReader::take() {
 }
 
 std::size_t SftReader::writers() const {
-  const std::vector<WriterStatus> writers = subscriber_.status().writers;
-  return static_cast<std::size_t>(std::ranges::count_if(writers, &WriterStatus::matched));
+  const std::vector<SubscriberStatus::Writer> writers = subscriber_.status().writers;
+  return static_cast<std::size_t>(std::ranges::count_if(writers, &SubscriberStatus::Writer::matched));
 }
 
 }  // namespace sft::bench

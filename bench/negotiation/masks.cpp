@@ -44,7 +44,7 @@ std::string mostly_small_fields(std::size_t number) {
 
 bool all_served(const PublisherStatus& status) {
   return status.readers.size() == readers_asking &&
-         std::ranges::all_of(status.readers, &ReaderStatus::served);
+         std::ranges::all_of(status.readers, &PublisherStatus::Reader::served);
 }
 
 /// Waits until each reader has the sample, or until no more come, since UDP may lose some.

@@ -61,7 +61,7 @@ void open_node(TransportChoice transport, const std::function<void()>& measure) 
     subscribers.push_back(node.subscriber<Imu>("topic" + std::to_string(i)).value());
   }
   const auto ready = [&](const Publisher<Imu>& publisher) {
-    const std::vector<ReaderStatus> readers = publisher.status().readers;
+    const std::vector<PublisherStatus::Reader> readers = publisher.status().readers;
     const bool by_memory = !readers.empty() && readers[0].transport == TransportKind::shm;
     return !readers.empty() && readers[0].served && by_memory == (transport != TransportChoice::udp);
   };

@@ -39,8 +39,8 @@ class Source {
   }
 
   bool serves(std::size_t readers) const {
-    const std::vector<ReaderStatus> all = publisher_.status().readers;
-    return static_cast<std::size_t>(std::ranges::count_if(all, &ReaderStatus::served)) == readers;
+    const std::vector<PublisherStatus::Reader> all = publisher_.status().readers;
+    return static_cast<std::size_t>(std::ranges::count_if(all, &PublisherStatus::Reader::served)) == readers;
   }
   /// Publishes samples, and returns the bytes that the host has sent meanwhile.
   double publish(std::uint64_t count) {

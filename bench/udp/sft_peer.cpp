@@ -32,8 +32,8 @@ PublisherOptions publisher_options(const Topic& topic) {
 
 template <class T>
 std::size_t served_by(const Publisher<T>& publisher) {
-  const std::vector<ReaderStatus> readers = publisher.status().readers;
-  return static_cast<std::size_t>(std::ranges::count_if(readers, &ReaderStatus::served));
+  const std::vector<PublisherStatus::Reader> readers = publisher.status().readers;
+  return static_cast<std::size_t>(std::ranges::count_if(readers, &PublisherStatus::Reader::served));
 }
 
 template <class T>
@@ -100,8 +100,8 @@ class SftReader : public Reader {
                         .value()) {}
 
   std::size_t writers() const override {
-    const std::vector<WriterStatus> writers = subscriber_.status().writers;
-    return static_cast<std::size_t>(std::ranges::count_if(writers, &WriterStatus::connected));
+    const std::vector<SubscriberStatus::Writer> writers = subscriber_.status().writers;
+    return static_cast<std::size_t>(std::ranges::count_if(writers, &SubscriberStatus::Writer::connected));
   }
   void wait() override { subscriber_.wait(std::chrono::seconds(1)); }
   std::uint64_t take() override {

@@ -18,7 +18,7 @@ struct Hearing {
   std::uint32_t owed = 0;  ///< retained samples that should come first
   bool memory = false;     ///< connect to it in shared memory
   bool network = false;
-  WriterStatus status;
+  SubscriberStatus::Writer status;
 };
 
 /// `reader`: one of ours.

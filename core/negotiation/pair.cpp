@@ -68,11 +68,11 @@ Verdict judge(const Pair& pair, const TypeSupport& type, const Self& self, TypeC
   return verdict;
 }
 
-WriterStatus heard_as(const Endpoint& writer, bool writer_lives, const Endpoint& reader,
-                      const Verdict& verdict, bool history_comes) {
+SubscriberStatus::Writer heard_as(const Endpoint& writer, bool writer_lives, const Endpoint& reader,
+                                  const Verdict& verdict, bool history_comes) {
   const bool attached = verdict.memory && holds(reader.request.attached, writer.id);
   const bool listening = verdict.network && holds(reader.request.listening, writer.id);
-  WriterStatus status{.id = writer.id, .node = writer.node, .alive = writer_lives};
+  SubscriberStatus::Writer status{.id = writer.id, .node = writer.node, .alive = writer_lives};
   status.incompatible_type = verdict.incompatible_type;
   status.incompatible_policy = verdict.incompatible_policy;
   status.matched = verdict.memory || verdict.network;

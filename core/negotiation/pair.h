@@ -46,7 +46,7 @@ Verdict judge(const Pair& pair, const TypeSupport& type, const Self& self, TypeC
 
 /// Returns how the reader hears the writer, as its request in force tells. With `history_comes` the samples
 /// that were published before come first, over UDP.
-WriterStatus heard_as(const Endpoint& writer, bool writer_lives, const Endpoint& reader,
-                      const Verdict& verdict, bool history_comes);
+SubscriberStatus::Writer heard_as(const Endpoint& writer, bool writer_lives, const Endpoint& reader,
+                                  const Verdict& verdict, bool history_comes);
 
 }  // namespace sft::core

@@ -9,11 +9,11 @@ namespace sft::core {
 
 namespace {
 
-ReaderStatus serve(const TableEntry& writer, const TableEntry& reader, const Verdict& verdict,
-                   const KnownFacts& facts, Serving& serving) {
+PublisherStatus::Reader serve(const TableEntry& writer, const TableEntry& reader, const Verdict& verdict,
+                              const KnownFacts& facts, Serving& serving) {
   const Endpoint& r = reader.endpoint;
   const TypeSupport& type = *writer.type;
-  ReaderStatus status{.id = r.id, .node = r.node, .request_sequence = r.request.sequence};
+  PublisherStatus::Reader status{.id = r.id, .node = r.node, .request_sequence = r.request.sequence};
   if (!verdict.mismatch.empty()) {
     status.reason = verdict.mismatch;
     status.mismatch = verdict.definitions;
@@ -70,7 +70,7 @@ ReaderStatus serve(const TableEntry& writer, const TableEntry& reader, const Ver
 }
 
 /// Liveliness is the same for all that match, served at present or not.
-void look_after_lease(const Endpoint& reader, const ReaderStatus& status, Serving& serving) {
+void look_after_lease(const Endpoint& reader, const PublisherStatus::Reader& status, Serving& serving) {
   const bool matches = !status.incompatible_type && status.incompatible_policy == QosPolicy::none;
   if (!matches || reader.qos.liveliness_lease.count() == 0) return;
   serving.lease_requested = true;

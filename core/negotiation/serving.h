@@ -17,11 +17,11 @@ struct Serving {
   std::vector<Route> network;
   /// Over the network, to those of `memory` that listen there: for what does not go that way.
   std::vector<Route> fallback;
-  std::vector<Route> unreached;       ///< would be in `memory`, but the port cannot tell these of samples
-  std::vector<ReaderStatus> readers;  ///< all of the topic, with reasons
-  bool lease_requested = false;       ///< some reader wants to know whether the writer lives
-  bool samples_tell = true;           ///< and each of these gets every sample
-  bool history_owed = false;          ///< some route has a history
+  std::vector<Route> unreached;  ///< would be in `memory`, but the port cannot tell these of samples
+  std::vector<PublisherStatus::Reader> readers;  ///< all of the topic, with reasons
+  bool lease_requested = false;                  ///< some reader wants to know whether the writer lives
+  bool samples_tell = true;                      ///< and each of these gets every sample
+  bool history_owed = false;                     ///< some route has a history
 
   /// Returns true if both send the same to the same readers. What status() tells of these readers may differ.
   bool serves_like(const Serving& other) const {

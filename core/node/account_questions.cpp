@@ -85,7 +85,7 @@ PairAccounts AccountQuestions::answers(Time now) {
 }
 
 void add_to(PairAccounts& accounts, const Account& account, std::chrono::nanoseconds age) {
-  PairAccount& pair = accounts[account.id.pair];
+  DomainSnapshot::Account& pair = accounts[account.id.pair];
   if (account.id.said_by == Role::writer) {
     const Account::OfWriter& said = account.by_writer;
     pair.publisher = {.age = age,

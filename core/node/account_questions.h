@@ -25,7 +25,7 @@
 
 namespace sft::core {
 
-using PairAccounts = std::map<PairId, PairAccount>;
+using PairAccounts = std::map<PairId, DomainSnapshot::Account>;
 
 class AccountQuestions {
  public:

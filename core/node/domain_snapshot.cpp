@@ -34,21 +34,21 @@ std::string fields_of(const Request& request, const TypeSupport& type) {
   return type.format_mask(type.closed(FieldMask::from_words(type.leaves(), request.mask_words)));
 }
 
-EndpointInfo info_of(const KnownEndpoint& known, Types& types, NodeId id, std::uint64_t network) {
+DomainSnapshot::Endpoint info_of(const KnownEndpoint& known, Types& types, NodeId id, std::uint64_t network) {
   const Endpoint& e = known.endpoint;
-  EndpointInfo info{.id = e.id,
-                    .node_id = e.node_id,
-                    .node = e.node,
-                    .is_own = e.node_id == id,
-                    .topic = e.topic,
-                    .type_name = e.type_name,
-                    .type_hash = e.type_hash,
-                    .type = types.of(e),
-                    .qos = e.qos,
-                    .may_use_shm = e.may_use_shm,
-                    .may_use_udp = e.may_use_udp,
-                    .shm_ready = e.may_use_shm && e.host.known(),
-                    .same_machine = on_one_machine(e.network, network)};
+  DomainSnapshot::Endpoint info{.id = e.id,
+                                .node_id = e.node_id,
+                                .node = e.node,
+                                .is_own = e.node_id == id,
+                                .topic = e.topic,
+                                .type_name = e.type_name,
+                                .type_hash = e.type_hash,
+                                .type = types.of(e),
+                                .qos = e.qos,
+                                .may_use_shm = e.may_use_shm,
+                                .may_use_udp = e.may_use_udp,
+                                .shm_ready = e.may_use_shm && e.host.known(),
+                                .same_machine = on_one_machine(e.network, network)};
   for (const UdpAddress& address : e.addresses) info.addresses.push_back(format(address.ip, address.port));
   if (e.role == Role::writer) {
     info.max_sample_bytes = e.max_sample_bytes;
@@ -63,8 +63,8 @@ EndpointInfo info_of(const KnownEndpoint& known, Types& types, NodeId id, std::u
 }
 
 /// Judges the pair as the writer's node does. That node tells nobody why it has no shared memory.
-PairInfo pair_info(const Endpoint& writer, const Endpoint& reader, const std::optional<DynamicType>& type,
-                   TypeComparisons& comparisons) {
+DomainSnapshot::Pair pair_info(const Endpoint& writer, const Endpoint& reader,
+                               const std::optional<DynamicType>& type, TypeComparisons& comparisons) {
   static const StructType no_members;
   static const TypeSupport unknown(no_members);
   const Self self{.host = writer.host,
@@ -75,7 +75,8 @@ PairInfo pair_info(const Endpoint& writer, const Endpoint& reader, const std::op
   const bool durable = writer.qos.durability == Durability::transient_local &&
                        reader.qos.durability == Durability::transient_local;
   const bool begun = std::ranges::find(reader.request.begun, writer.id) != reader.request.begun.end();
-  WriterStatus status = heard_as(writer, true, reader, verdict, durable && verdict.network && !begun);
+  SubscriberStatus::Writer status =
+      heard_as(writer, true, reader, verdict, durable && verdict.network && !begun);
   return {.publisher = writer.id,
           .subscriber = reader.id,
           .matched = status.matched,
@@ -106,7 +107,8 @@ DomainSnapshot domain_snapshot(std::vector<KnownEndpoint> endpoints, const PairA
     if (writer.role != Role::writer) continue;
     for (const auto& [reader, none] : endpoints) {
       if (reader.role != Role::reader || reader.topic != writer.topic) continue;
-      PairInfo& pair = snapshot.pairs.emplace_back(pair_info(writer, reader, types.of(writer), comparisons));
+      DomainSnapshot::Pair& pair =
+          snapshot.pairs.emplace_back(pair_info(writer, reader, types.of(writer), comparisons));
       if (const auto told = accounts.find({writer.id, reader.id}); told != accounts.end())
         pair.account = told->second;
     }

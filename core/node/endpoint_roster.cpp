@@ -8,23 +8,23 @@ namespace sft::core {
 
 namespace {
 
-PublisherSnapshot snapshot_of(const PublisherCore& publisher) {
+NodeSnapshot::Publisher snapshot_of(const PublisherCore& publisher) {
   const PublisherCore::Spec& spec = publisher.spec();
   PublisherStatus status = publisher.status();
-  PublisherSnapshot snapshot{.id = spec.id,
-                             .topic = spec.topic,
-                             .type = std::string(spec.type->name()),
-                             .qos = spec.qos,
-                             .fields = spec.type->format_mask(status.mask),
-                             .published = status.published,
-                             .bytes_sent = status.bytes_sent,
-                             .bytes_saved = status.bytes_saved,
-                             .dropped = status.dropped,
-                             .diverted = status.diverted,
-                             .deadlines_missed = status.deadlines_missed,
-                             .alive = status.alive,
-                             .readers = {}};
-  for (ReaderStatus& reader : status.readers) {
+  NodeSnapshot::Publisher snapshot{.id = spec.id,
+                                   .topic = spec.topic,
+                                   .type = std::string(spec.type->name()),
+                                   .qos = spec.qos,
+                                   .fields = spec.type->format_mask(status.mask),
+                                   .published = status.published,
+                                   .bytes_sent = status.bytes_sent,
+                                   .bytes_saved = status.bytes_saved,
+                                   .dropped = status.dropped,
+                                   .diverted = status.diverted,
+                                   .deadlines_missed = status.deadlines_missed,
+                                   .alive = status.alive,
+                                   .readers = {}};
+  for (PublisherStatus::Reader& reader : status.readers) {
     // A reader that does not match has no mask.
     std::string fields = reader.mask.leaves() == 0 ? "" : spec.type->format_mask(reader.mask);
     snapshot.readers.push_back({std::move(reader), std::move(fields)});
@@ -32,7 +32,7 @@ PublisherSnapshot snapshot_of(const PublisherCore& publisher) {
   return snapshot;
 }
 
-SubscriberSnapshot snapshot_of(SubscriberCore& subscriber) {
+NodeSnapshot::Subscriber snapshot_of(SubscriberCore& subscriber) {
   const SubscriberCore::Spec& spec = subscriber.spec();
   SubscriberStatus status = subscriber.status();
   return {.id = spec.id,

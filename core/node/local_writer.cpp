@@ -148,7 +148,7 @@ void LocalWriter::tell_events() {
 std::vector<EndpointId> LocalWriter::matching_readers() const {
   std::vector<EndpointId> readers;
   if (!in_force_) return readers;
-  for (const ReaderStatus& reader : in_force_->readers) {
+  for (const PublisherStatus::Reader& reader : in_force_->readers) {
     if (!reader.incompatible_type && reader.incompatible_policy == QosPolicy::none)
       readers.push_back(reader.id);
   }

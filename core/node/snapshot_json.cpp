@@ -31,7 +31,7 @@ Json list(const std::vector<Item>& items, Json (*one)(const Item&)) {
   return array;
 }
 
-Json reader(const ReaderSnapshot& r) {
+Json reader(const NodeSnapshot::Publisher::Reader& r) {
   return {{"id", core::in_hex(r.id)},
           {"node", r.node},
           {"served", r.served},
@@ -54,7 +54,7 @@ Json reader(const ReaderSnapshot& r) {
           {"bytes_saved", r.bytes_saved}};
 }
 
-Json publisher(const PublisherSnapshot& p) {
+Json publisher(const NodeSnapshot::Publisher& p) {
   return {{"id", core::in_hex(p.id)},
           {"topic", p.topic},
           {"type", p.type},
@@ -73,7 +73,7 @@ Json publisher(const PublisherSnapshot& p) {
           {"readers", list(p.readers, reader)}};
 }
 
-Json writer(const WriterStatus& w) {
+Json writer(const SubscriberStatus::Writer& w) {
   return {{"id", core::in_hex(w.id)},
           {"node", w.node},
           {"matched", w.matched},
@@ -93,7 +93,7 @@ Json writer(const WriterStatus& w) {
           {"restarts", w.restarts}};
 }
 
-Json subscriber(const SubscriberSnapshot& s) {
+Json subscriber(const NodeSnapshot::Subscriber& s) {
   return {{"id", core::in_hex(s.id)},
           {"topic", s.topic},
           {"type", s.type},

@@ -72,9 +72,9 @@ Result<DynamicType> type_of(std::string_view topic, const std::vector<const Endp
 
 std::vector<TopicInfo> topics_of(const std::vector<Endpoint>& endpoints) {
   using TypeId = std::pair<std::string, std::uint64_t>;
-  std::map<std::string, std::map<TypeId, TopicType>> found;
+  std::map<std::string, std::map<TypeId, TopicInfo::Type>> found;
   for (const Endpoint& e : endpoints) {
-    TopicType& type = found[e.topic][{e.type_name, e.type_hash}];
+    TopicInfo::Type& type = found[e.topic][{e.type_name, e.type_hash}];
     type.name = e.type_name;
     type.hash = e.type_hash;
     (e.role == Role::writer ? type.publishers : type.subscribers).push_back(e.node);

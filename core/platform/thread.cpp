@@ -69,15 +69,17 @@ class CpuSet {
 /// threads.
 const CpuSet cpus_at_start = CpuSet::of_thread(::getpid());
 
-bool is_real_time(const ThreadSettings& settings) { return settings.policy != SchedulingPolicy::normal; }
+bool is_real_time(const ThreadSettings& settings) {
+  return settings.policy != ThreadSettings::Policy::normal;
+}
 
-std::string name_of(SchedulingPolicy policy) {
+std::string name_of(ThreadSettings::Policy policy) {
   switch (policy) {
-    case SchedulingPolicy::normal:
+    case ThreadSettings::Policy::normal:
       return "normal";
-    case SchedulingPolicy::fifo:
+    case ThreadSettings::Policy::fifo:
       return "fifo";
-    case SchedulingPolicy::round_robin:
+    case ThreadSettings::Policy::round_robin:
       return "round_robin";
   }
   return "unknown";
@@ -116,7 +118,7 @@ Result<void> take_cpus(const std::vector<unsigned>& cpus) {
 
 Result<void> take_policy(const ThreadSettings& settings) {
   if (is_real_time(settings)) {
-    const int policy = settings.policy == SchedulingPolicy::fifo ? SCHED_FIFO : SCHED_RR;
+    const int policy = settings.policy == ThreadSettings::Policy::fifo ? SCHED_FIFO : SCHED_RR;
     const sched_param parameters{.sched_priority = settings.priority};
     if (::sched_setscheduler(0, policy, &parameters) == 0) return {};
     return refused_policy(settings, errno);
@@ -181,7 +183,7 @@ Result<std::thread> start_thread(const ThreadSpec& spec, std::function<void()> b
   return thread;
 }
 
-Result<void> check(const NodeThreads& threads) {
+Result<void> check(const NodeOptions::Threads& threads) {
   const std::array<std::pair<const char*, const ThreadSettings*>, 5> groups{
       {{"receiver", &threads.receiver},
        {"sender", &threads.sender},

@@ -29,6 +29,6 @@ Result<std::thread> start_thread(const ThreadSpec& spec, std::function<void()> b
 
 /// Tries the settings of each group of threads. The error names the option that the system refuses, or that
 /// makes no sense.
-Result<void> check(const NodeThreads& threads);
+Result<void> check(const NodeOptions::Threads& threads);
 
 }  // namespace sft::core

@@ -159,7 +159,7 @@ std::optional<Batch> Dispatch::batch(BatchPatience patience) noexcept {
   return batch;
 }
 
-Diverted Dispatch::diverted() const noexcept {
+PublisherStatus::Diverted Dispatch::diverted() const noexcept {
   return {exhausted_.load(std::memory_order_relaxed), too_large_.load(std::memory_order_relaxed),
           unavailable_.load(std::memory_order_relaxed)};
 }

@@ -104,7 +104,7 @@ class Dispatch {
   std::uint64_t published() const noexcept { return sequence_.load(std::memory_order_relaxed); }
   /// Samples that did not get to each route, as far as that was known when they were sent.
   std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
-  Diverted diverted() const noexcept;
+  PublisherStatus::Diverted diverted() const noexcept;
 
  private:
   void look_at_outlets() noexcept {

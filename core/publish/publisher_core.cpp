@@ -14,7 +14,7 @@ namespace {
 /// these.
 constexpr std::size_t span_at_once = 1024;
 
-bool equal_but_for_number(ReaderStatus a, const ReaderStatus& b) {
+bool equal_but_for_number(PublisherStatus::Reader a, const PublisherStatus::Reader& b) {
   a.request_sequence = b.request_sequence;
   return a == b;
 }
@@ -39,7 +39,7 @@ void PublisherCore::serve(Serving serving, std::shared_ptr<LendingWriter> memory
   const FieldMask encoded = dispatch_.serve(serving, memory);
   late_readers_.serve(serving, std::move(memory));
   std::set<EndpointId> known;
-  for (const ReaderStatus& reader : serving.readers) known.insert(reader.id);
+  for (const PublisherStatus::Reader& reader : serving.readers) known.insert(reader.id);
   spec_.book->keep(known);
   {
     const Lock lock(status_mutex_);
@@ -50,7 +50,7 @@ void PublisherCore::serve(Serving serving, std::shared_ptr<LendingWriter> memory
   if (readers_changed_.is_set()) readers_changed_(status());
 }
 
-void PublisherCore::show(std::vector<ReaderStatus> readers) {
+void PublisherCore::show(std::vector<PublisherStatus::Reader> readers) {
   bool is_news = false;
   {
     const Lock lock(status_mutex_);
@@ -197,7 +197,8 @@ bool PublisherCore::wait_for_readers(std::size_t count, std::chrono::nanoseconds
 }
 
 std::size_t PublisherCore::served() const {
-  const auto count = std::ranges::count_if(readers_, [](const ReaderStatus& r) { return r.served; });
+  const auto count =
+      std::ranges::count_if(readers_, [](const PublisherStatus::Reader& r) { return r.served; });
   return static_cast<std::size_t>(count);
 }
 
@@ -217,7 +218,7 @@ PublisherStatus PublisherCore::status() const {
   const Lock lock(status_mutex_);
   status.mask = encoded_;
   status.readers = readers_;
-  for (ReaderStatus& reader : status.readers) {
+  for (PublisherStatus::Reader& reader : status.readers) {
     const Delivered delivered = spec_.book->of(reader.id);
     reader.published = delivered.sent + delivered.withheld + delivered.dropped;
     reader.sent = delivered.sent;

@@ -40,7 +40,7 @@ class PublisherCore {
     std::size_t max_sample_bytes = 0;
     Qos qos{};
     std::function<void(const PublisherStatus&)> on_readers_changed{};
-    EventCallback on_event{};
+    Event::Callback on_event{};
     /// Called where the program asserts its liveliness: any thread, posts and returns.
     std::function<void()> asserted{};
     std::chrono::nanoseconds max_blocking{0};
@@ -72,7 +72,7 @@ class PublisherCore {
   PublisherStatus status() const;
   /// Until so many readers are served, or the time is over; tells which. Any thread but the agent's.
   bool wait_for_readers(std::size_t count, std::chrono::nanoseconds timeout) const;
-  Diverted diverted() const { return dispatch_.diverted(); }
+  PublisherStatus::Diverted diverted() const { return dispatch_.diverted(); }
   const TypeSupport& type() const { return *spec_.type; }
   EndpointId id() const { return spec_.id; }
   const Spec& spec() const { return spec_; }
@@ -85,7 +85,7 @@ class PublisherCore {
   void serve(Serving serving, std::shared_ptr<LendingWriter> memory);
   /// Only what status() says of readers has changed. A request with another number and nothing new in it is
   /// no change to tell the program of.
-  void show(std::vector<ReaderStatus> readers);
+  void show(std::vector<PublisherStatus::Reader> readers);
 
   /// The fate of the publisher's samples for one reader.
   Delivered delivered(EndpointId reader) const { return spec_.book->of(reader); }
@@ -130,7 +130,7 @@ class PublisherCore {
 
   mutable Mutex status_mutex_;
   mutable Condition readers_known_;  ///< that they may be others than before
-  std::vector<ReaderStatus> readers_ SFT_GUARDED_BY(status_mutex_);
+  std::vector<PublisherStatus::Reader> readers_ SFT_GUARDED_BY(status_mutex_);
   FieldMask encoded_ SFT_GUARDED_BY(status_mutex_);  ///< at present
 };
 

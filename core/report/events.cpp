@@ -5,33 +5,33 @@
 
 namespace sft {
 
-const char* to_string(EventKind kind) {
+const char* to_string(Event::Kind kind) {
   switch (kind) {
-    case EventKind::matched:
+    case Event::Kind::matched:
       return "matched";
-    case EventKind::unmatched:
+    case Event::Kind::unmatched:
       return "unmatched";
-    case EventKind::path_changed:
+    case Event::Kind::path_changed:
       return "path changed";
-    case EventKind::incompatible_qos:
+    case Event::Kind::incompatible_qos:
       return "incompatible QoS";
-    case EventKind::incompatible_type:
+    case Event::Kind::incompatible_type:
       return "incompatible type";
-    case EventKind::no_path:
+    case Event::Kind::no_path:
       return "no path";
-    case EventKind::deadline_missed:
+    case Event::Kind::deadline_missed:
       return "deadline missed";
-    case EventKind::liveliness_lost:
+    case Event::Kind::liveliness_lost:
       return "liveliness lost";
-    case EventKind::liveliness_recovered:
+    case Event::Kind::liveliness_recovered:
       return "liveliness recovered";
-    case EventKind::samples_lost:
+    case Event::Kind::samples_lost:
       return "samples lost";
-    case EventKind::samples_diverted:
+    case Event::Kind::samples_diverted:
       return "samples diverted";
-    case EventKind::held_too_many:
+    case Event::Kind::held_too_many:
       return "too many samples held";
-    case EventKind::request_changed:
+    case Event::Kind::request_changed:
       return "request changed";
   }
   return "unknown";
@@ -41,12 +41,16 @@ namespace core {
 
 namespace {
 
+using Reader = PublisherStatus::Reader;
+using Writer = SubscriberStatus::Writer;
+using Diverted = PublisherStatus::Diverted;
+
 // The two kinds of peer differ in a name only: a reader is served, a writer is heard.
-bool matched(const ReaderStatus& reader) { return reader.served; }
-bool matched(const WriterStatus& writer) { return writer.matched; }
+bool matched(const Reader& reader) { return reader.served; }
+bool matched(const Writer& writer) { return writer.matched; }
 
 template <class Peer>
-Event event_of(EventKind kind, const Peer& peer, std::string text, std::uint64_t count = 1) {
+Event event_of(Event::Kind kind, const Peer& peer, std::string text, std::uint64_t count = 1) {
   return {.kind = kind,
           .peer = peer.id,
           .node = peer.node,
@@ -64,23 +68,23 @@ std::string path_of(const Peer& peer) {
 template <class Peer>
 void add_changes(const Peer& before, const Peer& after, std::vector<Event>& events) {
   if (matched(before) && !matched(after)) {
-    events.push_back(event_of(EventKind::unmatched, after, after.reason));
+    events.push_back(event_of(Event::Kind::unmatched, after, after.reason));
   }
   if (after.incompatible_type && !before.incompatible_type) {
-    events.push_back(event_of(EventKind::incompatible_type, after, after.reason));
+    events.push_back(event_of(Event::Kind::incompatible_type, after, after.reason));
   }
   if (after.incompatible_policy != QosPolicy::none &&
       (before.incompatible_policy != after.incompatible_policy || before.reason != after.reason)) {
-    events.push_back(event_of(EventKind::incompatible_qos, after, after.reason));
+    events.push_back(event_of(Event::Kind::incompatible_qos, after, after.reason));
   }
   if (after.no_path && (!before.no_path || before.no_path_yet != after.no_path_yet)) {
-    events.push_back(event_of(EventKind::no_path, after, after.reason));
+    events.push_back(event_of(Event::Kind::no_path, after, after.reason));
     events.back().yet = after.no_path_yet;
   }
   if (!matched(before) && matched(after)) {
-    events.push_back(event_of(EventKind::matched, after, path_of(after)));
+    events.push_back(event_of(Event::Kind::matched, after, path_of(after)));
   } else if (matched(after) && before.transport != after.transport) {
-    events.push_back(event_of(EventKind::path_changed, after, path_of(after)));
+    events.push_back(event_of(Event::Kind::path_changed, after, path_of(after)));
   }
 }
 
@@ -113,7 +117,7 @@ void compare(const std::vector<Peer>& before, const std::vector<Peer>& after, st
              Changed changed) {
   for (const Peer& gone : before) {
     if (matched(gone) && find(after, gone.id) == nullptr) {
-      events.push_back(event_of(EventKind::unmatched, gone, "it is gone"));
+      events.push_back(event_of(Event::Kind::unmatched, gone, "it is gone"));
     }
   }
   for (const Peer& peer : after) {
@@ -122,28 +126,28 @@ void compare(const std::vector<Peer>& before, const std::vector<Peer>& after, st
   }
 }
 
-void add_promises(const WriterStatus& before, const WriterStatus& after, std::vector<Event>& events) {
+void add_promises(const Writer& before, const Writer& after, std::vector<Event>& events) {
   if (after.deadlines_missed > before.deadlines_missed) {
     const std::uint64_t missed = after.deadlines_missed - before.deadlines_missed;
     events.push_back(
-        event_of(EventKind::deadline_missed, after, "no sample within the requested deadline", missed));
+        event_of(Event::Kind::deadline_missed, after, "no sample within the requested deadline", missed));
   }
   if (before.alive == after.alive) return;
-  events.push_back(event_of(after.alive ? EventKind::liveliness_recovered : EventKind::liveliness_lost, after,
-                            after.alive ? "it gives signs of life again" : after.reason));
+  events.push_back(event_of(after.alive ? Event::Kind::liveliness_recovered : Event::Kind::liveliness_lost,
+                            after, after.alive ? "it gives signs of life again" : after.reason));
 }
 
 void add_promises(const PublisherStatus& before, const PublisherStatus& after, std::vector<Event>& events) {
   if (after.deadlines_missed > before.deadlines_missed) {
-    events.push_back({.kind = EventKind::deadline_missed,
+    events.push_back({.kind = Event::Kind::deadline_missed,
                       .count = after.deadlines_missed - before.deadlines_missed,
                       .text = "nothing was published within the offered deadline"});
   }
   if (before.alive && !after.alive) {
     events.push_back(
-        {.kind = EventKind::liveliness_lost, .text = "liveliness was not asserted within the lease"});
+        {.kind = Event::Kind::liveliness_lost, .text = "liveliness was not asserted within the lease"});
   } else if (after.alive && !before.alive) {
-    events.push_back({.kind = EventKind::liveliness_recovered, .text = "liveliness is asserted again"});
+    events.push_back({.kind = Event::Kind::liveliness_recovered, .text = "liveliness is asserted again"});
   }
 }
 
@@ -151,7 +155,7 @@ void add_diverted(const Diverted& before, const Diverted& after, std::vector<Eve
   const auto add = [&](std::uint64_t Diverted::*count, const char* why) {
     if (after.*count == before.*count) return;
     events.push_back(
-        {.kind = EventKind::samples_diverted, .count = after.*count - before.*count, .text = why});
+        {.kind = Event::Kind::samples_diverted, .count = after.*count - before.*count, .text = why});
   };
   add(&Diverted::exhausted, "by UDP within the host: no chunk of that size is free in shared memory");
   add(&Diverted::too_large, "by UDP within the host: larger than the largest chunk of shared memory");
@@ -159,7 +163,7 @@ void add_diverted(const Diverted& before, const Diverted& after, std::vector<Eve
 }
 
 /// Says what was lost although the subscriber asked for reliability, and what helps against that.
-std::string reliable_loss_text(const WriterStatus& writer, std::uint64_t lost) {
+std::string reliable_loss_text(const Writer& writer, std::uint64_t lost) {
   const bool in_memory = writer.transport == TransportKind::shm;
   return std::to_string(lost) + " lost by " + to_string(writer.transport) +
          ", although they were to come reliably: " +
@@ -169,12 +173,12 @@ std::string reliable_loss_text(const WriterStatus& writer, std::uint64_t lost) {
          ", or let the publisher wait (PublisherOptions::max_blocking)";
 }
 
-void add_counts(const WriterStatus& before, const WriterStatus& after, Reliability reliability,
+void add_counts(const Writer& before, const Writer& after, Reliability reliability,
                 std::vector<Event>& events) {
   if (after.lost <= before.lost) return;
   const std::uint64_t lost = after.lost - before.lost;
   const bool reliable = reliability == Reliability::reliable;
-  events.push_back(event_of(EventKind::samples_lost, after,
+  events.push_back(event_of(Event::Kind::samples_lost, after,
                             reliable ? reliable_loss_text(after, lost) : std::to_string(lost) + " lost",
                             lost));
   events.back().reliable = reliable;
@@ -185,10 +189,10 @@ void add_counts(const WriterStatus& before, const WriterStatus& after, Reliabili
 std::vector<Event> events_between(const PublisherStatus& before, const PublisherStatus& after,
                                   const TypeSupport& type) {
   std::vector<Event> events;
-  compare(before.readers, after.readers, events, [&](const ReaderStatus& b, const ReaderStatus& a) {
+  compare(before.readers, after.readers, events, [&](const Reader& b, const Reader& a) {
     add_changes(b, a, events);
     if (!request_changed(b, a)) return;
-    events.push_back(event_of(EventKind::request_changed, a, request_text(a.mask, a.max_rate_hz, type)));
+    events.push_back(event_of(Event::Kind::request_changed, a, request_text(a.mask, a.max_rate_hz, type)));
   });
   add_promises(before, after, events);
   add_diverted(before.diverted, after.diverted, events);
@@ -200,14 +204,14 @@ std::vector<Event> events_between(const SubscriberStatus& before, const Subscrib
   std::vector<Event> events;
   if (request_changed(before, after)) {
     events.push_back(
-        {.kind = EventKind::request_changed, .text = request_text(after.mask, after.max_rate_hz, type)});
+        {.kind = Event::Kind::request_changed, .text = request_text(after.mask, after.max_rate_hz, type)});
   }
   if (after.held_too_many > before.held_too_many) {
-    events.push_back({.kind = EventKind::held_too_many,
+    events.push_back({.kind = Event::Kind::held_too_many,
                       .count = after.held_too_many - before.held_too_many,
                       .text = "no more of a publisher can be taken until samples of it are destroyed"});
   }
-  compare(before.writers, after.writers, events, [&](const WriterStatus& b, const WriterStatus& a) {
+  compare(before.writers, after.writers, events, [&](const Writer& b, const Writer& a) {
     add_changes(b, a, events);
     add_promises(b, a, events);
     add_counts(b, a, reliability, events);

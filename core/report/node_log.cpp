@@ -19,7 +19,7 @@ bool LineBudget::take(Time now) {
 
 std::uint64_t LineBudget::take_left_out() { return std::exchange(left_out_, 0); }
 
-NodeLog::NodeLog(std::string node, LogLevel threshold, LogSink sink)
+NodeLog::NodeLog(std::string node, LogLevel threshold, NodeOptions::LogSink sink)
     : node_(std::move(node)), threshold_(threshold), sink_(std::move(sink)) {}
 
 void NodeLog::write(LogLevel level, const std::string& text, Time now) {
@@ -31,7 +31,7 @@ void NodeLog::write(const std::string& topic, const Event& event, Time now) {
   if (!wants(level)) return;
   std::string text = "topic '" + topic + "'";
   if (!event.node.empty()) text += ", node '" + event.node + "'";
-  if (event.kind == EventKind::samples_lost && event.reliable) return write_loss(text, event, now);
+  if (event.kind == Event::Kind::samples_lost && event.reliable) return write_loss(text, event, now);
   if (!event.text.starts_with(to_string(event.kind))) text += std::string(": ") + to_string(event.kind);
   write(of_events_[static_cast<std::size_t>(event.kind)], level, text + ": " + event.text, now);
 }
@@ -40,7 +40,7 @@ void NodeLog::write(const std::string& topic, const Event& event, Time now) {
 void NodeLog::write_loss(const std::string& pair, const Event& event, Time now) {
   const auto [known, is_new] = losses_.try_emplace(pair + ", publisher " + in_hex(event.peer));
   Losses& losses = known->second;
-  LineBudget& budget = of_events_[static_cast<std::size_t>(EventKind::samples_lost)];
+  LineBudget& budget = of_events_[static_cast<std::size_t>(Event::Kind::samples_lost)];
   const std::string before =
       losses.untold == 0 ? "" : " (" + std::to_string(losses.untold) + " more were lost before that)";
   if (now < losses.next_line ||
@@ -56,7 +56,7 @@ void NodeLog::tick(Time now) {
     if (now < losses.next_line || losses.untold == 0) continue;
     const std::string text = pair + ": samples lost: " + std::to_string(losses.untold) +
                              " more, although they were to come reliably";
-    if (write(of_events_[static_cast<std::size_t>(EventKind::samples_lost)], LogLevel::warning, text, now))
+    if (write(of_events_[static_cast<std::size_t>(Event::Kind::samples_lost)], LogLevel::warning, text, now))
       losses.untold = 0;
     losses.next_line = now + loss_pause;
   }
@@ -75,23 +75,23 @@ bool NodeLog::write(LineBudget& budget, LogLevel level, const std::string& text,
 
 LogLevel NodeLog::level_of(const Event& event) {
   switch (event.kind) {
-    case EventKind::incompatible_qos:
-    case EventKind::incompatible_type:
-    case EventKind::held_too_many:
-    case EventKind::deadline_missed:
+    case Event::Kind::incompatible_qos:
+    case Event::Kind::incompatible_type:
+    case Event::Kind::held_too_many:
+    case Event::Kind::deadline_missed:
       return LogLevel::warning;
-    case EventKind::samples_lost:
+    case Event::Kind::samples_lost:
       return event.reliable ? LogLevel::warning : LogLevel::info;
-    case EventKind::no_path:
+    case Event::Kind::no_path:
       return event.yet ? LogLevel::info : LogLevel::warning;
-    case EventKind::request_changed:
+    case Event::Kind::request_changed:
       return LogLevel::debug;
-    case EventKind::matched:
-    case EventKind::unmatched:
-    case EventKind::path_changed:
-    case EventKind::liveliness_lost:
-    case EventKind::liveliness_recovered:
-    case EventKind::samples_diverted:
+    case Event::Kind::matched:
+    case Event::Kind::unmatched:
+    case Event::Kind::path_changed:
+    case Event::Kind::liveliness_lost:
+    case Event::Kind::liveliness_recovered:
+    case Event::Kind::samples_diverted:
       return LogLevel::info;
   }
   return LogLevel::info;

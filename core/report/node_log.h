@@ -37,7 +37,7 @@ class LineBudget {
 
 class NodeLog {
  public:
-  NodeLog(std::string node, LogLevel threshold, LogSink sink);
+  NodeLog(std::string node, LogLevel threshold, NodeOptions::LogSink sink);
 
   bool wants(LogLevel level) const { return sink_ && level >= threshold_; }
   /// Writes what the node itself does, or cannot do.
@@ -53,7 +53,7 @@ class NodeLog {
   void tick(Time now);
 
  private:
-  static constexpr std::size_t event_kinds = static_cast<std::size_t>(EventKind::request_changed) + 1;
+  static constexpr std::size_t event_kinds = static_cast<std::size_t>(Event::Kind::request_changed) + 1;
   static constexpr std::size_t log_levels = static_cast<std::size_t>(LogLevel::error) + 1;
   bool write(LineBudget& budget, LogLevel level, const std::string& text, Time now);
   void write_loss(const std::string& pair, const Event& event, Time now);
@@ -66,7 +66,7 @@ class NodeLog {
   static constexpr std::chrono::seconds loss_pause{1};
   const std::string node_;
   const LogLevel threshold_;
-  const LogSink sink_;
+  const NodeOptions::LogSink sink_;
   std::array<LineBudget, event_kinds> of_events_;
   std::array<LineBudget, log_levels> of_node_;
   std::map<std::string, Losses> losses_;  ///< by the name of the pair; pairs that lost something lately

@@ -21,7 +21,7 @@ std::uint64_t take_bits(detail::AccessWord& word) noexcept {
 
 }  // namespace
 
-Result<void> Recorder::check(const RecordingSettings& settings) {
+Result<void> Recorder::check(const SubscriberOptions::Recording& settings) {
   if (settings.learn_samples == 0) {
     return fail(Errc::invalid_argument,
                 "recording.learn_samples is 0: what is needed is learnt from at least one sample");
@@ -29,12 +29,12 @@ Result<void> Recorder::check(const RecordingSettings& settings) {
   return {};
 }
 
-std::shared_ptr<Recorder> Recorder::make(std::size_t leaves, const RecordingSettings& settings,
+std::shared_ptr<Recorder> Recorder::make(std::size_t leaves, const SubscriberOptions::Recording& settings,
                                          Changed changed) {
   return std::shared_ptr<Recorder>(new Recorder(leaves, settings, std::move(changed)));
 }
 
-Recorder::Recorder(std::size_t leaves, const RecordingSettings& settings, Changed changed)
+Recorder::Recorder(std::size_t leaves, const SubscriberOptions::Recording& settings, Changed changed)
     : leaf_count_(leaves),
       settings_(settings),
       changed_(std::move(changed)),

@@ -45,9 +45,9 @@ class Recorder final : public std::enable_shared_from_this<Recorder>, private de
   /// two threads tell.
   using Changed = GuardedCall<>::Function;
 
-  static Result<void> check(const RecordingSettings& settings);
+  static Result<void> check(const SubscriberOptions::Recording& settings);
   /// `settings` have been checked.
-  static std::shared_ptr<Recorder> make(std::size_t leaves, const RecordingSettings& settings,
+  static std::shared_ptr<Recorder> make(std::size_t leaves, const SubscriberOptions::Recording& settings,
                                         Changed changed);
 
   /// When it returns, nobody is being told of changes, nor will be. Samples may outlive whoever was told.
@@ -76,7 +76,7 @@ class Recorder final : public std::enable_shared_from_this<Recorder>, private de
     std::uint64_t needed_since = 0;  ///< the newest sample that was seen to need it
   };
 
-  Recorder(std::size_t leaves, const RecordingSettings& settings, Changed changed);
+  Recorder(std::size_t leaves, const SubscriberOptions::Recording& settings, Changed changed);
   RecordedSample* add();
   void first_read(std::size_t leaf) noexcept override;
   void fold(RecordedSample& sample) noexcept;
@@ -88,7 +88,7 @@ class Recorder final : public std::enable_shared_from_this<Recorder>, private de
   bool is_required(std::size_t leaf) const noexcept;
 
   const std::size_t leaf_count_;
-  const RecordingSettings settings_;
+  const SubscriberOptions::Recording settings_;
   GuardedCall<> changed_;
 
   mutable Mutex mutex_;  // held for a few instructions

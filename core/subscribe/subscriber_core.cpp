@@ -116,7 +116,7 @@ Requirements SubscriberCore::requirements() {
 
 SubscriberStatus SubscriberCore::status() {
   SubscriberStatus status = ports_.status();
-  for (WriterStatus& writer : status.writers) {
+  for (SubscriberStatus::Writer& writer : status.writers) {
     const bool as_asked = writer.transport == TransportKind::udp || spec_.memory_depth == 0;
     writer.depth = as_asked ? spec_.options.depth : spec_.memory_depth;
   }

@@ -41,7 +41,7 @@ void WriterAccounts::hears(const std::vector<Hearing>& hearing, std::int64_t now
 /// The id of a writer is random for each incarnation: a writer that has departed does not return.
 void WriterAccounts::forget_departed() {
   std::erase_if(writers_, [this](const Writer& writer) {
-    const auto is_it = [&](const WriterStatus& heard) { return heard.id == writer.id; };
+    const auto is_it = [&](const SubscriberStatus::Writer& heard) { return heard.id == writer.id; };
     if (std::any_of(heard_.begin(), heard_.end(), is_it)) return false;
     forgotten_.received += writer.received;
     forgotten_.lost += writer.lost;
@@ -73,7 +73,7 @@ void WriterAccounts::describe(SubscriberStatus& status) const {
   add(status, forgotten_);
   for (const Writer& writer : writers_) {
     add(status, writer);
-    for (WriterStatus& heard : status.writers) {
+    for (SubscriberStatus::Writer& heard : status.writers) {
       if (heard.id == writer.id) fill_in(heard, writer);
     }
   }
@@ -87,7 +87,7 @@ void WriterAccounts::add(SubscriberStatus& status, const Writer& writer) {
   status.restarts += writer.restarts;
 }
 
-void WriterAccounts::fill_in(WriterStatus& status, const Writer& writer) {
+void WriterAccounts::fill_in(SubscriberStatus::Writer& status, const Writer& writer) {
   status.received = writer.received;
   status.lost = writer.lost;
   status.withheld = writer.withheld;

@@ -71,12 +71,13 @@ class WriterAccounts {
   Writer& open(EndpointId writer);
   void forget_departed();
   static void add(SubscriberStatus& status, const Writer& writer);
-  static void fill_in(WriterStatus& status, const Writer& writer);
+  static void fill_in(SubscriberStatus::Writer& status, const Writer& writer);
 
   std::uint32_t min_period_us_;
   std::vector<Writer> writers_;
-  std::vector<WriterStatus> heard_;  ///< as the negotiation describes the writers that are heard at present
-  Writer forgotten_;                 ///< sums of the writers that were forgotten
+  /// The writers that are heard at present, as the negotiation describes them.
+  std::vector<SubscriberStatus::Writer> heard_;
+  Writer forgotten_;  ///< sums of the writers that were forgotten
   std::uint64_t losses_ = 0;
 };
 

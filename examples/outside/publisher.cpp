@@ -32,7 +32,7 @@ int main(int argc, char** argv) {
   }
 
   const sft::NodeSnapshot now = node->snapshot();
-  for (const sft::ReaderSnapshot& reader : now.publishers.at(0).readers) {
+  for (const sft::NodeSnapshot::Publisher::Reader& reader : now.publishers.at(0).readers) {
     std::printf("%s is sent {%s} by %s\n", reader.node.c_str(), reader.fields.c_str(),
                 to_string(reader.transport));
   }

@@ -16,7 +16,7 @@ void print_request(const char* when, const Reader& reader) {
   std::printf("%s it asks for:", when);
   std::size_t fields = 0;
   const sft::Requirements seen = reader.requirements();
-  for (const sft::FieldRequirement& field : seen.fields) {
+  for (const sft::Requirements::Field& field : seen.fields) {
     if (field.requested && ++fields <= 3) std::printf(" %s", field.path.c_str());
   }
   std::printf(fields > 3 ? " and %zu more\n" : "\n", fields - 3);

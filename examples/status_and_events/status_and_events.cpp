@@ -12,7 +12,7 @@ using namespace std::chrono_literals;
 using std_msgs::msg::Float64;
 
 /// Events come on a thread of the node, which does nothing else meanwhile: they are to be handled quickly.
-sft::EventCallback print_events_of(const char* whose) {
+sft::Event::Callback print_events_of(const char* whose) {
   return [whose](const sft::Event& event) {
     std::printf("%s: %s (%s)\n", whose, to_string(event.kind), event.text.c_str());
   };
@@ -42,7 +42,7 @@ int main(int argc, char**) {
   }
   std::this_thread::sleep_for(500ms);  // too long for the deadline
 
-  for (const sft::ReaderStatus& reader : speed->status().readers) {
+  for (const sft::PublisherStatus::Reader& reader : speed->status().readers) {
     std::printf("reader: %s, %lu sent: %s\n", reader.served ? to_string(reader.transport) : "not served",
                 reader.sent, reader.reason.c_str());
   }

@@ -29,7 +29,7 @@ int main(int argc, char** argv) {
     status = points->status();
   }
 
-  for (const sft::ReaderStatus& reader : status.readers) {
+  for (const sft::PublisherStatus::Reader& reader : status.readers) {
     std::printf("%s was sent %lu of %lu clouds by %s: %lu bytes, %lu saved\n", reader.node.c_str(),
                 reader.sent, reader.published, to_string(reader.transport), reader.bytes_sent,
                 reader.bytes_saved);

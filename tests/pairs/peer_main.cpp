@@ -23,8 +23,8 @@ namespace {
 
 using nlohmann::json;
 
-bool is_up(const ReaderStatus& reader) { return reader.served; }
-bool is_up(const WriterStatus& writer) { return writer.matched && writer.alive; }
+bool is_up(const PublisherStatus::Reader& reader) { return reader.served; }
+bool is_up(const SubscriberStatus::Writer& writer) { return writer.matched && writer.alive; }
 
 /// The entry of that node, rather one that is up; null if there is none.
 template <class Entries>
@@ -42,7 +42,7 @@ constexpr std::size_t message_bytes_max = 256 * 1024;
 /// The lines that the node logs from warnings on.
 class Warnings {
  public:
-  LogSink sink() {
+  NodeOptions::LogSink sink() {
     return [this](LogLevel level, std::string_view text) {
       if (level < LogLevel::warning) return;
       const std::scoped_lock lock(mutex_);

@@ -146,7 +146,7 @@ Mismatched(S) -> Mismatched<S>;
 
 }  // namespace
 
-EventCallback EventList::callback() {
+Event::Callback EventList::callback() {
   return [this](const Event& event) {
     const std::scoped_lock lock(mutex_);
     events_.push_back(test::to_json(event));

@@ -19,7 +19,7 @@ namespace sft::test {
 /// Events in the order in which they came.
 class EventList {
  public:
-  EventCallback callback();
+  Event::Callback callback();
   nlohmann::json to_json() const;
 
  private:

@@ -22,7 +22,7 @@ json peer_json(const Peer& peer) {
 
 }  // namespace
 
-json to_json(const ReaderStatus& reader) {
+json to_json(const PublisherStatus::Reader& reader) {
   json entry = peer_json(reader);
   entry.update({{"served", reader.served},
                 {"mask", to_string<PointCloud2>(reader.mask)},
@@ -31,7 +31,7 @@ json to_json(const ReaderStatus& reader) {
   return entry;
 }
 
-json to_json(const WriterStatus& writer) {
+json to_json(const SubscriberStatus::Writer& writer) {
   json entry = peer_json(writer);
   entry.update({{"matched", writer.matched},
                 {"alive", writer.alive},
@@ -43,7 +43,7 @@ json to_json(const WriterStatus& writer) {
 
 json to_json(const PublisherStatus& status) {
   json readers = json::array();
-  for (const ReaderStatus& reader : status.readers) readers.push_back(to_json(reader));
+  for (const PublisherStatus::Reader& reader : status.readers) readers.push_back(to_json(reader));
   return {{"published", status.published},
           {"dropped", status.dropped},
           {"bytes_sent", status.bytes_sent},
@@ -52,7 +52,7 @@ json to_json(const PublisherStatus& status) {
 
 json to_json(const SubscriberStatus& status) {
   json writers = json::array();
-  for (const WriterStatus& writer : status.writers) writers.push_back(to_json(writer));
+  for (const SubscriberStatus::Writer& writer : status.writers) writers.push_back(to_json(writer));
   return {{"received", status.received}, {"lost", status.lost},
           {"withheld", status.withheld}, {"mask", to_string<PointCloud2>(status.mask)},
           {"requests", status.requests}, {"writers", std::move(writers)}};

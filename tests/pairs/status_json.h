@@ -8,8 +8,8 @@
 
 namespace sft::test {
 
-nlohmann::json to_json(const ReaderStatus& reader);
-nlohmann::json to_json(const WriterStatus& writer);
+nlohmann::json to_json(const PublisherStatus::Reader& reader);
+nlohmann::json to_json(const SubscriberStatus::Writer& writer);
 nlohmann::json to_json(const PublisherStatus& status);
 nlohmann::json to_json(const SubscriberStatus& status);
 nlohmann::json to_json(const NodeStatus& status);

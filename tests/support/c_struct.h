@@ -26,7 +26,7 @@ class CStruct {
  private:
   std::byte* zeros(std::size_t bytes);
   void fill(const StructType& type, const std::byte* from, std::byte* to);
-  void fill_elements(const Member& m, Elements from, std::byte* to);
+  void fill_elements(const StructType::Member& m, Elements from, std::byte* to);
 
   std::vector<std::unique_ptr<std::byte[]>> memory_;
   std::byte* struct_;

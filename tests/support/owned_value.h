@@ -34,10 +34,10 @@ struct Elements {
   const std::byte* first;
   std::size_t count;
 };
-Elements elements_of(const Member& member, const void* object);
+Elements elements_of(const StructType::Member& member, const void* object);
 
 /// The same for writing; a sequence gets `count` elements, those that it has are kept.
-std::byte* resized(const Member& member, void* object, std::size_t count);
+std::byte* resized(const StructType::Member& member, void* object, std::size_t count);
 
 /// Compares all leaves bit by bit, so that a NaN equals itself. The failure names the first leaf that
 /// differs.

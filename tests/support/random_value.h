@@ -32,7 +32,7 @@ class RandomValues {
 
  private:
   void structure(const StructType& type, void* object, int depth);
-  std::size_t elements(const Member& member, int depth);
+  std::size_t elements(const StructType::Member& member, int depth);
   void block(detail::Kind kind, std::byte* first, std::size_t count);
   std::uint64_t declared(const EnumType& type);
   void primitive(detail::Kind kind, std::byte* value);

@@ -12,7 +12,7 @@ namespace sft::test {
 
 /// Restricts a value to what JSON keeps: ASCII, and of NaNs only that they are one.
 inline void tame(const StructType& type, void* object) {
-  for (const Member& m : type.members) {
+  for (const StructType::Member& m : type.members) {
     const Elements values = elements_of(m, object);
     for (std::size_t i = 0; i < values.count; ++i) {
       auto* at = const_cast<std::byte*>(values.first) + i * m.stride;

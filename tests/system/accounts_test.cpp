@@ -11,16 +11,16 @@ namespace {
 class AccountsBetweenNodes : public PubSubTest {
  protected:
   /// Returns the counts as `node` knows them; empty while it does not know the pair.
-  static std::optional<PairAccount> account_of(const Node& node, const std::string& topic) {
+  static std::optional<DomainSnapshot::Account> account_of(const Node& node, const std::string& topic) {
     const DomainSnapshot domain = node.domain();
-    for (const PairInfo& pair : domain.pairs) {
-      for (const EndpointInfo& publisher : domain.publishers) {
+    for (const DomainSnapshot::Pair& pair : domain.pairs) {
+      for (const DomainSnapshot::Endpoint& publisher : domain.publishers) {
         if (publisher.id == pair.publisher && publisher.topic == topic) return pair.account;
       }
     }
     return std::nullopt;
   }
-  static bool is_silent(const std::optional<PairAccount>& account) {
+  static bool is_silent(const std::optional<DomainSnapshot::Account>& account) {
     return account && !account->publisher && !account->subscriber;
   }
   /// Returns true if both sides soon tell that so many samples were sent and received.
@@ -55,8 +55,8 @@ TEST_P(AccountsBetweenNodes, AreToldToANodeThatAsksAndGoOnAsSamplesDo) {
   EXPECT_TRUE(tells(tool, 10));
   exchange(5);
   EXPECT_TRUE(tells(tool, 15));
-  const PairAccount account = account_of(tool, "points").value();
-  const ReaderSnapshot counted = a.snapshot().publishers.at(0).readers.at(0);
+  const DomainSnapshot::Account account = account_of(tool, "points").value();
+  const NodeSnapshot::Publisher::Reader counted = a.snapshot().publishers.at(0).readers.at(0);
   EXPECT_EQ(account.publisher->bytes_sent, counted.bytes_sent);
   EXPECT_EQ(account.publisher->bytes_saved, counted.bytes_saved);
   EXPECT_EQ(account.publisher->bytes_saved == 0, in_shared_memory());
@@ -71,7 +71,7 @@ TEST_P(AccountsBetweenNodes, OfOwnPublishersAndSubscribersAreThereAtOnce) {
   expect_served(pub, 1);
   exchange(1);
   const AccountInquiry inquiry = a.ask_accounts("points").value();
-  const std::optional<PairAccount> account = account_of(a, "points");
+  const std::optional<DomainSnapshot::Account> account = account_of(a, "points");
   ASSERT_TRUE(account && account->publisher);
   EXPECT_EQ(account->publisher->sent, 1U);
   EXPECT_EQ(account->publisher->age, 0s);
@@ -86,8 +86,9 @@ TEST_P(AccountsBetweenNodes, OfMorePairsThanASignOfLifeHasRoomForAreToldInTurns)
   const AccountInquiry inquiry = tool.ask_accounts("points").value();
   const auto told = [&] {
     const DomainSnapshot domain = tool.domain();
-    return std::ranges::count_if(
-        domain.pairs, [](const PairInfo& pair) { return pair.account.publisher && pair.account.subscriber; });
+    return std::ranges::count_if(domain.pairs, [](const DomainSnapshot::Pair& pair) {
+      return pair.account.publisher && pair.account.subscriber;
+    });
   };
   EXPECT_TRUE(eventually([&] { return told() == pairs; })) << told();
 }

@@ -10,10 +10,10 @@
 #include <memory>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
-#include "tools/hosts/network.h"
 #include "tests/support/eventually.h"
 #include "tests/support/isolated_host.h"
 #include "tests/system/node_process.h"
+#include "tools/hosts/network.h"
 
 namespace sft::test {
 namespace {
@@ -77,13 +77,14 @@ void promise_life(Node& node, Report&) {
 
 void expect_life(Node& node, Report& report) {
   const auto count = [&](const Event& event) {
-    if (event.kind == EventKind::liveliness_lost) ++report.liveliness_lost;
+    if (event.kind == Event::Kind::liveliness_lost) ++report.liveliness_lost;
   };
   auto subscriber =
       node.subscriber<PointCloud2, F::height>("points", {.liveliness_lease = 1s, .on_event = count}).value();
   for (;;) {
     const auto writers = subscriber.status().writers;
-    report.matched = static_cast<std::size_t>(std::ranges::count_if(writers, &WriterStatus::matched));
+    report.matched =
+        static_cast<std::size_t>(std::ranges::count_if(writers, &SubscriberStatus::Writer::matched));
     poll(nullptr, 0, 5);
   }
 }
@@ -123,7 +124,8 @@ void publish_reliably(Node& node, Report& report) {
   std::vector<std::uint8_t> data(20'000);
   for (std::uint32_t i = 1;;) {
     const auto status = publisher.status();
-    report.matched = static_cast<std::size_t>(std::ranges::count_if(status.readers, &ReaderStatus::served));
+    report.matched =
+        static_cast<std::size_t>(std::ranges::count_if(status.readers, &PublisherStatus::Reader::served));
     if (report.matched != 0) publisher.publish({.height = i++, .data = data});
     poll(nullptr, 0, 2);
   }
@@ -142,7 +144,8 @@ void subscribe_reliably(Node& node, Report& report) {
       last = sample->height();
       ++report.taken;
     }
-    for (const EndpointInfo& one : node.domain().publishers) report.addresses = one.addresses.size();
+    for (const DomainSnapshot::Endpoint& one : node.domain().publishers)
+      report.addresses = one.addresses.size();
   }
 }
 

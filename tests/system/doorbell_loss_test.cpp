@@ -108,7 +108,7 @@ class Talking {
   bool is_heard_by(std::size_t listeners) {
     return is_heard_by(listeners, [](TransportKind) { return true; });
   }
-  std::vector<ReaderStatus> readers() const { return publisher_.status().readers; }
+  std::vector<PublisherStatus::Reader> readers() const { return publisher_.status().readers; }
   bool shm_is_ready() {
     return eventually([&] { return node_.status().shm_ready; }, 30s);
   }
@@ -164,7 +164,7 @@ TEST_F(DoorbellLoss, ForWantOfDescriptorsIsServedByUdpUntilThereAreSome) {
     const NoDescriptors limit;
     second.begin();
     ASSERT_TRUE(eventually([&] {
-      return std::ranges::any_of(talking.readers(), [](const ReaderStatus& reader) {
+      return std::ranges::any_of(talking.readers(), [](const PublisherStatus::Reader& reader) {
         return reader.served && reader.transport == TransportKind::udp &&
                reader.reason.find("Too many open files") != std::string::npos;
       });

@@ -107,7 +107,8 @@ TEST_F(EveryTypeByJson, IsWhatADynamicSubscriberGetsOfADynamicPublisher) {
     auto sub = node.subscriber("everything", type, "*", {.reliability = reliable}).value();
     ASSERT_TRUE(eventually([&] {
       const auto readers = pub.status().readers;
-      return std::ranges::any_of(readers, [](const ReaderStatus& reader) { return reader.served; });
+      return std::ranges::any_of(readers,
+                                 [](const PublisherStatus::Reader& reader) { return reader.served; });
     }));
     OwnedValue value = each.make();
     values.fill(value.type(), value.get());

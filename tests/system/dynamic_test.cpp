@@ -291,12 +291,12 @@ TEST_F(DynamicNodesTest, AnotherDefinitionOfTheTypeIsExplainedToBothSidesAndLogg
   auto sub = b.subscriber("points", taller(), "height").value();
   ASSERT_TRUE(
       eventually([&] { return pub.status().readers.size() == 1 && sub.status().writers.size() == 1; }));
-  const ReaderStatus reader = pub.status().readers[0];
+  const PublisherStatus::Reader reader = pub.status().readers[0];
   EXPECT_FALSE(reader.served);
   EXPECT_EQ(
       reader.reason,
       "two different definitions of type sensor_msgs::msg::PointCloud2: height: uint32 here, uint64 there");
-  const WriterStatus writer = sub.status().writers[0];
+  const SubscriberStatus::Writer writer = sub.status().writers[0];
   EXPECT_FALSE(writer.matched);
   EXPECT_EQ(writer.mismatch->difference, "height: uint64 here, uint32 there");
   EXPECT_THAT(writer.mismatch->here, HasSubstr("uint64 height;"));
@@ -350,7 +350,7 @@ TEST_F(DynamicNodesTest,
   announce(3, describe(TypeTable<PointCloud2>::type));
   EXPECT_TRUE(eventually([&] { return sub.status().writers.size() == 3; }));
   EXPECT_EQ(node.status().control_malformed, 2U);
-  for (const WriterStatus& writer : sub.status().writers) EXPECT_EQ(writer.mismatch, nullptr);
+  for (const SubscriberStatus::Writer& writer : sub.status().writers) EXPECT_EQ(writer.mismatch, nullptr);
   EXPECT_TRUE(node.find_type("points", 0s));
   const auto begun = std::chrono::steady_clock::now();
   for (core::EndpointId id = 10; id < 210; ++id) announce(id, std::vector<std::byte>(100, std::byte{0xff}));

@@ -83,7 +83,7 @@ class FallbackTest : public ::testing::Test {
   static bool all_served_by_shm(const P& publisher, std::size_t readers) {
     return eventually([&] {
       const auto known = publisher.status().readers;
-      return known.size() == readers && std::ranges::all_of(known, [](const ReaderStatus& reader) {
+      return known.size() == readers && std::ranges::all_of(known, [](const PublisherStatus::Reader& reader) {
                return reader.served && reader.transport == TransportKind::shm;
              });
     });
@@ -107,7 +107,7 @@ std::uint32_t height_of(S& subscriber) {
 }
 
 template <class P>
-ReaderStatus reader_of(const P& publisher) {
+PublisherStatus::Reader reader_of(const P& publisher) {
   return publisher.status().readers.at(0);
 }
 
@@ -118,7 +118,7 @@ TEST_F(FallbackTest, ASampleLargerThanTheLargestChunkComesByUdpInItsPlace) {
   std::atomic<std::uint64_t> told{0};
   auto publisher = a.publisher<PointCloud2>("points", {.on_event =
                                                            [&](const Event& event) {
-                                                             if (event.kind == EventKind::samples_diverted)
+                                                             if (event.kind == Event::Kind::samples_diverted)
                                                                told += event.count;
                                                            }})
                        .value();
@@ -139,9 +139,9 @@ TEST_F(FallbackTest, ASampleLargerThanTheLargestChunkComesByUdpInItsPlace) {
     }
   }
   EXPECT_EQ(subscriber.status().lost, 0U);
-  EXPECT_EQ(publisher.status().diverted, (Diverted{.too_large = rounds}));
+  EXPECT_EQ(publisher.status().diverted, (PublisherStatus::Diverted{.too_large = rounds}));
   EXPECT_EQ(publisher.status().dropped, 0U);
-  const ReaderStatus reader = reader_of(publisher);
+  const PublisherStatus::Reader reader = reader_of(publisher);
   EXPECT_EQ(reader.diverted, rounds);
   EXPECT_EQ(reader.sent, number);
   EXPECT_EQ(reader.published, number);
@@ -199,7 +199,7 @@ TEST_F(FallbackTest, AReliableReaderElsewhereThatStandsStillCostsReadersInMemory
   auto subscriber =
       b.subscriber<PointCloud2, F::height | F::data>("points", {.reliability = reliable, .depth = 4}).value();
   const auto served = [&](TransportKind transport) {
-    return std::ranges::count_if(publisher.status().readers, [&](const ReaderStatus& reader) {
+    return std::ranges::count_if(publisher.status().readers, [&](const PublisherStatus::Reader& reader) {
       return reader.served && reader.transport == transport;
     });
   };
@@ -212,7 +212,7 @@ TEST_F(FallbackTest, AReliableReaderElsewhereThatStandsStillCostsReadersInMemory
     ASSERT_EQ(sample->height(), number);
     ASSERT_EQ(sample.info().transport, TransportKind::shm);
   }
-  EXPECT_EQ(publisher.status().diverted, Diverted{});
+  EXPECT_EQ(publisher.status().diverted, PublisherStatus::Diverted{});
   EXPECT_EQ(subscriber.status().lost, 0U);
   kill(remote, SIGKILL);
   waitpid(remote, nullptr, 0);
@@ -254,7 +254,7 @@ TEST_F(FallbackTest, AReaderWithoutUdpMissesWhatIsTooLargeAndThatIsCounted) {
   EXPECT_EQ(subscriber.status().lost, 1U);
   EXPECT_EQ(reader_of(publisher).dropped, 1U);
   EXPECT_EQ(reader_of(publisher).diverted, 0U);
-  EXPECT_EQ(publisher.status().diverted, (Diverted{.too_large = 1}));
+  EXPECT_EQ(publisher.status().diverted, (PublisherStatus::Diverted{.too_large = 1}));
 }
 
 // The samples of a durable publisher are sent by the routes that are in force behind the history, so its
@@ -290,7 +290,7 @@ TEST_F(FallbackTest, ADurablePublisherCountsEachSampleOnceByWhicheverWayItGoes) 
     ASSERT_TRUE(all_served_by_shm(publisher, 1));
   }
   publish_some();
-  const ReaderStatus reader = reader_of(publisher);
+  const PublisherStatus::Reader reader = reader_of(publisher);
   EXPECT_EQ(reader.published, published);
   EXPECT_EQ(reader.sent, published);
   EXPECT_EQ(reader.diverted, diverted);
@@ -352,7 +352,7 @@ TEST_F(FallbackTest, ASlowReaderKnowsExactlyHowManySamplesOfEachWriterItMissed) 
     }
   }
   const SubscriberStatus status = subscriber.status();
-  for (const WriterStatus& writer : status.writers) {
+  for (const SubscriberStatus::Writer& writer : status.writers) {
     EXPECT_EQ(writer.received + writer.lost, published);
     EXPECT_EQ(writer.lost, 1U + 32U + 992U);
     EXPECT_EQ(lost[writer.id], writer.lost);
@@ -367,14 +367,14 @@ TEST_F(FallbackTest, AReaderThatHoldsTooManyIsToldAndCostsThePublisherAndOthersN
   std::atomic<int> told{0};
   auto publisher = a.publisher<PointCloud2>("points").value();
   auto other = b.subscriber<PointCloud2, F::height>("points").value();
-  auto holder = b.subscriber<PointCloud2, F::height>("points", {.depth = 8,
-                                                                .max_held = 5,
-                                                                .on_event =
-                                                                    [&](const Event& e) {
-                                                                      if (e.kind == EventKind::held_too_many)
-                                                                        ++told;
-                                                                    }})
-                    .value();
+  auto holder =
+      b.subscriber<PointCloud2, F::height>("points", {.depth = 8,
+                                                      .max_held = 5,
+                                                      .on_event =
+                                                          [&](const Event& e) {
+                                                            if (e.kind == Event::Kind::held_too_many) ++told;
+                                                          }})
+          .value();
   ASSERT_TRUE(all_served_by_shm(publisher, 2));
   std::vector<Sample<PointCloud2, F::height>> held;
   constexpr std::uint32_t published = 200;

@@ -41,7 +41,7 @@ class PubSubTest : public ::testing::TestWithParam<Way> {
   template <class P>
   static std::size_t served(const P& publisher) {
     std::size_t n = 0;
-    for (const ReaderStatus& reader : publisher.status().readers) n += reader.served ? 1 : 0;
+    for (const PublisherStatus::Reader& reader : publisher.status().readers) n += reader.served ? 1 : 0;
     return n;
   }
   template <class P>

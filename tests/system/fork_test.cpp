@@ -47,7 +47,7 @@ class ForkTest : public PubSubTest {
     Node writing = open("writing");
     Node reading = open("reading");
     const auto note = [this](const Event& event) {
-      if (event.kind == EventKind::unmatched || event.kind == EventKind::path_changed) ++disturbances_;
+      if (event.kind == Event::Kind::unmatched || event.kind == Event::Kind::path_changed) ++disturbances_;
     };
     auto publisher = writing.publisher<PointCloud2>("points", {.on_event = note}).value();
     auto subscriber = reading.subscriber<PointCloud2, F::height>("points", {.on_event = note}).value();

@@ -284,8 +284,8 @@ TEST_F(KillTest, APublisherThatIsStoppedOrKilledLosesItsLiveliness) {
   Node node = Node::open({.name = "reader"}).value();
   std::atomic<int> lost{0}, recovered{0};
   const auto note = [&](const Event& event) {
-    lost += event.kind == EventKind::liveliness_lost ? 1 : 0;
-    recovered += event.kind == EventKind::liveliness_recovered ? 1 : 0;
+    lost += event.kind == Event::Kind::liveliness_lost ? 1 : 0;
+    recovered += event.kind == Event::Kind::liveliness_recovered ? 1 : 0;
   };
   auto subscriber =
       node.subscriber<PointCloud2, F::height>("points", {.liveliness_lease = 1s, .on_event = note}).value();

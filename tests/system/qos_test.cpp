@@ -17,14 +17,14 @@ namespace {
 /// Events of one publisher or subscriber, which it outlives.
 class EventLog {
  public:
-  EventCallback callback() {
+  Event::Callback callback() {
     return [this](const Event& event) {
       const std::scoped_lock lock(mutex_);
       events_.push_back(event);
     };
   }
 
-  std::vector<Event> all(EventKind kind) const {
+  std::vector<Event> all(Event::Kind kind) const {
     const std::scoped_lock lock(mutex_);
     std::vector<Event> found;
     for (const Event& event : events_) {
@@ -32,8 +32,8 @@ class EventLog {
     }
     return found;
   }
-  bool has(EventKind kind) const { return !all(kind).empty(); }
-  bool await(EventKind kind) const {
+  bool has(Event::Kind kind) const { return !all(kind).empty(); }
+  bool await(Event::Kind kind) const {
     return eventually([&] { return has(kind); });
   }
 
@@ -89,15 +89,15 @@ TEST_P(QosTest, AnIncompatiblePairNeverMatchesAndBothSidesAreToldThePolicy) {
   auto sub = b.subscriber<PointCloud2, F::height>("points",
                                                   {.reliability = reliable, .on_event = requested.callback()})
                  .value();
-  ASSERT_TRUE(offered.await(EventKind::incompatible_qos));
-  ASSERT_TRUE(requested.await(EventKind::incompatible_qos));
+  ASSERT_TRUE(offered.await(Event::Kind::incompatible_qos));
+  ASSERT_TRUE(requested.await(Event::Kind::incompatible_qos));
   for (const EventLog* log : {&offered, &requested}) {
-    const Event event = log->all(EventKind::incompatible_qos).front();
+    const Event event = log->all(Event::Kind::incompatible_qos).front();
     EXPECT_EQ(event.policy, QosPolicy::reliability);
     EXPECT_EQ(event.text, "incompatible QoS: reliability best_effort is offered, reliable is requested");
-    EXPECT_FALSE(log->has(EventKind::matched));
+    EXPECT_FALSE(log->has(Event::Kind::matched));
   }
-  EXPECT_EQ(offered.all(EventKind::incompatible_qos).front().node, "b");
+  EXPECT_EQ(offered.all(Event::Kind::incompatible_qos).front().node, "b");
   EXPECT_EQ(pub.status().readers.at(0).incompatible_policy, QosPolicy::reliability);
   EXPECT_EQ(sub.status().writers.at(0).incompatible_policy, QosPolicy::reliability);
   EXPECT_FALSE(sub.status().writers.at(0).matched);
@@ -109,22 +109,22 @@ TEST_P(QosTest, BothSidesAreToldWhenTheyMatchAndWhenTheyDoNotAnyMore) {
   std::optional pub = a.publisher<PointCloud2>("points", {.on_event = offered.callback()}).value();
   std::optional sub =
       b.subscriber<PointCloud2, F::height>("points", {.on_event = requested.callback()}).value();
-  ASSERT_TRUE(offered.await(EventKind::matched));
-  ASSERT_TRUE(requested.await(EventKind::matched));
-  EXPECT_EQ(offered.all(EventKind::matched).front().node, "b");
-  EXPECT_EQ(requested.all(EventKind::matched).front().node, "a");
+  ASSERT_TRUE(offered.await(Event::Kind::matched));
+  ASSERT_TRUE(requested.await(Event::Kind::matched));
+  EXPECT_EQ(offered.all(Event::Kind::matched).front().node, "b");
+  EXPECT_EQ(requested.all(Event::Kind::matched).front().node, "a");
   sub.reset();
-  ASSERT_TRUE(offered.await(EventKind::unmatched));
-  EXPECT_EQ(offered.all(EventKind::unmatched).front().text, "it is gone");
-  EXPECT_FALSE(requested.has(EventKind::unmatched)) << "told after its subscriber was gone";
+  ASSERT_TRUE(offered.await(Event::Kind::unmatched));
+  EXPECT_EQ(offered.all(Event::Kind::unmatched).front().text, "it is gone");
+  EXPECT_FALSE(requested.has(Event::Kind::unmatched)) << "told after its subscriber was gone";
 }
 
 TEST_P(QosTest, AnotherTypeOfTheSameTopicIsTold) {
   warnings_expected = true;
   auto pub = a.publisher<PointCloud2>("points", {.on_event = offered.callback()}).value();
   auto sub = b.subscriber<Image>("points", {.on_event = requested.callback()}).value();
-  EXPECT_TRUE(offered.await(EventKind::incompatible_type));
-  EXPECT_TRUE(requested.await(EventKind::incompatible_type));
+  EXPECT_TRUE(offered.await(Event::Kind::incompatible_type));
+  EXPECT_TRUE(requested.await(Event::Kind::incompatible_type));
 }
 
 TEST_P(QosTest, LossesAreTold) {
@@ -143,8 +143,8 @@ TEST_P(QosTest, LossesAreTold) {
   }
   const auto last = sub.take();
   EXPECT_EQ(last->height(), 10U);
-  ASSERT_TRUE(requested.await(EventKind::samples_lost));
-  EXPECT_EQ(requested.all(EventKind::samples_lost).front().count, 9U);
+  ASSERT_TRUE(requested.await(Event::Kind::samples_lost));
+  EXPECT_EQ(requested.all(Event::Kind::samples_lost).front().count, 9U);
 }
 
 TEST_P(QosTest, AReliableSubscriberThatComesLateGetsAllThatIsRetainedWhateverItsSize) {
@@ -175,9 +175,9 @@ TEST_P(QosTest, BothSidesAreToldOfMissedDeadlines) {
           .value();
   expect_served(pub, 1);
   pub.publish(cloud(1));
-  ASSERT_TRUE(offered.await(EventKind::deadline_missed));
-  ASSERT_TRUE(requested.await(EventKind::deadline_missed));
-  EXPECT_EQ(requested.all(EventKind::deadline_missed).front().node, "a");
+  ASSERT_TRUE(offered.await(Event::Kind::deadline_missed));
+  ASSERT_TRUE(requested.await(Event::Kind::deadline_missed));
+  EXPECT_EQ(requested.all(Event::Kind::deadline_missed).front().node, "a");
   EXPECT_GE(pub.status().deadlines_missed, 1U);
   EXPECT_GE(sub.status().writers.at(0).deadlines_missed, 1U);
 }
@@ -191,7 +191,7 @@ TEST_P(QosTest, WhoeverPublishesInTimeMissesNoDeadline) {
   // Samples are taken late, or pushed out: they came all the same.
   const auto missed = [&] {
     pub.publish(cloud(1));
-    return offered.has(EventKind::deadline_missed) || requested.has(EventKind::deadline_missed);
+    return offered.has(Event::Kind::deadline_missed) || requested.has(Event::Kind::deadline_missed);
   };
   EXPECT_FALSE(eventually(missed, 2500ms));
 }
@@ -228,13 +228,13 @@ TEST_P(QosTest, AManualPublisherLivesAsLongAsItSaysSo) {
         },
         1s);
   };
-  ASSERT_TRUE(requested.await(EventKind::liveliness_lost));
-  ASSERT_TRUE(offered.await(EventKind::liveliness_lost));
+  ASSERT_TRUE(requested.await(Event::Kind::liveliness_lost));
+  ASSERT_TRUE(offered.await(Event::Kind::liveliness_lost));
   EXPECT_EQ(sub.status().writers.at(0).reason, "no sign of life within its lease");
   EXPECT_TRUE(sub.status().writers.at(0).matched);
   pub.assert_liveliness();
-  ASSERT_TRUE(requested.await(EventKind::liveliness_recovered));
-  ASSERT_TRUE(offered.await(EventKind::liveliness_recovered));
+  ASSERT_TRUE(requested.await(Event::Kind::liveliness_recovered));
+  ASSERT_TRUE(offered.await(Event::Kind::liveliness_recovered));
   EXPECT_TRUE(eventually([&] {
     pub.assert_liveliness();
     return alive();
@@ -250,7 +250,7 @@ TEST_P(QosTest, AnAutomaticPublisherLivesWithItsNode) {
                                                   {.liveliness_lease = 1s, .on_event = requested.callback()})
                  .value();
   expect_served(pub, 1);
-  EXPECT_FALSE(eventually([&] { return requested.has(EventKind::liveliness_lost); }, 1s));
+  EXPECT_FALSE(eventually([&] { return requested.has(Event::Kind::liveliness_lost); }, 1s));
 }
 
 TEST_P(QosTest, ALateSubscriberGetsTheLastSamplesInOrderAndLiveOnesBehind) {

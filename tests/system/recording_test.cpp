@@ -14,7 +14,7 @@ class RecordingTest : public PubSubTest {
     sub.emplace(subscribe({.learn_samples = 3, .narrow_after_samples = 10, .as_remote = as_remote}).value());
     expect_served(pub, 1);
   }
-  Result<Subscriber<PointCloud2, recorded>> subscribe(const RecordingSettings& settings) {
+  Result<Subscriber<PointCloud2, recorded>> subscribe(const SubscriberOptions::Recording& settings) {
     return b.subscriber<PointCloud2, recorded>("points", {.recording = settings});
   }
 

@@ -29,18 +29,18 @@ class NodeSnapshotTest : public PubSubTest {
     })) << subscriber.status().received
         << " of " << published;
   }
-  PublisherSnapshot published() { return a.snapshot().publishers.at(0); }
-  ReaderSnapshot reader(const std::string& fields) {
-    for (const ReaderSnapshot& r : published().readers) {
+  NodeSnapshot::Publisher published() { return a.snapshot().publishers.at(0); }
+  NodeSnapshot::Publisher::Reader reader(const std::string& fields) {
+    for (const NodeSnapshot::Publisher::Reader& r : published().readers) {
       if (r.fields == fields) return r;
     }
     return {};
   }
   void expect_sums(std::uint64_t samples) {
-    const PublisherSnapshot p = published();
+    const NodeSnapshot::Publisher p = published();
     EXPECT_EQ(p.published, samples);
     std::uint64_t saved = 0;
-    for (const ReaderSnapshot& r : p.readers) {
+    for (const NodeSnapshot::Publisher::Reader& r : p.readers) {
       EXPECT_EQ(r.published, samples) << r.fields;
       EXPECT_EQ(r.published, r.sent + r.withheld + r.dropped);
       saved += r.bytes_saved;
@@ -72,11 +72,11 @@ TEST_P(NodeSnapshotTest, NamesPublishersSubscribersAndWhyTheyAreConnectedAsTheyA
   EXPECT_EQ(here.name, "a");
   EXPECT_FALSE(here.version.empty());
   ASSERT_EQ(here.publishers.size(), 1U);
-  const PublisherSnapshot& p = here.publishers[0];
+  const NodeSnapshot::Publisher& p = here.publishers[0];
   EXPECT_EQ(p.topic, "points");
   EXPECT_EQ(p.type, "sensor_msgs::msg::PointCloud2");
   EXPECT_EQ(p.fields, in_shared_memory() ? "*" : "height, width");
-  const ReaderSnapshot& r = p.readers.at(0);
+  const NodeSnapshot::Publisher::Reader& r = p.readers.at(0);
   EXPECT_EQ(r.node, "b");
   EXPECT_EQ(r.fields, "height, width");
   EXPECT_EQ(r.max_rate_hz, 50);
@@ -195,9 +195,9 @@ TEST_P(NodeSnapshotTest, CountsAgreeWhateverChangesMeanwhile) {
   }
   expect_all_accounted_for(rec, samples);
   EXPECT_TRUE(eventually([&] { return requests() > requests_before; })) << "the test changed nothing";
-  const PublisherSnapshot p = published();
+  const NodeSnapshot::Publisher p = published();
   EXPECT_EQ(p.published, samples);
-  for (const ReaderSnapshot& r : p.readers) {
+  for (const NodeSnapshot::Publisher::Reader& r : p.readers) {
     EXPECT_EQ(r.published, samples) << r.fields;
     EXPECT_EQ(r.sent + r.withheld + r.dropped, samples);
   }
@@ -217,7 +217,7 @@ TEST_P(NodeSnapshotTest, WhatAFullQueuePushedOutIsDiscarded) {
   for (int i = 0; i < 10; ++i) pub.publish(cloud(1));
   expect_all_accounted_for(watcher, 11);
   EXPECT_EQ(take_all(sub), 2U);
-  const SubscriberSnapshot s = b.snapshot().subscribers.at(0);
+  const NodeSnapshot::Subscriber s = b.snapshot().subscribers.at(0);
   EXPECT_EQ(s.discarded, 8U);
   EXPECT_EQ(s.lost, 8U);
   EXPECT_EQ(s.received, 3U);

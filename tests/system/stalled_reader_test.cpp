@@ -46,7 +46,8 @@ void publish_many(Node& node, Kept& published) {
   const std::vector<std::uint8_t> data(sample_bytes);
   for (Pace pace(2ms);; pace.await_turn()) {
     const PublisherStatus status = publisher.status();
-    published.served = static_cast<std::size_t>(std::ranges::count_if(status.readers, &ReaderStatus::served));
+    published.served =
+        static_cast<std::size_t>(std::ranges::count_if(status.readers, &PublisherStatus::Reader::served));
     if (published.count >= published.wanted) continue;
     const auto begin = std::chrono::steady_clock::now();
     publisher.publish({.height = published.count + 1, .data = data});

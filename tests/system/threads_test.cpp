@@ -105,7 +105,7 @@ class ThreadsTest : public ::testing::Test {
     EXPECT_TRUE(eventually([&] {
       const auto readers = publisher.status().readers;
       return readers.size() == 3 &&
-             std::ranges::count(readers, TransportKind::shm, &ReaderStatus::transport) == 2;
+             std::ranges::count(readers, TransportKind::shm, &PublisherStatus::Reader::transport) == 2;
     }));
     EXPECT_TRUE(eventually([&] {
       publisher.publish({.height = 1});
@@ -143,12 +143,12 @@ TEST_F(ThreadsTest, HaveWhatTheOptionsSayAndNamesThatBeginAsTheySay) {
   const unsigned cpu = *cpus_of(0).rbegin();
   NodeOptions with = options("a");
   with.threads.receiver = {
-      .cpus = {cpu}, .policy = SchedulingPolicy::fifo, .priority = 5, .name_prefix = "r-"};
-  with.threads.sender = {.policy = SchedulingPolicy::round_robin, .priority = 4, .name_prefix = "s-"};
+      .cpus = {cpu}, .policy = ThreadSettings::Policy::fifo, .priority = 5, .name_prefix = "r-"};
+  with.threads.sender = {.policy = ThreadSettings::Policy::round_robin, .priority = 4, .name_prefix = "s-"};
   with.threads.agent = {.cpus = {cpu}, .name_prefix = "a-"};
-  with.threads.callbacks = {.policy = SchedulingPolicy::fifo, .priority = 3, .name_prefix = "c-"};
+  with.threads.callbacks = {.policy = ThreadSettings::Policy::fifo, .priority = 3, .name_prefix = "c-"};
   with.threads.discovery = {
-      .cpus = {cpu}, .policy = SchedulingPolicy::fifo, .priority = 2, .name_prefix = "d-"};
+      .cpus = {cpu}, .policy = ThreadSettings::Policy::fifo, .priority = 2, .name_prefix = "d-"};
   const bool may = become_real_time();
   become_normal();
   if (!may) GTEST_SKIP() << "needs CAP_SYS_NICE";
@@ -174,7 +174,7 @@ TEST_F(ThreadsTest, HaveWhatTheOptionsSayAndNamesThatBeginAsTheySay) {
 
 TEST_F(ThreadsTest, ADaemonThatARealTimeThreadStartsIsNormalAndRunsWhereTheProgramMay) {
   NodeOptions with = options("a");
-  with.threads.agent = {.cpus = {*cpus_of(0).begin()}, .policy = SchedulingPolicy::fifo, .priority = 1};
+  with.threads.agent = {.cpus = {*cpus_of(0).begin()}, .policy = ThreadSettings::Policy::fifo, .priority = 1};
   const bool may = become_real_time();
   become_normal();
   if (!may) GTEST_SKIP() << "needs CAP_SYS_NICE";
@@ -195,7 +195,7 @@ TEST_F(ThreadsTest, ADaemonThatARealTimeThreadStartsIsNormalAndRunsWhereTheProgr
 }
 
 TEST_F(ThreadsTest, SettingsThatMakeNoSenseAreAnErrorThatNamesThem) {
-  const auto error_of = [](const NodeThreads& threads) {
+  const auto error_of = [](const NodeOptions::Threads& threads) {
     NodeOptions with = options("a");
     with.threads = threads;
     const auto node = Node::open(with);
@@ -205,9 +205,9 @@ TEST_F(ThreadsTest, SettingsThatMakeNoSenseAreAnErrorThatNamesThem) {
       error_of({.sender = {.priority = 5}}),
       HasSubstr(
           "NodeOptions::threads.sender: the priority 5 is wrong: it is 1 to 99 under the policies fifo"));
-  EXPECT_THAT(error_of({.agent = {.policy = SchedulingPolicy::fifo}}),
+  EXPECT_THAT(error_of({.agent = {.policy = ThreadSettings::Policy::fifo}}),
               HasSubstr("NodeOptions::threads.agent: the priority 0 is wrong"));
-  EXPECT_THAT(error_of({.callbacks = {.policy = SchedulingPolicy::round_robin, .priority = 100}}),
+  EXPECT_THAT(error_of({.callbacks = {.policy = ThreadSettings::Policy::round_robin, .priority = 100}}),
               HasSubstr("NodeOptions::threads.callbacks: the priority 100 is wrong"));
   EXPECT_THAT(error_of({.receiver = {.cpus = {0, 8000}}}),
               HasSubstr("NodeOptions::threads.receiver: this process may not use CPU 8000"));
@@ -221,7 +221,7 @@ TEST_F(ThreadsTest, APolicyThatTheSystemRefusesIsAnErrorThatSaysWhatToDo) {
   if (getuid() == 0 && setresuid(61'235, 61'235, 61'235) != 0) GTEST_SKIP() << "cannot become another user";
   if (become_real_time()) GTEST_SKIP() << "this program may do everything";
   NodeOptions with = options("a");
-  with.threads.receiver = {.policy = SchedulingPolicy::fifo, .priority = 42};
+  with.threads.receiver = {.policy = ThreadSettings::Policy::fifo, .priority = 42};
   const auto node = Node::open(with);
   ASSERT_FALSE(node);
   EXPECT_EQ(node.error().code, Errc::no_permission);

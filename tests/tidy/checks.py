@@ -149,6 +149,14 @@ def public_headers_include_public_ones(tree, settings):
                           f"in {settings.file}")
 
 
+def public_types_are_few(tree, settings):
+    """Who reads the reference finds the types that matter only if few stand beside them."""
+    types, limit = len(list(headers.public_types(tree, settings))), settings.limits["public_types"]
+    if types > limit:
+        yield Finding(settings.file, 1, f"the public headers give users {types} types, more than {limit} (./run tidy "
+                                        "types): nest a type that is only met as a part of another one in that one")
+
+
 def words_are_plain(tree, settings):
     if not settings.words:
         return
@@ -208,6 +216,7 @@ ALL = {
     "sources-are-in-cmake-lists": sources_are_in_cmake_lists,
     "lines-fit-their-columns": lines_fit_their_columns,
     "public-headers-include-public-ones": public_headers_include_public_ones,
+    "public-types-are-few": public_types_are_few,
     "words-are-plain": words_are_plain,
     "comments-begin-with-their-subject": comments_begin_with_their_subject,
     "includes-have-one-style": includes_have_one_style,

@@ -30,6 +30,7 @@ file_lines = 20
 function_lines = 4
 data_members = 2
 methods = 2
+public_types = 2
 
 [columns]
 ".md" = 20
@@ -179,6 +180,14 @@ class SizesTest(TreeTest):
         self.assertEqual(self.found("sizes-are-within-limits"), [])
         self.write("low/c.h", "\n")
         self.assertEqual(self.found("sizes-are-within-limits"), [FILE + ":1"])
+
+    def test_more_public_types_than_the_limit_are_found_and_nested_or_private_ones_do_not_count(self):
+        self.write("public/p.h", "namespace sft {\nstruct A { struct B {}; enum class C { x }; };\nusing D = A;\n"
+                                 "namespace detail {\nstruct E {};\n}\n}\n")
+        self.write("low/a.h", "namespace sft {\nstruct F {};\n}\n")
+        self.assertEqual(self.found("public-types-are-few"), [])
+        self.write("public/q.h", "namespace sft {\nenum class G { x };\n}\n")
+        self.assertEqual(self.found("public-types-are-few"), [FILE + ":1"])
 
 
 class StructureTest(unittest.TestCase):

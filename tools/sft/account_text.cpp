@@ -12,23 +12,23 @@ constexpr const char* not_told = "not told yet";
 constexpr const char* account_row = "  {:<27.27} {:<3.3} {:>9.9} {:>18.18} {:>9.9} {:>7.7}";
 constexpr std::size_t sent_width = 9, withheld_width = 9, lost_width = 7;
 
-double whole_bytes(const SentAccount& account) {
+double whole_bytes(const DomainSnapshot::Sent& account) {
   return static_cast<double>(account.bytes_sent) + static_cast<double>(account.bytes_saved);
 }
 
-std::string saved_percent(const SentAccount& account, int decimals) {
+std::string saved_percent(const DomainSnapshot::Sent& account, int decimals) {
   return percent_text(static_cast<double>(account.bytes_saved), whole_bytes(account), decimals);
 }
 
 }  // namespace
 
-bool is_told(const PairInfo& pair) {
+bool is_told(const DomainSnapshot::Pair& pair) {
   return !pair.matched || (pair.account.publisher && pair.account.subscriber);
 }
 
-std::string sent_text(const PairInfo& pair) {
+std::string sent_text(const DomainSnapshot::Pair& pair) {
   if (!pair.account.publisher) return not_told;
-  const SentAccount& account = *pair.account.publisher;
+  const DomainSnapshot::Sent& account = *pair.account.publisher;
   std::string text = count_text(account.sent, "sample");
   text += whole_bytes(account) == 0
               ? ", nothing over the network"
@@ -38,21 +38,21 @@ std::string sent_text(const PairInfo& pair) {
   return text;
 }
 
-std::string saved_text(const PairInfo& pair) {
+std::string saved_text(const DomainSnapshot::Pair& pair) {
   if (!pair.account.publisher) return not_told;
-  const SentAccount& account = *pair.account.publisher;
+  const DomainSnapshot::Sent& account = *pair.account.publisher;
   if (whole_bytes(account) == 0) return "0 B";
   return fmt::format("{}, {} of the whole samples", bytes_text(static_cast<double>(account.bytes_saved)),
                      saved_percent(account, 4));
 }
 
-std::string withheld_text(const PairInfo& pair) {
+std::string withheld_text(const DomainSnapshot::Pair& pair) {
   if (!pair.account.publisher) return not_told;
   return fmt::format("{}; {} dropped", count_text(pair.account.publisher->withheld, "sample"),
                      pair.account.publisher->dropped);
 }
 
-std::string lost_text(const PairInfo& pair) {
+std::string lost_text(const DomainSnapshot::Pair& pair) {
   if (!pair.account.subscriber) return not_told;
   return fmt::format("{}; {} received", count_text(pair.account.subscriber->lost, "sample"),
                      pair.account.subscriber->received);
@@ -62,7 +62,8 @@ std::string account_headings() {
   return fmt::format(account_row, "PAIR", "BY", "SENT", "SAVED", "WITHHELD", "LOST");
 }
 
-std::string account_columns(const std::string& names, const std::string& by, const PairInfo& pair) {
+std::string account_columns(const std::string& names, const std::string& by,
+                            const DomainSnapshot::Pair& pair) {
   std::string sent = "-", saved = "-", withheld = "-", lost = "-";
   if (const auto& account = pair.account.publisher) {
     sent = short_count_text(account->sent, sent_width);

@@ -6,6 +6,8 @@ namespace sft::tool {
 
 namespace {
 
+using Member = StructType::Member;
+
 std::string in_cell(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string quoted = "\"";

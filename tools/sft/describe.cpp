@@ -25,7 +25,7 @@ void append_duration(std::string& text, const char* name, std::chrono::nanosecon
 
 Json qos_json(const Qos& qos) { return Json::parse(to_json(qos)); }
 
-Json progress_json(const EndpointInfo& publisher) {
+Json progress_json(const DomainSnapshot::Endpoint& publisher) {
   if (!publisher.progress) return nullptr;
   return {{"samples", publisher.progress->samples}, {"bytes", publisher.progress->bytes}};
 }
@@ -42,7 +42,7 @@ Json age_json(const std::optional<Account>& account) {
 
 }  // namespace
 
-Json endpoint_json(const EndpointInfo& e, bool publishes) {
+Json endpoint_json(const DomainSnapshot::Endpoint& e, bool publishes) {
   Json json = {{"id", hex_text(e.id)},
                {"role", publishes ? "publisher" : "subscriber"},
                {"node", e.node},
@@ -69,7 +69,8 @@ Json endpoint_json(const EndpointInfo& e, bool publishes) {
   return json;
 }
 
-Json pair_json(const PairInfo& pair, const EndpointInfo& publisher, const EndpointInfo& subscriber) {
+Json pair_json(const DomainSnapshot::Pair& pair, const DomainSnapshot::Endpoint& publisher,
+               const DomainSnapshot::Endpoint& subscriber) {
   const bool has_policy = pair.incompatible_policy != QosPolicy::none;
   return {{"publisher", {{"id", hex_text(pair.publisher)}, {"node", publisher.node}}},
           {"subscriber", {{"id", hex_text(pair.subscriber)}, {"node", subscriber.node}}},
@@ -86,15 +87,15 @@ Json pair_json(const PairInfo& pair, const EndpointInfo& publisher, const Endpoi
           {"offered", qos_json(publisher.qos)},
           {"requested", qos_json(subscriber.qos)},
           {"sent_by_publisher", progress_json(publisher)},
-          {"sent", told(pair.account.publisher, &SentAccount::sent)},
-          {"bytes_sent", told(pair.account.publisher, &SentAccount::bytes_sent)},
-          {"bytes_saved", told(pair.account.publisher, &SentAccount::bytes_saved)},
-          {"withheld", told(pair.account.publisher, &SentAccount::withheld)},
-          {"dropped", told(pair.account.publisher, &SentAccount::dropped)},
-          {"retained", told(pair.account.publisher, &SentAccount::retained)},
+          {"sent", told(pair.account.publisher, &DomainSnapshot::Sent::sent)},
+          {"bytes_sent", told(pair.account.publisher, &DomainSnapshot::Sent::bytes_sent)},
+          {"bytes_saved", told(pair.account.publisher, &DomainSnapshot::Sent::bytes_saved)},
+          {"withheld", told(pair.account.publisher, &DomainSnapshot::Sent::withheld)},
+          {"dropped", told(pair.account.publisher, &DomainSnapshot::Sent::dropped)},
+          {"retained", told(pair.account.publisher, &DomainSnapshot::Sent::retained)},
           {"publisher_told_ns_ago", age_json(pair.account.publisher)},
-          {"received", told(pair.account.subscriber, &ReceivedAccount::received)},
-          {"lost", told(pair.account.subscriber, &ReceivedAccount::lost)},
+          {"received", told(pair.account.subscriber, &DomainSnapshot::Received::received)},
+          {"lost", told(pair.account.subscriber, &DomainSnapshot::Received::lost)},
           {"subscriber_told_ns_ago", age_json(pair.account.subscriber)}};
 }
 
@@ -108,7 +109,7 @@ std::string qos_text(const Qos& qos) {
   return text;
 }
 
-std::string request_text(const EndpointInfo& subscriber) {
+std::string request_text(const DomainSnapshot::Endpoint& subscriber) {
   std::string text = !subscriber.fields           ? "fields of a type that is not described"
                      : subscriber.fields->empty() ? "no field"
                      : *subscriber.fields == "*"  ? "all fields"
@@ -117,20 +118,21 @@ std::string request_text(const EndpointInfo& subscriber) {
   return text;
 }
 
-std::string ways_text(const EndpointInfo& endpoint) {
+std::string ways_text(const DomainSnapshot::Endpoint& endpoint) {
   const char* shm = endpoint.shm_ready ? "shm" : "shm (not ready)";
   if (endpoint.may_use_shm && endpoint.may_use_udp) return fmt::format("{}, udp", shm);
   return endpoint.may_use_shm ? shm : "udp";
 }
 
-std::string verdict_text(const PairInfo& pair) {
+std::string verdict_text(const DomainSnapshot::Pair& pair) {
   if (!pair.matched) return "not matched: " + pair.reason;
   if (!pair.connected) return "matched, not connected yet: " + pair.reason;
   return fmt::format("matched by {}: {}", to_string(pair.transport), pair.reason);
 }
 
-const EndpointInfo* endpoint_of(std::uint64_t id, const std::vector<EndpointInfo>& endpoints) {
-  const auto found = std::ranges::find(endpoints, id, &EndpointInfo::id);
+const DomainSnapshot::Endpoint* endpoint_of(std::uint64_t id,
+                                            const std::vector<DomainSnapshot::Endpoint>& endpoints) {
+  const auto found = std::ranges::find(endpoints, id, &DomainSnapshot::Endpoint::id);
   return found == endpoints.end() ? nullptr : &*found;
 }
 

@@ -8,20 +8,21 @@
 namespace sft::tool {
 
 // The names in these objects are stable; later versions may add names.
-nlohmann::ordered_json endpoint_json(const EndpointInfo& endpoint, bool publishes);
+nlohmann::ordered_json endpoint_json(const DomainSnapshot::Endpoint& endpoint, bool publishes);
 /// Counters that their node has not reported are null.
-nlohmann::ordered_json pair_json(const PairInfo& pair, const EndpointInfo& publisher,
-                                 const EndpointInfo& subscriber);
+nlohmann::ordered_json pair_json(const DomainSnapshot::Pair& pair, const DomainSnapshot::Endpoint& publisher,
+                                 const DomainSnapshot::Endpoint& subscriber);
 
 /// "reliable, transient_local, keep last 10, deadline 100 ms"
 std::string qos_text(const Qos& qos);
 /// "height, width; at most 20 Hz"
-std::string request_text(const EndpointInfo& subscriber);
+std::string request_text(const DomainSnapshot::Endpoint& subscriber);
 /// "shm, udp"
-std::string ways_text(const EndpointInfo& endpoint);
+std::string ways_text(const DomainSnapshot::Endpoint& endpoint);
 /// "matched by udp: another host", "not matched: ...", in one line.
-std::string verdict_text(const PairInfo& pair);
+std::string verdict_text(const DomainSnapshot::Pair& pair);
 
-const EndpointInfo* endpoint_of(std::uint64_t id, const std::vector<EndpointInfo>& endpoints);
+const DomainSnapshot::Endpoint* endpoint_of(std::uint64_t id,
+                                            const std::vector<DomainSnapshot::Endpoint>& endpoints);
 
 }  // namespace sft::tool

@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-void print_endpoint(const EndpointInfo& e, bool publishes, Output& output) {
+void print_endpoint(const DomainSnapshot::Endpoint& e, bool publishes, Output& output) {
   output.line(fmt::format("  {}  {}", output.colored(printable(e.node), Color::cyan),
                           output.colored(hex_text(e.id), Color::dim)));
   const auto tell = [&](const char* what, const std::string& text) {
@@ -40,20 +40,22 @@ void print_text(const OneTopic& topic, Output& output) {
   output.line(output.colored(topic.name, Color::bold));
   std::set<std::pair<std::string, std::uint64_t>> types;
   for (const auto* endpoints : {&topic.publishers, &topic.subscribers})
-    for (const EndpointInfo& e : *endpoints) types.insert({ros_name(e.type_name), e.type_hash});
+    for (const DomainSnapshot::Endpoint& e : *endpoints) types.insert({ros_name(e.type_name), e.type_hash});
   for (const auto& [name, hash] : types) output.line(fmt::format("  {}  {}", name, hex_text(hash)));
   if (types.size() > 1)
     output.line(output.colored("  These types differ, and so do not match: see 'sft why'.", Color::yellow));
   output.line(count_text(topic.publishers.size(), "publisher"));
-  for (const EndpointInfo& e : topic.publishers) print_endpoint(e, true, output);
+  for (const DomainSnapshot::Endpoint& e : topic.publishers) print_endpoint(e, true, output);
   output.line(count_text(topic.subscribers.size(), "subscriber"));
-  for (const EndpointInfo& e : topic.subscribers) print_endpoint(e, false, output);
+  for (const DomainSnapshot::Endpoint& e : topic.subscribers) print_endpoint(e, false, output);
 }
 
 void print_json(const OneTopic& topic, Output& output) {
   Json json = {{"topic", topic.name}, {"publishers", Json::array()}, {"subscribers", Json::array()}};
-  for (const EndpointInfo& e : topic.publishers) json["publishers"].push_back(endpoint_json(e, true));
-  for (const EndpointInfo& e : topic.subscribers) json["subscribers"].push_back(endpoint_json(e, false));
+  for (const DomainSnapshot::Endpoint& e : topic.publishers)
+    json["publishers"].push_back(endpoint_json(e, true));
+  for (const DomainSnapshot::Endpoint& e : topic.subscribers)
+    json["subscribers"].push_back(endpoint_json(e, false));
   output.document(json);
 }
 

@@ -36,12 +36,12 @@ struct Inventory {
   std::map<std::pair<std::string, std::uint64_t>, std::set<std::string>> types;  ///< the topics of each type
 
   explicit Inventory(const DomainSnapshot& domain) {
-    for (const EndpointInfo& e : domain.publishers) add(e, true);
-    for (const EndpointInfo& e : domain.subscribers) add(e, false);
+    for (const DomainSnapshot::Endpoint& e : domain.publishers) add(e, true);
+    for (const DomainSnapshot::Endpoint& e : domain.subscribers) add(e, false);
   }
 
  private:
-  void add(const EndpointInfo& e, bool publishes) {
+  void add(const DomainSnapshot::Endpoint& e, bool publishes) {
     NodeEntry& node = nodes[{e.node, e.node_id}];
     node.name = e.node;
     (publishes ? node.publishes : node.subscribes).insert(e.topic);
@@ -89,8 +89,8 @@ Json types_json(const Inventory& inventory) {
 
 Json endpoints_json(const DomainSnapshot& domain) {
   Json list = Json::array();
-  for (const EndpointInfo& e : domain.publishers) list.push_back(endpoint_json(e, true));
-  for (const EndpointInfo& e : domain.subscribers) list.push_back(endpoint_json(e, false));
+  for (const DomainSnapshot::Endpoint& e : domain.publishers) list.push_back(endpoint_json(e, true));
+  for (const DomainSnapshot::Endpoint& e : domain.subscribers) list.push_back(endpoint_json(e, false));
   return list;
 }
 
@@ -128,9 +128,9 @@ Table table_of(const std::string& what, const DomainSnapshot& domain) {
   }
   if (what != "endpoints") return topics_table(inventory);
   Table table({"ID", "ROLE", "NODE", "TOPIC", "WAYS"});
-  for (const EndpointInfo& e : domain.publishers)
+  for (const DomainSnapshot::Endpoint& e : domain.publishers)
     table.add({hex_text(e.id), "publisher", e.node, e.topic, ways_text(e)});
-  for (const EndpointInfo& e : domain.subscribers)
+  for (const DomainSnapshot::Endpoint& e : domain.subscribers)
     table.add({hex_text(e.id), "subscriber", e.node, e.topic, ways_text(e)});
   return table;
 }
@@ -144,7 +144,7 @@ void print_names(const std::string& what, const DomainSnapshot& domain, Output& 
     for (const auto& [type, topics] : inventory.types) names.insert(type.first);
   } else if (what == "endpoints") {
     for (const auto* endpoints : {&domain.publishers, &domain.subscribers})
-      for (const EndpointInfo& e : *endpoints) names.insert(hex_text(e.id));
+      for (const DomainSnapshot::Endpoint& e : *endpoints) names.insert(hex_text(e.id));
   } else {
     for (const auto& [name, topic] : inventory.topics) names.insert(name);
   }

@@ -29,7 +29,7 @@ std::string short_name(std::string_view name) {
 
 std::optional<DynamicType> announced(const std::string& name, const DomainSnapshot& domain) {
   for (const auto* endpoints : {&domain.publishers, &domain.subscribers}) {
-    const auto found = std::ranges::find_if(*endpoints, [&](const EndpointInfo& e) {
+    const auto found = std::ranges::find_if(*endpoints, [&](const DomainSnapshot::Endpoint& e) {
       return e.type.has_value() && short_name(e.type_name) == name;
     });
     if (found != endpoints->end()) return found->type;

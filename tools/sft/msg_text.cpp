@@ -11,6 +11,8 @@ namespace sft::tool {
 
 namespace {
 
+using Member = StructType::Member;
+
 std::string element_text(const Member& m) {
   static constexpr std::array names{"bool",  "byte",   "char",  "int8",   "uint8",   "int16",   "uint16",
                                     "int32", "uint32", "int64", "uint64", "float32", "float64", "string"};

@@ -39,7 +39,7 @@ Finding daemon_of(const NodeStatus& status) {
 Finding domain_of(const NodeSnapshot& self, const DomainSnapshot& domain) {
   std::set<std::uint64_t> nodes;
   for (const auto* endpoints : {&domain.publishers, &domain.subscribers})
-    for (const EndpointInfo& e : *endpoints) nodes.insert(e.node_id);
+    for (const DomainSnapshot::Endpoint& e : *endpoints) nodes.insert(e.node_id);
   const std::uint64_t refused = self.status.control_malformed + self.status.control_ignored;
   const std::string text =
       fmt::format("domain {}, SFT {}, protocol {}: {} with publishers or subscribers", self.domain,

@@ -13,10 +13,10 @@ using namespace std::chrono_literals;
 
 OneTopic part_of(const DomainSnapshot& domain, const std::string& topic) {
   OneTopic part{.name = topic, .publishers = {}, .subscribers = {}, .pairs = {}};
-  const auto is_meant = [&](const EndpointInfo& e) { return e.topic == topic; };
+  const auto is_meant = [&](const DomainSnapshot::Endpoint& e) { return e.topic == topic; };
   std::ranges::copy_if(domain.publishers, std::back_inserter(part.publishers), is_meant);
   std::ranges::copy_if(domain.subscribers, std::back_inserter(part.subscribers), is_meant);
-  std::ranges::copy_if(domain.pairs, std::back_inserter(part.pairs), [&](const PairInfo& pair) {
+  std::ranges::copy_if(domain.pairs, std::back_inserter(part.pairs), [&](const DomainSnapshot::Pair& pair) {
     return endpoint_of(pair.publisher, part.publishers) != nullptr;
   });
   return part;

@@ -11,9 +11,9 @@ namespace sft::tool {
 
 struct OneTopic {
   std::string name;
-  std::vector<EndpointInfo> publishers;
-  std::vector<EndpointInfo> subscribers;
-  std::vector<PairInfo> pairs;
+  std::vector<DomainSnapshot::Endpoint> publishers;
+  std::vector<DomainSnapshot::Endpoint> subscribers;
+  std::vector<DomainSnapshot::Pair> pairs;
 };
 
 /// Errc::unavailable if no node uses the topic within the timeout. Otherwise collects the nodes that use it

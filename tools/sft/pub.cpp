@@ -96,7 +96,7 @@ class Source {
 };
 
 std::size_t served(const PublisherStatus& status) {
-  return static_cast<std::size_t>(std::ranges::count_if(status.readers, &ReaderStatus::served));
+  return static_cast<std::size_t>(std::ranges::count_if(status.readers, &PublisherStatus::Reader::served));
 }
 
 /// True if enough subscribers are served in time. Otherwise prints why they are not.
@@ -110,7 +110,7 @@ bool wait_for(std::size_t subscribers, const DynamicPublisher& publisher, const 
     std::string text =
         fmt::format("Nothing was published: {} of {} of '{}' came within {:g} s", served(status),
                     count_text(subscribers, "subscriber"), topic, common.timeout_s);
-    for (const ReaderStatus& reader : status.readers)
+    for (const PublisherStatus::Reader& reader : status.readers)
       if (!reader.served) text += fmt::format("; node '{}' is not served: {}", reader.node, reader.reason);
     complain(text + '.');
     return false;
@@ -139,7 +139,7 @@ void report(const DynamicPublisher& publisher, const std::string& topic, bool js
     return output.line(output.fitted(text, 4));
   }
   nlohmann::ordered_json readers = nlohmann::ordered_json::array();
-  for (const ReaderStatus& reader : status.readers) {
+  for (const PublisherStatus::Reader& reader : status.readers) {
     readers.push_back({{"node", reader.node},
                        {"served", reader.served},
                        {"transport", reader.served ? nlohmann::ordered_json(to_string(reader.transport))

@@ -21,7 +21,7 @@ constexpr std::chrono::milliseconds settle_time{
 Qos common_offer(const std::string& topic, const DomainSnapshot& domain) {
   Qos qos{.durability = Durability::transient_local};
   bool published = false;
-  for (const EndpointInfo& publisher : domain.publishers) {
+  for (const DomainSnapshot::Endpoint& publisher : domain.publishers) {
     if (publisher.topic != topic) continue;
     published = true;
     qos.durability = std::min(qos.durability, publisher.qos.durability);
@@ -44,12 +44,13 @@ Result<Session> Session::open(const CommonOptions& options, std::string_view com
 
 DomainSnapshot Session::domain() const {
   DomainSnapshot domain = node_.domain();
-  std::erase_if(domain.pairs, [&](const PairInfo& pair) {
-    return std::ranges::any_of(domain.subscribers,
-                               [&](const EndpointInfo& s) { return s.is_own && s.id == pair.subscriber; });
+  std::erase_if(domain.pairs, [&](const DomainSnapshot::Pair& pair) {
+    return std::ranges::any_of(domain.subscribers, [&](const DomainSnapshot::Endpoint& s) {
+      return s.is_own && s.id == pair.subscriber;
+    });
   });
   for (auto* endpoints : {&domain.publishers, &domain.subscribers}) {
-    std::erase_if(*endpoints, [](const EndpointInfo& e) { return e.is_own; });
+    std::erase_if(*endpoints, [](const DomainSnapshot::Endpoint& e) { return e.is_own; });
   }
   return domain;
 }
@@ -75,7 +76,7 @@ std::optional<std::string> Session::known_name(std::string_view topic, const Dom
   const std::string plain = plain_name(topic);
   const std::string given(topic);
   for (const std::string& name : {given, plain, "/" + plain}) {
-    const auto has = [&](const EndpointInfo& e) { return e.topic == name; };
+    const auto has = [&](const DomainSnapshot::Endpoint& e) { return e.topic == name; };
     if (std::ranges::any_of(domain.publishers, has) || std::ranges::any_of(domain.subscribers, has))
       return name;
   }

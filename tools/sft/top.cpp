@@ -35,20 +35,20 @@ struct View {
 std::set<std::string> topics_of(const DomainSnapshot& domain) {
   std::set<std::string> names;
   for (const auto* endpoints : {&domain.publishers, &domain.subscribers})
-    for (const EndpointInfo& e : *endpoints) names.insert(e.topic);
+    for (const DomainSnapshot::Endpoint& e : *endpoints) names.insert(e.topic);
   return names;
 }
 
 std::size_t count_nodes(const DomainSnapshot& domain) {
   std::set<std::uint64_t> nodes;
   for (const auto* endpoints : {&domain.publishers, &domain.subscribers})
-    for (const EndpointInfo& e : *endpoints) nodes.insert(e.node_id);
+    for (const DomainSnapshot::Endpoint& e : *endpoints) nodes.insert(e.node_id);
   return nodes.size();
 }
 
 std::optional<Traffic::Rate> rate_of(const OneTopic& topic, const Traffic& traffic, Clock::time_point now) {
   std::optional<Traffic::Rate> sum;
-  for (const EndpointInfo& publisher : topic.publishers) {
+  for (const DomainSnapshot::Endpoint& publisher : topic.publishers) {
     const auto rate = traffic.of(publisher.id, now);
     if (!rate) continue;
     if (!sum) sum = Traffic::Rate{};
@@ -65,9 +65,9 @@ Screen::Line topic_line(const OneTopic& topic, const std::optional<Traffic::Rate
           Color::bold};
 }
 
-Screen::Line pair_line(const PairInfo& pair, const OneTopic& topic) {
-  const EndpointInfo& publisher = *endpoint_of(pair.publisher, topic.publishers);
-  const EndpointInfo& subscriber = *endpoint_of(pair.subscriber, topic.subscribers);
+Screen::Line pair_line(const DomainSnapshot::Pair& pair, const OneTopic& topic) {
+  const DomainSnapshot::Endpoint& publisher = *endpoint_of(pair.publisher, topic.publishers);
+  const DomainSnapshot::Endpoint& subscriber = *endpoint_of(pair.subscriber, topic.subscribers);
   const std::string names = publisher.node + " -> " + subscriber.node;
   if (pair.connected) {  // wider terminals show the text behind the columns, too
     return {printable(fmt::format("{}  {}: {}", account_columns(names, to_string(pair.transport), pair),
@@ -89,7 +89,7 @@ std::vector<Screen::Line> page(const View& view, Clock::time_point now) {
   for (const std::string& name : topics) {
     const OneTopic topic = part_of(view.domain, name);
     lines.push_back(topic_line(topic, rate_of(topic, view.traffic, now)));
-    for (const PairInfo& pair : topic.pairs) lines.push_back(pair_line(pair, topic));
+    for (const DomainSnapshot::Pair& pair : topic.pairs) lines.push_back(pair_line(pair, topic));
   }
   return lines;
 }
@@ -100,7 +100,7 @@ Json json_of(const View& view, Clock::time_point now) {
     const OneTopic topic = part_of(view.domain, name);
     const auto rate = rate_of(topic, view.traffic, now);
     Json pairs = Json::array();
-    for (const PairInfo& pair : topic.pairs) {
+    for (const DomainSnapshot::Pair& pair : topic.pairs) {
       pairs.push_back(pair_json(pair, *endpoint_of(pair.publisher, topic.publishers),
                                 *endpoint_of(pair.subscriber, topic.subscribers)));
     }

@@ -9,7 +9,7 @@ constexpr std::chrono::seconds idle_after{5};  // a publisher without progress f
 }  // namespace
 
 void Traffic::note(const DomainSnapshot& domain, Clock::time_point now) {
-  for (const EndpointInfo& publisher : domain.publishers) {
+  for (const DomainSnapshot::Endpoint& publisher : domain.publishers) {
     if (!publisher.progress) continue;
     const auto [found, is_new] = entries_.try_emplace(publisher.id, Entry{*publisher.progress, now, {}});
     Entry& entry = found->second;
@@ -24,7 +24,8 @@ void Traffic::note(const DomainSnapshot& domain, Clock::time_point now) {
     entry.changed = now;
   }
   std::erase_if(entries_, [&](const auto& item) {
-    return std::ranges::find(domain.publishers, item.first, &EndpointInfo::id) == domain.publishers.end();
+    return std::ranges::find(domain.publishers, item.first, &DomainSnapshot::Endpoint::id) ==
+           domain.publishers.end();
   });
 }
 

@@ -24,7 +24,7 @@ class Traffic {
 
  private:
   struct Entry {
-    PublisherProgress latest;
+    DomainSnapshot::Progress latest;
     Clock::time_point changed;
     std::optional<Rate> rate;
   };

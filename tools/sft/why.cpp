@@ -37,7 +37,8 @@ void print_row(const char* name, const std::string& text, Output& output) {
 }
 
 /// Prints the names of both nodes, with the ids of the endpoints behind them, or below if there is no room.
-void print_ends(const EndpointInfo& publisher, const EndpointInfo& subscriber, Output& output) {
+void print_ends(const DomainSnapshot::Endpoint& publisher, const DomainSnapshot::Endpoint& subscriber,
+                Output& output) {
   const std::string ids = fmt::format("({} -> {})", hex_text(publisher.id), hex_text(subscriber.id));
   const std::vector<std::string> names =
       lines_of(printable(publisher.node + " -> " + subscriber.node), width, LongWords::broken);
@@ -53,7 +54,7 @@ void print_ends(const EndpointInfo& publisher, const EndpointInfo& subscriber, O
   }
 }
 
-void print_mismatch(const PairInfo& pair, const WhyOptions& options, Output& output) {
+void print_mismatch(const DomainSnapshot::Pair& pair, const WhyOptions& options, Output& output) {
   if (!pair.mismatch) return;
   output.line("    here: the publisher's definition; there: the subscriber's");
   if (!options.types) return;
@@ -61,9 +62,10 @@ void print_mismatch(const PairInfo& pair, const WhyOptions& options, Output& out
   output.write("    the subscriber has\n" + pair.mismatch->there);
 }
 
-void print_pair(const PairInfo& pair, const OneTopic& topic, const WhyOptions& options, Output& output) {
-  const EndpointInfo& publisher = *endpoint_of(pair.publisher, topic.publishers);
-  const EndpointInfo& subscriber = *endpoint_of(pair.subscriber, topic.subscribers);
+void print_pair(const DomainSnapshot::Pair& pair, const OneTopic& topic, const WhyOptions& options,
+                Output& output) {
+  const DomainSnapshot::Endpoint& publisher = *endpoint_of(pair.publisher, topic.publishers);
+  const DomainSnapshot::Endpoint& subscriber = *endpoint_of(pair.subscriber, topic.subscribers);
   const Color color = !pair.matched ? Color::red : pair.connected ? Color::green : Color::yellow;
   print_ends(publisher, subscriber, output);
   print_indented(verdict_text(pair), color, output);
@@ -89,14 +91,14 @@ void print_text(const OneTopic& topic, const WhyOptions& options, Output& output
   const std::vector<std::string> heading =
       lines_of(printable(topic.name) + ": " + numbers, width, LongWords::broken);
   for (const std::string& line : heading) output.line(output.colored(line, Color::bold));
-  for (const PairInfo& pair : topic.pairs) print_pair(pair, topic, options, output);
+  for (const DomainSnapshot::Pair& pair : topic.pairs) print_pair(pair, topic, options, output);
   if (topic.publishers.empty()) output.line("Nobody publishes it.");
   if (topic.subscribers.empty()) output.line("Nobody subscribes to it.");
 }
 
 void print_pairs_json(const OneTopic& topic, Output& output) {
   Json pairs = Json::array();
-  for (const PairInfo& pair : topic.pairs) {
+  for (const DomainSnapshot::Pair& pair : topic.pairs) {
     pairs.push_back(pair_json(pair, *endpoint_of(pair.publisher, topic.publishers),
                               *endpoint_of(pair.subscriber, topic.subscribers)));
   }
@@ -121,7 +123,7 @@ ExitCode run(const WhyOptions& options, const CommonOptions& common, Session& se
   };
   session.wait_until(all_are_told, common.wait_s);
   common.json ? print_pairs_json(*topic, session.output()) : print_text(*topic, options, session.output());
-  const bool all_match = std::ranges::all_of(topic->pairs, &PairInfo::matched);
+  const bool all_match = std::ranges::all_of(topic->pairs, &DomainSnapshot::Pair::matched);
   return all_match && !topic->pairs.empty() ? ExitCode::done : ExitCode::nothing;
 }
 

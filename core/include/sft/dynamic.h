@@ -95,9 +95,6 @@ class DynamicSample {
   mutable detail::BytesOnDemand declared_cdr_;
 };
 
-/// A callback with the rules of those of Subscriber (subscriber.h). The sample is destroyed after the call.
-using DynamicCallback = std::function<void(const DynamicSample&)>;
-
 /// A publisher that is moved, not copied. One thread at a time publishes, as with Publisher (publisher.h);
 /// any thread may call the other functions at any time.
 class DynamicPublisher {
@@ -145,6 +142,9 @@ class DynamicPublisher {
 /// A subscriber with the rules of Subscriber (subscriber.h) for threads, callbacks and lifetimes.
 class DynamicSubscriber {
  public:
+  /// A callback for samples. The sample is destroyed after the call.
+  using Callback = std::function<void(const DynamicSample&)>;
+
   /// For SFT's own code: Node::subscriber() opens one. `declared` is as in DynamicSample.
   DynamicSubscriber(DynamicType type, detail::untyped::Subscriber subscriber,
                     std::shared_ptr<const FieldMask> declared = nullptr)

@@ -9,30 +9,38 @@
 
 namespace sft {
 
-enum class EventKind : std::uint8_t {
-  matched,               ///< `text` says by which path, and why
-  unmatched,             ///< `text` says why
-  path_changed,          ///< `text` says to which path, and why
-  incompatible_qos,      ///< `policy` does not fit; the two will never match
-  incompatible_type,     ///< the topic has the same name but another type; the two will never match
-  no_path,               ///< all fits, but no path is allowed to both; `text` says why there is none
-  deadline_missed,       ///< the own promise on a publisher (`peer` is 0), the requested one on a subscriber
-  liveliness_lost,       ///< of the publisher itself (`peer` is 0), or of a publisher, on a subscriber
-  liveliness_recovered,  ///< likewise
-  samples_lost,          ///< only on subscribers
-  samples_diverted,      ///< only on publishers: sent by UDP because shared memory could not take them
-  held_too_many,  ///< only on subscribers: it holds max_held samples, and take() gives no more; `peer` is 0
-  /// A subscriber asks for other fields or another rate, which `text` names. On the subscriber itself `peer`
-  /// is 0.
-  request_changed,
-};
-/// The name of the enumerator; lives as long as the program.
-const char* to_string(EventKind kind);
-
 /// A value; callbacks may copy and keep it.
 struct Event {
+  /// What has happened.
+  enum class Kind : std::uint8_t {
+    matched,            ///< `text` says by which path, and why
+    unmatched,          ///< `text` says why
+    path_changed,       ///< `text` says to which path, and why
+    incompatible_qos,   ///< `policy` does not fit; the two will never match
+    incompatible_type,  ///< the topic has the same name but another type; the two will never match
+    no_path,            ///< all fits, but no path is allowed to both; `text` says why there is none
+    deadline_missed,    ///< the own promise on a publisher (`peer` is 0), the requested one on a subscriber
+    liveliness_lost,    ///< of the publisher itself (`peer` is 0), or of a publisher, on a subscriber
+    liveliness_recovered,  ///< likewise
+    samples_lost,          ///< only on subscribers
+    samples_diverted,      ///< only on publishers: sent by UDP because shared memory could not take them
+    held_too_many,  ///< only on subscribers: it holds max_held samples, and take() gives no more; `peer` is 0
+    /// A subscriber asks for other fields or another rate, which `text` names. On the subscriber itself
+    /// `peer` is 0.
+    request_changed,
+  };
+
+  /// A callback for events. It runs on the node's agent thread, which does nothing else meanwhile, so it must
+  /// be short. If it blocks that thread for a few seconds (5, or 14 with peers or without multicast), other
+  /// nodes take this node for dead and do not serve it until it goes on. No lock is held during the call: the
+  /// callback may call any function of SFT and destroy any object of it. The node's log gets the same events,
+  /// whether there is a callback or not. An event and its opposite within one batch of news may both be left
+  /// out. After the destructor of the publisher or subscriber the callback is not called any more (unless the
+  /// destructor runs within the callback itself).
+  using Callback = std::function<void(const Event&)>;
+
   /// The kind of news.
-  EventKind kind{};
+  Kind kind{};
   std::uint64_t peer = 0;  ///< id of the subscriber or publisher at the other end; 0: concerns none
   std::string node{};      ///< the name of the node of `peer`
   /// The first policy that does not fit, for incompatible_qos.
@@ -44,13 +52,7 @@ struct Event {
   friend bool operator==(const Event&, const Event&) = default;
 };
 
-/// A callback for events. It runs on the node's agent thread, which does nothing else meanwhile, so it must
-/// be short. If it blocks that thread for a few seconds (5, or 14 with peers or without multicast), other
-/// nodes take this node for dead and do not serve it until it goes on. No lock is held during the call: the
-/// callback may call any function of SFT and destroy any object of it. The node's log gets the same events,
-/// whether there is a callback or not. An event and its opposite within one batch of news may both be left
-/// out. After the destructor of the publisher or subscriber the callback is not called any more (unless the
-/// destructor runs within the callback itself).
-using EventCallback = std::function<void(const Event&)>;
+/// The name of the enumerator; lives as long as the program.
+const char* to_string(Event::Kind kind);
 
 }  // namespace sft

@@ -105,10 +105,11 @@ class Node {
   /// all. Without a callback the subscriber is asked for its samples.
   Result<DynamicSubscriber> subscriber(std::string_view topic, const DynamicType& type,
                                        std::string_view fields, const SubscriberOptions& options = {},
-                                       DynamicCallback callback = {});
+                                       DynamicSubscriber::Callback callback = {});
   /// The same with recorded fields: `node.subscriber("points", type, sft::recorded)`.
   Result<DynamicSubscriber> subscriber(std::string_view topic, const DynamicType& type, Recorded,
-                                       const SubscriberOptions& options = {}, DynamicCallback callback = {});
+                                       const SubscriberOptions& options = {},
+                                       DynamicSubscriber::Callback callback = {});
 
   /// Opens a publisher of messages that are encoded already, or are JSON or YAML. The node keeps the type
   /// until the node is closed, once for all publishers of it.
@@ -136,7 +137,8 @@ class Node {
                                                       detail::untyped::Callback callback);
   Result<DynamicSubscriber> open_subscriber(std::string_view topic, const DynamicType& type,
                                             detail::untyped::Requirement requirement,
-                                            const SubscriberOptions& options, DynamicCallback callback);
+                                            const SubscriberOptions& options,
+                                            DynamicSubscriber::Callback callback);
 
   std::shared_ptr<core::NodeCore> core_;
 };

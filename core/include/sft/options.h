@@ -25,20 +25,14 @@ enum class TransportChoice : std::uint8_t { automatic, shm, udp };
 /// warning: failures, and settings that can never work. error: functions that have ended and work again only
 /// in a new node.
 enum class LogLevel : std::uint8_t { debug, info, warning, error };
-/// A callback for lines of the log. It runs on the node's agent thread, as event callbacks do (event.h), so
-/// it must be short. No lock is held during the call: it may call any function of SFT. If it blocks for 5 s
-/// (14 s with peers or without multicast), other nodes take this node for dead and do not serve it until it
-/// goes on. If several nodes have the same sink, a thread of each node calls it. Of lines that repeat, ten of
-/// a kind are written and then one in 5 s, which says how many were left out.
-using LogSink = std::function<void(LogLevel, std::string_view)>;
-
-/// When samples are sent once for several hosts. `automatic`: whenever that puts fewer bytes on the wire, but
-/// not on wireless interfaces (udp_transport/multicast/multicast.md). A switch without IGMP snooping passes
-/// multicast on to all hosts, and loads all their cables: choose `off` there.
-enum class MulticastUse : std::uint8_t { automatic, off };
 
 /// UDP of one node.
 struct UdpSettings {
+  /// When samples are sent once for several hosts. `automatic`: whenever that puts fewer bytes on the wire,
+  /// but not on wireless interfaces (udp_transport/multicast/multicast.md). A switch without IGMP snooping
+  /// passes multicast on to all hosts, and loads all their cables: choose `off` there.
+  enum class Multicast : std::uint8_t { automatic, off };
+
   /// 0: any free port, and a second one for acknowledgements. A port that is given here is used for both.
   std::uint16_t port = 0;
   std::size_t receive_buffer_bytes = 32 * 1024 * 1024;  ///< requested from the kernel, which may grant less
@@ -48,7 +42,7 @@ struct UdpSettings {
   /// Samples that no longer fit into a queue meanwhile are dropped, the oldest first, and counted.
   std::uint64_t max_bytes_per_s = 0;
   /// Multicast: readers on several hosts may be sent one copy together.
-  MulticastUse multicast = MulticastUse::automatic;
+  Multicast multicast = Multicast::automatic;
 };
 
 /// Shared memory of one node, which the daemon sftd provides.
@@ -68,7 +62,8 @@ struct ShmSettings {
 };
 
 /// How nodes find each other. Nodes of one process may have different settings. Nodes with equal settings, an
-/// equal NodeOptions::cyclonedds_config and equal NodeThreads::discovery share the threads of Cyclone DDS.
+/// equal NodeOptions::cyclonedds_config and equal NodeOptions::Threads::discovery share the threads of
+/// Cyclone DDS.
 struct DiscoverySettings {
   /// Hosts on which nodes are looked for, besides those that multicast reaches: "10.0.0.7", "robot.local", or
   /// with the port of one process, "10.0.0.7:7410". Both sides have to name each other. On each host the
@@ -85,17 +80,17 @@ struct DiscoverySettings {
   bool multicast = true;
 };
 
-/// How the system chooses among threads that can run. `normal` is the default of the system (SCHED_OTHER).
-/// `fifo` and `round_robin` are the real-time policies SCHED_FIFO and SCHED_RR.
-enum class SchedulingPolicy : std::uint8_t { normal, fifo, round_robin };
-
 /// Settings of some threads of a node. These threads never inherit a real-time policy or a CPU set from the
 /// thread that opens the node: without settings they have the normal policy, and the CPUs that the program
 /// was started with.
 struct ThreadSettings {
+  /// How the system chooses among threads that can run. `normal` is the default of the system (SCHED_OTHER).
+  /// `fifo` and `round_robin` are the real-time policies SCHED_FIFO and SCHED_RR.
+  enum class Policy : std::uint8_t { normal, fifo, round_robin };
+
   /// The numbers of the CPUs on which they may run. Empty: the CPUs that the program was started with.
   std::vector<unsigned> cpus{};
-  SchedulingPolicy policy = SchedulingPolicy::normal;  ///< real-time policies need a right: see NodeThreads
+  Policy policy = Policy::normal;  ///< real-time policies need a right: see NodeOptions::Threads
   /// 1 (lowest) to 99 under a real-time policy, and 0 under the normal one.
   int priority = 0;
   /// The beginning of their names in /proc/PID/task/TID/comm: with "nav-" the thread "sft-udp-recv" is called
@@ -105,24 +100,31 @@ struct ThreadSettings {
   friend bool operator==(const ThreadSettings&, const ThreadSettings&) = default;
 };
 
-/// The threads of a node, by their work. Node::open() fails if the system refuses one of these settings, and
-/// names it: real-time policies need CAP_SYS_NICE, or a limit RLIMIT_RTPRIO of at least the priority.
-struct NodeThreads {
-  /// Receives by UDP, and calls back for samples that came by UDP as long as callbacks are short.
-  ThreadSettings receiver{};
-  /// Sends by UDP what publish() did not send itself, and wakes the readers of this host if several sleep.
-  ThreadSettings sender{};
-  /// Negotiates, and calls back for events and the log.
-  ThreadSettings agent{};
-  /// Call back for samples in shared memory, and make file descriptors readable.
-  ThreadSettings callbacks{};
-  /// The threads of Cyclone DDS. Nodes of one process share them only if their settings here are equal. The
-  /// settings have no effect if the program itself opened the DDS domain.
-  ThreadSettings discovery{};
-};
-
 /// One node.
 struct NodeOptions {
+  /// The threads of a node, by their work. Node::open() fails if the system refuses one of these settings,
+  /// and names it: real-time policies need CAP_SYS_NICE, or a limit RLIMIT_RTPRIO of at least the priority.
+  struct Threads {
+    /// Receives by UDP, and calls back for samples that came by UDP as long as callbacks are short.
+    ThreadSettings receiver{};
+    /// Sends by UDP what publish() did not send itself, and wakes the readers of this host if several sleep.
+    ThreadSettings sender{};
+    /// Negotiates, and calls back for events and the log.
+    ThreadSettings agent{};
+    /// Call back for samples in shared memory, and make file descriptors readable.
+    ThreadSettings callbacks{};
+    /// The threads of Cyclone DDS. Nodes of one process share them only if their settings here are equal. The
+    /// settings have no effect if the program itself opened the DDS domain.
+    ThreadSettings discovery{};
+  };
+
+  /// A callback for lines of the log. It runs on the node's agent thread, as event callbacks do (event.h), so
+  /// it must be short. No lock is held during the call: it may call any function of SFT. If it blocks for 5 s
+  /// (14 s with peers or without multicast), other nodes take this node for dead and do not serve it until it
+  /// goes on. If several nodes have the same sink, a thread of each node calls it. Of lines that repeat, ten
+  /// of a kind are written and then one in 5 s, which says how many were left out.
+  using LogSink = std::function<void(LogLevel, std::string_view)>;
+
   std::string name = "node";  ///< shown to people; several nodes may have the same name
   /// DDS domain of the control topics, 0 to 232. Default: $ROS_DOMAIN_ID, otherwise 0.
   std::optional<std::uint32_t> domain{};
@@ -134,7 +136,7 @@ struct NodeOptions {
   /// Settings of samples in shared memory.
   ShmSettings shm{};
   /// CPUs, scheduling and names of the threads.
-  NodeThreads threads{};
+  Threads threads{};
   /// Configuration of Cyclone DDS, as XML or names of files. It takes precedence over the settings of SFT,
   /// except for those without which SFT cannot work; the log and NodeStatus::discovery name the latter.
   /// Default: $CYCLONEDDS_URI.
@@ -186,33 +188,34 @@ struct PublisherOptions {
   /// all of them. (on_event tells what happened to each.) It runs on the node's agent thread and must be
   /// short. Like any callback it may be called before the function that opens the publisher has returned.
   std::function<void(const PublisherStatus&)> on_readers_changed{};
-  EventCallback on_event{};  ///< called with what happens to its pairs, on the node's agent thread: be short
-};
-
-/// Subscribers whose fields are recorded. A sample counts when it is released.
-struct RecordingSettings {
-  /// The subscriber asks for all fields at first, and after so many samples for those that were read; at
-  /// least 1.
-  std::uint32_t learn_samples = 3;
-  /// A field that was not read in so many samples in a row is not asked for any more; 0: once asked for, it
-  /// always is. A field that is read at least once in so many samples is never given up.
-  std::uint32_t narrow_after_samples = 100;
-  /// True: samples from shared memory have only the fields that were asked for when they were taken, as they
-  /// would on another host. A program can so be tried on one host before it runs on two. The fields are
-  /// copied. This also applies to a subscriber whose fields are not recorded.
-  bool as_remote = false;
+  Event::Callback
+      on_event{};  ///< called with what happens to its pairs, on the node's agent thread: be short
 };
 
 /// One subscriber. A duration of 0 means none: any deadline and any liveliness fit. Others are at least 1 ms.
 struct SubscriberOptions {
+  /// Subscribers whose fields are recorded. A sample counts when it is released.
+  struct Recording {
+    /// The subscriber asks for all fields at first, and after so many samples for those that were read; at
+    /// least 1.
+    std::uint32_t learn_samples = 3;
+    /// A field that was not read in so many samples in a row is not asked for any more; 0: once asked for, it
+    /// always is. A field that is read at least once in so many samples is never given up.
+    std::uint32_t narrow_after_samples = 100;
+    /// True: samples from shared memory have only the fields that were asked for when they were taken, as
+    /// they would on another host. A program can so be tried on one host before it runs on two. The fields
+    /// are copied. This also applies to a subscriber whose fields are not recorded.
+    bool as_remote = false;
+  };
+
   TransportChoice transport = TransportChoice::automatic;  ///< the paths that samples may come by
   Reliability reliability = Reliability::best_effort;      ///< reliable matches reliable publishers only
   Durability durability = Durability::volatile_;  ///< transient_local: asks for the last samples from before,
                                                   ///< and for a publisher that retains them
   /// Number of samples of each publisher that are kept until they are taken, 1 to 1,000,000. Beyond it the
   /// oldest are lost, and counted. Shared memory keeps at most 256; if a subscriber that may use it asks for
-  /// more, the log says so, and WriterStatus::depth tells the number in force. Of all publishers that are
-  /// gone together no more than this number is kept.
+  /// more, the log says so, and SubscriberStatus::Writer::depth tells the number in force. Of all publishers
+  /// that are gone together no more than this number is kept.
   std::uint32_t depth = 8;
   std::chrono::nanoseconds deadline{0};  ///< it expects a sample from each publisher at least so often
   Liveliness liveliness = Liveliness::automatic;  ///< manual_by_topic matches publishers of that kind only
@@ -222,7 +225,7 @@ struct SubscriberOptions {
   double max_rate_hz = 0;
   /// Number of samples in shared memory of one publisher that the program may hold at the same time, 2 to
   /// 256. While it holds that many, take() gives no more of that publisher; its next samples wait within
-  /// `depth`. The subscriber gets one event each time (EventKind::held_too_many). Others are not affected.
+  /// `depth`. The subscriber gets one event each time (Event::Kind::held_too_many). Others are not affected.
   std::uint32_t max_held = 256;
   /// How long wait() spins, which keeps a core busy, before it sleeps. A sample that comes within that time
   /// is taken within a microsecond, because no thread has to be woken. The default is about the time that it
@@ -235,8 +238,9 @@ struct SubscriberOptions {
   /// True: the subscriber has a Subscriber::file_descriptor(), and its node a thread that makes it readable
   /// for samples in shared memory. Not together with a callback.
   bool pollable = false;
-  RecordingSettings recording{};  ///< how fields are found out where they are recorded
-  EventCallback on_event{};  ///< called with what happens to its pairs, on the node's agent thread: be short
+  Recording recording{};  ///< how fields are found out where they are recorded
+  Event::Callback
+      on_event{};  ///< called with what happens to its pairs, on the node's agent thread: be short
 };
 
 }  // namespace sft

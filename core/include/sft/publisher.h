@@ -80,16 +80,16 @@ class Loan {
  private:
   struct ScalarPlace {
     bool found = false;
-    Member::Kind kind = Member::Kind::octet;
+    detail::Kind kind = detail::Kind::octet;
     const EnumType* enumeration = nullptr;
     std::size_t slot = 0;
   };
   static constexpr ScalarPlace scalar_place(const StructType& type, std::size_t leaf) {
     std::size_t slot = 0;
-    for (const Member& m : type.members) {
+    for (const StructType::Member& m : type.members) {
       const std::size_t leaves = leaf_count(m);
       if (leaf < leaves) {
-        if (m.shape != Member::Shape::single || m.kind == Member::Kind::string) return {};
+        if (m.shape != detail::Shape::single || m.kind == detail::Kind::string) return {};
         if (detail::is_primitive(m.kind)) return {true, m.kind, m.enumeration, slot};
         ScalarPlace below = scalar_place(*m.type, leaf);
         below.slot += slot;

@@ -12,24 +12,24 @@
 
 namespace sft {
 
-/// One leaf of the message type (type.h). Samples are numbered from 1, in the order in which the program
-/// released them.
-struct FieldRequirement {
-  std::string path;               ///< "fields[].name"
-  std::uint64_t samples = 0;      ///< the number of samples in which the field was read
-  std::uint64_t last_sample = 0;  ///< the number of the last of these samples; 0: the field was never read
-  bool requested = false;         ///< true: the subscriber asks for the field at present
-};
-
 /// A copy of what Subscriber::requirements() knew when it was called; a value that any thread may use. A read
 /// counts once its sample has been released, on whatever thread it happened. Reads by getters count; copies
 /// of the whole sample (cdr(), to_partial()) do not.
 struct Requirements {
+  /// One leaf of the message type (type.h). Samples are numbered from 1, in the order in which the program
+  /// released them.
+  struct Field {
+    std::string path;               ///< "fields[].name"
+    std::uint64_t samples = 0;      ///< the number of samples in which the field was read
+    std::uint64_t last_sample = 0;  ///< the number of the last of these samples; 0: the field was never read
+    bool requested = false;         ///< true: the subscriber asks for the field at present
+  };
+
   bool recorded = false;      ///< false: the fields are declared, and nothing is counted
   std::uint64_t samples = 0;  ///< the number of samples that were released
   FieldMask mask;             ///< the fields that were read in at least one sample, or that are declared
   std::string text;           ///< the mask, as Node::subscriber and TypeSupport::parse_mask take it
-  std::vector<FieldRequirement> fields;  ///< all leaves of the type
+  std::vector<Field> fields;  ///< all leaves of the type
 };
 
 }  // namespace sft

@@ -39,50 +39,50 @@
 
 namespace sft {
 
-/// One reader of a publisher.
-struct ReaderSnapshot : ReaderStatus {
-  std::string fields{};  ///< the fields that it is sent
-};
-
-/// One publisher. Members without a comment are as in PublisherStatus.
-struct PublisherSnapshot {
-  std::uint64_t id = 0;                 ///< EndpointInfo::id
-  std::string topic;                    ///< without a slash at the beginning
-  std::string type;                     ///< the name of the type
-  Qos qos;                              ///< offered
-  std::string fields;                   ///< the fields that are encoded at present
-  std::uint64_t published = 0;          ///< as in PublisherStatus
-  std::uint64_t bytes_sent = 0;         ///< as in PublisherStatus
-  std::uint64_t bytes_saved = 0;        ///< as in PublisherStatus
-  std::uint64_t dropped = 0;            ///< as in PublisherStatus
-  Diverted diverted{};                  ///< as in PublisherStatus
-  std::uint64_t deadlines_missed = 0;   ///< as in PublisherStatus
-  bool alive = true;                    ///< as in PublisherStatus
-  std::vector<ReaderSnapshot> readers;  ///< all subscribers of the topic, served or not
-};
-
-/// One subscriber. Members without a comment are as in SubscriberStatus.
-struct SubscriberSnapshot {
-  std::uint64_t id = 0;               ///< EndpointInfo::id
-  std::string topic;                  ///< without a slash at the beginning
-  std::string type;                   ///< the name of the type
-  Qos qos;                            ///< requested
-  std::string fields;                 ///< the fields that it asks for at present
-  bool recorded = false;              ///< true: they were found by recording
-  double max_rate_hz = 0;             ///< the rate that it asks for; 0: all samples
-  std::uint64_t requests = 0;         ///< as in SubscriberStatus
-  std::uint64_t received = 0;         ///< as in SubscriberStatus
-  std::uint64_t lost = 0;             ///< as in SubscriberStatus
-  std::uint64_t withheld = 0;         ///< as in SubscriberStatus
-  std::uint64_t expired = 0;          ///< as in SubscriberStatus
-  std::uint64_t discarded = 0;        ///< as in SubscriberStatus
-  std::uint64_t held_too_many = 0;    ///< as in SubscriberStatus
-  std::uint64_t restarts = 0;         ///< as in SubscriberStatus
-  std::vector<WriterStatus> writers;  ///< all publishers of the topic, heard or not
-};
-
 /// The result of Node::snapshot().
 struct NodeSnapshot {
+  /// One publisher. Members without a comment are as in PublisherStatus.
+  struct Publisher {
+    /// One reader of a publisher.
+    struct Reader : PublisherStatus::Reader {
+      std::string fields{};  ///< the fields that it is sent
+    };
+
+    std::uint64_t id = 0;                  ///< DomainSnapshot::Endpoint::id
+    std::string topic;                     ///< without a slash at the beginning
+    std::string type;                      ///< the name of the type
+    Qos qos;                               ///< offered
+    std::string fields;                    ///< the fields that are encoded at present
+    std::uint64_t published = 0;           ///< as in PublisherStatus
+    std::uint64_t bytes_sent = 0;          ///< as in PublisherStatus
+    std::uint64_t bytes_saved = 0;         ///< as in PublisherStatus
+    std::uint64_t dropped = 0;             ///< as in PublisherStatus
+    PublisherStatus::Diverted diverted{};  ///< as in PublisherStatus
+    std::uint64_t deadlines_missed = 0;    ///< as in PublisherStatus
+    bool alive = true;                     ///< as in PublisherStatus
+    std::vector<Reader> readers;           ///< all subscribers of the topic, served or not
+  };
+
+  /// One subscriber. Members without a comment are as in SubscriberStatus.
+  struct Subscriber {
+    std::uint64_t id = 0;                           ///< DomainSnapshot::Endpoint::id
+    std::string topic;                              ///< without a slash at the beginning
+    std::string type;                               ///< the name of the type
+    Qos qos;                                        ///< requested
+    std::string fields;                             ///< the fields that it asks for at present
+    bool recorded = false;                          ///< true: they were found by recording
+    double max_rate_hz = 0;                         ///< the rate that it asks for; 0: all samples
+    std::uint64_t requests = 0;                     ///< as in SubscriberStatus
+    std::uint64_t received = 0;                     ///< as in SubscriberStatus
+    std::uint64_t lost = 0;                         ///< as in SubscriberStatus
+    std::uint64_t withheld = 0;                     ///< as in SubscriberStatus
+    std::uint64_t expired = 0;                      ///< as in SubscriberStatus
+    std::uint64_t discarded = 0;                    ///< as in SubscriberStatus
+    std::uint64_t held_too_many = 0;                ///< as in SubscriberStatus
+    std::uint64_t restarts = 0;                     ///< as in SubscriberStatus
+    std::vector<SubscriberStatus::Writer> writers;  ///< all publishers of the topic, heard or not
+  };
+
   /// NodeOptions::name.
   std::string name;
   /// The DDS domain.
@@ -91,9 +91,9 @@ struct NodeSnapshot {
   std::uint32_t control_protocol = 0;  ///< nodes with another version of the control protocol are not seen
   /// The time at which the snapshot was taken.
   std::chrono::sys_time<std::chrono::nanoseconds> time{};
-  NodeStatus status;                            ///< how shared memory and UDP work, and what was refused
-  std::vector<PublisherSnapshot> publishers;    ///< in the order in which they were opened
-  std::vector<SubscriberSnapshot> subscribers;  ///< in the same order
+  NodeStatus status;                    ///< how shared memory and UDP work, and what was refused
+  std::vector<Publisher> publishers;    ///< in the order in which they were opened
+  std::vector<Subscriber> subscribers;  ///< in the same order
 };
 
 /// The object `qos` of a publisher or subscriber, in one line.

@@ -34,55 +34,6 @@ struct TypeMismatch {
   std::string there;       ///< empty, as is the difference, if the other side does not describe its type
 };
 
-/// One subscriber of the topic, as the publisher serves it.
-struct ReaderStatus {
-  std::uint64_t id = 0;       ///< EndpointInfo::id of the subscriber
-  std::string node;           ///< the name of its node
-  bool served = false;        ///< false: `reason` says why nothing is sent
-  TransportKind transport{};  ///< means something only while it is served
-  /// Why this transport is used, or why the reader is not served; says also if its host does not answer.
-  std::string reason{};
-  /// If it is served by UDP: with whom it shares a multicast group, or why it shares none.
-  std::string multicast{};
-  bool incompatible_type = false;                   ///< the names or definitions of the types differ
-  std::shared_ptr<const TypeMismatch> mismatch{};   ///< not null: two definitions of one type
-  QosPolicy incompatible_policy = QosPolicy::none;  ///< the first that does not fit; `reason` names all
-  bool no_path = false;                             ///< all fits, but no path is allowed to both
-  bool no_path_yet = false;  ///< no_path, and shared memory may still come up on this side or the other
-  FieldMask mask{};          ///< the fields that it is sent
-  double max_rate_hz = 0;    ///< the rate that it asks for; 0: all samples
-  std::uint64_t request_sequence = 0;  ///< the number of its request that is in force
-
-  // Samples since the reader was first served, over all its requests and all its paths. Samples that were
-  // queued for it when its route changed count as sent.
-  std::uint64_t published = 0;  ///< while it was served: sent + withheld + dropped
-  std::uint64_t sent = 0;       ///< put into shared memory, given to the system, or queued for that
-  std::uint64_t withheld = 0;   ///< not sent, to keep to max_rate_hz
-  std::uint64_t dropped = 0;    ///< not sent: a queue or the memory was full, or the system refused
-  std::uint64_t retained = 0;   ///< older ones that a durable publisher sent first; not in the counts above
-  std::uint64_t diverted = 0;   ///< a part of `sent`: sent by UDP because shared memory could not take them
-
-  // Bytes of the bodies that went over the network or the loopback, without headers. A sample in shared
-  // memory counts neither as sent nor as saved. If several readers of a process ask for the same fields,
-  // bytes that travel once count for each of these readers.
-  std::uint64_t bytes_sent = 0;  ///< see above
-  /// The size of the same samples with all fields, less bytes_sent. A sample that was not encoded with all
-  /// fields counts as large as the last one that was measured, at most 10 ms before.
-  std::uint64_t bytes_saved = 0;
-  friend bool operator==(const ReaderStatus&, const ReaderStatus&) = default;
-};
-
-/// The number of samples that shared memory could not take, by reason. They went by UDP to the readers that
-/// may use UDP; the other readers missed them.
-struct Diverted {
-  std::uint64_t exhausted = 0;    ///< readers, loans and the history held all chunks of that size
-  std::uint64_t too_large = 0;    ///< the sample was larger than the largest chunk
-  std::uint64_t unavailable = 0;  ///< the daemon had just ended, or held a lock
-  /// Samples, for whatever reason.
-  std::uint64_t total() const { return exhausted + too_large + unavailable; }
-  friend bool operator==(const Diverted&, const Diverted&) = default;
-};
-
 /// The result of publishing a message.
 enum class PublishStatus : std::uint8_t {
   ok,
@@ -116,6 +67,55 @@ const char* to_string(ShrinkStatus status);
 
 /// One publisher.
 struct PublisherStatus {
+  /// One subscriber of the topic, as the publisher serves it.
+  struct Reader {
+    std::uint64_t id = 0;       ///< DomainSnapshot::Endpoint::id of the subscriber
+    std::string node;           ///< the name of its node
+    bool served = false;        ///< false: `reason` says why nothing is sent
+    TransportKind transport{};  ///< means something only while it is served
+    /// Why this transport is used, or why the reader is not served; says also if its host does not answer.
+    std::string reason{};
+    /// If it is served by UDP: with whom it shares a multicast group, or why it shares none.
+    std::string multicast{};
+    bool incompatible_type = false;                   ///< the names or definitions of the types differ
+    std::shared_ptr<const TypeMismatch> mismatch{};   ///< not null: two definitions of one type
+    QosPolicy incompatible_policy = QosPolicy::none;  ///< the first that does not fit; `reason` names all
+    bool no_path = false;                             ///< all fits, but no path is allowed to both
+    bool no_path_yet = false;  ///< no_path, and shared memory may still come up on this side or the other
+    FieldMask mask{};          ///< the fields that it is sent
+    double max_rate_hz = 0;    ///< the rate that it asks for; 0: all samples
+    std::uint64_t request_sequence = 0;  ///< the number of its request that is in force
+
+    // Samples since the reader was first served, over all its requests and all its paths. Samples that were
+    // queued for it when its route changed count as sent.
+    std::uint64_t published = 0;  ///< while it was served: sent + withheld + dropped
+    std::uint64_t sent = 0;       ///< put into shared memory, given to the system, or queued for that
+    std::uint64_t withheld = 0;   ///< not sent, to keep to max_rate_hz
+    std::uint64_t dropped = 0;    ///< not sent: a queue or the memory was full, or the system refused
+    std::uint64_t retained = 0;   ///< older ones that a durable publisher sent first; not in the counts above
+    std::uint64_t diverted = 0;   ///< a part of `sent`: sent by UDP because shared memory could not take them
+
+    // Bytes of the bodies that went over the network or the loopback, without headers. A sample in shared
+    // memory counts neither as sent nor as saved. If several readers of a process ask for the same fields,
+    // bytes that travel once count for each of these readers.
+    std::uint64_t bytes_sent = 0;  ///< see above
+    /// The size of the same samples with all fields, less bytes_sent. A sample that was not encoded with all
+    /// fields counts as large as the last one that was measured, at most 10 ms before.
+    std::uint64_t bytes_saved = 0;
+    friend bool operator==(const Reader&, const Reader&) = default;
+  };
+
+  /// The number of samples that shared memory could not take, by reason. They went by UDP to the readers that
+  /// may use UDP; the other readers missed them.
+  struct Diverted {
+    std::uint64_t exhausted = 0;    ///< readers, loans and the history held all chunks of that size
+    std::uint64_t too_large = 0;    ///< the sample was larger than the largest chunk
+    std::uint64_t unavailable = 0;  ///< the daemon had just ended, or held a lock
+    /// Samples, for whatever reason.
+    std::uint64_t total() const { return exhausted + too_large + unavailable; }
+    friend bool operator==(const Diverted&, const Diverted&) = default;
+  };
+
   std::uint64_t published = 0;         ///< the number of samples
   std::uint64_t bytes_sent = 0;        ///< bodies and SFT headers over the network, each datagram once
   std::uint64_t bytes_saved = 0;       ///< for all readers, also those that are gone
@@ -126,38 +126,38 @@ struct PublisherStatus {
   std::uint64_t dropped = 0;
   /// Samples that shared memory could not take.
   Diverted diverted{};
-  FieldMask mask;                     ///< the fields of a sample that are encoded at present
-  std::vector<ReaderStatus> readers;  ///< all subscribers of the topic, served or not
-};
-
-/// One publisher of the topic, as the subscriber receives from it.
-struct WriterStatus {
-  std::uint64_t id = 0;       ///< EndpointInfo::id of the publisher
-  std::string node;           ///< the name of its node
-  bool matched = false;       ///< false: `reason` says why
-  bool connected = false;     ///< its samples come, by `transport`
-  bool alive = true;          ///< false: its lease or that of its node is over; `reason` says which
-  TransportKind transport{};  ///< means something only while it is connected
-  std::string reason{};       ///< for the transport, or for there being none; for people
-  /// The number of its samples that are kept until they are taken: SubscriberOptions::depth, or as many as
-  /// shared memory keeps.
-  std::uint32_t depth = 0;
-  bool incompatible_type = false;                   ///< the names or definitions of the types differ
-  std::shared_ptr<const TypeMismatch> mismatch{};   ///< not null: two definitions of one type
-  QosPolicy incompatible_policy = QosPolicy::none;  ///< the first that does not fit; `reason` names all
-  bool no_path = false;                             ///< all fits, but no path is allowed to both
-  bool no_path_yet = false;    ///< no_path, and shared memory may still come up on this side or the other
-  std::uint64_t received = 0;  ///< samples that were taken or given to the callback
-  std::uint64_t lost = 0;      ///< samples that should have come, and did not
-  std::uint64_t withheld = 0;  ///< samples that were not sent, or were skipped, to keep to max_rate_hz
-  std::uint64_t expired = 0;   ///< samples that were not delivered because their lifespan was over
-  std::uint64_t deadlines_missed = 0;  ///< periods of the subscriber's deadline without a sample of it
-  /// How often the connection was set up anew because the publisher sent and nothing arrived.
-  std::uint64_t restarts = 0;
+  FieldMask mask;               ///< the fields of a sample that are encoded at present
+  std::vector<Reader> readers;  ///< all subscribers of the topic, served or not
 };
 
 /// One subscriber. Sample counts are over all publishers, also those that are gone.
 struct SubscriberStatus {
+  /// One publisher of the topic, as the subscriber receives from it.
+  struct Writer {
+    std::uint64_t id = 0;       ///< DomainSnapshot::Endpoint::id of the publisher
+    std::string node;           ///< the name of its node
+    bool matched = false;       ///< false: `reason` says why
+    bool connected = false;     ///< its samples come, by `transport`
+    bool alive = true;          ///< false: its lease or that of its node is over; `reason` says which
+    TransportKind transport{};  ///< means something only while it is connected
+    std::string reason{};       ///< for the transport, or for there being none; for people
+    /// The number of its samples that are kept until they are taken: SubscriberOptions::depth, or as many as
+    /// shared memory keeps.
+    std::uint32_t depth = 0;
+    bool incompatible_type = false;                   ///< the names or definitions of the types differ
+    std::shared_ptr<const TypeMismatch> mismatch{};   ///< not null: two definitions of one type
+    QosPolicy incompatible_policy = QosPolicy::none;  ///< the first that does not fit; `reason` names all
+    bool no_path = false;                             ///< all fits, but no path is allowed to both
+    bool no_path_yet = false;    ///< no_path, and shared memory may still come up on this side or the other
+    std::uint64_t received = 0;  ///< samples that were taken or given to the callback
+    std::uint64_t lost = 0;      ///< samples that should have come, and did not
+    std::uint64_t withheld = 0;  ///< samples that were not sent, or were skipped, to keep to max_rate_hz
+    std::uint64_t expired = 0;   ///< samples that were not delivered because their lifespan was over
+    std::uint64_t deadlines_missed = 0;  ///< periods of the subscriber's deadline without a sample of it
+    /// How often the connection was set up anew because the publisher sent and nothing arrived.
+    std::uint64_t restarts = 0;
+  };
+
   std::uint64_t received = 0;  ///< samples that were taken or given to the callback
   std::uint64_t lost = 0;      ///< also those of publishers that are gone that were not taken in time
   std::uint64_t withheld = 0;  ///< samples that were not sent, or were skipped, to keep to max_rate_hz
@@ -172,7 +172,7 @@ struct SubscriberStatus {
   std::uint64_t requests = 0;  ///< requests for fields and rates that were sent
   std::uint64_t restarts = 0;  ///< connections that were set up anew because nothing arrived
   /// All publishers of the topic, heard or not.
-  std::vector<WriterStatus> writers;
+  std::vector<Writer> writers;
 };
 
 /// One node. Texts are sentences for people.

@@ -24,8 +24,8 @@ template <class T>
 constexpr auto& members = sft::detail::TypeTable<T>::members;
 
 template <class T>
-const sft::Member& member(std::string_view name) {
-  for (const sft::Member& m : members<T>) {
+const sft::StructType::Member& member(std::string_view name) {
+  for (const sft::StructType::Member& m : members<T>) {
     if (m.name == name) return m;
   }
   throw std::out_of_range(std::string(name));
@@ -218,7 +218,7 @@ TEST(Table, HasAKindForEachPrimitive) {
                              uint16,  uint16, int32,     int32,   uint32,  uint32, int64,
                              int64,   uint64, uint64,    float32, float64, string};
   std::vector<sft::detail::Kind> kinds;
-  for (const sft::Member& m : members<torture::Primitives>) kinds.push_back(m.kind);
+  for (const sft::StructType::Member& m : members<torture::Primitives>) kinds.push_back(m.kind);
   EXPECT_EQ(kinds, expected);
 }
 

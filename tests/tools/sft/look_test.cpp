@@ -16,7 +16,7 @@ using nav_msgs::msg::Odometry;
 class LookTest : public ToolTest {
  protected:
   /// Returns the id as `sft why` writes it.
-  static std::string id_of(const ReaderStatus& reader) {
+  static std::string id_of(const PublisherStatus::Reader& reader) {
     std::ostringstream id;
     id << std::hex << std::setfill('0') << std::setw(16) << reader.id;
     return id.str();
@@ -114,7 +114,7 @@ TEST_F(LookTest, WhyTellsWhatTwoFieldsOfALargeCloudHaveSaved) {
   auto all = logger.subscriber<PointCloud2, F::width | F::height>("points").value();
   std::string id;
   ASSERT_TRUE(eventually([&] {
-    for (const ReaderStatus& reader : points.status().readers) {
+    for (const PublisherStatus::Reader& reader : points.status().readers) {
       if (reader.served && reader.max_rate_hz == 0) id = id_of(reader);
     }
     return !id.empty();

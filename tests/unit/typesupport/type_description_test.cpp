@@ -113,7 +113,7 @@ class Handmade {
     }
     return *this;
   }
-  std::string error(const DescriptionLimits& limits = {}) const {
+  std::string error(const DynamicType::Limits& limits = {}) const {
     const auto parsed = DynamicType::parse(bytes_, limits);
     return parsed ? "" : parsed.error().message;
   }

@@ -64,7 +64,7 @@ class LidarRole {
     report.dropped = dropped_;
     report.full_bytes = full_bytes_;
     report.finished = !next_.has_value();
-    for (const ReaderStatus& reader : publisher_.status().readers) {
+    for (const PublisherStatus::Reader& reader : publisher_.status().readers) {
       report.readers.push_back(
           {reader.node, reader.served, to_string(reader.transport), reader.reason, reader.withheld});
     }

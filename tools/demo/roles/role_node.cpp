@@ -15,7 +15,7 @@ Result<std::unique_ptr<RoleNode>> RoleNode::open(const NodePlan& plan) {
       .transport = plan.transport,
       // The host of a subscriber is to show what that subscriber costs, but the switch passes multicast on to
       // all hosts.
-      .udp = {.multicast = MulticastUse::off},
+      .udp = {.multicast = UdpSettings::Multicast::off},
       // The user's own configuration names interfaces of this machine, which other hosts do not have.
       .cyclonedds_config = "",
       .log = [self = role.get()](LogLevel level, std::string_view text) { self->note(level, text); },

@@ -92,7 +92,7 @@ class SubscriberRole {
   SubscriberReport report() {
     SubscriberReport report;
     const SubscriberStatus status = subscriber_->status();
-    for (const WriterStatus& writer : status.writers) {
+    for (const SubscriberStatus::Writer& writer : status.writers) {
       report.matched |= writer.matched;
       report.transport = to_string(writer.transport);
       report.reason = writer.reason;

@@ -73,7 +73,7 @@ class DynamicType::Storage {
 
 class DynamicType::Parser {
  public:
-  Parser(Storage& storage, const DescriptionLimits& limits) : out_(storage), limits_(limits) {}
+  Parser(Storage& storage, const DynamicType::Limits& limits) : out_(storage), limits_(limits) {}
 
   /// Returns nothing if the description is valid, otherwise its first error.
   std::optional<std::string> run() {
@@ -301,7 +301,7 @@ class DynamicType::Parser {
   }
 
   Storage& out_;
-  const DescriptionLimits& limits_;
+  const DynamicType::Limits& limits_;
   std::size_t at_ = 0;
   std::vector<Expanded> expanded_;  // sizes of the structs read so far
   Names type_names_;
@@ -309,7 +309,7 @@ class DynamicType::Parser {
 };
 
 Result<DynamicType> DynamicType::parse(std::span<const std::byte> description,
-                                       const DescriptionLimits& limits) {
+                                       const DynamicType::Limits& limits) {
   if (description.size() > limits.bytes) {  // before it is copied
     return fail(Errc::limit_exceeded, "a type description of " + std::to_string(description.size()) +
                                           " bytes; " + std::to_string(limits.bytes) + " are allowed");

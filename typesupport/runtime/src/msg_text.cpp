@@ -277,7 +277,7 @@ Result<TypeName> name_of_message(std::string_view text) {
                   (is_printable(text) ? std::string(text) : "something unprintable") + "'");
 }
 
-Result<DynamicType> made(MsgReader& reader, const TypeName& root, const DescriptionLimits& limits) {
+Result<DynamicType> made(MsgReader& reader, const TypeName& root, const DynamicType::Limits& limits) {
   const Result<const StructType*> type = reader.type_of(root);
   if (!type) return tl::unexpected(type.error());
   return DynamicType::parse(describe(**type), limits);
@@ -287,7 +287,8 @@ Result<DynamicType> made(MsgReader& reader, const TypeName& root, const Descript
 
 Result<std::string> to_msg(const DynamicType& type) { return MsgWriter().write(type.type()); }
 
-Result<DynamicType> from_msg(std::string_view name, std::string_view text, const DescriptionLimits& limits) {
+Result<DynamicType> from_msg(std::string_view name, std::string_view text,
+                             const DynamicType::Limits& limits) {
   const Result<TypeName> root = name_of_message(name);
   if (!root) return tl::unexpected(root.error());
   MsgReader reader;
@@ -296,7 +297,7 @@ Result<DynamicType> from_msg(std::string_view name, std::string_view text, const
 }
 
 Result<DynamicType> find_msg(std::string_view name, std::span<const std::filesystem::path> roots,
-                             const DescriptionLimits& limits) {
+                             const DynamicType::Limits& limits) {
   const Result<TypeName> root = name_of_message(name);
   if (!root) return tl::unexpected(root.error());
   MsgReader reader(msg::SearchPath({roots.begin(), roots.end()}));
@@ -305,7 +306,7 @@ Result<DynamicType> find_msg(std::string_view name, std::span<const std::filesys
 
 Result<DynamicType> from_msg_file(const std::filesystem::path& file,
                                   std::span<const std::filesystem::path> roots,
-                                  const DescriptionLimits& limits) {
+                                  const DynamicType::Limits& limits) {
   std::error_code error;
   const std::filesystem::path whole = std::filesystem::absolute(file, error).lexically_normal();
   const std::filesystem::path folder = whole.parent_path();

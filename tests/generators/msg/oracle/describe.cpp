@@ -19,7 +19,7 @@ json number(const std::byte* at) {
 
 json initial(const sft::StructType& type, const std::byte* object);
 
-json element(const sft::Member& member, const std::byte* at) {
+json element(const sft::StructType::Member& member, const std::byte* at) {
   switch (member.kind) {
     case sft::detail::Kind::boolean:
       return *at != std::byte{0};
@@ -53,7 +53,7 @@ json element(const sft::Member& member, const std::byte* at) {
   return {};
 }
 
-json value(const sft::Member& member, const std::byte* at) {
+json value(const sft::StructType::Member& member, const std::byte* at) {
   if (member.shape == sft::detail::Shape::single) return element(member, at);
   const bool is_sequence = member.shape == sft::detail::Shape::sequence;
   const std::size_t count = is_sequence ? member.access->size(at) : member.count;
@@ -65,7 +65,8 @@ json value(const sft::Member& member, const std::byte* at) {
 
 json initial(const sft::StructType& type, const std::byte* object) {
   json members = json::object();
-  for (const sft::Member& m : type.members) members[std::string(m.name)] = value(m, object + m.offset);
+  for (const sft::StructType::Member& m : type.members)
+    members[std::string(m.name)] = value(m, object + m.offset);
   return members;
 }
 
@@ -75,7 +76,7 @@ void describe(json& types) {
   json& type = types[std::string(support.name())];
   type["hash"] = support.hash();
   for (std::size_t i = 0; i < support.leaves(); ++i) type["paths"].push_back(support.path(i));
-  for (const sft::Member& m : support.type().members) type["units"][std::string(m.name)] = m.unit;
+  for (const sft::StructType::Member& m : support.type().members) type["units"][std::string(m.name)] = m.unit;
   const T object{};
   type["initial"] = initial(support.type(), reinterpret_cast<const std::byte*>(&object));
   type["constants"] = json::object();

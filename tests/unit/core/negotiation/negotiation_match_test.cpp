@@ -79,7 +79,7 @@ TEST_F(NegotiationTest, BothSidesAreToldTheFirstDifferenceBetweenTwoDefinitionsA
     negotiation.endpoint_seen(*e);
   }
   const Serving serving = negotiation.serving(100);
-  const ReaderStatus& status = serving.readers.at(0);
+  const PublisherStatus::Reader& status = serving.readers.at(0);
   EXPECT_EQ(
       status.reason,
       "two different definitions of type sensor_msgs::msg::PointCloud2: height: uint32 here, uint64 there");
@@ -90,7 +90,7 @@ TEST_F(NegotiationTest, BothSidesAreToldTheFirstDifferenceBetweenTwoDefinitionsA
   EXPECT_EQ(negotiation.serving(100), serving) << "nothing is new the second time";
 
   const std::vector<Hearing> hearing = negotiation.hearing(200);
-  const WriterStatus& heard = hearing.at(0).status;
+  const SubscriberStatus::Writer& heard = hearing.at(0).status;
   EXPECT_EQ(heard.id, 8U);
   EXPECT_EQ(heard.reason, status.reason);
   EXPECT_NE(heard.mismatch, nullptr);

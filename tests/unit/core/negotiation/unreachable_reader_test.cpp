@@ -18,7 +18,7 @@ class UnreachableReader : public NegotiationTest {
     negotiation.endpoint_seen(reader);
     negotiation.request_received(request(7, 2, F::height, {100}));
   }
-  ReaderStatus status() const { return negotiation.serving(100).readers.at(0); }
+  PublisherStatus::Reader status() const { return negotiation.serving(100).readers.at(0); }
   bool is_served_in_memory() const { return negotiation.serving(100).memory.size() == 1; }
 };
 

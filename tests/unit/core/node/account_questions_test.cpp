@@ -70,14 +70,14 @@ TEST_F(AccountQuestionsTest, GoToAllWhoAreThereInTurns) {
 
 TEST_F(AccountQuestionsTest, AreAnsweredByEachSideForItself) {
   say(camera, camera + 1, {of_writer({1, 2})});
-  const PairAccount half = answers().at({1, 2});
+  const DomainSnapshot::Account half = answers().at({1, 2});
   ASSERT_TRUE(half.publisher);
   EXPECT_EQ(half.publisher->sent, 5U);
   EXPECT_EQ(half.publisher->bytes_saved, 9U);
   EXPECT_FALSE(half.subscriber);
   now += 2s;
   say(monitor, monitor + 1, {of_reader({1, 2})});
-  const PairAccount whole = answers().at({1, 2});
+  const DomainSnapshot::Account whole = answers().at({1, 2});
   EXPECT_EQ(whole.publisher->age, 2s);
   EXPECT_EQ(whole.subscriber->age, 0s);
   EXPECT_EQ(whole.subscriber->received, 4U);

@@ -47,7 +47,7 @@ class DomainSnapshotTest : public ::testing::Test {
   DomainSnapshot snapshot() const {
     return domain_snapshot({{writer}, {reader}}, {}, our_node, this_machine);
   }
-  PairInfo pair() const { return snapshot().pairs.at(0); }
+  DomainSnapshot::Pair pair() const { return snapshot().pairs.at(0); }
 
   Endpoint writer = endpoint(Role::writer, 1);
   Endpoint reader = endpoint(Role::reader, 2);
@@ -105,13 +105,13 @@ TEST_F(DomainSnapshotTest, FieldsRatesAndProgressAreTold) {
   reader.request.min_period_us = 50'000;
   const DomainSnapshot domain =
       domain_snapshot({{reader}, {writer, Progress{writer.id, 12, 345}}}, {}, reader.node_id, this_machine);
-  const EndpointInfo& subscriber = domain.subscribers.at(0);
+  const DomainSnapshot::Endpoint& subscriber = domain.subscribers.at(0);
   EXPECT_EQ(subscriber.fields, "height, width");
   EXPECT_EQ(subscriber.max_rate_hz, 20);
   EXPECT_EQ(subscriber.requests, 3U);
   EXPECT_TRUE(subscriber.is_own);
   EXPECT_THAT(subscriber.addresses, ::testing::ElementsAre("127.0.0.1:4000"));
-  const EndpointInfo& publisher = domain.publishers.at(0);
+  const DomainSnapshot::Endpoint& publisher = domain.publishers.at(0);
   EXPECT_FALSE(publisher.is_own);
   EXPECT_EQ(publisher.type->name(), "sensor_msgs::msg::PointCloud2");
   EXPECT_EQ(publisher.progress->samples, 12U);
@@ -120,9 +120,10 @@ TEST_F(DomainSnapshotTest, FieldsRatesAndProgressAreTold) {
 
 TEST_F(DomainSnapshotTest, APairHasTheAccountsThatItsNodesHaveTold) {
   PairAccounts accounts;
-  accounts[{writer.id, reader.id}].subscriber = ReceivedAccount{.age = {}, .received = 5, .lost = 1};
-  accounts[{reader.id, writer.id}].publisher = SentAccount{};  // of another pair
-  const PairInfo told = domain_snapshot({{writer}, {reader}}, accounts, our_node, this_machine).pairs.at(0);
+  accounts[{writer.id, reader.id}].subscriber = DomainSnapshot::Received{.age = {}, .received = 5, .lost = 1};
+  accounts[{reader.id, writer.id}].publisher = DomainSnapshot::Sent{};  // of another pair
+  const DomainSnapshot::Pair told =
+      domain_snapshot({{writer}, {reader}}, accounts, our_node, this_machine).pairs.at(0);
   EXPECT_FALSE(told.account.publisher);
   ASSERT_TRUE(told.account.subscriber);
   EXPECT_EQ(told.account.subscriber->received, 5U);

@@ -555,7 +555,8 @@ TEST_F(AccountsTest, AreAskedForOfOthersEndpointsOnTheTopicsThatTheProgramNames)
 TEST_F(AccountsTest, OfAPairAreWhatBothSidesTell) {
   reconciler.accounts().ask("points");
   hear(sign({}, {{.id = {{7, 200}, Role::reader}, .by_reader = {.received = 5, .lost = 6}}}));
-  const PairAccount pair = reconciler.accounts().known(now + std::chrono::seconds(1)).at({7, 200});
+  const DomainSnapshot::Account pair =
+      reconciler.accounts().known(now + std::chrono::seconds(1)).at({7, 200});
   ASSERT_TRUE(pair.publisher);
   EXPECT_EQ(pair.publisher->age, std::chrono::seconds(0)) << "this node counts";
   ASSERT_TRUE(pair.subscriber);

@@ -96,7 +96,7 @@ TEST_F(TopicsTest, AreListedByNameWithTheirTypesAndWhoUsesThem) {
   EXPECT_EQ(topics[0].name, "odom");
   EXPECT_FALSE(topics[0].types.at(0).type);
   ASSERT_EQ(topics[1].types.size(), 2U);
-  const TopicType& points = topics[1].types[1];
+  const TopicInfo::Type& points = topics[1].types[1];
   EXPECT_EQ(points.name, cloud.name);
   EXPECT_EQ(points.publishers, std::vector<std::string>{"a"});
   EXPECT_EQ(points.subscribers, std::vector<std::string>{"b"});

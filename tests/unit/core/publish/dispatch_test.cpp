@@ -119,7 +119,8 @@ TEST_F(DispatchTest, CountsWhySharedMemoryDidNotTakeASample) {
   memory->is_full = false;
   memory->answer = SendStatus::lost_port;
   send();
-  EXPECT_EQ(dispatch.diverted(), (Diverted{.exhausted = 1, .too_large = 2, .unavailable = 1}));
+  EXPECT_EQ(dispatch.diverted(),
+            (PublisherStatus::Diverted{.exhausted = 1, .too_large = 2, .unavailable = 1}));
 }
 
 TEST_F(DispatchTest, TellsReadersInSharedMemoryWhichSampleWentOverTheNetworkAlone) {

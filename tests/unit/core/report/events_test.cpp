@@ -16,26 +16,27 @@ using sensor_msgs::msg::PointCloud2;
 
 constexpr std::uint64_t peer = 7;
 
-PublisherStatus serving(const ReaderStatus& reader) {
+PublisherStatus serving(const PublisherStatus::Reader& reader) {
   PublisherStatus status;
   status.readers = {reader};
   return status;
 }
-SubscriberStatus hearing(const WriterStatus& writer) {
+SubscriberStatus hearing(const SubscriberStatus::Writer& writer) {
   SubscriberStatus status;
   status.writers = {writer};
   return status;
 }
 
-ReaderStatus reader(bool served, TransportKind transport = TransportKind::udp, std::string reason = "so") {
+PublisherStatus::Reader reader(bool served, TransportKind transport = TransportKind::udp,
+                               std::string reason = "so") {
   return {.id = peer, .node = "n", .served = served, .transport = transport, .reason = std::move(reason)};
 }
-WriterStatus writer(bool matched, std::string reason = "so") {
+SubscriberStatus::Writer writer(bool matched, std::string reason = "so") {
   return {.id = peer, .node = "n", .matched = matched, .reason = std::move(reason)};
 }
 
-std::vector<EventKind> kinds(const std::vector<Event>& events) {
-  std::vector<EventKind> k;
+std::vector<Event::Kind> kinds(const std::vector<Event>& events) {
+  std::vector<Event::Kind> k;
   for (const Event& event : events) k.push_back(event.kind);
   return k;
 }
@@ -57,7 +58,7 @@ TEST(EventsTest, SamplesThatSharedMemoryDoesNotTakeAreToldOfByReason) {
   before.diverted = {.exhausted = 3, .too_large = 1};
   after.diverted = {.exhausted = 5, .too_large = 1, .unavailable = 1};
   const std::vector<Event> events = between(before, after);
-  EXPECT_THAT(kinds(events), ElementsAre(EventKind::samples_diverted, EventKind::samples_diverted));
+  EXPECT_THAT(kinds(events), ElementsAre(Event::Kind::samples_diverted, Event::Kind::samples_diverted));
   EXPECT_EQ(events[0].count, 2U);
   EXPECT_NE(events[0].text, events[1].text);
 }
@@ -65,57 +66,57 @@ TEST(EventsTest, SamplesThatSharedMemoryDoesNotTakeAreToldOfByReason) {
 TEST(EventsTest, ASubscriberIsToldThatItHoldsTooMany) {
   SubscriberStatus after;
   after.held_too_many = 1;
-  EXPECT_THAT(kinds(between(SubscriberStatus{}, after)), ElementsAre(EventKind::held_too_many));
+  EXPECT_THAT(kinds(between(SubscriberStatus{}, after)), ElementsAre(Event::Kind::held_too_many));
 }
 
 TEST(EventsTest, APeerIsMatchedWhenItIsServedAndNotBefore) {
   EXPECT_THAT(between(PublisherStatus{}, serving(reader(false))), IsEmpty());
   const auto events = between(serving(reader(false)), serving(reader(true)));
   ASSERT_EQ(events.size(), 1U);
-  EXPECT_EQ(events[0], (Event{.kind = EventKind::matched, .peer = peer, .node = "n", .text = "udp: so"}));
+  EXPECT_EQ(events[0], (Event{.kind = Event::Kind::matched, .peer = peer, .node = "n", .text = "udp: so"}));
 }
 
 TEST(EventsTest, APeerIsUnmatchedWhenItIsNotServedAnyMoreOrGone) {
   const auto silent = between(serving(reader(true)), serving(reader(false, {}, "no answer")));
-  ASSERT_THAT(kinds(silent), ElementsAre(EventKind::unmatched));
+  ASSERT_THAT(kinds(silent), ElementsAre(Event::Kind::unmatched));
   EXPECT_EQ(silent[0].text, "no answer");
-  EXPECT_THAT(kinds(between(hearing(writer(true)), SubscriberStatus{})), ElementsAre(EventKind::unmatched));
+  EXPECT_THAT(kinds(between(hearing(writer(true)), SubscriberStatus{})), ElementsAre(Event::Kind::unmatched));
   EXPECT_THAT(between(hearing(writer(false)), SubscriberStatus{}), IsEmpty());
 }
 
 TEST(EventsTest, AnotherPathIsToldWithItsReasonAndAnotherReasonAloneIsNot) {
   const auto before = serving(reader(true));
   const auto events = between(before, serving(reader(true, TransportKind::shm, "same host")));
-  ASSERT_THAT(kinds(events), ElementsAre(EventKind::path_changed));
+  ASSERT_THAT(kinds(events), ElementsAre(Event::Kind::path_changed));
   EXPECT_EQ(events[0].text, "shm: same host");
   EXPECT_THAT(between(before, serving(reader(true, TransportKind::udp, "other words"))), IsEmpty());
 }
 
 TEST(EventsTest, IncompatiblePeersAreToldOnceOnBothSides) {
-  ReaderStatus r = reader(false, {}, "words");
+  PublisherStatus::Reader r = reader(false, {}, "words");
   r.incompatible_policy = QosPolicy::deadline;
   const auto events = between(PublisherStatus{}, serving(r));
-  ASSERT_THAT(kinds(events), ElementsAre(EventKind::incompatible_qos));
+  ASSERT_THAT(kinds(events), ElementsAre(Event::Kind::incompatible_qos));
   EXPECT_EQ(events[0].policy, QosPolicy::deadline);
   EXPECT_EQ(events[0].text, "words");
   EXPECT_THAT(between(serving(r), serving(r)), IsEmpty());
-  WriterStatus w = writer(false);
+  SubscriberStatus::Writer w = writer(false);
   w.incompatible_type = true;
-  EXPECT_THAT(kinds(between(SubscriberStatus{}, hearing(w))), ElementsAre(EventKind::incompatible_type));
+  EXPECT_THAT(kinds(between(SubscriberStatus{}, hearing(w))), ElementsAre(Event::Kind::incompatible_type));
 }
 
 TEST(EventsTest, APairWithoutAWayForSamplesIsToldOnceOnBothSides) {
-  ReaderStatus r = reader(false, {}, "words");
+  PublisherStatus::Reader r = reader(false, {}, "words");
   r.no_path = true;
   const auto events = between(serving(reader(false)), serving(r));
-  ASSERT_THAT(kinds(events), ElementsAre(EventKind::no_path));
+  ASSERT_THAT(kinds(events), ElementsAre(Event::Kind::no_path));
   EXPECT_EQ(events[0].text, "words");
   EXPECT_THAT(between(serving(r), serving(r)), IsEmpty());
-  EXPECT_THAT(kinds(between(serving(r), serving(reader(true)))), ElementsAre(EventKind::matched));
-  WriterStatus w = writer(false);
+  EXPECT_THAT(kinds(between(serving(r), serving(reader(true)))), ElementsAre(Event::Kind::matched));
+  SubscriberStatus::Writer w = writer(false);
   w.no_path = true;
-  EXPECT_THAT(kinds(between(SubscriberStatus{}, hearing(w))), ElementsAre(EventKind::no_path));
-  WriterStatus yet = w;
+  EXPECT_THAT(kinds(between(SubscriberStatus{}, hearing(w))), ElementsAre(Event::Kind::no_path));
+  SubscriberStatus::Writer yet = w;
   yet.no_path_yet = true;
   EXPECT_TRUE(between(SubscriberStatus{}, hearing(yet)).at(0).yet);
   EXPECT_FALSE(between(hearing(yet), hearing(w)).at(0).yet) << "by now there will never be one";
@@ -123,14 +124,14 @@ TEST(EventsTest, APairWithoutAWayForSamplesIsToldOnceOnBothSides) {
 
 TEST(EventsTest, WhatASubscriberAsksForIsToldOnBothSidesWhenItChanges) {
   const auto& type = type_support<PointCloud2>();
-  ReaderStatus before = reader(true);
+  PublisherStatus::Reader before = reader(true);
   before.mask = type.parse_mask("height").value();
-  ReaderStatus after = before;
+  PublisherStatus::Reader after = before;
   after.mask = type.parse_mask("height, width").value();
   after.max_rate_hz = 2.5;
-  EXPECT_THAT(kinds(between(PublisherStatus{}, serving(before))), ElementsAre(EventKind::matched));
+  EXPECT_THAT(kinds(between(PublisherStatus{}, serving(before))), ElementsAre(Event::Kind::matched));
   const auto told = between(serving(before), serving(after));
-  ASSERT_THAT(kinds(told), ElementsAre(EventKind::request_changed));
+  ASSERT_THAT(kinds(told), ElementsAre(Event::Kind::request_changed));
   EXPECT_EQ(told[0].peer, peer);
   EXPECT_EQ(told[0].text, "height, width, at most 2.5 Hz");
   SubscriberStatus recorded;
@@ -139,7 +140,7 @@ TEST(EventsTest, WhatASubscriberAsksForIsToldOnBothSidesWhenItChanges) {
   narrow.mask = type.none();
   EXPECT_THAT(between(SubscriberStatus{}, recorded), IsEmpty());
   const auto own = between(recorded, narrow);
-  ASSERT_THAT(kinds(own), ElementsAre(EventKind::request_changed));
+  ASSERT_THAT(kinds(own), ElementsAre(Event::Kind::request_changed));
   EXPECT_EQ(own[0].peer, 0U);
   EXPECT_EQ(own[0].text, "no fields");
 }
@@ -150,40 +151,40 @@ TEST(EventsTest, DeadlinesAndLivelinessAreToldOnBothSides) {
   late.deadlines_missed = 3;
   late.alive = false;
   const auto offered = between(good, late);
-  ASSERT_THAT(kinds(offered), ElementsAre(EventKind::deadline_missed, EventKind::liveliness_lost));
+  ASSERT_THAT(kinds(offered), ElementsAre(Event::Kind::deadline_missed, Event::Kind::liveliness_lost));
   EXPECT_EQ(offered[0].count, 3U);
   EXPECT_EQ(offered[0].peer, 0U);
-  EXPECT_THAT(kinds(between(late, good)), ElementsAre(EventKind::liveliness_recovered));
+  EXPECT_THAT(kinds(between(late, good)), ElementsAre(Event::Kind::liveliness_recovered));
 
-  WriterStatus silent = writer(true, "no sign of life");
+  SubscriberStatus::Writer silent = writer(true, "no sign of life");
   silent.deadlines_missed = 1;
   silent.alive = false;
   const auto requested = between(hearing(writer(true)), hearing(silent));
-  ASSERT_THAT(kinds(requested), ElementsAre(EventKind::deadline_missed, EventKind::liveliness_lost));
+  ASSERT_THAT(kinds(requested), ElementsAre(Event::Kind::deadline_missed, Event::Kind::liveliness_lost));
   EXPECT_EQ(requested[1].text, "no sign of life");
   EXPECT_EQ(requested[1].peer, peer);
   EXPECT_THAT(kinds(between(hearing(silent), hearing(writer(true)))),
-              ElementsAre(EventKind::liveliness_recovered));
+              ElementsAre(Event::Kind::liveliness_recovered));
 }
 
 TEST(EventsTest, LossesAreToldWithTheirNumber) {
-  WriterStatus before = writer(true);
+  SubscriberStatus::Writer before = writer(true);
   before.lost = 2;
-  WriterStatus after = before;
+  SubscriberStatus::Writer after = before;
   after.lost = 5;
   const auto events = between(hearing(before), hearing(after));
-  ASSERT_THAT(kinds(events), ElementsAre(EventKind::samples_lost));
+  ASSERT_THAT(kinds(events), ElementsAre(Event::Kind::samples_lost));
   EXPECT_EQ(events[0].count, 3U);
 }
 
 TEST(EventsTest, LossesOfAReliablePairNameThePathTheQueueAndWhatHelps) {
-  WriterStatus before = writer(true);
+  SubscriberStatus::Writer before = writer(true);
   before.depth = 256;
-  WriterStatus after = before;
+  SubscriberStatus::Writer after = before;
   after.lost = 5;
   const auto events =
       events_between(hearing(before), hearing(after), type_support<PointCloud2>(), Reliability::reliable);
-  ASSERT_THAT(kinds(events), ElementsAre(EventKind::samples_lost));
+  ASSERT_THAT(kinds(events), ElementsAre(Event::Kind::samples_lost));
   EXPECT_TRUE(events[0].reliable);
   EXPECT_THAT(events[0].text, testing::StartsWith("5 lost by shm, although they were to come reliably"));
   EXPECT_THAT(events[0].text, testing::HasSubstr("holds 256 samples"));

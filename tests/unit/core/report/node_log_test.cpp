@@ -40,11 +40,11 @@ TEST_F(NodeLogTest, WithoutASinkWantsNothing) {
 
 TEST_F(NodeLogTest, AnEventNamesItsTopicItsPeerAndItsReason) {
   NodeLog log = log_from(LogLevel::info);
-  log.write("points", {.kind = EventKind::path_changed, .peer = 7, .node = "other", .text = "shm: same host"},
-            now);
-  log.write("points", {.kind = EventKind::deadline_missed, .text = "nothing came"}, now);
-  log.write("points", {.kind = EventKind::incompatible_qos, .text = "incompatible QoS: deadline"}, now);
-  log.write("points", {.kind = EventKind::request_changed, .text = "for debugging"}, now);
+  log.write("points",
+            {.kind = Event::Kind::path_changed, .peer = 7, .node = "other", .text = "shm: same host"}, now);
+  log.write("points", {.kind = Event::Kind::deadline_missed, .text = "nothing came"}, now);
+  log.write("points", {.kind = Event::Kind::incompatible_qos, .text = "incompatible QoS: deadline"}, now);
+  log.write("points", {.kind = Event::Kind::request_changed, .text = "for debugging"}, now);
   EXPECT_EQ(lines,
             (Lines{{LogLevel::info, "node: topic 'points', node 'other': path changed: shm: same host"},
                    {LogLevel::warning, "node: topic 'points': deadline missed: nothing came"},
@@ -52,22 +52,22 @@ TEST_F(NodeLogTest, AnEventNamesItsTopicItsPeerAndItsReason) {
 }
 
 TEST_F(NodeLogTest, WhatWillNeverMatchIsAWarning) {
-  EXPECT_EQ(NodeLog::level_of({.kind = EventKind::incompatible_qos}), LogLevel::warning);
-  EXPECT_EQ(NodeLog::level_of({.kind = EventKind::incompatible_type}), LogLevel::warning);
-  EXPECT_EQ(NodeLog::level_of({.kind = EventKind::no_path}), LogLevel::warning);
-  EXPECT_EQ(NodeLog::level_of({.kind = EventKind::no_path, .yet = true}), LogLevel::info);
+  EXPECT_EQ(NodeLog::level_of({.kind = Event::Kind::incompatible_qos}), LogLevel::warning);
+  EXPECT_EQ(NodeLog::level_of({.kind = Event::Kind::incompatible_type}), LogLevel::warning);
+  EXPECT_EQ(NodeLog::level_of({.kind = Event::Kind::no_path}), LogLevel::warning);
+  EXPECT_EQ(NodeLog::level_of({.kind = Event::Kind::no_path, .yet = true}), LogLevel::info);
 }
 
 TEST_F(NodeLogTest, ABrokenPromiseIsAWarning) {
-  EXPECT_EQ(NodeLog::level_of({.kind = EventKind::deadline_missed}), LogLevel::warning);
-  EXPECT_EQ(NodeLog::level_of({.kind = EventKind::samples_lost, .reliable = true}), LogLevel::warning);
-  EXPECT_EQ(NodeLog::level_of({.kind = EventKind::samples_lost}), LogLevel::info);
+  EXPECT_EQ(NodeLog::level_of({.kind = Event::Kind::deadline_missed}), LogLevel::warning);
+  EXPECT_EQ(NodeLog::level_of({.kind = Event::Kind::samples_lost, .reliable = true}), LogLevel::warning);
+  EXPECT_EQ(NodeLog::level_of({.kind = Event::Kind::samples_lost}), LogLevel::info);
 }
 
 TEST_F(NodeLogTest, OfAReliablePairThatLosesSamplesOneLineIsWrittenInASecondAndNoSampleLeftOut) {
   NodeLog log = log_from(LogLevel::warning);
   const Event lost{
-      .kind = EventKind::samples_lost, .peer = 7, .count = 3, .reliable = true, .text = "3 lost"};
+      .kind = Event::Kind::samples_lost, .peer = 7, .count = 3, .reliable = true, .text = "3 lost"};
   Event other = lost;
   other.peer = 8;
   for (int i = 0; i < 5; ++i) log.write("points", lost, now + i * 1ms);
@@ -86,7 +86,7 @@ TEST_F(NodeLogTest, OfAReliablePairThatLosesSamplesOneLineIsWrittenInASecondAndN
 TEST_F(NodeLogTest, WhatAReliablePairLostBehindItsLastLineIsWrittenASecondAfterThat) {
   NodeLog log = log_from(LogLevel::warning);
   const Event lost{
-      .kind = EventKind::samples_lost, .peer = 7, .count = 3, .reliable = true, .text = "3 lost"};
+      .kind = Event::Kind::samples_lost, .peer = 7, .count = 3, .reliable = true, .text = "3 lost"};
   for (int i = 0; i < 2; ++i) log.write("points", lost, now);
   lines.clear();
   for (const auto after : {500ms, 1000ms, 1500ms, 2000ms, 2500ms}) log.tick(now + after);
@@ -111,9 +111,9 @@ TEST_F(NodeLogTest, OfAFloodAFewLinesAreWrittenThenOneNowAndThenThatSaysHowManyW
 TEST_F(NodeLogTest, AFloodOfOneKindHoldsNoOtherBack) {
   NodeLog log = log_from(LogLevel::info);
   for (int i = 0; i < 1000; ++i)
-    log.write("points", {.kind = EventKind::samples_lost, .text = "1 lost"}, now);
+    log.write("points", {.kind = Event::Kind::samples_lost, .text = "1 lost"}, now);
   lines.clear();
-  log.write("points", {.kind = EventKind::matched, .text = "udp: another host"}, now);
+  log.write("points", {.kind = Event::Kind::matched, .text = "udp: another host"}, now);
   log.write(LogLevel::info, "shared memory: ready", now);
   EXPECT_EQ(lines.size(), 2U);
 }

@@ -494,7 +494,7 @@ TEST_F(IntakeTest, ThatAWriterKeepsItsPromisesIsNewsOnlyIfSomethingDiffers) {
   EXPECT_TRUE(intake->accounts().keeps_promises(9, 2, true));
   EXPECT_FALSE(intake->accounts().keeps_promises(9, 2, true));
   EXPECT_TRUE(intake->accounts().keeps_promises(9, 2, false));
-  const WriterStatus writer = status().writers.at(0);
+  const SubscriberStatus::Writer writer = status().writers.at(0);
   EXPECT_EQ(writer.deadlines_missed, 2U);
   EXPECT_FALSE(writer.alive);
   EXPECT_EQ(writer.reason, "no sign of life within its lease");

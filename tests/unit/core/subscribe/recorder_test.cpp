@@ -30,7 +30,7 @@ class RecorderTest : public ::testing::Test {
   void samples(int n, std::initializer_list<std::size_t> leaves) {
     for (int i = 0; i < n; ++i) sample(leaves);
   }
-  void reopen(const RecordingSettings& settings) {
+  void reopen(const SubscriberOptions::Recording& settings) {
     recorder = Recorder::make(70, settings, [this] { ++changes; });
   }
   Leaves required() const { return leaves_of(recorder->required()); }
@@ -219,7 +219,7 @@ TEST_F(RecorderTest, OnceDetachedNobodyIsTold) {
 /// What the recorder promises, said again for all leaves and without haste.
 class Promise {
  public:
-  Promise(std::size_t leaves, const RecordingSettings& settings)
+  Promise(std::size_t leaves, const SubscriberOptions::Recording& settings)
       : settings_(settings), needed_since_(leaves, 0), required_(FieldMask::full(leaves)) {}
 
   void read(std::size_t leaf) {
@@ -243,7 +243,7 @@ class Promise {
     needed_since_[leaf] = std::max(needed_since_[leaf], sample);
   }
 
-  const RecordingSettings settings_;
+  const SubscriberOptions::Recording settings_;
   std::vector<std::uint64_t> needed_since_;
   FieldMask required_;
   std::uint64_t samples_ = 0;
@@ -258,7 +258,7 @@ class AnyReads : public test::RandomTest {
 
   std::size_t below(std::size_t n) { return static_cast<std::size_t>(random() % n); }
 
-  void open(std::size_t leaves, const RecordingSettings& settings) {
+  void open(std::size_t leaves, const SubscriberOptions::Recording& settings) {
     told = changes = 0;
     recorder = Recorder::make(leaves, settings, [this] { ++told; });
     promise.emplace(leaves, settings);

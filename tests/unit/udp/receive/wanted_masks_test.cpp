@@ -18,6 +18,7 @@ namespace {
 using test::fields;
 using test::Image;
 using test::Wide;
+using Member = StructType::Member;
 
 /// Of a sequence of structs: leaves are elements.size, elements[].a, elements[].b and last.
 const TypeSupport& type_with_elements() {

@@ -472,8 +472,9 @@ TEST_F(GroupKeeperTest, GathersNobodyAroundATypeWithSoManyFieldsThatMasksAreNotS
   for (const std::size_t leaves : {2048U, 2049U}) {
     std::vector<std::string> names;
     for (std::size_t i = 0; i < leaves; ++i) names.push_back("m" + std::to_string(i));
-    std::vector<Member> members;
-    for (const std::string& name : names) members.push_back({.name = name, .kind = Member::Kind::uint8});
+    std::vector<StructType::Member> members;
+    for (const std::string& name : names)
+      members.push_back({.name = name, .kind = StructType::Member::Kind::uint8});
     const StructType type("test::Large", members);
     keeper_ = std::make_unique<GroupKeeper>(setup(type, Multicast::automatic, 7));
     routes_.clear();

@@ -14,26 +14,30 @@
 
 namespace sft {
 
-/// Limits of what is accepted from a description or a text. `leaves` and the limits after it count every
-/// struct as often as it is used.
-struct DescriptionLimits {
-  std::size_t bytes = 65'536;               ///< of the description
-  std::size_t name_bytes = 255;             ///< of each name and unit
-  std::uint32_t array_elements = 1U << 28;  ///< of each array, over all its dimensions
-  std::size_t depth = 16;                   ///< of structs in structs; real types have some 5
-  std::size_t leaves = 4096;                ///< as many as a request can name
-  std::size_t members = 32'768;             ///< members and enumerators together
-  std::size_t path_bytes = 1 << 20;         ///< approximately, of the paths of all leaves
-};
-
 /// A handle: copies share the type, which lives, at the same address, as long as any copy. It is immutable;
 /// any thread may use it. Its members have no offset, stride and access (type.h).
 class DynamicType {
  public:
+  /// Limits of what is accepted from a description or a text. `leaves` and the limits after it count every
+  /// struct as often as it is used.
+  struct Limits {
+    std::size_t bytes = 65'536;               ///< of the description
+    std::size_t name_bytes = 255;             ///< of each name and unit
+    std::uint32_t array_elements = 1U << 28;  ///< of each array, over all its dimensions
+    std::size_t depth = 16;                   ///< of structs in structs; real types have some 5
+    std::size_t leaves = 4096;                ///< as many as a request can name
+    std::size_t members = 32'768;             ///< members and enumerators together
+    std::size_t path_bytes = 1 << 20;         ///< approximately, of the paths of all leaves
+  };
+
   /// Reads a description (type_description.md). The bytes may be hostile; time and memory are in proportion
   /// to their number. The error names what is refused.
-  static Result<DynamicType> parse(std::span<const std::byte> description,
-                                   const DescriptionLimits& limits = {});
+  static Result<DynamicType> parse(std::span<const std::byte> description, const Limits& limits);
+  // A default argument could not use the default values of Limits: they are known only behind DynamicType.
+  /// The same within the usual limits.
+  static Result<DynamicType> parse(std::span<const std::byte> description) {
+    return parse(description, Limits());
+  }
 
   /// The name as in the IDL: "sensor_msgs::msg::Imu".
   std::string_view name() const { return type().name; }

@@ -89,11 +89,13 @@ class DynamicView {
   /// True of an array or a sequence as a whole.
   bool is_collection() const { return node_ == Node::collection; }
   /// The kind of a value, or of the elements of an array or a sequence.
-  Member::Kind kind() const { return member_ == nullptr ? Member::Kind::structure : member_->kind; }
+  StructType::Member::Kind kind() const {
+    return member_ == nullptr ? detail::Kind::structure : member_->kind;
+  }
   /// Array or sequence if this is a collection, else single.
-  Member::Shape shape() const { return is_collection() ? member_->shape : Member::Shape::single; }
+  StructType::Member::Shape shape() const { return is_collection() ? member_->shape : detail::Shape::single; }
   /// The member that this is, or of which it is an element; null for the whole sample.
-  const Member* member() const { return member_; }
+  const StructType::Member* member() const { return member_; }
   /// The name of member(); empty for the whole sample.
   std::string_view name() const { return member_ == nullptr ? std::string_view() : member_->name; }
   /// The type of a struct or of the elements of a collection of structs, otherwise null.
@@ -131,17 +133,17 @@ class DynamicView {
   };
   static constexpr std::size_t no_slot = SIZE_MAX;
 
-  DynamicView(const detail::SampleState* s, const FieldMask* declared, const Member& member)
+  DynamicView(const detail::SampleState* s, const FieldMask* declared, const StructType::Member& member)
       : state_(s), declared_(declared), member_(&member) {}
   /// True if the reader declared any of these leaves, and the sample has it.
   bool has_any_of(std::size_t leaf, std::size_t count) const {
     return state_->mask->any_of(leaf, count) && (declared_ == nullptr || declared_->any_of(leaf, count));
   }
   DynamicView element(std::size_t i) const;
-  DynamicView member_at(const Member& m, const Place& place) const;
+  DynamicView member_at(const StructType::Member& m, const Place& place) const;
   DynamicView element_at(std::uint64_t offset) const;
   Place place_of(std::size_t member) const;
-  void pass(const Member& m, Place& place) const;
+  void pass(const StructType::Member& m, Place& place) const;
   std::uint64_t behind_element(std::uint64_t offset) const;
   std::size_t element_leaf() const;
   detail::Extent extent() const;
@@ -154,11 +156,11 @@ class DynamicView {
   }
   std::string label() const;
   Result<std::span<const std::byte>> primitives(std::size_t element_bytes, const char* wanted,
-                                                bool (*matches)(Member::Kind)) const;
+                                                bool (*matches)(detail::Kind)) const;
 
   const detail::SampleState* state_;
   const FieldMask* declared_ = nullptr;  ///< null: all that the sample has
-  const Member* member_ = nullptr;
+  const StructType::Member* member_ = nullptr;
   const StructType* type_ = nullptr;
   Place place_{};  ///< of a struct; else only leaf and offset mean something
   Node node_ = Node::value;

@@ -36,18 +36,18 @@ Result<std::string> to_msg(const DynamicType& type);
 /// "sensor_msgs::msg::PointCloud2") as `text` defines it. The text may be hostile. An error names the
 /// message, the line within its definition and the field, and says what to do.
 Result<DynamicType> from_msg(std::string_view name, std::string_view text,
-                             const DescriptionLimits& limits = {});
+                             const DynamicType::Limits& limits = {});
 
 /// Makes the type `name` as the first of `roots` that has it defines it. A root is a directory of packages,
 /// such as /opt/ros/humble/share; the file is ROOT/sensor_msgs/msg/PointCloud2.msg. Nested messages are
 /// looked for in the same way. Errc::unavailable if no root has the message.
 Result<DynamicType> find_msg(std::string_view name, std::span<const std::filesystem::path> roots,
-                             const DescriptionLimits& limits = {});
+                             const DynamicType::Limits& limits = {});
 
 /// Makes the type of a file, ROOT/my_msgs/msg/Status.msg. Nested messages are looked for below its own ROOT,
 /// and then below `roots`.
 Result<DynamicType> from_msg_file(const std::filesystem::path& file,
                                   std::span<const std::filesystem::path> roots = {},
-                                  const DescriptionLimits& limits = {});
+                                  const DynamicType::Limits& limits = {});
 
 }  // namespace sft

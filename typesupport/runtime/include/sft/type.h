@@ -19,8 +19,6 @@
 
 namespace sft {
 
-struct StructType;
-
 namespace detail {
 struct SequenceAccess;
 }
@@ -38,46 +36,46 @@ struct EnumType {
   std::span<const Enumerator> enumerators;  ///< at least one
 };
 
-/// One member of a struct.
-struct Member {
-  /// The type of one element, as IDL names it.
-  enum class Kind : std::uint8_t {
-    boolean,
-    octet,
-    character,
-    int8,
-    uint8,
-    int16,
-    uint16,
-    int32,
-    uint32,
-    int64,
-    uint64,
-    float32,
-    float64,
-    string,
-    structure
-  };
-  /// One element, a fixed number of them, or a variable number.
-  enum class Shape : std::uint8_t { single, array, sequence };
-
-  std::string_view name;    ///< as in the IDL
-  Kind kind{};              ///< of one element; an enumeration has the kind of the integer that holds it
-  Shape shape{};            ///< of the member
-  std::uint32_t count = 1;  ///< elements of an array, over all its dimensions; otherwise 1
-  std::uint32_t bound = 0;  ///< most elements of a sequence; 0: unbounded
-  std::uint32_t string_bound = 0;         ///< most characters of each string, without the NUL; 0: unbounded
-  const StructType* type = nullptr;       ///< the element's type if the kind is structure, otherwise null
-  const EnumType* enumeration = nullptr;  ///< what the integer stands for; null: it is only an integer
-  std::size_t offset = 0;  ///< of the member in the compiled struct; 0 in a DynamicType, like the next two
-  std::size_t stride = 0;  ///< of one element in the compiled struct
-  const detail::SequenceAccess* access = nullptr;  ///< to the compiled std::vector if the shape is sequence
-  bool key = false;                                ///< `@key`: the member is always sent
-  std::string_view unit{};                         ///< from `@unit`, to be shown to people
-};
-
 /// A message type, or a struct that is nested in one.
 struct StructType {
+  /// One member of a struct.
+  struct Member {
+    /// The type of one element, as IDL names it.
+    enum class Kind : std::uint8_t {
+      boolean,
+      octet,
+      character,
+      int8,
+      uint8,
+      int16,
+      uint16,
+      int32,
+      uint32,
+      int64,
+      uint64,
+      float32,
+      float64,
+      string,
+      structure
+    };
+    /// One element, a fixed number of them, or a variable number.
+    enum class Shape : std::uint8_t { single, array, sequence };
+
+    std::string_view name;    ///< as in the IDL
+    Kind kind{};              ///< of one element; an enumeration has the kind of the integer that holds it
+    Shape shape{};            ///< of the member
+    std::uint32_t count = 1;  ///< elements of an array, over all its dimensions; otherwise 1
+    std::uint32_t bound = 0;  ///< most elements of a sequence; 0: unbounded
+    std::uint32_t string_bound = 0;         ///< most characters of each string, without the NUL; 0: unbounded
+    const StructType* type = nullptr;       ///< the element's type if the kind is structure, otherwise null
+    const EnumType* enumeration = nullptr;  ///< what the integer stands for; null: it is only an integer
+    std::size_t offset = 0;  ///< of the member in the compiled struct; 0 in a DynamicType, like the next two
+    std::size_t stride = 0;  ///< of one element in the compiled struct
+    const detail::SequenceAccess* access = nullptr;  ///< to the compiled std::vector if the shape is sequence
+    bool key = false;                                ///< `@key`: the member is always sent
+    std::string_view unit{};                         ///< from `@unit`, to be shown to people
+  };
+
   std::string_view name;            ///< "sensor_msgs::msg::PointCloud2"
   std::span<const Member> members;  ///< in the order of the IDL; at least one
   std::size_t leaves = 0;           ///< all that a mask can select in it
@@ -106,9 +104,10 @@ struct StructType {
 
 /// The number of leaves of a struct or of a member.
 constexpr std::size_t leaf_count(const StructType& type) { return type.leaves; }
-constexpr std::size_t leaf_count(const Member& m) {
-  if (m.kind != Member::Kind::structure) return 1;
-  return m.type->leaves + (m.shape == Member::Shape::sequence ? 1 : 0);
+constexpr std::size_t leaf_count(const StructType::Member& m) {
+  using enum StructType::Member::Kind;
+  if (m.kind != structure) return 1;
+  return m.type->leaves + (m.shape == StructType::Member::Shape::sequence ? 1 : 0);
 }
 
 }  // namespace sft

@@ -13,7 +13,7 @@ namespace sft::detail {
 std::string format_shape(const StructType& type);
 
 /// "uint32", "sequence<string<8>, 4>", "double[6]", "pkg::msg::Color": the type of one member.
-std::string format_type(const Member& member);
+std::string format_type(const StructType::Member& member);
 
 /// Says in one line where two types differ first: "fields[].offset: uint32 here, uint64 there". Only
 /// differences count that structure_hash() tells apart: not the names of types, not units. Empty if nothing

@@ -18,6 +18,7 @@
 
 namespace sft::detail {
 
+using Member = StructType::Member;
 using Kind = Member::Kind;
 using Shape = Member::Shape;
 using Enumerator = EnumType::Enumerator;
