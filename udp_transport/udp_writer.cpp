@@ -87,6 +87,7 @@ bool UdpWriter::history_sent(core::EndpointId reader) noexcept {
 void UdpWriter::set_routes(std::vector<core::Route> routes) {
   asked_for_ = std::move(routes);
   make_table();
+  keeper_.tend(std::chrono::steady_clock::now());  // whoever is in a group from now on should hear that soon
 }
 
 void UdpWriter::tend(std::chrono::steady_clock::time_point now) {

@@ -1,57 +1,52 @@
-// The sizes of a writer's bodies under each union of a few masks, which the cost model asks for. They are
-// measured on samples as these are published, seldom and a little at a time.
+// The lengths of a writer's bodies under any mask, which the cost model asks for. They are measured on
+// samples as these are published, seldom.
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <chrono>
-#include <cstddef>
 #include <cstdint>
-#include <memory>
-#include <vector>
 
-#include "sft/detail/project.h"
-#include "udp_transport/multicast/multicast_plan.h"
+#include "udp_transport/multicast/leaf_sizes.h"
 
 namespace sft::udp {
 
 class BodySizes {
  public:
   using Time = std::chrono::steady_clock::time_point;
-  /// Each set of them is measured.
-  static constexpr std::size_t masks_max = 6;
 
-  /// `type` outlives it. Masks are closed.
-  BodySizes(const StructType& type, std::vector<FieldMask> masks);
-
-  const std::vector<FieldMask>& masks() const { return masks_; }
-  FieldMask union_of(MaskSet set) const;
+  /// `type` outlives it.
+  explicit BodySizes(const StructType& type) : leaves_(type) {}
 
   /// The publisher's thread: a sample is sent, by itself or of several that are published together.
-  void measure(const detail::SampleState& sample, Time now, bool of_several = false) noexcept;
+  /// Allocates nothing.
+  void measure(const detail::SampleState& sample, Time now, bool of_several = false) noexcept {
+    if (of_several) several_.store(true, std::memory_order_relaxed);
+    samples_.fetch_add(1, std::memory_order_relaxed);
+    const bool is_asked_for =
+        asked_for_.load(std::memory_order_relaxed) && asked_for_.exchange(false, std::memory_order_relaxed);
+    if (!is_asked_for && now - measured_at_ < pause) return;
+    measured_at_ = now;
+    leaves_.measure(sample);
+  }
 
   // Any thread.
 
-  /// All have been measured.
-  bool known() const { return known_.load(std::memory_order_acquire); }
-  double bytes_of(MaskSet set) const { return bytes_[set].load(std::memory_order_relaxed); }
+  /// The next sample is measured: somebody asks for other fields.
+  void measure_next() { asked_for_.store(true, std::memory_order_relaxed); }
+  /// Samples with all of these fields have been measured.
+  bool known(const FieldMask& fields) const { return leaves_.known(fields); }
+  double bytes_of(const FieldMask& fields) const { return leaves_.bytes(fields); }
   std::uint64_t samples() const { return samples_.load(std::memory_order_relaxed); }
   /// Some were published together since last asked.
   bool take_several() { return several_.exchange(false, std::memory_order_relaxed); }
 
  private:
-  static constexpr std::size_t per_sample = 4;
-  static constexpr std::chrono::milliseconds pause{100};  ///< between two rounds
+  static constexpr std::chrono::milliseconds pause{100};
 
-  const std::vector<FieldMask> masks_;
-  std::vector<detail::ProjectionPlan> plans_;     ///< of set i + 1
-  std::unique_ptr<std::atomic<double>[]> bytes_;  ///< by set
+  LeafSizes leaves_;
   std::atomic<std::uint64_t> samples_{0};
-  std::atomic<bool> known_{false}, several_{false};
-  // Used by the publisher's thread.
-  detail::Projection projection_;
-  std::size_t next_ = 0;
-  Time round_at_{};
+  std::atomic<bool> several_{false}, asked_for_{false};
+  Time measured_at_{};  ///< used by the publisher's thread
 };
 
 }  // namespace sft::udp

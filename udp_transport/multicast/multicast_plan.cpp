@@ -1,151 +1,138 @@
 #include "udp_transport/multicast/multicast_plan.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
-#include <numeric>
+#include <set>
 #include <utility>
 
-#include "udp_transport/wire/datagram.h"
+#include "udp_transport/multicast/plan_search.h"
 
 namespace sft::udp {
 
 namespace {
 
-constexpr double lower_header_bytes = 14 + 20 + 8;  // Ethernet, IPv4, UDP: what interfaces count
-
-double alone_cost(const PlanDestination& to, const BodyBytes& body_bytes) {
-  const PlaceMark place = to.reliable ? PlaceMark::in_channel : PlaceMark::none;
-  double cost = 0;
-  for (MaskSet left = to.masks; left != 0; left &= left - 1)
-    cost += wire_bytes(body_bytes(left & -left), to.datagram_bytes, place);
-  return cost;
+bool are_alike(const PlanDestination& a, const PlanDestination& b) {
+  return a.fields == b.fields && a.alone_bytes == b.alone_bytes && a.datagram_bytes == b.datagram_bytes;
 }
 
-std::vector<double> alone_costs(std::span<const PlanDestination> destinations, const BodyBytes& body_bytes) {
-  std::vector<double> costs;
-  for (const PlanDestination& to : destinations) costs.push_back(alone_cost(to, body_bytes));
-  return costs;
-}
-
-/// `alone`: of each destination. Always with a mark.
-double cost_of(std::span<const PlanDestination> destinations, const std::vector<double>& alone,
-               const BodyBytes& body_bytes, const MulticastPlan& plan, const PlanLimits& limits) {
-  double cost = std::accumulate(alone.begin(), alone.end(), 0.0);
-  for (const PlannedGroup& group : plan) {
-    std::size_t datagram_bytes = SIZE_MAX;
-    for (const std::size_t member : group.members)
-      datagram_bytes = std::min(datagram_bytes, destinations[member].datagram_bytes);
-    const double together = wire_bytes(body_bytes(group.masks), datagram_bytes, PlaceMark::in_group);
-    cost += together;
-    for (const std::size_t member : group.members)
-      cost += limits.unwanted_weight * std::max(0.0, together - alone[member]) - alone[member];
-  }
-  return cost;
-}
-
-/// Destinations with the same masks behind the same link, which are treated alike. (To split them would only
-/// ever pay where one of them gives a group its second member, so that another one gets its several masks at
-/// once.)
-struct Kind {
-  MaskSet masks = 0;
-  std::size_t link = 0;
-  std::vector<std::size_t> members{};
-};
-
-std::vector<Kind> kinds_of(std::span<const PlanDestination> destinations, std::size_t most) {
-  std::map<std::pair<std::size_t, MaskSet>, Kind> by_masks;
-  for (std::size_t i = 0; i < destinations.size(); ++i) {
-    const PlanDestination& to = destinations[i];
-    Kind& kind = by_masks.try_emplace({to.link, to.masks}, Kind{to.masks, to.link}).first->second;
-    kind.members.push_back(i);
-  }
-  std::vector<Kind> kinds;
-  for (auto& [masks, kind] : by_masks) kinds.push_back(std::move(kind));
-  std::ranges::stable_sort(kinds, std::greater{}, [](const Kind& kind) { return kind.members.size(); });
-  if (kinds.size() > most) kinds.resize(most);
-  return kinds;
-}
-
-/// Tries each way to put kinds into groups, or alone.
-class Search {
+/// The destinations behind one link, by kind, and the plan for them.
+class LinkPlan {
  public:
-  Search(std::span<const PlanDestination> destinations, const BodyBytes& body_bytes, const PlanLimits& limits)
-      : destinations_(destinations),
-        body_bytes_(body_bytes),
-        limits_(limits),
-        kinds_(kinds_of(destinations, limits.kinds_max)),
-        alone_(alone_costs(destinations, body_bytes)) {}
+  LinkPlan(std::span<const PlanDestination> all, std::size_t link, const BodyBytes& body_bytes,
+           const PlanLimits& limits)
+      : all_(all), kinds_(kinds_behind(link)), search_(kinds_, body_bytes, limits) {}
 
-  MulticastPlan best() {
-    best_cost_ = cost_of(destinations_, alone_, body_bytes_, {}, limits_);
-    place(0);
-    for (PlannedGroup& group : best_) std::ranges::sort(group.members);
-    std::ranges::sort(best_, {}, [](const PlannedGroup& group) { return group.members.front(); });
-    return best_;
+  double wire_max() const { return search_.wire_max(); }
+
+  /// Groups whose kinds are together at present. Those who came anew go where they cost least.
+  void take_over(const MulticastPlan& present, double samples_per_s, const PlanLimits& limits) {
+    places_.assign(kinds_.size(), PlanSearch::alone);
+    std::map<std::size_t, std::size_t> place_of;  // by the place of the group in the present plan
+    std::vector<std::size_t> newcomers;
+    for (std::size_t kind = 0; kind < kinds_.size(); ++kind) {
+      std::size_t group = PlanSearch::alone;
+      bool is_new = false;
+      for (const std::size_t member : members_[kind]) {
+        const std::size_t here = group_of(present, member);
+        is_new = is_new || all_[member].is_new;
+        if (group == PlanSearch::alone) group = here;
+      }
+      if (is_new) newcomers.push_back(kind);
+      if (group == PlanSearch::alone) continue;
+      const std::size_t next = place_of.size();
+      const std::size_t place = place_of.try_emplace(group, next).first->second;
+      if (place < limits.groups_max) places_[kind] = place;
+    }
+    cost_ = search_.cost_of(places_);
+    Places with_them = search_.insert(places_, newcomers);
+    const PlanCost cost = search_.cost_of(with_them);
+    if ((cost_.cost - cost.cost) * samples_per_s <= limits.gain_bytes_per_s) return;
+    places_ = std::move(with_them);
+    cost_ = cost;
+  }
+
+  /// Changes whatever is worth it.
+  void improve(double samples_per_s, const PlanLimits& limits) {
+    Places best = search_.search(places_);
+    const PlanCost gain = cost_ - search_.cost_of(best);
+    const bool must = !search_.allows(cost_) && gain.wire * samples_per_s > limits.gain_bytes_per_s;
+    const bool pays =
+        gain.cost > limits.gain_min * cost_.cost && gain.cost * samples_per_s > limits.gain_bytes_per_s;
+    if (must || pays) places_ = std::move(best);
+  }
+
+  void add_to(MulticastPlan& plan) const {
+    std::map<std::size_t, PlannedGroup> groups;
+    for (std::size_t kind = 0; kind < kinds_.size(); ++kind) {
+      if (places_[kind] == PlanSearch::alone) continue;
+      PlannedGroup& group =
+          groups.try_emplace(places_[kind], PlannedGroup{FieldMask(kinds_[kind].fields.leaves()), {}})
+              .first->second;
+      group.fields |= kinds_[kind].fields;
+      group.members.insert(group.members.end(), members_[kind].begin(), members_[kind].end());
+    }
+    for (auto& [place, group] : groups) {
+      std::ranges::sort(group.members);
+      if (group.members.size() > 1) plan.push_back(std::move(group));
+    }
   }
 
  private:
-  void place(std::size_t next) {
-    if (next == kinds_.size()) return weigh();
-    place(next + 1);  // alone
-    const Kind& kind = kinds_[next];
-    for (std::size_t i = 0; i < plan_.size(); ++i) {
-      if (destinations_[plan_[i].members.front()].link != kind.link) continue;
-      const PlannedGroup before = plan_[i];
-      plan_[i].masks |= kind.masks;
-      plan_[i].members.insert(plan_[i].members.end(), kind.members.begin(), kind.members.end());
-      place(next + 1);
-      plan_[i] = before;
+  using Places = PlanSearch::Places;
+
+  std::vector<PlanKind> kinds_behind(std::size_t link) {
+    std::vector<PlanKind> kinds;
+    for (std::size_t i = 0; i < all_.size(); ++i) {
+      const PlanDestination& to = all_[i];
+      if (to.link != link) continue;
+      const auto known = std::ranges::find_if(
+          members_, [&](const auto& members) { return are_alike(all_[members.front()], to); });
+      if (known == members_.end()) {
+        members_.push_back({i});
+        kinds.push_back({to.fields, to.alone_bytes, to.datagram_bytes, 1});
+      } else {
+        known->push_back(i);
+        ++kinds[static_cast<std::size_t>(known - members_.begin())].destinations;
+      }
     }
-    if (plan_.size() == limits_.groups_max) return;
-    plan_.push_back({kind.masks, kind.members});
-    place(next + 1);
-    plan_.pop_back();
+    return kinds;
   }
 
-  void weigh() {
-    if (std::ranges::any_of(plan_, [](const PlannedGroup& group) { return group.members.size() < 2; }))
-      return;
-    const double cost = cost_of(destinations_, alone_, body_bytes_, plan_, limits_);
-    if (cost >= best_cost_) return;
-    best_cost_ = cost;
-    best_ = plan_;
+  static std::size_t group_of(const MulticastPlan& plan, std::size_t destination) {
+    for (std::size_t i = 0; i < plan.size(); ++i) {
+      if (std::ranges::binary_search(plan[i].members, destination)) return i;
+    }
+    return PlanSearch::alone;
   }
 
-  const std::span<const PlanDestination> destinations_;
-  const BodyBytes& body_bytes_;
-  const PlanLimits& limits_;
-  const std::vector<Kind> kinds_;
-  const std::vector<double> alone_;
-  MulticastPlan plan_, best_;
-  double best_cost_ = 0;
+  const std::span<const PlanDestination> all_;
+  std::vector<std::vector<std::size_t>> members_;  ///< of each kind
+  const std::vector<PlanKind> kinds_;
+  PlanSearch search_;
+  Places places_;
+  PlanCost cost_{};
 };
 
 }  // namespace
 
-double wire_bytes(double body_bytes, std::size_t datagram_bytes, PlaceMark place) {
-  const bool is_whole = body_bytes + first_header_bytes <= static_cast<double>(datagram_bytes);
-  const bool has_mark = place == PlaceMark::in_group || (place == PlaceMark::in_channel && !is_whole);
-  const double mark = has_mark ? group_bytes : 0;
-  const double all = body_bytes + static_cast<double>(first_header_bytes - following_header_bytes) + mark;
-  const auto room = static_cast<double>(datagram_bytes - following_header_bytes);
-  const double datagrams = std::max(1.0, std::ceil(all / room));
-  return all + datagrams * (static_cast<double>(following_header_bytes) + lower_header_bytes);
-}
-
-double plan_cost(std::span<const PlanDestination> destinations, const BodyBytes& body_bytes,
-                 const MulticastPlan& plan, const PlanLimits& limits) {
-  return cost_of(destinations, alone_costs(destinations, body_bytes), body_bytes, plan, limits);
+double wire_bytes_max(std::span<const PlanDestination> destinations, std::size_t link,
+                      const BodyBytes& body_bytes, const PlanLimits& limits) {
+  return LinkPlan(destinations, link, body_bytes, limits).wire_max();
 }
 
 MulticastPlan plan_multicast(std::span<const PlanDestination> destinations, const BodyBytes& body_bytes,
                              double samples_per_s, const MulticastPlan& present, const PlanLimits& limits) {
-  const double before = plan_cost(destinations, body_bytes, present, limits);
-  MulticastPlan best = Search(destinations, body_bytes, limits).best();
-  const double gain = before - plan_cost(destinations, body_bytes, best, limits);
-  const bool worth_it = gain > limits.gain_min * before && gain * samples_per_s > limits.gain_bytes_per_s;
-  return worth_it ? best : present;
+  std::set<std::size_t> links;
+  for (const PlanDestination& to : destinations) links.insert(to.link);
+  MulticastPlan plan;
+  for (const std::size_t link : links) {
+    LinkPlan one(destinations, link, body_bytes, limits);
+    one.take_over(present, samples_per_s, limits);
+    one.improve(samples_per_s, limits);
+    one.add_to(plan);
+  }
+  std::ranges::sort(plan, {}, [](const PlannedGroup& group) { return group.members.front(); });
+  return plan;
 }
 
 }  // namespace sft::udp

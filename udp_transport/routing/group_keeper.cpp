@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <functional>
 #include <utility>
 
@@ -26,13 +27,14 @@ GroupKeeper::GroupKeeper(Setup setup)
 
 void GroupKeeper::merge(std::vector<RouteBundle>& routes, Time now) {
   look_at(routes, now);
-  choose_masks(now);
+  choose_sizes(now);
   keep_possible();
+  if (someone_came()) replan_at_ = std::min(replan_at_, std::max(now, planned_at_ + settling));
+  if (may_plan(now)) plan(now);
   explain(routes);
   for (const Planned& planned : planned_) merge(planned, routes);
   std::erase_if(routes, [](const RouteBundle& bundle) { return bundle.destinations.empty(); });
   std::ranges::stable_partition(routes, [](const RouteBundle& bundle) { return !bundle.fallback; });
-  replan_at_ = std::max(replan_at_, now + settling);
   found_.clear();
 }
 
@@ -49,6 +51,8 @@ void GroupKeeper::look_at(const std::vector<RouteBundle>& routes, Time now) {
       if (bundle.late_reader != 0) candidate.refusal = "a reader there is sent what was retained";
       if (bundle.fallback) candidate.refusal = "a reader there is served in shared memory";
       if (!holds(candidate.masks, bundle.wanted.mask)) candidate.masks.push_back(bundle.wanted.mask);
+      if (is_new) candidate.fields = bundle.wanted.mask;
+      candidate.fields |= bundle.wanted.mask;
       candidate.reliable = candidate.reliable || bundle.reliable.contains(to.get());
     }
   }
@@ -78,39 +82,20 @@ void GroupKeeper::choose_link(Candidate& candidate, Time now) const {
   if (candidate.refusal.empty()) candidate.refusal = "it is not on a link of this host";
 }
 
-/// The most wanted ones, as many as are measured together. Destinations that want others, too, are served
-/// alone.
-void GroupKeeper::choose_masks(Time now) {
-  std::vector<std::pair<FieldMask, std::size_t>> wanted;
-  std::size_t possible = 0;
-  for (const auto& [to, candidate] : candidates_) {
-    if (!candidate.refusal.empty()) continue;
-    ++possible;
-    for (const FieldMask& mask : candidate.masks) {
-      const auto known = std::ranges::find_if(wanted, [&](const auto& item) { return item.first == mask; });
-      if (known == wanted.end()) {
-        wanted.emplace_back(mask, 1);
-      } else {
-        ++known->second;
-      }
-    }
+std::size_t GroupKeeper::possible() const {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(candidates_, [](const auto& item) { return item.second.refusal.empty(); }));
+}
+
+/// Samples are measured for one that may be in a group, too: the plan is ready when another one comes.
+void GroupKeeper::choose_sizes(Time now) {
+  sizes_ = nullptr;
+  if (possible() == 0) return;
+  if (measured_ == nullptr) {
+    measured_ = std::make_shared<BodySizes>(*setup_.type);
+    rate_.emplace(now);
   }
-  std::ranges::stable_sort(wanted, std::greater{}, [](const auto& item) { return item.second; });
-  if (wanted.size() > BodySizes::masks_max) wanted.resize(BodySizes::masks_max);
-  std::vector<FieldMask> masks;
-  for (auto& item : wanted) masks.push_back(std::move(item.first));
-  for (auto& [to, candidate] : candidates_) {
-    const auto measured = [&](const FieldMask& mask) { return holds(masks, mask); };
-    if (candidate.refusal.empty() && !std::ranges::all_of(candidate.masks, measured))
-      candidate.refusal = "too many different masks";
-  }
-  if (possible < 2) {
-    sizes_ = nullptr;
-  } else if (sizes_ == nullptr || !std::ranges::is_permutation(sizes_->masks(), masks)) {
-    sizes_ = std::make_shared<BodySizes>(*setup_.type, std::move(masks));
-    counted_ = 0;
-    counted_at_ = now;
-  }
+  sizes_ = measured_;
 }
 
 /// Whoever cannot be in a group any more is served alone from now on.
@@ -180,23 +165,34 @@ void GroupKeeper::merged(Time now) {
     if (!holds(found_, group)) retired_.push_back({group, now});
   }
   groups_ = std::exchange(found_, {});
-  const core::Lock lock(why_mutex_);
-  shown_ = groups_;
+  reasons_.set_groups(groups_);
 }
 
-std::vector<PlanDestination> GroupKeeper::plan_destinations(std::vector<const Destination*>& places) const {
+bool GroupKeeper::is_planned(const Destination* to) const {
+  return std::ranges::any_of(planned_, [&](const Planned& planned) { return holds(planned.members, to); });
+}
+
+/// Those whose fields have never been sent wait for a sample.
+std::vector<PlanDestination> GroupKeeper::plan_destinations(std::vector<const Destination*>& places) {
   std::vector<PlanDestination> destinations;
+  awaits_sizes_ = false;
   for (const auto& [to, candidate] : candidates_) {
     if (!candidate.refusal.empty()) continue;
-    PlanDestination& destination = destinations.emplace_back();
-    for (std::size_t i = 0; i < sizes_->masks().size(); ++i) {
-      if (holds(candidate.masks, sizes_->masks()[i])) destination.masks |= MaskSet{1} << i;
+    if (!sizes_->known(candidate.fields)) {
+      awaits_sizes_ = true;
+      if (!is_planned(to)) continue;
     }
-    destination.link = *candidate.link;
-    destination.datagram_bytes = to->path().datagram_bytes();
-    destination.reliable = candidate.reliable;
+    const std::size_t datagram_bytes = to->path().datagram_bytes();
+    double alone = 0;
+    for (const FieldMask& mask : candidate.masks)
+      alone += wire_bytes(sizes_->bytes_of(mask), datagram_bytes,
+                          candidate.reliable ? PlaceMark::in_channel : PlaceMark::none);
+    const auto known = planned_for_.find(to);
+    const bool is_new = known == planned_for_.end() || known->second.fields != candidate.fields;
+    destinations.push_back({candidate.fields, alone, *candidate.link, datagram_bytes, is_new});
     places.push_back(to);
   }
+  if (awaits_sizes_) sizes_->measure_next();
   return destinations;
 }
 
@@ -208,27 +204,69 @@ bool GroupKeeper::replan(Time now) {
     packed_until_ = now + packed_pause;
     if (is_news) return true;
   }
-  if (sizes_ == nullptr || !sizes_->known() || now < replan_at_) return false;
-  replan_at_ = now + replan_pause;
-  const std::uint64_t samples = sizes_->samples();
-  const std::chrono::duration<double> seconds = now - std::exchange(counted_at_, now);
-  const double rate =
-      static_cast<double>(samples - std::exchange(counted_, samples)) / std::max(seconds.count(), 0.1);
+  return may_plan(now) && plan(now);
+}
 
+/// Or asks for other fields than before.
+bool GroupKeeper::someone_came() const {
+  return std::ranges::any_of(candidates_, [&](const auto& item) {
+    const auto known = planned_for_.find(item.first);
+    return item.second.refusal.empty() &&
+           (known == planned_for_.end() || known->second.fields != item.second.fields);
+  });
+}
+
+/// What a sample takes is known when one was published.
+bool GroupKeeper::may_plan(Time now) const {
+  if (sizes_ == nullptr || sizes_->samples() == 0 || possible() < 2) return false;
+  if (now >= replan_at_) return true;
+  return awaits_sizes_ && now >= planned_at_ + settling &&
+         std::ranges::any_of(candidates_, [&](const auto& item) {
+           return item.second.refusal.empty() && !planned_for_.contains(item.first) &&
+                  sizes_->known(item.second.fields);
+         });
+}
+
+/// False if a plan was made for the same destinations, and for about the same bytes.
+bool GroupKeeper::is_news(std::span<const Destination* const> places,
+                          std::span<const PlanDestination> all) const {
+  const auto differ = [](double before, double now) {
+    constexpr double least = 0.01;
+    return std::abs(now - before) > least * before;
+  };
+  if (places.size() != planned_for_.size() || differ(planned_rate_, rate_->per_s())) return true;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const auto known = planned_for_.find(places[i]);
+    if (known == planned_for_.end() || known->second.fields != all[i].fields ||
+        known->second.link != all[i].link || differ(known->second.alone_bytes, all[i].alone_bytes))
+      return true;
+  }
+  return false;
+}
+
+/// True if other groups are better than the present ones.
+bool GroupKeeper::plan(Time now) {
+  rate_->count(sizes_->samples(), now);
+  replan_at_ = rate_->due(now + replan_pause);
   std::vector<const Destination*> places;
   const std::vector<PlanDestination> destinations = plan_destinations(places);
   MulticastPlan present;
   for (const Planned& planned : planned_) {
     PlannedGroup& group = present.emplace_back();
+    group.fields = FieldMask(leaf_count(*setup_.type));
     for (std::size_t i = 0; i < places.size(); ++i) {
       if (!holds(planned.members, places[i])) continue;
-      group.masks |= destinations[i].masks;
+      group.fields |= destinations[i].fields;
       group.members.push_back(i);
     }
   }
-  const auto body_bytes = [this](MaskSet set) { return sizes_->bytes_of(set); };
-  const MulticastPlan plan = plan_multicast(destinations, body_bytes, rate, present, setup_.limits);
-  if (plan == present) return false;
+  if (!is_news(places, destinations)) return false;
+  planned_rate_ = rate_->per_s();
+  planned_for_.clear();
+  for (std::size_t i = 0; i < places.size(); ++i) planned_for_.emplace(places[i], destinations[i]);
+  const auto body_bytes = [this](const FieldMask& fields) { return sizes_->bytes_of(fields); };
+  const MulticastPlan plan = plan_multicast(destinations, body_bytes, rate_->per_s(), present, setup_.limits);
+  if (std::ranges::is_permutation(plan, present)) return false;
   std::vector<Planned> next;
   for (const PlannedGroup& group : plan) {
     Planned planned{.place = next.size()};
@@ -236,6 +274,7 @@ bool GroupKeeper::replan(Time now) {
     next.push_back(std::move(planned));
   }
   planned_ = std::move(next);
+  planned_at_ = now;
   return true;
 }
 
@@ -279,29 +318,12 @@ void GroupKeeper::send(Destination& to, const GroupOffer& offer, Time now) {
 }
 
 void GroupKeeper::explain(const std::vector<RouteBundle>& routes) {
-  const core::Lock lock(why_mutex_);
-  why_.clear();
-  several_ = sizes_ != nullptr;
+  GroupReasons::Readers readers;
   for (const RouteBundle& bundle : routes) {
-    for (const auto& [reader, to] : bundle.readers) why_[reader] = {to, candidates_.at(to).refusal};
+    for (const auto& [reader, to] : bundle.readers)
+      readers[reader] = {to, candidates_.at(to).refusal, bundle.wanted.mask};
   }
-}
-
-std::string GroupKeeper::why(core::EndpointId reader) const {
-  const core::Lock lock(why_mutex_);
-  const auto known = why_.find(reader);
-  if (known == why_.end()) return {};
-  const Why& why = known->second;
-  if (!why.refusal.empty()) return "alone: " + why.refusal;
-  for (const auto& group : shown_) {
-    for (std::size_t i = 0; i < group->members().size(); ++i) {
-      if (&group->members()[i].lane->destination() != why.to) continue;
-      return "group " + core::format(core::IpAddress(group->name().address)) + " of " +
-             std::to_string(group->members().size()) + group->state_of(i);
-    }
-  }
-  return several_ ? "alone: a group would put hardly fewer bytes on the wire"
-                  : "alone: nobody else could be in a group with it";
+  reasons_.set_readers(std::move(readers), sizes_, possible() > 1);
 }
 
 }  // namespace sft::udp

@@ -9,14 +9,16 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "core/sync/mutex.h"
 #include "udp_transport/io/multicast_links.h"
 #include "udp_transport/multicast/body_sizes.h"
 #include "udp_transport/multicast/multicast_group.h"
 #include "udp_transport/multicast/multicast_plan.h"
+#include "udp_transport/multicast/sample_rate.h"
+#include "udp_transport/routing/group_reasons.h"
 #include "udp_transport/routing/route_bundle.h"
 
 namespace sft::udp {
@@ -44,7 +46,8 @@ class GroupKeeper {
 
   // While routes are made anew, one after the other:
 
-  /// Puts what goes to the members of each group into one: under the union of their masks.
+  /// Puts what goes to the members of each group into one: under the union of their masks. Whoever came anew
+  /// is planned for at once, if that may be.
   void merge(std::vector<RouteBundle>& routes, Time now);
   /// The group at that place with these members, known or new.
   std::shared_ptr<MulticastGroup> find(std::size_t place, std::vector<MulticastGroup::Member> members);
@@ -59,12 +62,13 @@ class GroupKeeper {
   void tend(Time now);
 
   /// Any thread: of a reader, in which group it is or why in none.
-  std::string why(core::EndpointId reader) const;
+  std::string why(core::EndpointId reader) const { return reasons_.of(reader); }
 
  private:
   struct Candidate {
     std::shared_ptr<Destination> to;
     std::vector<FieldMask> masks{};
+    FieldMask fields{};  ///< of all masks
     bool reliable = false;
     std::optional<std::size_t> link{};  ///< in links_; empty: it cannot be in a group
     std::string refusal{};              ///< why
@@ -80,16 +84,23 @@ class GroupKeeper {
 
   void look_at(const std::vector<RouteBundle>& routes, Time now);
   bool any_given_up(Time now);
+  std::size_t possible() const;
   void choose_link(Candidate& candidate, Time now) const;
-  void choose_masks(Time now);
+  void choose_sizes(Time now);
   void keep_possible();
   void merge(const Planned& planned, std::vector<RouteBundle>& routes) const;
-  std::vector<PlanDestination> plan_destinations(std::vector<const Destination*>& places) const;
+  bool plan(Time now);
+  bool may_plan(Time now) const;
+  bool someone_came() const;
+  std::vector<PlanDestination> plan_destinations(std::vector<const Destination*>& places);
+  bool is_planned(const Destination* to) const;
+  bool is_news(std::span<const Destination* const> places, std::span<const PlanDestination> all) const;
   std::uint32_t address(std::size_t place) const;
   static void send(Destination& to, const GroupOffer& offer, Time now);
   void explain(const std::vector<RouteBundle>& routes);
 
-  static constexpr std::chrono::milliseconds settling{100};  ///< routes come in bunches
+  /// Readers come in bunches: groups are not made anew more often.
+  static constexpr std::chrono::milliseconds settling{50};
   static constexpr std::chrono::seconds replan_pause{1};
   static constexpr std::chrono::minutes deaf_pause{1};  ///< before one that heard nothing is offered a group
   static constexpr std::chrono::seconds packed_pause{10};   ///< since samples were published together
@@ -99,7 +110,11 @@ class GroupKeeper {
   const bool too_many_leaves_;  ///< masks are not sent in words then
   std::vector<MulticastLink> links_;
   std::map<const Destination*, Candidate> candidates_;
-  std::shared_ptr<BodySizes> sizes_;
+  std::shared_ptr<BodySizes> measured_;                        ///< what is known of samples, asked for or not
+  std::shared_ptr<BodySizes> sizes_;                           ///< the same, or null
+  std::map<const Destination*, PlanDestination> planned_for_;  ///< who was there when the plan was made
+  double planned_rate_ = 0;                                    ///< and the samples per second
+  bool awaits_sizes_ = false;                                  ///< somebody could not be planned for
   std::vector<Planned> planned_;
   std::vector<std::shared_ptr<MulticastGroup>> groups_, found_;
   std::vector<Retired> retired_;
@@ -107,17 +122,9 @@ class GroupKeeper {
   Time packed_until_{};
   std::uint32_t last_number_ = 0;
   Time replan_at_{};
-  Time counted_at_{};
-  std::uint64_t counted_ = 0;
-
-  mutable core::Mutex why_mutex_;
-  struct Why {
-    const Destination* to = nullptr;
-    std::string refusal{};
-  };
-  std::map<core::EndpointId, Why> why_ SFT_GUARDED_BY(why_mutex_);
-  std::vector<std::shared_ptr<MulticastGroup>> shown_ SFT_GUARDED_BY(why_mutex_);
-  bool several_ SFT_GUARDED_BY(why_mutex_) = false;  ///< could be in a group
+  Time planned_at_{};               ///< the last time that the plan changed
+  std::optional<SampleRate> rate_;  ///< as soon as samples are measured
+  GroupReasons reasons_;
 };
 
 }  // namespace sft::udp

@@ -55,8 +55,8 @@ class BridgeTest : public testing::Test {
   }
 
   /// Opens the publisher on this host.
-  void open_publisher() {
-    writer_ = open_udp_transport({}, make_pool()).value();
+  void open_publisher(const UdpOptions& options = {}) {
+    writer_ = open_udp_transport(options, make_pool()).value();
     publisher_ = std::make_unique<Publisher>(*writer_);
   }
   /// Makes a bridge with these options of the kernel's bridge.
@@ -81,19 +81,25 @@ class BridgeTest : public testing::Test {
   }
   /// A reader on a host of its own.
   bool add_reader(unsigned number, const std::string& mask, bool reliable) {
+    return add_readers(number, {mask}, reliable);
+  }
+  /// Readers on one host, each with a transport of its own, as several programs have.
+  bool add_readers(unsigned number, const std::vector<std::string>& masks, bool reliable) {
+    return on_host(number, [&] {
+      for (const std::string& mask : masks) hosts_.push_back(open_reader(mask, reliable));
+    });
+  }
+  Host open_reader(const std::string& mask, bool reliable) {
     Host host;
     host.mask = mask;
     host.reliable = reliable;
-    const bool made = on_host(number, [&] {
-      host.transport = open_udp_transport({}, make_pool()).value();
-      host.address = host.transport->addresses().at(0);
-      host.subscriber =
-          std::make_unique<Subscriber>(*host.transport, std::vector{mask}, 10'000, hosts_.size() + 1);
-      if (reliable) host.subscriber->listen_reliably_to(publisher_->id());
-      if (!reliable) host.subscriber->listen_to(publisher_->id());
-    });
-    hosts_.push_back(std::move(host));
-    return made;
+    host.transport = open_udp_transport({}, make_pool()).value();
+    host.address = host.transport->addresses().at(0);
+    host.subscriber =
+        std::make_unique<Subscriber>(*host.transport, std::vector{mask}, 10'000, hosts_.size() + 1);
+    if (reliable) host.subscriber->listen_reliably_to(publisher_->id());
+    if (!reliable) host.subscriber->listen_to(publisher_->id());
+    return host;
   }
 
   void serve(std::size_t first) {
@@ -132,12 +138,6 @@ class BridgeTest : public testing::Test {
       if (!hears(reader)) return false;
     }
     return true;
-  }
-  bool some_join_groups() {
-    for (core::EndpointId reader = 1; reader <= served_; ++reader) {
-      if (publisher_->port().multicast(reader).starts_with("group ")) return true;
-    }
-    return false;
   }
   /// Publishes until it holds.
   template <class Condition>

@@ -1,0 +1,55 @@
+// What each field of a message type takes in the samples of one writer, on average: how many elements its
+// sequences have, and how long its strings are. From that the length of a body with any fields follows
+// without a sample.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "sft/detail/walk.h"
+
+namespace sft::udp {
+
+class LeafSizes {
+ public:
+  /// `type` outlives it.
+  explicit LeafSizes(const StructType& type);
+
+  /// One thread: notes the fields that the sample has. Of a collection of structs a few elements are looked
+  /// at. Each new average counts for a quarter. Allocates nothing.
+  void measure(const detail::SampleState& sample) noexcept;
+
+  // Any thread.
+
+  /// All of these fields have been measured, or need not be.
+  bool known(const FieldMask& fields) const;
+  /// The length of a body with these fields and no others. `fields` is closed.
+  double bytes(const FieldMask& fields) const;
+
+ private:
+  static constexpr std::uint32_t elements_max = 32;  ///< that are looked at
+
+  /// An average, and what the present sample adds to it.
+  struct Average {
+    std::atomic<double> value{unmeasured};
+    std::uint64_t sum = 0, count = 0;
+  };
+  static constexpr double unmeasured = -1;
+
+  class Meter;
+  class Sum;
+  static double value_of(const Average& average);
+  static void settle(Average& average);
+  void find_variable(const StructType& type, std::size_t& leaf);
+
+  const StructType& type_;
+  const std::size_t leaves_;
+  std::unique_ptr<Average[]> elements_;  ///< by leaf: elements of a sequence
+  std::unique_ptr<Average[]> strings_;   ///< by leaf: bytes of a string, with its NUL
+  FieldMask sequences_, texts_;          ///< the leaves that have these averages
+};
+
+}  // namespace sft::udp

@@ -1,0 +1,60 @@
+// The cost model of multicast.md: what one sample of a writer costs where some of its readers are sent one
+// copy together.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "sft/mask.h"
+
+namespace sft::udp {
+
+/// Bytes of a body that has these fields.
+using BodyBytes = std::function<double(const FieldMask&)>;
+
+/// A process that may be in a group.
+struct PlanDestination {
+  FieldMask fields{};              ///< that some reader there asks for
+  double alone_bytes = 0;          ///< on the wire, if each of its masks is sent there alone
+  std::size_t link = 0;            ///< a group is behind one link
+  std::size_t datagram_bytes = 0;  ///< that its path takes
+  bool is_new = false;             ///< it was not there, or had other fields, when the present plan was made
+};
+
+struct PlannedGroup {
+  FieldMask fields;                  ///< sent to it: all those of its members
+  std::vector<std::size_t> members;  ///< ascending; places of destinations
+  friend bool operator==(const PlannedGroup&, const PlannedGroup&) = default;
+};
+/// The groups in the order of their first members. A reader in no group is served alone.
+using MulticastPlan = std::vector<PlannedGroup>;
+
+struct PlanLimits {
+  double unwanted_weight = 0.25;   ///< of a byte that a member gets and has not asked for
+  double wire_max = 1.05;          ///< bytes on a link, by what one group, or none, would put there
+  double gain_min = 0.05;          ///< of the present cost: less is no reason to change anything
+  double gain_bytes_per_s = 4096;  ///< likewise
+  std::size_t groups_max = 8;      ///< on a link
+};
+
+/// The position that a sample carries. A position in a channel takes bytes of its own only if the sample does
+/// not fit into one datagram.
+enum class PlaceMark : std::uint8_t { none, in_channel, in_group };
+
+/// Bytes on the wire of one sample with such a body: our headers and those of Ethernet, IP and UDP.
+double wire_bytes(double body_bytes, std::size_t datagram_bytes, PlaceMark place);
+
+/// What one sample costs.
+struct PlanCost {
+  double cost = 0;  ///< `wire`, and the unwanted bytes by their weight
+  double wire = 0;  ///< bytes on all links
+  friend PlanCost operator+(PlanCost a, PlanCost b) { return {a.cost + b.cost, a.wire + b.wire}; }
+  friend PlanCost operator-(PlanCost a, PlanCost b) { return {a.cost - b.cost, a.wire - b.wire}; }
+};
+PlanCost plan_cost(std::span<const PlanDestination> destinations, const BodyBytes& body_bytes,
+                   const MulticastPlan& plan, const PlanLimits& limits);
+
+}  // namespace sft::udp

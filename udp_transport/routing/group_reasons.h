@@ -1,0 +1,44 @@
+// What a program is told of each reader: in which multicast group it is and what the group costs it, or why
+// it is in none. Written by the agent's thread, read by any.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/seam/transport.h"
+#include "core/sync/mutex.h"
+#include "udp_transport/multicast/body_sizes.h"
+#include "udp_transport/multicast/multicast_group.h"
+
+namespace sft::udp {
+
+class GroupReasons {
+ public:
+  struct Reader {
+    const Destination* to = nullptr;
+    std::string refusal{};  ///< why it cannot be in a group; empty: it can
+    FieldMask fields{};     ///< that it asks for
+  };
+  using Readers = std::map<core::EndpointId, Reader>;
+  using Groups = std::vector<std::shared_ptr<MulticastGroup>>;
+
+  /// `several` of them can be in a group. `sizes` may be null.
+  void set_readers(Readers readers, std::shared_ptr<BodySizes> sizes, bool several);
+  void set_groups(Groups groups);
+
+  /// Any thread. Empty if nobody of that name is served.
+  std::string of(core::EndpointId reader) const;
+
+ private:
+  std::string unwanted(const Reader& reader, const MulticastGroup& group) const SFT_REQUIRES(mutex_);
+
+  mutable core::Mutex mutex_;
+  Readers readers_ SFT_GUARDED_BY(mutex_);
+  Groups groups_ SFT_GUARDED_BY(mutex_);
+  std::shared_ptr<BodySizes> sizes_ SFT_GUARDED_BY(mutex_);
+  bool several_ SFT_GUARDED_BY(mutex_) = false;
+};
+
+}  // namespace sft::udp
