@@ -57,6 +57,8 @@ class DatagramReceiver {
   /// Hands over what came next, without waiting; false if nothing is there. Any thread, while no other is in
   /// here or in receive().
   virtual bool receive_now(DatagramSink& sink) noexcept = 0;
+  /// The same, of what was sent to groups: that lies in a socket of its own.
+  virtual bool receive_from_groups(DatagramSink& sink) noexcept = 0;
   /// Descriptors for poll(2): readable while there are datagrams, and after wake() until it is read.
   struct Descriptors {
     int datagrams;

@@ -48,6 +48,7 @@ class SocketReceiver final : public DatagramReceiver {
   }
   void finish() noexcept override {}
   bool receive_now(DatagramSink& sink) noexcept override { return trains_.read(sink); }
+  bool receive_from_groups(DatagramSink& sink) noexcept override { return trains_.read_from_groups(sink); }
   Descriptors descriptors() const noexcept override { return {socket_->readable(), wake_event_.get()}; }
 
  private:

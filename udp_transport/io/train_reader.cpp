@@ -15,8 +15,12 @@ TrainReader::TrainReader(std::shared_ptr<const UdpSocket> socket)
 
 bool TrainReader::read(DatagramSink& sink) noexcept {
   if (read_from(socket_->fd.get(), sink)) return true;
-  return socket_->in_groups.load(std::memory_order_relaxed) &&
-         read_from(socket_->groups.group_fd.get(), sink);
+  return socket_->in_groups.load(std::memory_order_relaxed) && read_from_groups(sink);
+}
+
+bool TrainReader::read_from_groups(DatagramSink& sink) noexcept {
+  const FileDescriptor& groups = socket_->groups.group_fd;
+  return groups && read_from(groups.get(), sink);
 }
 
 bool TrainReader::read_from(int fd, DatagramSink& sink) noexcept {

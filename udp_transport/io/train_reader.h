@@ -17,6 +17,8 @@ class TrainReader {
 
   /// Never waits. False if nothing is there.
   bool read(DatagramSink& sink) noexcept;
+  /// The same, of what was sent to groups, even if the process has left them all.
+  bool read_from_groups(DatagramSink& sink) noexcept;
 
  private:
   bool read_from(int fd, DatagramSink& sink) noexcept;

@@ -203,6 +203,7 @@ class UringReceiver final : public DatagramReceiver {
 
   /// Armed receives stay armed: a ring whose thread is elsewhere takes nothing from the socket.
   bool receive_now(DatagramSink& sink) noexcept override { return trains_.read(sink); }
+  bool receive_from_groups(DatagramSink& sink) noexcept override { return trains_.read_from_groups(sink); }
   Descriptors descriptors() const noexcept override { return {socket_->readable(), wake_event_.get()}; }
 
   /// Closing an armed ring would keep the port in use for some time.

@@ -2,6 +2,7 @@
 // group belong in its channel, and what to report. Pure: calls and times in, answers out.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -50,6 +51,10 @@ class OfferedGroups {
 
   bool due() const { return due_; }
   bool empty() const { return groups_.empty(); }
+  /// Something of a group has come that is not over yet, as far as this process knows.
+  bool were_heard() const {
+    return std::ranges::any_of(groups_, [](const Offered& g) { return g.heard != 0; });
+  }
   /// Adds those that are to be joined.
   void addresses(std::vector<std::uint32_t>& to) const;
 

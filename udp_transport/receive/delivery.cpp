@@ -38,7 +38,12 @@ void Delivery::follow_readers(std::size_t stream_index) {
 void Delivery::deliver(Arrival& arrival, Time now) {
   const bool in_channel = arrival.in_channel;
   const core::EndpointId writer = wanted_->streams[arrival.stream].writer;
-  if (arrival.has_samples()) deliver_at_once(arrival);
+  const bool hands_over = arrival.may_overtake || (hand_over_.is_under_way() && hand_over_.concerns(writer));
+  if (hands_over && arrival.has_samples()) [[unlikely]] {
+    hand_over(arrival, writer);
+  } else if (arrival.has_samples()) {
+    deliver_at_once(arrival);
+  }
   if (in_channel) deliver_in_order(writer, now);
 }
 
@@ -60,6 +65,30 @@ void Delivery::deliver_at_once(Arrival& arrival) {
   batch_.clear();
   for (core::SampleHandle& sample : samples) sample.reset();
   enter();
+}
+
+/// A sample that came alone waits if one before it is missing.
+void Delivery::hand_over(Arrival& arrival, core::EndpointId writer) {
+  const std::span samples = arrival.sample ? std::span(&arrival.sample, 1) : arrival.packed;
+  for (core::SampleHandle& sample : samples)
+    hand_over_.add({std::move(sample), arrival.in_channel, arrival.may_overtake});
+  for (HandOver::Waiting one = hand_over_.next(writer); one.sample; one = hand_over_.next(writer))
+    go_on_with(std::move(one));
+  while (hand_over_.is_full()) go_on_with(hand_over_.next());
+}
+
+/// Nobody may read the writer any more.
+void Delivery::go_on_with(HandOver::Waiting waiting) {
+  const std::optional<std::size_t> index = index_of(waiting.sample->header().writer);
+  if (!index) return;
+  Arrival arrival{std::move(waiting.sample), *index, waiting.in_channel};
+  deliver_at_once(arrival);
+}
+
+void Delivery::end_hand_over() noexcept {
+  enter();
+  while (hand_over_.is_under_way()) go_on_with(hand_over_.next());
+  leave();
 }
 
 /// True if some reader had room for something.

@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "udp_transport/receive/hand_over.h"
 #include "udp_transport/receive/lag_watch.h"
 #include "udp_transport/receive/reassembly.h"
 #include "udp_transport/receive/subscriptions.h"
@@ -37,6 +38,11 @@ class Delivery {
   /// Delivers what a datagram has brought, which is not nothing. Between enter() and leave().
   void deliver(Arrival& arrival, Time now);
 
+  /// Some samples wait for what may lie in the socket of groups. They do so until it has come, or until
+  /// end_hand_over() says that nothing lies there.
+  bool hands_over() const noexcept { return hand_over_.is_under_way(); }
+  void end_hand_over() noexcept;
+
   /// Delivers to readers that had no room before.
   void look_after_readers(Time now);
   /// The time when look_after_readers() is due; Time::max() if no reader lags.
@@ -46,6 +52,8 @@ class Delivery {
 
  private:
   void deliver_at_once(Arrival& arrival);
+  void hand_over(Arrival& arrival, core::EndpointId writer);
+  void go_on_with(HandOver::Waiting waiting);
   bool deliver_in_order(core::EndpointId writer, Time now);
   bool deliver_next(core::EndpointId writer, Time now);
   bool deliver_to(const Subscriber& subscriber, const Stream& stream, ArrivalWindow& window);
@@ -56,6 +64,7 @@ class Delivery {
   const KeepGroups keep_groups_;
   SubscriptionDirectory subscriptions_;
   std::shared_ptr<const Subscriptions> wanted_;  ///< what the reassembly follows
+  HandOver hand_over_;
   LagWatch lag_watch_;
   std::atomic<bool> readers_lag_{false};
   std::vector<core::SampleHandle> batch_;  ///< samples on their way to one inbox

@@ -156,6 +156,7 @@ Arrival IncomingWriter::accept_packed(const Datagram& packed, const WantedMasks:
     d.first = header_behind(packed.first, i, static_cast<std::uint32_t>(d.payload.size()));
     Arrival one = accept_first(d, named, now, i > 0);
     arrival.in_channel |= one.in_channel;
+    arrival.may_overtake |= one.may_overtake;
     if (one.sample) shared_.packed.push_back(std::move(one.sample));
   }
   shared_.pack_buffers.clear();
@@ -277,6 +278,7 @@ Arrival IncomingWriter::complete(core::SampleHandle sample, const FirstHeader& f
     if (place != 0) window_->refuse_or_pass(place);
     return {{}, facts_.stream_index, place != 0};
   }
+  const bool overtakes = may_overtake(header.sequence, first);
   if (!believes({header.sequence, place, shared_.datagrams, header.source_stamp_ns}, now.steady)) {
     ++shared_.counters.malformed;
     if (place != 0) window_->samples().refuse(place);
@@ -285,7 +287,15 @@ Arrival IncomingWriter::complete(core::SampleHandle sample, const FirstHeader& f
   sample->numbering = sequences_.numbering();
   if (place != 0) window_->whole(place, sample);
   drop_abandoned();
-  return {std::move(sample), facts_.stream_index, place != 0};
+  return {std::move(sample), facts_.stream_index, place != 0, {}, overtakes};
+}
+
+/// A group ends with any sample: its last ones and the next one come by two sockets.
+bool IncomingWriter::may_overtake(std::uint64_t sequence, const FirstHeader& first) const {
+  const std::uint64_t newest = sequences_.newest();
+  if (newest == 0 || sequence <= newest + 1) [[likely]]
+    return false;
+  return (first.flags & group_follows) == 0 && groups_.were_heard();
 }
 
 /// A sample that waits under a sequence that turns out to be wrong has to come again. A writer that does not

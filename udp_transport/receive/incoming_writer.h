@@ -52,6 +52,8 @@ struct Arrival {
   /// The samples of a packed datagram, whole and valid. They may be moved out, and are gone with the next
   /// datagram.
   std::span<core::SampleHandle> packed{};
+  /// The samples came alone, and one before them has not come. It may lie in the socket of groups.
+  bool may_overtake = false;
 
   bool has_samples() const { return sample || !packed.empty(); }
   bool is_empty() const { return !in_channel && !has_samples(); }
@@ -125,6 +127,7 @@ class IncomingWriter {
   Arrival proceed(UnfinishedSample& sample, UnfinishedSample::Added added, ArrivalTime now);
   Arrival complete(core::SampleHandle sample, const FirstHeader& first, std::uint64_t place, ArrivalTime now);
   bool believes(const SequenceWatch::Claim& claim, Time now);
+  bool may_overtake(std::uint64_t sequence, const FirstHeader& first) const;
 
   Refusal describe(const Datagram& d, const WantedMasks::Named& named, std::uint64_t place,
                    core::SampleHandle& buffer);

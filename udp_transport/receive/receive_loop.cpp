@@ -20,6 +20,7 @@ namespace sft::udp {
 namespace {
 using Clock = std::chrono::steady_clock;
 constexpr int trains_per_turn = 64;  // afterwards a thread that waits may have the role
+constexpr int trains_per_hand_over = 1024;
 
 /// Makes an eventfd or timerfd unreadable again.
 void read_away(int fd) noexcept {
@@ -103,6 +104,7 @@ void ReceiveLoop::receive_alone() {
   now_.steady = {};
   const bool works = io_->receive(*this, next_deadline(), spin_choice_.choose(spins_.largest()));
   spin_choice_.waited(now_.steady == Time{} ? Clock::duration::max() : now_.steady - begun);
+  end_hand_over();
   look_after_time();
   if (role_.end_turn(next_deadline())) ::eventfd_write(waiter_event_.get(), 1);
   if (works) return;
@@ -122,6 +124,7 @@ void ReceiveLoop::poll(Time until) {
   if (!role_.take_turn()) return;
   for (int i = 0; i < trains_per_turn && io_->receive_now(*this); ++i) {
   }
+  end_hand_over();
   look_after_time();
   if (role_.end_turn(next_deadline())) ::eventfd_write(waiter_event_.get(), 1);
 }
@@ -204,9 +207,21 @@ void ReceiveLoop::deliver_to_laggards() noexcept {
 bool ReceiveLoop::receive_turn() noexcept {
   if (!role_.begin()) return false;
   const bool came = io_->receive_now(*this);
+  end_hand_over();
   look_after_time();
   role_.end(next_deadline());
   return came;
+}
+
+/// What was sent before a sample that came alone has come as well: it lies in the socket of groups, or was
+/// lost.
+void ReceiveLoop::end_hand_over() noexcept {
+  if (!delivery_.hands_over()) [[likely]]
+    return;
+  for (int i = 0; i < trains_per_hand_over && delivery_.hands_over() && io_->receive_from_groups(*this);
+       ++i) {
+  }
+  delivery_.end_hand_over();
 }
 
 void ReceiveLoop::sleep_in_role(Time until) noexcept {

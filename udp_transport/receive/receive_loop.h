@@ -82,6 +82,7 @@ class ReceiveLoop final : private DatagramSink, public std::enable_shared_from_t
   void wait_behind(const core::Waiting& waiting) noexcept;
   void deliver_to_laggards() noexcept;
   bool receive_turn() noexcept;
+  void end_hand_over() noexcept;
   void sleep_in_role(Time until) noexcept;
   void look_after_time() noexcept;
   void leave_role() noexcept;

@@ -6,9 +6,11 @@
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <random>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -35,6 +37,10 @@ class PassingReceiver : public DatagramReceiver, private DatagramSink {
   bool receive_now(DatagramSink& sink) noexcept override {
     sink_ = &sink;
     return inner_->receive_now(*this);
+  }
+  bool receive_from_groups(DatagramSink& sink) noexcept override {
+    sink_ = &sink;
+    return inner_->receive_from_groups(*this);
   }
   Descriptors descriptors() const noexcept override { return inner_->descriptors(); }
   void wake() noexcept override { inner_->wake(); }
@@ -89,6 +95,64 @@ class DeafReceiver final : public PassingReceiver {
   }
 
   const std::atomic<bool>& deaf_;
+};
+
+/// Keeps a receiving thread busy with one datagram, and notes in which order samples come from the sockets.
+class Hold {
+ public:
+  void begin() {
+    {
+      const std::scoped_lock lock(mutex_);
+      arrivals_.clear();
+    }
+    held_ = true;
+  }
+  /// The thread is busy.
+  bool stops_it() const { return stopped_; }
+  void end() {
+    held_ = false;
+    held_.notify_all();
+  }
+  /// Those since begin(): "7 by group, 8 alone".
+  std::string arrivals() const {
+    const std::scoped_lock lock(mutex_);
+    return arrivals_;
+  }
+
+  DatagramIo put_around(DatagramIo io) {
+    io.receiver = std::make_unique<Held>(std::move(io.receiver), *this);
+    return io;
+  }
+
+ private:
+  class Held final : public PassingReceiver {
+   public:
+    Held(std::unique_ptr<DatagramReceiver> inner, Hold& hold)
+        : PassingReceiver(std::move(inner)), hold_(hold) {}
+
+   private:
+    void datagram(std::span<const std::byte> bytes, const SocketAddress& from) noexcept override {
+      hold_.stopped_ = hold_.held_.load();
+      hold_.held_.wait(true);
+      hold_.stopped_ = false;
+      hold_.note(bytes);
+      pass_on(bytes, from);
+    }
+    Hold& hold_;
+  };
+
+  void note(std::span<const std::byte> bytes) {
+    const auto d = parse(bytes);
+    if (!d) return;
+    const std::scoped_lock lock(mutex_);
+    if (!arrivals_.empty()) arrivals_ += ", ";
+    arrivals_ += std::to_string(d->label().sequence);
+    arrivals_ += (d->first.flags & group_follows) != 0 ? " by group" : " alone";
+  }
+
+  std::atomic<bool> held_{false}, stopped_{false};
+  mutable std::mutex mutex_;
+  std::string arrivals_;
 };
 
 /// Passes everything on; the base of connections with faults.

@@ -126,7 +126,17 @@ class MulticastTest : public TransportTest {
     for (std::size_t i = 0; i < count; ++i) ASSERT_EQ(sequences[i], processes_[process].since + 1 + i);
   }
 
-  std::atomic<bool> deaf_{false};  ///< outlives the transport that looks at it
+  /// Those that have come to a process that listens to others, too.
+  std::vector<std::uint64_t> sequences_of_publisher(std::size_t process) {
+    std::vector<std::uint64_t> sequences;
+    for (const core::SampleHandle& sample : processes_[process].subscriber->await(0)) {
+      if (sample->header().writer == publisher_->id()) sequences.push_back(sample->header().sequence);
+    }
+    return sequences;
+  }
+
+  test::Hold hold_;                ///< outlives the transport that looks at it
+  std::atomic<bool> deaf_{false};  ///< likewise
   std::unique_ptr<core::Network> writer_;
   std::unique_ptr<Publisher> publisher_;
   std::vector<Process> processes_;
@@ -272,6 +282,29 @@ TEST_P(MulticastTest, LosesNothingThatIsReliableOnABadNetworkWhileOneComesAndGoe
     serve(n % 120 == 59 ? 3 : 4);  // the last is not served for a while
   }
   for (std::size_t i = 0; i < 3; ++i) expect_all_of(i);
+}
+
+/// Two sockets have something when the reader looks: the own one of the member is first, since that had
+/// something first.
+TEST_P(MulticastTest, LosesNothingWhereAMemberOfAGroupThatEndsIsBusy) {
+  add("*", false, [this](DatagramIo io) { return hold_.put_around(std::move(io)); });
+  for (int i = 0; i < 2; ++i) add("*", false);
+  serve();
+  ASSERT_TRUE(come_together()) << state_of(1);
+  await_all();
+  Publisher other(*writer_, own_id());
+  processes_[0].subscriber->listen_to(other.id());
+  other.serve({{test::loopback_address(*processes_[0].transport)}});
+  hold_.begin();
+  other.publish(make_image(100, 1));
+  ASSERT_TRUE(eventually([this] { return hold_.stops_it(); }));
+  other.publish(make_image(100, 2));
+  publish();
+  serve(2);  // another group
+  publish();
+  hold_.end();
+  processes_[0].subscriber->await(published_ + 2, 1s);
+  EXPECT_EQ(sequences_of_publisher(0), first_numbers(published_)) << hold_.arrivals();
 }
 
 TEST_P(MulticastTest, IsOffWhereItWasSwitchedOff) {
