@@ -15,6 +15,8 @@ namespace {
 /// Masks of larger types are named by their hashes only.
 constexpr std::size_t leaves_max = 64 * WireMask::words_max;
 
+constexpr const char* restless = "it asks for that only since just now, or often for something else";
+
 template <class Range, class Value>
 bool holds(const Range& range, const Value& value) {
   return std::ranges::find(range, value) != std::ranges::end(range);
@@ -28,10 +30,10 @@ GroupKeeper::GroupKeeper(Setup setup)
 void GroupKeeper::merge(std::vector<RouteBundle>& routes, Time now) {
   look_at(routes, now);
   choose_sizes(now);
-  keep_possible();
-  if (someone_came()) replan_at_ = std::min(replan_at_, std::max(now, planned_at_ + settling));
+  keep_possible(now);
+  hasten(now);
   if (may_plan(now)) plan(now);
-  explain(routes);
+  explain(routes, now);
   for (const Planned& planned : planned_) merge(planned, routes);
   std::erase_if(routes, [](const RouteBundle& bundle) { return bundle.destinations.empty(); });
   std::ranges::stable_partition(routes, [](const RouteBundle& bundle) { return !bundle.fallback; });
@@ -41,21 +43,35 @@ void GroupKeeper::merge(std::vector<RouteBundle>& routes, Time now) {
 void GroupKeeper::look_at(const std::vector<RouteBundle>& routes, Time now) {
   candidates_.clear();
   links_ = setup_.use == Multicast::off ? std::vector<MulticastLink>{} : setup_.links(setup_.use);
-  for (const RouteBundle& bundle : routes) {
-    for (const std::shared_ptr<Destination>& to : bundle.destinations) {
-      const auto [known, is_new] = candidates_.try_emplace(to.get());
-      Candidate& candidate = known->second;
-      if (is_new) candidate.to = to;
-      if (is_new) choose_link(candidate, now);
-      if (bundle.gate != nullptr) candidate.refusal = "a reader there has a maximum rate";
-      if (bundle.late_reader != 0) candidate.refusal = "a reader there is sent what was retained";
-      if (bundle.fallback) candidate.refusal = "a reader there is served in shared memory";
-      if (!holds(candidate.masks, bundle.wanted.mask)) candidate.masks.push_back(bundle.wanted.mask);
-      if (is_new) candidate.fields = bundle.wanted.mask;
-      candidate.fields |= bundle.wanted.mask;
-      candidate.reliable = candidate.reliable || bundle.reliable.contains(to.get());
-    }
+  for (const RouteBundle& bundle : routes) look_at(bundle, now);
+  await_calm(now);
+}
+
+void GroupKeeper::look_at(const RouteBundle& bundle, Time now) {
+  for (const std::shared_ptr<Destination>& to : bundle.destinations) {
+    const auto [known, is_new] = candidates_.try_emplace(to.get());
+    Candidate& candidate = known->second;
+    if (is_new) candidate.to = to;
+    if (is_new) choose_link(candidate, now);
+    if (bundle.gate != nullptr) candidate.refusal = "a reader there has a maximum rate";
+    if (bundle.late_reader != 0) candidate.refusal = "a reader there is sent what was retained";
+    if (bundle.fallback) candidate.refusal = "a reader there is served in shared memory";
+    candidate.gets_more |= bundle.gate != nullptr || bundle.late_reader != 0 || bundle.fallback;
+    if (!holds(candidate.masks, bundle.wanted.mask)) candidate.masks.push_back(bundle.wanted.mask);
+    if (is_new) candidate.fields = bundle.wanted.mask;
+    candidate.fields |= bundle.wanted.mask;
+    candidate.reliable = candidate.reliable || bundle.reliable.contains(to.get());
   }
+}
+
+void GroupKeeper::await_calm(Time now) {
+  calm_.begin_look();
+  for (auto& [to, candidate] : candidates_) {
+    const SocketAddress address = to->path().address();
+    calm_.note(address, {candidate.masks, candidate.reliable, candidate.gets_more}, now);
+    candidate.calm_at = calm_.calm_at(address);
+  }
+  calm_.end_look(now);
 }
 
 void GroupKeeper::choose_link(Candidate& candidate, Time now) const {
@@ -82,15 +98,15 @@ void GroupKeeper::choose_link(Candidate& candidate, Time now) const {
   if (candidate.refusal.empty()) candidate.refusal = "it is not on a link of this host";
 }
 
-std::size_t GroupKeeper::possible() const {
+std::size_t GroupKeeper::possible(Time now) const {
   return static_cast<std::size_t>(
-      std::ranges::count_if(candidates_, [](const auto& item) { return item.second.refusal.empty(); }));
+      std::ranges::count_if(candidates_, [&](const auto& item) { return is_calm(item.second, now); }));
 }
 
-/// Samples are measured for one that may be in a group, too: the plan is ready when another one comes.
+/// Samples are measured for one that may be in a group later, too: the plan is ready when another one comes.
 void GroupKeeper::choose_sizes(Time now) {
   sizes_ = nullptr;
-  if (possible() == 0) return;
+  if (possible(Time::max()) == 0) return;
   if (measured_ == nullptr) {
     measured_ = std::make_shared<BodySizes>(*setup_.type);
     rate_.emplace(now);
@@ -98,15 +114,16 @@ void GroupKeeper::choose_sizes(Time now) {
   sizes_ = measured_;
 }
 
-/// Whoever cannot be in a group any more is served alone from now on.
-void GroupKeeper::keep_possible() {
-  for (Planned& planned : planned_) {
-    std::erase_if(planned.members, [&](const Destination* member) {
-      const auto known = candidates_.find(member);
-      return known == candidates_.end() || !known->second.refusal.empty();
-    });
-  }
+/// Whoever cannot be in a group any more, or asks for something else, is served alone from now on.
+void GroupKeeper::keep_possible(Time now) {
+  const auto must_leave = [&](const Destination* to) {
+    const auto known = candidates_.find(to);
+    return known == candidates_.end() || !is_calm(known->second, now);
+  };
+  for (Planned& planned : planned_) std::erase_if(planned.members, must_leave);
   std::erase_if(planned_, [](const Planned& planned) { return planned.members.size() < 2; });
+  if (std::erase_if(planned_for_.destinations, [&](const auto& item) { return must_leave(item.first); }) > 0)
+    planned_for_.someone_left = true;
 }
 
 void GroupKeeper::merge(const Planned& planned, std::vector<RouteBundle>& routes) const {
@@ -173,13 +190,13 @@ bool GroupKeeper::is_planned(const Destination* to) const {
 }
 
 /// Those whose fields have never been sent wait for a sample.
-std::vector<PlanDestination> GroupKeeper::plan_destinations(std::vector<const Destination*>& places) {
+std::vector<PlanDestination> GroupKeeper::plan_destinations(std::vector<const Destination*>& places,
+                                                            Time now) {
   std::vector<PlanDestination> destinations;
-  awaits_sizes_ = false;
   for (const auto& [to, candidate] : candidates_) {
-    if (!candidate.refusal.empty()) continue;
+    if (!is_calm(candidate, now)) continue;
     if (!sizes_->known(candidate.fields)) {
-      awaits_sizes_ = true;
+      sizes_->measure_next();
       if (!is_planned(to)) continue;
     }
     const std::size_t datagram_bytes = to->path().datagram_bytes();
@@ -187,12 +204,11 @@ std::vector<PlanDestination> GroupKeeper::plan_destinations(std::vector<const De
     for (const FieldMask& mask : candidate.masks)
       alone += wire_bytes(sizes_->bytes_of(mask), datagram_bytes,
                           candidate.reliable ? PlaceMark::in_channel : PlaceMark::none);
-    const auto known = planned_for_.find(to);
-    const bool is_new = known == planned_for_.end() || known->second.fields != candidate.fields;
+    const auto known = planned_for_.destinations.find(to);
+    const bool is_new = known == planned_for_.destinations.end() || known->second.fields != candidate.fields;
     destinations.push_back({candidate.fields, alone, *candidate.link, datagram_bytes, is_new});
     places.push_back(to);
   }
-  if (awaits_sizes_) sizes_->measure_next();
   return destinations;
 }
 
@@ -204,27 +220,32 @@ bool GroupKeeper::replan(Time now) {
     packed_until_ = now + packed_pause;
     if (is_news) return true;
   }
-  return may_plan(now) && plan(now);
+  if (sizes_ != nullptr && sizes_->samples() == 0) rate_.emplace(now);
+  const bool came = someone_came(now);
+  hasten(now);
+  if (!may_plan(now)) return false;
+  const bool is_better = plan(now);
+  return is_better || (came && !someone_came(now));  // why() of those that came has another answer then
 }
 
-/// Or asks for other fields than before.
-bool GroupKeeper::someone_came() const {
-  return std::ranges::any_of(candidates_, [&](const auto& item) {
-    const auto known = planned_for_.find(item.first);
-    return item.second.refusal.empty() &&
-           (known == planned_for_.end() || known->second.fields != item.second.fields);
-  });
+/// Or asks for other fields than before. Those whose fields have never been sent wait for a sample.
+bool GroupKeeper::someone_came(Time now) const {
+  return sizes_ != nullptr && std::ranges::any_of(candidates_, [&](const auto& item) {
+           const auto known = planned_for_.destinations.find(item.first);
+           const bool is_new =
+               known == planned_for_.destinations.end() || known->second.fields != item.second.fields;
+           return is_new && is_calm(item.second, now) && sizes_->known(item.second.fields);
+         });
+}
+
+/// Plans soon if somebody came.
+void GroupKeeper::hasten(Time now) {
+  if (someone_came(now)) replan_at_ = std::min(replan_at_, std::max(now, planned_at_ + settling));
 }
 
 /// What a sample takes is known when one was published.
 bool GroupKeeper::may_plan(Time now) const {
-  if (sizes_ == nullptr || sizes_->samples() == 0 || possible() < 2) return false;
-  if (now >= replan_at_) return true;
-  return awaits_sizes_ && now >= planned_at_ + settling &&
-         std::ranges::any_of(candidates_, [&](const auto& item) {
-           return item.second.refusal.empty() && !planned_for_.contains(item.first) &&
-                  sizes_->known(item.second.fields);
-         });
+  return sizes_ != nullptr && sizes_->samples() > 0 && now >= replan_at_ && possible(now) > 1;
 }
 
 /// False if a plan was made for the same destinations, and for about the same bytes.
@@ -234,11 +255,13 @@ bool GroupKeeper::is_news(std::span<const Destination* const> places,
     constexpr double least = 0.01;
     return std::abs(now - before) > least * before;
   };
-  if (places.size() != planned_for_.size() || differ(planned_rate_, rate_->per_s())) return true;
+  const auto& before = planned_for_.destinations;
+  if (planned_for_.someone_left || places.size() != before.size()) return true;
+  if (differ(planned_for_.samples_per_s, rate_->per_s())) return true;
   for (std::size_t i = 0; i < places.size(); ++i) {
-    const auto known = planned_for_.find(places[i]);
-    if (known == planned_for_.end() || known->second.fields != all[i].fields ||
-        known->second.link != all[i].link || differ(known->second.alone_bytes, all[i].alone_bytes))
+    const auto known = before.find(places[i]);
+    if (known == before.end() || known->second.fields != all[i].fields || known->second.link != all[i].link ||
+        differ(known->second.alone_bytes, all[i].alone_bytes))
       return true;
   }
   return false;
@@ -249,7 +272,7 @@ bool GroupKeeper::plan(Time now) {
   rate_->count(sizes_->samples(), now);
   replan_at_ = rate_->due(now + replan_pause);
   std::vector<const Destination*> places;
-  const std::vector<PlanDestination> destinations = plan_destinations(places);
+  const std::vector<PlanDestination> destinations = plan_destinations(places, now);
   MulticastPlan present;
   for (const Planned& planned : planned_) {
     PlannedGroup& group = present.emplace_back();
@@ -261,9 +284,9 @@ bool GroupKeeper::plan(Time now) {
     }
   }
   if (!is_news(places, destinations)) return false;
-  planned_rate_ = rate_->per_s();
-  planned_for_.clear();
-  for (std::size_t i = 0; i < places.size(); ++i) planned_for_.emplace(places[i], destinations[i]);
+  planned_for_ = {.samples_per_s = rate_->per_s()};
+  for (std::size_t i = 0; i < places.size(); ++i)
+    planned_for_.destinations.emplace(places[i], destinations[i]);
   const auto body_bytes = [this](const FieldMask& fields) { return sizes_->bytes_of(fields); };
   const MulticastPlan plan = plan_multicast(destinations, body_bytes, rate_->per_s(), present, setup_.limits);
   if (std::ranges::is_permutation(plan, present)) return false;
@@ -317,13 +340,17 @@ void GroupKeeper::send(Destination& to, const GroupOffer& offer, Time now) {
   to.note(send_one(to.connection(), bytes));
 }
 
-void GroupKeeper::explain(const std::vector<RouteBundle>& routes) {
+void GroupKeeper::explain(const std::vector<RouteBundle>& routes, Time now) {
   GroupReasons::Readers readers;
+  const bool several = possible(Time::max()) > 1;
   for (const RouteBundle& bundle : routes) {
-    for (const auto& [reader, to] : bundle.readers)
-      readers[reader] = {to, candidates_.at(to).refusal, bundle.wanted.mask};
+    for (const auto& [reader, to] : bundle.readers) {
+      const Candidate& candidate = candidates_.at(to);
+      const bool waits = several && candidate.refusal.empty() && !is_calm(candidate, now);
+      readers[reader] = {to, waits ? restless : candidate.refusal, bundle.wanted.mask};
+    }
   }
-  reasons_.set_readers(std::move(readers), sizes_, possible() > 1);
+  reasons_.set_readers(std::move(readers), sizes_, several);
 }
 
 }  // namespace sft::udp

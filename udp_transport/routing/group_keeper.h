@@ -18,6 +18,7 @@
 #include "udp_transport/multicast/multicast_group.h"
 #include "udp_transport/multicast/multicast_plan.h"
 #include "udp_transport/multicast/sample_rate.h"
+#include "udp_transport/routing/calm_watch.h"
 #include "udp_transport/routing/group_reasons.h"
 #include "udp_transport/routing/route_bundle.h"
 
@@ -46,8 +47,8 @@ class GroupKeeper {
 
   // While routes are made anew, one after the other:
 
-  /// Puts what goes to the members of each group into one: under the union of their masks. Whoever came anew
-  /// is planned for at once, if that may be.
+  /// Puts what goes to the members of each group into one: under the union of their masks. Whoever came anew,
+  /// or asks for something else, is served alone until it is calm.
   void merge(std::vector<RouteBundle>& routes, Time now);
   /// The group at that place with these members, known or new.
   std::shared_ptr<MulticastGroup> find(std::size_t place, std::vector<MulticastGroup::Member> members);
@@ -70,6 +71,8 @@ class GroupKeeper {
     std::vector<FieldMask> masks{};
     FieldMask fields{};  ///< of all masks
     bool reliable = false;
+    bool gets_more = false;             ///< than a group is sent
+    Time calm_at{};                     ///< before, it is in no group
     std::optional<std::size_t> link{};  ///< in links_; empty: it cannot be in a group
     std::string refusal{};              ///< why
   };
@@ -77,27 +80,39 @@ class GroupKeeper {
     std::size_t place = 0;  ///< its address goes by this
     std::vector<const Destination*> members{};
   };
+  /// What the present plan was made for.
+  struct PlannedFor {
+    std::map<const Destination*, PlanDestination> destinations{};
+    double samples_per_s = 0;
+    bool someone_left = false;  ///< since then
+  };
   struct Retired {
     std::shared_ptr<MulticastGroup> group;
     Time at;
   };
 
   void look_at(const std::vector<RouteBundle>& routes, Time now);
+  void look_at(const RouteBundle& bundle, Time now);
+  void await_calm(Time now);
+  static bool is_calm(const Candidate& candidate, Time now) {
+    return candidate.refusal.empty() && now >= candidate.calm_at;
+  }
   bool any_given_up(Time now);
-  std::size_t possible() const;
+  std::size_t possible(Time now) const;
   void choose_link(Candidate& candidate, Time now) const;
   void choose_sizes(Time now);
-  void keep_possible();
+  void keep_possible(Time now);
   void merge(const Planned& planned, std::vector<RouteBundle>& routes) const;
   bool plan(Time now);
   bool may_plan(Time now) const;
-  bool someone_came() const;
-  std::vector<PlanDestination> plan_destinations(std::vector<const Destination*>& places);
+  bool someone_came(Time now) const;
+  void hasten(Time now);
+  std::vector<PlanDestination> plan_destinations(std::vector<const Destination*>& places, Time now);
   bool is_planned(const Destination* to) const;
   bool is_news(std::span<const Destination* const> places, std::span<const PlanDestination> all) const;
   std::uint32_t address(std::size_t place) const;
   static void send(Destination& to, const GroupOffer& offer, Time now);
-  void explain(const std::vector<RouteBundle>& routes);
+  void explain(const std::vector<RouteBundle>& routes, Time now);
 
   /// Readers come in bunches: groups are not made anew more often.
   static constexpr std::chrono::milliseconds settling{50};
@@ -110,11 +125,10 @@ class GroupKeeper {
   const bool too_many_leaves_;  ///< masks are not sent in words then
   std::vector<MulticastLink> links_;
   std::map<const Destination*, Candidate> candidates_;
-  std::shared_ptr<BodySizes> measured_;                        ///< what is known of samples, asked for or not
-  std::shared_ptr<BodySizes> sizes_;                           ///< the same, or null
-  std::map<const Destination*, PlanDestination> planned_for_;  ///< who was there when the plan was made
-  double planned_rate_ = 0;                                    ///< and the samples per second
-  bool awaits_sizes_ = false;                                  ///< somebody could not be planned for
+  CalmWatch calm_;
+  std::shared_ptr<BodySizes> measured_;  ///< what is known of samples, asked for or not
+  std::shared_ptr<BodySizes> sizes_;     ///< the same, or null
+  PlannedFor planned_for_;
   std::vector<Planned> planned_;
   std::vector<std::shared_ptr<MulticastGroup>> groups_, found_;
   std::vector<Retired> retired_;

@@ -75,8 +75,9 @@ class MulticastTest : public TransportTest {
     const std::string state = state_of(reader);
     return state.starts_with("group ") && !state.ends_with("any more") && !state.ends_with("no more");
   }
-  bool all_hear() {
-    for (std::size_t reader = 1; reader <= processes_.size(); ++reader) {
+  /// All behind the first few.
+  bool all_hear(std::size_t first = 0) {
+    for (std::size_t reader = first + 1; reader <= processes_.size(); ++reader) {
       if (!hears(reader)) return false;
     }
     return true;
@@ -91,11 +92,11 @@ class MulticastTest : public TransportTest {
       if (published_ > process.since) process.subscriber->await(published_ - process.since);
     }
   }
-  /// Publishes until everybody is served by a group.
-  bool come_together() {
-    return eventually([this] {
+  /// Publishes until everybody behind the first few is served by a group.
+  bool come_together(std::size_t first = 0) {
+    return eventually([&] {
       publish_in_turn();
-      return all_hear();
+      return all_hear(first);
     });
   }
   /// Returns the bytes that one more sample puts on the wire, on average. The sample is so large that a
@@ -305,6 +306,39 @@ TEST_P(MulticastTest, LosesNothingWhereAMemberOfAGroupThatEndsIsBusy) {
   hold_.end();
   processes_[0].subscriber->await(published_ + 2, 1s);
   EXPECT_EQ(sequences_of_publisher(0), first_numbers(published_)) << hold_.arrivals();
+}
+
+/// With each mask that changes, the others make another group, and are served alone until they have reported.
+/// Something else comes to their own sockets meanwhile.
+TEST_P(MulticastTest, LosesNothingAndKeepsTheOrderWhileTheGroupChangesWithEverySample) {
+  constexpr std::size_t members = 8;
+  for (std::size_t i = 0; i < members; ++i) {
+    add("*", i % 2 == 1);
+    processes_[i].subscriber->port().accept({{.wanted = {test::fields<test::Image>("*")}},
+                                             {.wanted = {test::fields<test::Image>("height, name")}}});
+  }
+  Publisher other(*writer_, own_id());
+  std::vector<std::unique_ptr<Subscriber>> beside;
+  std::vector<Publisher::Reader> others;
+  for (const Process& process : processes_) {
+    beside.push_back(std::make_unique<Subscriber>(*process.transport, std::vector<std::string>{"width"}));
+    beside.back()->listen_to(other.id());
+    others.push_back({test::loopback_address(*process.transport), "width"});
+  }
+  other.serve(others);
+  serve();
+  for (const char* mask : {"height, name", "*", "height, name"}) {
+    ASSERT_TRUE(come_together()) << state_of(1);
+    for (std::size_t changing = 0; changing + 2 < members; ++changing) {
+      ASSERT_TRUE(come_together(changing)) << state_of(members);
+      processes_[changing].mask = mask;
+      other.publish(make_image(100, 1));
+      publish();
+      serve();
+      publish();
+    }
+  }
+  for (std::size_t i = 0; i < members; ++i) expect_all_of(i);
 }
 
 TEST_P(MulticastTest, IsOffWhereItWasSwitchedOff) {

@@ -1,0 +1,46 @@
+#include "udp_transport/routing/calm_watch.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace sft::udp {
+
+namespace {
+
+bool is_same(const CalmWatch::Asked& a, const CalmWatch::Asked& b) {
+  return a.reliable == b.reliable && a.gets_more == b.gets_more &&
+         std::ranges::is_permutation(a.masks, b.masks);
+}
+
+CalmWatch::Duration calm_after_changes(int changes) {
+  CalmWatch::Duration after = CalmWatch::calm_after;
+  for (int i = CalmWatch::changes_in_a_row; i < changes && after < CalmWatch::calm_after_longest; ++i)
+    after *= 2;
+  return std::min<CalmWatch::Duration>(after, CalmWatch::calm_after_longest);
+}
+
+}  // namespace
+
+void CalmWatch::note(const SocketAddress& to, Asked asked, Time now) {
+  const auto [place, is_new] = known_.try_emplace(to);
+  Known& known = place->second;
+  const bool changes = !is_new && (!known.is_there || !is_same(known.asked, asked));
+  known.noted_in = look_;
+  known.is_there = true;
+  if (!is_new && !changes) return;
+  known.changes = changes && now - known.changed_at < row_pause ? known.changes + 1 : 0;
+  known.changed_at = now;
+  known.calm_at = now + calm_after_changes(known.changes);
+  known.asked = std::move(asked);
+}
+
+void CalmWatch::end_look(Time now) {
+  for (auto& [to, known] : known_) {
+    if (known.noted_in != look_ && std::exchange(known.is_there, false)) known.changed_at = now;
+  }
+  std::erase_if(known_, [&](const auto& item) {
+    return !item.second.is_there && now - item.second.changed_at >= row_pause;
+  });
+}
+
+}  // namespace sft::udp

@@ -1,0 +1,57 @@
+// Since when each destination of a writer asks for the same. One that has just come, or whose masks change
+// often, is in no multicast group: each change of a member makes another group for all of them. Pure: what is
+// asked for and times go in, answers come out.
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <vector>
+
+#include "sft/mask.h"
+#include "udp_transport/io/datagram_io.h"
+
+namespace sft::udp {
+
+class CalmWatch {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+  using Duration = std::chrono::milliseconds;
+
+  /// What makes another group if it changes.
+  struct Asked {
+    std::vector<FieldMask> masks{};  ///< in any order, none twice
+    bool reliable = false;
+    bool gets_more = false;  ///< than a group is sent
+  };
+
+  /// A destination counts as calm after so long without a change.
+  static constexpr Duration calm_after{100};
+  /// After more than `changes_in_a_row` changes, each within `row_pause` of the one before, each further
+  /// change doubles the time, up to `calm_after_longest`.
+  static constexpr int changes_in_a_row = 3;
+  static constexpr std::chrono::seconds row_pause{5}, calm_after_longest{5};
+
+  /// What is asked for there now. Between begin_look() and end_look().
+  void note(const SocketAddress& to, Asked asked, Time now);
+  void begin_look() { ++look_; }
+  /// Whoever was not noted has left. It is remembered for `row_pause`: to come back is a change.
+  void end_look(Time now);
+
+  /// When it is calm, if nothing changes until then. It was noted.
+  Time calm_at(const SocketAddress& to) const { return known_.at(to).calm_at; }
+
+ private:
+  struct Known {
+    Asked asked;
+    Time changed_at{};
+    Time calm_at{};
+    int changes = 0;  ///< in a row
+    unsigned noted_in = 0;
+    bool is_there = true;
+  };
+
+  std::map<SocketAddress, Known> known_;
+  unsigned look_ = 0;
+};
+
+}  // namespace sft::udp
