@@ -97,6 +97,13 @@ Wake MulticastGroup::note_departed(const Job& job, bool lost) noexcept {
   return wake;
 }
 
+bool MulticastGroup::reaches(const Destination& to) const noexcept {
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    if (&members_[i].lane->destination() == &to) return hears(i);
+  }
+  return false;
+}
+
 void MulticastGroup::hear(const GroupReport& report, Time now) {
   const std::optional<std::size_t> member = member_named(report.member);
   const core::Lock lock(mutex_);

@@ -70,6 +70,8 @@ class MulticastGroup final : public LaneListener {
   [[nodiscard]] Wake note_departed(const Job& job, bool lost) noexcept;
   /// The same, of a sample in the lane, which the sending thread looks after.
   void departed(const Job& job, bool lost) noexcept override { static_cast<void>(note_departed(job, lost)); }
+  /// A member that hears the group is served there.
+  bool reaches(const Destination& to) const noexcept override;
   void hear(const GroupReport& report, Time now);
   /// The one that calls itself so in reports; empty if none does.
   std::optional<std::size_t> member_named(std::uint32_t name) const;

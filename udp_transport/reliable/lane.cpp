@@ -72,6 +72,11 @@ void Lane::done_with(const JobHandle& job, bool lost) const {
     listener->departed(*job, lost);
 }
 
+bool Lane::reaches(const Destination& other) const {
+  const std::shared_ptr<LaneListener> listener = listener_.lock();
+  return listener && listener->reaches(other);
+}
+
 bool Lane::has_room_for(const Job& job) const {
   if (queue_.has_room()) return true;
   if (!late_ && !(job.is_small() && may_pile_up(Clock::now()))) return false;

@@ -30,6 +30,8 @@ class LaneListener {
   virtual ~LaneListener() = default;
   /// Any thread. `lost`: the job was not sent, or not all of it.
   virtual void departed(const Job& job, bool lost) noexcept = 0;
+  /// Any thread. What goes through the lane comes there, too, besides to the lane's own destination.
+  virtual bool reaches(const Destination& to) const noexcept = 0;
 };
 
 class Lane {
@@ -53,6 +55,8 @@ class Lane {
   /// The jobs of the lane go on through this channel; null: they go to the destination.
   Channel* channel() const { return channel_.get(); }
   const std::shared_ptr<Channel>& shared_channel() const { return channel_; }
+  /// What goes through the lane comes there, too: the lane leads to a group, of which that is a member.
+  bool reaches(const Destination& other) const;
   /// Samples that were to go this way and did not.
   const std::shared_ptr<core::LossTally>& losses() const { return losses_; }
   /// No reader is there any more: queued jobs are dropped, and none is queued again.

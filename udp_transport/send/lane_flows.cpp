@@ -8,6 +8,12 @@ namespace sft::udp {
 namespace {
 using Progress = FlowSender::Progress;
 using Size = SendFlow::Size;
+
+/// Both have a job of the same writer.
+bool is_older(const SendFlow& one, const SendFlow& other) {
+  const auto sequence = [](const SendFlow& flow) { return flow.lane->current()->first.label.sequence; };
+  return static_cast<std::int32_t>(sequence(one) - sequence(other)) < 0;
+}
 }  // namespace
 
 void LaneFlows::send_small() {
@@ -70,12 +76,15 @@ void LaneFlows::advance(SendFlow& flow) {
 }
 
 /// Large samples of one writer go to a destination one after another, under whichever masks: a receiver puts
-/// only so many together at a time, and the first is whole sooner. Small ones pass between.
+/// only so many together at a time, and the first is whole sooner. Small ones pass between. What has left a
+/// group is sent nothing as long as the group has not sent what came before.
 bool LaneFlows::must_wait(const SendFlow& flow) const {
   if (flow.fragments->begun() || flow.size == Size::small) return false;
+  const Destination& to = flow.lane->destination();
   return std::any_of(flows_.begin(), flows_.end(), [&](const SendFlow& other) {
-    return other.fragments && other.fragments->begun() && &other.lane->tally() == &flow.lane->tally() &&
-           &other.lane->destination() == &flow.lane->destination();
+    if (!other.fragments || &other.lane->tally() != &flow.lane->tally()) return false;
+    if (&other.lane->destination() == &to) return other.fragments->begun();
+    return is_older(other, flow) && other.lane->reaches(to);
   });
 }
 

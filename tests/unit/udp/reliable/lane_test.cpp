@@ -272,6 +272,7 @@ struct Onlooker final : LaneListener {
     uses.push_back(std::async(std::launch::async, [this] { return lane.has_room(); }));
     was_free = uses.back().wait_for(std::chrono::seconds(5)) == std::future_status::ready && was_free;
   }
+  bool reaches(const Destination&) const noexcept override { return false; }
   Lane& lane;
   std::vector<std::uint32_t> lost_ones;
   bool was_free = true;

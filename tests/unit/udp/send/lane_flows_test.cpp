@@ -65,6 +65,42 @@ TEST_F(LaneFlowsTest, LetsLargeSamplesOfAWriterGoToADestinationOneAfterAnother) 
   EXPECT_GT(bytes_left(), 2 * large_bytes);
 }
 
+/// A lane that leads to a group, one member of which hears it.
+struct GroupOf final : LaneListener {
+  explicit GroupOf(const Destination& to) : member(&to) {}
+  void departed(const Job&, bool) noexcept override {}
+  bool reaches(const Destination& to) const noexcept override { return &to == member; }
+  const Destination* member;
+};
+
+TEST_F(LaneFlowsTest, SendsNothingLargeToAMemberBeforeItsFormerGroupHasSentWhatIsOlder) {
+  const auto own = lane();
+  const auto there = destinations.find({.ip = 0x7F000001, .port = 2});
+  there->set_receive_buffer(roomy);
+  const auto to_group = std::make_shared<Lane>(there, 100, tally);
+  const auto group = std::make_shared<GroupOf>(*to);
+  to_group->tell(group);
+  for (const auto& each : {to_group, own}) {
+    each->post(job(large_bytes));
+    flows.add(each);
+  }
+  serve_small();
+  flows.send_large(1);
+  EXPECT_EQ(bytes_left(), 0U) << "the group has not begun with the older one";
+  flows.send_large(0);
+  EXPECT_GT(bytes_left(), large_bytes);
+  flows.send_large(1);
+  EXPECT_GT(bytes_left(), 2 * large_bytes);
+  flows.forget_idle();
+  for (const auto& each : {own, to_group}) {
+    each->post(job(large_bytes));
+    flows.add(each);
+  }
+  serve_small();
+  flows.send_large(0);
+  EXPECT_GT(bytes_left(), 3 * large_bytes) << "it does not wait for what is younger";
+}
+
 TEST_F(LaneFlowsTest, ForgetsALaneThatWasClosed) {
   const auto one = lane();
   one->post(job(large_bytes));
