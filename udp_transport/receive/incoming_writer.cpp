@@ -36,6 +36,14 @@ std::uint64_t sequence_of(const FirstHeader& first, const SequenceWatch& sequenc
   return sequences.widen(first.label.sequence);
 }
 
+/// A group ends with any sample: its last ones and the next one come by two sockets.
+bool may_overtake(std::uint64_t sequence, const FirstHeader& first, const SequenceWatch& sequences,
+                  const OfferedGroups& groups) {
+  if (sequences.newest() == 0 || sequence <= sequences.newest() + 1) [[likely]]
+    return false;
+  return (first.flags & group_follows) == 0 && groups.were_heard();
+}
+
 /// Another sample has begun at that place. It gives way if it makes no progress: it may have been forged.
 bool gives_way(ArrivedSamples& arrived, const SampleAssembly& samples, std::uint64_t place,
                const SampleLabel& label, IncomingWriter::Time now) {
@@ -278,7 +286,7 @@ Arrival IncomingWriter::complete(core::SampleHandle sample, const FirstHeader& f
     if (place != 0) window_->refuse_or_pass(place);
     return {{}, facts_.stream_index, place != 0};
   }
-  const bool overtakes = may_overtake(header.sequence, first);
+  const bool overtakes = may_overtake(header.sequence, first, sequences_, groups_);
   if (!believes({header.sequence, place, shared_.datagrams, header.source_stamp_ns}, now.steady)) {
     ++shared_.counters.malformed;
     if (place != 0) window_->samples().refuse(place);
@@ -288,14 +296,6 @@ Arrival IncomingWriter::complete(core::SampleHandle sample, const FirstHeader& f
   if (place != 0) window_->whole(place, sample);
   drop_abandoned();
   return {std::move(sample), facts_.stream_index, place != 0, {}, overtakes};
-}
-
-/// A group ends with any sample: its last ones and the next one come by two sockets.
-bool IncomingWriter::may_overtake(std::uint64_t sequence, const FirstHeader& first) const {
-  const std::uint64_t newest = sequences_.newest();
-  if (newest == 0 || sequence <= newest + 1) [[likely]]
-    return false;
-  return (first.flags & group_follows) == 0 && groups_.were_heard();
 }
 
 /// A sample that waits under a sequence that turns out to be wrong has to come again. A writer that does not

@@ -127,7 +127,6 @@ class IncomingWriter {
   Arrival proceed(UnfinishedSample& sample, UnfinishedSample::Added added, ArrivalTime now);
   Arrival complete(core::SampleHandle sample, const FirstHeader& first, std::uint64_t place, ArrivalTime now);
   bool believes(const SequenceWatch::Claim& claim, Time now);
-  bool may_overtake(std::uint64_t sequence, const FirstHeader& first) const;
 
   Refusal describe(const Datagram& d, const WantedMasks::Named& named, std::uint64_t place,
                    core::SampleHandle& buffer);

@@ -1,0 +1,189 @@
+// These tests check when readers are put into multicast groups: once they have come and are calm.
+#include "tests/unit/udp/routing/group_keeper_fixture.h"
+
+namespace sft::udp::test {
+namespace {
+
+TEST_F(GroupKeeperTest, GathersThoseThatAskForTheSameOnceTheyAreCalm) {
+  readers(3);
+  serve();
+  EXPECT_EQ(why(1), restless);
+  EXPECT_EQ(go_on(100ms), 0);
+  EXPECT_EQ(go_on(1ms), 1);
+  ASSERT_EQ(groups_.size(), 1U);
+  EXPECT_EQ(groups_[0]->members().size(), 3U);
+  ASSERT_EQ(merged_.size(), 1U);
+  EXPECT_EQ(merged_[0].destinations.size(), 3U);
+  EXPECT_EQ(merged_[0].readers.size(), 3U);
+  EXPECT_EQ(merged_[0].reliable.size(), 3U);
+  EXPECT_TRUE(why(2).starts_with("group 239.255.")) << why(2);
+  EXPECT_TRUE(why(2).ends_with(" of 3; it has not reported any sample of the group yet, or no more"));
+}
+
+TEST_F(GroupKeeperTest, GathersCalmReadersWithTheFirstSample) {
+  readers(3);
+  serve();
+  now_ += 10s;
+  EXPECT_FALSE(keeper_->replan(now_));
+  EXPECT_EQ(go_on(1ms), 1);
+  EXPECT_EQ(members(), 3U);
+}
+
+TEST_F(GroupKeeperTest, TakesInWhoComesLaterOnceItIsCalm) {
+  readers(2);
+  serve();
+  go_on(200ms);
+  ASSERT_EQ(members(), 2U);
+  const auto group = groups_.at(0);
+  readers(1);
+  serve();
+  EXPECT_EQ(groups_.at(0), group) << "the others notice nothing";
+  EXPECT_EQ(why(3), restless);
+  EXPECT_EQ(go_on(100ms), 0);
+  EXPECT_EQ(go_on(1ms), 1);
+  EXPECT_EQ(members(), 3U);
+}
+
+TEST_F(GroupKeeperTest, MakesAGroupForTheSecondReaderOnceThatIsCalm) {
+  readers(1);
+  serve();
+  go_on(200ms);
+  ASSERT_EQ(members(), 0U);
+  readers(1);
+  serve();
+  EXPECT_EQ(members(), 0U);
+  EXPECT_EQ(go_on(101ms), 1);
+  EXPECT_EQ(members(), 2U);
+}
+
+/// Each plan makes other groups, and until their members have reported they are sent everything alone, too.
+TEST_F(GroupKeeperTest, TakesThoseInTogetherThatComeWithinATwentiethOfASecond) {
+  readers(2);
+  serve();
+  go_on(200ms);
+  int times = 0;
+  for (int i = 0; i < 40; ++i) {
+    readers(1);
+    serve();
+    times += go_on(1ms);
+  }
+  EXPECT_EQ(times, 0);
+  times = go_on(61ms);
+  EXPECT_EQ(times, 1) << "the first one is calm; the others have to wait";
+  times = go_on(50ms);
+  EXPECT_EQ(times, 1);
+  EXPECT_EQ(members(), 42U);
+}
+
+TEST_F(GroupKeeperTest, LeavesAReaderAloneThatNeverAsksForTheSameForLong) {
+  readers(3);
+  readers(1, "height");
+  serve();
+  go_on(200ms);
+  ASSERT_EQ(members(), 4U);
+  routes_[3].mask = fields<Image>("width");
+  serve();
+  ASSERT_EQ(members(), 3U);
+  const auto group = groups_.at(0);
+  for (int i = 0; i < 50; ++i) {
+    routes_[3].mask = fields<Image>(i % 2 == 0 ? "height" : "width");
+    serve();
+    EXPECT_EQ(why(4), restless);
+    go_on(90ms);
+    ASSERT_EQ(groups_.at(0), group) << "the others notice nothing, at change " << i;
+  }
+}
+
+TEST_F(GroupKeeperTest, LeavesAReaderAloneForLongerEachTimeThatItsMaskChangesOnceMore) {
+  readers(3);
+  serve();
+  go_on(200ms);
+  std::vector<std::chrono::milliseconds> alone;
+  for (int i = 0; i < 10; ++i) {
+    routes_[2].mask = fields<Image>(i % 2 == 0 ? "height, data" : "*");
+    serve();
+    const auto since = now_;
+    while (members() < 3 && now_ - since < 10s) go_on(1ms);
+    alone.push_back(std::chrono::ceil<std::chrono::milliseconds>(now_ - since) - 1ms);
+  }
+  const std::vector<std::chrono::milliseconds> expected{100ms, 100ms,  100ms,  200ms,  400ms,
+                                                        800ms, 1600ms, 3200ms, 5000ms, 100ms};
+  EXPECT_EQ(alone, expected) << "after five seconds without a change the earlier ones are forgotten";
+}
+
+TEST_F(GroupKeeperTest, GathersCalmReadersWhileAnotherNeverIs) {
+  readers(1);
+  serve();
+  for (int i = 0; i < 12; ++i) {
+    routes_[0].mask = fields<Image>(i % 2 == 0 ? "height" : "width");
+    if (i == 5) readers(3);
+    serve();
+    go_on(20ms);
+  }
+  EXPECT_EQ(members(), 3U) << "140 ms after they came";
+}
+
+TEST_F(GroupKeeperTest, LeavesReadersAloneThatComeAndLeaveWithEachSample) {
+  readers(2);
+  serve();
+  go_on(200ms);
+  const auto group = groups_.at(0);
+  for (int i = 0; i < 500; ++i) {
+    if (i % 2 == 0) {
+      readers(1);
+    } else {
+      routes_.pop_back();
+    }
+    serve();
+    go_on(1ms);
+    ASSERT_EQ(groups_.at(0), group) << "the others notice nothing, at sample " << i;
+  }
+}
+
+/// A hundred milliseconds, then an offer to each member, and its report of the first sample behind that.
+TEST_F(GroupKeeperTest, IsSettledATenthOfASecondAndOneReportAfterReadersCame) {
+  readers(64);
+  serve();
+  EXPECT_EQ(go_on(CalmWatch::calm_after + 1ms), 1);
+  ASSERT_EQ(members(), 64U);
+  const std::shared_ptr<MulticastGroup> group = groups_.at(0);
+  const auto publish_to_group = [&] {
+    const std::uint64_t ordinal = group->next_ordinal(now_);
+    for (std::size_t i = 0; i < members(); ++i) group->placed(i, ordinal, ordinal);
+    return ordinal;
+  };
+  publish_to_group();
+  keeper_->tend(now_);
+  std::size_t offers = 0;
+  for (const auto& datagram : connections_.sent()) {
+    const auto offer = parse_group_offer(datagram);
+    offers += offer && offer->address != 0 ? 1 : 0;
+  }
+  EXPECT_EQ(offers, 64U);
+  const std::uint64_t heard = publish_to_group();
+  for (std::size_t i = 0; i < members(); ++i)
+    group->hear({7, group->name().number, group->farewell(i).member, heard}, now_);
+  for (std::size_t i = 0; i < members(); ++i) EXPECT_TRUE(group->hears(i));
+}
+
+/// To come back is a change.
+TEST_F(GroupKeeperTest, KnowsWhoComesBack) {
+  readers(3);
+  serve();
+  go_on(200ms);
+  int groups = 0;
+  for (int i = 0; i < 100; ++i) {
+    const core::Route last = routes_.back();
+    routes_.pop_back();
+    serve();
+    go_on(10ms);
+    routes_.push_back(last);
+    serve();
+    go_on(150ms);
+    groups += static_cast<int>(members() / 3);
+  }
+  EXPECT_LE(groups, 6) << "in 16 s";
+}
+
+}  // namespace
+}  // namespace sft::udp::test

@@ -1,0 +1,149 @@
+// A keeper of groups with readers on several links, and time that a test lets pass.
+#pragma once
+
+#include "udp_transport/routing/group_keeper.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/seam/rate_gate.h"
+#include "tests/unit/udp/connections.h"
+#include "tests/unit/udp/messages.h"
+#include "udp_transport/flow/destination_directory.h"
+
+namespace sft::udp::test {
+
+using namespace std::chrono_literals;
+inline constexpr const char* restless =
+    "alone: it asks for that only since just now, or often for something else";
+
+/// This host has 10.0.0.1 and 10.0.1.1 on two cables, and 10.0.2.1 on a wireless interface.
+inline constexpr std::uint32_t first_link = 0x0a000000, second_link = 0x0a000100, wireless = 0x0a000200;
+inline constexpr std::uint32_t netmask = 0xffffff00;
+
+class GroupKeeperTest : public testing::Test {
+ protected:
+  GroupKeeperTest() { restart(Multicast::automatic); }
+
+  void restart(Multicast use, std::uint32_t writer = 7) {
+    keeper_ = std::make_unique<GroupKeeper>(setup(type_support<Image>().type(), use, writer));
+  }
+
+  GroupKeeper::Setup setup(const StructType& type, Multicast use, std::uint32_t writer) {
+    GroupKeeper::Setup setup;
+    setup.writer = writer;
+    setup.type = &type;
+    setup.use = use;
+    setup.report_port = 9;
+    setup.tally = tally_;
+    setup.roster = &roster_;
+    setup.connect = [this](std::uint32_t group, std::uint32_t own, std::size_t datagram_bytes) {
+      connected_.push_back({group, own, datagram_bytes});
+      DestinationLimits limits;
+      limits.datagram_bytes = datagram_bytes;
+      return std::make_shared<Destination>(SocketAddress{core::IpAddress(group), group_port}, limits, 0,
+                                           connections_.connect());
+    };
+    setup.links = [](Multicast) {
+      return std::vector<MulticastLink>{{"eth0", first_link + 1, netmask},
+                                        {"eth1", second_link + 1, netmask},
+                                        {"wlan0", wireless + 1, netmask, "interface wlan0 is wireless"}};
+    };
+    return setup;
+  }
+
+  core::Route& reader(std::uint32_t ip, const char* mask = "*") {
+    core::Route route{routes_.size() + 1, core::UdpAddress{ip, 1000, 1'000'000}, fields<Image>(mask)};
+    route.reliable = true;
+    return routes_.emplace_back(std::move(route));
+  }
+  void readers(std::uint32_t count, const char* mask = "*") {
+    for (std::uint32_t i = 0; i < count; ++i) reader(first_link + 10 + next_host_++, mask);
+  }
+
+  /// Serves the routes as a table of routes is made.
+  void serve() {
+    merged_ = bundle_routes(routes_, destinations_);
+    keeper_->merge(merged_, now_);
+    groups_.clear();
+    for (const RouteBundle& bundle : merged_) {
+      if (!bundle.multicast) continue;
+      std::vector<MulticastGroup::Member> members;
+      for (const auto& to : bundle.destinations) members.push_back({lane(to), channel(to)});
+      groups_.push_back(keeper_->find(*bundle.multicast, std::move(members)));
+    }
+    keeper_->merged(now_);
+  }
+  void publish(std::size_t data_bytes = 1000, bool together = false) {
+    publish(data_bytes, together, fields<Image>("*"));
+  }
+  void publish_often(const char* mask) {
+    for (int i = 0; i < 1000; ++i) publish(1000, false, fields<Image>(mask));
+  }
+  void publish(std::size_t data_bytes, bool together, const FieldMask& all) {
+    if (keeper_->sizes() == nullptr) return;
+    const Image image = make_image(data_bytes);
+    const core::SampleHandle sample = memory_->take(sample_bytes(image, all));
+    fill(*sample, image, all, 7, 1);
+    keeper_->sizes()->measure(core::state_of(*sample, type_support<Image>().slots()), now_, together);
+  }
+  /// Publishes at 1 kHz and makes routes anew whenever the keeper wants that. Returns how often it did.
+  int go_on(std::chrono::milliseconds time) {
+    int times = 0;
+    for (const auto end = now_ + time; now_ < end; now_ += 1ms) {
+      publish();
+      if (!keeper_->replan(now_)) continue;
+      serve();
+      ++times;
+    }
+    return times;
+  }
+  std::size_t members() const {
+    std::size_t count = 0;
+    for (const auto& group : groups_) count += group->members().size();
+    return count;
+  }
+  std::string why(core::EndpointId reader) const { return keeper_->why(reader); }
+
+  struct Connected {
+    std::uint32_t group, own;
+    std::size_t datagram_bytes;
+  };
+  GroupKeeper::Time now_{1h};
+  std::vector<core::Route> routes_;
+  std::vector<RouteBundle> merged_;
+  std::vector<std::shared_ptr<MulticastGroup>> groups_;
+  std::vector<Connected> connected_;
+  Connections connections_;
+  std::unique_ptr<GroupKeeper> keeper_;
+
+ private:
+  std::shared_ptr<Lane> lane(const std::shared_ptr<Destination>& to) {
+    std::shared_ptr<Lane>& known = lanes_[to.get()];
+    if (known == nullptr) known = std::make_shared<Lane>(to, 4, tally_);
+    return known;
+  }
+  std::shared_ptr<Channel> channel(const std::shared_ptr<Destination>& to) {
+    std::shared_ptr<Channel>& known = channels_[to.get()];
+    if (known == nullptr)
+      known = std::make_shared<Channel>(7, static_cast<std::uint32_t>(channels_.size()), to, tally_, 9);
+    return known;
+  }
+
+  std::uint32_t next_host_ = 0;
+  std::shared_ptr<core::BufferPool> memory_ = core::BufferPool::make(std::size_t{1} << 20);
+  std::shared_ptr<WriterTally> tally_ = std::make_shared<WriterTally>();
+  DestinationDirectory destinations_{DestinationLimits{}, connections_.connect()};
+  GroupRoster roster_;
+  std::map<const Destination*, std::shared_ptr<Lane>> lanes_;
+  std::map<const Destination*, std::shared_ptr<Channel>> channels_;
+};
+
+}  // namespace sft::udp::test
