@@ -7,6 +7,7 @@
 namespace sft::udp {
 
 using detail::Kind;
+using detail::Member;
 using detail::no_offset;
 using detail::Shape;
 
