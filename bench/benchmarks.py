@@ -21,6 +21,7 @@ ALL = [
     Benchmark("shm", 80, 20, ["--rounds", "1", "--idle-seconds", "2"]),
     Benchmark("negotiation", 90, 25, ["--rounds", "1"]),
     Benchmark("udp", 340, 115, ["--rounds", "1", "--messages", "500", "--seconds", "0.3"]),
+    Benchmark("many", 900, 120, ["--quick"]),
     Benchmark("recovery", 140, 50, ["--rounds", "1"]),
 ]
 ROUNDS = 5

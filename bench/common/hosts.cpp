@@ -4,6 +4,8 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <string>
+#include <vector>
 
 #include "tools/hosts/interface_counters.h"
 
@@ -16,14 +18,22 @@ namespace {
   std::exit(1);
 }
 
+std::vector<std::string> options_of(Trains trains) {
+  if (trains == Trains::whole) return {"tx-udp-segmentation", "on"};
+  if (trains == Trains::none) return {"gso", "off", "gro", "off", "tso", "off", "tx", "off", "rx", "off"};
+  return {};
+}
+
 }  // namespace
 
 hosts::EmulatedNetwork make_hosts(std::size_t hosts, Trains trains) {
   auto network = hosts::EmulatedNetwork::create(hosts);
   if (!network) give_up(network.error());
-  for (std::size_t i = 0; i < hosts && trains == Trains::whole; ++i) {
-    const auto done =
-        network->host(i).run({"ethtool", "-K", hosts::host_interface, "tx-udp-segmentation", "on"});
+  const std::vector<std::string> options = options_of(trains);
+  for (std::size_t i = 0; i < hosts && !options.empty(); ++i) {
+    std::vector<std::string> command{"ethtool", "-K", hosts::host_interface};
+    command.insert(command.end(), options.begin(), options.end());
+    const auto done = network->host(i).run(command);
     if (!done) give_up(done.error());
   }
   return std::move(*network);

@@ -10,8 +10,9 @@ namespace sft::bench {
 
 /// The way in which interfaces of hosts send a train of datagrams that one system call hands over.
 enum class Trains {
-  cut,   ///< cut into frames, each of which is counted with its headers
-  whole  ///< passed on in one piece, as fast as the system can
+  cut,    ///< cut into frames, each of which is counted with its headers
+  whole,  ///< passed on in one piece, as fast as the system can
+  none    ///< nothing is left to the interface: each frame passes the whole system alone, with its checksum
 };
 
 /// Ends the program with a message if it does not run as root.

@@ -32,8 +32,8 @@ void sleep_us(std::int64_t us) {
   nanosleep(&time, nullptr);
 }
 
-bool wait_until(const std::function<bool()>& holds) {
-  const std::int64_t deadline = now_ns() + 20'000'000'000;
+bool wait_until(const std::function<bool()>& holds, double patience_s) {
+  const std::int64_t deadline = now_ns() + static_cast<std::int64_t>(patience_s * 1e9);
   while (!holds()) {
     if (now_ns() > deadline) return false;
     sleep_us(1000);

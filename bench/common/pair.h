@@ -61,7 +61,7 @@ std::vector<double> run_pair(const Sides& sides, std::uint64_t messages);
 void pause_us(std::int64_t us);
 /// Sleeps, and leaves the core to other threads.
 void sleep_us(std::int64_t us);
-/// Waits until `holds` is true, which it checks every millisecond. False after 20 s.
-bool wait_until(const std::function<bool()>& holds);
+/// Waits until `holds` is true, which it checks every millisecond. False after the time.
+bool wait_until(const std::function<bool()>& holds, double patience_s = 20);
 
 }  // namespace sft::bench

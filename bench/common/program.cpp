@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace sft::bench {
@@ -9,9 +11,16 @@ namespace sft::bench {
 Program::Program(const std::string& description, std::vector<Group> groups)
     : options_(description), groups_(std::move(groups)) {
   std::vector<std::string> names;
-  for (const Group& group : groups_) names.push_back(group.name);
+  for (const Group& group : groups_) {
+    names.push_back(group.name);
+    std::ranges::copy_if(group.figures, std::back_inserter(names),
+                         [&](const std::string& figure) { return figure != group.name; });
+  }
   options_.add_option("--json", json_, "also write the figures as JSON to this file");
-  options_.add_option("--only", only_, "one group")->check(CLI::IsMember(names));
+  options_.add_option("--only", only_, "these groups, or figures, only: NAME,NAME")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(names));
 }
 
 std::optional<int> Program::parse(int argc, char** argv) {
@@ -26,14 +35,24 @@ std::optional<int> Program::parse(int argc, char** argv) {
   return 1;
 }
 
+bool Program::chosen(const std::string& name) const {
+  return only_.empty() || std::ranges::find(only_, name) != only_.end();
+}
+
+void Program::measure(const Group& group, std::vector<Figure>& to) const {
+  const bool all = chosen(group.name);
+  if (!all && std::ranges::none_of(group.figures, [&](const auto& figure) { return chosen(figure); })) return;
+  fmt::print(stderr, "measuring {} ...\n", group.name);
+  for (Figure& figure : group.measure()) {
+    if (all || chosen(figure.name)) to.push_back(std::move(figure));
+  }
+}
+
 int Program::run() {
   std::vector<Figure> figures;
-  for (const Group& group : groups_) {
-    if (!only_.empty() && only_ != group.name) continue;
-    fmt::print(stderr, "measuring {} ...\n", group.name);
-    for (Figure& figure : group.measure()) figures.push_back(std::move(figure));
-  }
+  for (const Group& group : groups_) measure(group, figures);
   print_table(figures);
+  print_missed_bounds(figures);
   if (file_.is_open()) write_json(file_, figures);
   return file_.fail() ? 1 : 0;
 }

@@ -16,6 +16,7 @@ namespace sft::bench {
 struct Group {
   std::string name;
   std::function<std::vector<Figure>()> measure;
+  std::vector<std::string> figures{};  ///< the names of figures that --only takes beside that of the group
 };
 
 class Program {
@@ -33,9 +34,13 @@ class Program {
   int run();
 
  private:
+  bool chosen(const std::string& name) const;
+  /// Measures the group, or the figures of it that were chosen, or nothing.
+  void measure(const Group& group, std::vector<Figure>& to) const;
+
   CLI::App options_;
   std::vector<Group> groups_;
-  std::string only_;
+  std::vector<std::string> only_;
   std::string json_;
   std::ofstream file_;
 };

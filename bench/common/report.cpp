@@ -1,7 +1,9 @@
 #include "bench/common/report.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <ostream>
@@ -9,16 +11,37 @@
 namespace sft::bench {
 
 void print_table(const std::vector<Figure>& figures) {
-  fmt::print("{:<36} {:>12} {:<6} {:>12} {:<34} {:>7} {:>14}\n", "figure", "value", "unit", "reference", "of",
-             "ratio", "bound");
+  const bool worst = std::ranges::any_of(figures, [](const Figure& f) { return f.worst.has_value(); });
+  const auto number = [](const char* format, const std::optional<double>& value) {
+    return value ? fmt::format(fmt::runtime(format), *value) : "";
+  };
+  const auto row = [&](const auto&... columns) {
+    fmt::print("{:<36} {:>12} {:<6} {:>12} {:<34} {:>7} {:>14}", columns...);
+  };
+  row("figure", "value", "unit", "reference", "of", "ratio", "bound");
+  fmt::print("{}\n", worst ? fmt::format(" {:>12}", "worst round") : "");
   for (const Figure& f : figures) {
-    const std::string reference = f.reference ? fmt::format("{:.3f}", *f.reference) : "";
     const std::string ratio = f.reference ? fmt::format("{:.2f}", f.measure()) : "";
     const std::string bound = f.bound ? fmt::format("{}{} {:.4g}", f.within_bound() ? "" : "MISSES ",
                                                     f.at_least ? ">=" : "<=", *f.bound)
                                       : "";
-    fmt::print("{:<36} {:>12.3f} {:<6} {:>12} {:<34} {:>7} {:>14}\n", f.name, f.value, f.unit, reference,
-               f.reference_name, ratio, bound);
+    row(f.name, fmt::format("{:.3f}", f.value), f.unit, number("{:.3f}", f.reference), f.reference_name,
+        ratio, bound);
+    fmt::print("{}\n", worst ? fmt::format(" {:>12}", number("{:.3f}", f.worst)) : "");
+  }
+  std::fflush(stdout);
+}
+
+void print_missed_bounds(const std::vector<Figure>& figures) {
+  std::vector<std::string> missed;
+  for (const Figure& f : figures) {
+    if (!f.within_bound()) missed.push_back(f.name);
+  }
+  const bool bounds = std::ranges::any_of(figures, [](const Figure& f) { return f.bound.has_value(); });
+  if (!missed.empty()) {
+    fmt::print("These bounds do not hold: {}.\n", fmt::join(missed, ", "));
+  } else if (bounds) {
+    fmt::print("All bounds hold.\n");
   }
   std::fflush(stdout);
 }

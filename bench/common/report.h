@@ -17,6 +17,7 @@ struct Figure {
   std::optional<double> bound{};   ///< for the ratio, or for the value if there is no reference
   bool bound_is_of_value = false;  ///< the bound is for the value, although there is a reference
   bool at_least = false;           ///< the bound is a minimum, and no maximum
+  std::optional<double> worst{};   ///< the value of the worst round
 
   double measure() const { return reference ? value / *reference : value; }
   bool within_bound() const {
@@ -26,7 +27,10 @@ struct Figure {
   }
 };
 
+/// A column tells the worst rounds if there are any.
 void print_table(const std::vector<Figure>& figures);
+/// Prints which bounds do not hold, or that all do. Prints nothing if there are no bounds.
+void print_missed_bounds(const std::vector<Figure>& figures);
 
 /// Writes a list of {"name", "value", "unit", "reference", "ratio"}.
 void write_json(std::ostream& out, const std::vector<Figure>& figures);

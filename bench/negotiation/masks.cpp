@@ -5,6 +5,7 @@
 #include <numeric>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
+#include "bench/common/cloud_masks.h"
 #include "bench/common/hosts.h"
 #include "bench/common/node_options.h"
 #include "bench/common/shared.h"
@@ -25,17 +26,6 @@ constexpr std::size_t cache_bytes = 64 << 20;  // more than any level of cache
 /// The fields that a reader asks for, by its number.
 using Fields = std::string (*)(std::size_t);
 
-/// A different set of small fields for each number below 64.
-std::string small_fields(std::size_t number) {
-  std::string fields;
-  for (const char* name : {"height", "width", "is_bigendian", "point_step", "row_step", "is_dense"}) {
-    if (number % 2 == 1) fields += std::string(", ") + name;
-    number /= 2;
-  }
-  return fields;
-}
-
-std::string own_fields_and_data(std::size_t number) { return "data" + small_fields(number); }
 std::string equal_fields_and_data(std::size_t) { return own_fields_and_data(readers_asking - 1); }
 /// Four readers, such as a display, a recorder and a planner, want the data; 60 monitors do not.
 std::string mostly_small_fields(std::size_t number) {

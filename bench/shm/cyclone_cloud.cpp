@@ -5,10 +5,9 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "bench/common/cloud.h"
 #include "bench/common/cyclone.h"
+#include "bench/common/cyclone_point_cloud.h"
 #include "fixed_cloud.h"
-#include "sensor_msgs/msg/PointCloud2.h"
 
 namespace sft::bench {
 
@@ -55,27 +54,13 @@ class Writer {
 
 class StandardWriter : public Writer {
  public:
-  StandardWriter() : Writer(descriptor<Standard>()), cloud_(cloud(sent_cloud_bytes)) {
-    for (auto& field : cloud_.fields) {
-      fields_.push_back({field.name.data(), field.offset, field.datatype, field.count});
-    }
-    const auto length = [](const auto& sequence) { return static_cast<std::uint32_t>(sequence.size()); };
-    message_.header = {{cloud_.header.stamp.sec, cloud_.header.stamp.nanosec}, cloud_.header.frame_id.data()};
-    message_.height = cloud_.height;
-    message_.fields = {length(fields_), length(fields_), fields_.data(), false};
-    message_.point_step = cloud_.point_step;
-    message_.row_step = cloud_.row_step;
-    message_.data = {length(cloud_.data), length(cloud_.data), cloud_.data.data(), false};
-    message_.is_dense = cloud_.is_dense;
-  }
+  StandardWriter() : Writer(descriptor<Standard>()) {}
 
-  void prepare(std::uint64_t number) { message_.width = static_cast<std::uint32_t>(number); }
-  void publish() { dds_write(writer_, &message_); }
+  void prepare(std::uint64_t number) { cloud_.message().width = static_cast<std::uint32_t>(number); }
+  void publish() { dds_write(writer_, &cloud_.message()); }
 
  private:
-  sensor_msgs::msg::PointCloud2 cloud_;  ///< owns what message_ points to
-  std::vector<sensor_msgs_msg_PointField> fields_;
-  Standard message_{};
+  CyclonePointCloud cloud_{sent_cloud_bytes};
 };
 
 class FixedWriter : public Writer {

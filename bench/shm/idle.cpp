@@ -1,8 +1,9 @@
 // Measures the cost of a waiting node: the processor time of the whole process, whose subscriber has a
 // publisher in another program.
-#include <ctime>
+#include <unistd.h>
 
 #include "bench/common/pair.h"
+#include "bench/common/process.h"
 #include "bench/common/sft_cloud.h"
 #include "bench/common/shared.h"
 #include "bench/shm/shm.h"
@@ -13,12 +14,6 @@ namespace {
 
 constexpr double allowed_percent = 0.5;
 constexpr std::int64_t settling_us = 2'000'000;  // the traffic of joining is over after this time
-
-double cpu_s() {
-  timespec time{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_nsec) / 1e9;
-}
 
 void keep_publisher(Exchange& exchange) {
   const SftLoanWriter writer(sent_cloud_bytes);
@@ -33,9 +28,9 @@ double percent_while_waiting(Exchange& exchange, double seconds) {
   sleep_us(settling_us);
   const std::int64_t begin = now_ns();
   const std::int64_t end = begin + static_cast<std::int64_t>(seconds * 1e9);
-  const double cpu_before = cpu_s();
+  const double cpu_before = cpu_s(getpid());
   while (now_ns() < end) reader.wait();  // waits for at most a second
-  const double percent = (cpu_s() - cpu_before) / (static_cast<double>(now_ns() - begin) / 1e9) * 100;
+  const double percent = (cpu_s(getpid()) - cpu_before) / (static_cast<double>(now_ns() - begin) / 1e9) * 100;
   exchange.received = 1;
   return percent;
 }

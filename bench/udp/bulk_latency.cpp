@@ -2,7 +2,7 @@
 
 #include "bench/common/hosts.h"
 #include "bench/common/statistics.h"
-#include "bench/udp/contender.h"
+#include "bench/udp/one_way.h"
 #include "bench/udp/udp.h"
 
 namespace sft::bench {
@@ -11,26 +11,6 @@ namespace {
 
 constexpr std::int64_t period_us = 50'000;
 constexpr std::uint64_t messages_min = 20;
-
-void send(Exchange& exchange, Contender contender, const Topic& topic, std::uint64_t messages) {
-  const auto peer = contender();
-  const auto writer = peer->writer(topic);
-  exchange.failed = !wait_until([&] { return exchange.ready.load() && writer->readers() == 1; });
-  for (std::uint64_t i = 0; i < messages && !exchange.failed.load(); ++i) {
-    sleep_us(period_us);
-    exchange.sent_at[i] = now_ns();
-    writer->write(i + 1);
-    exchange.failed = !wait_until([&] { return exchange.received.load() > i; });
-  }
-}
-
-void receive(Exchange& exchange, Contender contender, const Topic& topic, std::uint64_t messages) {
-  const auto peer = contender();
-  const auto reader = peer->reader(topic, [&](std::uint64_t number) { exchange.note_receipt(number); });
-  while (reader->writers() == 0) sleep_us(1000);
-  exchange.ready = true;
-  while (exchange.received.load() < messages && !exchange.failed.load()) sleep_us(10'000);
-}
 
 struct Size {
   const char* name;
@@ -41,9 +21,7 @@ struct Size {
     const Topic topic{.bulk_bytes = bytes};
     const std::uint64_t messages = std::max(scale.messages / 50, messages_min);
     const auto times = [&](Contender contender) {
-      return run_pair(hosts.sides([&](Exchange& e) { send(e, contender, topic, messages); },
-                                  [&](Exchange& e) { receive(e, contender, topic, messages); }),
-                      messages);
+      return one_way_times(contender, {.topic = topic, .messages = messages, .period_us = period_us}, hosts);
     };
     ours.add(times(sft_peer));
     loaned.add(times(sft_loan_peer));

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <csignal>
-#include <ctime>
 #include <limits>
 #include <numeric>
 
@@ -19,14 +18,6 @@ namespace {
 
 constexpr double warm_up_s = 0.2;
 constexpr std::int64_t quiet_us = 300'000;  // no more samples come after a pause of this time
-
-double cpu_s(pid_t process) {
-  clockid_t clock{};
-  timespec time{};
-  clock_getcpuclockid(process, &clock);
-  clock_gettime(clock, &time);
-  return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_nsec) / 1e9;
-}
 
 struct Moment {
   std::int64_t at_ns = 0;

@@ -1,0 +1,73 @@
+#include "bench/many/crowd.h"
+
+#include <fmt/format.h>
+
+#include <csignal>
+#include <fstream>
+#include <iterator>
+#include <numeric>
+#include <set>
+#include <string>
+
+#include "bench/common/process.h"
+#include "tools/hosts/interface_counters.h"
+
+namespace sft::bench {
+
+namespace {
+
+std::string text_of(pid_t process, const char* file) {
+  std::ifstream stream(fmt::format("/proc/{}/{}", process, file));
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+double resident_bytes_of(pid_t process) {
+  const std::string text = text_of(process, "status");
+  const std::size_t at = text.find("VmRSS:");
+  return at == std::string::npos ? 0 : 1024 * std::stod(text.substr(at + 6));
+}
+
+}  // namespace
+
+Crowd::Crowd(std::size_t hosts) : hosts_(hosts + 1), network_(make_hosts(hosts_, Trains::cut)) {}
+
+Crowd::~Crowd() {
+  for (const Member& member : members_) kill(member.process, SIGKILL);
+  for (const Member& member : members_) succeeds(member.process);
+}
+
+void Crowd::start(std::size_t host, const std::function<int()>& run) {
+  members_.push_back({start_process([&] { return network_.host(host).enter() ? run() : 1; }), host});
+}
+
+bool Crowd::first_succeeds() {
+  const bool succeeded = succeeds(members_.front().process);
+  members_.erase(members_.begin());
+  return succeeded;
+}
+
+double Crowd::cpu_s() const {
+  return std::accumulate(members_.begin(), members_.end(), 0.,
+                         [](double sum, const Member& member) { return sum + bench::cpu_s(member.process); });
+}
+
+double Crowd::resident_bytes() const {
+  return std::accumulate(members_.begin(), members_.end(), 0., [](double sum, const Member& member) {
+    return sum + resident_bytes_of(member.process);
+  });
+}
+
+LinkBytes Crowd::link_bytes() const {
+  LinkBytes sum;
+  std::set<std::size_t> seen;
+  for (const Member& member : members_) {
+    if (!seen.insert(member.host).second) continue;
+    const auto bytes = hosts::parse_interface_bytes(text_of(member.process, "net/dev"), hosts::host_interface)
+                           .value_or(hosts::InterfaceBytes{});
+    sum.received += static_cast<std::int64_t>(bytes.received);
+    sum.sent += static_cast<std::int64_t>(bytes.sent);
+  }
+  return sum;
+}
+
+}  // namespace sft::bench

@@ -1,0 +1,52 @@
+// Processes on the hosts of a network of their own.
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+#include "bench/common/hosts.h"
+
+namespace sft::bench {
+
+inline constexpr std::size_t crowd_hosts = 8;
+
+class Crowd {
+ public:
+  /// The host 0, and `hosts` others.
+  explicit Crowd(std::size_t hosts);
+  /// Ends all processes.
+  ~Crowd();
+  Crowd(const Crowd&) = delete;
+  Crowd& operator=(const Crowd&) = delete;
+
+  /// Calls `run` in a new process on a host.
+  void start(std::size_t host, const std::function<int()>& run);
+  /// The host of a reader, by its number: all but host 0 in turns.
+  std::size_t host_of_reader(std::size_t number) const { return 1 + number % (hosts_ - 1); }
+
+  std::size_t hosts() const { return hosts_; }
+  std::size_t size() const { return members_.size(); }
+  /// Waits for the process that was started first. True if its exit code was 0.
+  bool first_succeeds();
+
+  // Of all processes, or all interfaces, together:
+  double cpu_s() const;
+  double resident_bytes() const;
+  /// REQUIRES: there is a process on each host.
+  LinkBytes link_bytes() const;
+
+ private:
+  struct Member {
+    pid_t process;
+    std::size_t host;
+  };
+
+  const std::size_t hosts_;
+  const hosts::EmulatedNetwork network_;
+  std::vector<Member> members_;
+};
+
+}  // namespace sft::bench

@@ -1,0 +1,72 @@
+// A publisher and its readers, one node in each process, which start at once, and stay.
+#pragma once
+
+#include <unistd.h>
+
+#include <atomic>
+#include <cstdio>
+
+#include "bench/common/pair.h"
+#include "bench/common/shared.h"
+#include "bench/many/crowd.h"
+#include "bench/many/members.h"
+
+namespace sft::bench {
+
+template <class Member>
+class Gathering {
+ public:
+  Gathering(std::size_t readers, std::size_t hosts) : readers_(readers), crowd_(hosts), begin_ns_(now_ns()) {
+    crowd_.start(0, [&] { return be_writer(); });
+    for (std::size_t i = 0; i < readers; ++i)
+      crowd_.start(crowd_.host_of_reader(i), [&] { return be_reader(); });
+  }
+
+  /// Waits until all are matched. If they are not in time, says so, and returns false.
+  bool wait(double patience_s) {
+    if (!wait_until([&] { return board_->matched.load() == readers_ + 1; }, patience_s)) {
+      std::fprintf(stderr, "%s: %zu of %zu nodes were matched after %.0f s\n", Member::name,
+                   board_->matched.load(), readers_ + 1, patience_s);
+      board_->last_ns = now_ns();
+      return false;
+    }
+    return true;
+  }
+  /// The time from the start until the last one was matched, or until the patience was over.
+  double seconds() const { return static_cast<double>(board_->last_ns.load() - begin_ns_) / 1e9; }
+  const Crowd& crowd() const { return crowd_; }
+
+ private:
+  static constexpr std::int64_t pause_us =
+      5000;  // more would be seen in the time, less in the processor time
+
+  struct Board {
+    std::atomic<std::size_t> matched{0};
+    std::atomic<std::int64_t> last_ns{0};
+  };
+
+  template <class Matched>
+  int stay_when(Matched matched) const {
+    while (!matched()) sleep_us(pause_us);
+    board_->last_ns = now_ns();
+    ++board_->matched;
+    for (;;) pause();
+  }
+  int be_writer() const {
+    Member member;
+    const typename Member::Writer writer(member, 0);
+    return stay_when([&] { return writer.serves(readers_); });
+  }
+  int be_reader() const {
+    Member member;
+    const typename Member::Reader reader(member);
+    return stay_when([&] { return reader.matched(); });
+  }
+
+  const std::size_t readers_;
+  const Shared<Board> board_;
+  Crowd crowd_;
+  const std::int64_t begin_ns_;
+};
+
+}  // namespace sft::bench

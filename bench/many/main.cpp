@@ -1,0 +1,38 @@
+// Measures how costs grow with readers, masks and nodes, beside Cyclone DDS and raw sockets in the same run.
+// Hosts are network namespaces with an MTU of 1500. Unless a group says otherwise, the system chooses the
+// cores of the processes.
+#include "bench/common/program.h"
+#include "bench/many/many.h"
+#include "tests/support/isolated_host.h"
+
+namespace {
+
+void shorten(sft::bench::ManyScale& scale) {
+  scale = {.quick = true, .rounds = 1, .calm_s = 10, .joining_s = 15, .window_s = 10};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace sft::bench;
+  ManyScale scale;
+  Program program(
+      "How costs grow with readers, masks and nodes, against references of the same run",
+      {{"bytes_masks_16", [&] { return masks_16(scale); }},
+       {"masks_64",
+        [&] { return masks_64(scale); },
+        {"bytes_masks_64", "settled_ms", "publisher_cpu_masks_64", "subscriber_cpu_64"}},
+       {"bytes_paper_three", [&] { return three_masks(scale); }},
+       {"join_64", [&] { return join_64(scale); }, {"join_64_time", "join_64_bytes", "join_64_cpu"}},
+       {"idle",
+        [&] { return idle(scale); },
+        {"idle_32_received", "idle_32_sent", "idle_32_cpu", "idle_32_rss", "idle_2_sent"}},
+       {"worst_6.3MB", [&] { return worst_large(scale); }},
+       {"paced",
+        [&] { return paced(scale); },
+        {"paced_64B_10Hz", "paced_64B_100Hz", "paced_64B_1kHz", "paced_16kB"}}});
+  program.options().add_flag_callback(
+      "--quick", [&] { shorten(scale); }, "one short round of each contender");
+  if (const auto code = program.parse(argc, argv)) return *code;
+  return sft::test::run_isolated([&] { return program.run(); });
+}

@@ -1,0 +1,39 @@
+// The groups of this benchmark: how costs grow with readers, masks and nodes. Each group runs SFT and its
+// references in turns, between hosts that it makes itself, and returns figures.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "bench/common/report.h"
+
+namespace sft::bench {
+
+struct ManyScale {
+  bool quick = false;
+  int rounds = 3;         ///< of each contender, in turns; the median counts
+  double calm_s = 30;     ///< how long nodes have been idle before they are measured
+  double joining_s = 60;  ///< how long nodes may take to find each other
+  double window_s = 30;   ///< how long idle nodes are measured in a round
+};
+
+/// 16 readers of a cloud of 16 kB on eight hosts, each with a mask of its own: the bytes that leave the
+/// publisher's host.
+std::vector<Figure> masks_16(const ManyScale& scale);
+/// The same with 64 readers, the time until these bytes have settled, and the processor time of a sample.
+std::vector<Figure> masks_64(const ManyScale& scale);
+/// Three readers with three masks, two of which have the data of the cloud: bytes from the first sample on.
+std::vector<Figure> three_masks(const ManyScale& scale);
+
+/// 1 + 64 nodes on eight hosts that start at once: time, bytes and processor time until all are matched.
+std::vector<Figure> join_64(const ManyScale& scale);
+
+/// The traffic, processor time and memory of 32 nodes on eight hosts, and of two, that have been idle.
+std::vector<Figure> idle(const ManyScale& scale);
+
+/// The worst of 25 samples of 6.3 MB.
+std::vector<Figure> worst_large(const ManyScale& scale);
+/// Small samples between hosts that sleep in between.
+std::vector<Figure> paced(const ManyScale& scale);
+
+}  // namespace sft::bench

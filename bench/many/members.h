@@ -1,0 +1,113 @@
+// A program with SFT and one with Cyclone DDS alone, with default settings. Both have the same interface, so
+// that each group measures both. SFT's nodes do not look for shared memory, since the hosts of this benchmark
+// have a network of their own each, and one memory together.
+#pragma once
+
+#include <sft/sft.h>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <sensor_msgs/msg/PointCloud2.hpp>
+#include <string>
+
+#include "bench/common/cyclone.h"
+#include "bench/common/cyclone_point_cloud.h"
+
+namespace sft::bench {
+
+/// The fields that a reader asks for, by its number.
+using Fields = std::function<std::string(std::size_t)>;
+
+class SftMember {
+  using Message = sensor_msgs::msg::PointCloud2;
+
+ public:
+  static constexpr const char* name = "SFT";
+
+  class Writer {
+   public:
+    Writer(SftMember& member, std::size_t data_bytes);
+    bool serves(std::size_t readers) const;
+    void write() { publisher_.publish(cloud_); }
+
+   private:
+    Publisher<Message> publisher_;
+    const Message cloud_;
+  };
+
+  /// Asks for all fields.
+  class Reader {
+   public:
+    explicit Reader(SftMember& member);
+    bool matched() const;
+
+   private:
+    Subscriber<Message> subscriber_;
+  };
+
+  /// Asks for some fields. The type of the publisher is known before.
+  class MaskedReader {
+   public:
+    MaskedReader(SftMember& member, const std::string& fields, const std::function<void()>& arrived);
+    bool matched() const;
+
+   private:
+    DynamicSubscriber subscriber_;
+  };
+
+  /// Waits until the publisher of another node is known.
+  void know_publisher();
+
+ private:
+  Node node_ = Node::open({.name = "member", .transport = TransportChoice::udp}).value();
+  std::optional<DynamicType> type_;
+};
+
+class CycloneMember {
+ public:
+  static constexpr const char* name = "Cyclone DDS";
+
+  class Writer {
+   public:
+    Writer(CycloneMember& member, std::size_t data_bytes);
+    bool serves(std::size_t readers) const { return CycloneParticipant::readers(writer_) == readers; }
+    void write() { dds_write(writer_, &cloud_.message()); }
+
+   private:
+    const dds_entity_t writer_;
+    CyclonePointCloud cloud_;
+  };
+
+  class Reader {
+   public:
+    explicit Reader(CycloneMember& member);
+    bool matched() const { return CycloneParticipant::writers(reader_) == 1; }
+
+   private:
+    const dds_entity_t reader_;
+  };
+
+  /// Gets all fields, whatever it asks for.
+  class MaskedReader {
+   public:
+    MaskedReader(CycloneMember& member, const std::string& fields, std::function<void()> arrived);
+    ~MaskedReader() { dds_delete(reader_); }  // ends its callbacks before the members are destroyed
+    MaskedReader(const MaskedReader&) = delete;
+    MaskedReader& operator=(const MaskedReader&) = delete;
+    bool matched() const { return CycloneParticipant::writers(reader_) == 1; }
+
+   private:
+    static void take_all(dds_entity_t reader, void* self);
+
+    const std::function<void()> arrived_;
+    sensor_msgs_msg_PointCloud2 message_{};
+    const dds_entity_t reader_;
+  };
+
+  void know_publisher();
+
+ private:
+  const CycloneParticipant participant_{""};
+};
+
+}  // namespace sft::bench

@@ -1,0 +1,30 @@
+// The results of one figure over the rounds.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bench/common/report.h"
+
+namespace sft::bench {
+
+class Tally {
+ public:
+  // A result that is not a number is that of a round that failed, and does not count.
+  void add_ours(double value) { add(value, ours_); }
+  void add_reference(double value) { add(value, reference_); }
+
+  /// The medians, and the worst round, which is the largest value or, with `at_least`, the smallest one.
+  Figure figure(const std::string& name, const std::string& unit, const std::string& reference_name,
+                double bound, bool at_least = false) const;
+  /// The same with a bound for the value.
+  Figure figure_with_bound_of_value(const std::string& name, const std::string& unit,
+                                    const std::string& reference_name, double bound) const;
+
+ private:
+  static void add(double value, std::vector<double>& to);
+
+  std::vector<double> ours_, reference_;
+};
+
+}  // namespace sft::bench

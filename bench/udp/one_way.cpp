@@ -1,0 +1,42 @@
+#include "bench/udp/one_way.h"
+
+namespace sft::bench {
+
+namespace {
+
+void send(Exchange& exchange, Contender contender, const Paced& paced) {
+  const auto peer = contender();
+  const auto writer = peer->writer(paced.topic);
+  const auto arrived = [&](std::uint64_t number) {
+    return exchange.received.load() >= number ||
+           wait_until([&] { return exchange.received.load() >= number; });
+  };
+  exchange.failed = !wait_until([&] { return exchange.ready.load() && writer->readers() == 1; });
+  const std::int64_t begin = now_ns();
+  for (std::uint64_t i = 0; i < paced.messages && !exchange.failed.load(); ++i) {
+    const std::int64_t due = begin + static_cast<std::int64_t>(i + 1) * paced.period_us * 1000;
+    if (const std::int64_t left = due - now_ns(); left > 0) sleep_us(left / 1000);
+    if (!arrived(i)) break;
+    exchange.sent_at[i] = now_ns();
+    writer->write(i + 1);
+  }
+  exchange.failed = exchange.failed.load() || !arrived(paced.messages);
+}
+
+void receive(Exchange& exchange, Contender contender, const Paced& paced) {
+  const auto peer = contender();
+  const auto reader = peer->reader(paced.topic, [&](std::uint64_t number) { exchange.note_receipt(number); });
+  while (reader->writers() == 0) sleep_us(1000);
+  exchange.ready = true;
+  while (exchange.received.load() < paced.messages && !exchange.failed.load()) sleep_us(10'000);
+}
+
+}  // namespace
+
+std::vector<double> one_way_times(Contender contender, const Paced& paced, const TwoHosts& hosts) {
+  return run_pair(hosts.sides([&](Exchange& e) { send(e, contender, paced); },
+                              [&](Exchange& e) { receive(e, contender, paced); }),
+                  paced.messages);
+}
+
+}  // namespace sft::bench

@@ -1,0 +1,21 @@
+// The time from write() to the callback of samples that one host sends another one now and then.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "bench/common/hosts.h"
+#include "bench/udp/contender.h"
+
+namespace sft::bench {
+
+struct Paced {
+  Topic topic;
+  std::uint64_t messages = 0;
+  std::int64_t period_us = 0;  ///< a sample waits longer until the one before has arrived
+};
+
+/// Times in microseconds, without the first tenth; empty if a sample did not arrive.
+std::vector<double> one_way_times(Contender contender, const Paced& paced, const TwoHosts& hosts);
+
+}  // namespace sft::bench
