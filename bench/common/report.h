@@ -11,7 +11,7 @@ namespace sft::bench {
 struct Figure {
   std::string name;
   double value = 0;
-  std::string unit;
+  std::string unit{};
   std::optional<double> reference{};  ///< measured in the same run, same unit
   std::string reference_name{};
   std::optional<double> bound{};   ///< for the ratio, or for the value if there is no reference

@@ -8,7 +8,7 @@
 namespace {
 
 void shorten(sft::bench::ManyScale& scale) {
-  scale = {.quick = true, .rounds = 1, .calm_s = 10, .joining_s = 15, .window_s = 10};
+  scale = {.quick = true, .rounds = 1, .calm_s = 10, .joining_s = 12, .window_s = 10};
 }
 
 }  // namespace
@@ -30,7 +30,15 @@ int main(int argc, char** argv) {
        {"worst_6.3MB", [&] { return worst_large(scale); }},
        {"paced",
         [&] { return paced(scale); },
-        {"paced_64B_10Hz", "paced_64B_100Hz", "paced_64B_1kHz", "paced_16kB"}}});
+        {"paced_64B_10Hz", "paced_64B_100Hz", "paced_64B_1kHz", "paced_16kB"}},
+       {"bulk",
+        [&] { return bulk_without(scale); },
+        {"bulk_no_offload", "bulk_no_offload_cpu", "bulk_small_buffer"}},
+       {"loan_over_publish", [&] { return loans(scale); }},
+       {"shm_publish", [&] { return shm_publish(scale); }, {"shm_publish_64B", "shm_publish_16kB"}},
+       {"shm_wait_200Hz", [&] { return shm_wait(scale); }},
+       {"str_response", [&] { return response(scale); }},
+       {"publish_to_64", [&] { return publish_to_64(scale); }, {"publish_returns", "masks_64_allocations"}}});
   program.options().add_flag_callback(
       "--quick", [&] { shorten(scale); }, "one short round of each contender");
   if (const auto code = program.parse(argc, argv)) return *code;

@@ -36,4 +36,19 @@ std::vector<Figure> worst_large(const ManyScale& scale);
 /// Small samples between hosts that sleep in between.
 std::vector<Figure> paced(const ManyScale& scale);
 
+/// The highest rate of samples of 4 MiB without the help of interfaces, and with 4 MiB of receive buffer.
+std::vector<Figure> bulk_without(const ManyScale& scale);
+/// Loans over UDP beside publish(message): the time to the callback, and the highest rate.
+std::vector<Figure> loans(const ManyScale& scale);
+
+/// publish(message) in shared memory, to a reader that sleeps.
+std::vector<Figure> shm_publish(const ManyScale& scale);
+/// wait() in shared memory at 200 Hz: the default of SubscriberOptions::spin beside others.
+std::vector<Figure> shm_wait(const ManyScale& scale);
+
+/// The time until a request for another field is in force.
+std::vector<Figure> response(const ManyScale& scale);
+/// publish(message) to 64 readers: its time with one mask, and the allocations with 64.
+std::vector<Figure> publish_to_64(const ManyScale& scale);
+
 }  // namespace sft::bench

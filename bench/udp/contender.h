@@ -51,6 +51,9 @@ using Contender = std::unique_ptr<Peer> (*)();
 std::unique_ptr<Peer> sft_peer();
 /// Bulk samples only. They are loaned from the publisher, and sent without a copy.
 std::unique_ptr<Peer> sft_loan_peer();
+/// With 4 MiB of receive buffer, as on a host whose administrator has not raised net.core.rmem_max beyond
+/// that.
+std::unique_ptr<Peer> sft_small_buffer_peer();
 std::unique_ptr<Peer> cyclone_peer();
 std::unique_ptr<Peer> fast_dds_peer();
 // The following contenders have readers with callbacks only, and send from the first of two hosts to the

@@ -119,7 +119,8 @@ class SftReader : public Reader {
 
 class SftPeer : public Peer {
  public:
-  explicit SftPeer(bool loans = false) : loans_(loans) {}
+  explicit SftPeer(bool loans = false, std::size_t receive_buffer_bytes = UdpSettings{}.receive_buffer_bytes)
+      : loans_(loans), node_(open(receive_buffer_bytes)) {}
 
   std::unique_ptr<Writer> writer(const Topic& topic) override {
     if (loans_) return std::make_unique<SftLoanWriter>(node_, topic);
@@ -132,13 +133,20 @@ class SftPeer : public Peer {
   }
 
  private:
+  static Node open(std::size_t receive_buffer_bytes) {
+    NodeOptions options = udp_node_options("bench");
+    options.udp.receive_buffer_bytes = receive_buffer_bytes;
+    return Node::open(options).value();
+  }
+
   const bool loans_;
-  Node node_ = Node::open(udp_node_options("bench")).value();
+  Node node_;
 };
 
 }  // namespace
 
 std::unique_ptr<Peer> sft_peer() { return std::make_unique<SftPeer>(); }
 std::unique_ptr<Peer> sft_loan_peer() { return std::make_unique<SftPeer>(true); }
+std::unique_ptr<Peer> sft_small_buffer_peer() { return std::make_unique<SftPeer>(false, 4 << 20); }
 
 }  // namespace sft::bench

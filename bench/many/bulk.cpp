@@ -1,0 +1,87 @@
+// Measures large samples over UDP where SFT has less help than usual, and loans beside messages.
+#include <string>
+
+#include "bench/common/statistics.h"
+#include "bench/many/many.h"
+#include "bench/many/tally.h"
+#include "bench/udp/one_way.h"
+#include "bench/udp/stream.h"
+
+namespace sft::bench {
+
+namespace {
+
+constexpr std::uint32_t large = 4 << 20;
+constexpr std::uint32_t medium = 1'660'000;
+constexpr double loan_bound = 1.05;
+
+struct Stream {
+  double gb_per_s;
+  double cpu_s_per_gb;
+};
+
+Stream stream(Contender contender, std::uint32_t bytes, double seconds, const TwoHosts& hosts) {
+  StreamRounds one;
+  one.run(contender, {.topic = {.bulk_bytes = bytes}, .seconds = seconds}, hosts);
+  const double gb = bytes / 1e9;
+  return {one.samples_per_s() * gb, one.cpu_s_per_sample() / gb};
+}
+
+double seconds_of(const ManyScale& scale) { return scale.quick ? 0.5 : 1; }
+
+struct LoanContest {
+  const char* size;
+  std::uint32_t bytes;
+  Tally latency_us{}, gb_per_s{};
+
+  void run(const ManyScale& scale, const TwoHosts& hosts) {
+    const Paced paced{.topic = {.bulk_bytes = bytes},
+                      .messages = scale.quick ? 20u : 50u,
+                      .period_us = scale.quick ? 20'000 : 50'000};
+    latency_us.add_ours(median_if_any(one_way_times(sft_loan_peer, paced, hosts)));
+    latency_us.add_reference(median_if_any(one_way_times(sft_peer, paced, hosts)));
+    gb_per_s.add_ours(stream(sft_loan_peer, bytes, seconds_of(scale), hosts).gb_per_s);
+    gb_per_s.add_reference(stream(sft_peer, bytes, seconds_of(scale), hosts).gb_per_s);
+  }
+  void figures(std::vector<Figure>& to) const {
+    const std::string name = "loan_over_publish_", who = "publish(message)";
+    to.push_back(latency_us.figure(name + "latency_" + size, "us", who, loan_bound));
+    to.push_back(gb_per_s.figure(name + "rate_" + size, "GB/s", who, 1 / loan_bound, true));
+  }
+};
+
+}  // namespace
+
+std::vector<Figure> bulk_without(const ManyScale& scale) {
+  const TwoHosts bare(Trains::none), usual(Trains::whole);
+  const double seconds = seconds_of(scale);
+  Tally rate, cpu, small_buffer;
+  for (int round = 0; round < scale.rounds; ++round) {
+    const Stream ours = stream(sft_peer, large, seconds, bare);
+    const Stream tcp = stream(raw_tcp_peer, large, seconds, bare);
+    rate.add_ours(ours.gb_per_s);
+    rate.add_reference(tcp.gb_per_s);
+    cpu.add_ours(ours.cpu_s_per_gb);
+    cpu.add_reference(tcp.cpu_s_per_gb);
+    small_buffer.add_ours(stream(sft_small_buffer_peer, large, seconds, usual).gb_per_s);
+    small_buffer.add_reference(stream(raw_tcp_peer, large, seconds, usual).gb_per_s);
+  }
+  return {rate.figure("bulk_no_offload", "GB/s", "TCP", 1, true),
+          cpu.figure("bulk_no_offload_cpu", "s/GB", "TCP", 1.3),
+          small_buffer.figure("bulk_small_buffer", "GB/s", "TCP", 1, true)};
+}
+
+std::vector<Figure> loans(const ManyScale& scale) {
+  const TwoHosts hosts(Trains::whole);
+  LoanContest of_medium{"1.66MB", medium}, of_large{"4MiB", large};
+  for (int round = 0; round < scale.rounds; ++round) {
+    of_medium.run(scale, hosts);
+    of_large.run(scale, hosts);
+  }
+  std::vector<Figure> figures;
+  of_medium.figures(figures);
+  of_large.figures(figures);
+  return figures;
+}
+
+}  // namespace sft::bench

@@ -1,0 +1,39 @@
+// Takes figures of bench/negotiation, with the bounds of this benchmark.
+#include "bench/negotiation/negotiation.h"
+
+#include <algorithm>
+
+#include "bench/many/many.h"
+
+namespace sft::bench {
+
+namespace {
+
+Scale scale_of(const ManyScale& scale) {
+  return {.messages = scale.quick ? 100u : 400u, .rounds = scale.rounds};
+}
+
+Figure found(const std::vector<Figure>& figures, const std::string& name) {
+  return *std::ranges::find(figures, name, &Figure::name);
+}
+
+}  // namespace
+
+std::vector<Figure> response(const ManyScale& scale) {
+  Figure figure = found(str_response(scale_of(scale)), "str_response");
+  figure.bound = 1.3;
+  figure.bound_is_of_value = false;
+  return {figure};
+}
+
+std::vector<Figure> publish_to_64(const ManyScale& scale) {
+  const std::vector<Figure> figures = publish_64_masks(scale_of(scale));
+  Figure returns = found(figures, "publish_64_one_mask");
+  returns.name = "publish_returns";
+  returns.bound = 1.5;
+  Figure allocations = found(figures, "publish_64_masks_allocations");
+  allocations.name = "masks_64_allocations";
+  return {returns, allocations};
+}
+
+}  // namespace sft::bench

@@ -1,0 +1,143 @@
+// What benchmarks print and write, and what ./run bench many makes of its rounds.
+#include "bench/common/report.h"
+
+#include <gmock/gmock.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "bench/common/program.h"
+#include "bench/many/settling.h"
+#include "bench/many/tally.h"
+
+namespace sft::bench {
+
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+template <class Print>
+std::string printed(Print print) {
+  testing::internal::CaptureStdout();
+  print();
+  return testing::internal::GetCapturedStdout();
+}
+
+std::string missed(const std::vector<Figure>& figures) {
+  return printed([&] { print_missed_bounds(figures); });
+}
+
+TEST(BenchReport, NamesTheBoundsThatDoNotHold) {
+  const Figure good{.name = "good", .value = 2, .reference = 2, .bound = 1};
+  const Figure slow{.name = "slow", .value = 3, .reference = 2, .bound = 1};
+  const Figure failed{.name = "failed", .value = std::numeric_limits<double>::quiet_NaN(), .bound = 1};
+  EXPECT_EQ(missed({good, slow, failed}), "These bounds do not hold: slow, failed.\n");
+  EXPECT_EQ(missed({good}), "All bounds hold.\n");
+  EXPECT_EQ(missed({{.name = "unbounded", .value = 1}}), "");
+}
+
+TEST(BenchReport, ATableHasAColumnForWorstRoundsIfThereAreAny) {
+  const Figure plain{.name = "plain", .value = 2};
+  const Figure worst{.name = "tallied", .value = 2, .worst = 7.5};
+  EXPECT_THAT(printed([&] { print_table({plain}); }), Not(HasSubstr("worst")));
+  EXPECT_THAT(printed([&] {
+                print_table({plain, worst});
+              }),
+              AllOf(HasSubstr("worst round\n"), HasSubstr("7.500\n")));
+}
+
+TEST(BenchReport, JsonHasTheFieldsOfEachFigure) {
+  std::ostringstream out;
+  write_json(out, {{.name = "time", .value = 3, .unit = "us", .reference = 2, .worst = 4},
+                   {.name = "lost", .value = 0}});
+  const auto json = nlohmann::json::parse(out.str());
+  EXPECT_EQ(json[0], nlohmann::json::parse(
+                         R"({"name": "time", "value": 3, "unit": "us", "reference": 2, "ratio": 1.5})"));
+  EXPECT_EQ(json[1], nlohmann::json::parse(
+                         R"({"name": "lost", "value": 0, "unit": "", "reference": null, "ratio": null})"));
+}
+
+/// The names of figures that a program with two groups prints.
+std::vector<std::string> chosen(std::string only) {
+  std::vector<std::string> measured;
+  const auto measure = [&](const std::string& name) {
+    measured.push_back(name);
+    return Figure{.name = name};
+  };
+  Program program("", {{"one", [&] { return std::vector{measure("one")}; }},
+                       {"two",
+                        [&] {
+                          return std::vector{measure("left"), measure("right")};
+                        },
+                        {"left", "right"}}});
+  std::array words{std::string("bench"), std::string("--only"), std::move(only)};
+  std::array arguments{words[0].data(), words[1].data(), words[2].data()};
+  EXPECT_FALSE(program.parse(3, arguments.data()));
+  const std::string table = printed([&] { program.run(); });
+  std::erase_if(measured,
+                [&](const std::string& name) { return table.find("\n" + name) == std::string::npos; });
+  return measured;
+}
+
+TEST(BenchProgram, TakesSeveralNamesOfGroupsAndFigures) {
+  EXPECT_THAT(chosen("one"), ElementsAre("one"));
+  EXPECT_THAT(chosen("two"), ElementsAre("left", "right"));
+  EXPECT_THAT(chosen("right"), ElementsAre("right"));
+  EXPECT_THAT(chosen("left,one"), ElementsAre("one", "left"));
+}
+
+TEST(BenchTally, HasMediansAndTheWorstRound) {
+  Tally tally;
+  for (const double value : {3., 9., 4.}) tally.add_ours(value);
+  for (const double value : {2., 1., 6.}) tally.add_reference(value);
+  tally.add_ours(std::numeric_limits<double>::quiet_NaN());  // a round that failed
+  const Figure most = tally.figure("time", "us", "other", 1.5);
+  EXPECT_EQ(most.value, 4);
+  EXPECT_EQ(most.reference, 2);
+  EXPECT_EQ(most.worst, 9);
+  EXPECT_FALSE(most.within_bound());
+  const Figure least = tally.figure("rate", "GB/s", "other", 1.5, true);
+  EXPECT_EQ(least.worst, 3);
+  EXPECT_TRUE(least.within_bound());
+}
+
+TEST(BenchTally, WithoutRoundsIsWithinNoBound) {
+  EXPECT_FALSE(Tally().figure("time", "us", "other", 1).within_bound());
+  EXPECT_FALSE(Tally().figure_with_bound_of_value("time", "us", "other", 1).within_bound());
+}
+
+/// Samples every 10 ms, the first at 0, each with so many bytes.
+std::vector<Counted> samples(const std::vector<std::int64_t>& bytes) {
+  std::vector<Counted> counted;
+  std::int64_t sum = 0;
+  for (const std::int64_t of_sample : bytes) {
+    counted.push_back({static_cast<std::int64_t>(counted.size()) * 10'000'000, sum});
+    sum += of_sample;
+  }
+  return counted;
+}
+
+TEST(BenchSettling, IsTheTimeFromWhichOnBytesStayWithinFivePercent) {
+  std::vector<std::int64_t> bytes(100, 1000);
+  EXPECT_EQ(settled_ms(samples(bytes), 0), 0);
+  for (int i = 0; i < 20; ++i) bytes[i] = 5000;
+  EXPECT_EQ(settled_ms(samples(bytes), 0), 200);
+  EXPECT_EQ(settled_ms(samples(bytes), 150'000'000), 50);
+  EXPECT_EQ(settled_ms(samples(bytes), 300'000'000), 0);  // it had settled before
+  bytes[30] = 1200;                                       // 4 % of a window
+  EXPECT_EQ(settled_ms(samples(bytes), 0), 200);
+  bytes[30] = 1300;
+  EXPECT_EQ(settled_ms(samples(bytes), 0), 310);
+}
+
+TEST(BenchSettling, IsNoNumberWithFewSamples) { EXPECT_TRUE(std::isnan(settled_ms(samples({1, 1, 1}), 0))); }
+
+}  // namespace
+
+}  // namespace sft::bench
