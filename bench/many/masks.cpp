@@ -210,7 +210,7 @@ Case many_masks(std::size_t readers, const ManyScale& scale) {
   return {.readers = readers,
           .hosts = crowd_hosts,
           .fields = own_fields_and_data,
-          .settling_s = scale.quick ? 2. : 6.,
+          .settling_s = scale.quick ? 1.5 : 6.,
           .samples = scale.quick ? std::uint64_t{30} : 100,
           .period_us = 50'000};
 }

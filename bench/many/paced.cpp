@@ -50,7 +50,7 @@ std::vector<Figure> worst_large(const ManyScale& scale) {
 std::vector<Figure> paced(const ManyScale& scale) {
   const TwoHosts hosts(Trains::whole);
   const Topic small{.reliable = false};
-  const std::uint64_t shortened = scale.quick ? 3 : 1;
+  const std::uint64_t shortened = scale.quick ? 5 : 1;
   std::array contests{
       Contest{"paced_64B_10Hz", {small, 50 / shortened, 100'000}, raw_udp_peer, "raw UDP", 1.3},
       Contest{"paced_64B_100Hz", {small, 300 / shortened, 10'000}, raw_udp_peer, "raw UDP", 1.3},

@@ -106,7 +106,7 @@ std::vector<Figure> shm_publish(const ManyScale& scale) {
 /// The noise is the largest difference between two rounds of the default.
 std::vector<Figure> shm_wait(const ManyScale& scale) {
   constexpr std::array spins{microseconds(0), microseconds(5), microseconds(50), microseconds(200)};
-  const std::uint64_t messages = scale.quick ? 100 : 400;
+  const std::uint64_t messages = scale.quick ? 60 : 400;
   const int rounds = std::max(scale.rounds, 2);  // one round has no noise to tell
   std::vector<double> usual;
   std::array<std::vector<double>, spins.size()> fixed;

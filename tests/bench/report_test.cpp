@@ -96,7 +96,6 @@ TEST(BenchTally, HasMediansAndTheWorstRound) {
   Tally tally;
   for (const double value : {3., 9., 4.}) tally.add_ours(value);
   for (const double value : {2., 1., 6.}) tally.add_reference(value);
-  tally.add_ours(std::numeric_limits<double>::quiet_NaN());  // a round that failed
   const Figure most = tally.figure("time", "us", "other", 1.5);
   EXPECT_EQ(most.value, 4);
   EXPECT_EQ(most.reference, 2);
@@ -105,6 +104,13 @@ TEST(BenchTally, HasMediansAndTheWorstRound) {
   const Figure least = tally.figure("rate", "GB/s", "other", 1.5, true);
   EXPECT_EQ(least.worst, 3);
   EXPECT_TRUE(least.within_bound());
+}
+
+TEST(BenchTally, DoesNotCountARoundThatFailed) {
+  Tally tally;
+  tally.add_ours(std::numeric_limits<double>::quiet_NaN());
+  tally.add_ours(5);
+  EXPECT_EQ(tally.figure("time", "us", "other", 1).value, 5);
 }
 
 TEST(BenchTally, WithoutRoundsIsWithinNoBound) {
