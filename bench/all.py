@@ -34,7 +34,7 @@ def parse(words):
     parser.add_argument("--rounds", type=int, metavar="N",
                         help=f"times that each side runs each benchmark (default: {benchmarks.ROUNDS}, with --quick "
                              f"{benchmarks.QUICK_ROUNDS})")
-    parser.add_argument("--quick", action="store_true", help="short runs of each benchmark, about 15 minutes a side")
+    parser.add_argument("--quick", action="store_true", help="short runs of each benchmark, about 20 minutes a side")
     parser.add_argument("--only", metavar="NAME,NAME", help="these benchmarks only, of " + ",".join(names))
     parser.add_argument("--json", metavar="FILE", help="also write the figures or the comparison to this file")
     parser.add_argument("--time-limit", type=float, metavar="SECONDS",
@@ -106,7 +106,7 @@ class Session:
                 continue
             value = parts[-1].partition("=")[2] if len(parts) == 1 else parts[-1]
             for tree, options in of_sides:
-                if options[option] and value not in options[option]:
+                if options[option] and not set(value.split(",")) <= set(options[option]):
                     say(f"run: {benchmark.name} is left out: {option} takes no '{value}' in {tree.title}")
                     return None
             words += parts

@@ -25,4 +25,4 @@ ALL = [
     Benchmark("recovery", 140, 50, ["--rounds", "1"]),
 ]
 ROUNDS = 5
-QUICK_ROUNDS = 3  # of five minutes on each side
+QUICK_ROUNDS = 3  # of seven minutes on each side

@@ -6,7 +6,7 @@
 #include <sft/sft.h>
 #include <cstddef>
 #include <functional>
-#include <memory>
+#include <optional>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 #include <string>
 

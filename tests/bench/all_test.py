@@ -140,7 +140,8 @@ class NoiseTest(unittest.TestCase):
 
 
 BENCH = """#!/bin/bash
-[[ $1 != --help ]] || {{ echo '  --json TEXT    file'; echo '  --rounds INT:INT in [1 - 9]'; exit; }}
+[[ $1 != --help ]] || {{ echo '  --json TEXT    file'; echo '  --rounds INT:INT in [1 - 9]'
+echo '  --only TEXT:{{bulk,small,rate}} ...    these groups'; exit; }}
 echo "{side} $*" >>"{log}"
 {act}
 """
@@ -253,6 +254,14 @@ done
         self.assertIn("runs without --seconds", self.out)
         with open(self.log, encoding="utf-8") as file:
             self.assertTrue(all(line.endswith(" --rounds 7\n") for line in file))
+
+    def test_an_argument_may_be_several_of_the_values_that_an_option_takes(self):
+        self.both(WRITES.format(value=10), WRITES.format(value=10))
+        words = ("--against", "HEAD", "--only", "udp", "--rounds", "2", "--", "--only")
+        self.assertEqual(self.run_all(*words, "bulk,rate"), 0)
+        self.assertEqual(self.verdicts(), {"udp": "same"})
+        self.assertEqual(self.run_all(*words, "bulk,row"), 0)
+        self.assertIn("--only takes no 'bulk,row'", self.out)
 
     def test_git_forgets_a_worktree_whose_folder_was_deleted(self):
         self.both(WRITES.format(value=10), WRITES.format(value=10))
