@@ -13,7 +13,7 @@ constexpr std::chrono::seconds patience{60};  // many nodes that start at once n
 
 template <class Status>
 bool connected(const Status& status) {
-  return std::ranges::any_of(status.writers, &WriterStatus::connected);
+  return std::ranges::any_of(status.writers, &SubscriberStatus::Writer::connected);
 }
 
 dds_entity_t cyclone_reader(const CycloneParticipant& participant, dds_on_data_available_fn on_data,

@@ -51,8 +51,8 @@ class SmallReader {
     return sample ? sample->number() : 0;
   }
   std::size_t writers() const {
-    const std::vector<WriterStatus> writers = subscriber_.status().writers;
-    return static_cast<std::size_t>(std::ranges::count_if(writers, &WriterStatus::connected));
+    const std::vector<SubscriberStatus::Writer> writers = subscriber_.status().writers;
+    return static_cast<std::size_t>(std::ranges::count_if(writers, &SubscriberStatus::Writer::connected));
   }
 
  private:
