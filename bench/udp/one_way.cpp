@@ -31,12 +31,19 @@ void receive(Exchange& exchange, Contender contender, const Paced& paced) {
   while (exchange.received.load() < paced.messages && !exchange.failed.load()) sleep_us(10'000);
 }
 
+Sides sides(Contender contender, const Paced& paced, const TwoHosts& hosts) {
+  return hosts.sides([contender, &paced](Exchange& e) { send(e, contender, paced); },
+                     [contender, &paced](Exchange& e) { receive(e, contender, paced); });
+}
+
 }  // namespace
 
+std::vector<Delivery> one_way_deliveries(Contender contender, const Paced& paced, const TwoHosts& hosts) {
+  return run_deliveries(sides(contender, paced, hosts), paced.messages);
+}
+
 std::vector<double> one_way_times(Contender contender, const Paced& paced, const TwoHosts& hosts) {
-  return run_pair(hosts.sides([&](Exchange& e) { send(e, contender, paced); },
-                              [&](Exchange& e) { receive(e, contender, paced); }),
-                  paced.messages);
+  return run_pair(sides(contender, paced, hosts), paced.messages);
 }
 
 }  // namespace sft::bench

@@ -4,7 +4,7 @@
 
 #include "bench/common/hosts.h"
 #include "bench/common/statistics.h"
-#include "bench/udp/contender.h"
+#include "bench/udp/one_way.h"
 #include "bench/udp/udp.h"
 #include "bench/udp/wire_tap.h"
 
@@ -12,32 +12,8 @@ namespace sft::bench {
 
 namespace {
 
-constexpr std::int64_t period_us = 100'000;
-constexpr std::uint64_t messages = 25;
-constexpr std::uint32_t bytes = 6'300'000;
+constexpr Paced paced{.topic = {.bulk_bytes = 6'300'000}, .messages = 25, .period_us = 100'000};
 constexpr double bound = 1.5;
-
-void send(Exchange& exchange, Contender contender) {
-  const auto peer = contender();
-  const auto writer = peer->writer({.bulk_bytes = bytes});
-  exchange.failed = !wait_until([&] { return exchange.ready.load() && writer->readers() == 1; });
-  for (std::uint64_t i = 0; i < messages && !exchange.failed.load(); ++i) {
-    sleep_us(period_us);
-    exchange.sent_at[i] = now_ns();
-    writer->write(i + 1);
-  }
-  exchange.failed =
-      exchange.failed.load() || !wait_until([&] { return exchange.received.load() == messages; });
-}
-
-void receive(Exchange& exchange, Contender contender) {
-  const auto peer = contender();
-  const auto reader =
-      peer->reader({.bulk_bytes = bytes}, [&](std::uint64_t number) { exchange.note_receipt(number); });
-  while (reader->writers() == 0) sleep_us(1000);
-  exchange.ready = true;
-  while (exchange.received.load() < messages && !exchange.failed.load()) sleep_us(10'000);
-}
 
 /// The packets of one kind that pass one end of the link while a sample is under way.
 struct Traffic {
@@ -111,10 +87,7 @@ class Contest {
 
   void run(const TwoHosts& hosts, std::optional<Trace>& trace) {
     if (trace) trace->forget();
-    const std::vector<Delivery> deliveries =
-        run_deliveries(hosts.sides([this](Exchange& e) { send(e, contender_); },
-                                   [this](Exchange& e) { receive(e, contender_); }),
-                       messages);
+    const std::vector<Delivery> deliveries = one_way_deliveries(contender_, paced, hosts);
     if (trace) trace->print_worst(name_, deliveries);
     if (deliveries.empty()) return;
     first_ms_.push_back(deliveries.front().us() / 1000);
