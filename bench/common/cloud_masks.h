@@ -8,7 +8,7 @@ namespace sft::bench {
 
 /// A different set of small fields for each number below 64. It begins with a comma, or is empty.
 std::string small_fields(std::size_t number);
-/// The same with the data of the cloud.
+/// Returns the same fields and the data of the cloud.
 std::string own_fields_and_data(std::size_t number);
 
 }  // namespace sft::bench

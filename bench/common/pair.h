@@ -43,7 +43,7 @@ struct Sides {
   std::function<void()> enter_receiver = [] {};
 };
 
-/// When a message was sent, and when it was read.
+/// The times at which a message was sent and read.
 struct Delivery {
   std::int64_t sent_at = 0;
   std::int64_t received_at = 0;  ///< 0: it was not read

@@ -32,7 +32,7 @@ class Crowd {
   /// Waits for the process that was started first. True if its exit code was 0.
   bool first_succeeds();
 
-  // Of all processes, or all interfaces, together:
+  // These functions return the sums over all processes, or over all interfaces.
   double cpu_s() const;
   double resident_bytes() const;
   /// REQUIRES: there is a process on each host.

@@ -12,7 +12,7 @@ struct Idle {
   Tally received, sent, cpu_percent, resident_mb;
 };
 
-/// What a crowd has cost at a moment.
+/// The costs of a crowd up to a moment.
 struct Moment {
   explicit Moment(const Crowd& crowd) : at_ns(now_ns()), link(crowd.link_bytes()), cpu_s(crowd.cpu_s()) {}
 

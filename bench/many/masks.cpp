@@ -35,7 +35,7 @@ struct Case {
   std::int64_t period_us;
 };
 
-/// Of a sample.
+/// The costs of a sample.
 struct Costs {
   double bytes = unknown;
   double publisher_cpu_us = unknown;
@@ -52,7 +52,7 @@ struct Board {
   Costs costs;
 };
 
-/// What has been used so far.
+/// The resources that were used so far.
 struct Used {
   double s = 0, bytes = 0, publisher_s = 0, readers_s = 0;
 
@@ -215,8 +215,8 @@ Case many_masks(std::size_t readers, const ManyScale& scale) {
           .period_us = 50'000};
 }
 
-/// What a map, a display and a monitor may need. Two of them need the data, and all of them together need
-/// nearly the whole cloud.
+/// Returns the fields that a map, a display and a monitor may need. Two of them need the data, and all of
+/// them together need nearly the whole cloud.
 std::string fields_of_three(std::size_t number) {
   const char* fields[] = {"header, fields, point_step, data", "header.stamp, height, width, row_step, data",
                           "height, width"};

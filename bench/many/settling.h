@@ -1,4 +1,4 @@
-// When the bytes of a sample have settled, from what was counted at each sample.
+// Finds out when the bytes of a sample have settled, from the bytes that were counted at each sample.
 #pragma once
 
 #include <cstdint>

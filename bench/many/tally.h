@@ -17,7 +17,7 @@ class Tally {
   /// The medians, and the worst round, which is the largest value or, with `at_least`, the smallest one.
   Figure figure(const std::string& name, const std::string& unit, const std::string& reference_name,
                 double bound, bool at_least = false) const;
-  /// The same with a bound for the value.
+  /// Returns the same figure with a bound for the value.
   Figure figure_with_bound_of_value(const std::string& name, const std::string& unit,
                                     const std::string& reference_name, double bound) const;
 

@@ -66,7 +66,7 @@ double copy_us(const PointCloud2& cloud, const std::vector<std::uint64_t>& rubbi
   return static_cast<double>(now_ns() - begin) / 1000;
 }
 
-/// Of one round.
+/// The results of one round.
 struct Costs {
   double allocations = 0;  ///< of a sample
   double copy_us = 0;      ///< of a memcpy of the data

@@ -1,4 +1,4 @@
-// What benchmarks print and write, and what ./run bench many makes of its rounds.
+// These tests check what benchmarks print and write, and what ./run bench many makes of its rounds.
 #include "bench/common/report.h"
 
 #include <gmock/gmock.h>

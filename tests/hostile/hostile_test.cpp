@@ -34,7 +34,8 @@ class Hostile : public test::RandomTest, public ::testing::WithParamInterface<En
           << "ms until all pairs were served as before; late were:" << outcome.state_when_late;
     }
     if (outcome.command_line) {
-      EXPECT_LE(*outcome.command_line, recovery_max) << "ms until `sftd status` answered";
+      EXPECT_LE(*outcome.command_line, recovery_max)
+          << "ms until `sftd status` answered, and all pairs were served";
     }
     for (const std::string& complaint : stage.end()) ADD_FAILURE() << complaint;
   }

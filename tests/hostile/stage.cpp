@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "shm_transport/sftd/exit_code.h"
 #include "tests/support/eventually.h"
 #include "tests/support/isolated_host.h"
 
@@ -300,19 +301,22 @@ void Stage::await_recovery(const Entry& entry, Clock::time_point ended, Outcome&
   }
 }
 
-/// The daemon's own command must answer, too. It may have to wait for the next daemon: the pairs go on in the
-/// memory of one that is about to start afresh.
-void Stage::await_command_line(Clock::time_point ended, Outcome& outcome) {
-  int code = 0;
-  const auto answers = [&] {
+/// The daemon's own command must answer, too, and the pairs must be served while it does. They may have gone
+/// on in the memory of a daemon that is about to start afresh: then no daemon runs for a moment, or it does
+/// not answer yet. Nothing else is excused.
+void Stage::await_command_line(const Entry& entry, Clock::time_point ended, Outcome& outcome) {
+  auto code = shm::ExitCode::not_running;
+  const auto is_over = [&] {
     test::Process status(here_, "hostile_actor", {"--sftd-status"}, -1, honest_);
-    code = status.wait_for_end();
-    return code == 0;
+    code = static_cast<shm::ExitCode>(status.wait_for_end());
+    if (code == shm::ExitCode::not_running || code == shm::ExitCode::no_answer) return false;
+    return code != shm::ExitCode::done || all_served(entry.harm);
   };
-  if (test::eventually(answers, patience_after_an_act, 5ms)) {
+  if (test::eventually(is_over, patience_after_an_act, 5ms) && code == shm::ExitCode::done) {
     outcome.command_line = std::chrono::duration_cast<Ms>(Clock::now() - ended);
   } else {
-    outcome.complaints.push_back("After the act `sftd status` still ends with " + std::to_string(code));
+    outcome.complaints.push_back("After the act `sftd status` ends with " +
+                                 std::to_string(static_cast<int>(code)) + state());
   }
 }
 
@@ -343,7 +347,7 @@ Outcome Stage::perform(const Entry& entry, Moment moment, Ms length) {
     for (const auto& pair : pairs_) pair->is_stopped = false;
     const auto ended = Clock::now();
     await_recovery(entry, ended, outcome);
-    if (entry.harm != Harm::leaves_files) await_command_line(ended, outcome);
+    if (entry.harm != Harm::leaves_files) await_command_line(entry, ended, outcome);
   } catch (const std::exception& error) {
     outcome.complaints.push_back(error.what());
   }

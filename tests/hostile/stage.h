@@ -32,7 +32,8 @@ struct Outcome {
   /// The time from the end of the act until each pair was served as before; empty if that did not come true.
   std::optional<Ms> recovery{};
   std::string state_when_late{};  ///< of all pairs, if recovery took longer than `recovery_max`
-  /// The time from the end of the act until `sftd status` answered; empty if it was not asked, or never did.
+  /// The time from the end of the act until `sftd status` answered and each pair was served; empty if it was
+  /// not asked, or that did not come true.
   std::optional<Ms> command_line{};
 };
 
@@ -71,7 +72,7 @@ class Stage {
   void note_stopped(const Entry& entry, Outcome& outcome);
   void expect_samples(Outcome& outcome);
   void await_recovery(const Entry& entry, Clock::time_point ended, Outcome& outcome);
-  void await_command_line(Clock::time_point ended, Outcome& outcome);
+  void await_command_line(const Entry& entry, Clock::time_point ended, Outcome& outcome);
   std::string state();
 
   std::uint64_t seed_;

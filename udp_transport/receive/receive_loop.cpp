@@ -213,8 +213,8 @@ bool ReceiveLoop::receive_turn() noexcept {
   return came;
 }
 
-/// What was sent before a sample that came alone has come as well: it lies in the socket of groups, or was
-/// lost.
+/// A sample came alone. Those that were sent before it have come as well: they lie in the socket of groups,
+/// or were lost.
 void ReceiveLoop::end_hand_over() noexcept {
   if (!delivery_.hands_over()) [[likely]]
     return;

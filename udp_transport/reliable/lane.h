@@ -55,7 +55,8 @@ class Lane {
   /// The jobs of the lane go on through this channel; null: they go to the destination.
   Channel* channel() const { return channel_.get(); }
   const std::shared_ptr<Channel>& shared_channel() const { return channel_; }
-  /// What goes through the lane comes there, too: the lane leads to a group, of which that is a member.
+  /// Returns whether samples of this lane come there, too: then the lane leads to a group that has it as a
+  /// member.
   bool reaches(const Destination& other) const;
   /// Samples that were to go this way and did not.
   const std::shared_ptr<core::LossTally>& losses() const { return losses_; }

@@ -1,6 +1,6 @@
-// Since when each destination of a writer asks for the same. One that has just come, or whose masks change
-// often, is in no multicast group: each change of a member makes another group for all of them. Pure: what is
-// asked for and times go in, answers come out.
+// Notes since when each destination of a writer has asked for the same fields. One that has just come, or
+// whose masks change often, is in no multicast group: each change of a member makes another group for all of
+// them. Pure: what is asked for and times go in, answers come out.
 #pragma once
 
 #include <chrono>
@@ -17,7 +17,7 @@ class CalmWatch {
   using Time = std::chrono::steady_clock::time_point;
   using Duration = std::chrono::milliseconds;
 
-  /// What makes another group if it changes.
+  /// A change of one of these makes another group.
   struct Asked {
     std::vector<FieldMask> masks{};  ///< in any order, none twice
     bool reliable = false;
@@ -31,13 +31,13 @@ class CalmWatch {
   static constexpr int changes_in_a_row = 3;
   static constexpr std::chrono::seconds row_pause{5}, calm_after_longest{5};
 
-  /// What is asked for there now. Between begin_look() and end_look().
+  /// Notes what is asked for there now. Called between begin_look() and end_look().
   void note(const SocketAddress& to, Asked asked, Time now);
   void begin_look() { ++look_; }
-  /// Whoever was not noted has left. It is remembered for `row_pause`: to come back is a change.
+  /// A destination that was not noted has left. It is remembered for `row_pause`: to come back is a change.
   void end_look(Time now);
 
-  /// When it is calm, if nothing changes until then. It was noted.
+  /// Returns when it will be calm if nothing changes until then. REQUIRES: it was noted.
   Time calm_at(const SocketAddress& to) const { return known_.at(to).calm_at; }
 
  private:

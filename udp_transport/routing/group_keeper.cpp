@@ -114,7 +114,7 @@ void GroupKeeper::choose_sizes(Time now) {
   sizes_ = measured_;
 }
 
-/// Whoever cannot be in a group any more, or asks for something else, is served alone from now on.
+/// A destination that cannot be in a group any more, or asks for something else, is served alone from now on.
 void GroupKeeper::keep_possible(Time now) {
   const auto must_leave = [&](const Destination* to) {
     const auto known = candidates_.find(to);

@@ -80,7 +80,7 @@ class GroupKeeper {
     std::size_t place = 0;  ///< its address goes by this
     std::vector<const Destination*> members{};
   };
-  /// What the present plan was made for.
+  /// The destinations and the rate that the present plan was made for.
   struct PlannedFor {
     std::map<const Destination*, PlanDestination> destinations{};
     double samples_per_s = 0;

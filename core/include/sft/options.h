@@ -28,9 +28,9 @@ enum class LogLevel : std::uint8_t { debug, info, warning, error };
 
 /// UDP of one node.
 struct UdpSettings {
-  /// When samples are sent once for several hosts. `automatic`: whenever that puts fewer bytes on the wire,
-  /// but not on wireless interfaces (udp_transport/multicast/multicast.md). A switch without IGMP snooping
-  /// passes multicast on to all hosts, and loads all their cables: choose `off` there.
+  /// Says when samples are sent once for several hosts. `automatic`: whenever that puts fewer bytes on the
+  /// wire, but not on wireless interfaces (udp_transport/multicast/multicast.md). A switch without IGMP
+  /// snooping passes multicast on to all hosts, and loads all their cables: choose `off` there.
   enum class Multicast : std::uint8_t { automatic, off };
 
   /// 0: any free port, and a second one for acknowledgements. A port that is given here is used for both.
@@ -84,8 +84,8 @@ struct DiscoverySettings {
 /// thread that opens the node: without settings they have the normal policy, and the CPUs that the program
 /// was started with.
 struct ThreadSettings {
-  /// How the system chooses among threads that can run. `normal` is the default of the system (SCHED_OTHER).
-  /// `fifo` and `round_robin` are the real-time policies SCHED_FIFO and SCHED_RR.
+  /// Says how the system chooses among threads that can run. `normal` is the default of the system
+  /// (SCHED_OTHER). `fifo` and `round_robin` are the real-time policies SCHED_FIFO and SCHED_RR.
   enum class Policy : std::uint8_t { normal, fifo, round_robin };
 
   /// The numbers of the CPUs on which they may run. Empty: the CPUs that the program was started with.

@@ -88,7 +88,7 @@ class ManyMasksTest : public test::BridgeTest, public testing::WithParamInterfac
 
   /// Counts anew if somebody went to another group meanwhile, or was served alone for a while.
   double bytes_of_a_sample_in_settled_groups() {
-    for (int tries = 0; tries < 10; ++tries) {
+    for (int tries = 0; tries < 3; ++tries) {
       publish_until([this] { return all_are_in_groups(); });
       const std::vector<std::string> states = states_of_readers();
       const std::uint32_t before = test::traffic_of("bridge").sent;

@@ -1,4 +1,4 @@
-// When a wait for samples spins before it sleeps.
+// These tests check when a wait for samples spins before it sleeps.
 #include "core/subscribe/spin_choice.h"
 
 #include <gtest/gtest.h>

@@ -34,7 +34,7 @@ class DynamicType {
   /// to their number. The error names what is refused.
   static Result<DynamicType> parse(std::span<const std::byte> description, const Limits& limits);
   // A default argument could not use the default values of Limits: they are known only behind DynamicType.
-  /// The same within the usual limits.
+  /// Parses within the usual limits.
   static Result<DynamicType> parse(std::span<const std::byte> description) {
     return parse(description, Limits());
   }
