@@ -98,8 +98,19 @@ void UdpWriter::tend(std::chrono::steady_clock::time_point now) {
 void UdpWriter::make_table() {
   auto table = make_route_table(type_.type(), asked_for_, variants_, side_->destinations, &keeper_);
   if (book_ != nullptr) book_->enter(table->page);
+  greet_receivers(*table);
   routes_.replace(std::move(table));
   side_->sender.look_again();
+}
+
+/// Who has not reported yet is asked now, so that the first large sample need not be copied until a report
+/// has come.
+void UdpWriter::greet_receivers(const RouteTable& table) {
+  const auto now = std::chrono::steady_clock::now();
+  for (const auto& [reader, lane] : table.lanes_of) {
+    Destination& to = lane->destination();
+    if (!to.window().answers()) to.mark(now);
+  }
 }
 
 void UdpWriter::send_history(const core::Route& to, std::vector<core::SampleHandle> samples) {

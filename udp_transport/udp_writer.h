@@ -43,6 +43,7 @@ class UdpWriter final : public core::NetworkWriter, private Tended {
   std::size_t flush() noexcept override;
   void tend(std::chrono::steady_clock::time_point now) override;
   void make_table();
+  void greet_receivers(const RouteTable& table);
   std::size_t own_variants(const core::SampleBuffer& sample) const noexcept;
   std::size_t hold_or_send(const Audience& group, const core::SampleHandle& sample) noexcept;
   void send_held() noexcept { missed_ += sender_.flush(); }

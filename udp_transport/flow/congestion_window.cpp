@@ -22,7 +22,8 @@ void CongestionWindow::hear(const FlowReport& report, const Known& known) {
   if (lost || known.queueing > limits_.queueing) {
     if (report.position <= turned_at_) return;  // of before it was made smaller
     turned_at_ = known.sent;
-    bytes_ = std::max(limits_.least_bytes, bytes_ / 10 * 7);
+    const std::size_t without_queue = lost ? 0 : std::min(known.taken, bytes_);
+    bytes_ = std::max({limits_.least_bytes, bytes_ / 10 * 7, without_queue});
   } else if (report.position <= full_at_) {
     const auto came = static_cast<std::size_t>(report.position - known.reported);
     const std::size_t more = known.queueing < limits_.queueing / 4 ? came : came / 8;

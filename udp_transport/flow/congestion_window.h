@@ -1,8 +1,10 @@
 // The bytes that may be under way to a remote socket: as many as the way carries without a queue in which
 // others have to wait. Pure.
 //
-// The window shrinks where a queue grows long or much is lost, and at most once for what was sent before. It
-// grows only where it was the limit. It is never smaller than FlowLimits::least_bytes.
+// The window shrinks where a queue grows long or much is lost, and at most once for what was sent before. A
+// queue does not make it smaller than what the way takes without a long queue: a report that is late for
+// another reason says nothing of the window. The window grows only where it was the limit. It is never
+// smaller than FlowLimits::least_bytes.
 #pragma once
 
 #include <chrono>
@@ -20,7 +22,7 @@ class CongestionWindow {
 
   std::size_t bytes() const { return bytes_; }
 
-  /// The window was the limit for what was sent at that position.
+  /// The window was the limit for what was sent up to that position: at least half of it was under way.
   void was_full(std::uint64_t position) { full_at_ = position; }
   /// Shrinks so that the own queue is short for a moment, which shows the shortest time there and back.
   void make_queue_short();
@@ -32,6 +34,7 @@ class CongestionWindow {
     std::uint64_t reported = 0;  ///< the position of the report before
     std::uint64_t sent = 0;      ///< up to now
     std::size_t share = 0;       ///< of the receiver's buffer
+    std::size_t taken = 0;       ///< at the best rate of late, while a queue gets long
   };
   void hear(const FlowReport& report, const Known& known);
   /// The way is another one.

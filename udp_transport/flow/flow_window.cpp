@@ -64,7 +64,6 @@ std::size_t FlowWindow::room(Size size, Time now) {
   if (taken == 0 && !is_silent) return std::max<std::size_t>(limit, 1);
   if (taken < limit && !is_silent) return limit - taken;
   waiting_ = true;
-  if (congestion_.bytes() <= share_) congestion_.was_full(sent_);
   return 0;
 }
 
@@ -81,6 +80,9 @@ void FlowWindow::sent(std::size_t bytes, std::size_t datagrams, Time now, bool a
   pass_time(now);
   const std::size_t taken = socket_bytes(bytes, datagrams);
   sent_ += taken;
+  // Whether or not somebody is seen to wait: the report of what fills a small window often comes before the
+  // sender looks for room again.
+  if (congestion_.bytes() <= share_ && under_way() >= congestion_.bytes() / 2) congestion_.was_full(sent_);
   note_unproven(bytes, datagrams, now);
   expansion_ +=
       (static_cast<double>(taken) / static_cast<double>(std::max<std::size_t>(bytes, 1)) - expansion_) / 8;
@@ -112,6 +114,7 @@ std::optional<FlowMark> FlowWindow::mark(Time now) {
     return {};
   }
   receiver_.ask(marked_ == sent_, now);
+  rate_.mark(now);
   marked_ = sent_;
   return FlowMark{
       .flow = flow_, .position = sent_, .datagrams = datagrams_, .sent_at_ns = hidden(ns_of(now))};
@@ -141,12 +144,14 @@ bool FlowWindow::hear(const FlowReport& report, Time now) {
 /// shows again.
 void FlowWindow::learn(const FlowReport& report, Time now) {
   const bool begins_anew = round_trips_.note(now - marked_at(report), now);
+  rate_.report(report.position, marked_at(report), now);
   if (begins_anew && receiver_.heard()) congestion_.make_queue_short();
   congestion_.hear(report, {.counted = receiver_.heard(),
                             .queueing = round_trips_.queueing(),
                             .reported = reported_,
                             .sent = sent_,
-                            .share = share_});
+                            .share = share_,
+                            .taken = rate_.bytes_within(round_trips_.shortest() + limits_.queueing)});
 }
 
 /// Datagrams that are under way no longer arrive, and everything that was learnt was about another way.
@@ -155,6 +160,7 @@ void FlowWindow::move(std::uint64_t secret, std::shared_ptr<UnprovenBudget> host
   unproven_.begin_anew(std::move(host));
   receiver_.begin_anew();
   round_trips_.forget();
+  rate_ = {};
   congestion_.begin_anew();
   passed_ = marked_ = reported_ = sent_;
 }

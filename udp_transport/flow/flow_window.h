@@ -18,6 +18,7 @@
 #include <utility>
 
 #include "udp_transport/flow/congestion_window.h"
+#include "udp_transport/flow/delivery_rate.h"
 #include "udp_transport/flow/flow_limits.h"
 #include "udp_transport/flow/receiver_watch.h"
 #include "udp_transport/flow/round_trips.h"
@@ -126,6 +127,7 @@ class FlowWindow {
   UnprovenAllowance unproven_;
   ReceiverWatch receiver_;
   RoundTrips round_trips_;
+  DeliveryRate rate_;
   CongestionWindow congestion_;
 };
 

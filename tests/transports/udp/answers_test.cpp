@@ -23,11 +23,11 @@ using test::make_image;
 using test::Publisher;
 using test::Subscriber;
 
-/// Notes where answers are asked for, and how many come to where samples are received.
+/// Notes where answers are asked for, how many come to where samples are received, and how many marks do.
 class AnswerWatch final : public test::PassingReceiver {
  public:
   struct Seen {
-    std::atomic<unsigned> port{0}, here{0};
+    std::atomic<unsigned> port{0}, here{0}, marks{0};
   };
   AnswerWatch(std::unique_ptr<DatagramReceiver> inner, Seen& seen)
       : PassingReceiver(std::move(inner)), seen_(seen) {}
@@ -36,6 +36,7 @@ class AnswerWatch final : public test::PassingReceiver {
   void datagram(std::span<const std::byte> bytes, const SocketAddress& from) noexcept override {
     if (const auto heartbeat = parse_heartbeat(bytes)) seen_.port = heartbeat->port;
     const auto kind = kind_of(bytes);
+    if (kind == DatagramKind::mark) ++seen_.marks;
     if (kind == DatagramKind::ack || kind == DatagramKind::report) ++seen_.here;
     pass_on(bytes, from);
   }
@@ -82,6 +83,15 @@ TEST_P(AnswersTest, ComeToThePortThatWasChosenWhereOneWas) {
   transfer(*there, *here);
   EXPECT_EQ(seen_here_.port, port);
   EXPECT_GT(seen_there_.here, 0U);
+}
+
+TEST_P(AnswersTest, AreAskedForBeforeThereIsASample) {
+  const auto there = open(seen_there_), here = open(seen_here_);
+  Subscriber subscriber(*here, {"*"});
+  Publisher publisher(*there);
+  subscriber.listen_to(publisher.id());
+  publisher.serve({{loopback_address(*here)}});
+  EXPECT_TRUE(eventually([&] { return seen_here_.marks > 0; }));
 }
 
 TEST_P(AnswersTest, AreCountedAndNotHeardAtThePortForSamples) {

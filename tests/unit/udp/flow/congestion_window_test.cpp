@@ -10,14 +10,16 @@ using namespace std::chrono_literals;
 class CongestionWindowTest : public testing::Test {
  protected:
   /// A report of that position, after so long a queue; the sender is 1000 bytes ahead.
-  void hear(std::uint64_t position, std::chrono::milliseconds queueing, std::uint64_t reported = 0) {
+  void hear(std::uint64_t position, std::chrono::milliseconds queueing, std::uint64_t reported = 0,
+            std::size_t taken = 0) {
     FlowReport report{};
     report.position = position;
     window.hear(report, {.counted = true,
                          .queueing = queueing,
                          .reported = reported,
                          .sent = position + 1000,
-                         .share = 10'000'000});
+                         .share = 10'000'000,
+                         .taken = taken});
   }
 
   const FlowLimits limits{};
@@ -32,6 +34,21 @@ TEST_F(CongestionWindowTest, ShrinksOnceForALongQueue) {
   EXPECT_EQ(window.bytes(), smaller) << "that was sent before";
   hear(6001, 5ms);
   EXPECT_LT(window.bytes(), smaller);
+}
+
+TEST_F(CongestionWindowTest, ShrinksNoFurtherThanWhatIsTakenWithoutALongQueue) {
+  hear(5000, 5ms, 0, 1'000'000);
+  EXPECT_EQ(window.bytes(), 1'000'000U);
+  hear(10'000, 5ms, 5000, 20'000'000);
+  EXPECT_EQ(window.bytes(), 1'000'000U) << "it does not grow either";
+}
+
+TEST_F(CongestionWindowTest, ShrinksWhereMuchIsLostHoweverMuchIsTaken) {
+  FlowReport report{};
+  report.position = 1000;
+  report.datagrams = 100;
+  window.hear(report, {.counted = true, .sent = 1000, .share = 1000, .taken = 20'000'000});
+  EXPECT_EQ(window.bytes(), limits.first_bytes / 10 * 7);
 }
 
 TEST_F(CongestionWindowTest, NeverShrinksBelowTheLeast) {
