@@ -182,7 +182,7 @@ core::SendStatus UdpWriter::send_begun(const core::SampleHandle& sample, core::R
 std::size_t UdpWriter::own_variants(const core::SampleBuffer& sample) const noexcept {
   if (!left_->done()) return 0;                    // nothing overtakes what was left before
   if (max_blocking_.count() > 0) return SIZE_MAX;  // the sending thread does not wait
-  if (sample.capacity > direct_bytes_max) return large_variants_max;
+  if (sample.capacity > direct_bytes_max) return left_->takes_large() ? 0 : large_variants_max;
   return holds_ ? SIZE_MAX : small_variants_max;
 }
 

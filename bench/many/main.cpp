@@ -38,7 +38,9 @@ int main(int argc, char** argv) {
        {"shm_publish", [&] { return shm_publish(scale); }, {"shm_publish_64B", "shm_publish_16kB"}},
        {"shm_wait_200Hz", [&] { return shm_wait(scale); }},
        {"str_response", [&] { return response(scale); }},
-       {"publish_to_64", [&] { return publish_to_64(scale); }, {"publish_returns", "masks_64_allocations"}}});
+       {"publish_to_64",
+        [&] { return publish_to_64(scale); },
+        {"publish_returns", "publish_returns_asynchronous", "masks_64_allocations"}}});
   program.options().add_flag_callback(
       "--quick", [&] { shorten(scale); }, "one short round of each contender");
   if (const auto code = program.parse(argc, argv)) return *code;

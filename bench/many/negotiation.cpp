@@ -31,9 +31,11 @@ std::vector<Figure> publish_to_64(const ManyScale& scale) {
   Figure returns = found(figures, "publish_64_one_mask");
   returns.name = "publish_returns";
   returns.bound = 1.5;
+  Figure asynchronous = found(figures, "publish_64_asynchronous");
+  asynchronous.name = "publish_returns_asynchronous";
   Figure allocations = found(figures, "publish_64_masks_allocations");
   allocations.name = "masks_64_allocations";
-  return {returns, allocations};
+  return {returns, asynchronous, allocations};
 }
 
 }  // namespace sft::bench

@@ -75,9 +75,9 @@ struct Costs {
 /// Publishes, and counts the allocations of a sample in all threads once buffers have grown. The median of
 /// the last half counts, because allocations of a node without samples (its signs of life) fall into some
 /// samples.
-void publish(Exchange& exchange, std::uint64_t samples, Costs& costs) {
+void publish(Exchange& exchange, std::uint64_t samples, bool asynchronous, Costs& costs) {
   Node node = Node::open(udp_node_options("publisher")).value();
-  auto publisher = node.publisher<PointCloud2>("points").value();
+  auto publisher = node.publisher<PointCloud2>("points", {.asynchronous = asynchronous}).value();
   PointCloud2 cloud;
   cloud.data.resize(data_bytes);
   const std::vector<std::uint64_t> rubbish(cache_bytes / sizeof(std::uint64_t), 1);
@@ -115,6 +115,7 @@ void subscribe(Exchange& exchange, Fields fields) {
 struct Contender {
   Fields fields;
   std::uint64_t samples;
+  bool asynchronous = false;
   Rounds times{};
   double allocations = 0;  ///< per sample, in the worst round
   std::vector<double> copies_us{};
@@ -122,7 +123,7 @@ struct Contender {
   void run(const TwoHosts& hosts) {
     const Shared<Costs> costs;
     const std::uint64_t n = samples;
-    times.add(run_pair(hosts.sides([&, n](Exchange& e) { publish(e, n, *costs); },
+    times.add(run_pair(hosts.sides([&, n](Exchange& e) { publish(e, n, asynchronous, *costs); },
                                    [this](Exchange& e) { subscribe(e, fields); }),
                        n));
     allocations = std::max(allocations, costs->allocations);
@@ -134,13 +135,16 @@ struct Contender {
 
 std::vector<Figure> publish_64_masks(const Scale& scale) {
   const TwoHosts hosts;
-  Contender one{equal_fields_and_data, 60}, all{own_fields_and_data, 20}, most{mostly_small_fields, 60};
+  Contender one{equal_fields_and_data, 60}, handed_over{equal_fields_and_data, 60, true};
+  Contender all{own_fields_and_data, 20}, most{mostly_small_fields, 60};
   for (int round = 0; round < scale.rounds; ++round) {
-    for (Contender* contender : {&one, &all, &most}) contender->run(hosts);
+    for (Contender* contender : {&one, &handed_over, &all, &most}) contender->run(hosts);
   }
   const char* reference = "the same readers, one mask";
   return {{"publish_64_masks", all.times.p50(), "us", one.times.p50(), reference, 2},
           {"publish_64_one_mask", one.times.p50(), "us", median(one.copies_us), "memcpy of the data", {}},
+          {"publish_64_asynchronous", handed_over.times.p50(), "us", median(handed_over.copies_us),
+           "memcpy of the data", 1.5},
           {"publish_64_mixed", most.times.p50(), "us", one.times.p50(), reference, 2},
           {"publish_64_masks_allocations", all.allocations, "", {}, "per sample, in all threads", 0},
           {"publish_64_mixed_allocations", most.allocations, "", {}, "likewise", 0}};

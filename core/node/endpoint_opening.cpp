@@ -124,6 +124,7 @@ Result<std::shared_ptr<NetworkWriter>> EndpointOpening::open_network(
                                           .type = &type,
                                           .max_blocking = options.max_blocking,
                                           .max_bytes_per_s = options.max_bytes_per_s,
+                                          .asynchronous = options.asynchronous,
                                           .book = std::move(book)});
   if (!port) return tl::unexpected(port.error());
   return std::shared_ptr<NetworkWriter>(std::move(*port));

@@ -46,6 +46,7 @@ struct WriterSpec {
   /// send() may wait for so long until what is sent reliably costs no reader an older sample.
   std::chrono::nanoseconds max_blocking{0};
   std::uint64_t max_bytes_per_s = 0;  ///< over a network, to all readers together; 0: no limit
+  bool asynchronous = false;          ///< PublisherOptions
   /// A NetworkWriter counts in this book what becomes of samples, on the pages of
   /// DeliveryBook::Teller::network. Null: nobody asks.
   std::shared_ptr<DeliveryBook> book{};

@@ -19,7 +19,10 @@ constexpr std::size_t reliable_bytes_max = ResendLimits{}.bytes;
 
 FanOut::FanOut(const core::WriterSpec& spec, std::shared_ptr<SendSide> side,
                std::shared_ptr<WriterTally> tally, std::shared_ptr<JobPool> jobs)
-    : side_(side), tally_(tally), sender_(spec, std::move(side), std::move(tally), std::move(jobs)) {}
+    : side_(side),
+      tally_(tally),
+      takes_large_(spec.asynchronous),
+      sender_(spec, std::move(side), std::move(tally), std::move(jobs)) {}
 
 FanOut::Posted FanOut::post(Remainder remainder) noexcept try {
   Posted posted;

@@ -36,6 +36,8 @@ class FanOut final : public DeferredWork {
 
   /// Nothing remains: what is sent now overtakes nothing.
   bool done() const { return done_.load(std::memory_order_acquire); }
+  /// The publisher wants its thread back: large samples are handed over for all masks.
+  bool takes_large() const { return takes_large_; }
 
   struct Posted {
     Wake wake = Wake::none;
@@ -63,6 +65,7 @@ class FanOut final : public DeferredWork {
 
   const std::shared_ptr<SendSide> side_;
   const std::shared_ptr<WriterTally> tally_;
+  const bool takes_large_;
   std::atomic<bool> done_{true};
   core::Mutex mutex_;
   OrdinalRing<Remainder> queue_ SFT_GUARDED_BY(mutex_){1};  ///< the oldest first

@@ -184,6 +184,10 @@ struct PublisherOptions {
   /// The most that is sent by UDP, over all masks and readers; 0: no limit. Small samples go first. Samples
   /// that no longer fit into a queue meanwhile are dropped, the oldest first, and counted.
   std::uint64_t max_bytes_per_s = 0;
+  /// True: publish() copies a sample of more than 16 KiB for readers on other hosts and returns; a thread of
+  /// the node sends it. False: publish() itself sends it to one process at least, and copies nothing, so that
+  /// it arrives earlier. The option changes nothing where max_blocking is not 0.
+  bool asynchronous = false;
   /// Called after readers came, left or changed what they ask for, once that is in force, with the status of
   /// all of them. (on_event tells what happened to each.) It runs on the node's agent thread and must be
   /// short. Like any callback it may be called before the function that opens the publisher has returned.
