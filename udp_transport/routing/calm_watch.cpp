@@ -22,16 +22,23 @@ CalmWatch::Duration calm_after_changes(int changes) {
 }  // namespace
 
 void CalmWatch::note(const SocketAddress& to, Asked asked, Time now) {
-  const auto [place, is_new] = known_.try_emplace(to);
+  const auto [place, is_unknown] = known_.try_emplace(to);
   Known& known = place->second;
-  const bool changes = !is_new && (!known.is_there || !is_same(known.asked, asked));
   known.noted_in = look_;
-  known.is_there = true;
-  if (!is_new && !changes) return;
-  known.changes = changes && now - known.changed_at < row_pause ? known.changes + 1 : 0;
+  const bool returns = !std::exchange(known.is_there, true);
+  const bool is_new = is_unknown || (returns && now - known.changed_at >= row_pause);
+  if (!is_new && !returns && is_same(known.asked, asked)) return;
+  known.asked = std::move(asked);
+  if (is_new) {
+    known.changes = 0;
+    known.changed_at = now;
+    known.calm_at = known.gathers_until = now + gathering;
+    return;
+  }
+  if (!returns && now < known.gathers_until) return;
+  known.changes = now - known.changed_at < row_pause ? known.changes + 1 : 0;
   known.changed_at = now;
   known.calm_at = now + calm_after_changes(known.changes);
-  known.asked = std::move(asked);
 }
 
 void CalmWatch::end_look(Time now) {

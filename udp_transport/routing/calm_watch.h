@@ -1,6 +1,7 @@
-// Notes since when each destination of a writer has asked for the same fields. One that has just come, or
-// whose masks change often, is in no multicast group: each change of a member makes another group for all of
-// them. Pure: what is asked for and times go in, answers come out.
+// Notes since when each destination of a writer has asked for the same fields. One whose masks have just
+// changed, or change often, is in no multicast group: each change of a member makes another group for all of
+// them. A new destination only has the time to say what all its readers ask for. Pure: what is asked for and
+// times go in, answers come out.
 #pragma once
 
 #include <chrono>
@@ -24,7 +25,10 @@ class CalmWatch {
     bool gets_more = false;  ///< than a group is sent
   };
 
-  /// A destination counts as calm after so long without a change.
+  /// What a new destination asks for within this time is no change: the requests of its readers come one
+  /// after another. Then it counts as calm.
+  static constexpr Duration gathering{10};
+  /// Another destination counts as calm after so long without a change.
   static constexpr Duration calm_after{100};
   /// After more than `changes_in_a_row` changes, each within `row_pause` of the one before, each further
   /// change doubles the time, up to `calm_after_longest`.
@@ -43,6 +47,7 @@ class CalmWatch {
  private:
   struct Known {
     Asked asked;
+    Time gathers_until{};
     Time changed_at{};
     Time calm_at{};
     int changes = 0;  ///< in a row

@@ -47,8 +47,8 @@ class GroupKeeper {
 
   // While routes are made anew, one after the other:
 
-  /// Puts what goes to the members of each group into one: under the union of their masks. Whoever came anew,
-  /// or asks for something else, is served alone until it is calm.
+  /// Puts what goes to the members of each group into one: under the union of their masks. Whoever came just
+  /// now, or asks for something else, is served alone until it is calm.
   void merge(std::vector<RouteBundle>& routes, Time now);
   /// The group at that place with these members, known or new.
   std::shared_ptr<MulticastGroup> find(std::size_t place, std::vector<MulticastGroup::Member> members);

@@ -139,12 +139,6 @@ class BridgeTest : public testing::Test {
     }
     return true;
   }
-  bool some_join_groups() {
-    for (core::EndpointId reader = 1; reader <= served_; ++reader) {
-      if (publisher_->port().multicast(reader).starts_with("group ")) return true;
-    }
-    return false;
-  }
   /// Publishes until it holds.
   template <class Condition>
   bool publish_until(const Condition& holds) {

@@ -2,12 +2,17 @@
 // wire.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cstdio>
+#include <numeric>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/transports/udp/bridge_fixture.h"
 #include "udp_transport/multicast/multicast_plan.h"
+#include "udp_transport/routing/calm_watch.h"
 #include "udp_transport/wire/datagram.h"
 
 namespace sft::udp {
@@ -45,7 +50,8 @@ TEST_P(FanOutTest, PutsBytesOnTheWireByMasksAndNotByReceivers) {
   serve(2);
   const double two_readers = bytes_of_a_sample();
   serve(hosts);
-  ASSERT_TRUE(publish_until([this] { return some_join_groups(); })) << publisher_->port().multicast(1);
+  const auto gathered = std::chrono::steady_clock::now() + CalmWatch::gathering;
+  ASSERT_TRUE(publish_until([&] { return std::chrono::steady_clock::now() >= gathered; }));
   const std::uint32_t before = published_;
   ASSERT_TRUE(publish_until([this] { return all_are_in_groups(); })) << publisher_->port().multicast(1);
   const std::uint32_t until_settled = published_ - before;
@@ -86,27 +92,20 @@ class ManyMasksTest : public test::BridgeTest, public testing::WithParamInterfac
     }
   }
 
-  /// Counts anew if somebody went to another group meanwhile, or was served alone for a while.
-  double bytes_of_a_sample_in_settled_groups() {
-    for (int tries = 0; tries < 3; ++tries) {
-      publish_until([this] { return all_are_in_groups(); });
-      const std::vector<std::string> states = states_of_readers();
-      const std::uint32_t before = test::traffic_of("bridge").sent;
-      bool stay = true;
-      for (std::size_t i = 0; i < samples_counted; ++i) {
-        publish();
-        stay = stay && states_of_readers() == states;
-      }
-      if (stay) return static_cast<double>(test::traffic_of("bridge").sent - before) / samples_counted;
+  /// A reliable reader that is slow to acknowledge is sent heartbeats. On a busy machine many samples are
+  /// followed by some, so the half counts that took the fewest bytes.
+  double bytes_of_a_sample() {
+    std::vector<std::uint32_t> each;
+    std::uint32_t before = test::traffic_of("bridge").sent;
+    for (std::size_t i = 0; i < samples_counted; ++i) {
+      publish();
+      EXPECT_TRUE(all_came());
+      const std::uint32_t after = test::traffic_of("bridge").sent;
+      each.push_back(after - std::exchange(before, after));
     }
-    ADD_FAILURE() << "groups are not settled";
-    return 0;
-  }
-  std::vector<std::string> states_of_readers() {
-    std::vector<std::string> states;
-    for (core::EndpointId reader = 1; reader <= served_; ++reader)
-      states.push_back(hears(reader) ? publisher_->port().multicast(reader).substr(0, 30) : "");
-    return states;
+    std::ranges::sort(each);
+    if (GetParam().reliable) each.resize(samples_counted / 2);
+    return std::accumulate(each.begin(), each.end(), 0.) / static_cast<double>(each.size());
   }
 
   /// The image has six fields, and so there are 64 masks. The first 32 of these have the data.
@@ -130,7 +129,8 @@ INSTANTIATE_TEST_SUITE_P(Each, ManyMasksTest,
 TEST_P(ManyMasksTest, CostNoMoreThanEverythingToEverybody) {
   serve(hosts_.size());
   ASSERT_TRUE(publish_until([this] { return all_are_in_groups(); })) << publisher_->port().multicast(1);
-  const double bytes = bytes_of_a_sample_in_settled_groups();
+  publish();
+  const double bytes = bytes_of_a_sample();
   constexpr std::size_t other_fields = 4 + 4 + (4 + name_bytes + 1) + 3 + 4 + 4 + 4;
   const double whole = wire_bytes(data_bytes + other_fields, datagram_bytes_max, PlaceMark::in_group);
   std::printf("bytes for each sample: %.0f; the whole image by multicast: %.0f\n", bytes, whole);
