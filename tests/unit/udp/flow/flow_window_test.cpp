@@ -6,81 +6,11 @@
 #include <memory>
 #include <vector>
 
+#include "tests/unit/udp/flow/flow_window_fixture.h"
 #include "udp_transport/flow/receive_shares.h"
 
-namespace sft::udp {
+namespace sft::udp::test {
 namespace {
-
-using namespace std::chrono_literals;
-using Size = FlowWindow::Size;
-
-constexpr std::uint32_t flow = 7;
-constexpr std::size_t batch_datagrams = 10, batch_bytes = 14'720;
-
-class FlowWindowTest : public testing::Test {
- protected:
-  /// Sends as the sending thread does; returns socket bytes.
-  std::size_t send_while_there_is_room(Size size = Size::large, std::size_t at_most = SIZE_MAX) {
-    const std::uint64_t before = window.position();
-    while (window.position() - before < at_most && window.room(size, now) > 0) {
-      window.sent(batch_bytes, batch_datagrams, now);
-      take_mark();
-    }
-    take_mark();
-    return window.position() - before;
-  }
-  void take_mark() {
-    if (const auto mark = window.mark(now)) marks.push_back(*mark);
-  }
-  /// The receiver answers for the first time.
-  void get_to_know(std::size_t share) {
-    send_while_there_is_room();
-    ASSERT_TRUE(answer(share));
-  }
-  /// Socket bytes that are sent until then, by somebody who always has more. Marks are not answered.
-  std::size_t send_until(FlowWindow::Time end, Size size = Size::large) {
-    std::size_t sent = 0;
-    for (; now < end; now = window.next_ready(now) + 1us) sent += send_while_there_is_room(size);
-    return sent;
-  }
-  FlowReport report(const FlowMark& mark, std::size_t share) const {
-    return {.flow = flow,
-            .position = mark.position,
-            .window_bytes = static_cast<std::uint32_t>(share),
-            .datagrams = mark.datagrams,
-            .came = mark.datagrams,
-            .sent_at_ns = mark.sent_at_ns};
-  }
-  /// All marks are answered, so long after they were sent.
-  bool answer(std::size_t share, std::chrono::microseconds after = 100us) {
-    now += after;
-    bool goes_on = false;
-    for (const FlowMark& mark : std::exchange(marks, {}))
-      goes_on = window.hear(report(mark, share), now) || goes_on;
-    return goes_on;
-  }
-
-  /// The receiver takes so many bytes in a millisecond, and answers each mark as soon as it comes to it.
-  void take_for(FlowWindow::Time::duration time, std::uint64_t bytes_per_ms, std::size_t share = 32 << 20) {
-    for (const auto end = now + time; now < end;) {
-      send_while_there_is_room();
-      ASSERT_FALSE(marks.empty());
-      take_one(bytes_per_ms, share);
-    }
-  }
-  void take_one(std::uint64_t bytes_per_ms, std::size_t share = 32 << 20) {
-    const FlowMark next = marks.front();
-    marks.erase(marks.begin());
-    now += 50us + std::chrono::nanoseconds(1'000'000 * (next.position - taken) / bytes_per_ms);
-    taken = next.position;
-    (void)window.hear(report(next, share), now);
-  }
-
-  FlowWindow::Time now{1h};
-  std::vector<FlowMark> marks;
-  std::uint64_t taken = 0;
-  FlowWindow window{flow, FlowLimits{}};
-};
 
 TEST_F(FlowWindowTest, BelievesNoSmallerBufferThanEverySystemGrantsAndFillsAQuarter) {
   for (const std::size_t announced : {0UL, 1UL, 1000UL, 212'992UL}) {
@@ -108,60 +38,6 @@ TEST_F(FlowWindowTest, ObeysAReceiverThatHasLessRoomNow) {
   answer(50'000);
   send_while_there_is_room();
   EXPECT_LE(window.under_way(), 50'000U + socket_bytes(batch_bytes, batch_datagrams));
-}
-
-TEST_F(FlowWindowTest, GrowsAgainWhereOneTrainFillsItAndIsReportedBeforeTheNextOne) {
-  get_to_know(32 << 20);
-  for (int i = 0; i < 100 && window.window() > FlowLimits{}.least_bytes; ++i) {
-    send_while_there_is_room();
-    answer(32 << 20, 300ms);  // a long queue, and little comes
-  }
-  ASSERT_EQ(window.window(), FlowLimits{}.least_bytes);
-  constexpr std::size_t train_bytes = 64'000;
-  for (int trains = 0; trains < 200; ++trains) {
-    ASSERT_GT(window.room(Size::large, now), 0U);
-    window.sent(train_bytes, 1, now);
-    take_mark();
-    answer(32 << 20);
-  }
-  EXPECT_GE(window.window(), 2 * train_bytes) << "so that the next one need not wait for the report";
-}
-
-TEST_F(FlowWindowTest, HoldsWhatAFastReceiverTakesInThreeMillisecondsThoughManyReportsInARowAreLate) {
-  constexpr std::uint64_t bytes_per_ms = 1'000'000;
-  get_to_know(32 << 20);
-  take_for(100ms, bytes_per_ms);
-  for (int seconds = 0; seconds < 3; ++seconds) {
-    while (!marks.empty()) take_one(bytes_per_ms);
-    now += 1s;
-    take_for(10ms, bytes_per_ms);
-  }
-  for (int late = 0; late < 8; ++late) {
-    send_while_there_is_room();
-    now += 20ms;
-    while (!marks.empty()) take_one(bytes_per_ms);
-  }
-  EXPECT_GE(window.window(), 3 * bytes_per_ms);
-}
-
-TEST_F(FlowWindowTest, KnowsNothingOfTheRateOnAnotherWay) {
-  get_to_know(32 << 20);
-  take_for(100ms, 1'000'000);
-  window.move(1);
-  marks.clear();
-  get_to_know(32 << 20);
-  send_while_there_is_room();
-  answer(32 << 20, 20ms);
-  EXPECT_LT(window.window(), FlowLimits{}.first_bytes);
-}
-
-TEST_F(FlowWindowTest, ShrinksUntilASlowReceiverHasNoLongQueue) {
-  get_to_know(32 << 20);
-  take_for(300ms, 1'000'000);
-  for (const std::uint64_t bytes_per_ms : {100'000U, 10'000U}) {
-    take_for(2s, bytes_per_ms);
-    EXPECT_LE(window.window() / bytes_per_ms, 6U) << "milliseconds";
-  }
 }
 
 TEST_F(FlowWindowTest, LeavesSomeRoomToSmallSamples) {
@@ -615,4 +491,4 @@ TEST(ReceiveSharesTest, RemembersNoMoreSendersThanItMay) {
 }
 
 }  // namespace
-}  // namespace sft::udp
+}  // namespace sft::udp::test

@@ -1,0 +1,87 @@
+// A flow window whose sender always has more to send, and the receiver that answers its marks.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "udp_transport/flow/flow_window.h"
+
+namespace sft::udp::test {
+
+using namespace std::chrono_literals;
+using Size = FlowWindow::Size;
+
+inline constexpr std::uint32_t flow = 7;
+inline constexpr std::size_t batch_datagrams = 10, batch_bytes = 14'720;
+
+class FlowWindowTest : public testing::Test {
+ protected:
+  /// Sends as the sending thread does; returns socket bytes.
+  std::size_t send_while_there_is_room(Size size = Size::large, std::size_t at_most = SIZE_MAX) {
+    const std::uint64_t before = window.position();
+    while (window.position() - before < at_most && window.room(size, now) > 0) {
+      window.sent(batch_bytes, batch_datagrams, now);
+      take_mark();
+    }
+    take_mark();
+    return window.position() - before;
+  }
+  void take_mark() {
+    if (const auto mark = window.mark(now)) marks.push_back(*mark);
+  }
+  /// The receiver answers for the first time.
+  void get_to_know(std::size_t share) {
+    send_while_there_is_room();
+    ASSERT_TRUE(answer(share));
+  }
+  /// Socket bytes that are sent until then, by somebody who always has more. Marks are not answered.
+  std::size_t send_until(FlowWindow::Time end, Size size = Size::large) {
+    std::size_t sent = 0;
+    for (; now < end; now = window.next_ready(now) + 1us) sent += send_while_there_is_room(size);
+    return sent;
+  }
+  FlowReport report(const FlowMark& mark, std::size_t share) const {
+    return {.flow = flow,
+            .position = mark.position,
+            .window_bytes = static_cast<std::uint32_t>(share),
+            .datagrams = mark.datagrams,
+            .came = mark.datagrams,
+            .sent_at_ns = mark.sent_at_ns};
+  }
+  /// All marks are answered, so long after they were sent.
+  bool answer(std::size_t share, std::chrono::microseconds after = 100us) {
+    now += after;
+    bool goes_on = false;
+    for (const FlowMark& mark : std::exchange(marks, {}))
+      goes_on = window.hear(report(mark, share), now) || goes_on;
+    return goes_on;
+  }
+
+  /// The receiver takes so many bytes in a millisecond, and answers each mark as soon as it comes to it.
+  void take_for(FlowWindow::Time::duration time, std::uint64_t bytes_per_ms, std::size_t share = 32 << 20) {
+    for (const auto end = now + time; now < end;) {
+      send_while_there_is_room();
+      ASSERT_FALSE(marks.empty());
+      take_one(bytes_per_ms, share);
+    }
+  }
+  void take_one(std::uint64_t bytes_per_ms, std::size_t share = 32 << 20) {
+    const FlowMark next = marks.front();
+    marks.erase(marks.begin());
+    now += 50us + std::chrono::nanoseconds(1'000'000 * (next.position - taken) / bytes_per_ms);
+    taken = next.position;
+    (void)window.hear(report(next, share), now);
+  }
+
+  FlowWindow::Time now{1h};
+  std::vector<FlowMark> marks;
+  std::uint64_t taken = 0;
+  FlowWindow window{flow, FlowLimits{}};
+};
+
+}  // namespace sft::udp::test
