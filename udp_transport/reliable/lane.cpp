@@ -57,7 +57,7 @@ std::optional<Lane::Posted> Lane::queue_up(JobHandle& job, JobHandle& oldest) {
   }
   if (late_ && channel_ != nullptr) job->keep();
   queue_.post(std::move(job));
-  busy_.store(true, std::memory_order_relaxed);
+  if (!busy_.exchange(true, std::memory_order_relaxed) && leads_to_group_) ++tally_->busy_groups;
   const bool was_idle = !held_ && !std::exchange(scheduled_, true);
   return Posted{.wake = was_idle ? Wake::schedule : Wake::none};
 }
@@ -152,7 +152,7 @@ const Job* Lane::next() {
   current_ = queue_.take();
   if (!current_.job) {
     scheduled_ = false;
-    busy_.store(false, std::memory_order_release);
+    if (busy_.exchange(false, std::memory_order_release) && leads_to_group_) --tally_->busy_groups;
     return nullptr;
   }
   if (!current_.is_retained) room_.notify_one();

@@ -46,7 +46,10 @@ class Lane {
        Start start = Start::open, std::shared_ptr<Channel> channel = {});
 
   /// Called before anything else.
-  void tell(std::weak_ptr<LaneListener> listener) { listener_ = std::move(listener); }
+  void tell(std::weak_ptr<LaneListener> listener) {
+    listener_ = std::move(listener);
+    leads_to_group_ = true;
+  }
 
   // Any thread.
 
@@ -124,6 +127,7 @@ class Lane {
   const std::shared_ptr<Channel> channel_;
   const std::shared_ptr<WriterTally> tally_;
   std::weak_ptr<LaneListener> listener_;
+  bool leads_to_group_ = false;  ///< it has a listener
   const std::shared_ptr<core::LossTally> losses_ = std::make_shared<core::LossTally>();
   std::atomic<bool> busy_;  ///< scheduled_ or held_, as the publisher sees it
   std::atomic<bool> closed_{false};
