@@ -20,6 +20,12 @@ std::vector<std::uint32_t> names_for(std::size_t members) {
     names.push_back(static_cast<std::uint32_t>(core::random_id() << 16 | (i & 0xffff)));
   return names;
 }
+
+std::vector<const Destination*> destinations_of(const std::vector<MulticastGroup::Member>& members) {
+  std::vector<const Destination*> destinations;
+  for (const MulticastGroup::Member& member : members) destinations.push_back(&member.lane->destination());
+  return destinations;
+}
 }  // namespace
 
 std::shared_ptr<MulticastGroup> MulticastGroup::make(const Name& name, std::shared_ptr<Lane> lane,
@@ -35,6 +41,7 @@ MulticastGroup::MulticastGroup(const Name& name, std::shared_ptr<Lane> lane, std
     : name_(name),
       lane_(std::move(lane)),
       members_(std::move(members)),
+      receivers_(destinations_of(members_)),
       report_port_(report_port),
       member_names_(names_for(members_.size())),
       hears_(std::make_unique<std::atomic<bool>[]>(members_.size())),
@@ -95,13 +102,6 @@ Wake MulticastGroup::note_departed(const Job& job, bool lost) noexcept {
     if (ahead) wake = strongest(wake, member.channel->departed(ordinal + static_cast<std::uint64_t>(*ahead)));
   }
   return wake;
-}
-
-bool MulticastGroup::reaches(const Destination& to) const noexcept {
-  for (std::size_t i = 0; i < members_.size(); ++i) {
-    if (&members_[i].lane->destination() == &to) return hears(i);
-  }
-  return false;
 }
 
 void MulticastGroup::hear(const GroupReport& report, Time now) {

@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -70,8 +71,8 @@ class MulticastGroup final : public LaneListener {
   [[nodiscard]] Wake note_departed(const Job& job, bool lost) noexcept;
   /// The same, of a sample in the lane, which the sending thread looks after.
   void departed(const Job& job, bool lost) noexcept override { static_cast<void>(note_departed(job, lost)); }
-  /// A member that hears the group is served there.
-  bool reaches(const Destination& to) const noexcept override;
+  /// The members, whether they hear the group or not.
+  std::span<const Destination* const> receivers() const noexcept override { return receivers_; }
   void hear(const GroupReport& report, Time now);
   /// The one that calls itself so in reports; empty if none does.
   std::optional<std::size_t> member_named(std::uint32_t name) const;
@@ -110,6 +111,7 @@ class MulticastGroup final : public LaneListener {
   const Name name_;
   const std::shared_ptr<Lane> lane_;
   const std::vector<Member> members_;
+  const std::vector<const Destination*> receivers_;  ///< the members' destinations
   const std::uint16_t report_port_;
   /// Members call themselves by these names. Somebody who alters a report of one does not guess another name.
   const std::vector<std::uint32_t> member_names_;

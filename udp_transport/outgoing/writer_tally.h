@@ -14,8 +14,9 @@ struct WriterTally {
   RateLimit limit;
   std::atomic<std::uint64_t> bytes_sent{0};
   std::atomic<std::uint64_t> dropped{0};  ///< taken from a lane, and then not sent
-  /// Lanes to multicast groups that have something to send, also to groups that a member has just left.
-  std::atomic<std::uint32_t> busy_groups{0};
+  /// Lanes for which the sending thread has something to send, also those that get nothing new any more.
+  std::atomic<std::uint32_t> busy_lanes{0};
+  std::atomic<std::uint32_t> busy_groups{0};  ///< those of them that lead to multicast groups
 };
 
 }  // namespace sft::udp

@@ -57,9 +57,20 @@ std::optional<Lane::Posted> Lane::queue_up(JobHandle& job, JobHandle& oldest) {
   }
   if (late_ && channel_ != nullptr) job->keep();
   queue_.post(std::move(job));
-  if (!busy_.exchange(true, std::memory_order_relaxed) && leads_to_group_) ++tally_->busy_groups;
-  const bool was_idle = !held_ && !std::exchange(scheduled_, true);
+  busy_.store(true, std::memory_order_relaxed);
+  const bool was_idle = !held_ && !scheduled_;
+  if (was_idle) set_scheduled(true);
   return Posted{.wake = was_idle ? Wake::schedule : Wake::none};
+}
+
+/// The sending thread knows of the lane until next() finds nothing.
+void Lane::set_scheduled(bool scheduled) {
+  scheduled_ = scheduled;
+  const auto note = [&](std::atomic<std::uint32_t>& busy) {
+    scheduled ? busy.fetch_add(1, std::memory_order_relaxed) : busy.fetch_sub(1, std::memory_order_release);
+  };
+  note(tally_->busy_lanes);
+  if (leads_to_group_) note(tally_->busy_groups);
 }
 
 bool Lane::has_room() {
@@ -72,9 +83,22 @@ void Lane::done_with(const JobHandle& job, bool lost) const {
     listener->departed(*job, lost);
 }
 
-bool Lane::reaches(const Destination& other) const {
-  const std::shared_ptr<LaneListener> listener = listener_.lock();
-  return listener && listener->reaches(other);
+bool Lane::is_clear() const {
+  const std::atomic<std::uint32_t>& others = leads_to_group_ ? tally_->busy_lanes : tally_->busy_groups;
+  return idle() && others.load(std::memory_order_acquire) == 0;
+}
+
+bool Lane::meets_in_a_group(const Lane& other) const {
+  if (!leads_to_group_ && !other.leads_to_group_) return false;
+  // Each listener is kept as long as its receivers are looked at.
+  const std::shared_ptr<LaneListener> listeners[] = {listener_.lock(), other.listener_.lock()};
+  const Destination* const own[] = {to_.get(), other.to_.get()};
+  const auto receivers = [&](std::size_t i) {
+    return listeners[i] ? listeners[i]->receivers() : std::span(&own[i], 1);
+  };
+  const std::span theirs = receivers(1);
+  return std::ranges::any_of(
+      receivers(0), [&](const Destination* to) { return std::ranges::find(theirs, to) != theirs.end(); });
 }
 
 bool Lane::has_room_for(const Job& job) const {
@@ -130,7 +154,7 @@ Wake Lane::begin(std::vector<JobHandle> history) {
   const core::Lock lock(mutex_);
   if (!std::exchange(held_, false) || closed()) return Wake::none;
   queue_.put_first(std::move(history));
-  scheduled_ = !queue_.empty();
+  if (!queue_.empty()) set_scheduled(true);
   busy_.store(scheduled_, std::memory_order_release);
   return scheduled_ ? Wake::schedule : Wake::none;
 }
@@ -151,8 +175,8 @@ const Job* Lane::next() {
   const core::Lock lock(mutex_);
   current_ = queue_.take();
   if (!current_.job) {
-    scheduled_ = false;
-    if (busy_.exchange(false, std::memory_order_release) && leads_to_group_) --tally_->busy_groups;
+    if (scheduled_) set_scheduled(false);
+    busy_.store(false, std::memory_order_release);
     return nullptr;
   }
   if (!current_.is_retained) room_.notify_one();

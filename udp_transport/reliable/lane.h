@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/seam/delivery.h"
@@ -30,8 +31,9 @@ class LaneListener {
   virtual ~LaneListener() = default;
   /// Any thread. `lost`: the job was not sent, or not all of it.
   virtual void departed(const Job& job, bool lost) noexcept = 0;
-  /// Any thread. What goes through the lane comes there, too, besides to the lane's own destination.
-  virtual bool reaches(const Destination& to) const noexcept = 0;
+  /// Any thread. What goes through the lane comes to these instead of the lane's own destination; always the
+  /// same ones, as long as the listener is there.
+  virtual std::span<const Destination* const> receivers() const noexcept = 0;
 };
 
 class Lane {
@@ -58,9 +60,10 @@ class Lane {
   /// The jobs of the lane go on through this channel; null: they go to the destination.
   Channel* channel() const { return channel_.get(); }
   const std::shared_ptr<Channel>& shared_channel() const { return channel_; }
-  /// Returns whether samples of this lane come there, too: then the lane leads to a group that has it as a
-  /// member.
-  bool reaches(const Destination& other) const;
+  bool leads_to_group() const { return leads_to_group_; }
+  /// Returns whether samples of both lanes come to the same receiver, to one of them at least as to a member
+  /// of a group.
+  bool meets_in_a_group(const Lane& other) const;
   /// Samples that were to go this way and did not.
   const std::shared_ptr<core::LossTally>& losses() const { return losses_; }
   /// No reader is there any more: queued jobs are dropped, and none is queued again.
@@ -72,8 +75,11 @@ class Lane {
 
   // The publisher's thread.
 
-  /// Nothing is queued or being sent: what is sent now overtakes nothing.
+  /// Nothing is queued or being sent by this lane.
   bool idle() const { return !busy_.load(std::memory_order_acquire); }
+  /// Nor by another lane of the writer that leads a receiver of this one to the same samples in a group: what
+  /// is sent now overtakes nothing.
+  bool is_clear() const;
 
   struct Posted {
     Wake wake = Wake::none;
@@ -117,6 +123,7 @@ class Lane {
 
   void count_lost(const Job& job) const;
   void done_with(const JobHandle& job, bool lost) const;
+  void set_scheduled(bool scheduled) SFT_REQUIRES(mutex_);
   std::optional<Posted> queue_up(JobHandle& job, JobHandle& oldest);
   bool has_room_for(const Job& job) const SFT_REQUIRES(mutex_);
   bool may_pile_up(Clock::time_point now) const SFT_REQUIRES(mutex_);

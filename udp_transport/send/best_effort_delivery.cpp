@@ -4,7 +4,7 @@ namespace sft::udp {
 
 std::size_t BestEffortDelivery::send(const std::shared_ptr<Lane>& lane, const core::SampleHandle& sample) {
   Job& job = draft_.job();
-  const SendOutcome outcome = lane->idle() ? direct_.send(*lane, job) : SendOutcome::would_wait;
+  const SendOutcome outcome = lane->is_clear() ? direct_.send(*lane, job) : SendOutcome::would_wait;
   if (outcome == SendOutcome::sent) return 0;
   if (outcome == SendOutcome::would_wait) {
     draft_.keep(sample);

@@ -70,7 +70,7 @@ bool GroupDelivery::send_to_group(const Audience& audience, const core::SampleHa
     sender.wake(group.note_departed(job, false));  // the members that would have heard the sample ask for it
     return true;
   }
-  const SendOutcome outcome = lane->idle() ? direct_.send(*lane, job) : SendOutcome::would_wait;
+  const SendOutcome outcome = lane->is_clear() ? direct_.send(*lane, job) : SendOutcome::would_wait;
   if (outcome == SendOutcome::would_wait) {
     draft_.keep(sample);
     return unicast_.best_effort.enqueue(MulticastGroup::lane_of(audience.multicast)) == 0;

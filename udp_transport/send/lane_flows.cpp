@@ -1,6 +1,7 @@
 #include "udp_transport/send/lane_flows.h"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 namespace sft::udp {
@@ -8,6 +9,9 @@ namespace sft::udp {
 namespace {
 using Progress = FlowSender::Progress;
 using Size = SendFlow::Size;
+
+/// A group waits so long for a member to be sent what is older and goes to that member alone.
+constexpr std::chrono::milliseconds member_stalls_max{10};
 
 /// Both have a job of the same writer.
 bool is_older(const SendFlow& one, const SendFlow& other) {
@@ -20,6 +24,8 @@ void LaneFlows::send_small() {
   for (SendFlow& flow : flows_) {
     if (flow.lane->closed()) flow.fragments.reset();
     if (!flow.fragments && !begin(flow)) flow.lane.reset();
+  }
+  for (SendFlow& flow : flows_) {
     if (flow.lane && flow.fragments && flow.size == Size::small) advance(flow);
   }
 }
@@ -37,6 +43,7 @@ void LaneFlows::forget_idle() {
 bool LaneFlows::begin(SendFlow& flow) {
   flow.fragments.reset();
   flow.full_since.reset();
+  flow.stalled_since.reset();
   if (flow.lane->channel() != nullptr) return pass_on(flow);
   const Job* job = flow.lane->next();
   if (job == nullptr) return false;
@@ -68,6 +75,7 @@ bool LaneFlows::pass_on(SendFlow& flow) {
 void LaneFlows::advance(SendFlow& flow) {
   if (must_wait(flow)) return;
   const Progress progress = sender_.send_some(flow);
+  note_stall(flow, progress == Progress::none);
   if (FlowSender::is_under_way(progress)) return;
   if (progress == Progress::lost) flow.lane->lose_current();
   if (flow.size == Size::large) flow.lane->stay_behind(flow.behind);
@@ -75,17 +83,34 @@ void LaneFlows::advance(SendFlow& flow) {
   if (!begin(flow)) flow.lane.reset();
 }
 
+void LaneFlows::note_stall(SendFlow& flow, bool stalls) {
+  if (!stalls) {
+    flow.stalled_since.reset();
+  } else if (!flow.stalled_since) {
+    flow.stalled_since = SendFlow::Clock::now();
+  }
+}
+
 /// Large samples of one writer go to a destination one after another, under whichever masks: a receiver puts
-/// only so many together at a time, and the first is whole sooner. Small ones pass between. What has left a
-/// group is sent nothing as long as the group has not sent what came before.
-bool LaneFlows::must_wait(const SendFlow& flow) const {
-  if (flow.fragments->begun() || flow.size == Size::small) return false;
+/// only so many together at a time, and the first is whole sooner. Small ones pass between. Where a receiver
+/// gets one sample by a group and another one by another group or alone, the older one goes first.
+bool LaneFlows::must_wait(const SendFlow& flow) {
+  if (flow.fragments->begun()) return false;
   const Destination& to = flow.lane->destination();
-  return std::any_of(flows_.begin(), flows_.end(), [&](const SendFlow& other) {
-    if (!other.fragments || &other.lane->tally() != &flow.lane->tally()) return false;
-    if (&other.lane->destination() == &to) return other.fragments->begun();
-    return is_older(other, flow) && other.lane->reaches(to);
+  return std::ranges::any_of(flows_, [&](const SendFlow& other) {
+    if (!other.lane || !other.fragments || &other.lane->tally() != &flow.lane->tally()) return false;
+    if (&other.lane->destination() == &to) return flow.size == Size::large && other.fragments->begun();
+    return is_older(other, flow) && other.lane->meets_in_a_group(*flow.lane) && !may_pass(flow, other);
   });
+}
+
+/// A group does not stand still for long because one of its members does.
+bool LaneFlows::may_pass(const SendFlow& flow, const SendFlow& other) {
+  if (!flow.lane->leads_to_group() || other.lane->leads_to_group() || !other.stalled_since) return false;
+  const SendFlow::Time at = *other.stalled_since + member_stalls_max;
+  if (SendFlow::Clock::now() >= at) return true;
+  round_.by(at);
+  return false;
 }
 
 }  // namespace sft::udp

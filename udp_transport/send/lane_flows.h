@@ -35,7 +35,9 @@ class LaneFlows {
   bool begin(SendFlow& flow);
   bool pass_on(SendFlow& flow);
   void advance(SendFlow& flow);
-  bool must_wait(const SendFlow& flow) const;
+  static void note_stall(SendFlow& flow, bool stalls);
+  bool must_wait(const SendFlow& flow);
+  bool may_pass(const SendFlow& flow, const SendFlow& other);
 
   FlowSender& sender_;
   ScheduledWork& scheduled_;

@@ -11,10 +11,8 @@ constexpr std::size_t copied_at_a_time = 128 * 1024;
 
 bool PostponedDelivery::is_possible(const Audience& audience) {
   if (audience.multicast != nullptr || audience.late_reader != 0 || audience.lanes.size() != 1) return false;
-  Lane& lane = *audience.lanes.front();
-  // Its reader may have left a group that still sends what came before.
-  if (lane.tally().busy_groups.load(std::memory_order_acquire) > 0) return false;
-  return !lane.is_late() && lane.idle() && lane.destination().bulk_in_use() != nullptr;
+  const Lane& lane = *audience.lanes.front();
+  return !lane.is_late() && lane.is_clear() && lane.destination().bulk_in_use() != nullptr;
 }
 
 std::optional<std::size_t> PostponedDelivery::send(const Audience& audience,

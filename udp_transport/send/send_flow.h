@@ -13,15 +13,17 @@
 namespace sft::udp {
 
 struct SendFlow {
-  using Time = std::chrono::steady_clock::time_point;
+  using Clock = std::chrono::steady_clock;
+  using Time = Clock::time_point;
   using Size = ResendWindow::Size;
 
   std::shared_ptr<Lane> lane{};  ///< null: the flow is that of the channel
   std::shared_ptr<Channel> channel{};
   Size size{};
   std::optional<Fragmenter> fragments{};
-  std::optional<Time> full_since{};  ///< its connection, without anything sent since
-  bool waits_for_room = false;       ///< the lane's current job, in the lane's channel
+  std::optional<Time> full_since{};     ///< its connection, without anything sent since
+  std::optional<Time> stalled_since{};  ///< nothing of it could be sent since, for whichever reason
+  bool waits_for_room = false;          ///< the lane's current job, in the lane's channel
   std::uint64_t behind = 0;  ///< the destination's position after what was sent last of a large sample
   std::optional<Channel::Piece> piece{};  ///< keeps what the fragments refer to
 

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <future>
+#include <span>
 #include <thread>
 #include <vector>
 
@@ -264,6 +265,38 @@ TEST_F(LaneTest, UsesJobsAgain) {
   EXPECT_EQ(job(3)->first.label.sequence, 3U);
 }
 
+struct NoGroup final : LaneListener {
+  void departed(const Job&, bool) noexcept override {}
+  std::span<const Destination* const> receivers() const noexcept override { return {}; }
+};
+
+TEST_F(LaneTest, IsClearOnceNoGroupOfItsWriterHasSomethingToSend) {
+  const auto group = std::make_shared<NoGroup>();
+  other_.tell(group);
+  EXPECT_TRUE(one_.is_clear());
+  other_.post(job(1));
+  EXPECT_FALSE(one_.is_clear());
+  EXPECT_EQ(take_all(other_), Numbers{1});
+  EXPECT_TRUE(one_.is_clear());
+  late_.post(job(2));
+  EXPECT_TRUE(one_.is_clear()) << "lanes of other readers do not count";
+}
+
+TEST_F(LaneTest, OfAGroupIsClearOnceNoLaneOfItsWriterHasSomethingToSend) {
+  const auto group = std::make_shared<NoGroup>();
+  other_.tell(group);
+  one_.post(job(1));
+  EXPECT_FALSE(other_.is_clear());
+  EXPECT_EQ(take_all(one_), Numbers{1});
+  EXPECT_TRUE(other_.is_clear());
+  late_.post(job(2));
+  EXPECT_TRUE(other_.is_clear()) << "what is held is not known to the sending thread";
+  EXPECT_EQ(late_.begin(retained({1})), Wake::schedule);
+  EXPECT_FALSE(other_.is_clear());
+  EXPECT_EQ(take_all(late_), (Numbers{1, 2}));
+  EXPECT_TRUE(other_.is_clear());
+}
+
 /// Notes whether others can use the lane meanwhile.
 struct Onlooker final : LaneListener {
   explicit Onlooker(Lane& one) : lane(one) {}
@@ -272,7 +305,7 @@ struct Onlooker final : LaneListener {
     uses.push_back(std::async(std::launch::async, [this] { return lane.has_room(); }));
     was_free = uses.back().wait_for(std::chrono::seconds(5)) == std::future_status::ready && was_free;
   }
-  bool reaches(const Destination&) const noexcept override { return false; }
+  std::span<const Destination* const> receivers() const noexcept override { return {}; }
   Lane& lane;
   std::vector<std::uint32_t> lost_ones;
   bool was_free = true;

@@ -2,6 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
+#include <span>
+#include <thread>
+#include <utility>
+#include <vector>
+
 #include "tests/unit/udp/send/sending.h"
 
 namespace sft::udp {
@@ -65,40 +71,105 @@ TEST_F(LaneFlowsTest, LetsLargeSamplesOfAWriterGoToADestinationOneAfterAnother) 
   EXPECT_GT(bytes_left(), 2 * large_bytes);
 }
 
-/// A lane that leads to a group, one member of which hears it.
+/// The members of a group.
 struct GroupOf final : LaneListener {
-  explicit GroupOf(const Destination& to) : member(&to) {}
+  explicit GroupOf(std::vector<const Destination*> to) : members(std::move(to)) {}
   void departed(const Job&, bool) noexcept override {}
-  bool reaches(const Destination& to) const noexcept override { return &to == member; }
-  const Destination* member;
+  std::span<const Destination* const> receivers() const noexcept override { return members; }
+  std::vector<const Destination*> members;
 };
 
-TEST_F(LaneFlowsTest, SendsNothingLargeToAMemberBeforeItsFormerGroupHasSentWhatIsOlder) {
-  const auto own = lane();
-  const auto there = destinations.find({.ip = 0x7F000001, .port = 2});
-  there->set_receive_buffer(roomy);
-  const auto to_group = std::make_shared<Lane>(there, 100, tally);
-  const auto group = std::make_shared<GroupOf>(*to);
-  to_group->tell(group);
-  for (const auto& each : {to_group, own}) {
-    each->post(job(large_bytes));
-    flows.add(each);
+/// Each of these tests has two lanes, by which samples may come to the same receiver.
+class LaneFlowsOfGroupsTest : public LaneFlowsTest {
+ protected:
+  std::shared_ptr<Destination> destination(std::uint16_t port) {
+    const auto found = destinations.find({.ip = 0x7F000001, .port = port});
+    found->set_receive_buffer(roomy);
+    return found;
   }
+  std::shared_ptr<Lane> lane_to_group(std::uint16_t port, std::vector<const Destination*> members) {
+    auto result = std::make_shared<Lane>(destination(port), 100, tally);
+    groups.push_back(std::make_shared<GroupOf>(std::move(members)));
+    result->tell(groups.back());
+    return result;
+  }
+  /// The first of them is older, and its turn comes last.
+  void post(const std::shared_ptr<Lane>& first, const std::shared_ptr<Lane>& then, std::size_t bytes) {
+    first->post(job(bytes));
+    then->post(job(bytes));
+    flows.add(then);
+    flows.add(first);
+  }
+  void expect_order(const std::shared_ptr<Lane>& first, const std::shared_ptr<Lane>& then) {
+    post(first, then, large_bytes);
+    serve_small();
+    flows.send_large(0);
+    EXPECT_EQ(bytes_left(), 0U) << "the other one has not begun with the older one";
+    flows.send_large(1);
+    EXPECT_GT(bytes_left(), large_bytes);
+    flows.send_large(0);
+    EXPECT_GT(bytes_left(), 2 * large_bytes);
+  }
+
+  std::vector<std::shared_ptr<GroupOf>> groups;
+};
+
+TEST_F(LaneFlowsOfGroupsTest, SendNothingToAMemberBeforeItsFormerGroupHasSentWhatIsOlder) {
+  expect_order(lane_to_group(2, {to.get()}), lane());
+}
+
+TEST_F(LaneFlowsOfGroupsTest, SendNothingToAGroupBeforeAFormerGroupOfAMemberHasSentWhatIsOlder) {
+  const Destination* other = destination(4).get();
+  expect_order(lane_to_group(2, {other, to.get()}), lane_to_group(3, {to.get()}));
+}
+
+TEST_F(LaneFlowsOfGroupsTest, SendNothingToAGroupBeforeAMemberWasSentWhatIsOlder) {
+  expect_order(lane(), lane_to_group(2, {to.get()}));
+}
+
+TEST_F(LaneFlowsOfGroupsTest, SendNothingSmallBeforeWhatIsOlder) {
+  const auto to_group = lane_to_group(2, {to.get()}), own = lane();
+  post(to_group, own, small_bytes);
+  connections.take_batches(1);
+  serve_small();
+  serve_small();
+  EXPECT_TRUE(to_group->idle());
+  EXPECT_FALSE(own->idle());
+  connections.take_batches(SIZE_MAX);
+  serve_small();
+  EXPECT_EQ(connections.sent().size(), 2U);
+}
+
+TEST_F(LaneFlowsOfGroupsTest, WaitForNothingThatIsYounger) {
+  const auto own = lane(), to_group = lane_to_group(2, {to.get()});
+  post(own, to_group, large_bytes);
   serve_small();
   flows.send_large(1);
-  EXPECT_EQ(bytes_left(), 0U) << "the group has not begun with the older one";
+  EXPECT_GT(bytes_left(), large_bytes);
+}
+
+TEST_F(LaneFlowsOfGroupsTest, WaitForNoGroupWithoutACommonMember) {
+  const Destination* other = destination(4).get();
+  post(lane_to_group(2, {other}), lane_to_group(3, {to.get()}), large_bytes);
+  serve_small();
   flows.send_large(0);
   EXPECT_GT(bytes_left(), large_bytes);
-  flows.send_large(1);
-  EXPECT_GT(bytes_left(), 2 * large_bytes);
-  flows.forget_idle();
-  for (const auto& each : {own, to_group}) {
-    each->post(job(large_bytes));
-    flows.add(each);
-  }
+}
+
+/// The member may take 75 ms for each sample, and the others do not have to.
+TEST_F(LaneFlowsOfGroupsTest, GoOnWithoutAMemberThatStandsStill) {
+  post(lane(), lane_to_group(2, {to.get()}), large_bytes);
   serve_small();
+  connections.take_batches(0);
+  flows.send_large(1);
+  connections.take_batches(SIZE_MAX);
   flows.send_large(0);
-  EXPECT_GT(bytes_left(), 3 * large_bytes) << "it does not wait for what is younger";
+  EXPECT_EQ(bytes_left(), 0U);
+  const NextRound::Time at = round.time();
+  ASSERT_NE(at, NextRound::Time::max()) << "the sending thread looks again";
+  while (NextRound::Time::clock::now() < at) std::this_thread::yield();
+  flows.send_large(0);
+  EXPECT_GT(bytes_left(), large_bytes);
 }
 
 TEST_F(LaneFlowsTest, ForgetsALaneThatWasClosed) {
