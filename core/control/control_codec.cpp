@@ -37,6 +37,18 @@ void put(char (&to)[N], const std::string& text) {
   to[n] = '\0';
 }
 
+using DigestOctets = std::uint8_t[3];
+
+void put_digest(DigestOctets& to, std::uint32_t digest) {
+  for (std::size_t i = 0; i < std::size(to); ++i) to[i] = static_cast<std::uint8_t>(digest >> (8 * i));
+}
+
+std::uint32_t digest_in(const DigestOctets& octets) {
+  std::uint32_t digest = 0;
+  for (std::size_t i = 0; i < std::size(octets); ++i) digest |= std::uint32_t{octets[i]} << (8 * i);
+  return digest;
+}
+
 tl::unexpected<Error> wrong_version(unsigned version) {
   return fail(Errc::malformed, "a control sample of protocol version " + std::to_string(version) +
                                    ", this is " + std::to_string(sft_control_protocol_version));
@@ -242,8 +254,8 @@ sft_control_Assertion to_dds(const Assertion& assertion, ControlStorage& storage
   sft_control_Assertion out{};
   out.node = assertion.node;
   out.version = sft_control_protocol_version;
-  for (std::size_t i = 0; i < std::size(out.digest); ++i)
-    out.digest[i] = static_cast<std::uint8_t>(assertion.digest >> (8 * i));
+  put_digest(out.digest_of_writers, assertion.digest_of_writers);
+  put_digest(out.digest_of_readers, assertion.digest_of_readers);
   if (!has_news(assertion)) return out;
   storage.news = news_of(assertion, storage);
   out.news = {1, 1, &storage.news, false};
@@ -253,8 +265,10 @@ sft_control_Assertion to_dds(const Assertion& assertion, ControlStorage& storage
 Result<Assertion> from_dds(const sft_control_Assertion& in) {
   if (in.version != sft_control_protocol_version) return wrong_version(in.version);
   if (in.node == 0) return fail(Errc::malformed, "an assertion of no node");
-  Assertion out{.node = in.node, .writers = {}};
-  for (std::size_t i = 0; i < std::size(in.digest); ++i) out.digest |= std::uint32_t{in.digest[i]} << (8 * i);
+  Assertion out{.node = in.node,
+                .writers = {},
+                .digest_of_writers = digest_in(in.digest_of_writers),
+                .digest_of_readers = digest_in(in.digest_of_readers)};
   if (in.news._length == 0) return out;
   if (in.news._length > 1) return fail(Errc::malformed, "a sign of life with its news more than once");
   if (const Result<void> sound = take_news(in.news._buffer[0], out); !sound)

@@ -1,13 +1,13 @@
-// A digest is one number for all that a node has announced and asked for. It travels with the node's signs of
-// life, so that others can tell whether they have heard all of it. Order does not matter: a digest is the sum
-// of its parts.
+// A digest is one number for all that a node has announced and asked for in one role. It travels with the
+// node's signs of life, so that others can tell whether they have heard all of it. Order does not matter: a
+// digest is the sum of its parts. So the digest of both roles is the sum of two.
 #pragma once
 
 #include <cstdint>
 
 namespace sft::core {
 
-/// Three octets: the signs of life have room for so many that costs nothing (idl/sft_control.idl).
+/// Three octets for each role: signs of life have room for so many (idl/sft_control.idl).
 inline constexpr std::uint32_t control_digest_max = (1U << 24) - 1;
 
 /// The part of one endpoint: of its newest announcement, and of its newest request if it is a reader.

@@ -49,30 +49,36 @@ class LinkedDiscovery final : public Discovery {
     return configuration_;
   }
 
+  Result<void> hear(Role role) override { return links_->hear(role, std::chrono::steady_clock::now()); }
+
   Result<void> announce(const Endpoint& endpoint) override {
+    Result<void> heard = hear(other(endpoint.role));
+    if (!heard) return heard;
     const Endpoint& own = own_.announce(endpoint);
     own_pace_.told_news(std::chrono::steady_clock::now());
     ear_.set_own(endpoint.id, true);
-    return links_->write_to_all([&](DiscoveryLink& link) { return link.write(own); });
+    return links_->on_each([&](DiscoveryLink& link) { return link.write(own); });
   }
 
   void withdraw(EndpointId id) override {
-    own_.withdraw(id);
+    const std::optional<Role> role = own_.withdraw(id);
+    if (!role) return;
     own_pace_.told_news(std::chrono::steady_clock::now());
-    links_->each([&](DiscoveryLink& link) { link.dispose(id); });
+    links_->each([&](DiscoveryLink& link) { link.dispose(id, *role); });
     ear_.set_own(id, false);
   }
 
   Result<void> send(const Request& request) override {
     own_.request(request);
     own_pace_.told_news(std::chrono::steady_clock::now());
-    return links_->write_to_all([&](DiscoveryLink& link) { return link.write(request); });
+    return links_->on_each([&](DiscoveryLink& link) { return link.write(request); });
   }
 
   void assert_liveliness(const Assertion& assertion) override {
     node_ = assertion.node;
     Assertion complete = assertion;
-    complete.digest = own_.digest();
+    complete.digest_of_writers = own_.digest(Role::writer);
+    complete.digest_of_readers = own_.digest(Role::reader);
     complete.wants_signs = pace_.wants();
     links_->each([&](DiscoveryLink& link) { link.write(complete); });
   }

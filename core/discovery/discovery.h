@@ -46,6 +46,10 @@ class Discovery {
 
   // One thread at a time.
 
+  /// Listens to what others announce of their endpoints of that role from now on, and to the requests of
+  /// readers. What they have announced before comes soon, too. A node that announces an endpoint listens to
+  /// the other role anyway.
+  virtual Result<void> hear(Role role) = 0;
   /// Announces an endpoint of ours, or that it has changed.
   virtual Result<void> announce(const Endpoint& endpoint) = 0;
   virtual void withdraw(EndpointId id) = 0;

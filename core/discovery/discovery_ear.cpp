@@ -4,6 +4,7 @@
 #include <variant>
 
 #include "core/control/control.h"
+#include "core/control/control_digest.h"
 #include "core/discovery/participant_mark.h"
 
 namespace sft::core {
@@ -15,6 +16,12 @@ Time time() { return std::chrono::steady_clock::now(); }
 bool has_silent_links(const News& news) {
   const auto* const seen = std::get_if<EndpointSeen>(&news);
   return seen != nullptr && !seen->silent.empty();
+}
+
+/// Nobody can compare what it does not listen to.
+std::uint32_t digest_heard(const Assertion& assertion, const std::set<Role>& roles) {
+  return add_to_digest(roles.contains(Role::writer) ? assertion.digest_of_writers : 0,
+                       roles.contains(Role::reader) ? assertion.digest_of_readers : 0);
 }
 
 std::string called(const std::string& node) { return node.empty() ? "a node" : "node '" + node + "'"; }
@@ -41,19 +48,23 @@ DiscoveryEar::DiscoveryEar(DiscoveryListener& listener)
 /// Passes on the news that have come of an event. The lock is not held meanwhile, but when this returns.
 void DiscoveryEar::pass_on_news(Lock& lock) {
   delivery_.deliver(lock, merge_.take_news(), [this](const News& one) {
-    const NewsDesk::Links links = has_silent_links(one) ? copy_of_specs() : NewsDesk::Links{};
+    NewsDesk::Links links;
+    if (has_silent_links(one)) {
+      const Lock again(mutex_);
+      links = specs_;
+    }
     std::visit(NewsDesk(listener_, links), one);
   });
-}
-
-NewsDesk::Links DiscoveryEar::copy_of_specs() const {
-  const Lock lock(mutex_);
-  return specs_;
 }
 
 void DiscoveryEar::set_own(EndpointId id, bool is_own) {
   const Lock lock(mutex_);
   is_own ? merge_.owns(id) : merge_.disowns(id);
+}
+
+void DiscoveryEar::hears(Role role, Time now) {
+  const Lock lock(mutex_);
+  if (roles_.insert(role).second) hearing_.hears_more(now);
 }
 
 SignPace DiscoveryEar::tick(Time now) {
@@ -177,7 +188,7 @@ void DiscoveryEar::request_came(const Speaker& speaker, Request request) {
 void DiscoveryEar::assertion_came(const Speaker& speaker, Assertion assertion,
                                   std::chrono::milliseconds lease) {
   Lock lock(mutex_);
-  hearing_.heard_life(speaker, assertion.node, assertion.digest, lease, time());
+  hearing_.heard_life(speaker, assertion.node, digest_heard(assertion, roles_), lease, time());
   if (assertion.wants_signs) sign_pace_.others_want(time());
   merge_.assertion_came(speaker, std::move(assertion), time());
   pass_on_news(lock);

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -34,6 +35,8 @@ class DiscoveryEar final : public LinkListener {
 
   /// Claims of others in the name of our own endpoints are passed on unchanged.
   void set_own(EndpointId id, bool is_own);
+  /// Announcements of that role are listened to from now on, on all links.
+  void hears(Role role, Time now);
   /// True if a participant was heard for the first time since this was called last.
   bool take_newcomer() { return newcomer_.exchange(false); }
   /// Returns whether signs of life have to be frequent.
@@ -85,7 +88,6 @@ class DiscoveryEar final : public LinkListener {
 
  private:
   void pass_on_news(Lock& lock) SFT_REQUIRES(mutex_);
-  NewsDesk::Links copy_of_specs() const SFT_EXCLUDES(mutex_);
 
   DiscoveryListener& listener_;
   std::atomic<bool> newcomer_{false};
@@ -93,6 +95,7 @@ class DiscoveryEar final : public LinkListener {
   mutable Mutex mutex_;
   LinkMerge merge_ SFT_GUARDED_BY(mutex_);
   HearingWatch hearing_ SFT_GUARDED_BY(mutex_);
+  std::set<Role> roles_ SFT_GUARDED_BY(mutex_);  ///< announcements of these are listened to
   SignPace sign_pace_ SFT_GUARDED_BY(mutex_);
   OtherReleases other_releases_ SFT_GUARDED_BY(mutex_);
   std::vector<Speaker> complaints_ SFT_GUARDED_BY(mutex_);  ///< participants that complain about us

@@ -7,9 +7,11 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "core/control/control_codec.h"
 #include "core/discovery/control_qos.h"
+#include "core/discovery/control_topic.h"
 #include "core/discovery/dds_domain.h"
 #include "core/discovery/participant_mark.h"
 #include "core/discovery/remote_endpoints.h"
@@ -17,11 +19,6 @@
 namespace sft::core {
 
 namespace {
-
-struct ListenerDeleter {
-  void operator()(dds_listener_t* listener) const { dds_delete_listener(listener); }
-};
-using Listener = std::unique_ptr<dds_listener_t, ListenerDeleter>;
 
 /// Takes all that a reader has, in batches, and calls `use(sample, info)`.
 template <class Sample, class Use>
@@ -73,43 +70,52 @@ class CycloneLink final : public DiscoveryLink {
     }
     guid_ = to_guid(guid);
     participants_.add_own(guid_);
-    const DdsQos qos = control_qos();
-    const DdsQos unreliable = assertion_qos(signs);
-    auto endpoints = make_topic(&sft_control_Endpoint_desc, "sft_endpoint", qos.get(), &on_endpoints);
-    if (!endpoints) return tl::unexpected(endpoints.error());
-    auto requests = make_topic(&sft_control_Request_desc, "sft_request", qos.get(), &on_requests);
-    if (!requests) return tl::unexpected(requests.error());
-    auto assertions =
-        make_topic(&sft_control_Assertion_desc, "sft_liveliness", unreliable.get(), &on_assertions);
-    if (!assertions) return tl::unexpected(assertions.error());
-    endpoint_writer_ = *endpoints;
-    request_writer_ = *requests;
-    assertion_writer_ = *assertions;
-    return watch_participants();
+    const auto topic = [&](std::optional<ControlTopic>& made, const ControlTopic::Kind& kind, DdsQos qos) {
+      made.emplace(participant_, kind, matches(), std::move(qos));
+    };
+    topic(writers_, {&sft_control_Endpoint_desc, "sft_writer", &on_endpoints<Role::writer>}, control_qos());
+    topic(readers_, {&sft_control_Endpoint_desc, "sft_reader", &on_endpoints<Role::reader>}, control_qos());
+    topic(requests_, {&sft_control_Request_desc, "sft_request", &on_requests}, control_qos());
+    topic(lives_, {&sft_control_Assertion_desc, "sft_liveliness", &on_assertions}, assertion_qos(signs));
+    Result<void> opened = lives_->hear();
+    if (opened) opened = lives_->writer().map([](dds_entity_t) {});
+    if (opened) opened = watch_participants();
+    return opened;
   }
 
+  Result<void> hear(Role role) override {
+    Result<void> heard = announcements(role).hear();
+    if (heard && role == Role::reader) heard = requests_->hear();
+    return heard;
+  }
   Result<void> write(const Endpoint& endpoint) override {
     ControlStorage storage;
     const sft_control_Endpoint sample = to_dds(endpoint, storage);
-    return written(dds_write(endpoint_writer_, &sample));
+    // Others are told of both writers at once, and answer once. The first request is not far.
+    if (endpoint.role == Role::reader) (void)requests_->writer();
+    return write_to(announcements(endpoint.role), &sample);
   }
   Result<void> write(const Request& request) override {
     const sft_control_Request sample = to_dds(request);
-    return written(dds_write(request_writer_, &sample));
+    return write_to(*requests_, &sample);
   }
   void write(const Assertion& assertion) override {
     ControlStorage storage;
     const sft_control_Assertion sample = to_dds(assertion, storage);
-    dds_write(assertion_writer_, &sample);
+    dds_write(lives_->known_writer(), &sample);
   }
-  void dispose(EndpointId id) override {
-    sft_control_Endpoint key{};
-    key.id = id;
-    dds_dispose(endpoint_writer_, &key);
-    dds_unregister_instance(endpoint_writer_, &key);
-    sft_control_Request request_key{};
-    request_key.reader = id;
-    dds_unregister_instance(request_writer_, &request_key);
+  void dispose(EndpointId id, Role role) override {
+    if (const dds_entity_t writer = announcements(role).known_writer(); writer != 0) {
+      sft_control_Endpoint key{};
+      key.id = id;
+      dds_dispose(writer, &key);
+      dds_unregister_instance(writer, &key);
+    }
+    if (const dds_entity_t writer = requests_->known_writer(); writer != 0 && role == Role::reader) {
+      sft_control_Request key{};
+      key.reader = id;
+      dds_unregister_instance(writer, &key);
+    }
   }
   void greet() override {
     ++mark_.greeting;
@@ -123,7 +129,12 @@ class CycloneLink final : public DiscoveryLink {
     greet();
   }
   void flush(std::chrono::milliseconds patience) override {
-    dds_wait_for_acks(endpoint_writer_, DDS_MSECS(patience.count()));
+    const auto end = std::chrono::steady_clock::now() + patience;
+    for (const Role role : {Role::writer, Role::reader}) {
+      const dds_entity_t writer = announcements(role).known_writer();
+      const std::chrono::nanoseconds left = end - std::chrono::steady_clock::now();
+      if (writer != 0 && left.count() > 0) dds_wait_for_acks(writer, left.count());
+    }
   }
 
  private:
@@ -131,40 +142,24 @@ class CycloneLink final : public DiscoveryLink {
 
   dds_domainid_t domain() const { return place_.domain == nullptr ? place_.number : place_.domain->id(); }
 
-  Result<dds_entity_t> make_topic(const dds_topic_descriptor_t* type, const char* name, const dds_qos_t* qos,
-                                  dds_on_data_available_fn on_data) {
-    const dds_entity_t topic = dds_create_topic(participant_, type, name, qos, nullptr);
-    const Listener of_reader = listener_with(on_data);
-    dds_lset_subscription_matched(of_reader.get(), &on_subscription_matched);
-    const dds_entity_t reader =
-        topic < 0 ? topic : dds_create_reader(participant_, topic, hearing_qos(qos).get(), of_reader.get());
-    const Listener of_writer(dds_create_listener(this));
-    dds_lset_publication_matched(of_writer.get(), &on_publication_matched);
-    const dds_entity_t writer =
-        reader < 0 ? reader : dds_create_writer(participant_, topic, qos, of_writer.get());
-    if (writer < 0) {
-      return fail(Errc::system, std::string("control topic ") + name + ": " + dds_strretcode(writer));
-    }
-    return writer;
+  ControlTopic& announcements(Role role) { return role == Role::writer ? *writers_ : *readers_; }
+  ControlTopic::Matches matches() { return {this, &on_subscription_matched, &on_publication_matched}; }
+
+  static Result<void> write_to(ControlTopic& topic, const void* sample) {
+    const Result<dds_entity_t> writer = topic.writer();
+    if (!writer) return tl::unexpected(writer.error());
+    const dds_return_t status = dds_write(*writer, sample);
+    if (status == DDS_RETCODE_OK) return {};
+    return fail(Errc::system, std::string("a control sample was not written: ") + dds_strretcode(status));
   }
 
   Result<void> watch_participants() {
-    const Listener listener = listener_with(&on_participants);
+    const DdsListener listener(dds_create_listener(this));
+    dds_lset_data_available(listener.get(), &on_participants);
     const dds_entity_t reader =
         dds_create_reader(participant_, DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, listener.get());
     if (reader >= 0) return {};
     return fail(Errc::system, std::string("the participants cannot be watched: ") + dds_strretcode(reader));
-  }
-
-  Listener listener_with(dds_on_data_available_fn on_data) {
-    Listener listener(dds_create_listener(this));
-    dds_lset_data_available(listener.get(), on_data);
-    return listener;
-  }
-
-  static Result<void> written(dds_return_t status) {
-    if (status == DDS_RETCODE_OK) return {};
-    return fail(Errc::system, std::string("a control sample was not written: ") + dds_strretcode(status));
   }
 
   /// Empty for samples of the node itself, on this link or another; and if the writer is gone already and was
@@ -187,12 +182,13 @@ class CycloneLink final : public DiscoveryLink {
   }
 
   /// The state of an instance may have changed since the sample came.
+  template <Role role>
   static void on_endpoints(dds_entity_t reader, void* self) {
     CycloneLink& link = *static_cast<CycloneLink*>(self);
     take_all<sft_control_Endpoint>(
         reader, [&](const sft_control_Endpoint& sample, const dds_sample_info_t& info) {
           if (const std::optional<Speaker> speaker = link.speaker_of(reader, info)) {
-            if (info.valid_data) link.endpoint_came(*speaker, from_dds(sample));
+            if (info.valid_data) link.endpoint_came(*speaker, role, from_dds(sample));
             if (info.instance_state == DDS_IST_NOT_ALIVE_DISPOSED)
               link.listener_.endpoint_withdrawn(*speaker, sample.id);
           }
@@ -201,7 +197,10 @@ class CycloneLink final : public DiscoveryLink {
         });
   }
 
-  void endpoint_came(const Speaker& speaker, Result<Endpoint> endpoint) {
+  /// Each role has its topic, so that nobody who listens to one of them only misses something.
+  void endpoint_came(const Speaker& speaker, Role role, Result<Endpoint> endpoint) {
+    if (endpoint && endpoint->role != role)
+      endpoint = fail(Errc::malformed, "an endpoint on the topic of the other role");
     endpoint ? listener_.endpoint_came(speaker, std::move(*endpoint))
              : listener_.sample_malformed(endpoint.error().message);
   }
@@ -308,9 +307,8 @@ class CycloneLink final : public DiscoveryLink {
   ParticipantMark mark_;
   Participants::Guid guid_{};  ///< of the participant
   dds_entity_t participant_ = 0;
-  dds_entity_t endpoint_writer_ = 0;
-  dds_entity_t request_writer_ = 0;
-  dds_entity_t assertion_writer_ = 0;
+  /// All of them are there once the link is open.
+  std::optional<ControlTopic> writers_, readers_, requests_, lives_;
   RemoteEndpoints remotes_;
 };
 

@@ -1,5 +1,5 @@
 // A node's participant on one link: the control topics in one Cyclone domain. The only files of the core that
-// see Cyclone are this one, control_qos, dds_domain and cyclone_settings.
+// see Cyclone are this one, control_topic, control_qos, dds_domain and cyclone_settings.
 #pragma once
 
 #include <chrono>
@@ -65,10 +65,14 @@ class DiscoveryLink {
   /// Waits until no listener runs any more.
   virtual ~DiscoveryLink() = default;
 
+  // One thread at a time.
+
+  /// Listens to announcements of that role from now on, and to requests if it is that of readers.
+  virtual Result<void> hear(Role role) = 0;
   virtual Result<void> write(const Endpoint& endpoint) = 0;
   virtual Result<void> write(const Request& request) = 0;
   virtual void write(const Assertion& assertion) = 0;
-  virtual void dispose(EndpointId id) = 0;
+  virtual void dispose(EndpointId id, Role role) = 0;
   /// Makes the participant known once more to whoever is there.
   virtual void greet() = 0;
   /// Tells everybody, and so these participants, that something else came of them than they say. At most

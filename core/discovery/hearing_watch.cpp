@@ -93,6 +93,16 @@ void HearingWatch::participant_departed(const Speaker& speaker) {
   participants_.erase(speaker.participant);
 }
 
+void HearingWatch::hears_more(Time now) {
+  for (auto& [id, link] : links_) link.newcomer = now;
+  for (auto& [speaker, ear] : ears_) {
+    ear.agreed = now;
+    ear.has_agreed = false;
+    ear.is_contradicted = false;
+    ear.missed_since.reset();
+  }
+}
+
 void HearingWatch::heard(const Speaker& speaker, Time now) {
   Ear* const ear = ear_of(speaker, now);
   if (ear == nullptr) return;

@@ -58,10 +58,13 @@ class HearingWatch {
   /// A reader or writer of the participant's control topics is there from now on, or is not any more.
   void endpoint_matched(const Speaker& speaker);
   void endpoint_unmatched(const Speaker& speaker, Time now);
+  /// More is listened to from now on than before: announcements of writers, or of readers. What everybody has
+  /// said of these is yet to come.
+  void hears_more(Time now);
   /// An announcement or a request of the speaker came.
   void heard(const Speaker& speaker, Time now);
-  /// A sign of life of the speaker came. `digest`: of all that it has announced; `lease`: of its signs of
-  /// life.
+  /// A sign of life of the speaker came. `digest`: of all that it has announced and that is listened to;
+  /// `lease`: of its signs of life.
   void heard_life(const Speaker& speaker, NodeId node, std::uint32_t digest, std::chrono::milliseconds lease,
                   Time now);
   /// The node of that speaker; 0 if the speaker has not said that it lives.

@@ -69,9 +69,14 @@ Result<LinkSet::OpenLink> LinkSet::make(const LinkSpec& spec, const CycloneDomai
   ear_.link_expected(id);
   auto link = DiscoveryLink::open({.link = id, .domain = *domain, .is_secured = config.is_secured},
                                   settings_.life_signs, participants_, ear_);
-  if (!link) {
+  Result<void> opened = link.map([](const auto&) {});
+  for (const Role role : heard_) {
+    if (opened) opened = (*link)->hear(role);
+  }
+  if (!opened) {
+    if (link) link->reset();
     ear_.link_failed(id);
-    return tl::unexpected(link.error());
+    return tl::unexpected(opened.error());
   }
   ear_.link_opened(id, spec);
   for (std::string& complaint : complaints) {
@@ -104,6 +109,12 @@ bool LinkSet::renew(LinkId id, const std::string& why, Time now) {
   retiring_.push_back({std::exchange(link, std::move(*made)), after, now});
   listener_.link_was_deaf(what + "; the link is made anew");
   return true;
+}
+
+Result<void> LinkSet::hear(Role role, Time now) {
+  heard_.insert(role);
+  ear_.hears(role, now);
+  return on_each([role](DiscoveryLink& link) { return link.hear(role); });
 }
 
 std::map<LinkSpec, LinkSet::OpenLink>::iterator LinkSet::find(LinkId id) {

@@ -5,6 +5,7 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -45,6 +46,9 @@ class LinkSet {
   /// Makes a link anew, for a reason that is told to the listener. Returns false if that is too early, or
   /// fails.
   bool renew(LinkId id, const std::string& why, Time now);
+  /// Listens to announcements of that role on all links, also on those that are opened later. To be called
+  /// again after an error.
+  Result<void> hear(Role role, Time now);
   /// Closes replaced links that are not needed any more.
   void retire(Time now);
   /// Complains on one link about these participants.
@@ -57,12 +61,12 @@ class LinkSet {
   /// Complaints of Cyclone about the configuration.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
-  /// Calls write(link) for every link; returns the first error.
-  template <class Write>
-  Result<void> write_to_all(Write write) {
+  /// Calls act(link) for every link; returns the first error.
+  template <class Act>
+  Result<void> on_each(Act act) {
     Result<void> result;
     each([&](DiscoveryLink& link) {
-      if (Result<void> written = write(link); !written && result) result = std::move(written);
+      if (Result<void> done = act(link); !done && result) result = std::move(done);
     });
     return result;
   }
@@ -94,6 +98,7 @@ class LinkSet {
   DiscoveryEar& ear_;
   DiscoveryListener& listener_;
   Participants participants_;
+  std::set<Role> heard_;
   LinkId links_made_ = 0;
   std::vector<std::string> failures_;
   std::vector<std::string> warnings_;

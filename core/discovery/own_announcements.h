@@ -16,11 +16,12 @@ class OwnAnnouncements {
   /// Keeps an endpoint as it is now; returns it with a revision that is greater than those before, and than
   /// one that somebody else has used in its name.
   const Endpoint& announce(const Endpoint& endpoint);
-  void withdraw(EndpointId id) { own_.erase(id); }
+  /// Returns the role of the endpoint; nothing if there is none.
+  std::optional<Role> withdraw(EndpointId id);
   void request(const Request& request);
 
-  /// The digest (control_digest.h) of all that others should know of this node.
-  std::uint32_t digest() const;
+  /// The digest (control_digest.h) of all that others should know of this node's endpoints of that role.
+  std::uint32_t digest(Role role) const;
   void write_to(DiscoveryLink& link) const;
 
  private:

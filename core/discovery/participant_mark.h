@@ -26,7 +26,7 @@ struct ParticipantMark {
 
 inline constexpr std::size_t complaints_max = 8;
 
-/// "sft/10/3", then "s" if it is secured, and for each complaint "!" and 32 hexadecimal digits.
+/// "sft/11/3", then "s" if it is secured, and for each complaint "!" and 32 hexadecimal digits.
 std::string to_text(const ParticipantMark& mark);
 /// Empty if it is no node's of this version. Complaints that make no sense are left out.
 std::optional<ParticipantMark> parse_participant_mark(std::string_view user_data);

@@ -18,6 +18,9 @@ using namespace std::chrono_literals;
 
 namespace {
 constexpr std::chrono::seconds complaint_pause{1};
+/// A type is looked for so long among publishers only: all nodes that ask for types would have to tell each
+/// other of their subscribers else.
+constexpr std::chrono::seconds publishers_first{1};
 }  // namespace
 
 Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Parts parts) {
@@ -213,20 +216,38 @@ auto NodeCore::ask_agent(Question question) -> decltype(question()) {
   return answer.get_future().get();
 }
 
+void NodeCore::hear(Role role) {
+  if (const Result<void> heard = discovery_->hear(role); !heard)
+    log_.write(LogLevel::warning, heard.error().message + "; not all nodes are heard");
+}
+
+void NodeCore::hear_everybody() {
+  hear(Role::writer);
+  hear(Role::reader);
+}
+
 Result<DynamicType> NodeCore::find_type(std::string_view topic, std::chrono::nanoseconds timeout) {
   topic = without_slash(topic);
   const auto deadline = deadline_after(timeout);
+  const auto first_deadline = deadline_after(publishers_first);
+  bool hears_all = timeout <= publishers_first || agent_.is_current_thread();
   for (;;) {
     const std::uint64_t seen = endpoints_changed_.value();
-    Result<DynamicType> type = ask_agent([&] { return type_of(topic, reconciler_->endpoints()); });
+    Result<DynamicType> type = ask_agent([&] {
+      hears_all ? hear_everybody() : hear(Role::writer);
+      return type_of(topic, reconciler_->endpoints());
+    });
     // The agent cannot wait for what it would itself bring about.
     const bool may_come = !type && type.error().code == Errc::unavailable && !agent_.is_current_thread();
-    if (!may_come || !endpoints_changed_.wait_beyond(seen, deadline)) return type;
+    if (!may_come) return type;
+    if (endpoints_changed_.wait_beyond(seen, hears_all ? deadline : first_deadline)) continue;
+    if (std::exchange(hears_all, true)) return type;
   }
 }
 
 std::vector<TopicInfo> NodeCore::topics() {
   return topics_of(ask_agent([&] {
+    hear_everybody();
     std::vector<Endpoint> copies;
     for (const Endpoint* endpoint : reconciler_->endpoints()) copies.push_back(*endpoint);
     return copies;
@@ -239,6 +260,7 @@ DomainSnapshot NodeCore::domain() {
     PairAccounts accounts;
   };
   Known known = ask_agent([&] {
+    hear_everybody();
     return Known{reconciler_->known_endpoints(), reconciler_->accounts().known()};
   });
   return domain_snapshot(std::move(known.endpoints), known.accounts, id_, network_id_);
@@ -248,7 +270,10 @@ Result<AccountInquiry> NodeCore::ask_accounts(const std::shared_ptr<NodeCore>& s
   if (const Result<void> sound = EndpointOpening::check_topic(topic); !sound)
     return tl::unexpected(sound.error());
   const std::string name(without_slash(topic));
-  agent_.post([this, name] { reconciler_->accounts().ask(name); });
+  agent_.post([this, name] {
+    hear_everybody();
+    reconciler_->accounts().ask(name);
+  });
   const auto end = [self, name](const void*) {
     if (is_forked_copy()) return;
     self->agent_.post([node = self.get(), name] { node->reconciler_->accounts().ask_no_more(name); });

@@ -76,6 +76,9 @@ class NodeCore final : private DiscoveryListener {
   void link_was_deaf(const std::string& what) override;     // called by the agent
   void other_release_found(const std::string& what) override;
 
+  /// Publishers, or subscribers, of all nodes are known soon after that. To be called by the agent.
+  void hear(Role role);
+  void hear_everybody();
   /// Calls `question` on the agent's thread, the only one that may look at the reconciler; returns its
   /// answer.
   template <class Question>

@@ -71,12 +71,15 @@ class ControlVoice::Link {
     const auto topic = [&](const dds_topic_descriptor_t& type, const char* name, const Qos& qos) {
       return sound(dds_create_topic(participant, &type, name, qos.get(), nullptr));
     };
-    const dds_entity_t endpoints = topic(sft_control_Endpoint_desc, "sft_endpoint", control);
+    const dds_entity_t writers = topic(sft_control_Endpoint_desc, "sft_writer", control);
+    const dds_entity_t readers = topic(sft_control_Endpoint_desc, "sft_reader", control);
     const dds_entity_t requests = topic(sft_control_Request_desc, "sft_request", control);
     const dds_entity_t lives = topic(sft_control_Assertion_desc, "sft_liveliness", life);
-    endpoint_reader = sound(dds_create_reader(participant, endpoints, control.get(), nullptr));
+    hears_writers = sound(dds_create_reader(participant, writers, control.get(), nullptr));
+    hears_readers = sound(dds_create_reader(participant, readers, control.get(), nullptr));
     request_reader = sound(dds_create_reader(participant, requests, control.get(), nullptr));
-    endpoint_writer = sound(dds_create_writer(participant, endpoints, control.get(), nullptr));
+    tells_of_writers = sound(dds_create_writer(participant, writers, control.get(), nullptr));
+    tells_of_readers = sound(dds_create_writer(participant, readers, control.get(), nullptr));
     request_writer = sound(dds_create_writer(participant, requests, control.get(), nullptr));
     life_writer = sound(dds_create_writer(participant, lives, life.get(), nullptr));
   }
@@ -85,12 +88,14 @@ class ControlVoice::Link {
   Link& operator=(const Link&) = delete;
 
   void listen(std::map<core::EndpointId, core::Endpoint>& heard) const {
-    take_all<sft_control_Endpoint>(endpoint_reader,
-                                   [&](const sft_control_Endpoint& sample, const dds_sample_info_t& info) {
-                                     if (!info.valid_data) return;
-                                     if (auto endpoint = core::from_dds(sample))
-                                       heard[sample.id] = std::move(*endpoint);
-                                   });
+    for (const dds_entity_t endpoints : {hears_writers, hears_readers}) {
+      take_all<sft_control_Endpoint>(endpoints,
+                                     [&](const sft_control_Endpoint& sample, const dds_sample_info_t& info) {
+                                       if (!info.valid_data) return;
+                                       if (auto endpoint = core::from_dds(sample))
+                                         heard[sample.id] = std::move(*endpoint);
+                                     });
+    }
     take_all<sft_control_Request>(request_reader,
                                   [&](const sft_control_Request& sample, const dds_sample_info_t& info) {
                                     const auto reader = heard.find(sample.reader);
@@ -100,9 +105,9 @@ class ControlVoice::Link {
                                   });
   }
 
-  dds_entity_t endpoint_reader = 0;
+  dds_entity_t hears_writers = 0, hears_readers = 0;
   dds_entity_t request_reader = 0;
-  dds_entity_t endpoint_writer = 0;
+  dds_entity_t tells_of_writers = 0, tells_of_readers = 0;
   dds_entity_t request_writer = 0;
   dds_entity_t life_writer = 0;
 
@@ -136,7 +141,9 @@ void ControlVoice::announce(const core::Endpoint& endpoint) {
 }
 
 void ControlVoice::announce_raw(const sft_control_Endpoint& endpoint) {
-  for (const auto& link : links_) dds_write(link->endpoint_writer, &endpoint);
+  const bool is_writer = endpoint.role == static_cast<std::uint8_t>(core::Role::writer);
+  for (const auto& link : links_)
+    dds_write(is_writer ? link->tells_of_writers : link->tells_of_readers, &endpoint);
 }
 
 void ControlVoice::request(const core::Request& request) {
@@ -147,13 +154,19 @@ void ControlVoice::request(const core::Request& request) {
 void ControlVoice::dispose(core::EndpointId endpoint) {
   sft_control_Endpoint key{};
   key.id = endpoint;
-  for (const auto& link : links_) dds_dispose(link->endpoint_writer, &key);
+  for (const auto& link : links_) {
+    dds_dispose(link->tells_of_writers, &key);
+    dds_dispose(link->tells_of_readers, &key);
+  }
 }
 
 void ControlVoice::unregister(core::EndpointId endpoint) {
   sft_control_Endpoint key{};
   key.id = endpoint;
-  for (const auto& link : links_) dds_unregister_instance(link->endpoint_writer, &key);
+  for (const auto& link : links_) {
+    dds_unregister_instance(link->tells_of_writers, &key);
+    dds_unregister_instance(link->tells_of_readers, &key);
+  }
 }
 
 void ControlVoice::assert_life(core::NodeId node, const std::vector<core::EndpointId>& writers,

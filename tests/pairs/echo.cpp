@@ -34,6 +34,7 @@ Echo::Echo() {
   auto discovery = core::Discovery::open({}, *this);
   if (!discovery) throw std::runtime_error(discovery.error().message);
   discovery_ = std::move(*discovery);
+  for (const core::Role role : {core::Role::writer, core::Role::reader}) check(discovery_->hear(role));
 }
 
 void Echo::endpoint_seen(core::Endpoint endpoint) {

@@ -109,7 +109,7 @@ void add_data(RtpsMessage& message, const std::string& sample) {
 
 void send_data_far_ahead(const dds_guid_t& writer) {
   RtpsMessage message(writer);
-  constexpr std::size_t sign_of_life_bytes = 16;
+  constexpr std::size_t sign_of_life_bytes = 20;
   std::string sample(sign_of_life_bytes, '\0');
   sample[0] = 1;  // some node
   sample[8] = static_cast<char>(sft_control_protocol_version);
@@ -156,11 +156,15 @@ Forger::Forger() : participant_(checked(dds_create_participant(0, nullptr, nullp
   const auto topic = [&](const dds_topic_descriptor_t& type, const char* name) {
     return checked(dds_create_topic(participant_, &type, name, qos, nullptr));
   };
-  const dds_entity_t endpoint = topic(sft_control_Endpoint_desc, "sft_endpoint");
+  const auto join = [&](const char* name) {
+    const dds_entity_t endpoint = topic(sft_control_Endpoint_desc, name);
+    return Announcements{checked(dds_create_reader(participant_, endpoint, qos, nullptr)),
+                         checked(dds_create_writer(participant_, endpoint, qos, nullptr))};
+  };
+  of_writers_ = join("sft_writer");
+  of_readers_ = join("sft_reader");
   const dds_entity_t request = topic(sft_control_Request_desc, "sft_request");
-  endpoints_ = checked(dds_create_reader(participant_, endpoint, qos, nullptr));
   requests_ = checked(dds_create_reader(participant_, request, qos, nullptr));
-  endpoint_writer_ = checked(dds_create_writer(participant_, endpoint, qos, nullptr));
   request_writer_ = checked(dds_create_writer(participant_, request, qos, nullptr));
   dds_delete_qos(qos);
   participants_ =
@@ -173,10 +177,12 @@ void Forger::look() {
   const auto note = [this](std::uint64_t id, std::uint64_t sequence) {
     known_[id] = std::max(known_[id], sequence);
   };
-  take_all<sft_control_Endpoint>(
-      endpoints_, [&](const sft_control_Endpoint& endpoint, const dds_sample_info_t&) {
-        note(endpoint.id, endpoint.role == 1 ? endpoint.request.request_sequence : 0);
-      });
+  for (const dds_entity_t endpoints : {of_writers_.reader, of_readers_.reader}) {
+    take_all<sft_control_Endpoint>(
+        endpoints, [&](const sft_control_Endpoint& endpoint, const dds_sample_info_t&) {
+          note(endpoint.id, endpoint.role == 1 ? endpoint.request.request_sequence : 0);
+        });
+  }
   take_all<sft_control_Request>(requests_,
                                 [&](const sft_control_Request& request, const dds_sample_info_t& info) {
                                   note(request.reader, request.request_sequence);
@@ -193,7 +199,7 @@ void Forger::withdraw_all() {
   for (const auto& [id, sequence] : known_) {
     sft_control_Endpoint key{};
     key.id = id;
-    checked(dds_dispose(endpoint_writer_, &key));
+    checked(dds_dispose((sequence == 0 ? of_writers_ : of_readers_).writer, &key));
   }
 }
 
@@ -243,7 +249,7 @@ void Forger::outdate_signs_of_life() {
 }
 
 void Forger::outdate_announcements() {
-  for (const char* topic : {"sft_endpoint", "sft_request"}) {
+  for (const char* topic : {"sft_writer", "sft_reader", "sft_request"}) {
     for (const dds_guid_t& writer : writers_of(topic)) send_heartbeat_far_ahead(writer);
   }
 }

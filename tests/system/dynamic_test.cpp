@@ -258,6 +258,15 @@ TEST_F(DynamicNodesTest, AnUnknownFieldIsAnErrorThatNamesTheNearest) {
   EXPECT_THAT(sub.error().message, HasSubstr("has no field 'hieght'; did you mean 'height'?"));
 }
 
+TEST_F(DynamicNodesTest, ATypeIsLearntFromASubscriberIfNobodyPublishes) {
+  Node a = udp_node("a");
+  Node b = udp_node("b");
+  auto sub = a.subscriber<PointCloud2>("points").value();
+  const auto type = b.find_type("points", 15s);
+  ASSERT_TRUE(type) << type.error().message;
+  EXPECT_EQ(type->support().name(), TypeTable<PointCloud2>::type.name);
+}
+
 TEST_F(DynamicNodesTest, TopicsAreListedWithTypesFieldsAndNodes) {
   Node a = udp_node("a");
   Node b = udp_node("b");

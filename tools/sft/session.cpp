@@ -38,8 +38,10 @@ Result<Session> Session::open(const CommonOptions& options, std::string_view com
   node.discovery.interfaces = options.interfaces;
   node.discovery.peers = options.peers;
   node.shm.start_daemon = false;
-  return Node::open(node).map(
-      [&](Node&& opened) { return Session(std::move(opened), options, stop, output); });
+  return Node::open(node).map([&](Node&& opened) {
+    (void)opened.domain();  // the node listens to everybody from now on
+    return Session(std::move(opened), options, stop, output);
+  });
 }
 
 DomainSnapshot Session::domain() const {

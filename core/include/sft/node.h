@@ -89,11 +89,16 @@ class Node {
 
   // For programs that were not compiled with the type of a topic (dynamic.h).
 
-  /// Waits until a publisher of the topic (or a subscriber, if it has no publisher) has announced the type.
-  /// The error says what was seen instead. Not for callbacks, because it would block the node (in
-  /// on_readers_changed it does not wait).
+  /// Waits until a publisher of the topic has announced the type, or a subscriber if no publisher comes
+  /// within a second. The error says what was seen instead. Not for callbacks, because it would block the
+  /// node (in on_readers_changed it does not wait).
   Result<DynamicType> find_type(std::string_view topic, std::chrono::nanoseconds timeout);
   /// All topics that are known at present, also those of this node.
+  ///
+  /// A node listens only to those whom its own publishers and subscribers may concern: to subscribers if it
+  /// has ever had a publisher, and the other way round. The first call of topics(), domain() or
+  /// ask_accounts() makes it listen to everybody from then on. What was not known then comes soon after the
+  /// call.
   std::vector<TopicInfo> topics() const;
   /// All publishers and subscribers that are known at present, also those of this node, and the state of each
   /// pair (domain.h).

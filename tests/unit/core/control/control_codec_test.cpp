@@ -70,7 +70,7 @@ TEST(ControlCodecTest, QuestionsAboutAccountsAndAnswersComeBackAsTheyWere) {
 
 TEST(ControlCodecTest, ASignOfLifeWithoutNewsIsAsShortAsCanBeAndAWishIsNews) {
   ControlStorage storage;
-  Assertion sign{.node = 8, .writers = {}, .digest = 0x123456};
+  Assertion sign{.node = 8, .writers = {}, .digest_of_writers = 0x123456, .digest_of_readers = 0x789abc};
   EXPECT_EQ(to_dds(sign, storage).news._length, 0U);
   EXPECT_EQ(from_dds(to_dds(sign, storage)), sign);
   sign.wants_signs = true;

@@ -112,6 +112,15 @@ TEST_F(HearingWatchTest, MissesAnnouncementsThatSignsOfLifeTellOfAndThatDoNotCom
   EXPECT_EQ(deaf, Missing::announcements);
 }
 
+TEST_F(HearingWatchTest, GivesPeopleTimeToTellMoreOnceItListensToMore) {
+  passes(10s);
+  watch.hears_more(now);
+  passes(5s, all_said + 1);
+  EXPECT_FALSE(deaf) << "all that was not listened to before may be under way";
+  passes(3s, all_said + 1);
+  EXPECT_EQ(deaf, Missing::announcements);
+}
+
 TEST_F(HearingWatchTest, NoticesWithTheNextSignOfLifeThatAnAnnouncementWasSomebodyElses) {
   passes(10s);
   is_forged();

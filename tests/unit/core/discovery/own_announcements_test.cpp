@@ -14,6 +14,7 @@ using ::testing::ElementsAre;
 /// Writes down what is written to it.
 class WrittenLink final : public DiscoveryLink {
  public:
+  Result<void> hear(Role) override { return {}; }
   Result<void> write(const Endpoint& endpoint) override {
     written.push_back("endpoint " + std::to_string(endpoint.revision));
     return {};
@@ -23,7 +24,7 @@ class WrittenLink final : public DiscoveryLink {
     return {};
   }
   void write(const Assertion&) override {}
-  void dispose(EndpointId) override {}
+  void dispose(EndpointId, Role) override {}
   void greet() override {}
   void complain(const std::vector<AnnouncerId>&) override {}
   void flush(std::chrono::milliseconds) override {}
@@ -35,6 +36,7 @@ class OwnAnnouncementsTest : public ::testing::Test {
   static Endpoint endpoint(std::uint64_t revision = 0) {
     Endpoint e;
     e.id = 5;
+    e.role = Role::reader;
     e.revision = revision;
     e.request.reader = 5;
     e.request.sequence = 1;
@@ -77,16 +79,29 @@ TEST_F(OwnAnnouncementsTest, RequestsOfOthersAndOfWithdrawnReadersAreNotKept) {
   own.request(second_request());
   own.announce(endpoint());
   EXPECT_THAT(written(), ElementsAre("endpoint 1"));
-  own.withdraw(5);
+  EXPECT_EQ(own.withdraw(5), Role::reader);
   EXPECT_THAT(written(), ElementsAre());
-  EXPECT_EQ(own.digest(), 0U);
+  EXPECT_EQ(own.digest(Role::reader), 0U);
+  EXPECT_EQ(own.withdraw(5), std::nullopt);
+}
+
+TEST_F(OwnAnnouncementsTest, EachRoleHasADigestOfItsOwn) {
+  Endpoint writer = endpoint();
+  writer.id = 6;
+  writer.role = Role::writer;
+  own.announce(writer);
+  EXPECT_EQ(own.digest(Role::writer), add_to_digest(0, digest_part(6, 1, 1)));
+  EXPECT_EQ(own.digest(Role::reader), 0U);
+  own.announce(endpoint());
+  EXPECT_EQ(own.digest(Role::writer), add_to_digest(0, digest_part(6, 1, 1)));
+  EXPECT_EQ(own.digest(Role::reader), add_to_digest(0, digest_part(5, 1, 1)));
 }
 
 TEST_F(OwnAnnouncementsTest, TheDigestIsOfRevisionsAndLatestRequests) {
   own.announce(endpoint());
-  EXPECT_EQ(own.digest(), add_to_digest(0, digest_part(5, 1, 1)));
+  EXPECT_EQ(own.digest(Role::reader), add_to_digest(0, digest_part(5, 1, 1)));
   own.request(second_request());
-  EXPECT_EQ(own.digest(), add_to_digest(0, digest_part(5, 1, 2)));
+  EXPECT_EQ(own.digest(Role::reader), add_to_digest(0, digest_part(5, 1, 2)));
 }
 
 }  // namespace

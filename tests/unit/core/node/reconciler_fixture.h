@@ -67,6 +67,7 @@ class TestDiscovery final : public Discovery {
   LifeSigns life_signs() const override { return life_signs_to_all; }
   bool is_calm(Time) const override { return calm; }
   Configuration configuration() const override { return {}; }
+  Result<void> hear(Role) override { return {}; }
   Result<void> announce(const Endpoint& endpoint) override {
     if (fails()) return fail(Errc::system, "a control sample was not written: Timeout");
     announced.push_back(endpoint);
