@@ -25,7 +25,7 @@ using sensor_msgs::msg::Imu;
 
 constexpr std::size_t topics = 10;
 constexpr int samples = 100;  // on each topic
-constexpr int control_topics = 4;
+constexpr int control_topics = 3;
 
 /// The anonymous memory of this process in MB.
 double anonymous_memory() {

@@ -2,7 +2,9 @@
 // comes from outside is checked here: versions, roles, names.
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <variant>
 
 #include "core/control/control.h"
 #include "sft/result.h"
@@ -20,10 +22,17 @@ struct ControlStorage {
 sft_control_Request to_dds(const Request& request);
 sft_control_Endpoint to_dds(const Endpoint& endpoint, ControlStorage& storage);
 
+/// What a reader's node says on the topic sft_reader.
+enum class ReaderPart : std::uint8_t { announcement, request };
+sft_control_ReaderWord in_word(sft_control_Endpoint& announcement);
+sft_control_ReaderWord in_word(sft_control_Request& request);
+
 sft_control_Assertion to_dds(const Assertion& assertion, ControlStorage& storage);
 
 Result<Assertion> from_dds(const sft_control_Assertion& assertion);
 Result<Request> from_dds(const sft_control_Request& request);
 Result<Endpoint> from_dds(const sft_control_Endpoint& endpoint);
+/// Nothing but what the word's part says may be in it, and of its reader only.
+Result<std::variant<Endpoint, Request>> from_dds(const sft_control_ReaderWord& word);
 
 }  // namespace sft::core

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 
 #include "core/control/control_codec.h"
 #include "core/discovery/control_qos.h"
@@ -48,6 +49,11 @@ Participants::Guid to_guid(const dds_guid_t& guid) {
   return bytes;
 }
 
+/// Each role has its topic: who listens to one of them only would miss something else.
+tl::unexpected<Error> on_wrong_topic() {
+  return fail(Errc::malformed, "an endpoint on the topic of the other role");
+}
+
 class CycloneLink final : public DiscoveryLink {
  public:
   CycloneLink(const Place& place, Participants& participants, LinkListener& listener)
@@ -70,12 +76,12 @@ class CycloneLink final : public DiscoveryLink {
     }
     guid_ = to_guid(guid);
     participants_.add_own(guid_);
+    const ControlTopic::Matches matches{this, &on_subscription_matched, &on_publication_matched};
     const auto topic = [&](std::optional<ControlTopic>& made, const ControlTopic::Kind& kind, DdsQos qos) {
-      made.emplace(participant_, kind, matches(), std::move(qos));
+      made.emplace(participant_, kind, matches, std::move(qos));
     };
-    topic(writers_, {&sft_control_Endpoint_desc, "sft_writer", &on_endpoints<Role::writer>}, control_qos());
-    topic(readers_, {&sft_control_Endpoint_desc, "sft_reader", &on_endpoints<Role::reader>}, control_qos());
-    topic(requests_, {&sft_control_Request_desc, "sft_request", &on_requests}, control_qos());
+    topic(writers_, {&sft_control_Endpoint_desc, "sft_writer", &on_writers}, control_qos());
+    topic(readers_, {&sft_control_ReaderWord_desc, "sft_reader", &on_readers}, control_qos());
     topic(lives_, {&sft_control_Assertion_desc, "sft_liveliness", &on_assertions}, assertion_qos(signs));
     Result<void> opened = lives_->hear();
     if (opened) opened = lives_->writer().map([](dds_entity_t) {});
@@ -83,21 +89,18 @@ class CycloneLink final : public DiscoveryLink {
     return opened;
   }
 
-  Result<void> hear(Role role) override {
-    Result<void> heard = announcements(role).hear();
-    if (heard && role == Role::reader) heard = requests_->hear();
-    return heard;
-  }
+  Result<void> hear(Role role) override { return topic_of(role).hear(); }
   Result<void> write(const Endpoint& endpoint) override {
     ControlStorage storage;
-    const sft_control_Endpoint sample = to_dds(endpoint, storage);
-    // Others are told of both writers at once, and answer once. The first request is not far.
-    if (endpoint.role == Role::reader) (void)requests_->writer();
-    return write_to(announcements(endpoint.role), &sample);
+    sft_control_Endpoint sample = to_dds(endpoint, storage);
+    if (endpoint.role == Role::writer) return write_to(*writers_, &sample);
+    const sft_control_ReaderWord word = in_word(sample);
+    return write_to(*readers_, &word);
   }
   Result<void> write(const Request& request) override {
-    const sft_control_Request sample = to_dds(request);
-    return write_to(*requests_, &sample);
+    sft_control_Request sample = to_dds(request);
+    const sft_control_ReaderWord word = in_word(sample);
+    return write_to(*readers_, &word);
   }
   void write(const Assertion& assertion) override {
     ControlStorage storage;
@@ -105,17 +108,22 @@ class CycloneLink final : public DiscoveryLink {
     dds_write(lives_->known_writer(), &sample);
   }
   void dispose(EndpointId id, Role role) override {
-    if (const dds_entity_t writer = announcements(role).known_writer(); writer != 0) {
+    const dds_entity_t writer = topic_of(role).known_writer();
+    if (writer == 0) return;
+    if (role == Role::writer) {
       sft_control_Endpoint key{};
       key.id = id;
       dds_dispose(writer, &key);
       dds_unregister_instance(writer, &key);
+      return;
     }
-    if (const dds_entity_t writer = requests_->known_writer(); writer != 0 && role == Role::reader) {
-      sft_control_Request key{};
-      key.reader = id;
-      dds_unregister_instance(writer, &key);
-    }
+    sft_control_ReaderWord key{};
+    key.reader = id;
+    key.part = static_cast<std::uint8_t>(ReaderPart::announcement);
+    dds_dispose(writer, &key);
+    dds_unregister_instance(writer, &key);
+    key.part = static_cast<std::uint8_t>(ReaderPart::request);
+    dds_unregister_instance(writer, &key);
   }
   void greet() override {
     ++mark_.greeting;
@@ -131,7 +139,7 @@ class CycloneLink final : public DiscoveryLink {
   void flush(std::chrono::milliseconds patience) override {
     const auto end = std::chrono::steady_clock::now() + patience;
     for (const Role role : {Role::writer, Role::reader}) {
-      const dds_entity_t writer = announcements(role).known_writer();
+      const dds_entity_t writer = topic_of(role).known_writer();
       const std::chrono::nanoseconds left = end - std::chrono::steady_clock::now();
       if (writer != 0 && left.count() > 0) dds_wait_for_acks(writer, left.count());
     }
@@ -142,8 +150,7 @@ class CycloneLink final : public DiscoveryLink {
 
   dds_domainid_t domain() const { return place_.domain == nullptr ? place_.number : place_.domain->id(); }
 
-  ControlTopic& announcements(Role role) { return role == Role::writer ? *writers_ : *readers_; }
-  ControlTopic::Matches matches() { return {this, &on_subscription_matched, &on_publication_matched}; }
+  ControlTopic& topic_of(Role role) { return role == Role::writer ? *writers_ : *readers_; }
 
   static Result<void> write_to(ControlTopic& topic, const void* sample) {
     const Result<dds_entity_t> writer = topic.writer();
@@ -182,40 +189,50 @@ class CycloneLink final : public DiscoveryLink {
   }
 
   /// The state of an instance may have changed since the sample came.
-  template <Role role>
-  static void on_endpoints(dds_entity_t reader, void* self) {
+  static void on_writers(dds_entity_t reader, void* self) {
     CycloneLink& link = *static_cast<CycloneLink*>(self);
-    take_all<sft_control_Endpoint>(
-        reader, [&](const sft_control_Endpoint& sample, const dds_sample_info_t& info) {
-          if (const std::optional<Speaker> speaker = link.speaker_of(reader, info)) {
-            if (info.valid_data) link.endpoint_came(*speaker, role, from_dds(sample));
-            if (info.instance_state == DDS_IST_NOT_ALIVE_DISPOSED)
-              link.listener_.endpoint_withdrawn(*speaker, sample.id);
-          }
-          if (info.instance_state == DDS_IST_NOT_ALIVE_NO_WRITERS)
-            link.listener_.endpoint_unheard(link.place_.link, sample.id);
-        });
+    take_all<sft_control_Endpoint>(reader,
+                                   [&](const sft_control_Endpoint& sample, const dds_sample_info_t& info) {
+                                     const std::optional<Speaker> speaker = link.speaker_of(reader, info);
+                                     if (speaker && info.valid_data)
+                                       link.writer_came(*speaker, from_dds(sample));
+                                     link.told_of_end(speaker, sample.id, info);
+                                   });
   }
 
-  /// Each role has its topic, so that nobody who listens to one of them only misses something.
-  void endpoint_came(const Speaker& speaker, Role role, Result<Endpoint> endpoint) {
-    if (endpoint && endpoint->role != role)
-      endpoint = fail(Errc::malformed, "an endpoint on the topic of the other role");
-    endpoint ? listener_.endpoint_came(speaker, std::move(*endpoint))
-             : listener_.sample_malformed(endpoint.error().message);
+  static void on_readers(dds_entity_t reader, void* self) {
+    CycloneLink& link = *static_cast<CycloneLink*>(self);
+    take_all<sft_control_ReaderWord>(reader,
+                                     [&](const sft_control_ReaderWord& word, const dds_sample_info_t& info) {
+                                       const std::optional<Speaker> speaker = link.speaker_of(reader, info);
+                                       if (speaker && info.valid_data)
+                                         link.reader_said(*speaker, from_dds(word));
+                                       if (word.part == static_cast<std::uint8_t>(ReaderPart::announcement))
+                                         link.told_of_end(speaker, word.reader, info);
+                                     });
   }
 
-  static void on_requests(dds_entity_t reader, void* self) {
-    CycloneLink& link = *static_cast<CycloneLink*>(self);
-    take_all<sft_control_Request>(reader,
-                                  [&](const sft_control_Request& sample, const dds_sample_info_t& info) {
-                                    if (!info.valid_data) return;  // the reader's endpoint tells of its end
-                                    const std::optional<Speaker> speaker = link.speaker_of(reader, info);
-                                    if (!speaker) return;
-                                    Result<Request> request = from_dds(sample);
-                                    request ? link.listener_.request_came(*speaker, std::move(*request))
-                                            : link.listener_.sample_malformed(request.error().message);
-                                  });
+  void told_of_end(const std::optional<Speaker>& speaker, EndpointId id, const dds_sample_info_t& info) {
+    if (speaker && info.instance_state == DDS_IST_NOT_ALIVE_DISPOSED)
+      listener_.endpoint_withdrawn(*speaker, id);
+    if (info.instance_state == DDS_IST_NOT_ALIVE_NO_WRITERS) listener_.endpoint_unheard(place_.link, id);
+  }
+
+  void writer_came(const Speaker& speaker, Result<Endpoint> writer) {
+    if (writer && writer->role != Role::writer) writer = on_wrong_topic();
+    writer ? listener_.endpoint_came(speaker, std::move(*writer))
+           : listener_.sample_malformed(writer.error().message);
+  }
+
+  void reader_said(const Speaker& speaker, Result<std::variant<Endpoint, Request>> said) {
+    Endpoint* const reader = said ? std::get_if<Endpoint>(&*said) : nullptr;
+    if (reader != nullptr && reader->role != Role::reader) said = on_wrong_topic();
+    if (!said) return listener_.sample_malformed(said.error().message);
+    if (auto* const request = std::get_if<Request>(&*said)) {
+      listener_.request_came(speaker, std::move(*request));
+    } else {
+      listener_.endpoint_came(speaker, std::move(std::get<Endpoint>(*said)));
+    }
   }
 
   /// Nodes unregister their signs of life, if they can. Somebody who disposes of them is not the node.
@@ -308,7 +325,7 @@ class CycloneLink final : public DiscoveryLink {
   Participants::Guid guid_{};  ///< of the participant
   dds_entity_t participant_ = 0;
   /// All of them are there once the link is open.
-  std::optional<ControlTopic> writers_, readers_, requests_, lives_;
+  std::optional<ControlTopic> writers_, readers_, lives_;
   RemoteEndpoints remotes_;
 };
 

@@ -49,7 +49,7 @@ class RemoteEndpoints {
 
  private:
   static constexpr std::size_t writers_max = 4096;
-  static constexpr std::size_t matches_max = 8 * 4096;  // four topics, a reader and a writer of each
+  static constexpr std::size_t matches_max = 6 * 4096;  // three topics, a reader and a writer of each
 
   mutable Mutex mutex_;
   std::map<Handle, Writer> writers_ SFT_GUARDED_BY(mutex_);       ///< writers of which something has come

@@ -72,15 +72,12 @@ class ControlVoice::Link {
       return sound(dds_create_topic(participant, &type, name, qos.get(), nullptr));
     };
     const dds_entity_t writers = topic(sft_control_Endpoint_desc, "sft_writer", control);
-    const dds_entity_t readers = topic(sft_control_Endpoint_desc, "sft_reader", control);
-    const dds_entity_t requests = topic(sft_control_Request_desc, "sft_request", control);
+    const dds_entity_t readers = topic(sft_control_ReaderWord_desc, "sft_reader", control);
     const dds_entity_t lives = topic(sft_control_Assertion_desc, "sft_liveliness", life);
     hears_writers = sound(dds_create_reader(participant, writers, control.get(), nullptr));
     hears_readers = sound(dds_create_reader(participant, readers, control.get(), nullptr));
-    request_reader = sound(dds_create_reader(participant, requests, control.get(), nullptr));
     tells_of_writers = sound(dds_create_writer(participant, writers, control.get(), nullptr));
     tells_of_readers = sound(dds_create_writer(participant, readers, control.get(), nullptr));
-    request_writer = sound(dds_create_writer(participant, requests, control.get(), nullptr));
     life_writer = sound(dds_create_writer(participant, lives, life.get(), nullptr));
   }
   ~Link() { dds_delete(domain_); }
@@ -88,27 +85,27 @@ class ControlVoice::Link {
   Link& operator=(const Link&) = delete;
 
   void listen(std::map<core::EndpointId, core::Endpoint>& heard) const {
-    for (const dds_entity_t endpoints : {hears_writers, hears_readers}) {
-      take_all<sft_control_Endpoint>(endpoints,
-                                     [&](const sft_control_Endpoint& sample, const dds_sample_info_t& info) {
-                                       if (!info.valid_data) return;
-                                       if (auto endpoint = core::from_dds(sample))
-                                         heard[sample.id] = std::move(*endpoint);
-                                     });
-    }
-    take_all<sft_control_Request>(request_reader,
-                                  [&](const sft_control_Request& sample, const dds_sample_info_t& info) {
-                                    const auto reader = heard.find(sample.reader);
-                                    if (!info.valid_data || reader == heard.end()) return;
-                                    if (auto request = core::from_dds(sample))
-                                      reader->second.request = std::move(*request);
-                                  });
+    take_all<sft_control_Endpoint>(hears_writers,
+                                   [&](const sft_control_Endpoint& sample, const dds_sample_info_t& info) {
+                                     if (!info.valid_data) return;
+                                     if (auto endpoint = core::from_dds(sample))
+                                       heard[sample.id] = std::move(*endpoint);
+                                   });
+    take_all<sft_control_ReaderWord>(
+        hears_readers, [&](const sft_control_ReaderWord& word, const dds_sample_info_t& info) {
+          if (!info.valid_data) return;
+          auto said = core::from_dds(word);
+          if (!said) return;
+          if (auto* const announced = std::get_if<core::Endpoint>(&*said)) {
+            heard[word.reader] = std::move(*announced);
+          } else if (const auto reader = heard.find(word.reader); reader != heard.end()) {
+            reader->second.request = std::move(std::get<core::Request>(*said));
+          }
+        });
   }
 
   dds_entity_t hears_writers = 0, hears_readers = 0;
-  dds_entity_t request_reader = 0;
   dds_entity_t tells_of_writers = 0, tells_of_readers = 0;
-  dds_entity_t request_writer = 0;
   dds_entity_t life_writer = 0;
 
  private:
@@ -142,30 +139,37 @@ void ControlVoice::announce(const core::Endpoint& endpoint) {
 
 void ControlVoice::announce_raw(const sft_control_Endpoint& endpoint) {
   const bool is_writer = endpoint.role == static_cast<std::uint8_t>(core::Role::writer);
+  sft_control_Endpoint copy = endpoint;
+  const sft_control_ReaderWord word = core::in_word(copy);
   for (const auto& link : links_)
-    dds_write(is_writer ? link->tells_of_writers : link->tells_of_readers, &endpoint);
+    is_writer ? dds_write(link->tells_of_writers, &endpoint) : dds_write(link->tells_of_readers, &word);
 }
 
 void ControlVoice::request(const core::Request& request) {
-  const sft_control_Request sample = core::to_dds(request);
-  for (const auto& link : links_) dds_write(link->request_writer, &sample);
+  sft_control_Request sample = core::to_dds(request);
+  const sft_control_ReaderWord word = core::in_word(sample);
+  for (const auto& link : links_) dds_write(link->tells_of_readers, &word);
 }
 
 void ControlVoice::dispose(core::EndpointId endpoint) {
   sft_control_Endpoint key{};
   key.id = endpoint;
+  sft_control_ReaderWord reader_key{};
+  reader_key.reader = endpoint;
   for (const auto& link : links_) {
     dds_dispose(link->tells_of_writers, &key);
-    dds_dispose(link->tells_of_readers, &key);
+    dds_dispose(link->tells_of_readers, &reader_key);
   }
 }
 
 void ControlVoice::unregister(core::EndpointId endpoint) {
   sft_control_Endpoint key{};
   key.id = endpoint;
+  sft_control_ReaderWord reader_key{};
+  reader_key.reader = endpoint;
   for (const auto& link : links_) {
     dds_unregister_instance(link->tells_of_writers, &key);
-    dds_unregister_instance(link->tells_of_readers, &key);
+    dds_unregister_instance(link->tells_of_readers, &reader_key);
   }
 }
 

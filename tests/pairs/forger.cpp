@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/control/control_codec.h"
 #include "core/discovery/participant_mark.h"
 
 namespace sft::test {
@@ -133,11 +134,14 @@ void send_heartbeat_far_ahead(const dds_guid_t& writer) {
 
 /// Says in the writer's name that the reader listens to nobody.
 void send_empty_request(const dds_guid_t& writer, std::uint64_t reader, std::uint64_t sequence) {
-  constexpr std::size_t request_bytes = 44;
-  std::string sample(request_bytes, '\0');
+  constexpr std::size_t request_begins = 24, request_bytes = 44;
+  std::string sample(request_begins + request_bytes, '\0');
   std::memcpy(sample.data(), &reader, sizeof reader);
-  sample[8] = static_cast<char>(sft_control_protocol_version);
-  std::memcpy(sample.data() + 16, &sequence, sizeof sequence);
+  sample[8] = static_cast<char>(core::ReaderPart::request);
+  sample[16] = 1;  // so many requests, in little endian
+  std::memcpy(sample.data() + request_begins, &reader, sizeof reader);
+  sample[request_begins + 8] = static_cast<char>(sft_control_protocol_version);
+  std::memcpy(sample.data() + request_begins + 16, &sequence, sizeof sequence);
   RtpsMessage message(writer);
   add_heartbeat(message);
   add_data(message, sample);
@@ -156,16 +160,13 @@ Forger::Forger() : participant_(checked(dds_create_participant(0, nullptr, nullp
   const auto topic = [&](const dds_topic_descriptor_t& type, const char* name) {
     return checked(dds_create_topic(participant_, &type, name, qos, nullptr));
   };
-  const auto join = [&](const char* name) {
-    const dds_entity_t endpoint = topic(sft_control_Endpoint_desc, name);
-    return Announcements{checked(dds_create_reader(participant_, endpoint, qos, nullptr)),
-                         checked(dds_create_writer(participant_, endpoint, qos, nullptr))};
+  const auto join = [&](const dds_topic_descriptor_t& type, const char* name) {
+    const dds_entity_t joined = topic(type, name);
+    return Words{checked(dds_create_reader(participant_, joined, qos, nullptr)),
+                 checked(dds_create_writer(participant_, joined, qos, nullptr))};
   };
-  of_writers_ = join("sft_writer");
-  of_readers_ = join("sft_reader");
-  const dds_entity_t request = topic(sft_control_Request_desc, "sft_request");
-  requests_ = checked(dds_create_reader(participant_, request, qos, nullptr));
-  request_writer_ = checked(dds_create_writer(participant_, request, qos, nullptr));
+  of_writers_ = join(sft_control_Endpoint_desc, "sft_writer");
+  of_readers_ = join(sft_control_ReaderWord_desc, "sft_reader");
   dds_delete_qos(qos);
   participants_ =
       checked(dds_create_reader(participant_, DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr));
@@ -177,29 +178,31 @@ void Forger::look() {
   const auto note = [this](std::uint64_t id, std::uint64_t sequence) {
     known_[id] = std::max(known_[id], sequence);
   };
-  for (const dds_entity_t endpoints : {of_writers_.reader, of_readers_.reader}) {
-    take_all<sft_control_Endpoint>(
-        endpoints, [&](const sft_control_Endpoint& endpoint, const dds_sample_info_t&) {
-          note(endpoint.id, endpoint.role == 1 ? endpoint.request.request_sequence : 0);
-        });
-  }
-  take_all<sft_control_Request>(requests_,
-                                [&](const sft_control_Request& request, const dds_sample_info_t& info) {
-                                  note(request.reader, request.request_sequence);
-                                  dds_builtintopic_endpoint_t* const writer =
-                                      dds_get_matched_publication_data(requests_, info.publication_handle);
-                                  if (writer == nullptr) return;
-                                  asks_by_[request.reader] = writer->key;
-                                  dds_builtintopic_free_endpoint(writer);
-                                });
+  take_all<sft_control_Endpoint>(of_writers_.reader, [&](const sft_control_Endpoint& endpoint,
+                                                         const dds_sample_info_t&) { note(endpoint.id, 0); });
+  take_all<sft_control_ReaderWord>(
+      of_readers_.reader, [&](const sft_control_ReaderWord& word, const dds_sample_info_t& info) {
+        if (word.announcement._length == 1)
+          note(word.reader, word.announcement._buffer->request.request_sequence);
+        if (word.request._length == 0) return;
+        note(word.reader, word.request._buffer->request_sequence);
+        dds_builtintopic_endpoint_t* const writer =
+            dds_get_matched_publication_data(of_readers_.reader, info.publication_handle);
+        if (writer == nullptr) return;
+        asks_by_[word.reader] = writer->key;
+        dds_builtintopic_free_endpoint(writer);
+      });
 }
 
 void Forger::withdraw_all() {
   look();
   for (const auto& [id, sequence] : known_) {
-    sft_control_Endpoint key{};
-    key.id = id;
-    checked(dds_dispose((sequence == 0 ? of_writers_ : of_readers_).writer, &key));
+    sft_control_Endpoint writer{};
+    writer.id = id;
+    sft_control_ReaderWord reader{};
+    reader.reader = id;
+    checked(sequence == 0 ? dds_dispose(of_writers_.writer, &writer)
+                          : dds_dispose(of_readers_.writer, &reader));
   }
 }
 
@@ -211,7 +214,8 @@ void Forger::mute_all(std::uint64_t ahead) {
     request.reader = id;
     request.version = sft_control_protocol_version;
     request.request_sequence = sequence + ahead;
-    checked(dds_write(request_writer_, &request));
+    const sft_control_ReaderWord word = core::in_word(request);
+    checked(dds_write(of_readers_.writer, &word));
   }
 }
 
@@ -249,7 +253,7 @@ void Forger::outdate_signs_of_life() {
 }
 
 void Forger::outdate_announcements() {
-  for (const char* topic : {"sft_writer", "sft_reader", "sft_request"}) {
+  for (const char* topic : {"sft_writer", "sft_reader"}) {
     for (const dds_guid_t& writer : writers_of(topic)) send_heartbeat_far_ahead(writer);
   }
 }

@@ -46,12 +46,10 @@ class Forger {
 
   dds_entity_t participant_ = 0;
   dds_entity_t participants_ = 0, publications_ = 0;  ///< readers
-  struct Announcements {
+  struct Words {
     dds_entity_t reader = 0, writer = 0;
   };
-  Announcements of_writers_, of_readers_;
-  dds_entity_t requests_ = 0;  ///< a reader
-  dds_entity_t request_writer_ = 0;
+  Words of_writers_, of_readers_;
   std::map<std::uint64_t, std::uint64_t>
       known_;  ///< the sequence of the newest request by endpoint; 0: a writer
   std::map<std::uint64_t, dds_guid_t> asks_by_;  ///< the writer of a reader's requests

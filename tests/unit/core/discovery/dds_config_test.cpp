@@ -98,7 +98,7 @@ TEST(DdsConfig, SaysWhatDdsSecurityDoesNotProtect) {
 }
 
 TEST(DdsConfig, ThatWouldSilenceTheControlTopicsIsAnError) {
-  for (const char* pattern : {"*.*", ".sft_*", "*.sft_request"}) {
+  for (const char* pattern : {"*.*", ".sft_*", "*.sft_reader"}) {
     const auto c = dds_config(0, {},
                               "<Partitioning><IgnoredPartitions><IgnoredPartition DCPSPartitionTopic='" +
                                   std::string(pattern) + "'/></></>");
