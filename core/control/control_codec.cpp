@@ -274,8 +274,8 @@ sft_control_Assertion to_dds(const Assertion& assertion, ControlStorage& storage
   put_digest(out.digest_of_writers, assertion.digest_of_writers);
   put_digest(out.digest_of_readers, assertion.digest_of_readers);
   if (!has_news(assertion)) return out;
-  storage.news = news_of(assertion, storage);
-  out.news = {1, 1, &storage.news, false};
+  out.news._d = true;
+  out.news._u.news = news_of(assertion, storage);
   return out;
 }
 
@@ -286,9 +286,8 @@ Result<Assertion> from_dds(const sft_control_Assertion& in) {
                 .writers = {},
                 .digest_of_writers = digest_in(in.digest_of_writers),
                 .digest_of_readers = digest_in(in.digest_of_readers)};
-  if (in.news._length == 0) return out;
-  if (in.news._length > 1) return fail(Errc::malformed, "a sign of life with its news more than once");
-  if (const Result<void> sound = take_news(in.news._buffer[0], out); !sound)
+  if (!in.news._d) return out;
+  if (const Result<void> sound = take_news(in.news._u.news, out); !sound)
     return tl::unexpected(sound.error());
   return out;
 }

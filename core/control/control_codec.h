@@ -17,7 +17,6 @@ struct ControlStorage {
   std::vector<sft_control_UdpLocator> addresses;
   std::vector<sft_control_Progress> progress;
   std::vector<sft_control_Account> accounts;
-  sft_control_SignNews news;
 };
 sft_control_Request to_dds(const Request& request);
 sft_control_Endpoint to_dds(const Endpoint& endpoint, ControlStorage& storage);

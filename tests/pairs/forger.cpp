@@ -110,7 +110,7 @@ void add_data(RtpsMessage& message, const std::string& sample) {
 
 void send_data_far_ahead(const dds_guid_t& writer) {
   RtpsMessage message(writer);
-  constexpr std::size_t sign_of_life_bytes = 20;
+  constexpr std::size_t sign_of_life_bytes = 16;
   std::string sample(sign_of_life_bytes, '\0');
   sample[0] = 1;  // some node
   sample[8] = static_cast<char>(sft_control_protocol_version);

@@ -95,7 +95,7 @@ TEST(ControlCodecTest, QuestionsAboutAccountsAndAnswersComeBackAsTheyWere) {
 TEST(ControlCodecTest, ASignOfLifeWithoutNewsIsAsShortAsCanBeAndAWishIsNews) {
   ControlStorage storage;
   Assertion sign{.node = 8, .writers = {}, .digest_of_writers = 0x123456, .digest_of_readers = 0x789abc};
-  EXPECT_EQ(to_dds(sign, storage).news._length, 0U);
+  EXPECT_FALSE(to_dds(sign, storage).news._d);
   EXPECT_EQ(from_dds(to_dds(sign, storage)), sign);
   sign.wants_signs = true;
   EXPECT_EQ(from_dds(to_dds(sign, storage)), sign);
@@ -121,13 +121,12 @@ TEST(ControlCodecTest, ASignOfLifeWithMoreThanThereMayBeIsRefusedBeforeItIsRead)
     return decoded ? "" : decoded.error().message;
   };
   EXPECT_EQ(refusal([](auto&) {}), "");
-  EXPECT_EQ(refusal([](auto& s) { s.news._buffer->accounts._length = 33; }),
+  EXPECT_EQ(refusal([](auto& s) { s.news._u.news.accounts._length = 33; }),
             "a sign of life with 33 accounts, of which 32 are the most");
-  EXPECT_EQ(refusal([](auto& s) { s.news._buffer->asked_about._length = 65; }),
+  EXPECT_EQ(refusal([](auto& s) { s.news._u.news.asked_about._length = 65; }),
             "a sign of life with 65 endpoints that are asked about, of which 64 are the most");
-  EXPECT_NE(refusal([](auto& s) { s.news._buffer->progress._length = UINT32_MAX; }), "");
-  EXPECT_NE(refusal([](auto& s) { s.news._buffer->writers._length = UINT32_MAX; }), "");
-  EXPECT_NE(refusal([](auto& s) { s.news._length = 2; }), "");
+  EXPECT_NE(refusal([](auto& s) { s.news._u.news.progress._length = UINT32_MAX; }), "");
+  EXPECT_NE(refusal([](auto& s) { s.news._u.news.writers._length = UINT32_MAX; }), "");
 }
 
 TEST(ControlCodecTest, AnAccountThatNeitherSideSaysIsRefused) {
