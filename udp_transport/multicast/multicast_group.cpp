@@ -32,7 +32,7 @@ std::shared_ptr<MulticastGroup> MulticastGroup::make(const Name& name, std::shar
                                                      std::vector<Member> members, std::uint16_t report_port) {
   std::shared_ptr<MulticastGroup> group(
       new MulticastGroup(name, std::move(lane), std::move(members), report_port));
-  group->lane_->tell(group);
+  group->lane_->end().tell(group);
   return group;
 }
 

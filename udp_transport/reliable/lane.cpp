@@ -23,7 +23,7 @@ LaneQueue::Limits beyond_depth(bool late, bool has_channel) {
 
 Lane::Lane(std::shared_ptr<Destination> to, std::size_t depth, std::shared_ptr<WriterTally> tally,
            Start start, std::shared_ptr<Channel> channel)
-    : to_(std::move(to)),
+    : end_(std::move(to)),
       late_(start == Start::held),
       channel_(std::move(channel)),
       tally_(std::move(tally)),
@@ -38,10 +38,10 @@ Lane::Posted Lane::post(JobHandle job) {
     posted = queue_up(job, oldest);
     dropped = dropped || oldest;
     if (oldest) count_lost(*oldest);
-    done_with(oldest, true);
+    end_.departed(oldest, true);
     if (posted) posted->dropped_oldest = dropped;
   }
-  done_with(job, true);
+  end_.departed(job, true);
   return *posted;
 }
 
@@ -70,7 +70,7 @@ void Lane::set_scheduled(bool scheduled) {
     scheduled ? busy.fetch_add(1, std::memory_order_relaxed) : busy.fetch_sub(1, std::memory_order_release);
   };
   note(tally_->busy_lanes);
-  if (leads_to_group_) note(tally_->busy_groups);
+  if (end_.is_group()) note(tally_->busy_groups);
 }
 
 bool Lane::has_room() {
@@ -78,27 +78,9 @@ bool Lane::has_room() {
   return queue_.has_room() && !closed();
 }
 
-void Lane::done_with(const JobHandle& job, bool lost) const {
-  if (const std::shared_ptr<LaneListener> listener = listener_.lock(); listener && job)
-    listener->departed(*job, lost);
-}
-
 bool Lane::is_clear() const {
-  const std::atomic<std::uint32_t>& others = leads_to_group_ ? tally_->busy_lanes : tally_->busy_groups;
+  const std::atomic<std::uint32_t>& others = end_.is_group() ? tally_->busy_lanes : tally_->busy_groups;
   return idle() && others.load(std::memory_order_acquire) == 0;
-}
-
-bool Lane::meets_in_a_group(const Lane& other) const {
-  if (!leads_to_group_ && !other.leads_to_group_) return false;
-  // Each listener is kept as long as its receivers are looked at.
-  const std::shared_ptr<LaneListener> listeners[] = {listener_.lock(), other.listener_.lock()};
-  const Destination* const own[] = {to_.get(), other.to_.get()};
-  const auto receivers = [&](std::size_t i) {
-    return listeners[i] ? listeners[i]->receivers() : std::span(&own[i], 1);
-  };
-  const std::span theirs = receivers(1);
-  return std::ranges::any_of(
-      receivers(0), [&](const Destination* to) { return std::ranges::find(theirs, to) != theirs.end(); });
 }
 
 bool Lane::has_room_for(const Job& job) const {
@@ -111,11 +93,11 @@ bool Lane::has_room_for(const Job& job) const {
 /// Returns true before the first report of the receiver, unless it is mute, and for a moment after the
 /// report.
 bool Lane::may_pile_up(Clock::time_point now) const {
-  return burst_.awaits_report() ? !to_->window().is_mute(now) : burst_.is_just_reported(now);
+  return burst_.awaits_report() ? !destination().window().is_mute(now) : burst_.is_just_reported(now);
 }
 
 void Lane::note_report(const Job& job) {
-  if (!to_->window().answers()) {
+  if (!destination().window().answers()) {
     burst_.await_report(job.is_small());
   } else if (burst_.awaits_report()) {
     burst_.reported(Clock::now());
@@ -170,7 +152,7 @@ void Lane::passed_on(std::uint64_t ordinal) {
 }
 
 const Job* Lane::next() {
-  done_with(current_.job, std::exchange(is_lost_, false));
+  end_.departed(current_.job, std::exchange(is_lost_, false));
   current_ = {};
   const core::Lock lock(mutex_);
   current_ = queue_.take();
@@ -192,7 +174,7 @@ void Lane::close() {
     dropped = queue_.clear();
   }
   for (std::uint64_t n = dropped.posted.begin(); n != dropped.posted.end(); ++n)
-    done_with(dropped.posted[n], true);
+    end_.departed(dropped.posted[n], true);
 }
 
 }  // namespace sft::udp

@@ -9,7 +9,6 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "core/seam/delivery.h"
@@ -18,23 +17,13 @@
 #include "udp_transport/outgoing/job.h"
 #include "udp_transport/outgoing/wake.h"
 #include "udp_transport/outgoing/writer_tally.h"
+#include "udp_transport/reliable/lane_end.h"
 #include "udp_transport/reliable/lane_queue.h"
 #include "udp_transport/reliable/unproven_burst.h"
 
 namespace sft::udp {
 
 class Channel;
-
-/// A listener is told of each job that a lane is done with. It calls nothing of the lane.
-class LaneListener {
- public:
-  virtual ~LaneListener() = default;
-  /// Any thread. `lost`: the job was not sent, or not all of it.
-  virtual void departed(const Job& job, bool lost) noexcept = 0;
-  /// Any thread. What goes through the lane comes to these instead of the lane's own destination; always the
-  /// same ones, as long as the listener is there.
-  virtual std::span<const Destination* const> receivers() const noexcept = 0;
-};
 
 class Lane {
  public:
@@ -47,23 +36,14 @@ class Lane {
   Lane(std::shared_ptr<Destination> to, std::size_t depth, std::shared_ptr<WriterTally> tally,
        Start start = Start::open, std::shared_ptr<Channel> channel = {});
 
-  /// Called before anything else.
-  void tell(std::weak_ptr<LaneListener> listener) {
-    listener_ = std::move(listener);
-    leads_to_group_ = true;
-  }
-
   // Any thread.
 
-  Destination& destination() const { return *to_; }
+  LaneEnd& end() { return end_; }
+  Destination& destination() const { return end_.destination(); }
   bool is_late() const { return late_; }
   /// The jobs of the lane go on through this channel; null: they go to the destination.
   Channel* channel() const { return channel_.get(); }
   const std::shared_ptr<Channel>& shared_channel() const { return channel_; }
-  bool leads_to_group() const { return leads_to_group_; }
-  /// Returns whether samples of both lanes come to the same receiver, to one of them at least as to a member
-  /// of a group.
-  bool meets_in_a_group(const Lane& other) const;
   /// Samples that were to go this way and did not.
   const std::shared_ptr<core::LossTally>& losses() const { return losses_; }
   /// No reader is there any more: queued jobs are dropped, and none is queued again.
@@ -122,19 +102,16 @@ class Lane {
   using Clock = std::chrono::steady_clock;
 
   void count_lost(const Job& job) const;
-  void done_with(const JobHandle& job, bool lost) const;
   void set_scheduled(bool scheduled) SFT_REQUIRES(mutex_);
   std::optional<Posted> queue_up(JobHandle& job, JobHandle& oldest);
   bool has_room_for(const Job& job) const SFT_REQUIRES(mutex_);
   bool may_pile_up(Clock::time_point now) const SFT_REQUIRES(mutex_);
   void note_report(const Job& job) SFT_REQUIRES(mutex_);
 
-  const std::shared_ptr<Destination> to_;
+  LaneEnd end_;
   const bool late_;  ///< began as held
   const std::shared_ptr<Channel> channel_;
   const std::shared_ptr<WriterTally> tally_;
-  std::weak_ptr<LaneListener> listener_;
-  bool leads_to_group_ = false;  ///< it has a listener
   const std::shared_ptr<core::LossTally> losses_ = std::make_shared<core::LossTally>();
   std::atomic<bool> busy_;  ///< scheduled_ or held_, as the publisher sees it
   std::atomic<bool> closed_{false};

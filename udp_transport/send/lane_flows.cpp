@@ -100,13 +100,14 @@ bool LaneFlows::must_wait(const SendFlow& flow) {
   return std::ranges::any_of(flows_, [&](const SendFlow& other) {
     if (!other.lane || !other.fragments || &other.lane->tally() != &flow.lane->tally()) return false;
     if (&other.lane->destination() == &to) return flow.size == Size::large && other.fragments->begun();
-    return is_older(other, flow) && other.lane->meets_in_a_group(*flow.lane) && !may_pass(flow, other);
+    return is_older(other, flow) && other.lane->end().meets_in_a_group(flow.lane->end()) &&
+           !may_pass(flow, other);
   });
 }
 
 /// A group does not stand still for long because one of its members does.
 bool LaneFlows::may_pass(const SendFlow& flow, const SendFlow& other) {
-  if (!flow.lane->leads_to_group() || other.lane->leads_to_group() || !other.stalled_since) return false;
+  if (!flow.lane->end().is_group() || other.lane->end().is_group() || !other.stalled_since) return false;
   const SendFlow::Time at = *other.stalled_since + member_stalls_max;
   if (SendFlow::Clock::now() >= at) return true;
   round_.by(at);

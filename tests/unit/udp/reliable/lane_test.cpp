@@ -272,7 +272,7 @@ struct NoGroup final : LaneListener {
 
 TEST_F(LaneTest, IsClearOnceNoGroupOfItsWriterHasSomethingToSend) {
   const auto group = std::make_shared<NoGroup>();
-  other_.tell(group);
+  other_.end().tell(group);
   EXPECT_TRUE(one_.is_clear());
   other_.post(job(1));
   EXPECT_FALSE(one_.is_clear());
@@ -284,7 +284,7 @@ TEST_F(LaneTest, IsClearOnceNoGroupOfItsWriterHasSomethingToSend) {
 
 TEST_F(LaneTest, OfAGroupIsClearOnceNoLaneOfItsWriterHasSomethingToSend) {
   const auto group = std::make_shared<NoGroup>();
-  other_.tell(group);
+  other_.end().tell(group);
   one_.post(job(1));
   EXPECT_FALSE(other_.is_clear());
   EXPECT_EQ(take_all(one_), Numbers{1});
@@ -314,7 +314,7 @@ struct Onlooker final : LaneListener {
 
 TEST_F(LaneTest, TellsWhatItLostWithoutKeepingOthersOut) {
   const auto listener = std::make_shared<Onlooker>(one_);
-  one_.tell(listener);
+  one_.end().tell(listener);
   for (std::uint32_t n = 1; n <= 4; ++n) one_.post(job(n));
   one_.close();
   one_.post(job(5));
