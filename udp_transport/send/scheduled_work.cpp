@@ -42,10 +42,12 @@ void ScheduledWork::close() {
   deferred_.reset();
 }
 
+/// Where nothing was added, memory is not exchanged either: so the publisher's thread finds memory as soon as
+/// something has been taken twice, however often the sending thread looked in vain.
 void ScheduledWork::take(Taken& taken) {
   const core::Lock lock(mutex_);
-  taken.lanes.swap(added_.lanes);
-  taken.channels.swap(added_.channels);
+  if (!added_.lanes.empty()) taken.lanes.swap(added_.lanes);
+  if (!added_.channels.empty()) taken.channels.swap(added_.channels);
 }
 
 void ScheduledWork::carry_out_all_deferred() {

@@ -34,8 +34,8 @@ class ScheduledWork {
     std::vector<std::shared_ptr<Lane>> lanes;
     std::vector<std::shared_ptr<Channel>> channels;
   };
-  /// Takes the lanes and channels that were added since the last call. `taken` is empty before; its memory is
-  /// used for what is added next.
+  /// Takes the lanes and channels that were added since the last call. `taken` is empty before; where
+  /// something is taken, its memory is used for what is added next.
   void take(Taken& taken);
   void carry_out_deferred() {
     if (any_deferred_.load(std::memory_order_acquire)) carry_out_all_deferred();

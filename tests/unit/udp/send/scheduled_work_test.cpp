@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <utility>
 
 #include "tests/unit/udp/send/sending.h"
 
@@ -42,6 +43,28 @@ TEST_F(ScheduledWorkTest, WakesTheSendingThreadForAChannel) {
   EXPECT_EQ(connections.woken(), 1U);
   EXPECT_EQ(take().channels.size(), 1U);
   EXPECT_TRUE(take().channels.empty());
+}
+
+TEST_F(ScheduledWorkTest, NeedsMemoryTwiceHoweverOftenThereIsNothingToTake) {
+  ScheduledWork::Taken taken;
+  const auto memory_of_next = [&] {
+    scheduled.add(lane());
+    scheduled.add(channel());
+    scheduled.take(taken);
+    const std::pair memory{taken.lanes.data(), taken.channels.data()};
+    taken.lanes.clear();
+    taken.channels.clear();
+    return memory;
+  };
+  for (int looks_in_vain = 0; looks_in_vain < 3; ++looks_in_vain) {
+    SCOPED_TRACE(looks_in_vain);
+    const auto first = memory_of_next();
+    for (int i = 0; i < looks_in_vain; ++i) scheduled.take(taken);
+    const auto second = memory_of_next();
+    EXPECT_NE(first, second);
+    EXPECT_EQ(memory_of_next(), first);
+    EXPECT_EQ(memory_of_next(), second);
+  }
 }
 
 TEST_F(ScheduledWorkTest, CarriesOutDeferredWorkOnce) {
