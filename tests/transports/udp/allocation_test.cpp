@@ -5,11 +5,15 @@
 
 #include <atomic>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "tests/support/process_allocations.h"
 #include "tests/transports/udp/endpoints.h"
+#include "tests/transports/udp/faulty_io.h"
 #include "udp_transport/udp_transport.h"
 
 namespace sft::udp {
@@ -27,10 +31,109 @@ class Counting final : public core::ArrivalListener {
   std::atomic<std::size_t> samples{0};
 };
 
+/// Loses all acks to one transport until they may pass.
+class AckGate {
+ public:
+  DatagramIo put_around(DatagramIo io) {
+    io.sender = std::make_unique<Gated>(std::move(io.sender), *this);
+    return io;
+  }
+  void open() { open_ = true; }
+  /// The sending thread has heard that all samples before this ordinal came, and has dealt with that.
+  std::uint64_t acknowledged() const { return acknowledged_; }
+
+ private:
+  class Gated final : public test::PassingSender {
+   public:
+    Gated(std::unique_ptr<DatagramSender> inner, AckGate& gate)
+        : PassingSender(std::move(inner)), gate_(gate) {}
+
+    Answer take_answer(std::span<std::byte> to) noexcept override {
+      for (;;) {
+        const Answer answer = PassingSender::take_answer(to);
+        const std::optional<Ack> ack = parse_ack(to.first(answer.bytes));
+        if (ack && !gate_.open_) continue;
+        if (ack) heard_ = ack->next;
+        return answer;
+      }
+    }
+    void await(std::chrono::steady_clock::time_point deadline) noexcept override {
+      gate_.acknowledged_ = heard_;
+      PassingSender::await(deadline);
+    }
+
+   private:
+    AckGate& gate_;
+    std::uint64_t heard_ = 0;
+  };
+
+  std::atomic<bool> open_{false};
+  std::atomic<std::uint64_t> acknowledged_{0};
+};
+
 struct Case {
   std::size_t bytes;
   bool reliable;
 };
+
+/// A writer and its reader, in one process.
+class Stream {
+ public:
+  Stream(Backend backend, const Case& of) : image_(test::make_image(of.bytes)) {
+    transport_ = open_udp_transport({.bind_address = INADDR_LOOPBACK, .backend = backend}, test::make_pool(),
+                                    [&](DatagramIo io) { return acks_.put_around(std::move(io)); })
+                     .value();
+    reader_ = transport_
+                  ->open_reader({.id = 1,
+                                 .type = &test::type_support<Image>(),
+                                 .depth = 8,
+                                 .listener = &listener_,
+                                 .doorbell = {}})
+                  .value();
+    listener_.reader = reader_.get();
+    reader_->accept({{.wanted = {fields<Image>("*")}}, {.wanted = {fields<Image>("data")}}});
+    writer_ = transport_->open_writer({7, &test::type_support<Image>()}).value();
+    EXPECT_TRUE(reader_->connect({.writer = 7, .reliable = of.reliable}));
+    core::Route route{1, test::loopback_address(*transport_), fields<Image>("data")};
+    route.reliable = of.reliable;
+    writer_->set_routes({route});
+  }
+
+  void send() {
+    const core::SampleHandle sample = pool_->take(test::sample_bytes(image_, all_));
+    test::fill(*sample, image_, all_, 7, ++sent_);
+    writer_->send(sample);
+  }
+  /// Sends so many samples, each once the one before has come.
+  void exchange(int samples) {
+    for (int i = 0; i < samples; ++i) {
+      const std::size_t before = came();
+      send();
+      const auto deadline =
+          std::chrono::steady_clock::now() + std::chrono::seconds(2);  // a lost one may be lost
+      while (came() == before && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();
+    }
+  }
+  std::size_t came() const { return listener_.samples; }
+
+  /// Returns true once the writer keeps nothing for repair. Before the call no ack comes through.
+  bool acknowledge_all() {
+    acks_.open();
+    return test::eventually([&] { return acks_.acknowledged() > sent_; });
+  }
+
+ private:
+  const Image image_;
+  const FieldMask all_ = fields<Image>("*");
+  const std::shared_ptr<core::BufferPool> pool_ = test::make_pool();
+  AckGate acks_;
+  Counting listener_;
+  std::uint64_t sent_ = 0;
+  std::unique_ptr<core::Network> transport_;
+  std::unique_ptr<core::NetworkReader> reader_;
+  std::unique_ptr<core::NetworkWriter> writer_;
+};
+
 class AllocationTest : public testing::TestWithParam<Case> {};
 
 INSTANTIATE_TEST_SUITE_P(Sizes, AllocationTest,
@@ -43,61 +146,30 @@ INSTANTIATE_TEST_SUITE_P(Sizes, AllocationTest,
 
 TEST_P(AllocationTest, HappensForNoSampleOnceBuffersHaveGrown) {
   for (const Backend backend : {Backend::automatic, Backend::sockets}) {
-    const auto transport =
-        open_udp_transport({.bind_address = INADDR_LOOPBACK, .backend = backend}, test::make_pool()).value();
-    Counting listener;
-    const auto reader = transport
-                            ->open_reader({.id = 1,
-                                           .type = &test::type_support<Image>(),
-                                           .depth = 8,
-                                           .listener = &listener,
-                                           .doorbell = {}})
-                            .value();
-    listener.reader = reader.get();
-    reader->accept({{.wanted = {fields<Image>("*")}}, {.wanted = {fields<Image>("data")}}});
-    const auto writer = transport->open_writer({7, &test::type_support<Image>()}).value();
-    ASSERT_TRUE(reader->connect({.writer = 7, .reliable = GetParam().reliable}));
-    core::Route route{1, test::loopback_address(*transport), fields<Image>("data")};
-    route.reliable = GetParam().reliable;
-    writer->set_routes({route});
-
-    const std::shared_ptr<core::BufferPool> pool = test::make_pool();
-    const Image image = test::make_image(GetParam().bytes);
-    const FieldMask all = fields<Image>("*");
-    // The memory that is kept for repair grows to the amount that the other end acknowledges at a time.
-    const std::uint64_t warm_up = GetParam().reliable && GetParam().bytes < 100'000 ? 2'500 : 50;
-    const auto send = [&](std::uint64_t sequence) {
-      const core::SampleHandle sample = pool->take(test::sample_bytes(image, all));
-      test::fill(*sample, image, all, 7, sequence);
-      writer->send(sample);
-    };
-    const auto exchange = [&](std::uint64_t sequence) {
-      const std::size_t before = listener.samples;
-      send(sequence);
-      const auto deadline =
-          std::chrono::steady_clock::now() + std::chrono::seconds(2);  // a lost one may be lost
-      while (listener.samples == before && std::chrono::steady_clock::now() < deadline)
-        std::this_thread::yield();
-    };
-    std::uint64_t sequence = 0;
-    while (sequence < warm_up) exchange(++sequence);
+    Stream stream(backend, GetParam());
+    constexpr int bursts = 5, at_once = 12, one_by_one = 10, measured = 200;
+    // An ack is heard as late as the sending thread gets a processor, and until then the writer keeps the
+    // samples for repair. So no ack comes through until as many samples are kept as follow. Then all of them
+    // are acknowledged, and from there on no more can be kept at a time than were before.
+    stream.exchange(GetParam().reliable ? bursts * (at_once + one_by_one) + measured : 50);
+    ASSERT_TRUE(!GetParam().reliable || stream.acknowledge_all());
     // A thread that has sent or received a sample may be kept from giving back what it took for that. More
     // than a few are never out at once here, so they are taken now.
-    for (int burst = 0; burst < 5; ++burst) {
-      for (int i = 0; i < 12; ++i) send(++sequence);
-      for (int i = 0; i < 10; ++i) exchange(++sequence);
+    for (int burst = 0; burst < bursts; ++burst) {
+      for (int i = 0; i < at_once; ++i) stream.send();
+      stream.exchange(one_by_one);
     }
-    const std::size_t came = listener.samples;
+    const std::size_t came = stream.came();
     sft::test::note_allocations();
     const std::uint64_t before = sft::test::process_allocations();
-    for (int i = 0; i < 200; ++i) exchange(++sequence);
+    stream.exchange(measured);
     const std::uint64_t allocations = sft::test::process_allocations() - before;
     // A large sample that comes slowly, and is sent reliably, may be asked for again: each request has a list
     // of gaps of its own.
     const bool may_be_asked_for = GetParam().reliable && GetParam().bytes > 100'000;
     EXPECT_LE(allocations, may_be_asked_for ? 19U : 0U);
     if (allocations != 0) sft::test::print_allocations();
-    EXPECT_GE(listener.samples - came, GetParam().reliable ? 200U : 150U);
+    EXPECT_GE(stream.came() - came, GetParam().reliable ? 200U : 150U);
   }
 }
 
