@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -104,6 +105,13 @@ class GroupKeeperTest : public testing::Test {
       ++times;
     }
     return times;
+  }
+  /// Goes on until the next plan. Returns for how long the keeper did not plan.
+  std::chrono::milliseconds time_until_plan() {
+    const auto since = now_;
+    while (go_on(1ms) == 0 && now_ - since < 10s) {
+    }
+    return std::chrono::floor<std::chrono::milliseconds>(now_ - since) - 1ms;
   }
   std::size_t members() const {
     std::size_t count = 0;
