@@ -7,9 +7,9 @@
 
 #include <atomic>
 #include <chrono>
+#include <limits>
 #include <memory>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -113,7 +113,7 @@ class Pair {
   std::size_t came_ = 0;
 };
 
-/// Each sample holds the thread up that receives for the reader.
+/// Each sample holds the thread up that receives for the reader, until the thread may go on.
 class SlowReader final : private core::ArrivalListener {
  public:
   SlowReader(core::Network& transport, core::EndpointId publisher) {
@@ -124,33 +124,49 @@ class SlowReader final : private core::ArrivalListener {
     port_->accept({{.wanted = {test::fields<test::Image>("*")}}});
     EXPECT_TRUE(port_->connect({.writer = publisher}));
   }
+  ~SlowReader() { let_go_of(std::numeric_limits<std::size_t>::max()); }
+  /// Up to the next sample.
+  void go_on() { let_go_of(came_); }
   std::size_t came() const { return came_; }
 
  private:
+  void let_go_of(std::size_t samples) {
+    let_go_ = samples;
+    let_go_.notify_all();
+  }
   void arrived() noexcept override {
     while (port_->take()) {
       ++came_;
-      std::this_thread::sleep_for(75ms);
+      for (std::size_t samples = let_go_; samples < came_; samples = let_go_) let_go_.wait(samples);
     }
   }
-  std::atomic<std::size_t> came_{0};
+  std::atomic<std::size_t> came_{0}, let_go_{0};
   std::unique_ptr<core::NetworkReader> port_;  // goes first: then nobody calls any more
 };
 
 /// Samples with the slow reader and without it take turns, so that both meet the same load of the machine.
+/// The slow reader does not go on before the fast one has five more.
 TEST_P(NetworkTest, KeepsThePaceOfAFastReaderBesideASlowOne) {
   Pair alone(open(), open()), beside(open(), open());
   const auto slow = open({.receive_buffer_bytes = 200'000});
-  const SlowReader slow_reader(*slow, beside.publisher());
+  SlowReader slow_reader(*slow, beside.publisher());
   alone.serve();
   beside.serve(slow.get());
   Clock::duration time_alone{}, time_beside{};
-  for (int i = 0; i < 20; ++i) {
+  const auto publish = [&] {
     time_alone += alone.time_of_one();
     time_beside += beside.time_of_one();
+  };
+  for (std::size_t held_up = 1; held_up <= 4; ++held_up) {
+    const auto slow_one_has_another = [&] {
+      publish();
+      return slow_reader.came() == held_up;
+    };
+    ASSERT_TRUE(test::eventually(slow_one_has_another));
+    for (int i = 0; i < 5; ++i) publish();
+    slow_reader.go_on();
   }
-  EXPECT_GT(slow_reader.came(), 0U);
-  EXPECT_LT(time_beside, 3 * time_alone + 400ms) << "the slow one takes 1.5 s for them";
+  EXPECT_LT(time_beside, 3 * time_alone + 400ms) << "the slow one waits for the fast one";
 }
 
 /// 1 Mbit/s, and behind it nobody answers.
