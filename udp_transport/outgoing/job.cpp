@@ -1,6 +1,7 @@
 #include "udp_transport/outgoing/job.h"
 
 #include <algorithm>
+#include <new>
 
 namespace sft::udp {
 
@@ -68,10 +69,25 @@ JobHandle JobPool::take() {
       if (spare_.capacity() <= jobs_) spare_.reserve(std::min(2 * jobs_ + 1, spare_max));
       job = std::make_unique<Job>();
       ++jobs_;
+      widen(*job);
     }
   }
   job->pool_ = shared_from_this();
   return JobHandle(job.release());
+}
+
+/// Any job may be the next one for any mask. If each grew by itself, memory would be allocated again and
+/// again until each job had been used for each mask. So all spare jobs grow as soon as one has: few samples
+/// later none allocates any more. What is out grows when it comes back.
+void JobPool::widen(Job& job) noexcept try {
+  const detail::Projection::Memory own = job.projection.memory();
+  const bool is_wider = !widest_.suffices_for(own);
+  widest_ = {std::max(widest_.staging_bytes, own.staging_bytes), std::max(widest_.segments, own.segments)};
+  if (jobs_ * widest_.bytes() > projections_bytes_max) return;
+  if (!own.suffices_for(widest_)) job.projection.reserve(widest_);
+  if (!is_wider) return;
+  for (const std::unique_ptr<Job>& spare : spare_) spare->projection.reserve(widest_);
+} catch (const std::bad_alloc&) {  // those that have too little grow when they are used
 }
 
 void JobPool::recycle(std::unique_ptr<Job> job) noexcept {
@@ -89,6 +105,7 @@ void JobPool::recycle(std::unique_ptr<Job> job) noexcept {
   job->packed_.clear();
   job->packed_bytes_ = 0;
   const core::Lock lock(mutex_);
+  widen(*job);
   if (spare_.size() < spare_max) {
     spare_.push_back(std::move(job));
   } else {

@@ -151,9 +151,13 @@ class JobPool : public std::enable_shared_from_this<JobPool> {
   friend struct Job;
   explicit JobPool(std::shared_ptr<KeptMemory> memory) : memory_(std::move(memory)) {}
   void recycle(std::unique_ptr<Job> job) noexcept;
+  void widen(Job& job) noexcept SFT_REQUIRES(mutex_);
 
   /// Many masks, a few samples each, or what a process acknowledges at a time.
   static constexpr std::size_t spare_max = 2048;
+  /// Spare jobs have as much memory for projections as any job ever needed, whichever mask it was for, unless
+  /// all jobs together would take more than this.
+  static constexpr std::size_t projections_bytes_max = std::size_t{4} << 20;
   /// Longer copies are not kept for the next job.
   static constexpr std::size_t spare_copy_bytes_max = 64 * 1024;
   /// Enough for what is on its way to readers that keep up, and a few more. Others on this host need the
@@ -165,6 +169,7 @@ class JobPool : public std::enable_shared_from_this<JobPool> {
   core::Mutex mutex_;
   std::vector<std::unique_ptr<Job>> spare_ SFT_GUARDED_BY(mutex_);  ///< with room for all that there are
   std::size_t jobs_ SFT_GUARDED_BY(mutex_) = 0;                     ///< that are out or spare
+  detail::Projection::Memory widest_ SFT_GUARDED_BY(mutex_);        ///< that a job has come back with
 };
 
 }  // namespace sft::udp

@@ -226,6 +226,12 @@ class Projection::Writer {
   std::size_t closed_ = 0;  ///< bytes in the staging buffer that segments contain
 };
 
+void Projection::reserve(const Memory& memory) {
+  segments_.clear();
+  segments_.reserve(memory.segments);
+  if (staging_.size() < memory.staging_bytes) staging_.resize(memory.staging_bytes);
+}
+
 bool Projection::project(const SampleState& source, const ProjectionPlan& plan) {
   segments_.clear();
   bytes_ = 0;

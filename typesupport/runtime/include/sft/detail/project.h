@@ -74,6 +74,21 @@ class Projection {
     return project(source, ProjectionPlan(type, mask));
   }
 
+  /// The memory of a projection, which grows with the masks and samples that it has seen.
+  struct Memory {
+    std::size_t staging_bytes = 0;
+    std::size_t segments = 0;
+
+    std::size_t bytes() const { return staging_bytes + segments * sizeof(Segment); }
+    bool suffices_for(const Memory& other) const {
+      return staging_bytes >= other.staging_bytes && segments >= other.segments;
+    }
+  };
+  Memory memory() const { return {staging_.size(), segments_.capacity()}; }
+  /// Takes at least so much memory: what another projection could project with it needs no more here. Ends
+  /// the validity of segments().
+  void reserve(const Memory& memory);
+
   /// The projected body, in order. Valid until the next project() and while the source lives.
   std::span<const Segment> segments() const { return segments_; }
   std::size_t bytes() const { return bytes_; }

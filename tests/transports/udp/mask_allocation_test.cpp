@@ -1,0 +1,98 @@
+// Counts every operator new of the process where each sample goes out under many masks, and waits in the
+// lanes of all of them. Nothing is sent here, so the same job comes to the same mask in each run.
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tests/support/process_allocations.h"
+#include "tests/unit/udp/connections.h"
+#include "tests/unit/udp/messages.h"
+#include "udp_transport/send/variant_sender.h"
+
+namespace sft::udp {
+namespace {
+
+using test::fields;
+using test::Image;
+
+constexpr std::size_t masks = 64, lane_depth = 2;
+
+/// The allocations of one call.
+template <class Act>
+std::uint64_t allocations_of(const Act& act) {
+  sft::test::note_allocations();
+  const std::uint64_t before = sft::test::process_allocations();
+  act();
+  const std::uint64_t allocations = sft::test::process_allocations() - before;
+  if (allocations != 0) sft::test::print_allocations();
+  return allocations;
+}
+
+/// A different set of fields for each number below 64.
+std::string fields_of(std::size_t number) {
+  std::string text;
+  for (const char* name : {"stamp.sec", "stamp.nanosec", "height", "width", "name", "data"}) {
+    if (number % 2 == 1) text += (text.empty() ? "" : ", ") + std::string(name);
+    number /= 2;
+  }
+  return text;
+}
+
+/// One reader for each mask, all behind a socket whose send buffers are full: a lane loses its oldest sample
+/// for each new one.
+class ManyMaskAllocations : public testing::Test {
+ protected:
+  ManyMaskAllocations() {
+    connections_.take_batches(0);
+    side_->max_sample_bytes = std::size_t{1} << 20;
+    for (std::size_t i = 0; i < masks; ++i) {
+      FieldMask mask = fields<Image>(fields_of(i));
+      const auto wire = std::make_shared<WireMask>(WireMask{static_cast<std::uint16_t>(i), mask.hash(), {}});
+      Audience& audience = audiences_.emplace_back(
+          Audience{detail::ProjectionPlan(type_.type(), std::move(mask)), nullptr, 0, false, wire, {}});
+      audience.lanes.push_back(std::make_shared<Lane>(to_, lane_depth, tally_));
+      audience.channels.emplace_back();
+    }
+    Image image = test::make_image(100'000);
+    image.name = std::string(3000, 'n');
+    const FieldMask all = fields<Image>("*");
+    sample_ = memory_->take(test::sample_bytes(image, all));
+    test::fill(*sample_, image, all, 7, 1);
+  }
+
+  /// Returns how many older samples had to go.
+  std::size_t send() {
+    std::size_t lost = 0;
+    for (const Audience& audience : audiences_) lost += sender_.send(audience, sample_);
+    return lost;
+  }
+
+  const TypeSupport& type_ = test::type_support<Image>();
+  std::shared_ptr<core::BufferPool> memory_ = core::BufferPool::make(std::size_t{1} << 20);
+  test::Connections connections_;
+  std::shared_ptr<SendSide> side_ =
+      std::make_shared<SendSide>(std::make_unique<test::NoSender>(connections_), DestinationLimits{});
+  std::shared_ptr<WriterTally> tally_ = std::make_shared<WriterTally>();
+  std::shared_ptr<Destination> to_ = side_->destinations.find({.ip = core::loopback_ipv4, .port = 1});
+  std::vector<Audience> audiences_;
+  VariantSender sender_{{.id = 7, .type = &type_}, side_, tally_, JobPool::make()};
+  core::SampleHandle sample_;
+};
+
+/// A job that one mask is done with is the next one's. So each job comes to all masks, but only after 64
+/// samples.
+TEST_F(ManyMaskAllocations, AreNoneOnceEachJobHasComeBackTwice) {
+  for (std::size_t lost = 0; lost < 2 * lane_depth * masks;) lost += send();
+  std::size_t lost = 0;
+  const std::uint64_t allocations = allocations_of([&] {
+    for (std::size_t i = 0; i < 2 * masks; ++i) lost += send();
+  });
+  EXPECT_EQ(allocations, 0U);
+  EXPECT_EQ(lost, 2 * masks * masks) << "each sample costs each lane one";
+}
+
+}  // namespace
+}  // namespace sft::udp
