@@ -4,13 +4,24 @@
 
 namespace sft::udp {
 
+namespace {
+/// Two lists change places with each take(). What one has grown to the other one gets at once, and not one
+/// doubling after the other when there are many again.
+template <class One>
+void add_to(std::vector<One>& list, One one, std::size_t& room) {
+  list.reserve(room);
+  list.push_back(std::move(one));
+  room = list.capacity();
+}
+}  // namespace
+
 void ScheduledWork::add(std::shared_ptr<Lane> lane) {
   bool first = false;
   {
     const core::Lock lock(mutex_);
     if (is_closed_) return;
     first = added_.lanes.empty();
-    added_.lanes.push_back(std::move(lane));
+    add_to(added_.lanes, std::move(lane), room_.lanes);
   }
   if (first) io_.wake();
 }
@@ -19,7 +30,7 @@ void ScheduledWork::add(std::shared_ptr<Channel> channel) {
   {
     const core::Lock lock(mutex_);
     if (is_closed_) return;
-    added_.channels.push_back(std::move(channel));
+    add_to(added_.channels, std::move(channel), room_.channels);
   }
   io_.wake();
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <memory>
 #include <vector>
 
@@ -31,8 +32,14 @@ class ScheduledWork {
   // The sending thread.
 
   struct Taken {
+    Taken() {
+      lanes.reserve(few);
+      channels.reserve(few);
+    }
     std::vector<std::shared_ptr<Lane>> lanes;
     std::vector<std::shared_ptr<Channel>> channels;
+
+    static constexpr std::size_t few = 16;  ///< for which nothing is ever allocated later
   };
   /// Takes the lanes and channels that were added since the last call. `taken` is empty before; where
   /// something is taken, its memory is used for what is added next.
@@ -42,12 +49,18 @@ class ScheduledWork {
   }
 
  private:
+  /// The lengths that these lists have grown to.
+  struct Room {
+    std::size_t lanes = 0, channels = 0;
+  };
+
   void carry_out_all_deferred();
 
   DatagramSender& io_;
   core::Mutex mutex_;
   bool is_closed_ SFT_GUARDED_BY(mutex_) = false;
   Taken added_ SFT_GUARDED_BY(mutex_);
+  Room room_ SFT_GUARDED_BY(mutex_);
   std::shared_ptr<DeferredWork> deferred_
       SFT_GUARDED_BY(mutex_);  ///< the last one; each knows the one before
   std::atomic<bool> any_deferred_{false};

@@ -10,6 +10,7 @@
 #include "tests/support/process_allocations.h"
 #include "tests/unit/udp/connections.h"
 #include "tests/unit/udp/messages.h"
+#include "tests/unit/udp/send/sending.h"
 #include "udp_transport/send/variant_sender.h"
 
 namespace sft::udp {
@@ -92,6 +93,41 @@ TEST_F(ManyMaskAllocations, AreNoneOnceEachJobHasComeBackTwice) {
   });
   EXPECT_EQ(allocations, 0U);
   EXPECT_EQ(lost, 2 * masks * masks) << "each sample costs each lane one";
+}
+
+/// The sending thread takes a list of lanes and leaves one that it has emptied.
+class ScheduledWorkAllocations : public testing::Test {
+ protected:
+  ScheduledWorkAllocations() {
+    for (std::size_t i = 0; i < masks; ++i) lanes_.push_back(sending_.lane());
+  }
+  void hand_over(std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) sending_.scheduled.add(lanes_[i]);
+    sending_.scheduled.take(taken_);
+    EXPECT_EQ(taken_.lanes.size(), count);
+    taken_.lanes.clear();
+  }
+
+  test::Sending sending_;
+  std::vector<std::shared_ptr<Lane>> lanes_;
+  ScheduledWork::Taken taken_;
+};
+
+TEST_F(ScheduledWorkAllocations, AreNoneForAFewLanesFromTheBeginning) {
+  EXPECT_EQ(allocations_of([&] {
+              for (int i = 0; i < 4; ++i) hand_over(ScheduledWork::Taken::few);
+            }),
+            0U);
+}
+
+TEST_F(ScheduledWorkAllocations, AreNoneOnceEachOfBothListsWasUsedSinceThereWereAsManyLanes) {
+  hand_over(masks);
+  hand_over(1);
+  hand_over(1);
+  EXPECT_EQ(allocations_of([&] {
+              for (int i = 0; i < 4; ++i) hand_over(masks);
+            }),
+            0U);
 }
 
 }  // namespace
