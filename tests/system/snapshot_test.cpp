@@ -1,5 +1,6 @@
 // node.snapshot(): that it names every pair, its path and its mask, and that its counts agree with each other
 // and with what was published and received.
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <vector>
@@ -243,8 +244,12 @@ TEST_P(NodeSnapshotTest, AsJsonItHasTheSameUnderStableNames) {
   auto sub = b.subscriber<PointCloud2, F::height>("points").value();
   auto stranger = b.subscriber<PointCloud2, F::height>("points", {.reliability = reliable}).value();
   expect_served(pub, 1);
-  ASSERT_TRUE(
-      eventually([&] { return pub.status().readers.size() == 2 && stranger.status().writers.size() == 1; }));
+  const auto is_connected = [](const auto& writer) { return writer.connected; };
+  // A reader tells its publisher that it is connected before its own status says so.
+  ASSERT_TRUE(eventually([&] {
+    return pub.status().readers.size() == 2 && stranger.status().writers.size() == 1 &&
+           std::ranges::any_of(sub.status().writers, is_connected);
+  }));
   pub.publish(cloud(1));
   const NodeSnapshot snapshot = a.snapshot();
   const auto json = nlohmann::json::parse(to_json(snapshot));
