@@ -255,7 +255,10 @@ class LiveStreams {
   void take(One& one) {
     while (const core::SampleHandle sample = one.inbox.take()) {
       const core::SampleOrigin origin{.sequence = sample->sequence, .numbering = sample->numbering};
-      if (!one.account.is_new(origin)) continue;
+      if (!one.account.is_new(origin)) {
+        one.account.refuse(origin);
+        continue;
+      }
       one.lost += one.account.enter(origin, core::RateKeeper::writer).lost;
       one.last = sample->sequence;
       // A sample without a channel carries only the low half of its sequence.
