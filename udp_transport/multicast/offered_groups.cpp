@@ -1,6 +1,7 @@
 #include "udp_transport/multicast/offered_groups.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "udp_transport/multicast/group_membership.h"
@@ -65,7 +66,8 @@ bool OfferedGroups::place(FirstHeader& first, Time now, const ChannelWatch* chan
       groups_, [&](const Offered& group) { return group.offer.group == first.group.group; });
   if (known == groups_.end()) return false;
   if (known->offer.channel != 0) {
-    if (channels != nullptr && channels->present() && !channels->knows(known->offer.channel)) {
+    const auto present = channels == nullptr ? std::nullopt : channels->present();
+    if (present && *present != known->offer.channel) {
       note(*known, true);
       return false;
     }

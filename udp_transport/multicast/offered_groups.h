@@ -26,8 +26,9 @@ class OfferedGroups {
   bool hear(const GroupOffer& offer, const SocketAddress& from, Time now);
 
   /// A first datagram came by a group: gives it its place in the channel, if it has one there. False if that
-  /// group was not offered, or with a channel that is none of those that `channels` knows while it knows
-  /// some: nothing can be said of it then, and it comes otherwise.
+  /// group was not offered, or with another channel than the one that is followed, if any is: the sample
+  /// comes otherwise then. However many samples of the group come, one offer alone says that they are of that
+  /// channel. They must not count as so many claims: the writer itself may be naming the true channel.
   bool place(FirstHeader& first, Time now, const ChannelWatch* channels = nullptr);
 
   /// Notes that a sample of that group has no position in the channel any more and had never arrived before,

@@ -53,8 +53,6 @@ class ChannelWatch {
   std::uint64_t turn(std::uint32_t channel, std::uint64_t next);
 
   const std::optional<std::uint32_t>& present() const { return present_; }
-  /// True if that channel is followed, or was before.
-  bool knows(std::uint32_t channel) const { return present_ == channel || former(channel) != nullptr; }
   /// The number that is `low` modulo `end`, a power of two: of a channel that is known, or else the nearest
   /// to the present one. Empty while no channel is known.
   std::optional<std::uint32_t> widen(std::uint32_t low, std::uint32_t end) const;

@@ -328,5 +328,28 @@ TEST_F(IncomingWriterTest, PutsSamplesOfAGroupIntoTheChannelByTheOfferOfThatGrou
   EXPECT_EQ(writer_->window()->samples().next(), 2U);
 }
 
+TEST_F(IncomingWriterTest, TurnsToTheChannelOfSamplesAlsoWhereAnOfferNamesAnotherOneForTheirGroup) {
+  read_reliably();
+  hear(1, 1);
+  const auto forge = [&](std::uint32_t channel) {
+    FirstHeader first = header(1, true);
+    first.channel.channel = channel;
+    receive(cut(first, 100));
+    EXPECT_TRUE(writer_->follows(channel));
+  };
+  forge(255);
+  writer_->groups().hear({short_id, 4, 9, home.port, private_groups | 1, 255, 0}, home, now_);
+  forge(1 << 20 | 1);
+  for (std::uint32_t n = 100; n < 130; ++n) {
+    FirstHeader by_group = header(n, false);
+    by_group.flags = group_follows;
+    by_group.group = {4, 0, n};
+    now_ += 10ms;
+    receive(cut(by_group, 100));
+    receive(sent(n, 100, true));
+  }
+  EXPECT_TRUE(writer_->follows(1));
+}
+
 }  // namespace
 }  // namespace sft::udp

@@ -304,10 +304,10 @@ TEST_F(ResyncOfChannels, GoOnWhereTheyLeftAChannelLast) {
 }
 
 TEST_F(ResyncOfChannels, RememberTheLastEightChannels) {
-  for (std::uint32_t channel = 101; channel <= 120; ++channel) watch.turn(channel, 1);
-  EXPECT_TRUE(watch.knows(120));
-  EXPECT_TRUE(watch.knows(112));
-  EXPECT_FALSE(watch.knows(111));
+  for (std::uint32_t channel = 101; channel <= 121; ++channel) watch.turn(channel, 7);
+  EXPECT_EQ(ChannelWatch(watch).turn(120, 1), 7U);
+  EXPECT_EQ(ChannelWatch(watch).turn(113, 1), 7U);
+  EXPECT_EQ(ChannelWatch(watch).turn(112, 1), 1U) << "this is taken for one that begins";
 }
 
 TEST_F(ResyncOfChannels, IgnoreThoseJustBefore) {
