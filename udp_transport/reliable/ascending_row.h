@@ -16,6 +16,13 @@ class AscendingRow {
     if (count_ == 1) since_ = now;
     last_ = sequence;
   }
+  /// Adds a datagram that belongs to the row whether it ascends or not. Returns true if it ascends.
+  bool add_in_any_order(std::uint64_t sequence, Time now) {
+    const bool ascends = count_ > 0 && sequence > last_;
+    if (count_++ == 0) since_ = now;
+    last_ = sequence;
+    return ascends;
+  }
   /// The next datagram begins another row.
   void end() { count_ = 0; }
 

@@ -60,6 +60,7 @@ void SequenceWatch::advance(const Claim& claim, Time now) {
   advanced_at_ = now;
   doubted_ = 0;
   late_.end();
+  later_.end();
   repairs_.end();
 }
 
@@ -97,9 +98,17 @@ bool SequenceWatch::note_late(const Claim& claim, Time now) {
   if (sequence == newest_ || claim.datagram == last_late_datagram_) return false;
   last_late_datagram_ = claim.datagram;
   late_.add(sequence, now);
-  const bool is_later = claim.stamp_ns > newest_stamp_ns_ || newest_ - sequence > reach || is_younger(claim);
-  const bool are_enough = late_.count() >= late_in_a_row || (late_.count() >= 2 && is_later);
-  return are_enough && late_.lasts(now) >= newest_doubted_after;
+  const bool is_far = newest_ - sequence > reach;
+  const bool are_enough = late_.count() >= late_in_a_row || (late_.count() >= 2 && is_far);
+  return note_later(claim, now) || (are_enough && late_.lasts(now) >= newest_doubted_after);
+}
+
+/// Counts those late ones that were published after the newest one, by their stamps. Their order means
+/// nothing: repairs of samples before them may come between them. But the numbering goes on with a new one.
+bool SequenceWatch::note_later(const Claim& claim, Time now) {
+  if (claim.stamp_ns <= newest_stamp_ns_ && !is_younger(claim)) return false;
+  const bool ascends = later_.add_in_any_order(claim.sequence, now);
+  return ascends && later_.lasts(now) >= newest_doubted_after;
 }
 
 /// By its stamp it was published after the newest one came, whatever the stamp of that one says.

@@ -27,8 +27,9 @@ class SequenceWatch {
   /// than after that time: what was held up on the way comes all at once.
   static constexpr std::uint32_t late_in_a_row = 64;
   static constexpr std::chrono::milliseconds newest_doubted_after{250};
-  /// Two of them that are so far apart are enough if their stamps are later than that of the newest one, or
-  /// they are out of its reach: samples that a slow path brings late are older than the newest one.
+  /// Two of them that are so far apart are enough if their stamps are later than that of the newest one,
+  /// whatever older ones come between them, or if they are out of its reach: samples that a slow path brings
+  /// late are older than the newest one.
   /// A repetition of the same sequence confirms it if it comes so much later: the writer sent it twice.
   static constexpr std::chrono::milliseconds repeated_after{10};
 
@@ -66,6 +67,7 @@ class SequenceWatch {
   void begin_anew(const Claim& claim, Time now);
   bool confirmed(const Claim& claim, Time now);
   bool note_late(const Claim& claim, Time now);
+  bool note_later(const Claim& claim, Time now);
   bool is_younger(const Claim& claim) const;
   bool note_repair(const Claim& claim, Time now);
 
@@ -88,6 +90,7 @@ class SequenceWatch {
   std::uint64_t doubted_datagram_ = 0;
   Time doubted_at_{};
   AscendingRow late_;
+  AscendingRow later_;    ///< of the late ones those with later stamps, in any order
   AscendingRow repairs_;  ///< datagrams that look like repairs
   std::uint64_t last_late_datagram_ = 0;
   bool newest_was_wrong_ = false;

@@ -80,6 +80,30 @@ TEST_F(ResyncOfSequences, BeginsAnewWhereLateSamplesAscendAndNothingNewComes) {
   EXPECT_EQ(watch.newest(), 102U);
 }
 
+TEST_F(ResyncOfSequences, BeginsAnewAlsoWhereRepairsComeBetweenTheNewSamples) {
+  believes(100);
+  believes(205);
+  const std::int64_t before_it = stamp_ns - 1;
+  for (const std::uint64_t n : {1U, 2U}) {
+    now += 250ms;
+    EXPECT_TRUE(watch.believes({40 + n, 0, ++datagram, before_it}, now)) << "was published before it";
+    EXPECT_TRUE(believes(100 + n));
+    EXPECT_EQ(watch.numbering(), n - 1);
+  }
+  EXPECT_EQ(watch.newest(), 102U);
+}
+
+TEST_F(ResyncOfSequences, BeginsAnewWithANewSampleAndNotWithARepair) {
+  believes(100);
+  believes(205);
+  believes(110);
+  now += 250ms;
+  believes(101);
+  EXPECT_EQ(watch.numbering(), 0U);
+  believes(111);
+  EXPECT_EQ(watch.newest(), 111U);
+}
+
 TEST_F(ResyncOfSequences, StaysWithTheNewestWhereASlowPathBringsOlderSamplesLate) {
   believes(100);
   const std::int64_t before_the_newest = stamp_ns;
