@@ -23,45 +23,47 @@ std::uint64_t reach_after(SequenceWatch::Time::duration silence) {
 
 bool SequenceWatch::judge(const Claim& claim, Time now) {
   const std::uint64_t sequence = claim.sequence;
-  if (newest_ == 0) {
+  if (newest() == 0) {
     advance(claim, now);
     return true;
   }
-  if (sequence > newest_) {
-    if (sequence - newest_ <= reach_after(now - advanced_at_)) {
+  if (sequence > newest()) {
+    if (sequence - newest() <= reach_after(now - advanced_at_)) {
       advance(claim, now);
       return true;
     }
-  } else if (newest_ - sequence <= reach_back) {
-    const bool is_repair = claim.place != 0 && claim.place < newest_place_ && !is_younger(claim);
+  } else if (newest() - sequence <= reach_back) {
+    const bool is_repair = claim.place != 0 && claim.place < newest_.place && !is_younger(claim);
     const bool begins_anew = is_repair ? note_repair(claim, now) : note_late(claim, now);
     if (begins_anew) begin_anew(claim, now);
     newest_was_wrong_ = begins_anew && !is_repair;
     return true;
   }
   if (!confirmed(claim, now)) return false;
-  newest_was_wrong_ = sequence < newest_;
+  newest_was_wrong_ = sequence < newest();
   begin_anew(claim, now);
   return true;
 }
 
 void SequenceWatch::advance(const Claim& claim, Time now) {
-  const bool is_small = claim.sequence > newest_ && claim.sequence - newest_ <= small_step;
-  small_steps_ = is_small ? small_steps_ + 1 : 0;
-  if (small_steps_ >= steady_steps) {
-    steady_ = claim.sequence;
-    steady_stamp_ns_ = claim.stamp_ns;
-    steady_at_ = now;
-    ++advances_;
-  }
-  newest_ = claim.sequence;
-  newest_place_ = claim.place;
-  newest_stamp_ns_ = claim.stamp_ns;
+  if (claim.datagram != newest_.datagram) count_step(claim, now);
+  newest_ = claim;
   advanced_at_ = now;
   doubted_ = 0;
   late_.end();
   later_.end();
   repairs_.end();
+}
+
+/// The samples of one packed datagram are one step: its stamp would else be taken for true at once.
+void SequenceWatch::count_step(const Claim& claim, Time now) {
+  const bool is_small = claim.sequence > newest() && claim.sequence - newest() <= small_step;
+  small_steps_ = is_small ? small_steps_ + 1 : 0;
+  if (small_steps_ < steady_steps) return;
+  steady_ = claim.sequence;
+  steady_stamp_ns_ = claim.stamp_ns;
+  steady_at_ = now;
+  ++advances_;
 }
 
 void SequenceWatch::begin_anew(const Claim& claim, Time now) {
@@ -76,7 +78,7 @@ void SequenceWatch::begin_anew(const Claim& claim, Time now) {
 
 std::uint64_t SequenceWatch::widen(std::uint32_t low) const {
   const std::uint64_t goes_on = widen_sequence(before_, low);
-  return before_ != 0 && distance(goes_on, before_) <= reach ? goes_on : widen_sequence(newest_, low);
+  return before_ != 0 && distance(goes_on, before_) <= reach ? goes_on : widen_sequence(newest(), low);
 }
 
 bool SequenceWatch::confirmed(const Claim& claim, Time now) {
@@ -95,10 +97,10 @@ bool SequenceWatch::confirmed(const Claim& claim, Time now) {
 /// True if the newest sequence must have been wrong. The newest one itself, in another variant, is not late.
 bool SequenceWatch::note_late(const Claim& claim, Time now) {
   const std::uint64_t sequence = claim.sequence;
-  if (sequence == newest_ || claim.datagram == last_late_datagram_) return false;
+  if (sequence == newest() || claim.datagram == last_late_datagram_) return false;
   last_late_datagram_ = claim.datagram;
   late_.add(sequence, now);
-  const bool is_far = newest_ - sequence > reach;
+  const bool is_far = newest() - sequence > reach;
   const bool are_enough = late_.count() >= late_in_a_row || (late_.count() >= 2 && is_far);
   return note_later(claim, now) || (are_enough && late_.lasts(now) >= newest_doubted_after);
 }
@@ -106,7 +108,7 @@ bool SequenceWatch::note_late(const Claim& claim, Time now) {
 /// Counts those late ones that were published after the newest one, by their stamps. Their order means
 /// nothing: repairs of samples before them may come between them. But the numbering goes on with a new one.
 bool SequenceWatch::note_later(const Claim& claim, Time now) {
-  if (claim.stamp_ns <= newest_stamp_ns_ && !is_younger(claim)) return false;
+  if (claim.stamp_ns <= newest_.stamp_ns && !is_younger(claim)) return false;
   const bool ascends = later_.add_in_any_order(claim.sequence, now);
   return ascends && later_.lasts(now) >= newest_doubted_after;
 }

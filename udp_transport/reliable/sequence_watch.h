@@ -44,7 +44,7 @@ class SequenceWatch {
   };
   /// Returns true if a sample that claims this may be delivered.
   bool believes(const Claim& claim, Time now) {
-    const bool is_next = newest_ != 0 && claim.sequence > newest_ && claim.sequence - newest_ <= reach;
+    const bool is_next = newest() != 0 && claim.sequence > newest() && claim.sequence - newest() <= reach;
     if (!is_next) [[unlikely]]
       return judge(claim, now);
     advance(claim, now);
@@ -54,7 +54,7 @@ class SequenceWatch {
   /// unless it goes on with what was believed for long before that.
   std::uint64_t widen(std::uint32_t low) const;
 
-  std::uint64_t newest() const { return newest_; }
+  std::uint64_t newest() const { return newest_.sequence; }
   /// Tells of a numbering that has just begun anew whether everything above it was certainly wrong. If all of
   /// that looked like repairs, it may have been right.
   bool newest_was_wrong() const { return newest_was_wrong_; }
@@ -64,6 +64,7 @@ class SequenceWatch {
  private:
   bool judge(const Claim& claim, Time now);
   void advance(const Claim& claim, Time now);
+  void count_step(const Claim& claim, Time now);
   void begin_anew(const Claim& claim, Time now);
   bool confirmed(const Claim& claim, Time now);
   bool note_late(const Claim& claim, Time now);
@@ -71,14 +72,12 @@ class SequenceWatch {
   bool is_younger(const Claim& claim) const;
   bool note_repair(const Claim& claim, Time now);
 
-  std::uint64_t newest_ = 0;  ///< 0: none yet
-  std::uint64_t newest_place_ = 0;
-  std::int64_t newest_stamp_ns_ = 0;
+  Claim newest_{};  ///< its sequence is 0: none yet
   Time advanced_at_{};
   static constexpr std::uint32_t advances_counted_max = 1000;
   static constexpr std::uint64_t small_step = 64;
   static constexpr std::uint32_t steady_steps = 4;
-  std::uint32_t small_steps_ = 0;  ///< in a row
+  std::uint32_t small_steps_ = 0;  ///< in a row, from datagram to datagram
   std::uint64_t steady_ = 0;       ///< the newest one that was reached by small steps in a row
   std::int64_t steady_stamp_ns_ = 0;
   Time steady_at_{};

@@ -176,6 +176,23 @@ TEST_F(ResyncOfSequences, KnowsByTheirStampsWhatWasPublishedAfterAWrongSequenceC
   EXPECT_TRUE(watch.newest_was_wrong());
 }
 
+TEST_F(ResyncOfSequences, BelievesNoStampForTheSamplesOfOneDatagramOnly) {
+  const auto claim = [&](std::uint64_t sequence, std::chrono::nanoseconds stamp) {
+    return watch.believes({sequence, 0, datagram, stamp.count()}, now);
+  };
+  for (std::uint64_t n = 1; n <= 10; ++n, now += 10ms) {
+    ++datagram;
+    claim(n, n * 10ms);
+  }
+  ++datagram;
+  for (std::uint64_t n = 300; n <= 310; ++n) claim(n, 24h * 365);  // nobody publishes at that time
+  for (std::uint64_t n = 11; n <= 40; ++n, now += 10ms) {
+    ++datagram;
+    claim(n, n * 10ms);
+  }
+  EXPECT_EQ(watch.newest(), 40U);
+}
+
 TEST_F(ResyncOfSequences, DoesNotTakeSamplesThatOvertookForOne) {
   believes(1'000);
   for (std::uint64_t i = 1; i < 200; ++i) {
