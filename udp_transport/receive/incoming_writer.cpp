@@ -201,7 +201,7 @@ Arrival IncomingWriter::accept_first(const Datagram& d, const WantedMasks::Named
 
   core::SampleHandle buffer;
   if (const Refusal why = describe(d, named, met.place, buffer); why != Refusal::none)
-    return refuse(d, met.place, why);
+    return refuse(d, met.place, why, now.steady);
   const bool is_whole = sample == nullptr && d.payload.size() == d.first.total;
   if (!is_whole) return begin(d, sample, met.place, std::move(buffer), now);
   const std::size_t body_offset = detail::SampleLayout(facts_.type->slots()).body_offset;
@@ -348,10 +348,12 @@ std::size_t IncomingWriter::reserved_for_first_missing() const {
 }
 
 /// A sample that is sent reliably comes again if only the memory for it is missing now.
-Arrival IncomingWriter::refuse(const Datagram& d, std::uint64_t place, Refusal why) {
+Arrival IncomingWriter::refuse(const Datagram& d, std::uint64_t place, Refusal why, Time now) {
   core::Transport::Counters& counters = shared_.counters;
   const Arrival nothing{{}, facts_.stream_index, place != 0};
-  if (place != 0 && why == Refusal::over_limit && d.first.total <= facts_.sample_bytes) {
+  const bool lacks_memory = why == Refusal::over_limit && d.first.total <= facts_.sample_bytes;
+  if (lacks_memory) shared_.note_refused(now);
+  if (place != 0 && lacks_memory) {
     ++counters.over_limit;
     return nothing;
   }
@@ -403,7 +405,8 @@ void IncomingWriter::answer(Time now, const SendAck& send) {
   };
   std::vector<ArrivedSamples::Gap> gaps;
   const std::size_t askable = std::min(asked_at_once_max, answers_.parts_covered());
-  if (askable > 0 && now >= window_->next_look()) gaps = window_->samples().due_gaps(now, came_at, askable);
+  if (askable > 0 && now >= window_->next_look())
+    gaps = window_->samples().due_gaps(now, came_at, askable, shared_.is_short(now));
   drop_abandoned();
   if (gaps.empty() && !window_->ack_due()) return;
   Ack ack = window_->ack(facts_.short_id());

@@ -132,7 +132,7 @@ class IncomingWriter {
                    core::SampleHandle& buffer);
   core::SampleHandle take_buffer(const Datagram& d, std::uint64_t place);
   std::size_t reserved_for_first_missing() const;
-  Arrival refuse(const Datagram& d, std::uint64_t place, Refusal why);
+  Arrival refuse(const Datagram& d, std::uint64_t place, Refusal why, Time now);
   void drop(const SampleLabel& label, std::uint64_t& counter);
   void drop_abandoned();
 

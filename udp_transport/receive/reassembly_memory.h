@@ -50,6 +50,11 @@ class ReassemblyMemory {
   /// others send nor those that subscribers keep may silence its publishers.
   std::size_t reserved_for_publishers() const { return pool->limit_bytes() / 4; }
 
+  /// There was no memory for a sample.
+  void note_refused(Time now) { refused_at_ = now; }
+  /// There was none lately: what is not used must not keep it.
+  bool is_short(Time now) const { return now - refused_at_ < limits.channel.claim_patience; }
+
   /// The time when the next unfinished sample may have to be dropped; empty while there are none.
   const std::optional<Time>& next_expiry() const { return next_expiry_; }
   void set_next_expiry(const std::optional<Time>& time) { next_expiry_ = time; }
@@ -67,6 +72,7 @@ class ReassemblyMemory {
   std::vector<UnfinishedSamples::Handle> recycled_;
   std::size_t unfinished_ = 0;  ///< samples of all writers
   std::size_t parked_bytes_ = 0;
+  Time refused_at_{};
   std::optional<Time> next_expiry_;
 };
 

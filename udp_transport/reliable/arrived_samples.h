@@ -85,9 +85,10 @@ class ArrivedSamples {
 
   /// Returns the gaps that have lasted so long that the samples are to be asked for now. `came_at(label)`
   /// tells when the last part of a sample arrived. At most `gaps_max` are asked for at a time: others as
-  /// these come.
+  /// these come. Samples that have begun are given back if nothing gets any further, or where memory is
+  /// short: what began them may have claimed much, and not have been true.
   template <class CameAt>
-  std::vector<Gap> due_gaps(Time now, const CameAt& came_at, std::size_t gaps_max);
+  std::vector<Gap> due_gaps(Time now, const CameAt& came_at, std::size_t gaps_max, bool memory_is_short);
   /// Has somebody call due_gaps() at that time.
   void look_at(Time time) { schedule_.look_at(time, slots_.size()); }
   RepairSchedule& schedule() { return schedule_; }
@@ -131,7 +132,7 @@ class ArrivedSamples {
 
 template <class CameAt>
 std::vector<ArrivedSamples::Gap> ArrivedSamples::due_gaps(Time now, const CameAt& came_at,
-                                                          std::size_t gaps_max) {
+                                                          std::size_t gaps_max, bool memory_is_short) {
   std::vector<Gap> gaps;
   std::size_t awaited = 0;  // asked for, and it is too early to ask again
   schedule_.begin_look(now);
@@ -143,7 +144,8 @@ std::vector<ArrivedSamples::Gap> ArrivedSamples::due_gaps(Time now, const CameAt
     Slot& slot = slots_[place];
     if (slot.settled()) continue;
     Time came = slot.state == State::begun ? came_at(slot.label) : Time{};
-    if (stuck && slot.state == State::begun && schedule_.has_lost_patience(came, now)) {
+    const bool must_go_on = stuck || memory_is_short;
+    if (must_go_on && slot.state == State::begun && schedule_.has_lost_patience(came, now)) {
       give_back(place, now);
       came = Time{};
     }

@@ -63,7 +63,8 @@ class RepairSchedule {
   /// Returns true if nothing that has begun gets any further, although the writer is heard: the first missing
   /// sample, whose last part came at `first_came`, is still the one at `next`.
   bool is_stuck(std::uint64_t next, Time first_came, Time now);
-  /// Returns true if a sample whose last part came at that time is to begin anew while is_stuck().
+  /// Returns true if a sample whose last part came at that time is to begin anew while is_stuck(), or while
+  /// memory is short.
   bool has_lost_patience(Time came, Time now) const { return now - came >= limits_.claim_patience; }
 
   /// Somebody looks now at what is missing.

@@ -34,9 +34,9 @@ class IncomingWriterTest : public sft::test::RandomTest {
  protected:
   IncomingWriterTest() { restart({}); }
 
-  void restart(const ReassemblyLimits& limits) {
+  void restart(const ReassemblyLimits& limits, std::size_t memory_bytes = std::size_t{64} << 20) {
     writer_.reset();
-    shared_ = std::make_unique<ReassemblyMemory>(limits, core::BufferPool::make(std::size_t{64} << 20));
+    shared_ = std::make_unique<ReassemblyMemory>(limits, core::BufferPool::make(memory_bytes));
     writer_ = make_writer();
   }
   std::unique_ptr<IncomingWriter> make_writer() {
@@ -326,6 +326,19 @@ TEST_F(IncomingWriterTest, PutsSamplesOfAGroupIntoTheChannelByTheOfferOfThatGrou
   EXPECT_TRUE(arrival.sample);
   EXPECT_TRUE(arrival.in_channel);
   EXPECT_EQ(writer_->window()->samples().next(), 2U);
+}
+
+TEST_F(IncomingWriterTest, GivesBackMemoryThatSomeSampleClaimedAndDoesNotUseWhereItIsShort) {
+  restart({}, 500'000);
+  read_reliably();
+  hear(1, 1);
+  for (std::uint32_t n = 11; n <= 20; ++n) receive(sent(n, 90'000, true).front());
+  for (std::uint32_t n = 1; n <= 4; ++n) {
+    ask(100ms);
+    receive(sent(n, 100, true));  // so nothing is stuck
+    receive(sent(7, 90'000, true));
+  }
+  EXPECT_EQ(taken(), (Sequences{1, 2, 3, 7, 4})) << "the others made no progress for 300 ms";
 }
 
 TEST_F(IncomingWriterTest, TurnsToTheChannelOfSamplesAlsoWhereAnOfferNamesAnotherOneForTheirGroup) {

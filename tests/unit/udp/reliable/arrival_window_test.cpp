@@ -57,7 +57,7 @@ class ArrivalWindowTest : public testing::Test {
   Numbers asks(std::size_t at_once_max = 100) {
     Numbers ordinals;
     for (const auto& gap : window.samples().due_gaps(
-             now, [&](const SampleLabel&) { return came_at; }, at_once_max))
+             now, [&](const SampleLabel&) { return came_at; }, at_once_max, false))
       ordinals.push_back(window.ordinal_of(gap.place));
     return ordinals;
   }
