@@ -136,6 +136,8 @@ class SocketSender final : public DatagramSender {
         answers_(std::move(answers)),
         wake_event_(std::move(wake_event)) {
     shared_->socket = std::move(socket);
+    shared_->waiting.reserve(waiting_foreseen);
+    polled_.reserve(2 + waiting_foreseen);
   }
 
   std::uint16_t answer_port() const noexcept override { return answers_ == nullptr ? 0 : answers_->port; }
@@ -187,6 +189,9 @@ class SocketSender final : public DatagramSender {
   void wake() noexcept override { ::eventfd_write(wake_event_.get(), 1); }
 
  private:
+  /// So many connections may be full at a time before memory is taken for that.
+  static constexpr std::size_t waiting_foreseen = 64;
+
   const std::shared_ptr<Shared> shared_;
   const std::shared_ptr<const UdpSocket> answers_;  ///< may be null
   const FileDescriptor wake_event_;
