@@ -67,6 +67,8 @@ class UdpTransport final : public core::Network {
     return receiver_->broken() ? core::Availability::unavailable : core::Availability::ready;
   }
 
+  std::chrono::steady_clock::time_point next_poll() const override { return send_side_->writers.next(); }
+
   std::string description() const override {
     if (!receiver_->broken()) return description_;
     return description_ + ": the system refused to go on receiving; open the transport again";

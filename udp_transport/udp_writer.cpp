@@ -87,12 +87,15 @@ bool UdpWriter::history_sent(core::EndpointId reader) noexcept {
 void UdpWriter::set_routes(std::vector<core::Route> routes) {
   asked_for_ = std::move(routes);
   make_table();
-  keeper_.tend(std::chrono::steady_clock::now());  // whoever is in a group from now on should hear that soon
+  const Time now = std::chrono::steady_clock::now();
+  keeper_.tend(now);  // whoever is in a group from now on should hear that soon
+  side_->writers.tend_by(keeper_.next_duty(now));
 }
 
-void UdpWriter::tend(std::chrono::steady_clock::time_point now) {
+Tended::Time UdpWriter::tend(Time now) {
   if (keeper_.replan(now) || channels_.some_went_wrong()) make_table();
   keeper_.tend(now);
+  return keeper_.next_duty(now);
 }
 
 void UdpWriter::make_table() {

@@ -41,7 +41,7 @@ class UdpWriter final : public core::NetworkWriter, private Tended {
   void miss_begun() noexcept override;
   void hold(core::BatchPatience patience) noexcept override;
   std::size_t flush() noexcept override;
-  void tend(std::chrono::steady_clock::time_point now) override;
+  Time tend(Time now) override;
   void make_table();
   void greet_receivers(const RouteTable& table);
   std::size_t own_variants(const core::SampleBuffer& sample) const noexcept;

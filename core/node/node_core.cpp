@@ -56,7 +56,7 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
                          node->news_of_endpoints());
   Reconciler* const reconciler = node->reconciler_.get();
   const Agent::Duties duties{.tick = [reconciler] { return reconciler->tick(); },
-                             .idle = [reconciler] { reconciler->reconcile(); }};
+                             .idle = [reconciler] { return reconciler->reconcile(); }};
   const Result<void> started = node->agent_.start({"agent " + options.name, options.threads.agent}, duties);
   if (!started) return tl::unexpected(started.error());
   return node;

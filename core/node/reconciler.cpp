@@ -135,7 +135,7 @@ std::chrono::milliseconds Reconciler::tick(Time now) {
   reconcile();
   log_.tick(now);
   const bool hurry = hurried_ticks_ > 0 && hurried_ticks_ <= hurried_ticks_max;
-  return hurry ? tick_while_attaching : pace();
+  return hurry ? tick_while_attaching : pace(now);
 }
 
 void Reconciler::look_after_memory(Time now) {
@@ -209,15 +209,17 @@ void Reconciler::tell_of_life(std::vector<EndpointId> living, Time now) {
   liveliness_asserted(sign);  // our own readers
 }
 
-/// The time until the next tick: not longer than a deadline or a lease can wait.
-std::chrono::milliseconds Reconciler::pace() const {
+/// The time until the next tick: not longer than a deadline, a lease or the network can wait.
+std::chrono::milliseconds Reconciler::pace(Time now) const {
   std::chrono::nanoseconds pace = tick_quiet;
+  if (const Time next = transports_.next_look_at_network(); next - now < pace)
+    pace = std::chrono::ceil<std::chrono::milliseconds>(next - now);
   for (const auto& [id, writer] : ours_.writers) pace = std::min(pace, writer.pace().value_or(pace));
   for (const auto& [id, reader] : ours_.readers) pace = reader.pace(pace);
   return std::max(std::chrono::duration_cast<std::chrono::milliseconds>(pace), tick_shortest);
 }
 
-void Reconciler::reconcile() {
+std::chrono::milliseconds Reconciler::reconcile() {
   const Time now = std::chrono::steady_clock::now();
   for (const EndpointId id : control_watch_.take_contested(now)) {
     outbox_.announce(id, now);
@@ -227,6 +229,7 @@ void Reconciler::reconcile() {
   settle();
   for (auto& [id, writer] : ours_.writers) writer.tell_events();
   for (auto& [id, reader] : ours_.readers) reader.tell_events();
+  return pace(now);
 }
 
 /// Goes on until nothing changes any more: what our readers are connected to is news to our own writers.

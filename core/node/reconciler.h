@@ -57,7 +57,8 @@ class Reconciler {
   /// Looks after the transports and after what changes with time; returns when to be called again.
   std::chrono::milliseconds tick(Time now = std::chrono::steady_clock::now());
   /// To be called after any of the above: makes what has changed come true.
-  void reconcile();
+  /// Returns the time until tick() must be called, like tick().
+  std::chrono::milliseconds reconcile();
 
   /// All endpoints that are known and not lost, ours too. Valid until the next event.
   std::vector<const Endpoint*> endpoints() const { return negotiation_.table().present(); }
@@ -80,7 +81,7 @@ class Reconciler {
   bool look_after_connections();
   void announce_all();
   void settle();
-  std::chrono::milliseconds pace() const;
+  std::chrono::milliseconds pace(Time now) const;
 
   Discovery& discovery_;
   Dispatcher& dispatcher_;

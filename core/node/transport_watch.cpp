@@ -57,6 +57,10 @@ TransportWatch::NetworkChange TransportWatch::look_at_network(Time now) {
   return NetworkChange::none;
 }
 
+Time TransportWatch::next_look_at_network() const {
+  return network_ == nullptr || network_failed_ ? Time::max() : network_->next_poll();
+}
+
 TransportWatch::NetworkChange TransportWatch::look_at_addresses(Time now) {
   if (now < next_look_at_addresses_) return NetworkChange::none;
   next_look_at_addresses_ = now + look_at_addresses_every;

@@ -1,5 +1,6 @@
 #include "core/platform/agent.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace sft::core {
@@ -41,7 +42,10 @@ void Agent::run() {
     }
     for (Task& task : batch) task();
     if (stopping && batch.empty()) return;
-    if (!batch.empty()) duties_.idle();
+    if (!batch.empty()) {
+      const auto pause = duties_.idle();
+      next_tick = std::min(next_tick, std::chrono::steady_clock::now() + pause);
+    }
     batch.clear();
     if (const auto now = std::chrono::steady_clock::now(); now >= next_tick) {
       next_tick = now + duties_.tick();

@@ -19,10 +19,11 @@ class Agent {
  public:
   using Task = std::function<void()>;
 
-  /// `tick` is called when the time has come that its last call named, `idle` after each batch of tasks.
+  /// `tick` is called when the time is over that its last call named, and `idle` after each batch of tasks:
+  /// the next tick may have to come sooner after that.
   struct Duties {
     std::function<std::chrono::milliseconds()> tick;
-    std::function<void()> idle;
+    std::function<std::chrono::milliseconds()> idle;
   };
 
   Agent() = default;

@@ -301,6 +301,9 @@ class FakeTransport final : public core::Network {
   std::vector<core::Link> links() const override { return {}; }
   bool network_changed() noexcept override { return false; }
   bool uses_io_uring() const override { return false; }
+  std::chrono::steady_clock::time_point next_poll() const override {
+    return std::chrono::steady_clock::time_point::max();
+  }
 
  private:
   const std::shared_ptr<FakeNode> node_;

@@ -102,6 +102,9 @@ bool make_plausible_control(std::uint32_t writer, std::vector<std::byte>& d) {
       return become(udp::group_offer_bytes,
                     udp::GroupOffer{writer, group, 1, 7, byte(10) == 0 ? 0 : udp::private_groups + group,
                                     channel, byte(16) % 32 - 8});
+    case 4:
+      return become(udp::group_probe_bytes,
+                    udp::GroupProbe{writer, group, std::max<std::uint64_t>(begin, 1)});
     case 3:
       return become(udp::mark_bytes,
                     udp::FlowMark{byte(8) % 4U, 7, number * 1000U, byte(16), byte(24) * 1000});
@@ -271,6 +274,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     static_cast<void>(udp::parse_ack(datagram));
     flow.meet(datagram, now);
     static_cast<void>(udp::parse_group_report(datagram));
+    static_cast<void>(udp::parse_group_probe(datagram));
     const udp::Arrival arrival = udp::test::accept(reassembly, datagram, {now, 1});
     if (reassembly.groups().size() > 4 * wanted.size()) std::abort();
     std::vector<core::SampleHandle> samples(arrival.packed.begin(), arrival.packed.end());

@@ -384,6 +384,16 @@ local function read_group_report(c)
   return string.format("group=%u member=%u heard=%s", group, member, tostring(heard))
 end
 
+local function read_group_probe(c)
+  local group = c:number(f.group, 4)
+  c:number(f.reserved, 4)
+  local ordinal = c:number(f.group_ordinal, 8)
+  if c.failed then return "" end
+  if c:left() > 0 then c:fail("A group probe has 24 bytes") end
+  if ordinal == UInt64(0) then c:fail("The ordinal of a probe is not 0") end
+  return string.format("group=%u ordinal=%s", group, tostring(ordinal))
+end
+
 -- The kinds of datagrams by number: the field at offset 2 (or the function that reads the 3 bytes at offset 1), the
 -- field at offset 4 if it is not the writer, the flags that may be set, the least number of bytes, and the function
 -- that reads the rest.
@@ -398,6 +408,7 @@ local kinds = {
   [8] = { name = "mark", at_2 = f.port, at_4 = f.flow, flags = 0, bytes = 40, read = read_mark },
   [9] = { name = "report", at_2 = f.reserved_short, at_4 = f.flow, flags = 0, bytes = 40, read = read_report },
   [10] = { name = "whole", from_1 = read_short_place, flags = 0xff, bytes = 32, read = read_whole },
+  [11] = { name = "group probe", at_2 = f.reserved_short, flags = 0, bytes = 24, read = read_group_probe },
 }
 
 local function add_flags(c, kind)

@@ -12,6 +12,7 @@ namespace {
 constexpr std::chrono::milliseconds asked_together{100};
 /// Only parts of a larger sample are missing: each member that asks is sent these parts alone.
 constexpr std::size_t sent_again_bytes_max = std::size_t{16} << 10;
+constexpr std::uint64_t first_probed_max = std::uint64_t{1} << 48;
 
 /// The upper half is random.
 std::vector<std::uint32_t> names_for(std::size_t members) {
@@ -46,7 +47,9 @@ MulticastGroup::MulticastGroup(const Name& name, std::shared_ptr<Lane> lane, std
       member_names_(names_for(members_.size())),
       hears_(std::make_unique<std::atomic<bool>[]>(members_.size())),
       memberships_(members_.size()),
-      ahead_(members_.size()) {}
+      ahead_(members_.size()),
+      first_probed_(1 + core::random_id() % first_probed_max),
+      last_ordinal_(first_probed_) {}
 
 std::uint64_t MulticastGroup::next_ordinal(Time now) noexcept {
   const core::Lock lock(mutex_);
@@ -108,6 +111,7 @@ void MulticastGroup::hear(const GroupReport& report, Time now) {
   const std::optional<std::size_t> member = member_named(report.member);
   const core::Lock lock(mutex_);
   if (!member || report.heard > last_ordinal_ || broken()) return;
+  if (report.heard != 0 && report.heard < first_probed_) return;
   GroupMembership& membership = memberships_[*member];
   if (report.heard == 0) {
     membership.refused(last_ordinal_, now);
@@ -185,7 +189,24 @@ std::vector<MulticastGroup::Offer> MulticastGroup::offers(Time now) {
     offer.ahead = channel == nullptr ? 0 : *ahead_[i];
     due.push_back({i, offer});
   }
+  if (!due.empty()) probes_.offered(now);
   return due;
+}
+
+std::optional<GroupProbe> MulticastGroup::probe(Time now) {
+  if (!is_answered() || broken()) return {};
+  const core::Lock lock(mutex_);
+  if (!probes_.due(now)) return {};
+  if (std::ranges::all_of(memberships_, &GroupMembership::hears)) {
+    probes_.stop();
+    return {};
+  }
+  return GroupProbe{name_.writer, name_.number, last_ordinal_};
+}
+
+MulticastGroup::Time MulticastGroup::next_probe() const {
+  const core::Lock lock(mutex_);
+  return probes_.next();
 }
 
 std::vector<const Destination*> MulticastGroup::given_up() const {

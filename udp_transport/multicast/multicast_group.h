@@ -17,6 +17,7 @@
 
 #include "core/sync/mutex.h"
 #include "udp_transport/multicast/group_membership.h"
+#include "udp_transport/multicast/probe_schedule.h"
 #include "udp_transport/reliable/channel.h"
 #include "udp_transport/reliable/lane.h"
 #include "udp_transport/wire/datagram.h"
@@ -89,6 +90,11 @@ class MulticastGroup final : public LaneListener {
   };
   /// The offers that are due now.
   std::vector<Offer> offers(Time now);
+  /// The probe that is due now, if any: members that were offered the group a moment ago have joined by now,
+  /// and can hear it before the next sample.
+  std::optional<GroupProbe> probe(Time now);
+  /// When probe() will have one; Time::max() if never, as things are.
+  Time next_probe() const;
   /// The members that hear nothing of the group.
   std::vector<const Destination*> given_up() const;
   /// Tells a member that it is in the group no more.
@@ -122,7 +128,11 @@ class MulticastGroup final : public LaneListener {
   /// For each member: its channel's ordinals are ahead of the group's by so many; empty: nothing was sent
   /// yet.
   std::vector<std::optional<std::int64_t>> ahead_ SFT_GUARDED_BY(mutex_);
-  std::uint64_t last_ordinal_ SFT_GUARDED_BY(mutex_) = 0;
+  /// One below that of the first sample. Whoever has heard nothing of the group cannot guess it, so that a
+  /// forged probe makes nobody report what the writer believes.
+  const std::uint64_t first_probed_;
+  std::uint64_t last_ordinal_ SFT_GUARDED_BY(mutex_);
+  ProbeSchedule probes_ SFT_GUARDED_BY(mutex_);
   std::atomic<bool> broken_{false};
   std::array<Asked, 64> asked_{};  ///< used by the thread that hears answers
   std::size_t next_asked_ = 0;

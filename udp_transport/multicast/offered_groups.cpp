@@ -76,15 +76,29 @@ bool OfferedGroups::place(FirstHeader& first, Time now, const ChannelWatch* chan
     first.flags |= channel_follows;
     first.channel = {known->offer.channel, first.group.sequence_high, ordinal};
   }
-  known->alive_at = now;
-  known->heard = std::max(known->heard, first.group.ordinal);
-  // A writer that is not told that its offer was heard repeats the offer.
-  if (known->is_doubted) return true;
-  if (known->reported_at == Time{} || now - known->reported_at >= group_report_pause) {
-    known->reported_at = now;
-    known->due = due_ = true;
-  }
+  came(*known, first.group.ordinal, now);
   return true;
+}
+
+void OfferedGroups::hear(const GroupProbe& probe, Time now) {
+  const auto known =
+      std::ranges::find_if(groups_, [&](const Offered& group) { return group.offer.group == probe.group; });
+  if (known != groups_.end()) came(*known, probe.ordinal, now);
+}
+
+bool OfferedGroups::knows(std::uint32_t group) const {
+  return std::ranges::any_of(groups_, [&](const Offered& one) { return one.offer.group == group; });
+}
+
+void OfferedGroups::came(Offered& group, std::uint64_t ordinal, Time now) {
+  group.alive_at = now;
+  group.heard = std::max(group.heard, ordinal);
+  // A writer that is not told that its offer was heard repeats the offer.
+  if (group.is_doubted) return;
+  if (group.reported_at == Time{} || now - group.reported_at >= group_report_pause) {
+    group.reported_at = now;
+    group.due = due_ = true;
+  }
 }
 
 void OfferedGroups::note(std::uint32_t group, bool misplaced) {

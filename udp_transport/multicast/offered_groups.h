@@ -31,6 +31,10 @@ class OfferedGroups {
   /// channel. They must not count as so many claims: the writer itself may be naming the true channel.
   bool place(FirstHeader& first, Time now, const ChannelWatch* channels = nullptr);
 
+  /// A probe came by a group: that counts as if a sample had come. Ignored if that group was not offered.
+  void hear(const GroupProbe& probe, Time now);
+  bool knows(std::uint32_t group) const;
+
   /// Notes that a sample of that group has no position in the channel any more and had never arrived before,
   /// or that it has one. If the former goes on, the offer was not what its writer sent, and the writer is
   /// asked to repeat it.
@@ -69,6 +73,7 @@ class OfferedGroups {
     return group.heard != 0 && now - group.alive_at < used_for;
   }
   void part_from(const Offered& group);
+  void came(Offered& group, std::uint64_t ordinal, Time now);
   void note(Offered& group, bool misplaced);
 
   struct Offered {

@@ -24,8 +24,9 @@ Arrival Demultiplexer::accept(std::span<const std::byte> bytes, const SocketAddr
 
 /// A mark counts datagrams of samples and heartbeats. Whatever else the bytes are, they count as such.
 Arrival Demultiplexer::take(Malformed& d, const Envelope& envelope) {
-  const bool is_counted = !d.kind || (!is_answer(*d.kind) && *d.kind != DatagramKind::mark &&
-                                      *d.kind != DatagramKind::group_offer);
+  const bool is_counted =
+      !d.kind || (!is_answer(*d.kind) && *d.kind != DatagramKind::mark &&
+                  *d.kind != DatagramKind::group_offer && *d.kind != DatagramKind::group_probe);
   if (is_counted) shares_.count(envelope.from);
   reassembly_.refuse(d);
   return {};
@@ -47,6 +48,11 @@ Arrival Demultiplexer::take(GroupOffer& d, const Envelope& envelope) {
   if (!joining) return {};
   outlets_.keep_groups(reassembly_.groups());
   if (joining->group != 0) outlets_.join_group(joining->group, envelope.from, joining->anew);
+  return {};
+}
+
+Arrival Demultiplexer::take(GroupProbe& d, const Envelope& envelope) {
+  reassembly_.accept(d, envelope);
   return {};
 }
 

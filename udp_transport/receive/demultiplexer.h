@@ -54,6 +54,7 @@ class Demultiplexer {
   }
   Arrival take(FlowMark& d, const Envelope& envelope);
   Arrival take(GroupOffer& d, const Envelope& envelope);
+  Arrival take(GroupProbe& d, const Envelope& envelope);
   Arrival take(Answer& d, const Envelope& envelope);
 
   const Outlets outlets_;

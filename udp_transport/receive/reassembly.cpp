@@ -130,6 +130,17 @@ std::optional<Reassembly::Joining> Reassembly::accept(const GroupOffer& offer, c
   return Joining{offer.address, anew};
 }
 
+void Reassembly::accept(const GroupProbe& probe, const Envelope& envelope) {
+  IncomingWriter* const writer = find(probe.writer, envelope.from.ip,
+                                      [&](IncomingWriter& one) { return one.groups().knows(probe.group); });
+  if (writer == nullptr) {
+    ++shared_.counters.unknown;
+    return;
+  }
+  writer->groups().hear(probe, envelope.now.steady);
+  shared_.group_reports_due = shared_.group_reports_due || writer->groups().due();
+}
+
 std::vector<std::uint32_t> Reassembly::groups() const {
   std::vector<std::uint32_t> groups;
   for (IncomingWriter* writer : by_stream_) writer->groups().addresses(groups);

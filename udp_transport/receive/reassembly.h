@@ -48,6 +48,8 @@ class Reassembly {
   };
   /// Empty if the offer is of a writer that nobody reads. Otherwise groups() may have changed.
   std::optional<Joining> accept(const GroupOffer& offer, const Envelope& envelope);
+  /// A probe that leads nowhere is ignored: the group may be offered later.
+  void accept(const GroupProbe& probe, const Envelope& envelope);
   /// The IPv4 addresses of all groups that were offered by writers that are read here.
   std::vector<std::uint32_t> groups() const;
   /// Sends what writers have to know of their groups. Called after accept().

@@ -324,6 +324,7 @@ void GroupKeeper::tend(Time now) {
   for (const auto& group : groups_) {
     for (const MulticastGroup::Offer& offer : group->offers(now))
       send(group->members()[offer.member].lane->destination(), offer.offer, now);
+    if (const std::optional<GroupProbe> probe = group->probe(now)) send(*group, *probe);
   }
   std::erase_if(retired_, [&](const Retired& retired) {
     if (now - retired.at < farewell_after) return false;
@@ -338,6 +339,23 @@ void GroupKeeper::send(Destination& to, const GroupOffer& offer, Time now) {
   std::array<std::byte, group_offer_bytes> bytes;
   encode(offer, bytes.data());
   to.note(send_one(to.connection(), bytes));
+}
+
+void GroupKeeper::send(MulticastGroup& to, const GroupProbe& probe) {
+  Destination& group = to.lane()->destination();
+  std::array<std::byte, group_probe_bytes> bytes;
+  encode(probe, bytes.data());
+  group.note(send_one(group.connection(), bytes));
+}
+
+GroupKeeper::Time GroupKeeper::next_duty(Time now) const {
+  Time next = Time::max();
+  for (const auto& group : groups_) next = std::min(next, group->next_probe());
+  if (sizes_ == nullptr || sizes_->samples() == 0) return next;
+  for (const auto& [to, candidate] : candidates_) {
+    if (candidate.refusal.empty() && candidate.calm_at > now) next = std::min(next, candidate.calm_at);
+  }
+  return someone_came(now) ? std::min(next, std::max(replan_at_, now)) : next;
 }
 
 void GroupKeeper::explain(const std::vector<RouteBundle>& routes, Time now) {

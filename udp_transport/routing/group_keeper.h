@@ -61,6 +61,8 @@ class GroupKeeper {
   bool replan(Time now);
   /// Tells members what they have to know.
   void tend(Time now);
+  /// When replan() or tend() has something to do that should not wait; Time::max() if never, as things are.
+  Time next_duty(Time now) const;
 
   /// Any thread: of a reader, in which group it is or why in none.
   std::string why(core::EndpointId reader) const { return reasons_.of(reader); }
@@ -112,6 +114,7 @@ class GroupKeeper {
   bool is_news(std::span<const Destination* const> places, std::span<const PlanDestination> all) const;
   std::uint32_t address(std::size_t place) const;
   static void send(Destination& to, const GroupOffer& offer, Time now);
+  static void send(MulticastGroup& to, const GroupProbe& probe);
   void explain(const std::vector<RouteBundle>& routes, Time now);
 
   /// Readers come in bunches: groups are not made anew more often.

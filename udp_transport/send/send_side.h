@@ -26,7 +26,9 @@ namespace sft::udp {
 /// Something that has to be looked after now and then, on the agent's thread.
 class Tended {
  public:
-  virtual void tend(std::chrono::steady_clock::time_point now) = 0;
+  using Time = std::chrono::steady_clock::time_point;
+  /// Returns when it wants to be looked after again; Time::max() if that has time.
+  virtual Time tend(Time now) = 0;
 
  protected:
   ~Tended() = default;
@@ -35,9 +37,12 @@ class Tended {
 /// Any thread.
 class TendedRoster {
  public:
+  using Time = Tended::Time;
+
   void add(Tended& one) {
     const core::Lock lock(mutex_);
-    all_.push_back({&one, std::make_shared<Tend>([&one](auto now) { one.tend(now); })});
+    const auto tend = [&one](Time now, Time& next) { next = std::min(next, one.tend(now)); };
+    all_.push_back({&one, std::make_shared<Tend>(tend)});
   }
   /// When it returns, `one` is not called any more, and no call is inside any more.
   void remove(const Tended& one) {
@@ -50,17 +55,22 @@ class TendedRoster {
   }
   /// The agent's thread: calls each in its turn, without keeping others out meanwhile. Allocates nothing
   /// while there are no more of them than before.
-  void tend(std::chrono::steady_clock::time_point now) {
+  void tend(Time now) {
     {
       const core::Lock lock(mutex_);
       round_ = all_;
     }
-    for (const Entry& entry : round_) (*entry.tend)(now);
+    next_ = Time::max();
+    for (const Entry& entry : round_) (*entry.tend)(now, next_);
     round_.clear();
   }
+  /// The agent's thread: one of them wants tend() to be called by then.
+  void tend_by(Time next) { next_ = std::min(next_, next); }
+  /// The agent's thread: when tend() wants to be called again; Time::max() if that has time.
+  Time next() const { return next_; }
 
  private:
-  using Tend = core::GuardedCall<std::chrono::steady_clock::time_point>;
+  using Tend = core::GuardedCall<Time, Time&>;
   struct Entry {
     const Tended* one;
     std::shared_ptr<Tend> tend;
@@ -68,7 +78,8 @@ class TendedRoster {
 
   core::Mutex mutex_;
   std::vector<Entry> all_ SFT_GUARDED_BY(mutex_);
-  std::vector<Entry> round_;  ///< used by the agent's thread
+  std::vector<Entry> round_;  ///< used by the agent's thread, like `next_`
+  Time next_ = Time::max();
 };
 
 /// Outlives the transport as long as a writer does.

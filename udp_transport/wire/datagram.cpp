@@ -27,6 +27,8 @@ constexpr std::size_t at_padding = 28, at_sent = 32;
 // The offsets in group offers and reports.
 constexpr std::size_t at_group_number = 8, at_member = 12;
 constexpr std::size_t at_group_address = 16, at_offered_channel = 20, at_ahead = 24, at_heard = 16;
+// The offsets in group probes. Their first fields are where those of offers are.
+constexpr std::size_t at_probe_padding = 12, at_probed = 16;
 
 template <std::unsigned_integral T>
 void store(T value, std::byte* out) noexcept {
@@ -58,7 +60,7 @@ std::optional<DatagramKind> claimed_kind(std::span<const std::byte> bytes) noexc
   const auto version_and_kind = load<std::uint8_t>(&bytes[at_kind]);
   if (version_and_kind >> 4 != wire_version) return {};
   const auto kind = static_cast<DatagramKind>(version_and_kind & 0xf);
-  if (kind < DatagramKind::first || kind > DatagramKind::whole) return {};
+  if (kind < DatagramKind::first || kind > DatagramKind::group_probe) return {};
   return kind;
 }
 
@@ -293,6 +295,15 @@ void encode(const GroupReport& report, std::byte* out) noexcept {
   store(report.heard, out + at_heard);
 }
 
+void encode(const GroupProbe& probe, std::byte* out) noexcept {
+  store_kind(DatagramKind::group_probe, 0, out);
+  store(std::uint16_t{0}, out + at_port);
+  store(probe.writer, out + at_writer);
+  store(probe.group, out + at_group_number);
+  store(std::uint32_t{0}, out + at_probe_padding);
+  store(probe.ordinal, out + at_probed);
+}
+
 static std::optional<GroupOffer> read_group_offer(std::span<const std::byte> bytes) noexcept {
   if (bytes.size() != group_offer_bytes) return {};
   if (load<std::uint8_t>(&bytes[at_flags]) != 0) return {};
@@ -317,6 +328,15 @@ static std::optional<GroupReport> read_group_report(std::span<const std::byte> b
                            .member = load<std::uint32_t>(&bytes[at_member]),
                            .heard = load<std::uint64_t>(&bytes[at_heard])};
   return report.heard <= ordinal_max ? std::optional(report) : std::nullopt;
+}
+
+static std::optional<GroupProbe> read_group_probe(std::span<const std::byte> bytes) noexcept {
+  if (bytes.size() != group_probe_bytes) return {};
+  if (load<std::uint8_t>(&bytes[at_flags]) != 0) return {};
+  const GroupProbe probe{.writer = load<std::uint32_t>(&bytes[at_writer]),
+                         .group = load<std::uint32_t>(&bytes[at_group_number]),
+                         .ordinal = load<std::uint64_t>(&bytes[at_probed])};
+  return probe.ordinal != 0 && probe.ordinal <= ordinal_max ? std::optional(probe) : std::nullopt;
 }
 
 static std::optional<Heartbeat> read_heartbeat(std::span<const std::byte> bytes) noexcept {
@@ -402,6 +422,9 @@ std::optional<GroupOffer> parse_group_offer(std::span<const std::byte> bytes) no
 std::optional<GroupReport> parse_group_report(std::span<const std::byte> bytes) noexcept {
   return read_if(DatagramKind::group_report, bytes, read_group_report);
 }
+std::optional<GroupProbe> parse_group_probe(std::span<const std::byte> bytes) noexcept {
+  return read_if(DatagramKind::group_probe, bytes, read_group_probe);
+}
 std::optional<FlowMark> parse_mark(std::span<const std::byte> bytes) noexcept {
   return read_if(DatagramKind::mark, bytes, read_mark);
 }
@@ -445,6 +468,8 @@ AnyDatagram decode(std::span<const std::byte> bytes) noexcept {
       return as(std::in_place_type<FlowMark>, read_mark(bytes));
     case DatagramKind::group_offer:
       return as(std::in_place_type<GroupOffer>, read_group_offer(bytes));
+    case DatagramKind::group_probe:
+      return as(std::in_place_type<GroupProbe>, read_group_probe(bytes));
     case DatagramKind::ack:
       return as(answer, read_ack(bytes));
     case DatagramKind::report:

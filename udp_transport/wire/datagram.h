@@ -27,6 +27,7 @@ enum class DatagramKind : std::uint8_t {
   mark = 8,          ///< stands between samples: how much was sent to a socket up to here
   report = 9,        ///< the receiver answers a mark, and tells how much may be under way
   whole = 10,        ///< a sample in a channel that fits into this datagram, with a short header
+  group_probe = 11,  ///< sent to a multicast group between samples: members report that it came
 };
 
 /// Acks and reports answer what this process has sent. All other kinds come from a writer.
@@ -60,6 +61,7 @@ inline constexpr std::uint32_t private_groups = 0xEFFF0000;
 inline constexpr std::uint16_t group_port = 22155;
 inline constexpr std::size_t group_offer_bytes = 32;
 inline constexpr std::size_t group_report_bytes = 24;
+inline constexpr std::size_t group_probe_bytes = 24;
 /// In a packed datagram the length of each sample stands before it. Without this flag all are equally long.
 inline constexpr std::uint8_t lengths_follow = 16;
 inline constexpr std::size_t length_bytes = 2;
@@ -114,7 +116,7 @@ struct ChannelMark {
 struct GroupMark {
   std::uint32_t group = 0;          ///< the writer's number for the group
   std::uint32_t sequence_high = 0;  ///< high half of the sample's sequence
-  std::uint64_t ordinal = 0;        ///< counts the samples that were sent to the group, from 1
+  std::uint64_t ordinal = 0;        ///< counts the samples that were sent to the group, from any number on
   friend bool operator==(const GroupMark&, const GroupMark&) = default;
 };
 
@@ -237,10 +239,20 @@ struct GroupReport {
   friend bool operator==(const GroupReport&, const GroupReport&) = default;
 };
 
+/// Goes to the group itself. Whoever was offered the group reports the ordinal, as if a sample had come.
+struct GroupProbe {
+  std::uint32_t writer = 0;
+  std::uint32_t group = 0;
+  std::uint64_t ordinal = 0;  ///< of the last sample that was sent to the group, or one below the first
+  friend bool operator==(const GroupProbe&, const GroupProbe&) = default;
+};
+
 void encode(const GroupOffer& offer, std::byte* out) noexcept;    ///< writes group_offer_bytes
 void encode(const GroupReport& report, std::byte* out) noexcept;  ///< writes group_report_bytes
+void encode(const GroupProbe& probe, std::byte* out) noexcept;    ///< writes group_probe_bytes
 std::optional<GroupOffer> parse_group_offer(std::span<const std::byte> bytes) noexcept;
 std::optional<GroupReport> parse_group_report(std::span<const std::byte> bytes) noexcept;
+std::optional<GroupProbe> parse_group_probe(std::span<const std::byte> bytes) noexcept;
 void encode(const Heartbeat& heartbeat, std::byte* out) noexcept;  ///< writes heartbeat_bytes
 void encode(const Ack& ack, std::byte* out) noexcept;              ///< writes ack.bytes()
 void encode(const FlowMark& mark, std::byte* out) noexcept;        ///< writes mark_bytes
@@ -287,7 +299,8 @@ struct Malformed {
 using Answer = std::variant<Ack, FlowReport, GroupReport>;
 
 /// A datagram of any kind. A Datagram here is a first, packed or whole one.
-using AnyDatagram = std::variant<Malformed, Following, Datagram, Heartbeat, FlowMark, GroupOffer, Answer>;
+using AnyDatagram =
+    std::variant<Malformed, Following, Datagram, Heartbeat, FlowMark, GroupOffer, GroupProbe, Answer>;
 
 /// Looks at the kind of a datagram once, and reads the datagram as one of that kind.
 AnyDatagram decode(std::span<const std::byte> bytes) noexcept;

@@ -61,6 +61,7 @@ void GroupPath::send_now(const udp::JobHandle& job, Time now) {
 
 void GroupPath::offer(Time now) {
   if (!group_ || !group_->ahead) return;
+  probe(now);
   group_->membership.look(now);
   if (!group_->membership.offer_due(now)) return;
   const udp::GroupOffer offer{.writer = writer_label,
@@ -71,6 +72,14 @@ void GroupPath::offer(Time now) {
                               .ahead = *group_->ahead};
   Bytes bytes(udp::group_offer_bytes);
   udp::encode(offer, bytes.data());
+  network_.send(Network::Side::reader, std::move(bytes), now);
+  group_->probes.offered(now);
+}
+
+void GroupPath::probe(Time now) {
+  if (!group_->probes.due(now) || group_->membership.hears() || group_->deaf) return;
+  Bytes bytes(udp::group_probe_bytes);
+  udp::encode(udp::GroupProbe{writer_label, group_->number, group_->last_ordinal}, bytes.data());
   network_.send(Network::Side::reader, std::move(bytes), now);
 }
 

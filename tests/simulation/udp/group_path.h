@@ -10,6 +10,7 @@
 #include "tests/simulation/udp/laws.h"
 #include "tests/simulation/udp/network.h"
 #include "udp_transport/multicast/group_membership.h"
+#include "udp_transport/multicast/probe_schedule.h"
 
 namespace sft::simulation {
 
@@ -30,7 +31,7 @@ class GroupPath {
   void send(const udp::JobHandle& job, Time now);
   /// Sends the samples that have waited long enough.
   void send_due(Time now);
-  /// Offers the group to the process, if it is time to do so.
+  /// Offers the group to the process, and sends a probe to the group, if it is time to do so.
   void offer(Time now);
   void hear(const udp::GroupReport& report, Time now);
   /// The time when the next sample leaves.
@@ -39,10 +40,11 @@ class GroupPath {
  private:
   struct Group {
     std::uint32_t number = 0;
-    bool deaf = false;  ///< nothing of the group reaches the process
-    std::uint64_t last_ordinal = 0;
+    bool deaf = false;                    ///< nothing of the group reaches the process
+    std::uint64_t last_ordinal = 1;       ///< what a probe says before the first sample
     std::optional<std::int64_t> ahead{};  ///< the ordinals of the channel are by so much larger
     udp::GroupMembership membership{};
+    udp::ProbeSchedule probes{};
   };
   /// A sample that waits to be sent to a group, which need not be the present group.
   struct Leaving {
@@ -53,6 +55,7 @@ class GroupPath {
   };
 
   void send_now(const udp::JobHandle& job, Time now);
+  void probe(Time now);
 
   Random& random_;
   Network& network_;

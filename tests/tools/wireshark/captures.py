@@ -81,6 +81,10 @@ def group_report(heard=70):
     return header(7, at_2=0, at_8=2) + struct.pack("<IQ", 1, heard)
 
 
+def group_probe(ordinal=70):
+    return header(11, at_2=0, at_8=2) + struct.pack("<IQ", 0, ordinal)
+
+
 def rate(period=100_000, ordinal=7):
     return struct.pack("<II", period, ordinal)
 

@@ -6,8 +6,8 @@ import tempfile
 import unittest
 
 import captures
-from captures import (ack, channel, first, following, group, group_offer, group_report, header, heartbeat, history,
-                      mark, packed, rate, report, whole)
+from captures import (ack, channel, first, following, group, group_offer, group_probe, group_report, header, heartbeat,
+                      history, mark, packed, rate, report, whole)
 
 
 class DissectorTest(unittest.TestCase):
@@ -43,6 +43,7 @@ class DissectorTest(unittest.TestCase):
             (group_offer(address=0), {"sft.kind": "6", "sft.group.address": "0.0.0.0"}),
             (group_report(), {"sft.kind": "7", "sft.group": "2", "sft.group.member": "1", "sft.group.heard": "70"}),
             (group_report(heard=0), {"sft.kind": "7", "sft.group.heard": "0", "sft.malformed": ""}),
+            (group_probe(), {"sft.kind": "11", "sft.group": "2", "sft.group.ordinal": "70"}),
             (following(), {"sft.kind": "2", "sft.offset": "1440", "sft.sequence": "9", "sft.payload": b"more".hex()}),
             (heartbeat(), {"sft.kind": "3", "sft.heartbeat.port": "5000", "sft.channel": "9",
                            "sft.heartbeat.first": "4", "sft.heartbeat.end": "9"}),
@@ -100,6 +101,8 @@ class DissectorTest(unittest.TestCase):
             group_offer(address=0xE0000001),
             group_offer()[:-1],
             group_report() + b"?",
+            group_probe()[:-1],
+            group_probe(ordinal=0),
             packed([b"abcd"], each=4, flags=0x40),
             packed([], each=4),
             packed([b"abcd"], each=4)[:-1],

@@ -12,6 +12,7 @@
 
 #include "tests/transports/udp/bridge_fixture.h"
 #include "udp_transport/multicast/multicast_plan.h"
+#include "udp_transport/multicast/probe_schedule.h"
 #include "udp_transport/routing/calm_watch.h"
 #include "udp_transport/wire/datagram.h"
 
@@ -63,6 +64,26 @@ TEST_P(FanOutTest, PutsBytesOnTheWireByMasksAndNotByReceivers) {
   EXPECT_LT(together, 1.05 * two_readers);
   EXPECT_LE(until_settled, 20U) << "offers and reports take some milliseconds";
   EXPECT_TRUE(all_came());
+}
+
+/// The first sample goes to each alone, since its size was not known, and then one that tells a reliable
+/// member its place. No other sample goes by both ways.
+TEST_P(FanOutTest, SendsTheNextSampleToGroupsAloneOnceTheirMembersWereProbed) {
+  make_hosts({});
+  serve(hosts);
+  const auto gathered = std::chrono::steady_clock::now() + CalmWatch::gathering;
+  ASSERT_TRUE(test::eventually([&] { return std::chrono::steady_clock::now() >= gathered; }));
+  publish(GetParam() ? 2 : 1);
+  EXPECT_LE(writer_->next_poll(), std::chrono::steady_clock::now() + ProbeSchedule::first_pause);
+  ASSERT_TRUE(test::eventually([this] {
+    writer_->poll(std::chrono::steady_clock::now());
+    return all_are_in_groups();
+  })) << publisher_->port().multicast(1);
+  const std::uint32_t before = test::traffic_of("bridge").sent;
+  publish();
+  EXPECT_TRUE(all_came());
+  const double next = test::traffic_of("bridge").sent - before;
+  EXPECT_LE(next, 1.05 * bytes_of_a_sample());
 }
 
 TEST_P(FanOutTest, PutsThemThereByReceiversWhereMulticastIsOff) {

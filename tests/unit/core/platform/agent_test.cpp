@@ -11,7 +11,7 @@ namespace {
 using namespace std::chrono_literals;
 
 Agent::Duties no_duties() {
-  return {.tick = [] { return 1000ms; }, .idle = [] {}};
+  return {.tick = [] { return 1000ms; }, .idle = [] { return 1000ms; }};
 }
 
 TEST(AgentTest, TasksRunInTheOrderInWhichTheyWerePostedEvenBeforeTheStart) {
@@ -43,11 +43,30 @@ TEST(AgentTest, IdleComesAfterABatchAndTicksKeepComing) {
                                    if (++ticks == 3) third_tick.set_value();
                                    return 1ms;
                                  },
-                             .idle = [&] { idle.set_value(); }};
+                             .idle =
+                                 [&] {
+                                   idle.set_value();
+                                   return 1000ms;
+                                 }};
   ASSERT_TRUE(agent.start("test", duties));
   agent.post([] {});
   EXPECT_EQ(idle.get_future().wait_for(10s), std::future_status::ready);
   EXPECT_EQ(third_tick.get_future().wait_for(10s), std::future_status::ready);
+}
+
+TEST(AgentTest, ABatchCanHastenTheNextTick) {
+  std::promise<void> second_tick;
+  int ticks = 0;
+  Agent agent;
+  const Agent::Duties duties{.tick =
+                                 [&] {
+                                   if (++ticks == 2) second_tick.set_value();
+                                   return 1h;
+                                 },
+                             .idle = [] { return 1ms; }};
+  ASSERT_TRUE(agent.start("test", duties));
+  agent.post([] {});
+  EXPECT_EQ(second_tick.get_future().wait_for(10s), std::future_status::ready);
 }
 
 TEST(AgentTest, ManyThreadsMayPost) {

@@ -54,6 +54,7 @@ class MulticastGroupTest : public testing::Test {
   JobHandle place(std::size_t bytes = 8) {
     const JobHandle sent = job(bytes);
     const std::uint64_t ordinal = group->next_ordinal(now);
+    if (first_sent == 0) first_sent = ordinal;
     for (std::size_t i = 0; i < 3; ++i)
       group->placed(i, ordinal, keep(*group->members()[i].channel, sent, group->hears(i)));
     sent->first.group = {group_number, 0, ordinal};
@@ -76,7 +77,7 @@ class MulticastGroupTest : public testing::Test {
   /// Returns what is left of a request for that sample to be answered alone.
   std::size_t ask(std::size_t member, std::uint64_t ordinal) {
     Ack ack{.writer = group_writer, .channel = static_cast<std::uint32_t>(member + 1), .next = 1};
-    ack.missing[ack.missing_count++] = {static_cast<std::uint32_t>(ordinal + member), 0, 0};
+    ack.missing[ack.missing_count++] = {static_cast<std::uint32_t>(ordinal - first_sent + 1 + member), 0, 0};
     told += group->take_over_repairs(member, ack, now) == Wake::schedule ? 1 : 0;
     return ack.missing_count;
   }
@@ -88,6 +89,7 @@ class MulticastGroupTest : public testing::Test {
   }
 
   GroupMembership::Time now{1h};
+  std::uint64_t first_sent = 0;  ///< the ordinal of the first sample
   std::shared_ptr<MulticastGroup> group;
   int told = 0;
 
@@ -113,24 +115,62 @@ TEST_F(MulticastGroupTest, IsOfferedOnceItIsKnownHowFarTheChannelIsAhead) {
                            .port = 9,
                            .address = private_groups + 1,
                            .channel = i + 1,
-                           .ahead = i};
+                           .ahead = static_cast<std::int64_t>(i + 1 - first_sent)};
     EXPECT_EQ(offers[i].offer, offer);
   }
 }
 
 TEST_F(MulticastGroupTest, BelievesNoReportOfWhatWasNotSent) {
-  report(0, 1);
-  EXPECT_FALSE(group->hears(0));
-  send();
-  report(0, 2);
-  EXPECT_FALSE(group->hears(0));
+  const std::uint64_t sent = send();
+  for (const std::uint64_t heard : {std::uint64_t{1}, sent - 2, sent + 1}) {
+    report(0, heard);
+    EXPECT_FALSE(group->hears(0)) << heard;
+  }
   for (const std::uint32_t name : {0U, 1U, 4U, name_of(1) - 1, name_of(0) + 1, name_of(0) ^ 0x10000}) {
-    group->hear({group_writer, group_number, name, 1}, now);
+    group->hear({group_writer, group_number, name, sent}, now);
     EXPECT_FALSE(group->hears(0) || group->hears(1)) << "a report of one that was altered is nobody else's";
   }
-  report(0, 1);
+  report(0, sent);
   EXPECT_TRUE(group->hears(0));
   EXPECT_FALSE(group->hears(1));
+}
+
+/// Best-effort members are offered the group at once, and the first sample need not go to them alone.
+TEST_F(MulticastGroupTest, IsHeardBeforeItsFirstSample) {
+  EXPECT_EQ(group->next_probe(), GroupMembership::Time::max()) << "nobody was offered the group";
+  ASSERT_EQ(group->offers(now).size(), 1U);
+  EXPECT_FALSE(group->probe(now)) << "the member has not joined yet";
+  ASSERT_EQ(group->next_probe(), now + ProbeSchedule::first_pause);
+  now = group->next_probe();
+  const auto probe = group->probe(now);
+  ASSERT_TRUE(probe);
+  EXPECT_EQ(probe->writer, group_writer);
+  EXPECT_EQ(probe->group, group_number);
+  report(3, probe->ordinal);
+  EXPECT_TRUE(group->hears(3));
+  EXPECT_EQ(send(), probe->ordinal + 1);
+}
+
+TEST_F(MulticastGroupTest, SendsProbesUntilAllHaveReportedOrItHasSentFive) {
+  const std::uint64_t sent = send();
+  ASSERT_EQ(group->offers(now).size(), 4U);
+  std::vector<std::chrono::milliseconds> after;
+  const auto begin = now;
+  while (group->next_probe() != GroupMembership::Time::max()) {
+    now = group->next_probe();
+    const auto probe = group->probe(now);
+    ASSERT_TRUE(probe);
+    EXPECT_EQ(probe->ordinal, sent) << "a probe takes no place";
+    after.push_back(std::chrono::floor<std::chrono::milliseconds>(now - begin));
+  }
+  EXPECT_EQ(after, (std::vector<std::chrono::milliseconds>{2ms, 6ms, 14ms, 30ms, 62ms}));
+  send();
+  now += 1s;
+  ASSERT_EQ(group->offers(now).size(), 4U);
+  all_report();
+  now = group->next_probe();
+  EXPECT_FALSE(group->probe(now)) << "nobody needs it";
+  EXPECT_EQ(group->next_probe(), GroupMembership::Time::max());
 }
 
 TEST_F(MulticastGroupTest, IsOverWhenSomethingElseTookAPlaceInAChannel) {

@@ -59,6 +59,19 @@ TEST_F(OfferedGroupsTest, IgnoreWhatIsOfAGroupThatWasNotOffered) {
   EXPECT_TRUE(reports().empty());
 }
 
+TEST_F(OfferedGroupsTest, ReportAProbeLikeASample) {
+  groups_.hear(GroupProbe{1, 1, 70}, test_start);
+  EXPECT_TRUE(reports().empty()) << "the group was not offered";
+  offer(1, 9, -60);
+  EXPECT_FALSE(groups_.were_heard());
+  groups_.hear(GroupProbe{1, 1, 70}, test_start);
+  EXPECT_EQ(reports(), (std::vector<GroupReport>{{1, 1, 3, 70}}));
+  EXPECT_TRUE(groups_.were_heard());
+  EXPECT_TRUE(place(1, 71));
+  EXPECT_EQ(first_.channel.ordinal, 11U);
+  EXPECT_TRUE(reports().empty()) << "the group was reported a moment ago";
+}
+
 TEST_F(OfferedGroupsTest, AreToBeOfferedAgainWhereWhatComesHasNoPlace) {
   offer(1, 9, 5);
   for (std::uint64_t n = 1; n <= 7; ++n) {

@@ -31,10 +31,10 @@ constexpr std::uint32_t group_address = private_groups | 3;
 const SocketAddress writers_node{core::IpAddress(0x0A630102), 7000};
 const SocketAddress stranger{core::IpAddress(0x0A630109), 7000};
 
-constexpr std::array all_kinds{DatagramKind::first,        DatagramKind::following, DatagramKind::heartbeat,
-                               DatagramKind::ack,          DatagramKind::packed,    DatagramKind::group_offer,
-                               DatagramKind::group_report, DatagramKind::mark,      DatagramKind::report,
-                               DatagramKind::whole};
+constexpr std::array all_kinds{
+    DatagramKind::first,  DatagramKind::following,   DatagramKind::heartbeat,    DatagramKind::ack,
+    DatagramKind::packed, DatagramKind::group_offer, DatagramKind::group_report, DatagramKind::mark,
+    DatagramKind::report, DatagramKind::whole,       DatagramKind::group_probe};
 std::string name_of(DatagramKind kind) { return "kind " + std::to_string(static_cast<int>(kind)); }
 bool is_of_sample(DatagramKind kind) {
   return kind == DatagramKind::first || kind == DatagramKind::following || kind == DatagramKind::packed ||
@@ -82,6 +82,8 @@ class DemultiplexerTest : public sft::test::RandomTest {
         return encoded(GroupOffer{of_writer, 1, 9, 4000, group_address, 0, 0}, group_offer_bytes);
       case DatagramKind::group_report:
         return encoded(GroupReport{of_writer, 1, 9, 12}, group_report_bytes);
+      case DatagramKind::group_probe:
+        return encoded(GroupProbe{of_writer, 1, 12}, group_probe_bytes);
       case DatagramKind::mark:
         return encoded(FlowMark{77, 4000, 1000, 0, 55}, mark_bytes);
       case DatagramKind::report:

@@ -13,10 +13,12 @@ namespace {
 using namespace std::chrono_literals;
 
 struct Busy final : Tended {
-  void tend(std::chrono::steady_clock::time_point) override {
+  Time tend(Time) override {
     ++times;
     if (meanwhile) meanwhile();
+    return next;
   }
+  Time next = Time::max();
   int times = 0;
   std::function<void()> meanwhile;
 };
@@ -39,6 +41,20 @@ TEST_F(TendedRosterTest, KeepsNobodyOutWhileOneIsBusy) {
   roster.tend({});
   EXPECT_EQ(one.times, 2);
   EXPECT_EQ(other.times, 1);
+}
+
+TEST_F(TendedRosterTest, WantsToBeCalledWhenTheFirstOfThemDoes) {
+  roster.add(other);
+  EXPECT_EQ(roster.next(), Tended::Time::max());
+  one.next = Tended::Time(2s);
+  other.next = Tended::Time(3s);
+  roster.tend({});
+  EXPECT_EQ(roster.next(), Tended::Time(2s));
+  roster.tend_by(Tended::Time(1s));
+  EXPECT_EQ(roster.next(), Tended::Time(1s));
+  one.next = Tended::Time::max();
+  roster.tend({});
+  EXPECT_EQ(roster.next(), Tended::Time(3s));
 }
 
 TEST_F(TendedRosterTest, LetsOneGoOnlyWhenItIsNotBusyAnyMore) {

@@ -419,6 +419,20 @@ TEST(Datagram, CarriesOffersOfGroupsAndReports) {
   EXPECT_FALSE(parse_group_offer(std::span(bytes).first(group_offer_bytes - 1)));
 }
 
+TEST(Datagram, CarriesProbesOfGroups) {
+  const GroupProbe probe{.writer = 1, .group = 2, .ordinal = 3};
+  std::array<std::byte, group_probe_bytes> bytes{};
+  encode(probe, bytes.data());
+  EXPECT_EQ(kind_of(bytes), DatagramKind::group_probe);
+  EXPECT_EQ(parse_group_probe(bytes), probe);
+  EXPECT_FALSE(parse_group_report(bytes));
+  EXPECT_FALSE(parse_group_probe(std::span(bytes).first(group_probe_bytes - 1)));
+  for (const std::uint64_t ordinal : {std::uint64_t{0}, ordinal_max + 1}) {
+    encode(GroupProbe{.writer = 1, .group = 2, .ordinal = ordinal}, bytes.data());
+    EXPECT_FALSE(parse_group_probe(bytes)) << ordinal;
+  }
+}
+
 TEST(Datagram, RefusesOffersOfGroupsThatAreNotPrivate) {
   std::array<std::byte, group_offer_bytes> bytes{};
   const auto accepted = [&](GroupOffer offer) {

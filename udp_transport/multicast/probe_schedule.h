@@ -1,0 +1,42 @@
+// When a writer sends probes to a multicast group: soon after it has offered the group, so that members
+// report before the next sample. Pure: times in, decisions out.
+#pragma once
+
+#include <chrono>
+
+namespace sft::udp {
+
+class ProbeSchedule {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  /// A member joins as soon as it reads the offer. Each probe comes twice as late as the one before, since a
+  /// busy member reads later, and a switch needs a moment to learn of a new member.
+  static constexpr std::chrono::milliseconds first_pause{2};
+  static constexpr int probes_max = 5;
+
+  /// The group was offered to some members.
+  void offered(Time now) {
+    left_ = probes_max;
+    pause_ = first_pause;
+    next_ = now + pause_;
+  }
+  /// Returns true if a probe is due now; it then counts as sent.
+  bool due(Time now) {
+    if (now < next_) return false;
+    pause_ *= 2;
+    next_ = --left_ > 0 ? now + pause_ : Time::max();
+    return true;
+  }
+  /// All members have reported.
+  void stop() { next_ = Time::max(); }
+  /// When due() will be true; Time::max() if no probe is to come.
+  Time next() const { return next_; }
+
+ private:
+  int left_ = 0;
+  std::chrono::milliseconds pause_ = first_pause;
+  Time next_ = Time::max();
+};
+
+}  // namespace sft::udp
