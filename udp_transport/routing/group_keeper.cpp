@@ -25,16 +25,20 @@ bool holds(const Range& range, const Value& value) {
 }  // namespace
 
 GroupKeeper::GroupKeeper(Setup setup)
-    : setup_(std::move(setup)), too_many_leaves_(leaf_count(*setup_.type) > leaves_max) {}
+    : setup_(std::move(setup)),
+      too_many_leaves_(leaf_count(*setup_.type) > leaves_max),
+      sharing_(setup_.limits.wire_max) {}
 
 void GroupKeeper::merge(std::vector<RouteBundle>& routes, Time now) {
   look_at(routes, now);
   choose_sizes(now);
+  if (sizes_ != nullptr) sharing_.decide(*sizes_, now);
   keep_possible(now);
   hasten(now);
   if (may_plan(now)) plan(now);
   explain(routes, now);
   for (const Planned& planned : planned_) merge(planned, routes);
+  sharing_.merge(routes);
   std::erase_if(routes, [](const RouteBundle& bundle) { return bundle.destinations.empty(); });
   std::ranges::stable_partition(routes, [](const RouteBundle& bundle) { return !bundle.fallback; });
   found_.clear();
@@ -44,6 +48,7 @@ void GroupKeeper::look_at(const std::vector<RouteBundle>& routes, Time now) {
   candidates_.clear();
   links_ = setup_.use == Multicast::off ? std::vector<MulticastLink>{} : setup_.links(setup_.use);
   for (const RouteBundle& bundle : routes) look_at(bundle, now);
+  if (!too_many_leaves_) sharing_.look_at(routes);
   await_calm(now);
 }
 
@@ -56,7 +61,7 @@ void GroupKeeper::look_at(const RouteBundle& bundle, Time now) {
     if (bundle.gate != nullptr) candidate.refusal = "a reader there has a maximum rate";
     if (bundle.late_reader != 0) candidate.refusal = "a reader there is sent what was retained";
     if (bundle.fallback) candidate.refusal = "a reader there is served in shared memory";
-    candidate.gets_more |= bundle.gate != nullptr || bundle.late_reader != 0 || bundle.fallback;
+    candidate.gets_more |= bundle.is_for_more_than_a_mask();
     if (!holds(candidate.masks, bundle.wanted.mask)) candidate.masks.push_back(bundle.wanted.mask);
     if (is_new) candidate.fields = bundle.wanted.mask;
     candidate.fields |= bundle.wanted.mask;
@@ -106,7 +111,7 @@ std::size_t GroupKeeper::possible(Time now) const {
 /// Samples are measured for one that may be in a group later, too: the plan is ready when another one comes.
 void GroupKeeper::choose_sizes(Time now) {
   sizes_ = nullptr;
-  if (possible(Time::max()) == 0) return;
+  if (possible(Time::max()) == 0 && !sharing_.is_possible()) return;
   if (measured_ == nullptr) {
     measured_ = std::make_shared<BodySizes>(*setup_.type);
     rate_.emplace(now);
@@ -127,30 +132,8 @@ void GroupKeeper::keep_possible(Time now) {
 }
 
 void GroupKeeper::merge(const Planned& planned, std::vector<RouteBundle>& routes) const {
-  RouteBundle together{.wanted = {FieldMask(routes.front().wanted.mask.leaves()), 0}};
+  RouteBundle together = take_out(routes, [&](const Destination* to) { return holds(planned.members, to); });
   together.multicast = planned.place;
-  const auto is_member = [&](const Destination* to) { return holds(planned.members, to); };
-  for (RouteBundle& bundle : routes) {
-    if (bundle.multicast ||
-        std::ranges::none_of(bundle.destinations, is_member, &std::shared_ptr<Destination>::get))
-      continue;
-    together.wanted.mask |= bundle.wanted.mask;
-    std::erase_if(bundle.destinations, [&](const std::shared_ptr<Destination>& to) {
-      if (!is_member(to.get())) return false;
-      together.add(to);
-      return true;
-    });
-    std::erase_if(bundle.readers, [&](const auto& reader) {
-      if (!is_member(reader.second)) return false;
-      together.readers.push_back(reader);
-      return true;
-    });
-    std::erase_if(bundle.reliable, [&](const auto& item) {
-      if (!is_member(item.first)) return false;
-      together.reliable[item.first].insert(item.second.begin(), item.second.end());
-      return true;
-    });
-  }
   routes.insert(routes.begin(), std::move(together));
 }
 
@@ -200,10 +183,8 @@ std::vector<PlanDestination> GroupKeeper::plan_destinations(std::vector<const De
       if (!is_planned(to)) continue;
     }
     const std::size_t datagram_bytes = to->path().datagram_bytes();
-    double alone = 0;
-    for (const FieldMask& mask : candidate.masks)
-      alone += wire_bytes(sizes_->bytes_of(mask), datagram_bytes,
-                          candidate.reliable ? PlaceMark::in_channel : PlaceMark::none);
+    const PlaceMark mark = candidate.reliable ? PlaceMark::in_channel : PlaceMark::none;
+    const double alone = sharing_.bytes_to(to, candidate.masks, mark, *sizes_);
     const auto known = planned_for_.destinations.find(to);
     const bool is_new = known == planned_for_.destinations.end() || known->second.fields != candidate.fields;
     destinations.push_back({candidate.fields, alone, *candidate.link, datagram_bytes, is_new});
@@ -221,10 +202,11 @@ bool GroupKeeper::replan(Time now) {
     if (is_news) return true;
   }
   if (sizes_ != nullptr && sizes_->samples() == 0) rate_.emplace(now);
+  const bool is_shared_otherwise = sizes_ != nullptr && sharing_.decide(*sizes_, now);
   const bool came = someone_came(now);
   hasten(now);
-  if (!may_plan(now)) return false;
-  const bool is_better = plan(now);
+  if (!may_plan(now)) return is_shared_otherwise;
+  const bool is_better = plan(now) || is_shared_otherwise;
   return is_better || (came && !someone_came(now));  // why() of those that came has another answer then
 }
 
@@ -352,6 +334,7 @@ GroupKeeper::Time GroupKeeper::next_duty(Time now) const {
   Time next = Time::max();
   for (const auto& group : groups_) next = std::min(next, group->next_probe());
   if (sizes_ == nullptr || sizes_->samples() == 0) return next;
+  if (sharing_.is_undecided(*sizes_)) return now;
   for (const auto& [to, candidate] : candidates_) {
     if (candidate.refusal.empty() && candidate.calm_at > now) next = std::min(next, candidate.calm_at);
   }
@@ -365,7 +348,7 @@ void GroupKeeper::explain(const std::vector<RouteBundle>& routes, Time now) {
     for (const auto& [reader, to] : bundle.readers) {
       const Candidate& candidate = candidates_.at(to);
       const bool waits = several && candidate.refusal.empty() && !is_calm(candidate, now);
-      readers[reader] = {to, waits ? restless : candidate.refusal, bundle.wanted.mask};
+      readers[reader] = {to, waits ? restless : candidate.refusal, bundle.wanted.mask, sharing_.shares(to)};
     }
   }
   reasons_.set_readers(std::move(readers), sizes_, several);

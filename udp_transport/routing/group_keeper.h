@@ -20,6 +20,7 @@
 #include "udp_transport/multicast/sample_rate.h"
 #include "udp_transport/routing/calm_watch.h"
 #include "udp_transport/routing/group_reasons.h"
+#include "udp_transport/routing/mask_sharing.h"
 #include "udp_transport/routing/route_bundle.h"
 
 namespace sft::udp {
@@ -48,7 +49,8 @@ class GroupKeeper {
   // While routes are made anew, one after the other:
 
   /// Puts what goes to the members of each group into one: under the union of their masks. Whoever came just
-  /// now, or asks for something else, is served alone until it is calm.
+  /// now, or asks for something else, is served alone until it is calm. Readers of one process may share a
+  /// copy, too.
   void merge(std::vector<RouteBundle>& routes, Time now);
   /// The group at that place with these members, known or new.
   std::shared_ptr<MulticastGroup> find(std::size_t place, std::vector<MulticastGroup::Member> members);
@@ -129,6 +131,7 @@ class GroupKeeper {
   std::vector<MulticastLink> links_;
   std::map<const Destination*, Candidate> candidates_;
   CalmWatch calm_;
+  MaskSharing sharing_;
   std::shared_ptr<BodySizes> measured_;  ///< what is known of samples, asked for or not
   std::shared_ptr<BodySizes> sizes_;     ///< the same, or null
   PlannedFor planned_for_;

@@ -23,23 +23,37 @@ std::string GroupReasons::of(core::EndpointId reader) const {
   const auto known = readers_.find(reader);
   if (known == readers_.end()) return {};
   const Reader& one = known->second;
-  if (!one.refusal.empty()) return "alone: " + one.refusal;
+  if (!one.refusal.empty()) return alone(one);
   for (const auto& group : groups_) {
     for (std::size_t i = 0; i < group->members().size(); ++i) {
       if (&group->members()[i].lane->destination() != one.to) continue;
+      const auto is_there = [&](const Destination* to) {
+        return std::ranges::any_of(group->members(),
+                                   [to](const auto& member) { return &member.lane->destination() == to; });
+      };
       return "group " + core::format(core::IpAddress(group->name().address)) + " of " +
-             std::to_string(group->members().size()) + unwanted(one, *group) + group->state_of(i);
+             std::to_string(group->members().size()) + unwanted(one, is_there) + group->state_of(i);
     }
   }
-  return several_ ? "alone: a group would put hardly fewer bytes on the wire"
-                  : "alone: nobody else could be in a group with it";
+  return alone(one);
 }
 
-std::string GroupReasons::unwanted(const Reader& reader, const MulticastGroup& group) const {
+std::string GroupReasons::alone(const Reader& reader) const {
+  std::string why = reader.refusal;
+  if (why.empty()) {
+    why = several_ ? "a group would put hardly fewer bytes on the wire"
+                   : "nobody else could be in a group with it";
+  }
+  if (!reader.shares) return "alone: " + why;
+  const auto is_there = [&](const Destination* to) { return to == reader.to; };
+  return "one copy for all readers of its process" + unwanted(reader, is_there) + "; in no group: " + why;
+}
+
+template <class IsThere>
+std::string GroupReasons::unwanted(const Reader& reader, const IsThere& is_there) const {
   FieldMask fields = reader.fields;
   for (const auto& [id, other] : readers_) {
-    const auto is_there = [to = other.to](const auto& member) { return &member.lane->destination() == to; };
-    if (std::ranges::any_of(group.members(), is_there)) fields |= other.fields;
+    if (is_there(other.to)) fields |= other.fields;
   }
   if (sizes_ == nullptr || fields == reader.fields) return "";
   const double bytes = sizes_->bytes_of(fields) - sizes_->bytes_of(reader.fields);

@@ -20,6 +20,7 @@ class GroupReasons {
     const Destination* to = nullptr;
     std::string refusal{};  ///< why it cannot be in a group; empty: it can
     FieldMask fields{};     ///< that it asks for
+    bool shares = false;    ///< all readers there are sent one copy if they are in no group
   };
   using Readers = std::map<core::EndpointId, Reader>;
   using Groups = std::vector<std::shared_ptr<MulticastGroup>>;
@@ -32,7 +33,10 @@ class GroupReasons {
   std::string of(core::EndpointId reader) const;
 
  private:
-  std::string unwanted(const Reader& reader, const MulticastGroup& group) const SFT_REQUIRES(mutex_);
+  /// What a copy for all readers at these destinations adds to what the reader asked for.
+  template <class IsThere>
+  std::string unwanted(const Reader& reader, const IsThere& is_there) const SFT_REQUIRES(mutex_);
+  std::string alone(const Reader& reader) const SFT_REQUIRES(mutex_);
 
   mutable core::Mutex mutex_;
   Readers readers_ SFT_GUARDED_BY(mutex_);

@@ -9,6 +9,37 @@ void RouteBundle::add(const std::shared_ptr<Destination>& to) {
     destinations.push_back(to);
 }
 
+void RouteBundle::absorb(RouteBundle other) {
+  wanted.mask |= other.wanted.mask;
+  for (const std::shared_ptr<Destination>& to : other.destinations) add(to);
+  readers.insert(readers.end(), other.readers.begin(), other.readers.end());
+  for (auto& [to, of_destination] : other.reliable) reliable[to].merge(of_destination);
+}
+
+RouteBundle take_out(std::vector<RouteBundle>& routes,
+                     const std::function<bool(const Destination*)>& is_one) {
+  RouteBundle all{.wanted = {FieldMask(routes.front().wanted.mask.leaves()), 0}, .merged = true};
+  const auto leads_to_one = [&](const std::shared_ptr<Destination>& to) { return is_one(to.get()); };
+  for (RouteBundle& bundle : routes) {
+    if (bundle.merged || std::ranges::none_of(bundle.destinations, leads_to_one)) continue;
+    RouteBundle taken{.wanted = bundle.wanted};
+    std::erase_if(bundle.destinations, [&](const std::shared_ptr<Destination>& to) {
+      if (leads_to_one(to)) taken.destinations.push_back(to);
+      return leads_to_one(to);
+    });
+    std::erase_if(bundle.readers, [&](const auto& reader) {
+      if (is_one(reader.second)) taken.readers.push_back(reader);
+      return is_one(reader.second);
+    });
+    std::erase_if(bundle.reliable, [&](auto& item) {
+      if (is_one(item.first)) taken.reliable.insert(item);
+      return is_one(item.first);
+    });
+    all.absorb(std::move(taken));
+  }
+  return all;
+}
+
 std::vector<RouteBundle> bundle_routes(std::span<const core::Route> routes, DestinationDirectory& directory) {
   std::vector<RouteBundle> bundles;
   for (const core::Route& route : routes) {

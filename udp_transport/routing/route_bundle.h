@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -26,11 +27,20 @@ struct RouteBundle {
   ReliableReaders reliable{};  ///< those of the readers that are served reliably
   /// The multicast group that sends to all of them; empty if none does.
   std::optional<std::size_t> multicast{};
+  /// The readers ask for different masks, of which this is the union.
+  bool merged = false;
 
   void add(const std::shared_ptr<Destination>& to);
+  void absorb(RouteBundle other);
+  /// The readers are sent something else than every sample under their mask, or by another way.
+  bool is_for_more_than_a_mask() const { return gate != nullptr || late_reader != 0 || fallback; }
 };
 
 /// Leaves out routes that do not lead to a UDP address. Spare bundles come last.
 std::vector<RouteBundle> bundle_routes(std::span<const core::Route> routes, DestinationDirectory& directory);
+
+/// Takes what goes to these destinations out of all bundles that are not merged, and merges it. Bundles may
+/// be left without destinations.
+RouteBundle take_out(std::vector<RouteBundle>& routes, const std::function<bool(const Destination*)>& is_one);
 
 }  // namespace sft::udp

@@ -187,6 +187,7 @@ std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
                                                bundle.fallback,
                                                variant.wire,
                                                {}});
+    audience.merged = bundle.merged;
     for (const std::shared_ptr<Destination>& to : bundle.destinations) {
       const bool is_reliable = bundle.reliable.contains(to.get());
       audience.channels.push_back(is_reliable ? variants.channel(to, reliable.at(to.get())) : nullptr);

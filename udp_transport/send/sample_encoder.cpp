@@ -22,7 +22,7 @@ void SampleEncoder::describe(const Audience& audience, const core::SampleBuffer&
   job.whole_bytes = sample.whole_bytes;
   job.first.label = {writer_, static_cast<std::uint32_t>(sample.sequence), audience.wire->variant};
   job.first.flags = audience.wire->words.empty() ? std::uint8_t{0} : mask_words_follow;
-  if (audience.multicast != nullptr) job.first.flags |= merged_masks;
+  if (audience.merged) job.first.flags |= merged_masks;
   if (audience.late_reader != 0) job.first.flags |= history_follows;
   job.first.history.reader = audience.late_reader;
   job.first.mask = audience.wire->mask;

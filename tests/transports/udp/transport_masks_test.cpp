@@ -123,6 +123,29 @@ TEST_P(TransportTest, SendsReadersOfOneProcessOneCopy) {
   EXPECT_EQ(publisher.port().counters().bytes_sent, first_header_bytes + 4 + 1000);
 }
 
+/// The first sample is measured. All others go out once for all 16 masks, of which half have the data.
+TEST_P(TransportTest, SendsReadersOfOneProcessWithDifferentMasksOneCopyThatHasTheFieldsOfAll) {
+  const auto there = open({.send_queue_depth = 100}), here = open();
+  Publisher publisher(*there);
+  Audience audience(*here);
+  audience.ask(publisher);
+  const Image image = make_image(20'000);
+  ASSERT_EQ(publisher.publish(image), core::SendStatus::sent);
+  for (std::size_t i = 0; i < audience.masks().size(); ++i)
+    ASSERT_EQ(audience.subscriber(i).await(1).size(), 1U);
+  there->poll(std::chrono::steady_clock::now());
+  for (int i = 0; i < 20; ++i) ASSERT_EQ(publisher.publish(image), core::SendStatus::sent);
+  audience.expect_sequences(first_numbers(21));
+  const FieldMask all = fields<Image>("stamp, height, width, name, data");
+  for (std::size_t i = 0; i < audience.masks().size(); ++i)
+    EXPECT_EQ(audience.subscriber(i).await(21).back()->mask, all) << audience.masks()[i];
+  std::size_t bodies = 20 * encoded_body(image, all).size();
+  for (const std::string& mask : audience.masks()) bodies += encoded_body(image, fields<Image>(mask)).size();
+  EXPECT_LT(static_cast<double>(publisher.port().counters().bytes_sent), 1.05 * static_cast<double>(bodies));
+  for (std::size_t i = 0; i < audience.masks().size(); ++i)
+    EXPECT_EQ(audience.subscriber(i).port().counters().discarded, 0U) << audience.masks()[i];
+}
+
 TEST_P(TransportTest, DeliversOnlyWhatIsConnectedAndAccepted) {
   const auto there = open(), here = open();
   Subscriber subscriber(*here, {"data"}), other(*here, {"*"});

@@ -89,8 +89,11 @@ class GroupKeeperTest : public testing::Test {
     for (int i = 0; i < 1000; ++i) publish(1000, false, fields<Image>(mask));
   }
   void publish(std::size_t data_bytes, bool together, const FieldMask& all) {
+    publish(make_image(data_bytes), together, all);
+  }
+  void publish(const Image& image) { publish(image, false, fields<Image>("*")); }
+  void publish(const Image& image, bool together, const FieldMask& all) {
     if (keeper_->sizes() == nullptr) return;
-    const Image image = make_image(data_bytes);
     const core::SampleHandle sample = memory_->take(sample_bytes(image, all));
     fill(*sample, image, all, 7, 1);
     keeper_->sizes()->measure(core::state_of(*sample, type_support<Image>().slots()), now_, together);
