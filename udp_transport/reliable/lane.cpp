@@ -70,7 +70,8 @@ void Lane::set_scheduled(bool scheduled) {
     scheduled ? busy.fetch_add(1, std::memory_order_relaxed) : busy.fetch_sub(1, std::memory_order_release);
   };
   note(tally_->busy_lanes);
-  if (end_.is_group()) note(tally_->busy_groups);
+  if (scheduled) counts_as_merged_ = end_.is_merged();
+  if (counts_as_merged_) note(tally_->busy_merged_lanes);
 }
 
 bool Lane::has_room() {
@@ -79,7 +80,8 @@ bool Lane::has_room() {
 }
 
 bool Lane::is_clear() const {
-  const std::atomic<std::uint32_t>& others = end_.is_group() ? tally_->busy_lanes : tally_->busy_groups;
+  const std::atomic<std::uint32_t>& others =
+      end_.is_merged() ? tally_->busy_lanes : tally_->busy_merged_lanes;
   return idle() && others.load(std::memory_order_acquire) == 0;
 }
 

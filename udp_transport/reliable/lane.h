@@ -57,8 +57,8 @@ class Lane {
 
   /// Nothing is queued or being sent by this lane.
   bool idle() const { return !busy_.load(std::memory_order_acquire); }
-  /// Nor by another lane of the writer that leads a receiver of this one to the same samples in a group: what
-  /// is sent now overtakes nothing.
+  /// Nor by another lane of the writer that may lead to a receiver of this one, if one of the two is merged:
+  /// what is sent now overtakes nothing.
   bool is_clear() const;
 
   struct Posted {
@@ -120,8 +120,9 @@ class Lane {
   LaneQueue::Next current_;                      ///< the present job; used by the sending thread
   bool is_lost_ = false;                         ///< the present job was not sent; used by the sending thread
   core::Mutex mutex_;
-  core::Condition room_;                           ///< the queue has become shorter
-  bool scheduled_ SFT_GUARDED_BY(mutex_) = false;  ///< the sending thread knows of it
+  core::Condition room_;                                  ///< the queue has become shorter
+  bool scheduled_ SFT_GUARDED_BY(mutex_) = false;         ///< the sending thread knows of it
+  bool counts_as_merged_ SFT_GUARDED_BY(mutex_) = false;  ///< while it is scheduled
   bool held_ SFT_GUARDED_BY(mutex_);
   LaneQueue queue_ SFT_GUARDED_BY(mutex_);
   UnprovenBurst burst_ SFT_GUARDED_BY(mutex_);

@@ -4,8 +4,8 @@
 
 namespace sft::udp {
 
-bool LaneEnd::meets_in_a_group(const LaneEnd& other) const {
-  if (!is_group_ && !other.is_group_) return false;
+bool LaneEnd::meets_merged(const LaneEnd& other) const {
+  if (!is_merged() && !other.is_merged()) return false;
   // The listeners are kept as long as their receivers are looked at.
   const std::shared_ptr<LaneListener> group = group_.lock(), other_group = other.group_.lock();
   const Destination* const alone = to_.get();

@@ -2,6 +2,7 @@
 // members.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <span>
 #include <utility>
@@ -35,9 +36,13 @@ class LaneEnd {
 
   Destination& destination() const { return *to_; }
   bool is_group() const { return is_group_; }
-  /// Returns whether samples for both ends come to the same receiver, and to it as a member of a group at
-  /// least once.
-  bool meets_in_a_group(const LaneEnd& other) const;
+  /// Sets whether the readers at the destination share what comes from now on, whatever their masks are.
+  void set_shared(bool shared) { is_shared_.store(shared, std::memory_order_relaxed); }
+  /// What comes is for readers with different masks, who got it by other lanes before, or will again.
+  bool is_merged() const { return is_group_ || is_shared_.load(std::memory_order_relaxed); }
+  /// Returns whether samples for both ends come to the same receiver, and some of them are merged: then the
+  /// order has to be kept between the lanes.
+  bool meets_merged(const LaneEnd& other) const;
   /// The lane is done with the job, if there is one.
   void departed(const JobHandle& job, bool lost) const;
 
@@ -45,6 +50,7 @@ class LaneEnd {
   const std::shared_ptr<Destination> to_;
   std::weak_ptr<LaneListener> group_;
   bool is_group_ = false;
+  std::atomic<bool> is_shared_{false};
 };
 
 }  // namespace sft::udp

@@ -192,6 +192,7 @@ std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
       const bool is_reliable = bundle.reliable.contains(to.get());
       audience.channels.push_back(is_reliable ? variants.channel(to, reliable.at(to.get())) : nullptr);
       audience.lanes.push_back(variants.lane(variant, to, audience.channels.back()));
+      audience.lanes.back()->end().set_shared(bundle.merged && !bundle.multicast);
       served.insert(to.get());
     }
     if (bundle.multicast) audience.multicast = keeper->find(*bundle.multicast, members_of(audience));

@@ -93,14 +93,16 @@ void LaneFlows::note_stall(SendFlow& flow, bool stalls) {
 
 /// Large samples of one writer go to a destination one after another, under whichever masks: a receiver puts
 /// only so many together at a time, and the first is whole sooner. Small ones pass between. Where a receiver
-/// gets one sample by a group and another one by another group or alone, the older one goes first.
+/// gets one sample by a group or in a shared copy, and another one by another lane, the older one goes first.
 bool LaneFlows::must_wait(const SendFlow& flow) {
   if (flow.fragments->begun()) return false;
   const Destination& to = flow.lane->destination();
   return std::ranges::any_of(flows_, [&](const SendFlow& other) {
     if (!other.lane || !other.fragments || &other.lane->tally() != &flow.lane->tally()) return false;
-    if (&other.lane->destination() == &to) return flow.size == Size::large && other.fragments->begun();
-    return is_older(other, flow) && other.lane->end().meets_in_a_group(flow.lane->end()) &&
+    if (&other == &flow) return false;
+    if (&other.lane->destination() == &to && flow.size == Size::large && other.fragments->begun())
+      return true;
+    return is_older(other, flow) && other.lane->end().meets_merged(flow.lane->end()) &&
            !may_pass(flow, other);
   });
 }

@@ -18,11 +18,14 @@ using test::Image;
 
 class DeliveryTest : public testing::Test {
  protected:
+  static std::unique_ptr<core::Network> open_transport(const DecorateIo& decorate = {}) {
+    return open_udp_transport(
+               {.bind_address = INADDR_LOOPBACK, .backend = Backend::sockets, .send_queue_depth = 4},
+               test::make_pool(), decorate)
+        .value();
+  }
   void open(const DecorateIo& decorate = {}) {
-    transport = open_udp_transport(
-                    {.bind_address = INADDR_LOOPBACK, .backend = Backend::sockets, .send_queue_depth = 4},
-                    test::make_pool(), decorate)
-                    .value();
+    transport = open_transport(decorate);
     publisher.emplace(*transport, test::Publisher::usual_id, 0, book);
   }
   core::UdpAddress here() { return test::loopback_address(*transport); }
@@ -62,13 +65,14 @@ TEST_F(DeliveryTest, EachReaderHasTheBytesOfItsOwnFieldsAndSavesTheRest) {
 
 TEST_F(DeliveryTest, CountsGoOnWhileMasksChange) {
   open();
+  const auto elsewhere = open_transport();  // readers of one process might share a copy
   sft::test::Random random{sft::test::test_seed()};
   SCOPED_TRACE(sft::test::how_to_repeat());
   const std::vector<std::string> masks{"name", "data", "*"};
   std::uint64_t published = 0, bytes = 0;
   for (int change = 0; change < 200; ++change) {
     const std::string& mask = masks[random() % masks.size()];
-    publisher->serve({{here(), mask}, {here(), masks[random() % masks.size()]}});
+    publisher->serve({{here(), mask}, {test::loopback_address(*elsewhere), masks[random() % masks.size()]}});
     const int samples = static_cast<int>(random() % 3);
     publish(samples);
     published += static_cast<std::uint64_t>(samples);
@@ -79,6 +83,17 @@ TEST_F(DeliveryTest, CountsGoOnWhileMasksChange) {
   EXPECT_EQ(first.bytes, bytes);
   EXPECT_EQ(first.bytes + first.bytes_saved, published * body("*"));
   EXPECT_EQ(book->of(2).sent + book->of(2).dropped, published);
+}
+
+TEST_F(DeliveryTest, EachReaderHasTheBytesOfTheCopyThatItShares) {
+  open();
+  publisher->serve({{here(), "data"}, {here(), "*"}});
+  publish(1);
+  transport->poll(std::chrono::steady_clock::now());
+  publish(10);
+  const std::size_t data = body("data"), all = body("*");
+  EXPECT_EQ(book->of(1), (Delivered{.sent = 11, .bytes = data + 10 * all, .bytes_saved = all - data}));
+  EXPECT_EQ(book->of(2), (Delivered{.sent = 11, .bytes = 11 * all}));
 }
 
 TEST_F(DeliveryTest, WhatCouldNotBeMadeIsDroppedForAll) {

@@ -282,6 +282,17 @@ TEST_F(LaneTest, IsClearOnceNoGroupOfItsWriterHasSomethingToSend) {
   EXPECT_TRUE(one_.is_clear()) << "lanes of other readers do not count";
 }
 
+TEST_F(LaneTest, IsClearOnceNoLaneThatReadersShareHasSomethingToSend) {
+  other_.end().set_shared(true);
+  other_.post(job(1));
+  EXPECT_FALSE(one_.is_clear());
+  other_.end().set_shared(false);
+  EXPECT_EQ(take_all(other_), Numbers{1});
+  EXPECT_TRUE(one_.is_clear()) << "what has begun to count does not count for ever";
+  other_.post(job(2));
+  EXPECT_TRUE(one_.is_clear());
+}
+
 TEST_F(LaneTest, OfAGroupIsClearOnceNoLaneOfItsWriterHasSomethingToSend) {
   const auto group = std::make_shared<NoGroup>();
   other_.end().tell(group);

@@ -111,6 +111,21 @@ class LaneFlowsOfGroupsTest : public LaneFlowsTest {
     EXPECT_GT(bytes_left(), 2 * large_bytes);
   }
 
+  void expect_small_to_wait(const std::shared_ptr<Lane>& first, const std::shared_ptr<Lane>& then) {
+    first->post(job(large_bytes));
+    then->post(job(small_bytes));
+    flows.add(then);
+    flows.add(first);
+    serve_small();
+    ASSERT_EQ(flows.count(), 2U);
+    EXPECT_EQ(bytes_left(), 0U);
+    flows.send_large(1);
+    ASSERT_TRUE(first->idle());
+    flows.forget_idle();
+    serve_small();
+    EXPECT_TRUE(then->idle());
+  }
+
   std::vector<std::shared_ptr<GroupOf>> groups;
 };
 
@@ -170,6 +185,19 @@ TEST_F(LaneFlowsOfGroupsTest, GoOnWithoutAMemberThatStandsStill) {
   while (NextRound::Time::clock::now() < at) std::this_thread::yield();
   flows.send_large(0);
   EXPECT_GT(bytes_left(), large_bytes);
+}
+
+/// Readers that begin to share a copy, or cease to, change from one lane to another without asking for it.
+TEST_F(LaneFlowsOfGroupsTest, SendNothingSmallInASharedCopyBeforeWhatIsOlder) {
+  const auto own = lane(), shared = lane();
+  shared->end().set_shared(true);
+  expect_small_to_wait(own, shared);
+}
+
+TEST_F(LaneFlowsOfGroupsTest, SendNothingSmallAloneBeforeASharedCopyThatIsOlder) {
+  const auto own = lane(), shared = lane();
+  shared->end().set_shared(true);
+  expect_small_to_wait(shared, own);
 }
 
 TEST_F(LaneFlowsTest, ForgetsALaneThatWasClosed) {
