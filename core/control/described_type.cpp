@@ -20,13 +20,13 @@ Result<DynamicType> described_type(const Endpoint& endpoint) {
   const std::string whose = "node '" + endpoint.node + "', topic '" + endpoint.topic + "': ";
   if (endpoint.type_description.empty()) {
     return fail(Errc::unavailable,
-                whose + endpoint.type_name + " is not described, it is too large for that");
+                whose + "the description of " + endpoint.type_name + " is too large to be announced");
   }
   Result<DynamicType> type = DynamicType::parse(endpoint.type_description, limits);
   if (!type) return fail(type.error().code, whose + type.error().message);
   if (type->name() != endpoint.type_name || type->hash() != endpoint.type_hash) {
-    return fail(Errc::malformed, whose + "the type description is not that of the " + endpoint.type_name +
-                                     " which is announced");
+    return fail(Errc::malformed,
+                whose + "the type description does not describe the announced type " + endpoint.type_name);
   }
   return type;
 }

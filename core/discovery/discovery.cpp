@@ -165,7 +165,7 @@ class LinkedDiscovery final : public Discovery {
   /// anew.
   void heed_complaints(Time now) {
     for (const auto& [id, by] : ear_.take_complaints())
-      renew(id, by + " has heard something else in our name than we say", now);
+      renew(id, by + " reports announcements in our name that we did not make", now);
   }
 
   void mend_deaf_links(Time now) {

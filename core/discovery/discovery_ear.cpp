@@ -29,13 +29,13 @@ std::string called(const std::string& node) { return node.empty() ? "a node" : "
 std::string describe(HearingWatch::Missing missing, const std::string& node) {
   switch (missing) {
     case HearingWatch::Missing::signs_of_life:
-      return node + " lives, but what it says of that is taken for old";
+      return node + " is alive, but Cyclone discards its signs of life as old";
     case HearingWatch::Missing::announcements:
-      return node + " has announced something else than what came";
+      return node + " announces other endpoints than those that arrived here";
     case HearingWatch::Missing::endpoints:
-      return node + " is there, but somebody has withdrawn what it speaks or hears by";
+      return node + " is there, but its control endpoints were withdrawn";
     case HearingWatch::Missing::everything:
-      return node + " is there, but nothing of it comes";
+      return node + " is there, but nothing that it sends arrives";
   }
   return node;
 }

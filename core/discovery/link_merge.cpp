@@ -82,8 +82,8 @@ void LinkMerge::endpoint_came(const Speaker& speaker, Endpoint endpoint, Time no
   EndpointClaims* claims = known(id);
   const bool is_new = claims == nullptr || !claims->is_announced_by(speaker);
   if (is_new && !counts_.has_room_for(speaker.participant)) {
-    return context_.refuse("more endpoints than there is room for: one " + name_of(*sample) +
-                           " is not taken");
+    return context_.refuse("the table of endpoints has no more room for this participant: its endpoint " +
+                           name_of(*sample) + " is refused");
   }
   if (claims == nullptr) claims = &endpoints_.try_emplace(id, context_).first->second;
   if (!claims->accepts(speaker, *sample)) return;
@@ -101,7 +101,7 @@ void LinkMerge::endpoint_withdrawn(const Speaker& speaker, EndpointId id, Time n
   if (claims == nullptr) return;
   if (!claims->is_announced_by(speaker)) {
     return context_.refuse(
-        "a participant withdraws an endpoint that it has not announced: that is not taken");
+        "a participant withdraws an endpoint that it has not announced: the withdrawal is refused");
   }
   if (!claims->withdrawn(speaker, now)) return;
   const Endpoint* const told = claims->told().endpoint();

@@ -84,7 +84,7 @@ SubscriberStatus::Writer heard_as(const Endpoint& writer, bool writer_lives, con
   status.reason = !verdict.mismatch.empty()         ? verdict.mismatch
                   : !writer_lives                   ? "its node does not answer"
                   : attached                        ? "same host"
-                  : verdict.memory && history_comes ? "same host, what was published before comes first"
+                  : verdict.memory && history_comes ? "same host; retained samples come first, by UDP"
                   : verdict.memory                  ? "same host, shared memory is being attached"
                   : verdict.network                 ? verdict.network_reason
                                                     : "UDP is ruled out, and " + verdict.network_reason;

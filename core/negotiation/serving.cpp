@@ -53,7 +53,7 @@ PublisherStatus::Reader serve(const TableEntry& writer, const TableEntry& reader
     status.transport = TransportKind::udp;
     status.reason = !verdict.memory ? verdict.network_reason
                     : unreachable   ? *unreached
-                    : history_first ? "same host, what was published before comes first"
+                    : history_first ? "same host; retained samples come first, by UDP"
                                     : "same host, shared memory is being attached";
     serving.network.push_back(
         {r.id, facts.host.address_of(r), status.mask, period, nullptr, owed, false, reliable});

@@ -326,8 +326,8 @@ void LocalReader::restart(Hearing& hearing, Time now) {
                                          in_quotes(hearing.status.node) +
                                          ": it sends, but nothing arrives by " +
                                          to_string(attached ? TransportKind::shm : TransportKind::udp) +
-                                         "; the connection is set up anew, for the " +
-                                         std::to_string(watchdogs_.at(writer).restarts()) + ". time");
+                                         "; the connection is set up anew (restart " +
+                                         std::to_string(watchdogs_.at(writer).restarts()) + ")");
 }
 
 /// States are copied and compared only if something can have happened.

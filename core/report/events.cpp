@@ -117,7 +117,7 @@ void compare(const std::vector<Peer>& before, const std::vector<Peer>& after, st
              Changed changed) {
   for (const Peer& gone : before) {
     if (matched(gone) && find(after, gone.id) == nullptr) {
-      events.push_back(event_of(Event::Kind::unmatched, gone, "it is gone"));
+      events.push_back(event_of(Event::Kind::unmatched, gone, "the other side has left"));
     }
   }
   for (const Peer& peer : after) {
@@ -159,14 +159,14 @@ void add_diverted(const Diverted& before, const Diverted& after, std::vector<Eve
   };
   add(&Diverted::exhausted, "by UDP within the host: no chunk of that size is free in shared memory");
   add(&Diverted::too_large, "by UDP within the host: larger than the largest chunk of shared memory");
-  add(&Diverted::unavailable, "by UDP within the host: shared memory is not to be had at the moment");
+  add(&Diverted::unavailable, "by UDP within the host: shared memory is unavailable at the moment");
 }
 
 /// Says what was lost although the subscriber asked for reliability, and what helps against that.
 std::string reliable_loss_text(const Writer& writer, std::uint64_t lost) {
   const bool in_memory = writer.transport == TransportKind::shm;
   return std::to_string(lost) + " lost by " + to_string(writer.transport) +
-         ", although they were to come reliably: " +
+         " although reliability was requested: " +
          (in_memory ? "its queue holds " : "the publisher keeps only so many for it, and its queue holds ") +
          std::to_string(writer.depth) + " samples; take them sooner, raise SubscriberOptions::depth" +
          (in_memory ? " (up to what shared memory keeps)" : "") +

@@ -55,7 +55,7 @@ void NodeLog::tick(Time now) {
   for (auto& [pair, losses] : losses_) {
     if (now < losses.next_line || losses.untold == 0) continue;
     const std::string text = pair + ": samples lost: " + std::to_string(losses.untold) +
-                             " more, although they were to come reliably";
+                             " more were lost although reliability was requested";
     if (write(of_events_[static_cast<std::size_t>(Event::Kind::samples_lost)], LogLevel::warning, text, now))
       losses.untold = 0;
     losses.next_line = now + loss_pause;
@@ -69,7 +69,7 @@ bool NodeLog::write(LineBudget& budget, LogLevel level, const std::string& text,
   if (!wants(level) || !budget.take(now)) return false;
   const std::uint64_t left_out = budget.take_left_out();
   sink_(level, node_ + ": " + text +
-                   (left_out == 0 ? "" : " (" + std::to_string(left_out) + " more of its kind left out)"));
+                   (left_out == 0 ? "" : " (" + std::to_string(left_out) + " similar lines were left out)"));
   return true;
 }
 

@@ -58,7 +58,7 @@ Result<Descriptor> connect_to(const char* path, uid_t daemon_user, struct stat& 
   const Descriptor resolved(::open(path, O_PATH | O_NOFOLLOW | O_CLOEXEC));
   const bool there = resolved && fstat(resolved.get(), &daemon) == 0;
   if (there && (!S_ISSOCK(daemon.st_mode) || daemon.st_uid != daemon_user))
-    return fail(Errc::address_in_use, std::string(path) + " is not the daemon's socket, but something of " +
+    return fail(Errc::address_in_use, std::string(path) + " is not the daemon's socket; it belongs to " +
                                           core::account_name(daemon.st_uid) +
                                           "; remove it, and end the daemon: sftd stop");
   Descriptor socket(there ? ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0) : -1);

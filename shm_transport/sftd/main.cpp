@@ -39,11 +39,12 @@ void declare_daemon(CLI::App& app, Arguments& arguments) {
       "--config", arguments.config_file,
       "Read this configuration file (TOML: pools, limits, groups); options on the command line override "
       "it");
-  app.add_option("--pool-mib", arguments.pool_mib,
-                 "Shared memory for samples, in MiB (default: half of the free space, at most 320)")
+  app.add_option(
+         "--pool-mib", arguments.pool_mib,
+         "Use this much shared memory for samples, in MiB (default: half of the free space, at most 320)")
       ->check(CLI::Range(4, 1 << 20));
   app.add_option("--idle-exit", arguments.idle_exit_s,
-                 "End when no program has used the daemon for so many seconds; 0: never")
+                 "End when no program has used the daemon for this many seconds; 0: never")
       ->check(CLI::Range(0, 1 << 30));
   app.add_flag("--foreground", arguments.foreground,
                "Stay in the terminal, and log to the terminal instead of syslog");
@@ -62,7 +63,8 @@ void declare(CLI::App& app, Arguments& arguments) {
   status->add_flag("--json", arguments.status_as_json, "Print JSON");
   status->callback([&arguments] { arguments.status = true; });
   CLI::App* stop = app.add_subcommand("stop", "End the running sftd; programs that use it go on over UDP");
-  stop->add_option("--patience", arguments.stop_patience_s, "Wait so many seconds until sftd has ended")
+  stop->add_option("--patience", arguments.stop_patience_s,
+                   "Wait at most this many seconds until sftd has ended")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
   stop->callback([&arguments] { arguments.stop = true; });

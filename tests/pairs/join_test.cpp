@@ -68,7 +68,7 @@ TEST_F(JoinAndLeave, AReaderThatIsDestroyedIsUnknownLongBeforeALeaseEnds) {
   ASSERT_TRUE(agree(publisher, reader));
   reader.leave();
   EXPECT_TRUE(comes_true([&] { return reader_of(publisher, reader).is_null(); }, 2s));
-  EXPECT_TRUE(was_told(publisher.status()["offered"], "unmatched", "it is gone"));
+  EXPECT_TRUE(was_told(publisher.status()["offered"], "unmatched", "the other side has left"));
   const json sent = publisher.status()["publisher"]["bytes_sent"];
   publisher.publish(10);
   EXPECT_EQ(publisher.status()["publisher"]["bytes_sent"], sent);
@@ -88,7 +88,7 @@ TEST_F(JoinAndLeave, AProcessThatEndsTakesItsEndpointsWithIt) {
   EXPECT_TRUE(accounts_for_all(publisher, other));
   EXPECT_EQ(publisher.quit(), 0);
   EXPECT_TRUE(comes_true([&] { return writer_of(publisher, other).is_null(); }, 2s));
-  EXPECT_TRUE(was_told(other.status()["requested"], "unmatched", "it is gone"));
+  EXPECT_TRUE(was_told(other.status()["requested"], "unmatched", "the other side has left"));
 }
 
 TEST_F(JoinAndLeave, WhatAPublisherSentJustBeforeItLeftIsTakenAndThenItIsAskedNoMore) {

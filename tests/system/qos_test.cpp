@@ -115,7 +115,7 @@ TEST_P(QosTest, BothSidesAreToldWhenTheyMatchAndWhenTheyDoNotAnyMore) {
   EXPECT_EQ(requested.all(Event::Kind::matched).front().node, "a");
   sub.reset();
   ASSERT_TRUE(offered.await(Event::Kind::unmatched));
-  EXPECT_EQ(offered.all(Event::Kind::unmatched).front().text, "it is gone");
+  EXPECT_EQ(offered.all(Event::Kind::unmatched).front().text, "the other side has left");
   EXPECT_FALSE(requested.has(Event::Kind::unmatched)) << "told after its subscriber was gone";
 }
 

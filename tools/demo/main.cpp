@@ -83,18 +83,18 @@ Result<void> run(const DemoOptions& options) {
 
 int main(int argc, char** argv) try {
   sft::demo::DemoOptions options;
-  CLI::App app("Point clouds from a LiDAR, and who is sent what of them.");
+  CLI::App app("Shows which fields of a lidar's point clouds each subscriber is sent.");
   app.get_formatter()->column_width(20);
   app.get_formatter()->label("TEXT", "PATH");
   app.add_option("--input", options.input,
                  "Publish the clouds of a file (.cdr, .cdrlog, KITTI .bin,\n"
                  ".pcd) or of a directory of them, again and again.\n"
                  "Default: a generated street of 128 x 1024 points");
-  app.add_option("--hz", options.hz, "Clouds per second, 0.1 to 1000")
+  app.add_option("--hz", options.hz, "Publish this many clouds per second, 0.1 to 1000")
       ->capture_default_str()
       ->type_name("HZ")
       ->check(CLI::Range(0.1, 1000.0).description(""));
-  app.add_option("--seconds", options.seconds, "How long to publish, 0.1 to 86400")
+  app.add_option("--seconds", options.seconds, "Publish for this many seconds, 0.1 to 86400")
       ->capture_default_str()
       ->type_name("S")
       ->check(CLI::Range(0.1, 86400.0).description(""));

@@ -49,14 +49,14 @@ CLI::App* declare(CLI::App& app, Parsed& parsed, const char* name, const char* h
   command
       ->add_option(
           "--wait", common.wait_s,
-          "Collect for so many seconds before printing what is there; 'why' then waits as long again "
+          "Collect for this many seconds before printing what is there; 'why' then waits as long again "
           "for nodes that have not reported their counters")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str()
       ->group("Common");
   command
       ->add_option("--timeout", common.timeout_s,
-                   "Wait so many seconds for the topic, or for its first sample")
+                   "Wait at most this many seconds for the topic, or for its first sample")
       ->check(CLI::Range(0.0, 86400.0))
       ->capture_default_str()
       ->group("Common");
@@ -84,16 +84,16 @@ void add_count(CLI::App* command, std::uint64_t& count, const char* of_one, cons
 }
 
 void add_live(CLI::App* command, LiveOptions& live) {
-  command->add_option("--for", live.for_s, "End after so many seconds (default: when Ctrl-C is pressed)")
+  command->add_option("--for", live.for_s, "End after this many seconds (default: when Ctrl-C is pressed)")
       ->check(CLI::Range(0.1, 1e9));
-  command->add_option("--window", live.window_s, "Measure over the last so many seconds")
+  command->add_option("--window", live.window_s, "Measure over a window of this many seconds")
       ->check(CLI::Range(1.0, 3600.0))
       ->capture_default_str();
 }
 
 void declare_ls(CLI::App& app, Parsed& parsed) {
   CLI::App* command = declare(app, parsed, "ls", "List nodes, topics, types or endpoints");
-  command->add_option("WHAT", parsed.ls.what, "nodes, topics (the default), types or endpoints")
+  command->add_option("WHAT", parsed.ls.what, "List these: nodes, topics (the default), types or endpoints")
       ->check(CLI::IsMember({"nodes", "topics", "types", "endpoints"}));
   command->add_flag("--names", parsed.ls.names, "Print the names only, one per line");
   command->callback([&parsed] { parsed.line.command = parsed.ls; });
@@ -118,8 +118,8 @@ void declare_echo(CLI::App& app, Parsed& parsed) {
       ->add_option("--fields", echo.fields,
                    "Ask publishers for these fields only: 'header.stamp, fields[].name'; * is all")
       ->capture_default_str();
-  add_count(command, echo.count, "End after one sample", "End after so many samples");
-  command->add_option("--rate", echo.max_rate_hz, "Ask for at most so many samples a second")
+  add_count(command, echo.count, "End after one sample", "End after this many samples");
+  command->add_option("--rate", echo.max_rate_hz, "Ask for at most this many samples a second")
       ->check(CLI::Range(0.001, 100000.0));
   CLI::Option* yaml = command->add_flag("--yaml", parsed.yaml, "Write YAML (the default)");
   CLI::Option* csv = command->add_flag("--csv", parsed.csv, "Write a table, with a column for each field");
@@ -138,23 +138,26 @@ void declare_pub(CLI::App& app, Parsed& parsed) {
       declare(app, parsed, "pub", &Parsed::pub, "Publish a message that is written as YAML or JSON");
   command
       ->add_option("TYPE", pub.type.type,
-                   "sensor_msgs/PointCloud2, a file my_msgs/msg/Status.msg, or auto: the type of the topic")
+                   "The type: sensor_msgs/PointCloud2, a file my_msgs/msg/Status.msg, or auto for the type "
+                   "that the topic has")
       ->required();
-  command->add_option("VALUE", pub.value,
-                      "'{header: auto, width: 3}': fields that you leave out are zero or empty, and a stamp "
-                      "may be now; -: messages from the standard input, YAML with --- between them, or one "
-                      "line of JSON each");
-  command->add_option("-r,--rate", pub.rate_hz, "Publish so many samples a second (default: 1)")
+  command->add_option(
+      "VALUE", pub.value,
+      "The message: '{header: auto, width: 3}'. Fields that you leave out are zero or empty, and a stamp "
+      "may be now. With - the messages come from the standard input: YAML with --- between them, or one "
+      "line of JSON each");
+  command->add_option("-r,--rate", pub.rate_hz, "Publish this many samples a second (default: 1)")
       ->check(CLI::Range(0.001, 100000.0));
-  add_count(command, pub.count, "Publish the message once", "Publish the message so many times");
-  command->add_option("-w,--wait-for", pub.wait_for,
-                      "First wait for so many subscribers, at most for --timeout (default: 1 if the command "
-                      "ends by itself, else 0)");
+  add_count(command, pub.count, "Publish the message once", "Publish the message this many times");
+  command->add_option(
+      "-w,--wait-for", pub.wait_for,
+      "First wait for this many subscribers, at most for --timeout (default: 1 if the command ends by "
+      "itself, else 0)");
   command->add_flag("--reliable", pub.reliable, "Offer to send lost samples again");
   command->add_flag("--transient-local", pub.transient_local, "Keep the last sample for late subscribers");
   command
       ->add_option("-I,--include", pub.type.includes,
-                   "A directory of packages with .msg files: /opt/ros/humble/share")
+                   "Search this directory for packages with .msg files: /opt/ros/humble/share")
       ->allow_extra_args(false);
 }
 
@@ -192,10 +195,11 @@ void declare_why(CLI::App& app, Parsed& parsed) {
 
 void declare_top(CLI::App& app, Parsed& parsed) {
   CLI::App* command = declare(app, parsed, "top", "Show all topics and pairs live, until you press q");
-  command->add_option("--every", parsed.top.every_s, "Update the page after so many seconds")
+  command
+      ->add_option("--every", parsed.top.every_s, "Update the page each time this many seconds have passed")
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
-  command->add_option("--for", parsed.top.for_s, "End after so many seconds")->check(CLI::Range(0.1, 1e9));
+  command->add_option("--for", parsed.top.for_s, "End after this many seconds")->check(CLI::Range(0.1, 1e9));
   command->callback([&parsed] { parsed.line.command = parsed.top; });
 }
 

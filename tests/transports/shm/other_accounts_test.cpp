@@ -156,7 +156,7 @@ TEST_F(OtherAccounts, OwnNoSocketThatProgramsConnectTo) {
   ASSERT_EQ(chown(shm::roudi_socket_path, nobody.user, 0), 0);
   Node node(no_daemon());
   ASSERT_TRUE(node.becomes(Availability::unavailable));
-  EXPECT_TRUE(contains(node->description(), "something of user nobody")) << node->description();
+  EXPECT_TRUE(contains(node->description(), "it belongs to user nobody")) << node->description();
 }
 
 TEST_F(OtherAccounts, KeepNoDeadDaemonAliveByALockForReading) {

@@ -94,7 +94,7 @@ TEST_F(NegotiationTest, OurReaderIsAttachedOnlyOnceTheHistoryHasCome) {
   writer.qos.durability = transient_local;
   negotiation.endpoint_seen(writer);
   EXPECT_FALSE(negotiation.hearing(200).at(0).memory);
-  EXPECT_EQ(negotiation.hearing(200).at(0).status.reason, "same host, what was published before comes first");
+  EXPECT_EQ(negotiation.hearing(200).at(0).status.reason, "same host; retained samples come first, by UDP");
   negotiation.history_began(200, 7);
   EXPECT_FALSE(negotiation.hearing(200).at(0).memory);
   EXPECT_TRUE(negotiation.history_came(200, 7));

@@ -409,7 +409,7 @@ TEST_F(ReconcilerTest, AConnectionByWhichNothingArrivesIsSetUpAnewAndCounted) {
   EXPECT_EQ(core->status().writers.at(0).restarts, 1U);
   EXPECT_THAT(logged,
               ElementsAre("node: topic 'points', node 'camera': it sends, but nothing arrives by udp; the "
-                          "connection is set up anew, for the 1. time"));
+                          "connection is set up anew (restart 1)"));
   reconciler.tick();  // the pause is over by now
   EXPECT_THAT(connections.writers, ElementsAre(7));
   EXPECT_THAT(discovery.sent.back().listening, ElementsAre(7));

@@ -81,7 +81,7 @@ TEST_F(TopicsTest, PublishersOfDifferentTypesAreAnErrorThatNamesBoth) {
 TEST_F(TopicsTest, APublisherThatDoesNotDescribeItsTypeLeavesItToOthers) {
   add(Role::writer, "a", "points", cloud).type_description.clear();
   EXPECT_EQ(type("points").error().code, Errc::unavailable);
-  EXPECT_THAT(error("points"), HasSubstr("is not described"));
+  EXPECT_THAT(error("points"), HasSubstr("is too large to be announced"));
   add(Role::writer, "b", "points", cloud);
   EXPECT_EQ(type("points")->name(), cloud.name);
 }

@@ -186,7 +186,7 @@ TEST(EventsTest, LossesOfAReliablePairNameThePathTheQueueAndWhatHelps) {
       events_between(hearing(before), hearing(after), type_support<PointCloud2>(), Reliability::reliable);
   ASSERT_THAT(kinds(events), ElementsAre(Event::Kind::samples_lost));
   EXPECT_TRUE(events[0].reliable);
-  EXPECT_THAT(events[0].text, testing::StartsWith("5 lost by shm, although they were to come reliably"));
+  EXPECT_THAT(events[0].text, testing::StartsWith("5 lost by shm although reliability was requested"));
   EXPECT_THAT(events[0].text, testing::HasSubstr("holds 256 samples"));
   EXPECT_THAT(events[0].text, testing::HasSubstr("PublisherOptions::max_blocking"));
 }

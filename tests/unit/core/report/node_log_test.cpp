@@ -91,10 +91,9 @@ TEST_F(NodeLogTest, WhatAReliablePairLostBehindItsLastLineIsWrittenASecondAfterT
   lines.clear();
   for (const auto after : {500ms, 1000ms, 1500ms, 2000ms, 2500ms}) log.tick(now + after);
   ASSERT_EQ(lines.size(), 1U);
-  EXPECT_EQ(
-      lines[0].second,
-      "node: topic 'points', publisher 0000000000000007: samples lost: 3 more, although they were to come "
-      "reliably");
+  EXPECT_EQ(lines[0].second,
+            "node: topic 'points', publisher 0000000000000007: samples lost: 3 more were lost although "
+            "reliability was requested");
 }
 
 TEST_F(NodeLogTest, OfAFloodAFewLinesAreWrittenThenOneNowAndThenThatSaysHowManyWereNot) {
@@ -103,7 +102,7 @@ TEST_F(NodeLogTest, OfAFloodAFewLinesAreWrittenThenOneNowAndThenThatSaysHowManyW
   ASSERT_EQ(lines.size(), std::size_t{LineBudget::burst});
   log.write(LogLevel::warning, "again", now + LineBudget::period);
   ASSERT_EQ(lines.size(), LineBudget::burst + 1U);
-  EXPECT_EQ(lines.back().second, "node: again (990 more of its kind left out)");
+  EXPECT_EQ(lines.back().second, "node: again (990 similar lines were left out)");
   log.write(LogLevel::warning, "again", now + LineBudget::period);
   EXPECT_EQ(lines.size(), LineBudget::burst + 1U);
 }
