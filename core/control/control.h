@@ -13,7 +13,7 @@
 
 namespace sft::core {
 
-/// Bounds of the control topics (idl/sft_control.idl).
+/// Bounds of the control topics (sft_control.idl).
 inline constexpr std::size_t mask_words_max = 64;
 inline constexpr std::size_t writers_per_reader_max = 1024;
 inline constexpr std::size_t addresses_max = 16;
@@ -108,13 +108,13 @@ struct Assertion {
   friend bool operator==(const Assertion&, const Assertion&) = default;
 };
 
-/// A publisher or subscriber, of this node or another. The fields are those of idl/sft_control.idl.
+/// A publisher or subscriber, of this node or another. The fields are those of sft_control.idl.
 struct Endpoint {
   EndpointId id = 0;
   Role role{};
   NodeId node_id = 0;
-  std::chrono::milliseconds life_lease{
-      5000};  ///< of its node, which lives if it was heard of within that time
+  /// The node of the endpoint lives if it was heard of within that time.
+  std::chrono::milliseconds life_lease{5000};
   std::string node;
   std::string topic;
   std::string type_name;

@@ -1,4 +1,4 @@
-// Between the core's control structs and those that Cyclone's compiler made of idl/sft_control.idl. What
+// Converts between the core's control structs and those that Cyclone's compiler made of sft_control.idl. What
 // comes from outside is checked here: versions, roles, names.
 #pragma once
 
@@ -21,7 +21,7 @@ struct ControlStorage {
 sft_control_Request to_dds(const Request& request);
 sft_control_Endpoint to_dds(const Endpoint& endpoint, ControlStorage& storage);
 
-/// What a reader's node says on the topic sft_reader.
+/// The message of a reader's node on the topic sft_reader is one of these.
 enum class ReaderPart : std::uint8_t { announcement, request };
 sft_control_ReaderWord in_word(sft_control_Endpoint& announcement);
 sft_control_ReaderWord in_word(sft_control_Request& request);

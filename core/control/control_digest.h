@@ -7,7 +7,7 @@
 
 namespace sft::core {
 
-/// Three octets for each role: signs of life have room for so many (idl/sft_control.idl).
+/// Three octets for each role: signs of life have room for so many (sft_control.idl).
 inline constexpr std::uint32_t control_digest_max = (1U << 24) - 1;
 
 /// The part of one endpoint: of its newest announcement, and of its newest request if it is a reader.

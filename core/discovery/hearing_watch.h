@@ -101,7 +101,7 @@ class HearingWatch {
     Time last;  ///< when anything of the participant, or the participant itself, came last
     bool has_spoken = false;
     bool has_agreed = false;
-    int unmatched = 0;  ///< endpoints that departed and did not come back
+    int unmatched = 0;  ///< endpoints that were withdrawn and did not come back
     Time unmatched_at{};
     NodeId node = 0;
     bool lives = false;  ///< signs of life came, and Cyclone did not tell that they ended
@@ -112,8 +112,8 @@ class HearingWatch {
     std::uint32_t shared = 0;  ///< both digests, when they were equal last
     Time agreed{};             ///< when both were equal, or what is known changed
     Time changed{};            ///< when what is known changed
-    /// The signs of life go on to tell what was known before the change: the change was not the speaker's
-    /// own.
+    /// True if the signs of life still carry the digest from before the change: somebody else than the
+    /// speaker made the change.
     bool is_contradicted = false;
     std::optional<Time> overdue_since{};
     std::optional<Time> missed_since{};

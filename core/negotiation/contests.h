@@ -15,7 +15,7 @@ class Contests {
  public:
   struct Contested {
     EndpointId id = 0;
-    std::string how;  ///< for people
+    std::string how;  ///< text for the log
   };
 
   void announced(Endpoint& ours, const Endpoint& said);

@@ -28,11 +28,11 @@ class LocalReader {
     std::shared_ptr<Recorder> recorder;      ///< null unless the requirement is recorded
     std::shared_ptr<NetworkReader> network;  ///< null if UDP is ruled out; accepts the first mask already
   };
-  /// `node` outlives this object. `endpoint` as it is added to the negotiation.
+  /// `node` outlives this object. `endpoint` is the one that is added to the negotiation.
   LocalReader(NodeContext& node, const Endpoint& endpoint, Parts parts);
 
   SubscriberCore& core() const { return *core_; }
-  /// The reader is removed: takes no more samples.
+  /// Stops taking samples. It is called when the reader is removed.
   void close();
 
   // Connections.
@@ -46,7 +46,7 @@ class LocalReader {
     bool changed = false;  ///< the desired states are to be asked for again
     bool waiting = false;  ///< some connection in shared memory is not complete yet
   };
-  /// Tells writers which of them the reader hears by now.
+  /// Sends the writers a request that says which of them the reader hears by now.
   Connections look_after_connections();
   /// The memory of the port is gone, or another daemon's.
   void drop_memory();
@@ -63,7 +63,7 @@ class LocalReader {
   bool rate_changed();
   /// Tells others the request as it is now.
   void send_request();
-  /// Accepts no more samples under earlier requests, and of writers that departed, once none can be in
+  /// Accepts no more samples under earlier requests, and from writers that have gone, once none can be in
   /// flight.
   void forget_what_was_in_flight(Time now);
 

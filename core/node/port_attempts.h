@@ -1,5 +1,5 @@
 // Attempts to open ports and to connect them: what has failed is tried again after a pause, and each reason
-// is written to the log once. The agent's.
+// is written to the log once. Used by the agent's thread.
 #pragma once
 
 #include <functional>
@@ -20,9 +20,9 @@ class PortAttempts {
 
   /// Returns true if open() was called and has succeeded. Does not call it while `retry` pauses.
   bool over_network(Retry& retry, const Open& open);
-  /// The same where the daemon of shared memory is asked. A daemon that did not answer is asked nothing at
-  /// all for a while, for nobody: each such request costs its whole deadline, in which the agent does nothing
-  /// else.
+  /// The same where the daemon of shared memory is asked. A daemon that did not answer is not asked again for
+  /// a while, on behalf of any endpoint: each such request takes until its deadline, and the agent does
+  /// nothing else meanwhile.
   bool in_memory(Retry& retry, const Open& open);
 
   /// True if something failed that was tried by in_memory(), and may be tried again.

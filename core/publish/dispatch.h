@@ -55,7 +55,7 @@ class Dispatch {
   /// The verdict of the gates on one sample.
   struct Admission {
     bool passes = false;                       ///< the sample is for somebody
-    std::optional<Transmission> transmission;  ///< of it, if it may go over the network
+    std::optional<Transmission> transmission;  ///< of the sample; empty if it does not use the network
   };
 
   // Within a Call.
@@ -83,14 +83,14 @@ class Dispatch {
   }
   /// Counts a sample that could not be made, so that readers see that one is missing.
   PublishStatus miss(Admission&& admission, std::uint32_t body_bytes) noexcept;
-  /// Sends a whole sample, or one that the outlets asked for. Waits for readers as long as there is patience,
-  /// and leaves of that what it did not need.
+  /// Sends a whole sample, or one that the outlets asked for. Waits for readers for at most `patience`, and
+  /// subtracts the time that it waited from it.
   PublishStatus send(const SampleHandle& sample, std::int64_t stamp_ns, Admission&& admission,
                      std::chrono::nanoseconds& patience) noexcept;
 
-  /// Nothing if the publisher does not use the network.
+  /// Returns nothing if the publisher does not use the network.
   std::optional<Batch> batch(BatchPatience patience) noexcept;
-  /// Counts samples that were sent and did not leave after all.
+  /// Counts samples that were handed over and were not sent after all.
   void count_dropped(std::size_t samples) noexcept { dropped_.fetch_add(samples, std::memory_order_relaxed); }
 
   // The agent's thread.

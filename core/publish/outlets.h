@@ -18,15 +18,15 @@ struct Outlets {
   struct MemoryGroup {
     std::shared_ptr<const RateGate> gate;
     std::shared_ptr<DeliveryTally> tally;
-    bool have_fallback;  ///< they can be sent over the network what shared memory does not take
+    bool have_fallback;  ///< what shared memory does not take can be sent to them over the network
     bool wants_sample() const { return gate == nullptr || gate->passes(); }
   };
 
   std::shared_ptr<LendingWriter> memory;  ///< null while there is no shared memory
-  bool is_wanted = false;                 ///< a sample: somebody reads, or it is retained
+  bool is_wanted = false;                 ///< true if a sample has a reader or is retained
   bool to_memory = false;
   bool to_network = false;
-  bool has_fallback = false;                     ///< some of `memory_groups` have one
+  bool has_fallback = false;                     ///< some of `memory_groups` have a fallback
   std::vector<std::shared_ptr<RateGate>> gates;  ///< to be asked about each sample
   /// Some reliable reader in shared memory can be sent nothing over the network instead.
   bool needs_memory = false;
@@ -38,18 +38,18 @@ struct Outlets {
 
   /// True if each sample is made so that the others' routes can send it.
   bool provides_for(const Outlets& other) const;
-  /// The same places, and all that the others need.
+  /// Returns these outlets, but with every field and every gate that `other` needs.
   Outlets with(const Outlets& other) const;
 };
 
 /// The ports of a publisher, and whether it retains samples.
 struct Means {
   std::shared_ptr<LendingWriter> memory;  ///< null while there is no shared memory
-  bool network = false;                   ///< it may use that
-  bool retains = false;  ///< samples, for late readers, of which nobody knows what they will ask for
+  bool network = false;                   ///< the publisher may use the network
+  bool retains = false;  ///< the publisher retains samples; late readers may ask for any field of them
 };
 
-/// `gates` gave the routes in `serving` theirs.
+/// REQUIRES: each route in `serving` has its gate from `gates`.
 std::shared_ptr<Outlets> make_outlets(const TypeSupport& type, const Serving& serving, const RateGates& gates,
                                       Means means);
 

@@ -1,12 +1,13 @@
-// A maximum rate: which samples of a writer are for a reader that asks for no more than so many a second.
-// Pure: stamps in, answers out.
+// A maximum rate decides which samples of a writer are for a reader that asks for no more than so many a
+// second. Pure: stamps in, answers out.
 //
 // Time is cut into slots of one period, on the grid of the stamps' clock. Each slot that begins is worth one
 // sample, and one that was not used can be saved: a source that beats about as fast as the limit then loses
 // nothing to its jitter. So in any n periods at most n + 2 samples pass, and in the long run one in each.
 //
-// Two that keep the same limit need not talk to each other: whoever has let nothing pass but what the other
-// let pass never has less to spend than the other. That is how a reader in shared memory follows its writer.
+// A reader and its writer keep equal limits without talking to each other: whoever admits only what the other
+// one admits never has less to spend than the other one. That is how a reader in shared memory follows its
+// writer.
 #pragma once
 
 #include <atomic>
@@ -43,14 +44,15 @@ class RateBudget {
   std::int64_t saved_;
 };
 
-/// A writer's, one for each limit that its readers ask for. The publisher's thread, but for withheld().
+/// The gate of a writer for one of the limits that its readers ask for. Used by the publisher's thread;
+/// withheld() may be called by any thread.
 class RateGate {
  public:
   /// Begins with one sample, not with a burst. (A reader's budget begins full: it must not have less.)
   explicit RateGate(std::uint32_t min_period_us) : budget_(min_period_us, 1) {}
 
   std::uint32_t min_period_us() const { return budget_.min_period_us(); }
-  /// Once for every sample.
+  /// Called once for every sample.
   void consider(std::int64_t stamp_ns);
   /// True if the sample that was considered last is for the readers behind this gate.
   bool passes() const { return passes_; }

@@ -17,9 +17,9 @@ struct Route {
   EndpointId reader = 0;
   Locator destination;
   FieldMask mask;
-  std::uint32_t min_period_us = 0;         ///< the limit that it asks for; 0: none
-  std::shared_ptr<const RateGate> gate{};  ///< which keeps that limit; null: every sample is for it
-  /// Not 0: it is served apart from all others, from so many retained samples on.
+  std::uint32_t min_period_us = 0;         ///< the limit that the reader asks for; 0: none
+  std::shared_ptr<const RateGate> gate{};  ///< keeps that limit; null: every sample is for the reader
+  /// Not 0: the reader is served apart from all others, and is sent this many retained samples first.
   std::uint32_t history = 0;
   /// The reader is served elsewhere: this route is for samples that are sent by fallback routes, too.
   bool fallback = false;
@@ -39,9 +39,10 @@ struct Announced {
 struct Source {
   EndpointId writer = 0;
   std::size_t max_sample_bytes = 0;
-  bool history_first = false;  ///< nothing of it is for the reader until something for it alone has come
-  bool reliable = false;       ///< in order, and what gets lost on the way is asked for
-  bool waits = false;          ///< its publisher does, for readers that do not keep up
+  bool history_first =
+      false;              ///< the reader takes nothing of it before samples for this reader alone have come
+  bool reliable = false;  ///< in order, and what gets lost on the way is asked for
+  bool waits = false;     ///< its publisher waits for readers that do not keep up
   Announced node{};
   bool alive = true;  ///< its node answers
   friend bool operator==(const Source&, const Source&) = default;

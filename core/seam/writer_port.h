@@ -67,10 +67,11 @@ class WriterPort {
   /// Sends an encoded sample to the routes in force whose gates it passes; the gates were asked on this
   /// thread before. The caller may go on reading the sample while it keeps a handle, but may write into it
   /// only if nobody else has one. Waits for readers as WriterSpec says. The mask of every route must be a
-  /// subset of sample->mask. The publisher's thread.
+  /// subset of sample->mask. Called by the publisher's thread.
   virtual SendStatus send(const SampleHandle& sample) noexcept = 0;
 
-  /// Limits what send() waits from now on, together with the limit of WriterSpec. The publisher's thread.
+  /// Limits what send() waits from now on, together with the limit of WriterSpec. Called by the publisher's
+  /// thread.
   virtual void be_patient(std::chrono::nanoseconds at_most) noexcept = 0;
 
   /// Replaces the routes. The publisher's thread goes on with the earlier ones until the next sample.
@@ -81,16 +82,18 @@ class WriterPort {
 class LendingWriter : public WriterPort {
  public:
   /// Memory for a sample of `bytes` in all (header, index, body); empty if there is none now. Owner, data and
-  /// capacity are set, and the header is a fresh one. The publisher's thread.
+  /// capacity are set, and the header is a fresh one. Called by the publisher's thread.
   virtual SampleHandle loan(std::size_t bytes) noexcept = 0;
-  /// No loan() of more can ever succeed: for telling why one did not. Any thread.
+  /// Returns the largest loan that can ever succeed, so that the caller can tell why one failed. May be
+  /// called by any thread.
   virtual std::size_t largest_loan_bytes() const noexcept = 0;
-  /// True if send() can take the sample: this port lent it, and it was not sent yet. The publisher's thread.
+  /// True if send() can take the sample: this port lent it, and it was not sent yet. Called by the
+  /// publisher's thread.
   virtual bool can_send(const SampleBuffer& sample) const noexcept = 0;
-  /// True if this port lent the sample, sent or not. Any thread.
+  /// True if this port lent the sample, sent or not. May be called by any thread.
   virtual bool owns(const SampleBuffer& sample) const noexcept = 0;
 
-  /// The rest of the time that the last send() might have waited. The publisher's thread.
+  /// The rest of the time that the last send() might have waited. Called by the publisher's thread.
   virtual std::chrono::nanoseconds patience_left() const noexcept = 0;
 
   /// The reason why that reader, although it is attached, cannot be told here that a sample has come, and
@@ -131,16 +134,16 @@ class NetworkWriter : public WriterPort {
  public:
   /// A sample is about to be made, and gates are about to be asked about it: the sample goes by the routes
   /// that are in force now, and deliveries are counted by them from here on. A transmission that is let go of
-  /// was of a sample that nobody wanted. The publisher's thread.
+  /// was of a sample that nobody wanted. Called by the publisher's thread.
   [[nodiscard]] Transmission begin() noexcept;
 
   /// The samples that are sent while the batch lasts need not leave at once, so that small ones share
-  /// datagrams. One batch at a time. The publisher's thread.
+  /// datagrams. One batch at a time. Called by the publisher's thread.
   [[nodiscard]] Batch batch(BatchPatience patience) noexcept;
 
   /// True if samples may be sent of which copies are postponed (SampleBuffer::postponed). The port then
   /// completes what it gives to other threads; of the rest some may never be copied, so that such a sample is
-  /// of no use to others. Always the same answer. Any thread.
+  /// of no use to others. Always the same answer. May be called by any thread.
   virtual bool takes_postponed() const noexcept = 0;
 
   // History. A route with `history` is served apart: what is sent to it names its reader, and waits until
@@ -152,7 +155,7 @@ class NetworkWriter : public WriterPort {
   /// True if all that was sent to the reader of such a route has left.
   virtual bool history_sent(EndpointId reader) noexcept = 0;
 
-  // For status(). Any thread.
+  // For status(). May be called by any thread.
 
   struct Counters {
     std::uint64_t bytes_sent = 0;  ///< payload and headers of ours handed to the system, over all routes

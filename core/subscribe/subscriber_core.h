@@ -57,13 +57,13 @@ class SubscriberCore final : public ArrivalListener {
   detail::untyped::Sample take_latest();
   bool wait(std::chrono::nanoseconds timeout) { return waiter_.wait_until(deadline_after(timeout)); }
   bool available() { return ports_.available(); }
-  /// -1 if the subscriber has none.
+  /// Returns -1 if the subscriber has none.
   int file_descriptor() const { return waiter_.descriptor(); }
   Result<void> set_max_rate_hz(double max_rate_hz);
 
   // Subscribers with a callback or a file descriptor: for the thread that sleeps on their doorbell.
 
-  /// True if there is a sample that nobody is dispatching, or that the file descriptor does not tell of.
+  /// True if a sample waits that no thread is dispatching, or that the file descriptor does not show.
   bool waits_for_dispatch();
   /// Calls back for all samples, or makes the file descriptor readable. Returns at once if a call is under
   /// way on another thread: that thread goes on.

@@ -38,7 +38,7 @@ void WriterAccounts::hears(const std::vector<Hearing>& hearing, std::int64_t now
   if (writers_.size() > heard_.size() + departed_writers_kept) forget_departed();
 }
 
-/// The id of a writer is random for each incarnation: a writer that has departed does not return.
+/// The id of a writer is random for each incarnation: a writer that has gone does not return.
 void WriterAccounts::forget_departed() {
   std::erase_if(writers_, [this](const Writer& writer) {
     const auto is_it = [&](const SubscriberStatus::Writer& heard) { return heard.id == writer.id; };

@@ -170,7 +170,7 @@ void ShmReaderPort::drop_excess() noexcept {
   }
 }
 
-/// Forgets the departed writers all of whose samples were taken or dropped, and returns them.
+/// Forgets the writers that have gone and whose samples were all taken or dropped, and returns them.
 ShmReaderPort::Writers ShmReaderPort::forget_drained() noexcept {
   Writers drained;
   std::erase_if(departed_, [&drained](const auto& writer) {

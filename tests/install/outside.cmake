@@ -1,8 +1,7 @@
 # cmake -D SOURCE=tree -D BUILD=tree -D WORK=folder -D GENERATOR=name -D CXX=compiler -D ISOLATE=program -P
 # outside.cmake
 # Installs SFT from its build into a folder, builds a project and a program of one file with what is there, and runs
-# them
-# on a host of their own; so does "Five minutes" of docs/guide.md, as it is printed there.
+# them on a host of their own; so does "Five minutes" of docs/guide.md, as it is printed there.
 cmake_minimum_required(VERSION 3.22)
 include(${CMAKE_CURRENT_LIST_DIR}/verbs.cmake)
 set(prefix ${WORK}/prefix)

@@ -1,4 +1,4 @@
-// One run of the demo: waits until all nodes have found each other and discovery is quiet, lets the LiDAR
+// One run of the demo: waits until all nodes have found each other and discovery is quiet, lets the lidar
 // publish, and measures what that costs.
 #pragma once
 

@@ -1,5 +1,5 @@
-// sft_demo shows on one machine what Selective Field Transmission does. A LiDAR publishes point clouds.
-// Subscribers on other hosts are sent the fields that they need, and one on the LiDAR's own host reads its
+// sft_demo shows on one machine what Selective Field Transmission does. A lidar publishes point clouds.
+// Subscribers on other hosts are sent the fields that they need, and one on the lidar's own host reads its
 // fields in shared memory.
 #include <unistd.h>
 

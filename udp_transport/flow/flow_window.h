@@ -53,7 +53,7 @@ class FlowWindow {
   /// Before a report: how large the socket's buffer is.
   void announce(std::size_t receive_buffer_bytes);
 
-  /// Socket bytes that may be sent now. The last datagrams may take more. Where there is no room somebody
+  /// Socket bytes that may be sent now. The last datagrams may take more. If there is no room, the sender
   /// waits until hear() or next_ready() says that there is.
   std::size_t room(Size size, Time now);
   /// Somebody waits for more room than there is.
@@ -63,16 +63,17 @@ class FlowWindow {
   bool takes_control(Time now);
   /// The largest batch of which several fit into the window.
   std::size_t batch_bytes() const;
-  /// `aside`: not the way that marks go.
+  /// `aside`: sent through another connection than the one that marks go by.
   void sent(std::size_t bytes, std::size_t datagrams, Time now, bool aside = false);
 
-  /// If one is due: it goes the way that what was sent last has gone. Its port is left to the caller.
+  /// Returns the mark that is due, if any. The caller fills in its port, and sends it through the connection
+  /// that was used last.
   std::optional<FlowMark> mark(Time now);
   /// Returns true if a report can be the answer to one of our marks.
   bool answers_a_mark(const FlowReport& report) const;
   /// Takes a report of the other end; nonsense is ignored. Returns true if somebody waits who may go on now.
   [[nodiscard]] bool hear(const FlowReport& report, Time now);
-  /// The other end has said something else that only it can say.
+  /// Notes an authentic answer of the other end that is not a report.
   void lives(Time now) { receiver_.lives(now); }
   /// The host there says that nobody has this port. A receiver that has just reported is believed instead.
   void refused(Time now) { receiver_.refused(now); }

@@ -29,14 +29,15 @@ struct WireMask {
   std::vector<std::uint64_t> words;  ///< empty where the header says it all
 };
 
-/// Larger bodies are sent by the sending thread: the publisher goes on after a few datagrams. But for those
-/// that it would have to copy, and can send from where they are.
+/// Larger bodies are sent by the sending thread: the publisher goes on after a few datagrams. Exception: a
+/// body that would have to be copied for that, and that the publisher can send from where it lies.
 inline constexpr std::size_t direct_bytes_max = 16 * 1024;
 
 /// Written by the publisher's thread as long as no lane has it.
 ///
 /// A job may also be a pack: copies of small samples, all under one mask and with one stamp, whose sequences
-/// follow one another. `first` is the first one's then, but for its total, which is that of all.
+/// follow one another. In a pack `first` is the header of the first sample, but its total is that of all
+/// samples.
 struct Job {
   core::SampleHandle sample;  ///< keeps what the projection refers to
   detail::Projection projection;
@@ -68,14 +69,14 @@ struct Job {
 
   /// Makes the job independent of the sample that it was encoded from.
   void copy_body();
-  /// The same, with memory of somebody else's for the copy, which is at least as large as the body.
+  /// The same, with memory of the caller for the copy. That memory is at least as large as the body.
   void copy_body(core::SampleHandle to);
-  /// Its sample lies in borrowed memory, of which there is little.
+  /// Marks the job as one whose sample lies in borrowed memory, which is scarce.
   void borrow();
-  /// A channel keeps it from now on: it counts until nobody has it any more. Of the one thread that gives it
-  /// to channels.
+  /// A channel keeps the job from now on. The job counts as kept memory until its last handle is gone. Only
+  /// the thread that gives the job to channels calls this.
   void keep();
-  /// Adds a sample to a pack, or begins one. It can be sent, and not be added to any more, after seal().
+  /// Adds a sample to a pack, or begins one. After seal() the pack can be sent, and takes no more samples.
   void pack(std::span<const detail::Segment> body);
   void pack(std::span<const std::byte> body) {
     const detail::Segment whole{body.data(), body.size()};
@@ -83,7 +84,7 @@ struct Job {
   }
   void seal();
   std::size_t packed_bytes() const { return packed_bytes_; }
-  /// Memory that a sample of it keeps from others.
+  /// The memory that one of its samples keeps from others.
   std::size_t held_bytes(std::size_t part = 0) const {
     if (is_pack()) return packed_[part].bytes;
     return sample ? sample->capacity : copy_.size();
@@ -98,7 +99,7 @@ struct Job {
   std::size_t borrowed_bytes_ = 0;
   std::size_t kept_bytes_ = 0;
   std::vector<detail::Segment>
-      packed_;  ///< a pack's samples in the copy; until seal() only how long they are
+      packed_;  ///< the samples of a pack, in the copy; until seal() their lengths only
   std::size_t packed_bytes_ = 0;
   std::shared_ptr<JobPool> pool_;  ///< while it is out
   std::atomic<std::uint32_t> references_{0};

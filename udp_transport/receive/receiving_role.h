@@ -1,5 +1,5 @@
-// Whose turn it is to receive: that of the transport's own thread, or that of one that waits for a sample and
-// takes it straight from the socket. Pure: times in, decisions out; no I/O, no clock. Any thread.
+// Decides which thread receives: the transport's own thread, or a thread that waits for a sample and takes it
+// straight from the socket. Pure: times in, decisions out; no I/O, no clock. Any thread.
 //
 // One waiting thread has the role at a time, and keeps it while it sleeps on the socket. When it has its
 // sample and goes, the role stays vacant for a moment, since it will most likely be back: then nobody was
@@ -27,16 +27,17 @@ class ReceivingRole {
   static constexpr std::chrono::milliseconds vacancy{1};       ///< in which the last holder may be back
   static constexpr std::chrono::milliseconds look_period{50};  ///< at a holder, by the thread that stands by
   static constexpr std::chrono::milliseconds second_look{2};   ///< at one that seems to do nothing
-  static constexpr std::chrono::seconds own_again{1};  ///< without waiting threads: the own thread stays in
-                                                       ///< the kernel, and has to be woken for the next one
+  /// After this time without waiting threads the transport's own thread stays in the kernel again. The next
+  /// waiting thread has to wake it.
+  static constexpr std::chrono::seconds own_again{1};
 
   // A waiting thread: enter(), begin() and end() as often as it likes, leave().
 
   enum class Entry : std::uint8_t {
     taken,     ///< begin() may be called
-    promised,  ///< it may be once the own thread has passed the role on: that has to be woken
-    occupied,  ///< another has it: wait_behind() until the doorbell rings
-    refused,   ///< never, as things are
+    promised,  ///< begin() may be called once the own thread has passed the role on; wake the own thread
+    occupied,  ///< another thread has the role: wait_behind() until the doorbell rings
+    refused,   ///< the role is not given to waiting threads at present
   };
   Entry enter(Time now);
   /// Nobody else receives until end(). False if the role is not, or not yet, or no longer this thread's.
@@ -51,12 +52,14 @@ class ReceivingRole {
   };
   Leaving leave(Time now);
 
-  /// One that the role was denied sleeps, until unwait_behind(). True: the own thread has to be woken.
+  /// Registers a thread that was denied the role and sleeps until unwait_behind(). True: the own thread has
+  /// to be woken.
   [[nodiscard]] bool wait_behind();
   void unwait_behind();
 
-  /// A reader whose listener must be called at once, by no thread but the own: as long as there is one, no
-  /// other has the role. True: whoever has it, and the own thread, have to be woken.
+  /// Registers a reader whose listener must be called at once, and by the own thread only. As long as there
+  /// is such a reader, no other thread gets the role. True: the thread that has the role, and the own thread,
+  /// have to be woken.
   [[nodiscard]] bool add_tended();
   void remove_tended();
 

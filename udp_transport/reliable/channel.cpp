@@ -6,9 +6,9 @@
 namespace sft::udp {
 
 namespace {
-/// About so many kept bytes stay in the caches. With fewer samples sending would pause.
+/// About this many kept bytes stay in the caches. With fewer samples than these the sending would pause.
 constexpr std::size_t cached_bytes_max = std::size_t{8} << 20, cached_samples_min = 2;
-/// A large sample departs within this time on a fast link. On a slow link, or after an ack was lost, a longer
+/// A large sample is sent within this time on a fast link. On a slow link, or after an ack was lost, a longer
 /// pause would not help.
 constexpr std::chrono::milliseconds moment{10};
 

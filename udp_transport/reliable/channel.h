@@ -51,48 +51,49 @@ class Channel {
     bool waited = false;  ///< the call has waited for room
     ResendWindow::Kept kept{};
   };
-  /// `at_once`: the caller would send it. Waits as long as `patience` lasts, which it uses up, until nothing
-  /// has to go for the sample; not at all without. A moment of it also where more is kept than stays in a
-  /// processor's caches: who publishes faster than is sent would encode into memory that has left them.
+  /// `at_once`: the caller wants to send the sample itself. Waits for at most `patience` until no older
+  /// sample has to be given up for this one, and subtracts the time that it waited. Without `patience` it
+  /// does not wait. It waits for a moment also if the kept samples are more than stays in a processor's
+  /// caches: a publisher that is faster than the sending would encode into memory that has left the caches.
   Posted post(JobHandle job, const FirstHeader& first, bool at_once,
               std::chrono::nanoseconds* patience = nullptr);
-  /// Only where nothing else is still to be sent, and then the caller sends it, whose job is not read by
-  /// others until it says finished() or put_back().
+  /// Posts the job only if nothing else waits to be sent. The caller then sends it. No other thread reads the
+  /// job before the caller calls finished() or put_back().
   std::optional<Posted> post_ahead(const JobHandle& job, const FirstHeader& first,
                                    std::chrono::nanoseconds* patience = nullptr);
-  /// True if the sample has not been acknowledged yet, and did not have to go.
+  /// True if the sample is neither acknowledged nor given up.
   bool keeps(std::uint64_t ordinal);
-  /// True if the job can be posted and nothing has to go for it.
+  /// True if the job can be posted, and no older sample has to be given up for it.
   bool has_room(const Job& job);
-  /// The same, for the sending thread: where there is no room, hear() tells when to look again.
+  /// The same, for the sending thread: if there is no room, hear() tells when to look again.
   bool has_room_or_tells(const Job& job);
   /// True if all channels of the node together keep so much that a channel that keeps `bytes` has to give
   /// some up.
   bool must_give_up_some_of(std::size_t bytes) const {
     return memory_ != nullptr && memory_->wants_some_of(bytes);
   }
-  /// The same as post(), of a sample that a group sends, too: if it is not `kept.elsewhere`, it waits here as
-  /// well.
+  /// Posts a sample that a group sends, too. If the result is not `kept.elsewhere`, this channel sends the
+  /// sample as well.
   Posted post_shared(JobHandle job, const FirstHeader& first, bool elsewhere);
-  /// The sample has departed to the group. The sending thread may have to ask for acks sooner.
+  /// The sample was sent to the group. The sending thread may have to ask for acks sooner.
   [[nodiscard]] Wake departed(std::uint64_t ordinal);
-  /// The job of a sample that has departed to the group; else none.
+  /// Returns the job of a sample that was sent to the group; otherwise none.
   JobHandle sent_elsewhere(std::uint64_t ordinal);
-  /// The piece departed about `now`. The sending thread may have to ask for acks sooner: it may have looked
-  /// while nothing had departed yet.
+  /// The piece was sent about `now`. The sending thread may have to ask for acks sooner: it may have looked
+  /// while nothing had been sent yet.
   [[nodiscard]] Wake finished(const Piece& piece, Time now);
   void put_back(const Piece& piece);
   /// The publisher has sent a large sample up to this position: heartbeats must not overtake it.
   void stay_behind(std::uint64_t position) { behind_.store(position, std::memory_order_relaxed); }
   std::uint64_t behind() const { return behind_.load(std::memory_order_relaxed); }
-  /// The ack may be of another channel of the writer.
+  /// The ack may name another channel of the writer: see ResendWindow::hear().
   [[nodiscard]] Wake hear(const Ack& ack);
-  /// Acks of what was never sent have come: it ends, and another one has to begin.
+  /// Acks of samples that were never sent have come: this channel ends, and another one has to begin.
   bool went_wrong() const { return went_wrong_.load(std::memory_order_relaxed); }
 
   // The agent's thread.
 
-  /// No reader is behind it any more.
+  /// The last reader of the channel has gone.
   void end();
   /// Ends the channel at once: other readers are served there now.
   void close();
@@ -104,7 +105,7 @@ class Channel {
   struct Care {
     std::optional<Heartbeat> heartbeat{};
     Time next_look{};
-    bool at_rest = false;  ///< nothing is left to do, until it is told of again
+    bool at_rest = false;  ///< nothing is left to do until the channel is posted to again
   };
   Care look_after();
 

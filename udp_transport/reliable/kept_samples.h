@@ -65,7 +65,7 @@ class KeptSamples {
   std::uint32_t begin_sending(std::uint64_t ordinal);
   /// Tells that so many samples have been sent; those that are not kept any more do not count.
   void sent(std::uint64_t ordinal, std::uint32_t samples);
-  /// A sample that was sent elsewhere has left. Returns true for the first time; empty for other samples.
+  /// A group has sent the sample. Returns true for the first time; empty for samples that no group sends.
   std::optional<bool> departed(std::uint64_t ordinal);
   /// Puts so many samples back: each is to be sent on from that byte.
   void put_back(std::uint64_t ordinal, std::uint32_t samples, std::uint32_t sent_bytes);

@@ -74,7 +74,7 @@ class Lane {
 
   /// Notes the first sequence of the lane in a job that is sent without being queued.
   void mark(Job& job);
-  /// Samples that are sent from now on must not overtake those that have departed up to that position. Used
+  /// Samples that are sent from now on must not overtake those that were sent up to that position. Used
   /// by the sending thread, too.
   void stay_behind(std::uint64_t position) { behind_.store(position, std::memory_order_relaxed); }
 

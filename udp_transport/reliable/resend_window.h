@@ -43,17 +43,17 @@ class ResendWindow {
                std::uint64_t first_ordinal = 1, std::shared_ptr<const KeptMemory> memory = {});
 
   /// Gives a sample, or each one of a pack, its place in the channel; the ordinal is the first of those that
-  /// are kept. The job does not change any more. `first` is its header. `elsewhere`, not of packs: it is
-  /// being sent by a group and only repaired by this, as long as at most half of what may be kept is; else it
-  /// is sent by this.
+  /// are kept. The job does not change any more. `first` is its header. `elsewhere`, which packs never are: a
+  /// group sends the sample, and this channel only repairs it. If more than half of what may be kept is kept,
+  /// this channel sends the sample, too.
   Kept keep(JobHandle job, FirstHeader first, bool elsewhere = false);
-  /// One that was sent elsewhere has left.
+  /// The group has sent the sample with this ordinal.
   void departed(std::uint64_t ordinal, Time now);
 
   /// Returns the piece that may be sent now; it counts as being sent until finished() or put_back() is
   /// called.
   std::optional<Piece> next(Size size, Time now);
-  /// Takes that very sample, if it is its turn.
+  /// Takes that very sample, if it is the next one to be sent.
   std::optional<Piece> take(std::uint64_t ordinal);
   void finished(const Piece& piece, Time now);
   /// The rest of the piece, from where its range begins, is sent later.

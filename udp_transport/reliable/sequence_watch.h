@@ -23,14 +23,14 @@ class SequenceWatch {
   static constexpr std::uint64_t published_per_s_max = std::uint64_t{1} << 22;
   /// A sequence that is more than this behind the newest one needs to be confirmed, too.
   static constexpr std::uint64_t reach_back = std::uint64_t{1} << 26;
-  /// After so many late samples in a row, whose sequences ascend, the numbering begins anew, but not sooner
-  /// than after that time: what was held up on the way comes all at once.
+  /// After this number of late samples in a row, whose sequences ascend, the numbering begins anew, but not
+  /// sooner than after `newest_doubted_after`: what was held up on the way comes all at once.
   static constexpr std::uint32_t late_in_a_row = 64;
-  static constexpr std::chrono::milliseconds newest_doubted_after{250};
-  /// Two of them that are so far apart are enough if their stamps are later than that of the newest one,
+  /// Two of them that are that far apart are enough if their stamps are later than that of the newest one,
   /// whatever older ones come between them, or if they are out of its reach: samples that a slow path brings
   /// late are older than the newest one.
-  /// A repetition of the same sequence confirms it if it comes so much later: the writer sent it twice.
+  static constexpr std::chrono::milliseconds newest_doubted_after{250};
+  /// A repetition of the same sequence confirms it if it comes this much later: the writer sent it twice.
   static constexpr std::chrono::milliseconds repeated_after{10};
 
   struct Claim {
@@ -50,8 +50,8 @@ class SequenceWatch {
     advance(claim, now);
     return true;
   }
-  /// The whole sequence of which a datagram tells these low bits: the nearest to what was believed last,
-  /// unless it goes on with what was believed for long before that.
+  /// Returns the 64-bit sequence for these low bits of it: the one nearest to the newest sequence. If the
+  /// bits continue the numbering that lasted longest before, then the one nearest to where that one was.
   std::uint64_t widen(std::uint32_t low) const;
 
   std::uint64_t newest() const { return newest_.sequence; }

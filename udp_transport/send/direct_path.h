@@ -25,15 +25,15 @@ class DirectPath {
   /// Another sample is sent from now on: it has to be cut anew.
   void begin_sample() { cut_for_ = 0; }
 
-  /// True if there is room for more at the destination. Otherwise the sending thread goes on when there is.
-  /// Before the first report of the destination the whole job has to fit.
+  /// True if there is room for more at the destination. Otherwise the sending thread goes on once there is
+  /// room. Before the first report of the destination the whole job has to fit.
   bool may_send(Destination& to, const Job& job, Time now);
   /// Sends a job by that lane. `would_wait` if the sending thread has to do it: the body is not small, or the
   /// send buffer is full.
   SendOutcome send(Lane& lane, Job& job);
   /// Sends what a channel gave out. The sending thread has to send what cannot leave at once.
   Wake send(Channel& channel, const Channel::Piece& piece, Time now);
-  /// Sends as much of a large body as may go now. Returns how many bytes of the body have departed.
+  /// Sends as much of a large body as may go now. Returns how many bytes of the body were sent.
   std::uint32_t send_some(const EncodedBody& body, Destination& to);
 
  private:
@@ -43,8 +43,8 @@ class DirectPath {
   const std::shared_ptr<SendSide> side_;
   const std::shared_ptr<WriterTally> tally_;
   Batch batch_;  ///< datagrams of the present sample
-  std::size_t cut_for_ =
-      0;  ///< length of the datagrams in the batch; 0: the batch has none of the present sample
+  /// The length of the datagrams in the batch; 0: the batch has none of the present sample.
+  std::size_t cut_for_ = 0;
 };
 
 }  // namespace sft::udp

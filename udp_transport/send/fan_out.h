@@ -1,5 +1,5 @@
-// The samples of one writer that its publisher's thread hands over to the sending thread, from some mask on:
-// so the number of masks does not hold up the publisher.
+// The samples of one writer under the masks beyond the first few. The publisher's thread hands these over to
+// the sending thread, so that many masks do not hold up the publisher.
 #pragma once
 
 #include <atomic>
@@ -36,7 +36,7 @@ class FanOut final : public DeferredWork {
 
   /// Nothing remains: what is sent now overtakes nothing.
   bool done() const { return done_.load(std::memory_order_acquire); }
-  /// The publisher wants its thread back: large samples are handed over for all masks.
+  /// With PublisherOptions::asynchronous large samples are handed over for all masks.
   bool takes_large() const { return takes_large_; }
 
   struct Posted {

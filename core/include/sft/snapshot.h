@@ -17,10 +17,9 @@
 //   control       refused {malformed, ignored}
 //   publishers[]  id, topic, type, qos, fields (encoded at present), published, bytes_sent, bytes_saved,
 //                 dropped, diverted {exhausted, too_large, unavailable}, deadlines_missed, alive, readers[]
-//     readers[]   id, node, served, transport, reason, multicast, incompatible_type, incompatible_policy
-//     (null: none),
-//                 no_path, fields, max_rate_hz, request, published, sent, withheld, dropped, retained,
-//                 diverted, bytes_sent, bytes_saved
+//     readers[]   id, node, served, transport, reason, multicast, incompatible_type,
+//                 incompatible_policy (null: none), no_path, fields, max_rate_hz, request, published, sent,
+//                 withheld, dropped, retained, diverted, bytes_sent, bytes_saved
 //   subscribers[] id, topic, type, qos, fields (asked for), recorded, max_rate_hz, requests, received,
 //                 lost, withheld, expired, discarded, held_too_many, restarts, writers[]
 //     writers[]   id, node, matched, connected, alive, transport, reason, depth, incompatible_type,

@@ -1,4 +1,4 @@
-// The source of the clouds that the LiDAR publishes.
+// The source of the clouds that the lidar publishes.
 #pragma once
 
 #include <cstdint>

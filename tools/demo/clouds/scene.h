@@ -1,4 +1,4 @@
-// A generated street as a spinning LiDAR sees it: road, houses, parked cars, posts, and a car that drives by.
+// A generated street as a spinning lidar sees it: road, houses, parked cars, posts, and a car that drives by.
 // Every call with the same time gives the same bytes.
 #pragma once
 

@@ -118,7 +118,7 @@ struct Localiser {
   }
 };
 
-/// Needs x, y and z of every point. It runs on the LiDAR's own host, where reading them costs nothing.
+/// Needs x, y and z of every point. It runs on the lidar's own host, where reading them costs nothing.
 struct Detector : EveryCloud {
   static constexpr const char* name = "detector";
   static constexpr const char* purpose = "finds objects, in the lidar's own memory";

@@ -8,7 +8,7 @@
 
 namespace sft::demo {
 
-/// The LiDAR publishes the clouds of a source at a rate when the demo orders it.
+/// The lidar publishes the clouds of a source at a rate when the demo orders it.
 void run_publisher(const NodePlan& plan, CloudSource& source, Channel& channel);
 
 /// A subscriber reads its fields in the callback, and reports what came. Defined for the five consumers of

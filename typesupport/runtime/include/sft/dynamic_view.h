@@ -10,8 +10,7 @@
 //   - it can be read: the view is true
 //   - absent: the sample was sent without the field; to read its value is an error, never zero
 //   - error(): there is no such field or element, or the bytes are not what they claim to be (then the sample
-//   is
-//     flagged malformed, too)
+//     is flagged malformed, too)
 //
 // If the subscriber records, a test whether a view is true counts as an access, as a read of its value does;
 // for a struct it is an access to its first leaf. is_absent() is no access.

@@ -43,8 +43,7 @@ class TypeSupport {
   /// The mask of several paths, separated by commas and spaces; "*" means all fields. Errors as of find().
   Result<FieldMask> parse_mask(std::string_view text) const;
   /// The shortest list of paths that names exactly `mask`: "header, height, fields[].name"; "*" for all
-  /// fields,
-  /// "" for none. parse_mask() reads it.
+  /// fields, "" for none. parse_mask() reads it.
   std::string format_mask(const FieldMask& mask) const;
   /// The paths of format_mask(), each by itself.
   std::vector<std::string> field_names(const FieldMask& mask) const;
