@@ -109,7 +109,7 @@ TEST_P(BackPressure, WaitsForNoBestEffortReader) {
   EXPECT_LT(std::chrono::steady_clock::now() - begin, for_good);
 }
 
-TEST_P(BackPressure, DropsWhoTakesNothingBehindOnceItHasWaitedLongEnough) {
+TEST_P(BackPressure, DropsSamplesForAReaderThatTakesNothingOnceItHasWaitedLongEnough) {
   Writer writer(stage, 1, 100us);
   Reader reader(stage, {.depth = bounded_depth});
   writer.serve(reader);

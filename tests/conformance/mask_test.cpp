@@ -34,7 +34,7 @@ TEST_P(Conformance, GivesEachReaderItsFields) {
   }
 }
 
-TEST_P(Conformance, CarriesSamplesOfWhichNothingIsAskedFor) {
+TEST_P(Conformance, CarriesSamplesWithNoRequestedField) {
   Writer writer(stage);
   Reader reader(stage, {.masks = {""}});
   writer.serve(reader);

@@ -118,7 +118,7 @@ TEST_P(ShmHistory, IsGivenAgainToAReaderThatConnectsAgain) {
   EXPECT_EQ(late->next_sequences(3), numbers(1, 3));
 }
 
-TEST_P(ShmHistory, IsNotWaitedForByWhoIsOwedNone) {
+TEST_P(ShmHistory, AReaderThatIsOwedNoneDoesNotWaitForIt) {
   to_late.history = 0;
   writer->serve({to_late});
   EXPECT_FALSE(held_back());

@@ -12,7 +12,7 @@ namespace {
 
 using ::testing::AnyOf;
 
-TEST(AddressSpace, WhoHasTooLittleAddressSpaceGetsAnErrorThatSaysSo) {
+TEST(AddressSpace, AProgramWithTooLittleAddressSpaceGetsAnErrorThatSaysSo) {
   rlimit usual{};
   getrlimit(RLIMIT_AS, &usual);
   const auto page_bytes = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));

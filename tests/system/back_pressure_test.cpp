@@ -62,7 +62,7 @@ TEST_P(ReliablePairTest, LosesNothingOfABurstOfAPublisherThatWaits) {
   EXPECT_EQ(subscriber.status().lost, 0U);
 }
 
-TEST_P(ReliablePairTest, TwoSubscribersOfWhichOneIsSlowLoseNothing) {
+TEST_P(ReliablePairTest, ASlowSubscriberAndAFastOneLoseNothing) {
   auto publisher = a.publisher<String>("text", {.reliability = reliable, .max_blocking = 1s}).value();
   auto quick = b.subscriber<String>("text", {.reliability = reliable, .depth = 4}).value();
   auto slow = b.subscriber<String>("text", {.reliability = reliable, .depth = 4}).value();

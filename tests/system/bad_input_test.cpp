@@ -43,7 +43,7 @@ TEST_F(BadInputTest, ABusyPortIsAnErrorThatNamesIt) {
       << node.error().message;
 }
 
-TEST_F(BadInputTest, WhoHasTooFewThreadsGetsAnErrorThatSaysSo) {
+TEST_F(BadInputTest, AProgramWithTooFewThreadsGetsAnErrorThatSaysSo) {
   constexpr uid_t nobody_else = 61'234;
   const auto opened_with = [](rlim_t threads) {
     return opened_by_child(
@@ -62,7 +62,7 @@ TEST_F(BadInputTest, WhoHasTooFewThreadsGetsAnErrorThatSaysSo) {
   EXPECT_EQ(opened_with(100), Opened::node);
 }
 
-TEST_F(BadInputTest, WhoHasTooFewDescriptorsGetsAnErrorThatSaysSo) {
+TEST_F(BadInputTest, AProgramWithTooFewDescriptorsGetsAnErrorThatSaysSo) {
   const auto opened_with = [](rlim_t descriptors) {
     return opened_by_child(
         [&] {
@@ -148,7 +148,7 @@ TEST_F(BadInputTest, AMessageThatCdrCannotCarryIsInvalid) {
   EXPECT_EQ(pub.loan(message).error().message, why);
 }
 
-TEST_F(BadInputTest, OfAMessageThatIsTooLargeTheLargestFieldAndTheLimitAreNamed) {
+TEST_F(BadInputTest, TheErrorOfATooLargeMessageNamesItsLargestFieldAndTheLimit) {
   Node a = udp_node("a");
   auto pub = a.publisher<PointCloud2>("points", {.max_sample_bytes = 1000}).value();
   auto sub = a.subscriber<PointCloud2>("points").value();

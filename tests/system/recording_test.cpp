@@ -216,7 +216,7 @@ TEST_P(AsRemoteTest, ASamplesMaskBytesAndCopyAgree) {
   EXPECT_EQ(copy.value.height, 0U);
 }
 
-TEST_P(AsRemoteTest, ElementsOfWhichNothingIsAskedForAreThereWithoutTheirFields) {
+TEST_P(AsRemoteTest, UnrequestedElementsAreThereWithoutTheirFields) {
   ASSERT_TRUE(until_asked_for(FieldMask(F::fields.size), [](const auto& sample) { (void)sample->fields(); }));
   const auto sample = next();
   const auto fields = sample->fields();

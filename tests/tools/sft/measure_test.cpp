@@ -39,7 +39,7 @@ TEST_F(MeasureTest, HzWatchesSeveralTopicsAndTellsOfThoseThatAreQuiet) {
   EXPECT_THAT(ended.out, HasSubstr("quiet: no sample yet\n"));
 }
 
-TEST_F(MeasureTest, BwMeasuresWholeSamplesOfWhichItAsksForOneASecond) {
+TEST_F(MeasureTest, BwMeasuresOneWholeSampleASecond) {
   const Publishing publishing(points, cloud(), 20ms);
   const Json json = measured({"bw", "points"});
   const double size = json["sample_bytes"]["mean"].get<double>();

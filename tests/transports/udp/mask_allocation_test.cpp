@@ -120,7 +120,7 @@ TEST_F(ScheduledWorkAllocations, AreNoneForAFewLanesFromTheBeginning) {
             0U);
 }
 
-TEST_F(ScheduledWorkAllocations, AreNoneOnceEachOfBothListsWasUsedSinceThereWereAsManyLanes) {
+TEST_F(ScheduledWorkAllocations, AreNoneAfterBothListsHaveGrownToTheNumberOfLanes) {
   hand_over(masks);
   hand_over(1);
   hand_over(1);

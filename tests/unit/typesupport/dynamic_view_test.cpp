@@ -155,7 +155,7 @@ TEST_F(DynamicViewTest, FieldsThatWereNotSentAreAbsentAndNeverZero) {
   EXPECT_THAT(message(some["header"]["stmp"]), HasSubstr("did you mean 'stamp'?"));
 }
 
-TEST_F(DynamicViewTest, OfASequenceMayOnlyTheLengthHaveBeenSent) {
+TEST_F(DynamicViewTest, ASequenceMayHaveBeenSentWithItsLengthOnly) {
   const Encoded masked(cloud(), Mask<PointCloud2>(F::fields.size));
   const DynamicView fields = DynamicView(masked.state(), type)["fields"];
   EXPECT_TRUE(fields.has_only_size());
@@ -214,7 +214,7 @@ TEST_F(RecordedDynamicViewTest, WhetherThereIsAValueIsNotedToo) {
   EXPECT_EQ(missed(), (Leaves{0}));
 }
 
-TEST_F(RecordedDynamicViewTest, ElementsOfWhichOnlyTheNumberWasSentAreThereToBeMissed) {
+TEST_F(RecordedDynamicViewTest, ReadingElementsWhoseNumberAloneWasSentIsRecordedAsMissed) {
   const DynamicView fields = masked(F::fields.size)["fields"];
   int n = 0;
   for (const DynamicView& field : fields.elements()) n += field["datatype"].as<int>() ? 100 : 1;

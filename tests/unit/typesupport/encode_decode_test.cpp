@@ -185,7 +185,7 @@ TEST(DecodeTest, NoMoreElementsAreMadeThanTheBytesCanHold) {
   }
 }
 
-TEST(DecodeTest, ElementsOfWhichOnlyTheLengthWasSentAreMadeUpToALimit) {
+TEST(DecodeTest, ElementsWithoutContentsAreCreatedUpToALimit) {
   using F = PointCloud2::Field;
   const FieldMask mask(F::fields.size);
   for (const std::uint32_t length : {max_empty_elements, max_empty_elements + 1}) {

@@ -67,7 +67,7 @@ TEST(EncodeFaultTest, WhatIsNotSelectedIsNotLookedAt) {
   EXPECT_EQ(fault<Bounded>(bounded, no_limit, Bounded::Field::doubles), "");
 }
 
-TEST(EncodeFaultTest, OfAMessageThatIsTooLargeTheLargestFieldIsNamed) {
+TEST(EncodeFaultTest, TheLargestFieldOfATooLargeMessageIsNamed) {
   PointCloud2 cloud;
   cloud.data.resize(1000);
   EXPECT_EQ(fault(cloud, 100),

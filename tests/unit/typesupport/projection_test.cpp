@@ -142,7 +142,7 @@ TEST(ProjectionTest, NothingAskedForIsNoBytes) {
   EXPECT_EQ(projected.segments(), 0U);
 }
 
-TEST(ProjectionTest, ElementsOfWhichTheDistanceChangesAreCopiedOneByOne) {
+TEST(ProjectionTest, ElementsAtChangingDistancesAreCopiedOneByOne) {
   using F = proof::Misaligned::Field;
   proof::Misaligned message;
   for (int i = 0; i < 1000; ++i) message.pairs.push_back({1, 0.5 * i});
@@ -195,7 +195,7 @@ TEST(ProjectionTest, ASourceWithoutAFieldThatIsAskedForIsRefused) {
   EXPECT_FALSE(projection.project(source.state(), TypeTable<PointCloud2>::type, FieldMask(F::height)));
 }
 
-TEST(ProjectionTest, ASourceOfWhichTheLengthsLeadOutsideIsRefused) {
+TEST(ProjectionTest, ASourceWhoseLengthsLeadOutsideIsRefused) {
   using F = PointCloud2::Field;
   Encoded source(cloud_with_data(10));
   const std::uint32_t length = 1'000'000;

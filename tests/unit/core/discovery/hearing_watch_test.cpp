@@ -83,7 +83,7 @@ TEST_F(HearingWatchTest, MissesSignsOfLifeThatCycloneSaysCome) {
   EXPECT_EQ(deaf, Missing::signs_of_life);
 }
 
-TEST_F(HearingWatchTest, DoesNotMissANodeOfWhichCycloneSaysThatItIsSilent) {
+TEST_F(HearingWatchTest, DoesNotMissANodeThatCycloneReportsAsSilent) {
   passes(3s);
   watch.life_ended(lan, heard_node);
   passes(20s, 0);
@@ -206,7 +206,7 @@ TEST_F(HearingWatchTest, WhatIsForgedOnALinkThatIsReplacedIsNotBelievedEither) {
   EXPECT_EQ(remedies, std::vector{Remedy::disbelief});
 }
 
-TEST_F(HearingWatchTest, AParticipantOfAnotherNodeIsNoneThatHasComeAnew) {
+TEST_F(HearingWatchTest, AParticipantOfAnotherNodeDoesNotCountAsReturned) {
   passes(10s);
   comes(other_peer, heard_node + 1);
   look();
@@ -299,7 +299,7 @@ TEST_F(HearingWatchTest, TakesOneSignOfLifeThatAgreesForAnAnswer) {
   }
 }
 
-TEST_F(HearingWatchTest, MissesOneWhoIsThereAndSaysNothingAnyMore) {
+TEST_F(HearingWatchTest, MissesAParticipantThatIsThereAndSaysNothingAnyMore) {
   passes(3s);
   watch.life_ended(lan, heard_node);  // in its name
   passes(participant_lease * 3 / 2, 0);
@@ -308,7 +308,7 @@ TEST_F(HearingWatchTest, MissesOneWhoIsThereAndSaysNothingAnyMore) {
   EXPECT_EQ(deaf, Missing::everything);
 }
 
-TEST_F(HearingWatchTest, MissesOneWhoHasNeverSaidAnythingSoonUnlessOthersStart) {
+TEST_F(HearingWatchTest, SoonMissesAParticipantThatHasNeverSaidAnythingUnlessOthersStart) {
   passes(8s, 0);
   EXPECT_FALSE(deaf);
   passes(500ms, 0);
@@ -347,7 +347,7 @@ TEST_F(HearingWatchTest, DoesNotBlameOthersForAPauseOfItsOwnThatBeginsWhenTheyAr
   EXPECT_EQ(deaf, Missing::signs_of_life);
 }
 
-TEST_F(HearingWatchTest, MissesSignsOfLifeThoughThoseOfOthersEnd) {
+TEST_F(HearingWatchTest, NoticesMissingSignsOfLifeAlsoWhenThoseOfOthersEnd) {
   passes(3s);
   watch.life_ended(lan + 1, heard_node);
   watch.life_ended(lan, heard_node + 1);
@@ -355,7 +355,7 @@ TEST_F(HearingWatchTest, MissesSignsOfLifeThoughThoseOfOthersEnd) {
   EXPECT_EQ(deaf, Missing::signs_of_life);
 }
 
-TEST_F(HearingWatchTest, DoesNotMissAnnouncementsOfOneWhoIsNotHeardAtPresent) {
+TEST_F(HearingWatchTest, DoesNotMissAnnouncementsOfAParticipantThatIsNotHeardAtPresent) {
   passes(10s);
   passes(500ms, all_said + 1);
   for (int i = 0; i < 8; ++i) {
@@ -412,7 +412,7 @@ TEST_F(HearingWatchTest, ExpectsSomethingOfSoManySpeakersAndNoMore) {
   EXPECT_EQ(missed.front().link, lan);
 }
 
-TEST_F(HearingWatchTest, TriesThreeTimesForOneOfWhichTheNextLinkHearsNoMore) {
+TEST_F(HearingWatchTest, RenewsALinkAtMostThreeTimesForOneParticipantIfThatDoesNotHelp) {
   for (const std::uint32_t said : {all_said + 1, 0U}) {  // somebody who is made up, or does not get through
     for (int i = 0; i < 3; ++i) {
       passes(participant_lease * 2, said);

@@ -41,7 +41,7 @@ TEST_F(LinkMergeTest, LosesANodeOnceNoLinkHearsIt) {
   EXPECT_THAT(told(), ElementsAre("node lost"));
 }
 
-TEST_F(LinkMergeTest, LosesANodeOfWhichNothingComesAlsoIfNobodyTellsOfItsEnd) {
+TEST_F(LinkMergeTest, LosesASilentNodeAlsoIfNobodyTellsOfItsEnd) {
   passes(2s, {by_lan});
   told();
   passes(8s);
@@ -61,7 +61,7 @@ TEST_F(LinkMergeTest, LosesANodeAgainThatHadComeBack) {
   EXPECT_THAT(told(), ElementsAre("node lost"));
 }
 
-TEST_F(LinkMergeTest, LosesANodeOfWhichNothingComesAfterItsLeaseAndNotBeforeThatOfMost) {
+TEST_F(LinkMergeTest, LosesASilentNodeAfterItsLeaseOrThatOfMostNodesIfThatIsLonger) {
   for (const auto& [lease, lost_after] : {std::pair{1s, 9s}, {5s, 9s}, {20s, 24s}}) {
     LinkMerge one;
     Endpoint e = endpoint(1);

@@ -42,7 +42,7 @@ TEST(ParticipantMarkTest, TheVersionOfAnotherReleaseIsRead) {
   EXPECT_EQ(other_version("sft/9999/\n"), 9999U);
 }
 
-TEST(ParticipantMarkTest, OursAndWhatIsNoVersionAreNoneOfAnotherRelease) {
+TEST(ParticipantMarkTest, OnlyAnotherVersionCountsAsAnotherRelease) {
   EXPECT_FALSE(other_version(to_text({})));
   for (const char* data :
        {"", "sft", "sft/", "sft//3", "sft/7", "sft/-7/3", "sft/+7/3", "sft/ 7/3", "sft/07/3", "sft/0/3",

@@ -138,7 +138,7 @@ TEST_F(OurLateReaderTest, IsOwedTheHistoryAgainOnceSharedMemoryIsGoneThatItCameB
   EXPECT_FALSE(has_begun());
 }
 
-TEST_F(NegotiationTest, OurReaderTakesNothingOfADurableWriterBeforeWhatThatRetained) {
+TEST_F(NegotiationTest, OurReaderTakesNothingOfADurableWriterBeforeTheRetainedSamples) {
   Endpoint reader = endpoint(Role::reader, 200);
   reader.qos.durability = transient_local;
   negotiation.local_added(reader, type);

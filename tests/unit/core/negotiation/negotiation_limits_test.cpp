@@ -34,7 +34,7 @@ TEST_F(Limits, AReaderThatComesAfterTenThousandMadeUpOnesIsServed) {
   EXPECT_TRUE(negotiation.take_refusals().empty()) << "they are told once";
 }
 
-TEST_F(Limits, OfOneTopicNobodyGetsMoreThanItsShareOnceThatIsCrowded) {
+TEST_F(Limits, NobodyGetsMoreThanItsShareOfACrowdedTopic) {
   our_writer();
   flood(Role::reader, "points");
   negotiation.endpoint_seen(of(honest, endpoint(Role::reader, 7)));

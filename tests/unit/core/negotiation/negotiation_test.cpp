@@ -244,7 +244,7 @@ TEST_F(NegotiationTest, ALostReaderIsNotServedButItsMaskIsKeptUntilItReturns) {
 }
 
 // The two control topics come back one after the other, and each tells what it has only once.
-TEST_F(NegotiationTest, ARequestThatComesBackBeforeItsLostReaderOutlivesThatThisIsForgottenMeanwhile) {
+TEST_F(NegotiationTest, ARequestThatReturnsBeforeItsLostReaderIsKeptWhenTheReaderIsForgotten) {
   our_writer();
   negotiation.endpoint_seen(endpoint(Role::reader, 7));
   negotiation.endpoint_lost(7, Time{});
@@ -373,7 +373,7 @@ TEST_F(NegotiationTest, EntriesBeyondTheLimitAreIgnoredAndCounted) {
   EXPECT_EQ(small.ignored(), 4U);
 }
 
-TEST_F(NegotiationTest, OfTooManyRequestsOfReadersThatHaveNotComeTheOldestMakesRoom) {
+TEST_F(NegotiationTest, TheOldestOfTooManyEarlyRequestsMakesRoom) {
   Negotiation small({.endpoints = 2, .forget_lost_after = 60s});
   small.local_added(endpoint(Role::writer, 100), type);
   for (const EndpointId id : {90, 91, 7, 8}) small.request_received(request(id, 2, F::data));

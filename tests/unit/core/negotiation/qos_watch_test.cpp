@@ -150,7 +150,7 @@ TEST(RequestWatchTest, AReaderThatAsksForNothingWatchesNothing) {
   EXPECT_TRUE(watch.alive());
 }
 
-TEST(RequestWatchTest, ALeaseThatNobodyCouldKeepIsNotWatchedButTheOneRequested) {
+TEST(RequestWatchTest, AnImpossibleLeaseIsReplacedByTheRequestedOne) {
   RequestWatch watch({.liveliness_lease = 1ns}, {.liveliness_lease = 1s}, 5, test_start);
   EXPECT_EQ(watch.pace(), 500ms);
   watch.look(5, test_start + 999ms);

@@ -20,13 +20,13 @@ class SilenceWatchTest : public ::testing::Test {
   SilenceWatch watch;
 };
 
-TEST_F(SilenceWatchTest, ANodeOfWhichNothingElseCameIsLostAtOnce) {
+TEST_F(SilenceWatchTest, ANodeThatSentNothingElseIsLostAtOnce) {
   EXPECT_TRUE(watch.is_lost(silent_node, test_start));
   watch.heard(silent_node, 5s, test_start);
   EXPECT_TRUE(watch.is_lost(silent_node, test_start + 5s));
 }
 
-TEST_F(SilenceWatchTest, ANodeOfWhichSomethingCameIsLostALeaseAfterThat) {
+TEST_F(SilenceWatchTest, ANodeThatSentSomethingIsLostALeaseAfterThat) {
   watch.heard(silent_node, 5s, test_start);
   EXPECT_FALSE(watch.is_lost(silent_node, test_start + 1s));
   watch.heard(silent_node, 5s, test_start + 3s);

@@ -103,7 +103,7 @@ TEST_F(PublisherServingTest, APayloadIsWalkedOnlyIfSomebodyReads) {
   EXPECT_EQ(publisher.status().published, 1U);
 }
 
-TEST_F(PublisherServingTest, OfAPayloadThatNobodyReadsTheEncapsulationIsCheckedAllTheSame) {
+TEST_F(PublisherServingTest, TheEncapsulationOfAnUnreadPayloadIsCheckedToo) {
   EXPECT_FALSE(publisher.publish_cdr({}));
 }
 

@@ -80,7 +80,7 @@ TEST(BufferPoolTest, SomeCanBeLeftToOthers) {
   EXPECT_TRUE(pool->take(4096, 5000));
 }
 
-TEST(BufferPoolTest, OfThoseThatAreKeptAsManyAreHandedOutAsWereAskedForAndAreThere) {
+TEST(BufferPoolTest, HandsOutUpToTheRequestedNumberOfKeptBuffers) {
   const auto pool = BufferPool::make(1 << 20);
   { const std::array kept{pool->take(1000), pool->take(1000), pool->take(1000), pool->take(1000)}; }
   std::vector<SampleHandle> buffers;
@@ -90,7 +90,7 @@ TEST(BufferPoolTest, OfThoseThatAreKeptAsManyAreHandedOutAsWereAskedForAndAreThe
   EXPECT_EQ(buffers.size(), 4U);
 }
 
-TEST(BufferPoolTest, OfThoseThatAreKeptSomeAreLeftToOthers) {
+TEST(BufferPoolTest, LeavesSomeOfTheKeptBuffersToOthers) {
   constexpr std::size_t limit = 10'000;
   const auto pool = BufferPool::make(limit);
   std::size_t capacity = 0;

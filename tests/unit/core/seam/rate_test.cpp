@@ -273,7 +273,7 @@ TEST_F(SequenceAccountTest, AnotherPathUnderTheSameLimitLosesNothing) {
   EXPECT_EQ(withheld, 27U);
 }
 
-TEST_F(SequenceAccountTest, OfWhatWasRetainedTheFirstSampleTellsWhatIsMissing) {
+TEST_F(SequenceAccountTest, TheFirstRetainedSampleTellsWhatIsMissing) {
   account.owe(5);
   Arrival retained = over_network(8);
   retained.origin.oldest_retained = 6;

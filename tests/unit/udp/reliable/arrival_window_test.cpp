@@ -214,7 +214,7 @@ TEST_F(ArrivalWindowTest, DoublesThePauseBetweenTwoRequestsUpToAQuarterOfASecond
   EXPECT_EQ(pauses, (std::vector<std::chrono::milliseconds::rep>{2, 4, 8, 16, 32, 64, 128, 250, 250}));
 }
 
-TEST_F(ArrivalWindowTest, AsksSoonAgainForASampleOfWhichSomethingCameMeanwhile) {
+TEST_F(ArrivalWindowTest, AsksSoonAgainForASampleThatHasPartlyArrivedMeanwhile) {
   begin(1);
   came_at = {};
   for (int i = 0; i < 9; ++i) {

@@ -71,7 +71,7 @@ TEST_F(ArrivedSamplesTest, ForgetsWhatTheWriterInsistsThatItHasNotPublished) {
   EXPECT_EQ(samples.held_bytes(), bytes_each) << "the third was published";
 }
 
-TEST_F(ArrivedSamplesTest, KeepsWhatTheWriterPublishesSoonAfterItHasSaidThatItDidNot) {
+TEST_F(ArrivedSamplesTest, KeepsSamplesThatTheWriterPublishesSoonAfterItHasDeniedThem) {
   samples.reach(6, now);
   samples.whole(4, sample(4));
   samples.whole(5, sample(5));

@@ -112,7 +112,7 @@ TEST_F(ResendWindowTest, LetsGoOfWhatHasLeftWhereTheOtherEndHasGivenUpOnMore) {
   EXPECT_EQ(send(), numbers(4, 6));
 }
 
-TEST_F(ResendWindowTest, NamesItsChannelInFullUntilTheOtherEndAnswersAndWhereItDoesNotAnyMore) {
+TEST_F(ResendWindowTest, NamesItsChannelInFullWhileTheOtherEndDoesNotAnswer) {
   const auto in_short = [&] {
     keep(100);
     const auto piece = window.next(KeptSize::small, now);

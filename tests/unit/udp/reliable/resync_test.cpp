@@ -193,7 +193,7 @@ TEST_F(ResyncOfSequences, BelievesNoStampForTheSamplesOfOneDatagramOnly) {
   EXPECT_EQ(watch.newest(), 40U);
 }
 
-TEST_F(ResyncOfSequences, DoesNotTakeSamplesThatOvertookForOne) {
+TEST_F(ResyncOfSequences, DoesNotMistakeOvertakingSamplesForANewNumbering) {
   believes(1'000);
   for (std::uint64_t i = 1; i < 200; ++i) {
     believes(900 + i);
@@ -290,7 +290,7 @@ TEST_F(ResyncOfChannels, DoNotTurnBackForLateOnesWhileThePresentOneIsHeard) {
   }
 }
 
-TEST_F(ResyncOfChannels, DoNotTurnToChannelsOfWhichNoneIsConfirmed) {
+TEST_F(ResyncOfChannels, DoNotTurnToUnconfirmedChannels) {
   for (std::uint64_t ordinal = 65; ordinal < 200; ++ordinal) {
     EXPECT_EQ(judge(200, ordinal), Verdict::ignore);
     EXPECT_EQ(judge(300, ordinal), Verdict::ignore);
