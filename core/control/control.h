@@ -15,6 +15,7 @@ namespace sft::core {
 
 /// Bounds of the control topics (sft_control.idl).
 inline constexpr std::size_t mask_words_max = 64;
+inline constexpr std::size_t leaves_max = 64 * mask_words_max;  ///< fields of a type: a word has 64 bits
 inline constexpr std::size_t writers_per_reader_max = 1024;
 inline constexpr std::size_t addresses_max = 16;
 inline constexpr std::size_t assertions_max = 1024;
@@ -23,6 +24,9 @@ inline constexpr std::size_t asked_about_max = 64;
 inline constexpr std::size_t accounts_max = 32;
 inline constexpr std::size_t name_bytes_max = 255;
 inline constexpr std::size_t type_description_bytes_max = 8192;
+
+/// The lease of a node that has not said another one, and of a node that reaches all others by multicast.
+inline constexpr std::chrono::milliseconds lease_default{5000};
 
 /// No request has a greater sequence: there is always one that is behind.
 inline constexpr std::uint64_t request_sequence_max = std::uint64_t{1} << 63;
@@ -114,7 +118,7 @@ struct Endpoint {
   Role role{};
   NodeId node_id = 0;
   /// The node of the endpoint lives if it was heard of within that time.
-  std::chrono::milliseconds life_lease{5000};
+  std::chrono::milliseconds life_lease = lease_default;
   std::string node;
   std::string topic;
   std::string type_name;

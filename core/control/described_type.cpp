@@ -7,7 +7,7 @@
 namespace sft::core {
 
 namespace {
-constexpr DynamicType::Limits limits{.bytes = type_description_bytes_max, .leaves = 64 * mask_words_max};
+constexpr DynamicType::Limits limits{.bytes = type_description_bytes_max, .leaves = leaves_max};
 }  // namespace
 
 std::vector<std::byte> announced_description(const StructType& type) {

@@ -59,6 +59,7 @@ std::string escaped(std::string_view bytes) {
 
 std::string_view fault_of_name(std::string_view name) {
   if (name.empty()) return "is empty";
+  static_assert(name_bytes_max == 255, "the text below says so");
   if (name.size() > name_bytes_max) return "has more than 255 bytes";
   while (!name.empty()) {
     const Character c = first_of(name);

@@ -9,8 +9,9 @@
 
 namespace sft::core {
 
-/// Returns the reason why this text cannot be a name: it is empty, has more than 255 bytes, is not UTF-8, or
-/// contains control characters. Returns an empty text if it can be one. A node may have the empty name.
+/// Returns the reason why this text cannot be a name: it is empty, has more than name_bytes_max bytes, is not
+/// UTF-8, or contains control characters. Returns an empty text if it can be one. A node may have the empty
+/// name.
 std::string_view fault_of_name(std::string_view name);
 /// The same of a topic, which has no empty parts between slashes, no blank at either end and no '~' either.
 std::string_view fault_of_topic(std::string_view topic);

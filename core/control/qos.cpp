@@ -1,6 +1,7 @@
 #include "core/control/qos.h"
 
 #include <cmath>
+#include <cstdio>
 
 namespace sft::core {
 
@@ -122,8 +123,10 @@ Result<std::uint32_t> min_period_us_of(double max_rate_hz) {
   if (max_rate_hz >= slowest_rate_hz && max_rate_hz <= fastest_rate_hz) {
     return static_cast<std::uint32_t>(std::lround(1e6 / max_rate_hz));
   }
-  return fail(Errc::invalid_argument,
-              "max_rate_hz " + std::to_string(max_rate_hz) + ": rates are 0.001 to 100000 Hz, or 0 for any");
+  char text[100];
+  std::snprintf(text, sizeof text, "max_rate_hz %g: rates are %g to %g Hz, or 0 for any", max_rate_hz,
+                slowest_rate_hz, fastest_rate_hz);
+  return fail(Errc::invalid_argument, text);
 }
 
 QosConflict conflict_between(const Qos& offered, const Qos& requested) {

@@ -8,10 +8,8 @@
 
 namespace sft::core {
 
-inline constexpr std::uint32_t domain_max = 232;  ///< by the port numbers that DDS derives from it
-
 /// Returns the domain that the program names; else the one in `environment` ($ROS_DOMAIN_ID; may be null);
-/// else 0.
+/// else 0. The error says which domains there are.
 Result<std::uint32_t> domain_id(std::optional<std::uint32_t> program, const char* environment);
 
 }  // namespace sft::core

@@ -6,8 +6,6 @@
 
 namespace sft::core {
 
-/// The lease of a node of which no endpoint is known.
-inline constexpr std::chrono::milliseconds lease_default{5000};
 /// A node that claims a longer lease counts as lost after this time all the same.
 inline constexpr std::chrono::milliseconds lease_max{60'000};
 

@@ -3,6 +3,8 @@
 
 #include <chrono>
 
+#include "core/control/control.h"
+
 namespace sft::core {
 
 /// The pace at which a node says that it lives, and the time without such a sign after which it is lost: six
@@ -15,7 +17,7 @@ struct LifeSigns {
   std::chrono::milliseconds lease;
 };
 inline constexpr LifeSigns life_signs_to_all{std::chrono::milliseconds(650), std::chrono::milliseconds(1300),
-                                             std::chrono::milliseconds(5000)};
+                                             lease_default};
 /// Without multicast, where each node has to be told by itself.
 inline constexpr LifeSigns life_signs_to_each{
     std::chrono::milliseconds(1950), std::chrono::milliseconds(3900), std::chrono::milliseconds(14'000)};

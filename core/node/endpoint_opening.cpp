@@ -34,8 +34,9 @@ Result<void> EndpointOpening::check(std::string_view topic, const TypeSupport& t
   if (Result<void> sound = check_topic(topic); !sound) return sound;
   if (const auto fault = fault_of_name(type.name()); !fault.empty())
     return fail(Errc::invalid_argument, "type name " + in_quotes(type.name()) + " " + std::string(fault));
-  if (type.leaves() > mask_words_max * 64) {
-    return fail(Errc::limit_exceeded, std::string(type.name()) + " has more than 4096 fields");
+  if (type.leaves() > leaves_max) {
+    return fail(Errc::limit_exceeded,
+                std::string(type.name()) + " has more than " + std::to_string(leaves_max) + " fields");
   }
   if (!may_use(TransportKind::shm, choice) && !may_use(TransportKind::udp, choice)) {
     return fail(Errc::invalid_argument,
@@ -47,8 +48,9 @@ Result<void> EndpointOpening::check(std::string_view topic, const TypeSupport& t
 Result<void> EndpointOpening::check(const SubscriberOptions& options) {
   if (Result<void> sound = Recorder::check(options.recording); !sound) return sound;
   if (options.max_held < max_held_least || options.max_held > max_held_most) {
-    return fail(Errc::invalid_argument,
-                "SubscriberOptions::max_held is 2 to 256, not " + std::to_string(options.max_held));
+    return fail(Errc::invalid_argument, "SubscriberOptions::max_held is " + std::to_string(max_held_least) +
+                                            " to " + std::to_string(max_held_most) + ", not " +
+                                            std::to_string(options.max_held));
   }
   return {};
 }

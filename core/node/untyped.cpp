@@ -56,7 +56,7 @@ SampleState view_of(core::SampleBuffer& buffer, std::size_t slots) {
   return state;
 }
 
-constexpr std::size_t slots_max = core::mask_words_max * 64;  // types of more have no subscribers
+constexpr std::size_t slots_max = core::leaves_max;  // types of more have no subscribers
 
 constexpr std::array<std::uint32_t, slots_max> absent_slots = [] {
   std::array<std::uint32_t, slots_max> slots{};

@@ -1,22 +1,24 @@
 #include "core/node/wake_slots.h"
 
 #include <numeric>
+#include <string>
 
 namespace sft::core {
 
 namespace {
 constexpr std::uint32_t shared_slots = 2;
+constexpr std::uint32_t own_slots = DoorbellPage::slots - shared_slots;
 }  // namespace
 
-WakeSlots::WakeSlots() : page_(DoorbellPage::create()), free_(DoorbellPage::slots - shared_slots) {
+WakeSlots::WakeSlots() : page_(DoorbellPage::create()), free_(own_slots) {
   std::iota(free_.rbegin(), free_.rend(), shared_slots);
 }
 
 Result<std::uint32_t> WakeSlots::take() {
   const Lock lock(mutex_);
   if (free_.empty())
-    return fail(Errc::limit_exceeded,
-                "a node has at most 1022 subscribers with neither callback nor file descriptor");
+    return fail(Errc::limit_exceeded, "a node has at most " + std::to_string(own_slots) +
+                                          " subscribers with neither callback nor file descriptor");
   const std::uint32_t slot = free_.back();
   free_.pop_back();
   return slot;

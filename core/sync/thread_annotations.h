@@ -33,8 +33,5 @@
 /// The class locks a mutex in its constructor, and unlocks it in its destructor.
 #define SFT_SCOPED_CAPABILITY SFT_THREAD_ATTRIBUTE(scoped_lockable)
 
-/// The mutex is locked after these ones, where a thread holds both.
-#define SFT_ACQUIRED_AFTER(...) SFT_THREAD_ATTRIBUTE(acquired_after(__VA_ARGS__))
-
 /// Clang does not check the body of the function. A comment says why.
 #define SFT_NO_THREAD_SAFETY_ANALYSIS SFT_THREAD_ATTRIBUTE(no_thread_safety_analysis)

@@ -192,9 +192,8 @@ std::shared_ptr<Session> DaemonLink::await_registration(const std::shared_ptr<Ic
     give_up(registering_, name + " ended while this process registered", now);
   } else if (!*answer && now >= *deadline_) {
     give_up(registering_,
-            name +
-                " does not answer; is it stopped, does it already serve 300 processes, or is it built with "
-                "another iceoryx than " ICEORYX_LATEST_RELEASE_VERSION "?",
+            name + " does not answer; is it stopped, does it already serve " + std::to_string(processes_max) +
+                " processes, or is it built with another iceoryx than " ICEORYX_LATEST_RELEASE_VERSION "?",
             now);
   } else if (*answer) {
     auto session = Session::open(runtime, std::move(*watch_), std::move(channel_), **answer);

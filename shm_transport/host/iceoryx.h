@@ -23,3 +23,12 @@
 #include <iceoryx_posh/runtime/port_config_info.hpp>
 #include <iceoryx_posh/version/version_info.hpp>
 #include <iceoryx_versions.hpp>
+
+namespace sft::shm {
+
+// The room that iceoryx has, as it was built.
+inline constexpr std::uint32_t processes_max = iox::MAX_PROCESS_NUMBER;
+inline constexpr std::uint32_t writers_max = iox::MAX_PUBLISHERS - iox::NUMBER_OF_INTERNAL_PUBLISHERS;
+inline constexpr std::uint32_t readers_max = iox::MAX_SUBSCRIBERS;
+
+}  // namespace sft::shm

@@ -103,12 +103,14 @@ std::string serialized(const T& value) {
 std::string reason_of(IpcMessageErrorType error) {
   switch (error) {
     case IpcMessageErrorType::PUBLISHER_LIST_FULL:
-      return "sftd has no room for another writer (it serves 506, or as many as its limits say; see sftd "
-             "status); close some writers, or use UDP for this topic";
+      return "sftd has no room for another writer (it serves " + std::to_string(writers_max) +
+             ", or as many as its limits say; see sftd status); close some writers, or use UDP for this "
+             "topic";
     case IpcMessageErrorType::SUBSCRIBER_LIST_FULL:
-      return "sftd has no room for another reader (it serves 1024, or as many as its limits say, and each "
-             "writer "
-             "counts as one reader; see sftd status); close some readers, or use UDP for this topic";
+      return "sftd has no room for another reader (it serves " + std::to_string(readers_max) +
+             ", or as many as its limits say, and each writer counts as one reader; see sftd status); close "
+             "some "
+             "readers, or use UDP for this topic";
     case IpcMessageErrorType::REQUEST_PUBLISHER_NO_WRITABLE_SHM_SEGMENT:
       return "this user may not write to sftd's memory; run it as a member of the group that publishes";
     default:

@@ -15,6 +15,7 @@
 #include "shm_transport/sftd/daemon.h"
 #include "shm_transport/sftd/detach.h"
 #include "shm_transport/sftd/notify.h"
+#include "shm_transport/sftd/pool_choice.h"
 
 namespace {
 
@@ -41,7 +42,9 @@ void declare_daemon(CLI::App& app, Arguments& arguments) {
       "it");
   app.add_option(
          "--pool-mib", arguments.pool_mib,
-         "Use this much shared memory for samples, in MiB (default: half of the free space, at most 320)")
+         std::string(
+             "Use this much shared memory for samples, in MiB (default: half of the free space, at most ") +
+             std::to_string(default_pool_bytes >> 20) + ")")
       ->check(CLI::Range(4, 1 << 20));
   app.add_option("--idle-exit", arguments.idle_exit_s,
                  "End when no program has used the daemon for this many seconds; 0: never")

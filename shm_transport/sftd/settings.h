@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "shm_transport/host/iceoryx.h"
 #include "shm_transport/sftd/pools.h"
 
 namespace sft::shm {
@@ -15,9 +16,9 @@ namespace sft::shm {
 /// Limits that keep one program from taking everything from the others. The defaults are as much as iceoryx
 /// has room for.
 struct Limits {
-  std::uint32_t processes = 300;
-  std::uint32_t publishers_per_process = 506;
-  std::uint32_t subscribers_per_process = 1024;  ///< each publisher counts as a subscriber, too
+  std::uint32_t processes = processes_max;
+  std::uint32_t publishers_per_process = writers_max;
+  std::uint32_t subscribers_per_process = readers_max;  ///< each publisher counts as a subscriber, too
 };
 
 /// The names of the groups whose members may use the memory. If they are empty, the group that sftd runs as

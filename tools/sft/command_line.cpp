@@ -1,5 +1,7 @@
 #include "tools/sft/command_line.h"
 
+#include <sft/options.h>
+
 #include <CLI/CLI.hpp>
 #include <memory>
 
@@ -8,6 +10,10 @@
 namespace sft::tool {
 
 namespace {
+
+// The rates that SubscriberOptions::max_rate_hz takes.
+constexpr double slowest_rate_hz = 0.001;
+constexpr double fastest_rate_hz = 100'000;
 
 /// The options of all subcommands. CLI11 writes to those of the chosen one.
 struct Parsed {
@@ -36,7 +42,7 @@ CLI::App* declare(CLI::App& app, Parsed& parsed, const char* name, const char* h
                  "Use no colours on terminals; the environment variable NO_COLOR does the same")
       ->group("Common");
   command->add_option("--domain", common.domain, "The domain to look at (default: $ROS_DOMAIN_ID, or 0)")
-      ->check(CLI::Range(0, 232))
+      ->check(CLI::Range(0, static_cast<int>(NodeOptions::domain_max)))
       ->group("Common");
   command
       ->add_option("--interface", common.interfaces,
@@ -120,7 +126,7 @@ void declare_echo(CLI::App& app, Parsed& parsed) {
       ->capture_default_str();
   add_count(command, echo.count, "End after one sample", "End after this many samples");
   command->add_option("--rate", echo.max_rate_hz, "Ask for at most this many samples a second")
-      ->check(CLI::Range(0.001, 100000.0));
+      ->check(CLI::Range(slowest_rate_hz, fastest_rate_hz));
   CLI::Option* yaml = command->add_flag("--yaml", parsed.yaml, "Write YAML (the default)");
   CLI::Option* csv = command->add_flag("--csv", parsed.csv, "Write a table, with a column for each field");
   command->get_option("--json")->excludes(yaml)->excludes(csv);
@@ -147,7 +153,7 @@ void declare_pub(CLI::App& app, Parsed& parsed) {
       "may be now. With - the messages come from the standard input: YAML with --- between them, or one "
       "line of JSON each");
   command->add_option("-r,--rate", pub.rate_hz, "Publish this many samples a second (default: 1)")
-      ->check(CLI::Range(0.001, 100000.0));
+      ->check(CLI::Range(slowest_rate_hz, fastest_rate_hz));
   add_count(command, pub.count, "Publish the message once", "Publish the message this many times");
   command->add_option(
       "-w,--wait-for", pub.wait_for,

@@ -122,9 +122,11 @@ Finding check_dev_shm() {
   if (total >= shm_wanted && (has_daemon || free >= shm_least)) return {"/dev/shm", Health::ok, text};
   if (total >= shm_least && (has_daemon || free >= shm_least))
     return {"/dev/shm", Health::warning, text,
-            "Samples of 16 MiB do not fit: give /dev/shm 256 MiB or more."};
+            fmt::format("Samples of 16 MiB do not fit: give /dev/shm {} MiB or more.", shm_wanted / mib)};
   return {"/dev/shm", Health::error, text,
-          "sftd needs 128 MiB: remount it (mount -o remount,size=512m /dev/shm; docker: --shm-size=512m)."};
+          fmt::format(
+              "sftd needs {} MiB: remount it (mount -o remount,size=512m /dev/shm; docker: --shm-size=512m).",
+              shm_least / mib)};
 }
 
 Finding check_users() {

@@ -11,6 +11,7 @@
 #include "core/sync/spin.h"
 #include "udp_transport/io/socket_sender.h"
 #include "udp_transport/io/train_reader.h"
+#include "udp_transport/io/wake_event.h"
 
 namespace sft::udp {
 
@@ -61,14 +62,13 @@ class SocketReceiver final : public DatagramReceiver {
 }  // namespace
 
 Result<DatagramIo> open_socket_io(std::shared_ptr<const UdpSocket> socket) {
-  FileDescriptor wake_event(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
-  if (!wake_event)
-    return fail(Errc::system, "cannot create an eventfd; raise the limit on open files (ulimit -n)");
+  Result<FileDescriptor> wake_event = open_wake_event();
+  if (!wake_event) return tl::unexpected<Error>(std::move(wake_event.error()));
   Result<std::unique_ptr<DatagramSender>> sender = open_socket_sender(socket);
   if (!sender) return tl::unexpected<Error>(std::move(sender.error()));
   DatagramIo io;
   io.description = socket->receives_trains ? "plain sockets with GRO and GSO" : "plain sockets with GSO";
-  io.receiver = std::make_unique<SocketReceiver>(std::move(socket), std::move(wake_event));
+  io.receiver = std::make_unique<SocketReceiver>(std::move(socket), std::move(*wake_event));
   io.sender = std::move(*sender);
   return io;
 }

@@ -13,6 +13,7 @@
 
 #include "core/sync/mutex.h"
 #include "udp_transport/io/group_socket.h"
+#include "udp_transport/io/wake_event.h"
 
 namespace sft::udp {
 
@@ -213,11 +214,10 @@ std::shared_ptr<const UdpSocket> open_answers(const SocketOptions& options) {
 }  // namespace
 
 Result<std::unique_ptr<DatagramSender>> open_socket_sender(std::shared_ptr<const UdpSocket> socket) {
-  FileDescriptor wake_event(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
-  if (!wake_event)
-    return fail(Errc::system, "cannot create an eventfd; raise the limit on open files (ulimit -n)");
+  Result<FileDescriptor> wake_event = open_wake_event();
+  if (!wake_event) return tl::unexpected<Error>(std::move(wake_event.error()));
   std::shared_ptr<const UdpSocket> answers = open_answers(socket->options);
-  return std::make_unique<SocketSender>(std::move(socket), std::move(answers), std::move(wake_event));
+  return std::make_unique<SocketSender>(std::move(socket), std::move(answers), std::move(*wake_event));
 }
 
 }  // namespace sft::udp

@@ -14,6 +14,7 @@
 #include "core/sync/spin.h"
 #include "udp_transport/io/socket_sender.h"
 #include "udp_transport/io/train_reader.h"
+#include "udp_transport/io/wake_event.h"
 
 namespace sft::udp {
 
@@ -329,10 +330,9 @@ tl::unexpected<Error> refused(int error) {
 }  // namespace
 
 Result<DatagramIo> open_uring_io(std::shared_ptr<const UdpSocket> socket) {
-  FileDescriptor wake_event(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
-  if (!wake_event)
-    return fail(Errc::system, "cannot create an eventfd; raise the limit on open files (ulimit -n)");
-  auto receiver = std::make_unique<UringReceiver>(socket, std::move(wake_event));
+  Result<FileDescriptor> wake_event = open_wake_event();
+  if (!wake_event) return tl::unexpected<Error>(std::move(wake_event.error()));
+  auto receiver = std::make_unique<UringReceiver>(socket, std::move(*wake_event));
   if (const int error = receiver->open(); error != 0) return refused(error);
   Result<std::unique_ptr<DatagramSender>> sender = open_socket_sender(socket);
   if (!sender) return tl::unexpected<Error>(std::move(sender.error()));

@@ -14,6 +14,7 @@
 #include "core/platform/doorbell.h"
 #include "core/platform/thread.h"
 #include "core/sync/spin.h"
+#include "udp_transport/io/wake_event.h"
 
 namespace sft::udp {
 
@@ -47,9 +48,11 @@ ReceiveLoop::ReceiveLoop(std::unique_ptr<DatagramReceiver> io, const ReassemblyL
 
 Result<void> ReceiveLoop::start(const core::ThreadSpec& thread) {
   alarm_ = FileDescriptor(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK));
-  waiter_event_ = FileDescriptor(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
-  if (!alarm_ || !waiter_event_)
-    return fail(Errc::system, "cannot create an eventfd; raise the limit on open files (ulimit -n)");
+  if (!alarm_)
+    return fail(Errc::system, "cannot create a timerfd; raise the limit on open files (ulimit -n)");
+  Result<FileDescriptor> waiter_event = open_wake_event();
+  if (!waiter_event) return tl::unexpected<Error>(std::move(waiter_event.error()));
+  waiter_event_ = std::move(*waiter_event);
   Result<std::thread> started = core::start_thread(thread, [self = shared_from_this()] { self->run(); });
   if (!started) return tl::unexpected<Error>(std::move(started.error()));
   thread_ = std::move(*started);

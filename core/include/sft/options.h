@@ -125,8 +125,11 @@ struct NodeOptions {
   /// of a kind are written and then one in 5 s, which says how many were left out.
   using LogSink = std::function<void(LogLevel, std::string_view)>;
 
+  /// DDS derives port numbers from the domain, and has none for a greater one.
+  static constexpr std::uint32_t domain_max = 232;
+
   std::string name = "node";  ///< shown to people; several nodes may have the same name
-  /// DDS domain of the control topics, 0 to 232. Default: $ROS_DOMAIN_ID, otherwise 0.
+  /// DDS domain of the control topics, 0 to domain_max. Default: $ROS_DOMAIN_ID, otherwise 0.
   std::optional<std::uint32_t> domain{};
   /// Settings by which nodes find each other.
   DiscoverySettings discovery{};

@@ -9,16 +9,15 @@
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
 #include "core/seam/rate_gate.h"
 #include "core/seam/transport.h"
+#include "tests/support/eventually.h"
 #include "tests/unit/udp/messages.h"
 
 namespace sft::udp::test {
@@ -42,15 +41,7 @@ inline bool has_ipv6_loopback() {
   return bound;
 }
 
-/// Waits until it holds; false after `patience`.
-inline bool eventually(const std::function<bool()>& holds) {
-  const auto deadline = std::chrono::steady_clock::now() + patience;
-  while (!holds()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-    std::this_thread::yield();
-  }
-  return true;
-}
+using sft::test::eventually;
 
 inline std::shared_ptr<core::BufferPool> make_pool() {
   return core::BufferPool::make(std::size_t{256} << 20);

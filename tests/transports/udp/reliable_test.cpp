@@ -120,8 +120,8 @@ TEST_P(ReliableTest, FallsSilentOnceAllHasCome) {
   join(publisher, subscriber, *here);
   for (int i = 0; i < 10; ++i) publisher.publish(make_image(50));
   EXPECT_EQ(subscriber.await_sequences(10), up_to(10));
-  const auto rests = [&, last = publisher.port().counters().bytes_sent,
-                      since = std::chrono::steady_clock::now()]() mutable {
+  auto rests = [&, last = publisher.port().counters().bytes_sent,
+                since = std::chrono::steady_clock::now()]() mutable {
     const auto now = std::chrono::steady_clock::now();
     if (const auto sent = publisher.port().counters().bytes_sent; std::exchange(last, sent) != sent)
       since = now;

@@ -1,0 +1,12 @@
+// The eventfd by which other threads wake one that sleeps in the kernel.
+#pragma once
+
+#include "core/platform/file_descriptor.h"
+#include "sft/result.h"
+
+namespace sft::udp {
+
+/// The descriptor does not block, and programs that this one starts do not inherit it.
+Result<core::FileDescriptor> open_wake_event();
+
+}  // namespace sft::udp
