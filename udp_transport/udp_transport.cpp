@@ -74,7 +74,7 @@ class UdpTransport final : public core::Network {
     return description_ + ": the system refused to go on receiving; open the transport again";
   }
 
-  bool uses_io_uring() const override { return uses_io_uring_; }
+  void add_to(NodeStatus& status) const override { status.io_uring_in_use = uses_io_uring_; }
 
   std::vector<core::UdpAddress> addresses() const override {
     std::vector<core::IpAddress> hosts = advertised_;

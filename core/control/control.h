@@ -126,8 +126,8 @@ struct Endpoint {
   std::vector<std::byte> type_description;  ///< may be empty (described_type.h)
   HostToken host;
   std::uint64_t network = 0;
-  bool may_use_shm = false;
-  bool may_use_udp = false;
+  bool may_use_memory = false;
+  bool may_use_network = false;
   std::vector<UdpAddress> addresses;
   DoorbellAddress doorbell;
   std::uint64_t max_sample_bytes = 0;

@@ -234,8 +234,8 @@ sft_control_Endpoint to_dds(const Endpoint& endpoint, ControlStorage& storage) {
   out.type_description = borrow(endpoint.type_description, type_description_bytes_max);
   std::copy(endpoint.host.bytes.begin(), endpoint.host.bytes.end(), out.host);
   out.network = endpoint.network;
-  out.may_use_shm = endpoint.may_use_shm;
-  out.may_use_udp = endpoint.may_use_udp;
+  out.may_use_shm = endpoint.may_use_memory;
+  out.may_use_udp = endpoint.may_use_network;
   for (const UdpAddress& a : endpoint.addresses) {
     if (storage.addresses.size() < addresses_max) storage.addresses.push_back(to_dds(a));
   }
@@ -326,8 +326,8 @@ Result<Endpoint> from_dds(const sft_control_Endpoint& in) {
   out.type_description = copy(in.type_description);
   std::copy(std::begin(in.host), std::end(in.host), out.host.bytes.begin());
   out.network = in.network;
-  out.may_use_shm = in.may_use_shm;
-  out.may_use_udp = in.may_use_udp;
+  out.may_use_memory = in.may_use_shm;
+  out.may_use_network = in.may_use_udp;
   for (std::uint32_t i = 0; i < in.addresses._length; ++i) {
     if (const auto address = part_from_dds(in.addresses._buffer[i])) out.addresses.push_back(*address);
   }

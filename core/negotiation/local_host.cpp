@@ -21,7 +21,7 @@ void LocalHost::network_changed(const std::vector<UdpAddress>& addresses, const 
 void LocalHost::equip(Endpoint& ours) const {
   ours.host = ours.role == Role::writer && !self_.may_write_memory ? HostToken{} : self_.host;
   ours.network = self_.network;
-  if (ours.may_use_udp && addresses_) ours.addresses = *addresses_;
+  if (ours.may_use_network && addresses_) ours.addresses = *addresses_;
 }
 
 UdpAddress LocalHost::address_of(const Endpoint& reader) const {

@@ -10,8 +10,8 @@ namespace sft::core {
 namespace {
 
 std::string why_not_memory(const Pair& pair, const Self& self) {
-  if (!pair.writer.may_use_shm) return "the publisher or its node rules shared memory out";
-  if (!pair.reader.may_use_shm) return "the subscriber or its node rules shared memory out";
+  if (!pair.writer.may_use_memory) return "the publisher or its node rules shared memory out";
+  if (!pair.reader.may_use_memory) return "the subscriber or its node rules shared memory out";
   const Endpoint& peer = pair.peer();
   if (!on_one_machine(peer.network, self.network)) return "another host";
   if (self.host.known() && peer.host.known() && peer.host != self.host)
@@ -26,7 +26,7 @@ std::string why_not_memory(const Pair& pair, const Self& self) {
 /// daemon that has just gone.
 bool may_come_to_share(const Pair& pair, const Self& self) {
   const bool read_only = pair.we_write && self.host.known() && !self.may_write_memory;
-  return pair.writer.may_use_shm && pair.reader.may_use_shm &&
+  return pair.writer.may_use_memory && pair.reader.may_use_memory &&
          on_one_machine(pair.peer().network, self.network) && !read_only;
 }
 
@@ -60,9 +60,9 @@ Verdict judge(const Pair& pair, const TypeSupport& type, const Self& self, TypeC
     verdict.mismatch = std::move(conflict.reason);
     return verdict;
   }
-  verdict.memory = writer.may_use_shm && reader.may_use_shm && self.host.known() &&
+  verdict.memory = writer.may_use_memory && reader.may_use_memory && self.host.known() &&
                    writer.host == self.host && reader.host == self.host;
-  verdict.network = writer.may_use_udp && reader.may_use_udp && !reader.addresses.empty();
+  verdict.network = writer.may_use_network && reader.may_use_network && !reader.addresses.empty();
   if (!verdict.memory) verdict.network_reason = why_not_memory(pair, self);
   verdict.memory_may_come = !verdict.memory && !verdict.network && may_come_to_share(pair, self);
   return verdict;

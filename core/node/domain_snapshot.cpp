@@ -45,9 +45,9 @@ DomainSnapshot::Endpoint info_of(const KnownEndpoint& known, Types& types, NodeI
                                 .type_hash = e.type_hash,
                                 .type = types.of(e),
                                 .qos = e.qos,
-                                .may_use_shm = e.may_use_shm,
-                                .may_use_udp = e.may_use_udp,
-                                .shm_ready = e.may_use_shm && e.host.known(),
+                                .may_use_shm = e.may_use_memory,
+                                .may_use_udp = e.may_use_network,
+                                .shm_ready = e.may_use_memory && e.host.known(),
                                 .same_machine = on_one_machine(e.network, network)};
   for (const UdpAddress& address : e.addresses) info.addresses.push_back(format(address.ip, address.port));
   if (e.role == Role::writer) {

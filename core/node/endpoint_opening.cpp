@@ -67,9 +67,9 @@ Endpoint EndpointOpening::describe(Role role, std::string_view topic, const Type
   endpoint.type_name = type.name();
   endpoint.type_hash = type.hash();
   endpoint.type_description = announced_description(type.type());
-  endpoint.may_use_shm = may_use(TransportKind::shm, choice);
-  endpoint.may_use_udp = may_use(TransportKind::udp, choice);
-  if (endpoint.may_use_udp) endpoint.addresses = node_.network->addresses();
+  endpoint.may_use_memory = may_use(TransportKind::shm, choice);
+  endpoint.may_use_network = may_use(TransportKind::udp, choice);
+  if (endpoint.may_use_network) endpoint.addresses = node_.network->addresses();
   return endpoint;
 }
 
@@ -79,17 +79,18 @@ Result<void> EndpointOpening::keep_ways_for_largest_sample(Endpoint& writer) con
   const auto most = [](bool may_use, const Transport* transport) {
     return may_use ? transport->max_sample_bytes() : std::size_t{0};
   };
-  const std::size_t in_memory = most(writer.may_use_shm, node_.memory);
-  const std::size_t over_network = most(writer.may_use_udp, node_.network);
+  const std::size_t in_memory = most(writer.may_use_memory, node_.memory);
+  const std::size_t over_network = most(writer.may_use_network, node_.network);
   if (writer.max_sample_bytes > std::max(in_memory, over_network)) {
     return fail(Errc::limit_exceeded, "topic '" + writer.topic + "': PublisherOptions::max_sample_bytes of " +
                                           std::to_string(writer.max_sample_bytes) + " is more than the " +
                                           std::to_string(std::max(in_memory, over_network)) +
                                           " that can be sent");
   }
-  writer.may_use_udp = writer.may_use_udp && writer.max_sample_bytes <= over_network;
-  writer.may_use_shm = writer.may_use_shm && (writer.may_use_udp || writer.max_sample_bytes <= in_memory);
-  if (!writer.may_use_udp) writer.addresses.clear();
+  writer.may_use_network = writer.may_use_network && writer.max_sample_bytes <= over_network;
+  writer.may_use_memory =
+      writer.may_use_memory && (writer.may_use_network || writer.max_sample_bytes <= in_memory);
+  if (!writer.may_use_network) writer.addresses.clear();
   return {};
 }
 
@@ -121,7 +122,7 @@ Result<EndpointOpening::Writer> EndpointOpening::open_writer(std::string_view to
 Result<std::shared_ptr<NetworkWriter>> EndpointOpening::open_network(
     const Endpoint& writer, const TypeSupport& type, const PublisherOptions& options,
     std::shared_ptr<DeliveryBook> book) const {
-  if (!writer.may_use_udp) return nullptr;
+  if (!writer.may_use_network) return nullptr;
   auto port = node_.network->open_writer({.id = writer.id,
                                           .type = &type,
                                           .max_blocking = options.max_blocking,
@@ -176,7 +177,7 @@ Endpoint EndpointOpening::describe_reader(const ReaderOrder& order, const Qos& q
   endpoint.qos = qos;
   endpoint.doorbell = {node_.slots.page_id(), slot};
   // No other process could ring without a shared page.
-  endpoint.may_use_shm = endpoint.may_use_shm && node_.slots.page_id() != 0;
+  endpoint.may_use_memory = endpoint.may_use_memory && node_.slots.page_id() != 0;
   endpoint.request.reader = endpoint.id;
   endpoint.request.sequence = 1;
   endpoint.request.mask_words = order.requirement.mask.to_words();
@@ -206,7 +207,7 @@ std::shared_ptr<SubscriberCore> EndpointOpening::make_core(const Reader& reader,
 /// Leaves the port null if the reader may not use UDP.
 Result<void> EndpointOpening::open_network(Reader& reader, const ReaderOrder& order) const {
   const Endpoint& endpoint = reader.endpoint;
-  if (!endpoint.may_use_udp) return {};
+  if (!endpoint.may_use_network) return {};
   LocalReader::Parts& parts = reader.parts;
   ReaderSpec spec{endpoint.id, &order.type, order.options.depth, parts.core.get(), endpoint.doorbell};
   spec.only_waited_for = !parts.core->has_callback() && !order.options.pollable;
@@ -224,7 +225,7 @@ Result<void> EndpointOpening::open_network(Reader& reader, const ReaderOrder& or
 std::uint32_t EndpointOpening::memory_depth_of(const Endpoint& reader) const {
   const std::uint32_t depth = reader.qos.history_depth;
   const std::uint32_t most = node_.memory == nullptr ? depth : node_.memory->max_depth();
-  if (!reader.may_use_shm || depth <= most) return depth;
+  if (!reader.may_use_memory || depth <= most) return depth;
   const bool reliable = reader.qos.reliability == Reliability::reliable;
   news_.log(reliable ? LogLevel::warning : LogLevel::info,
             "topic '" + reader.topic + "': SubscriberOptions::depth is " + std::to_string(depth) +

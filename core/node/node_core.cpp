@@ -291,7 +291,7 @@ NodeStatus NodeCore::status() const {
   status.waits_for_network = discovery.waits_for_network;
   status.discovery_interfaces = std::move(discovery.interfaces);
   status.udp = network_ == nullptr ? "the node rules it out" : network_->description();
-  status.io_uring_in_use = network_ != nullptr && network_->uses_io_uring();
+  if (network_ != nullptr) network_->add_to(status);
   status.lacks_daemon = memory_ != nullptr && memory_->lacks_daemon();
   status.shm = reconciler_->transports().memory_state();
   status.shm_ready = reconciler_->transports().memory_ready();

@@ -97,8 +97,8 @@ class Network : public Transport {
   virtual std::vector<Link> links() const = 0;
   /// True if these two may be others than when this was asked last. Returns at once.
   virtual bool network_changed() noexcept = 0;
-  /// True if the network uses io_uring; part of the description in status(). Any thread.
-  virtual bool uses_io_uring() const = 0;
+  /// Sets the fields of status() that only this network can know. Any thread.
+  virtual void add_to(NodeStatus& status) const = 0;
 };
 
 }  // namespace sft::core

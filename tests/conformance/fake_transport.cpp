@@ -300,10 +300,10 @@ class FakeTransport final : public core::Network {
   std::vector<core::UdpAddress> addresses() const override { return {}; }
   std::vector<core::Link> links() const override { return {}; }
   bool network_changed() noexcept override { return false; }
-  bool uses_io_uring() const override { return false; }
   std::chrono::steady_clock::time_point next_poll() const override {
     return std::chrono::steady_clock::time_point::max();
   }
+  void add_to(NodeStatus&) const override {}
 
  private:
   const std::shared_ptr<FakeNode> node_;

@@ -201,7 +201,7 @@ core::Endpoint made_up_reader(const core::Endpoint& writer, std::uint64_t id, st
   reader.life_lease = std::chrono::minutes(10);
   reader.host = {};
   reader.network = node;
-  reader.may_use_shm = false;
+  reader.may_use_memory = false;
   reader.addresses = std::move(addresses);
   reader.qos = {};
   reader.request = {};
@@ -222,7 +222,7 @@ core::Endpoint made_up_writer(const core::Endpoint& reader, std::uint64_t id, st
   writer.life_lease = std::chrono::minutes(10);
   writer.host = {};
   writer.network = node;
-  writer.may_use_shm = false;
+  writer.may_use_memory = false;
   writer.addresses.clear();
   writer.max_sample_bytes = 1000;
   writer.request = {};

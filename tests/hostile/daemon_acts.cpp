@@ -96,8 +96,8 @@ class FalseNeighbour {
       core::Endpoint reader = made_up_reader(writer, random_(), node_, {});
       reader.host = writer.host;
       reader.network = writer.network;
-      reader.may_use_shm = true;
-      reader.may_use_udp = false;
+      reader.may_use_memory = true;
+      reader.may_use_network = false;
       reader.doorbell = {random_(), 0};
       reader.request.listening.clear();
       reader.request.attached = {writer.id};

@@ -55,9 +55,9 @@ std::size_t NegotiationLaws::check_route(const WorldNode& node, const WorldWrite
                                          const Endpoint& reader, std::uint64_t newest) {
   const AskedRequests::Asked& asked = asked_.at(reader.id, newest);
   const Id w = writer.endpoint.id;
-  const bool memory = writer.endpoint.may_use_shm && reader.may_use_shm && node.self.host.known() &&
+  const bool memory = writer.endpoint.may_use_memory && reader.may_use_memory && node.self.host.known() &&
                       reader.host == node.self.host;
-  const bool network = writer.endpoint.may_use_udp && reader.may_use_udp;
+  const bool network = writer.endpoint.may_use_network && reader.may_use_network;
   const bool matches = fits(writer.endpoint.qos, reader.qos);
   const std::uint32_t owed =
       writer.history_given.contains(reader.id) ? 0 : retained_for(writer.endpoint.qos, reader.qos);
@@ -105,8 +105,8 @@ void NegotiationLaws::check_pair(const WorldNode& there, const WorldWriter& writ
   const Endpoint& w = writer.endpoint;
   const Endpoint& r = reader.endpoint;
   const bool memory =
-      w.may_use_shm && r.may_use_shm && there.self.host.known() && there.self.host == here.self.host;
-  const bool network = w.may_use_udp && r.may_use_udp;
+      w.may_use_memory && r.may_use_memory && there.self.host.known() && there.self.host == here.self.host;
+  const bool network = w.may_use_network && r.may_use_network;
   const bool matches = fits(w.qos, r.qos);
   const bool shm = matches && memory;
   const bool udp = matches && !memory && network;

@@ -12,8 +12,8 @@ struct NegotiationPlan {
   struct Endpoint {
     std::size_t place = 0;  ///< of the node
     core::Role role{};
-    bool may_use_shm = true;
-    bool may_use_udp = true;
+    bool may_use_memory = true;
+    bool may_use_network = true;
     core::Qos qos{};
   };
   /// The number of times that each event may happen which is not the protocol's own doing.

@@ -136,8 +136,8 @@ class RandomOrders : public RandomTest {
     const int choice = up_to(5);  // 0: shared memory only, 1: UDP only
     return {.place = static_cast<std::size_t>(up_to(static_cast<int>(places) - 1)),
             .role = role,
-            .may_use_shm = choice != 1,
-            .may_use_udp = choice != 0,
+            .may_use_memory = choice != 1,
+            .may_use_network = choice != 0,
             .qos = random_qos(role)};
   }
 

@@ -139,10 +139,10 @@ void NegotiationWorld::add_endpoint(WorldNode& node, const EndpointPlan& plan) {
   endpoint.topic = "points";
   endpoint.type_name = type_->name();
   endpoint.type_hash = type_->hash();
-  endpoint.may_use_shm = plan.may_use_shm;
-  endpoint.may_use_udp = plan.may_use_udp;
+  endpoint.may_use_memory = plan.may_use_memory;
+  endpoint.may_use_network = plan.may_use_network;
   endpoint.qos = plan.qos;
-  if (plan.may_use_udp) endpoint.addresses = {{static_cast<std::uint32_t>(node.place), 7000, 1 << 20}};
+  if (plan.may_use_network) endpoint.addresses = {{static_cast<std::uint32_t>(node.place), 7000, 1 << 20}};
   if (plan.role == Role::reader) {
     const FieldMask mask = type_->closed(FieldMask::from_words(type_->leaves(), {{std::uint64_t{1}}}));
     endpoint.request = {.reader = endpoint.id,

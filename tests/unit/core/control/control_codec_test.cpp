@@ -19,8 +19,8 @@ Endpoint endpoint() {
   e.type_description = {std::byte{1}, std::byte{2}, std::byte{3}};
   e.host.bytes.fill(5);
   e.network = 9;
-  e.may_use_shm = true;
-  e.may_use_udp = true;
+  e.may_use_memory = true;
+  e.may_use_network = true;
   e.addresses = {{0x0a000001, 4000, 1 << 20}, {loopback_ipv6, 4000, 1 << 20, true}};
   e.doorbell = {77, 3};
   e.max_sample_bytes = 1 << 24;

@@ -13,10 +13,10 @@ class LocalHostTest : public ::testing::Test {
     host.self_changed(self());
   }
   Self self() const { return {.host = token, .network = 1, .memory_state = "ready"}; }
-  Endpoint equipped(Role role, bool may_use_udp = true) const {
+  Endpoint equipped(Role role, bool may_use_network = true) const {
     Endpoint ours;
     ours.role = role;
-    ours.may_use_udp = may_use_udp;
+    ours.may_use_network = may_use_network;
     host.equip(ours);
     return ours;
   }

@@ -45,7 +45,7 @@ class NegotiationTest : public ::testing::Test {
     e.type_hash = type.hash();
     e.host = token(host);
     e.network = network;
-    e.may_use_shm = e.may_use_udp = true;
+    e.may_use_memory = e.may_use_network = true;
     e.addresses = {{0x0a000001, 7000, 1 << 20}};
     e.doorbell = {id, 1};
     e.max_sample_bytes = 1 << 20;

@@ -48,7 +48,7 @@ TEST_F(LateReaderTest, GetsByUdpWhatBothSidesKeepAndChangesOverToSharedMemoryThe
 
 TEST_F(LateReaderTest, GetsThroughSharedMemoryAloneWhatBothSidesKeepUntilItSaysThatItHas) {
   Endpoint reader = late_reader();
-  reader.may_use_udp = false;
+  reader.may_use_network = false;
   negotiation.endpoint_seen(reader);
   Serving serving = negotiation.serving(100);
   EXPECT_EQ(serving.memory.at(0).history, 3U);

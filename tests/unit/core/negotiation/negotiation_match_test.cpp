@@ -47,7 +47,7 @@ TEST_F(NegotiationTest, AReaderInAContainerIsServedInMemoryIfItSharesThatOrIsTol
 TEST_F(NegotiationTest, AReaderThatRulesUdpOutIsNotServedBeforeItIsAttached) {
   our_writer();
   Endpoint reader = endpoint(Role::reader, 7, here, 1);
-  reader.may_use_udp = false;
+  reader.may_use_network = false;
   negotiation.endpoint_seen(reader);
   const Serving serving = negotiation.serving(100);
   EXPECT_TRUE(serving.network.empty());
@@ -126,19 +126,19 @@ TEST_F(NegotiationTest, APairOfOneHostThatMayShareMemoryHasNoPathYetAndAnyOtherN
   our_writer();
   Endpoint reader = endpoint(Role::reader, 7, here, 1);
   reader.host = {};
-  reader.may_use_udp = false;
+  reader.may_use_network = false;
   const auto seen = [&] {
     negotiation.endpoint_seen(reader);
     return negotiation.serving(100).readers.at(0);
   };
   EXPECT_TRUE(seen().no_path);
   EXPECT_TRUE(seen().no_path_yet);
-  reader.may_use_shm = false;
-  reader.may_use_udp = true;
+  reader.may_use_memory = false;
+  reader.may_use_network = true;
   reader.addresses.clear();
   EXPECT_TRUE(seen().no_path);
   EXPECT_FALSE(seen().no_path_yet) << "they contradict each other";
-  reader.may_use_shm = true;
+  reader.may_use_memory = true;
   reader.network = elsewhere;
   EXPECT_TRUE(seen().no_path);
   EXPECT_FALSE(seen().no_path_yet) << "another host";
@@ -156,7 +156,7 @@ TEST_F(NegotiationTest, AReaderHearsWritersOfItsTopicByTheWaysBothAllow) {
   our_reader();
   negotiation.endpoint_seen(endpoint(Role::writer, 7, here, 1));
   Endpoint remote = endpoint(Role::writer, 8);
-  remote.may_use_shm = false;
+  remote.may_use_memory = false;
   negotiation.endpoint_seen(remote);
   const auto hearing = negotiation.hearing(200);
   ASSERT_EQ(hearing.size(), 2U);

@@ -11,10 +11,10 @@ class UnreachableReader : public NegotiationTest {
     at_host(token(2));
     our_writer();
   }
-  void reader_comes(bool may_use_udp = true) {
+  void reader_comes(bool may_use_network = true) {
     Endpoint reader = endpoint(Role::reader, 7, here);
-    reader.may_use_udp = may_use_udp;
-    if (!may_use_udp) reader.addresses.clear();
+    reader.may_use_network = may_use_network;
+    if (!may_use_network) reader.addresses.clear();
     negotiation.endpoint_seen(reader);
     negotiation.request_received(request(7, 2, F::height, {100}));
   }

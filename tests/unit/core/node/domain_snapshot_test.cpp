@@ -38,7 +38,7 @@ class DomainSnapshotTest : public ::testing::Test {
     e.type_description = announced_description(type);
     e.host.bytes[0] = 1;
     e.network = this_machine;
-    e.may_use_shm = e.may_use_udp = true;
+    e.may_use_memory = e.may_use_network = true;
     e.addresses = {{loopback_ipv4, 4000}};
     e.request.mask_words = FieldMask(PointCloud2::Field::width | PointCloud2::Field::height).to_words();
     e.request.sequence = 3;
@@ -95,8 +95,8 @@ TEST_F(DomainSnapshotTest, TwoDefinitionsOfATypeAreCompared) {
 }
 
 TEST_F(DomainSnapshotTest, APairWithoutACommonWayIsToldWhy) {
-  writer.may_use_udp = false;
-  reader.may_use_shm = false;
+  writer.may_use_network = false;
+  reader.may_use_memory = false;
   EXPECT_TRUE(pair().no_path);
   EXPECT_EQ(pair().reason, "UDP is ruled out, and the subscriber or its node rules shared memory out");
 }

@@ -17,8 +17,8 @@ class LocalEndpointTest : public ::testing::Test {
   Endpoint here(Role role, EndpointId id) const {
     Endpoint e = over_network(role, id);
     e.network = 1;
-    e.may_use_udp = false;
-    e.may_use_shm = true;
+    e.may_use_network = false;
+    e.may_use_memory = true;
     e.addresses.clear();
     e.host = memory.host_token();
     return e;
@@ -33,7 +33,7 @@ class LocalEndpointTest : public ::testing::Test {
     e.type_name = type.name();
     e.type_hash = type.hash();
     e.network = id;
-    e.may_use_udp = true;
+    e.may_use_network = true;
     e.addresses = {{0x0a000001, 7000, 1 << 20}};
     e.request = {.reader = id,
                  .sequence = 1,

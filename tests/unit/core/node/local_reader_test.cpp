@@ -17,9 +17,9 @@ class LocalReaderTest : public LocalEndpointTest {
                               .callback = nullptr,
                               .rate_changed = [] {}};
     core = std::make_shared<SubscriberCore>(std::move(spec), bells->at(1), recorder);
-    if (endpoint.may_use_udp) core->ports().set_network(network_port);
+    if (endpoint.may_use_network) core->ports().set_network(network_port);
     reader.emplace(node, endpoint,
-                   LocalReader::Parts{core, recorder, endpoint.may_use_udp ? network_port : nullptr});
+                   LocalReader::Parts{core, recorder, endpoint.may_use_network ? network_port : nullptr});
     negotiation.local_added(endpoint, type);
   }
   void open_by_network() { open(over_network(Role::reader, 200)); }

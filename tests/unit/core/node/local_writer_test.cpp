@@ -13,7 +13,7 @@ class LocalWriterTest : public LocalEndpointTest {
     spec.qos = endpoint.qos;
     spec.on_event = [this](const Event& event) { events.push_back(event); };
     core = std::make_shared<PublisherCore>(std::move(spec), BufferPool::make(1 << 20),
-                                           endpoint.may_use_udp ? network_port : nullptr);
+                                           endpoint.may_use_network ? network_port : nullptr);
     writer.emplace(node, endpoint, core);
     negotiation.local_added(endpoint, type);
   }

@@ -108,7 +108,7 @@ class ReconcilerTest : public ::testing::Test {
     e.type_name = type.name();
     e.type_hash = type.hash();
     e.network = id;
-    e.may_use_udp = true;
+    e.may_use_network = true;
     e.addresses = {{0x0a000001, 7000, 1 << 20}};
     e.request = {.reader = id,
                  .sequence = 1,

@@ -20,8 +20,8 @@ class ReconcilerInMemoryTest : public ReconcilerTest {
   Endpoint here(Role role, EndpointId id) const {
     Endpoint e = endpoint(role, id);
     e.network = 1;
-    e.may_use_udp = false;
-    e.may_use_shm = true;
+    e.may_use_network = false;
+    e.may_use_memory = true;
     e.addresses.clear();
     e.host = memory.host_token();
     e.qos = {.durability = transient_local, .history_depth = 3};

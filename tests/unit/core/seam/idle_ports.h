@@ -103,10 +103,10 @@ class IdleNetwork : public IdleTransport<Network, NetworkWriter, NetworkReader> 
   std::vector<UdpAddress> addresses() const override { return {}; }
   std::vector<Link> links() const override { return {}; }
   bool network_changed() noexcept override { return true; }
-  bool uses_io_uring() const override { return false; }
   std::chrono::steady_clock::time_point next_poll() const override {
     return std::chrono::steady_clock::time_point::max();
   }
+  void add_to(NodeStatus&) const override {}
 };
 
 }  // namespace sft::core
