@@ -113,6 +113,7 @@ struct Assertion {
 };
 
 /// A publisher or subscriber, of this node or another. The fields are those of sft_control.idl.
+/// Larger than usual: it is the record of all that a node announces of an endpoint.
 struct Endpoint {
   EndpointId id = 0;
   Role role{};

@@ -58,35 +58,65 @@ def no_knots(tree, settings):
 
 def sizes_are_within_limits(tree, settings):
     limits = settings.limits
-    unneeded = {kind: dict(table) for kind, table in settings.exceptions.items()}
-
-    def excepted(kind, name):
-        unneeded.get(kind, {}).pop(name, None)
-        return name in settings.exceptions.get(kind, {})
-
     for path in tree.code:
+        reasons = _Reasons(tree.lines(path))
         lines = len(tree.lines(path))
-        if lines > limits["file_lines"] and not excepted("files", path):
+        if lines > limits["file_lines"] and not reasons.of_file():
             yield Finding(path, 1, f"the file has {lines} lines, more than {limits['file_lines']}: divide it")
         found = structure.read(tree.text(path))
         if not found.balanced:
             yield Finding(path, 1, "braces do not match: branches of #if and #else that open one each confuse readers "
                                    "and this check; let each branch be whole")
         for function in found.functions:
-            name = f"{path} {function.name}"
-            if function.lines > limits["function_lines"] and not excepted("functions", name):
+            if function.lines > limits["function_lines"] and not reasons.above(function.line):
                 yield Finding(path, function.line, f"function {function.name} has {function.lines} lines, more than "
                                                    f"{limits['function_lines']}: divide it")
         for made in found.classes:
-            name = f"{path} {made.name}"
             if (made.data > limits["data_members"] or made.methods > limits["methods"]) and \
-                    not excepted("classes", name):
+                    not reasons.above(made.line):
                 yield Finding(path, made.line,
                               f"class {made.name} has {made.data} data members (limit {limits['data_members']}) and "
                               f"{made.methods} methods (limit {limits['methods']}): divide it")
-    for kind, table in unneeded.items():
-        for name in table:
-            yield Finding(settings.file, 1, f"the exception {name} ({kind}) is not needed any more: remove its line")
+        for line in reasons.unneeded():
+            yield Finding(path, line, "nothing below this reason is larger than the limit any more: remove the line")
+
+
+class _Reasons:
+    """The lines of a file that say why what follows may be larger than the limits."""
+
+    _BEGINNING = re.compile(r"\s*//+ Larger than usual: \S")
+
+    def __init__(self, lines):
+        self._lines = lines
+        self._unused = {number for number, line in enumerate(lines, 1) if self._BEGINNING.match(line)}
+
+    def above(self, line):
+        """True if the comment that ends above this line has a reason, which is needed then."""
+        first = line - 1
+        while first > 0 and self._lines[first - 1].lstrip().startswith("//"):
+            first -= 1
+        return self._take(range(first + 1, line))
+
+    def of_file(self):
+        end = next((number for number, line in enumerate(self._lines, 1) if not line.startswith("//")), 1)
+        return self._take(range(1, end))
+
+    def unneeded(self):
+        return sorted(self._unused)
+
+    def _take(self, numbers):
+        found = {number for number in numbers if self._BEGINNING.match(self._lines[number - 1])}
+        self._unused -= found
+        return bool(found)
+
+
+def libraries_stay_in_their_folders(tree, settings):
+    for include in rooms.Includes(tree, settings).all:
+        for library, folders in settings.libraries.items():
+            if not include.target and include.name.startswith(library) and not _excused(include.path, folders):
+                yield Finding(include.path, include.line,
+                              f"only {', '.join(folders)} may include {include.name}: hide what it is for behind an "
+                              "interface there")
 
 
 def sources_are_in_cmake_lists(tree, settings):
@@ -210,6 +240,7 @@ def _without_folder(path, folders):
 
 ALL = {
     "includes-go-only-downward": includes_go_only_downward,
+    "libraries-stay-in-their-folders": libraries_stay_in_their_folders,
     "rooms-exist": rooms_exist,
     "file-pairs-form-no-knots": no_knots,
     "sizes-are-within-limits": sizes_are_within_limits,

@@ -17,7 +17,7 @@ class Settings:
             data = tomllib.load(file)
         self.rooms = data.get("rooms", {})
         self.limits = data.get("limits", {})
-        self.exceptions = data.get("exceptions", {})
+        self.libraries = data.get("libraries", {})
         self.columns = data.get("columns", {})
         self.public_folders = data.get("public", {}).get("folders", [])
         self.public_libraries = data.get("public", {}).get("libraries", [])

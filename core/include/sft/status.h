@@ -68,6 +68,7 @@ const char* to_string(ShrinkStatus status);
 /// One publisher.
 struct PublisherStatus {
   /// One subscriber of the topic, as the publisher serves it.
+  /// Larger than usual: it is a record, whose counters have names of their own for users.
   struct Reader {
     std::uint64_t id = 0;       ///< DomainSnapshot::Endpoint::id of the subscriber
     std::string node;           ///< the name of its node

@@ -39,6 +39,7 @@
 namespace sft {
 
 /// A sample or a part of it: a struct, an array or a sequence, or one value.
+/// Larger than usual: it has a getter for each kind of value.
 class DynamicView {
  public:
   class Members;

@@ -218,6 +218,7 @@ struct Req {
 
 /// A set of leaves at run time. A default-made one is of a type without leaves. Numbers of leaves that are
 /// passed are below leaves().
+/// Larger than usual: it is a set with all of its operators.
 class FieldMask {
  public:
   /// The number of a leaf.
