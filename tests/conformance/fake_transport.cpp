@@ -296,8 +296,11 @@ class FakeTransport final : public core::Network {
     return std::make_unique<FakeReader>(spec, node_);
   }
 
-  // Nothing here is an address, and no interface comes or goes.
-  std::vector<core::UdpAddress> addresses() const override { return {}; }
+  // A node announces an address, without which nobody could serve its readers. FakeNetwork does not look at
+  // it, and no interface comes or goes.
+  std::vector<core::UdpAddress> addresses() const override {
+    return {{.ip = core::loopback_ipv4, .port = 1}};
+  }
   std::vector<core::Link> links() const override { return {}; }
   bool network_changed() noexcept override { return false; }
   std::chrono::steady_clock::time_point next_poll() const override {

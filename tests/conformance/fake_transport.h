@@ -4,14 +4,16 @@
 //
 // Its parts, in the order in which another transport would be made:
 //
-//   FakeTransport   opens ports and tells where its readers are reached. Here nobody needs an address:
-//                   FakeNetwork finds readers by their ids.
+//   FakeTransport   opens ports and tells where its readers are reached. Here any address will do:
+//   FakeNetwork
+//                   finds readers by their ids.
 //   FakeWriter      has one Line for each route: the fields that the reader asked for, its gate, its tally in
 //                   the delivery book, and what waits for the reader until it was given its history.
 //   FakeReader      is FakeInbox behind the seam: a queue of the newest samples of each writer, and the count
 //                   of the samples that were pushed out of it.
 //
-// tests/conformance/fake_test.cpp shows how a transport is run through the suite.
+// tests/conformance/fake_test.cpp shows how a transport is run through the suite, and fake_node_test.cpp how
+// nodes are opened with it.
 #pragma once
 
 #include <cstddef>

@@ -1,0 +1,103 @@
+// Whole nodes on the fake: discovery, negotiation, publishers and subscribers work over a network that is not
+// UDP, as long as it is a core::Network.
+#include <gtest/gtest.h>
+
+#include <sft/sft.h>
+#include <cstdlib>
+#include <sensor_msgs/msg/PointCloud2.hpp>
+
+#include "core/discovery/domain_id.h"
+#include "core/node/node_core.h"
+#include "tests/conformance/fake_transport.h"
+#include "tests/support/eventually.h"
+
+namespace sft::test {
+namespace {
+
+using namespace std::chrono_literals;
+using sensor_msgs::msg::PointCloud2;
+using F = PointCloud2::Field;
+
+/// A publisher and a subscriber of one topic, on nodes of their own that share a fake network.
+class FakeNodes : public ::testing::Test {
+ protected:
+  Publisher<PointCloud2> publisher(const PublisherOptions& options = {}) {
+    return Publisher<PointCloud2>(
+        there_->open_publisher(there_, "points", type_support<PointCloud2>(), options).value());
+  }
+  template <Req<PointCloud2> R>
+  Subscriber<PointCloud2, R> subscriber(const SubscriberOptions& options = {}) {
+    return Subscriber<PointCloud2, R>(
+        here_
+            ->open_subscriber(here_, {.topic = "points",
+                                      .type = type_support<PointCloud2>(),
+                                      .requirement = {FieldMask(R.mask), R.is_recorded},
+                                      .options = options,
+                                      .callback = {}})
+            .value());
+  }
+  static PointCloud2 cloud(std::uint32_t height) {
+    PointCloud2 cloud;
+    cloud.height = height;
+    cloud.data.resize(1000);
+    return cloud;
+  }
+
+ private:
+  std::shared_ptr<core::NodeCore> open(const std::string& name) {
+    const NodeOptions options{.name = name,
+                              .domain = core::domain_id({}, std::getenv("ROS_DOMAIN_ID")).value()};
+    return core::NodeCore::open(options,
+                                {.memory = nullptr,
+                                 .network = open_fake_transport(
+                                     network_, {.max_sample_bytes = PublisherOptions{}.max_sample_bytes}),
+                                 .heap = core::BufferPool::make(std::size_t{1} << 20)})
+        .value();
+  }
+
+  const std::shared_ptr<FakeNetwork> network_ = make_fake_network();
+  const std::shared_ptr<core::NodeCore> there_ = open("there");
+  const std::shared_ptr<core::NodeCore> here_ = open("here");
+};
+
+TEST_F(FakeNodes, SendTheDeclaredFieldsAndSaveTheOthers) {
+  auto points = publisher();
+  auto heights = subscriber<F::height>();
+  ASSERT_TRUE(points.wait_for_subscribers(1, 30s));
+  EXPECT_EQ(points.publish(cloud(3)), PublishStatus::ok);
+  ASSERT_TRUE(heights.wait(30s));
+  const auto sample = heights.take();
+  ASSERT_TRUE(sample);
+  EXPECT_EQ(sample->height(), 3U);
+  const PublisherStatus::Reader reader = points.status().readers.at(0);
+  EXPECT_LT(reader.bytes_sent, 10U);
+  EXPECT_GT(reader.bytes_saved, 1000U);
+}
+
+TEST_F(FakeNodes, SendTheRecordedFieldsOnceTheseAreKnown) {
+  auto points = publisher();
+  auto reads_heights = subscriber<recorded>();
+  ASSERT_TRUE(points.wait_for_subscribers(1, 30s));
+  EXPECT_TRUE(eventually([&] {
+    points.publish(cloud(3));
+    while (const auto sample = reads_heights.take()) EXPECT_EQ(sample->height(), 3U);
+    return points.status().readers.at(0).mask == FieldMask(F::height);
+  }));
+}
+
+TEST_F(FakeNodes, GiveALateSubscriberTheRetainedSamplesFirst) {
+  auto points = publisher({.durability = Durability::transient_local, .history_depth = 2});
+  for (std::uint32_t height = 1; height <= 3; ++height) points.publish(cloud(height));
+  auto heights = subscriber<F::height>({.durability = Durability::transient_local});
+  ASSERT_TRUE(points.wait_for_subscribers(1, 30s));
+  points.publish(cloud(4));
+  for (std::uint32_t height = 2; height <= 4; ++height) {
+    ASSERT_TRUE(heights.wait(30s));
+    const auto sample = heights.take();
+    ASSERT_TRUE(sample);
+    EXPECT_EQ(sample->height(), height);
+  }
+}
+
+}  // namespace
+}  // namespace sft::test
