@@ -194,9 +194,8 @@ std::vector<MulticastGroup::Offer> MulticastGroup::offers(Time now) {
 }
 
 std::optional<GroupProbe> MulticastGroup::probe(Time now) {
-  if (!is_answered() || broken()) return {};
   const core::Lock lock(mutex_);
-  if (!probes_.due(now)) return {};
+  if (!probes_.due(now) || !is_answered() || broken()) return {};
   if (std::ranges::all_of(memberships_, &GroupMembership::hears)) {
     probes_.stop();
     return {};

@@ -335,10 +335,12 @@ GroupKeeper::Time GroupKeeper::next_duty(Time now) const {
   for (const auto& group : groups_) next = std::min(next, group->next_probe());
   if (sizes_ == nullptr || sizes_->samples() == 0) return next;
   if (sharing_.is_undecided(*sizes_)) return now;
+  if (possible(Time::max()) < 2) return next;
   for (const auto& [to, candidate] : candidates_) {
     if (candidate.refusal.empty() && candidate.calm_at > now) next = std::min(next, candidate.calm_at);
   }
-  return someone_came(now) ? std::min(next, std::max(replan_at_, now)) : next;
+  const bool will_plan = possible(now) > 1 && someone_came(now);
+  return will_plan ? std::min(next, std::max(replan_at_, now)) : next;
 }
 
 void GroupKeeper::explain(const std::vector<RouteBundle>& routes, Time now) {

@@ -21,6 +21,33 @@ TEST_F(GroupKeeperTest, GathersAnyNumberOfMasksInWhatCostsNoMoreThanOneGroupOfAl
   EXPECT_EQ(why(32).find(", which adds "), std::string::npos) << "it asks for everything: " << why(32);
 }
 
+/// The agent would look a thousand times a second.
+TEST_F(GroupKeeperTest, IsInNoHurryOnceNothingIsToBeDone) {
+  const auto is_in_a_hurry = [&] { return keeper_->next_duty(now_) != GroupKeeper::Time::max(); };
+  EXPECT_FALSE(is_in_a_hurry());
+  readers(1);
+  serve();
+  go_on(50ms);
+  EXPECT_FALSE(is_in_a_hurry()) << "one reader is no group";
+  readers(1);
+  serve();
+  EXPECT_EQ(keeper_->next_duty(now_), now_ + CalmWatch::gathering);
+  go_on(CalmWatch::gathering + 1ms);
+  ASSERT_EQ(members(), 2U);
+  for (const auto& group : groups_) {  // reliable members are offered the group once they have their places
+    const std::uint64_t ordinal = group->next_ordinal(now_);
+    for (std::size_t i = 0; i < 2; ++i) group->placed(i, ordinal, ordinal);
+  }
+  keeper_->tend(now_);
+  EXPECT_TRUE(is_in_a_hurry());
+  for (int i = 0; i < 100; ++i, now_ += 1ms) keeper_->tend(now_);
+  EXPECT_FALSE(is_in_a_hurry()) << "nobody has reported, but probes end";
+  keeper_->tend(now_ += 1s);
+  go_on(2s);
+  for (int i = 0; i < 100; ++i, now_ += 1ms) keeper_->tend(now_);
+  EXPECT_FALSE(is_in_a_hurry());
+}
+
 TEST_F(GroupKeeperTest, WaitsForASampleWithFieldsThatWereNeverSent) {
   readers(2, "height");
   serve();
