@@ -33,7 +33,7 @@ std::vector<Figure> idle(const ManyScale& scale);
 
 /// The worst of 25 samples of 6.3 MB.
 std::vector<Figure> worst_large(const ManyScale& scale);
-/// Small samples between hosts that sleep in between.
+/// Small samples between hosts that sleep in between: latency, and the processor time of both sides.
 std::vector<Figure> paced(const ManyScale& scale);
 
 /// The highest rate of samples of 4 MiB without the help of interfaces, and with 4 MiB of receive buffer.

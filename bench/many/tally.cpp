@@ -12,7 +12,7 @@ void Tally::add(double value, std::vector<double>& to) {
 }
 
 Figure Tally::figure(const std::string& name, const std::string& unit, const std::string& reference_name,
-                     double bound, bool at_least) const {
+                     std::optional<double> bound, bool at_least) const {
   Figure figure{.name = name,
                 .value = median_if_any(ours_),
                 .unit = unit,

@@ -1,6 +1,7 @@
 // The results of one figure over the rounds.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,7 @@ class Tally {
 
   /// The medians, and the worst round, which is the largest value or, with `at_least`, the smallest one.
   Figure figure(const std::string& name, const std::string& unit, const std::string& reference_name,
-                double bound, bool at_least = false) const;
+                std::optional<double> bound, bool at_least = false) const;
   /// Returns the same figure with a bound for the value.
   Figure figure_with_bound_of_value(const std::string& name, const std::string& unit,
                                     const std::string& reference_name, double bound) const;

@@ -1,0 +1,134 @@
+#include "bench/udp/paced_pair.h"
+
+#include <semaphore.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+#include <ctime>
+#include <limits>
+
+#include "bench/common/process.h"
+#include "bench/common/shared.h"
+
+namespace sft::bench {
+
+namespace {
+
+constexpr std::int64_t settling_us = 1'000'000;  // most of the traffic of joining is over after this time
+constexpr double patience_s = 20;
+
+/// A semaphore of several processes. A thread that waits for it takes no processor time.
+class Signal {
+ public:
+  Signal() { sem_init(&semaphore_, 1, 0); }
+  ~Signal() { sem_destroy(&semaphore_); }
+  Signal(const Signal&) = delete;
+  Signal& operator=(const Signal&) = delete;
+
+  void give() { sem_post(&semaphore_); }
+  void wait() {
+    while (sem_wait(&semaphore_) != 0) {
+    }
+  }
+  /// False after the patience.
+  bool comes() {
+    timespec until{};
+    clock_gettime(CLOCK_MONOTONIC, &until);
+    until.tv_sec += static_cast<time_t>(patience_s);
+    return sem_clockwait(&semaphore_, CLOCK_MONOTONIC, &until) == 0;
+  }
+
+ private:
+  sem_t semaphore_{};
+};
+
+struct Board {
+  std::atomic<std::uint64_t> received{0};
+  std::atomic<bool> failed{false};
+  Signal matched, warm, go, over_at_sender, over_at_receiver;
+};
+
+/// Takes one system call and one sleep for each sample but the first.
+void write_paced(Writer& writer, std::uint64_t first, std::uint64_t count, std::int64_t period_us) {
+  timespec due{};
+  clock_gettime(CLOCK_MONOTONIC, &due);
+  for (std::uint64_t i = 0; i < count; ++i) {
+    if (i > 0) {
+      due.tv_nsec += period_us * 1000;
+      due.tv_sec += due.tv_nsec / 1'000'000'000;
+      due.tv_nsec %= 1'000'000'000;
+      clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, nullptr);
+    }
+    writer.write(first + i);
+  }
+}
+
+int send(Board& board, Contender contender, const Paced& paced) {
+  const auto peer = contender();
+  const auto writer = peer->writer(paced.topic);
+  board.matched.wait();
+  if (!wait_until([&] { return writer->readers() == 1; })) board.failed = true;
+  const auto samples_before = static_cast<std::uint64_t>(settling_us / paced.period_us);
+  write_paced(*writer, 1, samples_before, paced.period_us);
+  sleep_us(paced.period_us);
+  board.warm.give();
+  board.go.wait();
+  write_paced(*writer, samples_before + 1, paced.messages, paced.period_us);
+  board.over_at_sender.wait();
+  return 0;
+}
+
+int receive(Board& board, Contender contender, const Topic& topic) {
+  const auto peer = contender();
+  const auto reader = peer->reader(topic, [&](std::uint64_t) { ++board.received; });
+  while (reader->writers() == 0) sleep_us(1000);
+  board.matched.give();
+  board.over_at_receiver.wait();
+  return 0;
+}
+
+}  // namespace
+
+bool pass_paced(Contender contender, const Paced& paced, const TwoHosts& hosts,
+                const std::function<void(const PacedPair&)>& begin,
+                const std::function<void(const PacedPair&)>& end) {
+  const Shared<Board> board;
+  const pid_t receiver = start_on_core(1, [&] {
+    hosts.enter(1);
+    return receive(*board, contender, paced.topic);
+  });
+  const pid_t sender = start_on_core(0, [&] {
+    hosts.enter(0);
+    return send(*board, contender, paced);
+  });
+  bool passed = board->warm.comes() && !board->failed;
+  if (passed) {
+    const std::uint64_t all = board->received + paced.messages;
+    begin({sender, receiver});
+    board->go.give();
+    sleep_us(static_cast<std::int64_t>(paced.messages) * paced.period_us);
+    passed = wait_until([&] { return board->received >= all; }, 2);
+    end({sender, receiver});
+  }
+  if (!passed) {
+    kill(sender, SIGKILL);
+    kill(receiver, SIGKILL);
+  }
+  board->over_at_sender.give();
+  board->over_at_receiver.give();
+  const bool sent = succeeds(sender);
+  return succeeds(receiver) && sent && passed;
+}
+
+double paced_cpu_us(Contender contender, const Paced& paced, const TwoHosts& hosts) {
+  double before = 0, after = 0;
+  const auto both = [](const PacedPair& pair) { return cpu_s(pair.sender) + cpu_s(pair.receiver); };
+  const bool passed = pass_paced(
+      contender, paced, hosts, [&](const PacedPair& pair) { before = both(pair); },
+      [&](const PacedPair& pair) { after = both(pair); });
+  if (!passed) return std::numeric_limits<double>::quiet_NaN();
+  return (after - before) * 1e6 / static_cast<double>(paced.messages);
+}
+
+}  // namespace sft::bench
