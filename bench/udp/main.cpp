@@ -11,6 +11,7 @@ int main(int argc, char** argv) {
   Program program("Speed and bytes of UDP between hosts, against references of the same run",
                   {{"bulk", [&] { return bulk(scale); }},
                    {"small", [&] { return small(scale); }},
+                   {"cold_path", [&] { return cold_path(scale); }},
                    {"rate", [&] { return rate(scale); }},
                    {"bulk_latency", [&] { return bulk_latency(scale); }},
                    {"worst", [&] { return worst(scale); }},

@@ -3,6 +3,7 @@
 #include <semaphore.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <csignal>
 #include <ctime>
@@ -107,7 +108,7 @@ bool pass_paced(Contender contender, const Paced& paced, const TwoHosts& hosts,
     const std::uint64_t all = board->received + paced.messages;
     begin({sender, receiver});
     board->go.give();
-    sleep_us(static_cast<std::int64_t>(paced.messages) * paced.period_us);
+    sleep_us(static_cast<std::int64_t>(std::max<std::uint64_t>(paced.messages, 1)) * paced.period_us);
     passed = wait_until([&] { return board->received >= all; }, 2);
     end({sender, receiver});
   }

@@ -16,9 +16,9 @@ struct PacedPair {
 };
 
 /// Calls `begin` when both sides are matched and have passed some samples. Then passes the samples, of which
-/// the sender's process takes a sleep each, and calls `end` a period after the last one. Returns false if a
-/// sample did not arrive. Between both calls the threads of both processes sleep but for the samples, and the
-/// process that calls this sleeps, too.
+/// the sender's process takes a sleep each, and calls `end` a period after the last one; without samples, one
+/// period after `begin`. Returns false if a sample did not arrive. Between both calls the threads of both
+/// processes sleep but for the samples, and the process that calls this sleeps, too.
 bool pass_paced(Contender contender, const Paced& paced, const TwoHosts& hosts,
                 const std::function<void(const PacedPair&)>& begin,
                 const std::function<void(const PacedPair&)>& end);

@@ -20,6 +20,9 @@ struct Scale {
 std::vector<Figure> bulk(const Scale& scale);
 /// The round trip of samples of 64 bytes between hosts, for each way to wait for samples.
 std::vector<Figure> small(const Scale& scale);
+/// What each thread takes for samples of 64 bytes now and then: system calls, wake-ups and, where the machine
+/// counts them, instructions and cache misses.
+std::vector<Figure> cold_path(const Scale& scale);
 /// The highest rate of reliable samples of 64 bytes, published one by one, and together.
 std::vector<Figure> rate(const Scale& scale);
 /// The time from publish to callback of large samples that are sent now and then.
