@@ -52,6 +52,12 @@ void write_json(std::ostream& out, const std::vector<Figure>& figures) {
     nlohmann::json entry{{"name", f.name}, {"value", f.value}, {"unit", f.unit}};
     entry["reference"] = f.reference ? nlohmann::json(*f.reference) : nlohmann::json();
     entry["ratio"] = f.reference ? nlohmann::json(f.measure()) : nlohmann::json();
+    if (f.bound) {
+      entry["bound"] = *f.bound;
+      entry["bound_of"] = f.reference && !f.bound_is_of_value ? "ratio" : "value";
+      if (f.at_least) entry["at_least"] = true;
+    }
+    if (f.worst) entry["worst"] = *f.worst;
     list.push_back(std::move(entry));
   }
   out << list.dump(2) << std::endl;

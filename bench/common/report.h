@@ -32,7 +32,9 @@ void print_table(const std::vector<Figure>& figures);
 /// Prints which bounds do not hold, or that all do. Prints nothing if there are no bounds.
 void print_missed_bounds(const std::vector<Figure>& figures);
 
-/// Writes a list of {"name", "value", "unit", "reference", "ratio"}.
+/// Writes a list of {"name", "value", "unit", "reference", "ratio"}. Figures with a bound also have "bound",
+/// "bound_of", which is "ratio" or "value", and "at_least" if the bound is a minimum; figures of several
+/// rounds have the "worst" one.
 void write_json(std::ostream& out, const std::vector<Figure>& figures);
 
 }  // namespace sft::bench

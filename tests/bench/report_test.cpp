@@ -54,13 +54,29 @@ TEST(BenchReport, ATableHasAColumnForWorstRoundsIfThereAreAny) {
 
 TEST(BenchReport, JsonHasTheFieldsOfEachFigure) {
   std::ostringstream out;
-  write_json(out, {{.name = "time", .value = 3, .unit = "us", .reference = 2, .worst = 4},
-                   {.name = "lost", .value = 0}});
+  write_json(out, {{.name = "time", .value = 3, .unit = "us", .reference = 2}, {.name = "lost", .value = 0}});
   const auto json = nlohmann::json::parse(out.str());
   EXPECT_EQ(json[0], nlohmann::json::parse(
                          R"({"name": "time", "value": 3, "unit": "us", "reference": 2, "ratio": 1.5})"));
   EXPECT_EQ(json[1], nlohmann::json::parse(
                          R"({"name": "lost", "value": 0, "unit": "", "reference": null, "ratio": null})"));
+}
+
+TEST(BenchReport, JsonHasBoundsAndWorstRoundsWhereTheyExist) {
+  std::ostringstream out;
+  write_json(out, {{.name = "time", .value = 3, .reference = 2, .bound = 2.5, .worst = 4},
+                   {.name = "rate", .value = 3, .bound = 1, .at_least = true},
+                   {.name = "idle", .value = 3, .reference = 2, .bound = 5, .bound_is_of_value = true}});
+  const auto json = nlohmann::json::parse(out.str());
+  const auto expect = [&](std::size_t number, const char* text) {
+    EXPECT_EQ(json[number], nlohmann::json::parse(text));
+  };
+  expect(0, R"({"name": "time", "value": 3, "unit": "", "reference": 2, "ratio": 1.5, "bound": 2.5,
+                "bound_of": "ratio", "worst": 4})");
+  expect(1, R"({"name": "rate", "value": 3, "unit": "", "reference": null, "ratio": null, "bound": 1,
+                "bound_of": "value", "at_least": true})");
+  expect(2, R"({"name": "idle", "value": 3, "unit": "", "reference": 2, "ratio": 1.5, "bound": 5,
+                "bound_of": "value"})");
 }
 
 /// The names of figures that a program with two groups prints.
