@@ -63,7 +63,7 @@ std::vector<Delivery> run_deliveries(const Sides& sides, std::uint64_t messages)
   succeeds(receiver);
   std::vector<Delivery> deliveries;
   for (std::uint64_t i = 0; sent && i < messages; ++i)
-    deliveries.push_back({exchange->sent_at[i], exchange->received_at[i]});
+    deliveries.push_back({exchange->sent_at[i], exchange->received_at[i], exchange->returned_at[i]});
   return deliveries;
 }
 

@@ -26,6 +26,7 @@ class Exchange {
   alignas(64) std::atomic<bool> ready{false};          ///< the receiver has begun
   std::atomic<bool> failed{false};
   std::int64_t sent_at[samples_max] = {};
+  std::int64_t returned_at[samples_max] = {};  ///< 0 where nobody asks for it
   std::int64_t received_at[samples_max] = {};
 
   /// Called by the sender: waits until the receiver has read message n. False after a second.
@@ -43,10 +44,11 @@ struct Sides {
   std::function<void()> enter_receiver = [] {};
 };
 
-/// The times at which a message was sent and read.
+/// The times of a message.
 struct Delivery {
   std::int64_t sent_at = 0;
   std::int64_t received_at = 0;  ///< 0: it was not read
+  std::int64_t returned_at = 0;  ///< when the function returned that sent it; 0: that was not noted
 
   double us() const { return static_cast<double>(received_at - sent_at) / 1000.0; }
 };

@@ -13,6 +13,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <ctime>
 #include <optional>
 #include <thread>
@@ -30,8 +31,11 @@ constexpr std::size_t frame_bytes = 256;
 constexpr std::size_t frames = 1 << 17;
 constexpr std::size_t block_bytes = 1 << 16;
 constexpr std::size_t link_header_bytes = sizeof(ethhdr);
-// A segment of TCP that has no more than headers with options tells only what has come.
+// A segment of TCP that has no more than headers with options tells only what has come. So does a small
+// message of RTPS, the protocol of DDS.
 constexpr std::uint32_t tcp_answer_bytes_max = 120;
+constexpr std::uint32_t rtps_answer_bytes_max = 300;
+constexpr std::uint16_t fragment_offset_bits = 0x1fff;
 
 [[noreturn]] void give_up(const char* what) {
   std::perror(what);
@@ -73,7 +77,10 @@ std::optional<Packet::Kind> kind_of(const std::uint8_t* bytes, std::uint32_t cap
     return length <= tcp_answer_bytes_max ? Packet::Kind::answer : Packet::Kind::data;
   const std::size_t headers = link_header_bytes + std::size_t{ip->ihl} * 4 + sizeof(udphdr);
   if (ip->protocol != IPPROTO_UDP || captured <= headers) return std::nullopt;
+  if ((ntohs(ip->frag_off) & fragment_offset_bits) != 0) return Packet::Kind::data;
   const std::uint8_t version_and_kind = bytes[headers];
+  if (captured >= headers + 4 && std::memcmp(bytes + headers, "RTPS", 4) == 0)
+    return length <= rtps_answer_bytes_max ? Packet::Kind::answer : Packet::Kind::data;
   if (version_and_kind >> 4 != udp::wire_version) return std::nullopt;
   switch (static_cast<udp::DatagramKind>(version_and_kind & 0xf)) {
     case udp::DatagramKind::first:

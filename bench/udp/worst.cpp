@@ -4,6 +4,7 @@
 
 #include "bench/common/hosts.h"
 #include "bench/common/statistics.h"
+#include "bench/udp/ledger.h"
 #include "bench/udp/one_way.h"
 #include "bench/udp/udp.h"
 #include "bench/udp/wire_tap.h"
@@ -15,41 +16,13 @@ namespace {
 constexpr Paced paced{.topic = {.bulk_bytes = 6'300'000}, .messages = 25, .period_us = 100'000};
 constexpr double bound = 1.5;
 
-/// The packets of one kind that pass one end of the link while a sample is under way.
-struct Traffic {
-  std::size_t packets = 0;
-  std::uint64_t bytes = 0;
-  std::int64_t first_ns = 0, last_ns = 0;
-  std::int64_t pause_ns = 0, pause_at_ns = 0;  ///< the longest pause between two packets, and when it began
-
-  void add(const Packet& packet) {
-    if (packets++ == 0) first_ns = last_ns = packet.at_ns;
-    if (packet.at_ns - last_ns > pause_ns) {
-      pause_ns = packet.at_ns - last_ns;
-      pause_at_ns = last_ns;
-    }
-    last_ns = packet.at_ns;
-    bytes += packet.bytes;
-  }
-  void print(const char* what, std::int64_t published_ns) const {
-    const auto us = [&](std::int64_t ns) { return static_cast<double>(ns - published_ns) / 1000; };
-    if (packets == 0) return;
-    std::printf("    %-22s %5zu packets, %9.3f MB, first at %8.0f us, last at %8.0f us", what, packets,
-                static_cast<double>(bytes) / 1e6, us(first_ns), us(last_ns));
-    std::printf("; longest pause %7.0f us, from %8.0f us on\n", static_cast<double>(pause_ns) / 1000,
-                us(pause_at_ns));
-  }
-};
-
-Traffic traffic(const std::vector<Packet>& packets, const Delivery& during, bool outgoing,
-                Packet::Kind kind) {
-  Traffic sum;
-  for (const Packet& packet : packets) {
-    if (packet.outgoing == outgoing && packet.kind == kind && packet.at_ns >= during.sent_at &&
-        packet.at_ns <= during.received_at)
-      sum.add(packet);
-  }
-  return sum;
+void print(const char* what, const Traffic& traffic, std::int64_t published_ns) {
+  const auto us = [&](std::int64_t ns) { return static_cast<double>(ns - published_ns) / 1000; };
+  if (traffic.packets == 0) return;
+  std::printf("    %-22s %5zu packets, %9.3f MB, first at %8.0f us, last at %8.0f us", what, traffic.packets,
+              static_cast<double>(traffic.bytes) / 1e6, us(traffic.first_ns), us(traffic.last_ns));
+  std::printf("; longest pause %7.0f us, from %8.0f us on\n", static_cast<double>(traffic.pause_ns) / 1000,
+              us(traffic.pause_at_ns));
 }
 
 /// Notes what passes both ends of the link.
@@ -68,16 +41,30 @@ class Trace {
     if (worst == deliveries.end()) return;
     std::printf("%s: the worst of %zu samples is number %td, with %.0f us from publish to callback\n", name,
                 deliveries.size(), worst - deliveries.begin() + 1, worst->us());
+    print_ledger(*worst, deliveries, at_sender, at_receiver);
     using Kind = Packet::Kind;
-    traffic(at_sender, *worst, true, Kind::data).print("data leave", worst->sent_at);
-    traffic(at_receiver, *worst, false, Kind::data).print("data arrive", worst->sent_at);
-    traffic(at_receiver, *worst, true, Kind::answer).print("answers leave", worst->sent_at);
-    traffic(at_sender, *worst, false, Kind::answer).print("answers arrive", worst->sent_at);
+    const std::int64_t from = worst->sent_at;
+    print("data leave", traffic(at_sender, *worst, true, Kind::data), from);
+    print("data arrive", traffic(at_receiver, *worst, false, Kind::data), from);
+    print("answers leave", traffic(at_receiver, *worst, true, Kind::answer), from);
+    print("answers arrive", traffic(at_sender, *worst, false, Kind::answer), from);
     if (sender_.lost() || receiver_.lost()) std::printf("    Some packets were not noted.\n");
     std::fflush(stdout);  // otherwise each of the next processes has these lines, too
   }
 
  private:
+  static void print_ledger(const Delivery& worst, const std::vector<Delivery>& deliveries,
+                           const std::vector<Packet>& at_sender, const std::vector<Packet>& at_receiver) {
+    std::vector<Ledger> ledgers;
+    for (const Delivery& delivery : deliveries) {
+      if (const auto ledger = ledger_of(delivery, at_sender, at_receiver)) ledgers.push_back(*ledger);
+    }
+    if (const auto ledger = ledger_of(worst, at_sender, at_receiver))
+      std::printf("%s", table_of(*ledger, medians_of(ledgers)).c_str());
+    if (ledgers.size() < deliveries.size())
+      std::printf("    Of %zu samples no packets were noted.\n", deliveries.size() - ledgers.size());
+  }
+
   WireTap sender_, receiver_;
 };
 
