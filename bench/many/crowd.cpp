@@ -21,10 +21,18 @@ std::string text_of(pid_t process, const char* file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-double resident_bytes_of(pid_t process) {
-  const std::string text = text_of(process, "status");
-  const std::size_t at = text.find("VmRSS:");
-  return at == std::string::npos ? 0 : 1024 * std::stod(text.substr(at + 6));
+/// The bytes that a line of one of the files of /proc has in kB.
+double bytes_of(pid_t process, const char* file, const std::string& key) {
+  const std::string text = text_of(process, file);
+  const std::size_t at = text.find(key);
+  return at == std::string::npos ? 0 : 1024 * std::stod(text.substr(at + key.size()));
+}
+
+/// Those of the host of a process.
+LinkBytes link_bytes_of(pid_t process) {
+  const auto bytes = hosts::parse_interface_bytes(text_of(process, "net/dev"), hosts::host_interface)
+                         .value_or(hosts::InterfaceBytes{});
+  return {static_cast<std::int64_t>(bytes.received), static_cast<std::int64_t>(bytes.sent)};
 }
 
 }  // namespace
@@ -51,9 +59,13 @@ double Crowd::cpu_s() const {
                          [](double sum, const Member& member) { return sum + bench::cpu_s(member.process); });
 }
 
-double Crowd::resident_bytes() const {
-  return std::accumulate(members_.begin(), members_.end(), 0., [](double sum, const Member& member) {
-    return sum + resident_bytes_of(member.process);
+double Crowd::resident_bytes() const { return sum_of_bytes("status", "VmRSS:"); }
+
+double Crowd::anonymous_bytes() const { return sum_of_bytes("smaps_rollup", "\nAnonymous:"); }
+
+double Crowd::sum_of_bytes(const char* file, const char* key) const {
+  return std::accumulate(members_.begin(), members_.end(), 0., [=](double sum, const Member& member) {
+    return sum + bytes_of(member.process, file, key);
   });
 }
 
@@ -62,12 +74,13 @@ LinkBytes Crowd::link_bytes() const {
   std::set<std::size_t> seen;
   for (const Member& member : members_) {
     if (!seen.insert(member.host).second) continue;
-    const auto bytes = hosts::parse_interface_bytes(text_of(member.process, "net/dev"), hosts::host_interface)
-                           .value_or(hosts::InterfaceBytes{});
-    sum.received += static_cast<std::int64_t>(bytes.received);
-    sum.sent += static_cast<std::int64_t>(bytes.sent);
+    const LinkBytes bytes = link_bytes_of(member.process);
+    sum.received += bytes.received;
+    sum.sent += bytes.sent;
   }
   return sum;
 }
+
+LinkBytes Crowd::link_bytes_of_first() const { return link_bytes_of(members_.front().process); }
 
 }  // namespace sft::bench

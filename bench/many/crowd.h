@@ -35,14 +35,20 @@ class Crowd {
   // These functions return the sums over all processes, or over all interfaces.
   double cpu_s() const;
   double resident_bytes() const;
+  /// Memory that no file has: what the processes have written for themselves.
+  double anonymous_bytes() const;
   /// REQUIRES: there is a process on each host.
   LinkBytes link_bytes() const;
+  /// Only those of the host of the process that was started first.
+  LinkBytes link_bytes_of_first() const;
 
  private:
   struct Member {
     pid_t process;
     std::size_t host;
   };
+
+  double sum_of_bytes(const char* file, const char* key) const;
 
   const std::size_t hosts_;
   const hosts::EmulatedNetwork network_;

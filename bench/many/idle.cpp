@@ -9,7 +9,7 @@ namespace {
 constexpr double joining_s = 60;
 
 struct Idle {
-  Tally received, sent, cpu_percent, resident_mb;
+  Tally received, sent, cpu_percent, resident_mb, anonymous_mb;
 };
 
 /// The costs of a crowd up to a moment.
@@ -30,6 +30,7 @@ void note(const Crowd& crowd, const Moment& before, void (Tally::*add)(double), 
   (idle.sent.*add)(per_s(now.link.sent - before.link.sent) / nodes);
   (idle.cpu_percent.*add)(100 * (now.cpu_s - before.cpu_s) / seconds / nodes);
   (idle.resident_mb.*add)(crowd.resident_bytes() / 1e6 / nodes);
+  (idle.anonymous_mb.*add)(crowd.anonymous_bytes() / 1e6 / nodes);
 }
 
 }  // namespace
@@ -61,6 +62,7 @@ std::vector<Figure> idle(const ManyScale& scale) {
           of_32.sent.figure("idle_32_sent", "B/s", who + ", by each node", 1.2),
           of_32.cpu_percent.figure("idle_32_cpu", "%", who + ", by each node", 1.2),
           of_32.resident_mb.figure("idle_32_rss", "MB", who + ", of each node", 1.2),
+          of_32.anonymous_mb.figure("idle_32_anonymous", "MB", who + ", of each node", 1.2),
           of_2.sent.figure_with_bound_of_value("idle_2_sent", "B/s", who + ", by each node", 150)};
 }
 
