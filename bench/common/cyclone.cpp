@@ -22,7 +22,10 @@ CycloneParticipant::CycloneParticipant(const char* config)
     : domain_(checked(dds_create_domain(0, config))),
       participant_(checked(dds_create_participant(0, nullptr, nullptr))) {}
 
-CycloneParticipant::~CycloneParticipant() { dds_delete(domain_); }
+CycloneParticipant::CycloneParticipant()
+    : domain_(0), participant_(checked(dds_create_participant(0, nullptr, nullptr))) {}
+
+CycloneParticipant::~CycloneParticipant() { dds_delete(domain_ != 0 ? domain_ : participant_); }
 
 dds_entity_t CycloneParticipant::topic(const dds_topic_descriptor_t& type, const char* name) const {
   const dds_entity_t known = dds_find_topic(DDS_FIND_SCOPE_PARTICIPANT, participant_, name, nullptr, 0);

@@ -15,10 +15,13 @@ using CycloneQos = std::unique_ptr<dds_qos_t, void (*)(dds_qos_t*)>;
 /// Best effort, volatile, keep last 1.
 CycloneQos cyclone_best_effort();
 
-/// One participant in domain 0. Creates and deletes the domain, too.
+/// One participant in domain 0.
 class CycloneParticipant {
  public:
+  /// Creates and deletes the domain, too.
   explicit CycloneParticipant(const char* config);
+  /// Another one, in the domain of one that this process has. REQUIRES: that one outlives it.
+  CycloneParticipant();
   ~CycloneParticipant();
   CycloneParticipant(const CycloneParticipant&) = delete;
   CycloneParticipant& operator=(const CycloneParticipant&) = delete;
@@ -37,7 +40,7 @@ class CycloneParticipant {
  private:
   dds_entity_t topic(const dds_topic_descriptor_t& type, const char* name) const;
 
-  const dds_entity_t domain_;
+  const dds_entity_t domain_;  ///< 0: it is that of another participant
   const dds_entity_t participant_;
 };
 

@@ -28,6 +28,10 @@ std::vector<Figure> three_masks(const ManyScale& scale);
 /// 1 + 64 nodes on eight hosts that start at once: time, bytes and processor time until all are matched.
 std::vector<Figure> join_64(const ManyScale& scale);
 
+/// 25 to 200 nodes with ten endpoints each, or 12 to 50 if quick: what it takes until all are matched, what
+/// an idle node receives, and the exponents with which both grow. One round.
+std::vector<Figure> growth(const ManyScale& scale);
+
 /// The traffic, processor time and memory of 32 nodes on eight hosts, and of two, that have been idle.
 std::vector<Figure> idle(const ManyScale& scale);
 
