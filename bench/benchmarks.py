@@ -20,9 +20,9 @@ ALL = [
     Benchmark("spine", 110, 60, ["--rounds", "1"]),
     Benchmark("shm", 80, 20, ["--rounds", "1", "--idle-seconds", "2"]),
     Benchmark("negotiation", 90, 25, ["--rounds", "1"]),
-    Benchmark("udp", 340, 115, ["--rounds", "1", "--messages", "500", "--seconds", "0.3"]),
-    Benchmark("many", 900, 120, ["--quick"]),
+    Benchmark("udp", 380, 155, ["--rounds", "1", "--messages", "500", "--seconds", "0.3"]),
+    Benchmark("many", 1300, 200, ["--quick"]),
     Benchmark("recovery", 140, 50, ["--rounds", "1"]),
 ]
 ROUNDS = 5
-QUICK_ROUNDS = 3  # of seven minutes on each side
+QUICK_ROUNDS = 3  # of nine minutes on each side

@@ -1,10 +1,10 @@
 #include "bench/many/exponent.h"
 
 #include <cmath>
+#include <limits>
 
 namespace sft::bench {
 
-/// The slope is 0 / 0 where there are too few pairs.
 double exponent(const std::vector<std::pair<double, double>>& costs) {
   double count = 0, x_sum = 0, y_sum = 0, xx_sum = 0, xy_sum = 0;
   for (const auto& [size, cost] : costs) {
@@ -16,7 +16,9 @@ double exponent(const std::vector<std::pair<double, double>>& costs) {
     xx_sum += x * x;
     xy_sum += x * y;
   }
-  return (count * xy_sum - x_sum * y_sum) / (count * xx_sum - x_sum * x_sum);
+  const double spread = count * xx_sum - x_sum * x_sum;
+  if (spread <= 0) return std::numeric_limits<double>::quiet_NaN();
+  return (count * xy_sum - x_sum * y_sum) / spread;
 }
 
 }  // namespace sft::bench

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <sensor_msgs/msg/PointCloud2.hpp>
@@ -30,9 +31,10 @@ constexpr std::size_t topics = 5;          // that each node publishes, and as m
 constexpr std::int64_t pause_us = 50'000;  // less would be seen in the processor time
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-/// Ends within ten minutes even if each size takes all its time.
+/// The time that a contender may take for all sizes, and the part of it in which idle nodes are watched at
+/// each size. Both contenders together end within five minutes.
 struct Times {
-  double joining_s, calm_s, window_s;
+  double all_s, calm_s, window_s;
 };
 
 std::string topic_name(std::size_t node, std::size_t topic) { return fmt::format("ring_{}_{}", node, topic); }
@@ -139,15 +141,19 @@ double received_per_s(const Crowd& crowd, double seconds) {
 
 /// Nothing if not all are matched in time.
 template <class RingNode>
-std::optional<Costs> costs(std::size_t nodes, const Times& times) {
+std::optional<Costs> costs(std::size_t nodes, const Times& times, double joining_s) {
   const Shared<Board> board;
   Crowd crowd(crowd_hosts);
   const std::int64_t begin_ns = now_ns();
   for (std::size_t host = 0; host <= crowd_hosts; ++host)
     crowd.start(host, [&, host] { return be_some_nodes<RingNode>(*board, nodes_of(host, nodes), nodes); });
-  if (!wait_until([&] { return board->matched == nodes; }, times.joining_s)) {
-    fmt::print(stderr, "{}: {} of {} nodes were matched after {:.0f} s; more nodes are not tried\n",
-               RingNode::name, board->matched.load(), nodes, times.joining_s);
+  if (!wait_until([&] { return board->matched == nodes; }, joining_s)) {
+    fmt::print(
+        stderr,
+        "{}: {} of {} nodes were matched after {:.0f} s, {:.1f} MB and {:.1f} s of processor time; more "
+        "nodes are not tried\n",
+        RingNode::name, board->matched.load(), nodes, joining_s,
+        static_cast<double>(crowd.link_bytes().sent) / 1e6, crowd.cpu_s());
     return std::nullopt;
   }
   Costs costs{.time_s = static_cast<double>(board->last_ns - begin_ns) / 1e9,
@@ -162,8 +168,10 @@ std::optional<Costs> costs(std::size_t nodes, const Times& times) {
 template <class RingNode>
 std::vector<Costs> costs_of_all(const std::vector<std::size_t>& sizes, const Times& times) {
   std::vector<Costs> all;
+  const std::int64_t begin_ns = now_ns();
   for (const std::size_t nodes : sizes) {
-    const auto at_size = costs<RingNode>(nodes, times);
+    const double left_s = times.all_s - static_cast<double>(now_ns() - begin_ns) / 1e9;
+    const auto at_size = costs<RingNode>(nodes, times, std::max(0., left_s - times.calm_s - times.window_s));
     if (!at_size) break;
     all.push_back(*at_size);
   }
@@ -179,11 +187,13 @@ struct Column {
 constexpr std::array columns{Column{"time", "s", &Costs::time_s}, Column{"bytes", "MB", &Costs::megabytes},
                              Column{"cpu", "s", &Costs::cpu_s}, Column{"idle", "B/s", &Costs::idle_received}};
 
-double exponent_of(const std::vector<std::size_t>& sizes, const std::vector<Costs>& costs,
-                   double Costs::*cost) {
+/// From the sizes that both contenders have carried, so that the exponents of both are of the same range.
+double exponent_of(const std::vector<Costs>& costs, const std::vector<Costs>& others,
+                   const std::vector<std::size_t>& sizes, double Costs::*cost) {
   std::vector<std::pair<double, double>> pairs;
-  for (std::size_t i = 0; i < sizes.size(); ++i)
-    pairs.emplace_back(static_cast<double>(sizes[i]), costs[i].*cost);
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    if (std::isfinite(others[i].*cost)) pairs.emplace_back(static_cast<double>(sizes[i]), costs[i].*cost);
+  }
   return exponent(pairs);
 }
 
@@ -192,7 +202,7 @@ double exponent_of(const std::vector<std::size_t>& sizes, const std::vector<Cost
 std::vector<Figure> growth(const ManyScale& scale) {
   const std::vector<std::size_t> sizes =
       scale.quick ? std::vector<std::size_t>{12, 25, 50} : std::vector<std::size_t>{25, 50, 100, 200};
-  const Times times = scale.quick ? Times{20, 3, 5} : Times{45, 10, 10};
+  const Times times = scale.quick ? Times{60, 3, 5} : Times{150, 10, 10};
   const std::vector<Costs> ours = costs_of_all<SftNode>(sizes, times);
   const std::vector<Costs> theirs = costs_of_all<CycloneNode>(sizes, times);
   std::vector<Figure> figures;
@@ -200,8 +210,9 @@ std::vector<Figure> growth(const ManyScale& scale) {
     for (std::size_t i = 0; i < sizes.size(); ++i)
       figures.push_back({fmt::format("growth_{}_{}", sizes[i], column.name), ours[i].*column.cost,
                          column.unit, theirs[i].*column.cost, CycloneNode::name});
-    figures.push_back({fmt::format("growth_exponent_{}", column.name), exponent_of(sizes, ours, column.cost),
-                       "", exponent_of(sizes, theirs, column.cost), "that of Cyclone DDS"});
+    figures.push_back({fmt::format("growth_exponent_{}", column.name),
+                       exponent_of(ours, theirs, sizes, column.cost), "",
+                       exponent_of(theirs, ours, sizes, column.cost), "that of Cyclone DDS"});
   }
   return figures;
 }
