@@ -13,7 +13,11 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <sensor_msgs/msg/PointCloud2.hpp>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "bench/common/cyclone.h"
 #include "bench/common/cyclone_point_cloud.h"

@@ -2,9 +2,13 @@
 // depend on the speed of the machine. Those that the program takes itself to sleep until its next sample are
 // among them: one system call and one wake-up of the sender.
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <array>
+#include <cstdio>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "bench/common/counters.h"
 #include "bench/udp/paced_pair.h"
@@ -31,13 +35,6 @@ struct PairCounts {
   std::vector<ThreadCounts> sender, receiver;
 };
 
-void say_once_what_is_not_counted(const ProcessCounter& counter) {
-  static bool said = false;
-  if (said) return;
-  said = true;
-  for (const std::string& what : counter.uncountable()) fmt::print("not counted: {}\n", what);
-}
-
 std::optional<PairCounts> count(Contender contender, const Rate& rate, const TwoHosts& hosts) {
   std::optional<ProcessCounter> sender, receiver;
   PairCounts counts;
@@ -53,7 +50,6 @@ std::optional<PairCounts> count(Contender contender, const Rate& rate, const Two
         complete = sender->same_threads() && receiver->same_threads();
       });
   if (!passed) return std::nullopt;
-  say_once_what_is_not_counted(*sender);
   if (!complete) fmt::print("    Threads came or went, and were not counted.\n");
   return counts;
 }
@@ -149,6 +145,9 @@ std::vector<Figure> cold_path(const Scale&) {
   const Topic small{.reliable = false};
   std::array contests{Contest({"idle", {small, 0, idle_us}}), Contest({"10Hz", {small, 30, 100'000}}),
                       Contest({"100Hz", {small, 200, 10'000}}), Contest({"1kHz", {small, 1000, 1000}})};
+  const ProcessCounter own(getpid());
+  for (const std::string& what : own.uncountable()) fmt::print("not counted: {}\n", what);
+  std::fflush(stdout);
   std::vector<Figure> figures;
   for (Contest& contest : contests) {
     contest.run(hosts);

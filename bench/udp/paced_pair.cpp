@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <csignal>
+#include <cstdio>
 #include <ctime>
 #include <limits>
 
@@ -50,8 +51,10 @@ struct Board {
   Signal matched, warm, go, over_at_sender, over_at_receiver;
 };
 
-/// Takes one system call and one sleep for each sample but the first.
-void write_paced(Writer& writer, std::uint64_t first, std::uint64_t count, std::int64_t period_us) {
+/// Takes one system call and one sleep for each sample but the first. Returns how many samples were a period
+/// late or more, so that nobody slept before them.
+std::uint64_t write_paced(Writer& writer, std::uint64_t first, std::uint64_t count, std::int64_t period_us) {
+  std::uint64_t late = 0;
   timespec due{};
   clock_gettime(CLOCK_MONOTONIC, &due);
   for (std::uint64_t i = 0; i < count; ++i) {
@@ -60,9 +63,12 @@ void write_paced(Writer& writer, std::uint64_t first, std::uint64_t count, std::
       due.tv_sec += due.tv_nsec / 1'000'000'000;
       due.tv_nsec %= 1'000'000'000;
       clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, nullptr);
+      const std::int64_t due_ns = std::int64_t{due.tv_sec} * 1'000'000'000 + due.tv_nsec;
+      late += now_ns() - due_ns >= period_us * 1000 ? 1 : 0;
     }
     writer.write(first + i);
   }
+  return late;
 }
 
 int send(Board& board, Contender contender, const Paced& paced) {
@@ -75,8 +81,11 @@ int send(Board& board, Contender contender, const Paced& paced) {
   sleep_us(paced.period_us);
   board.warm.give();
   board.go.wait();
-  write_paced(*writer, samples_before + 1, paced.messages, paced.period_us);
+  const std::uint64_t late = write_paced(*writer, samples_before + 1, paced.messages, paced.period_us);
   board.over_at_sender.wait();
+  if (late > 0)
+    std::fprintf(stderr, "%zu of %zu samples were a period late or more, since this machine is busy\n",
+                 std::size_t{late}, std::size_t{paced.messages});
   return 0;
 }
 

@@ -12,7 +12,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
-#include <optional>
+#include <string>
 #include <vector>
 
 #include "bench/common/counters.h"
