@@ -55,16 +55,19 @@ TEST(AgentTest, IdleComesAfterABatchAndTicksKeepComing) {
 }
 
 TEST(AgentTest, ABatchCanHastenTheNextTick) {
-  std::promise<void> second_tick;
+  std::promise<void> first_tick, second_tick;
   int ticks = 0;
   Agent agent;
   const Agent::Duties duties{.tick =
                                  [&] {
-                                   if (++ticks == 2) second_tick.set_value();
+                                   ++ticks;
+                                   if (ticks == 1) first_tick.set_value();
+                                   if (ticks == 2) second_tick.set_value();
                                    return 1h;
                                  },
                              .idle = [] { return 1ms; }};
   ASSERT_TRUE(agent.start("test", duties));
+  ASSERT_EQ(first_tick.get_future().wait_for(10s), std::future_status::ready);
   agent.post([] {});
   EXPECT_EQ(second_tick.get_future().wait_for(10s), std::future_status::ready);
 }
