@@ -73,9 +73,13 @@ bool LaneFlows::pass_on(SendFlow& flow) {
 
 /// Sends what the flow may send now, and takes its next job when there is nothing left.
 void LaneFlows::advance(SendFlow& flow) {
-  if (must_wait(flow)) return;
+  if (const SendFlow* other = holder_of(flow)) return note_stall(flow, other->stalled_since);
   const Progress progress = sender_.send_some(flow);
-  note_stall(flow, progress == Progress::none);
+  if (progress != Progress::none) {
+    flow.stalled_since.reset();
+  } else if (!flow.stalled_since) {
+    note_stall(flow, SendFlow::Clock::now());
+  }
   if (FlowSender::is_under_way(progress)) return;
   if (progress == Progress::lost) flow.lane->lose_current();
   if (flow.size == Size::large) flow.lane->stay_behind(flow.behind);
@@ -83,21 +87,21 @@ void LaneFlows::advance(SendFlow& flow) {
   if (!begin(flow)) flow.lane.reset();
 }
 
-void LaneFlows::note_stall(SendFlow& flow, bool stalls) {
-  if (!stalls) {
-    flow.stalled_since.reset();
-  } else if (!flow.stalled_since) {
-    flow.stalled_since = SendFlow::Clock::now();
-  }
+/// Groups that wait for the flow look again when they may pass it. A flow stands still as long as the one
+/// does that it waits for.
+void LaneFlows::note_stall(SendFlow& flow, std::optional<SendFlow::Time> since) {
+  if (since && !flow.stalled_since) round_.by(*since + member_stalls_max);
+  flow.stalled_since = since;
 }
 
 /// Large samples of one writer go to a destination one after another, under whichever masks: a receiver puts
 /// only so many together at a time, and the first is whole sooner. Small ones pass between. Where a receiver
 /// gets one sample by a group or in a shared copy, and another one by another lane, the older one goes first.
-bool LaneFlows::must_wait(const SendFlow& flow) {
-  if (flow.fragments->begun()) return false;
+/// Returns a flow that has to go on before this one; null if there is none.
+const SendFlow* LaneFlows::holder_of(const SendFlow& flow) {
+  if (flow.fragments->begun()) return nullptr;
   const Destination& to = flow.lane->destination();
-  return std::ranges::any_of(flows_, [&](const SendFlow& other) {
+  const auto holder = std::ranges::find_if(flows_, [&](const SendFlow& other) {
     if (!other.lane || !other.fragments || &other.lane->tally() != &flow.lane->tally()) return false;
     if (&other == &flow) return false;
     if (&other.lane->destination() == &to && flow.size == Size::large && other.fragments->begun())
@@ -105,6 +109,7 @@ bool LaneFlows::must_wait(const SendFlow& flow) {
     return is_older(other, flow) && other.lane->end().meets_merged(flow.lane->end()) &&
            !may_pass(flow, other);
   });
+  return holder == flows_.end() ? nullptr : &*holder;
 }
 
 /// A group does not stand still for long because one of its members does.

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -35,8 +36,8 @@ class LaneFlows {
   bool begin(SendFlow& flow);
   bool pass_on(SendFlow& flow);
   void advance(SendFlow& flow);
-  static void note_stall(SendFlow& flow, bool stalls);
-  bool must_wait(const SendFlow& flow);
+  void note_stall(SendFlow& flow, std::optional<SendFlow::Time> since);
+  const SendFlow* holder_of(const SendFlow& flow);
   bool may_pass(const SendFlow& flow, const SendFlow& other);
 
   FlowSender& sender_;

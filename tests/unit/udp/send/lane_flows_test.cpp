@@ -187,6 +187,28 @@ TEST_F(LaneFlowsOfGroupsTest, GoOnWithoutAMemberThatStandsStill) {
   EXPECT_GT(bytes_left(), large_bytes);
 }
 
+/// What waits for a sample that stands still stands still as well.
+TEST_F(LaneFlowsOfGroupsTest, GoOnWithoutAMemberOfWhichOneSampleWaitsForAnotherThatStandsStill) {
+  const auto shared = lane(), own = lane(), to_group = lane_to_group(2, {to.get()});
+  shared->end().set_shared(true);
+  for (const auto& each : {shared, own, to_group}) {
+    each->post(job(large_bytes));
+    flows.add(each);
+  }
+  serve_small();
+  connections.take_batches(0);
+  flows.send_large(0);
+  flows.send_large(1);
+  connections.take_batches(SIZE_MAX);
+  flows.send_large(2);
+  EXPECT_EQ(bytes_left(), 0U);
+  const NextRound::Time at = round.time();
+  ASSERT_NE(at, NextRound::Time::max()) << "the sending thread looks again";
+  while (NextRound::Time::clock::now() < at) std::this_thread::yield();
+  flows.send_large(2);
+  EXPECT_GT(bytes_left(), large_bytes);
+}
+
 /// Readers that begin to share a copy, or cease to, change from one lane to another without asking for it.
 TEST_F(LaneFlowsOfGroupsTest, SendNothingSmallInASharedCopyBeforeWhatIsOlder) {
   const auto own = lane(), shared = lane();
