@@ -2,7 +2,7 @@
 // each thread that has to be woken and each system call costs some microseconds on any machine.
 //
 // A sample's counts are those from one moment in which all threads of both processes sleep to the next one.
-// The median of some samples leaves out what nodes do in between for others, such as discovery.
+// The lower quartile of some samples leaves out what nodes do in between for others, such as discovery.
 #include <gtest/gtest.h>
 #include <semaphore.h>
 #include <unistd.h>

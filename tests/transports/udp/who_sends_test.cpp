@@ -1,9 +1,15 @@
 // Which thread sends a sample: the publisher's, or the sending thread of the transport.
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
+#include <algorithm>
 #include <atomic>
+#include <filesystem>
+#include <fstream>
 #include <memory>
 #include <span>
+#include <string>
 #include <thread>
 
 #include "tests/transports/udp/endpoints.h"
@@ -37,6 +43,19 @@ class CountsBytesOfThread final : public test::Connected {
   std::atomic<std::size_t>& bytes_;
 };
 
+/// True if the other threads of this process sleep: those that have sent or received have finished that.
+bool all_others_sleep() {
+  const std::filesystem::directory_iterator tasks("/proc/self/task");
+  return std::ranges::all_of(tasks, [](const auto& task) {
+    std::string line;
+    std::getline(std::ifstream(task.path() / "stat"), line);
+    const std::size_t behind_name = line.rfind(')');
+    const bool is_this_thread = task.path().filename() == std::to_string(::gettid());
+    return is_this_thread || behind_name == std::string::npos ||
+           line.substr(behind_name + 1).starts_with(" S");
+  });
+}
+
 class WhoSendsTest : public TransportTest {
  protected:
   /// Returns the part of a sample that this thread sends, while nothing else is under way.
@@ -58,6 +77,8 @@ class WhoSendsTest : public TransportTest {
       own = 0;
       publisher.publish(make_image(bytes));
       EXPECT_EQ(subscriber.await(n).size(), n);
+      EXPECT_TRUE(test::eventually(all_others_sleep))
+          << "the sending thread may not have put the sample away";
     }
     return static_cast<double>(own) / static_cast<double>(bytes);
   }
