@@ -6,9 +6,9 @@
 #include <atomic>
 #include <cstdio>
 
+#include "bench/common/crowd.h"
 #include "bench/common/pair.h"
 #include "bench/common/shared.h"
-#include "bench/many/crowd.h"
 #include "bench/many/members.h"
 
 namespace sft::bench {

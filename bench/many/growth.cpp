@@ -19,11 +19,11 @@
 #include <utility>
 #include <vector>
 
+#include "bench/common/crowd.h"
 #include "bench/common/cyclone.h"
 #include "bench/common/cyclone_point_cloud.h"
 #include "bench/common/pair.h"
 #include "bench/common/shared.h"
-#include "bench/many/crowd.h"
 #include "bench/many/exponent.h"
 #include "bench/many/many.h"
 
@@ -136,10 +136,10 @@ struct Costs {
 };
 
 double received_per_s(const Crowd& crowd, double seconds) {
-  const std::int64_t before = crowd.link_bytes_of_first().received;
+  const std::int64_t before = crowd.link_bytes(0).received;
   const std::int64_t begin_ns = now_ns();
   sleep_us(static_cast<std::int64_t>(seconds * 1e6));
-  return static_cast<double>(crowd.link_bytes_of_first().received - before) * 1e9 /
+  return static_cast<double>(crowd.link_bytes(0).received - before) * 1e9 /
          static_cast<double>(now_ns() - begin_ns);
 }
 

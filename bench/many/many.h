@@ -2,12 +2,15 @@
 // references in turns, between hosts that it makes itself, and returns figures.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "bench/common/report.h"
 
 namespace sft::bench {
+
+inline constexpr std::size_t crowd_hosts = 8;  ///< on which readers run, besides the host of the publisher
 
 struct ManyScale {
   bool quick = false;

@@ -7,10 +7,10 @@
 #include <numeric>
 
 #include "bench/common/cloud_masks.h"
+#include "bench/common/crowd.h"
 #include "bench/common/pair.h"
 #include "bench/common/process.h"
 #include "bench/common/shared.h"
-#include "bench/many/crowd.h"
 #include "bench/many/many.h"
 #include "bench/many/members.h"
 #include "bench/many/settling.h"

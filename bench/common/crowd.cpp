@@ -1,13 +1,14 @@
-#include "bench/many/crowd.h"
+#include "bench/common/crowd.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <csignal>
 #include <fstream>
 #include <iterator>
 #include <numeric>
-#include <set>
 #include <string>
+#include <utility>
 
 #include "bench/common/process.h"
 #include "tools/hosts/interface_counters.h"
@@ -28,16 +29,13 @@ double bytes_of(pid_t process, const char* file, const std::string& key) {
   return at == std::string::npos ? 0 : 1024 * std::stod(text.substr(at + key.size()));
 }
 
-/// Those of the host of a process.
-LinkBytes link_bytes_of(pid_t process) {
-  const auto bytes = hosts::parse_interface_bytes(text_of(process, "net/dev"), hosts::host_interface)
-                         .value_or(hosts::InterfaceBytes{});
-  return {static_cast<std::int64_t>(bytes.received), static_cast<std::int64_t>(bytes.sent)};
-}
-
 }  // namespace
 
-Crowd::Crowd(std::size_t hosts) : hosts_(hosts + 1), network_(make_hosts(hosts_, Trains::cut)) {}
+Crowd::Crowd(std::size_t hosts)
+    : Crowd(std::make_shared<hosts::EmulatedNetwork>(make_hosts(hosts + 1, Trains::cut)), hosts) {}
+
+Crowd::Crowd(std::shared_ptr<const hosts::EmulatedNetwork> network, std::size_t hosts)
+    : hosts_(hosts + 1), network_(std::move(network)) {}
 
 Crowd::~Crowd() {
   for (const Member& member : members_) kill(member.process, SIGKILL);
@@ -45,7 +43,7 @@ Crowd::~Crowd() {
 }
 
 void Crowd::start(std::size_t host, const std::function<int()>& run) {
-  members_.push_back({start_process([&] { return network_.host(host).enter() ? run() : 1; }), host});
+  members_.push_back({start_process([&] { return network_->host(host).enter() ? run() : 1; }), host});
 }
 
 bool Crowd::first_succeeds() {
@@ -71,16 +69,19 @@ double Crowd::sum_of_bytes(const char* file, const char* key) const {
 
 LinkBytes Crowd::link_bytes() const {
   LinkBytes sum;
-  std::set<std::size_t> seen;
-  for (const Member& member : members_) {
-    if (!seen.insert(member.host).second) continue;
-    const LinkBytes bytes = link_bytes_of(member.process);
+  for (std::size_t host = 0; host < hosts_; ++host) {
+    const LinkBytes bytes = link_bytes(host);
     sum.received += bytes.received;
     sum.sent += bytes.sent;
   }
   return sum;
 }
 
-LinkBytes Crowd::link_bytes_of_first() const { return link_bytes_of(members_.front().process); }
+LinkBytes Crowd::link_bytes(std::size_t host) const {
+  const auto member = std::ranges::find(members_, host, &Member::host);
+  const auto bytes = hosts::parse_interface_bytes(text_of(member->process, "net/dev"), hosts::host_interface)
+                         .value_or(hosts::InterfaceBytes{});
+  return {static_cast<std::int64_t>(bytes.received), static_cast<std::int64_t>(bytes.sent)};
+}
 
 }  // namespace sft::bench

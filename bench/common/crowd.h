@@ -5,18 +5,19 @@
 
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "bench/common/hosts.h"
 
 namespace sft::bench {
 
-inline constexpr std::size_t crowd_hosts = 8;
-
 class Crowd {
  public:
-  /// The host 0, and `hosts` others.
+  /// The host 0, and `hosts` others, which live as long as the crowd.
   explicit Crowd(std::size_t hosts);
+  /// The host 0, and `hosts` others, of a network that several crowds may use one after the other.
+  Crowd(std::shared_ptr<const hosts::EmulatedNetwork> network, std::size_t hosts);
   /// Ends all processes.
   ~Crowd();
   Crowd(const Crowd&) = delete;
@@ -39,8 +40,9 @@ class Crowd {
   double anonymous_bytes() const;
   /// REQUIRES: there is a process on each host.
   LinkBytes link_bytes() const;
-  /// Only those of the host of the process that was started first.
-  LinkBytes link_bytes_of_first() const;
+
+  /// The bytes of the interface of one host. REQUIRES: there is a process on that host.
+  LinkBytes link_bytes(std::size_t host) const;
 
  private:
   struct Member {
@@ -51,7 +53,7 @@ class Crowd {
   double sum_of_bytes(const char* file, const char* key) const;
 
   const std::size_t hosts_;
-  const hosts::EmulatedNetwork network_;
+  const std::shared_ptr<const hosts::EmulatedNetwork> network_;
   std::vector<Member> members_;
 };
 
