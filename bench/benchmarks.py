@@ -22,6 +22,7 @@ ALL = [
     Benchmark("negotiation", 90, 25, ["--rounds", "1"]),
     Benchmark("udp", 380, 155, ["--rounds", "1", "--messages", "500", "--seconds", "0.3"]),
     Benchmark("many", 1300, 200, ["--quick"]),
+    Benchmark("paper", 1500, 100, ["--quick"]),
     Benchmark("recovery", 140, 50, ["--rounds", "1"]),
 ]
 ROUNDS = 5

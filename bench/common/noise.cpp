@@ -1,0 +1,50 @@
+#include "bench/common/noise.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+
+namespace sft::bench {
+
+namespace {
+
+double seconds_of(int who) {
+  rusage usage{};
+  getrusage(who, &usage);
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_usec) / 1e6;
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+}  // namespace
+
+Noise::Moment Noise::now() {
+  std::ifstream stat("/proc/stat");
+  std::string name;
+  double user = 0, nice = 0, system = 0, idle = 0, waiting = 0, interrupts = 0, soft_interrupts = 0,
+         stolen = 0;
+  stat >> name >> user >> nice >> system >> idle >> waiting >> interrupts >> soft_interrupts >> stolen;
+  const auto tick_s = 1 / static_cast<double>(sysconf(_SC_CLK_TCK));
+  const double busy = user + nice + system + interrupts + soft_interrupts;
+  return {.busy_s = busy * tick_s,
+          .stolen_s = stolen * tick_s,
+          .all_s = (busy + idle + waiting + stolen) * tick_s,
+          .own_s = seconds_of(RUSAGE_SELF) + seconds_of(RUSAGE_CHILDREN)};
+}
+
+std::string Noise::text() const {
+  const Moment end = now();
+  const double all = end.all_s - begin_.all_s, own = end.own_s - begin_.own_s;
+  const auto percent = [&](double seconds) { return 100 * std::max(0., seconds) / all; };
+  return fmt::format(
+      "Noise: beside the {:.0f} % that this benchmark took of the processors, other programs and interrupts "
+      "took "
+      "{:.1f} %, and other virtual machines {:.1f} %.",
+      percent(own), percent(end.busy_s - begin_.busy_s - own), percent(end.stolen_s - begin_.stolen_s));
+}
+
+}  // namespace sft::bench

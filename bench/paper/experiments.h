@@ -1,0 +1,30 @@
+// The paper's experiments: which messages are sent to whom, and which fields each receiver reads.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "bench/paper/record.h"
+#include "bench/paper/schedule.h"
+#include "bench/paper/session.h"
+
+namespace sft::bench::paper {
+
+struct Scale {
+  Pace pace{};
+  std::size_t repeats = 5;                ///< of each case
+  std::vector<std::size_t> fields{5, 7};  ///< of a message of the parametric study
+  std::vector<std::size_t> field_bytes{128, 256, 512};
+  std::uint64_t seed = 1;        ///< of the receivers' fields, and of the order of contenders
+  std::filesystem::path data{};  ///< the directory of recorded messages
+};
+
+// These functions add the records of all repeats to `results`.
+void run_parametric_study(const Stage& stage, const Scale& scale, Results& results);
+/// The cases of Nav2, with messages of this benchmark and with recorded ones.
+void run_nav2_cases(const Stage& stage, const Scale& scale, Results& results);
+/// The case of the PointCloud2, with both.
+void run_point_cloud_case(const Stage& stage, const Scale& scale, Results& results);
+
+}  // namespace sft::bench::paper

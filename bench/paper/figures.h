@@ -1,0 +1,21 @@
+// The figures of this benchmark, with the bounds that SFT has to keep.
+#pragma once
+
+#include <vector>
+
+#include "bench/common/report.h"
+#include "bench/paper/comparison.h"
+#include "bench/paper/rows.h"
+
+namespace sft::bench::paper {
+
+/// Bytes and latencies of each row that has records.
+std::vector<Figure> row_figures(const Records& all, const std::vector<Row>& rows);
+
+/// What has to hold in every configuration: bytes beside the fewest that can be, and latencies.
+std::vector<Figure> configuration_figures(const Records& all);
+
+/// What selecting fields costs beside sending all of them: processor time and memory of the parametric study.
+std::vector<Figure> overhead_figures(const Records& all);
+
+}  // namespace sft::bench::paper

@@ -1,0 +1,153 @@
+// Repeats the experiments of the paper "Selective Field Transmission", beside Cyclone DDS and Fast DDS in the
+// same seconds. Hosts are network namespaces with an MTU of 1500. The system chooses the cores.
+#include <fmt/format.h>
+
+#include <fstream>
+#include <memory>
+
+#include "bench/common/noise.h"
+#include "bench/common/program.h"
+#include "bench/common/statistics.h"
+#include "bench/negotiation/negotiation.h"
+#include "bench/paper/csv.h"
+#include "bench/paper/experiments.h"
+#include "bench/paper/figures.h"
+#include "bench/paper/plots.h"
+#include "bench/paper/tables.h"
+#include "tests/support/isolated_host.h"
+#include "tests/support/recorded_data.h"
+
+namespace {
+
+using namespace sft::bench;
+using namespace sft::bench::paper;
+
+class Experiments {
+ public:
+  std::vector<Figure> parametric() {
+    run_parametric_study(stage(), scale, results_);
+    print(parametric_rows());
+    fmt::print("{}", draws_text(results_.records));
+    return row_figures(results_.records, parametric_rows());
+  }
+  std::vector<Figure> nav2() {
+    run_nav2_cases(stage(), scale, results_);
+    print(nav2_rows());
+    return row_figures(results_.records, nav2_rows());
+  }
+  std::vector<Figure> point_cloud() {
+    run_point_cloud_case(stage(), scale, results_);
+    print(point_cloud_rows());
+    for (const Row& row : point_cloud_rows()) fmt::print("{}", receivers_table(results_.records, row));
+    return row_figures(results_.records, point_cloud_rows());
+  }
+  /// What holds for all cases that were measured before.
+  std::vector<Figure> bounds() const {
+    std::vector<Figure> figures = configuration_figures(results_.records);
+    if (figures.empty()) return {};
+    for (Figure& figure : overhead_figures(results_.records)) figures.push_back(std::move(figure));
+    return figures;
+  }
+  std::vector<Figure> response() {
+    trace_ = response_trace();
+    if (trace_) fmt::print("\nThe trace has a response of {:.0f} us.\n", trace_->response_us());
+    Figure figure = str_response({.messages = quick ? 100u : 400u, .rounds = quick ? 1 : 3}).front();
+    figure.name = "response";
+    // Either bound is enough.
+    figure.bound_is_of_value = figure.value <= 100;
+    figure.bound = figure.bound_is_of_value ? 100 : 1.5;
+    return {figure};
+  }
+
+  void finish() {
+    write_csv(csv, results_.records);
+    if (plots.is_open() && !plots.draw(results_.records, trace_))
+      fmt::print(stderr, "gnuplot did not draw the pictures\n");
+    auto& late_us = results_.late_us;
+    fmt::print("{} Writers ran {:.0f} us (p50) and {:.0f} us (p99) later than planned.\n", noise_.text(),
+               quantile(late_us, 0.5), quantile(late_us, 0.99));
+  }
+
+  paper::Scale scale{};
+  bool quick = false;
+  std::ofstream csv;
+  Plots plots;
+
+ private:
+  const Stage& stage() {
+    if (stage_ == nullptr) {
+      fmt::print(
+          "Rate: {:.0f} Hz for each contender, in turns (the paper's is 10 Hz: --rate 10). Seed: {}.\n",
+          scale.pace.rate_hz, scale.seed);
+      stage_ = std::make_unique<Stage>(all_contenders());
+    }
+    return *stage_;
+  }
+  void print(const std::vector<Row>& rows) const {
+    fmt::print("{}{}", paper_table(results_.records, rows), bytes_table(results_.records, rows));
+    std::fflush(stdout);
+  }
+
+  std::unique_ptr<Stage> stage_;
+  Results results_;
+  std::optional<Trace> trace_;
+  const Noise noise_{};
+};
+
+void shorten(Experiments& experiments) {
+  experiments.quick = true;
+  experiments.scale.repeats = 1;
+  experiments.scale.fields = {5};
+  experiments.scale.field_bytes = {128, 512};
+  experiments.scale.pace = {.samples = 20};
+}
+
+void add_options(CLI::App& to, Experiments& experiments, std::string& csv, std::string& plots) {
+  Pace& pace = experiments.scale.pace;
+  to.add_flag_callback(
+      "--quick", [&] { shorten(experiments); }, "one short repeat of fewer configurations");
+  to.add_option("--rate", pace.rate_hz, "messages a second of each contender")->check(CLI::Range(1., 1000.));
+  to.add_option("--samples", pace.samples, "messages that count, in each case and repeat")
+      ->check(CLI::Range(std::size_t{5}, samples_max));
+  to.add_option("--repeats", experiments.scale.repeats, "repeats of each case, with other fields")
+      ->check(CLI::Range(1, 100));
+  to.add_option("--seed", experiments.scale.seed, "which fields receivers require");
+  to.add_option("--data", experiments.scale.data, "the directory of recorded messages");
+  to.add_option("--csv", csv, "also write a line for each contender, case and repeat to this file");
+  to.add_option("--plots", plots, "also draw the pictures of the paper in this directory, with gnuplot");
+}
+
+/// The error is empty if all is well. Opens what has to be reachable on a host of its own.
+std::string prepare(Experiments& experiments, const std::string& csv, const std::string& plots) {
+  if (!csv.empty()) experiments.csv.open(csv);
+  if (experiments.csv.fail()) return "cannot write " + csv;
+  if (!plots.empty()) {
+    if (const std::string error = experiments.plots.open(plots); !error.empty()) return error;
+  }
+  return check(experiments.scale.pace, all_contenders().size());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Experiments experiments;
+  experiments.scale.data = sft::test::recorded_data();
+  Program program("The experiments of the paper, beside Cyclone DDS and Fast DDS in the same seconds",
+                  {{"parametric", [&] { return experiments.parametric(); }},
+                   {"nav2", [&] { return experiments.nav2(); }},
+                   {"pointcloud2", [&] { return experiments.point_cloud(); }},
+                   {"bounds", [&] { return experiments.bounds(); }},
+                   {"response", [&] { return experiments.response(); }}});
+  std::string csv, plots;
+  add_options(program.options(), experiments, csv, plots);
+  if (const auto code = program.parse(argc, argv)) return *code;
+  if (const std::string error = prepare(experiments, csv, plots); !error.empty()) {
+    fmt::print(stderr, "{}\n", error);
+    return 1;
+  }
+  return sft::test::run_isolated([&] {
+    const int code = program.run();
+    experiments.finish();
+    return code;
+  });
+}

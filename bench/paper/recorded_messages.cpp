@@ -1,0 +1,90 @@
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <nav_msgs/msg/OccupancyGrid.hpp>
+#include <sensor_msgs/msg/BatteryState.hpp>
+#include <sensor_msgs/msg/LaserScan.hpp>
+#include <sensor_msgs/msg/PointCloud2.hpp>
+
+#include "bench/common/cloud.h"
+#include "bench/paper/messages.h"
+#include "bench/paper/typed_messages.h"
+#include "tests/support/recorded_data.h"
+
+namespace sft::bench::paper {
+
+namespace {
+
+constexpr std::size_t encapsulation_bytes = 4;
+
+/// Reads the first records of a log.
+template <class T>
+SharedMessages logged(const std::filesystem::path& data, const char* name) {
+  const std::filesystem::path file = data / "rosbag2/extracted" / name;
+  if (!std::filesystem::exists(file)) return nullptr;
+  constexpr std::size_t records_max = 50;
+  std::vector<T> messages;
+  for (const test::Payload& payload : test::read_records(file)) {
+    if (messages.size() == records_max) break;
+    if (auto message = decoded<T>(std::span(payload).subspan(encapsulation_bytes)))
+      messages.push_back(*std::move(message));
+  }
+  return messages.empty() ? nullptr : shared(std::move(messages));
+}
+
+/// A cell by the grey value of a map's image, as a map server has it.
+std::int8_t cell_of(unsigned char grey) {
+  constexpr unsigned char free = 254, occupied = 0;
+  if (grey == free) return 0;
+  return grey == occupied ? 100 : -1;
+}
+
+/// Reads a binary PGM without a comment.
+std::optional<nav_msgs::msg::OccupancyGrid> map_of(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string magic;
+  std::uint32_t width = 0, height = 0, white = 0;
+  stream >> magic >> width >> height >> white;
+  stream.get();
+  std::vector<char> pixels(std::size_t{width} * height);
+  stream.read(pixels.data(), static_cast<std::streamsize>(pixels.size()));
+  if (!stream || magic != "P5" || white != 255) return std::nullopt;
+  nav_msgs::msg::OccupancyGrid grid{.header = header("map")};
+  grid.info.resolution = 0.05F;
+  grid.info.width = width;
+  grid.info.height = height;
+  std::ranges::transform(pixels, std::back_inserter(grid.data),
+                         [](char pixel) { return cell_of(static_cast<unsigned char>(pixel)); });
+  return grid;
+}
+
+}  // namespace
+
+SharedMessages recorded_laser_scans(const std::filesystem::path& data) {
+  return logged<sensor_msgs::msg::LaserScan>(data, "neato_obstacle-avoider__scan.cdrlog");
+}
+
+SharedMessages recorded_battery_states(const std::filesystem::path& data) {
+  return logged<sensor_msgs::msg::BatteryState>(data, "plotjuggler_test__battery.cdrlog");
+}
+
+SharedMessages recorded_occupancy_grids(const std::filesystem::path& data) {
+  const auto grid = map_of(data / "maps/depot.pgm");
+  return grid ? shared(std::vector{*grid}) : nullptr;
+}
+
+SharedMessages recorded_point_clouds(const std::filesystem::path& data) {
+  constexpr std::uint32_t bytes_max = 16'000;
+  const std::filesystem::path file = data / "cdr/pointcloud2_dds_message.bin";
+  if (!std::filesystem::exists(file)) return nullptr;
+  const auto payload = test::read_recording(file);
+  auto cloud =
+      decoded<sensor_msgs::msg::PointCloud2>(std::span(payload.value()).subspan(encapsulation_bytes));
+  if (!cloud || cloud->point_step == 0) return nullptr;
+  cloud->width = bytes_max / cloud->point_step;
+  cloud->row_step = cloud->width * cloud->point_step;
+  cloud->data.resize(cloud->row_step);
+  return shared(std::vector{*std::move(cloud)});
+}
+
+}  // namespace sft::bench::paper

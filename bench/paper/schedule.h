@@ -1,0 +1,46 @@
+// When each contender writes each message. All contenders write in turns: each has a slot of its own in every
+// period, so that the same seconds measure all of them, and none has to share the processors with another one
+// while its message is on the way.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+namespace sft::bench::paper {
+
+struct Pace {
+  double rate_hz = 25;        ///< messages a second, of each contender
+  double calm_s = 3.5;        ///< from when all have found each other until the first message
+  std::size_t settling = 25;  ///< messages before those that count, in each phase
+  std::size_t samples = 50;   ///< messages that count, in each phase
+};
+
+/// An error if the contenders' slots would be too short.
+std::string check(const Pace& pace, std::size_t contenders);
+
+/// All times are of CLOCK_MONOTONIC in nanoseconds.
+class Schedule {
+ public:
+  Schedule(const Pace& pace, std::size_t contenders, std::int64_t begin_ns)
+      : pace_(pace), contenders_(contenders), begin_ns_(begin_ns) {}
+
+  /// When a contender that has this slot writes its `number`-th message of a phase. Those that count begin
+  /// with the number Pace::settling.
+  std::int64_t due_ns(std::size_t phase, std::size_t number, std::size_t slot) const;
+  /// No message is under way at these times, before and after the messages of a phase that count.
+  std::int64_t before_ns(std::size_t phase) const;
+  std::int64_t after_ns(std::size_t phase) const;
+
+ private:
+  static constexpr std::int64_t gap_ns = 200'000'000;
+
+  std::int64_t period_ns() const { return static_cast<std::int64_t>(1e9 / pace_.rate_hz); }
+  std::int64_t begin_ns(std::size_t phase) const;
+
+  const Pace pace_;
+  const std::size_t contenders_;
+  const std::int64_t begin_ns_;
+};
+
+}  // namespace sft::bench::paper

@@ -1,0 +1,46 @@
+// All contenders at the same time, each on a network of its own, with the same messages in the same phases.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "bench/common/crowd.h"
+#include "bench/paper/record.h"
+#include "bench/paper/team.h"
+
+namespace sft::bench::paper {
+
+/// A network for each contender, and one for each of their idle twins, of a sender's host and of
+/// `receivers_max` others.
+class Stage {
+ public:
+  explicit Stage(std::vector<Contender> contenders);
+
+  const std::vector<Contender>& contenders() const { return contenders_; }
+  /// Those of which a team writes nothing, in the order of the contenders that have them.
+  const std::vector<Contender>& idle_twins() const { return idle_twins_; }
+  /// The networks of the contenders, and then those of the twins.
+  std::shared_ptr<const hosts::EmulatedNetwork> network(std::size_t number) const {
+    return networks_[number];
+  }
+
+ private:
+  const std::vector<Contender> contenders_;
+  std::vector<Contender> idle_twins_;
+  std::vector<std::shared_ptr<const hosts::EmulatedNetwork>> networks_;
+};
+
+struct Results {
+  std::vector<Record> records;
+  std::vector<double> late_us;  ///< how much later than planned the writers ran, for each message
+};
+
+/// Adds the records of a session to `results`. The turns of the contenders follow from `seed`. Contenders
+/// that do not get ready in time are named on the standard error, and have no records. Idle traffic comes in
+/// bursts a few seconds apart, so that it is counted in the same seconds, on the network of the contender's
+/// twin.
+void run_session(const Stage& stage, std::size_t receivers, const std::vector<Phase>& phases,
+                 const Pace& pace, std::uint64_t seed, Results& results);
+
+}  // namespace sft::bench::paper

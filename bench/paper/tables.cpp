@@ -1,0 +1,134 @@
+#include "bench/paper/tables.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "bench/paper/contender.h"
+
+namespace sft::bench::paper {
+
+namespace {
+
+constexpr Way ways[] = {Way::sft_recorded, Way::sft_declared, Way::sft_full, Way::cyclone, Way::fast_dds};
+
+double kbit_s(double bytes_of_a_message) { return bytes_of_a_message * 8 * 10 / 1000; }
+
+std::string percent(double ratio) { return fmt::format("{:+.1f} %", 100 * (ratio - 1)); }
+
+bool has_records(const Records& all, const Row& row) {
+  return std::ranges::any_of(all, [&](const Record& record) { return row.cases(record.of); });
+}
+
+/// "530.0 kbit/s" of the paper if it says so.
+std::string published(const Row& row, double Published::*figure) {
+  return row.published ? fmt::format("{:.1f}", (*row.published).*figure) : "";
+}
+
+std::string bandwidth_line(const Records& all, const Row& row) {
+  const auto bytes = [&](Way way) { return spread(records_of(all, {way}, row.cases), received_bytes).mean; };
+  const double cyclone = bytes(Way::cyclone);
+  const auto ours = [&](Way way) {
+    return fmt::format("{:.1f} ({})", kbit_s(bytes(way)), percent(bytes(way) / cyclone));
+  };
+  const std::string saving = row.saving ? percent(1 - *row.saving) : "";
+  return fmt::format("{:<32} {:>9} {:>9} {:>9} {:>9} | {:>9.1f} {:>9.1f} {:>18} {:>18} {:>18}\n", row.title,
+                     published(row, &Published::fast_dds_kbit_s),
+                     published(row, &Published::embedded_rtps_kbit_s), published(row, &Published::sft_kbit_s),
+                     saving, kbit_s(bytes(Way::fast_dds)), kbit_s(cyclone), ours(Way::sft_recorded),
+                     ours(Way::sft_declared), ours(Way::sft_full));
+}
+
+std::string latency_line(const Records& all, const Row& row) {
+  const auto ms = [&](Way way) { return p50_us(records_of(all, {way}, row.cases)) / 1000; };
+  const auto theirs = [&](double Published::*figure) {
+    return row.published ? fmt::format("{:.2f}", (*row.published).*figure) : "";
+  };
+  return fmt::format("{:<32} {:>9} {:>9} {:>9} {:>9} | {:>9.3f} {:>9.3f} {:>18.3f} {:>18.3f} {:>18.3f}\n",
+                     row.title, theirs(&Published::fast_dds_ms), theirs(&Published::embedded_rtps_ms),
+                     theirs(&Published::sft_ms), "", ms(Way::fast_dds), ms(Way::cyclone),
+                     ms(Way::sft_recorded), ms(Way::sft_declared), ms(Way::sft_full));
+}
+
+std::string bytes_line(const Records& all, const Row& row, const Contender& contender) {
+  const Records records = records_of(all, contender, row.cases);
+  const auto mean = [&](const Metric& metric) { return spread(records, metric); };
+  const Spread received = mean(received_bytes), sent = mean(sender_bytes);
+  return fmt::format("  {:<38} {:>9.0f} {:>8.0f} {:>9.0f} {:>9.0f} {:>9.0f} {:>9.1f} {:>9.1f} {:>8.0f}\n",
+                     name_of(contender), received.mean, received.deviation, sent.mean,
+                     mean([](const Record& r) { return r.idle_receiver_bytes_per_s; }).mean,
+                     mean([](const Record& r) { return r.idle_bytes_per_s; }).mean, p50_us(records),
+                     mean([](const Record& r) { return r.p99_us; }).mean, mean(cpu_us).mean);
+}
+
+}  // namespace
+
+std::string paper_table(const Records& all, const std::vector<Row>& rows) {
+  const std::string columns = fmt::format(
+      "{:<32} {:>9} {:>9} {:>9} {:>9} | {:>9} {:>9} {:>18} {:>18} {:>18}\n", "", "Fast DDS", "Emb.RTPS",
+      "SFT", "", "Fast DDS", "Cyclone", "SFT, recorded", "SFT, declared", "SFT, all fields");
+  std::string text = "\nBest effort, unicast. Left: the paper. Right: this run.\n" + columns +
+                     "Mean bandwidth at the receivers, kbit/s at 10 Hz, and SFT beside the full message\n";
+  for (const Row& row : rows) {
+    if (has_records(all, row)) text += bandwidth_line(all, row);
+  }
+  text += "Latency from publish() to the callback, ms; the paper has means, this run medians\n";
+  for (const Row& row : rows) {
+    if (has_records(all, row)) text += latency_line(all, row);
+  }
+  return text;
+}
+
+std::string bytes_table(const Records& all, const std::vector<Row>& rows) {
+  std::string text = fmt::format(
+      "\n{:<40} {:>9} {:>8} {:>9} {:>9} {:>9} {:>9} {:>9} {:>8}\n{:<40} {:>9} {:>8} "
+      "{:>9} {:>9} {:>9} {:>9} {:>9} {:>8}\n",
+      "", "receivers", "deviat.", "sender", "idle rec.", "idle send", "p50", "p99", "cpu", "", "B", "B", "B",
+      "B/s", "B/s", "us", "us", "us");
+  for (const Row& row : rows) {
+    if (!has_records(all, row)) continue;
+    text += row.title + "\n";
+    for (const Contender& contender : all_contenders()) text += bytes_line(all, row, contender);
+  }
+  return text;
+}
+
+std::string receivers_table(const Records& all, const Row& row) {
+  std::string text = fmt::format(
+      "\n{}, best effort, unicast: bytes of a message at each receiver, and the "
+      "fewest that can be\n",
+      row.title);
+  for (const Way way : ways) {
+    const Records records = records_of(all, {way}, row.cases);
+    if (records.empty()) continue;
+    text += fmt::format("  {:<18}", name_of(way));
+    for (std::size_t r = 0; r < records.front().receivers.size(); ++r) {
+      const auto bytes = [r](const Record& record) { return record.receivers[r].bytes; };
+      const auto least = [r](const Record& record) { return record.receivers[r].least_bytes; };
+      text += fmt::format(" {:>9.0f} ({:.0f})", spread(records, bytes).mean, spread(records, least).mean);
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+std::string draws_text(const Records& all) {
+  std::string text = "\nFields that receivers drew:";
+  for (const Row& row : parametric_rows()) {
+    double fields = 0, drawn = 0, empty = 0;
+    for (const Record& record : records_of(all, {Way::sft_recorded}, row.cases)) {
+      for (const Received& receiver : record.receivers) {
+        fields += static_cast<double>(record.of.configuration.fields);
+        drawn += std::popcount(receiver.fields);
+        empty += receiver.fields == 0 ? 1 : 0;
+      }
+    }
+    text += fmt::format(" {}: {:.1f} %, {:.0f} without any;", row.title, 100 * drawn / fields, empty);
+  }
+  text.back() = '\n';
+  return text;
+}
+
+}  // namespace sft::bench::paper

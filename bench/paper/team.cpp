@@ -1,0 +1,109 @@
+#include "bench/paper/team.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <ctime>
+
+#include "bench/common/pair.h"
+
+namespace sft::bench::paper {
+
+namespace {
+
+constexpr std::int64_t poll_us = 10'000;
+
+std::string topic_of(std::size_t phase) { return "phase" + std::to_string(phase); }
+
+void sleep_until(std::int64_t ns) {
+  const timespec time{ns / 1'000'000'000, ns % 1'000'000'000};
+  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &time, nullptr) != 0) {
+  }
+}
+
+[[noreturn]] void stay() {
+  for (;;) pause();
+}
+
+double both(const LinkBytes& bytes) { return static_cast<double>(bytes.received + bytes.sent); }
+
+}  // namespace
+
+Used Used::operator-(const Used& before) const {
+  Used since{s - before.s, sender_bytes - before.sender_bytes, receiver_bytes, cpu_s - before.cpu_s};
+  for (std::size_t i = 0; i < receivers_max; ++i) since.receiver_bytes[i] -= before.receiver_bytes[i];
+  return since;
+}
+
+Team::Team(const Contender& contender, std::shared_ptr<const hosts::EmulatedNetwork> network,
+           const Task& task, std::size_t slot)
+    : contender_(contender), task_(task), slot_(slot), crowd_(std::move(network), task.receivers) {
+  crowd_.start(0, [&] { return write_all(); });
+  for (std::size_t i = 0; i < task.receivers; ++i) crowd_.start(1 + i, [&] { return read_all(i); });
+}
+
+int Team::write_all() const {
+  const auto peer = open(contender_);
+  std::vector<std::unique_ptr<Writer>> writers;
+  for (std::size_t i = 0; i < task_.phases.size(); ++i)
+    writers.push_back(peer->writer(topic_of(i), *task_.phases[i].messages));
+  while (!std::ranges::all_of(writers, [&](const auto& writer) { return writer->serves(task_.receivers); }))
+    sleep_us(poll_us);
+  ++board_->ready;
+  if (is_silent()) stay();
+  while (board_->begin_ns.load() == 0) sleep_us(poll_us);
+  const Schedule schedule(task_.pace, task_.slots, board_->begin_ns.load());
+  for (std::size_t i = 0; i < writers.size(); ++i) write_phase(i, *writers[i], schedule);
+  stay();
+}
+
+void Team::write_phase(std::size_t phase, Writer& writer, const Schedule& schedule) const {
+  const Pace& pace = task_.pace;
+  const std::size_t messages = task_.phases[phase].messages->size();
+  for (std::size_t i = 0; i < pace.settling + pace.samples; ++i) {
+    const std::int64_t due_ns = schedule.due_ns(phase, i, slot_);
+    sleep_until(due_ns);
+    const std::int64_t sent_ns = now_ns();
+    if (i >= pace.settling) {
+      board_->due_ns[phase][i - pace.settling] = due_ns;
+      board_->sent_ns[phase][i - pace.settling] = sent_ns;
+    }
+    board_->written[phase] = i + 1;
+    writer.write(i % messages);
+  }
+}
+
+int Team::read_all(std::size_t receiver) const {
+  const auto peer = open(contender_);
+  std::vector<std::unique_ptr<Reader>> readers;
+  for (std::size_t i = 0; i < task_.phases.size(); ++i) {
+    readers.push_back(peer->reader(topic_of(i), *task_.phases[i].messages, task_.phases[i].needed[receiver],
+                                   note_arrivals(i, receiver)));
+  }
+  while (!std::ranges::all_of(readers, &Reader::matched,
+                              [](const auto& reader) -> const Reader& { return *reader; }))
+    sleep_us(poll_us);
+  ++board_->ready;
+  stay();
+}
+
+/// What arrives is the last message that was written, since the next one is written a period later.
+Arrived Team::note_arrivals(std::size_t phase, std::size_t receiver) const {
+  return [this, phase, receiver] {
+    const std::int64_t now = now_ns();
+    const std::size_t written = board_->written[phase].load();
+    if (written <= task_.pace.settling) return;
+    std::int64_t& at = board_->received_ns[phase][receiver][written - task_.pace.settling - 1];
+    if (at == 0) at = now;
+  };
+}
+
+Used Team::used() const {
+  Used used{.s = static_cast<double>(now_ns()) / 1e9,
+            .sender_bytes = both(crowd_.link_bytes(0)),
+            .cpu_s = crowd_.cpu_s()};
+  for (std::size_t i = 0; i < task_.receivers; ++i) used.receiver_bytes[i] = both(crowd_.link_bytes(1 + i));
+  return used;
+}
+
+}  // namespace sft::bench::paper

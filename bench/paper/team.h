@@ -1,0 +1,86 @@
+// One contender in one session: a writer's process on its host, and a reader's process on each other host.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "bench/common/crowd.h"
+#include "bench/common/shared.h"
+#include "bench/paper/messages.h"
+#include "bench/paper/record.h"
+#include "bench/paper/schedule.h"
+
+namespace sft::bench::paper {
+
+/// Messages of one type on a topic of their own.
+struct Phase {
+  Case of;
+  SharedMessages messages;
+  std::array<FieldSet, receivers_max> needed{};  ///< by each receiver
+};
+
+inline constexpr std::size_t phases_max = 8;
+inline constexpr std::size_t samples_max = 512;
+
+/// What all processes of a team note, for the parent.
+struct Board {
+  std::atomic<std::size_t> ready{0};      ///< processes whose writers or readers are all matched
+  std::atomic<std::int64_t> begin_ns{0};  ///< of the schedule; 0: not known yet
+  std::atomic<std::size_t> written[phases_max] =
+      {};  ///< messages, those among them that only settle included
+  std::int64_t due_ns[phases_max][samples_max] = {};
+  std::int64_t sent_ns[phases_max][samples_max] = {};
+  std::int64_t received_ns[phases_max][receivers_max][samples_max] = {};  ///< 0: not received
+};
+
+/// What a team has used up to a moment.
+struct Used {
+  double s = 0;  ///< the time
+  double sender_bytes = 0;
+  std::array<double, receivers_max> receiver_bytes{};
+  double cpu_s = 0;
+
+  Used operator-(const Used& before) const;
+};
+
+class Team {
+ public:
+  /// What the team takes part in. `phases` outlive the team.
+  struct Task {
+    std::size_t receivers;
+    const std::vector<Phase>& phases;
+    Pace pace;
+    std::size_t slots;  ///< turns in each period
+  };
+  static constexpr std::size_t silent = SIZE_MAX;
+
+  /// Starts the processes. `slot` is its turn in each period. A team that is `silent` writes nothing.
+  Team(const Contender& contender, std::shared_ptr<const hosts::EmulatedNetwork> network, const Task& task,
+       std::size_t slot);
+
+  bool is_ready() const { return board_->ready.load() == task_.receivers + 1; }
+  void begin(std::int64_t begin_ns) { board_->begin_ns = begin_ns; }
+
+  Used used() const;
+  double resident_bytes() const { return crowd_.resident_bytes(); }
+  const Board& board() const { return *board_; }
+  const Contender& contender() const { return contender_; }
+  bool is_silent() const { return slot_ == silent; }
+
+ private:
+  int write_all() const;
+  void write_phase(std::size_t phase, Writer& writer, const Schedule& schedule) const;
+  int read_all(std::size_t receiver) const;
+  Arrived note_arrivals(std::size_t phase, std::size_t receiver) const;
+
+  const Contender contender_;
+  const Task task_;
+  const std::size_t slot_;
+  const Shared<Board> board_;
+  Crowd crowd_;
+};
+
+}  // namespace sft::bench::paper
