@@ -64,8 +64,10 @@ class Experiments {
     if (plots.is_open() && !plots.draw(results_.records, trace_))
       fmt::print(stderr, "gnuplot did not draw the pictures\n");
     auto& late_us = results_.late_us;
-    fmt::print("{} Writers ran {:.0f} us (p50) and {:.0f} us (p99) later than planned.\n", noise_.text(),
-               quantile(late_us, 0.5), quantile(late_us, 0.99));
+    fmt::print(
+        "{} Writers ran {:.0f} us (p50) and {:.0f} us (p99) later than planned. Sessions "
+        "in which the machine stopped for long: {}.\n",
+        noise_.text(), quantile(late_us, 0.5), quantile(late_us, 0.99), results_.disturbed_sessions);
   }
 
   paper::Scale scale{};

@@ -11,11 +11,13 @@ std::string check(const Pace& pace, std::size_t contenders) {
   return fmt::format("{} contenders take turns: the rate may be {:.0f} Hz at most", contenders, rate_max);
 }
 
+std::int64_t Schedule::learning_ns(std::size_t number, std::size_t slot) const {
+  return begin_ns_ + static_cast<std::int64_t>(number) * period_ns() + slot_ns(slot);
+}
+
 std::int64_t Schedule::due_ns(std::size_t phase, std::size_t number, std::size_t slot) const {
-  const auto slot_ns = period_ns() / static_cast<std::int64_t>(contenders_);
   const std::int64_t gap = number < pace_.settling ? 0 : gap_ns;
-  return begin_ns(phase) + gap + static_cast<std::int64_t>(number) * period_ns() +
-         static_cast<std::int64_t>(slot) * slot_ns;
+  return begin_ns(phase) + gap + static_cast<std::int64_t>(number) * period_ns() + slot_ns(slot);
 }
 
 std::int64_t Schedule::before_ns(std::size_t phase) const {
@@ -24,9 +26,14 @@ std::int64_t Schedule::before_ns(std::size_t phase) const {
 
 std::int64_t Schedule::after_ns(std::size_t phase) const { return begin_ns(phase + 1) - gap_ns / 4; }
 
+std::int64_t Schedule::slot_ns(std::size_t slot) const {
+  return static_cast<std::int64_t>(slot) * (period_ns() / static_cast<std::int64_t>(contenders_));
+}
+
 std::int64_t Schedule::begin_ns(std::size_t phase) const {
   const auto messages = static_cast<std::int64_t>(pace_.settling + pace_.samples);
-  return begin_ns_ + static_cast<std::int64_t>(phase) * (messages * period_ns() + 2 * gap_ns);
+  return learning_ns(pace_.learning, 0) + static_cast<std::int64_t>(pace_.calm_s * 1e9) +
+         static_cast<std::int64_t>(phase) * (messages * period_ns() + 2 * gap_ns);
 }
 
 }  // namespace sft::bench::paper

@@ -11,7 +11,8 @@ namespace sft::bench::paper {
 
 struct Pace {
   double rate_hz = 25;        ///< messages a second, of each contender
-  double calm_s = 3.5;        ///< from when all have found each other until the first message
+  std::size_t learning = 10;  ///< messages of all phases at the beginning, from which SFT learns the fields
+  double calm_s = 3;  ///< from then until the first phase, for discovery and negotiation to come to an end
   std::size_t settling = 25;  ///< messages before those that count, in each phase
   std::size_t samples = 50;   ///< messages that count, in each phase
 };
@@ -25,9 +26,15 @@ class Schedule {
   Schedule(const Pace& pace, std::size_t contenders, std::int64_t begin_ns)
       : pace_(pace), contenders_(contenders), begin_ns_(begin_ns) {}
 
+  /// When a contender that has this slot writes its `number`-th message from which fields are learnt.
+  std::int64_t learning_ns(std::size_t number, std::size_t slot) const;
   /// When a contender that has this slot writes its `number`-th message of a phase. Those that count begin
   /// with the number Pace::settling.
   std::int64_t due_ns(std::size_t phase, std::size_t number, std::size_t slot) const;
+  /// A contender that is late waits so long after each message, so that it is known which one arrives.
+  std::int64_t pause_min_ns() const { return period_ns() / 2; }
+  /// The largest delay of a message that is still counted in its phase.
+  static std::int64_t late_max_ns() { return gap_ns / 4; }
   /// No message is under way at these times, before and after the messages of a phase that count.
   std::int64_t before_ns(std::size_t phase) const;
   std::int64_t after_ns(std::size_t phase) const;
@@ -35,6 +42,7 @@ class Schedule {
  private:
   static constexpr std::int64_t gap_ns = 200'000'000;
 
+  std::int64_t slot_ns(std::size_t slot) const;
   std::int64_t period_ns() const { return static_cast<std::int64_t>(1e9 / pace_.rate_hz); }
   std::int64_t begin_ns(std::size_t phase) const;
 

@@ -53,6 +53,10 @@ int Team::write_all() const {
   if (is_silent()) stay();
   while (board_->begin_ns.load() == 0) sleep_us(poll_us);
   const Schedule schedule(task_.pace, task_.slots, board_->begin_ns.load());
+  for (std::size_t i = 0; i < task_.pace.learning; ++i) {
+    sleep_until(schedule.learning_ns(i, slot_));
+    for (const auto& writer : writers) writer->write(0);
+  }
   for (std::size_t i = 0; i < writers.size(); ++i) write_phase(i, *writers[i], schedule);
   stay();
 }
@@ -60,10 +64,11 @@ int Team::write_all() const {
 void Team::write_phase(std::size_t phase, Writer& writer, const Schedule& schedule) const {
   const Pace& pace = task_.pace;
   const std::size_t messages = task_.phases[phase].messages->size();
+  std::int64_t sent_ns = 0;
   for (std::size_t i = 0; i < pace.settling + pace.samples; ++i) {
     const std::int64_t due_ns = schedule.due_ns(phase, i, slot_);
-    sleep_until(due_ns);
-    const std::int64_t sent_ns = now_ns();
+    sleep_until(std::max(due_ns, sent_ns + schedule.pause_min_ns()));
+    sent_ns = now_ns();
     if (i >= pace.settling) {
       board_->due_ns[phase][i - pace.settling] = due_ns;
       board_->sent_ns[phase][i - pace.settling] = sent_ns;
