@@ -28,7 +28,7 @@ Records records_of(const Records& all, const Contender& contender, const Cases& 
   const auto arrived = [](const Received& receiver) { return receiver.lost <= lost_max; };
   Records chosen;
   std::ranges::copy_if(all, std::back_inserter(chosen), [&](const Record& record) {
-    return record.contender == contender && cases(record.of) &&
+    return record.contender == contender && cases(record.of) && !record.disturbed &&
            std::ranges::all_of(record.receivers, arrived);
   });
   return chosen;

@@ -21,8 +21,8 @@ double resident_bytes(const Record& record);
 /// Some cases, such as all configurations with one probability.
 using Cases = std::function<bool(const Case&)>;
 
-/// The records of a contender. Those in which more than a twentieth of the messages were lost are not among
-/// them, since lost messages take no bytes.
+/// The records of a contender that are not disturbed. Those in which more than a twentieth of the messages
+/// were lost are not among them, since lost messages take no bytes.
 Records records_of(const Records& all, const Contender& contender, const Cases& cases);
 
 /// Means over the cases of which both contenders have a record; unknown if there are none.

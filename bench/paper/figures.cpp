@@ -1,6 +1,7 @@
 #include "bench/paper/figures.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
 
@@ -40,7 +41,9 @@ Figure bytes_figure(const Records& all, const Row& row, const Comparison& compar
                 .unit = "B",
                 .reference = means.theirs,
                 .reference_name = name_of(comparison.theirs)};
-  if (comparison.has_bound || row.sends_all) figure.bound = row.bound;
+  // A peer that lost too many messages in all cases is no reference.
+  const bool is_compared = !std::isnan(means.theirs);
+  if ((comparison.has_bound || row.sends_all) && is_compared) figure.bound = row.bound;
   return figure;
 }
 
@@ -54,7 +57,7 @@ Contender better_dds(const Records& all, const Contender& ours, const Cases& cas
   const Contender cyclone{Way::cyclone, ours.reliable, ours.multicast};
   const Contender fast_dds{Way::fast_dds, ours.reliable, ours.multicast};
   const double theirs = p50_us(records_of(all, cyclone, cases));
-  return p50_us(records_of(all, fast_dds, cases)) < theirs ? fast_dds : cyclone;
+  return std::isnan(theirs) || p50_us(records_of(all, fast_dds, cases)) < theirs ? fast_dds : cyclone;
 }
 
 Figure latency_figure(const Records& all, const std::string& name, const Contender& ours,

@@ -2,6 +2,7 @@
 // same seconds. Hosts are network namespaces with an MTU of 1500. The system chooses the cores.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <fstream>
 #include <memory>
 
@@ -22,12 +23,18 @@ namespace {
 using namespace sft::bench;
 using namespace sft::bench::paper;
 
+/// Leaves nothing in a buffer, of which each process that is forked later would have a copy.
+void say(const std::string& text) {
+  fmt::print("{}", text);
+  std::fflush(stdout);
+}
+
 class Experiments {
  public:
   std::vector<Figure> parametric() {
     run_parametric_study(stage(), scale, results_);
+    say(draws_text(results_.records));
     print(parametric_rows());
-    fmt::print("{}", draws_text(results_.records));
     return row_figures(results_.records, parametric_rows());
   }
   std::vector<Figure> nav2() {
@@ -38,7 +45,7 @@ class Experiments {
   std::vector<Figure> point_cloud() {
     run_point_cloud_case(stage(), scale, results_);
     print(point_cloud_rows());
-    for (const Row& row : point_cloud_rows()) fmt::print("{}", receivers_table(results_.records, row));
+    for (const Row& row : point_cloud_rows()) say(receivers_table(results_.records, row));
     return row_figures(results_.records, point_cloud_rows());
   }
   /// What holds for all cases that were measured before.
@@ -50,7 +57,7 @@ class Experiments {
   }
   std::vector<Figure> response() {
     trace_ = response_trace();
-    if (trace_) fmt::print("\nThe trace has a response of {:.0f} us.\n", trace_->response_us());
+    if (trace_) say(fmt::format("\nThe trace has a response of {:.0f} us.\n", trace_->response_us()));
     Figure figure = str_response({.messages = quick ? 100u : 400u, .rounds = quick ? 1 : 3}).front();
     figure.name = "response";
     // Either bound is enough.
@@ -65,9 +72,10 @@ class Experiments {
       fmt::print(stderr, "gnuplot did not draw the pictures\n");
     auto& late_us = results_.late_us;
     fmt::print(
-        "{} Writers ran {:.0f} us (p50) and {:.0f} us (p99) later than planned. Sessions "
-        "in which the machine stopped for long: {}.\n",
-        noise_.text(), quantile(late_us, 0.5), quantile(late_us, 0.99), results_.disturbed_sessions);
+        "{} Writers ran {:.0f} us (p50) and {:.0f} us (p99) later than planned. {} of {} records "
+        "do not count, since the machine stopped for long.\n",
+        noise_.text(), quantile(late_us, 0.5), quantile(late_us, 0.99),
+        std::ranges::count_if(results_.records, &Record::disturbed), results_.records.size());
   }
 
   paper::Scale scale{};
@@ -86,8 +94,7 @@ class Experiments {
     return *stage_;
   }
   void print(const std::vector<Row>& rows) const {
-    fmt::print("{}{}", paper_table(results_.records, rows), bytes_table(results_.records, rows));
-    std::fflush(stdout);
+    say(paper_table(results_.records, rows) + bytes_table(results_.records, rows));
   }
 
   std::unique_ptr<Stage> stage_;

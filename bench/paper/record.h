@@ -41,6 +41,9 @@ struct Record {
   double cpu_us = unknown;          ///< of a message, all processes, with what they take when idle
   double resident_bytes = unknown;  ///< of all processes, at the end of the session
 
+  /// The machine stopped the writer so long that messages may have been counted in another phase.
+  bool disturbed = false;
+
   double received_bytes() const;  ///< of all receivers
   double least_bytes() const;     ///< for all receivers
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <iterator>
 #include <numeric>
 #include <optional>
 #include <random>
@@ -116,24 +117,12 @@ Record record_of(const Team& team, const Phase& phase, std::size_t phase_number,
   return record;
 }
 
-/// How much later than planned the writers wrote each message that counts.
-std::vector<double> late_us(const Teams& teams, std::size_t phases, const Pace& pace) {
+/// How much later than planned the writer wrote each message of a phase that counts.
+std::vector<double> late_us(const Board& board, std::size_t phase, const Pace& pace) {
   std::vector<double> late;
-  for (const auto& team : teams) {
-    if (team->is_silent()) continue;
-    const Board& board = team->board();
-    for (std::size_t p = 0; p < phases; ++p) {
-      for (std::size_t i = 0; i < pace.samples; ++i)
-        late.push_back(static_cast<double>(board.sent_ns[p][i] - board.due_ns[p][i]) / 1000);
-    }
-  }
+  for (std::size_t i = 0; i < pace.samples; ++i)
+    late.push_back(static_cast<double>(board.sent_ns[phase][i] - board.due_ns[phase][i]) / 1000);
   return late;
-}
-
-/// True if the machine stopped so long that messages may have been counted in other phases than planned.
-bool is_disturbed(std::vector<double> late) {
-  constexpr double quantile_that_counts = 0.99;
-  return 1000 * quantile(late, quantile_that_counts) > static_cast<double>(Schedule::late_max_ns());
 }
 
 /// Starts each twin right behind the first of its contenders, so that their idle bursts come together.
@@ -174,7 +163,8 @@ Counts count(const Teams& teams, std::size_t phases, const Schedule& schedule) {
   return counts;
 }
 
-void add_records(const Teams& teams, const Team::Task& task, const Counts& counts, Results& to) {
+Results results_of(const Teams& teams, const Team::Task& task, const Counts& counts) {
+  Results results;
   for (std::size_t t = 0; t < teams.size(); ++t) {
     const std::size_t twin = twin_of(*teams[t], teams);
     if (teams[t]->is_silent() || twin == teams.size()) continue;
@@ -182,26 +172,28 @@ void add_records(const Teams& teams, const Team::Task& task, const Counts& count
     for (std::size_t p = 0; p < task.phases.size(); ++p) {
       const Moment &before = counts.before[p], &after = counts.after[p];
       const Measured measured{after[t] - before[t], after[twin] - before[twin], resident_bytes};
-      to.records.push_back(record_of(*teams[t], task.phases[p], p, task.pace, measured));
+      Record record = record_of(*teams[t], task.phases[p], p, task.pace, measured);
+      const std::vector<double> late = late_us(teams[t]->board(), p, task.pace);
+      record.disturbed = 1000 * std::ranges::max(late) > static_cast<double>(Schedule::late_max_ns());
+      results.late_us.insert(results.late_us.end(), late.begin(), late.end());
+      results.records.push_back(std::move(record));
     }
   }
+  return results;
 }
 
-/// False if the session was disturbed, and is not the last attempt: then there are no results.
-bool try_session(const Stage& stage, const Team::Task& task, std::uint64_t seed, bool is_last,
-                 Results& results) {
+Results try_session(const Stage& stage, const Team::Task& task, std::uint64_t seed) {
   Teams teams = start(stage, task, seed);
   wait_until_ready(teams);
   const std::int64_t begin_ns = now_ns() + lead_ns;
   for (const auto& team : teams) team->begin(begin_ns);
   const Counts counts = count(teams, task.phases.size(), Schedule(task.pace, task.slots, begin_ns));
-  const std::vector<double> late = late_us(teams, task.phases.size(), task.pace);
-  const bool disturbed = is_disturbed(late);
-  if (disturbed) ++results.disturbed_sessions;
-  if (disturbed && !is_last) return false;
-  results.late_us.insert(results.late_us.end(), late.begin(), late.end());
-  add_records(teams, task, counts, results);
-  return true;
+  return results_of(teams, task, counts);
+}
+
+bool is_mostly_disturbed(const Results& results) {
+  const auto disturbed = std::ranges::count_if(results.records, &Record::disturbed);
+  return 2 * static_cast<std::size_t>(disturbed) > results.records.size();
 }
 
 }  // namespace
@@ -220,10 +212,14 @@ void run_session(const Stage& stage, std::size_t receivers, const std::vector<Ph
                  const Pace& pace, std::uint64_t seed, Results& results) {
   constexpr std::size_t repetitions_max = 6;  // in all, so that the benchmark ends in time on a busy machine
   const Team::Task task{receivers, phases, pace, stage.contenders().size()};
-  const bool may_repeat = results.disturbed_sessions < repetitions_max;
-  if (try_session(stage, task, seed, !may_repeat, results)) return;
-  std::fprintf(stderr, "  once more, since the machine was busy with something else\n");
-  try_session(stage, task, seed, true, results);
+  Results session = try_session(stage, task, seed);
+  if (is_mostly_disturbed(session) && results.repeated_sessions < repetitions_max) {
+    ++results.repeated_sessions;
+    std::fprintf(stderr, "  once more, since the machine was busy with something else\n");
+    session = try_session(stage, task, seed);
+  }
+  std::ranges::move(session.records, std::back_inserter(results.records));
+  results.late_us.insert(results.late_us.end(), session.late_us.begin(), session.late_us.end());
 }
 
 }  // namespace sft::bench::paper

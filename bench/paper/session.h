@@ -33,14 +33,14 @@ class Stage {
 
 struct Results {
   std::vector<Record> records;
-  std::vector<double> late_us;         ///< how much later than planned the writers ran, for each message
-  std::size_t disturbed_sessions = 0;  ///< the machine stopped them for too long; most were repeated
+  std::vector<double> late_us;        ///< how much later than planned the writers ran, for each message
+  std::size_t repeated_sessions = 0;  ///< because most of their records were disturbed
 };
 
 /// Adds the records of a session to `results`. The turns of the contenders follow from `seed`. Contenders
 /// that do not get ready in time are named on the standard error, and have no records. Idle traffic comes in
 /// bursts a few seconds apart, so that it is counted in the same seconds, on the network of the contender's
-/// twin. A session in which the machine stopped for long is repeated once.
+/// twin. A session most of whose records are disturbed is repeated once.
 void run_session(const Stage& stage, std::size_t receivers, const std::vector<Phase>& phases,
                  const Pace& pace, std::uint64_t seed, Results& results);
 

@@ -129,6 +129,13 @@ TEST(Comparison, LeavesOutRecordsWithLosses) {
   EXPECT_EQ(records_of(all, ours, [](const Case&) { return true; }).size(), 1U);
 }
 
+TEST(Comparison, LeavesOutDisturbedRecords) {
+  Record disturbed = record(ours, 900, 1, parametric(50, 1));
+  disturbed.disturbed = true;
+  const Records all{record(ours, 100, 1, parametric(50, 0)), disturbed};
+  EXPECT_EQ(records_of(all, ours, [](const Case&) { return true; }).size(), 1U);
+}
+
 TEST(Comparison, NamesConfigurationsInTheirOrder) {
   const Records all{record(ours, 1, 1, parametric(75, 0)), record(ours, 1, 1, parametric(50, 0)),
                     record(ours, 1, 1, parametric(50, 1)), record(ours, 1, 1, {"battery", {.receivers = 1}})};
@@ -152,6 +159,15 @@ TEST(Figures, CompareLatencyWithTheBetterPeer) {
   const Figure latency = figure(row_figures(all, parametric_rows()), "latency_50");
   EXPECT_EQ(latency.reference, 90);
   EXPECT_FALSE(latency.within_bound());
+}
+
+TEST(Figures, HaveNoBoundBesideAPeerThatLostItsMessages) {
+  const Records all{record(ours, 100, 100, parametric(50, 0)), record(cyclone, 200, 120, parametric(50, 0)),
+                    record(fast_dds, 20, 90, parametric(50, 0), 2000, 0.5)};
+  const auto figures = row_figures(all, parametric_rows());
+  EXPECT_FALSE(figure(figures, "bandwidth_50_vs_fast_dds").bound);
+  EXPECT_TRUE(figure(figures, "bandwidth_50").bound);
+  EXPECT_EQ(figure(figures, "latency_50").reference, 120);
 }
 
 TEST(Figures, TellTheWorstConfiguration) {
