@@ -76,8 +76,12 @@ TEST_P(FanOutTest, SendsTheNextSampleToGroupsAloneOnceTheirMembersWereProbed) {
   publish(GetParam() ? 2 : 1);
   EXPECT_LE(writer_->next_poll(), std::chrono::steady_clock::now() + ProbeSchedule::first_pause);
   ASSERT_TRUE(test::eventually([this] {
-    writer_->poll(std::chrono::steady_clock::now());
-    return all_are_in_groups();
+    const auto now = std::chrono::steady_clock::now();
+    writer_->poll(now);
+    if (all_are_in_groups()) return true;
+    const bool probes_have_ended = writer_->next_poll() == decltype(now)::max();
+    if (probes_have_ended) publish();  // a busy machine was slower than all probes
+    return false;
   })) << publisher_->port().multicast(1);
   const std::uint32_t before = test::traffic_of("bridge").sent;
   publish();
