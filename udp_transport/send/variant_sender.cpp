@@ -49,12 +49,14 @@ std::size_t VariantSender::send_postponed(const Audience& audience, const core::
   return *missed;
 }
 
-/// Sends the job to each destination alone. All destinations miss the same samples of a pack, as a rule.
+/// Sends the job to each destination alone. All destinations miss the same samples of a pack, as a rule. What
+/// channels keep is copied before the sending thread has the job from any lane.
 std::size_t VariantSender::distribute(const Audience& audience, const core::SampleHandle& sample) {
   Job& job = draft_.job();
   direct_.begin_sample();
   std::size_t missed = 0;
   const bool is_reliable = std::ranges::any_of(audience.channels, [](const auto& c) { return c != nullptr; });
+  if (is_reliable && job.is_small()) draft_.copy_for_channel();
   if (is_reliable && !job.is_small()) draft_.keep_in_channels(sample, side_->pool);
   for (std::size_t i = 0; i < audience.lanes.size(); ++i) {
     const std::size_t here = unicast_.send(audience, i, sample);
