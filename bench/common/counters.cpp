@@ -107,7 +107,7 @@ std::int64_t number_behind(const std::string& key, std::istream& lines) {
   return 0;
 }
 
-/// What the kernel notes of each thread anyway.
+/// Reads the counts that the kernel keeps of each thread in any case.
 Counts noted(const std::filesystem::path& task) {
   std::ifstream status(task / "status");
   Counts counts;

@@ -13,7 +13,7 @@
 
 namespace sft::bench {
 
-/// What a thread, or a process, has done. What this machine does not count is missing.
+/// The work of a thread or of a process so far. A count that this machine does not have is missing.
 struct Counts {
   std::optional<std::int64_t> instructions{};  ///< of the program and of the kernel on its behalf
   std::optional<std::int64_t> cache_misses{};
@@ -50,7 +50,7 @@ class ProcessCounter {
   std::vector<ThreadCounts> read() const;
   /// False if threads have come or gone, of which read() knows nothing.
   bool same_threads() const;
-  /// What this machine, or this user, does not count, each with the reason.
+  /// Names each count that this machine or this user cannot have, with the reason.
   const std::vector<std::string>& uncountable() const { return uncountable_; }
 
  private:

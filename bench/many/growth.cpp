@@ -191,7 +191,7 @@ struct Column {
 constexpr std::array columns{Column{"time", "s", &Costs::time_s}, Column{"bytes", "MB", &Costs::megabytes},
                              Column{"cpu", "s", &Costs::cpu_s}, Column{"idle", "B/s", &Costs::idle_received}};
 
-/// From the sizes that both contenders have carried, so that the exponents of both are of the same range.
+/// Uses the sizes that both contenders have carried, so that both exponents are of the same range.
 double exponent_of(const std::vector<Costs>& costs, const std::vector<Costs>& others,
                    const std::vector<std::size_t>& sizes, double Costs::*cost) {
   std::vector<std::pair<double, double>> pairs;

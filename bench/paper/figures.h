@@ -12,7 +12,8 @@ namespace sft::bench::paper {
 /// Bytes and latencies of each row that has records.
 std::vector<Figure> row_figures(const Records& all, const std::vector<Row>& rows);
 
-/// What has to hold in every configuration: bytes beside the fewest that can be, and latencies.
+/// Returns the figures that have a bound in every configuration: bytes beside the fewest possible, and
+/// latencies.
 std::vector<Figure> configuration_figures(const Records& all);
 
 /// What selecting fields costs beside sending all of them: processor time and memory of the parametric study.

@@ -1,4 +1,4 @@
-// What one contender took in one phase of a session.
+// A record is the costs of one contender in one phase of a session.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@ namespace sft::bench::paper {
 
 inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-/// Which messages are sent: one of the parametric study, or one that has a name.
+/// The messages of a case: those of the parametric study, or those that have a name.
 struct Case {
   std::string name;               ///< "parametric", "laserscan", ...
   Configuration configuration{};  ///< of a parametric case; of others the number of receivers counts only

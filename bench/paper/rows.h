@@ -27,7 +27,7 @@ struct Row {
 
 /// The rows of the parametric study.
 std::vector<Row> parametric_rows();
-/// Those of Nav2, with messages of this benchmark and with recorded ones.
+/// The rows of Nav2, with messages of this benchmark and with recorded ones.
 std::vector<Row> nav2_rows();
 std::vector<Row> point_cloud_rows();
 

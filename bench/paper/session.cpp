@@ -27,7 +27,7 @@ std::vector<std::size_t> turns(std::size_t contenders, std::uint64_t seed) {
 }
 
 using Teams = std::vector<std::unique_ptr<Team>>;
-/// What each team has used.
+/// Returns the resources that each team has used.
 using Moment = std::vector<Used>;
 
 Moment moment(const Teams& teams) {

@@ -18,7 +18,7 @@ class Stage {
   explicit Stage(std::vector<Contender> contenders);
 
   const std::vector<Contender>& contenders() const { return contenders_; }
-  /// Those of which a team writes nothing, in the order of the contenders that have them.
+  /// The idle teams, which write nothing, in the order of their contenders.
   const std::vector<Contender>& idle_twins() const { return idle_twins_; }
   /// The networks of the contenders, and then those of the twins.
   std::shared_ptr<const hosts::EmulatedNetwork> network(std::size_t number) const {

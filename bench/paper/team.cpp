@@ -92,7 +92,7 @@ int Team::read_all(std::size_t receiver) const {
   stay();
 }
 
-/// What arrives is the last message that was written, since the next one is written a period later.
+/// A message that arrives is the one that was written last, since the next one is written a period later.
 Arrived Team::note_arrivals(std::size_t phase, std::size_t receiver) const {
   return [this, phase, receiver] {
     const std::int64_t now = now_ns();

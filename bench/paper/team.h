@@ -25,7 +25,7 @@ struct Phase {
 inline constexpr std::size_t phases_max = 8;
 inline constexpr std::size_t samples_max = 512;
 
-/// What all processes of a team note, for the parent.
+/// The notes of all processes of a team, for the parent.
 struct Board {
   std::atomic<std::size_t> ready{0};      ///< processes whose writers or readers are all matched
   std::atomic<std::int64_t> begin_ns{0};  ///< of the schedule; 0: not known yet
@@ -36,7 +36,7 @@ struct Board {
   std::int64_t received_ns[phases_max][receivers_max][samples_max] = {};  ///< 0: not received
 };
 
-/// What a team has used up to a moment.
+/// The resources that a team has used up to a moment.
 struct Used {
   double s = 0;  ///< the time
   double sender_bytes = 0;

@@ -113,7 +113,7 @@ class Contest {
     if (rate_.paced.messages == 0) return;  // sockets do nothing
     if (const auto raw = count(raw_udp_peer, rate_, hosts)) print("raw UDP", rate_, *raw);
   }
-  /// What is not counted has no figure.
+  /// A count that the machine does not have gets no figure.
   void figures(std::vector<Figure>& to) const {
     const char* unit = rate_.paced.messages > 0 ? "" : "/s";
     for (const Column& column : columns_) {

@@ -19,7 +19,7 @@ struct Ledger {
                                           ".. last byte leaves", ".. last byte arrives",
                                           ".. callback entered"};
 
-  /// What is under way at the same time is no phase. A byte leaves or arrives when its packet passes the
+  /// An event that happens beside the phases is no phase. A byte leaves or arrives when its packet passes the
   /// host's interface. Where the last byte leaves before the first one arrives, the third phase has no
   /// length.
   std::array<double, phase_names.size()> phases{};

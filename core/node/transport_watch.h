@@ -40,7 +40,7 @@ class TransportWatch {
   };
   /// Writes to the log if the transport has failed.
   NetworkChange look_at_network(Time now);
-  /// When the network wants look_at_network() to be called again.
+  /// Returns when the network wants look_at_network() to be called again.
   Time next_look_at_network() const;
 
   // Any thread.

@@ -86,8 +86,8 @@ class Network : public Transport {
   /// Any thread.
   virtual Result<std::unique_ptr<NetworkReader>> open_reader(const ReaderSpec& spec) = 0;
 
-  /// When poll() wants to be called again; Time::max() if that has time. Asked after poll(), and after ports
-  /// were told of other readers.
+  /// Returns when poll() wants to be called again; Time::max() if that has time. Asked after poll(), and
+  /// after ports were told of other readers.
   virtual std::chrono::steady_clock::time_point next_poll() const = 0;
 
   /// The addresses at which readers of this node are reached, best first. They change as interfaces come and

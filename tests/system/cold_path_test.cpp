@@ -1,5 +1,6 @@
-// What a small sample takes between two nodes that slept. Only what can be counted is compared, never a time:
-// each thread that has to be woken and each system call costs some microseconds on any machine.
+// The counts of a small sample between two nodes that slept are bounded. Only what can be counted is
+// compared, never a time: each thread that has to be woken and each system call costs some microseconds on
+// any machine.
 //
 // A sample's counts are those from one moment in which all threads of both processes sleep to the next one.
 // The lower quartile of some samples leaves out what nodes do in between for others, such as discovery.

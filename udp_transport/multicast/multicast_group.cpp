@@ -194,8 +194,10 @@ std::vector<MulticastGroup::Offer> MulticastGroup::offers(Time now) {
 }
 
 std::optional<GroupProbe> MulticastGroup::probe(Time now) {
+  const bool may_send =
+      is_answered() && !broken();  // a probe that may not be sent counts as sent all the same
   const core::Lock lock(mutex_);
-  if (!probes_.due(now) || !is_answered() || broken()) return {};
+  if (!probes_.due(now) || !may_send) return {};
   if (std::ranges::all_of(memberships_, &GroupMembership::hears)) {
     probes_.stop();
     return {};

@@ -93,7 +93,7 @@ class MulticastGroup final : public LaneListener {
   /// The probe that is due now, if any: members that were offered the group a moment ago have joined by now,
   /// and can hear it before the next sample.
   std::optional<GroupProbe> probe(Time now);
-  /// When probe() will have one; Time::max() if never, as things are.
+  /// Returns when probe() will have one; Time::max() if no probe is planned.
   Time next_probe() const;
   /// The members that hear nothing of the group.
   std::vector<const Destination*> given_up() const;

@@ -1,5 +1,5 @@
-// When a writer sends probes to a multicast group: soon after it has offered the group, so that members
-// report before the next sample. Pure: times in, decisions out.
+// Decides when a writer sends probes to a multicast group: soon after it has offered the group, so that
+// members report before the next sample. Pure: times in, decisions out.
 #pragma once
 
 #include <chrono>
@@ -30,7 +30,7 @@ class ProbeSchedule {
   }
   /// All members have reported.
   void stop() { next_ = Time::max(); }
-  /// When due() will be true; Time::max() if no probe is to come.
+  /// Returns when due() will be true; Time::max() if no probe is planned.
   Time next() const { return next_; }
 
  private:

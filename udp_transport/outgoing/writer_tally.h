@@ -16,7 +16,7 @@ struct WriterTally {
   std::atomic<std::uint64_t> dropped{0};  ///< taken from a lane, and then not sent
   /// Lanes for which the sending thread has something to send, also those that get nothing new any more.
   std::atomic<std::uint32_t> busy_lanes{0};
-  /// Those of them that lead to readers with different masks: LaneEnd::is_merged().
+  /// The busy lanes that lead to readers with different masks: LaneEnd::is_merged().
   std::atomic<std::uint32_t> busy_merged_lanes{0};
 };
 

@@ -57,8 +57,8 @@ class Lane {
 
   /// Nothing is queued or being sent by this lane.
   bool idle() const { return !busy_.load(std::memory_order_acquire); }
-  /// Nor by another lane of the writer that may lead to a receiver of this one, if one of the two is merged:
-  /// what is sent now overtakes nothing.
+  /// True if a sample that is sent now overtakes nothing: this lane is idle, and so is each lane of the
+  /// writer that may lead to the same receiver, if one of the two is merged.
   bool is_clear() const;
 
   struct Posted {

@@ -38,7 +38,8 @@ class LaneEnd {
   bool is_group() const { return is_group_; }
   /// Sets whether the readers at the destination share what comes from now on, whatever their masks are.
   void set_shared(bool shared) { is_shared_.store(shared, std::memory_order_relaxed); }
-  /// What comes is for readers with different masks, who got it by other lanes before, or will again.
+  /// True if samples for this end are for readers with different masks. Each mask may have a lane of its own
+  /// before that, or afterwards.
   bool is_merged() const { return is_group_ || is_shared_.load(std::memory_order_relaxed); }
   /// Returns whether samples for both ends come to the same receiver, and some of them are merged: then the
   /// order has to be kept between the lanes.

@@ -63,7 +63,8 @@ class GroupKeeper {
   bool replan(Time now);
   /// Tells members what they have to know.
   void tend(Time now);
-  /// When replan() or tend() has something to do that should not wait; Time::max() if never, as things are.
+  /// Returns when replan() or tend() has something to do that should not wait; Time::max() if nothing is
+  /// planned.
   Time next_duty(Time now) const;
 
   /// Any thread: of a reader, in which group it is or why in none.

@@ -33,7 +33,8 @@ class GroupReasons {
   std::string of(core::EndpointId reader) const;
 
  private:
-  /// What a copy for all readers at these destinations adds to what the reader asked for.
+  /// Says how many bytes a copy for all readers at these destinations adds to those that the reader asked
+  /// for.
   template <class IsThere>
   std::string unwanted(const Reader& reader, const IsThere& is_there) const SFT_REQUIRES(mutex_);
   std::string alone(const Reader& reader) const SFT_REQUIRES(mutex_);

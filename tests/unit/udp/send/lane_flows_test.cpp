@@ -111,6 +111,16 @@ class LaneFlowsOfGroupsTest : public LaneFlowsTest {
     EXPECT_GT(bytes_left(), 2 * large_bytes);
   }
 
+  /// The flow waits now, and goes on when the sending thread looks again.
+  void expect_to_go_on_soon(std::size_t which) {
+    flows.send_large(which);
+    EXPECT_EQ(bytes_left(), 0U);
+    const NextRound::Time at = round.time();
+    ASSERT_NE(at, NextRound::Time::max()) << "the sending thread looks again";
+    while (NextRound::Time::clock::now() < at) std::this_thread::yield();
+    flows.send_large(which);
+    EXPECT_GT(bytes_left(), large_bytes);
+  }
   void expect_small_to_wait(const std::shared_ptr<Lane>& first, const std::shared_ptr<Lane>& then) {
     first->post(job(large_bytes));
     then->post(job(small_bytes));
@@ -178,16 +188,10 @@ TEST_F(LaneFlowsOfGroupsTest, GoOnWithoutAMemberThatStandsStill) {
   connections.take_batches(0);
   flows.send_large(1);
   connections.take_batches(SIZE_MAX);
-  flows.send_large(0);
-  EXPECT_EQ(bytes_left(), 0U);
-  const NextRound::Time at = round.time();
-  ASSERT_NE(at, NextRound::Time::max()) << "the sending thread looks again";
-  while (NextRound::Time::clock::now() < at) std::this_thread::yield();
-  flows.send_large(0);
-  EXPECT_GT(bytes_left(), large_bytes);
+  expect_to_go_on_soon(0);
 }
 
-/// What waits for a sample that stands still stands still as well.
+/// A lane that waits for one that stands still stands still as well.
 TEST_F(LaneFlowsOfGroupsTest, GoOnWithoutAMemberOfWhichOneSampleWaitsForAnotherThatStandsStill) {
   const auto shared = lane(), own = lane(), to_group = lane_to_group(2, {to.get()});
   shared->end().set_shared(true);
@@ -200,13 +204,7 @@ TEST_F(LaneFlowsOfGroupsTest, GoOnWithoutAMemberOfWhichOneSampleWaitsForAnotherT
   flows.send_large(0);
   flows.send_large(1);
   connections.take_batches(SIZE_MAX);
-  flows.send_large(2);
-  EXPECT_EQ(bytes_left(), 0U);
-  const NextRound::Time at = round.time();
-  ASSERT_NE(at, NextRound::Time::max()) << "the sending thread looks again";
-  while (NextRound::Time::clock::now() < at) std::this_thread::yield();
-  flows.send_large(2);
-  EXPECT_GT(bytes_left(), large_bytes);
+  expect_to_go_on_soon(2);
 }
 
 /// Readers that begin to share a copy, or cease to, change from one lane to another without asking for it.
