@@ -109,6 +109,10 @@ struct Assertion {
   std::vector<Account> accounts{};        ///< of its own endpoints that others have asked about
   bool wants_signs = false;               ///< everybody shall give signs of life often for a while
   AnnouncerId announcer = 0;              ///< who said it; does not travel
+
+  bool tells_more_than_life() const {
+    return !writers.empty() || !progress.empty() || !asked_about.empty() || !accounts.empty();
+  }
   friend bool operator==(const Assertion&, const Assertion&) = default;
 };
 

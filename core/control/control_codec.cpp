@@ -165,10 +165,7 @@ Result<void> check_lengths(const sft_control_SignNews& in) {
   return checked;
 }
 
-bool has_news(const Assertion& sign) {
-  return sign.wants_signs || !sign.writers.empty() || !sign.progress.empty() || !sign.asked_about.empty() ||
-         !sign.accounts.empty();
-}
+bool has_news(const Assertion& sign) { return sign.wants_signs || sign.tells_more_than_life(); }
 
 sft_control_SignNews news_of(const Assertion& sign, ControlStorage& storage) {
   sft_control_SignNews out{};

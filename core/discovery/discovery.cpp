@@ -18,7 +18,6 @@ namespace sft::core {
 namespace {
 
 constexpr std::chrono::seconds look_at_interfaces_every{1};  // although netlink tells of changes
-constexpr std::chrono::milliseconds merge_every{100};
 /// Others believe a link that was made anew with the first sign of life that comes by it.
 constexpr std::chrono::milliseconds assert_often_for{700};
 
@@ -95,8 +94,9 @@ class LinkedDiscovery final : public Discovery {
     }
     ear_.report_other_releases(now);
     if (now < next_merge_) return;
-    next_merge_ = now + merge_every;
-    pace_ = ear_.tick(now);
+    const DiscoveryEar::AfterTick after = ear_.tick(now);
+    pace_ = after.signs;
+    next_merge_ = now + after.pause;
   }
 
  private:

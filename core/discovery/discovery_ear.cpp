@@ -67,12 +67,13 @@ void DiscoveryEar::hears(Role role, Time now) {
   if (roles_.insert(role).second) hearing_.hears_more(now);
 }
 
-SignPace DiscoveryEar::tick(Time now) {
+DiscoveryEar::AfterTick DiscoveryEar::tick(Time now) {
   Lock lock(mutex_);
   merge_.tick(now);
   sign_pace_.want(hearing_.wants_signs(now) || merge_.has_rivals(), now);
+  const AfterTick after{sign_pace_, merge_.pause_between_ticks()};
   pass_on_news(lock);
-  return sign_pace_;
+  return after;
 }
 
 void DiscoveryEar::link_expected(LinkId link) {

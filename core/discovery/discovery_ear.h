@@ -39,8 +39,11 @@ class DiscoveryEar final : public LinkListener {
   void hears(Role role, Time now);
   /// True if a participant was heard for the first time since this was called last.
   bool take_newcomer() { return newcomer_.exchange(false); }
-  /// Returns whether signs of life have to be frequent.
-  SignPace tick(Time now);
+  struct AfterTick {
+    SignPace signs;                     ///< whether signs of life have to be frequent
+    std::chrono::milliseconds pause{};  ///< until the next tick
+  };
+  AfterTick tick(Time now);
 
   void link_expected(LinkId link);  ///< before it is opened
   void link_opened(LinkId link, const LinkSpec& spec);

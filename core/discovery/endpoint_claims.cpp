@@ -108,11 +108,13 @@ void EndpointClaims::compare(Time now) {
       claim.contested_since = now;
     }
   }
+  compared_with_ = leader->speaker;
 }
 
 void EndpointClaims::refuse_contested(Time now) {
   const milliseconds silence = silence_in(told_.lease());
-  compare(now);
+  const Claim* const leader = believed(now);
+  if (leader != nullptr && compared_with_ != leader->speaker) compare(now);
   for (Claim& claim : claims_) {
     if (!claim.contested_since || claim.refused || claim.untrue || now - *claim.contested_since < 2 * silence)
       continue;

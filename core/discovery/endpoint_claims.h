@@ -100,6 +100,9 @@ class EndpointClaims {
   std::vector<Claim> claims_;  ///< in the order in which they came, but untrue ones are last
   /// Since when the believed speaker does not say that its node lives, while another one does.
   std::optional<Time> doubted_since_{};
+  /// The speaker with whose claim all others were compared as they are. A comparison copies, and a node with
+  /// two links has two claims for most endpoints.
+  std::optional<Speaker> compared_with_{};
   ToldEndpoint told_;
 };
 

@@ -41,6 +41,8 @@ constexpr milliseconds complaint_spread{2};
 /// A participant whose node has come anew is gone by then.
 constexpr std::chrono::seconds goes_within{60};
 constexpr milliseconds look_pause{500}, look_pause_in_doubt{100};
+/// A look in doubt costs more where there are more participants, and is as much rarer there.
+constexpr milliseconds look_pause_for_each{5};
 /// A speaker counts as heard on a link for so long after it was. Signs of life come more often.
 constexpr milliseconds heard_lately{2500};
 
@@ -187,7 +189,9 @@ bool HearingWatch::wants_signs(Time now) const {
 }
 
 bool HearingWatch::wants_look(Time now) const {
-  return now - looked_ >= (is_in_doubt_ ? look_pause_in_doubt : look_pause);
+  const milliseconds in_doubt =
+      std::clamp<milliseconds>(look_pause_for_each * ears_.size(), look_pause_in_doubt, look_pause);
+  return now - looked_ >= (is_in_doubt_ ? in_doubt : look_pause);
 }
 
 /// True if the speaker's node is heard as it should be by another participant on the link, since the node has

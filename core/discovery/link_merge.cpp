@@ -11,17 +11,43 @@ namespace sft::core {
 
 using std::chrono::milliseconds;
 
+namespace {
+constexpr milliseconds tick_pause_min{100}, tick_pause_max{500};
+constexpr std::size_t endpoints_per_millisecond = 4;  // 4000 endpoints are looked at in a second
+constexpr std::chrono::seconds forget_every{1};
+}  // namespace
+
+milliseconds LinkMerge::pause_between_ticks() const {
+  return std::clamp(milliseconds(endpoints_.size() / endpoints_per_millisecond), tick_pause_min,
+                    tick_pause_max);
+}
+
 EndpointClaims* LinkMerge::known(EndpointId id) {
   const auto known = endpoints_.find(id);
   return known == endpoints_.end() ? nullptr : &known->second;
 }
 
+/// Null if nothing is told of the endpoint, or if it is another node's.
+const Endpoint* LinkMerge::told_of(EndpointId id, NodeId node) const {
+  const auto known = endpoints_.find(id);
+  if (known == endpoints_.end()) return nullptr;
+  const Endpoint* const told = known->second.told().endpoint();
+  return told != nullptr && told->node_id == node ? told : nullptr;
+}
+
 const Endpoint* LinkMerge::some_endpoint_of(NodeId node) const {
-  const auto found = std::ranges::find_if(endpoints_, [&](const auto& entry) {
-    const Endpoint* const told = entry.second.told().endpoint();
-    return told != nullptr && told->node_id == node;
-  });
-  return found == endpoints_.end() ? nullptr : found->second.told().endpoint();
+  const auto before = found_.find(node);
+  if (before != found_.end()) {
+    if (const Endpoint* const told = told_of(before->second, node)) return told;
+    found_.erase(before);
+  }
+  for (const auto& [id, claims] : endpoints_) {
+    const Endpoint* const told = claims.told().endpoint();
+    if (told == nullptr || told->node_id != node) continue;
+    found_.emplace(node, id);
+    return told;
+  }
+  return nullptr;
 }
 
 milliseconds LinkMerge::lease_of(NodeId node) const {
@@ -190,10 +216,13 @@ void LinkMerge::refuse_old_requests(Time now) {
 }
 
 void LinkMerge::forget_old(Time now) {
+  if (now < forgets_at_) return;
+  forgets_at_ = now + forget_every;
   const Time before = now - limits_.forget_after;
   for (auto known = endpoints_.begin(); known != endpoints_.end();)
     known = known->second.forget_before(before) ? endpoints_.erase(known) : std::next(known);
   std::erase_if(departed_, [&](const auto& entry) { return entry.second.at <= before; });
+  if (found_.size() > endpoints_.size()) found_.clear();  // some of the nodes are gone
   nodes_.forget_before(before);
   speakers_.forget_before(before - limits_.forget_after);
 }

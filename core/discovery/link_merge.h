@@ -58,6 +58,8 @@ class LinkMerge {
   /// what came by the dropped link may be newer. That may have been somebody else's word.
   void replaced_link_dropped(LinkId link, Time now);
   void tick(Time now);
+  /// The time until tick() is worth its cost again, which grows with the number of endpoints.
+  std::chrono::milliseconds pause_between_ticks() const;
 
   /// True if more than one speaker is heard for some endpoint or node: their silence decides between them.
   bool has_rivals() const;
@@ -87,6 +89,7 @@ class LinkMerge {
   void forget_old(Time now);
   EndpointClaims* known(EndpointId id);
   const Endpoint* some_endpoint_of(NodeId node) const;
+  const Endpoint* told_of(EndpointId id, NodeId node) const;
 
   const Limits limits_;
   Speakers speakers_;
@@ -97,7 +100,10 @@ class LinkMerge {
   std::set<EndpointId> own_;
   std::set<Speaker> disbelieved_;  ///< on links that go soon
   std::map<EndpointId, EndpointClaims> endpoints_;
+  /// Where some_endpoint_of() has found one: a sign of life of each node comes every second.
+  mutable std::map<NodeId, EndpointId> found_;
   std::map<EndpointId, Departed> departed_;
+  Time forgets_at_{};
   RequestsInAdvance early_requests_;
 };
 

@@ -5,9 +5,9 @@
 namespace sft::core {
 
 void EndpointTable::add_ours(const Endpoint& endpoint, const TypeSupport& type) {
-  entries_.insert_or_assign(endpoint.id,
-                            TableEntry{.endpoint = endpoint, .type = &type, .arrival = ++arrivals_});
-  index(endpoint);
+  const auto [entry, is_new] = entries_.insert_or_assign(
+      endpoint.id, TableEntry{.endpoint = endpoint, .type = &type, .arrival = ++arrivals_});
+  index(entry->second);
 }
 
 TableShares::Admission EndpointTable::admit(const Endpoint& newcomer) {
@@ -31,7 +31,7 @@ std::optional<Endpoint> EndpointTable::enter(const Endpoint& endpoint) {
   if (is_new) {
     entry.arrival = ++arrivals_;
   } else {
-    unindex(entry.endpoint);
+    unindex(entry);
   }
   std::optional<Endpoint> before;
   Endpoint known = std::exchange(entry.endpoint, endpoint);
@@ -39,7 +39,8 @@ std::optional<Endpoint> EndpointTable::enter(const Endpoint& endpoint) {
   entry.endpoint.request.announcer = endpoint.announcer;
   entry.lost_since.reset();
   entry.silent = false;
-  index(endpoint);
+  index(entry);
+  note_whether_lost(entry);
   const AnnouncerId* const entered_by = shares_.announcer_of(endpoint.id);
   if (entered_by == nullptr || *entered_by != endpoint.announcer)
     shares_.enter(endpoint.id, endpoint.announcer, endpoint.topic);
@@ -49,16 +50,36 @@ std::optional<Endpoint> EndpointTable::enter(const Endpoint& endpoint) {
 bool EndpointTable::erase(EndpointId id) {
   const auto gone = entries_.find(id);
   if (gone == entries_.end()) return false;
-  unindex(gone->second.endpoint);
+  unindex(gone->second);
+  lost_.erase(id);
   entries_.erase(gone);
   shares_.remove(id);
   return true;
 }
 
-void EndpointTable::unindex(const Endpoint& endpoint) {
-  const auto topic = topics_.find(endpoint.topic);
-  topic->second.erase(endpoint.id);
-  if (topic->second.empty()) topics_.erase(topic);
+void EndpointTable::index(const TableEntry& entry) {
+  Topic& topic = topics_[entry.endpoint.topic];
+  topic.endpoints.insert(entry.endpoint.id);
+  topic.ours += entry.is_ours() ? 1 : 0;
+  nodes_[entry.endpoint.node_id].insert(entry.endpoint.id);
+}
+
+void EndpointTable::unindex(const TableEntry& entry) {
+  const auto topic = topics_.find(entry.endpoint.topic);
+  topic->second.endpoints.erase(entry.endpoint.id);
+  topic->second.ours -= entry.is_ours() ? 1 : 0;
+  if (topic->second.endpoints.empty()) topics_.erase(topic);
+  const auto node = nodes_.find(entry.endpoint.node_id);
+  node->second.erase(entry.endpoint.id);
+  if (node->second.empty()) nodes_.erase(node);
+}
+
+void EndpointTable::note_whether_lost(const TableEntry& entry) {
+  if (entry.lost()) {
+    lost_.insert(entry.endpoint.id);
+  } else {
+    lost_.erase(entry.endpoint.id);
+  }
 }
 
 const TableEntry* EndpointTable::find(EndpointId id) const {
@@ -91,25 +112,35 @@ std::vector<Endpoint*> EndpointTable::ours() {
 
 std::vector<const TableEntry*> EndpointTable::counterparts(const TableEntry& entry) const {
   std::vector<const TableEntry*> found;
-  for (const EndpointId id : topics_.at(entry.endpoint.topic)) {
+  for (const EndpointId id : topics_.at(entry.endpoint.topic).endpoints) {
     const TableEntry& other = entries_.at(id);
     if (other.endpoint.role != entry.endpoint.role) found.push_back(&other);
   }
   return found;
 }
 
+bool EndpointTable::is_topic_of_ours(std::string_view topic) const {
+  const auto known = topics_.find(topic);
+  return known != topics_.end() && known->second.ours > 0;
+}
+
 bool EndpointTable::lost(EndpointId id, Time now) {
   TableEntry* const entry = find(id);
   if (entry == nullptr || entry->is_ours() || entry->lost_since) return false;
   entry->lost_since = now;
+  note_whether_lost(*entry);
   return true;
 }
 
 bool EndpointTable::node_lost(NodeId id) {
   bool changed = false;
-  for (auto& [endpoint, entry] : entries_) {
-    if (entry.endpoint.node_id != id || entry.is_ours() || entry.silent) continue;
+  const auto node = nodes_.find(id);
+  if (node == nodes_.end()) return changed;
+  for (const EndpointId endpoint : node->second) {
+    TableEntry& entry = entries_.at(endpoint);
+    if (entry.is_ours() || entry.silent) continue;
     entry.silent = true;
+    note_whether_lost(entry);
     changed = true;
   }
   return changed;
@@ -117,9 +148,14 @@ bool EndpointTable::node_lost(NodeId id) {
 
 std::vector<TableEntry*> EndpointTable::node_returned(NodeId id) {
   std::vector<TableEntry*> returned;
-  for (auto& [endpoint, entry] : entries_) {
-    if (entry.endpoint.node_id != id || !entry.silent) continue;
+  if (lost_.empty()) return returned;
+  const auto node = nodes_.find(id);
+  if (node == nodes_.end()) return returned;
+  for (const EndpointId endpoint : node->second) {
+    TableEntry& entry = entries_.at(endpoint);
+    if (!entry.silent) continue;
     entry.silent = false;
+    note_whether_lost(entry);
     returned.push_back(&entry);
   }
   return returned;
@@ -127,7 +163,8 @@ std::vector<TableEntry*> EndpointTable::node_returned(NodeId id) {
 
 std::vector<EndpointId> EndpointTable::lost_for(std::chrono::seconds duration, Time now) const {
   std::vector<EndpointId> lost;
-  for (const auto& [id, entry] : entries_) {
+  for (const EndpointId id : lost_) {
+    const TableEntry& entry = entries_.at(id);
     if (entry.lost_since && now - *entry.lost_since >= duration) lost.push_back(id);
   }
   return lost;
@@ -152,18 +189,9 @@ std::vector<const Endpoint*> EndpointTable::present() const {
   return endpoints;
 }
 
-bool EndpointTable::knows(NodeId id) const {
-  return std::ranges::any_of(entries_,
-                             [&](const auto& entry) { return entry.second.endpoint.node_id == id; });
-}
-
 const Endpoint* EndpointTable::known(EndpointId id) const {
   const TableEntry* const entry = find(id);
   return entry == nullptr ? nullptr : &entry->endpoint;
-}
-
-bool EndpointTable::misses_somebody() const {
-  return std::ranges::any_of(entries_, [](const auto& entry) { return entry.second.lost(); });
 }
 
 }  // namespace sft::core

@@ -9,6 +9,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -54,6 +55,8 @@ class EndpointTable {
   std::vector<Endpoint*> ours();
   /// The readers of a writer's topic, or the writers of a reader's topic.
   std::vector<const TableEntry*> counterparts(const TableEntry& entry) const;
+  /// Returns true if some endpoint of ours has the topic.
+  bool is_topic_of_ours(std::string_view topic) const;
 
   // These return whether anything has changed.
   bool lost(EndpointId id, Time now);
@@ -72,11 +75,11 @@ class EndpointTable {
   /// All endpoints but the lost ones; ours too. Valid until the next event.
   std::vector<const Endpoint*> present() const;
   /// Returns true if the table has an endpoint of that node.
-  bool knows(NodeId id) const;
+  bool knows(NodeId id) const { return nodes_.contains(id); }
   /// Null if there is none of that id. Valid until the next event.
   const Endpoint* known(EndpointId id) const;
   /// Returns true if some endpoint is lost.
-  bool misses_somebody() const;
+  bool misses_somebody() const { return !lost_.empty(); }
 
   /// Announcements that were refused, and entries that were removed, because the table was full.
   std::uint64_t refused() const { return refused_; }
@@ -84,13 +87,22 @@ class EndpointTable {
   std::map<std::string, std::uint64_t> take_refusals() { return std::exchange(refusals_, {}); }
 
  private:
-  void index(const Endpoint& endpoint) { topics_[endpoint.topic].insert(endpoint.id); }
-  void unindex(const Endpoint& endpoint);
+  struct Topic {
+    std::set<EndpointId> endpoints;
+    std::size_t ours = 0;  ///< of the endpoints
+  };
+  void index(const TableEntry& entry);
+  void unindex(const TableEntry& entry);
   void refuse(const Endpoint& endpoint);
+  /// Call this after each change of what makes an entry a lost one.
+  void note_whether_lost(const TableEntry& entry);
 
+  // An event of one endpoint or node is looked up in these, whatever the number of the others is.
   std::map<EndpointId, TableEntry> entries_;
-  std::map<std::string, std::set<EndpointId>, std::less<>> topics_;  ///< of all entries
-  TableShares shares_;                                               ///< of those that are not ours
+  std::map<std::string, Topic, std::less<>> topics_;  ///< of all entries
+  std::map<NodeId, std::set<EndpointId>> nodes_;      ///< of all entries
+  std::set<EndpointId> lost_;                         ///< the entries that are lost
+  TableShares shares_;                                ///< of those that are not ours
   std::uint64_t arrivals_ = 0;
   std::uint64_t refused_ = 0;
   std::map<std::string, std::uint64_t> refusals_;

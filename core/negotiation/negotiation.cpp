@@ -15,6 +15,12 @@ bool is_outdated(const TableEntry& entry, const Endpoint& endpoint) {
   return !entry.lost() && endpoint.announcer == known.announcer && endpoint.revision < known.revision;
 }
 
+/// Returns true if some endpoint of ours has the same topic.
+bool is_of_our_topic(const EndpointTable& table, EndpointId id) {
+  const Endpoint* const endpoint = table.known(id);
+  return endpoint != nullptr && table.is_topic_of_ours(endpoint->topic);
+}
+
 }  // namespace
 
 Negotiation::Negotiation(const Limits& limits)
@@ -59,20 +65,27 @@ bool Negotiation::endpoint_seen(const Endpoint& endpoint) {
     return false;
   }
   if (known != nullptr && is_outdated(*known, endpoint)) return false;
-  if (known == nullptr && !admit(endpoint)) return false;
+  bool concerns_ours = false;  // else no desired state depends on it
+  if (known == nullptr && !admit(endpoint, concerns_ours)) return false;
   const std::optional<Endpoint> before = facts_.table.enter(endpoint);
+  concerns_ours |= facts_.table.is_topic_of_ours(endpoint.topic) ||
+                   (before && facts_.table.is_topic_of_ours(before->topic));
   Endpoint& entered = facts_.table.find(endpoint.id)->endpoint;
   // A request that another node made in the reader's name is not the reader's request.
   if (before && before->node_id == endpoint.node_id) RemoteRequests::adopt(entered, before->request);
   requests_.adopt_early(entered);
   facts_.history.begins_anew(entered);
-  return true;
+  return concerns_ours;
 }
 
-/// Returns true if there is room for a newcomer. Another endpoint may have to leave to make the room.
-bool Negotiation::admit(const Endpoint& newcomer) {
+/// Returns true if there is room for a newcomer. Another endpoint may have to leave to make the room; sets
+/// `concerns_ours` if some endpoint of ours has its topic.
+bool Negotiation::admit(const Endpoint& newcomer, bool& concerns_ours) {
   const TableShares::Admission admission = facts_.table.admit(newcomer);
-  if (admission.instead_of) facts_.erase(*admission.instead_of);
+  if (admission.instead_of) {
+    concerns_ours = is_of_our_topic(facts_.table, *admission.instead_of);
+    facts_.erase(*admission.instead_of);
+  }
   return admission.granted;
 }
 
@@ -84,11 +97,14 @@ bool Negotiation::endpoint_departed(EndpointId id) {
     contests_.withdrawn(entry->endpoint);
     return false;
   }
+  const bool concerns_ours = is_of_our_topic(facts_.table, id);
   facts_.erase(id);
-  return true;
+  return concerns_ours;
 }
 
-bool Negotiation::endpoint_lost(EndpointId id, Time now) { return facts_.table.lost(id, now); }
+bool Negotiation::endpoint_lost(EndpointId id, Time now) {
+  return facts_.table.lost(id, now) && is_of_our_topic(facts_.table, id);
+}
 
 bool Negotiation::node_lost(NodeId id) { return facts_.table.node_lost(id); }
 
@@ -115,7 +131,7 @@ bool Negotiation::request_received(const Request& request) {
   }
   if (!RemoteRequests::adopt(reader->endpoint, request)) return false;
   facts_.history.begins_anew(reader->endpoint);
-  return true;
+  return facts_.table.is_topic_of_ours(reader->endpoint.topic);
 }
 
 bool Negotiation::requirement_changed(EndpointId reader, const FieldMask& mask) {

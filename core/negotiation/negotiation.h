@@ -39,7 +39,7 @@ class Negotiation {
   explicit Negotiation(const Limits& limits = {});
 
   // Events. Each returns whether anything may have changed, that is, whether to ask for the desired states
-  // again.
+  // again. Most endpoints of a large system have topics that none of ours has: these change nothing.
   bool self_changed(const Self& self);
   /// Our endpoints are reached there from now on, and others from there.
   bool network_changed(const std::vector<UdpAddress>& addresses, const std::vector<Link>& links);
@@ -92,7 +92,7 @@ class Negotiation {
   std::vector<Contests::Contested> take_contested() { return contests_.take(); }
 
  private:
-  bool admit(const Endpoint& newcomer);
+  bool admit(const Endpoint& newcomer, bool& concerns_ours);
 
   Limits limits_;
   KnownFacts facts_;

@@ -38,6 +38,8 @@ class LocalWriter {
   /// The memory of the port is gone, or another daemon's.
   bool drop_memory();
   /// True if the port could not be opened and may be tried again.
+  /// True if some reader is served in shared memory.
+  bool uses_memory() const { return in_force_ && !in_force_->memory.empty(); }
   bool may_try_again(Time now) const { return node_.attempts.may_retry_in_memory(opening_memory_, now); }
 
   /// Looks at what the publisher has promised. True if its readers have to be told now that it lives.

@@ -176,8 +176,13 @@ void NodeCore::request_received(Request request) {
   agent_.post([this, request = std::move(request)] { reconciler_->request_received(request); });
 }
 
+/// Signs of life of all nodes come all the time. One that tells nothing else does not wake the agent.
 void NodeCore::liveliness_asserted(Assertion assertion) {
-  agent_.post([this, assertion = std::move(assertion)] { reconciler_->liveliness_asserted(assertion); });
+  const bool tells_more = assertion.tells_more_than_life();
+  Agent::Task task = [this, assertion = std::move(assertion)] {
+    reconciler_->liveliness_asserted(assertion);
+  };
+  tells_more ? agent_.post(std::move(task)) : agent_.post_for_next_tick(std::move(task));
 }
 
 void NodeCore::node_lost(NodeId id) {

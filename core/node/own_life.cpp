@@ -14,6 +14,7 @@ constexpr std::chrono::milliseconds told_more_pause{500};
 Assertion OwnLife::next_sign(std::vector<EndpointId> living, LocalEndpoints& ours, AccountDesk& accounts,
                              Time now) {
   told_at_ = now;
+  if (std::exchange(has_newcomer_, false)) newcomers_told_at_ = now;
   Assertion sign{id_, std::move(living)};
   if (now < told_more_at_ + told_more_pause) return sign;
   sign.progress = take_progress(ours);

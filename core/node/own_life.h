@@ -21,23 +21,28 @@ class OwnLife {
   /// True if the last sign of life is a pause ago. In calm the pause is longer, unless signs tell of more
   /// than life.
   bool is_sign_due(bool is_calm, Time now) const {
+    if (has_newcomer_ && now - newcomers_told_at_ >= newcomers_pause) return true;
     const bool is_long = is_calm && now - told_more_at_ >= tells_more_for;
     return now - told_at_ >= (is_long ? signs_.pause_in_calm : signs_.pause);
   }
-  /// A sign of life is due at once. Without it a newcomer would not notice the end of this node.
-  void newcomer_seen() { told_at_ = {}; }
+  /// A sign of life is due at once, or soon if another newcomer has just been given one: where many nodes
+  /// start, one sign serves several. Without it a newcomer would not notice the end of this node.
+  void newcomer_seen() { has_newcomer_ = true; }
 
   /// The next sign of life, which then counts as told. `living`: writers whose readers wait for that.
   Assertion next_sign(std::vector<EndpointId> living, LocalEndpoints& ours, AccountDesk& accounts, Time now);
 
  private:
   static constexpr std::chrono::seconds tells_more_for{3};
+  static constexpr std::chrono::milliseconds newcomers_pause{200};
 
   std::vector<Progress> take_progress(LocalEndpoints& ours);
 
   const NodeId id_;
   const LifeSigns signs_;
   Time told_at_{};
+  bool has_newcomer_ = false;  ///< no sign was given since it came
+  Time newcomers_told_at_{};
   Time told_more_at_{};  ///< when something else than life was told last
   Turns<EndpointId> progress_turns_;
 };

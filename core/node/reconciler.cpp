@@ -6,12 +6,22 @@
 namespace sft::core {
 
 namespace {
-constexpr std::chrono::milliseconds tick_quiet{50};
 constexpr std::chrono::milliseconds tick_while_attaching{1};
 constexpr std::chrono::milliseconds tick_shortest{1};
 constexpr std::chrono::milliseconds asks_last_least{3000};
 constexpr std::chrono::seconds held_up_for{1};
 constexpr int hurried_ticks_max = 1000;  // a connection that takes longer is not worth the looking
+
+/// True if only looks show what comes of it: a connection in shared memory may break, an endpoint is missing,
+/// or a callback may take long.
+bool has_to_be_watched(const Negotiation& negotiation, const LocalEndpoints& ours) {
+  return negotiation.table().misses_somebody() ||
+         std::ranges::any_of(ours.writers, [](const auto& item) { return item.second.uses_memory(); }) ||
+         std::ranges::any_of(ours.readers, [&](const auto& item) {
+           return item.second.core().is_called_back() ||
+                  !negotiation.local(item.first)->request.attached.empty();
+         });
+}
 }  // namespace
 
 Reconciler::Reconciler(NodeId id, std::uint64_t network_id, SharedMemory* memory, Network* network,
@@ -132,6 +142,8 @@ std::chrono::milliseconds Reconciler::tick(Time now) {
   hurried_ticks_ = look_after_connections() ? hurried_ticks_ + 1 : 0;
   watch_promises(now);
   discovery_.look_after(now, negotiation_.table().misses_somebody());
+  if (!departing_.empty() || !discovery_.is_calm(now) || has_to_be_watched(negotiation_, ours_))
+    tick_pace_.stirred(now);
   reconcile();
   log_.tick(now);
   const bool hurry = hurried_ticks_ > 0 && hurried_ticks_ <= hurried_ticks_max;
@@ -211,7 +223,7 @@ void Reconciler::tell_of_life(std::vector<EndpointId> living, Time now) {
 
 /// The time until the next tick: not longer than a deadline, a lease or the network can wait.
 std::chrono::milliseconds Reconciler::pace(Time now) const {
-  std::chrono::nanoseconds pace = tick_quiet;
+  std::chrono::nanoseconds pace = tick_pace_.next(now);
   if (const Time next = transports_.next_look_at_network(); next - now < pace)
     pace = std::chrono::ceil<std::chrono::milliseconds>(next - now);
   for (const auto& [id, writer] : ours_.writers) pace = std::min(pace, writer.pace().value_or(pace));
@@ -234,6 +246,7 @@ std::chrono::milliseconds Reconciler::reconcile() {
 
 /// Goes on until nothing changes any more: what our readers are connected to is news to our own writers.
 void Reconciler::settle() {
+  if (dirty_) tick_pace_.stirred(std::chrono::steady_clock::now());
   while (std::exchange(dirty_, false)) {
     std::size_t unattached = 0;
     for (const auto& [id, reader] : ours_.readers) unattached += reader.unattached();

@@ -21,6 +21,7 @@
 #include "core/node/own_life.h"
 #include "core/node/port_attempts.h"
 #include "core/node/silence_watch.h"
+#include "core/node/tick_pace.h"
 #include "core/node/transport_watch.h"
 #include "core/platform/clock.h"
 #include "core/report/node_log.h"
@@ -97,6 +98,7 @@ class Reconciler {
   std::map<EndpointId, LocalReader> departing_;  ///< removed within callbacks that have not returned yet
   AccountDesk accounts_;
   OwnLife life_;
+  TickPace tick_pace_;
   Time held_up_at_{};      ///< when a callback that takes long was seen last
   bool dirty_ = false;     ///< something changed that reconcile() has not seen
   int hurried_ticks_ = 0;  ///< in a row, because some reader waits for its connection

@@ -28,6 +28,16 @@ void Agent::post(Task task) {
   posted_.notify_one();
 }
 
+void Agent::post_for_next_tick(Task task) {
+  bool is_crowded = false;
+  {
+    const Lock lock(mutex_);
+    tasks_.push_back(std::move(task));
+    is_crowded = tasks_.size() >= waiting_max;
+  }
+  if (is_crowded) posted_.notify_one();
+}
+
 void Agent::run() {
   thread_id_.store(std::this_thread::get_id());
   std::vector<Task> batch;

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <functional>
 #include <string>
 #include <thread>
@@ -35,6 +36,9 @@ class Agent {
 
   /// Any thread, before start() too; returns at once. Tasks run in the order in which they were posted.
   void post(Task task);
+  /// The same for a task that has time until the next tick. It wakes the agent only if so many wait.
+  void post_for_next_tick(Task task);
+  static constexpr std::size_t waiting_max = 64;
   /// Runs what was posted before, then ends the thread; what is posted later is not run.
   void stop();
   bool is_current_thread() const { return std::this_thread::get_id() == thread_id_.load(); }

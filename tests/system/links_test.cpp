@@ -11,10 +11,10 @@
 #include <memory>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
-#include "tools/hosts/network.h"
 #include "tests/support/eventually.h"
 #include "tests/support/isolated_host.h"
 #include "tests/system/node_process.h"
+#include "tools/hosts/network.h"
 
 namespace sft::test {
 namespace {

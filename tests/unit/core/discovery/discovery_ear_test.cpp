@@ -44,7 +44,7 @@ class DiscoveryEarTest : public ::testing::Test, private DiscoveryListener {
     ear.assertion_came(peer, sign, std::chrono::seconds(60));  // no sign comes too late
     at += std::chrono::milliseconds(500);                      // it does not look more often
     (void)ear.look_for_deafness(std::chrono::seconds(20), now());
-    return ear.tick(now()).wants();
+    return ear.tick(now()).signs.wants();
   }
 
   DiscoveryEar ear{*this};

@@ -86,6 +86,46 @@ TEST_F(EndpointTableTest, ASilentNodeReturnsOnceAndOurEndpointsAreNeverLost) {
   EXPECT_THAT(table.node_returned(its_node), IsEmpty());
 }
 
+TEST_F(EndpointTableTest, ANodeIsKnownAsLongAsAnEndpointOfItIsThere) {
+  constexpr NodeId other_node = its_node + 1;
+  for (const EndpointId id : {one_reader, other_reader}) {
+    Endpoint reader = endpoint(Role::reader, id);
+    reader.node_id = other_node;
+    table.enter(reader);
+  }
+  table.erase(one_reader);
+  EXPECT_TRUE(table.knows(other_node));
+  table.erase(other_reader);
+  EXPECT_FALSE(table.knows(other_node));
+}
+
+TEST_F(EndpointTableTest, ALostEndpointThatIsErasedIsNotMissed) {
+  table.enter(endpoint(Role::reader, one_reader));
+  table.node_lost(its_node);
+  EXPECT_TRUE(table.misses_somebody());
+  table.erase(one_reader);
+  EXPECT_FALSE(table.misses_somebody());
+}
+
+TEST_F(EndpointTableTest, AnEndpointThatMovesToAnotherNodeIsLostAndReturnsWithThatNode) {
+  table.enter(endpoint(Role::reader, one_reader));
+  Endpoint moved = endpoint(Role::reader, one_reader);
+  moved.node_id = its_node + 1;
+  table.enter(moved);
+  EXPECT_FALSE(table.node_lost(its_node));
+  EXPECT_TRUE(table.node_lost(its_node + 1));
+  EXPECT_EQ(table.node_returned(its_node + 1).size(), 1U);
+}
+
+TEST_F(EndpointTableTest, OnlyTopicsOfOurEndpointsAreOurs) {
+  table.enter(endpoint(Role::reader, one_reader, "another topic"));
+  EXPECT_TRUE(table.is_topic_of_ours("points"));
+  EXPECT_FALSE(table.is_topic_of_ours("another topic"));
+  EXPECT_FALSE(table.is_topic_of_ours("a topic of nobody"));
+  table.erase(our_writer);
+  EXPECT_FALSE(table.is_topic_of_ours("points"));
+}
+
 TEST_F(EndpointTableTest, OnlyAWritersOwnNodeReportsItsProgress) {
   table.enter(endpoint(Role::writer, 7));
   table.progressed(its_node + 1, {.writer = 7, .samples = 3});

@@ -32,6 +32,25 @@ TEST_F(NegotiationTest, AReaderOnAnotherHostIsServedByUdpWithTheMaskOfItsFirstRe
   EXPECT_FALSE(serving.memory_port);
 }
 
+TEST_F(NegotiationTest, EventsOfATopicThatIsNotOursChangeNothing) {
+  our_writer();
+  Endpoint reader = endpoint(Role::reader, 7);
+  reader.topic = "another topic";
+  EXPECT_FALSE(negotiation.endpoint_seen(reader));
+  EXPECT_FALSE(negotiation.request_received(request(7, 2, F::data)));
+  EXPECT_FALSE(negotiation.endpoint_lost(7, Time{}));
+  EXPECT_FALSE(negotiation.endpoint_departed(7));
+}
+
+TEST_F(NegotiationTest, AReaderThatTakesAnotherTopicChangesWhatIsServed) {
+  our_writer();
+  Endpoint reader = endpoint(Role::reader, 7);
+  EXPECT_TRUE(negotiation.endpoint_seen(reader));
+  reader.topic = "another topic";
+  EXPECT_TRUE(negotiation.endpoint_seen(reader));
+  EXPECT_TRUE(negotiation.serving(100).network.empty());
+}
+
 TEST_F(NegotiationTest, NothingIsSentToAReaderBeforeItSaysThatItListens) {
   our_writer();
   Endpoint reader = endpoint(Role::reader, 7);
