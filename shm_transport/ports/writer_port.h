@@ -24,6 +24,7 @@
 #include <vector>
 
 #include "core/seam/transport.h"
+#include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
 #include "core/sync/published.h"
 #include "shm_transport/host/chunk_pools.h"
@@ -98,7 +99,7 @@ class ChunkLender final : public core::BufferOwner,
   const bool retains_;
   const bool waits_;  ///< the writer waits for reliable readers
 
-  mutable core::Mutex mutex_;  // never held over a system call
+  mutable core::Mutex mutex_ SFT_ACQUIRED_AFTER(core::lock_order::jobs);  // never held over a system call
   /// The session is lost, and iceoryx must not be used any more.
   bool lost_ SFT_GUARDED_BY(mutex_) = false;
   /// Keeps the memory of the ports mapped; null: do not use them.
