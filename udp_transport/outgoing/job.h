@@ -61,6 +61,7 @@ struct Job {
   }
 
   bool is_pack() const { return !packed_.empty(); }
+  /// True if the publisher's thread sends the body itself, as far as there is room (`direct_bytes_max`).
   bool is_small() const { return is_pack() || first.total <= direct_bytes_max; }
   std::size_t samples() const { return is_pack() ? packed_.size() : 1; }
   /// The length of one sample's body.
