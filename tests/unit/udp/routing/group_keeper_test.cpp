@@ -1,4 +1,5 @@
 // These tests check which readers of a writer are put into multicast groups.
+#include "tests/support/parse_datagram.h"
 #include "tests/unit/udp/routing/group_keeper_fixture.h"
 
 namespace sft::udp::test {
@@ -285,7 +286,7 @@ TEST_F(GroupKeeperTest, WithdrawsAGroupASecondAfterItsEnd) {
   const auto taken_back = [&] {
     std::size_t count = 0;
     for (const auto& datagram : connections_.sent()) {
-      const auto offer = parse_group_offer(datagram);
+      const auto offer = parse_as<GroupOffer>(datagram);
       count += offer && offer->group == number && offer->address == 0 ? 1 : 0;
     }
     return count;
