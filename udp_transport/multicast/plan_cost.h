@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <span>
 #include <vector>
 
 #include "sft/mask.h"
@@ -55,7 +54,5 @@ struct PlanCost {
   friend PlanCost operator+(PlanCost a, PlanCost b) { return {a.cost + b.cost, a.wire + b.wire}; }
   friend PlanCost operator-(PlanCost a, PlanCost b) { return {a.cost - b.cost, a.wire - b.wire}; }
 };
-PlanCost plan_cost(std::span<const PlanDestination> destinations, const BodyBytes& body_bytes,
-                   const MulticastPlan& plan, const PlanLimits& limits);
 
 }  // namespace sft::udp
