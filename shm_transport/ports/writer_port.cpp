@@ -4,7 +4,6 @@
 #include <cassert>
 #include <new>
 #include <thread>
-#include <tuple>
 #include <utility>
 
 #include "core/sync/spin.h"
