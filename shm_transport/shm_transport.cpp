@@ -11,6 +11,9 @@
 
 namespace sft::shm {
 
+static_assert(ShmOptions::samples_max == iox::MAX_CHUNKS_HELD_PER_SUBSCRIBER_SIMULTANEOUSLY &&
+              ShmOptions::samples_max == iox::MAX_SUBSCRIBER_QUEUE_CAPACITY);
+
 namespace {
 
 using core::Availability;
@@ -92,8 +95,8 @@ Result<std::unique_ptr<core::SharedMemory>> open_shm_transport(const ShmOptions&
   ShmOptions clamped = options;
   clamped.daemon_users.clear();  // numbers follow: a name costs a look into a file, or at a server
   for (const uid_t user : *users) clamped.daemon_users.push_back(std::to_string(user));
-  clamped.queue_limit = std::clamp(options.queue_limit, 1U, 256U);
-  clamped.held_limit = std::clamp(options.held_limit, 1U, 256U);
+  clamped.queue_limit = std::clamp(options.queue_limit, 1U, ShmOptions::samples_max);
+  clamped.held_limit = std::clamp(options.held_limit, 1U, ShmOptions::samples_max);
   return std::make_unique<ShmTransport>(clamped);
 }
 

@@ -1,6 +1,5 @@
 #include "udp_transport/udp_transport.h"
 
-#include <algorithm>
 #include <optional>
 #include <random>
 #include <utility>

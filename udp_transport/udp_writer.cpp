@@ -1,6 +1,7 @@
 #include "udp_transport/udp_writer.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cstddef>
 #include <limits>
 #include <span>
@@ -203,6 +204,7 @@ std::size_t UdpWriter::hold_or_send(const Audience& group, const core::SampleHan
 }
 
 void UdpWriter::hold(core::BatchPatience patience) noexcept {
+  assert(!holds_);
   holds_ = true;
   if (patience == core::BatchPatience::fresh) sender_.be_patient(max_blocking_);
   missed_ = 0;

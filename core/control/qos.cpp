@@ -12,10 +12,6 @@ using std::chrono::nanoseconds;
 constexpr std::uint32_t history_depth_max = 128;  // a writer can hold 256 chunks at a time
 constexpr std::uint32_t depth_max = 1'000'000;    // more is surely a mistake
 
-// A period in whole microseconds expresses these rates well enough.
-constexpr double slowest_rate_hz = 0.001;
-constexpr double fastest_rate_hz = 100'000;
-
 constexpr std::chrono::milliseconds shortest_watched{1};  // the agent looks no more often
 
 Result<void> check_duration(const char* name, nanoseconds duration) {
@@ -27,8 +23,8 @@ Result<void> check_duration(const char* name, nanoseconds duration) {
 Result<void> check_period(const char* name, nanoseconds period) {
   if (auto ok = check_duration(name, period); !ok) return ok;
   if (period.count() == 0 || period >= shortest_watched) return {};
-  return fail(Errc::invalid_argument,
-              std::string(name) + " " + text_of(period) + ": it is at least 1 ms, or 0 for none");
+  return fail(Errc::invalid_argument, std::string(name) + " " + text_of(period) + ": it is at least " +
+                                          text_of(shortest_watched) + ", or 0 for none");
 }
 
 /// The agent waits for a publish() that is under way.
@@ -119,6 +115,8 @@ Result<Qos> qos_of(const SubscriberOptions& options) {
 }
 
 Result<std::uint32_t> min_period_us_of(double max_rate_hz) {
+  constexpr double slowest_rate_hz = SubscriberOptions::slowest_rate_hz;
+  constexpr double fastest_rate_hz = SubscriberOptions::fastest_rate_hz;
   if (max_rate_hz == 0) return 0;
   if (max_rate_hz >= slowest_rate_hz && max_rate_hz <= fastest_rate_hz) {
     return static_cast<std::uint32_t>(std::lround(1e6 / max_rate_hz));

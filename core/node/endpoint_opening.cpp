@@ -12,9 +12,7 @@
 namespace sft::core {
 
 namespace {
-constexpr std::uint32_t max_held_least = 2;   // one is held while the next is taken
-constexpr std::uint32_t max_held_most = 256;  // iceoryx's limit
-constexpr std::chrono::seconds max_spin{1};   // of the thread that calls back: then it looks after the rest
+constexpr std::chrono::seconds max_spin{1};  // of the thread that calls back: then it looks after the rest
 }  // namespace
 
 bool EndpointOpening::may_use(TransportKind kind, TransportChoice choice) const {
@@ -47,9 +45,10 @@ Result<void> EndpointOpening::check(std::string_view topic, const TypeSupport& t
 
 Result<void> EndpointOpening::check(const SubscriberOptions& options) {
   if (Result<void> sound = Recorder::check(options.recording); !sound) return sound;
-  if (options.max_held < max_held_least || options.max_held > max_held_most) {
-    return fail(Errc::invalid_argument, "SubscriberOptions::max_held is " + std::to_string(max_held_least) +
-                                            " to " + std::to_string(max_held_most) + ", not " +
+  constexpr std::uint32_t least = SubscriberOptions::max_held_least, most = SubscriberOptions::max_held_most;
+  if (options.max_held < least || options.max_held > most) {
+    return fail(Errc::invalid_argument, "SubscriberOptions::max_held is " + std::to_string(least) + " to " +
+                                            std::to_string(most) + ", not " +
                                             std::to_string(options.max_held));
   }
   return {};

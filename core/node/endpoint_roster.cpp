@@ -34,23 +34,15 @@ NodeSnapshot::Publisher snapshot_of(const PublisherCore& publisher) {
 
 NodeSnapshot::Subscriber snapshot_of(SubscriberCore& subscriber) {
   const SubscriberCore::Spec& spec = subscriber.spec();
-  SubscriberStatus status = subscriber.status();
-  return {.id = spec.id,
-          .topic = spec.topic,
-          .type = std::string(spec.type->name()),
-          .qos = qos_of(spec.options).value_or(Qos{}),  // was checked when it was opened
-          .fields = spec.type->format_mask(status.mask),
-          .recorded = spec.requirement.recorded,
-          .max_rate_hz = status.max_rate_hz,
-          .requests = status.requests,
-          .received = status.received,
-          .lost = status.lost,
-          .withheld = status.withheld,
-          .expired = status.expired,
-          .discarded = status.discarded,
-          .held_too_many = status.held_too_many,
-          .restarts = status.restarts,
-          .writers = std::move(status.writers)};
+  NodeSnapshot::Subscriber snapshot;
+  static_cast<SubscriberStatus&>(snapshot) = subscriber.status();
+  snapshot.id = spec.id;
+  snapshot.topic = spec.topic;
+  snapshot.type = spec.type->name();
+  snapshot.qos = qos_of(spec.options).value_or(Qos{});  // was checked when it was opened
+  snapshot.fields = spec.type->format_mask(snapshot.mask);
+  snapshot.recorded = spec.requirement.recorded;
+  return snapshot;
 }
 
 }  // namespace

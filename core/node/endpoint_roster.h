@@ -5,6 +5,7 @@
 
 #include "core/publish/publisher_core.h"
 #include "core/subscribe/subscriber_core.h"
+#include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
 #include "sft/snapshot.h"
 
@@ -22,7 +23,8 @@ class EndpointRoster {
   void describe(NodeSnapshot& snapshot);
 
  private:
-  Mutex mutex_;  // also held while the endpoints are asked for their status, which takes their own locks
+  Mutex mutex_ SFT_ACQUIRED_BEFORE(lock_order::endpoints);  // also held while the endpoints are asked for
+                                                            // their status, which takes their own locks
   std::vector<const PublisherCore*> publishers_ SFT_GUARDED_BY(mutex_);
   std::vector<SubscriberCore*> subscribers_ SFT_GUARDED_BY(mutex_);
 };

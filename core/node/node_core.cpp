@@ -1,6 +1,5 @@
 #include "core/node/node_core.h"
 
-#include <functional>
 #include <future>
 #include <iterator>
 #include <utility>

@@ -1,6 +1,5 @@
 #include "core/node/topics.h"
 
-#include <algorithm>
 #include <map>
 #include <optional>
 #include <set>

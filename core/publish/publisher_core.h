@@ -26,6 +26,7 @@
 #include "core/seam/delivery.h"
 #include "core/seam/writer_port.h"
 #include "core/sync/guarded_call.h"
+#include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
 #include "sft/detail/untyped.h"
 
@@ -128,7 +129,8 @@ class PublisherCore {
   GuardedCall<const Event&> events_;
   GuardedCall<const PublisherStatus&> readers_changed_;
 
-  mutable Mutex status_mutex_;
+  mutable Mutex status_mutex_ SFT_ACQUIRED_AFTER(lock_order::endpoints)
+      SFT_ACQUIRED_BEFORE(lock_order::endpoint);
   mutable Condition readers_known_;  ///< that they may be others than before
   std::vector<PublisherStatus::Reader> readers_ SFT_GUARDED_BY(status_mutex_);
   FieldMask encoded_ SFT_GUARDED_BY(status_mutex_);  ///< at present

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/seam/sample_buffer.h"
+#include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
 
 namespace sft::core {
@@ -40,7 +41,7 @@ class BufferPool final : public BufferOwner, public std::enable_shared_from_this
   SampleBuffer* make_buffer(std::size_t capacity) noexcept;
   void shrink(std::size_t needed) noexcept;
 
-  Mutex mutex_;  // held for a few instructions, never over an allocation
+  Mutex mutex_ SFT_ACQUIRED_AFTER(lock_order::jobs);  // held for a few instructions, never over an allocation
   std::array<std::vector<SampleBuffer*>, classes> free_ SFT_GUARDED_BY(mutex_);
   std::size_t held_bytes_ SFT_GUARDED_BY(mutex_) = 0;  ///< lent and kept
   std::size_t lent_bytes_ SFT_GUARDED_BY(mutex_) = 0;

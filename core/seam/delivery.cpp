@@ -6,43 +6,34 @@ namespace sft::core {
 
 namespace {
 
+using Reading = DeliveryMeter::Reading;
+
 void add(Delivered& sum, const Delivered& more) noexcept {
-  sum.sent += more.sent;
-  sum.withheld += more.withheld;
-  sum.dropped += more.dropped;
-  sum.retained += more.retained;
-  sum.diverted += more.diverted;
-  sum.bytes += more.bytes;
-  sum.bytes_saved += more.bytes_saved;
+  using D = Delivered;
+  for (const auto count :
+       {&D::sent, &D::withheld, &D::dropped, &D::retained, &D::diverted, &D::bytes, &D::bytes_saved})
+    sum.*count += more.*count;
 }
+
+constexpr std::uint64_t Reading::*counts[] = {&Reading::sent,
+                                              &Reading::dropped,
+                                              &Reading::bytes,
+                                              &Reading::whole_bytes,
+                                              &Reading::lost,
+                                              &Reading::lost_bytes,
+                                              &Reading::lost_whole_bytes,
+                                              &Reading::withheld,
+                                              &Reading::diverted};
 
 }  // namespace
 
-using Reading = DeliveryMeter::Reading;
-
 Reading& Reading::operator+=(const Reading& other) noexcept {
-  sent += other.sent;
-  dropped += other.dropped;
-  bytes += other.bytes;
-  whole_bytes += other.whole_bytes;
-  lost += other.lost;
-  lost_bytes += other.lost_bytes;
-  lost_whole_bytes += other.lost_whole_bytes;
-  withheld += other.withheld;
-  diverted += other.diverted;
+  for (const auto count : counts) this->*count += other.*count;
   return *this;
 }
 
 Reading& Reading::operator-=(const Reading& other) noexcept {
-  sent -= other.sent;
-  dropped -= other.dropped;
-  bytes -= other.bytes;
-  whole_bytes -= other.whole_bytes;
-  lost -= other.lost;
-  lost_bytes -= other.lost_bytes;
-  lost_whole_bytes -= other.lost_whole_bytes;
-  withheld -= other.withheld;
-  diverted -= other.diverted;
+  for (const auto count : counts) this->*count -= other.*count;
   return *this;
 }
 

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "core/seam/rate_gate.h"
+#include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
 
 namespace sft::core {
@@ -131,7 +132,7 @@ class DeliveryBook {
   };
   void forget_the_gone() SFT_REQUIRES(mutex_);
 
-  mutable Mutex mutex_;
+  mutable Mutex mutex_ SFT_ACQUIRED_AFTER(lock_order::queues) SFT_ACQUIRED_BEFORE(lock_order::facts);
   std::map<std::uint64_t, Account> accounts_ SFT_GUARDED_BY(mutex_);
   Delivered gone_ SFT_GUARDED_BY(mutex_);
 };

@@ -22,6 +22,7 @@
 #include "core/seam/address.h"
 #include "core/seam/route.h"
 #include "core/seam/sample_buffer.h"
+#include "sft/options.h"
 #include "sft/result.h"
 #include "sft/type_support.h"
 
@@ -47,7 +48,7 @@ struct ReaderSpec {
   /// The doorbell that the writers of a BorrowingReader ring.
   DoorbellAddress doorbell;
   /// Handles of one writer that may be out; take() of a BorrowingReader gives no more of that writer then.
-  std::uint32_t max_held = 256;
+  std::uint32_t max_held = SubscriberOptions::max_held_most;
   /// True if all that the listener does is to ring `doorbell`, for threads in NetworkReader::receive(). Each
   /// of these threads may ring it for the others.
   bool only_waited_for = false;

@@ -34,6 +34,7 @@
 #include "core/seam/delivery.h"
 #include "core/seam/route.h"
 #include "core/seam/sample_buffer.h"
+#include "core/sync/thread_annotations.h"
 #include "sft/type_support.h"
 
 namespace sft::core {
@@ -129,8 +130,8 @@ enum class BatchPatience : std::uint8_t {
 class Transmission;
 class Batch;
 
-/// A writer whose samples travel as bytes.
-class NetworkWriter : public WriterPort {
+/// A writer whose samples travel as bytes. For Clang, it is held like a lock as long as a batch lasts.
+class SFT_CAPABILITY("batch") NetworkWriter : public WriterPort {
  public:
   /// A sample is about to be made, and gates are about to be asked about it: the sample goes by the routes
   /// that are in force now, and deliveries are counted by them from here on. A transmission that is let go of
@@ -139,7 +140,7 @@ class NetworkWriter : public WriterPort {
 
   /// The samples that are sent while the batch lasts need not leave at once, so that small ones share
   /// datagrams. One batch at a time. Called by the publisher's thread.
-  [[nodiscard]] Batch batch(BatchPatience patience) noexcept;
+  [[nodiscard]] Batch batch(BatchPatience patience) noexcept SFT_ACQUIRE();
 
   /// True if samples may be sent of which copies are postponed (SampleBuffer::postponed). The port then
   /// completes what it gives to other threads; of the rest some may never be copied, so that such a sample is
@@ -185,18 +186,20 @@ class NetworkWriter : public WriterPort {
 };
 
 /// One sample on its way: begun, and then sent, or missed, or let go of. The publisher's thread; must not
-/// outlive its port, and ends before the next one begins.
-class [[nodiscard]] Transmission {
+/// outlive its port, and ends before the next one begins. Clang refuses a second end of the same transmission
+/// (-Wconsumed), and a second batch while one lasts (-Wthread-safety); other compilers leave that to
+/// assertions.
+class [[nodiscard]] SFT_USED_ONCE Transmission {
  public:
   Transmission(Transmission&& other) noexcept : port_(std::exchange(other.port_, nullptr)) {}
   Transmission& operator=(Transmission&&) = delete;
 
   /// Does what WriterPort::send() does, by the routes that were in force when the transmission began.
-  SendStatus send(const SampleHandle& sample, Reach reach = Reach::usual_routes) && noexcept {
+  SendStatus send(const SampleHandle& sample, Reach reach = Reach::usual_routes) && noexcept SFT_USES {
     return take().send_begun(sample, reach);
   }
   /// The sample could not be made: those on the usual routes whose gates it passes miss it.
-  void miss() && noexcept { take().miss_begun(); }
+  void miss() && noexcept SFT_USES { take().miss_begun(); }
 
  private:
   friend class NetworkWriter;
@@ -211,11 +214,11 @@ class [[nodiscard]] Transmission {
 
 /// Samples that may share datagrams: from NetworkWriter::batch() to the end of this. The publisher's thread;
 /// must not outlive its port.
-class [[nodiscard]] Batch {
+class [[nodiscard]] SFT_SCOPED_CAPABILITY Batch {
  public:
   Batch(Batch&& other) noexcept : port_(std::exchange(other.port_, nullptr)) {}
   Batch& operator=(Batch&&) = delete;
-  ~Batch() {
+  ~Batch() SFT_RELEASE() {
     if (port_ != nullptr) port_->flush();
   }
 
@@ -237,7 +240,7 @@ inline Transmission NetworkWriter::begin() noexcept {
   return Transmission(*this);
 }
 
-inline Batch NetworkWriter::batch(BatchPatience patience) noexcept {
+inline Batch NetworkWriter::batch(BatchPatience patience) noexcept SFT_NO_THREAD_SAFETY_ANALYSIS {
   hold(patience);
   return Batch(*this);
 }

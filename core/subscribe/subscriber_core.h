@@ -23,6 +23,7 @@
 #include "core/subscribe/subscriber_ports.h"
 #include "core/subscribe/waiter.h"
 #include "core/sync/guarded_call.h"
+#include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
 #include "sft/detail/untyped.h"
 
@@ -110,7 +111,8 @@ class SubscriberCore final : public ArrivalListener {
   const Spec spec_;
   Doorbell& bell_;
   const std::shared_ptr<Recorder> recorder_;
-  Mutex remote_mutex_;  ///< held by the one thread that copies a sample
+  Mutex remote_mutex_ SFT_ACQUIRED_AFTER(lock_order::endpoints)
+      SFT_ACQUIRED_BEFORE(lock_order::endpoint);  ///< held by the one thread that copies a sample
   std::optional<RemoteCopy> remote_ SFT_GUARDED_BY(remote_mutex_);
   GuardedCall<const Event&> events_;
   SubscriberPorts ports_;

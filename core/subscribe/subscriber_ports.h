@@ -11,6 +11,7 @@
 
 #include "core/seam/transport.h"
 #include "core/subscribe/intake.h"
+#include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
 #include "sft/detail/project.h"
 
@@ -81,7 +82,7 @@ class SubscriberPorts {
   /// Called after samples may have been taken. The port may make a system call.
   void tell_of_room() SFT_EXCLUDES(mutex_);
 
-  Mutex mutex_;
+  Mutex mutex_ SFT_ACQUIRED_AFTER(lock_order::endpoints) SFT_ACQUIRED_BEFORE(lock_order::endpoint);
   Intake intake_ SFT_GUARDED_BY(mutex_);
   std::shared_ptr<BorrowingReader> memory_ SFT_GUARDED_BY(mutex_);
   std::shared_ptr<NetworkReader> network_ SFT_GUARDED_BY(mutex_);

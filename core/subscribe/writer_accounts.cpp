@@ -38,16 +38,21 @@ void WriterAccounts::hears(const std::vector<Hearing>& hearing, std::int64_t now
   if (writers_.size() > heard_.size() + departed_writers_kept) forget_departed();
 }
 
+template <class Sum>
+void WriterAccounts::add(Sum& sum, const Writer& writer) {
+  sum.received += writer.received;
+  sum.lost += writer.lost;
+  sum.withheld += writer.withheld;
+  sum.expired += writer.expired;
+  sum.restarts += writer.restarts;
+}
+
 /// The id of a writer is random for each incarnation: a writer that has gone does not return.
 void WriterAccounts::forget_departed() {
   std::erase_if(writers_, [this](const Writer& writer) {
     const auto is_it = [&](const SubscriberStatus::Writer& heard) { return heard.id == writer.id; };
     if (std::any_of(heard_.begin(), heard_.end(), is_it)) return false;
-    forgotten_.received += writer.received;
-    forgotten_.lost += writer.lost;
-    forgotten_.withheld += writer.withheld;
-    forgotten_.expired += writer.expired;
-    forgotten_.restarts += writer.restarts;
+    add(forgotten_, writer);
     return true;
   });
 }
@@ -77,14 +82,6 @@ void WriterAccounts::describe(SubscriberStatus& status) const {
       if (heard.id == writer.id) fill_in(heard, writer);
     }
   }
-}
-
-void WriterAccounts::add(SubscriberStatus& status, const Writer& writer) {
-  status.received += writer.received;
-  status.lost += writer.lost;
-  status.withheld += writer.withheld;
-  status.expired += writer.expired;
-  status.restarts += writer.restarts;
 }
 
 void WriterAccounts::fill_in(SubscriberStatus::Writer& status, const Writer& writer) {

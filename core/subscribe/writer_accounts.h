@@ -70,7 +70,8 @@ class WriterAccounts {
  private:
   Writer& open(EndpointId writer);
   void forget_departed();
-  static void add(SubscriberStatus& status, const Writer& writer);
+  template <class Sum>
+  static void add(Sum& sum, const Writer& writer);
   static void fill_in(SubscriberStatus::Writer& status, const Writer& writer);
 
   std::uint32_t min_period_us_;

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "core/sync/backoff.h"
+#include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
 
 namespace sft::core {
@@ -80,7 +81,7 @@ class Published {
 
   void step(std::memory_order order) { steps_.store(steps_.load(std::memory_order_relaxed) + 1, order); }
 
-  mutable Mutex mutex_;
+  mutable Mutex mutex_ SFT_ACQUIRED_AFTER(lock_order::queues) SFT_ACQUIRED_BEFORE(lock_order::facts);
   std::shared_ptr<const T> latest_ SFT_GUARDED_BY(mutex_);
   std::atomic<std::uint64_t> version_{0};
   std::shared_ptr<const T> in_use_;  // the reading thread's

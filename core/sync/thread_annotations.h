@@ -1,5 +1,6 @@
 // The attributes by which Clang checks at compile time that a lock is held where it has to be
-// (-Wthread-safety). Other compilers see nothing of them.
+// (-Wthread-safety), and that nothing is used twice that can be used once (-Wconsumed). Other compilers see
+// nothing of them.
 //
 // These are macros, although the project has no others: Clang knows most of these attributes only in the GNU
 // spelling, which other compilers refuse, and nothing is configured by them.
@@ -15,6 +16,10 @@
 #define SFT_GUARDED_BY(mutex) SFT_THREAD_ATTRIBUTE(guarded_by(mutex))
 /// The object behind the pointer is read and written only while this mutex is held.
 #define SFT_PT_GUARDED_BY(mutex) SFT_THREAD_ATTRIBUTE(pt_guarded_by(mutex))
+
+/// This mutex is taken after those, or before those, by a thread that holds both (lock_order.h).
+#define SFT_ACQUIRED_AFTER(...) SFT_THREAD_ATTRIBUTE(acquired_after(__VA_ARGS__))
+#define SFT_ACQUIRED_BEFORE(...) SFT_THREAD_ATTRIBUTE(acquired_before(__VA_ARGS__))
 
 /// The caller of the function holds these mutexes.
 #define SFT_REQUIRES(...) SFT_THREAD_ATTRIBUTE(requires_capability(__VA_ARGS__))
@@ -32,6 +37,10 @@
 #define SFT_CAPABILITY(kind) SFT_THREAD_ATTRIBUTE(capability(kind))
 /// The class locks a mutex in its constructor, and unlocks it in its destructor.
 #define SFT_SCOPED_CAPABILITY SFT_THREAD_ATTRIBUTE(scoped_lockable)
+
+/// An object of the class is used once, by a function that is marked SFT_USES (-Wconsumed).
+#define SFT_USED_ONCE SFT_THREAD_ATTRIBUTE(consumable(unconsumed))
+#define SFT_USES SFT_THREAD_ATTRIBUTE(callable_when("unconsumed", "unknown"))
 
 /// Clang does not check the body of the function. A comment says why.
 #define SFT_NO_THREAD_SAFETY_ANALYSIS SFT_THREAD_ATTRIBUTE(no_thread_safety_analysis)

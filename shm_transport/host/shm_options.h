@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/platform/thread.h"
+#include "sft/options.h"
 
 namespace sft::shm {
 
@@ -32,9 +33,10 @@ struct ShmOptions {
 
   core::ThreadSpec wake_thread = "sft-wake";  ///< the thread that wakes readers if several sleep
 
-  std::uint32_t queue_limit = 256;  ///< samples that wait, for each reader of each writer; at most 256
-  /// Samples that are held, for each writer, and for each reader of each writer; at most 256.
-  std::uint32_t held_limit = 256;
+  static constexpr std::uint32_t samples_max = SubscriberOptions::max_held_most;
+  std::uint32_t queue_limit = samples_max;  ///< samples that wait, for each reader of each writer
+  /// Samples that are held, for each writer, and for each reader of each writer.
+  std::uint32_t held_limit = samples_max;
 };
 
 }  // namespace sft::shm

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 
+#include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
 #include "shm_transport/host/chunk_slots.h"
 #include "shm_transport/host/iceoryx.h"
@@ -47,7 +48,7 @@ class ChunkQueue {
 
  private:
   iox::popo::SubscriberPortData& data_;
-  mutable core::Mutex mutex_;  ///< never held over a system call
+  mutable core::Mutex mutex_ SFT_ACQUIRED_AFTER(core::lock_order::jobs);  ///< never held over a system call
   iox::popo::SubscriberPortUser port_ SFT_GUARDED_BY(mutex_);
   ChunkSlots slots_ SFT_GUARDED_BY(mutex_);
   bool open_ SFT_GUARDED_BY(mutex_) = true;  ///< neither closed nor lost

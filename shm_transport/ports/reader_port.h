@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/seam/transport.h"
+#include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
 #include "shm_transport/host/sample_check.h"
 #include "shm_transport/host/session.h"
@@ -119,7 +120,8 @@ class ShmReaderPort final : public core::BorrowingReader {
   const ShmOptions options_;
   const std::shared_ptr<Statistics> statistics_;
 
-  mutable core::Mutex mutex_;
+  mutable core::Mutex mutex_ SFT_ACQUIRED_AFTER(core::lock_order::endpoint)
+      SFT_ACQUIRED_BEFORE(core::lock_order::queues);
   Writers writers_ SFT_GUARDED_BY(mutex_);
   /// The writers that were disconnected and are not yet drained, in the order of disconnection.
   Writers departed_ SFT_GUARDED_BY(mutex_);

@@ -4,7 +4,6 @@
 #include <cassert>
 #include <new>
 #include <thread>
-#include <tuple>
 #include <utility>
 
 #include "core/sync/spin.h"
@@ -128,8 +127,8 @@ ChunkLender::Commit ChunkLender::commit(ChunkSlot& slot, bool to_readers, bool m
     // holds it. It could block otherwise, if the daemon was stopped while it held the lock.
     auto& port = publisher_.m_chunkSenderData;
     if (!port.tryLock()) return Commit::busy;
-    if (retains_ || waits_) audience_.look(port.m_queues, *session_);
-    full = waits_ && audience_.without_room() != nullptr;
+    if (retains_ || waits_) attached_.look(port.m_queues, *session_);
+    full = waits_ && attached_.without_room() != nullptr;
     const bool waits = full && may_wait;
     if (!waits) deliver(slot);
     port.unlock();
@@ -142,16 +141,16 @@ ChunkLender::Commit ChunkLender::commit(ChunkSlot& slot, bool to_readers, bool m
 void ChunkLender::deliver(ChunkSlot& slot) noexcept {
   auto& port = publisher_.m_chunkSenderData;
   const ChunkInHand hand(publisher_);
-  if (!audience_.somebody_waits()) {
+  if (!attached_.somebody_waits()) {
     // The chunk goes back into iceoryx's own list of loans, because only a chunk in this list can be sent.
     port.m_chunksInUse.insert(slot.name.cloneToSharedChunk());
     before_chunk_leaves();
     port_.sendChunk(slot.chunk);
     return;
   }
-  audience_.hold_back();
-  for (const Audience::Listener& listener : audience_.listeners()) {
-    if (listener.waits_as == 0) Audience::deliver(port, listener, slot.name.cloneToSharedChunk());
+  attached_.hold_back();
+  for (const AttachedQueues::Listener& listener : attached_.listeners()) {
+    if (listener.waits_as == 0) AttachedQueues::deliver(port, listener, slot.name.cloneToSharedChunk());
   }
 }
 
@@ -159,8 +158,8 @@ std::optional<ChunkLender::FullQueue> ChunkLender::full_queue() noexcept {
   const core::Lock lock(mutex_);
   auto& port = publisher_.m_chunkSenderData;
   if (lost_ || !port.tryLock()) return std::nullopt;
-  audience_.look(port.m_queues, *session_);
-  const Audience::Listener* full = audience_.without_room();
+  attached_.look(port.m_queues, *session_);
+  const AttachedQueues::Listener* full = attached_.without_room();
   port.unlock();
   if (full == nullptr) return std::nullopt;
   return FullQueue{*full, session_};
@@ -171,7 +170,7 @@ std::optional<ChunkLender::FullQueue> ChunkLender::full_queue() noexcept {
 void ChunkLender::await_room(Clock::time_point until) noexcept {
   const std::optional<FullQueue> full = full_queue();
   if (!full) return;
-  const auto has_room = [&] { return Audience::has_room(full->listener); };
+  const auto has_room = [&] { return AttachedQueues::has_room(full->listener); };
   if (core::spin(std::min(until, Clock::now() + room_spin), has_room)) return;
   QueueRoom room(*full->listener.port);
   room.begin_waiting();
@@ -183,33 +182,33 @@ void ChunkLender::await_room(Clock::time_point until) noexcept {
 
 void ChunkLender::wait_for(std::set<core::EndpointId> readers) noexcept {
   const core::Lock lock(mutex_);
-  audience_.wait_for(std::move(readers));
+  attached_.wait_for(std::move(readers));
 }
 
 std::optional<std::uint64_t> ChunkLender::held_back(core::EndpointId reader) noexcept {
   const core::Lock lock(mutex_);
   auto& port = publisher_.m_chunkSenderData;
   if (lost_ || !retains_ || !port.tryLock()) return std::nullopt;
-  audience_.look(port.m_queues, *session_);
+  attached_.look(port.m_queues, *session_);
   port.unlock();
-  if (audience_.waiting(reader) == nullptr) return std::nullopt;
-  return audience_.held_back();
+  if (attached_.waiting(reader) == nullptr) return std::nullopt;
+  return attached_.held_back();
 }
 
 bool ChunkLender::begin(core::EndpointId reader, const std::vector<SampleHandle>& retained,
                         std::uint64_t held_back) noexcept {
   const core::Lock lock(mutex_);
   auto& port = publisher_.m_chunkSenderData;
-  if (lost_ || held_back != audience_.held_back() || !port.tryLock()) return false;
-  audience_.look(port.m_queues, *session_);
-  if (const Audience::Listener* listener = audience_.waiting(reader)) {
+  if (lost_ || held_back != attached_.held_back() || !port.tryLock()) return false;
+  attached_.look(port.m_queues, *session_);
+  if (const AttachedQueues::Listener* listener = attached_.waiting(reader)) {
     const ChunkInHand hand(publisher_);
     for (const SampleHandle& sample : retained) {
       ChunkSlot& slot = ChunkSlot::of(*sample);
-      Audience::deliver(port, *listener, slot.name.cloneToSharedChunk());
+      AttachedQueues::deliver(port, *listener, slot.name.cloneToSharedChunk());
       slot.sent = true;
     }
-    audience_.begun(reader);
+    attached_.begun(reader);
   }
   port.unlock();
   return true;
@@ -217,7 +216,7 @@ bool ChunkLender::begin(core::EndpointId reader, const std::vector<SampleHandle>
 
 void ChunkLender::owe_nothing(std::set<core::EndpointId> readers) noexcept {
   const core::Lock lock(mutex_);
-  audience_.owe_nothing(std::move(readers));
+  attached_.owe_nothing(std::move(readers));
 }
 
 void ChunkLender::recycle(SampleBuffer& buffer) noexcept {

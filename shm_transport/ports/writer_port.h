@@ -12,9 +12,9 @@
 // If the process is killed while it takes, delivers or gives back a chunk, that chunk has references that are
 // in no list (chunk_hand.h).
 //
-// Late readers get the retained samples before all others (audience.h). A writer with `max_blocking` waits
-// for room in the queues of the reliable readers that it serves (queue_room.h). All other readers lose their
-// oldest sample when their queue is full.
+// Late readers get the retained samples before all others (attached_queues.h). A writer with `max_blocking`
+// waits for room in the queues of the reliable readers that it serves (queue_room.h). All other readers lose
+// their oldest sample when their queue is full.
 #pragma once
 
 #include <chrono>
@@ -24,13 +24,14 @@
 #include <vector>
 
 #include "core/seam/transport.h"
+#include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
 #include "core/sync/published.h"
 #include "shm_transport/host/chunk_pools.h"
 #include "shm_transport/host/chunk_slots.h"
 #include "shm_transport/host/session.h"
 #include "shm_transport/host/statistics.h"
-#include "shm_transport/ports/audience.h"
+#include "shm_transport/ports/attached_queues.h"
 #include "shm_transport/wake/doorbells.h"
 
 namespace sft::shm {
@@ -68,8 +69,8 @@ class ChunkLender final : public core::BufferOwner,
   /// Returns whether the sample was lent here.
   bool owns(const core::SampleBuffer& sample) const noexcept { return sample.owner.get() == this; }
 
-  // The functions for late readers, which wait for retained samples (audience.h). They do not wait for the
-  // daemon: if it holds the lock of the port, the result is the same as if no reader waited.
+  // The functions for late readers, which wait for retained samples (attached_queues.h). They do not wait for
+  // the daemon: if it holds the lock of the port, the result is the same as if no reader waited.
   std::optional<std::uint64_t> held_back(core::EndpointId reader) noexcept;
   bool begin(core::EndpointId reader, const std::vector<core::SampleHandle>& retained,
              std::uint64_t held_back) noexcept;
@@ -87,7 +88,7 @@ class ChunkLender final : public core::BufferOwner,
   void hold(ChunkSlot& slot, iox::mepoo::ChunkHeader& chunk) noexcept SFT_REQUIRES(mutex_);
   void deliver(ChunkSlot& slot) noexcept SFT_REQUIRES(mutex_);
   struct FullQueue {
-    Audience::Listener listener;
+    AttachedQueues::Listener listener;
     std::shared_ptr<Session> session;  ///< keeps the memory of the queue mapped
   };
   std::optional<FullQueue> full_queue() noexcept;
@@ -98,7 +99,7 @@ class ChunkLender final : public core::BufferOwner,
   const bool retains_;
   const bool waits_;  ///< the writer waits for reliable readers
 
-  mutable core::Mutex mutex_;  // never held over a system call
+  mutable core::Mutex mutex_ SFT_ACQUIRED_AFTER(core::lock_order::jobs);  // never held over a system call
   /// The session is lost, and iceoryx must not be used any more.
   bool lost_ SFT_GUARDED_BY(mutex_) = false;
   /// Keeps the memory of the ports mapped; null: do not use them.
@@ -108,7 +109,7 @@ class ChunkLender final : public core::BufferOwner,
   iox::popo::SubscriberPortData& keeper_ SFT_GUARDED_BY(mutex_);
   ChunkPools& pools_ SFT_GUARDED_BY(mutex_);
   ChunkSlots slots_ SFT_GUARDED_BY(mutex_);
-  Audience audience_ SFT_GUARDED_BY(mutex_);
+  AttachedQueues attached_ SFT_GUARDED_BY(mutex_);
 };
 
 class ShmWriterPort final : public core::LendingWriter {

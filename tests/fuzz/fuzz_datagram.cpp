@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sft/detail/decode.h"
+#include "tests/support/parse_datagram.h"
 #include "tests/unit/udp/arrivals.h"
 #include "tests/unit/udp/live_streams.h"
 #include "tests/unit/udp/messages.h"
@@ -189,12 +190,12 @@ void answer(udp::Reassembly& reassembly, udp::Reassembly::Time now) {
   reassembly.answer(now, [](const udp::SocketAddress&, const udp::Ack& ack) {
     std::vector<std::byte> bytes(ack.bytes());
     encode(ack, bytes.data());
-    if (!udp::parse_ack(bytes)) std::abort();
+    if (!udp::parse_as<udp::Ack>(bytes)) std::abort();
   });
   reassembly.report_groups([](const udp::SocketAddress&, const udp::GroupReport& report) {
     std::vector<std::byte> bytes(udp::group_report_bytes);
     encode(report, bytes.data());
-    if (!udp::parse_group_report(bytes)) std::abort();
+    if (!udp::parse_as<udp::GroupReport>(bytes)) std::abort();
   });
 }
 
@@ -202,9 +203,10 @@ void answer(udp::Reassembly& reassembly, udp::Reassembly::Time now) {
 class Flow {
  public:
   void meet(std::span<const std::byte> datagram, udp::FlowWindow::Time now) {
-    if (const auto mark = udp::parse_mark(datagram))
+    if (const auto mark = udp::parse_as<udp::FlowMark>(datagram))
       static_cast<void>(shares_.answer(*mark, {mark->flow, mark->port}, now));
-    if (const auto report = udp::parse_report(datagram)) static_cast<void>(window_.hear(*report, now));
+    if (const auto report = udp::parse_as<udp::FlowReport>(datagram))
+      static_cast<void>(window_.hear(*report, now));
     for (int i = 0; i < 8 && window_.room(udp::FlowWindow::Size::large, now) > 0; ++i)
       window_.sent(60'000, 41, now);
     static_cast<void>(window_.mark(now));
@@ -271,10 +273,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if ((action & plausible) != 0 && bytes >= udp::following_header_bytes)
       make_plausible(action, datagram, wanted);
     if (is_followed) all.push_back(datagram);
-    static_cast<void>(udp::parse_ack(datagram));
+    static_cast<void>(udp::parse_as<udp::Ack>(datagram));
     flow.meet(datagram, now);
-    static_cast<void>(udp::parse_group_report(datagram));
-    static_cast<void>(udp::parse_group_probe(datagram));
+    static_cast<void>(udp::parse_as<udp::GroupReport>(datagram));
+    static_cast<void>(udp::parse_as<udp::GroupProbe>(datagram));
     const udp::Arrival arrival = udp::test::accept(reassembly, datagram, {now, 1});
     if (reassembly.groups().size() > 4 * wanted.size()) std::abort();
     std::vector<core::SampleHandle> samples(arrival.packed.begin(), arrival.packed.end());

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "tests/hostile/wire.h"
+#include "tests/support/parse_datagram.h"
 #include "udp_transport/wire/datagram.h"
 
 namespace sft::hostile {
@@ -138,7 +139,7 @@ void mutate(Bytes& bytes, Random& random) {
 Act for_heartbeats(std::function<udp::Ack(const udp::Heartbeat&)> answer) {
   const auto spoofer = std::make_shared<Spoofer>();
   return with_overheard([spoofer, answer = std::move(answer)](const Overheard& heard) {
-    const auto heartbeat = udp::parse_heartbeat(heard.payload);
+    const auto heartbeat = udp::parse_as<udp::Heartbeat>(heard.payload);
     if (!heartbeat) return;
     const udp::Ack ack = answer(*heartbeat);
     spoofer->send(encoded(ack, ack.bytes()), heard.to, to_port(heard.from.sin_addr.s_addr, heartbeat->port));
@@ -152,7 +153,7 @@ Act heartbeats_a_little_ahead(Target&) {
   const auto spoofer = std::make_shared<Spoofer>();
   const auto ticks = std::make_shared<int>(0);
   return with_overheard([=](const Overheard& heard) {
-    const auto honest = udp::parse_heartbeat(heard.payload);
+    const auto honest = udp::parse_as<udp::Heartbeat>(heard.payload);
     constexpr int heartbeats_between = 10;
     if (!honest || ++*ticks % heartbeats_between != 0) return;
     udp::Heartbeat ahead = *honest;
@@ -182,7 +183,7 @@ Act forged_nacks(Target&) {
 Act forged_reports(Target&) {
   const auto spoofer = std::make_shared<Spoofer>();
   return with_overheard([spoofer](const Overheard& heard) {
-    const auto mark = udp::parse_mark(heard.payload);
+    const auto mark = udp::parse_as<udp::FlowMark>(heard.payload);
     if (!mark) return;
     const udp::FlowReport report{.flow = mark->flow,
                                  .position = mark->position,
@@ -201,7 +202,7 @@ Act heartbeats_that_name_another_host(Target&) {
   const auto drain = std::make_shared<Drain>();
   const auto sender = std::make_shared<Sender>();
   Act act = with_overheard([=](const Overheard& heard) {
-    auto heartbeat = udp::parse_heartbeat(heard.payload);
+    auto heartbeat = udp::parse_as<udp::Heartbeat>(heard.payload);
     if (!heartbeat) return;
     heartbeat->port = drain->port();
     heartbeat->end += 4'000'000;

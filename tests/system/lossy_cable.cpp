@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "core/platform/file_descriptor.h"
+#include "tests/support/parse_datagram.h"
 #include "udp_transport/wire/datagram.h"
 
 namespace sft::test {

@@ -15,8 +15,8 @@ _ACCESS = {"public", "private", "protected"}
 _TESTS = {"TEST", "TEST_F", "TEST_P", "TYPED_TEST", "TYPED_TEST_P"}
 # The attributes of core/sync/thread_annotations.h.
 _ATTRIBUTES = {"SFT_GUARDED_BY", "SFT_PT_GUARDED_BY", "SFT_REQUIRES", "SFT_EXCLUDES", "SFT_ACQUIRE", "SFT_RELEASE",
-               "SFT_TRY_ACQUIRE", "SFT_CAPABILITY"}
-_ATTRIBUTES_ALONE = {"SFT_SCOPED_CAPABILITY", "SFT_NO_THREAD_SAFETY_ANALYSIS"}
+               "SFT_TRY_ACQUIRE", "SFT_ACQUIRED_AFTER", "SFT_ACQUIRED_BEFORE", "SFT_CAPABILITY"}
+_ATTRIBUTES_ALONE = {"SFT_SCOPED_CAPABILITY", "SFT_NO_THREAD_SAFETY_ANALYSIS", "SFT_USED_ONCE", "SFT_USES"}
 _AFTER_PARAMETERS = {"const", "noexcept", "override", "final", "&", "&&", "mutable", "try"}
 
 

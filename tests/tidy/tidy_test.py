@@ -265,10 +265,11 @@ class SFT_SCOPED_CAPABILITY Lock {
   }
   int a_ SFT_GUARDED_BY(mutex_) = 0;
   std::map<int, int> b_ SFT_GUARDED_BY(mutex_){};
+  Mutex c_ SFT_ACQUIRED_AFTER(first) SFT_ACQUIRED_BEFORE(second, third);
 };
 """
         classes = [(c.name, c.data, c.methods) for c in structure.read(text).classes]
-        self.assertEqual(classes, [("Mutex", 1, 1), ("Lock", 2, 2)])
+        self.assertEqual(classes, [("Mutex", 1, 1), ("Lock", 3, 2)])
         self.assertEqual(self.functions(text), [("lock", 1), ("g", 3)])
 
     def test_members_are_data_without_constants_and_methods_without_defaulted_ones(self):

@@ -11,10 +11,6 @@ namespace sft::tool {
 
 namespace {
 
-// The rates that SubscriberOptions::max_rate_hz takes.
-constexpr double slowest_rate_hz = 0.001;
-constexpr double fastest_rate_hz = 100'000;
-
 /// The options of all subcommands. CLI11 writes to those of the chosen one.
 struct Parsed {
   CommandLine line;
@@ -126,7 +122,7 @@ void declare_echo(CLI::App& app, Parsed& parsed) {
       ->capture_default_str();
   add_count(command, echo.count, "End after one sample", "End after this many samples");
   command->add_option("--rate", echo.max_rate_hz, "Ask for at most this many samples a second")
-      ->check(CLI::Range(slowest_rate_hz, fastest_rate_hz));
+      ->check(CLI::Range(SubscriberOptions::slowest_rate_hz, SubscriberOptions::fastest_rate_hz));
   CLI::Option* yaml = command->add_flag("--yaml", parsed.yaml, "Write YAML (the default)");
   CLI::Option* csv = command->add_flag("--csv", parsed.csv, "Write a table, with a column for each field");
   command->get_option("--json")->excludes(yaml)->excludes(csv);
@@ -153,7 +149,7 @@ void declare_pub(CLI::App& app, Parsed& parsed) {
       "may be now. With - the messages come from the standard input: YAML with --- between them, or one "
       "line of JSON each");
   command->add_option("-r,--rate", pub.rate_hz, "Publish this many samples a second (default: 1)")
-      ->check(CLI::Range(slowest_rate_hz, fastest_rate_hz));
+      ->check(CLI::Range(SubscriberOptions::slowest_rate_hz, SubscriberOptions::fastest_rate_hz));
   add_count(command, pub.count, "Publish the message once", "Publish the message this many times");
   command->add_option(
       "-w,--wait-for", pub.wait_for,

@@ -1,6 +1,5 @@
 #include "tools/sft/ls.h"
 
-#include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>

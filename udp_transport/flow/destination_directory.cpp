@@ -4,7 +4,6 @@
 #include <array>
 #include <chrono>
 #include <cstring>
-#include <vector>
 
 #include "core/platform/random_id.h"
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/seam/address.h"
+#include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
 #include "udp_transport/flow/destination.h"
 #include "udp_transport/flow/unproven_budget.h"
@@ -40,7 +41,8 @@ class DestinationDirectory {
   const DestinationLimits limits_;
   const Connect connect_;
   const HashKey channel_key_;
-  core::Mutex mutex_;
+  core::Mutex mutex_ SFT_ACQUIRED_AFTER(core::lock_order::endpoint)
+      SFT_ACQUIRED_BEFORE(core::lock_order::queues);
   std::map<Key, std::weak_ptr<Destination>> known_ SFT_GUARDED_BY(mutex_);
   UnprovenBudgets hosts_ SFT_GUARDED_BY(mutex_);
   std::vector<std::shared_ptr<Destination>> looked_after_;  ///< used by look_after()

@@ -9,6 +9,7 @@
 #include <deque>
 
 #include "core/platform/ip_address.h"
+#include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
 #include "udp_transport/flow/path_mtu.h"
 #include "udp_transport/io/datagram_io.h"
@@ -52,7 +53,8 @@ class RemotePath {
  private:
   void publish_length() noexcept SFT_REQUIRES(mutex_);
 
-  mutable core::Mutex mutex_;
+  mutable core::Mutex mutex_ SFT_ACQUIRED_AFTER(core::lock_order::queues)
+      SFT_ACQUIRED_BEFORE(core::lock_order::facts);
   SocketAddress address_ SFT_GUARDED_BY(mutex_);
   std::deque<core::IpAddress> also_at_ SFT_GUARDED_BY(mutex_);
   PathMtu mtu_ SFT_GUARDED_BY(mutex_);

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 
+#include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
 #include "udp_transport/flow/flow_limits.h"
 #include "udp_transport/flow/flow_window.h"
@@ -63,7 +64,8 @@ class SharedFlowWindow {
   void note_answers(Time now) SFT_REQUIRES(mutex_);
 
   const bool asks_;
-  mutable core::Mutex mutex_;
+  mutable core::Mutex mutex_ SFT_ACQUIRED_AFTER(core::lock_order::queues)
+      SFT_ACQUIRED_BEFORE(core::lock_order::facts);
   FlowWindow window_ SFT_GUARDED_BY(mutex_);
   bool control_withheld_ SFT_GUARDED_BY(mutex_) = false;
   std::atomic<bool> answers_;

@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "core/platform/ip_address.h"
+#include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
 
 namespace sft::udp {
@@ -64,7 +65,7 @@ class UnprovenBudget {
     spent_ -= std::min(spent_, steps);
   }
 
-  core::Mutex mutex_;
+  core::Mutex mutex_ SFT_ACQUIRED_AFTER(core::lock_order::facts) SFT_ACQUIRED_BEFORE(core::lock_order::jobs);
   std::size_t spent_ SFT_GUARDED_BY(mutex_) = 0;
   Time since_ SFT_GUARDED_BY(mutex_){};  ///< when one datagram was forgiven last
   std::optional<Time> answered_at_ SFT_GUARDED_BY(mutex_){};

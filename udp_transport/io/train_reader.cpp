@@ -6,10 +6,6 @@
 
 namespace sft::udp {
 
-namespace {
-constexpr std::size_t train_bytes_max = 65536;
-}
-
 TrainReader::TrainReader(std::shared_ptr<const UdpSocket> socket)
     : socket_(std::move(socket)), train_(train_bytes_max) {}
 

@@ -69,7 +69,8 @@ timespec time_until(std::chrono::steady_clock::time_point deadline) noexcept;
 /// ppoll() until then, or a signal. Whether any is ready; `revents` says which, and nothing otherwise.
 bool poll_until(std::span<pollfd> polled, std::chrono::steady_clock::time_point deadline) noexcept;
 
-/// Room for the one control message that receiving with UDP_GRO brings.
+/// The longest train that the kernel hands over at a time (UDP_GRO), and room for its one control message.
+inline constexpr std::size_t train_bytes_max = 65536;
 inline constexpr std::size_t train_control_bytes = CMSG_SPACE(sizeof(int));
 
 /// Hands the datagrams of a train to the sink, between begin() and end(). `control` are the control messages

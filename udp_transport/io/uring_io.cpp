@@ -146,7 +146,7 @@ class Pages {
 class BufferRing {
  public:
   static constexpr unsigned buffers = 4;  // so few that they stay in the nearest cache until they are read
-  static constexpr std::size_t buffer_bytes = 65536 + 256;
+  static constexpr std::size_t buffer_bytes = train_bytes_max + 256;
   static constexpr std::uint16_t group = 0;
 
   /// 0 or a positive errno.

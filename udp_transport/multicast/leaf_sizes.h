@@ -1,6 +1,6 @@
-// What each field of a message type takes in the samples of one writer, on average: how many elements its
-// sequences have, and how long its strings are. From that the length of a body with any fields follows
-// without a sample.
+// The average sizes of the fields in the samples of one writer: how many elements the sequences have, and how
+// long the strings are. From these sizes the length of a body under any mask can be computed without a
+// sample.
 #pragma once
 
 #include <atomic>

@@ -22,8 +22,6 @@ class LinkPlan {
            const PlanLimits& limits)
       : all_(all), kinds_(kinds_behind(link)), search_(kinds_, body_bytes, limits) {}
 
-  double wire_max() const { return search_.wire_max(); }
-
   /// Groups whose kinds are together at present. Those who came anew go where they cost least.
   void take_over(const MulticastPlan& present, double samples_per_s, const PlanLimits& limits) {
     places_.assign(kinds_.size(), PlanSearch::alone);
@@ -114,11 +112,6 @@ class LinkPlan {
 };
 
 }  // namespace
-
-double wire_bytes_max(std::span<const PlanDestination> destinations, std::size_t link,
-                      const BodyBytes& body_bytes, const PlanLimits& limits) {
-  return LinkPlan(destinations, link, body_bytes, limits).wire_max();
-}
 
 MulticastPlan plan_multicast(std::span<const PlanDestination> destinations, const BodyBytes& body_bytes,
                              double samples_per_s, const MulticastPlan& present, const PlanLimits& limits) {

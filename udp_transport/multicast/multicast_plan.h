@@ -9,11 +9,6 @@
 
 namespace sft::udp {
 
-/// Bytes that a plan may put on that link: PlanLimits::wire_max times the lesser of one group of all and no
-/// group.
-double wire_bytes_max(std::span<const PlanDestination> destinations, std::size_t link,
-                      const BodyBytes& body_bytes, const PlanLimits& limits);
-
 /// A plan that is good; or the present one with those in it who came anew, if there is too little to gain by
 /// changing more.
 MulticastPlan plan_multicast(std::span<const PlanDestination> destinations, const BodyBytes& body_bytes,

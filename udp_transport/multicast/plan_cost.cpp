@@ -21,24 +21,4 @@ double wire_bytes(double body_bytes, std::size_t datagram_bytes, PlaceMark place
   return all + datagrams * (static_cast<double>(following_header_bytes) + lower_header_bytes);
 }
 
-/// What a group is sent always has a mark.
-PlanCost plan_cost(std::span<const PlanDestination> destinations, const BodyBytes& body_bytes,
-                   const MulticastPlan& plan, const PlanLimits& limits) {
-  PlanCost all;
-  for (const PlanDestination& to : destinations) all = all + PlanCost{to.alone_bytes, to.alone_bytes};
-  for (const PlannedGroup& group : plan) {
-    std::size_t datagram_bytes = SIZE_MAX;
-    for (const std::size_t member : group.members)
-      datagram_bytes = std::min(datagram_bytes, destinations[member].datagram_bytes);
-    const double together = wire_bytes(body_bytes(group.fields), datagram_bytes, PlaceMark::in_group);
-    all = all + PlanCost{together, together};
-    for (const std::size_t member : group.members) {
-      const double apart = destinations[member].alone_bytes;
-      all.cost += limits.unwanted_weight * std::max(0.0, together - apart);
-      all = all - PlanCost{apart, apart};
-    }
-  }
-  return all;
-}
-
 }  // namespace sft::udp

@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <span>
 #include <vector>
 
 #include "sft/mask.h"
@@ -40,11 +39,12 @@ struct PlanLimits {
   std::size_t groups_max = 8;      ///< on a link
 };
 
-/// The position that a sample carries. A position in a channel takes bytes of its own only if the sample does
-/// not fit into one datagram.
+/// The position that a sample carries on the wire. A sample that fits into one datagram has its position in a
+/// channel in the header, without more bytes.
 enum class PlaceMark : std::uint8_t { none, in_channel, in_group };
 
-/// Bytes on the wire of one sample with such a body: our headers and those of Ethernet, IP and UDP.
+/// Returns the bytes that one sample with such a body takes on the wire, with the headers of SFT, Ethernet,
+/// IP and UDP.
 double wire_bytes(double body_bytes, std::size_t datagram_bytes, PlaceMark place);
 
 /// What one sample costs.
@@ -54,7 +54,5 @@ struct PlanCost {
   friend PlanCost operator+(PlanCost a, PlanCost b) { return {a.cost + b.cost, a.wire + b.wire}; }
   friend PlanCost operator-(PlanCost a, PlanCost b) { return {a.cost - b.cost, a.wire - b.wire}; }
 };
-PlanCost plan_cost(std::span<const PlanDestination> destinations, const BodyBytes& body_bytes,
-                   const MulticastPlan& plan, const PlanLimits& limits);
 
 }  // namespace sft::udp

@@ -39,7 +39,6 @@ class PlanSearch {
   PlanCost cost_of(const Places& places);
   /// False: more bytes are on the wire than may be.
   bool allows(PlanCost cost) const { return cost.wire <= wire_max_; }
-  double wire_max() const { return wire_max_; }
 
  private:
   struct Group {

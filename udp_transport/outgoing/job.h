@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/seam/sample_buffer.h"
+#include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
 #include "sft/detail/project.h"
 #include "udp_transport/outgoing/kept_memory.h"
@@ -60,6 +61,7 @@ struct Job {
   }
 
   bool is_pack() const { return !packed_.empty(); }
+  /// True if the publisher's thread sends the body itself, as far as there is room (`direct_bytes_max`).
   bool is_small() const { return is_pack() || first.total <= direct_bytes_max; }
   std::size_t samples() const { return is_pack() ? packed_.size() : 1; }
   /// The length of one sample's body.
@@ -167,7 +169,7 @@ class JobPool : public std::enable_shared_from_this<JobPool> {
   static constexpr std::size_t borrowed_bytes_max = std::size_t{24} << 20;
   const std::shared_ptr<KeptMemory> memory_;
   std::atomic<std::size_t> borrowed_samples_{0}, borrowed_bytes_{0};
-  core::Mutex mutex_;
+  core::Mutex mutex_ SFT_ACQUIRED_AFTER(core::lock_order::facts) SFT_ACQUIRED_BEFORE(core::lock_order::jobs);
   std::vector<std::unique_ptr<Job>> spare_ SFT_GUARDED_BY(mutex_);  ///< with room for all that there are
   std::size_t jobs_ SFT_GUARDED_BY(mutex_) = 0;                     ///< that are out or spare
   detail::Projection::Memory widest_ SFT_GUARDED_BY(mutex_);        ///< that a job has come back with

@@ -7,6 +7,7 @@
 
 #include "core/seam/transport.h"
 #include "core/sync/guarded_call.h"
+#include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
 #include "udp_transport/receive/keep_last_queue.h"
 #include "udp_transport/receive/late_filter.h"
@@ -71,7 +72,8 @@ class Inbox {
   void forget_the_finished() noexcept SFT_REQUIRES(mutex_);
 
   const std::size_t depth_;
-  mutable core::Mutex mutex_;
+  mutable core::Mutex mutex_ SFT_ACQUIRED_AFTER(core::lock_order::endpoint)
+      SFT_ACQUIRED_BEFORE(core::lock_order::queues);
   std::vector<Writer> writers_ SFT_GUARDED_BY(mutex_);
   std::uint64_t arrivals_ SFT_GUARDED_BY(mutex_) = 0;
   std::uint64_t discarded_ SFT_GUARDED_BY(mutex_) = 0;

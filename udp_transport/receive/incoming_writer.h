@@ -52,7 +52,8 @@ struct Arrival {
   /// The samples of a packed datagram, whole and valid. They may be moved out, and are gone with the next
   /// datagram.
   std::span<core::SampleHandle> packed{};
-  /// The samples came alone, and one before them has not come. It may lie in the socket of groups.
+  /// True if a sample before these has not come. That sample may still lie in the socket of the groups, while
+  /// these came by unicast.
   bool may_overtake = false;
 
   bool has_samples() const { return sample || !packed.empty(); }
@@ -90,7 +91,8 @@ class IncomingWriter {
   /// Null unless some reader wants the samples reliably.
   ArrivalWindow* window() { return window_.get(); }
 
-  // Several writers may have one short id. Whether the datagram can be of this one:
+  // Several writers may have one short id. These functions return true if the datagram can be from this
+  // writer.
 
   bool fits(const Following& d) const { return samples_.find(d.label) != nullptr; }
   bool fits(const Datagram& d);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/seam/transport.h"
+#include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
 #include "core/sync/published.h"
 #include "udp_transport/receive/inbox.h"
@@ -68,7 +69,8 @@ class SubscriptionDirectory {
   Result<void> check(const Reader& reader, const core::Source& source) const SFT_REQUIRES(mutex_);
   void publish() SFT_REQUIRES(mutex_);
 
-  core::Mutex mutex_;
+  core::Mutex mutex_ SFT_ACQUIRED_AFTER(core::lock_order::endpoint)
+      SFT_ACQUIRED_BEFORE(core::lock_order::queues);
   std::vector<Reader> readers_ SFT_GUARDED_BY(mutex_);
   core::Published<Subscriptions> subscriptions_;
 

@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
 #include "udp_transport/flow/destination.h"
 #include "udp_transport/outgoing/wake.h"
@@ -126,7 +127,8 @@ class Channel {
   std::atomic<std::uint64_t> behind_{0};
   std::atomic<bool> went_wrong_{false};
 
-  core::Mutex mutex_;
+  core::Mutex mutex_ SFT_ACQUIRED_AFTER(core::lock_order::endpoint)
+      SFT_ACQUIRED_BEFORE(core::lock_order::queues);
   ResendWindow window_ SFT_GUARDED_BY(mutex_);
   ChannelLife life_ SFT_GUARDED_BY(mutex_);
   Attention attention_ SFT_GUARDED_BY(mutex_);

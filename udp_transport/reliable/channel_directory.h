@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/seam/address.h"
+#include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
 #include "udp_transport/reliable/channel.h"
 
@@ -25,7 +26,8 @@ class ChannelRoster {
   std::vector<std::shared_ptr<Channel>> find_at(std::uint32_t writer, const core::IpAddress& ip);
 
  private:
-  core::Mutex mutex_;
+  core::Mutex mutex_ SFT_ACQUIRED_AFTER(core::lock_order::endpoint)
+      SFT_ACQUIRED_BEFORE(core::lock_order::queues);
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::weak_ptr<Channel>> known_ SFT_GUARDED_BY(mutex_);
 };
 

@@ -19,7 +19,8 @@ namespace sft::udp {
 
 class KeptSamples {
  public:
-  /// One of two queues, so that a large sample does not hold up small ones.
+  /// One of two queues, so that a large sample does not hold up small ones. Small is what one system call
+  /// sends. (Job::is_small() is narrower: it is what the publisher's thread sends itself.)
   enum class Size : std::uint8_t { small, large };
   static Size size_of(std::size_t bytes) { return bytes <= batch_bytes_max ? Size::small : Size::large; }
 

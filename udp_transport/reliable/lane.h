@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/seam/delivery.h"
+#include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
 #include "udp_transport/flow/destination.h"
 #include "udp_transport/outgoing/job.h"
@@ -119,7 +120,8 @@ class Lane {
   std::atomic<std::uint64_t> last_retained_{0};  ///< its ordinal in the channel; 0: none was passed on
   LaneQueue::Next current_;                      ///< the present job; used by the sending thread
   bool is_lost_ = false;                         ///< the present job was not sent; used by the sending thread
-  core::Mutex mutex_;
+  core::Mutex mutex_ SFT_ACQUIRED_AFTER(core::lock_order::endpoint)
+      SFT_ACQUIRED_BEFORE(core::lock_order::queues);
   core::Condition room_;                                  ///< the queue has become shorter
   bool scheduled_ SFT_GUARDED_BY(mutex_) = false;         ///< the sending thread knows of it
   bool counts_as_merged_ SFT_GUARDED_BY(mutex_) = false;  ///< while it is scheduled

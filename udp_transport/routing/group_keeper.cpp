@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <utility>
 
 #include "udp_transport/io/interfaces.h"
@@ -13,7 +12,7 @@ namespace sft::udp {
 namespace {
 
 /// Masks of larger types are named by their hashes only.
-constexpr std::size_t leaves_max = 64 * WireMask::words_max;
+constexpr std::size_t leaves_in_groups_max = 64 * WireMask::words_max;
 
 constexpr const char* restless = "it asks for that only since just now, or often for something else";
 
@@ -26,7 +25,7 @@ bool holds(const Range& range, const Value& value) {
 
 GroupKeeper::GroupKeeper(Setup setup)
     : setup_(std::move(setup)),
-      too_many_leaves_(leaf_count(*setup_.type) > leaves_max),
+      too_many_leaves_(leaf_count(*setup_.type) > leaves_in_groups_max),
       sharing_(setup_.limits.wire_max) {}
 
 void GroupKeeper::merge(std::vector<RouteBundle>& routes, Time now) {

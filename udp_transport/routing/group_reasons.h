@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/seam/transport.h"
+#include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
 #include "udp_transport/multicast/body_sizes.h"
 #include "udp_transport/multicast/multicast_group.h"
@@ -39,7 +40,8 @@ class GroupReasons {
   std::string unwanted(const Reader& reader, const IsThere& is_there) const SFT_REQUIRES(mutex_);
   std::string alone(const Reader& reader) const SFT_REQUIRES(mutex_);
 
-  mutable core::Mutex mutex_;
+  mutable core::Mutex mutex_ SFT_ACQUIRED_AFTER(core::lock_order::queues)
+      SFT_ACQUIRED_BEFORE(core::lock_order::facts);
   Readers readers_ SFT_GUARDED_BY(mutex_);
   Groups groups_ SFT_GUARDED_BY(mutex_);
   std::shared_ptr<BodySizes> sizes_ SFT_GUARDED_BY(mutex_);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
 #include "udp_transport/io/datagram_io.h"
 #include "udp_transport/reliable/channel.h"
@@ -57,7 +58,8 @@ class ScheduledWork {
   void carry_out_all_deferred();
 
   DatagramSender& io_;
-  core::Mutex mutex_;
+  core::Mutex mutex_ SFT_ACQUIRED_AFTER(core::lock_order::endpoint)
+      SFT_ACQUIRED_BEFORE(core::lock_order::queues);
   bool is_closed_ SFT_GUARDED_BY(mutex_) = false;
   Taken added_ SFT_GUARDED_BY(mutex_);
   Room room_ SFT_GUARDED_BY(mutex_);

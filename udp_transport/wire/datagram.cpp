@@ -1,6 +1,8 @@
 #include "udp_transport/wire/datagram.h"
 
 #include <concepts>
+#include <cstring>
+#include <type_traits>
 
 namespace sft::udp {
 
@@ -17,18 +19,7 @@ constexpr unsigned words_bit = 8, merged_bit = 9, short_variant_bit = 10, short_
 static_assert(whole_numbers_end == 1U << (short_channel_bit - short_variant_bit) &&
               whole_numbers_end == 1U << (32 - short_channel_bit));
 constexpr std::size_t at_period = first_header_bytes, at_ordinal = at_period + 4;
-// The offsets in heartbeats and acks. These name the writer where samples do.
-constexpr std::size_t at_port = 2, at_channel_number = 8, at_waiting = 12, at_first = 16, at_end = 24;
-constexpr std::size_t at_count = 2, at_reserved = 12, at_next = 16;
-// The offsets in marks and reports.
-constexpr std::size_t at_flow = 4, at_position = 8, at_window = 16, at_datagrams = 20, at_came = 24;
-constexpr std::size_t at_padding = 28, at_sent = 32;
-
-// The offsets in group offers and reports.
-constexpr std::size_t at_group_number = 8, at_member = 12;
-constexpr std::size_t at_group_address = 16, at_offered_channel = 20, at_ahead = 24, at_heard = 16;
-// The offsets in group probes. Their first fields are where those of offers are.
-constexpr std::size_t at_probe_padding = 12, at_probed = 16;
+constexpr std::size_t at_count = 2;  // in acks
 
 template <std::unsigned_integral T>
 void store(T value, std::byte* out) noexcept {
@@ -54,7 +45,7 @@ void store_common(DatagramKind kind, std::uint8_t flags, const SampleLabel& labe
   store(label.sequence, out + at_sequence);
 }
 
-/// Does what kind_of() does, but the compiler may put its code into its callers.
+/// Returns the kind that the bytes claim to be. Empty if they are no datagram of this version.
 std::optional<DatagramKind> claimed_kind(std::span<const std::byte> bytes) noexcept {
   if (bytes.size() < following_header_bytes || bytes.size() > datagram_bytes_max) return {};
   const auto version_and_kind = load<std::uint8_t>(&bytes[at_kind]);
@@ -224,174 +215,191 @@ FirstHeader header_behind(const FirstHeader& first, std::uint32_t samples, std::
   return header;
 }
 
+namespace {
+
+/// Writes fields at their offsets.
+struct Store {
+  std::byte* out;
+
+  template <std::integral T>
+  void operator()(std::size_t at, T value) const noexcept {
+    store(static_cast<std::make_unsigned_t<T>>(value), out + at);
+  }
+};
+
+/// Reads fields at their offsets.
+struct Load {
+  const std::byte* from;
+
+  template <std::integral T>
+  void operator()(std::size_t at, T& value) const noexcept {
+    value = static_cast<T>(load<std::make_unsigned_t<T>>(from + at));
+  }
+};
+
+template <class T, class Kind>
+concept Is = std::same_as<std::remove_const_t<T>, Kind>;
+
+// The fields of each kind without payload, at their offsets. `field` is a Store or a Load.
+
+void each_field(Is<Heartbeat> auto& heartbeat, const auto& field) noexcept {
+  field(2, heartbeat.port);
+  field(4, heartbeat.writer);
+  field(8, heartbeat.channel);
+  field(12, heartbeat.waiting);
+  field(16, heartbeat.first);
+  field(24, heartbeat.end);
+}
+
+void each_field(Is<Ack> auto& ack, const auto& field) noexcept {
+  field(4, ack.writer);
+  field(8, ack.channel);
+  field(16, ack.next);
+}
+
+void each_field(Is<Missing> auto& part, const auto& field) noexcept {
+  field(0, part.ordinal);
+  field(4, part.begin);
+  field(8, part.end);
+}
+
+void each_field(Is<FlowMark> auto& mark, const auto& field) noexcept {
+  field(2, mark.port);
+  field(4, mark.flow);
+  field(8, mark.position);
+  field(20, mark.datagrams);
+  field(32, mark.sent_at_ns);
+}
+
+void each_field(Is<FlowReport> auto& report, const auto& field) noexcept {
+  field(4, report.flow);
+  field(8, report.position);
+  field(16, report.window_bytes);
+  field(20, report.datagrams);
+  field(24, report.came);
+  field(32, report.sent_at_ns);
+}
+
+void each_field(Is<GroupOffer> auto& offer, const auto& field) noexcept {
+  field(2, offer.port);
+  field(4, offer.writer);
+  field(8, offer.group);
+  field(12, offer.member);
+  field(16, offer.address);
+  field(20, offer.channel);
+  field(24, offer.ahead);
+}
+
+void each_field(Is<GroupReport> auto& report, const auto& field) noexcept {
+  field(4, report.writer);
+  field(8, report.group);
+  field(12, report.member);
+  field(16, report.heard);
+}
+
+void each_field(Is<GroupProbe> auto& probe, const auto& field) noexcept {
+  field(4, probe.writer);
+  field(8, probe.group);
+  field(16, probe.ordinal);
+}
+
+/// Writes `bytes` bytes. Those that are no field are 0.
+template <class T>
+void encode(DatagramKind kind, const T& from, std::size_t bytes, std::byte* out) noexcept {
+  std::memset(out, 0, bytes);
+  store_kind(kind, 0, out);
+  each_field(from, Store{out});
+}
+
+/// Reads a datagram of so many bytes. Empty if the datagram has another length, or a flag.
+template <class T>
+std::optional<T> read(std::span<const std::byte> bytes, std::size_t length) noexcept {
+  if (bytes.size() != length || load<std::uint8_t>(&bytes[at_flags]) != 0) return {};
+  std::optional<T> read(std::in_place);
+  each_field(*read, Load{bytes.data()});
+  return read;
+}
+
+std::optional<GroupOffer> read_group_offer(std::span<const std::byte> bytes) noexcept {
+  const auto offer = read<GroupOffer>(bytes, group_offer_bytes);
+  if (!offer) return {};
+  const auto ahead = static_cast<std::int64_t>(ordinal_max);
+  const bool is_private = offer->address == 0 || offer->address >> 16 == private_groups >> 16;
+  const bool sound = offer->port != 0 && is_private && offer->ahead >= -ahead && offer->ahead <= ahead;
+  return sound ? offer : std::nullopt;
+}
+
+std::optional<GroupReport> read_group_report(std::span<const std::byte> bytes) noexcept {
+  const auto report = read<GroupReport>(bytes, group_report_bytes);
+  return report && report->heard <= ordinal_max ? report : std::nullopt;
+}
+
+std::optional<GroupProbe> read_group_probe(std::span<const std::byte> bytes) noexcept {
+  const auto probe = read<GroupProbe>(bytes, group_probe_bytes);
+  return probe && probe->ordinal != 0 && probe->ordinal <= ordinal_max ? probe : std::nullopt;
+}
+
+std::optional<Heartbeat> read_heartbeat(std::span<const std::byte> bytes) noexcept {
+  const auto heartbeat = read<Heartbeat>(bytes, heartbeat_bytes);
+  const bool sound = heartbeat && heartbeat->port != 0 && heartbeat->first != 0 &&
+                     heartbeat->first <= heartbeat->end && heartbeat->end <= ordinal_max;
+  return sound ? heartbeat : std::nullopt;
+}
+
+std::optional<Ack> read_ack(std::span<const std::byte> bytes) noexcept {
+  if (bytes.size() < ack_header_bytes) return {};
+  const std::size_t count = load<std::uint16_t>(&bytes[at_count]);
+  if (count > missing_max) return {};
+  auto ack = read<Ack>(bytes, ack_header_bytes + count * missing_bytes);
+  if (!ack || ack->next == 0 || ack->next > ordinal_max) return {};
+  ack->missing_count = count;
+  for (std::size_t i = 0; i < count; ++i) {
+    Missing& part = ack->missing[i];
+    each_field(part, Load{&bytes[ack_header_bytes + i * missing_bytes]});
+    if (part.begin > part.end) return {};
+  }
+  return ack;
+}
+
+std::optional<FlowMark> read_mark(std::span<const std::byte> bytes) noexcept {
+  const auto mark = read<FlowMark>(bytes, mark_bytes);
+  return mark && mark->port != 0 ? mark : std::nullopt;
+}
+
+}  // namespace
+
 void encode(const Heartbeat& heartbeat, std::byte* out) noexcept {
-  store_kind(DatagramKind::heartbeat, 0, out);
-  store(heartbeat.port, out + at_port);
-  store(heartbeat.writer, out + at_writer);
-  store(heartbeat.channel, out + at_channel_number);
-  store(heartbeat.waiting, out + at_waiting);
-  store(heartbeat.first, out + at_first);
-  store(heartbeat.end, out + at_end);
+  encode(DatagramKind::heartbeat, heartbeat, heartbeat_bytes, out);
 }
 
 void encode(const Ack& ack, std::byte* out) noexcept {
-  store_kind(DatagramKind::ack, 0, out);
+  encode(DatagramKind::ack, ack, ack_header_bytes, out);
   store(static_cast<std::uint16_t>(ack.missing_count), out + at_count);
-  store(ack.writer, out + at_writer);
-  store(ack.channel, out + at_channel_number);
-  store(std::uint32_t{0}, out + at_reserved);
-  store(ack.next, out + at_next);
   std::byte* place = out + ack_header_bytes;
   for (const Missing& part : ack.parts()) {
-    store(part.ordinal, place);
-    store(part.begin, place + 4);
-    store(part.end, place + 8);
+    each_field(part, Store{place});
     place += missing_bytes;
   }
 }
 
 void encode(const FlowMark& mark, std::byte* out) noexcept {
-  store_kind(DatagramKind::mark, 0, out);
-  store(mark.port, out + at_port);
-  store(mark.flow, out + at_flow);
-  store(mark.position, out + at_position);
-  store(std::uint32_t{0}, out + at_window);
-  store(mark.datagrams, out + at_datagrams);
-  store(std::uint64_t{0}, out + at_came);
-  store(static_cast<std::uint64_t>(mark.sent_at_ns), out + at_sent);
+  encode(DatagramKind::mark, mark, mark_bytes, out);
 }
 
 void encode(const FlowReport& report, std::byte* out) noexcept {
-  store_kind(DatagramKind::report, 0, out);
-  store(std::uint16_t{0}, out + at_port);
-  store(report.flow, out + at_flow);
-  store(report.position, out + at_position);
-  store(report.window_bytes, out + at_window);
-  store(report.datagrams, out + at_datagrams);
-  store(report.came, out + at_came);
-  store(std::uint32_t{0}, out + at_padding);
-  store(static_cast<std::uint64_t>(report.sent_at_ns), out + at_sent);
+  encode(DatagramKind::report, report, report_bytes, out);
 }
 
-std::optional<DatagramKind> kind_of(std::span<const std::byte> bytes) noexcept { return claimed_kind(bytes); }
-
 void encode(const GroupOffer& offer, std::byte* out) noexcept {
-  store_kind(DatagramKind::group_offer, 0, out);
-  store(offer.port, out + at_port);
-  store(offer.writer, out + at_writer);
-  store(offer.group, out + at_group_number);
-  store(offer.member, out + at_member);
-  store(offer.address, out + at_group_address);
-  store(offer.channel, out + at_offered_channel);
-  store(static_cast<std::uint64_t>(offer.ahead), out + at_ahead);
+  encode(DatagramKind::group_offer, offer, group_offer_bytes, out);
 }
 
 void encode(const GroupReport& report, std::byte* out) noexcept {
-  store_kind(DatagramKind::group_report, 0, out);
-  store(std::uint16_t{0}, out + at_port);
-  store(report.writer, out + at_writer);
-  store(report.group, out + at_group_number);
-  store(report.member, out + at_member);
-  store(report.heard, out + at_heard);
+  encode(DatagramKind::group_report, report, group_report_bytes, out);
 }
 
 void encode(const GroupProbe& probe, std::byte* out) noexcept {
-  store_kind(DatagramKind::group_probe, 0, out);
-  store(std::uint16_t{0}, out + at_port);
-  store(probe.writer, out + at_writer);
-  store(probe.group, out + at_group_number);
-  store(std::uint32_t{0}, out + at_probe_padding);
-  store(probe.ordinal, out + at_probed);
-}
-
-static std::optional<GroupOffer> read_group_offer(std::span<const std::byte> bytes) noexcept {
-  if (bytes.size() != group_offer_bytes) return {};
-  if (load<std::uint8_t>(&bytes[at_flags]) != 0) return {};
-  const GroupOffer offer{.writer = load<std::uint32_t>(&bytes[at_writer]),
-                         .group = load<std::uint32_t>(&bytes[at_group_number]),
-                         .member = load<std::uint32_t>(&bytes[at_member]),
-                         .port = load<std::uint16_t>(&bytes[at_port]),
-                         .address = load<std::uint32_t>(&bytes[at_group_address]),
-                         .channel = load<std::uint32_t>(&bytes[at_offered_channel]),
-                         .ahead = static_cast<std::int64_t>(load<std::uint64_t>(&bytes[at_ahead]))};
-  const auto ahead = static_cast<std::int64_t>(ordinal_max);
-  const bool is_private = offer.address == 0 || offer.address >> 16 == private_groups >> 16;
-  const bool sound = offer.port != 0 && is_private && offer.ahead >= -ahead && offer.ahead <= ahead;
-  return sound ? std::optional(offer) : std::nullopt;
-}
-
-static std::optional<GroupReport> read_group_report(std::span<const std::byte> bytes) noexcept {
-  if (bytes.size() != group_report_bytes) return {};
-  if (load<std::uint8_t>(&bytes[at_flags]) != 0) return {};
-  const GroupReport report{.writer = load<std::uint32_t>(&bytes[at_writer]),
-                           .group = load<std::uint32_t>(&bytes[at_group_number]),
-                           .member = load<std::uint32_t>(&bytes[at_member]),
-                           .heard = load<std::uint64_t>(&bytes[at_heard])};
-  return report.heard <= ordinal_max ? std::optional(report) : std::nullopt;
-}
-
-static std::optional<GroupProbe> read_group_probe(std::span<const std::byte> bytes) noexcept {
-  if (bytes.size() != group_probe_bytes) return {};
-  if (load<std::uint8_t>(&bytes[at_flags]) != 0) return {};
-  const GroupProbe probe{.writer = load<std::uint32_t>(&bytes[at_writer]),
-                         .group = load<std::uint32_t>(&bytes[at_group_number]),
-                         .ordinal = load<std::uint64_t>(&bytes[at_probed])};
-  return probe.ordinal != 0 && probe.ordinal <= ordinal_max ? std::optional(probe) : std::nullopt;
-}
-
-static std::optional<Heartbeat> read_heartbeat(std::span<const std::byte> bytes) noexcept {
-  if (bytes.size() != heartbeat_bytes) return {};
-  if (load<std::uint8_t>(&bytes[at_flags]) != 0) return {};
-  const Heartbeat heartbeat{.writer = load<std::uint32_t>(&bytes[at_writer]),
-                            .channel = load<std::uint32_t>(&bytes[at_channel_number]),
-                            .port = load<std::uint16_t>(&bytes[at_port]),
-                            .first = load<std::uint64_t>(&bytes[at_first]),
-                            .end = load<std::uint64_t>(&bytes[at_end]),
-                            .waiting = load<std::uint32_t>(&bytes[at_waiting])};
-  const bool sound = heartbeat.port != 0 && heartbeat.first != 0 && heartbeat.first <= heartbeat.end &&
-                     heartbeat.end <= ordinal_max;
-  return sound ? std::optional(heartbeat) : std::nullopt;
-}
-
-static std::optional<Ack> read_ack(std::span<const std::byte> bytes) noexcept {
-  if (bytes.size() < ack_header_bytes) return {};
-  const std::size_t count = load<std::uint16_t>(&bytes[at_count]);
-  if (load<std::uint8_t>(&bytes[at_flags]) != 0 || count > missing_max) return {};
-  if (bytes.size() != ack_header_bytes + count * missing_bytes) return {};
-  Ack ack{.writer = load<std::uint32_t>(&bytes[at_writer]),
-          .channel = load<std::uint32_t>(&bytes[at_channel_number]),
-          .next = load<std::uint64_t>(&bytes[at_next]),
-          .missing_count = count};
-  if (ack.next == 0 || ack.next > ordinal_max) return {};
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::byte* place = &bytes[ack_header_bytes + i * missing_bytes];
-    ack.missing[i] = {load<std::uint32_t>(place), load<std::uint32_t>(place + 4),
-                      load<std::uint32_t>(place + 8)};
-    if (ack.missing[i].begin > ack.missing[i].end) return {};
-  }
-  return ack;
-}
-
-static std::optional<FlowMark> read_mark(std::span<const std::byte> bytes) noexcept {
-  if (bytes.size() != mark_bytes) return {};
-  const FlowMark mark{.flow = load<std::uint32_t>(&bytes[at_flow]),
-                      .port = load<std::uint16_t>(&bytes[at_port]),
-                      .position = load<std::uint64_t>(&bytes[at_position]),
-                      .datagrams = load<std::uint32_t>(&bytes[at_datagrams]),
-                      .sent_at_ns = static_cast<std::int64_t>(load<std::uint64_t>(&bytes[at_sent]))};
-  const bool sound = load<std::uint8_t>(&bytes[at_flags]) == 0 && mark.port != 0;
-  return sound ? std::optional(mark) : std::nullopt;
-}
-
-static std::optional<FlowReport> read_report(std::span<const std::byte> bytes) noexcept {
-  if (bytes.size() != report_bytes) return {};
-  if (load<std::uint8_t>(&bytes[at_flags]) != 0) return {};
-  return FlowReport{.flow = load<std::uint32_t>(&bytes[at_flow]),
-                    .position = load<std::uint64_t>(&bytes[at_position]),
-                    .window_bytes = load<std::uint32_t>(&bytes[at_window]),
-                    .datagrams = load<std::uint32_t>(&bytes[at_datagrams]),
-                    .came = load<std::uint32_t>(&bytes[at_came]),
-                    .sent_at_ns = static_cast<std::int64_t>(load<std::uint64_t>(&bytes[at_sent]))};
+  encode(DatagramKind::group_probe, probe, group_probe_bytes, out);
 }
 
 /// A datagram without payload says nothing and is refused, like one that ends beyond what a total can be.
@@ -402,47 +410,6 @@ static std::optional<Following> read_following(std::span<const std::byte> bytes)
                             .payload = bytes.subspan(following_header_bytes)};
   if (following.payload.size() > UINT32_MAX - following.offset) return {};
   return following;
-}
-
-/// Reads the bytes if they are of that kind.
-template <class Read>
-static auto read_if(DatagramKind kind, std::span<const std::byte> bytes, const Read& read) noexcept {
-  return claimed_kind(bytes) == kind ? read(bytes) : decltype(read(bytes)){};
-}
-
-std::optional<Heartbeat> parse_heartbeat(std::span<const std::byte> bytes) noexcept {
-  return read_if(DatagramKind::heartbeat, bytes, read_heartbeat);
-}
-std::optional<Ack> parse_ack(std::span<const std::byte> bytes) noexcept {
-  return read_if(DatagramKind::ack, bytes, read_ack);
-}
-std::optional<GroupOffer> parse_group_offer(std::span<const std::byte> bytes) noexcept {
-  return read_if(DatagramKind::group_offer, bytes, read_group_offer);
-}
-std::optional<GroupReport> parse_group_report(std::span<const std::byte> bytes) noexcept {
-  return read_if(DatagramKind::group_report, bytes, read_group_report);
-}
-std::optional<GroupProbe> parse_group_probe(std::span<const std::byte> bytes) noexcept {
-  return read_if(DatagramKind::group_probe, bytes, read_group_probe);
-}
-std::optional<FlowMark> parse_mark(std::span<const std::byte> bytes) noexcept {
-  return read_if(DatagramKind::mark, bytes, read_mark);
-}
-std::optional<FlowReport> parse_report(std::span<const std::byte> bytes) noexcept {
-  return read_if(DatagramKind::report, bytes, read_report);
-}
-
-std::optional<Datagram> parse(std::span<const std::byte> bytes) noexcept {
-  AnyDatagram any = decode(bytes);
-  if (const Datagram* d = std::get_if<Datagram>(&any)) return *d;
-  const Following* following = std::get_if<Following>(&any);
-  if (following == nullptr) return {};
-  Datagram d;
-  d.kind = DatagramKind::following;
-  d.first.label = following->label;
-  d.offset = following->offset;
-  d.payload = following->payload;
-  return d;
 }
 
 AnyDatagram decode(std::span<const std::byte> bytes) noexcept {
@@ -473,7 +440,7 @@ AnyDatagram decode(std::span<const std::byte> bytes) noexcept {
     case DatagramKind::ack:
       return as(answer, read_ack(bytes));
     case DatagramKind::report:
-      return as(answer, read_report(bytes));
+      return as(answer, read<FlowReport>(bytes, report_bytes));
     case DatagramKind::group_report:
       return as(answer, read_group_report(bytes));
   }

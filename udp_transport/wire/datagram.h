@@ -247,23 +247,13 @@ struct GroupProbe {
   friend bool operator==(const GroupProbe&, const GroupProbe&) = default;
 };
 
-void encode(const GroupOffer& offer, std::byte* out) noexcept;    ///< writes group_offer_bytes
-void encode(const GroupReport& report, std::byte* out) noexcept;  ///< writes group_report_bytes
-void encode(const GroupProbe& probe, std::byte* out) noexcept;    ///< writes group_probe_bytes
-std::optional<GroupOffer> parse_group_offer(std::span<const std::byte> bytes) noexcept;
-std::optional<GroupReport> parse_group_report(std::span<const std::byte> bytes) noexcept;
-std::optional<GroupProbe> parse_group_probe(std::span<const std::byte> bytes) noexcept;
+void encode(const GroupOffer& offer, std::byte* out) noexcept;     ///< writes group_offer_bytes
+void encode(const GroupReport& report, std::byte* out) noexcept;   ///< writes group_report_bytes
+void encode(const GroupProbe& probe, std::byte* out) noexcept;     ///< writes group_probe_bytes
 void encode(const Heartbeat& heartbeat, std::byte* out) noexcept;  ///< writes heartbeat_bytes
 void encode(const Ack& ack, std::byte* out) noexcept;              ///< writes ack.bytes()
 void encode(const FlowMark& mark, std::byte* out) noexcept;        ///< writes mark_bytes
 void encode(const FlowReport& report, std::byte* out) noexcept;    ///< writes report_bytes
-std::optional<Heartbeat> parse_heartbeat(std::span<const std::byte> bytes) noexcept;
-std::optional<Ack> parse_ack(std::span<const std::byte> bytes) noexcept;
-std::optional<FlowMark> parse_mark(std::span<const std::byte> bytes) noexcept;
-std::optional<FlowReport> parse_report(std::span<const std::byte> bytes) noexcept;
-/// The kind that the bytes claim to be. Empty if they are no datagram of this version. The rest of the
-/// datagram may still be malformed.
-std::optional<DatagramKind> kind_of(std::span<const std::byte> bytes) noexcept;
 
 /// A received datagram of a sample. Its header is sound, but what the header says of the sample is only
 /// claimed.
@@ -286,9 +276,6 @@ struct Following {
   std::uint32_t offset = 0;  ///< of the payload in the body
   std::span<const std::byte> payload;
 };
-
-/// Empty if the bytes are no datagram of a sample, of this version.
-std::optional<Datagram> parse(std::span<const std::byte> bytes) noexcept;
 
 /// Bytes that are no sound datagram of this version.
 struct Malformed {

@@ -227,13 +227,18 @@ struct SubscriberOptions {
   std::chrono::nanoseconds deadline{0};  ///< it expects a sample from each publisher at least so often
   Liveliness liveliness = Liveliness::automatic;  ///< manual_by_topic matches publishers of that kind only
   std::chrono::nanoseconds liveliness_lease{0};   ///< it expects a sign of life at least so often
-  /// The most samples per second, evenly spaced; 0: all. Other samples are withheld: they are not sent, and
-  /// are counted apart from lost ones. Subscriber::set_max_rate_hz() changes the rate.
+  /// The most samples per second, evenly spaced, from slowest_rate_hz to fastest_rate_hz; 0: all. Other
+  /// samples are withheld: they are not sent, and are counted apart from lost ones.
+  /// Subscriber::set_max_rate_hz() changes the rate.
   double max_rate_hz = 0;
-  /// Number of samples in shared memory of one publisher that the program may hold at the same time, 2 to
-  /// 256. While it holds that many, take() gives no more of that publisher; its next samples wait within
+  static constexpr double slowest_rate_hz = 0.001;
+  static constexpr double fastest_rate_hz = 100'000;
+  /// Number of samples in shared memory of one publisher that the program may hold at the same time. While it
+  /// holds that many, take() gives no more of that publisher; its next samples wait within
   /// `depth`. The subscriber gets one event each time (Event::Kind::held_too_many). Others are not affected.
-  std::uint32_t max_held = 256;
+  static constexpr std::uint32_t max_held_least = 2;   // one is held while the next is taken
+  static constexpr std::uint32_t max_held_most = 256;  // iceoryx holds no more
+  std::uint32_t max_held = max_held_most;
   /// How long wait() spins, which keeps a core busy, before it sleeps. A sample that comes within that time
   /// is taken within a microsecond, because no thread has to be woken. The default is about the time that it
   /// takes to wake a thread, so that spinning never costs more than it can save. Threads that wait for the

@@ -59,7 +59,7 @@ class Loan {
     constexpr ScalarPlace place = scalar_place(detail::TypeTable<T>::type, Leaf);
     static_assert(place.found, "set() takes a scalar field outside sequences of structs");
     static_assert(!place.found || can_hold<V>(place), "set() takes a value of the field's own type");
-    using Scalar = typename detail::ScalarOf<place.kind>::type;
+    using Scalar = detail::ScalarOf<place.kind>;
     const auto scalar = static_cast<Scalar>(value);
     loan_.write(place.slot, &scalar, sizeof scalar);
   }

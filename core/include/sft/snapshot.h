@@ -62,24 +62,14 @@ struct NodeSnapshot {
     std::vector<Reader> readers;           ///< all subscribers of the topic, served or not
   };
 
-  /// One subscriber. Members without a comment are as in SubscriberStatus.
-  struct Subscriber {
-    std::uint64_t id = 0;                           ///< DomainSnapshot::Endpoint::id
-    std::string topic;                              ///< without a slash at the beginning
-    std::string type;                               ///< the name of the type
-    Qos qos;                                        ///< requested
-    std::string fields;                             ///< the fields that it asks for at present
-    bool recorded = false;                          ///< true: they were found by recording
-    double max_rate_hz = 0;                         ///< the rate that it asks for; 0: all samples
-    std::uint64_t requests = 0;                     ///< as in SubscriberStatus
-    std::uint64_t received = 0;                     ///< as in SubscriberStatus
-    std::uint64_t lost = 0;                         ///< as in SubscriberStatus
-    std::uint64_t withheld = 0;                     ///< as in SubscriberStatus
-    std::uint64_t expired = 0;                      ///< as in SubscriberStatus
-    std::uint64_t discarded = 0;                    ///< as in SubscriberStatus
-    std::uint64_t held_too_many = 0;                ///< as in SubscriberStatus
-    std::uint64_t restarts = 0;                     ///< as in SubscriberStatus
-    std::vector<SubscriberStatus::Writer> writers;  ///< all publishers of the topic, heard or not
+  /// One subscriber, with its status.
+  struct Subscriber : SubscriberStatus {
+    std::uint64_t id = 0;   ///< DomainSnapshot::Endpoint::id
+    std::string topic;      ///< without a slash at the beginning
+    std::string type;       ///< the name of the type
+    Qos qos;                ///< requested
+    std::string fields;     ///< the fields that it asks for at present
+    bool recorded = false;  ///< true: they were found by recording
   };
 
   /// NodeOptions::name.

@@ -56,7 +56,7 @@ class Subscriber {
   int file_descriptor() const { return subscriber_.file_descriptor(); }
 
   /// Changes SubscriberOptions::max_rate_hz; publishers follow in a moment. An error if the rate is neither 0
-  /// nor from 0.001 to 100000.
+  /// nor from SubscriberOptions::slowest_rate_hz to fastest_rate_hz.
   Result<void> set_max_rate_hz(double max_rate_hz) { return subscriber_.set_max_rate_hz(max_rate_hz); }
 
   /// Counts, and each publisher of the topic. Any thread.

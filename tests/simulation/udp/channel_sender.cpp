@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tests/simulation/udp/topic.h"
+#include "tests/support/parse_datagram.h"
 #include "tests/unit/udp/datagrams.h"
 
 namespace sft::simulation {
@@ -121,10 +122,10 @@ void ChannelSender::send_heartbeat(Time now) {
 }
 
 void ChannelSender::hear(const Bytes& bytes, Time now) {
-  if (const auto ack = udp::parse_ack(bytes)) {
+  if (const auto ack = udp::parse_as<udp::Ack>(bytes)) {
     window_->hear(*ack, now);
     oldest_kept_ = window_->parting().first - window_->kept();
-  } else if (const auto report = udp::parse_report(bytes)) {
+  } else if (const auto report = udp::parse_as<udp::FlowReport>(bytes)) {
     if (!flow_->hear(*report, now)) return;
   }
   wake(now);

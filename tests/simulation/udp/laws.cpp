@@ -4,6 +4,8 @@
 #include <chrono>
 #include <utility>
 
+#include "tests/support/parse_datagram.h"
+
 namespace sft::simulation {
 namespace {
 

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <optional>
 
+#include "tests/support/parse_datagram.h"
 #include "tests/unit/udp/arrivals.h"
 
 namespace sft::simulation {
@@ -95,7 +96,7 @@ void ReaderHost::accept(const Bytes& bytes, Time now) {
   const auto before = arrivals()->mark();
   const std::uint64_t refused_before = reassembly_->counters().unknown;
   const udp::Arrival arrival = udp::test::accept(*reassembly_, bytes, {now, 1});
-  const std::optional<udp::Heartbeat> heartbeat = udp::parse_heartbeat(bytes);
+  const std::optional<udp::Heartbeat> heartbeat = udp::parse_as<udp::Heartbeat>(bytes);
   if (!heartbeat && reassembly_->counters().unknown > refused_before) laws_.refused(bytes);
   if (arrival.sample) laws_.came(*arrival.sample);
   for (const core::SampleHandle& sample : arrival.packed) laws_.came(*sample);
@@ -103,7 +104,7 @@ void ReaderHost::accept(const Bytes& bytes, Time now) {
 }
 
 void ReaderHost::report(const Bytes& bytes, Time now) {
-  const auto mark = udp::parse_mark(bytes);
+  const auto mark = udp::parse_as<udp::FlowMark>(bytes);
   if (!mark) return laws_.fail_unless_forged("a mark is malformed");
   Bytes report(udp::report_bytes);
   udp::encode(shares_->answer(*mark, {}, now), report.data());

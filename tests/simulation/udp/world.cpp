@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include "tests/support/parse_datagram.h"
+
 namespace sft::simulation {
 namespace {
 
@@ -62,7 +64,7 @@ void World::deliver() {
     const Network::Datagram datagram = network_.take();
     if (datagram.to == Network::Side::reader) {
       readers_.receive(datagram.bytes, now_);
-    } else if (const auto report = udp::parse_group_report(datagram.bytes)) {
+    } else if (const auto report = udp::parse_as<udp::GroupReport>(datagram.bytes)) {
       group_.hear(*report, now_);
     } else {
       channel_.hear(datagram.bytes, now_);

@@ -11,6 +11,7 @@
 #include <thread>
 #include <utility>
 
+#include "tests/support/parse_datagram.h"
 #include "tests/support/process_allocations.h"
 #include "tests/transports/udp/endpoints.h"
 #include "tests/transports/udp/faulty_io.h"
@@ -51,7 +52,7 @@ class AckGate {
     Answer take_answer(std::span<std::byte> to) noexcept override {
       for (;;) {
         const Answer answer = PassingSender::take_answer(to);
-        const std::optional<Ack> ack = parse_ack(to.first(answer.bytes));
+        const std::optional<Ack> ack = parse_as<Ack>(to.first(answer.bytes));
         if (ack && !gate_.open_) continue;
         if (ack) heard_ = ack->next;
         return answer;

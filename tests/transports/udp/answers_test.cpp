@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "tests/support/parse_datagram.h"
 #include "tests/transports/udp/endpoints.h"
 #include "tests/transports/udp/faulty_io.h"
 #include "tests/transports/udp/transport_fixture.h"
@@ -34,7 +35,7 @@ class AnswerWatch final : public test::PassingReceiver {
 
  private:
   void datagram(std::span<const std::byte> bytes, const SocketAddress& from) noexcept override {
-    if (const auto heartbeat = parse_heartbeat(bytes)) seen_.port = heartbeat->port;
+    if (const auto heartbeat = parse_as<Heartbeat>(bytes)) seen_.port = heartbeat->port;
     const auto kind = kind_of(bytes);
     if (kind == DatagramKind::mark) ++seen_.marks;
     if (kind == DatagramKind::ack || kind == DatagramKind::report) ++seen_.here;

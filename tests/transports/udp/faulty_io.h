@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/support/parse_datagram.h"
 #include "udp_transport/io/datagram_io.h"
 #include "udp_transport/wire/datagram.h"
 

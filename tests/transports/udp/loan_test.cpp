@@ -16,6 +16,7 @@
 #include "core/publish/publisher_core.h"
 #include "sft/publisher.h"
 #include "tests/support/encoded.h"
+#include "tests/support/parse_datagram.h"
 #include "tests/unit/core/seam/idle_ports.h"
 #include "udp_transport/udp_transport.h"
 #include "udp_transport/wire/datagram.h"
@@ -64,7 +65,7 @@ class Wire {
       } while (n < 0 && errno == EINTR);  // with a time-out, the kernel does not go on by itself
       if (n <= 0) return {};
       bytes.resize(static_cast<std::size_t>(n));
-      if (const auto mark = parse_mark(bytes)) {
+      if (const auto mark = parse_as<FlowMark>(bytes)) {
         report_on(*mark, from);
         continue;
       }

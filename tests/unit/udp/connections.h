@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/support/parse_datagram.h"
 #include "tests/unit/udp/datagrams.h"
 #include "udp_transport/flow/connection_pair.h"
 
@@ -31,7 +32,7 @@ class Connections {
   FlowReport answer_to_mark(std::uint32_t window_bytes = 1'000'000) const {
     std::optional<FlowMark> last;
     for (const Bytes& bytes : sent_) {
-      if (const auto mark = parse_mark(bytes)) last = mark;
+      if (const auto mark = parse_as<FlowMark>(bytes)) last = mark;
     }
     if (!last) return {};
     return {.flow = last->flow,

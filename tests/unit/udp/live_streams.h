@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/subscribe/sequence_account.h"
+#include "tests/support/parse_datagram.h"
 #include "tests/unit/udp/arrivals.h"
 #include "tests/unit/udp/datagrams.h"
 #include "udp_transport/flow/flow_window.h"
@@ -72,7 +73,7 @@ class LiveStreams {
 
   /// Gives the datagram to the process, whatever it is.
   void receive(std::span<const std::byte> datagram) {
-    if (const auto mark = parse_mark(datagram)) {
+    if (const auto mark = parse_as<FlowMark>(datagram)) {
       shares_.answer(*mark, {}, now_);
     } else {
       shares_.count({});

@@ -37,7 +37,6 @@ constexpr std::array host_plans{
     HostPlan{"lidar", true, actor<Detector>},
 };
 // The daemon needs this much; on the publisher's host some samples of 6 MB come on top.
-constexpr unsigned shared_memory_mib = 256;
 constexpr unsigned publishers_shared_memory_mib = 1024;
 constexpr std::size_t publisher_host_number = host_plans.size() - 1;
 
@@ -92,7 +91,8 @@ Result<void> Stage::start_hosts(CloudSource& source, bool arr) {
   for (std::size_t i = 0; i < host_plans.size(); ++i) {
     const HostSettings settings{
         .network = real_hosts() ? &network_->host(i) : nullptr,
-        .shared_memory_mib = host_plans[i].has_publisher ? publishers_shared_memory_mib : shared_memory_mib,
+        .shared_memory_mib =
+            host_plans[i].has_publisher ? publishers_shared_memory_mib : HostSettings{}.shared_memory_mib,
     };
     Result<Host> host = Host::start(settings, roles_on(i, domain, source, arr));
     if (!host) return tl::unexpected(host.error());

@@ -1,7 +1,6 @@
 #include "sft/dynamic_type.h"
 
 #include <algorithm>
-#include <limits>
 #include <mutex>
 #include <optional>
 #include <set>

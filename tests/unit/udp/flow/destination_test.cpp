@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/parse_datagram.h"
 #include "tests/unit/udp/connections.h"
 
 namespace sft::udp {
@@ -85,7 +86,7 @@ TEST_F(DestinationTest, SendsNoHeartbeatsToWhoDoesNotAnswerAndThenOneAtOnce) {
 TEST_F(DestinationTest, SendsMarksThatNameThePortForReports) {
   to_.mark(now_);
   ASSERT_EQ(connections_.sent().size(), 1U);
-  const auto mark = parse_mark(connections_.sent().front());
+  const auto mark = parse_as<FlowMark>(connections_.sent().front());
   ASSERT_TRUE(mark);
   EXPECT_EQ(mark->flow, 99U);
   EXPECT_EQ(mark->port, 7U);

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/parse_datagram.h"
 #include "tests/support/test_seed.h"
 #include "tests/unit/udp/datagrams.h"
 #include "tests/unit/udp/mutations.h"

@@ -1,5 +1,5 @@
-// Who receives, move by move: `role` is asked by a thread that waits and by the transport's own, at times
-// that the test names.
+// These tests check which thread receives. A waiting thread and the transport's own thread ask `role` one
+// after the other, at times that the test names.
 #include "udp_transport/receive/receiving_role.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ using Time = ReceivingRole::Time;
 class ReceivingRoleTest : public testing::Test {
  protected:
   Duty duty(bool readable = false) { return role.next(now, readable).duty; }
-  /// The own thread sleeps in the kernel, is woken, and passes the role on.
+  /// The transport's own thread sleeps in the kernel, is woken, and passes the role on.
   void pass_to_waiter() {
     ASSERT_EQ(duty(), Duty::receive);
     ASSERT_EQ(role.enter(now), Entry::promised);
@@ -33,13 +33,13 @@ class ReceivingRoleTest : public testing::Test {
   ReceivingRole role;
 };
 
-TEST_F(ReceivingRoleTest, IsTheOwnThreadsAsLongAsNobodyWaits) {
+TEST_F(ReceivingRoleTest, StaysWithTheOwnThreadWhileNobodyWaits) {
   EXPECT_EQ(duty(), Duty::receive);
   EXPECT_FALSE(role.end_turn(no_deadline)) << "nobody is to be woken";
   EXPECT_EQ(duty(), Duty::receive);
 }
 
-TEST_F(ReceivingRoleTest, IsPassedToAThreadThatWaitsOnlyBetweenTurns) {
+TEST_F(ReceivingRoleTest, PassesToAWaitingThreadOnlyBetweenTurns) {
   EXPECT_EQ(duty(), Duty::receive);
   EXPECT_EQ(role.enter(now), Entry::promised);
   EXPECT_FALSE(role.begin()) << "two would receive";
@@ -49,7 +49,7 @@ TEST_F(ReceivingRoleTest, IsPassedToAThreadThatWaitsOnlyBetweenTurns) {
   EXPECT_TRUE(role.begin());
 }
 
-TEST_F(ReceivingRoleTest, ComesBackToTheSameThreadWithoutWakingAnybody) {
+TEST_F(ReceivingRoleTest, ReturnsToTheSameThreadWithoutWakingAnother) {
   pass_to_waiter();
   for (int i = 0; i < 10; ++i, now += 100us) {
     take_turn();
@@ -63,7 +63,7 @@ TEST_F(ReceivingRoleTest, ComesBackToTheSameThreadWithoutWakingAnybody) {
   EXPECT_TRUE(role.leave(now).set_alarm);
 }
 
-TEST_F(ReceivingRoleTest, FallsToTheOwnThreadWhenNobodyComesBackInTime) {
+TEST_F(ReceivingRoleTest, FallsToTheOwnThreadIfNoThreadComesBackInTime) {
   pass_to_waiter();
   role.leave(now);
   const ReceivingRole::Task task = role.next(now, false);
@@ -75,7 +75,7 @@ TEST_F(ReceivingRoleTest, FallsToTheOwnThreadWhenNobodyComesBackInTime) {
   EXPECT_FALSE(role.take_turn()) << "what it woke up for is that thread's now";
 }
 
-TEST_F(ReceivingRoleTest, IsTheOwnThreadsAloneAgainAfterAWhileWithoutWaitingThreads) {
+TEST_F(ReceivingRoleTest, BelongsToTheOwnThreadAgainWhenNoThreadHasWaitedForAWhile) {
   pass_to_waiter();
   role.leave(now);
   now += ReceivingRole::own_again;
@@ -92,14 +92,14 @@ TEST_F(ReceivingRoleTest, BelongsToOneWaitingThreadAtATime) {
   role.unwait_behind();
 }
 
-TEST_F(ReceivingRoleTest, IsNotLeftVacantForOneThatCameTooLateToBeSeen) {
+TEST_F(ReceivingRoleTest, WakesTheOwnThreadIfAThreadWaitsForAVacantRole) {
   pass_to_waiter();
   EXPECT_EQ(role.enter(now), Entry::occupied);
   role.leave(now);
   EXPECT_TRUE(role.wait_behind());
 }
 
-TEST_F(ReceivingRoleTest, IsTakenFromAThreadThatLeavesTwiceLyingWhatThereIs) {
+TEST_F(ReceivingRoleTest, IsTakenFromAThreadThatTwiceLeavesDatagramsUnread) {
   pass_to_waiter();
   EXPECT_EQ(duty(true), Duty::stand_by) << "it has just come";
   now += ReceivingRole::second_look;
@@ -122,7 +122,7 @@ TEST_F(ReceivingRoleTest, IsTakenFromAThreadThatMissesADeadline) {
   EXPECT_TRUE(role.next(now, false).evicts);
 }
 
-TEST_F(ReceivingRoleTest, StaysWithAThreadThatIsAtIt) {
+TEST_F(ReceivingRoleTest, StaysWithAThreadThatReceives) {
   pass_to_waiter();
   for (int i = 0; i < 5; ++i, now += 20ms) {
     EXPECT_EQ(duty(true), Duty::stand_by);
@@ -132,7 +132,7 @@ TEST_F(ReceivingRoleTest, StaysWithAThreadThatIsAtIt) {
   for (int i = 0; i < 5; ++i, now += 20ms) EXPECT_EQ(duty(true), Duty::stand_by) << "in the middle of a turn";
 }
 
-TEST_F(ReceivingRoleTest, IsOnlyTheOwnThreadsWhereListenersMustBeCalledByNoOther) {
+TEST_F(ReceivingRoleTest, BelongsToTheOwnThreadAloneIfNoOtherMayCallListeners) {
   pass_to_waiter();
   EXPECT_TRUE(role.add_tended()) << "both have to be woken";
   EXPECT_TRUE(role.lost());
@@ -145,7 +145,7 @@ TEST_F(ReceivingRoleTest, IsOnlyTheOwnThreadsWhereListenersMustBeCalledByNoOther
   EXPECT_EQ(role.enter(now), Entry::taken);
 }
 
-TEST_F(ReceivingRoleTest, IsNotPassedOnToAThreadThatGaveUpMeanwhile) {
+TEST_F(ReceivingRoleTest, IsNotPassedToAThreadThatGaveUpMeanwhile) {
   EXPECT_EQ(duty(), Duty::receive);
   EXPECT_EQ(role.enter(now), Entry::promised);
   EXPECT_FALSE(role.leave(now).set_alarm);
@@ -153,7 +153,7 @@ TEST_F(ReceivingRoleTest, IsNotPassedOnToAThreadThatGaveUpMeanwhile) {
   EXPECT_NE(duty(), Duty::stand_by);
 }
 
-TEST_F(ReceivingRoleTest, EndsForAllWithTheTransport) {
+TEST_F(ReceivingRoleTest, EndsForEveryThreadWithTheTransport) {
   pass_to_waiter();
   role.close();
   EXPECT_EQ(duty(), Duty::stop);
@@ -163,7 +163,7 @@ TEST_F(ReceivingRoleTest, EndsForAllWithTheTransport) {
   EXPECT_EQ(role.enter(now), Entry::refused);
 }
 
-TEST(SpinChoice, LooksForTheNextOnlyWhereTheLastCameSoon) {
+TEST(SpinChoice, SpinsForTheNextSampleOnlyIfTheLastOneCameSoon) {
   SpinChoice choice;
   EXPECT_EQ(choice.choose(20us), 0us) << "nothing has come yet";
   choice.waited(50us);
@@ -174,7 +174,7 @@ TEST(SpinChoice, LooksForTheNextOnlyWhereTheLastCameSoon) {
   EXPECT_EQ(choice.choose(1s), 1s) << "a reader with a core of its own";
 }
 
-TEST(SpinLimits, AreThoseOfTheReaderThatAllowsMost) {
+TEST(SpinLimits, GiveTheLargestLimitOfAllReaders) {
   SpinLimits limits;
   EXPECT_EQ(limits.largest(), 0us);
   limits.add(20us);

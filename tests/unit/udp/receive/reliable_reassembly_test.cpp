@@ -1,4 +1,5 @@
-// What comes in channels: samples of one writer that somebody wants reliably.
+// These tests check how samples that come in channels are put together: those of one writer that some
+// reader wants reliably.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,8 +24,9 @@ using test::make_image;
 
 constexpr SocketAddress acks_to{{}, 7};
 
-/// A sample's sequence is its ordinal: sent() makes its datagrams, receive() takes them, taken() tells what a
-/// reader of the channel got, and at_once what one that wants no order did.
+/// The sequence of each sample is its ordinal. sent() makes the datagrams of a sample, and receive() takes
+/// them. `taken_` has the samples that a reader of the channel got, `at_once_` those that a best-effort
+/// reader got.
 class ReliableReassemblyTest : public testing::Test {
  protected:
   using Sequences = std::vector<std::uint64_t>;
@@ -87,13 +89,13 @@ class ReliableReassemblyTest : public testing::Test {
   Sequences at_once_;
 
  private:
-  /// How many bytes of data an image of that length has.
+  /// The number of bytes of data in such an image.
   static std::size_t bytes_of(const core::SampleBuffer& sample) {
     return sample.header().body_bytes - test::encoded_body(make_image(0), fields<Image>("*")).size();
   }
 };
 
-TEST_F(ReliableReassemblyTest, PutsASampleTogetherThatNobodyWantsReliablyAnyMore) {
+TEST_F(ReliableReassemblyTest, CompletesASampleThatNobodyWantsReliablyAnyMore) {
   const std::vector<Bytes> datagrams = sent(1, 10'000);
   receive(datagrams[0]);
   read(false);
@@ -103,7 +105,7 @@ TEST_F(ReliableReassemblyTest, PutsASampleTogetherThatNobodyWantsReliablyAnyMore
   EXPECT_EQ(at_once_, Sequences{1});
 }
 
-TEST_F(ReliableReassemblyTest, GivesUpWhatNobodyWantsReliablyAnyMore) {
+TEST_F(ReliableReassemblyTest, GivesUpASampleThatNobodyWantsReliablyAnyMore) {
   receive(sent(1, 10'000)[0]);
   reassembly_->expire(now_ + 10s);
   EXPECT_EQ(counted().incomplete, 0U) << "it can come again";
@@ -112,7 +114,7 @@ TEST_F(ReliableReassemblyTest, GivesUpWhatNobodyWantsReliablyAnyMore) {
   EXPECT_EQ(counted().incomplete, 1U);
 }
 
-TEST_F(ReliableReassemblyTest, PutsInOrderWhatHadBegunBeforeItWasWantedReliably) {
+TEST_F(ReliableReassemblyTest, PutsInOrderSamplesThatBeganBeforeTheyWereWantedReliably) {
   const std::vector<Bytes> first = sent(1, 10'000), second = sent(2, 10'000);
   read(false);
   receive(first[0]);
@@ -126,7 +128,7 @@ TEST_F(ReliableReassemblyTest, PutsInOrderWhatHadBegunBeforeItWasWantedReliably)
   EXPECT_EQ(at_once_, Sequences{});
 }
 
-TEST_F(ReliableReassemblyTest, TakesWhatIsSentAfterHeartbeatsWhoseOrdinalsLeaveNoRoom) {
+TEST_F(ReliableReassemblyTest, TakesSamplesAfterHeartbeatsWhoseOrdinalsLeaveNoRoom) {
   for (const std::uint32_t channel : {1U, 2U, 3U, 4U}) hear(ordinal_max, ordinal_max, channel);
   receive(sent(1, 100, 5));
   receive(sent(ordinal_max, 100, 5));
@@ -135,7 +137,7 @@ TEST_F(ReliableReassemblyTest, TakesWhatIsSentAfterHeartbeatsWhoseOrdinalsLeaveN
   EXPECT_EQ(window().samples().slots().size(), 0U);
 }
 
-TEST_F(ReliableReassemblyTest, GivesNoSampleUpForItsGaps) {
+TEST_F(ReliableReassemblyTest, DoesNotGiveUpASampleForItsGaps) {
   restart({.gaps = 3});
   const std::vector<Bytes> datagrams = sent(1, 20'000);
   for (std::size_t i = 0; i < datagrams.size(); i += 2) receive(datagrams[i]);
@@ -144,7 +146,7 @@ TEST_F(ReliableReassemblyTest, GivesNoSampleUpForItsGaps) {
   EXPECT_EQ(taken_, Sequences{1});
 }
 
-TEST_F(ReliableReassemblyTest, GivesNoSampleUpForParkedPartsWithTooManyGaps) {
+TEST_F(ReliableReassemblyTest, DoesNotGiveUpASampleForParkedPartsWithTooManyGaps) {
   restart({.gaps = 3});
   const std::vector<Bytes> datagrams = sent(1, 20'000);
   for (std::size_t i = 2; i < datagrams.size(); i += 2) receive(datagrams[i]);
@@ -152,7 +154,7 @@ TEST_F(ReliableReassemblyTest, GivesNoSampleUpForParkedPartsWithTooManyGaps) {
   EXPECT_EQ(taken_, Sequences{1});
 }
 
-TEST_F(ReliableReassemblyTest, GivesNoSampleUpForAPartThatIsNotOfIt) {
+TEST_F(ReliableReassemblyTest, DoesNotGiveUpASampleForAPartThatDoesNotBelongToIt) {
   const std::vector<Bytes> datagrams = sent(1, 10'000);
   Bytes beyond = datagrams[1];
   encode(FollowingHeader{{static_cast<std::uint32_t>(lone_writer), 1, 0}, 50'000}, beyond.data());
@@ -162,7 +164,7 @@ TEST_F(ReliableReassemblyTest, GivesNoSampleUpForAPartThatIsNotOfIt) {
   EXPECT_EQ(taken_, Sequences{1});
 }
 
-TEST_F(ReliableReassemblyTest, HasMemoryForTheFirstMissingSampleThoughThoseBehindItTookTheRest) {
+TEST_F(ReliableReassemblyTest, HasMemoryForTheFirstMissingSampleWhenLaterOnesTookTheRest) {
   restart({}, std::size_t{4} << 20);
   read(true, 500'000);
   Sequences all = {1};
@@ -181,7 +183,7 @@ TEST_F(ReliableReassemblyTest, HasMemoryForTheFirstMissingSampleThoughThoseBehin
 }
 
 /// One sample of which every second datagram was lost has more gaps than one answer may ask for.
-TEST_F(ReliableReassemblyTest, AsksForNoMoreThanEightAcksCanHoldAtOnce) {
+TEST_F(ReliableReassemblyTest, AsksForAtMostAsManyPartsAsEightAcksHold) {
   constexpr std::size_t parts_max = 8 * missing_max;
   const std::vector<Bytes> datagrams = sent(1, 3 * parts_max * 1456);
   hear(1, 2);
@@ -196,8 +198,9 @@ TEST_F(ReliableReassemblyTest, AsksForNoMoreThanEightAcksCanHoldAtOnce) {
   EXPECT_EQ(acks, 8U);
 }
 
-/// Two parts are asked for; both come twice, so asking was too early. The next gap is asked for later.
-TEST_F(ReliableReassemblyTest, WaitsLongerWhereThePartsThatItAskedForComeTwice) {
+/// The reader asks for three parts. One comes several times, so the reader asked too early. It asks for the
+/// next gap later.
+TEST_F(ReliableReassemblyTest, WaitsLongerIfPartsThatItAskedForComeTwice) {
   const std::vector<Bytes> datagrams = sent(1, 20'000);
   hear(1, 2);
   for (std::size_t i = 0; i < datagrams.size(); ++i) {
@@ -220,7 +223,7 @@ TEST_F(ReliableReassemblyTest, WaitsLongerWhereThePartsThatItAskedForComeTwice) 
   EXPECT_EQ(std::ranges::count(asked, 2U), 1);
 }
 
-TEST_F(ReliableReassemblyTest, TakesNoPartsOfASampleOfAGroupThatItWasNotOffered) {
+TEST_F(ReliableReassemblyTest, IgnoresSamplesOfAGroupThatItWasNotOffered) {
   FirstHeader first{};
   first.label = {static_cast<std::uint32_t>(lone_writer), 5, 0};
   first.flags = group_follows;
@@ -263,7 +266,7 @@ TEST_F(ReliableReassemblyTest, AnswersOnlyWhereTheWritersNodeCanBeReached) {
   EXPECT_EQ(reassembly_->report_address(of_a_third, 4000), (SocketAddress{its, 4000}));
 }
 
-TEST_F(ReliableReassemblyTest, AnswersNoMoreThanThreeTimesAsManyBytesAsCame) {
+TEST_F(ReliableReassemblyTest, AnswersWithAtMostThreeTimesAsManyBytesAsCame) {
   std::size_t came = 0, answered = 0;
   const auto let_pass = [&](std::chrono::milliseconds duration) {
     for (const auto end = now_ + duration; now_ < end; now_ += 10ms)

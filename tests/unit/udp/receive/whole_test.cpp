@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/support/parse_datagram.h"
 #include "tests/unit/udp/arrivals.h"
 #include "tests/unit/udp/datagrams.h"
 #include "udp_transport/receive/reassembly.h"

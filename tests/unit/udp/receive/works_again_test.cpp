@@ -4,6 +4,7 @@
 #include <functional>
 #include <string>
 
+#include "tests/support/parse_datagram.h"
 #include "tests/support/test_seed.h"
 #include "tests/unit/udp/live_streams.h"
 #include "tests/unit/udp/mutations.h"
@@ -80,7 +81,7 @@ TEST_F(WorksAgainTest, EveryStreamAfterHeartbeatsWithAWrongBitInTheirChannel) {
   run_for(500ms);
   for (const unsigned bit : {0U, 10U, 11U, 24U, 31U}) {
     for (Bytes datagram : std::vector(streams.captured())) {
-      const auto heartbeat = parse_heartbeat(datagram);
+      const auto heartbeat = parse_as<Heartbeat>(datagram);
       if (!heartbeat) continue;
       const Heartbeat wrong{heartbeat->writer, heartbeat->channel ^ 1U << bit, heartbeat->port, 1, 10, 0};
       encode(wrong, datagram.data());

@@ -1,5 +1,6 @@
 // These tests check when readers are put into multicast groups: soon after they have come, and once they are
 // calm again after they have asked for something else.
+#include "tests/support/parse_datagram.h"
 #include "tests/unit/udp/routing/group_keeper_fixture.h"
 
 namespace sft::udp::test {
@@ -203,7 +204,7 @@ TEST_F(GroupKeeperTest, IsSettledAHundredthOfASecondAndOneReportAfterReadersCame
   keeper_->tend(now_);
   std::size_t offers = 0;
   for (const auto& datagram : connections_.sent()) {
-    const auto offer = parse_group_offer(datagram);
+    const auto offer = parse_as<GroupOffer>(datagram);
     offers += offer && offer->address != 0 ? 1 : 0;
   }
   EXPECT_EQ(offers, 64U);

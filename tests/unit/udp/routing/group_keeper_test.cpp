@@ -1,10 +1,11 @@
 // These tests check which readers of a writer are put into multicast groups.
+#include "tests/support/parse_datagram.h"
 #include "tests/unit/udp/routing/group_keeper_fixture.h"
 
 namespace sft::udp::test {
 namespace {
 
-TEST_F(GroupKeeperTest, GathersAnyNumberOfMasksInWhatCostsNoMoreThanOneGroupOfAll) {
+TEST_F(GroupKeeperTest, PutsReadersOfAnyNumberOfMasksIntoOneGroup) {
   const std::vector<std::string> small{"stamp.sec", "stamp.nanosec", "name", "height", "width"};
   for (unsigned number = 0; number < 32; ++number) {
     std::string mask = "data";
@@ -21,8 +22,8 @@ TEST_F(GroupKeeperTest, GathersAnyNumberOfMasksInWhatCostsNoMoreThanOneGroupOfAl
   EXPECT_EQ(why(32).find(", which adds "), std::string::npos) << "it asks for everything: " << why(32);
 }
 
-/// The agent would look a thousand times a second.
-TEST_F(GroupKeeperTest, IsInNoHurryOnceNothingIsToBeDone) {
+/// If the keeper always had a duty, the agent would look a thousand times a second.
+TEST_F(GroupKeeperTest, HasNoDutyOnceNothingHasToBeDone) {
   const auto is_in_a_hurry = [&] { return keeper_->next_duty(now_) != GroupKeeper::Time::max(); };
   EXPECT_FALSE(is_in_a_hurry());
   readers(1);
@@ -48,7 +49,7 @@ TEST_F(GroupKeeperTest, IsInNoHurryOnceNothingIsToBeDone) {
   EXPECT_FALSE(is_in_a_hurry());
 }
 
-TEST_F(GroupKeeperTest, WaitsForASampleWithFieldsThatWereNeverSent) {
+TEST_F(GroupKeeperTest, MeasuresNewFieldsBeforeItGathersTheirReaders) {
   readers(2, "height");
   serve();
   now_ += 110ms;
@@ -82,7 +83,7 @@ TEST_F(GroupKeeperTest, LooksOnceASecondWhetherAnotherPlanIsBetter) {
   EXPECT_TRUE(keeper_->replan(now_ + 1000ms));
 }
 
-TEST_F(GroupKeeperTest, GathersNobodyAroundATopicThatIsSeldomPublished) {
+TEST_F(GroupKeeperTest, MakesNoGroupForATopicThatIsSeldomPublished) {
   readers(3);
   serve();
   for (int i = 0; i < 20; ++i, now_ += 1s) {
@@ -92,7 +93,7 @@ TEST_F(GroupKeeperTest, GathersNobodyAroundATopicThatIsSeldomPublished) {
   }
 }
 
-TEST_F(GroupKeeperTest, SendsTheGroupTheUnionOfWhatItsMembersAskFor) {
+TEST_F(GroupKeeperTest, SendsTheGroupTheUnionOfItsMembersMasks) {
   readers(2, "height");
   readers(2, "width, stamp");
   serve();
@@ -116,7 +117,7 @@ TEST_F(GroupKeeperTest, LeavesReadersWithAMaximumRateAlone) {
   EXPECT_EQ(merged_[1].destinations.size(), 1U);
 }
 
-TEST_F(GroupKeeperTest, LeavesAMemberAloneFromTheMomentThatItHasAMaximumRate) {
+TEST_F(GroupKeeperTest, TakesAMemberOutOfItsGroupOnceItHasAMaximumRate) {
   readers(3);
   serve();
   go_on(200ms);
@@ -129,7 +130,7 @@ TEST_F(GroupKeeperTest, LeavesAMemberAloneFromTheMomentThatItHasAMaximumRate) {
   EXPECT_EQ(members(), 0U) << "one alone is no group";
 }
 
-TEST_F(GroupKeeperTest, LeavesThoseAloneThatAreSentMoreThanTheGroup) {
+TEST_F(GroupKeeperTest, LeavesReadersAloneThatAreSentMoreThanTheGroup) {
   readers(4);
   routes_[2].history = 3;
   routes_[3].fallback = true;
@@ -142,7 +143,7 @@ TEST_F(GroupKeeperTest, LeavesThoseAloneThatAreSentMoreThanTheGroup) {
   EXPECT_TRUE(merged_.back().fallback);
 }
 
-TEST_F(GroupKeeperTest, LeavesThoseAloneThatNoGoodLinkLeadsTo) {
+TEST_F(GroupKeeperTest, LeavesReadersAloneThatNoGoodLinkLeadsTo) {
   readers(2);
   reader(first_link + 1);
   reader(wireless + 10);
@@ -173,7 +174,7 @@ TEST_F(GroupKeeperTest, HasAGroupForEachLink) {
   for (const auto& group : groups_) EXPECT_EQ(group->members().size(), 3U);
 }
 
-TEST_F(GroupKeeperTest, TakesHostsOfItsOwnOnlyWhereEverythingIsAllowed) {
+TEST_F(GroupKeeperTest, GathersReadersOnItsOwnHostOnlyIfMulticastIsAllowedEverywhere) {
   reader(first_link + 1);
   reader(first_link + 1).destination = core::UdpAddress{first_link + 1, 1001, 1'000'000};
   serve();
@@ -185,7 +186,7 @@ TEST_F(GroupKeeperTest, TakesHostsOfItsOwnOnlyWhereEverythingIsAllowed) {
   EXPECT_EQ(members(), 2U);
 }
 
-TEST_F(GroupKeeperTest, GathersNobodyWhereMulticastIsOff) {
+TEST_F(GroupKeeperTest, MakesNoGroupIfMulticastIsOff) {
   restart(Multicast::off);
   readers(3);
   serve();
@@ -193,14 +194,14 @@ TEST_F(GroupKeeperTest, GathersNobodyWhereMulticastIsOff) {
   EXPECT_EQ(why(1), "alone: multicast is off by option");
 }
 
-TEST_F(GroupKeeperTest, NamesNobodyElseWhereOneReaderIsAlone) {
+TEST_F(GroupKeeperTest, NamesNoOtherReaderIfOneIsAlone) {
   readers(1);
   serve();
   EXPECT_NE(keeper_->sizes(), nullptr) << "somebody may come";
   EXPECT_EQ(why(1), "alone: nobody else could be in a group with it");
 }
 
-TEST_F(GroupKeeperTest, GoesOnMeasuringWhateverReadersAskFor) {
+TEST_F(GroupKeeperTest, GoesOnMeasuringWhenOtherFieldsAreAskedFor) {
   readers(2, "height");
   serve();
   const auto sizes = keeper_->sizes();
@@ -242,7 +243,7 @@ TEST_F(GroupKeeperTest, HasNoGroupForTenSecondsAfterSamplesWerePublishedTogether
   EXPECT_EQ(members(), 3U);
 }
 
-TEST_F(GroupKeeperTest, LeavesThoseAloneForAMinuteThatHearNothing) {
+TEST_F(GroupKeeperTest, LeavesReadersAloneForAMinuteIfTheyHearNothing) {
   readers(3);
   serve();
   go_on(200ms);
@@ -271,7 +272,7 @@ TEST_F(GroupKeeperTest, LeavesThoseAloneForAMinuteThatHearNothing) {
   EXPECT_EQ(members(), 3U) << "it is tried again";
 }
 
-TEST_F(GroupKeeperTest, TakesAGroupBackASecondAfterItWasOver) {
+TEST_F(GroupKeeperTest, WithdrawsAGroupASecondAfterItsEnd) {
   readers(2);
   serve();
   go_on(200ms);
@@ -285,7 +286,7 @@ TEST_F(GroupKeeperTest, TakesAGroupBackASecondAfterItWasOver) {
   const auto taken_back = [&] {
     std::size_t count = 0;
     for (const auto& datagram : connections_.sent()) {
-      const auto offer = parse_group_offer(datagram);
+      const auto offer = parse_as<GroupOffer>(datagram);
       count += offer && offer->group == number && offer->address == 0 ? 1 : 0;
     }
     return count;
@@ -312,7 +313,7 @@ TEST_F(GroupKeeperTest, KeepsAGroupWhoseMembersStay) {
   EXPECT_EQ(connected_.size(), 1U);
 }
 
-TEST_F(GroupKeeperTest, MakesAnotherGroupWhereOneIsBroken) {
+TEST_F(GroupKeeperTest, ReplacesABrokenGroup) {
   readers(2);
   serve();
   go_on(200ms);
@@ -326,7 +327,7 @@ TEST_F(GroupKeeperTest, MakesAnotherGroupWhereOneIsBroken) {
   EXPECT_FALSE(keeper_->replan(now_));
 }
 
-TEST_F(GroupKeeperTest, SendsDatagramsThatTheNarrowestWayTakesAndTheSmallestBufferHolds) {
+TEST_F(GroupKeeperTest, FitsDatagramsToTheNarrowestPathAndTheSmallestBuffer) {
   readers(3);
   serve();
   routes_[1].destination = core::UdpAddress{0x0a000063, 1000, 300'000};
@@ -342,7 +343,7 @@ TEST_F(GroupKeeperTest, SendsDatagramsThatTheNarrowestWayTakesAndTheSmallestBuff
             groups_[0]->members()[0].lane->destination().path().datagram_bytes());
 }
 
-TEST_F(GroupKeeperTest, HasAddressesOfItsRangeOnly) {
+TEST_F(GroupKeeperTest, UsesOnlyAddressesOfItsRange) {
   for (std::uint32_t writer = 1; writer <= 50; ++writer) {
     restart(Multicast::automatic, writer * 2654435761U);
     routes_.clear();
@@ -357,7 +358,7 @@ TEST_F(GroupKeeperTest, HasAddressesOfItsRangeOnly) {
   }
 }
 
-TEST_F(GroupKeeperTest, GathersNobodyAroundATypeWithSoManyFieldsThatMasksAreNotSent) {
+TEST_F(GroupKeeperTest, MakesNoGroupForATypeWithTooManyFields) {
   for (const std::size_t leaves : {2048U, 2049U}) {
     std::vector<std::string> names;
     for (std::size_t i = 0; i < leaves; ++i) names.push_back("m" + std::to_string(i));

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "tests/support/parse_datagram.h"
 #include "tests/unit/udp/send/sending.h"
 
 namespace sft::udp {
@@ -23,7 +24,7 @@ class ChannelFlowsTest : public testing::Test, protected test::Sending {
   }
   std::size_t heartbeats() const {
     return static_cast<std::size_t>(std::ranges::count_if(
-        connections.sent(), [](const test::Bytes& bytes) { return parse_heartbeat(bytes).has_value(); }));
+        connections.sent(), [](const test::Bytes& bytes) { return parse_as<Heartbeat>(bytes).has_value(); }));
   }
 
   std::shared_ptr<Channel> one = channel();

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "tests/support/parse_datagram.h"
 #include "tests/unit/udp/connections.h"
 #include "tests/unit/udp/jobs.h"
 #include "udp_transport/send/answers.h"
@@ -39,7 +40,7 @@ class DisbelievedAnswersTest : public testing::Test {
   std::uint64_t disbelieved() const { return side_.answers_disbelieved; }
   FlowReport true_report() const {
     for (const Bytes& bytes : connections_.sent()) {
-      if (const auto mark = parse_mark(bytes))
+      if (const auto mark = parse_as<FlowMark>(bytes))
         return {.flow = mark->flow,
                 .position = mark->position,
                 .window_bytes = 1'000'000,

@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "tests/support/parse_datagram.h"
 #include "tests/unit/udp/connections.h"
 #include "tests/unit/udp/messages.h"
 

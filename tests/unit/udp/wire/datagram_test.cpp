@@ -6,6 +6,7 @@
 #include <random>
 #include <vector>
 
+#include "tests/support/parse_datagram.h"
 #include "tests/support/test_seed.h"
 
 namespace sft::udp {
@@ -224,16 +225,16 @@ TEST(Heartbeat, CarriesWholeOrdinals) {
                        .waiting = 0xfedc'ba98};
   encode(sent, bytes.data());
   EXPECT_EQ(kind_of(bytes), DatagramKind::heartbeat);
-  EXPECT_EQ(parse_heartbeat(bytes), sent);
+  EXPECT_EQ(parse_as<Heartbeat>(bytes), sent);
   EXPECT_FALSE(parse(bytes)) << "it is of no sample";
-  EXPECT_FALSE(parse_ack(bytes));
+  EXPECT_FALSE(parse_as<Ack>(bytes));
 }
 
 TEST(Heartbeat, IsRefusedWhenItCannotBeTrue) {
   const auto parses = [](Heartbeat heartbeat, std::size_t bytes_sent = heartbeat_bytes) {
     std::array<std::byte, heartbeat_bytes + 1> bytes{};
     encode(heartbeat, bytes.data());
-    return parse_heartbeat(std::span(bytes).first(bytes_sent)).has_value();
+    return parse_as<Heartbeat>(std::span(bytes).first(bytes_sent)).has_value();
   };
   EXPECT_TRUE(parses({.port = 1, .first = 7, .end = 7}));
   EXPECT_FALSE(parses({.port = 1, .first = 7, .end = 6})) << "ends before it begins";
@@ -248,11 +249,12 @@ TEST(FlowMark, ComesBackAsItWas) {
   const FlowMark sent{.flow = 1, .port = 2, .position = 0x1'0000'0003, .datagrams = 4, .sent_at_ns = 5};
   std::vector<std::byte> bytes(mark_bytes);
   encode(sent, bytes.data());
-  EXPECT_EQ(parse_mark(bytes), sent);
-  EXPECT_FALSE(parse_report(bytes)) << "it is none";
-  for (std::size_t n = 0; n < bytes.size(); ++n) EXPECT_FALSE(parse_mark(std::span(bytes).first(n))) << n;
+  EXPECT_EQ(parse_as<FlowMark>(bytes), sent);
+  EXPECT_FALSE(parse_as<FlowReport>(bytes)) << "it is none";
+  for (std::size_t n = 0; n < bytes.size(); ++n)
+    EXPECT_FALSE(parse_as<FlowMark>(std::span(bytes).first(n))) << n;
   encode(FlowMark{.port = 0}, bytes.data());
-  EXPECT_FALSE(parse_mark(bytes)) << "nowhere to answer";
+  EXPECT_FALSE(parse_as<FlowMark>(bytes)) << "nowhere to answer";
 }
 
 TEST(FlowReport, ComesBackAsItWasAndIsNoLongerThanTheMark) {
@@ -264,10 +266,11 @@ TEST(FlowReport, ComesBackAsItWasAndIsNoLongerThanTheMark) {
                         .sent_at_ns = 0x7'0000'0007};
   std::vector<std::byte> bytes(report_bytes);
   encode(sent, bytes.data());
-  EXPECT_EQ(parse_report(bytes), sent);
-  EXPECT_FALSE(parse_mark(bytes)) << "it is none";
+  EXPECT_EQ(parse_as<FlowReport>(bytes), sent);
+  EXPECT_FALSE(parse_as<FlowMark>(bytes)) << "it is none";
   EXPECT_LE(report_bytes, mark_bytes) << "strangers could make others send more than they send themselves";
-  for (std::size_t n = 0; n < bytes.size(); ++n) EXPECT_FALSE(parse_report(std::span(bytes).first(n))) << n;
+  for (std::size_t n = 0; n < bytes.size(); ++n)
+    EXPECT_FALSE(parse_as<FlowReport>(std::span(bytes).first(n))) << n;
 }
 
 TEST(Ack, CarriesWhatIsMissing) {
@@ -276,22 +279,22 @@ TEST(Ack, CarriesWhatIsMissing) {
   std::vector<std::byte> bytes(sent.bytes());
   encode(sent, bytes.data());
   EXPECT_LE(bytes.size(), datagram_bytes_min);
-  const auto ack = parse_ack(bytes);
+  const auto ack = parse_as<Ack>(bytes);
   ASSERT_TRUE(ack);
   EXPECT_EQ(ack->writer, 1U);
   EXPECT_EQ(ack->channel, 2U);
   EXPECT_EQ(ack->next, 0x1'0000'0004U);
   EXPECT_EQ(ack->missing, sent.missing);
-  for (std::size_t n = 0; n < bytes.size(); ++n) EXPECT_FALSE(parse_ack(std::span(bytes).first(n))) << n;
+  for (std::size_t n = 0; n < bytes.size(); ++n) EXPECT_FALSE(parse_as<Ack>(std::span(bytes).first(n))) << n;
   bytes.push_back({});
-  EXPECT_FALSE(parse_ack(bytes));
+  EXPECT_FALSE(parse_as<Ack>(bytes));
 }
 
 TEST(Ack, IsRefusedWhenARangeEndsBeforeItBegins) {
   Ack ack{.next = 1, .missing = {{{1, 5, 4}}}, .missing_count = 1};
   std::vector<std::byte> bytes(ack.bytes());
   encode(ack, bytes.data());
-  EXPECT_FALSE(parse_ack(bytes));
+  EXPECT_FALSE(parse_as<Ack>(bytes));
 }
 
 TEST(Datagram, OfARateWithoutPeriodIsRefused) {
@@ -409,14 +412,14 @@ TEST(Datagram, CarriesOffersOfGroupsAndReports) {
   std::array<std::byte, group_offer_bytes> bytes{};
   encode(offer, bytes.data());
   EXPECT_EQ(kind_of(bytes), DatagramKind::group_offer);
-  EXPECT_EQ(parse_group_offer(bytes), offer);
+  EXPECT_EQ(parse_as<GroupOffer>(bytes), offer);
   EXPECT_FALSE(parse(bytes));
   const GroupReport report{.writer = 1, .group = 2, .member = 3, .heard = 4};
   std::array<std::byte, group_report_bytes> answer{};
   encode(report, answer.data());
-  EXPECT_EQ(parse_group_report(answer), report);
-  EXPECT_FALSE(parse_group_report(bytes));
-  EXPECT_FALSE(parse_group_offer(std::span(bytes).first(group_offer_bytes - 1)));
+  EXPECT_EQ(parse_as<GroupReport>(answer), report);
+  EXPECT_FALSE(parse_as<GroupReport>(bytes));
+  EXPECT_FALSE(parse_as<GroupOffer>(std::span(bytes).first(group_offer_bytes - 1)));
 }
 
 TEST(Datagram, CarriesProbesOfGroups) {
@@ -424,12 +427,12 @@ TEST(Datagram, CarriesProbesOfGroups) {
   std::array<std::byte, group_probe_bytes> bytes{};
   encode(probe, bytes.data());
   EXPECT_EQ(kind_of(bytes), DatagramKind::group_probe);
-  EXPECT_EQ(parse_group_probe(bytes), probe);
-  EXPECT_FALSE(parse_group_report(bytes));
-  EXPECT_FALSE(parse_group_probe(std::span(bytes).first(group_probe_bytes - 1)));
+  EXPECT_EQ(parse_as<GroupProbe>(bytes), probe);
+  EXPECT_FALSE(parse_as<GroupReport>(bytes));
+  EXPECT_FALSE(parse_as<GroupProbe>(std::span(bytes).first(group_probe_bytes - 1)));
   for (const std::uint64_t ordinal : {std::uint64_t{0}, ordinal_max + 1}) {
     encode(GroupProbe{.writer = 1, .group = 2, .ordinal = ordinal}, bytes.data());
-    EXPECT_FALSE(parse_group_probe(bytes)) << ordinal;
+    EXPECT_FALSE(parse_as<GroupProbe>(bytes)) << ordinal;
   }
 }
 
@@ -437,7 +440,7 @@ TEST(Datagram, RefusesOffersOfGroupsThatAreNotPrivate) {
   std::array<std::byte, group_offer_bytes> bytes{};
   const auto accepted = [&](GroupOffer offer) {
     encode(offer, bytes.data());
-    return parse_group_offer(bytes).has_value();
+    return parse_as<GroupOffer>(bytes).has_value();
   };
   GroupOffer offer{.writer = 1, .group = 2, .member = 3, .port = 4, .address = 0, .channel = 6, .ahead = 0};
   EXPECT_TRUE(accepted(offer)) << "it takes a group back";

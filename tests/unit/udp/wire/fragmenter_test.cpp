@@ -5,6 +5,7 @@
 #include <random>
 #include <vector>
 
+#include "tests/support/parse_datagram.h"
 #include "tests/support/test_seed.h"
 #include "tests/unit/udp/datagrams.h"
 

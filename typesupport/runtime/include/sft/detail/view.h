@@ -18,6 +18,7 @@
 #include <cstdint>
 #include <span>
 #include <string_view>
+#include <tuple>
 #include <type_traits>
 
 #include "sft/detail/element_range.h"
@@ -36,64 +37,18 @@ concept field_is_in_declared_mask = Place::template has<Member>;
 template <auto R, class V>
 using Got = std::conditional_t<R.is_recorded, Optional<V>, V>;
 
+/// The types of the primitives, in the order of their kinds.
+using Scalars = std::tuple<bool, std::uint8_t, char, std::int8_t, std::uint8_t, std::int16_t, std::uint16_t,
+                           std::int32_t, std::uint32_t, std::int64_t, std::uint64_t, float, double>;
+static_assert(is_primitive(static_cast<Kind>(std::tuple_size_v<Scalars> - 1)) &&
+              !is_primitive(static_cast<Kind>(std::tuple_size_v<Scalars>)));
+
 template <Kind K>
-struct ScalarOf;
-template <>
-struct ScalarOf<Kind::boolean> {
-  using type = bool;
-};
-template <>
-struct ScalarOf<Kind::octet> {
-  using type = std::uint8_t;
-};
-template <>
-struct ScalarOf<Kind::character> {
-  using type = char;
-};
-template <>
-struct ScalarOf<Kind::int8> {
-  using type = std::int8_t;
-};
-template <>
-struct ScalarOf<Kind::uint8> {
-  using type = std::uint8_t;
-};
-template <>
-struct ScalarOf<Kind::int16> {
-  using type = std::int16_t;
-};
-template <>
-struct ScalarOf<Kind::uint16> {
-  using type = std::uint16_t;
-};
-template <>
-struct ScalarOf<Kind::int32> {
-  using type = std::int32_t;
-};
-template <>
-struct ScalarOf<Kind::uint32> {
-  using type = std::uint32_t;
-};
-template <>
-struct ScalarOf<Kind::int64> {
-  using type = std::int64_t;
-};
-template <>
-struct ScalarOf<Kind::uint64> {
-  using type = std::uint64_t;
-};
-template <>
-struct ScalarOf<Kind::float32> {
-  using type = float;
-};
-template <>
-struct ScalarOf<Kind::float64> {
-  using type = double;
-};
+using ScalarOf = std::tuple_element_t<static_cast<std::size_t>(K), Scalars>;
 
 /// A boolean in an array or a sequence is its byte: a span of bool over foreign bytes would be undefined.
 template <Kind K>
-using ElementOf = std::conditional_t<K == Kind::boolean, std::uint8_t, typename ScalarOf<K>::type>;
+using ElementOf = std::conditional_t<K == Kind::boolean, std::uint8_t, ScalarOf<K>>;
 
 template <class V>
 V load(const SampleState& s, std::uint64_t offset) noexcept {
@@ -171,7 +126,7 @@ auto read_leaf(const SampleState& s, std::uint64_t offset) {
       return StringRange{s, elements_of(s, M, offset)};
     }
   } else if constexpr (M.shape == Shape::single) {
-    using V = std::conditional_t<std::is_enum_v<As>, As, typename ScalarOf<M.kind>::type>;
+    using V = std::conditional_t<std::is_enum_v<As>, As, ScalarOf<M.kind>>;
     return load<V>(s, offset);
   } else {
     using E = std::conditional_t<std::is_enum_v<As>, As, ElementOf<M.kind>>;

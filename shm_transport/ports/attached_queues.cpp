@@ -1,4 +1,4 @@
-#include "shm_transport/ports/audience.h"
+#include "shm_transport/ports/attached_queues.h"
 
 #include <algorithm>
 #include <tuple>
@@ -8,7 +8,7 @@
 
 namespace sft::shm {
 
-void Audience::look(const Queues& queues, const Session& session) {
+void AttachedQueues::look(const Queues& queues, const Session& session) {
   if (is_unchanged(queues)) return;
   const std::vector<Listener> before = std::exchange(listeners_, {});
   for (const auto& queue : queues) {
@@ -19,14 +19,14 @@ void Audience::look(const Queues& queues, const Session& session) {
   count();
 }
 
-Audience::Listener Audience::listener_at(const Queue& queue, const Session& session) {
+AttachedQueues::Listener AttachedQueues::listener_at(const Queue& queue, const Session& session) {
   const auto* port = session.port_of(queue);
   if (port == nullptr) return {queue.m_uniqueId};
   const QueueWishes wishes = parse_wishes({port->m_nodeName.c_str(), port->m_nodeName.size()});
   return {queue.m_uniqueId, wishes.late ? wishes.reader : 0, wishes.awaited ? wishes.reader : 0, port};
 }
 
-const Audience::Listener* Audience::without_room() const {
+const AttachedQueues::Listener* AttachedQueues::without_room() const {
   if (awaited_.empty()) return nullptr;
   const auto found = std::ranges::find_if(listeners_, [this](const Listener& listener) {
     return listener.awaited != 0 && listener.waits_as == 0 && !has_room(listener) &&
@@ -35,40 +35,40 @@ const Audience::Listener* Audience::without_room() const {
   return found == listeners_.end() ? nullptr : &*found;
 }
 
-bool Audience::has_room(const Listener& listener) {
+bool AttachedQueues::has_room(const Listener& listener) {
   auto& queue = const_cast<iox::popo::SubscriberPortData*>(listener.port)->m_chunkReceiverData.m_queue;
   return queue.size() < queue.capacity();
 }
 
-bool Audience::is_unchanged(const Queues& queues) const {
+bool AttachedQueues::is_unchanged(const Queues& queues) const {
   return std::equal(
       queues.begin(), queues.end(), listeners_.begin(), listeners_.end(),
       [](const auto& queue, const Listener& listener) { return queue->m_uniqueId == listener.queue; });
 }
 
-const Audience::Listener* Audience::waiting(core::EndpointId reader) const {
+const AttachedQueues::Listener* AttachedQueues::waiting(core::EndpointId reader) const {
   const auto found = std::ranges::find(listeners_, reader, &Listener::waits_as);
   return reader == 0 || found == listeners_.end() ? nullptr : &*found;
 }
 
-void Audience::begun(core::EndpointId reader) {
+void AttachedQueues::begun(core::EndpointId reader) {
   for (Listener& listener : listeners_) {
     if (listener.waits_as == reader) listener.waits_as = 0;
   }
   count();
 }
 
-void Audience::owe_nothing(std::set<core::EndpointId> readers) {
+void AttachedQueues::owe_nothing(std::set<core::EndpointId> readers) {
   for (const core::EndpointId reader : readers) begun(reader);
   owed_nothing_ = std::move(readers);
 }
 
-void Audience::deliver(Port& port, const Listener& listener, iox::mepoo::SharedChunk chunk) {
+void AttachedQueues::deliver(Port& port, const Listener& listener, iox::mepoo::SharedChunk chunk) {
   iox::popo::ChunkDistributor<iox::popo::PublisherPortData::ChunkDistributorData_t> distributor(&port);
   std::ignore = distributor.deliverToQueue(listener.queue, 0, std::move(chunk));
 }
 
-void Audience::count() {
+void AttachedQueues::count() {
   waiting_ = static_cast<std::size_t>(
       std::ranges::count_if(listeners_, [](const Listener& listener) { return listener.waits_as != 0; }));
 }

@@ -26,7 +26,7 @@ namespace sft::shm {
 
 class Session;
 
-class Audience {
+class AttachedQueues {
  public:
   using Port = iox::popo::PublisherPortData::ChunkSenderData_t;
   using Queues = Port::QueueContainer_t;

@@ -1,0 +1,7 @@
+// expect: acquiring batch 'port' that is already held
+#include "core/seam/writer_port.h"
+
+void misuse(sft::core::NetworkWriter& port) {
+  sft::core::Batch batch = port.batch(sft::core::BatchPatience::fresh);
+  sft::core::Batch another = port.batch(sft::core::BatchPatience::fresh);
+}

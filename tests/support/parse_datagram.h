@@ -1,0 +1,47 @@
+// Reads datagrams of one kind, for tests that know which kind they expect.
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <variant>
+
+#include "udp_transport/wire/datagram.h"
+
+namespace sft::udp {
+
+/// Empty unless the bytes are a sound datagram of that kind.
+template <class Kind>
+std::optional<Kind> parse_as(std::span<const std::byte> bytes) {
+  const auto take = []<class Found>(const Found& found) {
+    if constexpr (std::same_as<Found, Kind>) return std::optional(found);
+    return std::optional<Kind>();
+  };
+  const AnyDatagram any = decode(bytes);
+  const Answer* answer = std::get_if<Answer>(&any);
+  return answer == nullptr ? std::visit(take, any) : std::visit(take, *answer);
+}
+
+/// Empty unless the bytes are a sound datagram of a sample. A following one has only the label, the offset
+/// and the payload.
+inline std::optional<Datagram> parse(std::span<const std::byte> bytes) {
+  const auto following = parse_as<Following>(bytes);
+  if (!following) return parse_as<Datagram>(bytes);
+  Datagram d;
+  d.kind = DatagramKind::following;
+  d.first.label = following->label;
+  d.offset = following->offset;
+  d.payload = following->payload;
+  return d;
+}
+
+/// The kind that the bytes claim to be. Empty if they are no datagram of this version. The rest of the
+/// datagram may still be malformed.
+inline std::optional<DatagramKind> kind_of(std::span<const std::byte> bytes) {
+  const AnyDatagram any = decode(bytes);
+  if (const auto* malformed = std::get_if<Malformed>(&any)) return malformed->kind;
+  return static_cast<DatagramKind>(std::to_integer<unsigned>(bytes[0]) & 0xf);
+}
+
+}  // namespace sft::udp
