@@ -6,7 +6,7 @@
 #include "bench/common/statistics.h"
 #include "bench/shm/cyclone_cloud.h"
 #include "bench/shm/fast_dds_cloud.h"
-#include "bench/shm/roudi.h"
+#include "bench/common/roudi.h"
 #include "bench/shm/shm.h"
 
 namespace sft::bench {

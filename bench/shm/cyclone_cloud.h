@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "bench/common/transfer.h"
-#include "bench/shm/roudi.h"
+#include "bench/common/roudi.h"
 
 namespace sft::bench {
 

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "bench/common/hosts.h"
-#include "bench/udp/contender.h"
+#include "bench/common/contender.h"
 
 namespace sft::bench {
 

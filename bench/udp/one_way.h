@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "bench/common/hosts.h"
-#include "bench/udp/contender.h"
+#include "bench/common/contender.h"
 
 namespace sft::bench {
 

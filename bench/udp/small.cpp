@@ -6,7 +6,7 @@
 
 #include "bench/common/raw_sockets.h"
 #include "bench/common/statistics.h"
-#include "bench/udp/contender.h"
+#include "bench/common/contender.h"
 #include "bench/udp/udp.h"
 
 namespace sft::bench {
