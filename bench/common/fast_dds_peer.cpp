@@ -1,5 +1,6 @@
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
+#include <string>
 #include <vector>
 
 #include "bench/common/contender.h"
@@ -25,7 +26,9 @@ struct Bulk {
 
 class BulkType : public fast::Type<Bulk> {
  public:
-  explicit BulkType(std::uint32_t data_bytes) : Type("sft_bench::Bulk", fixed_bytes + data_bytes) {}
+  /// A participant may have several types, whose names differ, since it makes room for the size of each.
+  explicit BulkType(std::uint32_t data_bytes)
+      : Type(("sft_bench::Bulk" + std::to_string(data_bytes)).c_str(), fixed_bytes + data_bytes) {}
 
   bool serialize(void* data, fast::rtps::SerializedPayload_t* payload) override {
     const auto& bulk = *static_cast<const Bulk*>(data);
@@ -128,7 +131,9 @@ class FastDdsWriter : public Writer {
   std::size_t readers() const override { return fast::readers(writer_); }
   void write(std::uint64_t number) override {
     message_.number = number;
-    writer_.write(&message_);
+    // A write into a full history can fail without having waited; it then succeeds the next time.
+    while (!writer_.write(&message_)) {
+    }
   }
 
  private:

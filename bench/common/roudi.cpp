@@ -29,9 +29,10 @@ constexpr std::int64_t patience_ns = 20'000'000'000;
 iox::RouDiConfig_t config() {
   iox::mepoo::MePooConfig pools;
   constexpr std::uint32_t KiB = 1024, MiB = 1024 * KiB;
-  pools.addMemPool({KiB, 100});
+  pools.addMemPool({2 * KiB, 1000});
+  pools.addMemPool({20 * KiB, 1000});
   pools.addMemPool({260 * KiB, 128});
-  pools.addMemPool({2 * MiB, 32});
+  pools.addMemPool({2 * MiB, 40});
   pools.addMemPool({9 * MiB, 10});
   const auto group = iox::posix::PosixGroup::getGroupOfCurrentProcess().getName();
   iox::RouDiConfig_t config;

@@ -66,8 +66,10 @@ std::vector<Entrant> entrants(const Case& of) {
   for (int i = 0; i <= static_cast<int>(Way::memcpy_alone); ++i) {
     const Entrant entrant{static_cast<Way>(i)};
     if (of.where == Where::two_hosts && needs_one_host(entrant.way)) continue;
+    if (of.readers > 1 && entrant.way == Way::memcpy_alone) continue;
     all.push_back(entrant);
-    if (entrant.is_sft() && of.waiting == Waiting::sleeping) all.push_back({entrant.way, true});
+    const bool tries_spin_0 = entrant.is_sft() && (of.readers == 1 || entrant.way == Way::sft_full);
+    if (tries_spin_0 && of.waiting == Waiting::sleeping) all.push_back({entrant.way, true});
   }
   return all;
 }

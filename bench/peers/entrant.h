@@ -49,8 +49,8 @@ struct Case {
 /// False if the way has no wait that spins: it then sleeps in cases of spinning, too.
 bool can_spin(Way way);
 
-/// All who take part in a case, in the order of the tables. Entrants that would send the same thing in the
-/// same way as another one are left out: without sleep there is no spin of 0.
+/// All who take part in a case, in the order of the tables. Where nobody sleeps there is no spin of 0. With
+/// several readers a spin of 0 is tried once, and nothing is copied without a reader.
 std::vector<Entrant> entrants(const Case& of);
 
 /// The entrants in the turns of a round. Each round begins with another one, so that nobody always runs right

@@ -21,18 +21,14 @@ constexpr Measure measures[] = {{"p50", "us", &Record::p50_us, 1, false},
                                 {"cpu", "us", &Record::paced_cpu_us, 1, false},
                                 {"rate", "k/s", &Record::per_s, 1e-3, true}};
 
-std::string prefix_of(const Column& column) {
-  return fmt::format("{}_{}_{}_{}B", column.of.where == Where::one_host ? "intra" : "inter",
-                     column.of.waiting == Waiting::sleeping ? "sleeping" : "spinning", column.of.readers,
-                     column.bytes);
-}
-
 double median_of(const Records& all, const Column& column, const Entrant& entrant, const Measure& measure) {
   return measure.scale * spread(records_of(all, column.of, entrant, column.bytes), measure.value).median;
 }
 
-Figure figure(const Records& all, const Column& column, const Entrant& entrant, const Measure& measure) {
-  Figure figure{.name = fmt::format("{}_{}_{}", prefix_of(column), id_of(entrant), measure.name),
+Figure figure(const std::string& group, const Records& all, const Column& column, const Entrant& entrant,
+              const Measure& measure) {
+  Figure figure{.name = fmt::format("{}_{}_{}B_{}_{}", group, column.of.readers, column.bytes, id_of(entrant),
+                                    measure.name),
                 .value = median_of(all, column, entrant, measure),
                 .unit = measure.unit};
   for (const Entrant& peer : entrants(column.of)) {
@@ -49,13 +45,13 @@ Figure figure(const Records& all, const Column& column, const Entrant& entrant, 
 
 }  // namespace
 
-std::vector<Figure> figures(const Records& all, const std::vector<Column>& columns) {
+std::vector<Figure> figures(const std::string& group, const Records& all, const std::vector<Column>& columns) {
   std::vector<Figure> figures;
   for (const Column& column : columns) {
     for (const Entrant& entrant : entrants(column.of)) {
       if (!entrant.is_sft()) continue;
       for (const Measure& measure : measures) {
-        Figure one = figure(all, column, entrant, measure);
+        Figure one = figure(group, all, column, entrant, measure);
         if (std::isfinite(one.value)) figures.push_back(std::move(one));
       }
     }

@@ -10,7 +10,8 @@
 namespace sft::bench::peers {
 
 /// The p50, its processor time and the throughput of each entrant of SFT in each column, beside the best peer
-/// in each of them. memcpy is no peer.
-std::vector<Figure> figures(const Records& all, const std::vector<Column>& columns);
+/// in each of them. memcpy is no peer. The name of a figure is that of the group, the number of readers, the
+/// size, the entrant and the measure: "intra_readers_8_16B_sft_full_p50".
+std::vector<Figure> figures(const std::string& group, const Records& all, const std::vector<Column>& columns);
 
 }  // namespace sft::bench::peers

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <fstream>
 #include <memory>
+#include <thread>
 #include <utility>
 
 #include "bench/common/noise.h"
@@ -21,15 +22,18 @@ using namespace sft::bench;
 using namespace sft::bench::peers;
 
 constexpr const char* how =
-    "Each message starts in the program's own memory (loans: in memory that is lent, of which only two numbers\n"
-    "are written). Latency is the time from publish() until the program of the last reader has the message:\n"
-    "\"two fields\" has two numbers, and \"full\" all data, which SFT and iceoryx let it read in place. Delivery is\n"
-    "reliable. The writer's process is pinned to core 0 with all its threads, and all readers share core 1. A\n"
-    "message is sent each {} us, or when the one before has arrived. Sleeping: everybody sleeps in between; SFT\n"
-    "looks for 20 us first, and with \"spin 0\" never. Spinning: the writer and the readers keep their cores busy,\n"
-    "but the DDS peers, which cannot, sleep; their writer spins. CPU time is that of all processes, spinning and\n"
-    "discovery included. Figures are medians of {} rounds (least to most) in turns. A p99.9 with \"w\" is the worst\n"
-    "of fewer than 1000 messages. memcpy alone is the floor: one copy, without any reader.\n";
+    "This machine has {} cores. The writer's process is pinned to core 0 with all its threads, and the readers\n"
+    "to core 1, which several readers share. Each message starts in the program's own memory; of a loan only\n"
+    "the number is written. Latency is the time from publish() until the program of the last reader has the\n"
+    "message: with \"two fields\" two numbers, otherwise all data, which SFT and iceoryx let it read in place.\n"
+    "Delivery is reliable. Only Cyclone DDS over iceoryx does not wait for readers that are late: \"lost\".\n"
+    "Latency: a message each {} us, or when the one before has arrived. Sleeping: everybody sleeps in between;\n"
+    "SFT looks for 20 us before it sleeps, and with \"spin 0\" never. Spinning: writer and readers keep their\n"
+    "cores busy; the DDS peers cannot, so that their readers sleep.\n"
+    "Throughput: messages as fast as possible, which each reader got.\n"
+    "CPU time is that of all processes together, with spinning and discovery.\n"
+    "Figures are medians of the rounds ({}), and in parentheses the least and the most. Contenders take turns.\n"
+    "A p99.9 with \"w\" is the worst of fewer than 1000 messages. memcpy alone, the floor, has no reader.\n";
 
 /// Leaves nothing in a buffer, of which each process that is forked later would have a copy.
 void say(const std::string& text) {
@@ -52,22 +56,23 @@ std::vector<std::string> ids() {
 class Peers {
  public:
   /// One reader, all sizes.
-  std::vector<Figure> sizes(Where where, Waiting waiting) {
+  std::vector<Figure> sizes(const std::string& group, Where where, Waiting waiting) {
     const Case of{where, waiting};
-    measure({of}, scale.sizes, scale.pace);
-    return report(title_of(of) + ", one reader", columns_of_sizes(of, scale.sizes));
+    const Records records = measure(group, {of}, scale.sizes, scale.pace);
+    return report(group, title_of(of) + ", one reader", records, columns_of_sizes(of, scale.sizes));
   }
   /// Some sizes, several readers that sleep.
-  std::vector<Figure> readers(Where where) {
+  std::vector<Figure> readers(const std::string& group, Where where) {
     std::vector<Case> cases;
     for (const std::size_t readers : scale.readers) cases.push_back({where, Waiting::sleeping, readers});
-    measure(cases, scale.sizes_of_readers, scale.pace_of_readers);
+    const Records records = measure(group, cases, scale.sizes_of_readers, scale.pace_of_readers);
     std::vector<Figure> figures;
     for (const std::uint32_t bytes : scale.sizes_of_readers) {
+      const char* hosts = where == Where::one_host ? "" : " on a host each";
       const std::string title = fmt::format("{}, several readers{}, which share one core, {}",
-                                            title_of(cases.front()),
-                                            where == Where::one_host ? "" : " on a host each", size_text(bytes));
-      for (Figure& figure : report(title, columns_of_readers(cases.front(), scale.readers, bytes)))
+                                            title_of(cases.front()), hosts, size_text(bytes));
+      for (Figure& figure :
+           report(group, title, records, columns_of_readers(cases.front(), scale.readers, bytes)))
         figures.push_back(std::move(figure));
     }
     return figures;
@@ -86,30 +91,37 @@ class Peers {
   bool runs(const Entrant& entrant) const {
     return contenders.empty() || std::ranges::find(contenders, id_of(entrant)) != contenders.end();
   }
-  void measure(const std::vector<Case>& cases, const std::vector<std::uint32_t>& sizes, const Pace& pace) {
+  const Stage& stage(std::int64_t period_us) {
     if (stage_ == nullptr) {
-      say(fmt::format(fmt::runtime(how), pace.period_us, scale.rounds));
+      say(fmt::format(fmt::runtime(how), std::thread::hardware_concurrency(), period_us, scale.rounds));
       stage_ = std::make_unique<Stage>();
     }
+    return *stage_;
+  }
+  /// Those of the last case, which has the most readers, run in all cases.
+  Records measure(const std::string& group, const std::vector<Case>& cases,
+                  const std::vector<std::uint32_t>& sizes, const Pace& pace) {
+    Records measured;
     for (int round = 0; round < scale.rounds; ++round) {
       fmt::print(stderr, "  round {} of {}\n", round + 1, scale.rounds);
       for (const Case& of : cases) {
-        for (const Entrant& entrant : turns(entrants(of), static_cast<std::size_t>(round))) {
-          if (runs(entrant))
-            add(run({of, entrant, sizes, pace}, *stage_), static_cast<std::size_t>(round));
+        for (const Entrant& entrant : turns(entrants(cases.back()), static_cast<std::size_t>(round))) {
+          if (!runs(entrant)) continue;
+          for (Record& record : run({of, entrant, sizes, pace}, stage(pace.period_us))) {
+            record.group = group;
+            record.round = static_cast<std::size_t>(round);
+            measured.push_back(record);
+          }
         }
       }
     }
+    records_.insert(records_.end(), measured.begin(), measured.end());
+    return measured;
   }
-  void add(Records records, std::size_t round) {
-    for (Record& record : records) {
-      record.round = round;
-      records_.push_back(record);
-    }
-  }
-  std::vector<Figure> report(const std::string& title, const std::vector<Column>& columns) const {
-    say(tables(records_, title, columns) + faster_peers(records_, columns));
-    return figures(records_, columns);
+  static std::vector<Figure> report(const std::string& group, const std::string& title,
+                                    const Records& records, const std::vector<Column>& columns) {
+    say(tables(records, title, columns) + faster_peers(records, columns));
+    return figures(group, records, columns);
   }
 
   std::unique_ptr<Stage> stage_;
@@ -121,13 +133,19 @@ class Peers {
 
 int main(int argc, char** argv) {
   Peers peers;
+  const auto sizes = [&](const char* name, Where where, Waiting waiting) {
+    return Group{name, [&peers, name, where, waiting] { return peers.sizes(name, where, waiting); }};
+  };
+  const auto readers = [&](const char* name, Where where) {
+    return Group{name, [&peers, name, where] { return peers.readers(name, where); }};
+  };
   Program program("SFT beside other middleware, sockets and memcpy",
-                  {{"intra_sleeping", [&] { return peers.sizes(Where::one_host, Waiting::sleeping); }},
-                   {"intra_spinning", [&] { return peers.sizes(Where::one_host, Waiting::spinning); }},
-                   {"intra_readers", [&] { return peers.readers(Where::one_host); }},
-                   {"inter_sleeping", [&] { return peers.sizes(Where::two_hosts, Waiting::sleeping); }},
-                   {"inter_spinning", [&] { return peers.sizes(Where::two_hosts, Waiting::spinning); }},
-                   {"inter_readers", [&] { return peers.readers(Where::two_hosts); }}});
+                  {sizes("intra_sleeping", Where::one_host, Waiting::sleeping),
+                   sizes("intra_spinning", Where::one_host, Waiting::spinning),
+                   readers("intra_readers", Where::one_host),
+                   sizes("inter_sleeping", Where::two_hosts, Waiting::sleeping),
+                   sizes("inter_spinning", Where::two_hosts, Waiting::spinning),
+                   readers("inter_readers", Where::two_hosts)});
   program.leave_out_table();
   std::string csv;
   std::optional<int> rounds;

@@ -21,7 +21,7 @@ Scale quick_scale() {
           .pace_of_readers = {.samples = 150, .samples_min = 5, .latency_s = 0.05, .throughput_s = 0.05}};
 }
 
-std::uint32_t depth_of(std::uint32_t bytes) { return std::clamp<std::uint32_t>(16 * MiB / bytes, 4, 64); }
+std::uint32_t depth_of(std::uint32_t bytes) { return std::clamp<std::uint32_t>(4 * MiB / bytes, 4, 64); }
 
 std::string size_text(std::uint32_t bytes) {
   if (bytes >= MiB) return fmt::format("{} MiB", bytes / MiB);

@@ -12,6 +12,7 @@ namespace sft::bench::peers {
 inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 struct Record {
+  std::string group{};  ///< the group of the benchmark that measured it: "intra_sleeping"
   Case of{};
   Entrant entrant{};
   std::uint32_t bytes = 0;
