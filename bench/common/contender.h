@@ -19,7 +19,8 @@ struct Topic {
 
   /// SFT's readers ask for the number and the stamp only, and not for the data.
   bool two_fields = false;
-  bool sleeps_at_once = false;  ///< SFT's readers do not spin before they sleep (SubscriberOptions::spin is 0)
+  /// SFT's readers do not spin before they sleep (SubscriberOptions::spin is 0).
+  bool sleeps_at_once = false;
   // For contenders that have neither discovery nor names:
   std::uint16_t id = 0;      ///< a topic of its own; below 64
   std::size_t readers = 1;   ///< of the writer, at most 16

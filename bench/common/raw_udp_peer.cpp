@@ -95,8 +95,7 @@ class RawUdpWriter : public Writer {
       : ahead_(samples_ahead(topic.bulk_bytes)),
         message_(topic.bulk_bytes, std::byte{1}),
         kept_(copies ? ahead_ + 1 : 0, message_) {
-    for (std::size_t i = 0; i < topic.readers; ++i)
-      links_.push_back(std::make_unique<RawUdpLink>(topic, i));
+    for (std::size_t i = 0; i < topic.readers; ++i) links_.push_back(std::make_unique<RawUdpLink>(topic, i));
   }
 
   std::size_t readers() const override { return links_.size(); }
@@ -167,9 +166,8 @@ class RawUdpReader : public Reader {
   void receive() {
     sockaddr_in peer{};
     socklen_t length = sizeof peer;
-    const ssize_t bytes =
-        recvfrom(socket_, memory_.data() + filled_, received_bytes_max, spinning_ ? MSG_DONTWAIT : 0,
-                 reinterpret_cast<sockaddr*>(&peer), &length);
+    const ssize_t bytes = recvfrom(socket_, memory_.data() + filled_, received_bytes_max,
+                                   spinning_ ? MSG_DONTWAIT : 0, reinterpret_cast<sockaddr*>(&peer), &length);
     if (bytes <= 0) return;
     filled_ = bytes == sizeof again ? 0 : filled_ + static_cast<std::size_t>(bytes);
     std::size_t at = 0;

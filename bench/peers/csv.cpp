@@ -7,7 +7,8 @@
 namespace sft::bench::peers {
 
 void write_csv(std::ostream& out, const Records& all) {
-  out << "group,where,waiting,readers,contender,bytes,round,samples,p50_us,p90_us,p99_us,p999_us,paced_cpu_us,"
+  out << "group,where,waiting,readers,contender,bytes,round,samples,p50_us,p90_us,p99_us,p999_us,paced_cpu_"
+         "us,"
          "messages_per_s,fast_cpu_us,lost_share\n";
   for (const Record& r : all) {
     out << fmt::format("{},{},{},{},{},{},{},{},{:.2f},{:.2f},{:.2f},{:.2f},{:.2f},{:.1f},{:.2f},{:.4f}\n",

@@ -34,8 +34,8 @@ Figure figure(const std::string& group, const Records& all, const Column& column
   for (const Entrant& peer : entrants(column.of)) {
     const double theirs = median_of(all, column, peer, measure);
     if (peer.is_sft() || peer.way == Way::memcpy_alone || !std::isfinite(theirs)) continue;
-    const bool better =
-        figure.reference && (measure.more_is_better ? theirs > *figure.reference : theirs < *figure.reference);
+    const bool better = figure.reference &&
+                        (measure.more_is_better ? theirs > *figure.reference : theirs < *figure.reference);
     if (figure.reference && !better) continue;
     figure.reference = theirs;
     figure.reference_name = name_of(peer);
@@ -45,7 +45,8 @@ Figure figure(const std::string& group, const Records& all, const Column& column
 
 }  // namespace
 
-std::vector<Figure> figures(const std::string& group, const Records& all, const std::vector<Column>& columns) {
+std::vector<Figure> figures(const std::string& group, const Records& all,
+                            const std::vector<Column>& columns) {
   std::vector<Figure> figures;
   for (const Column& column : columns) {
     for (const Entrant& entrant : entrants(column.of)) {

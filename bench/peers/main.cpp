@@ -22,18 +22,27 @@ using namespace sft::bench;
 using namespace sft::bench::peers;
 
 constexpr const char* how =
-    "This machine has {} cores. The writer's process is pinned to core 0 with all its threads, and the readers\n"
-    "to core 1, which several readers share. Each message starts in the program's own memory; of a loan only\n"
+    "This machine has {} cores. The writer's process is pinned to core 0 with all its threads, and the "
+    "readers\n"
+    "to core 1, which several readers share. Each message starts in the program's own memory; of a loan "
+    "only\n"
     "the number is written. Latency is the time from publish() until the program of the last reader has the\n"
-    "message: with \"two fields\" two numbers, otherwise all data, which SFT and iceoryx let it read in place.\n"
+    "message: with \"two fields\" two numbers, otherwise all data, which SFT and iceoryx let it read in "
+    "place.\n"
+    "Within one host SFT shares all fields, whatever a reader asks for; between hosts it sends two only.\n"
     "Delivery is reliable. Only Cyclone DDS over iceoryx does not wait for readers that are late: \"lost\".\n"
-    "Latency: a message each {} us, or when the one before has arrived. Sleeping: everybody sleeps in between;\n"
-    "SFT looks for 20 us before it sleeps, and with \"spin 0\" never. Spinning: writer and readers keep their\n"
+    "Latency: a message each {} us, or when the one before has arrived. Sleeping: everybody sleeps in "
+    "between;\n"
+    "SFT looks for 20 us before it sleeps, and with \"spin 0\" never. Spinning: writer and readers keep "
+    "their\n"
     "cores busy; the DDS peers cannot, so that their readers sleep.\n"
     "Throughput: messages as fast as possible, which each reader got.\n"
-    "CPU time is that of all processes together, with spinning and discovery.\n"
-    "Figures are medians of the rounds ({}), and in parentheses the least and the most. Contenders take turns.\n"
-    "A p99.9 with \"w\" is the worst of fewer than 1000 messages. memcpy alone, the floor, has no reader.\n";
+    "CPU time is that of a message: of all processes, with spinning and discovery, divided by the messages.\n"
+    "Figures are medians of the rounds ({}), and in parentheses the least and the most. Contenders take "
+    "turns.\n"
+    "A p99.9 with \"w\" is the worst of fewer than 1000 messages. memcpy alone, the floor, has no reader: "
+    "its\n"
+    "CPU time is what the benchmark itself takes to sleep and to wake up.\n";
 
 /// Leaves nothing in a buffer, of which each process that is forked later would have a copy.
 void say(const std::string& text) {
@@ -139,13 +148,13 @@ int main(int argc, char** argv) {
   const auto readers = [&](const char* name, Where where) {
     return Group{name, [&peers, name, where] { return peers.readers(name, where); }};
   };
-  Program program("SFT beside other middleware, sockets and memcpy",
-                  {sizes("intra_sleeping", Where::one_host, Waiting::sleeping),
-                   sizes("intra_spinning", Where::one_host, Waiting::spinning),
-                   readers("intra_readers", Where::one_host),
-                   sizes("inter_sleeping", Where::two_hosts, Waiting::sleeping),
-                   sizes("inter_spinning", Where::two_hosts, Waiting::spinning),
-                   readers("inter_readers", Where::two_hosts)});
+  Program program(
+      "SFT beside other middleware, sockets and memcpy",
+      {sizes("intra_sleeping", Where::one_host, Waiting::sleeping),
+       sizes("intra_spinning", Where::one_host, Waiting::spinning), readers("intra_readers", Where::one_host),
+       sizes("inter_sleeping", Where::two_hosts, Waiting::sleeping),
+       sizes("inter_spinning", Where::two_hosts, Waiting::spinning),
+       readers("inter_readers", Where::two_hosts)});
   program.leave_out_table();
   std::string csv;
   std::optional<int> rounds;

@@ -14,13 +14,13 @@ inline constexpr std::size_t readers_max = 8;
 inline constexpr std::size_t samples_max = 4096;  ///< of one size, whose latency is measured
 
 struct Pace {
-  std::int64_t period_us = 200;       ///< from a message to the next one; longer, until it has arrived
-  std::size_t warm_up = 30;           ///< messages before those that count; fewer large ones
-  std::size_t samples = 1000;         ///< messages that count at most
-  std::size_t samples_min = 12;       ///< and at least
-  double latency_s = 0.28;            ///< after this time only the least number of messages is sent
+  std::int64_t period_us = 200;  ///< from a message to the next one; longer, until it has arrived
+  std::size_t warm_up = 30;      ///< messages before those that count; fewer large ones
+  std::size_t samples = 1000;    ///< messages that count at most
+  std::size_t samples_min = 12;  ///< and at least
+  double latency_s = 0.4;        ///< after this time only the least number of messages is sent
   double throughput_warm_up_s = 0.05;
-  double throughput_s = 0.15;         ///< for which messages are sent as fast as possible
+  double throughput_s = 0.15;  ///< for which messages are sent as fast as possible
 };
 
 /// How often each thing is measured, and how long.

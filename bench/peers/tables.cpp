@@ -47,9 +47,10 @@ std::string tails_text(const Records& records) {
 std::string rate_text(const Records& records) {
   Records thousands = records;
   for (Record& record : thousands) record.per_s /= 1000;
+  const Spread rate = spread(thousands, &Record::per_s);
   const double lost = spread(records, &Record::lost).most;
-  return spread_text(spread(thousands, &Record::per_s)) +
-         (lost > 0 ? fmt::format(" lost {:.1f} %", 100 * lost) : "");
+  return lost > 0 ? fmt::format("{}, lost {:.1f} %", number_text(rate.median), 100 * lost)
+                  : spread_text(rate);
 }
 
 std::string table(const Records& all, const std::string& title, const std::vector<Column>& columns,
@@ -99,7 +100,7 @@ std::string faster_line(const Records& all, const Column& column, const Entrant&
   const std::vector<std::string> rivals = better(all, column, ours, value, more_is_better);
   return fmt::format("    {:<24} {:<16} {:>9} {:<4} {}\n", column.label, name_of(entrant),
                      number_text(ours.median / (more_is_better ? 1000 : 1)), unit,
-                     rivals.empty() ? "no peer is faster" : fmt::format("{}", fmt::join(rivals, ", ")));
+                     rivals.empty() ? "no peer is faster" : fmt::format("{}", fmt::join(rivals, "; ")));
 }
 
 }  // namespace
@@ -138,18 +139,19 @@ std::string tables(const Records& all, const std::string& title, const std::vect
   };
   return fmt::format("\n{}\n", title) + table(all, "latency p50, us", columns, of(&Record::p50_us)) +
          table(all, "latency p90 / p99 / p99.9, us", columns, tails_text) +
-         table(all, "its CPU time, us a message", columns, of(&Record::paced_cpu_us)) +
+         table(all, "CPU time of the same, us", columns, of(&Record::paced_cpu_us)) +
          table(all, "throughput, 1000 messages/s", columns, rate_text) +
-         table(all, "its CPU time, us a message", columns, of(&Record::fast_cpu_us));
+         table(all, "CPU time of the same, us", columns, of(&Record::fast_cpu_us));
 }
 
 std::string faster_peers(const Records& all, const std::vector<Column>& columns) {
   std::string text =
-      "\n  Where a peer is faster (\"about\": the ranges of the rounds overlap; with one round they cannot)\n";
+      "\n  Which peers are faster than SFT in latency (p50; \"about\": the ranges of the rounds overlap)\n";
   for (const Column& column : columns) {
     for (const Way way : {Way::sft_full, Way::sft_loan})
       text += faster_line(all, column, {way}, &Record::p50_us, false, "us");
   }
+  text += "  Which peers are faster than SFT in throughput\n";
   for (const Column& column : columns) {
     for (const Way way : {Way::sft_full, Way::sft_loan})
       text += faster_line(all, column, {way}, &Record::per_s, true, "k/s");

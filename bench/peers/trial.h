@@ -1,5 +1,5 @@
-// One entrant in one case: a writer's process on the first core, and the readers' processes on the second one,
-// which they share. One start serves for all sizes.
+// One entrant in one case: a writer's process on the first core, and the readers' processes on the second
+// one, which they share. One start serves for all sizes.
 #pragma once
 
 #include <cstdint>

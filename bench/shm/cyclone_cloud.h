@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "bench/common/transfer.h"
 #include "bench/common/roudi.h"
+#include "bench/common/transfer.h"
 
 namespace sft::bench {
 
