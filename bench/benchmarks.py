@@ -23,7 +23,8 @@ ALL = [
     Benchmark("udp", 380, 155, ["--rounds", "1", "--messages", "500", "--seconds", "0.3"]),
     Benchmark("many", 1300, 200, ["--quick"]),
     Benchmark("paper", 1500, 100, ["--quick"]),
+    Benchmark("peers", 660, 75, ["--quick"]),
     Benchmark("recovery", 140, 50, ["--rounds", "1"]),
 ]
 ROUNDS = 5
-QUICK_ROUNDS = 3  # of nine minutes on each side
+QUICK_ROUNDS = 3  # of twelve minutes on each side

@@ -39,6 +39,10 @@ hosts::EmulatedNetwork make_hosts(std::size_t hosts, Trains trains) {
   return std::move(*network);
 }
 
+std::uint32_t address_of(std::size_t host) {
+  return inet_addr(hosts::EmulatedNetwork::address(host).c_str());
+}
+
 TwoHosts::TwoHosts(Trains trains) : network_(make_hosts(2, trains)) {}
 
 void TwoHosts::enter(std::size_t host) const {
@@ -51,8 +55,6 @@ Sides TwoHosts::sides(std::function<void(Exchange&)> sender, std::function<void(
           .enter_sender = [this] { enter(0); },
           .enter_receiver = [this] { enter(1); }};
 }
-
-std::uint32_t TwoHosts::receiver_address() { return inet_addr(hosts::EmulatedNetwork::address(1).c_str()); }
 
 LinkBytes link_bytes() {
   const auto bytes = hosts::interface_bytes(hosts::host_interface).value_or(hosts::InterfaceBytes{});

@@ -18,6 +18,9 @@ enum class Trains {
 /// Ends the program with a message if it does not run as root.
 hosts::EmulatedNetwork make_hosts(std::size_t hosts, Trains trains);
 
+/// The address of a host, as a number in network byte order.
+std::uint32_t address_of(std::size_t host);
+
 class TwoHosts {
  public:
   explicit TwoHosts(Trains trains = Trains::cut);
@@ -26,9 +29,6 @@ class TwoHosts {
   Sides sides(std::function<void(Exchange&)> sender, std::function<void(Exchange&)> receiver) const;
   /// Moves the calling process to the first host or to the second.
   void enter(std::size_t host) const;
-
-  /// The address of the second host, as a number in network byte order.
-  static std::uint32_t receiver_address();
 
  private:
   hosts::EmulatedNetwork network_;

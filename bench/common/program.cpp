@@ -74,7 +74,7 @@ void Program::measure(const Group& group, std::vector<Figure>& to) const {
 int Program::run() {
   std::vector<Figure> figures;
   for (const Group& group : groups_) measure(group, figures);
-  print_table(figures);
+  if (has_table_) print_table(figures);
   print_missed_bounds(figures);
   if (file_.is_open()) write_json(file_, figures);
   return file_.fail() ? 1 : 0;

@@ -31,6 +31,9 @@ class Program {
   /// Adds the option --trace, which is refused with a group that has no trace.
   void add_trace(bool& trace, const std::string& what);
 
+  /// For a benchmark whose groups print tables of their own.
+  void leave_out_table() { has_table_ = false; }
+
   /// Returns the exit code if the program must end at once. Opens the file for the figures here, since an
   /// isolated run has its own /tmp.
   std::optional<int> parse(int argc, char** argv);
@@ -50,6 +53,7 @@ class Program {
   std::vector<std::string> only_;
   std::string json_;
   CLI::Option* trace_ = nullptr;
+  bool has_table_ = true;
   std::ofstream file_;
 };
 

@@ -44,7 +44,7 @@ void ping(Exchange& exchange, std::uint64_t messages, std::size_t bytes, Reading
   sockaddr_in peer{};
   peer.sin_family = AF_INET;
   peer.sin_port = htons(port);
-  peer.sin_addr.s_addr = TwoHosts::receiver_address();
+  peer.sin_addr.s_addr = address_of(1);
   std::vector<std::uint8_t> message(bytes);
   while (!exchange.ready.load()) sleep_us(100);
   for (std::uint64_t i = 0; i < messages; ++i) {

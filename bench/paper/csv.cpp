@@ -58,6 +58,7 @@ void write_csv(std::ostream& out, const Records& all) {
          "sender_bytes,idle_receivers_bytes_per_s,idle_sender_bytes_per_s,p50_us,p99_us,lost_share,cpu_us,"
          "resident_bytes\n";
   for (const Record& record : all) out << line(record);
+  out << std::flush;  // an isolated program ends without destroying the stream
 }
 
 }  // namespace sft::bench::paper

@@ -2,11 +2,11 @@
 // with the shared memory of other middleware.
 #include <algorithm>
 
+#include "bench/common/roudi.h"
 #include "bench/common/sft_cloud.h"
 #include "bench/common/statistics.h"
 #include "bench/shm/cyclone_cloud.h"
 #include "bench/shm/fast_dds_cloud.h"
-#include "bench/shm/roudi.h"
 #include "bench/shm/shm.h"
 
 namespace sft::bench {

@@ -4,8 +4,8 @@
 
 #include <vector>
 
+#include "bench/common/roudi.h"
 #include "bench/common/transfer.h"
-#include "bench/shm/roudi.h"
 
 namespace sft::bench {
 

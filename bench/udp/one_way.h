@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "bench/common/contender.h"
 #include "bench/common/hosts.h"
-#include "bench/udp/contender.h"
 
 namespace sft::bench {
 

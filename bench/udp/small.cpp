@@ -4,9 +4,9 @@
 #include <atomic>
 #include <utility>
 
+#include "bench/common/contender.h"
 #include "bench/common/raw_sockets.h"
 #include "bench/common/statistics.h"
-#include "bench/udp/contender.h"
 #include "bench/udp/udp.h"
 
 namespace sft::bench {

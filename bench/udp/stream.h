@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "bench/common/contender.h"
 #include "bench/common/hosts.h"
-#include "bench/udp/contender.h"
 
 namespace sft::bench {
 

@@ -10,9 +10,10 @@ namespace sft::bench {
 
 namespace {
 
-constexpr std::uint32_t fixed_body_bytes = 12;  // of a bulk sample: its number, and the length of its data
-constexpr double frame_headers = 14 + 20 + 8;   // of Ethernet, IPv4 and UDP
-constexpr double frame_payload_max = 1472;      // at an MTU of 1500
+// Of a bulk sample: its number, its stamp, and the length of its data.
+constexpr std::uint32_t fixed_body_bytes = 20;
+constexpr double frame_headers = 14 + 20 + 8;  // of Ethernet, IPv4 and UDP
+constexpr double frame_payload_max = 1472;     // at an MTU of 1500
 
 /// The bytes of frames without any header of SFT, all of them full except the last one.
 double packed_perfectly(double body_bytes) {

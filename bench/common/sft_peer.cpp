@@ -4,8 +4,9 @@
 #include <span>
 #include <vector>
 
+#include "bench/common/contender.h"
+#include "bench/common/contest.h"
 #include "bench/common/node_options.h"
-#include "bench/udp/contender.h"
 
 namespace sft::bench {
 
@@ -13,6 +14,7 @@ namespace {
 
 using sft_bench::Bulk;
 using sft_bench::Small;
+using F = Bulk::Field;
 
 Small message(const Topic&, const Small*) { return {}; }
 Bulk message(const Topic& topic, const Bulk*) {
@@ -87,16 +89,28 @@ class SftLoanWriter : public Writer {
 SubscriberOptions subscriber_options(const Topic& topic) {
   SubscriberOptions options{.reliability = reliability(topic), .depth = topic.depth};
   if (topic.spinning) options.spin = std::chrono::seconds(1);
+  if (topic.sleeps_at_once) options.spin = std::chrono::nanoseconds(0);
   return options;
 }
 
-template <class T>
+/// Reads what the program asks for, and returns the number.
+template <class S>
+std::uint64_t read(const S& sample) {
+  if constexpr (requires { sample->data().back(); }) {
+    if (const auto data = sample->data(); !data.empty()) keep(data.back());
+  }
+  if constexpr (requires { sample->stamp_ns(); }) keep(sample->stamp_ns());
+  return sample->number();
+}
+
+/// Reads the fields `requirement` of messages of type T.
+template <class T, Req<T> requirement = Req<T>(all<T>)>
 class SftReader : public Reader {
  public:
   SftReader(Node& node, const Topic& topic, Arrived arrived)
-      : subscriber_((arrived
-                         ? node.subscriber<T>(topic.name, tell(std::move(arrived)), subscriber_options(topic))
-                         : node.subscriber<T>(topic.name, subscriber_options(topic)))
+      : subscriber_((arrived ? node.subscriber<T, requirement>(topic.name, tell(std::move(arrived)),
+                                                               subscriber_options(topic))
+                             : node.subscriber<T, requirement>(topic.name, subscriber_options(topic)))
                         .value()) {}
 
   std::size_t writers() const override {
@@ -106,21 +120,27 @@ class SftReader : public Reader {
   void wait() override { subscriber_.wait(std::chrono::seconds(1)); }
   std::uint64_t take() override {
     const auto sample = subscriber_.take();
-    return sample ? sample->number() : 0;
+    return sample ? read(sample) : 0;
   }
 
  private:
   static auto tell(Arrived arrived) {
-    return [arrived = std::move(arrived)](const Sample<T>& sample) { arrived(sample->number()); };
+    return
+        [arrived = std::move(arrived)](const Sample<T, requirement>& sample) { arrived(sample->number()); };
   }
 
-  Subscriber<T> subscriber_;
+  Subscriber<T, requirement> subscriber_;
 };
 
 class SftPeer : public Peer {
  public:
-  explicit SftPeer(bool loans = false, std::size_t receive_buffer_bytes = UdpSettings{}.receive_buffer_bytes)
-      : loans_(loans), node_(open(receive_buffer_bytes)) {}
+  struct Ways {
+    TransportChoice transport = TransportChoice::udp;
+    bool loans = false;
+    std::size_t receive_buffer_bytes = UdpSettings{}.receive_buffer_bytes;
+  };
+
+  explicit SftPeer(const Ways& ways) : loans_(ways.loans), node_(open(ways)) {}
 
   std::unique_ptr<Writer> writer(const Topic& topic) override {
     if (loans_) return std::make_unique<SftLoanWriter>(node_, topic);
@@ -128,14 +148,16 @@ class SftPeer : public Peer {
     return std::make_unique<SftWriter<Small>>(node_, topic);
   }
   std::unique_ptr<Reader> reader(const Topic& topic, Arrived arrived) override {
+    if (topic.bulk_bytes > 0 && topic.two_fields)
+      return std::make_unique<SftReader<Bulk, F::number | F::stamp_ns>>(node_, topic, std::move(arrived));
     if (topic.bulk_bytes > 0) return std::make_unique<SftReader<Bulk>>(node_, topic, std::move(arrived));
     return std::make_unique<SftReader<Small>>(node_, topic, std::move(arrived));
   }
 
  private:
-  static Node open(std::size_t receive_buffer_bytes) {
-    NodeOptions options = udp_node_options("bench");
-    options.udp.receive_buffer_bytes = receive_buffer_bytes;
+  static Node open(const Ways& ways) {
+    NodeOptions options = node_options("bench", ways.transport);
+    options.udp.receive_buffer_bytes = ways.receive_buffer_bytes;
     return Node::open(options).value();
   }
 
@@ -143,10 +165,16 @@ class SftPeer : public Peer {
   Node node_;
 };
 
+std::unique_ptr<Peer> peer(const SftPeer::Ways& ways) { return std::make_unique<SftPeer>(ways); }
+
 }  // namespace
 
-std::unique_ptr<Peer> sft_peer() { return std::make_unique<SftPeer>(); }
-std::unique_ptr<Peer> sft_loan_peer() { return std::make_unique<SftPeer>(true); }
-std::unique_ptr<Peer> sft_small_buffer_peer() { return std::make_unique<SftPeer>(false, 4 << 20); }
+std::unique_ptr<Peer> sft_peer() { return peer({}); }
+std::unique_ptr<Peer> sft_loan_peer() { return peer({.loans = true}); }
+std::unique_ptr<Peer> sft_small_buffer_peer() { return peer({.receive_buffer_bytes = 4 << 20}); }
+std::unique_ptr<Peer> sft_memory_peer() { return peer({.transport = TransportChoice::shm}); }
+std::unique_ptr<Peer> sft_memory_loan_peer() {
+  return peer({.transport = TransportChoice::shm, .loans = true});
+}
 
 }  // namespace sft::bench

@@ -1,8 +1,10 @@
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
+#include <string>
 #include <vector>
 
+#include "bench/common/contender.h"
 #include "bench/common/fast_dds.h"
-#include "bench/udp/contender.h"
 
 namespace sft::bench {
 
@@ -18,12 +20,15 @@ struct Small {
 
 struct Bulk {
   std::uint64_t number = 0;
+  std::uint64_t stamp_ns = 0;
   std::vector<std::uint8_t> data;
 };
 
 class BulkType : public fast::Type<Bulk> {
  public:
-  explicit BulkType(std::uint32_t data_bytes) : Type("sft_bench::Bulk", fixed_bytes + data_bytes) {}
+  /// A participant may have several types, whose names differ, since it makes room for the size of each.
+  explicit BulkType(std::uint32_t data_bytes)
+      : Type(("sft_bench::Bulk" + std::to_string(data_bytes)).c_str(), fixed_bytes + data_bytes) {}
 
   bool serialize(void* data, fast::rtps::SerializedPayload_t* payload) override {
     const auto& bulk = *static_cast<const Bulk*>(data);
@@ -31,7 +36,8 @@ class BulkType : public fast::Type<Bulk> {
     encapsulate(*payload, fixed_bytes + length);
     std::byte* to = body(*payload, payload->length).data();
     std::memcpy(to, &bulk.number, sizeof bulk.number);
-    std::memcpy(to + sizeof bulk.number, &length, sizeof length);
+    std::memcpy(to + length_at - sizeof bulk.stamp_ns, &bulk.stamp_ns, sizeof bulk.stamp_ns);
+    std::memcpy(to + length_at, &length, sizeof length);
     std::memcpy(to + fixed_bytes, bulk.data.data(), length);
     return true;
   }
@@ -40,6 +46,7 @@ class BulkType : public fast::Type<Bulk> {
     const std::span<const std::byte> from = body(*payload, payload->length);
     if (from.size() < fixed_bytes) return false;
     std::memcpy(&bulk.number, from.data(), sizeof bulk.number);
+    std::memcpy(&bulk.stamp_ns, from.data() + length_at - sizeof bulk.stamp_ns, sizeof bulk.stamp_ns);
     bulk.data.resize(from.size() - fixed_bytes);
     std::memcpy(bulk.data.data(), from.data() + fixed_bytes, bulk.data.size());
     return true;
@@ -52,7 +59,8 @@ class BulkType : public fast::Type<Bulk> {
   }
 
  private:
-  static constexpr std::uint32_t fixed_bytes = sizeof(std::uint64_t) + sizeof(std::uint32_t);
+  static constexpr std::uint32_t length_at = 2 * sizeof(std::uint64_t);
+  static constexpr std::uint32_t fixed_bytes = length_at + sizeof(std::uint32_t);
 };
 
 dds::TopicDataType* type_of(const Topic& topic) {
@@ -70,6 +78,15 @@ std::shared_ptr<eprosima::fastdds::rtps::UDPv4TransportDescriptor> udp() {
   return transport;
 }
 
+/// The segment has room for several of the largest samples. Pieces of a megabyte are the fastest: Fast DDS
+/// writes a piece while the reader reads the one before.
+std::shared_ptr<eprosima::fastdds::rtps::SharedMemTransportDescriptor> shared_memory() {
+  auto transport = std::make_shared<eprosima::fastdds::rtps::SharedMemTransportDescriptor>();
+  transport->segment_size(64 << 20);
+  transport->max_message_size(1'000'000);
+  return transport;
+}
+
 template <class Qos>
 Qos qos_of(const Topic& topic, Qos qos) {
   qos = fast::best_effort(qos);
@@ -84,13 +101,16 @@ Qos qos_of(const Topic& topic, Qos qos) {
   return qos;
 }
 
+// Fast DDS sends larger samples over UDP only from a thread of its own.
+constexpr std::uint32_t in_one_datagram_bytes = 60'000;
+
 dds::DataWriterQos writer_qos(const Topic& topic) {
   dds::DataWriterQos qos = qos_of(topic, dds::DATAWRITER_QOS_DEFAULT);
   qos.reliability().max_blocking_time = {10, 0};
   // By default, Fast DDS asks for missing fragments every 3 s only.
   qos.reliable_writer_qos().times.heartbeatPeriod = eprosima::fastrtps::Duration_t(0.01);
   qos.reliable_writer_qos().times.nackResponseDelay = {0, 0};
-  if (topic.bulk_bytes > 0) qos.publish_mode().kind = dds::ASYNCHRONOUS_PUBLISH_MODE;
+  if (topic.bulk_bytes > in_one_datagram_bytes) qos.publish_mode().kind = dds::ASYNCHRONOUS_PUBLISH_MODE;
   return qos;
 }
 
@@ -111,7 +131,9 @@ class FastDdsWriter : public Writer {
   std::size_t readers() const override { return fast::readers(writer_); }
   void write(std::uint64_t number) override {
     message_.number = number;
-    writer_.write(&message_);
+    // A write into a full history can fail without having waited; it then succeeds the next time.
+    while (!writer_.write(&message_)) {
+    }
   }
 
  private:
@@ -154,6 +176,9 @@ class FastDdsReader : public Reader, private dds::DataReaderListener {
 
 class FastDdsPeer : public Peer {
  public:
+  template <class Transport>
+  explicit FastDdsPeer(Transport transport) : participant_(std::move(transport)) {}
+
   std::unique_ptr<Writer> writer(const Topic& topic) override {
     if (topic.bulk_bytes > 0) return std::make_unique<FastDdsWriter<Bulk>>(participant_, topic);
     return std::make_unique<FastDdsWriter<Small>>(participant_, topic);
@@ -165,11 +190,12 @@ class FastDdsPeer : public Peer {
   }
 
  private:
-  fast::Participant participant_{udp()};
+  fast::Participant participant_;
 };
 
 }  // namespace
 
-std::unique_ptr<Peer> fast_dds_peer() { return std::make_unique<FastDdsPeer>(); }
+std::unique_ptr<Peer> fast_dds_peer() { return std::make_unique<FastDdsPeer>(udp()); }
+std::unique_ptr<Peer> fast_dds_memory_peer() { return std::make_unique<FastDdsPeer>(shared_memory()); }
 
 }  // namespace sft::bench

@@ -1,5 +1,5 @@
-// A program on its own host that writes or reads numbered samples with some middleware. All contenders have
-// the same interface, so that each group measures all of them.
+// A program that writes or reads numbered samples with some middleware. All contenders have the same
+// interface, so that each group measures all of them.
 #pragma once
 
 #include <cstdint>
@@ -16,6 +16,16 @@ struct Topic {
   std::uint32_t depth = 8;  ///< samples that either side keeps
   bool spinning = false;    ///< Reader::wait() keeps its core busy until a sample comes, if it can
   bool batching = false;    ///< samples that are written together may share datagrams
+
+  /// SFT's readers ask for the number and the stamp only, and not for the data.
+  bool two_fields = false;
+  /// SFT's readers do not spin before they sleep (SubscriberOptions::spin is 0).
+  bool sleeps_at_once = false;
+  // For contenders that have neither discovery nor names:
+  std::uint16_t id = 0;      ///< a topic of its own; below 64
+  std::size_t readers = 1;   ///< of the writer, at most 16
+  std::size_t reader = 0;    ///< the number of this reader
+  bool on_one_host = false;  ///< all readers are on the writer's host; otherwise each is on the next one
 };
 
 class Writer {
@@ -47,6 +57,8 @@ class Peer {
   virtual std::unique_ptr<Reader> reader(const Topic& topic, Arrived arrived = {}) = 0;
 };
 
+inline constexpr std::int64_t iceoryx_connecting_us = 300'000;  ///< it connects ports every 100 ms
+
 using Contender = std::unique_ptr<Peer> (*)();
 std::unique_ptr<Peer> sft_peer();
 /// Bulk samples only. They are loaned from the publisher, and sent without a copy.
@@ -56,12 +68,28 @@ std::unique_ptr<Peer> sft_loan_peer();
 std::unique_ptr<Peer> sft_small_buffer_peer();
 std::unique_ptr<Peer> cyclone_peer();
 std::unique_ptr<Peer> fast_dds_peer();
-// The following contenders have readers with callbacks only, and send from the first of two hosts to the
-// second one.
+
+// The following contenders pass samples in shared memory.
+
+std::unique_ptr<Peer> sft_memory_peer();
+/// Bulk samples only.
+std::unique_ptr<Peer> sft_memory_loan_peer();
+/// Over iceoryx, which takes iceoryx_connecting_us after writers and readers have found each other. REQUIRES:
+/// the process has entered the namespace of a Roudi.
+std::unique_ptr<Peer> cyclone_memory_peer();
+std::unique_ptr<Peer> fast_dds_memory_peer();
+/// iceoryx alone: a loan into which each sample is copied. Bulk samples only, and readers without a callback.
+/// REQUIRES: sftd runs.
+std::unique_ptr<Peer> iceoryx_peer();
+/// The same with a loan of which only the number is written.
+std::unique_ptr<Peer> iceoryx_loan_peer();
+
+// The following contenders are sockets.
 
 /// Sends bulk samples as trains of datagrams by UDP GSO and GRO, with one acknowledgement for each sample;
-/// write() waits for the acknowledgement of the sample before. Sends a datagram for each small sample, and
-/// loses those that do not fit into the receiver's buffer.
+/// write() waits for the acknowledgement of the sample before, or of an earlier one if samples are small.
+/// Sends a datagram for each sample that is not bulk, and loses those that do not fit into the receiver's
+/// buffer.
 std::unique_ptr<Peer> raw_udp_peer();
 /// The same with a copy of each bulk sample, which reliable delivery needs if the writer may change its
 /// memory.

@@ -1,4 +1,4 @@
-#include "bench/shm/roudi.h"
+#include "bench/common/roudi.h"
 
 #include <fcntl.h>
 #include <sched.h>
@@ -28,8 +28,12 @@ constexpr std::int64_t patience_ns = 20'000'000'000;
 
 iox::RouDiConfig_t config() {
   iox::mepoo::MePooConfig pools;
-  pools.addMemPool({1024, 100});
-  pools.addMemPool({7 * 1024 * 1024, 16});
+  constexpr std::uint32_t KiB = 1024, MiB = 1024 * KiB;
+  pools.addMemPool({2 * KiB, 1000});
+  pools.addMemPool({20 * KiB, 1000});
+  pools.addMemPool({260 * KiB, 128});
+  pools.addMemPool({2 * MiB, 40});
+  pools.addMemPool({9 * MiB, 10});
   const auto group = iox::posix::PosixGroup::getGroupOfCurrentProcess().getName();
   iox::RouDiConfig_t config;
   config.m_sharedMemorySegments.push_back({group, group, pools});

@@ -1,7 +1,11 @@
+#include <dds/ddsc/dds_loan_api.h>
+
+#include <cstdio>
+#include <cstdlib>
 #include <vector>
 
+#include "bench/common/contender.h"
 #include "bench/common/cyclone.h"
-#include "bench/udp/contender.h"
 #include "messages.h"
 
 namespace sft::bench {
@@ -17,13 +21,15 @@ constexpr const char* config = R"(
     <SocketReceiveBufferSize min="16MB"/><SocketSendBufferSize min="4MB"/>
     <Watermarks><WhcHigh>8MB</WhcHigh></Watermarks>
   </Internal>)";
+constexpr const char* memory_config =
+    "<SharedMemory><Enable>true</Enable><LogLevel>error</LogLevel></SharedMemory>";
 
-CycloneQos qos_of(const Topic& topic) {
+CycloneQos qos_of(const Topic& topic, bool in_memory) {
   CycloneQos qos = cyclone_best_effort();
-  if (topic.reliable) {
-    dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_INFINITY);
-    dds_qset_history(qos.get(), DDS_HISTORY_KEEP_ALL, 0);
-  }
+  if (topic.reliable) dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_INFINITY);
+  // Samples in shared memory need a history of limited depth.
+  if (in_memory) dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, static_cast<std::int32_t>(topic.depth));
+  if (topic.reliable && !in_memory) dds_qset_history(qos.get(), DDS_HISTORY_KEEP_ALL, 0);
   return qos;
 }
 
@@ -39,9 +45,13 @@ union Message {
 
 class CycloneWriter : public Writer {
  public:
-  CycloneWriter(const CycloneParticipant& participant, const Topic& topic)
-      : writer_(participant.writer(type_of(topic), topic.name, qos_of(topic).get())),
+  CycloneWriter(const CycloneParticipant& participant, const Topic& topic, bool in_memory)
+      : writer_(participant.writer(type_of(topic), topic.name, qos_of(topic, in_memory).get())),
         data_(topic.bulk_bytes, 1) {
+    if (in_memory && !dds_is_shared_memory_available(writer_)) {
+      std::fprintf(stderr, "Cyclone DDS does not use shared memory\n");
+      std::exit(1);
+    }
     if (topic.bulk_bytes > 0) message_.bulk.data = {topic.bulk_bytes, topic.bulk_bytes, data_.data(), false};
   }
 
@@ -64,9 +74,9 @@ class CycloneWriter : public Writer {
 /// Takes every sample into the same memory, so that nothing is allocated.
 class CycloneReader : public Reader {
  public:
-  CycloneReader(const CycloneParticipant& participant, const Topic& topic, Arrived arrived)
+  CycloneReader(const CycloneParticipant& participant, const Topic& topic, bool in_memory, Arrived arrived)
       : arrived_(std::move(arrived)),
-        reader_(participant.reader(type_of(topic), topic.name, qos_of(topic).get(),
+        reader_(participant.reader(type_of(topic), topic.name, qos_of(topic, in_memory).get(),
                                    arrived_ ? take_all : nullptr, this)),
         wait_set_(checked(dds_create_waitset(participant.entity()))) {
     const dds_entity_t unread = checked(dds_create_readcondition(reader_, DDS_ANY_STATE));
@@ -102,20 +112,25 @@ class CycloneReader : public Reader {
 
 class CyclonePeer : public Peer {
  public:
+  explicit CyclonePeer(bool in_memory)
+      : in_memory_(in_memory), participant_(in_memory ? memory_config : config) {}
+
   std::unique_ptr<Writer> writer(const Topic& topic) override {
     dds_write_set_batch(topic.batching);
-    return std::make_unique<CycloneWriter>(participant_, topic);
+    return std::make_unique<CycloneWriter>(participant_, topic, in_memory_);
   }
   std::unique_ptr<Reader> reader(const Topic& topic, Arrived arrived) override {
-    return std::make_unique<CycloneReader>(participant_, topic, std::move(arrived));
+    return std::make_unique<CycloneReader>(participant_, topic, in_memory_, std::move(arrived));
   }
 
  private:
-  const CycloneParticipant participant_{config};
+  const bool in_memory_;
+  const CycloneParticipant participant_;
 };
 
 }  // namespace
 
-std::unique_ptr<Peer> cyclone_peer() { return std::make_unique<CyclonePeer>(); }
+std::unique_ptr<Peer> cyclone_peer() { return std::make_unique<CyclonePeer>(false); }
+std::unique_ptr<Peer> cyclone_memory_peer() { return std::make_unique<CyclonePeer>(true); }
 
 }  // namespace sft::bench

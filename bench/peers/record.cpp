@@ -1,0 +1,42 @@
+#include "bench/peers/record.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "bench/common/statistics.h"
+
+namespace sft::bench::peers {
+
+void set_latency(Record& record, std::vector<double> times_us) {
+  record.samples = times_us.size();
+  if (times_us.empty()) return;
+  record.p50_us = quantile(times_us, 0.5);
+  record.p90_us = quantile(times_us, 0.9);
+  record.p99_us = quantile(times_us, 0.99);
+  record.p999_us = quantile(times_us, 0.999);
+}
+
+Spread spread(const std::vector<double>& rounds) {
+  std::vector<double> known;
+  std::ranges::copy_if(rounds, std::back_inserter(known), [](double value) { return std::isfinite(value); });
+  if (known.empty()) return {};
+  const auto [least, most] = std::ranges::minmax(known);
+  return {median(known), least, most};
+}
+
+Records records_of(const Records& all, const Case& of, const Entrant& entrant, std::uint32_t bytes) {
+  Records records;
+  std::ranges::copy_if(all, std::back_inserter(records), [&](const Record& record) {
+    return record.of == of && record.entrant == entrant && record.bytes == bytes;
+  });
+  return records;
+}
+
+Spread spread(const Records& records, double Record::*value) {
+  std::vector<double> rounds;
+  for (const Record& record : records) rounds.push_back(record.*value);
+  return spread(rounds);
+}
+
+}  // namespace sft::bench::peers
