@@ -42,8 +42,9 @@ Crowd::~Crowd() {
   for (const Member& member : members_) succeeds(member.process);
 }
 
-void Crowd::start(std::size_t host, const std::function<int()>& run) {
+pid_t Crowd::start(std::size_t host, const std::function<int()>& run) {
   members_.push_back({start_process([&] { return network_->host(host).enter() ? run() : 1; }), host});
+  return members_.back().process;
 }
 
 bool Crowd::first_succeeds() {

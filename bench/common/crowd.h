@@ -24,7 +24,7 @@ class Crowd {
   Crowd& operator=(const Crowd&) = delete;
 
   /// Calls `run` in a new process on a host.
-  void start(std::size_t host, const std::function<int()>& run);
+  pid_t start(std::size_t host, const std::function<int()>& run);
   /// The host of a reader, by its number: all but host 0 in turns.
   std::size_t host_of_reader(std::size_t number) const { return 1 + number % (hosts_ - 1); }
 

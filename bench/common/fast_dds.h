@@ -106,14 +106,15 @@ Qos best_effort(Qos qos) {
   return qos;
 }
 
-/// A participant in domain 0 with one transport.
+/// A participant in domain 0 with these transports.
 class Participant {
  public:
-  template <class TransportDescriptor>
-  explicit Participant(std::shared_ptr<TransportDescriptor> transport) {
+  template <class... TransportDescriptors>
+  requires(sizeof...(TransportDescriptors) >
+           0) explicit Participant(std::shared_ptr<TransportDescriptors>... transports) {
     dds::DomainParticipantQos qos;
     qos.transport().use_builtin_transports = false;
-    qos.transport().user_transports.push_back(std::move(transport));
+    (qos.transport().user_transports.push_back(std::move(transports)), ...);
     participant_ = &checked(factory().create_participant(0, qos), "participant");
   }
   ~Participant() {

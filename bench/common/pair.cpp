@@ -32,6 +32,12 @@ void sleep_us(std::int64_t us) {
   nanosleep(&time, nullptr);
 }
 
+void sleep_until(std::int64_t ns) {
+  const timespec time{ns / 1'000'000'000, ns % 1'000'000'000};
+  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &time, nullptr) != 0) {
+  }
+}
+
 bool wait_until(const std::function<bool()>& holds, double patience_s) {
   const std::int64_t deadline = now_ns() + static_cast<std::int64_t>(patience_s * 1e9);
   while (!holds()) {

@@ -63,6 +63,8 @@ std::vector<double> run_pair(const Sides& sides, std::uint64_t messages);
 void pause_us(std::int64_t us);
 /// Sleeps, and leaves the core to other threads.
 void sleep_us(std::int64_t us);
+/// Sleeps until a time of now_ns().
+void sleep_until(std::int64_t ns);
 /// Waits until `holds` is true, which it checks every millisecond. False after the time.
 bool wait_until(const std::function<bool()>& holds, double patience_s = 20);
 

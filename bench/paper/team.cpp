@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <ctime>
 
 #include "bench/common/pair.h"
 
@@ -14,12 +13,6 @@ namespace {
 constexpr std::int64_t poll_us = 10'000;
 
 std::string topic_of(std::size_t phase) { return "phase" + std::to_string(phase); }
-
-void sleep_until(std::int64_t ns) {
-  const timespec time{ns / 1'000'000'000, ns % 1'000'000'000};
-  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &time, nullptr) != 0) {
-  }
-}
 
 [[noreturn]] void stay() {
   for (;;) pause();

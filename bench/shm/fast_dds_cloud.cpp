@@ -3,16 +3,13 @@
 #include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
 #include <fastdds/dds/core/LoanableSequence.hpp>
 
-#include "bench/common/cloud.h"
-#include "bench/common/fast_cdr.h"
-#include "bench/common/fast_dds.h"
+#include "bench/common/fast_dds_point_cloud.h"
 
 namespace sft::bench {
 
 namespace {
 
 namespace dds = fast::dds;
-namespace rtps = fast::rtps;
 using fast::ReturnCode_t;
 using Standard = sensor_msgs::msg::PointCloud2;
 
@@ -27,30 +24,7 @@ struct Fixed {
 constexpr std::uint32_t message_bytes_max = 1'000'000;
 constexpr std::uint32_t segment_bytes = 20'000'000;
 
-class StandardType : public fast::Type<Standard> {
- public:
-  // The memory grows once to the size of a message.
-  StandardType() : Type("sensor_msgs::msg::dds_::PointCloud2_", 1024) {}
-
-  bool serialize(void* data, rtps::SerializedPayload_t* payload) override {
-    FastCdrWriter writer(body(*payload, payload->max_size));
-    members(writer, *static_cast<Standard*>(data));
-    encapsulate(*payload, writer.bytes());
-    return true;
-  }
-  bool deserialize(rtps::SerializedPayload_t* payload, void* data) override {
-    FastCdrReader reader(body(*payload, payload->length));
-    members(reader, *static_cast<Standard*>(data));
-    return true;
-  }
-  std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
-    constexpr std::size_t small_members_max = 1024;
-    return [data] {
-      return static_cast<std::uint32_t>(static_cast<Standard*>(data)->data.size() + small_members_max);
-    };
-  }
-};
-
+using StandardType = fast::PointCloudType;
 using FixedType = fast::PlainType<Fixed>;
 
 constexpr const char* topic = "points";

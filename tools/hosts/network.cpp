@@ -102,6 +102,8 @@ Result<void> NetworkNamespace::run(const std::vector<std::string>& command, std:
 
 std::string EmulatedNetwork::address(std::size_t number) { return fmt::format("10.77.0.{}", number + 1); }
 
+std::string EmulatedNetwork::port(std::size_t number) { return fmt::format("port{}", number + 1); }
+
 Result<EmulatedNetwork> EmulatedNetwork::create(std::size_t hosts) {
   Result<NetworkNamespace> network_switch = NetworkNamespace::create();
   if (!network_switch) return tl::unexpected(network_switch.error());
@@ -122,7 +124,6 @@ Result<EmulatedNetwork> EmulatedNetwork::create(std::size_t hosts) {
 }
 
 Result<void> EmulatedNetwork::plug_in(std::size_t number) const {
-  const std::string port = fmt::format("port{}", number + 1);
   const NetworkNamespace& host = hosts_[number];
   return switch_
       .run({"ip", "-batch", "-"},
@@ -130,7 +131,7 @@ Result<void> EmulatedNetwork::plug_in(std::size_t number) const {
                        "link set dev {0} addrgenmode none\n"
                        "link set dev {0} master switch\n"
                        "link set dev {0} up\n",
-                       port, host_interface, host.path()))
+                       port(number), host_interface, host.path()))
       .and_then([&] {
         return host.run({"ip", "-batch", "-"}, fmt::format("link set dev lo up\n"
                                                            "link set dev {0} addrgenmode none\n"

@@ -43,6 +43,10 @@ class EmulatedNetwork {
   const NetworkNamespace& host(std::size_t number) const { return hosts_[number]; }
   static std::string address(std::size_t number);
 
+  /// Runs a command on the switch, whose cable to a host begins at the interface port(number).
+  Result<void> run_on_switch(const std::vector<std::string>& command) const { return switch_.run(command); }
+  static std::string port(std::size_t number);
+
  private:
   EmulatedNetwork(NetworkNamespace network_switch, std::vector<NetworkNamespace> hosts)
       : switch_(std::move(network_switch)), hosts_(std::move(hosts)) {}
