@@ -24,6 +24,7 @@ ALL = [
     Benchmark("many", 1300, 200, ["--quick"]),
     Benchmark("paper", 1500, 100, ["--quick"]),
     Benchmark("peers", 660, 75, ["--quick"]),
+    Benchmark("isolation", 480, 85, ["--quick"]),
     Benchmark("recovery", 140, 50, ["--rounds", "1"]),
 ]
 ROUNDS = 5

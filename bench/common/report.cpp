@@ -15,8 +15,10 @@ void print_table(const std::vector<Figure>& figures) {
   const auto number = [](const char* format, const std::optional<double>& value) {
     return value ? fmt::format(fmt::runtime(format), *value) : "";
   };
-  const auto row = [&](const auto&... columns) {
-    fmt::print("{:<36} {:>12} {:<6} {:>12} {:<34} {:>7} {:>14}", columns...);
+  std::size_t name_width = 36;
+  for (const Figure& figure : figures) name_width = std::max(name_width, figure.name.size());
+  const auto row = [&](const std::string& name, const auto&... columns) {
+    fmt::print("{:<{}} {:>12} {:<6} {:>12} {:<34} {:>7} {:>14}", name, name_width, columns...);
   };
   row("figure", "value", "unit", "reference", "of", "ratio", "bound");
   fmt::print("{}\n", worst ? fmt::format(" {:>12}", "worst round") : "");

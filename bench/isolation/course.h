@@ -1,0 +1,24 @@
+// One round of one contender: all phases, one after the other.
+#pragma once
+
+#include <memory>
+
+#include "bench/isolation/contender.h"
+#include "bench/isolation/results.h"
+#include "tools/hosts/network.h"
+
+namespace sft::bench::isolation {
+
+struct Scale {
+  int rounds = 3;
+  double phase_s = 3;  ///< the length of each phase
+  double rate_hz = 20;
+  bool quick = false;  ///< best effort with SFT only
+};
+
+/// Adds the observations of all phases to `results`. Adds nothing, and says so on the standard error, if the
+/// programs of one host do not find each other. `network` has two hosts.
+void run_course(const Contender& contender, const std::shared_ptr<const hosts::EmulatedNetwork>& network,
+                const Scale& scale, Results& results);
+
+}  // namespace sft::bench::isolation

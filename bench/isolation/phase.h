@@ -1,0 +1,28 @@
+// The phases of a run: what happens to the remote reader while the readers on the publisher's host are
+// watched.
+#pragma once
+
+#include <array>
+#include <string>
+
+namespace sft::bench::isolation {
+
+enum class Phase {
+  alone,    ///< there is no remote reader: the baseline
+  again,    ///< the same once more: its difference to the first time is noise
+  joined,   ///< the remote reader starts with the phase, and then reads everything
+  stalled,  ///< its process is stopped
+  lossy,    ///< it loses a fifth of the packets that are sent to it
+  narrow,   ///< it asks for everything over a link of 50 Mbit/s
+  killed    ///< its process is killed
+};
+
+inline constexpr std::array all_phases{Phase::alone, Phase::again,  Phase::joined, Phase::stalled,
+                                       Phase::lossy, Phase::narrow, Phase::killed};
+inline constexpr std::array disturbances{Phase::joined, Phase::stalled, Phase::lossy, Phase::narrow,
+                                         Phase::killed};
+
+/// The name in tables and figures: "joined".
+std::string name_of(Phase phase);
+
+}  // namespace sft::bench::isolation

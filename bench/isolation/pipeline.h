@@ -1,0 +1,50 @@
+// The processes of one contender: the sensors' program and three readers on host 0, and a reader on host 1.
+#pragma once
+
+#include <sys/types.h>
+
+#include <array>
+#include <cstdint>
+#include <memory>
+
+#include "bench/common/crowd.h"
+#include "bench/common/shared.h"
+#include "bench/isolation/board.h"
+#include "bench/isolation/contender.h"
+#include "bench/isolation/observation.h"
+
+namespace sft::bench::isolation {
+
+class Pipeline {
+ public:
+  static constexpr std::size_t remote_host = 1;
+
+  /// Starts all but the remote reader.
+  Pipeline(const Contender& contender, std::shared_ptr<const hosts::EmulatedNetwork> network, double rate_hz);
+
+  bool is_ready() const { return board_->ready.load() == 1 + local_readers; }
+  void begin() { board_->begun = true; }
+
+  void start_remote();
+  /// Sends the remote reader's process a signal. REQUIRES: it was started.
+  void signal_remote(int signal) const;
+
+  const Board& board() const { return *board_; }
+  /// The time, and the processor time that the processes have used so far.
+  Resources resources() const;
+
+ private:
+  int write_all() const;
+  int read_all(std::size_t reader) const;
+  void write_in_turns(Writer& writer) const;
+  Arrived note_arrivals(std::size_t reader) const;
+
+  const Contender contender_;
+  const std::int64_t period_ns_;
+  const Shared<Board> board_;
+  Crowd crowd_;
+  std::array<pid_t, 1 + local_readers> local_{};
+  pid_t remote_ = 0;  ///< 0: it was not started
+};
+
+}  // namespace sft::bench::isolation
