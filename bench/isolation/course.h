@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "bench/isolation/contender.h"
 #include "bench/isolation/results.h"
@@ -14,6 +15,7 @@ struct Scale {
   double phase_s = 3;  ///< the length of each phase
   double rate_hz = 20;
   bool quick = false;  ///< best effort with SFT only
+  std::vector<Middleware> middleware{all_middleware.begin(), all_middleware.end()};
 };
 
 /// Adds the observations of all phases to `results`. Adds nothing, and says so on the standard error, if the

@@ -4,7 +4,10 @@
 // network namespaces with an MTU of 1500. The system chooses the cores.
 #include <fmt/format.h>
 
+#include <map>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "bench/common/hosts.h"
 #include "bench/common/noise.h"
@@ -20,13 +23,16 @@ using namespace sft::bench::isolation;
 
 constexpr unsigned shm_mebibytes = 1024;  // as on a usual robot: enough for all of sftd's default memory
 
+const std::map<std::string, Middleware> middleware_by_option{
+    {"sft", Middleware::sft}, {"cyclone", Middleware::cyclone}, {"fast_dds", Middleware::fast_dds}};
+
 class Study {
  public:
   std::vector<Figure> measure(bool reliable) {
     if (network_ == nullptr)
       network_ = std::make_shared<sft::hosts::EmulatedNetwork>(make_hosts(2, Trains::cut));
     for (int round = 0; round < scale.rounds; ++round) {
-      for (const Middleware middleware : all_middleware) {
+      for (const Middleware middleware : scale.middleware) {
         if (scale.quick && !reliable && middleware != Middleware::sft) continue;
         run_course({middleware, reliable}, network_, scale, results_);
       }
@@ -70,6 +76,11 @@ int main(int argc, char** argv) {
                    {"best_effort", [&] { return study.measure(false); }}});
   program.options().add_flag_callback(
       "--quick", [&] { shorten(study.scale); }, "one short round, and best effort with SFT only");
+  program.options()
+      .add_option("--middleware", study.scale.middleware, "these contenders only")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->transform(CLI::CheckedTransformer(middleware_by_option));
   program.options()
       .add_option("--rounds", study.scale.rounds, "rounds of each contender")
       ->check(CLI::Range(1, 20));
