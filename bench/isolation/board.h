@@ -21,6 +21,7 @@ struct Board {
   std::int64_t due_ns[messages_max] = {};
   std::int64_t sent_ns[messages_max] = {};                        ///< before the call that writes
   std::int64_t returned_ns[messages_max] = {};                    ///< after it; 0: it has not returned
+  std::int64_t page_faults[messages_max] = {};                    ///< of the publisher's thread in that call
   std::int64_t arrived_ns[local_readers + 1][messages_max] = {};  ///< 0: not read
 };
 

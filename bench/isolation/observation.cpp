@@ -26,6 +26,7 @@ Observation observe(const Board& board, const Numbers& numbers, const Resources&
     const std::int64_t sent = board.sent_ns[n];
     seen.late_us.push_back(us(sent - board.due_ns[n]));
     if (board.returned_ns[n] != 0) seen.publish_us.push_back(us(board.returned_ns[n] - sent));
+    seen.page_faults += board.page_faults[n];
     for (std::size_t reader = 0; reader < local_readers; ++reader) {
       const std::int64_t arrived = board.arrived_ns[reader][n];
       if (arrived == 0) ++seen.lost;
@@ -64,6 +65,7 @@ Summary summarize(const std::vector<Observation>& rounds) {
     all.local_cpu_s += round.resources.local_cpu_s;
     all.remote_cpu_s += round.resources.remote_cpu_s;
     published += round.late_us.size();
+    summary.page_faults += round.page_faults;
     summary.lost += round.lost;
     summary.remote_received += round.remote_received;
   }

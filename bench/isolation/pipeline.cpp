@@ -1,6 +1,7 @@
 #include "bench/isolation/pipeline.h"
 
 #include <sched.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -15,6 +16,13 @@ namespace sft::bench::isolation {
 namespace {
 
 constexpr std::int64_t poll_us = 10'000;
+
+/// The page faults of the calling thread so far: memory that its process uses for the first time.
+std::int64_t page_faults() {
+  rusage usage{};
+  getrusage(RUSAGE_THREAD, &usage);
+  return usage.ru_minflt;
+}
 
 [[noreturn]] void stay() {
   for (;;) pause();
@@ -70,10 +78,12 @@ void Pipeline::write_in_turns(Writer& writer) const {
     due_ns = next_turn_ns(due_ns, now_ns(), period_ns_);
     sleep_until(due_ns);
     board_->due_ns[n] = due_ns;
+    const std::int64_t faults_before = page_faults();
     board_->sent_ns[n] = now_ns();
     board_->written = n;
     writer.write(n);
     board_->returned_ns[n] = now_ns();
+    board_->page_faults[n] = page_faults() - faults_before;
   }
 }
 

@@ -11,23 +11,23 @@ namespace {
 
 constexpr const char* without = "without the remote reader";
 
-/// "1234 (1.02)", or "none".
+/// In ms, "1.23 (1.02)", or "none".
 std::string beside(double us, double baseline_us) {
   if (std::isnan(us)) return "none";
-  if (std::isnan(baseline_us)) return fmt::format("{:.0f}", us);
-  return fmt::format("{:.0f} ({:.2f})", us, us / baseline_us);
+  if (std::isnan(baseline_us)) return fmt::format("{:.2f}", us / 1000);
+  return fmt::format("{:.2f} ({:.2f})", us / 1000, us / baseline_us);
 }
 
 std::string times(const Times& here, const Times& baseline) {
-  return fmt::format("{:>15} {:>15} {:>15}", beside(here.p50, baseline.p50), beside(here.p99, baseline.p99),
+  return fmt::format("{:>13} {:>13} {:>13}", beside(here.p50, baseline.p50), beside(here.p99, baseline.p99),
                      beside(here.worst, baseline.worst));
 }
 
 std::string line(const std::string& phase, const Summary& here, const Summary& baseline) {
-  return fmt::format("  {:<9} {} | {} | {:>9.1f} {:>8.0f} {:>10.0f} {:>5} {:>9}\n", phase,
+  return fmt::format("  {:<8} {} | {} | {:>5.1f} {:>8.0f} {:>10.0f} {:>6} {:>4} {:>9}\n", phase,
                      times(here.local, baseline.local), times(here.publish, baseline.publish),
-                     here.published_hz, here.cpu_percent, here.remote_cpu_percent, here.lost,
-                     here.remote_received);
+                     here.published_hz, here.cpu_percent, here.remote_cpu_percent, here.page_faults,
+                     here.lost, here.remote_received);
 }
 
 std::string suffix(Middleware middleware) {
@@ -101,25 +101,29 @@ std::vector<double> Results::late_us() const {
 }
 
 std::string legend() {
-  return fmt::format(
-      "\nLocal: from before publish() until a reader on the same host has the message. Behind each time is "
-      "its "
-      "ratio to that {}.\np50 and p99 are medians over the rounds, worst is of all rounds. Published: "
-      "messages a "
-      "second. Host CPU: of the publisher and its local readers,\nin % of one processor; remote CPU: of the "
-      "remote "
-      "reader. Lost: messages that a local reader did not get, summed over the readers.\n"
-      "To remote: messages of the phase that the remote reader got, also later.\n",
-      without);
+  return std::string(R"(
+local       from before publish() until a reader on the same host has the message, in ms
+publish()   its duration, in ms
+(1.02)      the ratio to the baseline, which is all time )") +
+         without + R"(
+p50, p99    medians over the rounds; worst is of all rounds
+Hz          messages that were published in a second
+host CPU    of the publisher and the local readers, in % of one processor; remote CPU: of the remote reader
+faults      page faults in publish(): memory that its process uses for the first time
+lost        messages that a local reader did not get, summed over the readers
+to remote   messages of the phase that the remote reader got, also later
+
+alone, again: there is no remote reader, so that the two differ by noise only. Then a remote reader of all
+fields joins, stalls (SIGSTOP), loses 20 % of its packets, has a link of 50 Mbit/s, and is killed.
+)";
 }
 
 std::string table(const Results& results, const Contender& contender) {
   const Summary baseline = results.baseline(contender);
-  std::string text = fmt::format(
-      "\n{}, times in us\n"
-      "  {:<9} {:>15} {:>15} {:>15} | {:>15} {:>15} {:>15} | {:>9} {:>8} {:>10} {:>5} {:>9}\n",
-      name_of(contender), "", "local p50", "p99", "worst", "publish() p50", "p99", "worst", "published",
-      "host CPU", "remote CPU", "lost", "to remote");
+  std::string text =
+      fmt::format("\n{}\n  {:<8} {:>13} {:>13} {:>13} | {:>13} {:>13} {:>13} | {:>5} {} {} {} {} {}\n",
+                  name_of(contender), "phase", "local p50", "p99", "worst", "publish() p50", "p99", "worst",
+                  "Hz", "host CPU", "remote CPU", "faults", "lost", "to remote");
   text += line("baseline", baseline, baseline);
   for (const Phase phase : all_phases) text += line(name_of(phase), results.of(contender, phase), baseline);
   return text;

@@ -29,6 +29,7 @@ class Notes {
     board_->due_ns[number] = at(number);
     board_->sent_ns[number] = at(number) + 3 * us;
     board_->returned_ns[number] = board_->sent_ns[number] + publish_us * us;
+    board_->page_faults[number] = 2;
     for (std::size_t reader = 0; reader < local_readers; ++reader)
       board_->arrived_ns[reader][number] = board_->sent_ns[number] + local_us * us;
   }
@@ -92,6 +93,7 @@ TEST(IsolationSummary, IsOfAllRounds) {
   EXPECT_DOUBLE_EQ(summary.published_hz, 3 / 4.);
   EXPECT_DOUBLE_EQ(summary.cpu_percent, 25);
   EXPECT_DOUBLE_EQ(summary.remote_cpu_percent, 5);
+  EXPECT_EQ(summary.page_faults, 6);
 }
 
 TEST(IsolationTurns, ComeInTheirPeriod) { EXPECT_EQ(next_turn_ns(100, 120, 50), 150); }
@@ -150,7 +152,7 @@ TEST(IsolationFigures, AreOfOneDelivery) {
 TEST(IsolationTable, SaysByHowMuchAPhaseIsSlower) {
   const std::string text = table(results_with(ours, Phase::narrow, 250), ours);
   EXPECT_THAT(text, HasSubstr("SFT, reliable"));
-  EXPECT_THAT(text, HasSubstr("250 (2.50)"));
+  EXPECT_THAT(text, HasSubstr("0.25 (2.50)"));
 }
 
 TEST(IsolationTable, SaysWhereNothingArrived) {
