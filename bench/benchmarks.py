@@ -16,6 +16,7 @@ class Benchmark:
 
 
 ALL = [
+    Benchmark("micro", 40, 10, ["--quick"]),
     Benchmark("typesupport", 70, 50, ["--rounds", "50"]),
     Benchmark("spine", 110, 60, ["--rounds", "1"]),
     Benchmark("shm", 80, 20, ["--rounds", "1", "--idle-seconds", "2"]),
@@ -25,6 +26,7 @@ ALL = [
     Benchmark("paper", 1500, 100, ["--quick"]),
     Benchmark("peers", 660, 75, ["--quick"]),
     Benchmark("isolation", 480, 85, ["--quick"]),
+    Benchmark("isolation", 540, 75, ["--quick"]),
     Benchmark("recovery", 140, 50, ["--rounds", "1"]),
 ]
 ROUNDS = 5
