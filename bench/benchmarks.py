@@ -16,7 +16,7 @@ class Benchmark:
 
 
 ALL = [
-    Benchmark("micro", 40, 10, ["--quick"]),
+    Benchmark("micro", 50, 10, ["--quick"]),
     Benchmark("typesupport", 70, 50, ["--rounds", "50"]),
     Benchmark("spine", 110, 60, ["--rounds", "1"]),
     Benchmark("shm", 80, 20, ["--rounds", "1", "--idle-seconds", "2"]),

@@ -1,10 +1,10 @@
-// Whether a figure has changed by more than noise. Pure.
+// Whether a figure has changed by more than the noise within two runs. Pure.
 //
 // A figure is the median of the ratios of its repetitions. Around each median is an interval, between two of
 // the sorted ratios, that contains the true median in 99 % of cases (the sign test): nothing is assumed about
 // how noise is distributed. A figure has changed if the intervals of both runs have nothing in common and the
-// medians differ by more than `change_min`, since another run of the same program places its memory
-// elsewhere.
+// medians differ by more than `change_min`. The noise between runs of the same program can be larger than
+// that, which this does not see.
 #pragma once
 
 #include <iosfwd>

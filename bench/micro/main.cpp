@@ -1,5 +1,5 @@
 // Times the operations of the data path alone, on one core, as ratios to copies of memory in the same run. A
-// run can be kept, and a later one says what has changed since by more than noise.
+// run can be kept, and a later one says what has changed since by more than the noise within both.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -83,8 +83,9 @@ int main(int argc, char** argv) {
       .add_option("--repetitions", study.scale.repetitions, "repetitions of each operation, in random order")
       ->check(CLI::Range(8, 1000));
   program.options().add_option("--keep", keep, "keep this run in this file, as a baseline");
-  program.options().add_option("--against", against,
-                               "say what has changed by more than noise since the run in this file");
+  program.options().add_option(
+      "--against", against,
+      "say what has changed since the run in this file, by more than the noise within both");
   if (const auto code = program.parse(argc, argv)) return *code;
   if (const std::string error = study.open(keep, against); !error.empty()) {
     fmt::print(stderr, "{}\n", error);
