@@ -25,7 +25,6 @@ ALL = [
     Benchmark("many", 1300, 200, ["--quick"]),
     Benchmark("paper", 1500, 100, ["--quick"]),
     Benchmark("peers", 660, 75, ["--quick"]),
-    Benchmark("isolation", 480, 85, ["--quick"]),
     Benchmark("isolation", 540, 75, ["--quick"]),
     Benchmark("recovery", 140, 50, ["--rounds", "1"]),
 ]
