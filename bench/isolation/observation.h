@@ -25,7 +25,7 @@ struct Observation {
   std::vector<double> local_us{};  ///< from before the call that writes until a local reader has the message
   std::vector<double> publish_us{};  ///< the time of that call
   std::vector<double> late_us{};     ///< how much later than planned the publisher ran
-  std::int64_t page_faults = 0;  ///< of all these calls
+  std::int64_t page_faults = 0;      ///< of all these calls
   std::size_t lost = 0;              ///< messages that a local reader did not get, counted for each reader
   std::size_t remote_received = 0;
   Resources resources{};

@@ -61,6 +61,11 @@ Channel::Posted Channel::post(JobHandle job, const FirstHeader& first, bool at_o
   return posted;
 }
 
+void Channel::await_room(const Job& job, std::chrono::nanoseconds& patience) {
+  core::Lock lock(mutex_);
+  wait_for_room(job, patience, lock);
+}
+
 std::optional<Channel::Posted> Channel::post_ahead(const JobHandle& job, const FirstHeader& first,
                                                    std::chrono::nanoseconds* patience) {
   Posted posted;

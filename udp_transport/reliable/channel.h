@@ -73,6 +73,8 @@ class Channel {
   bool must_give_up_some_of(std::size_t bytes) const {
     return memory_ != nullptr && memory_->wants_some_of(bytes);
   }
+  /// Waits as post() does. A sample that a group sends, too, is posted behind that.
+  void await_room(const Job& job, std::chrono::nanoseconds& patience);
   /// Posts a sample that a group sends, too. If the result is not `kept.elsewhere`, this channel sends the
   /// sample as well.
   Posted post_shared(JobHandle job, const FirstHeader& first, bool elsewhere);

@@ -10,6 +10,7 @@ namespace sft::udp {
 std::size_t GroupDelivery::send(const Audience& audience, const core::SampleHandle& sample) {
   MulticastGroup& group = *audience.multicast;
   Job& job = draft_.job();
+  await_room(audience);
   const std::uint64_t ordinal = group.next_ordinal(std::chrono::steady_clock::now());
   const bool small = job.is_small();
   const bool has_room = group.is_answered() && group.lane()->has_room() && !group.broken();
@@ -31,6 +32,16 @@ std::size_t GroupDelivery::send(const Audience& audience, const core::SampleHand
   }
   draft_.release();
   return others.some_do_not ? missed + send_to_the_deaf(audience, sample) : missed;
+}
+
+/// A publisher that waits for its readers waits for each reliable member, before anything of the sample
+/// leaves.
+void GroupDelivery::await_room(const Audience& audience) {
+  std::chrono::nanoseconds* const patience = unicast_.reliable.patience();
+  if (patience == nullptr) return;
+  for (const std::shared_ptr<Channel>& channel : audience.channels) {
+    if (channel != nullptr) channel->await_room(draft_.job(), *patience);
+  }
 }
 
 /// Sends to the best-effort members that do not hear the group.

@@ -113,11 +113,12 @@ class Publisher {
   static constexpr core::EndpointId usual_id = 0x1234'5678'0000'0001;
   explicit Publisher(core::Network& transport, core::EndpointId id = usual_id,
                      std::uint64_t max_bytes_per_s = 0, std::shared_ptr<core::DeliveryBook> book = {},
-                     bool asynchronous = false)
+                     bool asynchronous = false, std::chrono::nanoseconds max_blocking = {})
       : id_(id),
         port_(transport
                   .open_writer({.id = id,
                                 .type = &type_support<Image>(),
+                                .max_blocking = max_blocking,
                                 .max_bytes_per_s = max_bytes_per_s,
                                 .asynchronous = asynchronous,
                                 .book = std::move(book)})

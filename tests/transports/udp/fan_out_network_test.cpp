@@ -3,16 +3,19 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <numeric>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
 #include "tests/transports/udp/bridge_fixture.h"
 #include "udp_transport/multicast/multicast_plan.h"
 #include "udp_transport/multicast/probe_schedule.h"
+#include "udp_transport/reliable/resend_limits.h"
 #include "udp_transport/routing/calm_watch.h"
 #include "udp_transport/wire/datagram.h"
 
@@ -96,6 +99,45 @@ TEST_P(FanOutTest, PutsThemThereByReceiversWhereMulticastIsOff) {
   const double two_readers = bytes_of_a_sample();
   serve(hosts);
   EXPECT_GT(bytes_of_a_sample(), 3.5 * two_readers);
+}
+
+class PatientFanOutTest : public test::BridgeTest {
+ protected:
+  void SetUp() override {
+    if (!sft::test::isolation_refusal().empty()) GTEST_SKIP() << sft::test::isolation_refusal();
+    if (!make_bridge("") || !test::run("ip address add 10.20.0.1/24 dev bridge && ip link set bridge up"))
+      GTEST_SKIP() << "no bridge can be made here";
+    open_publisher();
+    publisher_ = std::make_unique<test::Publisher>(*writer_, test::Publisher::usual_id, 0, nullptr, false,
+                                                   test::patience);
+  }
+};
+
+/// The publisher may wait for a reader, also for one that shares a group with others.
+TEST_F(PatientFanOutTest, LosesNothingToAMemberOfAGroupThatIsCutOffForAWhile) {
+  constexpr std::uint32_t kept_most = ResendLimits{}.samples;
+  constexpr std::uint32_t samples = kept_most + 2000;
+  for (const unsigned number : {2, 3, 4}) ASSERT_TRUE(add_reader(number, "height", true));
+  serve(3);
+  ASSERT_TRUE(publish_until([this] { return all_are_in_groups(); })) << publisher_->port().multicast(1);
+  ASSERT_TRUE(all_came());
+  ASSERT_TRUE(test::run("ip link set port3 down"));
+
+  std::atomic<std::uint32_t> sent{0};
+  std::atomic<std::size_t> dropped{0};
+  std::thread publishing([&] {
+    for (; sent < samples; ++sent) {
+      if (publisher_->publish(test::make_image(1, sent)) != core::SendStatus::sent) ++dropped;
+    }
+  });
+  EXPECT_TRUE(test::eventually([&] { return sent >= kept_most / 2; }));
+  EXPECT_FALSE(test::eventually([&] { return sent > kept_most; }, std::chrono::milliseconds(300)))
+      << "it has to wait by then";
+  EXPECT_TRUE(test::run("ip link set port3 up"));
+  publishing.join();
+  published_ += samples;
+  EXPECT_TRUE(all_came());
+  EXPECT_EQ(dropped, 0U);
 }
 
 struct Masks {
