@@ -61,11 +61,6 @@ Channel::Posted Channel::post(JobHandle job, const FirstHeader& first, bool at_o
   return posted;
 }
 
-void Channel::await_room(const Job& job, std::chrono::nanoseconds& patience) {
-  core::Lock lock(mutex_);
-  wait_for_room(job, patience, lock);
-}
-
 std::optional<Channel::Posted> Channel::post_ahead(const JobHandle& job, const FirstHeader& first,
                                                    std::chrono::nanoseconds* patience) {
   Posted posted;
@@ -79,8 +74,9 @@ std::optional<Channel::Posted> Channel::post_ahead(const JobHandle& job, const F
   return posted;
 }
 
-bool Channel::has_room(const Job& job) {
-  const core::Lock lock(mutex_);
+bool Channel::has_room(const Job& job, std::chrono::nanoseconds* patience) {
+  core::Lock lock(mutex_);
+  if (patience != nullptr) wait_for_room(job, *patience, lock);
   return has_room_for(job);
 }
 

@@ -64,8 +64,9 @@ class Channel {
                                    std::chrono::nanoseconds* patience = nullptr);
   /// True if the sample is neither acknowledged nor given up.
   bool keeps(std::uint64_t ordinal);
-  /// True if the job can be posted, and no older sample has to be given up for it.
-  bool has_room(const Job& job);
+  /// True if the job can be posted, and no older sample has to be given up for it. Waits for that as post()
+  /// does.
+  bool has_room(const Job& job, std::chrono::nanoseconds* patience = nullptr);
   /// The same, for the sending thread: if there is no room, hear() tells when to look again.
   bool has_room_or_tells(const Job& job);
   /// True if all channels of the node together keep so much that a channel that keeps `bytes` has to give
@@ -73,8 +74,6 @@ class Channel {
   bool must_give_up_some_of(std::size_t bytes) const {
     return memory_ != nullptr && memory_->wants_some_of(bytes);
   }
-  /// Waits as post() does. A sample that a group sends, too, is posted behind that.
-  void await_room(const Job& job, std::chrono::nanoseconds& patience);
   /// Posts a sample that a group sends, too. If the result is not `kept.elsewhere`, this channel sends the
   /// sample as well.
   Posted post_shared(JobHandle job, const FirstHeader& first, bool elsewhere);

@@ -231,13 +231,13 @@ struct SubscriberOptions {
   /// samples are withheld: they are not sent, and are counted apart from lost ones.
   /// Subscriber::set_max_rate_hz() changes the rate.
   double max_rate_hz = 0;
-  static constexpr double slowest_rate_hz = 0.001;
-  static constexpr double fastest_rate_hz = 100'000;
+  static constexpr double slowest_rate_hz = 0.001;     ///< the least max_rate_hz but 0
+  static constexpr double fastest_rate_hz = 100'000;   ///< the greatest max_rate_hz
+  static constexpr std::uint32_t max_held_least = 2;   ///< one is held while the next is taken
+  static constexpr std::uint32_t max_held_most = 256;  ///< iceoryx holds no more
   /// Number of samples in shared memory of one publisher that the program may hold at the same time. While it
   /// holds that many, take() gives no more of that publisher; its next samples wait within
   /// `depth`. The subscriber gets one event each time (Event::Kind::held_too_many). Others are not affected.
-  static constexpr std::uint32_t max_held_least = 2;   // one is held while the next is taken
-  static constexpr std::uint32_t max_held_most = 256;  // iceoryx holds no more
   std::uint32_t max_held = max_held_most;
   /// How long wait() spins, which keeps a core busy, before it sleeps. A sample that comes within that time
   /// is taken within a microsecond, because no thread has to be woken. The default is about the time that it
