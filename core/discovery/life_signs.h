@@ -9,14 +9,14 @@ namespace sft::core {
 
 /// The pace at which a node says that it lives, and the time without such a sign after which it is lost: six
 /// in a row may get lost. If ten nodes lose a fifth of all packets, one is then lost falsely every ten
-/// minutes or so, and returns with the next sign. Where all is calm (sign_pace.h) twice the pause will do: a
-/// single sign that gets lost ends the calm.
+/// minutes or so, and returns with the next sign. Where all is calm (sign_pace.h) twice the pause will do, or
+/// a little more: a single sign that gets lost ends the calm.
 struct LifeSigns {
   std::chrono::milliseconds pause;
   std::chrono::milliseconds pause_in_calm;  ///< shorter than silence_in(lease)
   std::chrono::milliseconds lease;
 };
-inline constexpr LifeSigns life_signs_to_all{std::chrono::milliseconds(650), std::chrono::milliseconds(1300),
+inline constexpr LifeSigns life_signs_to_all{std::chrono::milliseconds(650), std::chrono::milliseconds(1400),
                                              lease_default};
 /// Without multicast, where each node has to be told by itself.
 inline constexpr LifeSigns life_signs_to_each{

@@ -25,6 +25,11 @@ class OwnLife {
     const bool is_long = is_calm && now - told_more_at_ >= tells_more_for;
     return now - told_at_ >= (is_long ? signs_.pause_in_calm : signs_.pause);
   }
+  /// The time until the next sign in calm. It is not a tick later: a node that says nothing for a little
+  /// longer counts as silent.
+  std::chrono::milliseconds until_next_in_calm(Time now) const {
+    return std::chrono::ceil<std::chrono::milliseconds>(told_at_ + signs_.pause_in_calm - now);
+  }
   /// A sign of life is due at once, or soon if another newcomer has just been given one: where many nodes
   /// start, one sign serves several. Without it a newcomer would not notice the end of this node.
   void newcomer_seen() { has_newcomer_ = true; }

@@ -223,7 +223,7 @@ void Reconciler::tell_of_life(std::vector<EndpointId> living, Time now) {
 
 /// The time until the next tick: not longer than a deadline, a lease or the network can wait.
 std::chrono::milliseconds Reconciler::pace(Time now) const {
-  std::chrono::nanoseconds pace = tick_pace_.next(now);
+  std::chrono::nanoseconds pace = std::min(tick_pace_.next(now), life_.until_next_in_calm(now));
   if (const Time next = transports_.next_look_at_network(); next - now < pace)
     pace = std::chrono::ceil<std::chrono::milliseconds>(next - now);
   for (const auto& [id, writer] : ours_.writers) pace = std::min(pace, writer.pace().value_or(pace));
