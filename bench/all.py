@@ -8,13 +8,17 @@ noise that the rounds show; bench/comparison.py says how."""
 import argparse
 import json
 import os
+import platform
+import shlex
 import signal
 import sys
+import time
 
 sys.dont_write_bytecode = True  # no files beside the sources
 import benchmarks
 import comparison
 import processes
+import report
 import trees
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
@@ -37,6 +41,8 @@ def parse(words):
     parser.add_argument("--quick", action="store_true", help="short runs of each benchmark, about half an hour a side")
     parser.add_argument("--only", metavar="NAME,NAME", help="these benchmarks only, of " + ",".join(names))
     parser.add_argument("--json", metavar="FILE", help="also write the figures or the comparison to this file")
+    parser.add_argument("--report", metavar="FILE",
+                        help="also write a page of HTML with the figures to this file; not with --against")
     parser.add_argument("--time-limit", type=float, metavar="SECONDS",
                         help="end a run of a benchmark that takes longer (default: four times its usual time)")
     parser.add_argument("--fail-above", type=float, metavar="PERCENT",
@@ -52,6 +58,8 @@ def parse(words):
         for option in ("rounds", "fail_above"):
             if getattr(arguments, option) is not None:
                 parser.error(f"--{option.replace('_', '-')} needs --against")
+    elif arguments.report:
+        parser.error("--report shows the figures of this tree; a comparison has none")
     if arguments.rounds is None:
         arguments.rounds = benchmarks.QUICK_ROUNDS if arguments.quick else benchmarks.ROUNDS
     if arguments.rounds < 1:
@@ -192,13 +200,30 @@ def as_json(verdicts, only_this, only_that, this, that):
             "figures": [comparison.as_json(verdict) for verdict in verdicts]}
 
 
+def about_this_run(root, words):
+    """What the reader of a report has to know, as pairs of a title and a text."""
+    with open("/proc/cpuinfo", encoding="utf-8") as file:
+        models = [line.partition(":")[2].strip() for line in file if line.startswith("model name")]
+    model = models[0] if models else platform.machine()
+    return [("command", shlex.join(["./run", "bench", "all", *words])),
+            ("commit", trees.git(root, "log", "-1", "--format=%h %s")),
+            ("date", time.strftime("%Y-%m-%d %H:%M %Z")),
+            ("processors", f"{os.cpu_count()}, {model}"),
+            ("system", f"{platform.system()} {platform.release()}, {platform.freedesktop_os_release()['PRETTY_NAME']}")]
+
+
+def check_writable(path):
+    if path and not os.access(os.path.dirname(os.path.abspath(path)), os.W_OK):
+        raise trees.Refusal(f"cannot write {path}")  # before hours of measuring
+
+
 def main(words, root=ROOT):
     arguments = parse(words)
     processes.adopt_orphans()
     session = Session(arguments)
     this = trees.Tree(root, "this tree")
-    if arguments.json and not os.access(os.path.dirname(os.path.abspath(arguments.json)), os.W_OK):
-        raise trees.Refusal(f"cannot write {arguments.json}")  # before hours of measuring
+    check_writable(arguments.json)
+    check_writable(arguments.report)
     regressions = []
     if arguments.against is None:
         result = run_all(session, this)
@@ -212,6 +237,9 @@ def main(words, root=ROOT):
     if arguments.json:
         with open(arguments.json, "w", encoding="utf-8") as file:
             json.dump(result, file, indent=2)
+    if arguments.report:
+        with open(arguments.report, "w", encoding="utf-8") as file:
+            file.write(report.page(result, about_this_run(root, words)))
     for one in regressions:
         say(f"run: {one.bench} {one.name} is worse by more than {arguments.fail_above:g} %")
     for problem in session.problems:

@@ -54,6 +54,7 @@ void write_json(std::ostream& out, const std::vector<Figure>& figures) {
     nlohmann::json entry{{"name", f.name}, {"value", f.value}, {"unit", f.unit}};
     entry["reference"] = f.reference ? nlohmann::json(*f.reference) : nlohmann::json();
     entry["ratio"] = f.reference ? nlohmann::json(f.measure()) : nlohmann::json();
+    if (f.reference && !f.reference_name.empty()) entry["reference_name"] = f.reference_name;
     if (f.bound) {
       entry["bound"] = *f.bound;
       entry["bound_of"] = f.reference && !f.bound_is_of_value ? "ratio" : "value";

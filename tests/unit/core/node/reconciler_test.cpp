@@ -447,7 +447,7 @@ TEST_F(ReconcilerTest, ANodeSaysLessOftenThatItLivesInCalmUnlessItTellsMoreThanT
   };
   discovery.calm = true;
   signs_in(std::chrono::seconds(5));
-  EXPECT_EQ(signs_in(std::chrono::milliseconds(13'000)), 10U);
+  EXPECT_EQ(signs_in(std::chrono::milliseconds(14'000)), 10U);
   discovery.calm = false;
   signs_in(std::chrono::seconds(2));
   EXPECT_EQ(signs_in(std::chrono::milliseconds(13'000)), 20U);
