@@ -38,6 +38,9 @@ UNITS = {
     "k/s": HIGHER,  # thousands of samples
 }
 
+# Figures of the machine, which no change of SFT makes worse or better.
+NOISE = ("noise_other_programs", "noise_other_machines")
+
 WORSE, BETTER, SAME, UNCLEAR, UNJUDGED = "worse", "better", "same", "unclear, since the noise is large", "not judged"
 VERDICTS = (WORSE, BETTER, SAME, UNCLEAR, UNJUDGED)
 SAME_MAX = 0.1  # a figure is the same if the ends of its interval are within this change
@@ -187,8 +190,8 @@ def compare(bench, this, that):
 
     `this` and `that` have one list of figures for each round.
     """
-    this_rounds = [{figure["name"]: figure for figure in figures} for figures in this]
-    that_rounds = [{figure["name"]: figure for figure in figures} for figures in that]
+    this_rounds, that_rounds = ([{figure["name"]: figure for figure in figures if figure["name"] not in NOISE}
+                                 for figures in side] for side in (this, that))
     this_names = list(dict.fromkeys(name for figures in this_rounds for name in figures))
     that_names = list(dict.fromkeys(name for figures in that_rounds for name in figures))
     verdicts = [judge(bench, name, [figures.get(name) for figures in this_rounds],

@@ -36,15 +36,26 @@ Noise::Moment Noise::now() {
           .own_s = seconds_of(RUSAGE_SELF) + seconds_of(RUSAGE_CHILDREN)};
 }
 
-std::string Noise::text() const {
+Noise::Shares Noise::shares() const {
   const Moment end = now();
   const double all = end.all_s - begin_.all_s, own = end.own_s - begin_.own_s;
-  const auto percent = [&](double seconds) { return 100 * std::max(0., seconds) / all; };
+  // Less than a tick of time has no shares.
+  const auto percent = [&](double seconds) { return all > 0 ? 100 * std::max(0., seconds) / all : 0; };
+  return {.own = percent(own),
+          .other_programs = percent(end.busy_s - begin_.busy_s - own),
+          .other_machines = percent(end.stolen_s - begin_.stolen_s)};
+}
+
+std::string text_of(const Noise::Shares& shares) {
   return fmt::format(
       "Noise: beside the {:.0f} % that this benchmark took of the processors, other programs and interrupts "
-      "took "
-      "{:.1f} %, and other virtual machines {:.1f} %.",
-      percent(own), percent(end.busy_s - begin_.busy_s - own), percent(end.stolen_s - begin_.stolen_s));
+      "took {:.1f} %, and other virtual machines {:.1f} %.",
+      shares.own, shares.other_programs, shares.other_machines);
+}
+
+std::vector<Figure> figures_of(const Noise::Shares& shares) {
+  return {{.name = "noise_other_programs", .value = shares.other_programs, .unit = "%"},
+          {.name = "noise_other_machines", .value = shares.other_machines, .unit = "%"}};
 }
 
 }  // namespace sft::bench

@@ -2,6 +2,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
+
+#include "bench/common/report.h"
 
 namespace sft::bench {
 
@@ -9,9 +12,12 @@ class Noise {
  public:
   Noise() : begin_(now()) {}
 
-  /// A sentence about the time since this object was made. It counts the processes that this one has waited
-  /// for as parts of the benchmark.
-  std::string text() const;
+  /// In percent of all processors, since this object was made. Processes that this one has waited for are
+  /// parts of the benchmark; a daemon that outlives it is not.
+  struct Shares {
+    double own = 0, other_programs = 0, other_machines = 0;
+  };
+  Shares shares() const;
 
  private:
   /// Seconds of all processors.
@@ -22,5 +28,9 @@ class Noise {
 
   const Moment begin_;
 };
+
+std::string text_of(const Noise::Shares& shares);
+/// For the file with the figures. No change of them makes a benchmark better or worse.
+std::vector<Figure> figures_of(const Noise::Shares& shares);
 
 }  // namespace sft::bench

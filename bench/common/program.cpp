@@ -7,6 +7,8 @@
 #include <iterator>
 #include <utility>
 
+#include "bench/common/noise.h"
+
 namespace sft::bench {
 
 Program::Program(const std::string& description, std::vector<Group> groups)
@@ -72,10 +74,15 @@ void Program::measure(const Group& group, std::vector<Figure>& to) const {
 }
 
 int Program::run() {
+  const Noise noise;
   std::vector<Figure> figures;
   for (const Group& group : groups_) measure(group, figures);
   if (has_table_) print_table(figures);
   print_missed_bounds(figures);
+  const Noise::Shares shares = noise.shares();
+  fmt::print("{}\n", text_of(shares));
+  std::fflush(stdout);
+  std::ranges::move(figures_of(shares), std::back_inserter(figures));
   if (file_.is_open()) write_json(file_, figures);
   return file_.fail() ? 1 : 0;
 }

@@ -1,5 +1,5 @@
-// The main program of each benchmark: it measures its groups of figures, or a chosen one, prints a table, and
-// writes the figures to a file.
+// The main program of each benchmark: it measures its groups of figures, or a chosen one, prints a table and
+// how noisy the machine was, and writes both to a file.
 #pragma once
 
 #include <CLI/CLI.hpp>

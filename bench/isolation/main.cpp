@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "bench/common/hosts.h"
-#include "bench/common/noise.h"
 #include "bench/common/program.h"
 #include "bench/common/statistics.h"
 #include "bench/isolation/course.h"
@@ -49,7 +48,7 @@ class Study {
 
   void finish() const {
     std::vector<double> late_us = results_.late_us();
-    fmt::print("{} Publishers ran {:.0f} us (p50) and {:.0f} us (p99) later than planned.\n", noise_.text(),
+    fmt::print("Publishers ran {:.0f} us (p50) and {:.0f} us (p99) later than planned.\n",
                quantile(late_us, 0.5), quantile(late_us, 0.99));
   }
 
@@ -58,7 +57,6 @@ class Study {
  private:
   std::shared_ptr<const sft::hosts::EmulatedNetwork> network_;
   Results results_;
-  const Noise noise_{};
 };
 
 void shorten(isolation::Scale& scale) {

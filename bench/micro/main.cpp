@@ -6,7 +6,6 @@
 #include <fstream>
 #include <string>
 
-#include "bench/common/noise.h"
 #include "bench/common/process.h"
 #include "bench/common/program.h"
 #include "bench/common/statistics.h"
@@ -50,7 +49,6 @@ class Study {
   void finish() {
     if (!before_.empty()) fmt::print("\n{}", text_of(compare(before_, ratios_)));
     if (kept_.is_open()) write(kept_, ratios_);
-    fmt::print("{}\n", noise_.text());
   }
 
   micro::Scale scale{};
@@ -59,7 +57,6 @@ class Study {
   Ratios ratios_;
   Ratios before_;
   std::ofstream kept_;
-  const Noise noise_{};
 };
 
 void shorten(micro::Scale& scale) { scale = {.repetitions = 25, .repetition_s = 0.01}; }

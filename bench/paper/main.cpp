@@ -6,7 +6,6 @@
 #include <fstream>
 #include <memory>
 
-#include "bench/common/noise.h"
 #include "bench/common/program.h"
 #include "bench/common/statistics.h"
 #include "bench/negotiation/negotiation.h"
@@ -72,9 +71,9 @@ class Experiments {
       fmt::print(stderr, "gnuplot did not draw the pictures\n");
     auto& late_us = results_.late_us;
     fmt::print(
-        "{} Writers ran {:.0f} us (p50) and {:.0f} us (p99) later than planned. {} of {} records "
+        "Writers ran {:.0f} us (p50) and {:.0f} us (p99) later than planned. {} of {} records "
         "do not count, since the machine stopped for long.\n",
-        noise_.text(), quantile(late_us, 0.5), quantile(late_us, 0.99),
+        quantile(late_us, 0.5), quantile(late_us, 0.99),
         std::ranges::count_if(results_.records, &Record::disturbed), results_.records.size());
   }
 
@@ -100,7 +99,6 @@ class Experiments {
   std::unique_ptr<Stage> stage_;
   Results results_;
   std::optional<Trace> trace_;
-  const Noise noise_{};
 };
 
 void shorten(Experiments& experiments) {

@@ -8,7 +8,6 @@
 #include <thread>
 #include <utility>
 
-#include "bench/common/noise.h"
 #include "bench/common/program.h"
 #include "bench/peers/csv.h"
 #include "bench/peers/figures.h"
@@ -88,10 +87,7 @@ class Peers {
     return figures;
   }
 
-  void finish() {
-    write_csv(csv, records_);
-    say(fmt::format("\n{}\n", noise_.text()));
-  }
+  void finish() { write_csv(csv, records_); }
 
   Scale scale;
   std::vector<std::string> contenders;  ///< the ids of those that run; empty: all
@@ -136,7 +132,6 @@ class Peers {
 
   std::unique_ptr<Stage> stage_;
   Records records_;
-  const Noise noise_{};
 };
 
 }  // namespace

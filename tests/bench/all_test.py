@@ -77,6 +77,12 @@ class VerdictTest(unittest.TestCase):
         self.assertIn("from 0", comparison.row(verdict))
         self.assertEqual(judged([0, 0, 0], [0, 0, 0], "").verdict, comparison.SAME)
 
+    def test_the_noise_of_the_machine_is_no_figure_of_a_benchmark(self):
+        sides = [[figure(1), *(figure(value, "%", name=name) for name in comparison.NOISE)] for value in (1, 2, 3)]
+        verdicts, only_this, only_that = comparison.compare("bench", sides, [one[:1] for one in sides])
+        self.assertEqual([verdict.name for verdict in verdicts], ["figure"])
+        self.assertEqual((only_this, only_that), ([], []))
+
     def test_a_figure_of_one_side_is_listed(self):
         this = [[figure(1, name="old"), figure(1, name="new")]] * 2
         verdicts, only_this, only_that = comparison.compare(

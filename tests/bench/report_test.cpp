@@ -2,9 +2,12 @@
 #include "bench/common/report.h"
 
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include <array>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -106,6 +109,23 @@ TEST(BenchProgram, TakesSeveralNamesOfGroupsAndFigures) {
   EXPECT_THAT(chosen("two"), ElementsAre("left", "right"));
   EXPECT_THAT(chosen("right"), ElementsAre("right"));
   EXPECT_THAT(chosen("left,one"), ElementsAre("one", "left"));
+}
+
+TEST(BenchProgram, TellsHowNoisyTheMachineWas) {
+  const std::string file = testing::TempDir() + "noise_" + std::to_string(getpid()) + ".json";
+  Program program("", {{"one", [] { return std::vector{Figure{.name = "one", .value = 1}}; }}});
+  std::array words{std::string("bench"), std::string("--json"), file};
+  std::array arguments{words[0].data(), words[1].data(), words[2].data()};
+  ASSERT_FALSE(program.parse(3, arguments.data()));
+  EXPECT_THAT(printed([&] { EXPECT_EQ(program.run(), 0); }), HasSubstr("\nNoise: beside the "));
+  std::ifstream in(file);
+  std::vector<std::string> names;
+  for (const auto& figure : nlohmann::json::parse(in)) {
+    names.push_back(figure["name"]);
+    EXPECT_TRUE(figure["value"].is_number());  // a NaN would be null
+  }
+  EXPECT_THAT(names, ElementsAre("one", "noise_other_programs", "noise_other_machines"));
+  std::filesystem::remove(file);
 }
 
 /// True if the program runs with --trace and these groups.
