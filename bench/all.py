@@ -11,13 +11,16 @@ import os
 import platform
 import shlex
 import signal
+import subprocess
 import sys
+import tempfile
 import time
 
 sys.dont_write_bytecode = True  # no files beside the sources
 import benchmarks
 import comparison
 import processes
+import records
 import report
 import trees
 
@@ -38,11 +41,14 @@ def parse(words):
     parser.add_argument("--rounds", type=int, metavar="N",
                         help=f"times that each side runs each benchmark (default: {benchmarks.ROUNDS}, with --quick "
                              f"{benchmarks.QUICK_ROUNDS})")
-    parser.add_argument("--quick", action="store_true", help="short runs of each benchmark, about half an hour a side")
+    parser.add_argument("--quick", action="store_true", help="short runs of each benchmark, about 15 minutes a side")
     parser.add_argument("--only", metavar="NAME,NAME", help="these benchmarks only, of " + ",".join(names))
     parser.add_argument("--json", metavar="FILE", help="also write the figures or the comparison to this file")
     parser.add_argument("--report", metavar="FILE",
-                        help="also write a page of HTML with the figures to this file; not with --against")
+                        help="also write a page of HTML with figures and plots to this file; not with --against")
+    parser.add_argument("--data", metavar="DIR",
+                        help="also keep what pages and plots are made of in this folder, beside what earlier runs of "
+                             "other benchmarks left there; not with --against")
     parser.add_argument("--time-limit", type=float, metavar="SECONDS",
                         help="end a run of a benchmark that takes longer (default: four times its usual time)")
     parser.add_argument("--fail-above", type=float, metavar="PERCENT",
@@ -58,8 +64,8 @@ def parse(words):
         for option in ("rounds", "fail_above"):
             if getattr(arguments, option) is not None:
                 parser.error(f"--{option.replace('_', '-')} needs --against")
-    elif arguments.report:
-        parser.error("--report shows the figures of this tree; a comparison has none")
+    elif arguments.report or arguments.data:
+        parser.error("--report and --data are for the figures of this tree; a comparison has none")
     if arguments.rounds is None:
         arguments.rounds = benchmarks.QUICK_ROUNDS if arguments.quick else benchmarks.ROUNDS
     if arguments.rounds < 1:
@@ -130,19 +136,29 @@ class Session:
         return figures
 
 
-def run_all(session, this):
-    """The figures of each benchmark by its name."""
-    figures = {}
+def run_all(session, this, folder):
+    """Returns the records of all benchmarks that ran, and keeps them in the folder, one after the other."""
+    names = []
+    about = about_this_machine(this.root)
     built = session.build(this, [benchmark.name for benchmark in session.arguments.benchmarks])
     for benchmark in session.arguments.benchmarks:
         words = session.words_for(benchmark, [this]) if benchmark.name in built else None
         if words is None:
             continue
         print(f"== {benchmark.name}", flush=True)
-        found = session.run(this, benchmark, words, None)
-        if found is not None:
-            figures[benchmark.name] = found
-    return figures
+        with tempfile.TemporaryDirectory(prefix="sft_bench_") as written:
+            further = records.options_for_files(benchmark.name, this.options(benchmark.name), written)
+            begin = time.monotonic()
+            found = session.run(this, benchmark, further + words, None)
+            if found is None:
+                continue
+            seconds = time.monotonic() - begin
+            say(f"{benchmark.name} took {seconds:.0f} s")
+            records.keep(folder, benchmark.name, found,
+                         {"command": shlex.join(["./run", "bench", benchmark.name, *words]),
+                          "date": time.strftime("%Y-%m-%d"), "took": f"{seconds:.0f} s", **about}, written)
+            names.append(benchmark.name)
+    return records.load(folder, names)
 
 
 def measure_both(session, this, that, benchmark, words):
@@ -200,16 +216,37 @@ def as_json(verdicts, only_this, only_that, this, that):
             "figures": [comparison.as_json(verdict) for verdict in verdicts]}
 
 
-def about_this_run(root, words):
-    """What the reader of a report has to know, as pairs of a title and a text."""
+PACKAGES = {"Cyclone DDS": "cyclonedds-dev", "Fast DDS": "libfastrtps-dev", "iceoryx": "libiceoryx-posh-dev",
+            "g++": "g++"}
+
+
+def versions():
+    """Those of the Debian packages beside which SFT is measured."""
+    done = subprocess.run(["dpkg-query", "-W", "-f", "${Package} ${Version}\n", *PACKAGES.values()],
+                          capture_output=True, text=True, check=False)
+    found = dict(line.split(" ", 1) for line in done.stdout.splitlines() if " " in line)
+    return ", ".join(f"{name} {found[package]}" for name, package in PACKAGES.items() if found.get(package))
+
+
+def about_this_machine(root):
+    """What the reader of a figure has to know, as texts by their titles."""
     with open("/proc/cpuinfo", encoding="utf-8") as file:
         models = [line.partition(":")[2].strip() for line in file if line.startswith("model name")]
     model = models[0] if models else platform.machine()
-    return [("command", shlex.join(["./run", "bench", "all", *words])),
-            ("commit", trees.git(root, "log", "-1", "--format=%h %s")),
-            ("date", time.strftime("%Y-%m-%d %H:%M %Z")),
-            ("processors", f"{os.cpu_count()}, {model}"),
-            ("system", f"{platform.system()} {platform.release()}, {platform.freedesktop_os_release()['PRETTY_NAME']}")]
+    try:
+        commit = trees.git(root, "log", "-1", "--format=%h %s")
+    except trees.Refusal:
+        commit = "none"  # sources without their history
+    return {"commit": commit,
+            "processors": f"{os.cpu_count()} x {model}",
+            "system": f"{platform.system()} {platform.release()}, {platform.freedesktop_os_release()['PRETTY_NAME']}",
+            "versions": versions()}
+
+
+def about_this_run(root, words):
+    """What stands above all figures of a page."""
+    return {"command": shlex.join(["./run", "bench", "all", *words]), "date": time.strftime("%Y-%m-%d %H:%M %Z"),
+            **about_this_machine(root)}
 
 
 def check_writable(path):
@@ -224,9 +261,12 @@ def main(words, root=ROOT):
     this = trees.Tree(root, "this tree")
     check_writable(arguments.json)
     check_writable(arguments.report)
+    check_writable(arguments.data)
     regressions = []
     if arguments.against is None:
-        result = run_all(session, this)
+        with tempfile.TemporaryDirectory(prefix="sft_bench_") as folder:
+            kept = run_all(session, this, arguments.data or folder)
+        result = kept.figures
     else:
         that = trees.check_out(root, arguments.against)
         verdicts, *only = compare_all(session, this, that)
@@ -239,7 +279,7 @@ def main(words, root=ROOT):
             json.dump(result, file, indent=2)
     if arguments.report:
         with open(arguments.report, "w", encoding="utf-8") as file:
-            file.write(report.page(result, about_this_run(root, words)))
+            file.write(report.page(kept, about_this_run(root, words)))
     for one in regressions:
         say(f"run: {one.bench} {one.name} is worse by more than {arguments.fail_above:g} %")
     for problem in session.problems:

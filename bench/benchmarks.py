@@ -28,5 +28,12 @@ ALL = [
     Benchmark("isolation", 540, 75, ["--quick"]),
     Benchmark("recovery", 140, 50, ["--rounds", "1"]),
 ]
+
+# What benchmarks write beside their figures, for plots: the option, the path that it gets, which is a file or a folder,
+# and the files that are kept of it.
+FILES = {
+    "peers": ("--csv", "peers.csv", ["peers.csv"]),
+    "paper": ("--plots", "paper", ["trace.csv", "trace_events.csv"]),
+}
 ROUNDS = 5
 QUICK_ROUNDS = 3  # of twelve minutes on each side

@@ -1,12 +1,15 @@
 """One page of HTML with the figures of all benchmarks. Pure functions: nothing is run or read here.
 
 The page is one file without scripts, and needs nothing from anywhere else. It is readable on a telephone and in the
-dark: colours follow the reader's settings, and wide tables scroll within the page."""
+dark: colours follow the reader's settings, and wide tables scroll within the page. bench/plots.py says which plots
+there are."""
 
 import html
 import math
 
 import comparison
+import plots
+import svg
 
 # The longest bar stands for this ratio, and as much to the other side of 1: ratios are shown by their logarithm.
 RATIO_MAX = 32.0
@@ -24,9 +27,10 @@ table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
 td, th { border-bottom: 1px solid var(--line); padding: .25rem .6rem; text-align: right; white-space: nowrap; }
 td:first-child, th:first-child { text-align: left; }
 .good { color: var(--good); } .bad { color: var(--bad); } .faint { color: var(--faint); }
-svg .good { fill: var(--good); } svg .bad { fill: var(--bad); } svg line { stroke: var(--line); }
+svg .good { fill: var(--good); } svg .bad { fill: var(--bad); } td line { stroke: var(--line); }
 code { overflow-wrap: anywhere; }
-"""
+figure { margin: 1rem 0; } svg.plot { width: 100%; max-width: 40rem; height: auto; }
+""" + svg.STYLE
 
 
 def number(value):
@@ -103,27 +107,46 @@ def table(figures):
     return '<div class="wide"><table>' + head + "".join(row(figure) for figure in figures) + "</table></div>"
 
 
-def section(name, figures):
+def noise(figures):
+    """What else the machine did, in words."""
+    shares = {figure["name"]: figure["value"] for figure in figures if figure["name"] in comparison.NOISE}
+    if not shares:
+        return ""
+    programs, machines = (number(shares.get(name)) for name in comparison.NOISE)
+    return f"Other programs took {programs} % of the processors meanwhile, other virtual machines {machines} %. "
+
+
+def plot(one):
+    return f'<figure>{one.svg()}<figcaption>{html.escape(one.caption)}</figcaption></figure>'
+
+
+def section(name, all_figures, about, shown):
+    """`shown`: the plots of this benchmark."""
+    figures = [figure for figure in all_figures if figure["name"] not in comparison.NOISE]
     behind = sorted((figure for figure in figures if is_behind(figure)), key=lambda one: one["name"])
     missed = [figure for figure in figures if meets_bound(figure) is False]
-    words = f"{len(figures)} figures. "
+    words = f"<code>{html.escape(about['command'])}</code>: " if "command" in about else ""
+    words += f"{len(figures)} figures. " + noise(all_figures)
     if behind:
         words += "The reference is better in: " + ", ".join(html.escape(one["name"]) for one in behind) + ". "
     if missed:
         words += "Bounds that do not hold: " + ", ".join(html.escape(one["name"]) for one in missed) + "."
-    return f'<h2 id="{html.escape(name)}">{html.escape(name)}</h2><p>{words}</p>' + table(figures)
+    return (f'<h2 id="{html.escape(name)}">{html.escape(name)}</h2><p>{words}</p>' + "".join(map(plot, shown))
+            + table(figures))
 
 
-def page(results, about):
-    """`results`: the figures of each benchmark by its name, as --json has them. `about`: pairs of a title and a text,
-    like the machine and the command."""
+def page(records, about):
+    """`records`: of the benchmarks that ran. `about`: texts about the whole run by their titles."""
     rows = "".join(f"<tr><td>{html.escape(title)}</td><td><code>{html.escape(text)}</code></td></tr>"
-                   for title, text in about)
-    links = " · ".join(f'<a href="#{html.escape(name)}">{html.escape(name)}</a>' for name in results)
+                   for title, text in about.items())
+    links = " · ".join(f'<a href="#{html.escape(name)}">{html.escape(name)}</a>' for name in records.figures)
+    all_plots = plots.all_plots(records)
+    sections = [section(name, figures, records.about.get(name, {}), [one for one in all_plots if one.bench == name])
+                for name, figures in records.figures.items()]
     return ('<!doctype html><html lang="en"><meta charset="utf-8">'
             '<meta name="viewport" content="width=device-width, initial-scale=1"><title>SFT benchmarks</title>'
             f"<style>{STYLE}</style><h1>SFT benchmarks</h1>"
             '<p>A ratio is a figure of SFT over that of the reference, which was measured in the same run. '
-            '<span class="good">Green</span>: SFT is better. <span class="bad">Red</span>: the reference is.</p>'
-            f'<div class="wide"><table>{rows}</table></div><p>{links}</p>'
-            + "".join(section(name, figures) for name, figures in results.items()) + "</html>\n")
+            '<span class="good">Green</span>: SFT is better. <span class="bad">Red</span>: the reference is. '
+            'Below each plot stands where a peer is better.</p>'
+            f'<div class="wide"><table>{rows}</table></div><p>{links}</p>' + "".join(sections) + "</html>\n")

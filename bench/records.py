@@ -1,0 +1,73 @@
+"""The folder in which a run keeps what it measured: the page and the plots are made of it.
+
+NAME.json has the figures of a benchmark, as its option --json writes them. The files of benchmarks.FILES have what else
+the plots show. about.json says of each benchmark when, where and with which command it was measured. A later run of a
+benchmark replaces its files only."""
+
+import csv
+import json
+import os
+import shutil
+from dataclasses import dataclass, field
+
+import benchmarks
+
+
+@dataclass
+class Records:
+    figures: dict = field(default_factory=dict)  # of each benchmark by its name, as --json has them
+    tables: dict = field(default_factory=dict)  # the rows of each file of comma-separated values by its name
+    about: dict = field(default_factory=dict)  # of each benchmark by its name: texts by their titles
+
+    def figure(self, bench, name):
+        """None if there is no such figure."""
+        return next((one for one in self.figures.get(bench, []) if one.get("name") == name), None)
+
+
+def options_for_files(name, known, folder):
+    """The words that make a benchmark write its further files to `folder`, if it knows the option."""
+    option, path, _ = benchmarks.FILES.get(name, (None, None, None))
+    return [option, os.path.join(folder, path)] if option in known else []
+
+
+def keep(folder, name, figures, about, written):
+    """`written`: the folder of options_for_files()."""
+    os.makedirs(folder, exist_ok=True)
+    write_json(os.path.join(folder, name + ".json"), figures)
+    all_about = read_json(os.path.join(folder, "about.json"), {})
+    write_json(os.path.join(folder, "about.json"), {**all_about, name: about})
+    _, path, files = benchmarks.FILES.get(name, (None, "", []))
+    for file in files:
+        found = next((one for one in (os.path.join(written, path, file), os.path.join(written, file))
+                      if os.path.isfile(one)), None)
+        if found:
+            shutil.copyfile(found, os.path.join(folder, file))
+
+
+def load(folder, names=None):
+    """`names`: of these benchmarks only."""
+    names = [benchmark.name for benchmark in benchmarks.ALL] if names is None else names
+    records = Records(about=read_json(os.path.join(folder, "about.json"), {}))
+    for name in names:
+        figures = read_json(os.path.join(folder, name + ".json"), None)
+        if figures is not None:
+            records.figures[name] = figures
+        for file in benchmarks.FILES.get(name, (None, "", []))[2]:
+            path = os.path.join(folder, file)
+            if os.path.isfile(path):
+                with open(path, encoding="utf-8", newline="") as opened:
+                    records.tables[file] = list(csv.DictReader(opened))
+    return records
+
+
+def read_json(path, otherwise):
+    if not os.path.isfile(path):
+        return otherwise
+    with open(path, encoding="utf-8") as file:
+        return json.load(file)
+
+
+def write_json(path, content):
+    with open(path, "w", encoding="utf-8") as file:
+        json.dump(content, file, indent=1)
+        file.write("\n")
