@@ -147,7 +147,8 @@ def run_all(session, this, folder):
             continue
         print(f"== {benchmark.name}", flush=True)
         with tempfile.TemporaryDirectory(prefix="sft_bench_") as written:
-            further = records.options_for_files(benchmark.name, this.options(benchmark.name), written)
+            free = set(this.options(benchmark.name)) - {option for option, _ in options_among(words)}
+            further = records.options_for_files(benchmark.name, free, written)
             begin = time.monotonic()
             found = session.run(this, benchmark, further + words, None)
             if found is None:

@@ -24,10 +24,11 @@ class Records:
         return next((one for one in self.figures.get(bench, []) if one.get("name") == name), None)
 
 
-def options_for_files(name, known, folder):
-    """The words that make a benchmark write its further files to `folder`, if it knows the option."""
+def options_for_files(name, free, folder):
+    """The words that make a benchmark write its further files to `folder`. `free`: the options that it knows, without
+    those that it is given anyway."""
     option, path, _ = benchmarks.FILES.get(name, (None, None, None))
-    return [option, os.path.join(folder, path)] if option in known else []
+    return [option, os.path.join(folder, path)] if option in free else []
 
 
 def keep(folder, name, figures, about, written):

@@ -308,6 +308,26 @@ done
         self.assertIn("10.00", page)
 
 
+    def test_what_plots_show_is_kept_beside_that_of_earlier_runs(self):
+        self.bench("this", "udp", WRITES.format(value=10))
+        self.write("bench/peers/main.cpp", """#!/bin/bash
+[[ $1 != --help ]] || { echo '  --json TEXT   file'; echo '  --csv TEXT   file'; exit; }
+echo '[]' >"$2"
+[[ $3 == --csv ]] && echo bytes,p50_us >"$4"
+""")
+        data = os.path.join(self.root, "data")
+        self.assertEqual(self.run_all("--only", "udp", "--data", data), 0)
+        self.assertEqual(self.run_all("--only", "peers", "--data", data), 0)
+        self.assertEqual(sorted(os.listdir(data)), ["about.json", "peers.csv", "peers.json", "udp.json"])
+        with open(os.path.join(data, "about.json"), encoding="utf-8") as file:
+            about = json.load(file)
+        self.assertEqual(about["peers"]["command"], "./run bench peers")  # without the file that it wrote
+        own = os.path.join(self.root, "own.csv")
+        self.assertEqual(self.run_all("--only", "peers", "--", "--csv", own), 0)
+        self.assertTrue(os.path.isfile(own))
+        self.assertRegex(about["udp"]["date"], r"^\d{4}-\d\d-\d\d$")
+
+
 class ProcessesTest(unittest.TestCase):
     def test_a_program_that_ends_leaves_no_daemon(self):
         with tempfile.NamedTemporaryFile("r") as file:

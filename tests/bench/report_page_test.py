@@ -248,7 +248,7 @@ class RecordsTest(unittest.TestCase):
 
     def test_what_is_kept_is_loaded_and_other_benchmarks_stay(self):
         with tempfile.TemporaryDirectory() as written:
-            (option, path) = records.options_for_files("paper", {"--plots": None}, written)
+            (option, path) = records.options_for_files("paper", {"--plots"}, written)
             os.mkdir(path)
             for name in ("trace.csv", "other.svg"):
                 with open(os.path.join(path, name), "w", encoding="utf-8") as file:
@@ -264,8 +264,8 @@ class RecordsTest(unittest.TestCase):
         self.assertEqual(list(records.load(self.folder, ["udp"]).figures), ["udp"])
 
     def test_a_benchmark_without_the_option_writes_no_further_files(self):
-        self.assertEqual(records.options_for_files("peers", {}, self.folder), [])
-        self.assertEqual(records.options_for_files("udp", {"--csv": None}, self.folder), [])
+        self.assertEqual(records.options_for_files("peers", set(), self.folder), [])
+        self.assertEqual(records.options_for_files("udp", {"--csv"}, self.folder), [])
 
 
 if __name__ == "__main__":
