@@ -17,14 +17,14 @@ class Benchmark:
 
 ALL = [
     Benchmark("micro", 50, 10, ["--quick"]),
-    Benchmark("typesupport", 70, 50, ["--rounds", "50"]),
-    Benchmark("spine", 110, 60, ["--rounds", "1"]),
-    Benchmark("shm", 80, 20, ["--rounds", "1", "--idle-seconds", "2"]),
+    Benchmark("typesupport", 70, 25, ["--rounds", "50"]),
+    Benchmark("spine", 110, 50, ["--rounds", "1"]),
+    Benchmark("shm", 80, 10, ["--rounds", "1", "--idle-seconds", "2"]),
     Benchmark("negotiation", 90, 25, ["--rounds", "1"]),
-    Benchmark("udp", 380, 155, ["--rounds", "1", "--messages", "500", "--seconds", "0.3"]),
-    Benchmark("many", 1300, 200, ["--quick"]),
-    Benchmark("paper", 1500, 100, ["--quick"]),
-    Benchmark("peers", 660, 75, ["--quick"]),
+    Benchmark("udp", 380, 150, ["--rounds", "1", "--messages", "500", "--seconds", "0.3"]),
+    Benchmark("many", 1300, 170, ["--quick"]),
+    Benchmark("paper", 1500, 80, ["--quick"]),
+    Benchmark("peers", 660, 60, ["--quick"]),
     Benchmark("isolation", 540, 75, ["--quick"]),
     Benchmark("recovery", 140, 50, ["--rounds", "1"]),
 ]
