@@ -28,8 +28,9 @@ CycloneParticipant::CycloneParticipant()
 CycloneParticipant::~CycloneParticipant() { dds_delete(domain_ != 0 ? domain_ : participant_); }
 
 dds_entity_t CycloneParticipant::topic(const dds_topic_descriptor_t& type, const char* name) const {
-  const dds_entity_t known = dds_find_topic(DDS_FIND_SCOPE_PARTICIPANT, participant_, name, nullptr, 0);
-  return known > 0 ? known : checked(dds_create_topic(participant_, &type, name, nullptr, nullptr));
+  const auto [known, is_new] = topics_.try_emplace(name, 0);
+  if (is_new) known->second = checked(dds_create_topic(participant_, &type, name, nullptr, nullptr));
+  return known->second;
 }
 
 dds_entity_t CycloneParticipant::writer(const dds_topic_descriptor_t& type, const char* name,

@@ -4,7 +4,9 @@
 #include <dds/dds.h>
 
 #include <cstddef>
+#include <map>
 #include <memory>
+#include <string>
 
 namespace sft::bench {
 
@@ -15,7 +17,7 @@ using CycloneQos = std::unique_ptr<dds_qos_t, void (*)(dds_qos_t*)>;
 /// Best effort, volatile, keep last 1.
 CycloneQos cyclone_best_effort();
 
-/// One participant in domain 0.
+/// One participant in domain 0. Its functions are for one thread.
 class CycloneParticipant {
  public:
   /// Creates and deletes the domain, too.
@@ -42,6 +44,7 @@ class CycloneParticipant {
 
   const dds_entity_t domain_;  ///< 0: it is that of another participant
   const dds_entity_t participant_;
+  mutable std::map<std::string, dds_entity_t> topics_;  ///< by their names: dds_find_topic() crashes at times
 };
 
 }  // namespace sft::bench
