@@ -41,7 +41,7 @@ def parse(words):
     parser.add_argument("--rounds", type=int, metavar="N",
                         help=f"times that each side runs each benchmark (default: {benchmarks.ROUNDS}, with --quick "
                              f"{benchmarks.QUICK_ROUNDS})")
-    parser.add_argument("--quick", action="store_true", help="short runs of each benchmark, about 15 minutes a side")
+    parser.add_argument("--quick", action="store_true", help="short runs of each benchmark, about 12 minutes a side")
     parser.add_argument("--only", metavar="NAME,NAME", help="these benchmarks only, of " + ",".join(names))
     parser.add_argument("--json", metavar="FILE", help="also write the figures or the comparison to this file")
     parser.add_argument("--report", metavar="FILE",

@@ -20,12 +20,12 @@ ALL = [
     Benchmark("typesupport", 70, 25, ["--rounds", "50"]),
     Benchmark("spine", 110, 50, ["--rounds", "1"]),
     Benchmark("shm", 80, 10, ["--rounds", "1", "--idle-seconds", "2"]),
-    Benchmark("negotiation", 90, 25, ["--rounds", "1"]),
+    Benchmark("negotiation", 90, 15, ["--rounds", "1"]),
     Benchmark("udp", 380, 150, ["--rounds", "1", "--messages", "500", "--seconds", "0.3"]),
     Benchmark("many", 1300, 170, ["--quick"]),
     Benchmark("paper", 1500, 80, ["--quick"]),
     Benchmark("peers", 660, 60, ["--quick"]),
-    Benchmark("isolation", 540, 75, ["--quick"]),
+    Benchmark("isolation", 540, 65, ["--quick"]),
     Benchmark("recovery", 140, 50, ["--rounds", "1"]),
 ]
 
@@ -36,4 +36,4 @@ FILES = {
     "paper": ("--plots", "paper", ["trace.csv", "trace_events.csv"]),
 }
 ROUNDS = 5
-QUICK_ROUNDS = 3  # of twelve minutes on each side
+QUICK_ROUNDS = 3  # of less than twelve minutes on each side
