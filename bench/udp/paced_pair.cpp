@@ -1,6 +1,5 @@
 #include "bench/udp/paced_pair.h"
 
-#include <semaphore.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,6 +11,7 @@
 
 #include "bench/common/process.h"
 #include "bench/common/shared.h"
+#include "bench/common/signal.h"
 
 namespace sft::bench {
 
@@ -19,31 +19,6 @@ namespace {
 
 constexpr std::int64_t settling_us = 1'000'000;  // most of the traffic of joining is over after this time
 constexpr double patience_s = 20;
-
-/// A semaphore of several processes. A thread that waits for it takes no processor time.
-class Signal {
- public:
-  Signal() { sem_init(&semaphore_, 1, 0); }
-  ~Signal() { sem_destroy(&semaphore_); }
-  Signal(const Signal&) = delete;
-  Signal& operator=(const Signal&) = delete;
-
-  void give() { sem_post(&semaphore_); }
-  void wait() {
-    while (sem_wait(&semaphore_) != 0) {
-    }
-  }
-  /// False after the patience.
-  bool comes() {
-    timespec until{};
-    clock_gettime(CLOCK_MONOTONIC, &until);
-    until.tv_sec += static_cast<time_t>(patience_s);
-    return sem_clockwait(&semaphore_, CLOCK_MONOTONIC, &until) == 0;
-  }
-
- private:
-  sem_t semaphore_{};
-};
 
 struct Board {
   std::atomic<std::uint64_t> received{0};
@@ -112,7 +87,7 @@ bool pass_paced(Contender contender, const Paced& paced, const TwoHosts& hosts,
     hosts.enter(0);
     return send(*board, contender, paced);
   });
-  bool passed = board->warm.comes() && !board->failed;
+  bool passed = board->warm.comes(patience_s) && !board->failed;
   if (passed) {
     const std::uint64_t all = board->received + paced.messages;
     begin({sender, receiver});
