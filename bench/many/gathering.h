@@ -54,7 +54,7 @@ class Gathering {
   }
   int be_writer() const {
     Member member;
-    const typename Member::Writer writer(member, 0);
+    const typename Member::Writer writer(member, cloud_payload(0));
     return stay_when([&] { return writer.serves(readers_); });
   }
   int be_reader() const {

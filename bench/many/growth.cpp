@@ -8,7 +8,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cmath>
 #include <limits>
@@ -24,19 +23,18 @@
 #include "bench/common/cyclone_point_cloud.h"
 #include "bench/common/pair.h"
 #include "bench/common/shared.h"
-#include "bench/many/exponent.h"
+#include "bench/many/curve.h"
 #include "bench/many/many.h"
 
 namespace sft::bench {
 
 namespace {
 
-constexpr std::size_t topics = 5;          // that each node publishes, and as many it subscribes to
-constexpr std::int64_t pause_us = 50'000;  // less would be seen in the processor time
+constexpr std::size_t topics = 5;  // that each node publishes, and as many it subscribes to
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-/// The time that a contender may take for all sizes, and the part of it in which idle nodes are watched at
-/// each size. Both contenders together end within five minutes.
+/// The time that a contender may take for all sizes, or for each one if crowds stay together, and the part of
+/// it in which idle nodes are watched.
 struct Times {
   double all_s, calm_s, window_s;
 };
@@ -117,6 +115,10 @@ std::vector<std::size_t> nodes_of(std::size_t host, std::size_t nodes) {
   return numbers;
 }
 
+/// The pause between two looks whether a node is matched: a longer one would be seen in the time of few
+/// nodes, a shorter one in the processor time of many.
+std::int64_t pause_us(std::size_t nodes) { return nodes > 32 ? 50'000 : 5'000; }
+
 template <class RingNode>
 int be_some_nodes(Board& board, const std::vector<std::size_t>& numbers, std::size_t nodes) {
   allow_descriptors();
@@ -124,82 +126,121 @@ int be_some_nodes(Board& board, const std::vector<std::size_t>& numbers, std::si
   for (const std::size_t number : numbers)
     opened.push_back(std::make_unique<RingNode>(number, (number + 1) % nodes, opened.empty()));
   for (const auto& node : opened) {
-    while (!node->matched()) sleep_us(pause_us);
+    while (!node->matched()) sleep_us(pause_us(nodes));
     board.last_ns = now_ns();
     ++board.matched;
   }
   for (;;) pause();
 }
 
-struct Costs {
-  double time_s = unknown, megabytes = unknown, cpu_s = unknown, idle_received = unknown;
-};
+double megabytes(const LinkBytes& bytes) { return static_cast<double>(bytes.sent) / 1e6; }
 
-double received_per_s(const Crowd& crowd, double seconds) {
-  const std::int64_t before = crowd.link_bytes(0).received;
-  const std::int64_t begin_ns = now_ns();
-  sleep_us(static_cast<std::int64_t>(seconds * 1e6));
-  return static_cast<double>(crowd.link_bytes(0).received - before) * 1e9 /
-         static_cast<double>(now_ns() - begin_ns);
-}
-
-/// Nothing if not all are matched in time.
+/// Nodes that start at once, and stay.
 template <class RingNode>
-std::optional<Costs> costs(std::size_t nodes, const Times& times, double joining_s) {
-  const Shared<Board> board;
-  Crowd crowd(crowd_hosts);
-  const std::int64_t begin_ns = now_ns();
-  for (std::size_t host = 0; host <= crowd_hosts; ++host)
-    crowd.start(host, [&, host] { return be_some_nodes<RingNode>(*board, nodes_of(host, nodes), nodes); });
-  if (!wait_until([&] { return board->matched == nodes; }, joining_s)) {
-    fmt::print(
-        stderr,
-        "{}: {} of {} nodes were matched after {:.0f} s, {:.1f} MB and {:.1f} s of processor time; more "
-        "nodes are not tried\n",
-        RingNode::name, board->matched.load(), nodes, joining_s,
-        static_cast<double>(crowd.link_bytes().sent) / 1e6, crowd.cpu_s());
+class Ring {
+ public:
+  explicit Ring(std::size_t nodes)
+      : nodes_(nodes), crowd_(std::min(crowd_hosts, nodes - 1)), begin_ns_(now_ns()) {
+    for (std::size_t host = 0; host < crowd_.hosts(); ++host)
+      crowd_.start(host,
+                   [&, host] { return be_some_nodes<RingNode>(*board_, nodes_of(host, nodes), nodes); });
+  }
+
+  /// Returns the costs of joining; nothing if not all are matched in time.
+  std::optional<std::vector<double>> join(double patience_s) const {
+    if (wait_until([&] { return board_->matched == nodes_; }, patience_s))
+      return std::vector{static_cast<double>(board_->last_ns - begin_ns_) / 1e9,
+                         megabytes(crowd_.link_bytes()), crowd_.cpu_s()};
+    fmt::print(stderr,
+               "{}: {} of {} nodes were matched after {:.0f} s, {:.1f} MB and {:.1f} s of processor "
+               "time\n",
+               RingNode::name, board_->matched.load(), nodes_, patience_s, megabytes(crowd_.link_bytes()),
+               crowd_.cpu_s());
     return std::nullopt;
   }
-  Costs costs{.time_s = static_cast<double>(board->last_ns - begin_ns) / 1e9,
-              .megabytes = static_cast<double>(crowd.link_bytes().sent) / 1e6,
-              .cpu_s = crowd.cpu_s()};
-  sleep_us(static_cast<std::int64_t>(times.calm_s * 1e6));
-  costs.idle_received = received_per_s(crowd, times.window_s);
-  return costs;
+  const Crowd& crowd() const { return crowd_; }
+
+ private:
+  const std::size_t nodes_;
+  const Shared<Board> board_;
+  Crowd crowd_;
+  const std::int64_t begin_ns_;
+};
+
+/// The bytes that node 0 of each crowd receives in a second.
+std::vector<double> received_per_s(const std::vector<const Crowd*>& crowds, double seconds) {
+  std::vector<double> bytes;
+  for (const Crowd* crowd : crowds) bytes.push_back(-static_cast<double>(crowd->link_bytes(0).received));
+  const std::int64_t begin_ns = now_ns();
+  sleep_us(static_cast<std::int64_t>(seconds * 1e6));
+  const double elapsed_s = static_cast<double>(now_ns() - begin_ns) / 1e9;
+  for (std::size_t i = 0; i < crowds.size(); ++i)
+    bytes[i] = (bytes[i] + static_cast<double>(crowds[i]->link_bytes(0).received)) / elapsed_s;
+  return bytes;
 }
 
-/// The costs at each size, up to the first one that this machine does not carry.
+using Add = void (Curve::*)(std::size_t size, const std::vector<double>& values);
+
+/// Adds the costs at each size, up to the first one that this machine does not carry.
 template <class RingNode>
-std::vector<Costs> costs_of_all(const std::vector<std::size_t>& sizes, const Times& times) {
-  std::vector<Costs> all;
+void measure_alone(Curve& curve, const std::vector<std::size_t>& sizes, const Times& times, Add add) {
   const std::int64_t begin_ns = now_ns();
   for (const std::size_t nodes : sizes) {
     const double left_s = times.all_s - static_cast<double>(now_ns() - begin_ns) / 1e9;
-    const auto at_size = costs<RingNode>(nodes, times, std::max(0., left_s - times.calm_s - times.window_s));
-    if (!at_size) break;
-    all.push_back(*at_size);
+    const Ring<RingNode> ring(nodes);
+    auto costs = ring.join(std::max(0., left_s - times.calm_s - times.window_s));
+    if (!costs) {
+      fmt::print(stderr, "{}: more nodes are not tried\n", RingNode::name);
+      return;
+    }
+    sleep_us(static_cast<std::int64_t>(times.calm_s * 1e6));
+    costs->push_back(received_per_s({&ring.crowd()}, times.window_s).front());
+    (curve.*add)(nodes, *costs);
   }
-  all.resize(sizes.size());
-  return all;
 }
 
-struct Column {
-  const char* name;
-  const char* unit;
-  double Costs::*cost;
+/// Rings of one contender, which stay while others join.
+template <class RingNode>
+struct Rings {
+  void add(std::size_t nodes, double patience_s) {
+    rings.push_back(std::make_unique<const Ring<RingNode>>(nodes));
+    costs.push_back(rings.back()->join(patience_s).value_or(std::vector(3, unknown)));
+  }
+
+  /// The costs of a ring that has received so many bytes in a second.
+  std::vector<double> all_costs(std::size_t ring, double received_per_s) const {
+    std::vector<double> all = costs[ring];
+    all.push_back(std::isfinite(all[0]) ? received_per_s : unknown);
+    return all;
+  }
+
+  std::vector<std::unique_ptr<const Ring<RingNode>>> rings{};
+  std::vector<std::vector<double>> costs{};
 };
-constexpr std::array columns{Column{"time", "s", &Costs::time_s}, Column{"bytes", "MB", &Costs::megabytes},
-                             Column{"cpu", "s", &Costs::cpu_s}, Column{"idle", "B/s", &Costs::idle_received}};
 
-/// Uses the sizes that both contenders have carried, so that both exponents are of the same range.
-double exponent_of(const std::vector<Costs>& costs, const std::vector<Costs>& others,
-                   const std::vector<std::size_t>& sizes, double Costs::*cost) {
-  std::vector<std::pair<double, double>> pairs;
-  for (std::size_t i = 0; i < sizes.size(); ++i) {
-    if (std::isfinite(others[i].*cost)) pairs.emplace_back(static_cast<double>(sizes[i]), costs[i].*cost);
+/// All rings are idle, and are watched, in the same seconds, since they hardly take any time of the
+/// processors.
+void measure_together(Curve& curve, const std::vector<std::size_t>& sizes, const Times& times) {
+  Rings<SftNode> ours;
+  Rings<CycloneNode> theirs;
+  for (const std::size_t nodes : sizes) {
+    ours.add(nodes, times.all_s);
+    theirs.add(nodes, times.all_s);
   }
-  return exponent(pairs);
+  sleep_us(static_cast<std::int64_t>(times.calm_s * 1e6));
+  std::vector<const Crowd*> crowds;
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    crowds.push_back(&ours.rings[i]->crowd());
+    crowds.push_back(&theirs.rings[i]->crowd());
+  }
+  const std::vector<double> idle = received_per_s(crowds, times.window_s);
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    curve.add_ours(sizes[i], ours.all_costs(i, idle[2 * i]));
+    curve.add_cyclone(sizes[i], theirs.all_costs(i, idle[2 * i + 1]));
+  }
 }
+
+const std::vector<Curve::Cost> costs_of_ring{{"time", "s"}, {"bytes", "MB"}, {"cpu", "s"}, {"idle", "B/s"}};
 
 }  // namespace
 
@@ -207,18 +248,18 @@ std::vector<Figure> growth(const ManyScale& scale) {
   const std::vector<std::size_t> sizes =
       scale.quick ? std::vector<std::size_t>{12, 25, 50} : std::vector<std::size_t>{25, 50, 100, 200};
   const Times times = scale.quick ? Times{60, 3, 5} : Times{150, 10, 10};
-  const std::vector<Costs> ours = costs_of_all<SftNode>(sizes, times);
-  const std::vector<Costs> theirs = costs_of_all<CycloneNode>(sizes, times);
-  std::vector<Figure> figures;
-  for (const Column& column : columns) {
-    for (std::size_t i = 0; i < sizes.size(); ++i)
-      figures.push_back({fmt::format("growth_{}_{}", sizes[i], column.name), ours[i].*column.cost,
-                         column.unit, theirs[i].*column.cost, CycloneNode::name});
-    figures.push_back({fmt::format("growth_exponent_{}", column.name),
-                       exponent_of(ours, theirs, sizes, column.cost), "",
-                       exponent_of(theirs, ours, sizes, column.cost), "that of Cyclone DDS"});
-  }
-  return figures;
+  Curve curve("growth", sizes, costs_of_ring);
+  measure_alone<SftNode>(curve, sizes, times, &Curve::add_ours);
+  measure_alone<CycloneNode>(curve, sizes, times, &Curve::add_cyclone);
+  return curve.report();
+}
+
+std::vector<Figure> nodes(const ManyScale& scale) {
+  const std::vector<std::size_t> sizes{2, 8, 16, 32};
+  const Times times = scale.quick ? Times{20, 1, 3} : Times{60, 5, 10};
+  Curve curve("growth_nodes", sizes, costs_of_ring);
+  for (int round = 0; round < scale.rounds; ++round) measure_together(curve, sizes, times);
+  return curve.report();
 }
 
 }  // namespace sft::bench

@@ -1,4 +1,5 @@
-// Measures how costs grow with readers, masks and nodes, beside Cyclone DDS and raw sockets in the same run.
+// Measures how costs grow with readers, masks, nodes, fields and the size of samples, beside Cyclone DDS and
+// raw sockets in the same run.
 // Hosts are network namespaces with an MTU of 1500. Unless a group says otherwise, the system chooses the
 // cores of the processes.
 #include "bench/common/program.h"
@@ -17,7 +18,7 @@ int main(int argc, char** argv) {
   using namespace sft::bench;
   ManyScale scale;
   Program program(
-      "How costs grow with readers, masks and nodes, against references of the same run",
+      "How costs grow with readers, masks, nodes, fields and sizes, against references of the same run",
       {{"bytes_masks_16", [&] { return masks_16(scale); }},
        {"masks_64",
         [&] { return masks_64(scale); },
@@ -27,6 +28,10 @@ int main(int argc, char** argv) {
        {"growth",
         [&] { return growth(scale); },
         {"growth_exponent_time", "growth_exponent_bytes", "growth_exponent_cpu", "growth_exponent_idle"}},
+       {"readers", [&] { return readers(scale); }},
+       {"nodes", [&] { return nodes(scale); }},
+       {"fields", [&] { return fields(scale); }},
+       {"sizes", [&] { return sizes(scale); }},
        {"idle",
         [&] { return idle(scale); },
         {"idle_32_received", "idle_32_sent", "idle_32_cpu", "idle_32_rss", "idle_32_anonymous",

@@ -35,6 +35,19 @@ std::vector<Figure> join_64(const ManyScale& scale);
 /// an idle node receives, and the exponents with which both grow. One round.
 std::vector<Figure> growth(const ManyScale& scale);
 
+// Curves: the costs of SFT and of Cyclone DDS at four sizes each, in turns, and their exponents.
+
+/// 1 to 64 readers of a cloud of 16 kB on up to eight hosts, which all ask for its data; then 64 readers with
+/// 1 to 64 different masks. What a sample costs.
+std::vector<Figure> readers(const ManyScale& scale);
+/// 2 to 32 nodes with ten endpoints each, as in growth().
+std::vector<Figure> nodes(const ManyScale& scale);
+/// 8 to 512 fields of 4 bytes: what a sample costs of which one reader asks for one field, and for every
+/// other one, and the time until a request for another field is in force.
+std::vector<Figure> fields(const ManyScale& scale);
+/// Samples of 64 bytes to 32 MiB, which are sent reliably: what each costs.
+std::vector<Figure> sizes(const ManyScale& scale);
+
 /// The traffic, processor time and memory of 32 nodes on eight hosts, and of two, that have been idle.
 std::vector<Figure> idle(const ManyScale& scale);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "bench/common/cyclone_point_cloud.h"
 #include "bench/common/pair.h"
 
 namespace sft::bench {
@@ -16,51 +17,57 @@ bool connected(const Status& status) {
   return std::ranges::any_of(status.writers, &SubscriberStatus::Writer::connected);
 }
 
-dds_entity_t cyclone_reader(const CycloneParticipant& participant, dds_on_data_available_fn on_data,
-                            void* context) {
-  return participant.reader(sensor_msgs_msg_PointCloud2_desc, topic, cyclone_best_effort().get(), on_data,
-                            context);
+Reliability reliability_of(const Payload& payload) {
+  return payload.reliable ? Reliability::reliable : Reliability::best_effort;
+}
+
+CycloneQos qos_of(const Payload& payload) {
+  CycloneQos qos = cyclone_best_effort();
+  if (payload.reliable) dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_INFINITY);
+  return qos;
 }
 
 }  // namespace
 
-SftMember::Writer::Writer(SftMember& member, std::size_t data_bytes)
-    : publisher_(member.node_.publisher<Message>(topic).value()), cloud_(cloud(data_bytes)) {}
-
-bool SftMember::Writer::serves(std::size_t readers) const {
-  return publisher_.wait_for_subscribers(readers, std::chrono::nanoseconds(0));
-}
+SftMember::Writer::Writer(SftMember& member, const Payload& payload)
+    : sender_(payload.sft(
+          member.node_, topic,
+          {.reliability = reliability_of(payload), .max_sample_bytes = payload.sample_bytes_max})) {}
 
 SftMember::Reader::Reader(SftMember& member) : subscriber_(member.node_.subscriber<Message>(topic).value()) {}
 
 bool SftMember::Reader::matched() const { return connected(subscriber_.status()); }
 
-SftMember::MaskedReader::MaskedReader(SftMember& member, const std::string& fields,
-                                      const std::function<void()>& arrived)
-    : subscriber_(
-          member.node_
-              .subscriber(topic, *member.type_, fields, {}, [arrived](const DynamicSample&) { arrived(); })
-              .value()) {}
+void SftMember::MaskedReader::ask_for(const std::string& fields) {
+  subscriber_.reset();
+  subscriber_ = member_.node_
+                    .subscriber(topic, *member_.type_, fields, {.reliability = reliability_of(payload_)},
+                                [this](const DynamicSample&) { arrived_(); })
+                    .value();
+}
 
-bool SftMember::MaskedReader::matched() const { return connected(subscriber_.status()); }
+bool SftMember::MaskedReader::matched() const { return connected(subscriber_->status()); }
 
 void SftMember::know_publisher() { type_ = node_.find_type(topic, patience).value(); }
 
-CycloneMember::Writer::Writer(CycloneMember& member, std::size_t data_bytes)
-    : writer_(
-          member.participant_.writer(sensor_msgs_msg_PointCloud2_desc, topic, cyclone_best_effort().get())),
-      cloud_(data_bytes) {}
+CycloneMember::Writer::Writer(CycloneMember& member, const Payload& payload)
+    : writer_(member.participant_.writer(*payload.cyclone_type, topic, qos_of(payload).get())),
+      message_(payload.cyclone()) {}
 
 CycloneMember::Reader::Reader(CycloneMember& member)
-    : reader_(cyclone_reader(member.participant_, nullptr, nullptr)) {}
+    : reader_(member.participant_.reader(sensor_msgs_msg_PointCloud2_desc, topic, cyclone_best_effort().get(),
+                                         nullptr, nullptr)) {}
 
-CycloneMember::MaskedReader::MaskedReader(CycloneMember& member, const std::string&,
+CycloneMember::MaskedReader::MaskedReader(CycloneMember& member, const Payload& payload,
                                           std::function<void()> arrived)
-    : arrived_(std::move(arrived)), reader_(cyclone_reader(member.participant_, take_all, this)) {}
+    : arrived_(std::move(arrived)),
+      message_(payload.cyclone_type->m_size / sizeof(std::uint64_t) + 1),
+      reader_(
+          member.participant_.reader(*payload.cyclone_type, topic, qos_of(payload).get(), take_all, this)) {}
 
 void CycloneMember::MaskedReader::take_all(dds_entity_t reader, void* self) {
   auto& that = *static_cast<MaskedReader*>(self);
-  void* sample = &that.message_;
+  void* sample = that.message_.data();
   dds_sample_info_t info;
   while (dds_take(reader, &sample, &info, 1, 1) == 1) {
     if (info.valid_data) that.arrived_();

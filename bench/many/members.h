@@ -5,13 +5,16 @@
 
 #include <sft/sft.h>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 #include <string>
+#include <vector>
 
 #include "bench/common/cyclone.h"
-#include "bench/common/cyclone_point_cloud.h"
+#include "bench/many/payload.h"
 
 namespace sft::bench {
 
@@ -26,16 +29,15 @@ class SftMember {
 
   class Writer {
    public:
-    Writer(SftMember& member, std::size_t data_bytes);
-    bool serves(std::size_t readers) const;
-    void write() { publisher_.publish(cloud_); }
+    Writer(SftMember& member, const Payload& payload);
+    bool serves(std::size_t readers) const { return sender_.serves(readers); }
+    void write() { sender_.send(); }
 
    private:
-    Publisher<Message> publisher_;
-    const Message cloud_;
+    const Sender sender_;
   };
 
-  /// Asks for all fields.
+  /// Asks for all fields of clouds.
   class Reader {
    public:
     explicit Reader(SftMember& member);
@@ -48,11 +50,19 @@ class SftMember {
   /// Asks for some fields. The type of the publisher is known before.
   class MaskedReader {
    public:
-    MaskedReader(SftMember& member, const std::string& fields, const std::function<void()>& arrived);
+    MaskedReader(SftMember& member, const Payload& payload, const std::function<void()>& arrived)
+        : member_(member), payload_(payload), arrived_(arrived) {}
+
+    /// From then on it has no fields but these.
+    void ask_for(const std::string& fields);
+    /// REQUIRES: it has asked.
     bool matched() const;
 
    private:
-    DynamicSubscriber subscriber_;
+    SftMember& member_;
+    const Payload& payload_;
+    const std::function<void()> arrived_;
+    std::optional<DynamicSubscriber> subscriber_;
   };
 
   /// Waits until the publisher of another node is known.
@@ -69,15 +79,16 @@ class CycloneMember {
 
   class Writer {
    public:
-    Writer(CycloneMember& member, std::size_t data_bytes);
+    Writer(CycloneMember& member, const Payload& payload);
     bool serves(std::size_t readers) const { return CycloneParticipant::readers(writer_) == readers; }
-    void write() { dds_write(writer_, &cloud_.message()); }
+    void write() { dds_write(writer_, message_.get()); }
 
    private:
     const dds_entity_t writer_;
-    CyclonePointCloud cloud_;
+    const std::shared_ptr<void> message_;
   };
 
+  /// Reads clouds.
   class Reader {
    public:
     explicit Reader(CycloneMember& member);
@@ -90,17 +101,18 @@ class CycloneMember {
   /// Gets all fields, whatever it asks for.
   class MaskedReader {
    public:
-    MaskedReader(CycloneMember& member, const std::string& fields, std::function<void()> arrived);
+    MaskedReader(CycloneMember& member, const Payload& payload, std::function<void()> arrived);
     ~MaskedReader() { dds_delete(reader_); }  // ends its callbacks before the members are destroyed
     MaskedReader(const MaskedReader&) = delete;
     MaskedReader& operator=(const MaskedReader&) = delete;
+    void ask_for(const std::string&) {}
     bool matched() const { return CycloneParticipant::writers(reader_) == 1; }
 
    private:
     static void take_all(dds_entity_t reader, void* self);
 
     const std::function<void()> arrived_;
-    sensor_msgs_msg_PointCloud2 message_{};
+    std::vector<std::uint64_t> message_;  ///< into which every sample is taken, so that nothing is allocated
     const dds_entity_t reader_;
   };
 

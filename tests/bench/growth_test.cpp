@@ -1,9 +1,12 @@
-// These tests check how ./run bench many fits the growth of costs.
+// These tests check how ./run bench many fits and shows the growth of costs.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
+#include <string>
+#include <vector>
 
+#include "bench/many/curve.h"
 #include "bench/many/exponent.h"
 
 namespace sft::bench {
@@ -24,6 +27,49 @@ TEST(BenchGrowth, LeavesOutSizesThatWereNotMeasured) {
 TEST(BenchGrowth, IsNoNumberWithOneSize) {
   EXPECT_FALSE(std::isfinite(exponent({{25, 5}})));
   EXPECT_FALSE(std::isfinite(exponent({})));
+}
+
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+TEST(BenchCurve, HasTheMediansOfEachSizeAndTheExponentsOfBothContenders) {
+  Curve curve("growth_readers", {1, 4}, {{"bytes", "B"}});
+  for (const double bytes : {100., 90., 5000.}) curve.add_ours(1, {bytes});
+  curve.add_ours(4, {1600});
+  curve.add_cyclone(1, {200});
+  curve.add_cyclone(4, {200});
+  const std::vector<Figure> figures = curve.figures();
+  ASSERT_EQ(figures.size(), 3u);
+  EXPECT_EQ(figures[0].name, "growth_readers_1_bytes");
+  EXPECT_EQ(figures[0].value, 100);
+  EXPECT_EQ(figures[0].reference, 200);
+  EXPECT_EQ(figures[1].name, "growth_readers_4_bytes");
+  EXPECT_EQ(figures[2].name, "growth_readers_exponent_bytes");
+  EXPECT_NEAR(figures[2].value, 2, 1e-9);
+  EXPECT_NEAR(*figures[2].reference, 0, 1e-9);
+}
+
+TEST(BenchCurve, TakesBothExponentsOverTheSizesThatBothHaveCarried) {
+  Curve curve("growth", {25, 50, 100}, {{"time", "s"}});
+  curve.add_ours(25, {1});
+  curve.add_ours(50, {2});
+  curve.add_ours(100, {unknown});
+  curve.add_cyclone(25, {1});
+  curve.add_cyclone(50, {4});
+  curve.add_cyclone(100, {1000});
+  const std::vector<Figure> figures = curve.figures();
+  EXPECT_TRUE(std::isnan(figures[2].value));
+  EXPECT_NEAR(figures.back().value, 1, 1e-9);
+  EXPECT_NEAR(*figures.back().reference, 2, 1e-9);
+}
+
+TEST(BenchCurve, ShowsARowForEachCostAndContender) {
+  Curve curve("growth_masks", {1, 4}, {{"bytes", "B"}});
+  curve.add_ours(1, {16'000});
+  curve.add_ours(4, {64'000});
+  const std::string table = curve.table();
+  EXPECT_NE(table.find("bytes, B               SFT                   16000         64000"),
+            std::string::npos);
+  EXPECT_NE(table.find("Cyclone DDS             nan           nan"), std::string::npos);
 }
 
 }  // namespace

@@ -1,0 +1,85 @@
+#include "bench/many/curve.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "bench/many/exponent.h"
+
+namespace sft::bench {
+
+namespace {
+
+constexpr const char* cyclone = "Cyclone DDS";
+
+std::string cell(double value) { return fmt::format(" {:>13.{}f}", value, std::abs(value) < 100 ? 2 : 0); }
+
+}  // namespace
+
+Curve::Curve(std::string name, std::vector<std::size_t> sizes, std::vector<Cost> costs)
+    : name_(std::move(name)),
+      sizes_(std::move(sizes)),
+      costs_(std::move(costs)),
+      tallies_(costs_.size(), std::vector<Tally>(sizes_.size())) {}
+
+std::size_t Curve::index_of(std::size_t size) const {
+  return static_cast<std::size_t>(std::ranges::find(sizes_, size) - sizes_.begin());
+}
+
+void Curve::add_ours(std::size_t size, const std::vector<double>& values) {
+  for (std::size_t cost = 0; cost < costs_.size(); ++cost)
+    tallies_[cost][index_of(size)].add_ours(values[cost]);
+}
+
+void Curve::add_cyclone(std::size_t size, const std::vector<double>& values) {
+  for (std::size_t cost = 0; cost < costs_.size(); ++cost)
+    tallies_[cost][index_of(size)].add_reference(values[cost]);
+}
+
+std::vector<Figure> Curve::figures() const {
+  std::vector<Figure> figures;
+  for (std::size_t cost = 0; cost < costs_.size(); ++cost) {
+    const auto& [cost_name, unit] = costs_[cost];
+    std::vector<std::pair<double, double>> ours, theirs;
+    for (std::size_t i = 0; i < sizes_.size(); ++i) {
+      const std::string name = fmt::format("{}_{}_{}", name_, sizes_[i], cost_name);
+      figures.push_back(tallies_[cost][i].figure(name, unit, cyclone, {}));
+      const double value = figures.back().value, reference = *figures.back().reference;
+      if (!std::isfinite(value) || !std::isfinite(reference)) continue;
+      ours.emplace_back(sizes_[i], value);
+      theirs.emplace_back(sizes_[i], reference);
+    }
+    figures.push_back({fmt::format("{}_exponent_{}", name_, cost_name), exponent(ours), "", exponent(theirs),
+                       std::string("that of ") + cyclone});
+  }
+  return figures;
+}
+
+std::string Curve::table() const {
+  const std::vector<Figure> figures = this->figures();
+  std::string text = fmt::format("\n{:<36}", name_);
+  for (const std::size_t size : sizes_) text += fmt::format(" {:>13}", size);
+  text += fmt::format(" {:>13}\n", "exponent");
+  auto figure = figures.begin();
+  for (const Cost& cost : costs_) {
+    std::string ours, theirs;
+    for (std::size_t i = 0; i <= sizes_.size(); ++i, ++figure) {
+      ours += cell(figure->value);
+      theirs += cell(*figure->reference);
+    }
+    text += fmt::format("{:<23}{:<13}{}\n{:<23}{:<13}{}\n", fmt::format("{}, {}", cost.name, cost.unit),
+                        "SFT", ours, "", cyclone, theirs);
+  }
+  return text;
+}
+
+std::vector<Figure> Curve::report() const {
+  fmt::print("{}", table());
+  std::fflush(stdout);  // otherwise processes that are forked later print it, too
+  return figures();
+}
+
+}  // namespace sft::bench
