@@ -256,7 +256,7 @@ std::vector<Figure> growth(const ManyScale& scale) {
 
 std::vector<Figure> nodes(const ManyScale& scale) {
   const std::vector<std::size_t> sizes{2, 8, 16, 32};
-  const Times times = scale.quick ? Times{20, 1, 3} : Times{60, 5, 10};
+  const Times times = scale.quick ? Times{20, 1, 3} : Times{60, 10, 10};
   Curve curve("growth_nodes", sizes, costs_of_ring);
   for (int round = 0; round < scale.rounds; ++round) measure_together(curve, sizes, times);
   return curve.report();
