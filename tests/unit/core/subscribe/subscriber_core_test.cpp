@@ -236,8 +236,17 @@ TEST_F(SubscriberCoreTest, AfterASlowCallbackTheDispatcherCallsBackUntilManyWere
   EXPECT_TRUE(subscriber->waits_for_dispatch());
   subscriber->dispatch();
   EXPECT_EQ(calls, 101);
-  arrive_together(1);
-  EXPECT_EQ(calls, 102);
+  // A callback during which the system lets others run is a slow one, too; then it begins anew.
+  const auto calls_at_once = [&] {
+    const int before = calls;
+    arrive_together(1);
+    if (calls > before) return true;
+    arrive_together(100);
+    subscriber->dispatch();
+    return false;
+  };
+  int attempts = 1;
+  while (!calls_at_once()) ASSERT_LT(++attempts, 100);
 }
 
 }  // namespace
