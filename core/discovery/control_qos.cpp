@@ -12,7 +12,8 @@ DdsQos control_qos() {
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);
   // A killed node's endpoints must end as "no writers", not as "disposed": only withdrawing disposes of them.
   dds_qset_writer_data_lifecycle(qos.get(), false);
-  dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PARTICIPANT);
+  // Other nodes of the process hear by this participant what it says.
+  dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_NONE);
   return qos;
 }
 
@@ -22,13 +23,19 @@ DdsQos assertion_qos(const LifeSigns& signs) {
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 16);
   dds_qset_liveliness(qos.get(), DDS_LIVELINESS_MANUAL_BY_TOPIC, DDS_MSECS(signs.lease.count()));
   dds_qset_writer_data_lifecycle(qos.get(), false);
-  dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PARTICIPANT);
+  // Other nodes of the process hear by this participant what it says.
+  dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_NONE);
   return qos;
 }
 
+DdsQos copy_of(const dds_qos_t* qos) {
+  DdsQos copy(dds_create_qos());
+  dds_copy_qos(copy.get(), qos);
+  return copy;
+}
+
 DdsQos hearing_qos(const dds_qos_t* written) {
-  DdsQos qos(dds_create_qos());
-  dds_copy_qos(qos.get(), written);
+  DdsQos qos = copy_of(written);
   dds_qset_liveliness(qos.get(), DDS_LIVELINESS_AUTOMATIC, DDS_INFINITY);
   return qos;
 }

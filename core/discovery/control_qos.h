@@ -21,6 +21,7 @@ using DdsQos = std::unique_ptr<dds_qos_t, QosDeleter>;
 DdsQos control_qos();
 /// For signs of life, which are repeated. Their lease is Cyclone's to watch, and covers all that is written.
 DdsQos assertion_qos(const LifeSigns& signs);
+DdsQos copy_of(const dds_qos_t* qos);
 /// For readers of a topic that is written with `written`. Requests no lease, or a node would not hear others
 /// whose own lease is longer: Cyclone watches each writer's own lease.
 DdsQos hearing_qos(const dds_qos_t* written);

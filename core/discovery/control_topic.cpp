@@ -4,35 +4,28 @@
 
 namespace sft::core {
 
-Result<dds_entity_t> ControlTopic::made(dds_entity_t entity) const {
-  if (entity >= 0) return entity;
-  return fail(Errc::system, std::string("control topic ") + kind_.name + ": " + dds_strretcode(entity));
-}
-
-Result<void> ControlTopic::open() {
-  if (topic_ != 0) return {};
-  return made(dds_create_topic(participant_, kind_.type, kind_.name, qos_.get(), nullptr))
-      .map([this](dds_entity_t topic) { topic_ = topic; });
+ControlTopic::~ControlTopic() {
+  if (reader_ != nullptr) reader_->leave(hearer_);
 }
 
 Result<void> ControlTopic::hear() {
-  if (reader_ != 0) return {};
-  if (Result<void> opened = open(); !opened) return opened;
-  const DdsListener listener(dds_create_listener(matches_.self));
-  dds_lset_data_available(listener.get(), kind_.on_data);
-  dds_lset_subscription_matched(listener.get(), matches_.on_subscription);
-  return made(dds_create_reader(participant_, topic_, hearing_qos(qos_.get()).get(), listener.get()))
-      .map([this](dds_entity_t reader) { reader_ = reader; });
+  if (reader_ != nullptr) return {};
+  std::shared_ptr<JointReader> reader = readers_.of(kind_, qos_.get());
+  Result<void> joined = reader->join(hearer_);
+  if (joined) reader_ = std::move(reader);
+  return joined;
 }
 
 Result<dds_entity_t> ControlTopic::writer() {
   if (writer_ != 0) return writer_;
-  if (Result<void> opened = open(); !opened) return tl::unexpected(opened.error());
   const DdsListener listener(dds_create_listener(matches_.self));
   dds_lset_publication_matched(listener.get(), matches_.on_publication);
-  Result<dds_entity_t> writer = made(dds_create_writer(participant_, topic_, qos_.get(), listener.get()));
-  if (writer) writer_ = *writer;
-  return writer;
+  dds_entity_t made = dds_create_topic(hearer_->participant(), kind_.type, kind_.name, qos_.get(), nullptr);
+  if (made >= 0) made = dds_create_writer(hearer_->participant(), made, qos_.get(), listener.get());
+  if (made < 0)
+    return fail(Errc::system, std::string("control topic ") + kind_.name + ": " + dds_strretcode(made));
+  writer_ = made;
+  return made;
 }
 
 }  // namespace sft::core

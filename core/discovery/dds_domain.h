@@ -10,6 +10,7 @@
 #include <tuple>
 #include <vector>
 
+#include "core/discovery/joint_reader.h"
 #include "sft/options.h"
 #include "sft/result.h"
 
@@ -48,10 +49,13 @@ class CycloneDomain {
   CycloneDomain& operator=(const CycloneDomain&) = delete;
 
   std::uint32_t id() const { return id_; }
+  /// Shared by the nodes of this process.
+  const std::shared_ptr<JointReaders>& readers() const { return readers_; }
 
  private:
   const std::uint32_t id_;
   const dds_entity_t entity_;
+  const std::shared_ptr<JointReaders> readers_ = std::make_shared<JointReaders>();
 };
 
 struct DomainPlan {

@@ -3,10 +3,8 @@
 #include <dds/dds.h>
 
 #include <algorithm>
-#include <array>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <variant>
 
@@ -16,43 +14,16 @@
 #include "core/discovery/dds_domain.h"
 #include "core/discovery/participant_mark.h"
 #include "core/discovery/remote_endpoints.h"
+#include "core/discovery/take_all.h"
+#include "core/sync/mutex.h"
 
 namespace sft::core {
 
 namespace {
 
-/// Takes all that a reader has, in batches, and calls `use(sample, info)`.
-template <class Sample, class Use>
-void take_all(dds_entity_t reader, Use use) {
-  constexpr std::size_t batch = 16;
-  std::array<void*, batch> samples{};
-  std::array<dds_sample_info_t, batch> infos{};
-  for (;;) {
-    const dds_return_t n = dds_take(reader, samples.data(), infos.data(), batch, batch);
-    if (n <= 0) return;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
-      use(*static_cast<const Sample*>(samples[i]), infos[i]);
-    }
-    dds_return_loan(reader, samples.data(), n);
-    samples[0] = nullptr;
-  }
-}
-
-struct MatchedEndpointDeleter {
-  void operator()(dds_builtintopic_endpoint_t* info) const { dds_builtintopic_free_endpoint(info); }
-};
-using MatchedEndpoint = std::unique_ptr<dds_builtintopic_endpoint_t, MatchedEndpointDeleter>;
-
-Participants::Guid to_guid(const dds_guid_t& guid) {
-  Participants::Guid bytes{};
-  std::ranges::copy(guid.v, bytes.begin());
-  return bytes;
-}
-
-/// Each role has its topic: who listens to one of them only would miss something else.
-tl::unexpected<Error> on_wrong_topic() {
-  return fail(Errc::malformed, "an endpoint on the topic of the other role");
-}
+constexpr JointReader::Kind kind_of_writers{&sft_control_Endpoint_desc, "sft_writer", &take_writers};
+constexpr JointReader::Kind kind_of_readers{&sft_control_ReaderWord_desc, "sft_reader", &take_readers};
+constexpr JointReader::Kind kind_of_lives{&sft_control_Assertion_desc, "sft_liveliness", &take_assertions};
 
 class CycloneLink final : public DiscoveryLink {
  public:
@@ -63,6 +34,8 @@ class CycloneLink final : public DiscoveryLink {
         mark_{.is_secured = place.is_secured} {}
 
   ~CycloneLink() override {
+    for (auto* const topic : {&writers_, &readers_, &lives_}) topic->reset();
+    if (hearer_ != nullptr) hearer_->close();
     if (participant_ > 0) dds_delete(participant_);  // Cyclone waits for listeners that run
   }
 
@@ -76,13 +49,14 @@ class CycloneLink final : public DiscoveryLink {
     }
     guid_ = to_guid(guid);
     participants_.add_own(guid_);
-    const ControlTopic::Matches matches{this, &on_subscription_matched, &on_publication_matched};
-    const auto topic = [&](std::optional<ControlTopic>& made, const ControlTopic::Kind& kind, DdsQos qos) {
-      made.emplace(participant_, kind, matches, std::move(qos));
+    hearer_ = std::make_shared<Hearer>(participant_, [this](const ControlWord& word) { heard(word); });
+    const auto topic = [&](std::optional<ControlTopic>& made, const JointReader::Kind& kind, DdsQos qos) {
+      const ControlTopic::Matches matches{this, &on_publication_matched};
+      made.emplace(hearer_, *place_.readers, kind, matches, std::move(qos));
     };
-    topic(writers_, {&sft_control_Endpoint_desc, "sft_writer", &on_writers}, control_qos());
-    topic(readers_, {&sft_control_ReaderWord_desc, "sft_reader", &on_readers}, control_qos());
-    topic(lives_, {&sft_control_Assertion_desc, "sft_liveliness", &on_assertions}, assertion_qos(signs));
+    topic(writers_, kind_of_writers, control_qos());
+    topic(readers_, kind_of_readers, control_qos());
+    topic(lives_, kind_of_lives, assertion_qos(signs));
     Result<void> opened = lives_->hear();
     if (opened) opened = lives_->writer().map([](dds_entity_t) {});
     if (opened) opened = watch_participants();
@@ -146,8 +120,6 @@ class CycloneLink final : public DiscoveryLink {
   }
 
  private:
-  using Writer = RemoteEndpoints::Writer;
-
   dds_domainid_t domain() const { return place_.domain == nullptr ? place_.number : place_.domain->id(); }
 
   ControlTopic& topic_of(Role role) { return role == Role::writer ? *writers_ : *readers_; }
@@ -169,125 +141,57 @@ class CycloneLink final : public DiscoveryLink {
     return fail(Errc::system, std::string("the participants cannot be watched: ") + dds_strretcode(reader));
   }
 
-  /// Empty for samples of the node itself, on this link or another; and if the writer is gone already and was
-  /// not heard before: then nobody stands behind the sample.
-  std::optional<Speaker> speaker_of(dds_entity_t reader, const dds_sample_info_t& info) {
-    const std::optional<Writer> writer = writer_of(reader, info);
-    if (!writer || writer->participant == 0) return std::nullopt;
-    return Speaker{place_.link, writer->participant};
-  }
-
-  std::optional<Writer> writer_of(dds_entity_t reader, const dds_sample_info_t& info) {
-    if (const auto known = remotes_.writer(info.publication_handle)) return known;
-    const MatchedEndpoint matched(dds_get_matched_publication_data(reader, info.publication_handle));
-    if (matched == nullptr) return std::nullopt;
-    const Participants::Guid guid = to_guid(matched->participant_key);
-    const Writer writer{participants_.is_own(guid) ? 0 : participants_.number_of(guid),
-                        liveliness_lease(matched->qos)};
-    remotes_.enter(info.publication_handle, writer);
-    return writer;
-  }
-
-  /// The state of an instance may have changed since the sample came.
-  static void on_writers(dds_entity_t reader, void* self) {
-    CycloneLink& link = *static_cast<CycloneLink*>(self);
-    take_all<sft_control_Endpoint>(reader,
-                                   [&](const sft_control_Endpoint& sample, const dds_sample_info_t& info) {
-                                     const std::optional<Speaker> speaker = link.speaker_of(reader, info);
-                                     if (speaker && info.valid_data)
-                                       link.writer_came(*speaker, from_dds(sample));
-                                     link.told_of_end(speaker, sample.id, info);
-                                   });
-  }
-
-  static void on_readers(dds_entity_t reader, void* self) {
-    CycloneLink& link = *static_cast<CycloneLink*>(self);
-    take_all<sft_control_ReaderWord>(reader,
-                                     [&](const sft_control_ReaderWord& word, const dds_sample_info_t& info) {
-                                       const std::optional<Speaker> speaker = link.speaker_of(reader, info);
-                                       if (speaker && info.valid_data)
-                                         link.reader_said(*speaker, from_dds(word));
-                                       if (word.part == static_cast<std::uint8_t>(ReaderPart::announcement))
-                                         link.told_of_end(speaker, word.reader, info);
-                                     });
-  }
-
-  void told_of_end(const std::optional<Speaker>& speaker, EndpointId id, const dds_sample_info_t& info) {
-    if (speaker && info.instance_state == DDS_IST_NOT_ALIVE_DISPOSED)
-      listener_.endpoint_withdrawn(*speaker, id);
-    if (info.instance_state == DDS_IST_NOT_ALIVE_NO_WRITERS) listener_.endpoint_unheard(place_.link, id);
-  }
-
-  void writer_came(const Speaker& speaker, Result<Endpoint> writer) {
-    if (writer && writer->role != Role::writer) writer = on_wrong_topic();
-    writer ? listener_.endpoint_came(speaker, std::move(*writer))
-           : listener_.sample_malformed(writer.error().message);
-  }
-
-  void reader_said(const Speaker& speaker, Result<std::variant<Endpoint, Request>> said) {
-    Endpoint* const reader = said ? std::get_if<Endpoint>(&*said) : nullptr;
-    if (reader != nullptr && reader->role != Role::reader) said = on_wrong_topic();
-    if (!said) return listener_.sample_malformed(said.error().message);
-    if (auto* const request = std::get_if<Request>(&*said)) {
-      listener_.request_came(speaker, std::move(*request));
-    } else {
-      listener_.endpoint_came(speaker, std::move(std::get<Endpoint>(*said)));
+  /// What the node itself says, on this link or another, does not count.
+  void heard(const ControlWord& word) {
+    Speaker speaker{place_.link, 0};
+    if (word.speaker) {
+      if (participants_.is_own(*word.speaker)) return;
+      speaker.participant = participants_.number_of(*word.speaker);
     }
+    std::visit([&](const auto& what) { told(speaker, what); }, word.what);
   }
+  void told(const Speaker& speaker, const Endpoint& endpoint) { listener_.endpoint_came(speaker, endpoint); }
+  void told(const Speaker& speaker, const Request& request) { listener_.request_came(speaker, request); }
+  void told(const Speaker& speaker, const EndpointWithdrawn& withdrawn) {
+    listener_.endpoint_withdrawn(speaker, withdrawn.id);
+  }
+  void told(const Speaker&, const EndpointUnheard& unheard) {
+    listener_.endpoint_unheard(place_.link, unheard.id);
+  }
+  void told(const Speaker& speaker, const SignOfLife& sign) {
+    listener_.assertion_came(speaker, sign.assertion, sign.lease);
+  }
+  void told(const Speaker&, const NodeUnheard& unheard) { listener_.node_unheard(place_.link, unheard.id); }
+  void told(const Speaker& speaker, const EndpointMet&) { listener_.endpoint_matched(speaker); }
+  void told(const Speaker& speaker, const EndpointGone&) { listener_.endpoint_unmatched(speaker); }
+  void told(const Speaker&, const SampleMalformed& malformed) { listener_.sample_malformed(malformed.why); }
 
-  /// Nodes unregister their signs of life, if they can. Somebody who disposes of them is not the node.
-  static void on_assertions(dds_entity_t reader, void* self) {
-    CycloneLink& link = *static_cast<CycloneLink*>(self);
-    take_all<sft_control_Assertion>(
-        reader, [&](const sft_control_Assertion& sample, const dds_sample_info_t& info) {
-          const std::optional<Speaker> speaker = link.speaker_of(reader, info);
-          if (info.valid_data && speaker)
-            link.assertion_came(*speaker, from_dds(sample), link.lease_of(info.publication_handle));
-          if (info.instance_state == DDS_IST_NOT_ALIVE_NO_WRITERS)
-            link.listener_.node_unheard(link.place_.link, sample.node);
-        });
-  }
-
-  void assertion_came(const Speaker& speaker, Result<Assertion> assertion, std::chrono::milliseconds lease) {
-    assertion ? listener_.assertion_came(speaker, std::move(*assertion), lease)
-              : listener_.sample_malformed(assertion.error().message);
-  }
-  std::chrono::milliseconds lease_of(dds_instance_handle_t handle) {
-    const std::optional<Writer> writer = remotes_.writer(handle);
-    return writer ? writer->lease : longest_lease;
-  }
-
-  static void on_subscription_matched(dds_entity_t reader, const dds_subscription_matched_status_t status,
-                                      void* self) {
-    const MatchedEndpoint there(status.current_count_change > 0
-                                    ? dds_get_matched_publication_data(reader, status.last_publication_handle)
-                                    : nullptr);
-    static_cast<CycloneLink*>(self)->matched(status.last_publication_handle, there.get(),
-                                             status.current_count_change);
-  }
   static void on_publication_matched(dds_entity_t writer, const dds_publication_matched_status_t status,
                                      void* self) {
-    const MatchedEndpoint there(status.current_count_change > 0 ? dds_get_matched_subscription_data(
-                                                                      writer, status.last_subscription_handle)
-                                                                : nullptr);
-    static_cast<CycloneLink*>(self)->matched(status.last_subscription_handle, there.get(),
-                                             status.current_count_change);
+    CycloneLink& link = *static_cast<CycloneLink*>(self);
+    if (status.current_count_change > 0) {
+      link.reader_came(status.last_subscription_handle,
+                       subscribing_participant(writer, status.last_subscription_handle));
+    } else {
+      link.reader_left(status.last_subscription_handle);
+    }
   }
 
-  /// `there`: null if the reader or writer has departed.
-  void matched(dds_instance_handle_t handle, const dds_builtintopic_endpoint_t* there, int change) {
-    AnnouncerId participant = 0;
-    if (there != nullptr) {
-      const Participants::Guid guid = to_guid(there->participant_key);
-      if (participants_.is_own(guid)) return;
-      participant = participants_.number_of(guid);
-      remotes_.matched(handle, participant);
-    } else if (change < 0) {
-      participant = remotes_.unmatched(handle);
+  void reader_came(dds_instance_handle_t handle, const std::optional<Participants::Guid>& participant) {
+    if (!participant) return;
+    {
+      const Lock lock(matches_mutex_);
+      matches_.matched(handle, *participant);
     }
-    if (participant == 0) return;
-    const Speaker speaker{place_.link, participant};
-    change > 0 ? listener_.endpoint_matched(speaker) : listener_.endpoint_unmatched(speaker);
+    heard({participant, EndpointMet{}});
+  }
+  void reader_left(dds_instance_handle_t handle) {
+    std::optional<Participants::Guid> participant;
+    {
+      const Lock lock(matches_mutex_);
+      participant = matches_.unmatched(handle);
+    }
+    if (participant) heard({participant, EndpointGone{}});
   }
 
   static void on_participants(dds_entity_t reader, void* self) {
@@ -304,7 +208,7 @@ class CycloneLink final : public DiscoveryLink {
     const Speaker speaker{place_.link, participants_.number_of(guid)};
     if (info.instance_state != DDS_IST_ALIVE) {
       participants_.gone(guid);
-      remotes_.forget_writers_of(speaker.participant);
+      place_.readers->forget(guid);
       listener_.participant_departed(speaker);
       return;
     }
@@ -324,9 +228,11 @@ class CycloneLink final : public DiscoveryLink {
   ParticipantMark mark_;
   Participants::Guid guid_{};  ///< of the participant
   dds_entity_t participant_ = 0;
+  std::shared_ptr<Hearer> hearer_;
   /// All of them are there once the link is open.
   std::optional<ControlTopic> writers_, readers_, lives_;
-  RemoteEndpoints remotes_;
+  Mutex matches_mutex_;
+  RemoteEndpoints matches_ SFT_GUARDED_BY(matches_mutex_);  ///< readers of others that our writers have met
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
 // A node's participant on one link: the control topics in one Cyclone domain. The only files of the core that
-// see Cyclone are this one, control_topic, control_qos, dds_domain and cyclone_settings.
+// see Cyclone are this one, control_topic, joint_reader, control_words, take_all, control_qos, dds_domain and
+// cyclone_settings.
 #pragma once
 
 #include <chrono>
@@ -17,6 +18,7 @@
 namespace sft::core {
 
 class CycloneDomain;
+class JointReaders;
 
 /// A listener is told what others say on the links. It is called on Cyclone's threads, on several at once.
 class LinkListener {
@@ -51,11 +53,13 @@ class LinkListener {
 
 class DiscoveryLink {
  public:
-  /// `domain` is kept as long as the link lives; null: the domain `number` of the program itself.
+  /// `domain` is kept as long as the link lives; null: the domain `number` of the program itself. `readers`
+  /// are those of the domain.
   /// `is_secured`: by DDS Security.
   struct Place {
     LinkId link = 0;
     std::shared_ptr<const CycloneDomain> domain;
+    std::shared_ptr<JointReaders> readers;
     std::uint32_t number = 0;
     bool is_secured = false;
   };

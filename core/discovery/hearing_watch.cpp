@@ -24,8 +24,9 @@ constexpr milliseconds lags_after{300};
 constexpr milliseconds overtaking{100};
 /// While nodes start, which takes so long, they may overtake each other by more.
 constexpr milliseconds start_takes{2000};
-/// All of these are longer where there are many participants.
-constexpr milliseconds longer_for_each{20};
+/// All of these are longer where there are many participants: those that were never equal are still told
+/// everything, by many at a time.
+constexpr milliseconds longer_for_each{20}, longer_at_first_for_each{60};
 constexpr std::size_t crowd_max = 200;  // more may be made up
 /// The number of links that are tried for a participant whose digest never agreed: something else may be
 /// wrong with it.
@@ -227,7 +228,8 @@ std::optional<HearingWatch::Remedy> HearingWatch::remedy(const Speaker& speaker,
 }
 
 bool HearingWatch::is_behind(const Ear& ear, Time newcomer, Time now) const {
-  const milliseconds in_a_crowd = longer_for_each * std::min(ears_.size(), crowd_max);
+  const milliseconds in_a_crowd =
+      (ear.has_agreed ? longer_for_each : longer_at_first_for_each) * std::min(ears_.size(), crowd_max);
   if (!ear.lives || ear.known == ear.told) return false;
   if (ear.missed_since) return true;  // newcomers make no difference any more
   if (ear.is_contradicted && now - newcomer > start_takes + in_a_crowd) return true;

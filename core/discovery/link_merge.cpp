@@ -36,16 +36,8 @@ const Endpoint* LinkMerge::told_of(EndpointId id, NodeId node) const {
 }
 
 const Endpoint* LinkMerge::some_endpoint_of(NodeId node) const {
-  const auto before = found_.find(node);
-  if (before != found_.end()) {
-    if (const Endpoint* const told = told_of(before->second, node)) return told;
-    found_.erase(before);
-  }
-  for (const auto& [id, claims] : endpoints_) {
-    const Endpoint* const told = claims.told().endpoint();
-    if (told == nullptr || told->node_id != node) continue;
-    found_.emplace(node, id);
-    return told;
+  for (auto one = by_node_.lower_bound({node, 0}); one != by_node_.end() && one->first == node; ++one) {
+    if (const Endpoint* const told = told_of(one->second, node)) return told;
   }
   return nullptr;
 }
@@ -113,6 +105,7 @@ void LinkMerge::endpoint_came(const Speaker& speaker, Endpoint endpoint, Time no
   }
   if (claims == nullptr) claims = &endpoints_.try_emplace(id, context_).first->second;
   if (!claims->accepts(speaker, *sample)) return;
+  by_node_.emplace(sample->node_id, id);
   if (!is_new) return claims->announced(speaker, std::move(sample), now);
   claims->add(speaker, std::move(sample), early_requests_.take(speaker, id), disbelieved_.contains(speaker),
               now);
@@ -215,6 +208,13 @@ void LinkMerge::refuse_old_requests(Time now) {
       now);
 }
 
+void LinkMerge::index_anew() {
+  by_node_.clear();
+  for (const auto& [id, claims] : endpoints_) {
+    if (const Endpoint* const told = claims.told().endpoint()) by_node_.emplace(told->node_id, id);
+  }
+}
+
 void LinkMerge::forget_old(Time now) {
   if (now < forgets_at_) return;
   forgets_at_ = now + forget_every;
@@ -222,7 +222,7 @@ void LinkMerge::forget_old(Time now) {
   for (auto known = endpoints_.begin(); known != endpoints_.end();)
     known = known->second.forget_before(before) ? endpoints_.erase(known) : std::next(known);
   std::erase_if(departed_, [&](const auto& entry) { return entry.second.at <= before; });
-  if (found_.size() > endpoints_.size()) found_.clear();  // some of the nodes are gone
+  if (by_node_.size() > 2 * endpoints_.size()) index_anew();
   nodes_.forget_before(before);
   speakers_.forget_before(before - limits_.forget_after);
 }

@@ -87,6 +87,7 @@ class LinkMerge {
   void tell_lost_nodes(Time now);
   void refuse_old_requests(Time now);
   void forget_old(Time now);
+  void index_anew();
   EndpointClaims* known(EndpointId id);
   const Endpoint* some_endpoint_of(NodeId node) const;
   const Endpoint* told_of(EndpointId id, NodeId node) const;
@@ -100,8 +101,9 @@ class LinkMerge {
   std::set<EndpointId> own_;
   std::set<Speaker> disbelieved_;  ///< on links that go soon
   std::map<EndpointId, EndpointClaims> endpoints_;
-  /// Where some_endpoint_of() has found one: a sign of life of each node comes every second.
-  mutable std::map<NodeId, EndpointId> found_;
+  /// By nodes that have announced them: a sign of life of each node comes every second. Some are not known,
+  /// or are another node's, any more.
+  std::set<std::pair<NodeId, EndpointId>> by_node_;
   std::map<EndpointId, Departed> departed_;
   Time forgets_at_{};
   RequestsInAdvance early_requests_;

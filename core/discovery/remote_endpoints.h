@@ -1,5 +1,5 @@
-// The participants behind the control topics' readers and writers that Cyclone has matched with ours. Any
-// thread.
+// The participants behind the control topics' readers and writers that Cyclone has matched with ours. One
+// thread at a time.
 #pragma once
 
 #include <chrono>
@@ -8,8 +8,7 @@
 #include <map>
 #include <optional>
 
-#include "core/control/control.h"
-#include "core/sync/mutex.h"
+#include "core/discovery/participants.h"
 
 namespace sft::core {
 
@@ -18,42 +17,36 @@ class RemoteEndpoints {
   using Handle = std::uint64_t;  ///< Cyclone's number of a reader or writer
 
   struct Writer {
-    AnnouncerId participant = 0;  ///< 0: our own
+    Participants::Guid participant{};
     std::chrono::milliseconds lease{};
   };
   std::optional<Writer> writer(Handle handle) const {
-    const Lock lock(mutex_);
     const auto writer = writers_.find(handle);
     return writer == writers_.end() ? std::nullopt : std::optional(writer->second);
   }
   void enter(Handle handle, const Writer& writer) {
-    const Lock lock(mutex_);
     if (writers_.size() == writers_max) writers_.clear();  // Cyclone is asked for them again
     writers_.emplace(handle, writer);
   }
-  void forget_writers_of(AnnouncerId participant) {
-    const Lock lock(mutex_);
+  void forget_writers_of(const Participants::Guid& participant) {
     std::erase_if(writers_, [&](const auto& writer) { return writer.second.participant == participant; });
   }
 
-  void matched(Handle handle, AnnouncerId participant) {
-    const Lock lock(mutex_);
+  void matched(Handle handle, const Participants::Guid& participant) {
     if (matches_.size() < matches_max) matches_.emplace(handle, participant);
   }
-  /// The participant that had that reader or writer; 0 if it is not known.
-  AnnouncerId unmatched(Handle handle) {
-    const Lock lock(mutex_);
+  /// The participant that had that reader or writer. Nothing if it is not known.
+  std::optional<Participants::Guid> unmatched(Handle handle) {
     const auto match = matches_.extract(handle);
-    return match ? match.mapped() : 0;
+    return match ? std::optional(match.mapped()) : std::nullopt;
   }
 
  private:
   static constexpr std::size_t writers_max = 4096;
   static constexpr std::size_t matches_max = 6 * 4096;  // three topics, a reader and a writer of each
 
-  mutable Mutex mutex_;
-  std::map<Handle, Writer> writers_ SFT_GUARDED_BY(mutex_);       ///< writers of which something has come
-  std::map<Handle, AnnouncerId> matches_ SFT_GUARDED_BY(mutex_);  ///< readers and writers of others
+  std::map<Handle, Writer> writers_;              ///< writers of which something has come
+  std::map<Handle, Participants::Guid> matches_;  ///< readers and writers of others
 };
 
 }  // namespace sft::core

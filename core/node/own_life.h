@@ -39,7 +39,7 @@ class OwnLife {
 
  private:
   static constexpr std::chrono::seconds tells_more_for{3};
-  static constexpr std::chrono::milliseconds newcomers_pause{200};
+  static constexpr std::chrono::milliseconds newcomers_pause{500};
 
   std::vector<Progress> take_progress(LocalEndpoints& ours);
 

@@ -290,6 +290,29 @@ TEST_F(HearingWatchTest, GivesAnnouncementsTimeWhileOtherNodesStart) {
   EXPECT_EQ(deaf, Missing::announcements);
 }
 
+// They are still told everything, as all others are.
+TEST_F(HearingWatchTest, GivesNodesOfACrowdMoreTimeUntilTheyHaveAgreedOnce) {
+  for (AnnouncerId other = 100; other < 150; ++other) comes({lan, other}, other);
+  const auto pass_in_a_crowd = [&](std::chrono::milliseconds duration, std::uint32_t said) {
+    for (const auto end = now + duration; now < end;) {
+      for (AnnouncerId other = 100; other < 150; ++other)
+        watch.heard_life({lan, other}, other, all_said, its_lease, now);
+      passes(500ms, said);
+    }
+  };
+  pass_in_a_crowd(7500ms, all_said + 1);
+  EXPECT_FALSE(deaf);
+  pass_in_a_crowd(2s, all_said + 1);
+  EXPECT_EQ(deaf, Missing::announcements);
+
+  pass_in_a_crowd(5s, all_said);
+  EXPECT_FALSE(deaf);
+  pass_in_a_crowd(1500ms, all_said + 1);
+  EXPECT_FALSE(deaf);
+  pass_in_a_crowd(2s, all_said + 1);
+  EXPECT_EQ(deaf, Missing::announcements);
+}
+
 TEST_F(HearingWatchTest, TakesOneSignOfLifeThatAgreesForAnAnswer) {
   passes(10s);
   for (int i = 0; i < 10; ++i) {

@@ -1,0 +1,128 @@
+#include "core/discovery/control_words.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "core/control/control_codec.h"
+#include "core/discovery/control_qos.h"
+#include "core/discovery/take_all.h"
+
+namespace sft::core {
+
+namespace {
+
+struct MatchedEndpointDeleter {
+  void operator()(dds_builtintopic_endpoint_t* info) const { dds_builtintopic_free_endpoint(info); }
+};
+using MatchedEndpoint = std::unique_ptr<dds_builtintopic_endpoint_t, MatchedEndpointDeleter>;
+
+std::optional<Participants::Guid> participant_of(const MatchedEndpoint& matched) {
+  if (matched == nullptr) return std::nullopt;
+  return to_guid(matched->participant_key);
+}
+
+/// Empty if the writer is gone already and was not heard before: then nobody stands behind the sample.
+std::optional<RemoteEndpoints::Writer> writer_of(dds_entity_t reader, const dds_sample_info_t& info,
+                                                 RemoteEndpoints& writers) {
+  if (const auto known = writers.writer(info.publication_handle)) return known;
+  const MatchedEndpoint matched(dds_get_matched_publication_data(reader, info.publication_handle));
+  const std::optional<Participants::Guid> participant = participant_of(matched);
+  if (!participant) return std::nullopt;
+  const RemoteEndpoints::Writer writer{*participant, liveliness_lease(matched->qos)};
+  writers.enter(info.publication_handle, writer);
+  return writer;
+}
+
+std::optional<Participants::Guid> speaker_of(dds_entity_t reader, const dds_sample_info_t& info,
+                                             RemoteEndpoints& writers) {
+  const std::optional<RemoteEndpoints::Writer> writer = writer_of(reader, info, writers);
+  return writer ? std::optional(writer->participant) : std::nullopt;
+}
+
+/// Each role has its topic: who listens to one of them only would miss something else.
+ControlWord announcement(const Participants::Guid& speaker, Endpoint endpoint, Role role_of_topic) {
+  if (endpoint.role != role_of_topic)
+    return {speaker, SampleMalformed{"an endpoint on the topic of the other role"}};
+  return {speaker, std::move(endpoint)};
+}
+
+/// The state of an instance may have changed since the sample came.
+void add_end(ControlWords& words, const std::optional<Participants::Guid>& speaker, EndpointId id,
+             const dds_sample_info_t& info) {
+  if (speaker && info.instance_state == DDS_IST_NOT_ALIVE_DISPOSED)
+    words.push_back({speaker, EndpointWithdrawn{id}});
+  if (info.instance_state == DDS_IST_NOT_ALIVE_NO_WRITERS) words.push_back({speaker, EndpointUnheard{id}});
+}
+
+ControlWord reader_said(const Participants::Guid& speaker, Result<std::variant<Endpoint, Request>> said) {
+  if (!said) return {speaker, SampleMalformed{said.error().message}};
+  if (auto* const request = std::get_if<Request>(&*said)) return {speaker, std::move(*request)};
+  return announcement(speaker, std::move(std::get<Endpoint>(*said)), Role::reader);
+}
+
+}  // namespace
+
+ControlWords take_writers(dds_entity_t reader, RemoteEndpoints& writers) {
+  ControlWords words;
+  take_all<sft_control_Endpoint>(
+      reader, [&](const sft_control_Endpoint& sample, const dds_sample_info_t& info) {
+        const std::optional<Participants::Guid> speaker = speaker_of(reader, info, writers);
+        if (speaker && info.valid_data) {
+          Result<Endpoint> endpoint = from_dds(sample);
+          words.push_back(endpoint ? announcement(*speaker, std::move(*endpoint), Role::writer)
+                                   : ControlWord{speaker, SampleMalformed{endpoint.error().message}});
+        }
+        add_end(words, speaker, sample.id, info);
+      });
+  return words;
+}
+
+ControlWords take_readers(dds_entity_t reader, RemoteEndpoints& writers) {
+  ControlWords words;
+  take_all<sft_control_ReaderWord>(
+      reader, [&](const sft_control_ReaderWord& word, const dds_sample_info_t& info) {
+        const std::optional<Participants::Guid> speaker = speaker_of(reader, info, writers);
+        if (speaker && info.valid_data) words.push_back(reader_said(*speaker, from_dds(word)));
+        if (word.part == static_cast<std::uint8_t>(ReaderPart::announcement))
+          add_end(words, speaker, word.reader, info);
+      });
+  return words;
+}
+
+/// Nodes unregister their signs of life, if they can. Somebody who disposes of them is not the node.
+ControlWords take_assertions(dds_entity_t reader, RemoteEndpoints& writers) {
+  ControlWords words;
+  take_all<sft_control_Assertion>(
+      reader, [&](const sft_control_Assertion& sample, const dds_sample_info_t& info) {
+        const std::optional<RemoteEndpoints::Writer> writer = writer_of(reader, info, writers);
+        if (writer && info.valid_data) {
+          Result<Assertion> assertion = from_dds(sample);
+          ControlWord& word = words.emplace_back(writer->participant, SampleMalformed{});
+          if (assertion) {
+            word.what = SignOfLife{std::move(*assertion), writer->lease};
+          } else {
+            word.what = SampleMalformed{assertion.error().message};
+          }
+        }
+        if (info.instance_state == DDS_IST_NOT_ALIVE_NO_WRITERS)
+          words.push_back({std::nullopt, NodeUnheard{sample.node}});
+      });
+  return words;
+}
+
+std::optional<Participants::Guid> publishing_participant(dds_entity_t reader, dds_instance_handle_t writer) {
+  return participant_of(MatchedEndpoint(dds_get_matched_publication_data(reader, writer)));
+}
+
+std::optional<Participants::Guid> subscribing_participant(dds_entity_t writer, dds_instance_handle_t reader) {
+  return participant_of(MatchedEndpoint(dds_get_matched_subscription_data(writer, reader)));
+}
+
+Participants::Guid to_guid(const dds_guid_t& guid) {
+  Participants::Guid bytes{};
+  std::ranges::copy(guid.v, bytes.begin());
+  return bytes;
+}
+
+}  // namespace sft::core

@@ -1,0 +1,118 @@
+// The reader of a control topic, which the nodes of a process share as long as they use the same Cyclone
+// domain: what others say comes to a process once, however many nodes it has. Each reader would catch up by
+// itself otherwise, and be told of everything again. Any thread.
+#pragma once
+
+#include <dds/dds.h>
+
+#include <atomic>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/discovery/control_qos.h"
+#include "core/discovery/control_words.h"
+#include "core/discovery/kept_words.h"
+#include "core/discovery/ordered_delivery.h"
+#include "core/sync/guarded_call.h"
+#include "core/sync/mutex.h"
+#include "sft/result.h"
+
+namespace sft::core {
+
+struct ListenerDeleter {
+  void operator()(dds_listener_t* listener) const { dds_delete_listener(listener); }
+};
+using DdsListener = std::unique_ptr<dds_listener_t, ListenerDeleter>;
+
+/// A node's link, as those see it who bring what others say.
+class Hearer {
+ public:
+  /// `hear` is called on any thread, but by one reader for one word at a time.
+  Hearer(dds_entity_t participant, std::function<void(const ControlWord&)> hear)
+      : participant_(participant), hear_(std::move(hear)) {}
+
+  dds_entity_t participant() const { return participant_; }
+  void hear(const ControlWord& word) {
+    gate_.call([&] { hear_(word); });
+  }
+  /// When it returns, `hear` does not run any more.
+  void close() { gate_.close(); }
+
+ private:
+  const dds_entity_t participant_;
+  const std::function<void(const ControlWord&)> hear_;
+  CallGate gate_;
+};
+
+class JointReader {
+ public:
+  struct Kind {
+    const dds_topic_descriptor_t* type = nullptr;
+    const char* name = nullptr;
+    ControlWords (*take)(dds_entity_t reader, RemoteEndpoints& writers) = nullptr;
+  };
+  /// `qos`: of the topic.
+  JointReader(const Kind& kind, const dds_qos_t* qos) : kind_(kind), qos_(copy_of(qos)) {}
+  JointReader(const JointReader&) = delete;
+  JointReader& operator=(const JointReader&) = delete;
+
+  /// From now on the hearer hears everything, also what is in force of what others have said before. The
+  /// first hearer's participant has the reader. A second call does nothing.
+  Result<void> join(const std::shared_ptr<Hearer>& hearer);
+  /// To be called before the participant of the hearer is deleted. If it has the reader, the participant of
+  /// another hearer gets a new one.
+  void leave(const std::shared_ptr<Hearer>& hearer);
+  /// The participant is not there any more.
+  void forget(const Participants::Guid& participant);
+  /// False if a newcomer could not be told everything: it needs another reader.
+  bool takes_newcomers() const { return takes_newcomers_; }
+
+ private:
+  using Hearers = std::vector<std::shared_ptr<Hearer>>;
+  /// A word, and who shall hear it.
+  struct Message {
+    KeptWords::Word word;
+    std::shared_ptr<const Hearers> to;
+  };
+
+  Result<void> host(const std::shared_ptr<Hearer>& hearer) SFT_REQUIRES(joining_);
+  void remove(const std::shared_ptr<Hearer>& hearer);
+  void pass_on(Lock& lock, std::vector<Message> messages) SFT_REQUIRES(mutex_);
+  void learn(Lock& lock, ControlWords words) SFT_REQUIRES(mutex_);
+  static void on_data(dds_entity_t reader, void* self);
+  static void on_matched(dds_entity_t reader, dds_subscription_matched_status_t status, void* self);
+
+  const Kind kind_;
+  const DdsQos qos_;
+
+  /// Held while readers are made and deleted, which waits for listeners: these do not take it.
+  Mutex joining_ SFT_ACQUIRED_BEFORE(mutex_);
+  std::shared_ptr<Hearer> host_ SFT_GUARDED_BY(joining_);  ///< whose participant has the reader
+  dds_entity_t reader_ SFT_GUARDED_BY(joining_) = 0;
+
+  Mutex mutex_;
+  std::shared_ptr<const Hearers> hearers_ SFT_GUARDED_BY(mutex_) = std::make_shared<const Hearers>();
+  RemoteEndpoints remotes_ SFT_GUARDED_BY(mutex_);
+  KeptWords kept_ SFT_GUARDED_BY(mutex_);
+  OrderedDelivery<Message> delivery_ SFT_GUARDED_BY(mutex_);
+  std::atomic<bool> takes_newcomers_{true};
+};
+
+/// The readers that the nodes of a process share in one Cyclone domain. Any thread.
+class JointReaders {
+ public:
+  /// The reader of that topic, one that takes newcomers. `qos`: of the topic, if there is no such reader yet.
+  std::shared_ptr<JointReader> of(const JointReader::Kind& kind, const dds_qos_t* qos);
+  /// The participant is not there any more.
+  void forget(const Participants::Guid& participant);
+
+ private:
+  Mutex mutex_;
+  std::map<std::string, std::shared_ptr<JointReader>> readers_ SFT_GUARDED_BY(mutex_);
+};
+
+}  // namespace sft::core

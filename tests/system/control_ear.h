@@ -1,0 +1,105 @@
+// What one node hears of the control topics, without the rest of the node.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/discovery/discovery.h"
+#include "core/sync/mutex.h"
+#include "tests/support/eventually.h"
+
+namespace sft::test {
+
+/// The DDS domain of the host that the test runs on.
+inline std::uint32_t control_domain() {
+  const char* number = std::getenv("ROS_DOMAIN_ID");
+  return number == nullptr ? 0 : static_cast<std::uint32_t>(std::atoi(number));
+}
+
+inline core::Endpoint control_endpoint(core::Role role, core::EndpointId id) {
+  core::Endpoint e;
+  e.id = id;
+  e.role = role;
+  e.node_id = id;
+  e.topic = "points";
+  e.type_name = "Points";
+  e.request.reader = id;
+  return e;
+}
+
+/// What one node hears.
+class ControlEar final : private core::DiscoveryListener {
+ public:
+  /// Those with the same name use the same Cyclone domains. Others meet as if they were in other processes.
+  explicit ControlEar(const std::string& process = "") {
+    const core::DiscoveryOptions options{
+        .domain = control_domain(), .user_config = "", .threads = {.name_prefix = process}};
+    discovery_ = std::move(core::Discovery::open(options, *this).value());
+  }
+
+  void announce(core::Role role, core::EndpointId id) {
+    ASSERT_TRUE(discovery_->announce(control_endpoint(role, id)));
+  }
+  void withdraw(core::EndpointId id) { discovery_->withdraw(id); }
+  void ask(core::EndpointId reader, std::uint64_t sequence) {
+    core::Request request;
+    request.reader = reader;
+    request.sequence = sequence;
+    ASSERT_TRUE(discovery_->send(request));
+  }
+  void hear(core::Role role) { ASSERT_TRUE(discovery_->hear(role)); }
+
+  std::set<core::EndpointId> heard() const {
+    const core::Lock lock(mutex_);
+    return heard_;
+  }
+  bool hears(core::EndpointId id) const {
+    return eventually([&] { return heard().contains(id); });
+  }
+  std::uint64_t asked() const {
+    const core::Lock lock(mutex_);
+    return asked_;
+  }
+  std::vector<std::string> refused() const {
+    const core::Lock lock(mutex_);
+    return refused_;
+  }
+
+ private:
+  void endpoint_seen(core::Endpoint endpoint) override {
+    const core::Lock lock(mutex_);
+    heard_.insert(endpoint.id);
+    asked_ = std::max(asked_, endpoint.request.sequence);
+  }
+  void endpoint_departed(core::EndpointId id) override {
+    const core::Lock lock(mutex_);
+    heard_.erase(id);
+  }
+  void endpoint_lost(core::EndpointId) override {}
+  void request_received(core::Request request) override {
+    const core::Lock lock(mutex_);
+    asked_ = std::max(asked_, request.sequence);
+  }
+  void liveliness_asserted(core::Assertion) override {}
+  void node_lost(core::NodeId) override {}
+  void control_malformed(std::string why) override {
+    const core::Lock lock(mutex_);
+    refused_.push_back(std::move(why));
+  }
+
+  mutable core::Mutex mutex_;
+  std::set<core::EndpointId> heard_ SFT_GUARDED_BY(mutex_);
+  std::uint64_t asked_ SFT_GUARDED_BY(mutex_) = 0;
+  std::vector<std::string> refused_ SFT_GUARDED_BY(mutex_);
+  std::unique_ptr<core::Discovery> discovery_;
+};
+
+}  // namespace sft::test

@@ -1,0 +1,153 @@
+// The nodes of a process share the readers of the control topics, and each of them hears all the same.
+#include <dds/dds.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/sync/mutex.h"
+#include "tests/support/eventually.h"
+#include "tests/support/isolated_host.h"
+#include "tests/system/control_ear.h"
+
+namespace sft::test {
+namespace {
+
+using core::Role;
+using ::testing::ElementsAre;
+
+/// The readers and writers of a control topic on this host, as Cyclone tells of them. To be made after the
+/// first node, which would use the domain that this opens, and share nothing.
+class TopicWatch {
+ public:
+  explicit TopicWatch(std::string topic) : topic_(std::move(topic)) {
+    participant_ = dds_create_participant(control_domain(), nullptr, nullptr);
+    readers_ = dds_create_reader(participant_, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION, nullptr, nullptr);
+    writers_ = dds_create_reader(participant_, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr);
+  }
+  ~TopicWatch() { dds_delete(participant_); }
+  TopicWatch(const TopicWatch&) = delete;
+  TopicWatch& operator=(const TopicWatch&) = delete;
+
+  bool readers_become(std::size_t wanted) const { return become(readers_, wanted); }
+  bool writers_become(std::size_t wanted) const { return become(writers_, wanted); }
+
+ private:
+  bool become(dds_entity_t builtin, std::size_t wanted) const {
+    return eventually([&] { return count(builtin) == wanted; });
+  }
+  std::size_t count(dds_entity_t builtin) const {
+    std::size_t endpoints = 0;
+    constexpr std::size_t room = 256;
+    std::vector<void*> samples(room, nullptr);
+    std::vector<dds_sample_info_t> infos(room);
+    const dds_return_t n = dds_read(builtin, samples.data(), infos.data(), room, room);
+    for (std::size_t i = 0; n > 0 && i < static_cast<std::size_t>(n); ++i) {
+      const auto& endpoint = *static_cast<const dds_builtintopic_endpoint_t*>(samples[i]);
+      if (infos[i].instance_state == DDS_IST_ALIVE && infos[i].valid_data && endpoint.topic_name == topic_)
+        ++endpoints;
+    }
+    if (n > 0) dds_return_loan(builtin, samples.data(), n);
+    return endpoints;
+  }
+
+  const std::string topic_;
+  dds_entity_t participant_ = 0, readers_ = 0, writers_ = 0;
+};
+
+class JointReadersTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!isolation_refusal().empty()) GTEST_SKIP() << isolation_refusal();
+  }
+};
+
+TEST_F(JointReadersTest, OfAProcessAreOneForEachTopicHoweverManyNodesItHas) {
+  std::vector<std::unique_ptr<ControlEar>> nodes;
+  for (core::EndpointId id = 1; id <= 8; ++id) {
+    nodes.push_back(std::make_unique<ControlEar>("one-"));
+    nodes.back()->announce(Role::reader, id);
+  }
+  ControlEar other("two-");
+  other.announce(Role::writer, 100);
+  other.announce(Role::reader, 101);
+  for (const auto& node : nodes) EXPECT_TRUE(node->hears(100));
+  const TopicWatch lives("sft_liveliness");
+  EXPECT_TRUE(lives.writers_become(nodes.size() + 1)) << "each node speaks for itself";
+  EXPECT_TRUE(lives.readers_become(2));
+  EXPECT_TRUE(TopicWatch("sft_writer").readers_become(2));
+}
+
+TEST_F(JointReadersTest, TellANewcomerOfTheProcessWhatIsInForce) {
+  ControlEar first("one-"), other("two-");
+  first.announce(Role::writer, 1);
+  other.announce(Role::reader, 2);
+  other.announce(Role::reader, 3);
+  other.ask(2, 7);
+  EXPECT_TRUE(first.hears(2) && first.hears(3));
+  EXPECT_TRUE(eventually([&] { return first.asked() == 7; }));
+  other.withdraw(3);
+  EXPECT_TRUE(eventually([&] { return !first.heard().contains(3); }));
+
+  ControlEar newcomer("one-");
+  newcomer.announce(Role::writer, 4);
+  EXPECT_TRUE(newcomer.hears(2));
+  EXPECT_TRUE(eventually([&] { return newcomer.asked() == 7; }));
+  EXPECT_THAT(newcomer.heard(), ElementsAre(2));
+  EXPECT_TRUE(other.hears(1) && other.hears(4));
+}
+
+TEST_F(JointReadersTest, LetNodesOfTheProcessHearEachOther) {
+  ControlEar writer("one-"), reader("one-");
+  writer.announce(Role::writer, 1);
+  reader.announce(Role::reader, 2);
+  EXPECT_TRUE(reader.hears(1) && writer.hears(2));
+  ControlEar newcomer("one-");
+  newcomer.announce(Role::reader, 3);
+  EXPECT_TRUE(newcomer.hears(1) && writer.hears(3));
+  writer.withdraw(1);
+  EXPECT_TRUE(eventually([&] { return reader.heard().empty() && newcomer.heard().empty(); }));
+}
+
+// The first node has the readers.
+TEST_F(JointReadersTest, StayWithTheOtherNodesWhenTheFirstOneGoes) {
+  auto first = std::make_unique<ControlEar>("one-");
+  ControlEar second("one-"), third("one-"), other("two-");
+  first->announce(Role::reader, 1);
+  second.announce(Role::reader, 2);
+  third.announce(Role::reader, 3);
+  other.announce(Role::writer, 10);
+  EXPECT_TRUE(second.hears(10) && third.hears(10) && other.hears(1));
+
+  first->withdraw(1);
+  first.reset();
+  EXPECT_TRUE(eventually([&] { return other.heard() == std::set<core::EndpointId>{2, 3}; }));
+  EXPECT_THAT(second.heard(), ElementsAre(10)) << "nobody is lost meanwhile";
+  EXPECT_THAT(third.heard(), ElementsAre(10));
+  other.announce(Role::writer, 11);
+  EXPECT_TRUE(second.hears(11) && third.hears(11));
+  other.withdraw(10);
+  EXPECT_TRUE(eventually([&] { return !second.heard().contains(10) && !third.heard().contains(10); }));
+  EXPECT_TRUE(TopicWatch("sft_writer").readers_become(1));
+}
+
+TEST_F(JointReadersTest, OutliveNodesThatComeAndGo) {
+  ControlEar other("two-");
+  other.announce(Role::writer, 1000);
+  std::vector<std::unique_ptr<ControlEar>> nodes;
+  for (core::EndpointId id = 1; id <= 40; ++id) {
+    nodes.push_back(std::make_unique<ControlEar>("one-"));
+    nodes.back()->announce(Role::reader, id);
+    EXPECT_TRUE(nodes.back()->hears(1000)) << id;
+    if (nodes.size() <= 3) continue;
+    nodes.front()->withdraw(id - 3);
+    nodes.erase(nodes.begin());
+  }
+  EXPECT_TRUE(eventually([&] { return other.heard() == std::set<core::EndpointId>{38, 39, 40}; }));
+}
+
+}  // namespace
+}  // namespace sft::test
