@@ -9,7 +9,7 @@ ControlTopic::~ControlTopic() {
 }
 
 Result<void> ControlTopic::hear() {
-  if (reader_ != nullptr) return {};
+  if (reader_ != nullptr) return reader_->join(hearer_);
   std::shared_ptr<JointReader> reader = readers_.of(kind_, qos_.get());
   Result<void> joined = reader->join(hearer_);
   if (joined) reader_ = std::move(reader);

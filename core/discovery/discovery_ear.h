@@ -1,6 +1,7 @@
 // Hears all links: merges what they bring, passes the news on, and notices whom a link does not hear.
-// Cyclone's threads bring what comes, several at once; the functions below "One thread" are called by one
-// thread at a time. A mutex guards everything; it is not held while news are passed on.
+// Cyclone's threads, and those of nodes of this process, bring what comes, several at once; the functions
+// below "One thread" are called by one thread at a time. A mutex guards everything; it is not held while news
+// are passed on.
 #pragma once
 
 #include <atomic>

@@ -20,7 +20,8 @@ namespace sft::core {
 class CycloneDomain;
 class JointReaders;
 
-/// A listener is told what others say on the links. It is called on Cyclone's threads, on several at once.
+/// A listener is told what others say on the links. It is called on Cyclone's threads, and on those of
+/// nodes of this process, on several at once.
 class LinkListener {
  public:
   virtual void endpoint_came(const Speaker& speaker, Endpoint endpoint) = 0;

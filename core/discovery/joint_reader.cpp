@@ -3,48 +3,51 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <ranges>
 
 namespace sft::core {
 
 Result<void> JointReader::join(const std::shared_ptr<Hearer>& hearer) {
   const Lock joining(joining_);
   {
-    Lock lock(mutex_);
-    if (std::ranges::find(*hearers_, hearer) != hearers_->end()) return {};
-    auto more = std::make_shared<Hearers>(*hearers_);
-    more->push_back(hearer);
-    hearers_ = std::move(more);
+    const Lock telling(telling_);
+    Words in_force;
+    {
+      const Lock lock(mutex_);
+      if (std::ranges::find(*hearers_, hearer) == hearers_->end()) {
+        auto more = std::make_shared<Hearers>(*hearers_);
+        more->push_back(hearer);
+        hearers_ = std::move(more);
+        in_force = kept_.all();
+      }
+    }
     if (host_ != nullptr) {
-      const auto newcomer = std::make_shared<const Hearers>(1, hearer);
-      std::vector<Message> messages;
-      for (KeptWords::Word& word : kept_.all()) messages.push_back({std::move(word), newcomer});
-      pass_on(lock, std::move(messages));
+      tell(in_force, {hearer});
       return {};
     }
   }
   Result<void> hosted = host(hearer);
-  if (!hosted) remove(hearer);
+  if (!hosted) hearers_without(hearer);
   return hosted;
 }
 
+/// The new reader is there before the former one ends. The latest hearer gets it: if nodes end in the order
+/// in which they were made, the reader moves once.
 void JointReader::leave(const std::shared_ptr<Hearer>& hearer) {
   const Lock joining(joining_);
-  remove(hearer);
+  const std::shared_ptr<const Hearers> others = hearers_without(hearer);
   if (host_ != hearer) return;
   const dds_entity_t former = reader_;
   host_.reset();
-  std::shared_ptr<const Hearers> others;
-  {
-    const Lock lock(mutex_);
-    others = hearers_;
-  }
-  for (const std::shared_ptr<Hearer>& other : *others) {
+  for (const std::shared_ptr<Hearer>& other : *others | std::views::reverse) {
     if (host(other)) break;
   }
+  hear(former);  // what has ended since then, the new one has never heard of
   dds_delete(former);
   if (host_ != nullptr) return;
   const Lock lock(mutex_);
   kept_.clear();
+  remotes_ = {};
   takes_newcomers_ = true;
 }
 
@@ -68,53 +71,64 @@ Result<void> JointReader::host(const std::shared_ptr<Hearer>& hearer) {
   return {};
 }
 
-void JointReader::remove(const std::shared_ptr<Hearer>& hearer) {
+std::shared_ptr<const JointReader::Hearers> JointReader::hearers_without(
+    const std::shared_ptr<Hearer>& hearer) {
   const Lock lock(mutex_);
   auto fewer = std::make_shared<Hearers>(*hearers_);
   std::erase(*fewer, hearer);
   hearers_ = std::move(fewer);
+  return hearers_;
 }
 
-void JointReader::pass_on(Lock& lock, std::vector<Message> messages) {
-  delivery_.deliver(lock, std::move(messages), [](const Message& message) {
-    for (const std::shared_ptr<Hearer>& hearer : *message.to) hearer->hear(*message.word);
-  });
+void JointReader::hear(dds_entity_t reader) {
+  const Lock telling(telling_);
+  Words words;
+  std::shared_ptr<const Hearers> hearers;
+  {
+    const Lock lock(mutex_);
+    words = kept(kind_.take(reader, remotes_));
+    hearers = hearers_;
+  }
+  tell(words, *hearers);
 }
 
-void JointReader::learn(Lock& lock, ControlWords words) {
-  std::vector<Message> messages;
-  for (ControlWord& said : words) {
-    const auto word = std::make_shared<const ControlWord>(std::move(said));
-    kept_.learn(word);
-    messages.push_back({word, hearers_});
+JointReader::Words JointReader::kept(ControlWords words) {
+  Words all;
+  for (ControlWord& word : words) {
+    all.push_back(std::make_shared<const ControlWord>(std::move(word)));
+    kept_.learn(all.back());
   }
   takes_newcomers_ = kept_.are_complete();
-  pass_on(lock, std::move(messages));
+  return all;
 }
 
-void JointReader::on_data(dds_entity_t reader, void* self) {
-  JointReader& joint = *static_cast<JointReader*>(self);
-  Lock lock(joint.mutex_);
-  joint.learn(lock, joint.kind_.take(reader, joint.remotes_));
+void JointReader::tell(const Words& words, const Hearers& hearers) {
+  for (const KeptWords::Word& word : words) {
+    for (const std::shared_ptr<Hearer>& hearer : hearers) hearer->hear(*word);
+  }
 }
 
+void JointReader::on_data(dds_entity_t reader, void* self) { static_cast<JointReader*>(self)->hear(reader); }
+
+/// What a new reader of ours meets after a former one has met it already is no news.
 void JointReader::on_matched(dds_entity_t reader, const dds_subscription_matched_status_t status,
                              void* self) {
   JointReader& joint = *static_cast<JointReader*>(self);
+  const dds_instance_handle_t writer = status.last_publication_handle;
   const bool has_come = status.current_count_change > 0;
   std::optional<Participants::Guid> participant;
-  if (has_come) participant = publishing_participant(reader, status.last_publication_handle);
-  Lock lock(joint.mutex_);
-  ControlWords words;
-  if (has_come) {
-    if (participant) joint.remotes_.matched(status.last_publication_handle, *participant);
-  } else {
-    participant = joint.remotes_.unmatched(status.last_publication_handle);
+  if (has_come) participant = publishing_participant(reader, writer);
+  const Lock telling(joint.telling_);
+  std::shared_ptr<const Hearers> hearers;
+  {
+    const Lock lock(joint.mutex_);
+    if (!has_come) participant = joint.remotes_.unmatched(writer);
+    if (!participant || (has_come && !joint.remotes_.matched(writer, *participant))) return;
+    hearers = joint.hearers_;
   }
-  if (!participant) return;
-  ControlWord& word = words.emplace_back(participant, EndpointMet{});
+  ControlWord word{participant, EndpointMet{}};
   if (!has_come) word.what = EndpointGone{};
-  joint.learn(lock, std::move(words));
+  tell({std::make_shared<const ControlWord>(std::move(word))}, *hearers);
 }
 
 std::shared_ptr<JointReader> JointReaders::of(const JointReader::Kind& kind, const dds_qos_t* qos) {

@@ -16,7 +16,6 @@
 #include "core/discovery/control_qos.h"
 #include "core/discovery/control_words.h"
 #include "core/discovery/kept_words.h"
-#include "core/discovery/ordered_delivery.h"
 #include "core/sync/guarded_call.h"
 #include "core/sync/mutex.h"
 #include "sft/result.h"
@@ -61,7 +60,7 @@ class JointReader {
   JointReader& operator=(const JointReader&) = delete;
 
   /// From now on the hearer hears everything, also what is in force of what others have said before. The
-  /// first hearer's participant has the reader. A second call does nothing.
+  /// first hearer's participant has the reader. A second call does nothing unless nobody has the reader.
   Result<void> join(const std::shared_ptr<Hearer>& hearer);
   /// To be called before the participant of the hearer is deleted. If it has the reader, the participant of
   /// another hearer gets a new one.
@@ -73,16 +72,14 @@ class JointReader {
 
  private:
   using Hearers = std::vector<std::shared_ptr<Hearer>>;
-  /// A word, and who shall hear it.
-  struct Message {
-    KeptWords::Word word;
-    std::shared_ptr<const Hearers> to;
-  };
+  using Words = std::vector<KeptWords::Word>;
 
   Result<void> host(const std::shared_ptr<Hearer>& hearer) SFT_REQUIRES(joining_);
-  void remove(const std::shared_ptr<Hearer>& hearer);
-  void pass_on(Lock& lock, std::vector<Message> messages) SFT_REQUIRES(mutex_);
-  void learn(Lock& lock, ControlWords words) SFT_REQUIRES(mutex_);
+  std::shared_ptr<const Hearers> hearers_without(const std::shared_ptr<Hearer>& hearer);
+  /// Takes all that the reader has, and tells it.
+  void hear(dds_entity_t reader);
+  Words kept(ControlWords words) SFT_REQUIRES(mutex_);
+  static void tell(const Words& words, const Hearers& hearers);
   static void on_data(dds_entity_t reader, void* self);
   static void on_matched(dds_entity_t reader, dds_subscription_matched_status_t status, void* self);
 
@@ -90,15 +87,18 @@ class JointReader {
   const DdsQos qos_;
 
   /// Held while readers are made and deleted, which waits for listeners: these do not take it.
-  Mutex joining_ SFT_ACQUIRED_BEFORE(mutex_);
+  Mutex joining_ SFT_ACQUIRED_BEFORE(telling_);
   std::shared_ptr<Hearer> host_ SFT_GUARDED_BY(joining_);  ///< whose participant has the reader
   dds_entity_t reader_ SFT_GUARDED_BY(joining_) = 0;
+
+  /// Held while words are taken and told, so that they are told in their order, and are not taken faster than
+  /// they are told. Hearers note what they hear; they neither wait for anything nor speak.
+  Mutex telling_ SFT_ACQUIRED_BEFORE(mutex_);
 
   Mutex mutex_;
   std::shared_ptr<const Hearers> hearers_ SFT_GUARDED_BY(mutex_) = std::make_shared<const Hearers>();
   RemoteEndpoints remotes_ SFT_GUARDED_BY(mutex_);
   KeptWords kept_ SFT_GUARDED_BY(mutex_);
-  OrderedDelivery<Message> delivery_ SFT_GUARDED_BY(mutex_);
   std::atomic<bool> takes_newcomers_{true};
 };
 

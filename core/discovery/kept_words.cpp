@@ -6,16 +6,23 @@ namespace sft::core {
 
 namespace {
 
+std::size_t bytes_behind(const Request& request) {
+  return (request.mask_words.size() + request.listening.size() + request.attached.size() +
+          request.begun.size()) *
+         sizeof(std::uint64_t);
+}
+
+std::size_t bytes_behind(const Endpoint& endpoint) {
+  return endpoint.node.size() + endpoint.topic.size() + endpoint.type_name.size() +
+         endpoint.type_description.size() + endpoint.addresses.size() * sizeof(UdpAddress) +
+         bytes_behind(endpoint.request);
+}
+
 /// What a word takes, roughly.
 std::size_t bytes_of(const ControlWord& word) {
   std::size_t bytes = 2 * sizeof word;
-  if (const auto* const endpoint = std::get_if<Endpoint>(&word.what)) {
-    bytes += endpoint->type_description.size() + endpoint->addresses.size() * sizeof(UdpAddress);
-  } else if (const auto* const request = std::get_if<Request>(&word.what)) {
-    bytes += (request->mask_words.size() + request->listening.size() + request->attached.size() +
-              request->begun.size()) *
-             sizeof(std::uint64_t);
-  }
+  if (const auto* const endpoint = std::get_if<Endpoint>(&word.what)) bytes += bytes_behind(*endpoint);
+  if (const auto* const request = std::get_if<Request>(&word.what)) bytes += bytes_behind(*request);
   return bytes;
 }
 
@@ -36,6 +43,7 @@ void KeptWords::learn(const Word& word) {
 }
 
 void KeptWords::forget(const Participants::Guid& participant) {
+  if (!counts_.contains(participant)) return;  // each node of the process tells of the same participants
   for (auto kept = words_.begin(); kept != words_.end();) {
     const auto next = std::next(kept);
     if (std::get<Participants::Guid>(kept->first) == participant) drop(kept);
@@ -45,6 +53,7 @@ void KeptWords::forget(const Participants::Guid& participant) {
 
 void KeptWords::clear() {
   words_.clear();
+  counts_.clear();
   bytes_ = 0;
   are_complete_ = true;
 }
@@ -61,6 +70,7 @@ void KeptWords::keep(const Key& key, const Word& word) {
   drop(words_.find(key));
   bytes_ += bytes_of(*word);
   words_.emplace(key, word);
+  ++counts_[std::get<Participants::Guid>(key)];
   if (bytes_ <= bytes_max_) return;
   clear();
   are_complete_ = false;
@@ -69,6 +79,8 @@ void KeptWords::keep(const Key& key, const Word& word) {
 void KeptWords::drop(std::map<Key, Word>::iterator kept) {
   if (kept == words_.end()) return;
   bytes_ -= bytes_of(*kept->second);
+  const auto count = counts_.find(std::get<Participants::Guid>(kept->first));
+  if (--count->second == 0) counts_.erase(count);
   words_.erase(kept);
 }
 

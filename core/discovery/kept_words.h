@@ -43,6 +43,7 @@ class KeptWords {
   std::size_t bytes_ = 0;
   bool are_complete_ = true;
   std::map<Key, Word> words_;
+  std::map<Participants::Guid, std::size_t> counts_;  ///< of the words of each participant
 };
 
 }  // namespace sft::core

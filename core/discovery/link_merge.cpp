@@ -208,13 +208,6 @@ void LinkMerge::refuse_old_requests(Time now) {
       now);
 }
 
-void LinkMerge::index_anew() {
-  by_node_.clear();
-  for (const auto& [id, claims] : endpoints_) {
-    if (const Endpoint* const told = claims.told().endpoint()) by_node_.emplace(told->node_id, id);
-  }
-}
-
 void LinkMerge::forget_old(Time now) {
   if (now < forgets_at_) return;
   forgets_at_ = now + forget_every;
@@ -222,7 +215,7 @@ void LinkMerge::forget_old(Time now) {
   for (auto known = endpoints_.begin(); known != endpoints_.end();)
     known = known->second.forget_before(before) ? endpoints_.erase(known) : std::next(known);
   std::erase_if(departed_, [&](const auto& entry) { return entry.second.at <= before; });
-  if (by_node_.size() > 2 * endpoints_.size()) index_anew();
+  std::erase_if(by_node_, [&](const auto& entry) { return !endpoints_.contains(entry.second); });
   nodes_.forget_before(before);
   speakers_.forget_before(before - limits_.forget_after);
 }

@@ -87,7 +87,6 @@ class LinkMerge {
   void tell_lost_nodes(Time now);
   void refuse_old_requests(Time now);
   void forget_old(Time now);
-  void index_anew();
   EndpointClaims* known(EndpointId id);
   const Endpoint* some_endpoint_of(NodeId node) const;
   const Endpoint* told_of(EndpointId id, NodeId node) const;

@@ -32,8 +32,9 @@ class RemoteEndpoints {
     std::erase_if(writers_, [&](const auto& writer) { return writer.second.participant == participant; });
   }
 
-  void matched(Handle handle, const Participants::Guid& participant) {
-    if (matches_.size() < matches_max) matches_.emplace(handle, participant);
+  /// False if it is known, or there are too many.
+  bool matched(Handle handle, const Participants::Guid& participant) {
+    return matches_.size() < matches_max && matches_.emplace(handle, participant).second;
   }
   /// The participant that had that reader or writer. Nothing if it is not known.
   std::optional<Participants::Guid> unmatched(Handle handle) {
@@ -43,7 +44,7 @@ class RemoteEndpoints {
 
  private:
   static constexpr std::size_t writers_max = 4096;
-  static constexpr std::size_t matches_max = 6 * 4096;  // three topics, a reader and a writer of each
+  static constexpr std::size_t matches_max = 6 * 4096;
 
   std::map<Handle, Writer> writers_;              ///< writers of which something has come
   std::map<Handle, Participants::Guid> matches_;  ///< readers and writers of others

@@ -98,6 +98,15 @@ TEST(KeptWords, AreNotWhatOnlyLivesForAMoment) {
   EXPECT_THAT(kept(words), IsEmpty());
 }
 
+TEST(KeptWords, CountTheRequestWithinAnAnnouncement) {
+  KeptWords words(100'000);
+  Endpoint fat = endpoint(1);
+  fat.request.listening.assign(writers_per_reader_max, 1);
+  fat.request.attached.assign(writers_per_reader_max, 1);
+  for (fat.id = 1; fat.id < 10; ++fat.id) say(words, anna, fat);
+  EXPECT_FALSE(words.are_complete());
+}
+
 // Somebody who announces without end takes no more memory than that.
 TEST(KeptWords, SayThatTheyAreNotCompleteRatherThanGrowWithoutBound) {
   constexpr std::size_t bytes_max = 100'000;
