@@ -9,6 +9,8 @@ namespace sft::core {
 
 /// A moment of the clock that deadlines, pauses and leases are kept by.
 using Time = std::chrono::steady_clock::time_point;
+/// Reads that clock, or one of a test.
+using ReadTime = Time (*)();
 
 /// CLOCK_REALTIME in ns: what samples are stamped with. Comparable between hosts as well as their clocks are.
 inline std::int64_t realtime_ns() noexcept {

@@ -17,7 +17,7 @@ Time CallbackDispatch::call_back(detail::untyped::Sample sample, Time before) {
   ++callback_depth;
   callback_(std::move(sample));
   --callback_depth;
-  const Time done = std::chrono::steady_clock::now();
+  const Time done = now_();
   quick_in_a_row_ = done - before < slow_callback ? quick_in_a_row_ + 1 : 0;
   if (quick_in_a_row_ == 0 || quick_in_a_row_ == quick_again_after) is_slow_.store(quick_in_a_row_ == 0);
   return done;

@@ -18,7 +18,9 @@ class CallbackDispatch {
   enum class Caller : std::uint8_t { dispatcher, transport };
 
   /// The callback outlives this object.
-  explicit CallbackDispatch(const detail::untyped::Callback& callback) : callback_(callback) {}
+  explicit CallbackDispatch(const detail::untyped::Callback& callback,
+                            ReadTime now = &std::chrono::steady_clock::now)
+      : callback_(callback), now_(now) {}
 
   /// Calls back for all samples that `samples` has, with `samples.take()` and `samples.available()`. Returns
   /// at once if a call is under way on another thread: that thread goes on. Returns false if the dispatcher
@@ -50,6 +52,7 @@ class CallbackDispatch {
   Time call_back(detail::untyped::Sample sample, Time before);
 
   const detail::untyped::Callback& callback_;
+  const ReadTime now_;
   // All are sequentially consistent: is_idle() of one thread against the end of dispatch() on another.
   /// Arrivals that are not dispatched yet. The thread that raises it from 0 dispatches.
   std::atomic<std::uint32_t> pending_{0};
@@ -80,7 +83,7 @@ bool CallbackDispatch::call_back_for_arrivals(Caller caller, Samples& samples) {
 template <class Samples>
 bool CallbackDispatch::call_back_for_all(Caller caller, Samples& samples) {
   bool goes_on = true;
-  Time time = std::chrono::steady_clock::now();
+  Time time = now_();
   while (goes_on && !gate_.is_closed()) {
     detail::untyped::Sample sample = samples.take();
     if (!sample) break;

@@ -16,7 +16,7 @@ SubscriberCore::SubscriberCore(Spec spec, Doorbell& bell, std::shared_ptr<Record
               .copies_from_memory = spec_.as_remote != nullptr},
              spec_.requirement.mask),
       waiter_(ports_, bell, spec_.poll_handle.get(), spec_.options.spin),
-      callbacks_(spec_.callback) {
+      callbacks_(spec_.callback, spec_.callback_clock) {
   if (spec_.as_remote == nullptr) return;
   remote_.emplace(type(), spec_.as_remote);
   requests(spec_.requirement.mask, 1);

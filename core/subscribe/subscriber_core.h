@@ -49,6 +49,7 @@ class SubscriberCore final : public ArrivalListener {
     /// takes within a host. But the earlier sample may be lost, and nobody should wait long for that.
     std::chrono::nanoseconds diverted_patience = std::chrono::milliseconds(100);
     std::uint32_t memory_depth = 0;  ///< samples of a writer that shared memory keeps; 0: options.depth
+    ReadTime callback_clock = &std::chrono::steady_clock::now;  ///< tells whether a callback is slow
   };
 
   /// `bell` is rung when samples arrive; `recorder` is null unless the requirement is recorded.
