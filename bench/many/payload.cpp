@@ -20,43 +20,44 @@ sft_bench::Bulk bulk(std::size_t data_bytes) {
   return bulk;
 }
 
-struct CycloneBulk {
-  explicit CycloneBulk(std::size_t data_bytes) : data(data_bytes, 1) {
+class CycloneBulk {
+ public:
+  explicit CycloneBulk(std::size_t data_bytes) : data_(data_bytes, 1) {
     const auto length = static_cast<std::uint32_t>(data_bytes);
-    message.data = {length, length, data.data(), false};
+    message_.data = {length, length, data_.data(), false};
   }
+  sft_bench_Bulk& message() { return message_; }
 
-  std::vector<std::uint8_t> data;
-  sft_bench_Bulk message{};
+ private:
+  std::vector<std::uint8_t> data_;
+  sft_bench_Bulk message_{};
 };
+
+/// `make(data_bytes)` makes SFT's message, and a `CycloneMessage` holds Cyclone's.
+template <class CycloneMessage, class Make>
+Payload payload_of(Make make, const dds_topic_descriptor_t& type, std::size_t data_bytes) {
+  return {.sft =
+              [=](Node& node, const std::string& topic, const PublisherOptions& options) {
+                return sender_of(make(data_bytes), node, topic, options);
+              },
+          .cyclone_type = &type,
+          .cyclone = [=]() -> std::shared_ptr<void> {
+            const auto held = std::make_shared<CycloneMessage>(data_bytes);
+            return {held, &held->message()};
+          }};
+}
 
 }  // namespace
 
 Payload cloud_payload(std::size_t data_bytes) {
-  return {.sft =
-              [=](Node& node, const std::string& topic, const PublisherOptions& options) {
-                return sender_of(cloud(data_bytes), node, topic, options);
-              },
-          .cyclone_type = &sensor_msgs_msg_PointCloud2_desc,
-          .cyclone = [=]() -> std::shared_ptr<void> {
-            const auto cloud = std::make_shared<CyclonePointCloud>(data_bytes);
-            return {cloud, &cloud->message()};
-          }};
+  return payload_of<CyclonePointCloud>(&cloud, sensor_msgs_msg_PointCloud2_desc, data_bytes);
 }
 
 Payload bulk_payload(std::size_t bytes) {
-  const std::size_t data_bytes = bytes - bulk_header_bytes;
-  return {.sft =
-              [=](Node& node, const std::string& topic, const PublisherOptions& options) {
-                return sender_of(bulk(data_bytes), node, topic, options);
-              },
-          .cyclone_type = &sft_bench_Bulk_desc,
-          .cyclone = [=]() -> std::shared_ptr<void> {
-            const auto bulk = std::make_shared<CycloneBulk>(data_bytes);
-            return {bulk, &bulk->message};
-          },
-          .reliable = true,
-          .sample_bytes_max = std::max(bytes, PublisherOptions{}.max_sample_bytes)};
+  Payload payload = payload_of<CycloneBulk>(&bulk, sft_bench_Bulk_desc, bytes - bulk_header_bytes);
+  payload.reliable = true;
+  payload.sample_bytes_max = std::max(bytes, PublisherOptions{}.max_sample_bytes);
+  return payload;
 }
 
 }  // namespace sft::bench

@@ -1,7 +1,5 @@
 #include "core/discovery/control_topic.h"
 
-#include <string>
-
 namespace sft::core {
 
 ControlTopic::~ControlTopic() {
@@ -20,11 +18,11 @@ Result<dds_entity_t> ControlTopic::writer() {
   if (writer_ != 0) return writer_;
   const DdsListener listener(dds_create_listener(matches_.self));
   dds_lset_publication_matched(listener.get(), matches_.on_publication);
-  dds_entity_t made = dds_create_topic(hearer_->participant(), kind_.type, kind_.name, qos_.get(), nullptr);
-  if (made >= 0) made = dds_create_writer(hearer_->participant(), made, qos_.get(), listener.get());
-  if (made < 0)
-    return fail(Errc::system, std::string("control topic ") + kind_.name + ": " + dds_strretcode(made));
-  writer_ = made;
+  const dds_entity_t participant = hearer_->participant();
+  Result<dds_entity_t> made = create_on_topic(participant, kind_, qos_.get(), [&](dds_entity_t topic) {
+    return dds_create_writer(participant, topic, qos_.get(), listener.get());
+  });
+  if (made) writer_ = *made;
   return made;
 }
 

@@ -34,12 +34,6 @@ std::optional<RemoteEndpoints::Writer> writer_of(dds_entity_t reader, const dds_
   return writer;
 }
 
-std::optional<Participants::Guid> speaker_of(dds_entity_t reader, const dds_sample_info_t& info,
-                                             RemoteEndpoints& writers) {
-  const std::optional<RemoteEndpoints::Writer> writer = writer_of(reader, info, writers);
-  return writer ? std::optional(writer->participant) : std::nullopt;
-}
-
 /// Each role has its topic: who listens to one of them only would miss something else.
 ControlWord announcement(const Participants::Guid& speaker, Endpoint endpoint, Role role_of_topic) {
   if (endpoint.role != role_of_topic)
@@ -47,47 +41,57 @@ ControlWord announcement(const Participants::Guid& speaker, Endpoint endpoint, R
   return {speaker, std::move(endpoint)};
 }
 
-/// The state of an instance may have changed since the sample came.
-void add_end(ControlWords& words, const std::optional<Participants::Guid>& speaker, EndpointId id,
-             const dds_sample_info_t& info) {
-  if (speaker && info.instance_state == DDS_IST_NOT_ALIVE_DISPOSED)
-    words.push_back({speaker, EndpointWithdrawn{id}});
-  if (info.instance_state == DDS_IST_NOT_ALIVE_NO_WRITERS) words.push_back({speaker, EndpointUnheard{id}});
+ControlWord said(const RemoteEndpoints::Writer& by, const sft_control_Endpoint& sample) {
+  Result<Endpoint> endpoint = from_dds(sample);
+  if (!endpoint) return {by.participant, SampleMalformed{endpoint.error().message}};
+  return announcement(by.participant, std::move(*endpoint), Role::writer);
 }
 
-ControlWord reader_said(const Participants::Guid& speaker, Result<std::variant<Endpoint, Request>> said) {
-  if (!said) return {speaker, SampleMalformed{said.error().message}};
-  if (auto* const request = std::get_if<Request>(&*said)) return {speaker, std::move(*request)};
-  return announcement(speaker, std::move(std::get<Endpoint>(*said)), Role::reader);
+ControlWord said(const RemoteEndpoints::Writer& by, const sft_control_ReaderWord& sample) {
+  Result<std::variant<Endpoint, Request>> word = from_dds(sample);
+  if (!word) return {by.participant, SampleMalformed{word.error().message}};
+  if (auto* const request = std::get_if<Request>(&*word)) return {by.participant, std::move(*request)};
+  return announcement(by.participant, std::move(std::get<Endpoint>(*word)), Role::reader);
+}
+
+ControlWord said(const RemoteEndpoints::Writer& by, const sft_control_Assertion& sample) {
+  Result<Assertion> assertion = from_dds(sample);
+  if (!assertion) return {by.participant, SampleMalformed{assertion.error().message}};
+  return {by.participant, SignOfLife{std::move(*assertion), by.lease}};
+}
+
+/// The endpoint that ends with the instance of that sample, if any does.
+std::optional<EndpointId> endpoint_of(const sft_control_Endpoint& sample) { return sample.id; }
+std::optional<EndpointId> endpoint_of(const sft_control_ReaderWord& sample) {
+  if (sample.part != static_cast<std::uint8_t>(ReaderPart::announcement)) return std::nullopt;
+  return sample.reader;
+}
+
+template <class Sample>
+ControlWords take_endpoints(dds_entity_t reader, RemoteEndpoints& writers) {
+  ControlWords words;
+  take_all<Sample>(reader, [&](const Sample& sample, const dds_sample_info_t& info) {
+    const std::optional<RemoteEndpoints::Writer> writer = writer_of(reader, info, writers);
+    const auto speaker = writer ? std::optional(writer->participant) : std::nullopt;
+    if (writer && info.valid_data) words.push_back(said(*writer, sample));
+    const std::optional<EndpointId> id = endpoint_of(sample);
+    if (!id) return;
+    // The state of the instance may have changed since the sample came.
+    if (speaker && info.instance_state == DDS_IST_NOT_ALIVE_DISPOSED)
+      words.push_back({speaker, EndpointWithdrawn{*id}});
+    if (info.instance_state == DDS_IST_NOT_ALIVE_NO_WRITERS) words.push_back({speaker, EndpointUnheard{*id}});
+  });
+  return words;
 }
 
 }  // namespace
 
 ControlWords take_writers(dds_entity_t reader, RemoteEndpoints& writers) {
-  ControlWords words;
-  take_all<sft_control_Endpoint>(
-      reader, [&](const sft_control_Endpoint& sample, const dds_sample_info_t& info) {
-        const std::optional<Participants::Guid> speaker = speaker_of(reader, info, writers);
-        if (speaker && info.valid_data) {
-          Result<Endpoint> endpoint = from_dds(sample);
-          words.push_back(endpoint ? announcement(*speaker, std::move(*endpoint), Role::writer)
-                                   : ControlWord{speaker, SampleMalformed{endpoint.error().message}});
-        }
-        add_end(words, speaker, sample.id, info);
-      });
-  return words;
+  return take_endpoints<sft_control_Endpoint>(reader, writers);
 }
 
 ControlWords take_readers(dds_entity_t reader, RemoteEndpoints& writers) {
-  ControlWords words;
-  take_all<sft_control_ReaderWord>(
-      reader, [&](const sft_control_ReaderWord& word, const dds_sample_info_t& info) {
-        const std::optional<Participants::Guid> speaker = speaker_of(reader, info, writers);
-        if (speaker && info.valid_data) words.push_back(reader_said(*speaker, from_dds(word)));
-        if (word.part == static_cast<std::uint8_t>(ReaderPart::announcement))
-          add_end(words, speaker, word.reader, info);
-      });
-  return words;
+  return take_endpoints<sft_control_ReaderWord>(reader, writers);
 }
 
 /// Nodes unregister their signs of life, if they can. Somebody who disposes of them is not the node.
@@ -96,15 +100,7 @@ ControlWords take_assertions(dds_entity_t reader, RemoteEndpoints& writers) {
   take_all<sft_control_Assertion>(
       reader, [&](const sft_control_Assertion& sample, const dds_sample_info_t& info) {
         const std::optional<RemoteEndpoints::Writer> writer = writer_of(reader, info, writers);
-        if (writer && info.valid_data) {
-          Result<Assertion> assertion = from_dds(sample);
-          ControlWord& word = words.emplace_back(writer->participant, SampleMalformed{});
-          if (assertion) {
-            word.what = SignOfLife{std::move(*assertion), writer->lease};
-          } else {
-            word.what = SampleMalformed{assertion.error().message};
-          }
-        }
+        if (writer && info.valid_data) words.push_back(said(*writer, sample));
         if (info.instance_state == DDS_IST_NOT_ALIVE_NO_WRITERS)
           words.push_back({std::nullopt, NodeUnheard{sample.node}});
       });

@@ -61,13 +61,14 @@ Result<void> JointReader::host(const std::shared_ptr<Hearer>& hearer) {
   const DdsListener listener(dds_create_listener(this));
   dds_lset_data_available(listener.get(), &on_data);
   dds_lset_subscription_matched(listener.get(), &on_matched);
-  dds_entity_t made = dds_create_topic(hearer->participant(), kind_.type, kind_.name, qos_.get(), nullptr);
-  if (made >= 0)
-    made = dds_create_reader(hearer->participant(), made, hearing_qos(qos_.get()).get(), listener.get());
-  if (made < 0)
-    return fail(Errc::system, std::string("control topic ") + kind_.name + ": " + dds_strretcode(made));
+  const DdsQos qos = hearing_qos(qos_.get());
+  const dds_entity_t participant = hearer->participant();
+  const Result<dds_entity_t> reader = create_on_topic(
+      participant, kind_, qos_.get(),
+      [&](dds_entity_t topic) { return dds_create_reader(participant, topic, qos.get(), listener.get()); });
+  if (!reader) return tl::unexpected(reader.error());
   host_ = hearer;
-  reader_ = made;
+  reader_ = *reader;
   return {};
 }
 

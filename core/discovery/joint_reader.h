@@ -102,6 +102,17 @@ class JointReader {
   std::atomic<bool> takes_newcomers_{true};
 };
 
+/// Makes the topic in that participant, and an endpoint of it by `create(topic)`.
+template <class Create>
+Result<dds_entity_t> create_on_topic(dds_entity_t participant, const JointReader::Kind& kind,
+                                     const dds_qos_t* qos, Create create) {
+  const dds_entity_t topic = dds_create_topic(participant, kind.type, kind.name, qos, nullptr);
+  const dds_entity_t created = topic < 0 ? topic : create(topic);
+  if (created >= 0) return created;
+  if (topic >= 0) dds_delete(topic);
+  return fail(Errc::system, std::string("control topic ") + kind.name + ": " + dds_strretcode(created));
+}
+
 /// The readers that the nodes of a process share in one Cyclone domain. Any thread.
 class JointReaders {
  public:

@@ -25,13 +25,17 @@ namespace {
 constexpr unsigned hosts = 8;
 constexpr std::size_t samples_counted = 100;
 
-class FanOutTest : public test::BridgeTest, public testing::WithParamInterface<bool> {
+class ManyHostsTest : public test::BridgeTest {
  protected:
   void SetUp() override {
     if (!sft::test::isolation_refusal().empty()) GTEST_SKIP() << sft::test::isolation_refusal();
     if (!make_bridge("") || !test::run("ip address add 10.20.0.1/24 dev bridge && ip link set bridge up"))
       GTEST_SKIP() << "no bridge can be made here";
   }
+};
+
+class FanOutTest : public ManyHostsTest, public testing::WithParamInterface<bool> {
+ protected:
   void make_hosts(const UdpOptions& options) {
     open_publisher(options);
     for (unsigned i = 0; i < hosts; ++i)
@@ -101,12 +105,11 @@ TEST_P(FanOutTest, PutsThemThereByReceiversWhereMulticastIsOff) {
   EXPECT_GT(bytes_of_a_sample(), 3.5 * two_readers);
 }
 
-class PatientFanOutTest : public test::BridgeTest {
+class PatientFanOutTest : public ManyHostsTest {
  protected:
   void SetUp() override {
-    if (!sft::test::isolation_refusal().empty()) GTEST_SKIP() << sft::test::isolation_refusal();
-    if (!make_bridge("") || !test::run("ip address add 10.20.0.1/24 dev bridge && ip link set bridge up"))
-      GTEST_SKIP() << "no bridge can be made here";
+    ManyHostsTest::SetUp();
+    if (IsSkipped()) return;
     open_publisher();
     publisher_ = std::make_unique<test::Publisher>(*writer_, test::Publisher::usual_id, 0, nullptr, false,
                                                    test::patience);
@@ -145,12 +148,11 @@ struct Masks {
   bool reliable;
 };
 /// Each reader has a mask of its own. There are several readers on each of the eight hosts.
-class ManyMasksTest : public test::BridgeTest, public testing::WithParamInterface<Masks> {
+class ManyMasksTest : public ManyHostsTest, public testing::WithParamInterface<Masks> {
  protected:
   void SetUp() override {
-    if (!sft::test::isolation_refusal().empty()) GTEST_SKIP() << sft::test::isolation_refusal();
-    if (!make_bridge("") || !test::run("ip address add 10.20.0.1/24 dev bridge && ip link set bridge up"))
-      GTEST_SKIP() << "no bridge can be made here";
+    ManyHostsTest::SetUp();
+    if (IsSkipped()) return;
     open_publisher();
     for (unsigned host = 0; host < hosts; ++host) {
       std::vector<std::string> masks;
