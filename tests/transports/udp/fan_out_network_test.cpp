@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "tests/transports/udp/bridge_fixture.h"
+#include "tests/transports/udp/sample_tap.h"
 #include "udp_transport/multicast/multicast_plan.h"
 #include "udp_transport/multicast/probe_schedule.h"
 #include "udp_transport/reliable/resend_limits.h"
@@ -90,11 +91,15 @@ TEST_P(FanOutTest, SendsTheNextSampleToGroupsAloneOnceTheirMembersWereProbed) {
     if (probes_have_ended) publish();  // a busy machine was slower than all probes
     return false;
   })) << publisher_->port().multicast(1);
-  const std::uint32_t before = test::traffic_of("bridge").sent;
+  test::SampleTap tap("bridge");
+  ASSERT_TRUE(tap.is_open());
   publish();
   EXPECT_TRUE(all_came());
-  const double next = test::traffic_of("bridge").sent - before;
-  EXPECT_LE(next, 1.05 * bytes_of_a_sample());
+  const std::size_t next = tap.bytes();
+  EXPECT_GT(next, data_bytes + name_bytes);
+  publish();
+  EXPECT_TRUE(all_came());
+  EXPECT_EQ(next, tap.bytes());
 }
 
 TEST_P(FanOutTest, PutsThemThereByReceiversWhereMulticastIsOff) {

@@ -1,0 +1,73 @@
+// Counts the bytes of samples that an interface of this host sends. Counters of the interface have also what
+// is sent when it is due, not with a sample: heartbeats, offers, and what the kernel says by itself.
+#pragma once
+
+#include <arpa/inet.h>
+#include <linux/if_packet.h>
+#include <net/ethernet.h>
+#include <net/if.h>
+#include <netinet/ip.h>
+#include <netinet/udp.h>
+#include <sys/socket.h>
+
+#include <cstddef>
+#include <cstring>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/platform/file_descriptor.h"
+#include "udp_transport/wire/datagram.h"
+
+namespace sft::udp::test {
+
+class SampleTap {
+ public:
+  explicit SampleTap(const std::string& interface)
+      : socket_(::socket(AF_PACKET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, htons(ETH_P_ALL))) {
+    sockaddr_ll place{};
+    place.sll_family = AF_PACKET;
+    place.sll_protocol = htons(ETH_P_ALL);
+    place.sll_ifindex = static_cast<int>(::if_nametoindex(interface.c_str()));
+    open_ = ::bind(socket_.get(), reinterpret_cast<const sockaddr*>(&place), sizeof place) == 0;
+  }
+  bool is_open() const { return open_; }
+
+  /// Since the last call: datagrams of IPv4 that carry samples, with headers of ours.
+  std::size_t bytes() {
+    std::size_t sum = 0;
+    sockaddr_ll from{};
+    for (;;) {
+      socklen_t from_bytes = sizeof from;
+      const ssize_t bytes = ::recvfrom(socket_.get(), frame_.data(), frame_.size(), 0,
+                                       reinterpret_cast<sockaddr*>(&from), &from_bytes);
+      if (bytes < 0) return sum;
+      if (from.sll_pkttype == PACKET_OUTGOING && from.sll_protocol == htons(ETH_P_IP))
+        sum += bytes_of_samples(std::span(frame_).first(static_cast<std::size_t>(bytes)));
+    }
+  }
+
+ private:
+  static std::size_t bytes_of_samples(std::span<const std::byte> frame) {
+    iphdr ip{};
+    if (frame.size() < sizeof ip) return 0;
+    std::memcpy(&ip, frame.data(), sizeof ip);
+    const std::size_t headers_bytes = ip.ihl * std::size_t{4} + sizeof(udphdr);
+    if (ip.protocol != IPPROTO_UDP || frame.size() <= headers_bytes) return 0;
+    switch (static_cast<DatagramKind>(std::to_integer<unsigned>(frame[headers_bytes]) & 0xFU)) {
+      case DatagramKind::first:
+      case DatagramKind::following:
+      case DatagramKind::packed:
+      case DatagramKind::whole:
+        return frame.size() - headers_bytes;
+      default:
+        return 0;
+    }
+  }
+
+  core::FileDescriptor socket_;
+  bool open_ = false;
+  std::vector<std::byte> frame_ = std::vector<std::byte>(65'536);
+};
+
+}  // namespace sft::udp::test
