@@ -63,6 +63,7 @@ class UdpTransport final : public core::Network {
       destinations_looked_after_at_ = now;
       send_side_->destinations.look_after(now, anew);
     }
+    if (send_side_->pool != nullptr) send_side_->pool->stock();
     return receiver_->broken() ? core::Availability::unavailable : core::Availability::ready;
   }
 

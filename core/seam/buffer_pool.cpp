@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <new>
+#include <utility>
 
 namespace sft::core {
 
@@ -25,6 +26,11 @@ constexpr std::size_t class_for(std::size_t bytes) {
   const std::size_t below = shift - 1 - min_shift;
   return bytes <= capacity_of(below) ? below : below + 1;
 }
+
+/// The smallest that stock() keeps ready, the part of the limit that one buffer may take for that, and the
+/// number of buffers: one may be taken while the other one is made.
+constexpr std::size_t stocked_bytes_min = 256 * 1024, stocked_part_max = 8, stocked = 2;
+constexpr std::size_t page_bytes = 4096;  // or more
 
 constexpr std::size_t huge_page_bytes = std::size_t{2} << 20;
 
@@ -73,6 +79,7 @@ SampleHandle BufferPool::take(std::size_t bytes, std::size_t leave_bytes) noexce
       buffer = list.back();
       list.pop_back();
     }
+    if (list.size() < stocked) wanted_.set(size_class);
   }
   if (buffer == nullptr) buffer = make_buffer(capacity);
   if (buffer == nullptr) {
@@ -110,11 +117,17 @@ void BufferPool::take_kept(std::size_t bytes, std::size_t leave_bytes, std::size
 
 SampleBuffer* BufferPool::make_buffer(std::size_t capacity) noexcept {
   shrink(capacity);
-  {
-    const Lock lock(mutex_);
-    if (held_bytes_ + capacity > limit_bytes_) return nullptr;
-    held_bytes_ += capacity;
-  }
+  return reserve(capacity) ? make_reserved(capacity) : nullptr;
+}
+
+bool BufferPool::reserve(std::size_t capacity) noexcept {
+  const Lock lock(mutex_);
+  if (held_bytes_ + capacity > limit_bytes_) return false;
+  held_bytes_ += capacity;
+  return true;
+}
+
+SampleBuffer* BufferPool::make_reserved(std::size_t capacity) noexcept {
   auto* buffer = new (std::nothrow) SampleBuffer;
   std::byte* const data = allocate(capacity);
   if (buffer == nullptr || data == nullptr) {
@@ -127,6 +140,41 @@ SampleBuffer* BufferPool::make_buffer(std::size_t capacity) noexcept {
   buffer->data = data;
   buffer->capacity = capacity;
   return buffer;
+}
+
+void BufferPool::expect(std::size_t bytes) noexcept {
+  const std::size_t size_class = class_for(bytes);
+  if (size_class >= classes) return;
+  const Lock lock(mutex_);
+  wanted_.set(size_class);
+}
+
+void BufferPool::stock() noexcept {
+  std::bitset<classes> wanted;
+  {
+    const Lock lock(mutex_);
+    wanted = std::exchange(wanted_, {});
+  }
+  for (std::size_t size_class = class_for(stocked_bytes_min); size_class < classes; ++size_class) {
+    if (wanted.test(size_class) && capacity_of(size_class) <= limit_bytes_ / stocked_part_max)
+      while (stock_one(size_class)) {
+      }
+  }
+}
+
+/// False if there are enough, or there is no memory for more.
+bool BufferPool::stock_one(std::size_t size_class) noexcept {
+  const std::size_t capacity = capacity_of(size_class);
+  {
+    const Lock lock(mutex_);
+    if (free_[size_class].size() >= stocked) return false;
+  }
+  SampleBuffer* const buffer = reserve(capacity) ? make_reserved(capacity) : nullptr;
+  if (buffer == nullptr) return false;
+  for (std::size_t at = 0; at < capacity; at += page_bytes) buffer->data[at] = std::byte{};
+  const Lock lock(mutex_);
+  keep(*buffer);
+  return true;
 }
 
 /// Frees kept buffers of other sizes until `needed` bytes fit within the limit.
@@ -151,6 +199,10 @@ void BufferPool::shrink(std::size_t needed) noexcept {
 void BufferPool::recycle(SampleBuffer& buffer) noexcept {
   const Lock lock(mutex_);
   lent_bytes_ -= buffer.capacity;
+  keep(buffer);
+}
+
+void BufferPool::keep(SampleBuffer& buffer) noexcept {
   try {
     free_[class_for(buffer.capacity)].push_back(&buffer);
   } catch (const std::bad_alloc&) {

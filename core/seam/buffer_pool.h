@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <cstddef>
 #include <memory>
 #include <vector>
@@ -30,6 +31,13 @@ class BufferPool final : public BufferOwner, public std::enable_shared_from_this
   void take_kept(std::size_t bytes, std::size_t leave_bytes, std::size_t count,
                  std::vector<SampleHandle>& buffers);
 
+  /// Buffers of that size may be needed soon: stock() makes some ready. Any thread.
+  void expect(std::size_t bytes) noexcept;
+  /// Keeps two buffers ready of each large size that is expected, or of which less are left since some were
+  /// taken. Their memory has been used once: the system gives memory at its first use, which takes longer
+  /// than a copy, on some machines many times. To be called now and then, by a thread for which nobody waits.
+  void stock() noexcept;
+
   std::size_t limit_bytes() const { return limit_bytes_; }
 
   void recycle(SampleBuffer& buffer) noexcept override;
@@ -39,11 +47,17 @@ class BufferPool final : public BufferOwner, public std::enable_shared_from_this
   explicit BufferPool(std::size_t limit_bytes) : limit_bytes_(limit_bytes) {}
   SampleHandle hand_out(SampleBuffer& buffer, std::shared_ptr<BufferOwner> self) noexcept;
   SampleBuffer* make_buffer(std::size_t capacity) noexcept;
+  /// False if the limit does not allow it.
+  bool reserve(std::size_t capacity) noexcept;
+  SampleBuffer* make_reserved(std::size_t capacity) noexcept;
+  bool stock_one(std::size_t size_class) noexcept;
+  void keep(SampleBuffer& buffer) noexcept SFT_REQUIRES(mutex_);
   void shrink(std::size_t needed) noexcept;
 
   Mutex mutex_ SFT_ACQUIRED_AFTER(lock_order::jobs);  // held for a few instructions, never over an allocation
   std::array<std::vector<SampleBuffer*>, classes> free_ SFT_GUARDED_BY(mutex_);
-  std::size_t held_bytes_ SFT_GUARDED_BY(mutex_) = 0;  ///< lent and kept
+  std::bitset<classes> wanted_ SFT_GUARDED_BY(mutex_);  ///< sizes that stock() has to look at
+  std::size_t held_bytes_ SFT_GUARDED_BY(mutex_) = 0;   ///< lent and kept
   std::size_t lent_bytes_ SFT_GUARDED_BY(mutex_) = 0;
   const std::size_t limit_bytes_;
 };

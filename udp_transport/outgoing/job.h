@@ -142,6 +142,7 @@ class JobPool : public std::enable_shared_from_this<JobPool> {
   /// Returns a job without a sample.
   JobHandle take();
 
+  bool has_borrowed() const { return borrowed_samples_.load(std::memory_order_relaxed) > 0; }
   /// True if one more sample of so much borrowed memory may be held.
   bool may_borrow(std::size_t bytes) const {
     const std::size_t samples = borrowed_samples_.load(std::memory_order_relaxed);

@@ -7,12 +7,13 @@ namespace sft::udp {
 void Draft::keep_in_channels(const core::SampleHandle& sample,
                              const std::shared_ptr<core::BufferPool>& pool) {
   if (pool == nullptr || sample->owner == pool) return keep(sample);
+  const std::size_t copy_bytes = std::max(handle_->projection.bytes(), sizeof(detail::SampleHeader));
   if (jobs_->may_borrow(sample->capacity)) {
+    if (jobs_->has_borrowed()) pool->expect(copy_bytes);  // a reader may be about to lag
     keep(sample);
     return handle_->borrow();
   }
-  core::SampleHandle copy = pool->take(std::max(handle_->projection.bytes(), sizeof(detail::SampleHeader)),
-                                       pool->limit_bytes() / 4);
+  core::SampleHandle copy = pool->take(copy_bytes, pool->limit_bytes() / 4);
   copy ? handle_->copy_body(std::move(copy)) : handle_->copy_body();
   is_kept_ = true;
 }

@@ -1,10 +1,12 @@
 #include "core/seam/buffer_pool.h"
 
 #include <gtest/gtest.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -28,6 +30,64 @@ TEST(BufferPoolTest, AReleasedBufferIsUsedAgain) {
   const std::byte* memory = buffer->data;
   buffer.reset();
   EXPECT_EQ(pool->take(900)->data, memory);
+}
+
+constexpr std::size_t large_bytes = 4'000'000;
+
+/// True if the system has given memory for all of it.
+bool is_resident(const SampleHandle& buffer) {
+  constexpr std::size_t page_bytes = 4096;
+  const auto begin = reinterpret_cast<std::uintptr_t>(buffer->data) / page_bytes * page_bytes;
+  std::vector<unsigned char> pages(buffer->capacity / page_bytes);
+  EXPECT_EQ(mincore(reinterpret_cast<void*>(begin), pages.size() * page_bytes, pages.data()), 0);
+  return std::ranges::all_of(pages, [](unsigned char page) { return (page & 1U) != 0; });
+}
+
+TEST(BufferPoolTest, ALargeBufferIsReadyOnceOneWasTaken) {
+  const auto pool = BufferPool::make(256 << 20);
+  const SampleHandle first = pool->take(large_bytes);
+  ASSERT_TRUE(first);
+  EXPECT_FALSE(is_resident(first)) << "the next expectation would say nothing";
+  pool->stock();
+  const SampleHandle second = pool->take(large_bytes);
+  ASSERT_TRUE(second);
+  EXPECT_TRUE(is_resident(second));
+}
+
+TEST(BufferPoolTest, LargeBuffersThatAreExpectedAreReadyBeforeTheFirstOneIsTaken) {
+  const auto pool = BufferPool::make(256 << 20);
+  pool->expect(large_bytes);
+  pool->stock();
+  const SampleHandle first = pool->take(large_bytes), second = pool->take(large_bytes);
+  ASSERT_TRUE(first && second);
+  EXPECT_TRUE(is_resident(first) && is_resident(second));
+}
+
+TEST(BufferPoolTest, StocksNothingThatIsSmallOrWasNotTakenOrIsStillKept) {
+  const auto pool = BufferPool::make(256 << 20);
+  const auto stocked = [&](std::size_t bytes) {
+    pool->stock();
+    std::vector<SampleHandle> kept;
+    pool->take_kept(bytes, 0, 10, kept);
+    return kept.size();
+  };
+  EXPECT_EQ(stocked(large_bytes), 0U);
+  const SampleHandle small = pool->take(10'000);
+  EXPECT_EQ(stocked(10'000), 0U);
+  SampleHandle first = pool->take(large_bytes), second = pool->take(large_bytes);
+  first.reset();
+  second.reset();
+  EXPECT_EQ(stocked(large_bytes), 2U) << "they are those that came back";
+}
+
+TEST(BufferPoolTest, StocksNothingThatWouldTakeTooMuchOfTheLimit) {
+  const auto pool = BufferPool::make(2 * large_bytes);
+  const SampleHandle first = pool->take(large_bytes);
+  ASSERT_TRUE(first);
+  pool->stock();
+  std::vector<SampleHandle> kept;
+  pool->take_kept(large_bytes, 0, 10, kept);
+  EXPECT_TRUE(kept.empty());
 }
 
 TEST(BufferPoolTest, ABufferGoesBackOnlyWithItsLastHandle) {
