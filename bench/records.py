@@ -43,6 +43,8 @@ def keep(folder, name, figures, about, written):
                       if os.path.isfile(one)), None)
         if found:
             shutil.copyfile(found, os.path.join(folder, file))
+        elif os.path.isfile(os.path.join(folder, file)):
+            os.remove(os.path.join(folder, file))  # of an earlier run, which is not what `about` tells of
 
 
 def load(folder, names=None):

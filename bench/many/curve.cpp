@@ -13,16 +13,18 @@ namespace sft::bench {
 
 namespace {
 
-constexpr const char* cyclone = "Cyclone DDS";
+/// Costs that do not grow have exponents near 0, of which neither a ratio nor a bar says anything.
+constexpr const char* unit_of_exponents = "exponent";
 
 std::string cell(double value) { return fmt::format(" {:>13.{}f}", value, std::abs(value) < 100 ? 2 : 0); }
 
 }  // namespace
 
-Curve::Curve(std::string name, std::vector<std::size_t> sizes, std::vector<Cost> costs)
+Curve::Curve(std::string name, std::vector<std::size_t> sizes, std::vector<Cost> costs, std::string reference)
     : name_(std::move(name)),
       sizes_(std::move(sizes)),
       costs_(std::move(costs)),
+      reference_(std::move(reference)),
       tallies_(costs_.size(), std::vector<Tally>(sizes_.size())) {}
 
 std::size_t Curve::index_of(std::size_t size) const {
@@ -34,7 +36,7 @@ void Curve::add_ours(std::size_t size, const std::vector<double>& values) {
     tallies_[cost][index_of(size)].add_ours(values[cost]);
 }
 
-void Curve::add_cyclone(std::size_t size, const std::vector<double>& values) {
+void Curve::add_reference(std::size_t size, const std::vector<double>& values) {
   for (std::size_t cost = 0; cost < costs_.size(); ++cost)
     tallies_[cost][index_of(size)].add_reference(values[cost]);
 }
@@ -46,14 +48,14 @@ std::vector<Figure> Curve::figures() const {
     std::vector<std::pair<double, double>> ours, theirs;
     for (std::size_t i = 0; i < sizes_.size(); ++i) {
       const std::string name = fmt::format("{}_{}_{}", name_, sizes_[i], cost_name);
-      figures.push_back(tallies_[cost][i].figure(name, unit, cyclone, {}));
+      figures.push_back(tallies_[cost][i].figure(name, unit, reference_, {}));
       const double value = figures.back().value, reference = *figures.back().reference;
       if (!std::isfinite(value) || !std::isfinite(reference)) continue;
       ours.emplace_back(sizes_[i], value);
       theirs.emplace_back(sizes_[i], reference);
     }
-    figures.push_back({fmt::format("{}_exponent_{}", name_, cost_name), exponent(ours), "", exponent(theirs),
-                       std::string("that of ") + cyclone});
+    figures.push_back({fmt::format("{}_exponent_{}", name_, cost_name), exponent(ours), unit_of_exponents,
+                       exponent(theirs), "that of " + reference_});
   }
   return figures;
 }
@@ -71,7 +73,7 @@ std::string Curve::table() const {
       theirs += cell(*figure->reference);
     }
     text += fmt::format("{:<23}{:<13}{}\n{:<23}{:<13}{}\n", fmt::format("{}, {}", cost.name, cost.unit),
-                        "SFT", ours, "", cyclone, theirs);
+                        "SFT", ours, "", reference_, theirs);
   }
   return text;
 }

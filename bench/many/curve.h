@@ -17,12 +17,14 @@ class Curve {
     std::string unit;
   };
 
-  Curve(std::string name, std::vector<std::size_t> sizes, std::vector<Cost> costs);
+  /// `reference`: what the costs are compared with.
+  Curve(std::string name, std::vector<std::size_t> sizes, std::vector<Cost> costs,
+        std::string reference = "Cyclone DDS");
 
   /// Adds a round at one of the sizes. There is a value for each cost, which is not a number if it was not
   /// measured.
   void add_ours(std::size_t size, const std::vector<double>& values);
-  void add_cyclone(std::size_t size, const std::vector<double>& values);
+  void add_reference(std::size_t size, const std::vector<double>& values);
 
   /// NAME_SIZE_COST, the medians, and NAME_exponent_COST. An exponent is that of the sizes that both
   /// contenders have carried, so that both exponents are of the same range.
@@ -38,6 +40,7 @@ class Curve {
   std::string name_;
   std::vector<std::size_t> sizes_;
   std::vector<Cost> costs_;
+  std::string reference_;
   std::vector<std::vector<Tally>> tallies_;  ///< of each cost, at each size
 };
 

@@ -38,11 +38,11 @@ void measure(const Case& of, const std::vector<Point>& points) {
   const std::vector<Costs> theirs = SampleCosts<CycloneMember>(of).wait();
   for (const Point& point : points) {
     point.curve.add_ours(point.size, values(ours[point.phase]));
-    point.curve.add_cyclone(point.size, values(theirs[point.phase]));
+    point.curve.add_reference(point.size, values(theirs[point.phase]));
   }
 }
 
-/// Reader by reader, so many different masks.
+/// The readers take turns at so many different masks.
 Fields masks(std::size_t count) {
   return [=](std::size_t reader) { return own_fields_and_data(reader % count); };
 }
@@ -99,7 +99,7 @@ struct FieldCurves {
     const TwoHosts hosts;
     const std::uint64_t requests = scale.quick ? 30 : 200;
     response.add_ours(count, {median_if_any(response_times<SecondField<Message>>(hosts, requests))});
-    response.add_cyclone(count, {median_if_any(dds_write_times(hosts, requests))});
+    response.add_reference(count, {median_if_any(dds_write_times(hosts, requests))});
   }
   void measure_all(const ManyScale& scale) {
     using namespace sft_bench::growth;
@@ -111,7 +111,7 @@ struct FieldCurves {
 
   static inline const std::vector<std::size_t> counts{8, 32, 128, 512};
   Curve one{"growth_fields", counts, costs_of_sample}, half{"growth_fields_half", counts, costs_of_sample},
-      response{"growth_fields", counts, {{"response", "us"}}};
+      response{"growth_fields", counts, {{"response", "us"}}, "dds_write to a listener"};
 };
 
 std::vector<Figure> report_of(const std::vector<Curve>& curves) {

@@ -30,7 +30,7 @@ struct Case {
   std::size_t hosts;
   Payload payload;
   std::vector<Fields> phases;  ///< what the same readers ask for, one after the other
-  double settling_s;           ///< for which samples are sent before those that count; 0: none are
+  double settling_s;  ///< for which samples are sent until the bytes settle; 0: it does not wait for that
   std::uint64_t samples;
   std::int64_t period_us;
   std::int64_t calm_us = 1'000'000;  ///< a time in which discovery sends next to nothing is a sign of its end

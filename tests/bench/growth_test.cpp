@@ -35,8 +35,8 @@ TEST(BenchCurve, HasTheMediansOfEachSizeAndTheExponentsOfBothContenders) {
   Curve curve("growth_readers", {1, 4}, {{"bytes", "B"}});
   for (const double bytes : {100., 90., 5000.}) curve.add_ours(1, {bytes});
   curve.add_ours(4, {1600});
-  curve.add_cyclone(1, {200});
-  curve.add_cyclone(4, {200});
+  curve.add_reference(1, {200});
+  curve.add_reference(4, {200});
   const std::vector<Figure> figures = curve.figures();
   ASSERT_EQ(figures.size(), 3u);
   EXPECT_EQ(figures[0].name, "growth_readers_1_bytes");
@@ -53,9 +53,9 @@ TEST(BenchCurve, TakesBothExponentsOverTheSizesThatBothHaveCarried) {
   curve.add_ours(25, {1});
   curve.add_ours(50, {2});
   curve.add_ours(100, {unknown});
-  curve.add_cyclone(25, {1});
-  curve.add_cyclone(50, {4});
-  curve.add_cyclone(100, {1000});
+  curve.add_reference(25, {1});
+  curve.add_reference(50, {4});
+  curve.add_reference(100, {1000});
   const std::vector<Figure> figures = curve.figures();
   EXPECT_TRUE(std::isnan(figures[2].value));
   EXPECT_NEAR(figures.back().value, 1, 1e-9);

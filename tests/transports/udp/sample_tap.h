@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "core/platform/file_descriptor.h"
+#include "tests/support/parse_datagram.h"
 #include "udp_transport/wire/datagram.h"
 
 namespace sft::udp::test {
@@ -24,16 +25,18 @@ namespace sft::udp::test {
 class SampleTap {
  public:
   explicit SampleTap(const std::string& interface)
-      : socket_(::socket(AF_PACKET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, htons(ETH_P_ALL))) {
+      : socket_(::socket(AF_PACKET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)) {  // hears nothing yet
     sockaddr_ll place{};
     place.sll_family = AF_PACKET;
     place.sll_protocol = htons(ETH_P_ALL);
     place.sll_ifindex = static_cast<int>(::if_nametoindex(interface.c_str()));
-    open_ = ::bind(socket_.get(), reinterpret_cast<const sockaddr*>(&place), sizeof place) == 0;
+    open_ = place.sll_ifindex > 0 &&  // 0: all of them
+            ::bind(socket_.get(), reinterpret_cast<const sockaddr*>(&place), sizeof place) == 0;
   }
   bool is_open() const { return open_; }
 
-  /// Since the last call: datagrams of IPv4 that carry samples, with headers of ours.
+  /// The bytes of the datagrams that have carried samples over IPv4 since the last call, with headers of
+  /// ours.
   std::size_t bytes() {
     std::size_t sum = 0;
     sockaddr_ll from{};
@@ -54,12 +57,13 @@ class SampleTap {
     std::memcpy(&ip, frame.data(), sizeof ip);
     const std::size_t headers_bytes = ip.ihl * std::size_t{4} + sizeof(udphdr);
     if (ip.protocol != IPPROTO_UDP || frame.size() <= headers_bytes) return 0;
-    switch (static_cast<DatagramKind>(std::to_integer<unsigned>(frame[headers_bytes]) & 0xFU)) {
+    const auto datagrams = frame.subspan(headers_bytes);  // offloads join several of a kind
+    switch (kind_of(datagrams).value_or(DatagramKind::heartbeat)) {
       case DatagramKind::first:
       case DatagramKind::following:
       case DatagramKind::packed:
       case DatagramKind::whole:
-        return frame.size() - headers_bytes;
+        return datagrams.size();
       default:
         return 0;
     }

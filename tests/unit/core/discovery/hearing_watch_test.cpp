@@ -290,7 +290,7 @@ TEST_F(HearingWatchTest, GivesAnnouncementsTimeWhileOtherNodesStart) {
   EXPECT_EQ(deaf, Missing::announcements);
 }
 
-// They are still told everything, as all others are.
+// Nodes that start in a crowd are told everything at the same time.
 TEST_F(HearingWatchTest, GivesNodesOfACrowdMoreTimeUntilTheyHaveAgreedOnce) {
   for (AnnouncerId other = 100; other < 150; ++other) comes({lan, other}, other);
   const auto pass_in_a_crowd = [&](std::chrono::milliseconds duration, std::uint32_t said) {
