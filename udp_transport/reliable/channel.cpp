@@ -74,7 +74,7 @@ std::optional<Channel::Posted> Channel::post_ahead(const JobHandle& job, const F
   return posted;
 }
 
-bool Channel::has_room(const Job& job, std::chrono::nanoseconds* patience) {
+bool Channel::await_room(const Job& job, std::chrono::nanoseconds* patience) {
   core::Lock lock(mutex_);
   if (patience != nullptr) wait_for_room(job, *patience, lock);
   return has_room_for(job);

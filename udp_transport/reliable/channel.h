@@ -64,10 +64,10 @@ class Channel {
                                    std::chrono::nanoseconds* patience = nullptr);
   /// True if the sample is neither acknowledged nor given up.
   bool keeps(std::uint64_t ordinal);
-  /// True if the job can be posted, and no older sample has to be given up for it. Waits for that as post()
-  /// does.
-  bool has_room(const Job& job, std::chrono::nanoseconds* patience = nullptr);
-  /// The same, for the sending thread: if there is no room, hear() tells when to look again.
+  /// Waits as post() does until the job can be posted, and no older sample has to be given up for it. False
+  /// if there is no room for it then.
+  bool await_room(const Job& job, std::chrono::nanoseconds* patience);
+  /// The same without waiting, for the sending thread: if there is no room, hear() tells when to look again.
   bool has_room_or_tells(const Job& job);
   /// True if all channels of the node together keep so much that a channel that keeps `bytes` has to give
   /// some up.

@@ -40,7 +40,7 @@ void GroupDelivery::await_room(const Audience& audience) {
   std::chrono::nanoseconds* const patience = unicast_.reliable.patience();
   if (patience == nullptr) return;
   for (const std::shared_ptr<Channel>& channel : audience.channels) {
-    if (channel != nullptr) (void)channel->has_room(draft_.job(), patience);
+    if (channel != nullptr) channel->await_room(draft_.job(), patience);
   }
 }
 

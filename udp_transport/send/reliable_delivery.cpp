@@ -19,7 +19,8 @@ std::size_t ReliableDelivery::send(const std::shared_ptr<Lane>& lane,
   Job& job = draft_.job();
   const std::size_t job_samples = job.samples();
   const bool small = job.is_small();
-  if (lane->is_late() && (!lane->idle() || !channel->has_room(job))) return send_after_history(lane);
+  if (lane->is_late() && (!lane->idle() || !channel->await_room(job, nullptr)))
+    return send_after_history(lane);
   if (lane->is_late()) lane->mark(job);
   if (small) draft_.copy_for_channel();
   const Clock::time_point now = Clock::now();
