@@ -12,8 +12,6 @@ DdsQos control_qos() {
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);
   // A killed node's endpoints must end as "no writers", not as "disposed": only withdrawing disposes of them.
   dds_qset_writer_data_lifecycle(qos.get(), false);
-  // Other nodes of the process hear by this participant what it says.
-  dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_NONE);
   return qos;
 }
 
@@ -23,8 +21,6 @@ DdsQos assertion_qos(const LifeSigns& signs) {
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 16);
   dds_qset_liveliness(qos.get(), DDS_LIVELINESS_MANUAL_BY_TOPIC, DDS_MSECS(signs.lease.count()));
   dds_qset_writer_data_lifecycle(qos.get(), false);
-  // Other nodes of the process hear by this participant what it says.
-  dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_NONE);
   return qos;
 }
 

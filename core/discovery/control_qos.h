@@ -17,6 +17,9 @@ struct QosDeleter {
 };
 using DdsQos = std::unique_ptr<dds_qos_t, QosDeleter>;
 
+// A reader that nodes of a process share may belong to the participant of a writer, and hears that one, too.
+// So no policy here makes Cyclone leave out what the own participant writes (IGNORELOCAL).
+
 /// For endpoints and requests: reliable, and kept for participants that come later.
 DdsQos control_qos();
 /// For signs of life, which are repeated. Their lease is Cyclone's to watch, and covers all that is written.

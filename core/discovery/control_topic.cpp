@@ -1,5 +1,7 @@
 #include "core/discovery/control_topic.h"
 
+#include "core/discovery/topic_endpoint.h"
+
 namespace sft::core {
 
 ControlTopic::~ControlTopic() {
@@ -7,11 +9,14 @@ ControlTopic::~ControlTopic() {
 }
 
 Result<void> ControlTopic::hear() {
-  if (reader_ != nullptr) return reader_->join(hearer_);
-  std::shared_ptr<JointReader> reader = readers_.of(kind_, qos_.get());
-  Result<void> joined = reader->join(hearer_);
-  if (joined) reader_ = std::move(reader);
-  return joined;
+  for (;;) {
+    std::shared_ptr<JointReader> reader = reader_ == nullptr ? readers_.of(kind_, qos_.get()) : reader_;
+    const Result<bool> joined = reader->join(hearer_);
+    if (!joined) return tl::unexpected(joined.error());
+    if (!*joined) continue;  // there is another one now
+    reader_ = std::move(reader);
+    return {};
+  }
 }
 
 Result<dds_entity_t> ControlTopic::writer() {
@@ -19,7 +24,7 @@ Result<dds_entity_t> ControlTopic::writer() {
   const DdsListener listener(dds_create_listener(matches_.self));
   dds_lset_publication_matched(listener.get(), matches_.on_publication);
   const dds_entity_t participant = hearer_->participant();
-  Result<dds_entity_t> made = create_on_topic(participant, kind_, qos_.get(), [&](dds_entity_t topic) {
+  Result<dds_entity_t> made = create_on_topic(participant, kind_.topic, qos_.get(), [&](dds_entity_t topic) {
     return dds_create_writer(participant, topic, qos_.get(), listener.get());
   });
   if (made) writer_ = *made;

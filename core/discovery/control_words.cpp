@@ -23,13 +23,13 @@ std::optional<Participants::Guid> participant_of(const MatchedEndpoint& matched)
 }
 
 /// Empty if the writer is gone already and was not heard before: then nobody stands behind the sample.
-std::optional<RemoteEndpoints::Writer> writer_of(dds_entity_t reader, const dds_sample_info_t& info,
-                                                 RemoteEndpoints& writers) {
+std::optional<RemoteWriters::Writer> writer_of(dds_entity_t reader, const dds_sample_info_t& info,
+                                               RemoteWriters& writers) {
   if (const auto known = writers.writer(info.publication_handle)) return known;
   const MatchedEndpoint matched(dds_get_matched_publication_data(reader, info.publication_handle));
   const std::optional<Participants::Guid> participant = participant_of(matched);
   if (!participant) return std::nullopt;
-  const RemoteEndpoints::Writer writer{*participant, liveliness_lease(matched->qos)};
+  const RemoteWriters::Writer writer{*participant, liveliness_lease(matched->qos)};
   writers.enter(info.publication_handle, writer);
   return writer;
 }
@@ -41,20 +41,20 @@ ControlWord announcement(const Participants::Guid& speaker, Endpoint endpoint, R
   return {speaker, std::move(endpoint)};
 }
 
-ControlWord said(const RemoteEndpoints::Writer& by, const sft_control_Endpoint& sample) {
+ControlWord said(const RemoteWriters::Writer& by, const sft_control_Endpoint& sample) {
   Result<Endpoint> endpoint = from_dds(sample);
   if (!endpoint) return {by.participant, SampleMalformed{endpoint.error().message}};
   return announcement(by.participant, std::move(*endpoint), Role::writer);
 }
 
-ControlWord said(const RemoteEndpoints::Writer& by, const sft_control_ReaderWord& sample) {
+ControlWord said(const RemoteWriters::Writer& by, const sft_control_ReaderWord& sample) {
   Result<std::variant<Endpoint, Request>> word = from_dds(sample);
   if (!word) return {by.participant, SampleMalformed{word.error().message}};
   if (auto* const request = std::get_if<Request>(&*word)) return {by.participant, std::move(*request)};
   return announcement(by.participant, std::move(std::get<Endpoint>(*word)), Role::reader);
 }
 
-ControlWord said(const RemoteEndpoints::Writer& by, const sft_control_Assertion& sample) {
+ControlWord said(const RemoteWriters::Writer& by, const sft_control_Assertion& sample) {
   Result<Assertion> assertion = from_dds(sample);
   if (!assertion) return {by.participant, SampleMalformed{assertion.error().message}};
   return {by.participant, SignOfLife{std::move(*assertion), by.lease}};
@@ -68,10 +68,10 @@ std::optional<EndpointId> endpoint_of(const sft_control_ReaderWord& sample) {
 }
 
 template <class Sample>
-ControlWords take_endpoints(dds_entity_t reader, RemoteEndpoints& writers) {
+ControlWords take_endpoints(dds_entity_t reader, RemoteWriters& writers) {
   ControlWords words;
   take_all<Sample>(reader, [&](const Sample& sample, const dds_sample_info_t& info) {
-    const std::optional<RemoteEndpoints::Writer> writer = writer_of(reader, info, writers);
+    const std::optional<RemoteWriters::Writer> writer = writer_of(reader, info, writers);
     const auto speaker = writer ? std::optional(writer->participant) : std::nullopt;
     if (writer && info.valid_data) words.push_back(said(*writer, sample));
     const std::optional<EndpointId> id = endpoint_of(sample);
@@ -86,20 +86,20 @@ ControlWords take_endpoints(dds_entity_t reader, RemoteEndpoints& writers) {
 
 }  // namespace
 
-ControlWords take_writers(dds_entity_t reader, RemoteEndpoints& writers) {
+ControlWords take_writers(dds_entity_t reader, RemoteWriters& writers) {
   return take_endpoints<sft_control_Endpoint>(reader, writers);
 }
 
-ControlWords take_readers(dds_entity_t reader, RemoteEndpoints& writers) {
+ControlWords take_readers(dds_entity_t reader, RemoteWriters& writers) {
   return take_endpoints<sft_control_ReaderWord>(reader, writers);
 }
 
 /// Nodes unregister their signs of life, if they can. Somebody who disposes of them is not the node.
-ControlWords take_assertions(dds_entity_t reader, RemoteEndpoints& writers) {
+ControlWords take_assertions(dds_entity_t reader, RemoteWriters& writers) {
   ControlWords words;
   take_all<sft_control_Assertion>(
       reader, [&](const sft_control_Assertion& sample, const dds_sample_info_t& info) {
-        const std::optional<RemoteEndpoints::Writer> writer = writer_of(reader, info, writers);
+        const std::optional<RemoteWriters::Writer> writer = writer_of(reader, info, writers);
         if (writer && info.valid_data) words.push_back(said(*writer, sample));
         if (info.instance_state == DDS_IST_NOT_ALIVE_NO_WRITERS)
           words.push_back({std::nullopt, NodeUnheard{sample.node}});

@@ -74,7 +74,7 @@ class DiscoveryEar final : public LinkListener {
   /// A link was made anew because of that.
   void was_renewed_for(const HearingWatch::Deaf& deaf);
 
-  // LinkListener: Cyclone's threads.
+  // LinkListener: Cyclone's threads, and those of agents of this process.
   void endpoint_came(const Speaker& speaker, Endpoint endpoint) override;
   void endpoint_withdrawn(const Speaker& speaker, EndpointId id) override;
   void endpoint_unheard(LinkId link, EndpointId id) override;

@@ -12,18 +12,19 @@
 #include "core/discovery/control_qos.h"
 #include "core/discovery/control_topic.h"
 #include "core/discovery/dds_domain.h"
+#include "core/discovery/matches.h"
 #include "core/discovery/participant_mark.h"
-#include "core/discovery/remote_endpoints.h"
 #include "core/discovery/take_all.h"
+#include "core/discovery/topic_endpoint.h"
 #include "core/sync/mutex.h"
 
 namespace sft::core {
 
 namespace {
 
-constexpr JointReader::Kind kind_of_writers{&sft_control_Endpoint_desc, "sft_writer", &take_writers};
-constexpr JointReader::Kind kind_of_readers{&sft_control_ReaderWord_desc, "sft_reader", &take_readers};
-constexpr JointReader::Kind kind_of_lives{&sft_control_Assertion_desc, "sft_liveliness", &take_assertions};
+constexpr JointReader::Kind kind_of_writers{{&sft_control_Endpoint_desc, "sft_writer"}, &take_writers};
+constexpr JointReader::Kind kind_of_readers{{&sft_control_ReaderWord_desc, "sft_reader"}, &take_readers};
+constexpr JointReader::Kind kind_of_lives{{&sft_control_Assertion_desc, "sft_liveliness"}, &take_assertions};
 
 class CycloneLink final : public DiscoveryLink {
  public:
@@ -31,6 +32,7 @@ class CycloneLink final : public DiscoveryLink {
       : place_(place),
         participants_(participants),
         listener_(listener),
+        joint_readers_(place.domain == nullptr ? std::make_shared<JointReaders>() : place.domain->readers()),
         mark_{.is_secured = place.is_secured} {}
 
   ~CycloneLink() override {
@@ -52,7 +54,7 @@ class CycloneLink final : public DiscoveryLink {
     hearer_ = std::make_shared<Hearer>(participant_, [this](const ControlWord& word) { heard(word); });
     const auto topic = [&](std::optional<ControlTopic>& made, const JointReader::Kind& kind, DdsQos qos) {
       const ControlTopic::Matches matches{this, &on_publication_matched};
-      made.emplace(hearer_, *place_.readers, kind, matches, std::move(qos));
+      made.emplace(hearer_, *joint_readers_, kind, matches, std::move(qos));
     };
     topic(writers_, kind_of_writers, control_qos());
     topic(readers_, kind_of_readers, control_qos());
@@ -169,29 +171,17 @@ class CycloneLink final : public DiscoveryLink {
   static void on_publication_matched(dds_entity_t writer, const dds_publication_matched_status_t status,
                                      void* self) {
     CycloneLink& link = *static_cast<CycloneLink*>(self);
-    if (status.current_count_change > 0) {
-      link.reader_came(status.last_subscription_handle,
-                       subscribing_participant(writer, status.last_subscription_handle));
-    } else {
-      link.reader_left(status.last_subscription_handle);
-    }
-  }
-
-  void reader_came(dds_instance_handle_t handle, const std::optional<Participants::Guid>& participant) {
-    if (!participant) return;
-    {
-      const Lock lock(matches_mutex_);
-      matches_.matched(handle, *participant);
-    }
-    heard({participant, EndpointMet{}});
-  }
-  void reader_left(dds_instance_handle_t handle) {
+    const dds_instance_handle_t reader = status.last_subscription_handle;
+    const bool has_come = status.current_count_change > 0;
     std::optional<Participants::Guid> participant;
+    if (has_come) participant = subscribing_participant(writer, reader);
+    if (has_come && !participant) return;
+    std::optional<ControlWord> word;
     {
-      const Lock lock(matches_mutex_);
-      participant = matches_.unmatched(handle);
+      const Lock lock(link.matches_mutex_);
+      word = has_come ? link.matches_.met(reader, *participant) : link.matches_.gone(reader);
     }
-    if (participant) heard({participant, EndpointGone{}});
+    if (word) link.heard(*word);
   }
 
   static void on_participants(dds_entity_t reader, void* self) {
@@ -208,7 +198,7 @@ class CycloneLink final : public DiscoveryLink {
     const Speaker speaker{place_.link, participants_.number_of(guid)};
     if (info.instance_state != DDS_IST_ALIVE) {
       participants_.gone(guid);
-      place_.readers->forget(guid);
+      joint_readers_->forget(guid);
       listener_.participant_departed(speaker);
       return;
     }
@@ -225,6 +215,7 @@ class CycloneLink final : public DiscoveryLink {
   const Place place_;
   Participants& participants_;
   LinkListener& listener_;
+  const std::shared_ptr<JointReaders> joint_readers_;  ///< those of the domain
   ParticipantMark mark_;
   Participants::Guid guid_{};  ///< of the participant
   dds_entity_t participant_ = 0;
@@ -232,7 +223,7 @@ class CycloneLink final : public DiscoveryLink {
   /// All of them are there once the link is open.
   std::optional<ControlTopic> writers_, readers_, lives_;
   Mutex matches_mutex_;
-  RemoteEndpoints matches_ SFT_GUARDED_BY(matches_mutex_);  ///< readers of others that our writers have met
+  Matches matches_ SFT_GUARDED_BY(matches_mutex_);  ///< readers of others that our writers have met
 };
 
 }  // namespace

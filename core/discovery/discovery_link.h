@@ -1,6 +1,6 @@
 // A node's participant on one link: the control topics in one Cyclone domain. The only files of the core that
-// see Cyclone are this one, control_topic, joint_reader, control_words, take_all, control_qos, dds_domain and
-// cyclone_settings.
+// see Cyclone are this one, control_topic, joint_reader, topic_endpoint, control_words, take_all,
+// control_qos, dds_domain and cyclone_settings.
 #pragma once
 
 #include <chrono>
@@ -18,7 +18,6 @@
 namespace sft::core {
 
 class CycloneDomain;
-class JointReaders;
 
 /// A listener is told what others say on the links. It is called on Cyclone's threads, and on those of
 /// nodes of this process, on several at once.
@@ -54,13 +53,11 @@ class LinkListener {
 
 class DiscoveryLink {
  public:
-  /// `domain` is kept as long as the link lives; null: the domain `number` of the program itself. `readers`
-  /// are those of the domain.
-  /// `is_secured`: by DDS Security.
+  /// `domain` is kept as long as the link lives; null: the domain `number` of the program itself, in which
+  /// the link shares no readers. `is_secured`: by DDS Security.
   struct Place {
     LinkId link = 0;
     std::shared_ptr<const CycloneDomain> domain;
-    std::shared_ptr<JointReaders> readers;
     std::uint32_t number = 0;
     bool is_secured = false;
   };

@@ -8,7 +8,8 @@
 namespace sft::core {
 
 /// A listener is told what others have announced, each thing once, by however many links it comes. It is
-/// called on Cyclone's threads, which must not be held up: post the news, and return. One call at a time.
+/// called on Cyclone's threads and on those of agents of this process, which must not be held up: post the
+/// news, and return. One call at a time.
 class DiscoveryListener {
  public:
   virtual void endpoint_seen(Endpoint endpoint) = 0;

@@ -71,11 +71,11 @@ class EndpointClaims {
   const ToldEndpoint& told() const { return told_; }
   /// The lease by the word of one of the speakers.
   std::chrono::milliseconds lease_by(const Speaker& speaker) const;
-  /// Calls add(speaker, revision, request sequence) for each claim that is alive.
-  template <class Add>
-  void each_alive(Add add) const {
+  /// Calls use(claim) for each claim that is alive.
+  template <class Use>
+  void each_alive(Use use) const {
     for (const Claim& claim : claims_) {
-      if (claim.alive) add(claim.speaker, claim.endpoint->revision, claim.asked());
+      if (claim.alive) use(claim);
     }
   }
 

@@ -24,8 +24,8 @@ constexpr milliseconds lags_after{300};
 constexpr milliseconds overtaking{100};
 /// While nodes start, which takes so long, they may overtake each other by more.
 constexpr milliseconds start_takes{2000};
-/// All of these are longer where there are many participants: those that were never equal are still told
-/// everything, by many at a time.
+/// What has to be waited for before somebody counts as behind is longer where there are many participants.
+/// Those that were never equal are still told everything, by many at a time.
 constexpr milliseconds longer_for_each{20}, longer_at_first_for_each{60};
 constexpr std::size_t crowd_max = 200;  // more may be made up
 /// The number of links that are tried for a participant whose digest never agreed: something else may be

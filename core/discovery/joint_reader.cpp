@@ -7,7 +7,7 @@
 
 namespace sft::core {
 
-Result<void> JointReader::join(const std::shared_ptr<Hearer>& hearer) {
+Result<bool> JointReader::join(const std::shared_ptr<Hearer>& hearer) {
   const Lock joining(joining_);
   {
     const Lock telling(telling_);
@@ -15,6 +15,7 @@ Result<void> JointReader::join(const std::shared_ptr<Hearer>& hearer) {
     {
       const Lock lock(mutex_);
       if (std::ranges::find(*hearers_, hearer) == hearers_->end()) {
+        if (!kept_.are_complete()) return false;
         auto more = std::make_shared<Hearers>(*hearers_);
         more->push_back(hearer);
         hearers_ = std::move(more);
@@ -23,12 +24,14 @@ Result<void> JointReader::join(const std::shared_ptr<Hearer>& hearer) {
     }
     if (host_ != nullptr) {
       tell(in_force, {hearer});
-      return {};
+      return true;
     }
   }
-  Result<void> hosted = host(hearer);
-  if (!hosted) hearers_without(hearer);
-  return hosted;
+  if (Result<void> hosted = host(hearer); !hosted) {
+    hearers_without(hearer);
+    return tl::unexpected(hosted.error());
+  }
+  return true;
 }
 
 /// The new reader is there before the former one ends. The latest hearer gets it: if nodes end in the order
@@ -39,21 +42,28 @@ void JointReader::leave(const std::shared_ptr<Hearer>& hearer) {
   if (host_ != hearer) return;
   const dds_entity_t former = reader_;
   host_.reset();
+  Result<void> hosted;
   for (const std::shared_ptr<Hearer>& other : *others | std::views::reverse) {
-    if (host(other)) break;
+    if (hosted = host(other); hosted) break;
   }
   hear(former);  // what has ended since then, the new one has never heard of
   dds_delete(former);
   if (host_ != nullptr) return;
-  const Lock lock(mutex_);
-  kept_.clear();
-  remotes_ = {};
-  takes_newcomers_ = true;
+  const Lock telling(telling_);
+  {
+    const Lock lock(mutex_);
+    kept_.clear();
+    writers_ = {};
+    matches_ = {};
+  }
+  if (!hosted)
+    tell({std::make_shared<const ControlWord>(std::nullopt, SampleMalformed{hosted.error().message})},
+         *others);
 }
 
 void JointReader::forget(const Participants::Guid& participant) {
   const Lock lock(mutex_);
-  remotes_.forget_writers_of(participant);
+  writers_.forget(participant);
   kept_.forget(participant);
 }
 
@@ -64,7 +74,7 @@ Result<void> JointReader::host(const std::shared_ptr<Hearer>& hearer) {
   const DdsQos qos = hearing_qos(qos_.get());
   const dds_entity_t participant = hearer->participant();
   const Result<dds_entity_t> reader = create_on_topic(
-      participant, kind_, qos_.get(),
+      participant, kind_.topic, qos_.get(),
       [&](dds_entity_t topic) { return dds_create_reader(participant, topic, qos.get(), listener.get()); });
   if (!reader) return tl::unexpected(reader.error());
   host_ = hearer;
@@ -87,7 +97,7 @@ void JointReader::hear(dds_entity_t reader) {
   std::shared_ptr<const Hearers> hearers;
   {
     const Lock lock(mutex_);
-    words = kept(kind_.take(reader, remotes_));
+    words = kept(kind_.take(reader, writers_));
     hearers = hearers_;
   }
   tell(words, *hearers);
@@ -99,7 +109,6 @@ JointReader::Words JointReader::kept(ControlWords words) {
     all.push_back(std::make_shared<const ControlWord>(std::move(word)));
     kept_.learn(all.back());
   }
-  takes_newcomers_ = kept_.are_complete();
   return all;
 }
 
@@ -119,23 +128,25 @@ void JointReader::on_matched(dds_entity_t reader, const dds_subscription_matched
   const bool has_come = status.current_count_change > 0;
   std::optional<Participants::Guid> participant;
   if (has_come) participant = publishing_participant(reader, writer);
+  if (has_come && !participant) return;
   const Lock telling(joint.telling_);
+  std::optional<ControlWord> word;
   std::shared_ptr<const Hearers> hearers;
   {
     const Lock lock(joint.mutex_);
-    if (!has_come) participant = joint.remotes_.unmatched(writer);
-    if (!participant || (has_come && !joint.remotes_.matched(writer, *participant))) return;
+    word = has_come ? joint.matches_.met(writer, *participant) : joint.matches_.gone(writer);
     hearers = joint.hearers_;
   }
-  ControlWord word{participant, EndpointMet{}};
-  if (!has_come) word.what = EndpointGone{};
-  tell({std::make_shared<const ControlWord>(std::move(word))}, *hearers);
+  if (word) tell({std::make_shared<const ControlWord>(std::move(*word))}, *hearers);
 }
 
 std::shared_ptr<JointReader> JointReaders::of(const JointReader::Kind& kind, const dds_qos_t* qos) {
   const Lock lock(mutex_);
-  std::shared_ptr<JointReader>& reader = readers_[kind.name];
-  if (reader == nullptr || !reader->takes_newcomers()) reader = std::make_shared<JointReader>(kind, qos);
+  std::shared_ptr<JointReader>& reader = readers_[kind.topic.name];
+  if (reader != nullptr && reader->takes_newcomers()) return reader;
+  std::erase_if(former_, [](const auto& former) { return former.expired(); });
+  if (reader != nullptr) former_.push_back(reader);
+  reader = std::make_shared<JointReader>(kind, qos);
   return reader;
 }
 
@@ -144,8 +155,11 @@ void JointReaders::forget(const Participants::Guid& participant) {
   {
     const Lock lock(mutex_);
     for (const auto& [name, reader] : readers_) readers.push_back(reader);
+    for (const std::weak_ptr<JointReader>& former : former_) readers.push_back(former.lock());
   }
-  for (const std::shared_ptr<JointReader>& reader : readers) reader->forget(participant);
+  for (const std::shared_ptr<JointReader>& reader : readers) {
+    if (reader != nullptr) reader->forget(participant);
+  }
 }
 
 }  // namespace sft::core

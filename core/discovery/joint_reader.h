@@ -5,7 +5,6 @@
 
 #include <dds/dds.h>
 
-#include <atomic>
 #include <functional>
 #include <map>
 #include <memory>
@@ -16,16 +15,14 @@
 #include "core/discovery/control_qos.h"
 #include "core/discovery/control_words.h"
 #include "core/discovery/kept_words.h"
+#include "core/discovery/matches.h"
+#include "core/discovery/remote_writers.h"
+#include "core/discovery/topic_endpoint.h"
 #include "core/sync/guarded_call.h"
 #include "core/sync/mutex.h"
 #include "sft/result.h"
 
 namespace sft::core {
-
-struct ListenerDeleter {
-  void operator()(dds_listener_t* listener) const { dds_delete_listener(listener); }
-};
-using DdsListener = std::unique_ptr<dds_listener_t, ListenerDeleter>;
 
 /// A node's link, as those see it who bring what others say.
 class Hearer {
@@ -50,9 +47,8 @@ class Hearer {
 class JointReader {
  public:
   struct Kind {
-    const dds_topic_descriptor_t* type = nullptr;
-    const char* name = nullptr;
-    ControlWords (*take)(dds_entity_t reader, RemoteEndpoints& writers) = nullptr;
+    TopicName topic;
+    ControlWords (*take)(dds_entity_t reader, RemoteWriters& writers) = nullptr;
   };
   /// `qos`: of the topic.
   JointReader(const Kind& kind, const dds_qos_t* qos) : kind_(kind), qos_(copy_of(qos)) {}
@@ -61,14 +57,18 @@ class JointReader {
 
   /// From now on the hearer hears everything, also what is in force of what others have said before. The
   /// first hearer's participant has the reader. A second call does nothing unless nobody has the reader.
-  Result<void> join(const std::shared_ptr<Hearer>& hearer);
+  /// False if the hearer could not be told everything: it needs another reader.
+  Result<bool> join(const std::shared_ptr<Hearer>& hearer);
   /// To be called before the participant of the hearer is deleted. If it has the reader, the participant of
   /// another hearer gets a new one.
   void leave(const std::shared_ptr<Hearer>& hearer);
   /// The participant is not there any more.
   void forget(const Participants::Guid& participant);
-  /// False if a newcomer could not be told everything: it needs another reader.
-  bool takes_newcomers() const { return takes_newcomers_; }
+  /// False if join() would be in vain for another hearer.
+  bool takes_newcomers() {
+    const Lock lock(mutex_);
+    return kept_.are_complete();
+  }
 
  private:
   using Hearers = std::vector<std::shared_ptr<Hearer>>;
@@ -97,21 +97,10 @@ class JointReader {
 
   Mutex mutex_;
   std::shared_ptr<const Hearers> hearers_ SFT_GUARDED_BY(mutex_) = std::make_shared<const Hearers>();
-  RemoteEndpoints remotes_ SFT_GUARDED_BY(mutex_);
+  RemoteWriters writers_ SFT_GUARDED_BY(mutex_);
+  Matches matches_ SFT_GUARDED_BY(mutex_);
   KeptWords kept_ SFT_GUARDED_BY(mutex_);
-  std::atomic<bool> takes_newcomers_{true};
 };
-
-/// Makes the topic in that participant, and an endpoint of it by `create(topic)`.
-template <class Create>
-Result<dds_entity_t> create_on_topic(dds_entity_t participant, const JointReader::Kind& kind,
-                                     const dds_qos_t* qos, Create create) {
-  const dds_entity_t topic = dds_create_topic(participant, kind.type, kind.name, qos, nullptr);
-  const dds_entity_t created = topic < 0 ? topic : create(topic);
-  if (created >= 0) return created;
-  if (topic >= 0) dds_delete(topic);
-  return fail(Errc::system, std::string("control topic ") + kind.name + ": " + dds_strretcode(created));
-}
 
 /// The readers that the nodes of a process share in one Cyclone domain. Any thread.
 class JointReaders {
@@ -124,6 +113,8 @@ class JointReaders {
  private:
   Mutex mutex_;
   std::map<std::string, std::shared_ptr<JointReader>> readers_ SFT_GUARDED_BY(mutex_);
+  /// Those that take no newcomers, and go with their last hearer.
+  std::vector<std::weak_ptr<JointReader>> former_ SFT_GUARDED_BY(mutex_);
 };
 
 }  // namespace sft::core

@@ -9,7 +9,8 @@
 #include <tuple>
 #include <vector>
 
-#include "core/discovery/control_words.h"
+#include "core/discovery/control_word.h"
+#include "core/discovery/participants.h"
 
 namespace sft::core {
 
@@ -17,15 +18,17 @@ class KeptWords {
  public:
   using Word = std::shared_ptr<const ControlWord>;
 
-  explicit KeptWords(std::size_t bytes_max = std::size_t{32} << 20) : bytes_max_(bytes_max) {}
+  static constexpr std::size_t bytes_max = std::size_t{32} << 20;
+
+  explicit KeptWords(std::size_t at_most = bytes_max) : bytes_max_(at_most) {}
 
   /// Keeps an announcement or a request, in place of the former one of the same participant. Forgets what
   /// was withdrawn, or is kept alive by nobody.
   void learn(const Word& word);
   void forget(const Participants::Guid& participant);
   void clear();
-  /// False if there was more than is kept; then nothing is kept. Whoever lets others speak in the names of
-  /// many endpoints takes that memory otherwise.
+  /// False if there was more than may be kept; then nothing is kept. Without that bound, somebody who
+  /// announces many endpoints could take any amount of memory.
   bool are_complete() const { return are_complete_; }
   /// In an order in which they may be told.
   std::vector<Word> all() const;

@@ -55,7 +55,7 @@ std::string LinkMerge::node_name(NodeId node) const {
 bool LinkMerge::has_rivals() const {
   const auto is_announced_twice = [](const auto& entry) {
     int speakers = 0;
-    entry.second.each_alive([&speakers](const auto&...) { ++speakers; });
+    entry.second.each_alive([&speakers](const Claim&) { ++speakers; });
     return speakers > 1;
   };
   return nodes_.has_rivals() || std::ranges::any_of(endpoints_, is_announced_twice);
@@ -64,9 +64,9 @@ bool LinkMerge::has_rivals() const {
 std::map<Speaker, std::uint32_t> LinkMerge::digests() const {
   std::map<Speaker, std::uint32_t> digests;
   for (const auto& [id, known] : endpoints_) {
-    known.each_alive([&](const Speaker& speaker, std::uint64_t revision, std::uint64_t asked) {
-      std::uint32_t& digest = digests[speaker];
-      digest = add_to_digest(digest, digest_part(id, revision, asked));
+    known.each_alive([&, id = id](const Claim& claim) {
+      std::uint32_t& digest = digests[claim.speaker];
+      digest = add_to_digest(digest, digest_part(id, claim.endpoint->revision, claim.asked()));
     });
   }
   return digests;
@@ -215,7 +215,14 @@ void LinkMerge::forget_old(Time now) {
   for (auto known = endpoints_.begin(); known != endpoints_.end();)
     known = known->second.forget_before(before) ? endpoints_.erase(known) : std::next(known);
   std::erase_if(departed_, [&](const auto& entry) { return entry.second.at <= before; });
-  std::erase_if(by_node_, [&](const auto& entry) { return !endpoints_.contains(entry.second); });
+  std::erase_if(by_node_, [&](const auto& entry) {
+    const auto& [node, id] = entry;
+    bool is_claimed = told_of(id, node) != nullptr;
+    if (const EndpointClaims* const claims = known(id))
+      claims->each_alive(
+          [&, node = node](const Claim& claim) { is_claimed |= claim.endpoint->node_id == node; });
+    return !is_claimed;
+  });
   nodes_.forget_before(before);
   speakers_.forget_before(before - limits_.forget_after);
 }

@@ -100,8 +100,8 @@ class LinkMerge {
   std::set<EndpointId> own_;
   std::set<Speaker> disbelieved_;  ///< on links that go soon
   std::map<EndpointId, EndpointClaims> endpoints_;
-  /// By nodes that have announced them: a sign of life of each node comes every second. Some are not known,
-  /// or are another node's, any more.
+  /// By nodes for which they were announced: a sign of life of each node comes every second. Some are not
+  /// known, or are not announced for that node, any more.
   std::set<std::pair<NodeId, EndpointId>> by_node_;
   std::map<EndpointId, Departed> departed_;
   Time forgets_at_{};

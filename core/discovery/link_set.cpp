@@ -19,10 +19,7 @@ LinkSet::~LinkSet() {
 }
 
 Result<void> LinkSet::join(std::uint32_t domain) {
-  auto link = DiscoveryLink::open({.link = ++links_made_,
-                                   .domain = nullptr,
-                                   .readers = std::make_shared<JointReaders>(),
-                                   .number = domain},
+  auto link = DiscoveryLink::open({.link = ++links_made_, .domain = nullptr, .number = domain},
                                   settings_.life_signs, participants_, ear_);
   if (!link) return tl::unexpected(link.error());
   links_[LinkSpec{}] = {links_made_, nullptr, std::move(*link)};
@@ -70,9 +67,8 @@ Result<LinkSet::OpenLink> LinkSet::make(const LinkSpec& spec, const CycloneDomai
   if (!domain) return tl::unexpected(domain.error());
   const LinkId id = ++links_made_;
   ear_.link_expected(id);
-  auto link = DiscoveryLink::open(
-      {.link = id, .domain = *domain, .readers = (*domain)->readers(), .is_secured = config.is_secured},
-      settings_.life_signs, participants_, ear_);
+  auto link = DiscoveryLink::open({.link = id, .domain = *domain, .is_secured = config.is_secured},
+                                  settings_.life_signs, participants_, ear_);
   Result<void> opened = link.map([](const auto&) {});
   for (const Role role : heard_) {
     if (opened) opened = (*link)->hear(role);

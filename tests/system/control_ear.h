@@ -13,16 +13,14 @@
 #include <vector>
 
 #include "core/discovery/discovery.h"
+#include "core/discovery/domain_id.h"
 #include "core/sync/mutex.h"
 #include "tests/support/eventually.h"
 
 namespace sft::test {
 
 /// The DDS domain of the host that the test runs on.
-inline std::uint32_t control_domain() {
-  const char* number = std::getenv("ROS_DOMAIN_ID");
-  return number == nullptr ? 0 : static_cast<std::uint32_t>(std::atoi(number));
-}
+inline std::uint32_t control_domain() { return core::domain_id({}, std::getenv("ROS_DOMAIN_ID")).value(); }
 
 inline core::Endpoint control_endpoint(core::Role role, core::EndpointId id) {
   core::Endpoint e;
@@ -64,6 +62,11 @@ class ControlEar final : private core::DiscoveryListener {
   bool hears(core::EndpointId id) const {
     return eventually([&] { return heard().contains(id); });
   }
+  /// The number of endpoints that have departed or were lost.
+  std::size_t gone() const {
+    const core::Lock lock(mutex_);
+    return gone_;
+  }
   std::uint64_t asked() const {
     const core::Lock lock(mutex_);
     return asked_;
@@ -82,8 +85,12 @@ class ControlEar final : private core::DiscoveryListener {
   void endpoint_departed(core::EndpointId id) override {
     const core::Lock lock(mutex_);
     heard_.erase(id);
+    ++gone_;
   }
-  void endpoint_lost(core::EndpointId) override {}
+  void endpoint_lost(core::EndpointId) override {
+    const core::Lock lock(mutex_);
+    ++gone_;
+  }
   void request_received(core::Request request) override {
     const core::Lock lock(mutex_);
     asked_ = std::max(asked_, request.sequence);
@@ -97,6 +104,7 @@ class ControlEar final : private core::DiscoveryListener {
 
   mutable core::Mutex mutex_;
   std::set<core::EndpointId> heard_ SFT_GUARDED_BY(mutex_);
+  std::size_t gone_ SFT_GUARDED_BY(mutex_) = 0;
   std::uint64_t asked_ SFT_GUARDED_BY(mutex_) = 0;
   std::vector<std::string> refused_ SFT_GUARDED_BY(mutex_);
   std::unique_ptr<core::Discovery> discovery_;

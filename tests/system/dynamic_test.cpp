@@ -11,6 +11,7 @@
 
 #include "core/control/described_type.h"
 #include "core/discovery/discovery.h"
+#include "core/discovery/domain_id.h"
 #include "sft/detail/type_description.h"
 #include "sft/detail/type_shape.h"
 #include "tests/support/isolated_host.h"
@@ -338,10 +339,8 @@ TEST_F(DynamicNodesTest,
     void node_lost(core::NodeId) override {}
     void control_malformed(std::string) override {}
   } ignore;
-  const char* domain = std::getenv("ROS_DOMAIN_ID");
   auto other = core::Discovery::open(
-      {.domain = domain == nullptr ? 0 : static_cast<std::uint32_t>(std::atoi(domain)), .user_config = ""},
-      ignore);
+      {.domain = core::domain_id({}, std::getenv("ROS_DOMAIN_ID")).value(), .user_config = ""}, ignore);
   ASSERT_TRUE(other) << other.error().message;
   const auto announce = [&](core::EndpointId id, std::vector<std::byte> description) {
     core::Endpoint e;

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <string>
+
 #include "core/control/control_codec.h"
 #include "tests/support/eventually.h"
 #include "tests/support/isolated_host.h"
@@ -15,15 +18,26 @@ using core::Role;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-class RolesTest : public ::testing::Test {
+enum class Nodes : std::uint8_t { of_one_process, of_several_processes };
+
+class RolesTest : public ::testing::TestWithParam<Nodes> {
  protected:
   void SetUp() override {
     if (!isolation_refusal().empty()) GTEST_SKIP() << isolation_refusal();
   }
+  static std::string process(const std::string& name) {
+    return GetParam() == Nodes::of_one_process ? "" : name;
+  }
 };
+INSTANTIATE_TEST_SUITE_P(Nodes, RolesTest,
+                         ::testing::Values(Nodes::of_one_process, Nodes::of_several_processes),
+                         [](const auto& param) {
+                           return param.param == Nodes::of_one_process ? "OfOneProcess"
+                                                                       : "OfSeveralProcesses";
+                         });
 
-TEST_F(RolesTest, ReadersHearOfWritersOnlyAndWritersOfReadersUntilTheyAreToldToHearMore) {
-  ControlEar reader, other_reader, writer;
+TEST_P(RolesTest, ReadersHearOfWritersOnlyAndWritersOfReadersUntilTheyAreToldToHearMore) {
+  ControlEar reader(process("a")), other_reader(process("b")), writer(process("c"));
   reader.announce(Role::reader, 1);
   other_reader.announce(Role::reader, 2);
   writer.announce(Role::writer, 3);
@@ -39,8 +53,8 @@ TEST_F(RolesTest, ReadersHearOfWritersOnlyAndWritersOfReadersUntilTheyAreToldToH
   EXPECT_TRUE(writer.hears(4));
 }
 
-TEST_F(RolesTest, WhoeverHasNoEndpointHearsWhatItIsToldToHear) {
-  ControlEar reader, writer, observer;
+TEST_P(RolesTest, WhoeverHasNoEndpointHearsWhatItIsToldToHear) {
+  ControlEar reader(process("a")), writer(process("b")), observer(process("c"));
   reader.announce(Role::reader, 1);
   writer.announce(Role::writer, 2);
   EXPECT_TRUE(reader.hears(2) && writer.hears(1));
@@ -54,16 +68,16 @@ TEST_F(RolesTest, WhoeverHasNoEndpointHearsWhatItIsToldToHear) {
   EXPECT_TRUE(eventually([&] { return !observer.heard().contains(1) && !writer.heard().contains(1); }));
 }
 
-TEST_F(RolesTest, AWriterThatComesLateHearsTheLatestRequestOfEachReader) {
-  ControlEar reader, writer;
+TEST_P(RolesTest, AWriterThatComesLateHearsTheLatestRequestOfEachReader) {
+  ControlEar reader(process("a")), writer(process("b"));
   reader.announce(Role::reader, 1);
   for (std::uint64_t sequence = 1; sequence < 10; ++sequence) reader.ask(1, sequence);
   writer.announce(Role::writer, 2);
   EXPECT_TRUE(eventually([&] { return writer.asked() == 9; }));
 }
 
-TEST_F(RolesTest, AnEndpointOnTheTopicOfTheOtherRoleIsRefusedAndToldOf) {
-  ControlEar reader;
+TEST_P(RolesTest, AnEndpointOnTheTopicOfTheOtherRoleIsRefusedAndToldOf) {
+  ControlEar reader(process("a"));
   reader.announce(Role::reader, 1);
   const dds_entity_t participant = dds_create_participant(control_domain(), nullptr, nullptr);
   dds_qos_t* const qos = dds_create_qos();
