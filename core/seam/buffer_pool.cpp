@@ -79,7 +79,6 @@ SampleHandle BufferPool::take(std::size_t bytes, std::size_t leave_bytes) noexce
       buffer = list.back();
       list.pop_back();
     }
-    if (list.size() < stocked) wanted_.set(size_class);
   }
   if (buffer == nullptr) buffer = make_buffer(capacity);
   if (buffer == nullptr) {
@@ -146,17 +145,17 @@ void BufferPool::expect(std::size_t bytes) noexcept {
   const std::size_t size_class = class_for(bytes);
   if (size_class >= classes) return;
   const Lock lock(mutex_);
-  wanted_.set(size_class);
+  expected_.set(size_class);
 }
 
 void BufferPool::stock() noexcept {
-  std::bitset<classes> wanted;
+  std::bitset<classes> expected;
   {
     const Lock lock(mutex_);
-    wanted = std::exchange(wanted_, {});
+    expected = std::exchange(expected_, {});
   }
   for (std::size_t size_class = class_for(stocked_bytes_min); size_class < classes; ++size_class) {
-    if (wanted.test(size_class) && capacity_of(size_class) <= limit_bytes_ / stocked_part_max)
+    if (expected.test(size_class) && capacity_of(size_class) <= limit_bytes_ / stocked_part_max)
       while (stock_one(size_class)) {
       }
   }

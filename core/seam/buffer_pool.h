@@ -33,9 +33,9 @@ class BufferPool final : public BufferOwner, public std::enable_shared_from_this
 
   /// Buffers of that size may be needed soon: stock() makes some ready. Any thread.
   void expect(std::size_t bytes) noexcept;
-  /// Keeps two buffers ready of each large size that is expected, or of which less are left since some were
-  /// taken. Their memory has been used once: the system gives memory at its first use, which takes longer
-  /// than a copy, on some machines many times. To be called now and then, by a thread for which nobody waits.
+  /// Makes two buffers ready of each large size that was expected since the last call. Their memory has been
+  /// used once: the system gives memory at its first use, which takes longer than a copy, on some machines
+  /// many times. To be called now and then, by a thread for which nobody waits.
   void stock() noexcept;
 
   std::size_t limit_bytes() const { return limit_bytes_; }
@@ -56,8 +56,8 @@ class BufferPool final : public BufferOwner, public std::enable_shared_from_this
 
   Mutex mutex_ SFT_ACQUIRED_AFTER(lock_order::jobs);  // held for a few instructions, never over an allocation
   std::array<std::vector<SampleBuffer*>, classes> free_ SFT_GUARDED_BY(mutex_);
-  std::bitset<classes> wanted_ SFT_GUARDED_BY(mutex_);  ///< sizes that stock() has to look at
-  std::size_t held_bytes_ SFT_GUARDED_BY(mutex_) = 0;   ///< lent and kept
+  std::bitset<classes> expected_ SFT_GUARDED_BY(mutex_);  ///< sizes that stock() has to look at
+  std::size_t held_bytes_ SFT_GUARDED_BY(mutex_) = 0;     ///< lent and kept
   std::size_t lent_bytes_ SFT_GUARDED_BY(mutex_) = 0;
   const std::size_t limit_bytes_;
 };

@@ -43,19 +43,11 @@ bool is_resident(const SampleHandle& buffer) {
   return std::ranges::all_of(pages, [](unsigned char page) { return (page & 1U) != 0; });
 }
 
-TEST(BufferPoolTest, ALargeBufferIsReadyOnceOneWasTaken) {
+TEST(BufferPoolTest, LargeBuffersThatAreExpectedAreReadyWhenTheyAreTaken) {
   const auto pool = BufferPool::make(256 << 20);
-  const SampleHandle first = pool->take(large_bytes);
-  ASSERT_TRUE(first);
-  EXPECT_FALSE(is_resident(first)) << "the next expectation would say nothing";
-  pool->stock();
-  const SampleHandle second = pool->take(large_bytes);
-  ASSERT_TRUE(second);
-  EXPECT_TRUE(is_resident(second));
-}
-
-TEST(BufferPoolTest, LargeBuffersThatAreExpectedAreReadyBeforeTheFirstOneIsTaken) {
-  const auto pool = BufferPool::make(256 << 20);
+  const SampleHandle unexpected = pool->take(large_bytes);
+  ASSERT_TRUE(unexpected);
+  EXPECT_FALSE(is_resident(unexpected)) << "else the next expectation says nothing";
   pool->expect(large_bytes);
   pool->stock();
   const SampleHandle first = pool->take(large_bytes), second = pool->take(large_bytes);
@@ -63,31 +55,31 @@ TEST(BufferPoolTest, LargeBuffersThatAreExpectedAreReadyBeforeTheFirstOneIsTaken
   EXPECT_TRUE(is_resident(first) && is_resident(second));
 }
 
-TEST(BufferPoolTest, StocksNothingThatIsSmallOrWasNotTakenOrIsStillKept) {
+std::size_t kept_by(BufferPool& pool, std::size_t bytes) {
+  std::vector<SampleHandle> kept;
+  pool.take_kept(bytes, 0, 10, kept);
+  return kept.size();
+}
+
+TEST(BufferPoolTest, StocksNothingThatIsSmallOrWasNotExpectedOrIsStillKept) {
   const auto pool = BufferPool::make(256 << 20);
-  const auto stocked = [&](std::size_t bytes) {
+  const SampleHandle taken = pool->take(large_bytes);
+  pool->expect(10'000);
+  pool->stock();
+  EXPECT_EQ(kept_by(*pool, large_bytes), 0U);
+  EXPECT_EQ(kept_by(*pool, 10'000), 0U);
+  for (int i = 0; i < 3; ++i) {
+    pool->expect(large_bytes);
     pool->stock();
-    std::vector<SampleHandle> kept;
-    pool->take_kept(bytes, 0, 10, kept);
-    return kept.size();
-  };
-  EXPECT_EQ(stocked(large_bytes), 0U);
-  const SampleHandle small = pool->take(10'000);
-  EXPECT_EQ(stocked(10'000), 0U);
-  SampleHandle first = pool->take(large_bytes), second = pool->take(large_bytes);
-  first.reset();
-  second.reset();
-  EXPECT_EQ(stocked(large_bytes), 2U) << "they are those that came back";
+  }
+  EXPECT_EQ(kept_by(*pool, large_bytes), 2U);
 }
 
 TEST(BufferPoolTest, StocksNothingThatWouldTakeTooMuchOfTheLimit) {
-  const auto pool = BufferPool::make(2 * large_bytes);
-  const SampleHandle first = pool->take(large_bytes);
-  ASSERT_TRUE(first);
+  const auto pool = BufferPool::make(4 * large_bytes);
+  pool->expect(large_bytes);
   pool->stock();
-  std::vector<SampleHandle> kept;
-  pool->take_kept(large_bytes, 0, 10, kept);
-  EXPECT_TRUE(kept.empty());
+  EXPECT_EQ(kept_by(*pool, large_bytes), 0U);
 }
 
 TEST(BufferPoolTest, ABufferGoesBackOnlyWithItsLastHandle) {
