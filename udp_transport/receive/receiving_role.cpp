@@ -1,141 +1,189 @@
 #include "udp_transport/receive/receiving_role.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace sft::udp {
 
-ReceivingRole::Entry ReceivingRole::enter(Time now) {
-  const core::Lock lock(mutex_);
-  if (closed_ || tended_ > 0) return Entry::refused;
-  if (inside_) return Entry::occupied;
-  inside_ = true;
-  last_used_ = now;
-  if (holder_ == Holder::own && in_turn_) {
-    promised_ = true;
-    return Entry::promised;
+template <class Change>
+bool ReceivingRole::update_if(Change change) {
+  State before = state_.load();
+  for (;;) {
+    State after = before;
+    if (!change(after)) return false;
+    if (state_.compare_exchange_weak(before, after)) return true;
   }
-  holder_ = Holder::waiter;
-  return Entry::taken;
+}
+
+template <class Change>
+void ReceivingRole::update(Change change) {
+  update_if([&](State& state) {
+    change(state);
+    return true;
+  });
+}
+
+ReceivingRole::Entry ReceivingRole::enter(Time now) {
+  Entry entry{};
+  const bool entered = update_if([&](State& state) {
+    if (state.closed || state.tended > 0) {
+      entry = Entry::refused;
+    } else if (state.inside != Inside::nobody) {
+      entry = Entry::occupied;
+    } else if (state.holder == Holder::own && state.in_turn) {
+      entry = Entry::promised;
+      state.inside = Inside::somebody_with_a_promise;
+      return true;
+    } else {
+      entry = Entry::taken;
+      state.inside = Inside::somebody;
+      state.holder = Holder::waiter;
+      return true;
+    }
+    return false;
+  });
+  if (entered) last_used_ = now;
+  return entry;
 }
 
 bool ReceivingRole::begin() {
-  const core::Lock lock(mutex_);
-  if (closed_ || tended_ > 0 || holder_ != Holder::waiter) return false;
-  in_turn_ = true;
-  return true;
+  return update_if([](State& state) {
+    if (state.closed || state.tended > 0 || state.holder != Holder::waiter) return false;
+    state.in_turn = true;
+    return true;
+  });
 }
 
 void ReceivingRole::end(Time next_deadline) {
-  const core::Lock lock(mutex_);
-  in_turn_ = false;
   ++turns_;
   next_deadline_ = next_deadline;
+  update([](State& state) { state.in_turn = false; });
 }
 
 bool ReceivingRole::lost() const {
-  const core::Lock lock(mutex_);
-  return closed_ || tended_ > 0 || (holder_ != Holder::waiter && !promised_);
+  const State state = state_.load();
+  if (state.closed || state.tended > 0) return true;
+  return state.holder != Holder::waiter && state.inside != Inside::somebody_with_a_promise;
 }
 
 ReceivingRole::Leaving ReceivingRole::leave(Time now) {
-  const core::Lock lock(mutex_);
-  inside_ = promised_ = false;
   last_used_ = now;
-  if (holder_ != Holder::waiter) return {};
-  holder_ = Holder::nobody;
-  if (behind_ > 0 || tended_ > 0) return {.wake = true};
-  return {.set_alarm = !std::exchange(alarm_set_, true)};
+  bool gives_it_back = false;
+  bool is_awaited = false;
+  update([&](State& state) {
+    state.inside = Inside::nobody;
+    gives_it_back = state.holder == Holder::waiter;
+    is_awaited = state.behind > 0 || state.tended > 0;
+    if (gives_it_back) state.holder = Holder::nobody;
+  });
+  if (!gives_it_back) return {};
+  if (is_awaited) return {.wake = true};
+  return {.set_alarm = !alarm_set_.exchange(true)};
 }
 
 bool ReceivingRole::wait_behind() {
-  const core::Lock lock(mutex_);
-  ++behind_;
-  return holder_ == Holder::nobody;
+  bool is_vacant = false;
+  update([&](State& state) {
+    ++state.behind;
+    is_vacant = state.holder == Holder::nobody;
+  });
+  return is_vacant;
 }
 
 void ReceivingRole::unwait_behind() {
-  const core::Lock lock(mutex_);
-  --behind_;
+  update([](State& state) { --state.behind; });
 }
 
 bool ReceivingRole::add_tended() {
-  const core::Lock lock(mutex_);
-  ++tended_;
-  return holder_ != Holder::own;
+  bool is_elsewhere = false;
+  update([&](State& state) {
+    ++state.tended;
+    is_elsewhere = state.holder != Holder::own;
+  });
+  return is_elsewhere;
 }
 
 void ReceivingRole::remove_tended() {
-  const core::Lock lock(mutex_);
-  --tended_;
+  update([](State& state) { --state.tended; });
 }
 
-/// Twice in a row, a little apart: what has just come it is about to receive.
-bool ReceivingRole::seems_idle(Time now, bool readable) {
-  const bool idle = !in_turn_ && (readable || next_deadline_ <= now);
-  const bool again = idle && seemed_idle_ && turns_seen_ == turns_;
-  seemed_idle_ = idle;
-  turns_seen_ = turns_;
-  return again;
+ReceivingRole::Look ReceivingRole::look(const State& state, Time now, bool readable) const {
+  return {.seemed_idle = !state.in_turn && (readable || next_deadline_.load() <= now), .turns = turns_};
 }
 
 /// The own thread does not leave work that is due to a holder that may not do it.
 ReceivingRole::Time ReceivingRole::next_look(Time now) const {
-  if (seemed_idle_) return now + second_look;
-  if (next_deadline_ > now + look_period) return now + look_period;
-  return std::max(next_deadline_, now) + second_look;
+  if (last_look_.seemed_idle) return now + second_look;
+  const Time due = next_deadline_;
+  if (due > now + look_period) return now + look_period;
+  return std::max(due, now) + second_look;
 }
 
 ReceivingRole::Task ReceivingRole::next(Time now, bool readable) {
-  const core::Lock lock(mutex_);
-  if (closed_) return {.duty = Duty::stop};
-  const bool evicts = holder_ == Holder::waiter;
-  if (holder_ == Holder::waiter) {
-    const bool must_go = tended_ > 0 && !in_turn_;
-    if (!seems_idle(now, readable) && !must_go) return {.duty = Duty::stand_by, .until = next_look(now)};
-  } else if (holder_ == Holder::nobody) {
-    const bool expected_back = behind_ == 0 && tended_ == 0 && now < *last_used_ + vacancy;
-    if (expected_back) return {.duty = Duty::stand_by, .until = *last_used_ + vacancy};
-  }
-  holder_ = Holder::own;
-  if (tended_ == 0 && last_used_ && now < *last_used_ + own_again) {
-    const Time until = std::min(*last_used_ + own_again, next_deadline_);
+  State before = state_.load();
+  for (;;) {
+    if (before.closed) return {.duty = Duty::stop};
+    const Time last_used = last_used_;
+    const bool evicts = before.holder == Holder::waiter;
+    Look now_seen = last_look_;
+    if (evicts) {
+      now_seen = look(before, now, readable);
+      // Twice in a row, a little apart: what has just come it is about to receive.
+      const bool does_nothing =
+          now_seen.seemed_idle && last_look_.seemed_idle && now_seen.turns == last_look_.turns;
+      const bool must_go = before.tended > 0 && !before.in_turn;
+      if (!does_nothing && !must_go) {
+        last_look_ = now_seen;
+        return {.duty = Duty::stand_by, .until = next_look(now)};
+      }
+    } else if (before.holder == Holder::nobody) {
+      const bool expected_back = before.behind == 0 && before.tended == 0 && now < last_used + vacancy;
+      if (expected_back) return {.duty = Duty::stand_by, .until = last_used + vacancy};
+    }
+    const bool polls = before.tended == 0 && now < last_used + own_again;
+    State after = before;
+    after.holder = Holder::own;
+    after.in_turn = !polls;
+    if (!state_.compare_exchange_weak(before, after)) continue;
+    last_look_ = now_seen;
+    if (!polls) return {.duty = Duty::receive, .evicts = evicts};
+    const Time until = std::min(last_used + own_again, next_deadline_.load());
     return {.duty = Duty::poll, .until = until, .evicts = evicts};
   }
-  in_turn_ = true;
-  return {.duty = Duty::receive, .evicts = evicts};
 }
 
 bool ReceivingRole::take_turn() {
-  const core::Lock lock(mutex_);
-  if (closed_ || holder_ != Holder::own) return false;
-  in_turn_ = true;
-  return true;
+  return update_if([](State& state) {
+    if (state.closed || state.holder != Holder::own) return false;
+    state.in_turn = true;
+    return true;
+  });
 }
 
 bool ReceivingRole::end_turn(Time next_deadline) {
-  const core::Lock lock(mutex_);
-  in_turn_ = false;
   ++turns_;
   next_deadline_ = next_deadline;
-  if (!std::exchange(promised_, false)) return false;
-  if (tended_ == 0) holder_ = Holder::waiter;
-  return true;
+  bool passes_it_on = false;
+  update([&](State& state) {
+    state.in_turn = false;
+    passes_it_on = state.inside == Inside::somebody_with_a_promise;
+    if (!passes_it_on) return;
+    state.inside = Inside::somebody;
+    if (state.tended == 0) state.holder = Holder::waiter;
+  });
+  return passes_it_on;
 }
 
-void ReceivingRole::alarm_rang() {
-  const core::Lock lock(mutex_);
-  alarm_set_ = false;
-}
+/// The exchange, and that of leave(), order what both threads do around them: who finds the alarm set leaves
+/// the role before it has rung.
+void ReceivingRole::alarm_rang() { alarm_set_.exchange(false); }
 
 void ReceivingRole::close() {
-  const core::Lock lock(mutex_);
-  closed_ = true;
+  update([](State& state) { state.closed = true; });
 }
 
 bool ReceivingRole::waiter_in_turn() const {
-  const core::Lock lock(mutex_);
-  return in_turn_ && holder_ == Holder::waiter;
+  const State state = state_.load();
+  return state.in_turn && state.holder == Holder::waiter;
 }
 
 }  // namespace sft::udp

@@ -9,14 +9,14 @@
 //
 // The role is passed on and never taken away for good, so that it is neither a GuardedCall nor a Published
 // value (core/sync): whoever waits for the end of a turn only wants the next turn to be another thread's.
+//
+// It has no mutex: a thread that waits with its core kept busy would sleep whenever the own thread held it.
 #pragma once
 
+#include <atomic>
 #include <chrono>
-#include <cstddef>
 #include <cstdint>
-#include <optional>
-
-#include "core/sync/mutex.h"
+#include <type_traits>
 
 namespace sft::udp {
 
@@ -92,24 +92,41 @@ class ReceivingRole {
 
  private:
   enum class Holder : std::uint8_t { own, waiter, nobody };
+  /// Whether a thread is between enter() and leave().
+  enum class Inside : std::uint8_t { nobody, somebody, somebody_with_a_promise };
 
-  bool seems_idle(Time now, bool readable) SFT_REQUIRES(mutex_);
-  Time next_look(Time now) const SFT_REQUIRES(mutex_);
+  /// All that decides who may receive, in one word, so that it changes at once.
+  struct State {
+    std::uint16_t tended = 0;
+    std::uint16_t behind = 0;
+    Holder holder = Holder::own;
+    Inside inside = Inside::nobody;
+    bool in_turn = false;  ///< the holder is receiving
+    bool closed = false;
+  };
+  static_assert(std::has_unique_object_representations_v<State> && std::atomic<State>::is_always_lock_free);
 
-  mutable core::Mutex mutex_;
-  Holder holder_ SFT_GUARDED_BY(mutex_) = Holder::own;
-  bool in_turn_ SFT_GUARDED_BY(mutex_) = false;   ///< the holder is receiving
-  bool inside_ SFT_GUARDED_BY(mutex_) = false;    ///< a thread is between enter() and leave()
-  bool promised_ SFT_GUARDED_BY(mutex_) = false;  ///< to that thread
-  bool alarm_set_ SFT_GUARDED_BY(mutex_) = false;
-  bool closed_ SFT_GUARDED_BY(mutex_) = false;
-  std::size_t tended_ SFT_GUARDED_BY(mutex_) = 0;
-  std::size_t behind_ SFT_GUARDED_BY(mutex_) = 0;
-  std::uint64_t turns_ SFT_GUARDED_BY(mutex_) = 0;
-  std::uint64_t turns_seen_ SFT_GUARDED_BY(mutex_) = 0;  ///< when the holder seemed idle
-  bool seemed_idle_ SFT_GUARDED_BY(mutex_) = false;
-  std::optional<Time> last_used_ SFT_GUARDED_BY(mutex_);  ///< by a waiting thread
-  Time next_deadline_ SFT_GUARDED_BY(mutex_) = Time::max();
+  /// What the own thread remembers of a holder that seemed idle.
+  struct Look {
+    bool seemed_idle = false;
+    std::uint64_t turns = 0;  ///< at that time
+  };
+
+  /// `change` gets the state. It may be called several times.
+  template <class Change>
+  void update(Change change);
+  /// Of update_if(), it returns false if the state is to stay as it is; so does update_if() then.
+  template <class Change>
+  bool update_if(Change change);
+  Look look(const State& state, Time now, bool readable) const;
+  Time next_look(Time now) const;
+
+  std::atomic<State> state_{};
+  std::atomic<bool> alarm_set_{false};
+  std::atomic<std::uint64_t> turns_{0};  ///< that have ended
+  std::atomic<Time> next_deadline_{Time::max()};
+  std::atomic<Time> last_used_{Time::min()};  ///< by a waiting thread
+  Look last_look_;                            ///< the own thread's
 };
 
 }  // namespace sft::udp
