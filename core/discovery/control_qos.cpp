@@ -33,6 +33,7 @@ DdsQos copy_of(const dds_qos_t* qos) {
 DdsQos hearing_qos(const dds_qos_t* written) {
   DdsQos qos = copy_of(written);
   dds_qset_liveliness(qos.get(), DDS_LIVELINESS_AUTOMATIC, DDS_INFINITY);
+  dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PARTICIPANT);
   return qos;
 }
 

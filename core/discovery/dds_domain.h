@@ -10,7 +10,6 @@
 #include <tuple>
 #include <vector>
 
-#include "core/discovery/joint_reader.h"
 #include "sft/options.h"
 #include "sft/result.h"
 
@@ -49,13 +48,10 @@ class CycloneDomain {
   CycloneDomain& operator=(const CycloneDomain&) = delete;
 
   std::uint32_t id() const { return id_; }
-  /// Shared by the nodes of this process.
-  const std::shared_ptr<JointReaders>& readers() const { return readers_; }
 
  private:
   const std::uint32_t id_;
   const dds_entity_t entity_;
-  const std::shared_ptr<JointReaders> readers_ = std::make_shared<JointReaders>();
 };
 
 struct DomainPlan {
@@ -71,7 +67,7 @@ struct DomainPlan {
   }
 };
 
-/// The nodes of a process that ask for the same share one domain. What Cyclone complains of is added to
+/// Those in a process that ask for the same share one domain. What Cyclone complains of is added to
 /// `complaints`. `instead_of`: one that is not to be used any more, or null.
 Result<std::shared_ptr<const CycloneDomain>> cyclone_domain(const DomainPlan& plan,
                                                             const CycloneDomain* instead_of,

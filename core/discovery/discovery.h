@@ -46,9 +46,9 @@ class Discovery {
 
   // One thread at a time.
 
-  /// Listens to what others announce of their endpoints of that role from now on, and to the requests of
-  /// readers. What they have announced before comes soon, too. A node that announces an endpoint listens to
-  /// the other role anyway.
+  /// Listens to what others announce of all their endpoints of that role from now on, and to the requests of
+  /// readers. What they have announced before comes soon, too. A node that announces an endpoint hears of
+  /// those that may match it anyway: endpoints of the other role, of the same topic.
   virtual Result<void> hear(Role role) = 0;
   /// Announces an endpoint of ours, or that it has changed.
   virtual Result<void> announce(const Endpoint& endpoint) = 0;

@@ -1,6 +1,7 @@
 #include "core/discovery/discovery_ear.h"
 
 #include <random>
+#include <utility>
 #include <variant>
 
 #include "core/control/control.h"
@@ -13,8 +14,8 @@ namespace {
 
 Time time() { return std::chrono::steady_clock::now(); }
 
-bool has_silent_links(const News& news) {
-  const auto* const seen = std::get_if<EndpointSeen>(&news);
+bool has_silent_links(const AddressedNews& one) {
+  const auto* const seen = std::get_if<EndpointSeen>(&one.news);
   return seen != nullptr && !seen->silent.empty();
 }
 
@@ -42,19 +43,25 @@ std::string describe(HearingWatch::Missing missing, const std::string& node) {
 
 }  // namespace
 
-DiscoveryEar::DiscoveryEar(DiscoveryListener& listener)
-    : listener_(listener), hearing_(std::random_device{}()) {}
+DiscoveryEar::DiscoveryEar(std::chrono::milliseconds lease)
+    : hearing_(std::random_device{}()), nodes_here_(lease) {}
 
 /// Passes on the news that have come of an event. The lock is not held meanwhile, but when this returns.
 void DiscoveryEar::pass_on_news(Lock& lock) {
-  delivery_.deliver(lock, merge_.take_news(), [this](const News& one) {
+  nodes_here_.pass_on(merge_.take_news(), merge_.endpoints());
+  delivery_.deliver(lock, nodes_here_.take(), [this](const AddressedNews& one) {
     NewsDesk::Links links;
     if (has_silent_links(one)) {
       const Lock again(mutex_);
       links = specs_;
     }
-    std::visit(NewsDesk(listener_, links), one);
+    std::visit(NewsDesk(*one.to, links), one.news);
   });
+}
+
+void DiscoveryEar::pass_on() {
+  Lock lock(mutex_);
+  pass_on_news(lock);
 }
 
 void DiscoveryEar::set_own(EndpointId id, bool is_own) {
@@ -68,12 +75,11 @@ void DiscoveryEar::hears(Role role, Time now) {
 }
 
 DiscoveryEar::AfterTick DiscoveryEar::tick(Time now) {
-  Lock lock(mutex_);
+  const Lock lock(mutex_);
   merge_.tick(now);
+  nodes_here_.tick(now);
   sign_pace_.want(hearing_.wants_signs(now) || merge_.has_rivals(), now);
-  const AfterTick after{sign_pace_, merge_.pause_between_ticks()};
-  pass_on_news(lock);
-  return after;
+  return {sign_pace_, merge_.pause_between_ticks()};
 }
 
 void DiscoveryEar::link_expected(LinkId link) {
@@ -86,17 +92,11 @@ void DiscoveryEar::link_opened(LinkId link, const LinkSpec& spec) {
   specs_[link] = spec;
 }
 
-void DiscoveryEar::link_failed(LinkId link) {
-  const Lock lock(mutex_);
-  hearing_.link_dropped(link);
-}
-
 void DiscoveryEar::link_dropped(LinkId link, bool is_replaced, Time now) {
-  Lock lock(mutex_);
+  const Lock lock(mutex_);
   specs_.erase(link);
   hearing_.link_dropped(link);
   is_replaced ? merge_.replaced_link_dropped(link, now) : merge_.link_dropped(link, now);
-  pass_on_news(lock);
 }
 
 void DiscoveryEar::link_replaced(LinkId link, LinkId by) {
@@ -111,31 +111,21 @@ bool DiscoveryEar::is_replaced(LinkId link, LinkId by, Time now) const {
   return hearing_.is_replaced_by(link, by, now);
 }
 
-std::map<LinkId, std::string> DiscoveryEar::take_complaints() {
-  std::map<LinkId, std::string> complaints;
+std::optional<std::string> DiscoveryEar::take_other_releases(Time now) {
   const Lock lock(mutex_);
-  for (const Speaker& by : std::exchange(complaints_, {}))
-    complaints.emplace(by.link, called(merge_.node_name(hearing_.node_of(by))));
-  return complaints;
-}
-
-void DiscoveryEar::report_other_releases(Time now) {
-  std::optional<OtherReleases::Report> report;
-  std::string where;
-  {
-    const Lock lock(mutex_);
-    report = other_releases_.take_report(now);
-    if (!report) return;
-    const auto spec = specs_.find(report->speaker.link);
-    where = spec == specs_.end() ? "the network" : spec->second.interface;
-  }
-  listener_.other_release_found(core::describe(*report, where, control_protocol_version()));
+  const std::optional<OtherReleases::Report> report = other_releases_.take_report(now);
+  if (!report) return std::nullopt;
+  const auto spec = specs_.find(report->speaker.link);
+  const std::string where = spec == specs_.end() ? "the network" : spec->second.interface;
+  return core::describe(*report, where, control_protocol_version());
 }
 
 DiscoveryEar::Deafness DiscoveryEar::look_for_deafness(std::chrono::milliseconds participant_lease,
                                                        Time now) {
   Deafness deafness;
   const Lock lock(mutex_);
+  for (const Speaker& by : std::exchange(complaints_, {}))
+    deafness.complaints_about_us.emplace(by.link, called(merge_.node_name(hearing_.node_of(by))));
   if (!hearing_.wants_look(now)) return deafness;
   for (const HearingWatch::Deaf& deaf : hearing_.look(merge_.digests(), participant_lease, now)) {
     switch (deaf.remedy) {
@@ -238,6 +228,12 @@ void DiscoveryEar::participant_departed(const Speaker& speaker) {
   hearing_.participant_departed(speaker);
   other_releases_.departed(speaker);
   merge_.participant_departed(speaker, time());
+  pass_on_news(lock);
+}
+
+void DiscoveryEar::sample_malformed(std::string why) {
+  Lock lock(mutex_);
+  nodes_here_.pass_on({Refused{std::move(why)}}, merge_.endpoints());
   pass_on_news(lock);
 }
 

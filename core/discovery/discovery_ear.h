@@ -1,13 +1,14 @@
-// Hears all links: merges what they bring, passes the news on, and notices whom a link does not hear.
-// Cyclone's threads, and those of nodes of this process, bring what comes, several at once; the functions
-// below "One thread" are called by one thread at a time. A mutex guards everything; it is not held while news
-// are passed on.
+// Hears all links: merges what they bring, passes the news on to the nodes of this process, and notices whom
+// a link does not hear. Cyclone's threads bring what comes, several at once; the functions below "One thread"
+// are called by one thread at a time. A mutex guards everything; it is not held while news are passed on.
 #pragma once
 
 #include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <map>
+#include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -15,12 +16,12 @@
 
 #include "core/discovery/desired_links.h"
 #include "core/discovery/discovery_link.h"
-#include "core/discovery/discovery_listener.h"
 #include "core/discovery/hearing_watch.h"
 #include "core/discovery/link_merge.h"
 #include "core/discovery/news_desk.h"
 #include "core/discovery/ordered_delivery.h"
 #include "core/discovery/other_releases.h"
+#include "core/discovery/process_nodes.h"
 #include "core/discovery/sign_pace.h"
 #include "core/platform/clock.h"
 #include "core/sync/mutex.h"
@@ -29,11 +30,18 @@ namespace sft::core {
 
 class DiscoveryEar final : public LinkListener {
  public:
-  /// The listener outlives this object.
-  explicit DiscoveryEar(DiscoveryListener& listener);
+  /// `lease`: of the signs of life of our nodes.
+  explicit DiscoveryEar(std::chrono::milliseconds lease);
 
-  // One thread.
+  // One thread. News that come of these functions wait for pass_on(), which the caller calls without a lock.
 
+  /// Calls act(nodes, known) with the nodes of this process, and the endpoints of others that are known.
+  template <class Act>
+  auto with_nodes(Act act) {
+    const Lock lock(mutex_);
+    return act(nodes_here_, merge_.endpoints());
+  }
+  void pass_on();
   /// Claims of others in the name of our own endpoints are passed on unchanged.
   void set_own(EndpointId id, bool is_own);
   /// Announcements of that role are listened to from now on, on all links.
@@ -48,24 +56,23 @@ class DiscoveryEar final : public LinkListener {
 
   void link_expected(LinkId link);  ///< before it is opened
   void link_opened(LinkId link, const LinkSpec& spec);
-  void link_failed(LinkId link);  ///< it could not be opened
-  /// `is_replaced`: another link was made in its place before.
+  /// Or it could not be opened. `is_replaced`: another link was made in its place before.
   void link_dropped(LinkId link, bool is_replaced, Time now);
   void link_replaced(LinkId link, LinkId by);
   /// True if everybody who is heard on one link is heard on the other one, too.
   bool is_replaced(LinkId link, LinkId by, Time now) const;
 
-  /// Links on which others complain that they have heard something else in our name than we say, and who
-  /// complains.
-  std::map<LinkId, std::string> take_complaints();
-  /// Reports nodes with other versions of the control topics to the listener.
-  void report_other_releases(Time now);
+  /// Nodes with other versions of the control topics, for people, if there are new ones.
+  std::optional<std::string> take_other_releases(Time now);
 
   struct DeafLink {
     HearingWatch::Deaf deaf;
     std::string why;  ///< for people
   };
   struct Deafness {
+    /// Links on which others complain that they have heard something else in our name than we say, and who
+    /// complains.
+    std::map<LinkId, std::string> complaints_about_us;
     std::map<LinkId, std::vector<AnnouncerId>> complaints;  ///< to be made, about these participants
     std::vector<DeafLink> renewals;                         ///< links that have to be made anew
   };
@@ -74,7 +81,7 @@ class DiscoveryEar final : public LinkListener {
   /// A link was made anew because of that.
   void was_renewed_for(const HearingWatch::Deaf& deaf);
 
-  // LinkListener: Cyclone's threads, and those of agents of this process.
+  // LinkListener: Cyclone's threads.
   void endpoint_came(const Speaker& speaker, Endpoint endpoint) override;
   void endpoint_withdrawn(const Speaker& speaker, EndpointId id) override;
   void endpoint_unheard(LinkId link, EndpointId id) override;
@@ -88,23 +95,23 @@ class DiscoveryEar final : public LinkListener {
   void endpoint_matched(const Speaker& speaker) override;
   void endpoint_unmatched(const Speaker& speaker) override;
   void participant_departed(const Speaker& speaker) override;
-  void sample_malformed(std::string why) override { listener_.control_malformed(std::move(why)); }
+  void sample_malformed(std::string why) override;
 
  private:
   void pass_on_news(Lock& lock) SFT_REQUIRES(mutex_);
 
-  DiscoveryListener& listener_;
   std::atomic<bool> newcomer_{false};
 
   mutable Mutex mutex_;
   LinkMerge merge_ SFT_GUARDED_BY(mutex_);
   HearingWatch hearing_ SFT_GUARDED_BY(mutex_);
+  ProcessNodes nodes_here_ SFT_GUARDED_BY(mutex_);
   std::set<Role> roles_ SFT_GUARDED_BY(mutex_);  ///< announcements of these are listened to
   SignPace sign_pace_ SFT_GUARDED_BY(mutex_);
   OtherReleases other_releases_ SFT_GUARDED_BY(mutex_);
   std::vector<Speaker> complaints_ SFT_GUARDED_BY(mutex_);  ///< participants that complain about us
   NewsDesk::Links specs_ SFT_GUARDED_BY(mutex_);            ///< of the links that are open
-  OrderedDelivery<News> delivery_ SFT_GUARDED_BY(mutex_);
+  OrderedDelivery<AddressedNews> delivery_ SFT_GUARDED_BY(mutex_);
 };
 
 }  // namespace sft::core

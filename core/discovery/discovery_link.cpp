@@ -12,19 +12,17 @@
 #include "core/discovery/control_qos.h"
 #include "core/discovery/control_topic.h"
 #include "core/discovery/dds_domain.h"
-#include "core/discovery/matches.h"
 #include "core/discovery/participant_mark.h"
 #include "core/discovery/take_all.h"
 #include "core/discovery/topic_endpoint.h"
-#include "core/sync/mutex.h"
 
 namespace sft::core {
 
 namespace {
 
-constexpr JointReader::Kind kind_of_writers{{&sft_control_Endpoint_desc, "sft_writer"}, &take_writers};
-constexpr JointReader::Kind kind_of_readers{{&sft_control_ReaderWord_desc, "sft_reader"}, &take_readers};
-constexpr JointReader::Kind kind_of_lives{{&sft_control_Assertion_desc, "sft_liveliness"}, &take_assertions};
+constexpr ControlTopic::Kind kind_of_writers{{&sft_control_Endpoint_desc, "sft_writer"}, &take_writers};
+constexpr ControlTopic::Kind kind_of_readers{{&sft_control_ReaderWord_desc, "sft_reader"}, &take_readers};
+constexpr ControlTopic::Kind kind_of_lives{{&sft_control_Assertion_desc, "sft_liveliness"}, &take_assertions};
 
 class CycloneLink final : public DiscoveryLink {
  public:
@@ -32,12 +30,9 @@ class CycloneLink final : public DiscoveryLink {
       : place_(place),
         participants_(participants),
         listener_(listener),
-        joint_readers_(place.domain == nullptr ? std::make_shared<JointReaders>() : place.domain->readers()),
         mark_{.is_secured = place.is_secured} {}
 
   ~CycloneLink() override {
-    for (auto* const topic : {&writers_, &readers_, &lives_}) topic->reset();
-    if (hearer_ != nullptr) hearer_->close();
     if (participant_ > 0) dds_delete(participant_);  // Cyclone waits for listeners that run
   }
 
@@ -51,10 +46,8 @@ class CycloneLink final : public DiscoveryLink {
     }
     guid_ = to_guid(guid);
     participants_.add_own(guid_);
-    hearer_ = std::make_shared<Hearer>(participant_, [this](const ControlWord& word) { heard(word); });
-    const auto topic = [&](std::optional<ControlTopic>& made, const JointReader::Kind& kind, DdsQos qos) {
-      const ControlTopic::Matches matches{this, &on_publication_matched};
-      made.emplace(hearer_, *joint_readers_, kind, matches, std::move(qos));
+    const auto topic = [&](std::optional<ControlTopic>& made, const ControlTopic::Kind& kind, DdsQos qos) {
+      made.emplace(participant_, kind, std::move(qos), [this](const ControlWord& word) { heard(word); });
     };
     topic(writers_, kind_of_writers, control_qos());
     topic(readers_, kind_of_readers, control_qos());
@@ -101,6 +94,11 @@ class CycloneLink final : public DiscoveryLink {
     key.part = static_cast<std::uint8_t>(ReaderPart::request);
     dds_unregister_instance(writer, &key);
   }
+  void end_life(NodeId node) override {
+    sft_control_Assertion key{};
+    key.node = node;
+    dds_unregister_instance(lives_->known_writer(), &key);
+  }
   void greet() override {
     ++mark_.greeting;
     dds_set_qos(participant_, participant_qos(mark_).get());
@@ -143,7 +141,7 @@ class CycloneLink final : public DiscoveryLink {
     return fail(Errc::system, std::string("the participants cannot be watched: ") + dds_strretcode(reader));
   }
 
-  /// What the node itself says, on this link or another, does not count.
+  /// What this process itself says, on this link or another, does not count.
   void heard(const ControlWord& word) {
     Speaker speaker{place_.link, 0};
     if (word.speaker) {
@@ -168,22 +166,6 @@ class CycloneLink final : public DiscoveryLink {
   void told(const Speaker& speaker, const EndpointGone&) { listener_.endpoint_unmatched(speaker); }
   void told(const Speaker&, const SampleMalformed& malformed) { listener_.sample_malformed(malformed.why); }
 
-  static void on_publication_matched(dds_entity_t writer, const dds_publication_matched_status_t status,
-                                     void* self) {
-    CycloneLink& link = *static_cast<CycloneLink*>(self);
-    const dds_instance_handle_t reader = status.last_subscription_handle;
-    const bool has_come = status.current_count_change > 0;
-    std::optional<Participants::Guid> participant;
-    if (has_come) participant = subscribing_participant(writer, reader);
-    if (has_come && !participant) return;
-    std::optional<ControlWord> word;
-    {
-      const Lock lock(link.matches_mutex_);
-      word = has_come ? link.matches_.met(reader, *participant) : link.matches_.gone(reader);
-    }
-    if (word) link.heard(*word);
-  }
-
   static void on_participants(dds_entity_t reader, void* self) {
     CycloneLink& link = *static_cast<CycloneLink*>(self);
     take_all<dds_builtintopic_participant_t>(
@@ -198,7 +180,7 @@ class CycloneLink final : public DiscoveryLink {
     const Speaker speaker{place_.link, participants_.number_of(guid)};
     if (info.instance_state != DDS_IST_ALIVE) {
       participants_.gone(guid);
-      joint_readers_->forget(guid);
+      for (auto* const topic : {&writers_, &readers_, &lives_}) (*topic)->forget(guid);
       listener_.participant_departed(speaker);
       return;
     }
@@ -215,15 +197,11 @@ class CycloneLink final : public DiscoveryLink {
   const Place place_;
   Participants& participants_;
   LinkListener& listener_;
-  const std::shared_ptr<JointReaders> joint_readers_;  ///< those of the domain
   ParticipantMark mark_;
   Participants::Guid guid_{};  ///< of the participant
   dds_entity_t participant_ = 0;
-  std::shared_ptr<Hearer> hearer_;
   /// All of them are there once the link is open.
   std::optional<ControlTopic> writers_, readers_, lives_;
-  Mutex matches_mutex_;
-  Matches matches_ SFT_GUARDED_BY(matches_mutex_);  ///< readers of others that our writers have met
 };
 
 }  // namespace

@@ -1,6 +1,6 @@
-// A node's participant on one link: the control topics in one Cyclone domain. The only files of the core that
-// see Cyclone are this one, control_topic, joint_reader, topic_endpoint, control_words, take_all,
-// control_qos, dds_domain and cyclone_settings.
+// The participant on one link: the control topics in one Cyclone domain. The only files of the core that see
+// Cyclone are this one, control_topic, topic_endpoint, control_words, take_all, control_qos, dds_domain and
+// cyclone_settings.
 #pragma once
 
 #include <chrono>
@@ -19,8 +19,7 @@ namespace sft::core {
 
 class CycloneDomain;
 
-/// A listener is told what others say on the links. It is called on Cyclone's threads, and on those of
-/// nodes of this process, on several at once.
+/// A listener is told what others say on the links. It is called on Cyclone's threads, on several at once.
 class LinkListener {
  public:
   virtual void endpoint_came(const Speaker& speaker, Endpoint endpoint) = 0;
@@ -53,8 +52,8 @@ class LinkListener {
 
 class DiscoveryLink {
  public:
-  /// `domain` is kept as long as the link lives; null: the domain `number` of the program itself, in which
-  /// the link shares no readers. `is_secured`: by DDS Security.
+  /// `domain` is kept as long as the link lives; null: the domain `number` of the program itself.
+  /// `is_secured`: by DDS Security.
   struct Place {
     LinkId link = 0;
     std::shared_ptr<const CycloneDomain> domain;
@@ -75,6 +74,8 @@ class DiscoveryLink {
   virtual Result<void> write(const Request& request) = 0;
   virtual void write(const Assertion& assertion) = 0;
   virtual void dispose(EndpointId id, Role role) = 0;
+  /// The node does not live any more, though its process does.
+  virtual void end_life(NodeId node) = 0;
   /// Makes the participant known once more to whoever is there.
   virtual void greet() = 0;
   /// Tells everybody, and so these participants, that something else came of them than they say. At most

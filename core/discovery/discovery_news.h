@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -32,5 +33,14 @@ struct Refused {
 };
 using News =
     std::variant<EndpointSeen, EndpointDeparted, EndpointLost, Request, Assertion, NodeLost, Refused>;
+
+/// The endpoint that the news are about, if they are about one.
+inline std::optional<EndpointId> endpoint_of(const News& news) {
+  if (const auto* const seen = std::get_if<EndpointSeen>(&news)) return seen->endpoint->id;
+  if (const auto* const departed = std::get_if<EndpointDeparted>(&news)) return departed->id;
+  if (const auto* const lost = std::get_if<EndpointLost>(&news)) return lost->id;
+  if (const auto* const request = std::get_if<Request>(&news)) return request->reader;
+  return std::nullopt;
+}
 
 }  // namespace sft::core

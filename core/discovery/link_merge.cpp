@@ -22,65 +22,46 @@ milliseconds LinkMerge::pause_between_ticks() const {
                     tick_pause_max);
 }
 
-EndpointClaims* LinkMerge::known(EndpointId id) {
-  const auto known = endpoints_.find(id);
-  return known == endpoints_.end() ? nullptr : &known->second;
-}
-
-/// Null if nothing is told of the endpoint, or if it is another node's.
-const Endpoint* LinkMerge::told_of(EndpointId id, NodeId node) const {
-  const auto known = endpoints_.find(id);
-  if (known == endpoints_.end()) return nullptr;
-  const Endpoint* const told = known->second.told().endpoint();
-  return told != nullptr && told->node_id == node ? told : nullptr;
-}
-
-const Endpoint* LinkMerge::some_endpoint_of(NodeId node) const {
-  for (auto one = by_node_.lower_bound({node, 0}); one != by_node_.end() && one->first == node; ++one) {
-    if (const Endpoint* const told = told_of(one->second, node)) return told;
-  }
-  return nullptr;
-}
-
 milliseconds LinkMerge::lease_of(NodeId node) const {
-  const Endpoint* const endpoint = some_endpoint_of(node);
+  const Endpoint* const endpoint = endpoints_.some_told_of(node);
   return endpoint == nullptr ? lease_default : std::min(endpoint->life_lease, lease_max);
 }
 
 std::string LinkMerge::node_name(NodeId node) const {
-  const Endpoint* const endpoint = some_endpoint_of(node);
+  const Endpoint* const endpoint = endpoints_.some_told_of(node);
   return endpoint == nullptr ? std::string() : endpoint->node;
 }
 
 bool LinkMerge::has_rivals() const {
-  const auto is_announced_twice = [](const auto& entry) {
+  bool has_rivals = nodes_.has_rivals();
+  endpoints_.each([&](EndpointId, const EndpointClaims& claims) {
     int speakers = 0;
-    entry.second.each_alive([&speakers](const Claim&) { ++speakers; });
-    return speakers > 1;
-  };
-  return nodes_.has_rivals() || std::ranges::any_of(endpoints_, is_announced_twice);
+    claims.each_alive([&speakers](const Claim&) { ++speakers; });
+    has_rivals |= speakers > 1;
+  });
+  return has_rivals;
 }
 
 std::map<Speaker, std::uint32_t> LinkMerge::digests() const {
   std::map<Speaker, std::uint32_t> digests;
-  for (const auto& [id, known] : endpoints_) {
-    known.each_alive([&, id = id](const Claim& claim) {
+  endpoints_.each([&](EndpointId id, const EndpointClaims& claims) {
+    claims.each_alive([&](const Claim& claim) {
       std::uint32_t& digest = digests[claim.speaker];
       digest = add_to_digest(digest, digest_part(id, claim.endpoint->revision, claim.asked()));
     });
-  }
+  });
   return digests;
 }
 
 void LinkMerge::begin_anew(const Speaker& speaker) {
   doubt_departures();
   disbelieved_.insert(speaker);
-  for (auto& [id, known] : endpoints_) known.begin_anew(speaker);
+  endpoints_.each([&](EndpointClaims& claims) { claims.begin_anew(speaker); });
 }
 
 void LinkMerge::disbelieve(const Speaker& speaker, Time now) {
   begin_anew(speaker);
-  for (auto& [id, known] : endpoints_) known.trust_others(now);
+  endpoints_.each([&](EndpointClaims& claims) { claims.trust_others(now); });
 }
 
 void LinkMerge::endpoint_came(const Speaker& speaker, Endpoint endpoint, Time now) {
@@ -97,15 +78,15 @@ void LinkMerge::endpoint_came(const Speaker& speaker, Endpoint endpoint, Time no
     if (sample->revision <= departed->second.revision) return;  // a slower link delivers it late
     departed_.erase(departed);
   }
-  EndpointClaims* claims = known(id);
+  EndpointClaims* claims = endpoints_.find(id);
   const bool is_new = claims == nullptr || !claims->is_announced_by(speaker);
   if (is_new && !counts_.has_room_for(speaker.participant)) {
     return context_.refuse("the table of endpoints has no more room for this participant: its endpoint " +
                            name_of(*sample) + " is refused");
   }
-  if (claims == nullptr) claims = &endpoints_.try_emplace(id, context_).first->second;
+  if (claims == nullptr) claims = &endpoints_[id];
   if (!claims->accepts(speaker, *sample)) return;
-  by_node_.emplace(sample->node_id, id);
+  endpoints_.belongs_to(id, sample->node_id);
   if (!is_new) return claims->announced(speaker, std::move(sample), now);
   claims->add(speaker, std::move(sample), early_requests_.take(speaker, id), disbelieved_.contains(speaker),
               now);
@@ -116,7 +97,7 @@ void LinkMerge::endpoint_withdrawn(const Speaker& speaker, EndpointId id, Time n
     news_.emplace_back(EndpointDeparted{id});
     return;
   }
-  EndpointClaims* const claims = known(id);
+  EndpointClaims* const claims = endpoints_.find(id);
   if (claims == nullptr) return;
   if (!claims->is_announced_by(speaker)) {
     return context_.refuse(
@@ -130,7 +111,7 @@ void LinkMerge::endpoint_withdrawn(const Speaker& speaker, EndpointId id, Time n
 }
 
 void LinkMerge::endpoint_unheard(LinkId link, EndpointId id, Time now) {
-  if (EndpointClaims* const claims = known(id)) claims->unheard(link, now);
+  if (EndpointClaims* const claims = endpoints_.find(id)) claims->unheard(link, now);
 }
 
 void LinkMerge::request_came(const Speaker& speaker, Request request, Time now) {
@@ -139,7 +120,7 @@ void LinkMerge::request_came(const Speaker& speaker, Request request, Time now) 
     news_.emplace_back(std::move(request));
     return;
   }
-  EndpointClaims* const claims = known(request.reader);
+  EndpointClaims* const claims = endpoints_.find(request.reader);
   if (claims == nullptr || !claims->is_announced_by(speaker))  // the announcement may still come
     return early_requests_.keep(speaker, std::move(request), now);
   speakers_.heard(speaker, silence_in(claims->lease_by(speaker)), now);
@@ -164,13 +145,13 @@ void LinkMerge::tell_lost_nodes(Time now) {
 }
 
 void LinkMerge::participant_departed(const Speaker& speaker, Time now) {
-  for (auto& [id, known] : endpoints_) known.participant_departed(speaker, now);
+  endpoints_.each([&](EndpointClaims& claims) { claims.participant_departed(speaker, now); });
   nodes_.participant_departed(speaker);
   tell_lost_nodes(now);
 }
 
 void LinkMerge::link_dropped(LinkId link, Time now) {
-  for (auto& [id, known] : endpoints_) known.link_dropped(link, now);
+  endpoints_.each([&](EndpointClaims& claims) { claims.link_dropped(link, now); });
   nodes_.link_dropped(link);
   tell_lost_nodes(now);
   nodes_.forget_link(link);
@@ -180,12 +161,12 @@ void LinkMerge::link_dropped(LinkId link, Time now) {
 }
 
 void LinkMerge::replaced_link_dropped(LinkId link, Time now) {
-  for (auto& [id, known] : endpoints_) known.link_is_replaced(link, now);
+  endpoints_.each([&](EndpointClaims& claims) { claims.link_is_replaced(link, now); });
   link_dropped(link, now);
 }
 
 void LinkMerge::tick(Time now) {
-  for (auto& [id, known] : endpoints_) known.tick(now);
+  endpoints_.each([&](EndpointClaims& claims) { claims.tick(now); });
   nodes_.end_silent([this](NodeId node) { return lease_of(node); }, now);
   tell_lost_nodes(now);
   refuse_old_requests(now);
@@ -197,7 +178,7 @@ void LinkMerge::tick(Time now) {
 void LinkMerge::refuse_old_requests(Time now) {
   early_requests_.forget_if(
       [&](EndpointId reader, Time::duration age) {
-        const EndpointClaims* const claims = known(reader);
+        const EndpointClaims* const claims = endpoints_.find(reader);
         if (claims == nullptr) return age > limits_.forget_after;
         if (age < silence_in(claims->told().lease())) return false;
         context_.refuse("a participant makes requests of the subscriber " +
@@ -212,17 +193,8 @@ void LinkMerge::forget_old(Time now) {
   if (now < forgets_at_) return;
   forgets_at_ = now + forget_every;
   const Time before = now - limits_.forget_after;
-  for (auto known = endpoints_.begin(); known != endpoints_.end();)
-    known = known->second.forget_before(before) ? endpoints_.erase(known) : std::next(known);
+  endpoints_.forget_before(before);
   std::erase_if(departed_, [&](const auto& entry) { return entry.second.at <= before; });
-  std::erase_if(by_node_, [&](const auto& entry) {
-    const auto& [node, id] = entry;
-    bool is_claimed = told_of(id, node) != nullptr;
-    if (const EndpointClaims* const claims = known(id))
-      claims->each_alive(
-          [&, node = node](const Claim& claim) { is_claimed |= claim.endpoint->node_id == node; });
-    return !is_claimed;
-  });
   nodes_.forget_before(before);
   speakers_.forget_before(before - limits_.forget_after);
 }

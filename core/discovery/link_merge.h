@@ -13,6 +13,7 @@
 
 #include "core/control/control.h"
 #include "core/discovery/claim_counts.h"
+#include "core/discovery/claimed_endpoints.h"
 #include "core/discovery/discovery_news.h"
 #include "core/discovery/endpoint_claims.h"
 #include "core/discovery/node_claims.h"
@@ -75,6 +76,7 @@ class LinkMerge {
   /// Withdrawals may have been somebody else's: what was withdrawn may be there after all.
   void doubt_departures() { departed_.clear(); }
 
+  const ClaimedEndpoints& endpoints() const { return endpoints_; }
   /// Returns the news in the order in which they happened.
   std::vector<News> take_news() { return std::exchange(news_, {}); }
 
@@ -87,10 +89,6 @@ class LinkMerge {
   void tell_lost_nodes(Time now);
   void refuse_old_requests(Time now);
   void forget_old(Time now);
-  EndpointClaims* known(EndpointId id);
-  const Endpoint* some_endpoint_of(NodeId node) const;
-  const Endpoint* told_of(EndpointId id, NodeId node) const;
-
   const Limits limits_;
   Speakers speakers_;
   NodeClaims nodes_;
@@ -99,10 +97,7 @@ class LinkMerge {
   const ClaimContext context_{speakers_, nodes_, counts_, news_};
   std::set<EndpointId> own_;
   std::set<Speaker> disbelieved_;  ///< on links that go soon
-  std::map<EndpointId, EndpointClaims> endpoints_;
-  /// By nodes for which they were announced: a sign of life of each node comes every second. Some are not
-  /// known, or are not announced for that node, any more.
-  std::set<std::pair<NodeId, EndpointId>> by_node_;
+  ClaimedEndpoints endpoints_{context_};
   std::map<EndpointId, Departed> departed_;
   Time forgets_at_{};
   RequestsInAdvance early_requests_;

@@ -75,7 +75,7 @@ Result<LinkSet::OpenLink> LinkSet::make(const LinkSpec& spec, const CycloneDomai
   }
   if (!opened) {
     if (link) link->reset();
-    ear_.link_failed(id);
+    ear_.link_dropped(id, false, std::chrono::steady_clock::now());
     return tl::unexpected(opened.error());
   }
   ear_.link_opened(id, spec);
@@ -101,19 +101,18 @@ bool LinkSet::renew(LinkId id, const std::string& why, Time now) {
   const std::string what = "on " + spec.interface + " " + why;
   auto made = make(spec, link.domain.get());
   if (!made) {
-    listener_.link_was_deaf(what + "; the link cannot be made anew: " + made.error().message);
+    told_renewals_.push_back(what + "; the link cannot be made anew: " + made.error().message);
     return false;
   }
   ear_.link_replaced(link.id, made->id);
   const LinkId after = made->id;
   retiring_.push_back({std::exchange(link, std::move(*made)), after, now});
-  listener_.link_was_deaf(what + "; the link is made anew");
+  told_renewals_.push_back(what + "; the link is made anew");
   return true;
 }
 
-Result<void> LinkSet::hear(Role role, Time now) {
+Result<void> LinkSet::hear(Role role) {
   heard_.insert(role);
-  ear_.hears(role, now);
   return on_each([role](DiscoveryLink& link) { return link.hear(role); });
 }
 

@@ -1,5 +1,5 @@
-// The links of a node: opens those that are wanted and closes others, makes a link anew that is deaf, and
-// keeps the replaced one until everybody is heard on the new one. One thread at a time.
+// The links of this process: opens those that are wanted and closes others, makes a link anew that is deaf,
+// and keeps the replaced one until everybody is heard on the new one. One thread at a time.
 #pragma once
 
 #include <deque>
@@ -31,8 +31,8 @@ class LinkSet {
     LifeSigns life_signs;
   };
   /// All outlive this object. `own` is written to each link that is opened.
-  LinkSet(Settings settings, const OwnAnnouncements& own, DiscoveryEar& ear, DiscoveryListener& listener)
-      : settings_(std::move(settings)), own_(own), ear_(ear), listener_(listener) {}
+  LinkSet(Settings settings, const OwnAnnouncements& own, DiscoveryEar& ear)
+      : settings_(std::move(settings)), own_(own), ear_(ear) {}
   /// Waits a moment until others have what was written.
   ~LinkSet();
   LinkSet(const LinkSet&) = delete;
@@ -43,12 +43,14 @@ class LinkSet {
   /// Opens the links that are wanted, and closes others after that. The error is that of the first link that
   /// could not be opened; such links are tried again by the next call.
   Result<void> use(const std::vector<LinkSpec>& wanted, Time now);
-  /// Makes a link anew, for a reason that is told to the listener. Returns false if that is too early, or
+  /// Makes a link anew, for a reason that take_renewals() tells. Returns false if that is too early, or
   /// fails.
   bool renew(LinkId id, const std::string& why, Time now);
+  /// The renewals since the last call, also those that failed, for people.
+  std::vector<std::string> take_renewals() { return std::exchange(told_renewals_, {}); }
   /// Listens to announcements of that role on all links, also on those that are opened later. To be called
   /// again after an error.
-  Result<void> hear(Role role, Time now);
+  Result<void> hear(Role role);
   /// Closes replaced links that are not needed any more.
   void retire(Time now);
   /// Complains on one link about these participants.
@@ -96,13 +98,13 @@ class LinkSet {
   const Settings settings_;
   const OwnAnnouncements& own_;
   DiscoveryEar& ear_;
-  DiscoveryListener& listener_;
   Participants participants_;
   std::set<Role> heard_;
   LinkId links_made_ = 0;
   std::vector<std::string> failures_;
   std::vector<std::string> warnings_;
   std::map<LinkSpec, RenewalPace> renewals_;
+  std::vector<std::string> told_renewals_;
   std::deque<RetiringLink> retiring_;  ///< others still know us by these; the oldest first
   std::map<LinkSpec, OpenLink> links_;
 };

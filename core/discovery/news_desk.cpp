@@ -11,12 +11,12 @@ void NewsDesk::operator()(const EndpointSeen& seen) const {
   Endpoint endpoint = *seen.endpoint;
   if (!endpoint.type_description.empty()) {
     if (const auto type = described_type(endpoint); !type) {
-      listener_.control_malformed(type.error().message);
+      (*this)(Refused{type.error().message});
       endpoint.type_description.clear();
     }
   }
   leave_out_what_is_cut(endpoint, seen.silent);
-  listener_.endpoint_seen(std::move(endpoint));
+  tell([&](DiscoveryListener& listener) { listener.endpoint_seen(endpoint); });
 }
 
 /// Keeps an address in any case.

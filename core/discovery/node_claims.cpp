@@ -9,8 +9,9 @@ namespace sft::core {
 bool NodeClaims::asserted(NodeId id, const Speaker& speaker, std::chrono::milliseconds silence, Time now) {
   if (!nodes_.contains(id) && nodes_.size() >= nodes_max_) return false;
   Node& node = nodes_[id];
-  if (std::ranges::find(node.claims, speaker, &Claim::speaker) == node.claims.end())
-    node.claims.push_back({speaker});
+  auto own = std::ranges::find(node.claims, speaker, &Claim::speaker);
+  if (own == node.claims.end()) own = node.claims.insert(own, {.speaker = speaker});
+  own->heard = now;
   for (Claim& claim : node.claims) {
     if (claim.speaker == speaker) {
       claim.alive = true;
@@ -83,16 +84,16 @@ bool NodeClaims::is_lost(NodeId id, Node& node, const LeaseOf& lease_of, Time no
   return node.lost;
 }
 
-Time NodeClaims::last_heard(const Node& node) const {
+Time NodeClaims::last_heard(const Node& node) {
   Time heard{};
-  for (const Claim& claim : node.claims) heard = std::max(heard, speakers_.last_heard(claim.speaker));
+  for (const Claim& claim : node.claims) heard = std::max(heard, claim.heard);
   return heard;
 }
 
 void NodeClaims::end_silent(const LeaseOf& lease_of, Time now) {
   for (auto& [id, node] : nodes_) {
     for (Claim& claim : node.claims) {
-      const auto silent_for = now - speakers_.last_heard(claim.speaker);
+      const auto silent_for = now - claim.heard;
       if (claim.alive && silent_for > lease_default + slack && silent_for > lease_of(id) + slack)
         claim.alive = false;
     }

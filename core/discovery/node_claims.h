@@ -50,6 +50,7 @@ class NodeClaims {
 
   struct Claim {
     Speaker speaker;
+    Time heard{};  ///< when the speaker said last that this node lives; it may speak for others, too
     bool alive = true;
   };
   struct Node {
@@ -57,7 +58,7 @@ class NodeClaims {
     std::optional<Time> lost_at{};
     bool lost = false;
   };
-  Time last_heard(const Node& node) const;
+  static Time last_heard(const Node& node);
   bool is_lost(NodeId id, Node& node, const LeaseOf& lease_of, Time now) const;
 
   const Speakers& speakers_;

@@ -36,7 +36,7 @@ bool ToldEndpoint::is_truth_open(const Claim& claim, Time now) {
   if (claim.untrue) return true;
   if (!true_from_) true_from_ = now + requests_come_within;
   const bool request_may_come =
-      endpoint_ != nullptr && say_the_same(*endpoint_, *claim.endpoint) && request_ > claim.asked();
+      endpoint_ != nullptr && say_the_same(*endpoint_, *claim.endpoint) && asked() > claim.asked();
   return request_may_come && now < *true_from_;
 }
 
@@ -45,9 +45,9 @@ bool ToldEndpoint::is_truth_open(const Claim& claim, Time now) {
 void ToldEndpoint::take_back_if_untrue(const Claim& claim) {
   true_from_.reset();
   if (!std::exchange(is_untrue_, false) || endpoint_ == nullptr) return;
-  if (say_the_same(*endpoint_, *claim.endpoint) && request_ <= claim.asked()) return;
+  if (say_the_same(*endpoint_, *claim.endpoint) && asked() <= claim.asked()) return;
   endpoint_.reset();
-  request_ = 0;
+  request_.reset();
   news_.emplace_back(EndpointDeparted{claim.endpoint->id});
 }
 
@@ -59,16 +59,22 @@ void ToldEndpoint::tell(const Claim& claim) {
   endpoint_ = claim.endpoint;
   lost_ = false;
   news_.emplace_back(EndpointSeen{endpoint_, silent_});
-  const bool is_told = is_same_speaker && claim.request && claim.request->sequence <= request_;
+  const bool is_told = is_same_speaker && claim.request && claim.request->sequence <= asked();
   if (!claim.request || is_told || claim.request->sequence <= endpoint_->request.sequence) return;
-  request_ = claim.request->sequence;
-  news_.emplace_back(*claim.request);
+  request_ = claim.request;
+  news_.emplace_back(*request_);
 }
 
 void ToldEndpoint::request(const Request& request) {
-  if (request.sequence <= request_) return;
-  request_ = request.sequence;
+  if (request.sequence <= asked()) return;
+  request_ = request;
   news_.emplace_back(request);
+}
+
+void ToldEndpoint::repeat(std::vector<News>& news) const {
+  if (endpoint_ == nullptr || lost_) return;
+  news.emplace_back(EndpointSeen{endpoint_, silent_});
+  if (asked() > endpoint_->request.sequence) news.emplace_back(*request_);
 }
 
 /// An endpoint that nobody keeps alive is lost at once if its node has been silent already. Else a link was

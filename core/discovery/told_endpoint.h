@@ -33,10 +33,12 @@ class ToldEndpoint {
   /// A request that is believed: tells it, if it is news.
   void request(const Request& request);
   /// Another participant speaks for the endpoint: any request of it is news.
-  void forget_request() { request_ = 0; }
+  void forget_request() { request_.reset(); }
   /// Nobody keeps the endpoint alive; somebody who did was heard last at `heard`. Tells that it is lost, once
   /// it is.
   void lose(Time heard, Time now);
+  /// Adds to the news what was told and still holds.
+  void repeat(std::vector<News>& news) const;
   bool is_lost_before(Time before) const { return lost_ && *lost_at_ <= before; }
 
   /// Notes that the announcement may be somebody else's word.
@@ -46,18 +48,19 @@ class ToldEndpoint {
   void doubt_until(Time time) { true_from_ = time; }
 
  private:
+  std::uint64_t asked() const { return request_ ? request_->sequence : 0; }
   bool is_truth_open(const Claim& claim, Time now);
   void take_back_if_untrue(const Claim& claim);
   void tell(const Claim& claim);
 
   std::vector<News>& news_;
   std::shared_ptr<const Endpoint> endpoint_;
-  std::vector<LinkId> silent_;       ///< told with endpoint_
-  std::uint64_t request_ = 0;        ///< the sequence of the request that was told last
-  std::optional<Time> lost_at_{};    ///< when the endpoint is lost, if nobody keeps it alive until then
-  bool lost_ = false;                ///< its loss was told
-  bool is_untrue_ = false;           ///< may be somebody else's word
-  std::optional<Time> true_from_{};  ///< when a link that is made anew is believed in any case
+  std::vector<LinkId> silent_;        ///< told with endpoint_
+  std::optional<Request> request_{};  ///< told last, apart from endpoint_
+  std::optional<Time> lost_at_{};     ///< when the endpoint is lost, if nobody keeps it alive until then
+  bool lost_ = false;                 ///< its loss was told
+  bool is_untrue_ = false;            ///< may be somebody else's word
+  std::optional<Time> true_from_{};   ///< when a link that is made anew is believed in any case
 };
 
 }  // namespace sft::core

@@ -30,7 +30,7 @@ struct NegotiationLimits {
   std::size_t endpoints = 4096;
   std::chrono::seconds forget_lost_after{60};
   std::size_t of_announcer = 1024;
-  std::size_t of_topic = 64;
+  std::size_t of_topic = 256;
 };
 
 class Negotiation {

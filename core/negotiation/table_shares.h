@@ -26,7 +26,7 @@ class TableShares {
     std::size_t entries = 4096;
     std::size_t of_announcer = 1024;
     std::size_t topic_shares_from = 256;
-    std::size_t of_topic = 64;
+    std::size_t of_topic = 256;
   };
   TableShares() : TableShares(Limits{}) {}
   explicit TableShares(const Limits& limits) : limits_(limits) {}

@@ -230,6 +230,14 @@ void NodeCore::hear_everybody() {
   hear(Role::reader);
 }
 
+/// What discovery knows already comes to the agent meanwhile.
+void NodeCore::let_agent_hear_everybody() {
+  (void)ask_agent([this] {
+    hear_everybody();
+    return true;
+  });
+}
+
 Result<DynamicType> NodeCore::find_type(std::string_view topic, std::chrono::nanoseconds timeout) {
   topic = without_slash(topic);
   const auto deadline = deadline_after(timeout);
@@ -250,8 +258,8 @@ Result<DynamicType> NodeCore::find_type(std::string_view topic, std::chrono::nan
 }
 
 std::vector<TopicInfo> NodeCore::topics() {
+  let_agent_hear_everybody();
   return topics_of(ask_agent([&] {
-    hear_everybody();
     std::vector<Endpoint> copies;
     for (const Endpoint* endpoint : reconciler_->endpoints()) copies.push_back(*endpoint);
     return copies;
@@ -263,8 +271,8 @@ DomainSnapshot NodeCore::domain() {
     std::vector<KnownEndpoint> endpoints;
     PairAccounts accounts;
   };
+  let_agent_hear_everybody();
   Known known = ask_agent([&] {
-    hear_everybody();
     return Known{reconciler_->known_endpoints(), reconciler_->accounts().known()};
   });
   return domain_snapshot(std::move(known.endpoints), known.accounts, id_, network_id_);

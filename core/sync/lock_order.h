@@ -1,7 +1,7 @@
 // The order in which a thread takes locks, if it holds several at a time. Such locks are on levels: a thread
 // that holds a lock may take locks of later levels only. A mutex that is on no level is the only one that a
-// thread holds at that time, or the last one that it takes, or one of JointReader's, which no thread takes
-// that holds a lock on a level.
+// thread holds at that time, or the last one that it takes, or one of those of discovery, which no thread
+// takes that holds a lock on a level.
 //
 // Each mutex on a level names the levels between which it lies. Clang (-Wthread-safety-beta) refuses a
 // function that takes two locks in the wrong order, and an order that leads back to its beginning. Clang

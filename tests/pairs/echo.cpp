@@ -48,11 +48,17 @@ void Echo::request_received(core::Request request) {
 }
 
 void Echo::repeat() {
-  const std::scoped_lock lock(mutex_);
-  for (const core::Request& request : requests_ | std::views::reverse) check(discovery_->send(request));
-  for (const core::Endpoint& endpoint : endpoints_ | std::views::reverse)
+  std::vector<core::Endpoint> endpoints;
+  std::vector<core::Request> requests;
+  {
+    const std::scoped_lock lock(mutex_);
+    endpoints = endpoints_;
+    requests = requests_;
+  }
+  for (const core::Request& request : requests | std::views::reverse) check(discovery_->send(request));
+  for (const core::Endpoint& endpoint : endpoints | std::views::reverse)
     check(discovery_->announce(endpoint));
-  check(discovery_->announce(marker_like(endpoints_.at(0))));
+  check(discovery_->announce(marker_like(endpoints.at(0))));
   check(discovery_->send(marker_request(2)));
 }
 

@@ -116,6 +116,7 @@ TEST_F(JoinAndLeave, EndpointsBeyondTheLimitAreCountedAndThoseBelowItStayServed)
   publisher.advertise();
   reader.subscribe("data");
   ASSERT_TRUE(agree(publisher, reader));
+  reader.look_around();
   Peer crowd(there(), "crowd");
   crowd.crowd(4100);
   EXPECT_TRUE(comes_true([&] { return reader.status()["node"]["control_ignored"] > 0; }));

@@ -37,6 +37,7 @@ class Peer {
   void read(const std::string& fields) { ask({{"do", "read"}, {"fields", fields}}); }
   void set_max_rate_hz(double hz) { ask({{"do", "rate"}, {"hz", hz}}); }
   /// Publishers of so many other topics.
+  void look_around() { ask({{"do", "look around"}}); }
   void crowd(std::size_t count) { ask({{"do", "crowd"}, {"count", count}}); }
 
   /// From now on the peer remembers what all say on the control topics; repeat_control() says that once more

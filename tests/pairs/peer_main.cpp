@@ -90,6 +90,7 @@ class Peer {
         {"leave", &Peer::leave},
         {"crowd", &Peer::crowd},
         {"hear", &Peer::hear},
+        {"look around", &Peer::look_around},
         {"repeat", &Peer::repeat},
         {"forge", &Peer::forge}};
     (this->*verbs.at(what))(command);
@@ -122,6 +123,8 @@ class Peer {
       crowd_.push_back(node_.publisher<PointCloud2>("other/" + std::to_string(i)).value());
   }
 
+  /// From now on the node is told of all endpoints, whatever their topics are.
+  void look_around(const json&) { (void)node_.topics(); }
   void hear(const json&) { echo_ = std::make_unique<Echo>(); }
   void repeat(const json&) { echo_->repeat(); }
   void forge(const json& command) {

@@ -67,7 +67,7 @@ struct ShmSettings {
 struct DiscoverySettings {
   /// Hosts on which nodes are looked for, besides those that multicast reaches: "10.0.0.7", "robot.local", or
   /// with the port of one process, "10.0.0.7:7410". Both sides have to name each other. On each host the
-  /// first 20 nodes are found; the interfaces of a host share this number.
+  /// nodes of the first 20 processes are found; the interfaces of a host share this number.
   std::vector<std::string> peers{};
   /// Nodes are looked for and samples received only on these interfaces. An entry is a name ("eth0"), an
   /// address ("10.0.0.5", "fe80::1%eth0") or a network ("10.0.0.0/24", "fd00::/64"). Empty: all interfaces

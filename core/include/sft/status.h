@@ -203,6 +203,7 @@ struct NodeStatus {
   std::uint64_t control_malformed = 0;      ///< endpoints, type descriptions and requests that were refused
   std::uint64_t control_ignored = 0;        ///< those beyond the limits of the table of endpoints
   /// How often discovery was begun anew on one interface because a node that is there was not heard by it.
+  /// The nodes of a process that share discovery count the same.
   std::uint64_t links_renewed = 0;
 };
 

@@ -13,7 +13,7 @@ namespace {
 constexpr Speaker peer{1, 11};
 constexpr NodeId its_node = 77;
 
-class DiscoveryEarTest : public ::testing::Test, private DiscoveryListener {
+class DiscoveryEarTest : public ::testing::Test {
  protected:
   DiscoveryEarTest() {
     ear.link_expected(peer.link);
@@ -47,17 +47,10 @@ class DiscoveryEarTest : public ::testing::Test, private DiscoveryListener {
     return ear.tick(now()).signs.wants();
   }
 
-  DiscoveryEar ear{*this};
+  DiscoveryEar ear{lease_default};
 
  private:
   Time now() const { return at; }
-  void endpoint_seen(Endpoint) override {}
-  void endpoint_departed(EndpointId) override {}
-  void endpoint_lost(EndpointId) override {}
-  void request_received(Request) override {}
-  void liveliness_asserted(Assertion) override {}
-  void node_lost(NodeId) override {}
-  void control_malformed(std::string) override {}
 
   OwnAnnouncements own;  ///< of the peer
   Time at = std::chrono::steady_clock::now();

@@ -50,6 +50,23 @@ TEST_F(NodeClaimsTest, ANodeLivesWhileAnyLinkHearsIt) {
   EXPECT_THAT(lost(), IsEmpty());
 }
 
+// The nodes of a process have one participant.
+TEST_F(NodeClaimsTest, ANodeThatFallsSilentIsLostAlthoughItsSpeakerSpeaksForAnotherNode) {
+  says_that_it_lives(by_lan);
+  const auto lasts_for = [&](std::chrono::milliseconds time) {
+    for (const Time end = now + time; now < end; now += 100ms) {
+      speakers.heard(by_lan, silence, now);
+      claims.asserted(78, by_lan, silence, now);
+      claims.end_silent(lease, now);
+      if (!lost().empty()) return false;
+    }
+    return true;
+  };
+  EXPECT_TRUE(lasts_for(5s)) << "its signs may have been lost on the way";
+  EXPECT_FALSE(lasts_for(10s));
+  EXPECT_TRUE(lasts_for(10s)) << "the other node lives";
+}
+
 TEST_F(NodeClaimsTest, ANodeThatWasHeardAMomentAgoHasItsLeaseToReturnByAnotherLink) {
   says_that_it_lives(by_lan);
   claims.link_dropped(1);

@@ -25,6 +25,7 @@ class WrittenLink final : public DiscoveryLink {
   }
   void write(const Assertion&) override {}
   void dispose(EndpointId, Role) override {}
+  void end_life(NodeId) override {}
   void greet() override {}
   void complain(const std::vector<AnnouncerId>&) override {}
   void flush(std::chrono::milliseconds) override {}

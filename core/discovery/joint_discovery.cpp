@@ -1,0 +1,340 @@
+#include "core/discovery/joint_discovery.h"
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "core/discovery/dds_domain.h"
+
+namespace sft::core {
+
+namespace {
+
+using Key = std::tuple<std::uint32_t, std::string, std::vector<std::string>, std::vector<std::string>,
+                       std::vector<unsigned>, ThreadSettings::Policy, int, std::string>;
+
+/// What has to be equal, so that nodes share discovery.
+Key key_of(const DiscoveryOptions& options, const DdsConfig& config) {
+  const ThreadSettings& threads = options.threads;
+  return {options.domain, config.text,      options.settings.interfaces, options.settings.peers, threads.cpus,
+          threads.policy, threads.priority, threads.name_prefix};
+}
+
+/// Those of this process, as long as any node uses them.
+struct OpenDiscoveries {
+  Mutex mutex;
+  std::map<Key, std::weak_ptr<JointDiscovery>> by_key SFT_GUARDED_BY(mutex);
+};
+OpenDiscoveries open_discoveries;
+
+constexpr std::chrono::seconds look_at_interfaces_every{1};  // although netlink tells of changes
+/// Others believe a link that was made anew with the first sign of life that comes by it.
+constexpr std::chrono::milliseconds assert_often_for{700};
+/// All nodes of the process look after discovery; in that time one of them will do.
+constexpr std::chrono::milliseconds one_looks_for{25};
+
+/// A node's part in the discovery that it shares.
+class SharedDiscovery final : public Discovery {
+ public:
+  SharedDiscovery(std::shared_ptr<JointDiscovery> joint, DiscoveryListener& listener)
+      : joint_(std::move(joint)), seat_(joint_->join(listener)) {}
+  ~SharedDiscovery() override { joint_->leave(seat_); }
+
+  LifeSigns life_signs() const override { return joint_->life_signs(); }
+  bool is_calm(Time now) const override { return joint_->is_calm(now); }
+  Configuration configuration() const override { return joint_->configuration(); }
+  Result<void> hear(Role role) override { return joint_->hear(seat_, role); }
+  Result<void> announce(const Endpoint& endpoint) override { return joint_->announce(seat_, endpoint); }
+  void withdraw(EndpointId id) override { joint_->withdraw(id); }
+  Result<void> send(const Request& request) override { return joint_->send(request); }
+  void assert_liveliness(const Assertion& assertion) override { joint_->assert_liveliness(seat_, assertion); }
+  void look_after(Time now, bool somebody_is_missing) override {
+    joint_->look_after(seat_, now, somebody_is_missing);
+  }
+
+ private:
+  const std::shared_ptr<JointDiscovery> joint_;  ///< the last node ends it
+  JointDiscovery::Seat& seat_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Discovery>> Discovery::open(const DiscoveryOptions& options,
+                                                   DiscoveryListener& listener) {
+  Result<std::shared_ptr<JointDiscovery>> joint = JointDiscovery::of(options);
+  if (!joint) return tl::unexpected(joint.error());
+  return std::make_unique<SharedDiscovery>(std::move(*joint), listener);
+}
+
+Result<std::shared_ptr<JointDiscovery>> JointDiscovery::of(const DiscoveryOptions& options) {
+  Result<DdsConfig> config = dds_config(options.domain, options.settings, options.user_config);
+  if (!config) return tl::unexpected(config.error());
+  const Lock lock(open_discoveries.mutex);  // so that two nodes do not make the same one
+  std::erase_if(open_discoveries.by_key, [](const auto& entry) { return entry.second.expired(); });
+  std::weak_ptr<JointDiscovery>& known = open_discoveries.by_key[key_of(options, *config)];
+  if (auto discovery = known.lock()) return discovery;
+  auto discovery = std::make_shared<JointDiscovery>(std::move(*config), options.threads);
+  if (Result<void> opened = discovery->open(options.domain); !opened) return tl::unexpected(opened.error());
+  known = discovery;
+  return discovery;
+}
+
+JointDiscovery::JointDiscovery(DdsConfig config, const ThreadSettings& threads)
+    : config_(std::move(config)),
+      life_signs_(config_.multicast ? life_signs_to_all : life_signs_to_each),
+      ear_(life_signs_.lease),
+      links_({config_, threads, life_signs_}, own_, ear_) {}
+
+Result<void> JointDiscovery::open(std::uint32_t domain) {
+  const Lock lock(mutex_);
+  if (program_has_opened(domain)) return join_the_program(domain);
+  interfaces_ = interfaces_of_interest();
+  const Result<void> made =
+      use(desired_links(interfaces_, config_.rules(), {}), std::chrono::steady_clock::now());
+  if (!links_.empty()) return {};
+  if (!made) return made;
+  return fail(Errc::unavailable, "no network interface is up, not even the loopback (ip link set lo up)");
+}
+
+bool JointDiscovery::is_calm(Time now) const {
+  const Lock lock(mutex_);
+  return own_pace_.is_calm(now) && pace_.is_calm(now);
+}
+
+Discovery::Configuration JointDiscovery::configuration() const {
+  const Lock lock(configuration_mutex_);
+  return configuration_;
+}
+
+JointDiscovery::Seat& JointDiscovery::join(DiscoveryListener& listener) {
+  const Lock lock(mutex_);
+  Seat& seat = seats_.emplace_back(listener);
+  ear_.with_nodes([&](ProcessNodes& nodes, const auto&) { nodes.join(seat.member); });
+  return seat;
+}
+
+void JointDiscovery::leave(Seat& seat) {
+  const std::shared_ptr<NodeListener> member = seat.member;
+  {
+    const Lock lock(mutex_);
+    const auto endpoints =
+        ear_.with_nodes([&](ProcessNodes& nodes, const auto&) { return nodes.endpoints_of(member); });
+    for (const EndpointId id : endpoints) withdraw_from_links(id);
+    const NodeId node =
+        ear_.with_nodes([&](ProcessNodes& nodes, const auto&) { return nodes.leave(member); });
+    if (node != 0) links_.each([node](DiscoveryLink& link) { link.end_life(node); });
+    if (last_looker_ == &seat) last_looker_ = nullptr;
+    seats_.remove_if([&](const Seat& one) { return &one == &seat; });
+  }
+  ear_.pass_on();
+  member->close();
+}
+
+Result<void> JointDiscovery::hear(Seat& seat, Role role) {
+  Result<void> heard;
+  {
+    const Lock lock(mutex_);
+    ear_.with_nodes([&](ProcessNodes& nodes, const ClaimedEndpoints& known) {
+      nodes.hears_all(seat.member, role, known);
+    });
+    heard = hear_on_links(role);
+  }
+  ear_.pass_on();
+  return heard;
+}
+
+Result<void> JointDiscovery::hear_on_links(Role role) {
+  ear_.hears(role, std::chrono::steady_clock::now());
+  return links_.hear(role);
+}
+
+Result<void> JointDiscovery::announce(Seat& seat, const Endpoint& endpoint) {
+  Result<void> written;
+  {
+    const Lock lock(mutex_);
+    if (Result<void> heard = hear_on_links(other(endpoint.role)); !heard) return heard;
+    const Endpoint& own = own_.announce(endpoint);
+    own_pace_.told_news(std::chrono::steady_clock::now());
+    ear_.set_own(own.id, true);
+    ear_.with_nodes([&](ProcessNodes& nodes, const ClaimedEndpoints& known) {
+      nodes.announced(seat.member, own, known);
+    });
+    written = links_.on_each([&](DiscoveryLink& link) { return link.write(own); });
+  }
+  ear_.pass_on();
+  return written;
+}
+
+void JointDiscovery::withdraw(EndpointId id) {
+  {
+    const Lock lock(mutex_);
+    withdraw_from_links(id);
+  }
+  ear_.pass_on();
+}
+
+void JointDiscovery::withdraw_from_links(EndpointId id) {
+  const std::optional<Role> role = own_.withdraw(id);
+  if (!role) return;
+  own_pace_.told_news(std::chrono::steady_clock::now());
+  links_.each([&](DiscoveryLink& link) { link.dispose(id, *role); });
+  ear_.with_nodes([&](ProcessNodes& nodes, const ClaimedEndpoints& known) { nodes.withdrawn(id, known); });
+  ear_.set_own(id, false);
+}
+
+Result<void> JointDiscovery::send(const Request& request) {
+  Result<void> written;
+  {
+    const Lock lock(mutex_);
+    own_.request(request);
+    own_pace_.told_news(std::chrono::steady_clock::now());
+    ear_.with_nodes([&](ProcessNodes& nodes, const auto&) { nodes.requested(request); });
+    written = links_.on_each([&](DiscoveryLink& link) { return link.write(request); });
+  }
+  ear_.pass_on();
+  return written;
+}
+
+void JointDiscovery::assert_liveliness(Seat& seat, const Assertion& assertion) {
+  {
+    const Lock lock(mutex_);
+    ear_.with_nodes([&](ProcessNodes& nodes, const auto&) {
+      nodes.asserted(seat.member, assertion, std::chrono::steady_clock::now());
+    });
+    write(assertion);
+  }
+  ear_.pass_on();
+}
+
+/// The digests are those of all that came of our participants: of what all nodes of the process have said.
+void JointDiscovery::write(Assertion assertion) {
+  assertion.digest_of_writers = own_.digest(Role::writer);
+  assertion.digest_of_readers = own_.digest(Role::reader);
+  assertion.wants_signs = pace_.wants();
+  links_.each([&](DiscoveryLink& link) { link.write(assertion); });
+}
+
+void JointDiscovery::look_after(Seat& seat, Time now, bool somebody_is_missing) {
+  std::vector<Report> reports;
+  {
+    const Lock lock(mutex_);
+    seat.misses_somebody = somebody_is_missing;
+    if (last_looker_ == &seat || now >= looked_after_ + one_looks_for) {
+      last_looker_ = &seat;
+      looked_after_ = now;
+      look_after_links(now);
+    }
+    reports = std::exchange(seat.reports, {});
+  }
+  ear_.pass_on();
+  for (const Report& report : reports)
+    seat.member->tell([&](DiscoveryListener& listener) { (listener.*report.tell)(report.text); });
+}
+
+void JointDiscovery::look_after_links(Time now) {
+  if (watches_ && (watch_.changed() || now >= next_look_)) look_at_interfaces(now);
+  if (ear_.take_newcomer()) greetings_.newcomer(now);
+  if (greetings_.due(now, std::ranges::any_of(seats_, &Seat::misses_somebody)))
+    links_.each([](DiscoveryLink& link) { link.greet(); });
+  links_.retire(now);
+  if (now < asserts_often_until_) {
+    for (const NodeId node : ear_.with_nodes([](ProcessNodes&nodes, const auto&) { return nodes.nodes(); }))
+      write({.node = node, .writers = {}});
+  }
+  if (watches_) mend_links(now);
+  for (std::string& renewal : links_.take_renewals())
+    report({&DiscoveryListener::link_was_deaf, std::move(renewal)});
+  if (std::optional<std::string> releases = ear_.take_other_releases(now))
+    report({&DiscoveryListener::other_release_found, std::move(*releases)});
+  if (now < next_merge_) return;
+  const DiscoveryEar::AfterTick after = ear_.tick(now);
+  pace_ = after.signs;
+  next_merge_ = now + after.pause;
+}
+
+void JointDiscovery::report(const Report& report) {
+  for (Seat& seat : seats_) seat.reports.push_back(report);
+}
+
+/// The program's own configuration of the domain holds, and its choice of interfaces.
+Result<void> JointDiscovery::join_the_program(std::uint32_t domain) {
+  watches_ = false;
+  if (Result<void> joined = links_.join(domain); !joined) return joined;
+  const Lock lock(configuration_mutex_);
+  configuration_.summary = "as the program itself configured DDS domain " + std::to_string(domain);
+  configuration_.warnings = {
+      "the program opened DDS domain " + std::to_string(domain) +
+      " before its first node: neither discovery settings nor CYCLONEDDS_URI are applied by SFT"};
+  return {};
+}
+
+/// The interfaces of before, if the system cannot list them. Containers come and go: that is no reason to
+/// greet anybody.
+std::vector<HostInterface> JointDiscovery::interfaces_of_interest() const {
+  std::optional<std::vector<HostInterface>> listed = host_interfaces();
+  if (!listed) return interfaces_;
+  std::vector<HostInterface> interfaces = std::move(*listed);
+  if (config_.interfaces.empty())
+    std::erase_if(interfaces, [](const HostInterface& i) { return belongs_to_containers(i.name); });
+  return interfaces;
+}
+
+void JointDiscovery::look_at_interfaces(Time now) {
+  next_look_ = now + look_at_interfaces_every;
+  std::vector<HostInterface> interfaces = interfaces_of_interest();
+  const bool changed = interfaces != interfaces_;
+  if (!changed && links_.failures().empty()) return;
+  interfaces_ = std::move(interfaces);
+  if (changed) greetings_.begin(now);
+  const std::string before = configuration().summary;
+  (void)use(desired_links(interfaces_, config_.rules(), links_.specs()), now);
+  if (const std::string after = configuration().summary; after != before)
+    report({&DiscoveryListener::links_changed, after});
+}
+
+Result<void> JointDiscovery::use(const DesiredLinks& desired, Time now) {
+  Result<void> used = links_.use(desired.links, now);
+  describe(desired);
+  return used;
+}
+
+void JointDiscovery::describe(const DesiredLinks& desired) {
+  std::vector<LinkSpec> specs = links_.specs();
+  std::ranges::stable_partition(specs, &LinkSpec::loopback);
+  Discovery::Configuration present{.summary = config_.summary(specs),
+                                   .warnings = config_.warnings,
+                                   .remarks = desired.remarks,
+                                   .waits_for_network = desired.waits_for_network};
+  std::ranges::copy(links_.warnings(), std::back_inserter(present.warnings));
+  for (const std::string& remark : desired.remarks) present.summary += "; " + remark;
+  for (const std::string& failure : links_.failures()) present.summary += "; " + failure;
+  if (desired.waits_for_network)
+    present.summary += "; no network yet: other hosts are looked for as soon as an interface is up";
+  for (const LinkSpec& spec : specs) {
+    if (std::ranges::find(present.interfaces, spec.interface) == present.interfaces.end())
+      present.interfaces.push_back(spec.interface);
+  }
+  const Lock lock(configuration_mutex_);
+  configuration_ = std::move(present);
+}
+
+/// Nothing of what others complain about holds for a link that is made anew.
+void JointDiscovery::mend_links(Time now) {
+  const DiscoveryEar::Deafness deafness = ear_.look_for_deafness(config_.participant_lease, now);
+  for (const auto& [id, by] : deafness.complaints_about_us)
+    renew(id, by + " reports announcements in our name that we did not make", now);
+  for (const auto& [id, participants] : deafness.complaints) links_.complain(id, participants);
+  for (const auto& [deaf, why] : deafness.renewals) {
+    if (renew(deaf.link, why, now)) ear_.was_renewed_for(deaf);
+  }
+}
+
+bool JointDiscovery::renew(LinkId id, const std::string& why, Time now) {
+  if (!links_.renew(id, why, now)) return false;
+  greetings_.begin(now);
+  asserts_often_until_ = now + assert_often_for;
+  return true;
+}
+
+}  // namespace sft::core
