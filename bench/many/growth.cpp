@@ -54,13 +54,15 @@ class SftNode {
     }
   }
   bool matched() const {
-    return std::ranges::all_of(publishers_,
-                               [](const Publisher<Message>& publisher) {
-                                 return publisher.wait_for_subscribers(1, std::chrono::nanoseconds(0));
-                               }) &&
-           std::ranges::all_of(subscribers_, [](const Subscriber<Message>& subscriber) {
-             return std::ranges::any_of(subscriber.status().writers, &SubscriberStatus::Writer::connected);
+    return hears_all() && std::ranges::all_of(publishers_, [](const Publisher<Message>& publisher) {
+             return publisher.wait_for_subscribers(1, std::chrono::nanoseconds(0));
            });
+  }
+  /// True if each topic that it subscribes to has a publisher.
+  bool hears_all() const {
+    return std::ranges::all_of(subscribers_, [](const Subscriber<Message>& subscriber) {
+      return std::ranges::any_of(subscriber.status().writers, &SubscriberStatus::Writer::connected);
+    });
   }
 
  private:
@@ -83,9 +85,11 @@ class CycloneNode {
     }
   }
   bool matched() const {
-    return std::ranges::all_of(writers_,
-                               [](auto writer) { return CycloneParticipant::readers(writer) == 1; }) &&
-           std::ranges::all_of(readers_,
+    return hears_all() && std::ranges::all_of(
+                              writers_, [](auto writer) { return CycloneParticipant::readers(writer) == 1; });
+  }
+  bool hears_all() const {
+    return std::ranges::all_of(readers_,
                                [](auto reader) { return CycloneParticipant::writers(reader) == 1; });
   }
 
@@ -97,6 +101,7 @@ class CycloneNode {
 struct Board {
   std::atomic<std::size_t> matched{0};
   std::atomic<std::int64_t> last_ns{0};
+  std::atomic<std::int64_t> newcomer_ns{0};  ///< when the newcomer heard all that it subscribes to
 };
 
 /// Many nodes in a process have many sockets.
@@ -133,6 +138,15 @@ int be_some_nodes(Board& board, const std::vector<std::size_t>& numbers, std::si
   for (;;) pause();
 }
 
+/// One more node, in a process of its own. It subscribes to the topics of node 0.
+template <class RingNode>
+int be_a_newcomer(Board& board, std::size_t nodes) {
+  const RingNode node(nodes, 0, true);
+  while (!node.hears_all()) sleep_us(1000);
+  board.newcomer_ns = now_ns();
+  for (;;) pause();
+}
+
 double megabytes(const LinkBytes& bytes) { return static_cast<double>(bytes.sent) / 1e6; }
 
 /// Nodes that start at once, and stay.
@@ -157,6 +171,13 @@ class Ring {
                RingNode::name, board_->matched.load(), nodes_, patience_s, megabytes(crowd_.link_bytes()),
                crowd_.cpu_s());
     return std::nullopt;
+  }
+  /// Returns the time from the start of one more process until its node hears all that it subscribes to.
+  double newcomer_s(double patience_s) {
+    const std::int64_t begin_ns = now_ns();
+    crowd_.start(1, [&] { return be_a_newcomer<RingNode>(*board_, nodes_); });
+    if (!wait_until([&] { return board_->newcomer_ns != 0; }, patience_s)) return unknown;
+    return static_cast<double>(board_->newcomer_ns - begin_ns) / 1e9;
   }
   const Crowd& crowd() const { return crowd_; }
 
@@ -187,7 +208,7 @@ void measure_alone(Curve& curve, const std::vector<std::size_t>& sizes, const Ti
   const std::int64_t begin_ns = now_ns();
   for (const std::size_t nodes : sizes) {
     const double left_s = times.all_s - static_cast<double>(now_ns() - begin_ns) / 1e9;
-    const Ring<RingNode> ring(nodes);
+    Ring<RingNode> ring(nodes);
     auto costs = ring.join(std::max(0., left_s - times.calm_s - times.window_s));
     if (!costs) {
       fmt::print(stderr, "{}: more nodes are not tried\n", RingNode::name);
@@ -195,6 +216,7 @@ void measure_alone(Curve& curve, const std::vector<std::size_t>& sizes, const Ti
     }
     sleep_us(static_cast<std::int64_t>(times.calm_s * 1e6));
     costs->push_back(received_per_s({&ring.crowd()}, times.window_s).front());
+    costs->push_back(ring.newcomer_s(times.window_s));
     (curve.*add)(nodes, *costs);
   }
 }
@@ -243,13 +265,20 @@ void measure_together(Curve& curve, const std::vector<std::size_t>& sizes, const
 
 const std::vector<Curve::Cost> costs_of_ring{{"time", "s"}, {"bytes", "MB"}, {"cpu", "s"}, {"idle", "B/s"}};
 
+/// Those of a ring, and the time of one more node.
+std::vector<Curve::Cost> costs_of_growth() {
+  std::vector<Curve::Cost> costs = costs_of_ring;
+  costs.push_back({"newcomer", "s"});
+  return costs;
+}
+
 }  // namespace
 
 std::vector<Figure> growth(const ManyScale& scale) {
   const std::vector<std::size_t> sizes =
       scale.quick ? std::vector<std::size_t>{12, 25, 50} : std::vector<std::size_t>{25, 50, 100, 200};
   const Times times = scale.quick ? Times{60, 3, 5} : Times{150, 10, 10};
-  Curve curve("growth", sizes, costs_of_ring);
+  Curve curve("growth", sizes, costs_of_growth());
   measure_alone<SftNode>(curve, sizes, times, &Curve::add_ours);
   measure_alone<CycloneNode>(curve, sizes, times, &Curve::add_reference);
   return curve.report();
