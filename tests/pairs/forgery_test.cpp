@@ -40,6 +40,10 @@ class Forgeries : public NegotiationTest {
     const std::uint64_t received = reader.status()["subscriber"]["received"];
     return comes_true([&] { return reader.status()["subscriber"]["received"] > received + 20; });
   }
+  /// True if an endpoint was told that another one did not answer, or had left.
+  static bool missed_somebody(const json& status) {
+    return was_told(status.at("offered"), "unmatched") || was_told(status.at("requested"), "unmatched");
+  }
   static std::uint64_t links_renewed(Peer& peer) { return peer.status()["node"]["links_renewed"]; }
 
  private:
@@ -101,7 +105,7 @@ TEST_F(Forgeries, AComplaintThatSomebodyMakesUpCostsNoSampleAndFewLinks) {
     const std::uint64_t renewed = links_renewed(*peer);
     EXPECT_GT(renewed, 0U) << "a complaint is heeded";
     EXPECT_LT(renewed, 12U) << "ever more seldom, on each of two links";
-    EXPECT_FALSE(was_told(peer->status()["events"], "unmatched")) << peer->status()["events"];
+    EXPECT_FALSE(missed_somebody(peer->status())) << peer->status();
   }
 }
 
@@ -122,7 +126,32 @@ TEST_F(OutdatedByForgery, SignsOfLifeAreHeardAgainBeforeAnyNodeIsTakenForDead) {
   EXPECT_GT(links_renewed(publisher()), 0);
   EXPECT_GT(links_renewed(reader()), 0);
   for (Peer* peer : {&publisher(), &reader()})
-    EXPECT_FALSE(was_told(peer->status()["events"], "unmatched")) << peer->status()["events"];
+    EXPECT_FALSE(missed_somebody(peer->status())) << peer->status();
+}
+
+TEST_F(OutdatedByForgery, AllNodesOfAProcessAreHeardAgain) {
+  constexpr std::size_t neighbours = 3;
+  const auto all_are_served = [&](Peer& peer) {
+    const json status = peer.status();
+    return std::ranges::all_of(status.at("neighbours"), [](const json& neighbour) {
+      return neighbour.at("readers") == 2;  // its own, and that of the other process
+    });
+  };
+  for (Peer* peer : {&publisher(), &reader()}) peer->open_neighbours(neighbours);
+  for (Peer* peer : {&publisher(), &reader()})
+    ASSERT_TRUE(comes_true([&] { return all_are_served(*peer); })) << peer->status();
+  forger().forge("outdate signs of life");
+  const auto end = std::chrono::steady_clock::now() + 13s;
+  while (std::chrono::steady_clock::now() < end) ASSERT_TRUE(flows(reader()));
+  for (Peer* peer : {&publisher(), &reader()}) {
+    const json status = peer->status();
+    EXPECT_GT(links_renewed(*peer), 0) << status;
+    EXPECT_TRUE(all_are_served(*peer)) << status;
+    for (const json& neighbour : status.at("neighbours")) {
+      EXPECT_EQ(neighbour.at("links_renewed"), status.at("node").at("links_renewed")) << "they share them";
+      EXPECT_FALSE(missed_somebody(neighbour)) << neighbour;
+    }
+  }
 }
 
 TEST_F(OutdatedByForgery, AnnouncementsAndRequestsAreHeardAgain) {

@@ -36,8 +36,12 @@ class Peer {
   /// Sets the fields that a recorded subscriber reads of the last sample, and of those to come.
   void read(const std::string& fields) { ask({{"do", "read"}, {"fields", fields}}); }
   void set_max_rate_hz(double hz) { ask({{"do", "rate"}, {"hz", hz}}); }
-  /// Publishers of so many other topics.
+  /// The node is told of all endpoints from now on, whatever their topics are.
   void look_around() { ask({{"do", "look around"}}); }
+  /// Opens so many more nodes in its process. Each has a publisher and a subscriber of a topic of its own,
+  /// which it shares with the neighbour of the same number in other processes.
+  void open_neighbours(std::size_t count) { ask({{"do", "neighbours"}, {"count", count}}); }
+  /// Publishers of so many other topics.
   void crowd(std::size_t count) { ask({{"do", "crowd"}, {"count", count}}); }
 
   /// From now on the peer remembers what all say on the control topics; repeat_control() says that once more

@@ -3,6 +3,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <functional>
 #include <map>
@@ -11,6 +12,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "tests/pairs/echo.h"
@@ -71,9 +73,40 @@ Node open_node(const json& options, Warnings& warnings) {
   return std::move(*opened);
 }
 
+/// A node more in the same process.
+class Neighbour {
+ public:
+  Neighbour(json options, std::size_t number, Warnings& warnings)
+      : node_(open_node(named(std::move(options), number), warnings)),
+        publisher_(node_.publisher<PointCloud2>(topic_of(number), {.on_event = offered_.callback()}).value()),
+        subscriber_(
+            node_.subscriber<PointCloud2>(topic_of(number), {.on_event = requested_.callback()}).value()) {}
+
+  json status() const {
+    return {{"readers", std::ranges::count_if(publisher_.status().readers, &PublisherStatus::Reader::served)},
+            {"links_renewed", node_.status().links_renewed},
+            {"offered", offered_.to_json()},
+            {"requested", requested_.to_json()}};
+  }
+
+ private:
+  static std::string topic_of(std::size_t number) { return "neighbours/" + std::to_string(number); }
+  static json named(json options, std::size_t number) {
+    options["name"] = options.at("name").get<std::string>() + "_" + std::to_string(number);
+    options.erase("port");
+    return options;
+  }
+
+  EventList offered_;
+  EventList requested_;
+  Node node_;
+  Publisher<PointCloud2> publisher_;
+  Subscriber<PointCloud2> subscriber_;
+};
+
 class Peer {
  public:
-  explicit Peer(const json& options) : node_(open_node(options, warnings_)) {}
+  explicit Peer(const json& options) : options_(options), node_(open_node(options, warnings_)) {}
 
   json obey(const json& command) {
     const std::string what = command.at("do");
@@ -89,6 +122,7 @@ class Peer {
         {"rate", &Peer::set_rate},
         {"leave", &Peer::leave},
         {"crowd", &Peer::crowd},
+        {"neighbours", &Peer::open_neighbours},
         {"hear", &Peer::hear},
         {"look around", &Peer::look_around},
         {"repeat", &Peer::repeat},
@@ -123,6 +157,11 @@ class Peer {
       crowd_.push_back(node_.publisher<PointCloud2>("other/" + std::to_string(i)).value());
   }
 
+  void open_neighbours(const json& command) {
+    for (std::size_t i = 0; i < command.at("count"); ++i)
+      neighbours_.push_back(std::make_unique<Neighbour>(options_, i, warnings_));
+  }
+
   /// From now on the node is told of all endpoints, whatever their topics are.
   void look_around(const json&) { (void)node_.topics(); }
   void hear(const json&) { echo_ = std::make_unique<Echo>(); }
@@ -144,6 +183,7 @@ class Peer {
              {"warnings", warnings_.to_json()},
              {"offered", offered_.to_json()},
              {"requested", requested_.to_json()}};
+    for (const auto& neighbour : neighbours_) all["neighbours"].push_back(neighbour->status());
     if (publishing_) all["publisher"] = to_json(publishing_->status());
     if (subscribing_) {
       all["subscriber"] = to_json(subscribing_->status());
@@ -170,8 +210,10 @@ class Peer {
   EventList offered_;
   EventList requested_;
   Warnings warnings_;
+  const json options_;
   Node node_;
   std::vector<Publisher<PointCloud2>> crowd_;
+  std::vector<std::unique_ptr<Neighbour>> neighbours_;
   std::unique_ptr<Publishing> publishing_;
   std::unique_ptr<Subscribing> subscribing_;
   std::unique_ptr<Echo> echo_;
