@@ -37,7 +37,8 @@ enum class Role : std::uint8_t { writer, reader };
 
 constexpr Role other(Role role) { return role == Role::writer ? Role::reader : Role::writer; }
 
-/// An opaque number of the DDS participant that wrote a control sample; 0: unknown. A node may have several.
+/// An opaque number of the DDS participant that wrote a control sample, or of another node of this process;
+/// 0: unknown. A node may have several.
 using AnnouncerId = std::uint64_t;
 
 /// A selective transmission request (STR).
@@ -103,8 +104,8 @@ struct Assertion {
   NodeId node = 0;
   std::vector<EndpointId> writers;
   std::vector<Progress> progress{};
-  std::uint32_t digest_of_writers = 0;    ///< of all that the node has announced of these (control_digest.h)
-  std::uint32_t digest_of_readers = 0;    ///< the same of its readers
+  std::uint32_t digest_of_writers = 0;  ///< of all that its process has announced of these (control_digest.h)
+  std::uint32_t digest_of_readers = 0;  ///< the same of its readers
   std::vector<EndpointId> asked_about{};  ///< endpoints of others whose accounts it wants to know
   std::vector<Account> accounts{};        ///< of its own endpoints that others have asked about
   bool wants_signs = false;               ///< everybody shall give signs of life often for a while

@@ -17,16 +17,14 @@ struct QosDeleter {
 };
 using DdsQos = std::unique_ptr<dds_qos_t, QosDeleter>;
 
-// A reader that nodes of a process share may belong to the participant of a writer, and hears that one, too.
-// So no policy here makes Cyclone leave out what the own participant writes (IGNORELOCAL).
-
 /// For endpoints and requests: reliable, and kept for participants that come later.
 DdsQos control_qos();
 /// For signs of life, which are repeated. Their lease is Cyclone's to watch, and covers all that is written.
 DdsQos assertion_qos(const LifeSigns& signs);
 DdsQos copy_of(const dds_qos_t* qos);
-/// For readers of a topic that is written with `written`. Requests no lease, or a node would not hear others
-/// whose own lease is longer: Cyclone watches each writer's own lease.
+/// For readers of a topic that is written with `written`. They do not hear their own participant. They
+/// request no lease, or they would not hear others whose own lease is longer: Cyclone watches each writer's
+/// own lease.
 DdsQos hearing_qos(const dds_qos_t* written);
 /// For a participant. Others tell our participants from other programs' by their user data, and Cyclone tells
 /// everybody when these change.

@@ -39,7 +39,7 @@ class CycloneMessages {
 
 /// A Cyclone domain for one link, under a number inside of this process that nobody else uses. It ends with
 /// its last owner, which must have deleted its own participant, and waits for Cyclone's threads: not to be
-/// let go of under a lock or in a listener.
+/// let go of in a listener, or under a lock that listeners take.
 class CycloneDomain {
  public:
   CycloneDomain(std::uint32_t id, dds_entity_t entity) : id_(id), entity_(entity) {}

@@ -64,11 +64,6 @@ void DiscoveryEar::pass_on() {
   pass_on_news(lock);
 }
 
-void DiscoveryEar::set_own(EndpointId id, bool is_own) {
-  const Lock lock(mutex_);
-  is_own ? merge_.owns(id) : merge_.disowns(id);
-}
-
 void DiscoveryEar::hears(Role role, Time now) {
   const Lock lock(mutex_);
   if (roles_.insert(role).second) hearing_.hears_more(now);
@@ -181,6 +176,7 @@ void DiscoveryEar::assertion_came(const Speaker& speaker, Assertion assertion,
   Lock lock(mutex_);
   hearing_.heard_life(speaker, assertion.node, digest_heard(assertion, roles_), lease, time());
   if (assertion.wants_signs) sign_pace_.others_want(time());
+  if (nodes_here_.has(assertion.node)) return;  // nobody else says that our node lives
   merge_.assertion_came(speaker, std::move(assertion), time());
   pass_on_news(lock);
 }

@@ -35,15 +35,14 @@ class DiscoveryEar final : public LinkListener {
 
   // One thread. News that come of these functions wait for pass_on(), which the caller calls without a lock.
 
-  /// Calls act(nodes, known) with the nodes of this process, and the endpoints of others that are known.
+  /// Calls act(nodes, merge) with the nodes of this process, and what is known of others. Claims of others in
+  /// the name of own endpoints are passed on unchanged.
   template <class Act>
   auto with_nodes(Act act) {
     const Lock lock(mutex_);
-    return act(nodes_here_, merge_.endpoints());
+    return act(nodes_here_, merge_);
   }
   void pass_on();
-  /// Claims of others in the name of our own endpoints are passed on unchanged.
-  void set_own(EndpointId id, bool is_own);
   /// Announcements of that role are listened to from now on, on all links.
   void hears(Role role, Time now);
   /// True if a participant was heard for the first time since this was called last.

@@ -129,6 +129,7 @@ void HearingWatch::heard_life(const Speaker& speaker, NodeId node, std::uint32_t
     ear->agreed = now;
     ear->has_agreed = true;
     ear->shared = digest;
+    if (ear->nodes.size() < nodes_max) ear->nodes.insert(node);
     participants_[speaker.participant] = {.has_agreed = true, .tries = 0};
   }
   ear->is_contradicted =
@@ -138,7 +139,9 @@ void HearingWatch::heard_life(const Speaker& speaker, NodeId node, std::uint32_t
 
 void HearingWatch::life_ended(LinkId link, NodeId node) {
   for (auto& [speaker, ear] : ears_) {
-    if (speaker.link == link && ear.node == node) ear.lives = false;
+    if (speaker.link != link) continue;
+    const bool is_its_node = ear.nodes.erase(node) > 0 || ear.node == node;
+    if (is_its_node && ear.nodes.empty()) ear.lives = false;
   }
 }
 
@@ -195,15 +198,18 @@ bool HearingWatch::wants_look(Time now) const {
   return now - looked_ >= (is_in_doubt_ ? in_doubt : look_pause);
 }
 
-/// True if the speaker's node is heard as it should be by another participant on the link, since the node has
-/// made its link anew, or we have.
+/// True if a node of the speaker is heard as it should be by another participant on the link, since its
+/// process has made its link anew, or we have.
 bool HearingWatch::speaks_otherwise(const Speaker& speaker, const Ear& ear, Time now) const {
   const LinkId link = links_.at(speaker.link).replaced_by.value_or(speaker.link);
-  return ear.node != 0 && std::ranges::any_of(ears_, [&](const auto& entry) {
-           const auto& [other, of_other] = entry;
-           return other.link == link && other != speaker && of_other.node == ear.node && of_other.lives &&
-                  of_other.told == of_other.known && now - of_other.last_life < heard_lately;
-         });
+  return std::ranges::any_of(ears_, [&](const auto& entry) {
+    const auto& [other, of_other] = entry;
+    const bool is_well = other.link == link && other != speaker && of_other.lives &&
+                         of_other.told == of_other.known && now - of_other.last_life < heard_lately;
+    const auto has_too = [&](NodeId node) { return of_other.nodes.contains(node); };
+    return is_well &&
+           ((ear.node != 0 && ear.node == of_other.node) || std::ranges::any_of(ear.nodes, has_too));
+  });
 }
 
 /// A participant that is not heard at all hears no complaint, either.

@@ -12,6 +12,7 @@
 #include <map>
 #include <optional>
 #include <random>
+#include <set>
 #include <vector>
 
 #include "core/discovery/speakers.h"
@@ -67,7 +68,7 @@ class HearingWatch {
   /// `lease`: of its signs of life.
   void heard_life(const Speaker& speaker, NodeId node, std::uint32_t digest, std::chrono::milliseconds lease,
                   Time now);
-  /// The node of that speaker; 0 if the speaker has not said that it lives.
+  /// A node of that speaker; 0 if the speaker has not said that any lives.
   NodeId node_of(const Speaker& speaker) const {
     const auto ear = ears_.find(speaker);
     return ear == ears_.end() ? 0 : ear->second.node;
@@ -103,8 +104,9 @@ class HearingWatch {
     bool has_agreed = false;
     int unmatched = 0;  ///< endpoints that were withdrawn and did not come back
     Time unmatched_at{};
-    NodeId node = 0;
-    bool lives = false;  ///< signs of life came, and Cyclone did not tell that they ended
+    NodeId node = 0;           ///< the one of the speaker that was heard last; it may be made up
+    std::set<NodeId> nodes{};  ///< those that were heard while both digests were equal, and live
+    bool lives = false;        ///< signs of life came, and Cyclone did not tell that they ended
     Time last_life{};
     std::chrono::milliseconds lease{};
     std::uint32_t told = 0;    ///< the digest that the signs of life tell
@@ -121,6 +123,7 @@ class HearingWatch {
     std::optional<Time> disbelieved_since{};
   };
   static constexpr std::size_t speakers_max = 4096;
+  static constexpr std::size_t nodes_max = 1024;  ///< of a speaker; more may be made up
 
   Ear* ear_of(const Speaker& speaker, Time now);
   bool is_behind(const Ear& ear, Time newcomer, Time now) const;

@@ -11,14 +11,16 @@ namespace sft::core {
 
 namespace {
 
-using Key = std::tuple<std::uint32_t, std::string, std::vector<std::string>, std::vector<std::string>,
-                       std::vector<unsigned>, ThreadSettings::Policy, int, std::string>;
+using Names = std::vector<std::string>;
+using Key = std::tuple<std::uint32_t, std::string, std::string, Names, Names, Names, std::vector<unsigned>,
+                       ThreadSettings::Policy, int, std::string>;
 
-/// What has to be equal, so that nodes share discovery.
+/// What has to be equal, so that nodes share discovery. The text of the configuration has neither the user's
+/// interfaces nor the user's number of the domain.
 Key key_of(const DiscoveryOptions& options, const DdsConfig& config) {
   const ThreadSettings& threads = options.threads;
-  return {options.domain, config.text,      options.settings.interfaces, options.settings.peers, threads.cpus,
-          threads.policy, threads.priority, threads.name_prefix};
+  return {options.domain,    config.text,  config.domain_on_wire, config.interfaces, config.peers,
+          config.user_peers, threads.cpus, threads.policy,        threads.priority,  threads.name_prefix};
 }
 
 /// Those of this process, as long as any node uses them.
@@ -97,9 +99,11 @@ Result<void> JointDiscovery::open(std::uint32_t domain) {
   return fail(Errc::unavailable, "no network interface is up, not even the loopback (ip link set lo up)");
 }
 
-bool JointDiscovery::is_calm(Time now) const {
-  const Lock lock(mutex_);
-  return own_pace_.is_calm(now) && pace_.is_calm(now);
+bool JointDiscovery::is_calm(Time now) const { return now >= calm_from_.load(std::memory_order_relaxed); }
+
+void JointDiscovery::told_news() {
+  own_pace_.told_news(std::chrono::steady_clock::now());
+  calm_from_ = std::max(own_pace_.calm_from(), pace_.calm_from());
 }
 
 Discovery::Configuration JointDiscovery::configuration() const {
@@ -124,7 +128,7 @@ void JointDiscovery::leave(Seat& seat) {
     const NodeId node =
         ear_.with_nodes([&](ProcessNodes& nodes, const auto&) { return nodes.leave(member); });
     if (node != 0) links_.each([node](DiscoveryLink& link) { link.end_life(node); });
-    if (last_looker_ == &seat) last_looker_ = nullptr;
+    if (last_look_.by == &seat) last_look_.by = nullptr;
     seats_.remove_if([&](const Seat& one) { return &one == &seat; });
   }
   ear_.pass_on();
@@ -135,8 +139,8 @@ Result<void> JointDiscovery::hear(Seat& seat, Role role) {
   Result<void> heard;
   {
     const Lock lock(mutex_);
-    ear_.with_nodes([&](ProcessNodes& nodes, const ClaimedEndpoints& known) {
-      nodes.hears_all(seat.member, role, known);
+    ear_.with_nodes([&](ProcessNodes& nodes, const LinkMerge& merge) {
+      nodes.hears_all(seat.member, role, merge.endpoints());
     });
     heard = hear_on_links(role);
   }
@@ -155,10 +159,10 @@ Result<void> JointDiscovery::announce(Seat& seat, const Endpoint& endpoint) {
     const Lock lock(mutex_);
     if (Result<void> heard = hear_on_links(other(endpoint.role)); !heard) return heard;
     const Endpoint& own = own_.announce(endpoint);
-    own_pace_.told_news(std::chrono::steady_clock::now());
-    ear_.set_own(own.id, true);
-    ear_.with_nodes([&](ProcessNodes& nodes, const ClaimedEndpoints& known) {
-      nodes.announced(seat.member, own, known);
+    told_news();
+    ear_.with_nodes([&](ProcessNodes& nodes, LinkMerge& merge) {
+      merge.owns(own.id);
+      nodes.announced(seat.member, own, merge.endpoints());
     });
     written = links_.on_each([&](DiscoveryLink& link) { return link.write(own); });
   }
@@ -177,10 +181,13 @@ void JointDiscovery::withdraw(EndpointId id) {
 void JointDiscovery::withdraw_from_links(EndpointId id) {
   const std::optional<Role> role = own_.withdraw(id);
   if (!role) return;
-  own_pace_.told_news(std::chrono::steady_clock::now());
+  told_news();
   links_.each([&](DiscoveryLink& link) { link.dispose(id, *role); });
-  ear_.with_nodes([&](ProcessNodes& nodes, const ClaimedEndpoints& known) { nodes.withdrawn(id, known); });
-  ear_.set_own(id, false);
+  ear_.with_nodes([&](ProcessNodes& nodes, LinkMerge& merge) {
+    if (const Endpoint* const own = nodes.find(id))
+      merge.disowns(id, own->revision, std::chrono::steady_clock::now());
+    nodes.withdrawn(id, merge.endpoints());
+  });
 }
 
 Result<void> JointDiscovery::send(const Request& request) {
@@ -188,7 +195,7 @@ Result<void> JointDiscovery::send(const Request& request) {
   {
     const Lock lock(mutex_);
     own_.request(request);
-    own_pace_.told_news(std::chrono::steady_clock::now());
+    told_news();
     ear_.with_nodes([&](ProcessNodes& nodes, const auto&) { nodes.requested(request); });
     written = links_.on_each([&](DiscoveryLink& link) { return link.write(request); });
   }
@@ -220,9 +227,8 @@ void JointDiscovery::look_after(Seat& seat, Time now, bool somebody_is_missing) 
   {
     const Lock lock(mutex_);
     seat.misses_somebody = somebody_is_missing;
-    if (last_looker_ == &seat || now >= looked_after_ + one_looks_for) {
-      last_looker_ = &seat;
-      looked_after_ = now;
+    if (last_look_.by == &seat || now >= last_look_.at + one_looks_for) {
+      last_look_ = {&seat, now};
       look_after_links(now);
     }
     reports = std::exchange(seat.reports, {});
@@ -239,8 +245,10 @@ void JointDiscovery::look_after_links(Time now) {
     links_.each([](DiscoveryLink& link) { link.greet(); });
   links_.retire(now);
   if (now < asserts_often_until_) {
-    for (const NodeId node : ear_.with_nodes([](ProcessNodes&nodes, const auto&) { return nodes.nodes(); }))
-      write({.node = node, .writers = {}});
+    const auto living = [&](const ProcessNodes& nodes, const auto&) {
+      return nodes.living(now - life_signs_.pause_in_calm);
+    };
+    for (const NodeId node : ear_.with_nodes(living)) write({.node = node, .writers = {}});
   }
   if (watches_) mend_links(now);
   for (std::string& renewal : links_.take_renewals())
@@ -250,6 +258,7 @@ void JointDiscovery::look_after_links(Time now) {
   if (now < next_merge_) return;
   const DiscoveryEar::AfterTick after = ear_.tick(now);
   pace_ = after.signs;
+  calm_from_ = std::max(own_pace_.calm_from(), pace_.calm_from());
   next_merge_ = now + after.pause;
 }
 

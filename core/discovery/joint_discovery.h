@@ -3,6 +3,7 @@
 // more than one node then, but for what its nodes announce. Any thread.
 #pragma once
 
+#include <atomic>
 #include <list>
 #include <memory>
 #include <optional>
@@ -73,6 +74,7 @@ class JointDiscovery {
   void report(const Report& report) SFT_REQUIRES(mutex_);
   Result<void> hear_on_links(Role role) SFT_REQUIRES(mutex_);
   void withdraw_from_links(EndpointId id) SFT_REQUIRES(mutex_);
+  void told_news() SFT_REQUIRES(mutex_);
   void write(Assertion assertion) SFT_REQUIRES(mutex_);
   void look_after_links(Time now) SFT_REQUIRES(mutex_);
   void mend_links(Time now) SFT_REQUIRES(mutex_);
@@ -83,13 +85,16 @@ class JointDiscovery {
 
   /// Held while control samples are written, so that all links get them in one order, and while links are
   /// made and closed. Agents take it, and who opens or closes a node; nobody who holds another lock.
-  mutable Mutex mutex_;
+  Mutex mutex_;
   /// Interfaces, and deaf links, unless the domain is the program's own.
   bool watches_ SFT_GUARDED_BY(mutex_) = true;
   NetworkWatch watch_ SFT_GUARDED_BY(mutex_);
   Greetings greetings_ SFT_GUARDED_BY(mutex_){std::chrono::steady_clock::now()};
-  const Seat* last_looker_ SFT_GUARDED_BY(mutex_) = nullptr;
-  Time looked_after_ SFT_GUARDED_BY(mutex_){};
+  struct Look {
+    const Seat* by = nullptr;
+    Time at{};
+  };
+  Look last_look_ SFT_GUARDED_BY(mutex_);
   Time next_look_ SFT_GUARDED_BY(mutex_){};
   Time next_merge_ SFT_GUARDED_BY(mutex_){};
   std::vector<HostInterface> interfaces_ SFT_GUARDED_BY(mutex_);
@@ -98,6 +103,9 @@ class JointDiscovery {
   OwnAnnouncements own_ SFT_GUARDED_BY(mutex_);
   SignPace own_pace_ SFT_GUARDED_BY(mutex_);  ///< after what the nodes of this process have told
   SignPace pace_ SFT_GUARDED_BY(mutex_);      ///< after what they have heard, at the last tick
+
+  /// After what this process has told, and what it has heard. Agents ask for it with each tick.
+  std::atomic<Time> calm_from_{};
 
   mutable Mutex configuration_mutex_;
   Discovery::Configuration configuration_ SFT_GUARDED_BY(configuration_mutex_);

@@ -26,7 +26,7 @@ namespace sft::core {
 class LinkMerge {
  public:
   struct Limits {
-    std::size_t share = 256;     ///< announcements that each participant may have in any case
+    std::size_t share = 1024;    ///< announcements that each participant may have in any case
     std::size_t crowded = 8192;  ///< from so many announcements on a participant gets its share and no more
     std::size_t endpoints = 32'768;
     std::size_t early_requests = 1024;
@@ -44,7 +44,11 @@ class LinkMerge {
 
   /// Claims of others about these ids are passed on unchanged: the node answers them.
   void owns(EndpointId id) { own_.insert(id); }
-  void disowns(EndpointId id) { own_.erase(id); }
+  /// The endpoint is withdrawn: who repeats what was said of it is not believed.
+  void disowns(EndpointId id, std::uint64_t revision, Time now) {
+    own_.erase(id);
+    departed_[id] = {revision, now};
+  }
 
   void endpoint_came(const Speaker& speaker, Endpoint endpoint, Time now);
   void endpoint_withdrawn(const Speaker& speaker, EndpointId id, Time now);

@@ -1,4 +1,4 @@
-// Keeps what this node has announced and requested, as it is in force, and writes it in full to each link
+// Keeps what this process has announced and requested, as it is in force, and writes it in full to each link
 // that is made later. One thread at a time.
 #pragma once
 
@@ -20,7 +20,7 @@ class OwnAnnouncements {
   std::optional<Role> withdraw(EndpointId id);
   void request(const Request& request);
 
-  /// The digest (control_digest.h) of all that others should know of this node's endpoints of that role.
+  /// The digest (control_digest.h) of all that others should know of our endpoints of that role.
   std::uint32_t digest(Role role) const;
   void write_to(DiscoveryLink& link) const;
 

@@ -39,7 +39,7 @@ class Participants {
     numbers_.erase(gone_.front());
     gone_.pop_front();
   }
-  /// A participant of the node itself, on any link.
+  /// A participant of this process, on any link.
   void add_own(const Guid& guid) {
     const Lock lock(mutex_);
     own_.insert(guid);

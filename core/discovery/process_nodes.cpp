@@ -28,7 +28,7 @@ void ProcessNodes::join(const std::shared_ptr<NodeListener>& member) {
 
 NodeId ProcessNodes::leave(const std::shared_ptr<NodeListener>& member) {
   const NodeId node = of(member).node;
-  if (node != 0 && !of(member).is_lost) tell_all_others(member, NodeLost{node});
+  if (of(member).asserted && !of(member).is_lost) tell_all_others(member, NodeLost{node});
   std::erase_if(hearers_, [&](const Hearer& one) { return one.member == member; });
   return node;
 }
@@ -45,6 +45,7 @@ void ProcessNodes::hears_all(const std::shared_ptr<NodeListener>& member, Role r
 void ProcessNodes::announced(const std::shared_ptr<NodeListener>& member, Endpoint endpoint,
                              const ClaimedEndpoints& known) {
   Hearer& hearer = of(member);
+  hearer.node = endpoint.node_id;
   endpoint.announcer = endpoint.request.announcer = hearer.number;
   const bool is_known = own_.contains(endpoint.id);
   Own& own = own_[endpoint.id];
@@ -107,6 +108,7 @@ void ProcessNodes::asserted(const std::shared_ptr<NodeListener>& member, Asserti
   for (const EndpointId id : hearer.endpoints) {
     const Own& own = own_.at(id);
     if (was_lost) tell_others(own, EndpointSeen{own.endpoint});
+    if (was_lost && own.request) tell_others(own, *own.request);
     endpoints.push_back(own.endpoint.get());
   }
   std::shared_ptr<const NodeListeners> to = concerned_by(assertion, endpoints, member.get());
@@ -118,17 +120,26 @@ std::vector<EndpointId> ProcessNodes::endpoints_of(const std::shared_ptr<NodeLis
   return {hearer->endpoints.begin(), hearer->endpoints.end()};
 }
 
-std::vector<NodeId> ProcessNodes::nodes() const {
+std::vector<NodeId> ProcessNodes::living(Time since) const {
   std::vector<NodeId> nodes;
   for (const Hearer& one : hearers_) {
-    if (one.node != 0) nodes.push_back(one.node);
+    if (one.asserted && *one.asserted >= since) nodes.push_back(one.node);
   }
   return nodes;
 }
 
+bool ProcessNodes::has(NodeId node) const {
+  return std::ranges::find(hearers_, node, &Hearer::node) != hearers_.end();
+}
+
+const Endpoint* ProcessNodes::find(EndpointId id) const {
+  const auto own = own_.find(id);
+  return own == own_.end() ? nullptr : own->second.endpoint.get();
+}
+
 void ProcessNodes::tick(Time now) {
   for (Hearer& hearer : hearers_) {
-    if (hearer.node == 0 || hearer.is_lost || now - hearer.asserted <= lease_) continue;
+    if (!hearer.asserted || hearer.is_lost || now - *hearer.asserted <= lease_) continue;
     hearer.is_lost = true;
     for (const EndpointId id : hearer.endpoints) tell_others(own_.at(id), EndpointLost{id});
     tell_all_others(hearer.member, NodeLost{hearer.node});
@@ -164,7 +175,8 @@ std::shared_ptr<const NodeListeners> ProcessNodes::concerned_by(const Assertion&
   });
 }
 
-/// What others say in the name of a member's own endpoint comes to that member, which answers it.
+/// What others say in the name of a member's own endpoint comes to that member, which answers it. Who departs
+/// may have been known by another topic, so that everybody is told.
 std::shared_ptr<const NodeListeners> ProcessNodes::concerned_by(const News& news,
                                                                 const ClaimedEndpoints& known) const {
   if (const auto* const sign = std::get_if<Assertion>(&news)) {
@@ -178,7 +190,10 @@ std::shared_ptr<const NodeListeners> ProcessNodes::concerned_by(const News& news
   const std::optional<EndpointId> id = endpoint_of(news);
   if (const auto own = id ? own_.find(*id) : own_.end(); own != own_.end()) return only(own->second.by);
   const auto* const seen = std::get_if<EndpointSeen>(&news);
-  const Endpoint* const endpoint = seen != nullptr ? seen->endpoint.get() : id ? known.told(*id) : nullptr;
+  const bool is_known = id && !std::holds_alternative<EndpointDeparted>(news);
+  const Endpoint* const endpoint = seen != nullptr ? seen->endpoint.get()
+                                   : is_known      ? known.told(*id)
+                                                   : nullptr;
   return members_that(
       [&](const Hearer& one) { return endpoint == nullptr || one.is_concerned_by(*endpoint); });
 }

@@ -58,7 +58,7 @@ class ProcessNodes {
   /// From now on the listener is a member: one of the nodes.
   void join(const std::shared_ptr<NodeListener>& member);
   /// The node of the member ends. It has withdrawn its endpoints before. Returns the node; 0 if that has
-  /// never said that it lives.
+  /// never said anything.
   NodeId leave(const std::shared_ptr<NodeListener>& member);
   /// The member is told of all endpoints of that role from now on, and of those that others than members have
   /// (`known`).
@@ -74,8 +74,11 @@ class ProcessNodes {
 
   /// The endpoints of a member that it has not withdrawn.
   std::vector<EndpointId> endpoints_of(const std::shared_ptr<NodeListener>& member) const;
-  /// The nodes that have said that they live.
-  std::vector<NodeId> nodes() const;
+  /// The nodes that have said since then that they live.
+  std::vector<NodeId> living(Time since) const;
+  bool has(NodeId node) const;
+  /// An endpoint of a member. Null if there is none of that id.
+  const Endpoint* find(EndpointId id) const;
 
   /// Addresses what others have said to those whom it concerns. `known`: of endpoints that news are about.
   void pass_on(std::vector<News> news, const ClaimedEndpoints& known);
@@ -92,9 +95,9 @@ class ProcessNodes {
     /// The topics of its endpoints of each role, and how many it has of each.
     std::map<Role, std::map<std::string, std::size_t>> topics{};
     std::set<EndpointId> endpoints{};
-    NodeId node = 0;  ///< once it has said that it lives
-    Time asserted{};
-    bool is_lost = false;  ///< its agent does nothing
+    NodeId node = 0;                 ///< once it has announced anything, or has said that it lives
+    std::optional<Time> asserted{};  ///< when it has said last that it lives
+    bool is_lost = false;            ///< its agent does nothing
 
     bool is_concerned_by(const Endpoint& endpoint) const;
   };

@@ -1,4 +1,4 @@
-// Decides whether this node gives signs of life often, or seldom because all is calm. Pure.
+// Decides whether this process gives signs of life often, or seldom because all is calm. Pure.
 //
 // Signs are to be frequent where one of them matters: while somebody may be missing or may have spoken in
 // somebody's name, where a node is heard by several ways, of which the silent one has to be found, and for a
@@ -6,6 +6,7 @@
 // datagrams get lost, all give signs as often as the lease needs, and elsewhere half as many will do.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 
 #include "core/platform/clock.h"
@@ -18,18 +19,20 @@ class SignPace {
   static constexpr std::chrono::seconds wish_lasts{30};
   static constexpr std::chrono::seconds news_last{3};
 
-  /// This node has announced, withdrawn or asked for something: others compare that with its signs.
+  /// A node of this process has announced, withdrawn or asked for something: others compare that with its
+  /// signs.
   void told_news(Time now) { news_until_ = now + news_last; }
-  /// Another node wants frequent signs of everybody.
+  /// Another process wants frequent signs of everybody.
   void others_want(Time now) { wish_until_ = now + wish_lasts; }
-  /// This node wants frequent signs of everybody, or does not any more.
+  /// This process wants frequent signs of everybody, or does not any more.
   void want(bool wants, Time now) {
     wants_ = wants;
     if (wants) wish_until_ = now + wish_lasts;
   }
 
   bool wants() const { return wants_; }
-  bool is_calm(Time now) const { return now >= wish_until_ && now >= news_until_; }
+  Time calm_from() const { return std::max(wish_until_, news_until_); }
+  bool is_calm(Time now) const { return now >= calm_from(); }
 
  private:
   bool wants_ = false;

@@ -215,8 +215,16 @@ void NodeCore::control_malformed(std::string why) {
 template <class Question>
 auto NodeCore::ask_agent(Question question) -> decltype(question()) {
   if (agent_.is_current_thread()) return question();
-  std::promise<decltype(question())> answer;
-  agent_.post([&] { answer.set_value(question()); });
+  using Answer = decltype(question());
+  std::promise<Answer> answer;
+  agent_.post([&] {
+    if constexpr (std::is_void_v<Answer>) {
+      question();
+      answer.set_value();
+    } else {
+      answer.set_value(question());
+    }
+  });
   return answer.get_future().get();
 }
 
@@ -230,14 +238,6 @@ void NodeCore::hear_everybody() {
   hear(Role::reader);
 }
 
-/// What discovery knows already comes to the agent meanwhile.
-void NodeCore::let_agent_hear_everybody() {
-  (void)ask_agent([this] {
-    hear_everybody();
-    return true;
-  });
-}
-
 Result<DynamicType> NodeCore::find_type(std::string_view topic, std::chrono::nanoseconds timeout) {
   topic = without_slash(topic);
   const auto deadline = deadline_after(timeout);
@@ -245,10 +245,9 @@ Result<DynamicType> NodeCore::find_type(std::string_view topic, std::chrono::nan
   bool hears_all = timeout <= publishers_first || agent_.is_current_thread();
   for (;;) {
     const std::uint64_t seen = endpoints_changed_.value();
-    Result<DynamicType> type = ask_agent([&] {
-      hears_all ? hear_everybody() : hear(Role::writer);
-      return type_of(topic, reconciler_->endpoints());
-    });
+    ask_agent([&] { hears_all ? hear_everybody() : hear(Role::writer); });
+    // What discovery knows already has come to the agent meanwhile.
+    Result<DynamicType> type = ask_agent([&] { return type_of(topic, reconciler_->endpoints()); });
     // The agent cannot wait for what it would itself bring about.
     const bool may_come = !type && type.error().code == Errc::unavailable && !agent_.is_current_thread();
     if (!may_come) return type;
@@ -258,7 +257,7 @@ Result<DynamicType> NodeCore::find_type(std::string_view topic, std::chrono::nan
 }
 
 std::vector<TopicInfo> NodeCore::topics() {
-  let_agent_hear_everybody();
+  ask_agent([this] { hear_everybody(); });
   return topics_of(ask_agent([&] {
     std::vector<Endpoint> copies;
     for (const Endpoint* endpoint : reconciler_->endpoints()) copies.push_back(*endpoint);
@@ -271,7 +270,7 @@ DomainSnapshot NodeCore::domain() {
     std::vector<KnownEndpoint> endpoints;
     PairAccounts accounts;
   };
-  let_agent_hear_everybody();
+  ask_agent([this] { hear_everybody(); });
   Known known = ask_agent([&] {
     return Known{reconciler_->known_endpoints(), reconciler_->accounts().known()};
   });

@@ -79,7 +79,6 @@ class NodeCore final : private DiscoveryListener {
   /// Publishers, or subscribers, of all nodes are known soon after that. To be called by the agent.
   void hear(Role role);
   void hear_everybody();
-  void let_agent_hear_everybody();
   /// Calls `question` on the agent's thread, the only one that may look at the reconciler; returns its
   /// answer.
   template <class Question>

@@ -37,9 +37,9 @@ inline core::Endpoint control_endpoint(core::Role role, core::EndpointId id) {
 class ControlEar final : private core::DiscoveryListener {
  public:
   /// Those with the same name use the same Cyclone domains. Others meet as if they were in other processes.
-  explicit ControlEar(const std::string& process = "") {
+  explicit ControlEar(const std::string& process = "", const std::string& cyclone_config = "") {
     const core::DiscoveryOptions options{
-        .domain = control_domain(), .user_config = "", .threads = {.name_prefix = process}};
+        .domain = control_domain(), .user_config = cyclone_config, .threads = {.name_prefix = process}};
     discovery_ = std::move(core::Discovery::open(options, *this).value());
   }
 

@@ -137,6 +137,21 @@ TEST_F(JointDiscoveryTest, StaysWithTheOtherNodesWhenTheFirstOneGoes) {
   EXPECT_TRUE(TopicWatch("sft_writer").readers_become(1));
 }
 
+// The number is not in the rest of the configuration, which is equal.
+TEST_F(JointDiscoveryTest, IsNotSharedByNodesWhoseUserGivesTheDomainAnotherNumber) {
+  const auto numbered = [](int domain) {
+    return "<CycloneDDS><Domain id=\"any\"><Discovery><ExternalDomainId>" + std::to_string(domain) +
+           "</ExternalDomainId></Discovery></Domain></CycloneDDS>";
+  };
+  ControlEar here("", numbered(70)), elsewhere("", numbered(71)), also_here("", numbered(70));
+  here.announce(Role::writer, 1);
+  elsewhere.announce(Role::reader, 2);
+  also_here.announce(Role::reader, 3);
+  EXPECT_TRUE(also_here.hears(1) && here.hears(3));
+  EXPECT_THAT(here.heard(), ElementsAre(3));
+  EXPECT_TRUE(elsewhere.heard().empty());
+}
+
 TEST_F(JointDiscoveryTest, CarriesTwoHundredNodesInOneProcess) {
   ControlEar other("two-");
   other.announce(Role::writer, 1000);

@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "core/discovery/own_announcements.h"
 
@@ -66,6 +69,79 @@ TEST_F(DiscoveryEarTest, MissesNothingOfARoleThatItDoesNotListenTo) {
   EXPECT_TRUE(doubts());
   announcement_comes(Role::reader);
   EXPECT_FALSE(doubts());
+}
+
+struct Log final : DiscoveryListener {
+  void endpoint_seen(Endpoint endpoint) override { told.push_back("seen " + std::to_string(endpoint.id)); }
+  void endpoint_departed(EndpointId id) override { told.push_back("departed " + std::to_string(id)); }
+  void endpoint_lost(EndpointId) override {}
+  void request_received(Request) override {}
+  void liveliness_asserted(Assertion sign) override { told.push_back("lives " + std::to_string(sign.node)); }
+  void node_lost(NodeId id) override { told.push_back("node lost " + std::to_string(id)); }
+  void control_malformed(std::string) override {}
+
+  std::vector<std::string> told;
+};
+
+class NodesOfOneProcess : public DiscoveryEarTest {
+ protected:
+  static Endpoint endpoint(Role role, EndpointId id, NodeId node) {
+    Endpoint endpoint;
+    endpoint.id = id;
+    endpoint.role = role;
+    endpoint.node_id = node;
+    endpoint.revision = 1;
+    return endpoint;
+  }
+  void announces(const std::shared_ptr<NodeListener>& member, const Endpoint& endpoint) {
+    ear.with_nodes([&](ProcessNodes& nodes, LinkMerge& merge) {
+      merge.owns(endpoint.id);
+      nodes.announced(member, endpoint, merge.endpoints());
+    });
+    ear.pass_on();
+  }
+
+  Log first_log, second_log;
+  const std::shared_ptr<NodeListener> first = std::make_shared<NodeListener>(first_log),
+                                      second = std::make_shared<NodeListener>(second_log);
+};
+
+TEST_F(NodesOfOneProcess, BelieveNobodyElseAboutEachOther) {
+  ear.with_nodes([&](ProcessNodes& nodes, const LinkMerge&) {
+    nodes.join(first);
+    nodes.join(second);
+  });
+  announces(first, endpoint(Role::writer, 10, 1));
+  announces(second, endpoint(Role::reader, 20, 2));
+  EXPECT_EQ(first_log.told, std::vector<std::string>{"seen 20"});
+  first_log.told.clear();
+  second_log.told.clear();
+
+  ear.assertion_came(peer, {.node = 1, .writers = {10}}, std::chrono::seconds(1));
+  ear.participant_departed(peer);
+  (void)ear.tick(std::chrono::steady_clock::now() + std::chrono::hours(1));
+  ear.endpoint_came(peer, endpoint(Role::writer, 10, 1));
+  ear.endpoint_withdrawn(peer, 10);
+  ear.pass_on();
+  EXPECT_EQ(second_log.told, std::vector<std::string>{});
+  EXPECT_EQ(first_log.told, (std::vector<std::string>{"seen 10", "departed 10"})) << "it answers for itself";
+}
+
+TEST_F(NodesOfOneProcess, DoNotTakeBackWhatOneOfThemHasWithdrawn) {
+  ear.with_nodes([&](ProcessNodes& nodes, const LinkMerge&) {
+    nodes.join(first);
+    nodes.join(second);
+  });
+  announces(first, endpoint(Role::writer, 10, 1));
+  announces(second, endpoint(Role::reader, 20, 2));
+  ear.with_nodes([&](ProcessNodes& nodes, LinkMerge& merge) {
+    merge.disowns(10, 1, std::chrono::steady_clock::now());
+    nodes.withdrawn(10, merge.endpoints());
+  });
+  ear.pass_on();
+  second_log.told.clear();
+  ear.endpoint_came(peer, endpoint(Role::writer, 10, 1));
+  EXPECT_EQ(second_log.told, std::vector<std::string>{}) << "somebody repeats it";
 }
 
 }  // namespace

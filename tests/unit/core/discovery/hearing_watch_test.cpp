@@ -181,6 +181,34 @@ TEST_F(HearingWatchTest, DoesNotBelieveAParticipantAnyMoreWhoseNodeHasComeAnewAf
   EXPECT_THAT(remedies, IsEmpty());
 }
 
+// The nodes of a process give signs in turns, and the process has a participant on each of its links.
+TEST_F(HearingWatchTest, KnowsAProcessByAnyOfItsNodes) {
+  constexpr NodeId its_last_node = heard_node + 1;
+  passes(10s);
+  watch.heard_life(its_peer, its_last_node, all_said, its_lease, now);
+  is_forged();
+  ASSERT_EQ(remedies, std::vector{Remedy::complaint});
+  comes(other_peer);
+  now += 100ms;
+  look();
+  EXPECT_EQ(remedies, std::vector{Remedy::disbelief});
+}
+
+// Somebody gives one sign, with one node that is made up, in everybody's name.
+TEST_F(HearingWatchTest, TakesNobodyForAnotherBecauseOfANodeThatIsMadeUp) {
+  constexpr NodeId made_up = 1, other_node = heard_node + 1;
+  passes(10s);
+  known[other_peer] = 0;  // it has no endpoints
+  for (const NodeId node : {other_node, made_up}) watch.heard_life(other_peer, node, 0, its_lease, now);
+  watch.heard_life(its_peer, made_up, 0, its_lease, now);
+  while (remedies.empty()) {
+    now += 500ms;
+    watch.heard_life(other_peer, other_node, 0, its_lease, now);
+    look();
+  }
+  EXPECT_EQ(remedies, std::vector{Remedy::complaint});
+}
+
 TEST_F(HearingWatchTest, NobodyWhoComesAfterAComplaintMakesItForgotten) {
   passes(3s);
   known[its_peer] = all_said + 7;

@@ -225,6 +225,20 @@ TEST_F(ProcessNodesTest, MissesANodeOfItsProcessThatStandsStillUntilItGoesOn) {
   EXPECT_THAT(told(third), ElementsAre("seen 10", "lives 1"));
 }
 
+TEST_F(ProcessNodesTest, RepeatsTheRequestOfANodeThatGoesOn) {
+  announces(first, endpoint(Role::reader, 10));
+  nodes.requested(request(10, 7));
+  nodes.asserted(first, {.node = 1, .writers = {}}, now);
+  EXPECT_THAT(nodes.living(now), ElementsAre(1));
+  now += 6s;
+  nodes.tick(now);
+  EXPECT_THAT(nodes.living(now - 5s), IsEmpty()) << "nobody says in its name that it lives";
+  announces(second, endpoint(Role::writer, 20));
+  EXPECT_THAT(told(second), ElementsAre("node lost 1"));
+  nodes.asserted(first, {.node = 1, .writers = {}}, now);
+  EXPECT_THAT(told(second), ElementsAre("seen 10", "asked by 10: 7", "lives 1"));
+}
+
 TEST_F(ProcessNodesTest, MissesANodeOfItsProcessThatEnds) {
   announces(second, endpoint(Role::reader, 20));
   announces(first, endpoint(Role::writer, 10));
@@ -235,7 +249,7 @@ TEST_F(ProcessNodesTest, MissesANodeOfItsProcessThatEnds) {
   EXPECT_EQ(nodes.leave(first), 1U);
   EXPECT_EQ(nodes.leave(third), 0U) << "it has not said that it lives";
   EXPECT_THAT(told(second), ElementsAre("departed 10", "node lost 1"));
-  EXPECT_THAT(nodes.nodes(), IsEmpty());
+  EXPECT_THAT(nodes.living(now), IsEmpty());
 }
 
 }  // namespace

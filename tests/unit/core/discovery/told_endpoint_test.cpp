@@ -54,6 +54,31 @@ class ToldEndpointTest : public ::testing::Test {
   Time now{1h};
 };
 
+TEST_F(ToldEndpointTest, AnEndpointThatSeemsToHaveAnotherTopicHasDepartedFromTheFormerOne) {
+  told.believe(claim(1), {}, now);
+  Claim forged = claim(2);
+  Endpoint elsewhere = *forged.endpoint;
+  elsewhere.topic = "another";
+  forged.endpoint = std::make_shared<const Endpoint>(elsewhere);
+  told.believe(forged, {}, now);
+  told.believe(claim(3), {}, now);
+  EXPECT_THAT(news(), ElementsAre("seen 1", "departed", "seen 2", "departed", "seen 3"));
+}
+
+TEST_F(ToldEndpointTest, WhatWasToldAndHoldsCanBeRepeated) {
+  std::vector<News> none;
+  told.repeat(none);
+  EXPECT_TRUE(none.empty());
+  told.believe(with_request(claim(1), 7), {}, now);
+  (void)news();
+  told.repeat(told_news);
+  EXPECT_THAT(news(), ElementsAre("seen 1", "request 7"));
+  told.lose(now - 1h, now);
+  (void)news();
+  told.repeat(told_news);
+  EXPECT_THAT(news(), IsEmpty()) << "it is lost";
+}
+
 TEST_F(ToldEndpointTest, TheSameAnnouncementIsToldOnce) {
   told.believe(claim(1), {}, now);
   told.believe(claim(1), {}, now);
