@@ -95,10 +95,9 @@ class Node {
   Result<DynamicType> find_type(std::string_view topic, std::chrono::nanoseconds timeout);
   /// All topics that are known at present, also those of this node.
   ///
-  /// A node listens only to those whom its own publishers and subscribers may concern: to subscribers if it
-  /// has ever had a publisher, and the other way round. The first call of topics(), domain() or
-  /// ask_accounts() makes it listen to everybody from then on. What was not known then comes soon after the
-  /// call.
+  /// A node is told only of those that may match its own publishers and subscribers. The first call of
+  /// topics(), domain() or ask_accounts() makes it listen to everybody from then on. What was not known then
+  /// comes soon after the call.
   std::vector<TopicInfo> topics() const;
   /// All publishers and subscribers that are known at present, also those of this node, and the state of each
   /// pair (domain.h).
