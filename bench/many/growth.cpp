@@ -265,7 +265,7 @@ void measure_together(Curve& curve, const std::vector<std::size_t>& sizes, const
 
 const std::vector<Curve::Cost> costs_of_ring{{"time", "s"}, {"bytes", "MB"}, {"cpu", "s"}, {"idle", "B/s"}};
 
-/// Those of a ring, and the time of one more node.
+/// Returns the costs of a ring, and the time that one more node takes.
 std::vector<Curve::Cost> costs_of_growth() {
   std::vector<Curve::Cost> costs = costs_of_ring;
   costs.push_back({"newcomer", "s"});

@@ -38,7 +38,7 @@ class ClaimedEndpoints {
     for (const auto& [id, claims] : endpoints_) use(id, claims);
   }
 
-  // What was told of them last. Valid until the next event.
+  // These functions return endpoints as they were told last. A pointer is valid until the next event.
 
   /// Null if nothing was told of it.
   const Endpoint* told(EndpointId id) const;
@@ -58,8 +58,8 @@ class ClaimedEndpoints {
 
   const ClaimContext& context_;
   std::map<EndpointId, EndpointClaims> endpoints_;
-  /// By nodes for which they were announced: a sign of life of each node comes every second. Some are not
-  /// known, or are not announced for that node, any more.
+  /// This index is by the nodes for which endpoints were announced, since a sign of life of each node comes
+  /// every second. Some of these endpoints are not known, or are not announced for that node, any more.
   std::set<std::pair<NodeId, EndpointId>> by_node_;
 };
 

@@ -22,9 +22,9 @@ DdsQos control_qos();
 /// For signs of life, which are repeated. Their lease is Cyclone's to watch, and covers all that is written.
 DdsQos assertion_qos(const LifeSigns& signs);
 DdsQos copy_of(const dds_qos_t* qos);
-/// For readers of a topic that is written with `written`. They do not hear their own participant. They
-/// request no lease, or they would not hear others whose own lease is longer: Cyclone watches each writer's
-/// own lease.
+/// The policies of readers of a topic that is written with `written`. Readers do not hear their own
+/// participant. They request no lease, or they would not hear others whose own lease is longer: Cyclone
+/// watches each writer's own lease.
 DdsQos hearing_qos(const dds_qos_t* written);
 /// For a participant. Others tell our participants from other programs' by their user data, and Cyclone tells
 /// everybody when these change.

@@ -24,7 +24,7 @@ class ControlTopic {
     TopicName name;
     ControlWords (*take)(dds_entity_t reader, RemoteWriters& writers) = nullptr;
   };
-  /// What others say, in their order and one word at a time. Called on Cyclone's threads.
+  /// Gets what others say, in their order and one word at a time. It is called on Cyclone's threads.
   using Hear = std::function<void(const ControlWord&)>;
 
   /// The participant ends before this object, and with it reader and writer.

@@ -67,7 +67,7 @@ struct DomainPlan {
   }
 };
 
-/// Those in a process that ask for the same share one domain. What Cyclone complains of is added to
+/// Callers in a process that ask for the same share one domain. Complaints of Cyclone are added to
 /// `complaints`. `instead_of`: one that is not to be used any more, or null.
 Result<std::shared_ptr<const CycloneDomain>> cyclone_domain(const DomainPlan& plan,
                                                             const CycloneDomain* instead_of,

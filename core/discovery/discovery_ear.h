@@ -55,7 +55,7 @@ class DiscoveryEar final : public LinkListener {
 
   void link_expected(LinkId link);  ///< before it is opened
   void link_opened(LinkId link, const LinkSpec& spec);
-  /// Or it could not be opened. `is_replaced`: another link was made in its place before.
+  /// The link is closed, or could not be opened. `is_replaced`: another link was made in its place before.
   void link_dropped(LinkId link, bool is_replaced, Time now);
   void link_replaced(LinkId link, LinkId by);
   /// True if everybody who is heard on one link is heard on the other one, too.

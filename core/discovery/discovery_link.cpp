@@ -141,7 +141,7 @@ class CycloneLink final : public DiscoveryLink {
     return fail(Errc::system, std::string("the participants cannot be watched: ") + dds_strretcode(reader));
   }
 
-  /// What this process itself says, on this link or another, does not count.
+  /// A word of this process itself, on this link or another, does not count.
   void heard(const ControlWord& word) {
     Speaker speaker{place_.link, 0};
     if (word.speaker) {

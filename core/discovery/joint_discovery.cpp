@@ -15,15 +15,15 @@ using Names = std::vector<std::string>;
 using Key = std::tuple<std::uint32_t, std::string, std::string, Names, Names, Names, std::vector<unsigned>,
                        ThreadSettings::Policy, int, std::string>;
 
-/// What has to be equal, so that nodes share discovery. The text of the configuration has neither the user's
-/// interfaces nor the user's number of the domain.
+/// Returns all that has to be equal, so that nodes share discovery. The text of the configuration has neither
+/// the user's interfaces nor the user's number of the domain.
 Key key_of(const DiscoveryOptions& options, const DdsConfig& config) {
   const ThreadSettings& threads = options.threads;
   return {options.domain,    config.text,  config.domain_on_wire, config.interfaces, config.peers,
           config.user_peers, threads.cpus, threads.policy,        threads.priority,  threads.name_prefix};
 }
 
-/// Those of this process, as long as any node uses them.
+/// Holds the discoveries of this process, as long as any node uses them.
 struct OpenDiscoveries {
   Mutex mutex;
   std::map<Key, std::weak_ptr<JointDiscovery>> by_key SFT_GUARDED_BY(mutex);

@@ -39,7 +39,7 @@ class JointDiscovery {
   bool is_calm(Time now) const;
   Discovery::Configuration configuration() const;
 
-  /// What a node is told on its own thread: which function of its listener, and the text.
+  /// A report is told to a node on its own thread. It names a function of the listener, and has the text.
   struct Report {
     void (DiscoveryListener::*tell)(const std::string& text) = nullptr;
     std::string text;
@@ -57,7 +57,7 @@ class JointDiscovery {
   /// Withdraws what the node has announced. When it returns, its listener is not called any more.
   void leave(Seat& seat);
 
-  // As those of Discovery.
+  // These functions do what those of Discovery do.
   Result<void> hear(Seat& seat, Role role);
   Result<void> announce(Seat& seat, const Endpoint& endpoint);
   void withdraw(EndpointId id);
@@ -104,7 +104,8 @@ class JointDiscovery {
   SignPace own_pace_ SFT_GUARDED_BY(mutex_);  ///< after what the nodes of this process have told
   SignPace pace_ SFT_GUARDED_BY(mutex_);      ///< after what they have heard, at the last tick
 
-  /// After what this process has told, and what it has heard. Agents ask for it with each tick.
+  /// From this time on all is calm, after what this process has told and heard. Agents ask for it with each
+  /// tick.
   std::atomic<Time> calm_from_{};
 
   mutable Mutex configuration_mutex_;

@@ -175,8 +175,8 @@ std::shared_ptr<const NodeListeners> ProcessNodes::concerned_by(const Assertion&
   });
 }
 
-/// What others say in the name of a member's own endpoint comes to that member, which answers it. Who departs
-/// may have been known by another topic, so that everybody is told.
+/// A claim of others in the name of a member's own endpoint comes to that member, which answers it. An
+/// endpoint that departs may have been known by another topic, so that everybody is told.
 std::shared_ptr<const NodeListeners> ProcessNodes::concerned_by(const News& news,
                                                                 const ClaimedEndpoints& known) const {
   if (const auto* const sign = std::get_if<Assertion>(&news)) {

@@ -64,8 +64,8 @@ class ProcessNodes {
   /// (`known`).
   void hears_all(const std::shared_ptr<NodeListener>& member, Role role, const ClaimedEndpoints& known);
 
-  // What a member says itself. The others are told; and the member is told of what there is of a topic that
-  // it had not.
+  // A member says something itself. The others are told. The member is told of the endpoints that there are
+  // of a topic that it did not have before.
   void announced(const std::shared_ptr<NodeListener>& member, Endpoint endpoint,
                  const ClaimedEndpoints& known);
   void withdrawn(EndpointId id, const ClaimedEndpoints& known);
@@ -108,7 +108,7 @@ class ProcessNodes {
   };
 
   Hearer& of(const std::shared_ptr<NodeListener>& member);
-  /// Those for which `which(hearer)` is true.
+  /// Returns the members for which `which(hearer)` is true.
   template <class Which>
   std::shared_ptr<const NodeListeners> members_that(Which which) const;
   std::shared_ptr<const NodeListeners> concerned_by(const News& news, const ClaimedEndpoints& known) const;
@@ -123,7 +123,7 @@ class ProcessNodes {
   void tell_all_others(const std::shared_ptr<NodeListener>& member, News news);
 
   const std::chrono::milliseconds lease_;
-  /// Those of participants (participants.h) count from 1 on.
+  /// The numbers of participants (participants.h) count from 1 on.
   AnnouncerId last_number_ = AnnouncerId{1} << 63;
   std::vector<Hearer> hearers_;
   std::map<EndpointId, Own> own_;

@@ -56,7 +56,7 @@ void ToldEndpoint::tell(const Claim& claim) {
   const bool is_same_speaker = is_by(claim.endpoint->announcer);
   const bool is_same_node = endpoint_ != nullptr && endpoint_->node_id == claim.endpoint->node_id;
   if (!is_same_node) forget_request();  // another node's request is not this reader's
-  // Those whom it does not concern any more must not keep it.
+  // Nodes that the endpoint does not concern any more must not keep it.
   if (endpoint_ != nullptr &&
       (endpoint_->topic != claim.endpoint->topic || endpoint_->role != claim.endpoint->role))
     news_.emplace_back(EndpointDeparted{endpoint_->id});

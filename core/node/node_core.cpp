@@ -246,7 +246,7 @@ Result<DynamicType> NodeCore::find_type(std::string_view topic, std::chrono::nan
   for (;;) {
     const std::uint64_t seen = endpoints_changed_.value();
     ask_agent([&] { hears_all ? hear_everybody() : hear(Role::writer); });
-    // What discovery knows already has come to the agent meanwhile.
+    // Everything that discovery knows already has come to the agent meanwhile.
     Result<DynamicType> type = ask_agent([&] { return type_of(topic, reconciler_->endpoints()); });
     // The agent cannot wait for what it would itself bring about.
     const bool may_come = !type && type.error().code == Errc::unavailable && !agent_.is_current_thread();

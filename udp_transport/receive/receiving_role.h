@@ -92,7 +92,7 @@ class ReceivingRole {
 
  private:
   enum class Holder : std::uint8_t { own, waiter, nobody };
-  /// Whether a thread is between enter() and leave().
+  /// Says whether a thread is between enter() and leave().
   enum class Inside : std::uint8_t { nobody, somebody, somebody_with_a_promise };
 
   /// All that decides who may receive, in one word, so that it changes at once.
@@ -106,7 +106,7 @@ class ReceivingRole {
   };
   static_assert(std::has_unique_object_representations_v<State> && std::atomic<State>::is_always_lock_free);
 
-  /// What the own thread remembers of a holder that seemed idle.
+  /// The own thread remembers this of a holder that seemed idle.
   struct Look {
     bool seemed_idle = false;
     std::uint64_t turns = 0;  ///< at that time
@@ -115,7 +115,7 @@ class ReceivingRole {
   /// `change` gets the state. It may be called several times.
   template <class Change>
   void update(Change change);
-  /// Of update_if(), it returns false if the state is to stay as it is; so does update_if() then.
+  /// `change` returns false if the state is to stay as it is. Then update_if() returns false, too.
   template <class Change>
   bool update_if(Change change);
   Look look(const State& state, Time now, bool readable) const;

@@ -83,8 +83,18 @@ struct Log final : DiscoveryListener {
   std::vector<std::string> told;
 };
 
+/// The first node has the writer 10, and the second one the reader 20.
 class NodesOfOneProcess : public DiscoveryEarTest {
  protected:
+  NodesOfOneProcess() {
+    ear.with_nodes([&](ProcessNodes& nodes, const LinkMerge&) {
+      nodes.join(first);
+      nodes.join(second);
+    });
+    announces(first, endpoint(Role::writer, 10, 1));
+    announces(second, endpoint(Role::reader, 20, 2));
+  }
+
   static Endpoint endpoint(Role role, EndpointId id, NodeId node) {
     Endpoint endpoint;
     endpoint.id = id;
@@ -107,12 +117,6 @@ class NodesOfOneProcess : public DiscoveryEarTest {
 };
 
 TEST_F(NodesOfOneProcess, BelieveNobodyElseAboutEachOther) {
-  ear.with_nodes([&](ProcessNodes& nodes, const LinkMerge&) {
-    nodes.join(first);
-    nodes.join(second);
-  });
-  announces(first, endpoint(Role::writer, 10, 1));
-  announces(second, endpoint(Role::reader, 20, 2));
   EXPECT_EQ(first_log.told, std::vector<std::string>{"seen 20"});
   first_log.told.clear();
   second_log.told.clear();
@@ -128,12 +132,6 @@ TEST_F(NodesOfOneProcess, BelieveNobodyElseAboutEachOther) {
 }
 
 TEST_F(NodesOfOneProcess, DoNotTakeBackWhatOneOfThemHasWithdrawn) {
-  ear.with_nodes([&](ProcessNodes& nodes, const LinkMerge&) {
-    nodes.join(first);
-    nodes.join(second);
-  });
-  announces(first, endpoint(Role::writer, 10, 1));
-  announces(second, endpoint(Role::reader, 20, 2));
   ear.with_nodes([&](ProcessNodes& nodes, LinkMerge& merge) {
     merge.disowns(10, 1, std::chrono::steady_clock::now());
     nodes.withdrawn(10, merge.endpoints());

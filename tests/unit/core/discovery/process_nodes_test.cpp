@@ -75,7 +75,7 @@ class ProcessNodesTest : public ::testing::Test {
   void announces(const std::shared_ptr<NodeListener>& member, const Endpoint& endpoint) {
     nodes.announced(member, endpoint, known.endpoints());
   }
-  /// What was told to that member since it was asked for last.
+  /// Returns the news that were told to that member since the last call.
   std::vector<std::string> told(const std::shared_ptr<NodeListener>& member) {
     for (AddressedNews& one : nodes.take()) all.push_back(std::move(one));
     std::vector<std::string> texts;
