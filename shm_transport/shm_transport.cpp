@@ -35,6 +35,7 @@ class ShmTransport final : public core::SharedMemory {
       return Availability::starting;
     }
     session_ = std::move(state.session);
+    if (session_ != nullptr) session_->prepare_chunks();
     return state.availability;
   }
 

@@ -9,15 +9,20 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "shm_transport/host/iceoryx.h"
+#include "shm_transport/host/prepared_chunks.h"
 
 namespace sft::shm {
 
 /// All writers of a session share one object. Any thread may call it.
 class ChunkPools {
  public:
-  explicit ChunkPools(const iox::mepoo::MemoryManager& pools) : pools_(pools) {}
+  /// `samples`, `management`: see PreparedChunks. Without them nothing is prepared.
+  explicit ChunkPools(const iox::mepoo::MemoryManager& pools, std::span<const std::byte> samples = {},
+                      std::span<const std::byte> management = {})
+      : pools_(pools), prepared_(pools, samples, management) {}
 
   struct Choice {
     std::uint32_t pool = 0;
@@ -35,6 +40,13 @@ class ChunkPools {
   /// second; by then sftd has found them.
   void note_empty(const Choice& choice) noexcept;
 
+  /// Notes that a writer got a chunk from the chosen pool, for so many bytes.
+  void note_taken(const Choice& choice, std::size_t bytes) noexcept {
+    prepared_.note(choice.pool, bytes + sizeof(iox::mepoo::ChunkHeader));
+  }
+  /// See PreparedChunks.
+  void prepare() noexcept { prepared_.prepare(); }
+
  private:
   const iox::mepoo::MemoryManager& pools_;
   using Clock = std::chrono::steady_clock;
@@ -45,6 +57,7 @@ class ChunkPools {
     std::uint32_t count() const noexcept;
   };
   std::array<Vanished, iox::MAX_NUMBER_OF_MEMPOOLS> vanished_{};
+  PreparedChunks prepared_;
 };
 
 /// Returns the size to ask iceoryx for, to get a chunk that holds at least `bytes`.

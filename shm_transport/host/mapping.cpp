@@ -12,6 +12,11 @@
 
 namespace sft::shm {
 
+bool contains(std::span<const std::byte> memory, const void* data, std::size_t size) {
+  const auto at = reinterpret_cast<std::uintptr_t>(data) - reinterpret_cast<std::uintptr_t>(memory.data());
+  return at <= memory.size() && size <= memory.size() - at;
+}
+
 Result<Mapping> Mapping::open(const std::string& name, std::size_t bytes, bool writable, uid_t owner) {
   const std::string path = "/dev/shm/" + name;
   const auto file = core::open_trusted_file(path, writable ? O_RDWR : O_RDONLY, {.users = {owner}});
@@ -34,11 +39,6 @@ Result<Mapping> Mapping::open(const std::string& name, std::size_t bytes, bool w
 
 Mapping::~Mapping() {
   if (!memory_.empty()) munmap(memory_.data(), memory_.size());
-}
-
-bool Mapping::contains(const void* data, std::size_t size) const {
-  const auto at = reinterpret_cast<std::uintptr_t>(data) - reinterpret_cast<std::uintptr_t>(memory_.data());
-  return at <= memory_.size() && size <= memory_.size() - at;
 }
 
 }  // namespace sft::shm

@@ -12,6 +12,9 @@
 
 namespace sft::shm {
 
+/// Returns whether these bytes lie within the memory.
+bool contains(std::span<const std::byte> memory, const void* data, std::size_t size);
+
 class Mapping {
  public:
   /// Maps the first `bytes` of /dev/shm/NAME. The file must belong to `owner`, the account of the daemon,
@@ -24,7 +27,7 @@ class Mapping {
   std::span<std::byte> bytes() const { return memory_; }
   /// Returns the group of the file.
   gid_t group() const { return group_; }
-  bool contains(const void* data, std::size_t size) const;
+  bool contains(const void* data, std::size_t size) const { return shm::contains(memory_, data, size); }
 
  private:
   Mapping(std::span<std::byte> memory, gid_t group) : memory_(memory), group_(group) {}

@@ -191,8 +191,20 @@ core::TrustedAccounts Session::reader_accounts() const {
 
 ChunkPools& Session::pools(const iox::mepoo::MemoryManager& pools) {
   const core::Lock lock(mutex_);
-  if (pools_ == nullptr) pools_ = std::make_unique<ChunkPools>(pools);
+  if (pools_ == nullptr) {
+    pools_ = std::make_unique<ChunkPools>(pools, segments_.back().mapping.bytes(),
+                                          segments_.front().mapping.bytes());
+  }
   return *pools_;
+}
+
+void Session::prepare_chunks() noexcept {
+  ChunkPools* pools = nullptr;
+  {
+    const core::Lock lock(mutex_);
+    pools = pools_.get();
+  }
+  if (pools != nullptr) pools->prepare();
 }
 
 /// Looks in the daemon's table of ports, because iceoryx does not tell a subscriber whether it is connected:

@@ -74,6 +74,9 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Returns the pools from which the writers of this process take chunks. There is one set of pools in a
   /// session.
   ChunkPools& pools(const iox::mepoo::MemoryManager& pools);
+  /// Maps chunks that writers of this process will probably take next (prepared_chunks.h). Called at each
+  /// poll.
+  void prepare_chunks() noexcept;
   /// Returns the port of the writer that delivers into the queue of this port, or null. Looks at all writers
   /// of the host.
   const iox::popo::PublisherPortData* feeder_of(const iox::popo::SubscriberPortData& port) const noexcept;

@@ -100,7 +100,10 @@ ChunkHeader* ChunkLender::allocate(std::size_t bytes) noexcept {
   }
   while (const auto choice = pools_.choose(bytes)) {
     auto chunk = port_.tryAllocateChunk(choice->payload_bytes, alignof(detail::SampleHeader), 0, 1);
-    if (!chunk.has_error()) return chunk.value();
+    if (!chunk.has_error()) {
+      pools_.note_taken(*choice, bytes);
+      return chunk.value();
+    }
     if (chunk.get_error() != iox::popo::AllocationError::RUNNING_OUT_OF_CHUNKS) return nullptr;
     pools_.note_empty(*choice);
   }

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "shm_transport/host/iceoryx.h"
-#include "shm_transport/sftd/pool_layout.h"
+#include "shm_transport/host/pool_layout.h"
 
 namespace iox::roudi {
 class PortPool;

@@ -65,7 +65,7 @@ LockHealer::Finding LockHealer::look_at(const KnownPort& known, Clock::time_poin
     suspects_.erase(known.lock);
     return Finding::in_order;
   }
-  if (!is_confirmed(known.lock, holder_of(*known.lock), now)) return Finding::unclear;
+  if (!is_confirmed(known, now)) return Finding::unclear;
   open_by_force(*known.lock);
   suspects_.erase(known.lock);
   ++opened_;
@@ -75,14 +75,16 @@ LockHealer::Finding LockHealer::look_at(const KnownPort& known, Clock::time_poin
 }
 
 /// Returns whether enough looks have found the same holder, so that the lock can be opened. One look is not
-/// enough in two cases. First, a closed lock has no holder between two instructions that take or release it.
-/// Either the holder was killed right there, or a living thread of the daemon is there and has moved on a
+/// enough in three cases. First, a closed lock has no holder between two instructions that take or release
+/// it. Either the holder was killed right there, or a living thread of the daemon is there and has moved on a
 /// moment later. Second, the id of a holder that died in another pid namespace can be the id of a thread of
-/// the daemon here. But a thread of the daemon releases the lock after microseconds. Looks are counted
-/// instead of time, because the daemon may have been stopped meanwhile.
-bool LockHealer::is_confirmed(const Lock* lock, int holder, Clock::time_point now) {
-  const int looks_needed = is_own_thread(holder) ? 6 : holder == 0 ? 2 : 1;
-  Suspect& suspect = suspects_[lock];
+/// the daemon here. Third, a queue has a writer that was not noted yet if the writer's port is only just
+/// made. But whoever lives releases the lock after microseconds. Looks are counted instead of time, because
+/// the daemon may have been stopped meanwhile.
+bool LockHealer::is_confirmed(const KnownPort& known, Clock::time_point now) {
+  const int holder = holder_of(*known.lock);
+  const int looks_needed = is_own_thread(holder) || !has_known_writer(known) ? 6 : holder == 0 ? 2 : 1;
+  Suspect& suspect = suspects_[known.lock];
   if (suspect.looks == 0 || suspect.holder != holder) {
     suspect = {holder, 1, now};
   } else if (now - suspect.last_look >= look_interval) {
@@ -92,14 +94,22 @@ bool LockHealer::is_confirmed(const Lock* lock, int holder, Clock::time_point no
   return suspect.looks >= looks_needed;
 }
 
+bool LockHealer::feeds(const KnownPort& writer, const KnownPort& queue) {
+  return writer.is_publisher && writer.service == queue.service;
+}
+
 bool LockHealer::holder_is_dead(const KnownPort& known) const {
   // If the owner has changed, this is not the port that was noted, but another one at its place.
   if (known.port->m_runtimeName != known.owner) return false;
   if (known.is_publisher) return clients_.is_gone(known.owner.c_str());
   return std::ranges::all_of(known_, [&](const KnownPort& other) {
-    const bool feeds = other.is_publisher && other.service == known.service;
-    return !feeds || clients_.is_gone(other.owner.c_str());
+    return !feeds(other, known) || clients_.is_gone(other.owner.c_str());
   });
+}
+
+bool LockHealer::has_known_writer(const KnownPort& known) const {
+  return known.is_publisher ||
+         std::ranges::any_of(known_, [&](const KnownPort& other) { return feeds(other, known); });
 }
 
 }  // namespace sft::shm

@@ -62,8 +62,10 @@ class LockHealer {
   };
   enum class Finding { in_order, opened, unclear };
   Finding look_at(const KnownPort& port, Clock::time_point now) SFT_REQUIRES(mutex_);
+  static bool feeds(const KnownPort& writer, const KnownPort& queue);
   bool holder_is_dead(const KnownPort& port) const SFT_REQUIRES(mutex_);
-  bool is_confirmed(const Lock* lock, int holder, Clock::time_point now) SFT_REQUIRES(mutex_);
+  bool has_known_writer(const KnownPort& port) const SFT_REQUIRES(mutex_);
+  bool is_confirmed(const KnownPort& port, Clock::time_point now) SFT_REQUIRES(mutex_);
 
   iox::roudi::PortPool& ports_;
   const ClientTable& clients_;

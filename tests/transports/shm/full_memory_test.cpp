@@ -33,7 +33,7 @@ TEST_F(FullMemory, LeavesADoorbellWithoutAPathThatOthersOfTheAccountRing) {
   EXPECT_NE(access(DoorbellPage::path_of(page->id()).c_str(), F_OK), 0);
   EXPECT_FALSE(DoorbellPage::open(page->id()));
   shm::DoorbellPages pages;
-  const core::Route route{.reader = 7, .destination = core::DoorbellAddress{page->id(), 5}, .mask = {}};
+  const core::Route route{.reader = 7, .destination = core::DoorbellAddress{page->id(), 5}, .selection = {}};
   const auto opened = pages.page_of(route, {});
   ASSERT_TRUE(opened) << opened.error().message;
   (*opened)->at(5).ring();

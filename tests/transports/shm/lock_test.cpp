@@ -11,18 +11,21 @@ namespace {
 
 using core::SendStatus;
 
+constexpr auto patience = 30s;  // until the daemon answers, also on a busy machine
+
 class HeldLock : public ShmNodeTest {
  protected:
   void SetUp() override {
     ShmNodeTest::SetUp();
     if (IsSkipped() || HasFatalFailure()) return;
     session_ = shm::ProcessDaemon::shared()->advance(own_daemon(), Clock::now()).session;
-    publisher_ = session_->create_publisher(1, Clock::now() + 1s).value();
-    auto* keeper = session_->create_subscriber(1, 0, Clock::now() + 1s).value();
+    publisher_ = session_->create_publisher(1, Clock::now() + patience).value();
+    auto* keeper = session_->create_subscriber(1, 0, Clock::now() + patience).value();
     port_ = std::make_unique<shm::ShmWriterPort>(
         shm::ChunkLender::make(session_, *publisher_, *keeper, {.id = 1, .type = &frame_type()}, 16),
         std::make_shared<shm::DoorbellPages>(), statistics_);
-    port_->set_routes({{.reader = 1, .destination = core::DoorbellAddress{}, .mask = frame_type().full()}});
+    port_->set_routes(
+        {{.reader = 1, .destination = core::DoorbellAddress{}, .selection = frame_type().full()}});
   }
   void TearDown() override {
     port_.reset();
@@ -79,11 +82,13 @@ TEST_F(HeldLock, IsWaitedForWhileItIsHeldForMicroseconds) {
   EXPECT_GT(waited, 30);
 }
 
+// The writer of the queue lives, so the daemon does not open the lock.
 TEST_F(HeldLock, IsOnlyLookedAtByAReaderThatGivesItsPortBack) {
-  auto* port = session_->create_subscriber(2, 1, Clock::now() + 1s).value();
+  auto* port = session_->create_subscriber(1, 1, Clock::now() + patience).value();
+  ASSERT_TRUE(eventually([&] { return session_->feeder_of(*port) == publisher_; }));
   iox::popo::SubscriberPortUser(port).unsubscribe();
-  ASSERT_TRUE(
-      eventually([&] { return port->m_subscriptionState.load() == iox::SubscribeState::NOT_SUBSCRIBED; }));
+  ASSERT_TRUE(eventually([&] { return session_->feeder_of(*port) == nullptr; }));
+  ASSERT_EQ(port->m_subscriptionState.load(), iox::SubscribeState::NOT_SUBSCRIBED);
   port->m_chunkReceiverData.lock();  // the lock is recursive, so this thread could take it again
   session_->retire(port);
   session_->collect();

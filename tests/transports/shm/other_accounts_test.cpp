@@ -245,7 +245,7 @@ TEST_F(OtherAccounts, GetOneListOfAllFilesThatAKilledDaemonOfAnotherUserLeft) {
 
 /// Returns the route to a reader that says that its doorbell is in this page.
 core::Route route_to(std::uint64_t page) {
-  return {.reader = 7, .destination = core::DoorbellAddress{page, 0}, .mask = frame_type().full()};
+  return {.reader = 7, .destination = core::DoorbellAddress{page, 0}, .selection = frame_type().full()};
 }
 
 std::string make_page(const Identity& owner, std::uint64_t id) {

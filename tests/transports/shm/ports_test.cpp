@@ -365,8 +365,8 @@ TEST_F(ShmPorts, RingTheDoorbellOfASleepingReader) {
   ASSERT_TRUE(reader.connects_to(1));
   const core::DoorbellAddress address{page->id(), 3};
   const FieldMask full = frame_type().full();
-  writer.port().set_routes({{.reader = 1, .destination = address, .mask = full},
-                            {.reader = 2, .destination = address, .mask = full}});
+  writer.port().set_routes({{.reader = 1, .destination = address, .selection = full},
+                            {.reader = 2, .destination = address, .selection = full}});
   SampleHandle got;
   std::thread sleeper(
       [&] { bell.wait(Clock::now() + 5s, [&] { return static_cast<bool>(got = reader.take()); }); });
@@ -388,7 +388,7 @@ TEST_F(ShmPorts, KeepTheDoorbellOfAReaderOpenUntilRoutesWithoutTheReaderAreSet) 
     return times;
   };
   Writer writer(node(), 1);
-  const core::Route route{.reader = 5, .destination = core::DoorbellAddress{page->id(), 3}, .mask = {}};
+  const core::Route route{.reader = 5, .destination = core::DoorbellAddress{page->id(), 3}, .selection = {}};
   EXPECT_EQ(writer.port().why_unreachable(route), "");
   EXPECT_EQ(times_mapped(), 2) << "the page is opened once, for the routes that follow";
   writer.port().set_routes({route});
@@ -402,7 +402,7 @@ TEST_F(ShmPorts, KeepTheDoorbellOfAReaderOpenUntilRoutesWithoutTheReaderAreSet) 
 
 TEST_F(ShmPorts, DoNotBeginForALateReaderIfMoreSamplesWereHeldBackMeanwhile) {
   Writer writer(node(), 1);
-  const core::Route late{.reader = 5, .destination = core::DoorbellAddress{}, .mask = {}, .history = 2};
+  const core::Route late{.reader = 5, .destination = core::DoorbellAddress{}, .selection = {}, .history = 2};
   EXPECT_FALSE(writer.port().begin_with(late, {}, 1));
   EXPECT_TRUE(writer.port().begin_with(late, {}, 0));
 }
@@ -414,7 +414,7 @@ TEST_F(ShmPorts, RingTheDoorbellOfALateReaderThatSleepsWhateverItsRate) {
   std::thread sleeper([&] { bell.wait(Clock::now() + 20s, [&] { return bell.rings > 0; }); });
   EXPECT_TRUE(eventually([&] { return bell.sleepers == 1; }));
   core::Route late{
-      .reader = 5, .destination = core::DoorbellAddress{page->id(), 3}, .mask = {}, .history = 2};
+      .reader = 5, .destination = core::DoorbellAddress{page->id(), 3}, .selection = {}, .history = 2};
   late.gate = std::make_shared<core::RateGate>(1'000'000);  // no sample has passed it
   const auto begin = Clock::now();
   EXPECT_TRUE(writer.port().begin_with(late, {}, 0));
@@ -520,7 +520,7 @@ TEST_F(LostSamples, CountAlsoIfArrivalsNoticedTheOverflowFirst) {
 TEST_F(LostSamples, LeaveItOpenWhichSampleIsTheOldestOfTheHistory) {
   // The route asks for no history, so the reader gets only the samples that come.
   writer_->port().set_routes(
-      {{.reader = 7, .destination = core::DoorbellAddress{}, .mask = frame_type().full()}});
+      {{.reader = 7, .destination = core::DoorbellAddress{}, .selection = frame_type().full()}});
   for (const std::uint32_t lost : {0U, 1U}) {
     reader_.emplace(node(), depth);
     ASSERT_TRUE(reader_->port().connect({.writer = 1, .max_sample_bytes = 1000, .history_first = true}));

@@ -169,7 +169,8 @@ Writer::Writer(Node& node, core::EndpointId id) : id_(id) {
   EXPECT_TRUE(port) << port.error().message;
   if (!port) return;
   port_ = std::move(*port);
-  port_->set_routes({{.reader = 1, .destination = core::DoorbellAddress{}, .mask = frame_type().full()}});
+  port_->set_routes(
+      {{.reader = 1, .destination = core::DoorbellAddress{}, .selection = frame_type().full()}});
 }
 
 core::SampleHandle Writer::loan(std::uint32_t data) { return port_->loan(frame_bytes(data)); }

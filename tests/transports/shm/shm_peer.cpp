@@ -154,7 +154,7 @@ void listen(Node& node, sft::core::EndpointId, std::uint32_t) {
 void ring(Node& node, sft::core::EndpointId page, std::uint32_t) {
   Writer writer(node, 1);
   const sft::core::Route route{
-      .reader = 7, .destination = sft::core::DoorbellAddress{page, 0}, .mask = frame_type().full()};
+      .reader = 7, .destination = sft::core::DoorbellAddress{page, 0}, .selection = frame_type().full()};
   const std::string why_not = writer.port().why_unreachable(route);
   writer.port().set_routes({route});
   const bool sent = writer.send_frame() == sft::core::SendStatus::sent;

@@ -55,5 +55,17 @@ TEST_F(LockHealerTest, LeavesALockAloneThatAThreadOfTheDaemonHoldsAgainAndAgain)
   }
 }
 
+// A program of which the daemon knows no port yet may have begun to deliver into this queue.
+TEST_F(LockHealerTest, LeavesTheLockOfAQueueWithoutAKnownWriterTimeToBeReleased) {
+  auto& queue = *pool_.addSubscriberPort({"sft", "late", "1"}, "sft_dead", {}).value();
+  healer_.note_ports();
+  const auto& queue_lock = queue.m_chunkReceiverData;
+  std::thread([&] { queue.m_chunkReceiverData.lock(); }).join();
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_FALSE(healer_.heal()) << "its holder may be alive";
+  EXPECT_TRUE(eventually([&] { return healer_.heal() && !shm::is_closed(queue_lock); }));
+  EXPECT_GE(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(100));
+}
+
 }  // namespace
 }  // namespace sft::test

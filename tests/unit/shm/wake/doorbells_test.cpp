@@ -41,7 +41,7 @@ class SeveralSleepers : public RandomTest {
     std::vector<core::Route> routes;
     for (std::uint32_t slot = 0; slot < count; ++slot) {
       routes.push_back(
-          {.reader = slot + 1, .destination = core::DoorbellAddress{page_->id(), slot}, .mask = {}});
+          {.reader = slot + 1, .destination = core::DoorbellAddress{page_->id(), slot}, .selection = {}});
     }
     return routes;
   }

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "shm_transport/host/iceoryx.h"
@@ -12,19 +13,26 @@
 namespace sft::shm {
 
 /// One pool. Its chunks are numbered from 0 on. Programs can write into the pool, so what is read there is
-/// checked.
+/// checked. What the constructor reads is checked by is_within() only.
 class PoolLayout {
  public:
-  /// `pool` outlives this object. No program can write into the pool yet.
+  /// `pool` outlives this object. In the daemon, no program can write into the pool yet.
   explicit PoolLayout(iox::mepoo::MemPool& pool);
 
   std::uint32_t chunk_count() const { return chunk_count_; }
+  std::uint32_t chunk_bytes() const { return chunk_bytes_; }
   std::byte* at(std::uint32_t index) const { return begin_ + std::size_t{index} * chunk_bytes_; }
+  /// Returns whether the chunks lie within `samples`, and the list of those that are free within
+  /// `management`.
+  bool is_within(std::span<const std::byte> samples, std::span<const std::byte> management) const;
   std::optional<std::uint32_t> index_of(const void* address) const;
 
   /// Returns for each index whether the chunk is free. The result is only right if nobody takes or frees a
   /// chunk meanwhile. It is empty if the list of free chunks is damaged.
   std::vector<bool> free_chunks() const;
+  /// Writes the chunks that are lent next into `chunks`, the first one first, and returns how many there are.
+  /// The result is only right if nobody takes or frees a chunk meanwhile; the chunks exist in any case.
+  std::size_t next_free(std::span<std::uint32_t> chunks) const;
   /// Returns by how much the pool's count of taken chunks exceeds the chunks that are really taken.
   std::int64_t overcount(const std::vector<bool>& free) const;
 

@@ -1,7 +1,9 @@
-#include "shm_transport/sftd/pool_layout.h"
+#include "shm_transport/host/pool_layout.h"
 
 #include <algorithm>
 #include <atomic>
+
+#include "shm_transport/host/mapping.h"
 
 namespace sft::shm {
 
@@ -51,6 +53,11 @@ PoolLayout::PoolLayout(MemPool& pool)
       chunk_count_(pool.getChunkCount()),
       next_free_(layout_of(pool).free.next.get()) {}
 
+bool PoolLayout::is_within(std::span<const std::byte> samples, std::span<const std::byte> management) const {
+  return contains(samples, begin_, std::size_t{chunk_count_} * chunk_bytes_) &&
+         contains(management, next_free_, std::size_t{chunk_count_} * sizeof *next_free_);
+}
+
 std::optional<std::uint32_t> PoolLayout::index_of(const void* address) const {
   const auto offset = reinterpret_cast<std::uintptr_t>(address) - reinterpret_cast<std::uintptr_t>(begin_);
   if (offset >= std::size_t{chunk_count_} * chunk_bytes_ || offset % chunk_bytes_ != 0) return std::nullopt;
@@ -65,6 +72,16 @@ std::vector<bool> PoolLayout::free_chunks() const {
     free[i] = true;
   }
   return free;
+}
+
+std::size_t PoolLayout::next_free(std::span<std::uint32_t> chunks) const {
+  std::uint32_t next = layout_of(pool_).free.head.load(std::memory_order_acquire).first;
+  for (std::size_t i = 0; i < chunks.size(); ++i) {
+    if (next >= chunk_count_) return i;
+    chunks[i] = next;
+    next = __atomic_load_n(&next_free_[next], __ATOMIC_RELAXED);
+  }
+  return chunks.size();
 }
 
 std::int64_t PoolLayout::overcount(const std::vector<bool>& free) const {

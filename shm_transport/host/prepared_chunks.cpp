@@ -1,0 +1,74 @@
+#include "shm_transport/host/prepared_chunks.h"
+
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+
+namespace sft::shm {
+
+namespace {
+
+/// The mappings of the process are locked for so much at a time: a page fault of another thread may wait.
+constexpr std::size_t mapped_in_a_call = std::size_t{1} << 20;
+
+/// False if the system refuses it: before Linux 5.14, or without memory. The pages are mapped when they are
+/// used then.
+bool map(const std::byte* begin, const std::byte* end) noexcept {
+  static const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
+  auto at = reinterpret_cast<std::uintptr_t>(begin) / page * page;
+  const auto last = reinterpret_cast<std::uintptr_t>(end);
+  for (; at < last; at += mapped_in_a_call) {
+    const std::size_t bytes = std::min<std::size_t>(mapped_in_a_call, last - at);
+    if (::madvise(reinterpret_cast<void*>(at), bytes, MADV_POPULATE_WRITE) != 0) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+/// PoolLayout could change pools, too, which this class does not.
+PreparedChunks::PreparedChunks(const iox::mepoo::MemoryManager& pools, std::span<const std::byte> samples,
+                               std::span<const std::byte> management) {
+  for (const PoolLayout& layout : pools_of(const_cast<iox::mepoo::MemoryManager&>(pools)))
+    pools_.emplace_back(layout, layout.is_within(samples, management) ? layout.chunk_count() : 0);
+}
+
+void PreparedChunks::note(std::uint32_t pool, std::size_t bytes) noexcept {
+  if (pool >= pools_.size()) return;  // another program has written another number of pools
+  std::atomic<std::size_t>& most = pools_[pool].bytes;
+  for (std::size_t known = most.load(std::memory_order_relaxed); known < bytes;)
+    if (most.compare_exchange_weak(known, bytes, std::memory_order_relaxed)) return;
+}
+
+void PreparedChunks::prepare() noexcept {
+  if (inside_.test_and_set(std::memory_order_acquire)) return;
+  std::size_t budget = mapped_at_once, missing = 0, missing_bytes = 0;
+  for (Pool& pool : pools_) {
+    const std::size_t bytes = pool.bytes.load(std::memory_order_relaxed);
+    if (missing > 0) map_free(pool, missing, missing_bytes, budget);
+    missing = bytes < large_bytes ? 0 : chunks_ahead - map_free(pool, chunks_ahead, bytes, budget);
+    missing_bytes = bytes;
+  }
+  inside_.clear(std::memory_order_release);
+}
+
+/// Returns how many of so many chunks there are.
+std::size_t PreparedChunks::map_free(Pool& pool, std::size_t chunks, std::size_t bytes,
+                                     std::size_t& budget) noexcept {
+  if (pool.mapped.empty()) return chunks;
+  const std::uint32_t used = std::min(static_cast<std::uint32_t>(bytes), pool.layout.chunk_bytes());
+  std::array<std::uint32_t, chunks_ahead> next;
+  const std::size_t count = pool.layout.next_free(std::span(next).first(chunks));
+  for (const std::uint32_t chunk : std::span(next).first(count)) {
+    std::uint32_t& mapped = pool.mapped[chunk];
+    if (mapped >= used || budget == 0) continue;
+    budget -= std::min<std::size_t>(budget, used - mapped);
+    const std::byte* const begin = pool.layout.at(chunk);
+    if (map(begin + mapped, begin + used)) mapped = used;
+  }
+  return count;
+}
+
+}  // namespace sft::shm
