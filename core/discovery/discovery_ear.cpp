@@ -12,8 +12,6 @@ namespace sft::core {
 
 namespace {
 
-Time time() { return std::chrono::steady_clock::now(); }
-
 bool has_silent_links(const AddressedNews& one) {
   const auto* const seen = std::get_if<EndpointSeen>(&one.news);
   return seen != nullptr && !seen->silent.empty();
@@ -43,8 +41,8 @@ std::string describe(HearingWatch::Missing missing, const std::string& node) {
 
 }  // namespace
 
-DiscoveryEar::DiscoveryEar(std::chrono::milliseconds lease)
-    : hearing_(std::random_device{}()), nodes_here_(lease) {}
+DiscoveryEar::DiscoveryEar(const LifeSigns& signs, ReadTime time)
+    : time_(time), hearing_(std::random_device{}()), nodes_here_(signs.lease), sign_pace_(signs) {}
 
 /// Passes on the news that have come of an event. The lock is not held meanwhile, but when this returns.
 void DiscoveryEar::pass_on_news(Lock& lock) {
@@ -73,7 +71,8 @@ DiscoveryEar::AfterTick DiscoveryEar::tick(Time now) {
   const Lock lock(mutex_);
   merge_.tick(now);
   nodes_here_.tick(now);
-  sign_pace_.want(hearing_.wants_signs(now) || merge_.has_rivals(), now);
+  if (hearing_.is_a_sign_late(now)) sign_pace_.want_after_late_sign(now);
+  if (hearing_.may_miss_something() || merge_.has_rivals()) sign_pace_.want_after_doubt(now);
   return {sign_pace_, merge_.pause_between_ticks()};
 }
 
@@ -147,56 +146,56 @@ void DiscoveryEar::was_renewed_for(const HearingWatch::Deaf& deaf) {
 
 void DiscoveryEar::endpoint_came(const Speaker& speaker, Endpoint endpoint) {
   Lock lock(mutex_);
-  hearing_.heard(speaker, time());
-  merge_.endpoint_came(speaker, std::move(endpoint), time());
+  hearing_.heard(speaker, time_());
+  merge_.endpoint_came(speaker, std::move(endpoint), time_());
   pass_on_news(lock);
 }
 
 void DiscoveryEar::endpoint_withdrawn(const Speaker& speaker, EndpointId id) {
   Lock lock(mutex_);
-  merge_.endpoint_withdrawn(speaker, id, time());
+  merge_.endpoint_withdrawn(speaker, id, time_());
   pass_on_news(lock);
 }
 
 void DiscoveryEar::endpoint_unheard(LinkId link, EndpointId id) {
   Lock lock(mutex_);
-  merge_.endpoint_unheard(link, id, time());
+  merge_.endpoint_unheard(link, id, time_());
   pass_on_news(lock);
 }
 
 void DiscoveryEar::request_came(const Speaker& speaker, Request request) {
   Lock lock(mutex_);
-  hearing_.heard(speaker, time());
-  merge_.request_came(speaker, std::move(request), time());
+  hearing_.heard(speaker, time_());
+  merge_.request_came(speaker, std::move(request), time_());
   pass_on_news(lock);
 }
 
 void DiscoveryEar::assertion_came(const Speaker& speaker, Assertion assertion,
                                   std::chrono::milliseconds lease) {
   Lock lock(mutex_);
-  hearing_.heard_life(speaker, assertion.node, digest_heard(assertion, roles_), lease, time());
-  if (assertion.wants_signs) sign_pace_.others_want(time());
+  hearing_.heard_life(speaker, assertion.node, digest_heard(assertion, roles_), lease, time_());
+  if (assertion.wants_signs) sign_pace_.others_want(time_());
   if (nodes_here_.has(assertion.node)) return;  // nobody else says that our node lives
-  merge_.assertion_came(speaker, std::move(assertion), time());
+  merge_.assertion_came(speaker, std::move(assertion), time_());
   pass_on_news(lock);
 }
 
 void DiscoveryEar::node_unheard(LinkId link, NodeId id) {
   Lock lock(mutex_);
   hearing_.life_ended(link, id);
-  merge_.node_unheard(link, id, time());
+  merge_.node_unheard(link, id, time_());
   pass_on_news(lock);
 }
 
 void DiscoveryEar::participant_came(const Speaker& speaker) {
   newcomer_ = true;
   const Lock lock(mutex_);
-  hearing_.participant_came(speaker, time());
+  hearing_.participant_came(speaker, time_());
 }
 
 void DiscoveryEar::participant_speaks(const Speaker& speaker) {
   const Lock lock(mutex_);
-  hearing_.participant_speaks(speaker, time());
+  hearing_.participant_speaks(speaker, time_());
 }
 
 void DiscoveryEar::other_release_seen(const Speaker& speaker, std::uint32_t version) {
@@ -216,14 +215,14 @@ void DiscoveryEar::endpoint_matched(const Speaker& speaker) {
 
 void DiscoveryEar::endpoint_unmatched(const Speaker& speaker) {
   const Lock lock(mutex_);
-  hearing_.endpoint_unmatched(speaker, time());
+  hearing_.endpoint_unmatched(speaker, time_());
 }
 
 void DiscoveryEar::participant_departed(const Speaker& speaker) {
   Lock lock(mutex_);
   hearing_.participant_departed(speaker);
   other_releases_.departed(speaker);
-  merge_.participant_departed(speaker, time());
+  merge_.participant_departed(speaker, time_());
   pass_on_news(lock);
 }
 

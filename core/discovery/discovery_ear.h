@@ -30,8 +30,8 @@ namespace sft::core {
 
 class DiscoveryEar final : public LinkListener {
  public:
-  /// `lease`: of the signs of life of our nodes.
-  explicit DiscoveryEar(std::chrono::milliseconds lease);
+  /// `signs`: those of our nodes.
+  explicit DiscoveryEar(const LifeSigns& signs, ReadTime time = &std::chrono::steady_clock::now);
 
   // One thread. News that come of these functions wait for pass_on(), which the caller calls without a lock.
 
@@ -101,6 +101,7 @@ class DiscoveryEar final : public LinkListener {
 
   std::atomic<bool> newcomer_{false};
 
+  const ReadTime time_;
   mutable Mutex mutex_;
   LinkMerge merge_ SFT_GUARDED_BY(mutex_);
   HearingWatch hearing_ SFT_GUARDED_BY(mutex_);

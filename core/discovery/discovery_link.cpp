@@ -67,7 +67,8 @@ class CycloneLink final : public DiscoveryLink {
     return write_to(*readers_, &word);
   }
   Result<void> write(const Request& request) override {
-    sft_control_Request sample = to_dds(request);
+    ControlStorage storage;
+    sft_control_Request sample = to_dds(request, storage);
     const sft_control_ReaderWord word = in_word(sample);
     return write_to(*readers_, &word);
   }

@@ -111,7 +111,7 @@ void HearingWatch::heard(const Speaker& speaker, Time now) {
   if (ear == nullptr) return;
   ear->last = now;
   ear->has_spoken = true;
-  is_in_doubt_ = true;
+  looks_often_ = true;
 }
 
 void HearingWatch::heard_life(const Speaker& speaker, NodeId node, std::uint32_t digest, milliseconds lease,
@@ -148,16 +148,17 @@ void HearingWatch::life_ended(LinkId link, NodeId node) {
 std::vector<HearingWatch::Deaf> HearingWatch::look(const std::map<Speaker, std::uint32_t>& known,
                                                    milliseconds participant_lease, Time now) {
   note_known(known, now);
-  is_in_doubt_ = false;
+  looks_often_ = may_miss_something_ = false;
   std::vector<Deaf> deaf;
   for (auto& [speaker, ear] : ears_) {
-    is_in_doubt_ |= ear.lives && ear.known != ear.told && now - ear.agreed < behind_at_first_after;
+    looks_often_ |= ear.lives && ear.known != ear.told && now - ear.agreed < behind_at_first_after;
+    may_miss_something_ |= is_told_of_more(speaker, ear);
     const auto what = missing(speaker, ear, participant_lease, now);
     if (!what) {
       ear.missed_since.reset();
       continue;
     }
-    is_in_doubt_ = true;
+    looks_often_ = may_miss_something_ = true;
     const auto how = remedy(speaker, ear, *what, now);
     const bool is_told = how == Remedy::renewal && std::ranges::any_of(deaf, [&](const Deaf& other) {
                            return other.link == speaker.link && other.remedy == Remedy::renewal;
@@ -185,17 +186,30 @@ void HearingWatch::note_known(const std::map<Speaker, std::uint32_t>& known, Tim
 }
 
 /// A sign is late after the pause in calm, and a while in which its node may have waited for a processor.
-bool HearingWatch::wants_signs(Time now) const {
-  return is_in_doubt_ || std::ranges::any_of(ears_, [now](const auto& entry) {
-           const Ear& ear = entry.second;
-           return ear.lives && now - ear.last_life > silence_in(ear.lease) + slack_of_leases;
-         });
+bool HearingWatch::is_a_sign_late(Time now) const {
+  return std::ranges::any_of(ears_, [now](const auto& entry) {
+    const Ear& ear = entry.second;
+    return ear.lives && now - ear.last_life > silence_in(ear.lease) + slack_of_leases;
+  });
+}
+
+/// What came after the last sign is confirmed by the next one: if each change of a mask made signs frequent
+/// everywhere, they would hardly ever be seldom.
+bool HearingWatch::is_told_of_more(const Speaker& speaker, const Ear& ear) const {
+  return ear.lives && ear.told != ear.known && ear.last_life - ear.agreed > overtaking &&
+         !is_hopeless(speaker.participant);
+}
+
+/// Something else is wrong with the participant than the links by which it is heard.
+bool HearingWatch::is_hopeless(AnnouncerId participant) const {
+  const auto known = participants_.find(participant);
+  return known != participants_.end() && !known->second.has_agreed && known->second.tries >= tries_max;
 }
 
 bool HearingWatch::wants_look(Time now) const {
   const milliseconds in_doubt =
       std::clamp<milliseconds>(look_pause_for_each * ears_.size(), look_pause_in_doubt, look_pause);
-  return now - looked_ >= (is_in_doubt_ ? in_doubt : look_pause);
+  return now - looked_ >= (looks_often_ ? in_doubt : look_pause);
 }
 
 /// True if a node of the speaker is heard as it should be by another participant on the link, since its
@@ -245,10 +259,7 @@ bool HearingWatch::is_behind(const Ear& ear, Time newcomer, Time now) const {
 
 std::optional<HearingWatch::Missing> HearingWatch::missing(const Speaker& speaker, Ear& ear,
                                                            milliseconds participant_lease, Time now) const {
-  const auto known = participants_.find(speaker.participant);
-  const bool is_hopeless =
-      known != participants_.end() && !known->second.has_agreed && known->second.tries >= tries_max;
-  if (is_hopeless) return {};
+  if (is_hopeless(speaker.participant)) return {};
   const Link& link = links_.at(speaker.link);
   if (link.replaced_by) {
     const bool lags =

@@ -79,8 +79,11 @@ class HearingWatch {
   /// not the cause.
   void tried(AnnouncerId participant) { ++participants_[participant].tries; }
 
-  /// True if frequent signs of life would help: something may be missing, or a sign is late.
-  bool wants_signs(Time now) const;
+  /// True if a sign of life has not come in time: it may have got lost, and frequent ones would help.
+  bool is_a_sign_late(Time now) const;
+  /// True if frequent signs would help to find out what is missing: at the last look something was, or a sign
+  /// of life said something else than was known before it.
+  bool may_miss_something() const { return may_miss_something_; }
   /// True if look() is due: twice a second, and more often while something may be missing.
   bool wants_look(Time now) const;
   /// Finds what is missing. `known`: digests of what is known of each speaker. `participant_lease`: Cyclone
@@ -126,6 +129,8 @@ class HearingWatch {
   static constexpr std::size_t nodes_max = 1024;  ///< of a speaker; more may be made up
 
   Ear* ear_of(const Speaker& speaker, Time now);
+  bool is_told_of_more(const Speaker& speaker, const Ear& ear) const;
+  bool is_hopeless(AnnouncerId participant) const;
   bool is_behind(const Ear& ear, Time newcomer, Time now) const;
   std::optional<Missing> missing(const Speaker& speaker, Ear& ear,
                                  std::chrono::milliseconds participant_lease, Time now) const;
@@ -138,7 +143,8 @@ class HearingWatch {
   std::map<AnnouncerId, Participant> participants_;
   std::minstd_rand random_;
   Time looked_{};
-  bool is_in_doubt_ = false;
+  bool looks_often_ = false;
+  bool may_miss_something_ = false;
 };
 
 }  // namespace sft::core

@@ -30,7 +30,9 @@ struct OpenDiscoveries {
 };
 OpenDiscoveries open_discoveries;
 
-constexpr std::chrono::seconds look_at_interfaces_every{1};  // although netlink tells of changes
+constexpr std::chrono::seconds look_at_interfaces_every{10};  // although netlink tells of changes
+/// What the system refused: a link, or the list of interfaces.
+constexpr std::chrono::seconds try_again_after{1};
 /// Others believe a link that was made anew with the first sign of life that comes by it.
 constexpr std::chrono::milliseconds assert_often_for{700};
 /// All nodes of the process look after discovery; in that time one of them will do.
@@ -85,13 +87,13 @@ Result<std::shared_ptr<JointDiscovery>> JointDiscovery::of(const DiscoveryOption
 JointDiscovery::JointDiscovery(DdsConfig config, const ThreadSettings& threads)
     : config_(std::move(config)),
       life_signs_(config_.multicast ? life_signs_to_all : life_signs_to_each),
-      ear_(life_signs_.lease),
+      ear_(life_signs_),
       links_({config_, threads, life_signs_}, own_, ear_) {}
 
 Result<void> JointDiscovery::open(std::uint32_t domain) {
   const Lock lock(mutex_);
   if (program_has_opened(domain)) return join_the_program(domain);
-  interfaces_ = interfaces_of_interest();
+  interfaces_ = interfaces_of_interest().value_or(std::vector<HostInterface>());
   const Result<void> made =
       use(desired_links(interfaces_, config_.rules(), {}), std::chrono::steady_clock::now());
   if (!links_.empty()) return {};
@@ -218,7 +220,7 @@ void JointDiscovery::assert_liveliness(Seat& seat, const Assertion& assertion) {
 void JointDiscovery::write(Assertion assertion) {
   assertion.digest_of_writers = own_.digest(Role::writer);
   assertion.digest_of_readers = own_.digest(Role::reader);
-  assertion.wants_signs = pace_.wants();
+  assertion.wants_signs = pace_.wants(std::chrono::steady_clock::now());
   links_.each([&](DiscoveryLink& link) { link.write(assertion); });
 }
 
@@ -278,24 +280,25 @@ Result<void> JointDiscovery::join_the_program(std::uint32_t domain) {
   return {};
 }
 
-/// The interfaces of before, if the system cannot list them. Containers come and go: that is no reason to
-/// greet anybody.
-std::vector<HostInterface> JointDiscovery::interfaces_of_interest() const {
-  std::optional<std::vector<HostInterface>> listed = host_interfaces();
-  if (!listed) return interfaces_;
-  std::vector<HostInterface> interfaces = std::move(*listed);
-  if (config_.interfaces.empty())
-    std::erase_if(interfaces, [](const HostInterface& i) { return belongs_to_containers(i.name); });
+/// Empty if the system cannot list them. Containers come and go: that is no reason to greet anybody.
+std::optional<std::vector<HostInterface>> JointDiscovery::interfaces_of_interest() const {
+  std::optional<std::vector<HostInterface>> interfaces = host_interfaces();
+  if (interfaces && config_.interfaces.empty())
+    std::erase_if(*interfaces, [](const HostInterface& i) { return belongs_to_containers(i.name); });
   return interfaces;
 }
 
 void JointDiscovery::look_at_interfaces(Time now) {
-  next_look_ = now + look_at_interfaces_every;
-  std::vector<HostInterface> interfaces = interfaces_of_interest();
-  const bool changed = interfaces != interfaces_;
-  if (!changed && links_.failures().empty()) return;
-  interfaces_ = std::move(interfaces);
+  std::optional<std::vector<HostInterface>> interfaces = interfaces_of_interest();
+  const bool is_known = interfaces.has_value();
+  const bool changed = is_known && *interfaces != interfaces_;
+  if (changed) interfaces_ = *std::move(interfaces);
   if (changed) greetings_.begin(now);
+  if (changed || !links_.failures().empty()) use_interfaces(now);
+  next_look_ = now + (is_known && links_.failures().empty() ? look_at_interfaces_every : try_again_after);
+}
+
+void JointDiscovery::use_interfaces(Time now) {
   const std::string before = configuration().summary;
   (void)use(desired_links(interfaces_, config_.rules(), links_.specs()), now);
   if (const std::string after = configuration().summary; after != before)

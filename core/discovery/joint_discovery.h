@@ -67,8 +67,9 @@ class JointDiscovery {
 
  private:
   Result<void> join_the_program(std::uint32_t domain) SFT_REQUIRES(mutex_);
-  std::vector<HostInterface> interfaces_of_interest() const SFT_REQUIRES(mutex_);
+  std::optional<std::vector<HostInterface>> interfaces_of_interest() const;
   void look_at_interfaces(Time now) SFT_REQUIRES(mutex_);
+  void use_interfaces(Time now) SFT_REQUIRES(mutex_);
   Result<void> use(const DesiredLinks& desired, Time now) SFT_REQUIRES(mutex_);
   void describe(const DesiredLinks& desired) SFT_REQUIRES(mutex_);
   void report(const Report& report) SFT_REQUIRES(mutex_);

@@ -9,34 +9,48 @@
 #include <algorithm>
 #include <chrono>
 
+#include "core/discovery/life_signs.h"
 #include "core/platform/clock.h"
 
 namespace sft::core {
 
 class SignPace {
  public:
-  /// Long enough for datagrams that get lost to show again, also where there are only two nodes.
-  static constexpr std::chrono::seconds wish_lasts{30};
+  /// `signs`: of this process, and of those who want something.
+  explicit SignPace(const LifeSigns& signs = life_signs_to_all) : repeated_for_(4 * signs.pause + slack) {}
+
   static constexpr std::chrono::seconds news_last{3};
+  /// Late signs tell of a network that loses datagrams. It will lose more, which has to show again, also
+  /// where there are only two nodes.
+  static constexpr std::chrono::seconds after_late_sign{30};
 
   /// A node of this process has announced, withdrawn or asked for something: others compare that with its
   /// signs.
   void told_news(Time now) { news_until_ = now + news_last; }
-  /// Another process wants frequent signs of everybody.
-  void others_want(Time now) { wish_until_ = now + wish_lasts; }
-  /// This process wants frequent signs of everybody, or does not any more.
-  void want(bool wants, Time now) {
-    wants_ = wants;
-    if (wants) wish_until_ = now + wish_lasts;
-  }
+  /// Another process wants frequent signs of everybody. It repeats that with each of its own, of which three
+  /// may get lost.
+  void others_want(Time now) { heard_wish_until_ = now + repeated_for_; }
 
-  bool wants() const { return wants_; }
-  Time calm_from() const { return std::max(wish_until_, news_until_); }
+  // This process wants frequent signs of everybody.
+
+  /// Something may be missing: what is wanted comes soon, or is missed for longer and wanted again.
+  void want_after_doubt(Time now) { want_until(now + repeated_for_); }
+  void want_after_late_sign(Time now) { want_until(now + after_late_sign); }
+
+  bool wants(Time now) const { return now < wants_until_; }
+  Time calm_from() const { return std::max({wants_until_, heard_wish_until_, news_until_}); }
   bool is_calm(Time now) const { return now >= calm_from(); }
+  /// The time for which a wish lasts that is not repeated.
+  std::chrono::milliseconds repeated_for() const { return repeated_for_; }
 
  private:
-  bool wants_ = false;
-  Time wish_until_{};
+  static constexpr std::chrono::milliseconds slack{400};  // signs are given at the next tick
+
+  void want_until(Time end) { wants_until_ = std::max(wants_until_, end); }
+
+  std::chrono::milliseconds repeated_for_;
+  Time wants_until_{};
+  Time heard_wish_until_{};
   Time news_until_{};
 };
 

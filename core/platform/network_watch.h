@@ -2,6 +2,8 @@
 // which costs nothing while they have not.
 #pragma once
 
+#include <cstdint>
+
 #include "core/platform/file_descriptor.h"
 
 namespace sft::core {
@@ -14,9 +16,16 @@ class NetworkWatch {
   /// Returns true if anything may have changed since the last call. Always returns true if the system refuses
   /// the socket.
   bool changed() noexcept;
+  /// For several who share a watch, and call nothing else: a number that has risen if anything may have
+  /// changed.
+  std::uint64_t changes() noexcept {
+    if (changed()) ++changes_;
+    return changes_;
+  }
 
  private:
   FileDescriptor netlink_;
+  std::uint64_t changes_ = 0;
 };
 
 }  // namespace sft::core

@@ -39,24 +39,36 @@ class DiscoveryEarTest : public ::testing::Test {
     endpoint.revision = 1;
     ear.endpoint_came(peer, endpoint);
   }
-  /// True if something that the peer has announced seems to be missing.
+  /// True if something that the peer has announced seems to be missing: its next sign tells of that.
   bool doubts() {
+    at += 2 * SignPace().repeated_for();  // an earlier doubt does not last so long
     Assertion sign{.node = its_node, .writers = {}};
     sign.digest_of_writers = own.digest(Role::writer);
     sign.digest_of_readers = own.digest(Role::reader);
-    ear.assertion_came(peer, sign, std::chrono::seconds(60));  // no sign comes too late
-    at += std::chrono::milliseconds(500);                      // it does not look more often
+    ear.assertion_came(peer, sign, lease_default);
+    at += std::chrono::milliseconds(500);  // it does not look more often
     (void)ear.look_for_deafness(std::chrono::seconds(20), now());
-    return ear.tick(now()).signs.wants();
+    const SignPace& signs = ear.tick(now()).signs;
+    EXPECT_NE(signs.wants(now()), signs.is_calm(now())) << "there is no other reason";
+    return signs.wants(now());
   }
 
-  DiscoveryEar ear{lease_default};
+  void sign_comes(bool wants_signs = false) {
+    Assertion sign{.node = its_node, .writers = {}};
+    sign.wants_signs = wants_signs;
+    ear.assertion_came(peer, sign, lease_default);
+  }
+  bool is_calm_after(Time::duration pause) {
+    at += pause;
+    return ear.tick(now()).signs.is_calm(now());
+  }
+  static Time now() { return at; }
+
+  DiscoveryEar ear{life_signs_to_all, &DiscoveryEarTest::now};
 
  private:
-  Time now() const { return at; }
-
   OwnAnnouncements own;  ///< of the peer
-  Time at = std::chrono::steady_clock::now();
+  static inline Time at{std::chrono::seconds(1000)};
 };
 
 TEST_F(DiscoveryEarTest, MissesNothingOfARoleThatItDoesNotListenTo) {
@@ -69,6 +81,32 @@ TEST_F(DiscoveryEarTest, MissesNothingOfARoleThatItDoesNotListenTo) {
   EXPECT_TRUE(doubts());
   announcement_comes(Role::reader);
   EXPECT_FALSE(doubts());
+}
+
+TEST_F(DiscoveryEarTest, RemembersALateSignForHalfAMinute) {
+  sign_comes();
+  EXPECT_TRUE(is_calm_after(std::chrono::seconds(1)));
+  EXPECT_FALSE(is_calm_after(std::chrono::seconds(1))) << "the next one is late";
+  sign_comes();
+  EXPECT_FALSE(is_calm_after(std::chrono::seconds(1)));
+  for (int second = 2; second < 30; ++second) {
+    sign_comes();
+    EXPECT_FALSE(is_calm_after(std::chrono::seconds(1)));
+  }
+  sign_comes();
+  EXPECT_TRUE(is_calm_after(std::chrono::seconds(1)));
+}
+
+TEST_F(DiscoveryEarTest, FollowsTheWishOfAnotherProcess) {
+  sign_comes();
+  EXPECT_TRUE(is_calm_after(std::chrono::seconds(1)));
+  sign_comes(true);
+  EXPECT_FALSE(is_calm_after(std::chrono::seconds(1)));
+  EXPECT_FALSE(ear.tick(now()).signs.wants(now())) << "it does not repeat the wish";
+  sign_comes();
+  EXPECT_FALSE(is_calm_after(std::chrono::seconds(1)));
+  sign_comes();
+  EXPECT_TRUE(is_calm_after(std::chrono::seconds(1)));
 }
 
 struct Log final : DiscoveryListener {

@@ -1,74 +1,18 @@
 // A link that does not hear somebody who is there is found out, and one whose people are gone is not.
-#include "core/discovery/hearing_watch.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <vector>
 
-#include "core/discovery/life_signs.h"
+#include "tests/unit/core/discovery/hearing_watch_fixture.h"
 
 namespace sft::core {
 namespace {
 
-using namespace std::chrono_literals;
+using namespace test;
 using ::testing::IsEmpty;
 using Missing = HearingWatch::Missing;
 using Remedy = HearingWatch::Remedy;
-
-constexpr LinkId lan = 1;
-constexpr NodeId heard_node = 77;
-constexpr Speaker its_peer{lan, 11}, other_peer{lan, 12};
-constexpr std::uint32_t all_said = 1234;
-constexpr auto its_lease = 5000ms, participant_lease = 20'000ms;
-
-class HearingWatchTest : public ::testing::Test {
- protected:
-  HearingWatchTest() {
-    watch.link_made(lan);
-    watch.participant_came(its_peer, now);
-    watch.participant_speaks(its_peer, now);
-  }
-
-  /// Time passes in which the peer says that it lives, and what it has announced; nothing if that is 0.
-  void passes(std::chrono::milliseconds duration, std::uint32_t said = all_said) {
-    for (const auto end = now + duration; now < end;) {
-      now += 500ms;
-      if (said != 0) watch.heard_life(its_peer, heard_node, said, its_lease, now);
-      look();
-    }
-  }
-  void look() {
-    deaf.reset();
-    remedies.clear();
-    for (const auto& one : watch.look(known, participant_lease, now)) {
-      deaf = one.missing;
-      remedies.push_back(one.remedy);
-    }
-  }
-  /// A participant of the node comes, and says that the node lives.
-  void comes(Speaker speaker, NodeId of = heard_node) {
-    watch.participant_came(speaker, now);
-    watch.participant_speaks(speaker, now);
-    known[speaker] = all_said;
-    watch.heard_life(speaker, of, all_said, its_lease, now);
-  }
-  /// Somebody else has said something in the peer's name, which says itself what it said before.
-  void is_forged() {
-    known[its_peer] = all_said + 7;
-    now += 50ms;
-    look();
-    now += 150ms;
-    watch.heard_life(its_peer, heard_node, all_said, its_lease, now);
-    look();
-  }
-
-  HearingWatch watch;
-  Time now{1000s};
-  std::map<Speaker, std::uint32_t> known{{its_peer, all_said}};
-  std::optional<Missing> deaf;
-  std::vector<Remedy> remedies;
-};
 
 TEST_F(HearingWatchTest, IsContentAsLongAsSignsOfLifeComeThatSayWhatIsKnown) {
   passes(100s);
@@ -548,32 +492,6 @@ TEST_F(HearingWatchTest, ForgetsALinkThatIsDropped) {
   watch.heard(its_peer, now);
   passes(100s, 0);
   EXPECT_FALSE(deaf);
-}
-
-TEST_F(HearingWatchTest, WantsFrequentSignsOnceOneIsLateUntilItsLeaseEnds) {
-  passes(2s);
-  EXPECT_FALSE(watch.wants_signs(now));
-  now += life_signs_to_all.pause_in_calm + 400ms;
-  look();
-  EXPECT_FALSE(watch.wants_signs(now)) << "seldom signs are not late";
-  now += 101ms;
-  EXPECT_TRUE(watch.wants_signs(now));
-  watch.heard_life(its_peer, heard_node, all_said, its_lease, now);
-  EXPECT_FALSE(watch.wants_signs(now));
-  now += 2s;
-  EXPECT_TRUE(watch.wants_signs(now));
-  watch.life_ended(lan, heard_node);
-  EXPECT_FALSE(watch.wants_signs(now)) << "the dead give none";
-}
-
-TEST_F(HearingWatchTest, WantsFrequentSignsWhileTheyTellSomethingElseThanIsKnown) {
-  passes(2s);
-  known[its_peer] = all_said + 7;
-  look();
-  EXPECT_TRUE(watch.wants_signs(now));
-  known[its_peer] = all_said;
-  look();
-  EXPECT_FALSE(watch.wants_signs(now));
 }
 
 }  // namespace
