@@ -18,6 +18,7 @@ class Benchmark:
 ALL = [
     Benchmark("micro", 50, 10, ["--quick"]),
     Benchmark("typesupport", 70, 25, ["--rounds", "50"]),
+    Benchmark("selection", 50, 20, ["--rounds", "20", "--host-rounds", "1"]),
     Benchmark("spine", 110, 50, ["--rounds", "1"]),
     Benchmark("shm", 80, 10, ["--rounds", "1", "--idle-seconds", "2"]),
     Benchmark("negotiation", 90, 15, ["--rounds", "1"]),

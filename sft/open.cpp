@@ -115,9 +115,15 @@ std::vector<TopicInfo> Node::topics() const { return core_->topics(); }
 Result<DynamicSubscriber> Node::subscriber(std::string_view topic, const DynamicType& type,
                                            std::string_view fields, const SubscriberOptions& options,
                                            DynamicSubscriber::Callback callback) {
-  Result<FieldMask> mask = type.support().parse_mask(fields);
-  if (!mask) return tl::unexpected(mask.error());
-  return open_subscriber(topic, type, {std::move(*mask), false}, options, std::move(callback));
+  Result<Selection> selection = type.support().parse_selection(fields);
+  if (!selection) return tl::unexpected(selection.error());
+  if (!selection->gate().is_open()) {
+    return fail(Errc::invalid_argument,
+                "'" + std::string(fields) +
+                    "' says when samples are sent, which is not supported yet; leave out "
+                    "'@' and what follows, and use SubscriberOptions::max_rate_hz");
+  }
+  return open_subscriber(topic, type, {std::move(*selection), false}, options, std::move(callback));
 }
 
 Result<DynamicSubscriber> Node::subscriber(std::string_view topic, const DynamicType& type, Recorded,
@@ -139,8 +145,9 @@ Result<DynamicSubscriber> Node::open_subscriber(std::string_view topic, const Dy
                                                 const SubscriberOptions& options,
                                                 DynamicSubscriber::Callback callback) {
   std::shared_ptr<const FieldMask> declared;
-  if (!requirement.recorded && !requirement.mask.is_full())
-    declared = std::make_shared<const FieldMask>(type.support().closed(requirement.mask));
+  const Selection& asked = requirement.selection;
+  if (!requirement.recorded && !(asked.is_mask() && asked.mask().is_full()))
+    declared = std::make_shared<const FieldMask>(type.support().closed(asked).mask());
   detail::untyped::Callback untyped;
   if (callback) {
     untyped = [type, declared, callback = std::move(callback)](detail::untyped::Sample&& sample) {

@@ -5,7 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/platform/network_watch.h"
 #include "core/sync/mutex.h"
 #include "udp_transport/io/interfaces.h"
 #include "udp_transport/io/socket_io.h"
@@ -98,7 +97,8 @@ class UdpTransport final : public core::Network {
     return *links;
   }
   bool network_changed() noexcept override {
-    const bool changed = network_watch_.changed();
+    const std::uint64_t changes = send_side_->network_watch.changes();
+    const bool changed = std::exchange(network_changes_, changes) != changes;
     network_has_changed_ |= changed;
     return changed;
   }
@@ -129,7 +129,7 @@ class UdpTransport final : public core::Network {
   const core::IpAddress bound_to_;
   const std::vector<core::IpAddress> advertised_;
   const std::vector<std::string> interfaces_;
-  core::NetworkWatch network_watch_;
+  std::uint64_t network_changes_ = 0;  ///< seen so far
   bool network_has_changed_ = false;
   mutable core::Mutex links_mutex_;
   /// The links as the system listed them last; at times it cannot.

@@ -27,6 +27,7 @@ GroupKeeper::Setup groups_of(const core::WriterSpec& spec, SendSide& side,
   setup.queue_depth = side.queue_depth;
   setup.tally = std::move(tally);
   setup.roster = &side.groups;
+  setup.links = [&side](Multicast use) { return side.links.list(use); };
   setup.connect = [&side](std::uint32_t group, std::uint32_t own, std::size_t datagram_bytes) {
     DestinationLimits limits = side.limits;
     limits.datagram_bytes = datagram_bytes;
@@ -100,7 +101,7 @@ Tended::Time UdpWriter::tend(Time now) {
 }
 
 void UdpWriter::make_table() {
-  auto table = make_route_table(type_.type(), asked_for_, variants_, side_->destinations, &keeper_);
+  auto table = make_route_table(type_, asked_for_, variants_, side_->destinations, &keeper_);
   if (book_ != nullptr) book_->enter(table->page);
   greet_receivers(*table);
   routes_.replace(std::move(table));
@@ -125,7 +126,7 @@ void UdpWriter::send_history(const core::Route& to, std::vector<core::SampleHand
   for (const core::SampleHandle& sample : samples) {
     JobHandle job = jobs_->take();
     if (!sender_.encode(*group, *sample, *job)) continue;
-    job->sample = sample;
+    if (!job->sample) job->sample = sample;
     jobs.push_back(std::move(job));
   }
   const std::shared_ptr<Lane>& lane = group->lanes.front();

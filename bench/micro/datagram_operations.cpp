@@ -54,7 +54,7 @@ class Receiver {
  public:
   explicit Receiver(std::size_t data_bytes)
       : datagrams_(udp::test::cut(Encoded(data_bytes).body(), datagram_bytes)) {
-    const udp::Stream stream{.writer = writer, .type = &type_, .masks = {FieldMask(all<PointCloud2>)}};
+    const udp::Stream stream{.writer = writer, .type = &type_, .selections = {FieldMask(all<PointCloud2>)}};
     reassembly_.set_streams({&stream, 1});
     receive();
     receive();

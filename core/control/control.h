@@ -15,6 +15,7 @@ namespace sft::core {
 
 /// Bounds of the control topics (sft_control.idl).
 inline constexpr std::size_t mask_words_max = 64;
+inline constexpr std::size_t wants_bytes_max = 2304;
 inline constexpr std::size_t leaves_max = 64 * mask_words_max;  ///< fields of a type: a word has 64 bits
 inline constexpr std::size_t writers_per_reader_max = 1024;
 inline constexpr std::size_t addresses_max = 16;
@@ -46,7 +47,10 @@ struct Request {
   EndpointId reader = 0;
   std::uint64_t sequence = 0;
   std::vector<std::uint64_t> mask_words;
-  std::uint32_t min_period_us = 0;    ///< one sample for each such period, no more; 0: all
+  std::uint32_t min_period_us = 0;  ///< one sample for each such period, no more; 0: all
+  /// Selection::to_bytes() of the parts of fields that are wanted; empty: whole fields. The type is not known
+  /// where this is received, so the bytes are decoded where samples are to be served.
+  std::vector<std::byte> parts{};
   std::vector<EndpointId> listening;  ///< writers of which the reader takes datagrams
   std::vector<EndpointId> attached;   ///< writers that the reader hears through shared memory
   std::vector<EndpointId> begun;      ///< durable writers of which samples for this reader alone have come

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/control/names.h"
+#include "core/control/wants.h"
 
 namespace sft::core {
 
@@ -204,13 +205,14 @@ Result<void> take_news(const sft_control_SignNews& in, Assertion& sign) {
 
 }  // namespace
 
-sft_control_Request to_dds(const Request& request) {
+sft_control_Request to_dds(const Request& request, ControlStorage& storage) {
   sft_control_Request out{};
   out.reader = request.reader;
   out.version = sft_control_protocol_version;
   out.request_sequence = request.sequence;
   out.mask = borrow(request.mask_words, mask_words_max);
-  out.min_period_us = request.min_period_us;
+  storage.wants = wants_of(request);
+  out.wants = borrow(storage.wants, wants_bytes_max);
   out.listening = borrow(request.listening, writers_per_reader_max);
   out.attached = borrow(request.attached, writers_per_reader_max);
   out.begun = borrow(request.begun, writers_per_reader_max);
@@ -243,7 +245,7 @@ sft_control_Endpoint to_dds(const Endpoint& endpoint, ControlStorage& storage) {
   out.max_sample_bytes = endpoint.max_sample_bytes;
   out.waits = endpoint.waits;
   out.qos = to_dds(endpoint.qos);
-  out.request = to_dds(endpoint.request);
+  out.request = to_dds(endpoint.request, storage);
   out.revision = endpoint.revision;
   return out;
 }
@@ -289,17 +291,24 @@ Result<Assertion> from_dds(const sft_control_Assertion& in) {
   return out;
 }
 
+static Result<Request> requested(const sft_control_Request& in, EndpointId reader) {
+  Request out{.reader = reader,
+              .sequence = in.request_sequence,
+              .mask_words = copy(in.mask),
+              .listening = copy(in.listening),
+              .attached = copy(in.attached),
+              .begun = copy(in.begun)};
+  const auto* const wants = reinterpret_cast<const std::byte*>(in.wants._buffer);
+  if (!take_wants({wants, in.wants._length}, out))
+    return fail(Errc::malformed, "a request for something that this release does not know");
+  return out;
+}
+
 Result<Request> from_dds(const sft_control_Request& request) {
   if (request.version != sft_control_protocol_version) return wrong_version(request.version);
   if (request.reader == 0) return fail(Errc::malformed, "a request of no reader");
   if (request.request_sequence > request_sequence_max) return beyond_all(request.request_sequence);
-  return Request{.reader = request.reader,
-                 .sequence = request.request_sequence,
-                 .mask_words = copy(request.mask),
-                 .min_period_us = request.min_period_us,
-                 .listening = copy(request.listening),
-                 .attached = copy(request.attached),
-                 .begun = copy(request.begun)};
+  return requested(request, request.reader);
 }
 
 Result<Endpoint> from_dds(const sft_control_Endpoint& in) {
@@ -332,13 +341,9 @@ Result<Endpoint> from_dds(const sft_control_Endpoint& in) {
   out.max_sample_bytes = in.max_sample_bytes;
   out.waits = in.waits;
   out.qos = *qos;
-  out.request = {.reader = in.id,
-                 .sequence = in.request.request_sequence,
-                 .mask_words = copy(in.request.mask),
-                 .min_period_us = in.request.min_period_us,
-                 .listening = copy(in.request.listening),
-                 .attached = copy(in.request.attached),
-                 .begun = copy(in.request.begun)};
+  Result<Request> request = requested(in.request, in.id);
+  if (!request) return tl::unexpected(request.error());
+  out.request = std::move(*request);
   out.revision = in.revision;
   return out;
 }

@@ -17,8 +17,9 @@ struct ControlStorage {
   std::vector<sft_control_UdpLocator> addresses;
   std::vector<sft_control_Progress> progress;
   std::vector<sft_control_Account> accounts;
+  std::vector<std::byte> wants;
 };
-sft_control_Request to_dds(const Request& request);
+sft_control_Request to_dds(const Request& request, ControlStorage& storage);
 sft_control_Endpoint to_dds(const Endpoint& endpoint, ControlStorage& storage);
 
 /// The message of a reader's node on the topic sft_reader is one of these.

@@ -1,27 +1,37 @@
 #include "core/negotiation/serving.h"
 
 #include <string>
+#include <utility>
 
 #include "core/negotiation/id_list.h"
 #include "core/negotiation/pair_judge.h"
+#include "core/negotiation/requested_selection.h"
 
 namespace sft::core {
 
 namespace {
+
+PublisherStatus::Reader mismatched(PublisherStatus::Reader status, const Verdict& verdict) {
+  status.reason = verdict.mismatch;
+  status.mismatch = verdict.definitions;
+  status.incompatible_type = verdict.incompatible_type;
+  status.incompatible_policy = verdict.incompatible_policy;
+  return status;
+}
 
 PublisherStatus::Reader serve(const TableEntry& writer, const TableEntry& reader, const Verdict& verdict,
                               const KnownFacts& facts, Serving& serving) {
   const Endpoint& r = reader.endpoint;
   const TypeSupport& type = *writer.type;
   PublisherStatus::Reader status{.id = r.id, .node = r.node, .request_sequence = r.request.sequence};
-  if (!verdict.mismatch.empty()) {
-    status.reason = verdict.mismatch;
-    status.mismatch = verdict.definitions;
-    status.incompatible_type = verdict.incompatible_type;
-    status.incompatible_policy = verdict.incompatible_policy;
+  if (!verdict.mismatch.empty()) return mismatched(std::move(status), verdict);
+  const Result<Selection> asked = requested_selection(r.request, type);
+  if (!asked) {
+    status.reason = "it asks for parts that do not fit the type: " + asked.error().message;
     return status;
   }
-  status.mask = type.closed(FieldMask::from_words(type.leaves(), r.request.mask_words));
+  status.mask = asked->mask();
+  status.selection = *asked;
   const std::uint32_t period = r.request.min_period_us;
   status.max_rate_hz = period == 0 ? 0 : 1e6 / period;
   if (reader.lost()) {
@@ -37,17 +47,16 @@ PublisherStatus::Reader serve(const TableEntry& writer, const TableEntry& reader
   const bool attached = verdict.memory && !history_first && holds(r.request.attached, writer.endpoint.id);
   const std::string* const unreached = facts.unreachable.why({writer.endpoint.id, r.id});
   const bool unreachable = attached && unreached != nullptr;
-  if (unreachable) serving.unreached.push_back({r.id, r.doorbell, status.mask, period});
+  if (unreachable) serving.unreached.push_back({r.id, r.doorbell, *asked, period});
   if (attached && !unreachable) {
     status.served = true;
     status.transport = TransportKind::shm;
     status.reason = "same host";
     const bool begun = holds(r.request.begun, writer.endpoint.id);
-    serving.memory.push_back(
-        {r.id, r.doorbell, status.mask, period, nullptr, begun ? 0 : owed, false, reliable});
+    serving.memory.push_back({r.id, r.doorbell, *asked, period, nullptr, begun ? 0 : owed, false, reliable});
     if (listens)
       serving.fallback.push_back(
-          {r.id, facts.host.address_of(r), status.mask, period, nullptr, 0, true, reliable});
+          {r.id, facts.host.address_of(r), *asked, period, nullptr, 0, true, reliable});
   } else if (listens) {
     status.served = true;
     status.transport = TransportKind::udp;
@@ -56,7 +65,7 @@ PublisherStatus::Reader serve(const TableEntry& writer, const TableEntry& reader
                     : history_first ? "same host; retained samples come first, by UDP"
                                     : "same host, shared memory is being attached";
     serving.network.push_back(
-        {r.id, facts.host.address_of(r), status.mask, period, nullptr, owed, false, reliable});
+        {r.id, facts.host.address_of(r), *asked, period, nullptr, owed, false, reliable});
   } else if (verdict.network) {
     status.reason = unreachable ? *unreached : "the subscriber is not listening yet";
   } else {

@@ -8,6 +8,7 @@
 
 #include "core/control/described_type.h"
 #include "core/negotiation/pair.h"
+#include "core/negotiation/requested_selection.h"
 #include "core/platform/ip_address.h"
 #include "core/platform/network_id.h"
 
@@ -31,7 +32,8 @@ class Types {
 };
 
 std::string fields_of(const Request& request, const TypeSupport& type) {
-  return type.format_mask(type.closed(FieldMask::from_words(type.leaves(), request.mask_words)));
+  const Result<Selection> asked = requested_selection(request, type);
+  return asked ? type.format_selection(*asked) : std::string();
 }
 
 DomainSnapshot::Endpoint info_of(const KnownEndpoint& known, Types& types, NodeId id, std::uint64_t network) {

@@ -143,7 +143,7 @@ Result<EndpointOpening::Reader> EndpointOpening::open_reader(ReaderOrder order) 
   if (!poll_handle) return tl::unexpected(poll_handle.error());
   const Result<std::uint32_t> slot = take_slot(order);
   if (!slot) return tl::unexpected(slot.error());
-  order.requirement.mask = order.type.closed(order.requirement.mask);
+  order.requirement.selection = order.type.closed(order.requirement.selection);
   Reader reader{.endpoint = describe_reader(order, *qos, *slot), .parts = {}, .slot = *slot};
   if (order.requirement.recorded) {
     reader.parts.recorder =
@@ -179,7 +179,8 @@ Endpoint EndpointOpening::describe_reader(const ReaderOrder& order, const Qos& q
   endpoint.may_use_memory = endpoint.may_use_memory && node_.slots.page_id() != 0;
   endpoint.request.reader = endpoint.id;
   endpoint.request.sequence = 1;
-  endpoint.request.mask_words = order.requirement.mask.to_words();
+  endpoint.request.mask_words = order.requirement.selection.mask().to_words();
+  if (!order.requirement.selection.is_mask()) endpoint.request.parts = order.requirement.selection.to_bytes();
   endpoint.request.min_period_us = *min_period_us_of(order.options.max_rate_hz);  // qos_of() has checked it
   return endpoint;
 }
@@ -187,6 +188,7 @@ Endpoint EndpointOpening::describe_reader(const ReaderOrder& order, const Qos& q
 std::shared_ptr<SubscriberCore> EndpointOpening::make_core(const Reader& reader, ReaderOrder& order,
                                                            std::unique_ptr<PollHandle> poll_handle) const {
   const Endpoint& endpoint = reader.endpoint;
+  const bool copies = order.options.recording.as_remote || !order.requirement.selection.parts().empty();
   return std::make_shared<SubscriberCore>(
       SubscriberCore::Spec{.id = endpoint.id,
                            .topic = endpoint.topic,
@@ -197,7 +199,7 @@ std::shared_ptr<SubscriberCore> EndpointOpening::make_core(const Reader& reader,
                            .type_owner = std::move(order.type_owner),
                            .min_period_us = endpoint.request.min_period_us,
                            .rate_changed = [tell = news_.rate_changed, id = endpoint.id] { tell(id); },
-                           .as_remote = order.options.recording.as_remote ? node_.heap : nullptr,
+                           .copies = copies ? node_.heap : nullptr,
                            .poll_handle = std::move(poll_handle),
                            .memory_depth = memory_depth_of(endpoint)},
       node_.slots.at(reader.slot), reader.parts.recorder);
@@ -214,7 +216,7 @@ Result<void> EndpointOpening::open_network(Reader& reader, const ReaderOrder& or
   auto port = node_.network->open_reader(spec);
   if (!port) return tl::unexpected(port.error());
   parts.network = std::move(*port);
-  parts.network->accept({{.wanted = {order.requirement.mask, endpoint.request.min_period_us}}});
+  parts.network->accept({{.wanted = {order.requirement.selection, endpoint.request.min_period_us}}});
   parts.core->ports().set_network(parts.network);
   return {};
 }

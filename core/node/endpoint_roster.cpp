@@ -26,7 +26,7 @@ NodeSnapshot::Publisher snapshot_of(const PublisherCore& publisher) {
                                    .readers = {}};
   for (PublisherStatus::Reader& reader : status.readers) {
     // A reader that does not match has no mask.
-    std::string fields = reader.mask.leaves() == 0 ? "" : spec.type->format_mask(reader.mask);
+    std::string fields = reader.mask.leaves() == 0 ? "" : spec.type->format_selection(reader.selection);
     snapshot.readers.push_back({std::move(reader), std::move(fields)});
   }
   return snapshot;

@@ -34,7 +34,7 @@ LocalReader::LocalReader(NodeContext& node, const Endpoint& endpoint, Parts part
       recorder_(std::move(parts.recorder)),
       network_(std::move(parts.network)),
       requested_(endpoint.qos),
-      accepted_({core_->spec().requirement.mask, endpoint.request.min_period_us},
+      accepted_({core_->spec().requirement.selection, endpoint.request.min_period_us},
                 endpoint.qos.reliability == Reliability::reliable) {
   accept();
 }
@@ -191,7 +191,7 @@ bool LocalReader::rate_changed() {
   has_news_ = true;  // status() says it already
   const std::uint32_t min_period_us = core_->ports().min_period_us();
   if (!node_.negotiation.rate_changed(id_, min_period_us)) return false;
-  ask({accepted_.latest().mask, min_period_us});
+  ask({accepted_.latest().selection, min_period_us});
   return true;
 }
 

@@ -62,7 +62,7 @@ std::shared_ptr<Outlets> make_outlets(const TypeSupport& type, const Serving& se
   outlets->has_fallback = outlets->to_memory && means.network && !serving.fallback.empty();
   outlets->is_wanted = outlets->to_memory || outlets->to_network || means.retains;
   outlets->mask = outlets->to_memory || means.retains ? type.full() : type.closed(type.none());
-  for (const Route& route : serving.network) outlets->mask |= route.mask;
+  for (const Route& route : serving.network) outlets->mask |= route.selection.mask();
   outlets->whole = outlets->mask.is_full();
   gather_gates(serving.memory, gates, *outlets);
   gather_gates(serving.network, gates, *outlets);

@@ -8,15 +8,15 @@
 
 #include "core/seam/address.h"
 #include "core/seam/rate_gate.h"
-#include "sft/mask.h"
+#include "sft/selection.h"
 
 namespace sft::core {
 
-/// A reader to be served, and with what. `mask` is closed.
+/// A reader to be served, and with what. `selection` is closed, and has no gate.
 struct Route {
   EndpointId reader = 0;
   Locator destination;
-  FieldMask mask;
+  Selection selection;
   std::uint32_t min_period_us = 0;         ///< the limit that the reader asks for; 0: none
   std::shared_ptr<const RateGate> gate{};  ///< keeps that limit; null: every sample is for the reader
   /// Not 0: the reader is served apart from all others, and is sent this many retained samples first.
@@ -50,7 +50,7 @@ struct Source {
 
 /// The samples of a writer that are for one reader, where several readers share a destination.
 struct Wanted {
-  FieldMask mask;  ///< closed
+  Selection selection;  ///< closed, without a gate
   std::uint32_t min_period_us = 0;
   friend bool operator==(const Wanted&, const Wanted&) = default;
 };

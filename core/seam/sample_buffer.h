@@ -34,6 +34,7 @@ struct SampleBuffer : SampleOrigin {
   std::byte* data = nullptr;  ///< 8-aligned; begins with a SampleHeader
   std::size_t capacity = 0;
   FieldMask mask;                     ///< leaves that the sample has
+  std::uint64_t parts = 0;            ///< of some only a part: Selection::parts_hash(); 0: all are whole
   detail::ElementIndex elements;      ///< what readers found out about this sample
   std::int64_t receive_stamp_ns = 0;  ///< CLOCK_REALTIME; 0 on the sending side
   /// On the sending side, for what is counted as saved: of the body with all fields; 0: unknown.

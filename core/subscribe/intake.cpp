@@ -133,7 +133,7 @@ Taken Intake::take() {
                         .receive_stamp = Stamp(std::chrono::nanoseconds(next->receive_stamp_ns)),
                         .lost_before = std::exchange(from.lost_untold, 0),
                         .transport = transport};
-  if (transport == TransportKind::udp || !options_.copies_from_memory) ++from.received;
+  if (!is_copied(transport)) ++from.received;
   return {std::move(next), info};
 }
 
@@ -145,7 +145,7 @@ void Intake::copied(const SampleInfo& info, bool is_delivered) {
 void Intake::keep_newer(Taken& latest, Taken other) {
   if (is_newer(other.info, latest.info)) std::swap(latest, other);
   Writer& from = accounts_.of(other.info.writer);
-  if (other.info.transport == TransportKind::shm && options_.copies_from_memory) ++from.received;
+  if (is_copied(other.info.transport)) ++from.received;
   from.lost_untold += other.info.lost_before;  // the next sample of that writer reports it
 }
 

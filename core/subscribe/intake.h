@@ -37,9 +37,10 @@ class Intake {
   struct Options {
     std::chrono::nanoseconds patience{0};  ///< for a diverted sample, from when that was published
     std::uint32_t min_period_us = 0;       ///< of the maximum rate; 0: none
-    /// Samples from shared memory are copied before they are delivered: they count as received by copied(),
-    /// not by take().
+    /// Samples from there are copied before they are delivered: they count as received by copied(), not by
+    /// take().
     bool copies_from_memory = false;
+    bool copies_from_network = false;
   };
 
   /// Where samples lie until it is their turn, each inlet with one sample. `overtaken`: a sample that was
@@ -73,6 +74,9 @@ class Intake {
 
   /// The sample that was just decided to be delivered, which is thereby taken.
   Taken take();
+  bool is_copied(TransportKind transport) const {
+    return transport == TransportKind::udp ? options_.copies_from_network : options_.copies_from_memory;
+  }
   /// A copy of a sample was delivered instead of it, or could not be made: then the sample is lost.
   void copied(const SampleInfo& info, bool is_delivered);
   /// Keeps the newer one of two samples that were taken one after the other; the other one is passed over.

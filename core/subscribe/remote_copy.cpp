@@ -5,18 +5,21 @@
 namespace sft::core {
 
 SampleHandle RemoteCopy::of(SampleHandle sample, const detail::ProjectionPlan& asked) {
-  if (asked.mask().contains(sample->mask)) return sample;
-  if (!project(*sample, asked)) return {};
+  if (sample->parts == asked.parts_hash() && asked.mask().contains(sample->mask)) return sample;
+  const FieldMask present = sample->mask.contains(asked.mask()) ? asked.mask() : sample->mask & asked.whole();
+  if (!project(*sample, asked, present)) return {};
   SampleHandle copy = pool_->take(detail::SampleLayout(type_.slots()).bytes(projection_.bytes()));
   if (!copy) return {};
-  copy->mask = sample->mask & asked.mask();
+  copy->mask = present;
+  copy->parts = present == asked.mask() ? asked.parts_hash() : 0;
   return fill(*copy, *sample) ? std::move(copy) : SampleHandle();
 }
 
-bool RemoteCopy::project(const SampleBuffer& sample, const detail::ProjectionPlan& asked) {
+bool RemoteCopy::project(const SampleBuffer& sample, const detail::ProjectionPlan& asked,
+                         const FieldMask& present) {
   const detail::SampleState state = state_of(sample, type_.slots());
-  if (sample.mask.contains(asked.mask())) return projection_.project(state, asked);
-  return projection_.project(state, type_.type(), sample.mask & asked.mask());
+  if (present == asked.mask()) return projection_.project(state, asked);
+  return projection_.project(state, type_.type(), present);
 }
 
 /// Fills the copy with the projected bytes. Returns false if these are not what they claim to be.

@@ -23,7 +23,7 @@ class RemoteCopy {
   SampleHandle of(SampleHandle sample, const detail::ProjectionPlan& asked);
 
  private:
-  bool project(const SampleBuffer& sample, const detail::ProjectionPlan& asked);
+  bool project(const SampleBuffer& sample, const detail::ProjectionPlan& asked, const FieldMask& present);
   bool fill(SampleBuffer& copy, const SampleBuffer& sample) const;
 
   const TypeSupport& type_;

@@ -13,19 +13,25 @@ SubscriberCore::SubscriberCore(Spec spec, Doorbell& bell, std::shared_ptr<Record
       events_(spec_.options.on_event),
       ports_({.patience = spec_.diverted_patience,
               .min_period_us = spec_.min_period_us,
-              .copies_from_memory = spec_.as_remote != nullptr},
-             spec_.requirement.mask),
+              .copies_from_memory = spec_.copies != nullptr,
+              .copies_from_network = !spec_.requirement.selection.parts().empty()},
+             spec_.requirement.selection.mask()),
       waiter_(ports_, bell, spec_.poll_handle.get(), spec_.options.spin),
       callbacks_(spec_.callback, spec_.callback_clock) {
-  if (spec_.as_remote == nullptr) return;
-  remote_.emplace(type(), spec_.as_remote);
-  requests(spec_.requirement.mask, 1);
+  if (spec_.copies == nullptr) return;
+  remote_.emplace(type(), spec_.copies);
+  requests(spec_.requirement.selection.mask(), 1);
 }
 
 void SubscriberCore::requests(const FieldMask& mask, std::uint64_t sequence) {
-  const bool copies = spec_.as_remote != nullptr;
-  ports_.requests(mask, sequence,
-                  copies ? std::make_shared<const detail::ProjectionPlan>(type().type(), mask) : nullptr);
+  ports_.requests(mask, sequence, spec_.copies == nullptr ? nullptr : plan_of(mask));
+}
+
+/// The parts are of fields that were declared, and so are always asked for.
+std::shared_ptr<const detail::ProjectionPlan> SubscriberCore::plan_of(const FieldMask& mask) const {
+  const Selection& declared = spec_.requirement.selection;
+  return declared.parts().empty() ? std::make_shared<const detail::ProjectionPlan>(type().type(), mask)
+                                  : std::make_shared<const detail::ProjectionPlan>(type(), declared);
 }
 
 void SubscriberCore::hears(const std::vector<Hearing>& hearing) {

@@ -42,8 +42,9 @@ class SubscriberCore final : public ArrivalListener {
     std::uint32_t min_period_us = 0;           ///< of options.max_rate_hz
     /// Called by any thread: lets the agent ask for the new maximum rate, and returns.
     std::function<void()> rate_changed{};
-    /// Not null: samples from shared memory are copied to this memory, reduced to what was asked for.
-    std::shared_ptr<BufferPool> as_remote{};
+    /// Not null: samples from shared memory are copied to this memory, reduced to what was asked for. If that
+    /// has parts of fields, samples that came by UDP are copied, too, and it must not be null.
+    std::shared_ptr<BufferPool> copies{};
     std::unique_ptr<PollHandle> poll_handle{};  ///< null: the subscriber has no file descriptor
     /// How long a sample in shared memory waits for an earlier one that went by UDP: far longer than UDP
     /// takes within a host. But the earlier sample may be lost, and nobody should wait long for that.
@@ -105,6 +106,7 @@ class SubscriberCore final : public ArrivalListener {
 
   template <class Choose>
   detail::untyped::Sample take(Choose choose);
+  std::shared_ptr<const detail::ProjectionPlan> plan_of(const FieldMask& mask) const;
   bool copy_as_remote(Next& next);
   detail::untyped::Sample wrap(Next next);
   void call_back(CallbackDispatch::Caller caller);

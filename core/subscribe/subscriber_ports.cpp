@@ -81,7 +81,7 @@ bool SubscriberPorts::find_next() {
 SubscriberPorts::Next SubscriberPorts::next() {
   if (!find_next()) return {};
   Next next{intake_.take(), nullptr};
-  if (next.info.transport == TransportKind::shm) next.asked = asked_;
+  if (intake_.is_copied(next.info.transport)) next.asked = asked_;
   return next;
 }
 
@@ -98,7 +98,7 @@ SubscriberPorts::Next SubscriberPorts::take_latest() {
   Next latest = next();
   while (latest.sample && find_next()) intake_.keep_newer(latest, intake_.take());
   if (latest.sample) intake_.report_losses(latest);
-  latest.asked = latest.sample && latest.info.transport == TransportKind::shm ? asked_ : nullptr;
+  latest.asked = latest.sample && intake_.is_copied(latest.info.transport) ? asked_ : nullptr;
   lock.unlock();
   tell_of_room();
   return latest;

@@ -36,9 +36,10 @@ Reader::Reader(Stage& stage, const ReaderOptions& options)
   spec.only_waited_for = true;
   port_ = open_reader(stage.here, spec);
   std::vector<core::Accepted> accepted;
-  for (const std::string& mask : options.masks) accepted.push_back({.wanted = {fields<Image>(mask)}});
-  route_ = {
-      .reader = id, .destination = stage.medium->locator(stage.here, bell), .mask = accepted[0].wanted.mask};
+  for (const std::string& text : options.masks) accepted.push_back({.wanted = {selection(text)}});
+  route_ = {.reader = id,
+            .destination = stage.medium->locator(stage.here, bell),
+            .selection = accepted[0].wanted.selection};
   route_.reliable = reliable_;
   if (port_.network() != nullptr) port_.network()->accept(std::move(accepted));
 }
@@ -55,7 +56,7 @@ core::Source Reader::source(const Writer& writer) const {
 
 core::Route Reader::route(const std::string& mask) const {
   core::Route route = route_;
-  route.mask = fields<Image>(mask);
+  route.selection = selection(mask);
   return route;
 }
 
@@ -135,6 +136,11 @@ std::vector<std::uint64_t> numbers(std::uint64_t first, std::uint64_t last) {
   std::vector<std::uint64_t> all(last + 1 - first);
   std::iota(all.begin(), all.end(), first);
   return all;
+}
+
+Selection selection(const std::string& text) {
+  const TypeSupport& type = udp::test::type_support<Image>();
+  return type.closed(type.parse_selection(text).value());
 }
 
 testing::AssertionResult is_image(const SampleHandle& sample, std::size_t data_bytes) {

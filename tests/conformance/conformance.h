@@ -41,7 +41,7 @@ struct Stage {
 };
 
 struct ReaderOptions {
-  std::vector<std::string> masks{"*"};  ///< what it accepts; asks for the first
+  std::vector<std::string> masks{"*"};  ///< selections that it accepts; it asks for the first
   std::uint32_t depth = 250;
   bool best_effort = false;  ///< whatever the medium's readers ask for
 };
@@ -134,6 +134,8 @@ inline std::uint64_t sequence_of(const core::SampleHandle& sample) { return samp
 std::vector<std::uint64_t> numbers(std::uint64_t first, std::uint64_t last);
 
 /// True if the sample has what its writer put there, of the fields that its mask names, and nothing else.
+/// Of images, as text (selection.md); closed.
+Selection selection(const std::string& text);
 testing::AssertionResult is_image(const core::SampleHandle& sample, std::size_t data_bytes);
 
 class Conformance : public testing::TestWithParam<MediumChoice> {

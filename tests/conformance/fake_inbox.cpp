@@ -35,7 +35,8 @@ bool FakeInbox::wants(const SampleBuffer& sample) const {
   const bool for_one = sample.addressee != 0;
   if (for_one && sample.addressee != id_) return false;
   return std::ranges::any_of(accepted_, [&](const core::Accepted& a) {
-    return (for_one || a.wanted.min_period_us == sample.min_period_us) && a.wanted.mask == sample.mask;
+    return (for_one || a.wanted.min_period_us == sample.min_period_us) &&
+           a.wanted.selection.mask() == sample.mask && a.wanted.selection.parts_hash() == sample.parts;
   });
 }
 

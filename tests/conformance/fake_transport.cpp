@@ -183,7 +183,7 @@ class FakeWriter final : public core::NetworkWriter {
 
   /// A reader that is still late goes on where it was.
   std::shared_ptr<Line> line_for(core::Route route) const {
-    auto plan = std::make_shared<const ProjectionPlan>(type_.type(), route.mask);
+    auto plan = std::make_shared<const ProjectionPlan>(type_, route.selection);
     const auto goes_on = [&](const auto& known) {
       return known->route.reader == route.reader && known->route.history != 0 && route.history != 0;
     };
@@ -227,6 +227,7 @@ class FakeWriter final : public core::NetworkWriter {
     std::memcpy(copy->data, sample.data, bytes);
     copy->trust_header();
     copy->mask = sample.mask;
+    copy->parts = sample.parts;
     copy->receive_stamp_ns = core::realtime_ns();
     return copy;
   }

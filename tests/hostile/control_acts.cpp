@@ -249,7 +249,10 @@ Act senseless_announcements(Target& target) {
     raw.type_hash = random();
     raw.max_sample_bytes = last_number;
     raw.request.request_sequence = random();
-    raw.request.min_period_us = static_cast<std::uint32_t>(random());
+    for (std::uint64_t left = random() % 50; left > 0; --left)
+      storage.wants.push_back(static_cast<std::byte>(random() % 5));
+    const auto wants = static_cast<std::uint32_t>(storage.wants.size());
+    raw.request.wants = {wants, wants, reinterpret_cast<std::uint8_t*>(storage.wants.data()), false};
     raw.qos.reliability = static_cast<std::uint8_t>(random());
     raw.qos.deadline = random();
     voice.announce_raw(raw);

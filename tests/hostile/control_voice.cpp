@@ -146,7 +146,8 @@ void ControlVoice::announce_raw(const sft_control_Endpoint& endpoint) {
 }
 
 void ControlVoice::request(const core::Request& request) {
-  sft_control_Request sample = core::to_dds(request);
+  core::ControlStorage storage;
+  sft_control_Request sample = core::to_dds(request, storage);
   const sft_control_ReaderWord word = core::in_word(sample);
   for (const auto& link : links_) dds_write(link->tells_of_readers, &word);
 }

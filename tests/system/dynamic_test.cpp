@@ -132,6 +132,107 @@ TEST_P(DynamicTest, ASubscriberThatDeclaresOnlyALengthSeesNoElements) {
   EXPECT_EQ(moved.cdr().size(), 8U);
 }
 
+/// Points of four float32 each: 0, 1, 2, 3, then 4, 5, 6, 7, and so on.
+PointCloud2 numbered_cloud(std::uint32_t points) {
+  PointCloud2 cloud = small_cloud("lidar", 0);
+  cloud.width = points;
+  cloud.point_step = 16;
+  cloud.row_step = points * 16;
+  cloud.fields.clear();
+  for (const char* name : {"x", "y", "z", "intensity"}) {
+    const auto offset = static_cast<std::uint32_t>(4 * cloud.fields.size());
+    cloud.fields.push_back({.name = name, .offset = offset, .datatype = 7, .count = 1});
+  }
+  cloud.data.resize(cloud.row_step);
+  for (std::uint32_t i = 0; i < 4 * points; ++i) {
+    const auto value = static_cast<float>(i);
+    std::memcpy(&cloud.data[4 * i], &value, sizeof value);
+  }
+  return cloud;
+}
+
+std::vector<float> numbers_in(std::span<const std::uint8_t> data) {
+  std::vector<float> numbers(data.size() / sizeof(float));
+  std::memcpy(numbers.data(), data.data(), numbers.size() * sizeof(float));
+  return numbers;
+}
+
+TEST_P(DynamicTest, APartOfAFieldIsASmallerMessageOfTheSameType) {
+  auto pub = a.publisher<PointCloud2>("points").value();
+  const DynamicType type = b.find_type("points", 15s).value();
+  auto sub = b.subscriber("points", type, "data{x,z}[1:4:2]").value();
+  expect_served(pub, 1);
+  EXPECT_FALSE(pub.status().readers[0].mask.contains(*type.support().find("header")->begin()));
+  for (const std::uint64_t received : {1U, 2U}) {
+    pub.publish(numbered_cloud(received == 1 ? 1000 : 50'000));
+    ASSERT_TRUE(sub.wait(5s));
+    const DynamicSample sample = received == 1 ? sub.take() : sub.take_latest();
+    EXPECT_EQ(sample.info().transport, in_shared_memory() ? TransportKind::shm : TransportKind::udp);
+    EXPECT_EQ(sample.to_json().value(),
+              R"({"height":1,"width":2,"fields":[{"name":"x","offset":0,"datatype":7,"count":1},)"
+              R"({"name":"z","offset":4,"datatype":7,"count":1}],"is_bigendian":false,"point_step":8,)"
+              R"("row_step":16,"data":"AACAQAAAwEAAAEBBAABgQQ=="})");
+    const auto data = sample.view()["data"].as<std::span<const std::uint8_t>>();
+    ASSERT_TRUE(data);
+    EXPECT_EQ(numbers_in(*data), (std::vector<float>{4, 6, 12, 14}));
+    EXPECT_EQ(sub.status().received, received);
+    EXPECT_EQ(sub.status().lost, 0U);
+    if (!in_shared_memory()) {
+      EXPECT_LT(pub.status().bytes_sent, received * 200) << "of 16 kB";
+    }
+  }
+}
+
+TEST_P(DynamicTest, PartsOfLargeMessagesComeToAllWhoAskForThem) {
+  constexpr auto reliable = Reliability::reliable;
+  auto pub = a.publisher<PointCloud2>("points", {.reliability = reliable}).value();
+  const DynamicType type = b.find_type("points", 15s).value();
+  auto every_fourth = b.subscriber("points", type, "data{intensity}[::4]", {.reliability = reliable}).value();
+  auto three = b.subscriber("points", type, "header, data{y,z,intensity}").value();
+  expect_served(pub, 2);
+  constexpr std::uint32_t points = 100'000;
+  for (int round = 0; round < 3; ++round) {
+    pub.publish(numbered_cloud(points));
+    ASSERT_TRUE(every_fourth.wait(5s));
+    ASSERT_TRUE(three.wait(5s));
+    const DynamicSample quarter = every_fourth.take(), most = three.take();
+    const auto some = numbers_in(quarter.view()["data"].as<std::span<const std::uint8_t>>().value());
+    ASSERT_EQ(some.size(), points / 4);
+    for (std::uint32_t i = 0; i < some.size(); ++i) ASSERT_EQ(some[i], static_cast<float>(16 * i + 3));
+    const auto others = numbers_in(most.view()["data"].as<std::span<const std::uint8_t>>().value());
+    ASSERT_EQ(others.size(), 3 * points);
+    for (std::uint32_t i = 0; i < others.size(); ++i)
+      ASSERT_EQ(others[i], static_cast<float>(4 * (i / 3) + 1 + i % 3));
+    EXPECT_EQ(most.view()["header"]["frame_id"].as<std::string>(), "lidar");
+  }
+}
+
+TEST_P(DynamicTest, APartOfAMessageThatContradictsItselfIsEmpty) {
+  auto pub = a.publisher<PointCloud2>("points").value();
+  const DynamicType type = b.find_type("points", 15s).value();
+  auto sub = b.subscriber("points", type, "data{x}").value();
+  expect_served(pub, 1);
+  PointCloud2 cloud = numbered_cloud(5);
+  cloud.width = 6;
+  pub.publish(cloud);
+  ASSERT_TRUE(sub.wait(5s));
+  const DynamicSample sample = sub.take();
+  EXPECT_EQ(sample.view()["width"].as<int>(), 0);
+  EXPECT_EQ(sample.view()["data"].size(), 0U);
+  EXPECT_FALSE(sample.malformed());
+}
+
+TEST_P(DynamicTest, AWrongPartIsAnErrorThatNamesTheColumn) {
+  auto pub = a.publisher<PointCloud2>("points").value();
+  const DynamicType type = b.find_type("points", 15s).value();
+  const auto error_of = [&](const char* fields) {
+    return b.subscriber("points", type, fields).error().message;
+  };
+  EXPECT_THAT(error_of("width, data{x}[::0]"), HasSubstr("column 18: a step of 0 keeps nothing"));
+  EXPECT_THAT(error_of("width[1:2]"), HasSubstr("column 1: 'width' has no parts"));
+  EXPECT_THAT(error_of("data @ every 2nd"), HasSubstr("not supported yet"));
+}
+
 TEST_P(DynamicTest, ACallbackGetsSamples) {
   auto pub = a.publisher<PointCloud2>("points").value();
   const DynamicType type = b.find_type("points", 15s).value();

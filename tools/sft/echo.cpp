@@ -87,11 +87,11 @@ ExitCode run(const EchoOptions& options, const CommonOptions& common, Session& s
   const Result<FoundTopic> topic = session.find(options.topic);
   if (!topic) return give_up(topic.error());
   const TypeSupport& type = topic->type.support();
-  const Result<FieldMask> mask = type.parse_mask(options.fields);
-  if (!mask) return give_up(mask.error());
+  const Result<Selection> fields = type.parse_selection(options.fields);
+  if (!fields) return give_up(fields.error());
   Result<DynamicSubscriber> subscriber = subscribe(options, *topic, session.node());
   if (!subscriber) return give_up(subscriber.error());
-  Printer printer(options, type, type.closed(*mask), session.output());
+  Printer printer(options, type, type.closed(*fields).mask(), session.output());
   const auto printed = print_samples(options, common, *subscriber, printer, session.stop());
   if (!printed) return give_up(printed.error());
   if (const std::uint64_t lost = subscriber->status().lost; lost > 0)

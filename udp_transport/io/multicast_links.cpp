@@ -37,4 +37,12 @@ std::vector<MulticastLink> multicast_links(Multicast use) {
   return links;
 }
 
+/// An empty list may mean that the system has refused: it is asked again.
+const std::vector<MulticastLink>& KnownMulticastLinks::list(Multicast use) {
+  const std::uint64_t changes = watch_.changes();
+  if (links_.empty() || changes != changes_) links_ = ask_(use);
+  changes_ = changes;
+  return links_;
+}
+
 }  // namespace sft::udp

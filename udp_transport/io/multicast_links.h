@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "core/platform/network_watch.h"
+
 namespace sft::udp {
 
 enum class Multicast : std::uint8_t {
@@ -20,8 +22,26 @@ struct MulticastLink {
   std::string refusal{};  ///< why not by this one; empty: it may be used
 };
 
-/// Returns the links that are up.
+/// Returns the links that are up. Asks the system, which takes some 70 us.
 std::vector<MulticastLink> multicast_links(Multicast use);
+
+/// The same, asked for once for each change of the network. Of one thread.
+class KnownMulticastLinks {
+ public:
+  using Ask = std::vector<MulticastLink> (*)(Multicast use);
+  /// `watch` outlives it.
+  explicit KnownMulticastLinks(core::NetworkWatch& watch, Ask ask = multicast_links)
+      : watch_(watch), ask_(ask) {}
+
+  /// `use`: the same in each call.
+  const std::vector<MulticastLink>& list(Multicast use);
+
+ private:
+  core::NetworkWatch& watch_;
+  const Ask ask_;
+  std::vector<MulticastLink> links_;
+  std::uint64_t changes_ = 0;  ///< those of the network that the list takes into account
+};
 
 /// Returns why an interface with these flags (netdevice(7)) is not used for multicast; empty if it may be
 /// used. Stations of a wireless network get multicast at the lowest rate, unacknowledged, and many drop it.

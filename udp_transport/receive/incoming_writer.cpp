@@ -92,7 +92,7 @@ void IncomingWriter::follow(const Stream& stream, std::size_t stream_index) {
             .sample_bytes = stream.max_sample_bytes == 0 ? limit : std::min(stream.max_sample_bytes, limit),
             .node = stream.node,
             .came_from = facts_.came_from};
-  wanted_.set(*stream.type, stream.masks);
+  wanted_.set(*stream.type, stream.selections);
 }
 
 void IncomingWriter::open_window(const std::optional<ArrivalWindow::Mark>& departed) {
@@ -325,6 +325,7 @@ IncomingWriter::Refusal IncomingWriter::describe(const Datagram& d, const Wanted
   }
   if (!buffer) return Refusal::over_limit;
   buffer->mask = *named.mask;
+  buffer->parts = named.parts;
   buffer->min_period_us = d.first.rate.min_period_us;
   buffer->ordinal = d.first.rate.ordinal;
   buffer->addressee = d.first.history.reader;

@@ -25,12 +25,12 @@
 
 namespace sft::udp {
 
-/// A writer that is read here, and under which masks.
+/// A writer that is read here, and with which selections.
 struct Stream {
   core::EndpointId writer = 0;
   const TypeSupport* type = nullptr;  ///< outlives the stream
   std::size_t max_sample_bytes = 0;   ///< announced by the writer; 0: not known
-  std::vector<FieldMask> masks;
+  std::vector<Selection> selections;
   bool reliable = false;   ///< some reader wants the samples reliably
   bool waits = false;      ///< the publisher waits for the reliable readers
   core::Announced node{};  ///< acks and reports go to the addresses of this node

@@ -24,8 +24,9 @@ void join(Stream& stream, const TypeSupport* type, const core::Source& source,
   stream.alive = source.alive;
   stream.max_sample_bytes = std::max(stream.max_sample_bytes, source.max_sample_bytes);
   for (const core::Accepted& a : accepted) {
-    const auto end = stream.masks.end();
-    if (std::find(stream.masks.begin(), end, a.wanted.mask) == end) stream.masks.push_back(a.wanted.mask);
+    const auto end = stream.selections.end();
+    if (std::find(stream.selections.begin(), end, a.wanted.selection) == end)
+      stream.selections.push_back(a.wanted.selection);
   }
 }
 
@@ -38,8 +39,10 @@ bool Subscriber::accepts(const core::SampleBuffer& sample, std::uint64_t first_r
   return std::ranges::any_of(accepted, [&](const core::Accepted& a) {
     const core::Wanted& w = a.wanted;
     if (!for_one && a.request < first_request) return false;
-    if (sample.merged) return w.min_period_us == 0 && sample.mask.contains(w.mask);
-    return (for_one || w.min_period_us == sample.min_period_us) && w.mask == sample.mask;
+    const FieldMask& mask = w.selection.mask();
+    if (w.selection.parts_hash() != sample.parts) return false;
+    if (sample.merged) return w.min_period_us == 0 && sample.mask.contains(mask);
+    return (for_one || w.min_period_us == sample.min_period_us) && mask == sample.mask;
   });
 }
 

@@ -16,11 +16,12 @@ bool equals(const FieldMask& mask, std::span<const std::byte> words) {
 }
 }  // namespace
 
-void WantedMasks::set(const TypeSupport& type, std::span<const FieldMask> masks) {
+void WantedMasks::set(const TypeSupport& type, std::span<const Selection> selections) {
   type_ = &type;
   wanted_.clear();
   merged_.clear();
-  for (const FieldMask& mask : masks) wanted_.push_back({mask, mask.hash()});
+  for (const Selection& selection : selections)
+    wanted_.push_back({selection.mask(), selection.what_hash(), selection.parts_hash()});
 }
 
 WantedMasks::Named WantedMasks::named_by(Datagram& d) {
@@ -36,7 +37,8 @@ WantedMasks::Named WantedMasks::named_by(Datagram& d) {
   const auto found = std::ranges::find_if(wanted_, [&](const Wanted& w) {
     return w.hash == d.first.mask && (words.empty() || equals(w.mask, words));
   });
-  return {.mask = found == wanted_.end() ? nullptr : &found->mask};
+  if (found == wanted_.end()) return {};
+  return {.mask = &found->mask, .parts = found->parts};
 }
 
 /// The union that it names, if it contains some wanted mask.

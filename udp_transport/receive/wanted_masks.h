@@ -1,4 +1,5 @@
-// Under which masks somebody here reads a writer, and which of them a datagram names.
+// Under which masks somebody here reads a writer, or which parts of fields, and which of them a datagram
+// names.
 #pragma once
 
 #include <cstddef>
@@ -6,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "sft/mask.h"
+#include "sft/selection.h"
 #include "udp_transport/wire/datagram.h"
 
 namespace sft {
@@ -17,11 +18,12 @@ namespace sft::udp {
 
 class WantedMasks {
  public:
-  /// Sets the masks that are wanted from now on; `type` outlives this object.
-  void set(const TypeSupport& type, std::span<const FieldMask> masks);
+  /// Sets what is wanted from now on; `type` outlives this object.
+  void set(const TypeSupport& type, std::span<const Selection> selections);
 
   struct Named {
     const FieldMask* mask = nullptr;  ///< null: one that nobody wants; valid until the next call
+    std::uint64_t parts = 0;          ///< as SampleBuffer::parts
     bool malformed = false;
   };
   /// A first, whole or packed datagram. Takes the mask's words off its payload.
@@ -31,6 +33,7 @@ class WantedMasks {
   struct Wanted {
     FieldMask mask;
     std::uint64_t hash;
+    std::uint64_t parts;
   };
   Named merged(const Datagram& d, std::span<const std::byte> words);
 

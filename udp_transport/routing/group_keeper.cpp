@@ -57,13 +57,15 @@ void GroupKeeper::look_at(const RouteBundle& bundle, Time now) {
     Candidate& candidate = known->second;
     if (is_new) candidate.to = to;
     if (is_new) choose_link(candidate, now);
+    if (!bundle.wanted.selection.is_mask()) candidate.refusal = "a reader there asks for parts of fields";
     if (bundle.gate != nullptr) candidate.refusal = "a reader there has a maximum rate";
     if (bundle.late_reader != 0) candidate.refusal = "a reader there is sent what was retained";
     if (bundle.fallback) candidate.refusal = "a reader there is served in shared memory";
     candidate.gets_more |= bundle.is_for_more_than_a_mask();
-    if (!holds(candidate.masks, bundle.wanted.mask)) candidate.masks.push_back(bundle.wanted.mask);
-    if (is_new) candidate.fields = bundle.wanted.mask;
-    candidate.fields |= bundle.wanted.mask;
+    if (!holds(candidate.masks, bundle.wanted.selection.mask()))
+      candidate.masks.push_back(bundle.wanted.selection.mask());
+    if (is_new) candidate.fields = bundle.wanted.selection.mask();
+    candidate.fields |= bundle.wanted.selection.mask();
     candidate.reliable = candidate.reliable || bundle.reliable.contains(to.get());
   }
 }
@@ -161,7 +163,7 @@ std::shared_ptr<MulticastGroup> GroupKeeper::find(std::size_t place,
 
 void GroupKeeper::merged(Time now) {
   for (const auto& group : groups_) {
-    if (!holds(found_, group)) retired_.push_back({group, now});
+    if (!holds(found_, group)) farewells_.note(group, now);
   }
   groups_ = std::exchange(found_, {});
   reasons_.set_groups(groups_);
@@ -307,12 +309,7 @@ void GroupKeeper::tend(Time now) {
       send(group->members()[offer.member].lane->destination(), offer.offer, now);
     if (const std::optional<GroupProbe> probe = group->probe(now)) send(*group, *probe);
   }
-  std::erase_if(retired_, [&](const Retired& retired) {
-    if (now - retired.at < farewell_after) return false;
-    for (std::size_t i = 0; i < retired.group->members().size(); ++i)
-      send(retired.group->members()[i].lane->destination(), retired.group->farewell(i), now);
-    return true;
-  });
+  farewells_.say(now, [now](Destination& to, const GroupOffer& offer) { send(to, offer, now); });
 }
 
 void GroupKeeper::send(Destination& to, const GroupOffer& offer, Time now) {
@@ -349,7 +346,8 @@ void GroupKeeper::explain(const std::vector<RouteBundle>& routes, Time now) {
     for (const auto& [reader, to] : bundle.readers) {
       const Candidate& candidate = candidates_.at(to);
       const bool waits = several && candidate.refusal.empty() && !is_calm(candidate, now);
-      readers[reader] = {to, waits ? restless : candidate.refusal, bundle.wanted.mask, sharing_.shares(to)};
+      readers[reader] = {to, waits ? restless : candidate.refusal, bundle.wanted.selection.mask(),
+                         sharing_.shares(to)};
     }
   }
   reasons_.set_readers(std::move(readers), sizes_, several);

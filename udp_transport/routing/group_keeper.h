@@ -19,6 +19,7 @@
 #include "udp_transport/multicast/multicast_plan.h"
 #include "udp_transport/multicast/sample_rate.h"
 #include "udp_transport/routing/calm_watch.h"
+#include "udp_transport/routing/farewells.h"
 #include "udp_transport/routing/group_reasons.h"
 #include "udp_transport/routing/mask_sharing.h"
 #include "udp_transport/routing/route_bundle.h"
@@ -91,10 +92,6 @@ class GroupKeeper {
     double samples_per_s = 0;
     bool someone_left = false;  ///< since then
   };
-  struct Retired {
-    std::shared_ptr<MulticastGroup> group;
-    Time at;
-  };
 
   void look_at(const std::vector<RouteBundle>& routes, Time now);
   void look_at(const RouteBundle& bundle, Time now);
@@ -124,8 +121,7 @@ class GroupKeeper {
   static constexpr std::chrono::milliseconds settling{50};
   static constexpr std::chrono::seconds replan_pause{1};
   static constexpr std::chrono::minutes deaf_pause{1};  ///< before one that heard nothing is offered a group
-  static constexpr std::chrono::seconds packed_pause{10};   ///< since samples were published together
-  static constexpr std::chrono::seconds farewell_after{1};  ///< what is under way arrives before
+  static constexpr std::chrono::seconds packed_pause{10};  ///< since samples were published together
 
   const Setup setup_;
   const bool too_many_leaves_;  ///< masks are not sent in words then
@@ -138,7 +134,7 @@ class GroupKeeper {
   PlannedFor planned_for_;
   std::vector<Planned> planned_;
   std::vector<std::shared_ptr<MulticastGroup>> groups_, found_;
-  std::vector<Retired> retired_;
+  Farewells farewells_;
   std::map<const Destination*, Time> deaf_until_;
   Time packed_until_{};
   std::uint32_t last_number_ = 0;

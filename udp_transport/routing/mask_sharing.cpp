@@ -13,7 +13,7 @@ void MaskSharing::look_at(const std::vector<RouteBundle>& routes) {
     for (const std::shared_ptr<Destination>& to : bundle.destinations) {
       if (bundle.is_for_more_than_a_mask()) gets_more.insert(to.get());
       Place& place = places[to.get()];
-      place.masks.push_back(bundle.wanted.mask);
+      place.masks.push_back(bundle.wanted.selection.mask());
       place.datagram_bytes = to->path().datagram_bytes();
       if (bundle.reliable.contains(to.get())) place.mark = PlaceMark::in_channel;
     }

@@ -10,7 +10,7 @@ void RouteBundle::add(const std::shared_ptr<Destination>& to) {
 }
 
 void RouteBundle::absorb(RouteBundle other) {
-  wanted.mask |= other.wanted.mask;
+  wanted.selection = wanted.selection.mask() | other.wanted.selection.mask();
   for (const std::shared_ptr<Destination>& to : other.destinations) add(to);
   readers.insert(readers.end(), other.readers.begin(), other.readers.end());
   for (auto& [to, of_destination] : other.reliable) reliable[to].merge(of_destination);
@@ -18,7 +18,7 @@ void RouteBundle::absorb(RouteBundle other) {
 
 RouteBundle take_out(std::vector<RouteBundle>& routes,
                      const std::function<bool(const Destination*)>& is_one) {
-  RouteBundle all{.wanted = {FieldMask(routes.front().wanted.mask.leaves()), 0}, .merged = true};
+  RouteBundle all{.wanted = {FieldMask(routes.front().wanted.selection.mask().leaves()), 0}, .merged = true};
   const auto leads_to_one = [&](const std::shared_ptr<Destination>& to) { return is_one(to.get()); };
   for (RouteBundle& bundle : routes) {
     if (bundle.merged || std::ranges::none_of(bundle.destinations, leads_to_one)) continue;
@@ -45,7 +45,7 @@ std::vector<RouteBundle> bundle_routes(std::span<const core::Route> routes, Dest
   for (const core::Route& route : routes) {
     const auto* address = std::get_if<core::UdpAddress>(&route.destination);
     if (address == nullptr) continue;
-    const core::Wanted wanted{route.mask, route.gate == nullptr ? 0 : route.gate->min_period_us()};
+    const core::Wanted wanted{route.selection, route.gate == nullptr ? 0 : route.gate->min_period_us()};
     const core::EndpointId late_reader = route.history == 0 ? 0 : route.reader;
     auto bundle = std::find_if(bundles.begin(), bundles.end(), [&](const RouteBundle& b) {
       return b.wanted == wanted && b.late_reader == late_reader && b.fallback == route.fallback;

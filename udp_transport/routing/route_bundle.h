@@ -33,7 +33,9 @@ struct RouteBundle {
   void add(const std::shared_ptr<Destination>& to);
   void absorb(RouteBundle other);
   /// The readers are sent something else than every sample under their mask, or by another way.
-  bool is_for_more_than_a_mask() const { return gate != nullptr || late_reader != 0 || fallback; }
+  bool is_for_more_than_a_mask() const {
+    return gate != nullptr || late_reader != 0 || fallback || !wanted.selection.is_mask();
+  }
 };
 
 /// Leaves out routes that do not lead to a UDP address. Spare bundles come last.

@@ -7,15 +7,17 @@ namespace sft::udp {
 
 namespace {
 
-std::vector<std::uint64_t> words_to_send(const FieldMask& mask) {
+/// None where the hash says it all, or has to: a selection with parts is known to those who asked for it.
+std::vector<std::uint64_t> words_to_send(const Selection& selection) {
   std::vector<std::uint64_t> words;
-  if (mask.words() == 1 || mask.words() > WireMask::words_max) return words;
+  const FieldMask& mask = selection.mask();
+  if (!selection.is_mask() || mask.words() == 1 || mask.words() > WireMask::words_max) return words;
   for (std::size_t i = 0; i < mask.words(); ++i) words.push_back(mask.word(i));
   return words;
 }
 
-std::shared_ptr<const WireMask> make_wire_mask(const FieldMask& mask, std::uint16_t number) {
-  return std::make_shared<WireMask>(WireMask{number, mask.hash(), words_to_send(mask)});
+std::shared_ptr<const WireMask> make_wire_mask(const Selection& selection, std::uint16_t number) {
+  return std::make_shared<WireMask>(WireMask{number, selection.what_hash(), words_to_send(selection)});
 }
 
 /// The transport that serves the readers on fallback routes counts what a gate withholds from them.
@@ -84,7 +86,7 @@ VariantDirectory::Variant& VariantDirectory::find(const core::Wanted& wanted, co
     return v.wanted == wanted && v.late_reader == late_reader;
   });
   if (known == variants_.end()) {
-    variants_.push_back({wanted, late_reader, make_wire_mask(wanted.mask, unused_number()), {}, round_});
+    variants_.push_back({wanted, late_reader, make_wire_mask(wanted.selection, unused_number()), {}, round_});
     known = variants_.end() - 1;
   }
   known->last_use = round_;
@@ -150,10 +152,10 @@ void VariantDirectory::next_round() {
   }
 }
 
-/// A sample that passes a gate, or is for one late reader, always leaves alone.
+/// A sample that passes a gate, is for one late reader, or has parts of fields, always leaves alone.
 static void allow_packs(RouteTable& table) {
   const auto may_pack = [](const Audience& audience) {
-    return audience.gate == nullptr && audience.late_reader == 0;
+    return audience.gate == nullptr && audience.late_reader == 0 && !audience.plan.has_parts();
   };
   std::map<const Destination*, int> masks;
   for (const Audience& audience : table.audiences) {
@@ -166,7 +168,7 @@ static void allow_packs(RouteTable& table) {
   }
 }
 
-std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
+std::shared_ptr<const RouteTable> make_route_table(const TypeSupport& type,
                                                    std::span<const core::Route> routes,
                                                    VariantDirectory& variants,
                                                    DestinationDirectory& destinations, GroupKeeper* keeper) {
@@ -181,7 +183,7 @@ std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
   for (RouteBundle& bundle : bundles) {
     VariantDirectory::Variant& variant = variants.find(bundle.wanted, bundle.late_reader);
     Audience& audience =
-        table->audiences.emplace_back(Audience{detail::ProjectionPlan(type, std::move(bundle.wanted.mask)),
+        table->audiences.emplace_back(Audience{detail::ProjectionPlan(type, bundle.wanted.selection),
                                                std::move(bundle.gate),
                                                bundle.late_reader,
                                                bundle.fallback,

@@ -123,7 +123,7 @@ class VariantDirectory {
 /// The table of a writer of `type`, which outlives the table. Routes that do not lead to a UDP address are
 /// left out. Lanes to destinations that no route leads to any more are closed. Without a keeper there are no
 /// multicast groups.
-std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
+std::shared_ptr<const RouteTable> make_route_table(const TypeSupport& type,
                                                    std::span<const core::Route> routes,
                                                    VariantDirectory& variants,
                                                    DestinationDirectory& destinations,

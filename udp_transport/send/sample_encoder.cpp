@@ -6,14 +6,31 @@ namespace sft::udp {
 
 bool SampleEncoder::encode(const Audience& audience, const core::SampleBuffer& sample, Job& job) const {
   assert(sample.mask.contains(audience.plan.mask()));
-  if (!project(audience, sample, job.projection)) return false;
+  const bool ok =
+      audience.plan.has_parts() ? gather(audience, sample, job) : project(audience, sample, job.projection);
+  if (!ok) return false;
   if (job.projection.bytes() > side_->max_sample_bytes) {
     side_->over_limit.fetch_add(1, std::memory_order_relaxed);
+    job.sample.reset();
     return false;
   }
   describe(audience, sample, job);
   job.first.total = static_cast<std::uint32_t>(job.projection.bytes());
   return true;
+}
+
+/// Jobs do not keep the memory of large parts for the next sample: there are many of them.
+bool SampleEncoder::gather(const Audience& audience, const core::SampleBuffer& sample, Job& job) const {
+  const detail::SampleState state = core::state_of(sample, type_.slots());
+  const std::size_t bytes = job.projection.bytes_most(state, audience.plan);
+  core::SampleHandle memory;
+  if (bytes >= detail::reference_bytes_min && side_->pool != nullptr) memory = side_->pool->take(bytes);
+  if (memory &&
+      job.projection.project(state, audience.plan, {memory->data, memory->capacity}, sample.postponed)) {
+    job.sample = std::move(memory);
+    return true;
+  }
+  return job.projection.project(state, audience.plan, {}, sample.postponed);
 }
 
 void SampleEncoder::describe(const Audience& audience, const core::SampleBuffer& sample, Job& job) const {

@@ -17,7 +17,8 @@ class SampleEncoder {
   SampleEncoder(const core::WriterSpec& spec, std::shared_ptr<SendSide> side)
       : writer_(static_cast<std::uint32_t>(spec.id)), type_(*spec.type), side_(std::move(side)) {}
 
-  /// False if there is nothing to send: the sample is malformed, or too large.
+  /// False if there is nothing to send: the sample is malformed, or too large. If large parts of fields were
+  /// asked for, the body lies in memory of the node's own, which the job then has as its sample.
   bool encode(const Audience& audience, const core::SampleBuffer& sample, Job& job) const;
   /// Writes all of the header but the length of the body.
   void describe(const Audience& audience, const core::SampleBuffer& sample, Job& job) const;
@@ -27,6 +28,8 @@ class SampleEncoder {
   }
 
  private:
+  bool gather(const Audience& audience, const core::SampleBuffer& sample, Job& job) const;
+
   const std::uint32_t writer_;  ///< low half of the id
   const TypeSupport& type_;
   const std::shared_ptr<SendSide> side_;

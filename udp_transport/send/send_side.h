@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/platform/network_watch.h"
 #include "core/seam/buffer_pool.h"
 #include "core/sync/guarded_call.h"
 #include "core/sync/mutex.h"
@@ -97,6 +98,9 @@ struct SendSide {
   TendedRoster writers;
   DestinationLimits limits;  ///< for multicast groups
   Multicast multicast = Multicast::automatic;
+  // These two are the agent's.
+  core::NetworkWatch network_watch;
+  KnownMulticastLinks links{network_watch};
   std::uint16_t answer_port = 0;     ///< where acks and reports come in
   std::size_t max_sample_bytes = 0;  ///< the largest body that is sent
   std::size_t queue_depth = 0;

@@ -27,6 +27,7 @@ std::size_t VariantSender::send(const Audience& audience, const core::SampleHand
     job.first.flags |= rate_follows;
     job.first.rate = {audience.gate->min_period_us(), audience.gate->ordinal()};
   }
+  if (job.sample) return distribute(audience, std::exchange(job.sample, {}));
   if (sample->postponed != nullptr && !job.is_small()) {
     if (PostponedDelivery::is_possible(audience)) return send_postponed(audience, sample);
     sample->complete();

@@ -18,6 +18,7 @@
 
 #include "sft/mask.h"
 #include "sft/qos.h"
+#include "sft/selection.h"
 
 namespace sft {
 
@@ -84,6 +85,7 @@ struct PublisherStatus {
     bool no_path = false;                             ///< all fits, but no path is allowed to both
     bool no_path_yet = false;  ///< no_path, and shared memory may still come up on this side or the other
     FieldMask mask{};          ///< the fields that it is sent
+    Selection selection{};     ///< these fields, with the parts that it asks for
     double max_rate_hz = 0;    ///< the rate that it asks for; 0: all samples
     std::uint64_t request_sequence = 0;  ///< the number of its request that is in force
 

@@ -73,7 +73,7 @@ std::size_t NegotiationLaws::check_route(const WorldNode& node, const WorldWrite
   if ((by_udp != nullptr) != udp) fail("by UDP: served unasked, or not served");
   for (const Route* route : {by_shm, by_udp, fallback}) {
     if (route == nullptr) continue;
-    if (!(route->mask == asked.mask)) fail("not the newest mask that the reader asked for");
+    if (!(route->selection == asked.mask)) fail("not the newest mask that the reader asked for");
     if (route->min_period_us != asked.request.min_period_us) fail("not the newest rate that it asked for");
     // A fallback route, of a reader in shared memory, never has one.
     const bool has_it = shm && (route == fallback || holds(asked.request.begun, w));
@@ -114,7 +114,8 @@ void NegotiationLaws::check_pair(const WorldNode& there, const WorldWriter& writ
   const Route* by_udp = route_to(writer.in_force.network, r.id);
   if ((by_shm != nullptr) != shm || (by_udp != nullptr) != udp) fail("at rest, but not by the best path");
   const Route* route = by_shm != nullptr ? by_shm : by_udp;
-  if (route != nullptr && !(route->mask == asked_.last(r.id).mask)) fail("at rest, but under another mask");
+  if (route != nullptr && !(route->selection == asked_.last(r.id).mask))
+    fail("at rest, but under another mask");
   if (route != nullptr && route->min_period_us != asked_.last(r.id).request.min_period_us)
     fail("at rest, but at another rate");
   const bool durable = matches && network && retained_for(w.qos, r.qos) != 0;

@@ -71,7 +71,7 @@ void NegotiationState::find(std::size_t from, std::size_t to) {
 void NegotiationState::publish(std::size_t node, std::size_t writer) {
   const auto& [id, publisher] = nth(nodes[node].writers, writer);
   for (const core::Route& route : publisher.in_force.network)
-    datagrams.push_back({id, route.reader, route.mask});
+    datagrams.push_back({id, route.reader, route.selection.mask()});
 }
 
 Datagram NegotiationState::take_datagram(std::size_t which) {

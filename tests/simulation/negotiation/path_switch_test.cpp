@@ -58,7 +58,7 @@ class MemoryPath final : public IdleLendingWriter, public Path {
   bool can_send(const SampleBuffer& sample) const noexcept override { return sample.owner == pool_; }
   SendStatus send(const SampleHandle& sample) noexcept override {
     for (const Route& route : routes()) {
-      if (!sample->mask.contains(route.mask)) ++uncovered;
+      if (!sample->mask.contains(route.selection.mask())) ++uncovered;
       if (route.reader == reader_id) sent.push_back(sample);
     }
     return SendStatus::sent;
@@ -80,7 +80,7 @@ class NetworkPath final : public IdleNetworkWriter, public Path {
   SendStatus send_begun(const SampleHandle& sample, Reach reach) noexcept override {
     for (const Route& route : routes()) {
       if (route.fallback && reach == Reach::usual_routes) continue;
-      if (!sample->mask.contains(route.mask)) ++uncovered;
+      if (!sample->mask.contains(route.selection.mask())) ++uncovered;
       if (route.gate != nullptr && !route.gate->passes()) continue;
       if (route.reader != reader_id) continue;
       sample->min_period_us = route.gate == nullptr ? 0 : route.gate->min_period_us();
@@ -197,7 +197,7 @@ class PathSwitch : public test::RandomTest {
                              .options = {},
                              .callback = nullptr,
                              .rate_changed = [] {},
-                             .as_remote = nullptr,
+                             .copies = nullptr,
                              .diverted_patience = patience},
                             bells->at(1),
                             nullptr};

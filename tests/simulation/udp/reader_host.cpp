@@ -60,7 +60,7 @@ void ReaderHost::change_a_mask(Time now) {
   if (readers_.empty()) return;
   Reader& reader = readers_[from_to(random_, 0, readers_.size() - 1)];
   const Mask mask = from_to(random_, 0, 2);
-  if (reader.requests.latest().mask == masks()[mask]) return;
+  if (reader.requests.latest().selection.mask() == masks()[mask]) return;
   reader.requests.asks_for({masks()[mask]}, now);
   directory_->accept(*reader.inbox, reader.requests.all());
   follow();

@@ -92,6 +92,21 @@ TEST_F(EchoTest, ThePublisherIsAskedForNoOtherFields) {
   EXPECT_EQ(points.status().readers[0].mask, FieldMask(F::header.stamp | F::width));
 }
 
+TEST_F(EchoTest, PartsOfFieldsAreMessagesOfTheSameType) {
+  auto scans = robot.publisher<LaserScan>("scan").value();
+  LaserScan scan;
+  scan.angle_increment = 0.5F;
+  scan.ranges = {1, 2, 3, 4, 5};
+  const Publishing publishing(scans, scan);
+  const Ended some = run_tool({"echo", "scan", "--once", "--json", "--fields", "ranges[1::2]"});
+  EXPECT_EQ(
+      some.out,
+      R"({"angle_min":0.5,"angle_max":1.5,"angle_increment":1.0,"time_increment":0.0,"ranges":[2.0,4.0]})"
+      "\n");
+  EXPECT_EQ(run_tool({"echo", "scan", "--fields", "ranges[rows 1]"}).code, 2);
+  EXPECT_EQ(run_tool({"echo", "scan", "--fields", "ranges @ every 2nd"}).code, 2);
+}
+
 TEST_F(EchoTest, FromSharedMemoryToo) {
   Node camera = open("camera", TransportChoice::shm);
   auto points = camera.publisher<PointCloud2>("images").value();
@@ -116,7 +131,8 @@ TEST_F(EchoTest, AnUnknownFieldIsOneSentenceWithTheNearestOne) {
   auto points = robot.publisher<PointCloud2>("points").value();
   const Ended ended = run_tool({"echo", "points", "--fields", "hieght"});
   EXPECT_EQ(ended.code, 2);
-  EXPECT_EQ(ended.err, "sft: sensor_msgs::msg::PointCloud2 has no field 'hieght'; did you mean 'height'?\n");
+  EXPECT_EQ(ended.err,
+            "sft: column 1: sensor_msgs::msg::PointCloud2 has no field 'hieght'; did you mean 'height'?\n");
 }
 
 TEST_F(EchoTest, WhereNothingComesInTimeItSaysSo) {

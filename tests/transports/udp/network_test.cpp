@@ -5,6 +5,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <limits>
@@ -22,6 +23,7 @@
 #include "tests/transports/udp/endpoints.h"
 #include "tests/transports/udp/faulty_io.h"
 #include "tests/transports/udp/transfers.h"
+#include "udp_transport/io/multicast_links.h"
 #include "udp_transport/udp_transport.h"
 
 namespace sft::udp {
@@ -62,6 +64,42 @@ TEST(NetworkWatchTest, NoticesAnAddressThatComesAndGoesAndNothingElse) {
     ASSERT_TRUE(run(("ip address " + std::string(change) + " 10.8.0.1/24 dev lo").c_str()));
     EXPECT_TRUE(watch.changed()) << change;
     EXPECT_FALSE(watch.changed()) << "it was told";
+  }
+}
+
+TEST(KnownMulticastLinksTest, AreAskedForOnceUntilTheNetworkChanges) {
+  if (!sft::test::isolation_refusal().empty()) GTEST_SKIP() << sft::test::isolation_refusal();
+  static int asked;
+  asked = 0;
+  const auto ask = [](Multicast use) { return ++asked, multicast_links(use); };
+  core::NetworkWatch watch;
+  KnownMulticastLinks links(watch, ask);
+  const auto knows = [&](std::uint32_t own) {
+    return std::ranges::count(links.list(Multicast::automatic), own, &MulticastLink::own) > 0;
+  };
+  EXPECT_FALSE(knows(0x0A080001));
+  EXPECT_FALSE(knows(0x0A080001));
+  EXPECT_EQ(asked, 1);
+  ASSERT_TRUE(run("ip address add 10.8.0.1/24 dev lo"));
+  EXPECT_TRUE(knows(0x0A080001));
+  EXPECT_TRUE(knows(0x0A080001));
+  EXPECT_EQ(asked, 2);
+  ASSERT_TRUE(run("ip address delete 10.8.0.1/24 dev lo"));
+  EXPECT_FALSE(knows(0x0A080001));
+  EXPECT_EQ(asked, 3);
+}
+
+/// The routes of a writer ask for the links of this host, and see a change before the node looks for one.
+TEST(KnownMulticastLinksTest, OfRoutesDoNotHideAChangeFromTheNode) {
+  if (!sft::test::isolation_refusal().empty()) GTEST_SKIP() << sft::test::isolation_refusal();
+  const auto transport = open_udp_transport({.backend = Backend::sockets}, test::make_pool()).value();
+  Publisher publisher(*transport);
+  EXPECT_FALSE(transport->network_changed());
+  for (const char* change : {"add", "delete"}) {
+    ASSERT_TRUE(run(("ip address " + std::string(change) + " 10.8.0.1/24 dev lo").c_str()));
+    publisher.serve({{test::loopback_address(*transport)}});
+    EXPECT_TRUE(transport->network_changed()) << change;
+    EXPECT_FALSE(transport->network_changed()) << "it was told";
   }
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/other_threads.h"
 #include "tests/support/test_seed.h"
 #include "tests/transports/udp/endpoints.h"
 #include "tests/transports/udp/faulty_io.h"
@@ -96,7 +97,7 @@ TEST_P(TransportTest, KeepsTheOrderOfALateReaderThatAsksForOtherFieldsMeanwhile)
   for (std::size_t i = 0; i < 10; ++i) retained.push_back(publisher.make(make_image(1'000'000)));
   publisher.port().set_routes({to_late});
   publisher.port().send_history(to_late, retained);
-  to_late.mask = fields<Image>("stamp");
+  to_late.selection = fields<Image>("stamp");
   publisher.port().set_routes({to_late});
   publisher.publish(make_image(10));
   EXPECT_EQ(late.await_sequences(11), first_numbers(11));
@@ -226,6 +227,8 @@ TEST_P(TransportTest, HandsASingleSampleToTheSystemBeforeItReturns) {
   const std::size_t body = encoded_body(make_image(10), fields<Image>("*")).size();
   publisher.publish(make_image(100'000));  // a large one leaves once its receiver has reported
   ASSERT_EQ(subscriber.await(1).size(), 1U);
+  ASSERT_TRUE(eventually(sft::test::all_other_threads_sleep))
+      << "the sending thread may not have put the large one away, which what follows must not overtake";
   for (std::size_t n = 2; n <= 101; ++n) {
     const std::uint64_t before = publisher.port().counters().bytes_sent;
     publisher.publish(make_image(10));

@@ -1,17 +1,12 @@
 // Which thread sends a sample: the publisher's, or the sending thread of the transport.
 #include <gtest/gtest.h>
 
-#include <unistd.h>
-
-#include <algorithm>
 #include <atomic>
-#include <filesystem>
-#include <fstream>
 #include <memory>
 #include <span>
-#include <string>
 #include <thread>
 
+#include "tests/support/other_threads.h"
 #include "tests/transports/udp/endpoints.h"
 #include "tests/transports/udp/faulty_io.h"
 #include "tests/transports/udp/transport_fixture.h"
@@ -43,19 +38,6 @@ class CountsBytesOfThread final : public test::Connected {
   std::atomic<std::size_t>& bytes_;
 };
 
-/// True if the other threads of this process sleep: those that have sent or received have finished that.
-bool all_others_sleep() {
-  const std::filesystem::directory_iterator tasks("/proc/self/task");
-  return std::ranges::all_of(tasks, [](const auto& task) {
-    std::string line;
-    std::getline(std::ifstream(task.path() / "stat"), line);
-    const std::size_t behind_name = line.rfind(')');
-    const bool is_this_thread = task.path().filename() == std::to_string(::gettid());
-    return is_this_thread || behind_name == std::string::npos ||
-           line.substr(behind_name + 1).starts_with(" S");
-  });
-}
-
 class WhoSendsTest : public TransportTest {
  protected:
   /// Returns the part of a sample that this thread sends, while nothing else is under way.
@@ -77,7 +59,7 @@ class WhoSendsTest : public TransportTest {
       own = 0;
       publisher.publish(make_image(bytes));
       EXPECT_EQ(subscriber.await(n).size(), n);
-      EXPECT_TRUE(test::eventually(all_others_sleep))
+      EXPECT_TRUE(test::eventually(sft::test::all_other_threads_sleep))
           << "the sending thread may not have put the sample away";
     }
     return static_cast<double>(own) / static_cast<double>(bytes);

@@ -16,6 +16,17 @@ void PostponedCopies::make(std::size_t bytes_max) noexcept {
   }
 }
 
+const std::byte* PostponedCopies::locate(const std::byte* data, std::size_t bytes) const {
+  const auto is_before = std::less<const std::byte*>();
+  for (const Copy& copy : std::span(copies_).subspan(first_, count_ - first_)) {
+    const std::byte* const end = copy.to + copy.bytes;
+    if (!is_before(data, end) || !is_before(copy.to, data + bytes)) continue;
+    const bool is_within = !is_before(data, copy.to) && !is_before(end, data + bytes);
+    return is_within ? copy.from + (data - copy.to) : nullptr;
+  }
+  return data;
+}
+
 void PostponedCopies::locate(std::span<const Segment> segments, std::vector<Segment>& located) const {
   const std::span<const Copy> copies = std::span(copies_).subspan(first_, count_ - first_);
   const auto is_before = std::less<const std::byte*>();  // orders pointers into different memory, too

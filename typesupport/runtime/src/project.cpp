@@ -4,15 +4,57 @@
 #include <cstring>
 #include <utility>
 
+#include "gather.h"
+#include "sft/detail/postponed_copies.h"
+
 namespace sft::detail {
 
+namespace {
+
+/// The names of channels change only if some were asked for.
+bool is_rewritten(LayoutRole role, const Selection::Part& part) {
+  return role == LayoutRole::channels ? !part.channels.empty() : role != LayoutRole::byte_order;
+}
+
+}  // namespace
+
 ProjectionPlan::ProjectionPlan(const StructType& type, FieldMask mask) : mask_(std::move(mask)) {
+  add_all(type);
+}
+
+ProjectionPlan::ProjectionPlan(const TypeSupport& type, const Selection& selection)
+    : mask_(selection.mask()), parts_hash_(selection.parts_hash()) {
+  for (const Selection::Part& part : selection.parts()) {
+    const Layout* const layout = type.layout_of(part.leaf);
+    parts_.push_back({part, field_at(type.type(), part.leaf), layout});
+  }
+  add_all(type.type());
+}
+
+FieldMask ProjectionPlan::whole() const {
+  FieldMask mask = mask_;
+  for (const PlannedPart& planned : parts_) mask.erase(planned.part.leaf);
+  return mask;
+}
+
+void ProjectionPlan::add_all(const StructType& type) {
   std::size_t leaf = 0;
   std::size_t slot = 0;
   add(type, leaf, slot);
   for (Step& step : steps_) {
     if (step.member == nullptr) measure(step.run);
   }
+}
+
+ProjectionPlan::Change ProjectionPlan::change_of(std::size_t leaf) const {
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const PlannedPart& planned = parts_[i];
+    if (planned.data.leaf == leaf) return {.part = i};
+    if (planned.layout == nullptr) continue;
+    if (const auto role = planned.layout->role_of(leaf); role && is_rewritten(*role, planned.part))
+      return {.part = i, .role = role, .coordinate = leaf - (*planned.layout)[*role].leaf};
+  }
+  return {};
 }
 
 void ProjectionPlan::add(const StructType& type, std::size_t& leaf, std::size_t& slot) {
@@ -22,7 +64,9 @@ void ProjectionPlan::add(const StructType& type, std::size_t& leaf, std::size_t&
       continue;
     }
     if (mask_.any_of(leaf, leaf_count(m))) {
-      if (is_primitive(m.kind) && m.shape != Shape::sequence) {
+      if (const Change change = change_of(leaf); change.part) {
+        steps_.push_back({.slot = slot, .leaf = leaf, .member = &m, .change = change});
+      } else if (is_primitive(m.kind) && m.shape != Shape::sequence) {
         add_block(m, leaf, slot);
       } else {
         steps_.push_back({.slot = slot, .leaf = leaf, .member = &m});
@@ -63,22 +107,29 @@ class Projection::Writer {
  public:
   Writer(Projection& out, const SampleState& source, const ProjectionPlan& plan)
       : out_(out), s_(source), plan_(plan), mask_(plan.mask_) {}
+  /// Writes all to `memory`, and nothing to the staging buffer.
+  Writer(Projection& out, const SampleState& source, const ProjectionPlan& plan, std::span<std::byte> memory,
+         const PostponedCopies* postponed)
+      : Writer(out, source, plan) {
+    memory_ = memory;
+    postponed_ = postponed;
+  }
 
   bool all() {
     for (const ProjectionPlan::Step& step : plan_.steps_) {
       const std::uint32_t offset = __atomic_load_n(s_.index + step.slot, __ATOMIC_RELAXED);
       if (offset == no_offset) return false;
       from_ = offset;
-      if (!(step.member == nullptr ? run(step.run) : member(*step.member, step.leaf, true))) return false;
+      if (!this->step(step)) return false;
     }
-    return true;
+    return !failed_;
   }
 
   /// Sets the pointers of the staged segments, now that the staging buffer moves no more.
   void finish() {
     close_staged();
     out_.bytes_ = to_;
-    const std::byte* staged = out_.staging_.data();
+    const std::byte* staged = memory().data();
     for (Segment& segment : out_.segments_) {
       if (segment.data != nullptr) continue;
       segment.data = staged;
@@ -87,6 +138,126 @@ class Projection::Writer {
   }
 
  private:
+  bool step(const ProjectionPlan::Step& step) {
+    if (step.member == nullptr) return run(step.run);
+    const ProjectionPlan::Change& change = step.change;
+    if (!change.part || out_.cuts_[*change.part].is_whole()) return member(*step.member, step.leaf, true);
+    const Cut& cut = out_.cuts_[*change.part];
+    if (!change.role && step.member->kind == Kind::string)
+      return some_strings(plan_.parts_[*change.part].part.columns);
+    if (!change.role) return part(cut, size_of(step.member->kind));
+    switch (*change.role) {
+      case LayoutRole::channels:
+        return channels(cut);
+      case LayoutRole::encoding:
+        return encoding(cut);
+      case LayoutRole::origin:
+        return real(*step.member, cut.position()[change.coordinate]);
+      case LayoutRole::rows:
+      case LayoutRole::columns:
+      case LayoutRole::cell_bytes:
+      case LayoutRole::row_bytes:
+        return put(cut.natural(*change.role));
+      default:
+        return real(*step.member, cut.real(*change.role));
+    }
+  }
+
+  template <class T>
+  bool put(T value) {
+    align(sizeof value);
+    stage(&value, sizeof value);
+    return true;
+  }
+
+  bool real(const Member& m, double value) {
+    return m.kind == Kind::float64 ? put(value) : put(static_cast<float>(value));
+  }
+
+  bool encoding(const Cut& cut) {
+    const Extent name = checked_length(s_, from_);
+    if (!name || checked_block(s_, name.first, name.count, 1) == no_offset) return false;
+    put(name.count);
+    const std::size_t begin = staged_;
+    stage(s_.body + name.first, name.count);
+    const std::size_t end = Cut::pattern_at + Cut::pattern_letters;
+    if (cut.pattern() != nullptr && name.count >= end)
+      std::memcpy(&memory()[begin + Cut::pattern_at], cut.pattern(), Cut::pattern_letters);
+    return true;
+  }
+
+  bool channels(const Cut& cut) {
+    put(static_cast<std::uint32_t>(cut.channels().size()));
+    std::uint32_t offset = 0;
+    for (const Cut::Channel& channel : cut.channels()) {
+      put(channel.name.count);
+      stage(s_.body + channel.name.first, channel.name.count);
+      put(offset);
+      put(channel.type);
+      put(channel.count);
+      offset += channel.bytes;
+    }
+    return true;
+  }
+
+  bool part(const Cut& cut, std::size_t element_bytes) {
+    put(cut.elements());
+    if (cut.bytes() == 0) return true;
+    align(element_bytes);
+    const bool has_whole_cells = cut.runs().size() == 1 && cut.runs()[0].bytes == cut.column_stride();
+    if (!has_whole_cells) {
+      const std::uint64_t from_first_to_last = (cut.rows() - std::uint64_t{1}) * cut.row_stride() +
+                                               (cut.columns() - std::uint64_t{1}) * cut.column_stride() +
+                                               cut.runs().back().offset + cut.runs().back().bytes;
+      const std::byte* const from = source(cut.begin(), from_first_to_last);
+      std::byte* const to = take_staging(cut.bytes());
+      if (from == nullptr || to == nullptr) return false;
+      gather(cut, to, from);
+      return true;
+    }
+    const std::uint64_t row_bytes = std::uint64_t{cut.columns()} * cut.cell_bytes();
+    if (row_bytes == cut.row_stride()) {
+      copy(cut.begin(), cut.bytes());
+    } else {
+      for (std::uint32_t row = 0; row < cut.rows(); ++row)
+        copy(cut.begin() + row * cut.row_stride(), row_bytes);
+    }
+    return true;
+  }
+
+  bool some_strings(const Selection::Range& range) {
+    const Extent all = checked_length(s_, from_);
+    if (!all) return false;
+    put(range.size_of(all.count));
+    from_ = all.first;
+    const std::uint32_t end = std::min(range.end, all.count);
+    for (std::uint32_t i = 0; i < end; ++i) {
+      const bool is_kept = i >= range.begin && (i - range.begin) % range.step == 0;
+      if (is_kept && !strings(1)) return false;
+      if (is_kept) continue;
+      from_ = skip_string(s_, from_);
+      if (from_ == no_offset) return false;
+    }
+    return true;
+  }
+
+  /// Null if there is too little memory.
+  std::byte* take_staging(std::size_t bytes) {
+    if (!make_room(bytes)) return nullptr;
+    std::byte* const to = memory().data() + staged_;
+    staged_ += bytes;
+    to_ += bytes;
+    return to;
+  }
+
+  std::span<std::byte> memory() { return memory_.data() == nullptr ? std::span(out_.staging_) : memory_; }
+
+  /// Where these bytes of the body are. Null if they are in several places.
+  const std::byte* source(std::uint64_t first, std::size_t bytes) const {
+    const std::byte* const data = s_.body + first;
+    return postponed_ == nullptr ? data : postponed_->locate(data, bytes);
+  }
+
   bool run(const ProjectionPlan::Run& run) {
     const ProjectionPlan::Block* block = &plan_.blocks_[run.first_block];
     from_ = align_up(from_, block->alignment);
@@ -191,8 +362,8 @@ class Projection::Writer {
   }
 
   void copy(std::uint64_t first, std::size_t bytes) {
-    if (bytes < reference_bytes_min) {
-      stage(s_.body + first, bytes);
+    if (bytes < reference_bytes_min || memory_.data() != nullptr) {
+      stage(source(first, bytes), bytes);
     } else {
       close_staged();
       out_.segments_.push_back({s_.body + first, bytes});
@@ -203,10 +374,16 @@ class Projection::Writer {
 
   void stage(const void* data, std::size_t bytes) {
     if (bytes == 0) return;
-    if (out_.staging_.size() - staged_ < bytes) out_.staging_.resize(2 * out_.staging_.size() + bytes);
-    std::memcpy(out_.staging_.data() + staged_, data, bytes);
-    staged_ += bytes;
-    to_ += bytes;
+    std::byte* const to = data == nullptr ? nullptr : take_staging(bytes);
+    failed_ = failed_ || to == nullptr;
+    if (to != nullptr) std::memcpy(to, data, bytes);
+  }
+
+  bool make_room(std::size_t bytes) {
+    if (memory().size() - staged_ >= bytes) return true;
+    if (memory_.data() != nullptr) return false;
+    out_.staging_.resize(2 * out_.staging_.size() + bytes);
+    return true;
   }
 
   /// Makes a segment of the bytes that were staged since the last one.
@@ -224,6 +401,9 @@ class Projection::Writer {
   std::uint64_t to_ = 0;    ///< position in the projected body
   std::size_t staged_ = 0;  ///< bytes in the staging buffer
   std::size_t closed_ = 0;  ///< bytes in the staging buffer that segments contain
+  std::span<std::byte> memory_{};
+  const PostponedCopies* postponed_ = nullptr;
+  bool failed_ = false;  ///< there was too little memory
 };
 
 void Projection::reserve(const Memory& memory) {
@@ -232,11 +412,40 @@ void Projection::reserve(const Memory& memory) {
   if (staging_.size() < memory.staging_bytes) staging_.resize(memory.staging_bytes);
 }
 
+bool Projection::find_cuts(const SampleState& source, const ProjectionPlan& plan) {
+  if (cuts_.size() < plan.parts_.size()) cuts_.resize(plan.parts_.size());
+  for (std::size_t i = 0; i < plan.parts_.size(); ++i) {
+    const ProjectionPlan::PlannedPart& planned = plan.parts_[i];
+    if (!cuts_[i].find(source, planned.layout, planned.data, planned.part)) return false;
+  }
+  return true;
+}
+
 bool Projection::project(const SampleState& source, const ProjectionPlan& plan) {
   segments_.clear();
   bytes_ = 0;
   if (!source.mask->contains(plan.mask())) return false;
-  Writer writer(*this, source, plan);
+  if (!find_cuts(source, plan)) return false;
+  return write(Writer(*this, source, plan));
+}
+
+bool Projection::project(const SampleState& source, const ProjectionPlan& plan, std::span<std::byte> memory,
+                         const PostponedCopies* postponed) {
+  segments_.clear();
+  bytes_ = 0;
+  if (!source.mask->contains(plan.mask()) || !find_cuts(source, plan)) return false;
+  return write(Writer(*this, source, plan, memory, postponed));
+}
+
+std::size_t Projection::bytes_most(const SampleState& source, const ProjectionPlan& plan) {
+  if (!source.mask->contains(plan.mask()) || !find_cuts(source, plan)) return 0;
+  constexpr std::size_t padding = 7;  // in front of each member, and of each length
+  std::uint64_t bytes = source.body_bytes + 2 * padding * (plan.steps_.size() + plan.blocks_.size() + 1);
+  for (std::size_t i = 0; i < plan.parts_.size(); ++i) bytes -= cuts_[i].bytes_less();
+  return bytes;
+}
+
+bool Projection::write(Writer writer) {
   const bool ok = writer.all();
   writer.finish();
   return ok;

@@ -1,6 +1,7 @@
 #include "sft/type_support.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "sft/detail/fnv1a.h"
 #include "sft/detail/type_shape.h"
@@ -42,7 +43,7 @@ std::uint64_t detail::structure_hash(const StructType& type) {
 }
 
 TypeSupport::TypeSupport(const StructType& type)
-    : type_(&type), slots_(slot_count(type)), hash_(structure_hash(type)) {
+    : type_(&type), layouts_(layouts_of(type)), slots_(slot_count(type)), hash_(structure_hash(type)) {
   flatten(type, "");
 }
 
@@ -117,6 +118,47 @@ FieldMask TypeSupport::closed(FieldMask mask) const {
   add_keys(*type_, 0, mask);
   add_lengths(*type_, 0, mask);
   return mask;
+}
+
+Selection TypeSupport::closed(const Selection& selection) const {
+  FieldMask mask = selection.mask();
+  std::vector<Selection::Part> parts = closed_parts(selection);
+  for (const Selection::Part& part : parts) {
+    const Layout* const layout = layout_of(part.leaf);
+    if (layout == nullptr) continue;
+    for (const Layout::Field& field : layout->fields) {
+      if (!field) continue;
+      for (std::size_t i = 0; i < leaf_count(*field.member); ++i) mask.insert(field.leaf + i);
+    }
+  }
+  // No limit is exceeded: there are no more parts than before, and they are no longer.
+  return Selection::make(closed(std::move(mask)), std::move(parts), selection.gate()).value();
+}
+
+/// The parts without what the fields do not have. An array has a fixed length, and is always whole.
+std::vector<Selection::Part> TypeSupport::closed_parts(const Selection& selection) const {
+  std::vector<Selection::Part> parts;
+  for (Selection::Part part : selection.parts()) {
+    const Layout::Field field = field_at(*type_, part.leaf);
+    const Layout* const layout = layout_of(part.leaf);
+    if (!field || field.member->shape != Shape::sequence || field.member->kind == Kind::structure) continue;
+    if (layout == nullptr || !layout->has_rows()) part.rows = {};
+    if (layout == nullptr || !layout->has_channels()) part.channels.clear();
+    for (const Layout::Field& other : layout == nullptr ? std::vector<Layout::Field>() : layout->data) {
+      if (!selection.mask().contains(other.leaf)) continue;
+      const Selection::Part* const its = selection.part(other.leaf);
+      if (its == nullptr || its->columns != part.columns) part.columns = {};
+    }
+    if (!part.is_whole()) parts.push_back(std::move(part));
+  }
+  return parts;
+}
+
+const Layout* TypeSupport::layout_of(std::size_t leaf) const {
+  const auto has_leaf = [leaf](const Layout::Field& field) { return field.leaf == leaf; };
+  const auto found = std::ranges::find_if(
+      layouts_, [&](const Layout& layout) { return std::ranges::any_of(layout.data, has_leaf); });
+  return found == layouts_.end() ? nullptr : &*found;
 }
 
 /// Adds the key fields, as DDS defines them: a key member that is a struct adds its own key members, or all

@@ -137,7 +137,7 @@ using Callback = std::function<void(Sample&&)>;
 
 /// The requirement of a subscriber.
 struct Requirement {
-  FieldMask mask;  ///< declared; where recorded, what is asked for at first
+  Selection selection;  ///< declared, without a gate; where recorded, the fields that are asked for at first
   bool recorded = false;
 };
 

@@ -36,6 +36,7 @@ Endpoint endpoint() {
                .sequence = 4,
                .mask_words = {1, 2},
                .min_period_us = 100'000,
+               .parts = {std::byte{1}, std::byte{0}, std::byte{7}},
                .listening = {6},
                .attached = {8, 9},
                .begun = {9}};
@@ -46,17 +47,17 @@ Endpoint endpoint() {
 TEST(ControlCodecTest, EndpointsAndRequestsComeBackAsTheyWere) {
   ControlStorage storage;
   EXPECT_EQ(from_dds(to_dds(endpoint(), storage)), endpoint());
-  EXPECT_EQ(from_dds(to_dds(endpoint().request)), endpoint().request);
+  EXPECT_EQ(from_dds(to_dds(endpoint().request, storage)), endpoint().request);
   const Assertion living{8, {3, 4}, {{3, 12, 1000}, {5, 1, 0}}, 0xabcdef};
   ControlStorage of_living;
   EXPECT_EQ(from_dds(to_dds(living, of_living)), living);
 }
 
 TEST(ControlCodecTest, AReadersWordIsItsAnnouncementOrItsRequestAndNothingElse) {
-  ControlStorage storage;
+  ControlStorage storage, of_request;
   const Endpoint reader = endpoint();
   sft_control_Endpoint announcement = to_dds(reader, storage);
-  sft_control_Request request = to_dds(reader.request);
+  sft_control_Request request = to_dds(reader.request, of_request);
   EXPECT_EQ(std::get<Endpoint>(from_dds(in_word(announcement)).value()), reader);
   EXPECT_EQ(std::get<Request>(from_dds(in_word(request)).value()), reader.request);
 
@@ -189,7 +190,7 @@ TEST(ControlCodecTest, SamplesThatNameNothingAreRefused) {
   sample = to_dds(endpoint(), storage);
   sample.id = 0;
   EXPECT_FALSE(from_dds(sample));
-  EXPECT_FALSE(from_dds(to_dds(Request{})));
+  EXPECT_FALSE(from_dds(to_dds(Request{}, storage)));
 }
 
 TEST(ControlCodecTest, NamesThatCouldForgeLinesOfALogAreRefusedAndQuotedSafely) {
@@ -218,14 +219,14 @@ TEST(ControlCodecTest, ATopicThatSomebodyAnnouncesWithASlashInFrontIsTheOneWitho
 }
 
 TEST(ControlCodecTest, SequencesThatNoReaderComesToAreRefused) {
+  ControlStorage storage;
   Request request = endpoint().request;
   request.sequence = request_sequence_max;
-  EXPECT_TRUE(from_dds(to_dds(request)));
+  EXPECT_TRUE(from_dds(to_dds(request, storage)));
   request.sequence = request_sequence_max + 1;
-  EXPECT_FALSE(from_dds(to_dds(request)));
+  EXPECT_FALSE(from_dds(to_dds(request, storage)));
   Endpoint e = endpoint();
   e.request.sequence = UINT64_MAX;
-  ControlStorage storage;
   EXPECT_FALSE(from_dds(to_dds(e, storage)));
 }
 

@@ -13,7 +13,7 @@ using Numbers = std::vector<std::uint64_t>;
 class AcceptedRequestsTest : public testing::Test {
  protected:
   /// Any two differ by their numbers.
-  static Wanted wanted(std::uint32_t number) { return {.mask = {}, .min_period_us = number}; }
+  static Wanted wanted(std::uint32_t number) { return {.selection = {}, .min_period_us = number}; }
   static Numbers periods(const AcceptedRequests& requests) {
     Numbers periods;
     for (const Accepted& accepted : requests.all()) periods.push_back(accepted.wanted.min_period_us);

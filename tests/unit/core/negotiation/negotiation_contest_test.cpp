@@ -51,7 +51,8 @@ class Contests : public NegotiationTest {
   bool served() const { return there.serving(100).network.size() == 1; }
   bool served_as_asked() const {
     const Serving serving = there.serving(100);
-    return serving.network.size() == 1 && serving.network[0].mask == FieldMask(F::height | F::width);
+    return serving.network.size() == 1 &&
+           serving.network[0].selection.mask() == FieldMask(F::height | F::width);
   }
 
   Negotiation there;

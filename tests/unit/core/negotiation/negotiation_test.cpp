@@ -26,10 +26,53 @@ TEST_F(NegotiationTest, AReaderOnAnotherHostIsServedByUdpWithTheMaskOfItsFirstRe
   negotiation.endpoint_seen(endpoint(Role::reader, 7));
   const Serving serving = negotiation.serving(100);
   ASSERT_EQ(serving.network.size(), 1U);
-  EXPECT_EQ(serving.network[0].mask, FieldMask(F::height | F::width));
+  EXPECT_EQ(serving.network[0].selection.mask(), FieldMask(F::height | F::width));
   EXPECT_EQ(std::get<UdpAddress>(serving.network[0].destination).ip, 0x0a000001U);
   EXPECT_EQ(serving.readers[0].reason, "another host");
   EXPECT_FALSE(serving.memory_port);
+}
+
+TEST_F(NegotiationTest, AReaderOfPartsIsServedWithTheseAndWithTheFieldsThatTheyNeed) {
+  our_writer();
+  Endpoint reader = endpoint(Role::reader, 7);
+  const Selection wanted = type.parse_selection("header.stamp, data{x,y}[::4]").value();
+  reader.request.mask_words = wanted.mask().to_words();
+  reader.request.parts = wanted.to_bytes();
+  negotiation.endpoint_seen(reader);
+  const Serving serving = negotiation.serving(100);
+  ASSERT_EQ(serving.network.size(), 1U);
+  EXPECT_EQ(serving.network[0].selection, type.closed(wanted));
+  EXPECT_EQ(serving.readers[0].mask, type.closed(wanted).mask());
+}
+
+TEST_F(NegotiationTest, AReaderIsNotServedIfItsPartsAreMalformed) {
+  our_writer();
+  const Selection part = type.parse_selection("data{x}").value();
+  std::vector<std::byte> of_no_leaf = part.to_bytes();
+  of_no_leaf[4] = std::byte{100};
+  for (const std::vector<std::byte>& parts :
+       {std::vector<std::byte>{std::byte{255}}, {std::byte{1}}, of_no_leaf}) {
+    Endpoint reader = endpoint(Role::reader, 7);
+    reader.request.parts = parts;
+    negotiation.endpoint_seen(reader);
+    const Serving serving = negotiation.serving(100);
+    EXPECT_TRUE(serving.network.empty());
+    ASSERT_EQ(serving.readers.size(), 1U);
+    EXPECT_FALSE(serving.readers[0].served);
+    EXPECT_EQ(serving.readers[0].reason.find("it asks for parts that do not fit the type"), 0U);
+    negotiation.endpoint_departed(7);
+  }
+}
+
+TEST_F(NegotiationTest, APartOfANumberIsNoneAtAll) {
+  our_writer();
+  Endpoint reader = endpoint(Role::reader, 7);
+  const auto height = static_cast<std::uint32_t>(*type.find("height")->begin());
+  const Selection::Part part{.leaf = height, .columns = {.step = 2}, .channels = {"x"}};
+  reader.request.parts = Selection::make(FieldMask(F::width), {part}, {}).value().to_bytes();
+  reader.request.mask_words = words(F::width);
+  negotiation.endpoint_seen(reader);
+  EXPECT_EQ(negotiation.serving(100).network[0].selection, Selection(FieldMask(F::height | F::width)));
 }
 
 TEST_F(NegotiationTest, EventsOfATopicThatIsNotOursChangeNothing) {
@@ -59,7 +102,7 @@ TEST_F(NegotiationTest, NothingIsSentToAReaderBeforeItSaysThatItListens) {
   EXPECT_TRUE(negotiation.serving(100).network.empty());
   EXPECT_EQ(negotiation.serving(100).readers.at(0).reason, "the subscriber is not listening yet");
   negotiation.request_received(request(7, 2, F::data));
-  EXPECT_EQ(negotiation.serving(100).network.at(0).mask, FieldMask(F::data));
+  EXPECT_EQ(negotiation.serving(100).network.at(0).selection.mask(), FieldMask(F::data));
 }
 
 TEST_F(NegotiationTest, WhatAReaderAskedForWhileItsNodeWasSilentHoldsOnceThatIsHeardAgain) {
@@ -70,7 +113,7 @@ TEST_F(NegotiationTest, WhatAReaderAskedForWhileItsNodeWasSilentHoldsOnceThatIsH
   negotiation.node_lost(66);
   EXPECT_FALSE(negotiation.request_received(request(7, 2, F::data)));
   EXPECT_TRUE(negotiation.node_returned(66));
-  EXPECT_EQ(negotiation.serving(100).network.at(0).mask, FieldMask(F::data));
+  EXPECT_EQ(negotiation.serving(100).network.at(0).selection.mask(), FieldMask(F::data));
 }
 
 TEST_F(NegotiationTest, WhatALostReaderAskedForIsKeptUntilItIsSeenAgainHoweverLong) {
@@ -85,7 +128,7 @@ TEST_F(NegotiationTest, WhatALostReaderAskedForIsKeptUntilItIsSeenAgainHoweverLo
   EXPECT_TRUE(negotiation.serving(100).network.empty());
   EXPECT_TRUE(negotiation.tick(Time{} + 60s)) << "the reader is forgotten, but not its request";
   negotiation.endpoint_seen(reader);
-  EXPECT_EQ(negotiation.serving(100).network.at(0).mask, FieldMask(F::data));
+  EXPECT_EQ(negotiation.serving(100).network.at(0).selection.mask(), FieldMask(F::data));
 }
 
 TEST_F(NegotiationTest, AReaderIsReachedInANetworkThatWeAreInToo) {
@@ -138,7 +181,7 @@ TEST_F(NegotiationTest, ANodeThatReturnsIsServedAsItAskedMeanwhile) {
   negotiation.node_lost(70);
   negotiation.request_received(request(7, 2, F::data));
   negotiation.node_returned(70);
-  EXPECT_EQ(negotiation.serving(100).network.at(0).mask, FieldMask(F::data));
+  EXPECT_EQ(negotiation.serving(100).network.at(0).selection.mask(), FieldMask(F::data));
 }
 
 TEST_F(NegotiationTest, ANodeThatDiscoveryHasGivenUpReturnsOnlyByDiscovery) {
@@ -206,7 +249,7 @@ TEST_F(NegotiationTest, AnAttachedReaderThatListensByUdpTooGetsThereWhatSharedMe
   const Serving serving = negotiation.serving(100);
   ASSERT_EQ(serving.fallback.size(), 1U);
   EXPECT_TRUE(serving.fallback[0].fallback);
-  EXPECT_EQ(serving.fallback[0].mask, FieldMask(F::height));
+  EXPECT_EQ(serving.fallback[0].selection.mask(), FieldMask(F::height));
   EXPECT_TRUE(std::holds_alternative<UdpAddress>(serving.fallback[0].destination));
   Request deaf = request(7, 3, F::height, {100});
   deaf.listening.clear();
@@ -232,14 +275,14 @@ TEST_F(NegotiationTest, ALaterRequestReplacesTheMaskAndAReorderedOrRepeatedOneDo
   EXPECT_TRUE(negotiation.request_received(request(7, 5, F::data)));
   EXPECT_FALSE(negotiation.request_received(request(7, 5, F::height)));
   EXPECT_FALSE(negotiation.request_received(request(7, 4, F::height)));
-  EXPECT_EQ(negotiation.serving(100).network.at(0).mask, FieldMask(F::data));
+  EXPECT_EQ(negotiation.serving(100).network.at(0).selection.mask(), FieldMask(F::data));
 }
 
 TEST_F(NegotiationTest, ARequestThatComesBeforeItsReaderIsKeptForIt) {
   our_writer();
   negotiation.request_received(request(7, 3, F::data));
   negotiation.endpoint_seen(endpoint(Role::reader, 7));
-  EXPECT_EQ(negotiation.serving(100).network.at(0).mask, FieldMask(F::data));
+  EXPECT_EQ(negotiation.serving(100).network.at(0).selection.mask(), FieldMask(F::data));
 }
 
 TEST_F(NegotiationTest, ARepeatedAnnouncementDoesNotTakeALaterRequestBack) {
@@ -247,7 +290,7 @@ TEST_F(NegotiationTest, ARepeatedAnnouncementDoesNotTakeALaterRequestBack) {
   negotiation.endpoint_seen(endpoint(Role::reader, 7));
   negotiation.request_received(request(7, 3, F::data));
   negotiation.endpoint_seen(endpoint(Role::reader, 7));
-  EXPECT_EQ(negotiation.serving(100).network.at(0).mask, FieldMask(F::data));
+  EXPECT_EQ(negotiation.serving(100).network.at(0).selection.mask(), FieldMask(F::data));
 }
 
 TEST_F(NegotiationTest, ALostReaderIsNotServedButItsMaskIsKeptUntilItReturns) {
@@ -259,7 +302,7 @@ TEST_F(NegotiationTest, ALostReaderIsNotServedButItsMaskIsKeptUntilItReturns) {
   EXPECT_EQ(negotiation.serving(100).readers.at(0).reason, "its node does not answer");
 
   negotiation.endpoint_seen(endpoint(Role::reader, 7));
-  EXPECT_EQ(negotiation.serving(100).network.at(0).mask, FieldMask(F::data));
+  EXPECT_EQ(negotiation.serving(100).network.at(0).selection.mask(), FieldMask(F::data));
 }
 
 // The two control topics come back one after the other, and each tells what it has only once.
@@ -270,7 +313,7 @@ TEST_F(NegotiationTest, ARequestThatReturnsBeforeItsLostReaderIsKeptWhenTheReade
   negotiation.request_received(request(7, 3, F::data));
   EXPECT_TRUE(negotiation.tick(Time{} + 60s));
   negotiation.endpoint_seen(endpoint(Role::reader, 7));
-  EXPECT_EQ(negotiation.serving(100).network.at(0).mask, FieldMask(F::data));
+  EXPECT_EQ(negotiation.serving(100).network.at(0).selection.mask(), FieldMask(F::data));
 }
 
 TEST_F(NegotiationTest, ALostReaderIsForgottenAfterAWhileAndADepartedOneAtOnce) {
@@ -397,7 +440,7 @@ TEST_F(NegotiationTest, TheOldestOfTooManyEarlyRequestsMakesRoom) {
   small.local_added(endpoint(Role::writer, 100), type);
   for (const EndpointId id : {90, 91, 7, 8}) small.request_received(request(id, 2, F::data));
   small.endpoint_seen(endpoint(Role::reader, 7));
-  EXPECT_EQ(small.serving(100).network.at(0).mask, FieldMask(F::data));
+  EXPECT_EQ(small.serving(100).network.at(0).selection.mask(), FieldMask(F::data));
 }
 
 // Announcement, requests and shared memory may come in any order. Once all have come, the outcome is the
@@ -421,7 +464,7 @@ TEST_F(NegotiationTest, TheOutcomeDoesNotDependOnTheOrderOfEvents) {
     }
     const Serving serving = n.serving(100);
     ASSERT_EQ(serving.memory.size(), 1U);
-    ASSERT_EQ(serving.memory[0].mask, FieldMask(F::width | F::width));
+    ASSERT_EQ(serving.memory[0].selection.mask(), FieldMask(F::width | F::width));
     ASSERT_EQ(serving.network.size(), 1U);
     ASSERT_EQ(serving.network[0].reader, 8U);
   }

@@ -100,10 +100,10 @@ inline SampleHandle make_sample(BufferPool& pool, const TypeSupport& type, std::
 }
 
 inline Route network_route(EndpointId reader, const TypeSupport& type) {
-  return {.reader = reader, .destination = UdpAddress{0x7f000001, 5000}, .mask = type.full()};
+  return {.reader = reader, .destination = UdpAddress{0x7f000001, 5000}, .selection = type.full()};
 }
 inline Route memory_route(EndpointId reader, const TypeSupport& type) {
-  return {.reader = reader, .destination = DoorbellAddress{}, .mask = type.full()};
+  return {.reader = reader, .destination = DoorbellAddress{}, .selection = type.full()};
 }
 
 }  // namespace sft::core::test

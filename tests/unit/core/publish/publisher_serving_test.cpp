@@ -182,7 +182,7 @@ TEST_F(PublisherServingTest, AReaderThatChangesOverToSharedMemoryIsSentASampleTh
   network->meanwhile = [&] { changing.publish(&cloud); };
   Serving serving;
   serving.memory_port = true;
-  serving.memory = {{.reader = 2, .destination = DoorbellAddress{}, .mask = type.full()}};
+  serving.memory = {{.reader = 2, .destination = DoorbellAddress{}, .selection = type.full()}};
   changing.serve(serving, in_memory);
   EXPECT_EQ(in_memory->sent, 1);
 }
@@ -197,7 +197,8 @@ class LateInMemoryTest : public PublisherServingTest {
   }
   Serving to_late_reader() const {
     Serving serving;
-    serving.memory = {{.reader = 2, .destination = DoorbellAddress{}, .mask = type.full(), .history = 2}};
+    serving.memory = {
+        {.reader = 2, .destination = DoorbellAddress{}, .selection = type.full(), .history = 2}};
     return serving;
   }
   /// The sequences of the samples that the reader was given. All of them have to lie in the port's memory.
@@ -269,7 +270,7 @@ class WaitingPublisherTest : public PublisherServingTest {
     return spec;
   }
   Route local(bool reliable) const {
-    Route route{.reader = 2, .destination = DoorbellAddress{}, .mask = type.full()};
+    Route route{.reader = 2, .destination = DoorbellAddress{}, .selection = type.full()};
     route.reliable = reliable;
     return route;
   }

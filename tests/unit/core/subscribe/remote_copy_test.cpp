@@ -103,7 +103,7 @@ class AsRemoteSubscriberTest : public RemoteCopyTest {
                              .requirement = {type.full(), true},
                              .options = {},
                              .callback = {},
-                             .as_remote = BufferPool::make(64 << 20)},
+                             .copies = BufferPool::make(64 << 20)},
                             bells->at(1),
                             nullptr};
 };

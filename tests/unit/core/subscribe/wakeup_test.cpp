@@ -112,7 +112,7 @@ class SubscriberWakeUp : public WakeUp {
     SubscriberCore::Spec spec;
     spec.id = 1;
     spec.type = &type_;
-    spec.requirement.mask = type_.full();
+    spec.requirement.selection = type_.full();
     spec.options.spin = spin;
     spec.poll_handle = std::move(poll_handle);
     subscriber_ = std::make_shared<SubscriberCore>(std::move(spec), bell(), nullptr);

@@ -39,7 +39,7 @@ class ReassemblyTest : public testing::Test {
 
   void read_under(std::initializer_list<const char*> masks, std::size_t max_sample_bytes = 0) {
     Stream stream{lone_writer, &test::type_support<Image>(), max_sample_bytes, {}};
-    for (const char* mask : masks) stream.masks.push_back(fields<Image>(mask));
+    for (const char* mask : masks) stream.selections.push_back(fields<Image>(mask));
     reassembly_->set_streams({&stream, 1});
   }
 

@@ -40,11 +40,14 @@ class WantedMasksTest : public testing::Test {
   WantedMasksTest() { want({"height", "data"}); }
 
   void want(std::initializer_list<const char*> masks) {
-    std::vector<FieldMask> all;
+    std::vector<Selection> all;
     for (const char* mask : masks) all.push_back(fields<Image>(mask));
     wanted_.set(test::type_support<Image>(), all);
   }
-  void want_wide(const FieldMask& mask) { wanted_.set(test::type_support<Wide>(), {&mask, 1}); }
+  void want_wide(const FieldMask& mask) {
+    const Selection all(mask);
+    wanted_.set(test::type_support<Wide>(), {&all, 1});
+  }
 
   /// A datagram under that mask, of a few bytes.
   WantedMasks::Named named(const FieldMask& mask, std::uint8_t flags = 0) {
@@ -79,6 +82,23 @@ TEST_F(WantedMasksTest, KnowTheMasksThatAreWantedAndNoOthers) {
   EXPECT_FALSE(other.malformed);
 }
 
+TEST_F(WantedMasksTest, KnowPartsOfFieldsByTheirHash) {
+  const TypeSupport& type = test::type_support<Image>();
+  const auto some = type.closed(type.parse_selection("data[::2]").value());
+  const auto others = type.closed(type.parse_selection("data[::3]").value());
+  const Selection all[] = {fields<Image>("data"), some};
+  wanted_.set(type, all);
+  EXPECT_EQ(named(fields<Image>("data")).parts, 0U);
+  datagram_.first.mask = some.what_hash();
+  const auto part = name();
+  ASSERT_NE(part.mask, nullptr);
+  EXPECT_EQ(*part.mask, fields<Image>("data"));
+  EXPECT_EQ(part.parts, some.parts_hash());
+  datagram_.first.mask = others.what_hash();
+  EXPECT_EQ(name().mask, nullptr) << "nobody asked for it";
+  EXPECT_EQ(merged("data, height").parts, 0U) << "a union has whole fields";
+}
+
 TEST_F(WantedMasksTest, TakeAMergedMaskThatContainsAWantedOne) {
   const auto both = merged("data, width");
   ASSERT_NE(both.mask, nullptr);
@@ -105,7 +125,8 @@ TEST_F(WantedMasksTest, RefuseAMergedMaskWithBitsThatTheTypeDoesNotHave) {
 TEST_F(WantedMasksTest, RefuseAMergedMaskThatHasElementsWithoutTheirNumber) {
   const TypeSupport& type = type_with_elements();
   const FieldMask last = *type.parse_mask("last"), elements = *type.parse_mask("last elements[].a");
-  wanted_.set(type, {&last, 1});
+  const Selection wanted(last);
+  wanted_.set(type, {&wanted, 1});
   EXPECT_TRUE(named(elements, merged_masks).malformed);
   EXPECT_NE(named(type.closed(elements), merged_masks).mask, nullptr);
   EXPECT_NE(named(type.closed(*type.parse_mask("last")), merged_masks).mask, nullptr);

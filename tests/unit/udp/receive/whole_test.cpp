@@ -155,7 +155,7 @@ class WholeTest : public testing::Test {
 
   void read(bool reliable) {
     Stream stream{lone_writer, &test::type_support<Image>(), 0, {}, reliable};
-    for (const char* mask : {"*", "stamp", "data"}) stream.masks.push_back(fields<Image>(mask));
+    for (const char* mask : {"*", "stamp", "data"}) stream.selections.push_back(fields<Image>(mask));
     reassembly_.set_streams({&stream, 1});
     if (reliable) reassembly_.window(0)->set_readers({1});
   }

@@ -73,14 +73,14 @@ TEST_F(GroupKeeperTest, TakesWhatAllReadersOfANewProcessAskForAsOneEvent) {
   EXPECT_EQ(go_on(3ms), 1);
   EXPECT_EQ(members(), 3U);
   ASSERT_EQ(merged_.size(), 1U) << "nobody is served alone";
-  EXPECT_EQ(merged_[0].wanted.mask, fields<Image>("height, width, name, data, stamp"));
+  EXPECT_EQ(merged_[0].wanted.selection.mask(), fields<Image>("height, width, name, data, stamp"));
 }
 
 TEST_F(GroupKeeperTest, LeavesAReaderAloneForATenthOfASecondThatAsksForSomethingElseAfterThat) {
   readers(3);
   serve();
   go_on(CalmWatch::gathering);
-  routes_[2].mask = fields<Image>("height, data");
+  routes_[2].selection = fields<Image>("height, data");
   serve();
   EXPECT_EQ(members(), 2U);
   EXPECT_EQ(why(3), restless);
@@ -129,12 +129,12 @@ TEST_F(GroupKeeperTest, LeavesAReaderAloneThatNeverAsksForTheSameForLong) {
   serve();
   go_on(200ms);
   ASSERT_EQ(members(), 4U);
-  routes_[3].mask = fields<Image>("width");
+  routes_[3].selection = fields<Image>("width");
   serve();
   ASSERT_EQ(members(), 3U);
   const auto group = groups_.at(0);
   for (int i = 0; i < 50; ++i) {
-    routes_[3].mask = fields<Image>(i % 2 == 0 ? "height" : "width");
+    routes_[3].selection = fields<Image>(i % 2 == 0 ? "height" : "width");
     serve();
     EXPECT_EQ(why(4), restless);
     go_on(90ms);
@@ -148,7 +148,7 @@ TEST_F(GroupKeeperTest, LeavesAReaderAloneForLongerEachTimeThatItsMaskChangesOnc
   go_on(200ms);
   std::vector<std::chrono::milliseconds> alone;
   for (int i = 0; i < 10; ++i) {
-    routes_[2].mask = fields<Image>(i % 2 == 0 ? "height, data" : "*");
+    routes_[2].selection = fields<Image>(i % 2 == 0 ? "height, data" : "*");
     serve();
     ASSERT_EQ(members(), 2U);
     alone.push_back(time_until_plan());
@@ -163,7 +163,7 @@ TEST_F(GroupKeeperTest, GathersCalmReadersWhileAnotherNeverIs) {
   readers(1);
   serve();
   for (int i = 0; i < 12; ++i) {
-    routes_[0].mask = fields<Image>(i % 2 == 0 ? "height" : "width");
+    routes_[0].selection = fields<Image>(i % 2 == 0 ? "height" : "width");
     if (i == 5) readers(3);
     serve();
     go_on(20ms);

@@ -116,12 +116,31 @@ class GroupKeeperTest : public testing::Test {
     }
     return std::chrono::floor<std::chrono::milliseconds>(now_ - since) - 1ms;
   }
+  /// All readers go. Returns the group that there was.
+  std::shared_ptr<MulticastGroup> end_of_group() {
+    const std::shared_ptr<MulticastGroup> group = groups_.at(0);
+    routes_.clear();
+    serve();
+    return group;
+  }
   std::size_t members() const {
     std::size_t count = 0;
     for (const auto& group : groups_) count += group->members().size();
     return count;
   }
   std::string why(core::EndpointId reader) const { return keeper_->why(reader); }
+  /// The members that were told that the group is over, in ascending order; twice, if they were told twice.
+  std::vector<std::size_t> withdrawn(const MulticastGroup& group) const {
+    std::vector<std::size_t> told;
+    for (const auto& datagram : connections_.sent()) {
+      const auto offer = parse_as<GroupOffer>(datagram);
+      for (std::size_t i = 0; offer && i < group.members().size(); ++i) {
+        if (*offer == group.farewell(i)) told.push_back(i);
+      }
+    }
+    std::ranges::sort(told);
+    return told;
+  }
 
   struct Connected {
     std::uint32_t group, own;

@@ -100,7 +100,7 @@ TEST_F(GroupKeeperTest, SendsTheGroupTheUnionOfItsMembersMasks) {
   go_on(300ms);
   ASSERT_EQ(groups_.size(), 1U);
   ASSERT_EQ(merged_.size(), 1U) << "nobody is served alone";
-  EXPECT_EQ(merged_[0].wanted.mask, fields<Image>("height, width, stamp"));
+  EXPECT_EQ(merged_[0].wanted.selection.mask(), fields<Image>("height, width, stamp"));
   EXPECT_EQ(members(), 4U);
 }
 
@@ -277,27 +277,59 @@ TEST_F(GroupKeeperTest, WithdrawsAGroupASecondAfterItsEnd) {
   serve();
   go_on(200ms);
   ASSERT_EQ(members(), 2U);
-  const std::uint32_t number = groups_[0]->name().number;
+  const auto first = groups_[0];
   readers(1);
   serve();
   go_on(110ms);
   ASSERT_EQ(members(), 3U);
-  EXPECT_GT(groups_[0]->name().number, number) << "others make another group";
-  const auto taken_back = [&] {
-    std::size_t count = 0;
-    for (const auto& datagram : connections_.sent()) {
-      const auto offer = parse_as<GroupOffer>(datagram);
-      count += offer && offer->group == number && offer->address == 0 ? 1 : 0;
-    }
-    return count;
-  };
+  EXPECT_GT(groups_[0]->name().number, first->name().number) << "others make another group";
   const auto over = now_ - 10ms;
   keeper_->tend(over + 900ms);
-  EXPECT_EQ(taken_back(), 0U) << "something of it may be under way";
+  EXPECT_TRUE(withdrawn(*first).empty()) << "something of it may be under way";
   keeper_->tend(over + 1010ms);
-  EXPECT_EQ(taken_back(), 2U);
+  EXPECT_EQ(withdrawn(*first), (std::vector<std::size_t>{0, 1}));
   keeper_->tend(over + 2s);
-  EXPECT_EQ(taken_back(), 2U) << "once";
+  EXPECT_EQ(withdrawn(*first).size(), 2U) << "once";
+}
+
+TEST_F(GroupKeeperTest, WithdrawsTheLastGroupOfAMemberAndWithItThoseBefore) {
+  readers(2);
+  serve();
+  go_on(200ms);
+  const auto first = groups_.at(0);
+  readers(1);
+  serve();
+  go_on(200ms);
+  ASSERT_EQ(members(), 3U);
+  const auto second = end_of_group();
+  ASSERT_NE(second, first);
+  keeper_->tend(now_ + 999ms);
+  EXPECT_TRUE(withdrawn(*second).empty()) << "something of it may be under way";
+  keeper_->tend(now_ + 1s);
+  EXPECT_TRUE(withdrawn(*first).empty());
+  EXPECT_EQ(withdrawn(*second), (std::vector<std::size_t>{0, 1, 2}));
+}
+
+TEST_F(GroupKeeperTest, WithdrawsALargeGroupFromEightMembersOrAnEighthAtATime) {
+  for (const std::uint32_t size : {20U, 200U}) {
+    restart(Multicast::automatic);
+    readers(size);
+    serve();
+    go_on(200ms);
+    ASSERT_EQ(members(), size);
+    const auto group = end_of_group();
+    now_ += 1s;
+    std::size_t told = 0;
+    for (std::size_t times = 0; told < size; ++times) {
+      ASSERT_LT(times, 20U) << told << " of " << size;
+      keeper_->tend(now_);
+      const std::size_t rest = size - told;
+      EXPECT_EQ(withdrawn(*group).size(), told + std::min(rest, std::max<std::size_t>(8, rest / 8)));
+      told = withdrawn(*group).size();
+    }
+    keeper_->tend(now_);
+    EXPECT_EQ(withdrawn(*group).size(), size) << "once";
+  }
 }
 
 TEST_F(GroupKeeperTest, KeepsAGroupWhoseMembersStay) {
@@ -368,7 +400,8 @@ TEST_F(GroupKeeperTest, MakesNoGroupForATypeWithTooManyFields) {
     const StructType type("test::Large", members);
     keeper_ = std::make_unique<GroupKeeper>(setup(type, Multicast::automatic, 7));
     routes_.clear();
-    for (std::uint32_t host = 10; host < 12; ++host) reader(first_link + host).mask = FieldMask::full(leaves);
+    for (std::uint32_t host = 10; host < 12; ++host)
+      reader(first_link + host).selection = FieldMask::full(leaves);
     serve();
     EXPECT_EQ(why(1), leaves > 2048 ? "alone: its type has too many fields" : restless);
     keeper_ = nullptr;

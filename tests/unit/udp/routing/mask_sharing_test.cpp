@@ -19,7 +19,7 @@ class MaskSharingTest : public GroupKeeperTest {
   }
   std::vector<FieldMask> masks() const {
     std::vector<FieldMask> all;
-    for (const RouteBundle& bundle : merged_) all.push_back(bundle.wanted.mask);
+    for (const RouteBundle& bundle : merged_) all.push_back(bundle.wanted.selection.mask());
     return all;
   }
 };
@@ -36,7 +36,7 @@ TEST_F(MaskSharingTest, SendsOneCopyForReadersWhoseMasksHaveMostInCommon) {
   ASSERT_EQ(merged_.size(), 1U);
   EXPECT_TRUE(merged_[0].merged);
   EXPECT_FALSE(merged_[0].multicast);
-  EXPECT_EQ(merged_[0].wanted.mask, fields<Image>("data, height, width"));
+  EXPECT_EQ(merged_[0].wanted.selection.mask(), fields<Image>("data, height, width"));
   EXPECT_EQ(merged_[0].readers.size(), 2U);
   EXPECT_EQ(merged_[0].reliable.begin()->second, (std::set<core::EndpointId>{1, 2}));
   EXPECT_FALSE(keeper_->replan(now_)) << "nothing has changed";
@@ -93,7 +93,7 @@ TEST_F(MaskSharingTest, GoesOnWithTheUnionOfOtherMasks) {
   here("data, height");
   here("data, width");
   serve_measured(1000);
-  routes_[1].mask = fields<Image>("data, stamp");
+  routes_[1].selection = fields<Image>("data, stamp");
   serve();
   EXPECT_EQ(masks(), std::vector{fields<Image>("data, height, stamp")});
   routes_.pop_back();

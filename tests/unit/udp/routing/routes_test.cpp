@@ -25,7 +25,7 @@ class RoutesTest : public testing::Test {
   }
   template <class T = Image>
   std::shared_ptr<const RouteTable> table(const std::vector<core::Route>& routes) {
-    return make_route_table(TypeTable<T>::type, routes, variants_, destinations_);
+    return make_route_table(type_support<T>(), routes, variants_, destinations_);
   }
   /// A mask of its own for each number.
   static FieldMask mask(std::uint64_t number) { return FieldMask::from_words(64, {&number, 1}); }
@@ -77,12 +77,12 @@ TEST_F(RoutesTest, GroupsReadersByMaximumRateToo) {
 TEST_F(RoutesTest, ServesALateReaderApartByOneLaneWhateverItAsksFor) {
   core::Route late = route(1, fields<Image>("data"));
   late.history = 3;
-  const core::Route other{2, late.destination, late.mask};
+  const core::Route other{2, late.destination, late.selection};
   const auto before = table({late, other});
   ASSERT_EQ(before->audiences.size(), 2U);
   EXPECT_EQ(before->of_late_reader(1), before->audiences.data());
   EXPECT_FALSE(variants_.late_lane_idle(1)) << "its history is not known yet";
-  late.mask = fields<Image>("name");
+  late.selection = fields<Image>("name");
   const auto after = table({late, other});
   EXPECT_EQ(after->audiences[0].lanes, before->audiences[0].lanes);
   EXPECT_NE(after->audiences[0].wire->variant, before->audiences[0].wire->variant);

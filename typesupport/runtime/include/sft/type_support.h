@@ -9,8 +9,10 @@
 #include <string_view>
 #include <vector>
 
+#include "sft/detail/layout.h"
 #include "sft/mask.h"
 #include "sft/result.h"
+#include "sft/selection.h"
 #include "sft/type.h"
 
 namespace sft {
@@ -48,9 +50,21 @@ class TypeSupport {
   /// The paths of format_mask(), each by itself.
   std::vector<std::string> field_names(const FieldMask& mask) const;
 
+  /// The selection that the text describes (selection.md). The error begins with the column, from 1, of what
+  /// is wrong.
+  Result<Selection> parse_selection(std::string_view text) const;
+  /// The shortest text that parse_selection() reads as exactly this: "header.stamp, data{x,y,z}[:100]". Bytes
+  /// can have parts and conditions that do not suit their fields; then it is only for people.
+  std::string format_selection(const Selection& selection) const;
+
   /// The fields that are sent for `mask`: the length of a sequence is sent with any leaf of its elements, and
   /// key members are always sent. A closed mask stays the same if it is closed again.
   FieldMask closed(FieldMask mask) const;
+  /// What is sent for the selection: its fields as above, the fields that a part changes or that it cannot be
+  /// understood without, and the same part of fields that belong together (selection.md, "Parts").
+  Selection closed(const Selection& selection) const;
+  /// For SFT's own code: how the field is made of rows and columns; null: it is not, or nobody said so.
+  const detail::Layout* layout_of(std::size_t leaf) const;
 
   /// The mask without a field.
   FieldMask none() const { return FieldMask(leaves()); }
@@ -68,7 +82,10 @@ class TypeSupport {
   void add_keys(const StructType& type, std::size_t leaf, FieldMask& mask) const;
   void add_lengths(const StructType& type, std::size_t leaf, FieldMask& mask) const;
 
+  std::vector<Selection::Part> closed_parts(const Selection& selection) const;
+
   const StructType* type_;
+  std::vector<detail::Layout> layouts_;
   std::vector<std::string> paths_;
   std::vector<Node> nodes_;
   std::size_t slots_ = 0;

@@ -36,6 +36,9 @@ class PostponedCopies {
   void make(std::size_t bytes_max) noexcept;
   void make_all() noexcept { make(static_cast<std::size_t>(-1)); }
 
+  /// Where `bytes` from `data` on can be read at present. Null if they are in several places.
+  const std::byte* locate(const std::byte* data, std::size_t bytes) const;
+
   /// Appends where the bytes of these segments, which may refer to the body, are at present.
   void locate(std::span<const Segment> segments, std::vector<Segment>& located) const;
 

@@ -1,17 +1,22 @@
 // From one encoded sample to the CDR of a smaller mask, without touching what is not asked for: small runs
-// are copied to a staging buffer, large ones are named where they lie in the source.
+// are copied to a staging buffer, large ones are named where they lie in the source. Of some fields only a
+// part may be asked for (cut.h); its bytes are gathered in the staging buffer, unless they lie together.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "sft/detail/cut.h"
 #include "sft/detail/walk.h"
 #include "sft/type_support.h"
 
 namespace sft::detail {
+
+class PostponedCopies;
 
 struct Segment {
   const std::byte* data = nullptr;
@@ -27,11 +32,29 @@ class ProjectionPlan {
  public:
   /// `type` outlives the plan. `mask` is closed.
   ProjectionPlan(const StructType& type, FieldMask mask);
+  /// The same for a closed selection; the gate does not matter.
+  ProjectionPlan(const TypeSupport& type, const Selection& selection);
 
   const FieldMask& mask() const { return mask_; }
+  /// The fields of which no part is taken.
+  FieldMask whole() const;
+  bool has_parts() const { return !parts_.empty(); }
+  std::uint64_t parts_hash() const { return parts_hash_; }  ///< Selection::parts_hash()
 
  private:
   friend class Projection;
+
+  struct PlannedPart {
+    Selection::Part part;
+    Layout::Field data{};
+    const Layout* layout = nullptr;
+  };
+  /// What a part changes: the field itself, or one that depends on it.
+  struct Change {
+    std::optional<std::size_t> part{};  ///< none: nothing changes
+    std::optional<LayoutRole> role{};   ///< none: the field itself
+    std::size_t coordinate = 0;         ///< of an origin: 0 to 2
+  };
 
   /// A leaf of which the size is known: a primitive or an array of them.
   struct Block {
@@ -50,13 +73,18 @@ class ProjectionPlan {
     std::size_t leaf = 0;
     const Member* member = nullptr;  ///< null: a run
     Run run{};
+    Change change{};
   };
 
   void add(const StructType& type, std::size_t& leaf, std::size_t& slot);
   void add_block(const Member& m, std::size_t leaf, std::size_t slot);
   void measure(Run& run) const;
+  void add_all(const StructType& type);
+  Change change_of(std::size_t leaf) const;
 
   FieldMask mask_;
+  std::uint64_t parts_hash_ = 0;
+  std::vector<PlannedPart> parts_;
   std::vector<Step> steps_;
   std::vector<Block> blocks_;
   std::size_t next_slot_ = 0;  ///< behind the last block, while steps are added
@@ -68,6 +96,15 @@ class Projection {
   /// not have all of the mask, or its bytes are not what they claim to be. In steady state nothing is
   /// allocated.
   bool project(const SampleState& source, const ProjectionPlan& plan);
+
+  /// The same for a plan with parts, all in one piece: to `memory`, where bytes_most() bytes suffice for
+  /// nearly all messages. False if they do not. Empty: to memory of the projection. Of what the source lacks
+  /// yet because its copies are `postponed`, the part is taken from where they will be made from.
+  bool project(const SampleState& source, const ProjectionPlan& plan, std::span<std::byte> memory,
+               const PostponedCopies* postponed = nullptr);
+  /// How many bytes the body of a plan with parts can have, but for the padding of structs in sequences; 0
+  /// where project() would fail.
+  std::size_t bytes_most(const SampleState& source, const ProjectionPlan& plan);
 
   /// Projects once, with a plan of its own.
   bool project(const SampleState& source, const StructType& type, const FieldMask& mask) {
@@ -95,6 +132,10 @@ class Projection {
 
  private:
   class Writer;
+  bool write(Writer writer);
+  bool find_cuts(const SampleState& source, const ProjectionPlan& plan);
+
+  std::vector<Cut> cuts_;           ///< of the plan's parts, one after the other
   std::vector<std::byte> staging_;  ///< grows and keeps its size
   std::vector<Segment> segments_;
   std::size_t bytes_ = 0;

@@ -1,0 +1,16 @@
+// The groups of this benchmark. Each runs SFT and its references in turns and returns figures.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "bench/common/report.h"
+
+namespace sft::bench {
+
+/// Measures the way from an encoded sample to the payload with parts of a field.
+std::vector<Figure> gathering_parts(int rounds);
+/// Measures what a part of a cloud costs on the link between two hosts, in bytes and time.
+std::vector<Figure> parts_between_hosts(std::uint64_t samples, int rounds);
+
+}  // namespace sft::bench

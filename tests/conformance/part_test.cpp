@@ -1,0 +1,113 @@
+// Over networks each reader gets the parts of fields that it asked for, also while it asks for others.
+// Whoever shares the memory of a sample gets all of it.
+#include "tests/conformance/conformance.h"
+
+namespace sft::conformance {
+namespace {
+
+using core::SampleHandle;
+using core::SendStatus;
+
+const std::vector<std::string> parts{"data[::3]",          "data",          "height, data[5:9], stamp",
+                                     "data[100:]",         "name, data[0]", "stamp",
+                                     "data[10:5000:2], *", "data[0:0]",     "data[::4]"};
+
+/// The image of which the part is taken, by index.
+Image part_of(Image image, const Selection& wanted) {
+  const std::size_t leaf = *fields<Image>("data").begin();
+  const Selection::Part* const part = wanted.part(leaf);
+  if (part == nullptr) return image;
+  std::vector<std::uint8_t> kept;
+  const std::size_t end = std::min<std::size_t>(part->columns.end, image.data.size());
+  for (std::size_t i = part->columns.begin; i < end; i += part->columns.step) kept.push_back(image.data[i]);
+  image.data = std::move(kept);
+  return image;
+}
+
+testing::AssertionResult is_part(const SampleHandle& sample, std::size_t data_bytes,
+                                 const Selection& wanted) {
+  if (!sample) return testing::AssertionFailure() << "there is no sample";
+  const Image image = make_image(data_bytes, static_cast<std::uint32_t>(sample->sequence));
+  const detail::SampleHeader& header = sample->header();
+  const std::span<const std::byte> body(sample->data + header.body_offset, header.body_bytes);
+  if (sample->mask != wanted.mask() || sample->parts != wanted.parts_hash())
+    return testing::AssertionFailure() << "sample " << sample->sequence << " is of another selection";
+  if (udp::test::same_bytes(body, encoded_body(part_of(image, wanted), wanted.mask())))
+    return testing::AssertionSuccess();
+  return testing::AssertionFailure() << "sample " << sample->sequence << " has other bytes";
+}
+
+TEST_P(Projection, GivesEachReaderItsPartsOfFields) {
+  Writer writer(stage);
+  std::vector<std::unique_ptr<Reader>> readers;
+  std::vector<core::Route> routes;
+  for (const std::string& text : parts) {
+    Reader& reader = *readers.emplace_back(std::make_unique<Reader>(stage, ReaderOptions{.masks = {text}}));
+    reader.hear(writer);
+    routes.push_back(reader.route());
+  }
+  writer.serve(routes);
+  for (const std::size_t bytes : {10U, 20'000U, 0U, 1000U, 300'000U}) {
+    ASSERT_EQ(writer.publish(bytes), SendStatus::sent);
+    for (std::size_t i = 0; i < parts.size(); ++i)
+      ASSERT_TRUE(is_part(readers[i]->next(), bytes, selection(parts[i]))) << parts[i] << " of " << bytes;
+  }
+}
+
+TEST_P(Projection, GivesASampleThePartsThatItNamesWhileReadersAskForOthers) {
+  constexpr std::size_t bytes = 40'000;
+  Writer writer(stage);
+  Reader reader(stage, {.masks = parts});
+  writer.serve(reader);
+  std::vector<Selection> asked;
+  for (const std::string& text : parts) asked.push_back(selection(text));
+  const std::jthread agent([&](const std::stop_token& stop) {
+    for (std::size_t i = 0; !stop.stop_requested(); ++i)
+      writer.serve({reader.route(parts[i % parts.size()])});
+  });
+  for (std::uint64_t n = 1; n <= 1000; ++n) {
+    ASSERT_EQ(writer.publish(bytes), SendStatus::sent);
+    const SampleHandle sample = reader.next();
+    ASSERT_TRUE(sample);
+    EXPECT_EQ(sample->sequence, n) << "no route was ever missing";
+    const auto named = std::ranges::find_if(asked, [&](const Selection& one) {
+      return one.mask() == sample->mask && one.parts_hash() == sample->parts;
+    });
+    ASSERT_NE(named, asked.end());
+    ASSERT_TRUE(is_part(sample, bytes, *named));
+  }
+  EXPECT_EQ(stage.here->counters().malformed, 0U);
+}
+
+TEST_P(Projection, KeepsSamplesFromAReaderThatAskedForAnotherPart) {
+  Writer writer(stage);
+  Reader reader(stage, {.masks = {"data[::2]"}}), witness(stage, {.masks = {"data[::3]"}});
+  reader.hear(writer);
+  witness.hear(writer);
+  writer.serve({reader.route("data[::3]"), witness.route()});
+  ASSERT_EQ(writer.publish(), SendStatus::sent);
+  EXPECT_EQ(witness.next_sequences(1), std::vector<std::uint64_t>{1});
+  writer.serve({reader.route("data"), witness.route()});
+  ASSERT_EQ(writer.publish(), SendStatus::sent);
+  EXPECT_EQ(witness.next_sequences(1), std::vector<std::uint64_t>{2});
+  writer.serve({reader.route()});
+  ASSERT_EQ(writer.publish(), SendStatus::sent);
+  EXPECT_EQ(reader.next_sequences(1), std::vector<std::uint64_t>{3});
+}
+
+TEST_P(Conformance, GivesAReaderOfAPartThisPartOrTheSharedSample) {
+  Writer writer(stage);
+  Reader reader(stage, {.masks = {"data[::3]"}});
+  writer.serve(reader);
+  ASSERT_EQ(writer.publish(1000), SendStatus::sent);
+  const SampleHandle sample = reader.next();
+  if (traits().projects) {
+    EXPECT_TRUE(is_part(sample, 1000, selection("data[::3]")));
+  } else {
+    ASSERT_TRUE(is_image(sample, 1000));
+    EXPECT_EQ(sample->parts, 0U);
+  }
+}
+
+}  // namespace
+}  // namespace sft::conformance

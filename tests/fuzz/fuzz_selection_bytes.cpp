@@ -1,0 +1,93 @@
+// Selections as arbitrary bytes: u8 leaves of the type, u16 bytes of a selection (little-endian), this
+// selection, and another one. What is accepted is written as the same bytes, and obeys the laws of joining
+// and containing.
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <stdexcept>
+#include <vector>
+
+#include "sft/selection.h"
+
+namespace sft {
+namespace {
+
+void require(bool condition, const char* what) {
+  if (!condition) throw std::logic_error(what);  // libFuzzer reports it as a crash
+}
+
+/// Reads them from memory of exactly their size, so that the address sanitizer sees the first byte too many.
+Result<Selection> checked(std::span<const std::byte> bytes, std::size_t leaves) {
+  const std::vector<std::byte> copy(bytes.begin(), bytes.end());
+  Result<Selection> selection = Selection::from_bytes(copy, leaves);
+  if (!selection) {
+    require(selection.error().code == Errc::malformed, "bytes are malformed, if anything");
+    return selection;
+  }
+  require(selection->to_bytes() == copy, "what is accepted is written in the same way");
+  require(selection->mask().leaves() == leaves, "it is of the type");
+  require(selection->parts().size() <= Selection::parts_max, "there are not too many parts");
+  require(selection->gate().conditions.size() <= Selection::conditions_max, "nor too many conditions");
+  for (const Selection::Part& part : selection->parts())
+    require(selection->mask().contains(part.leaf) && !part.is_whole(), "a part is of a field, and not whole");
+  return selection;
+}
+
+void check_alone(const Selection& one) {
+  require(one.joined(one) == one, "joining with itself changes nothing");
+  require(one.contains(one) && one.residual(one).empty(), "it has all of itself");
+  require(one.without_gate().what_hash() == one.what_hash(), "the gate is no field");
+  require((one.gate_hash() == 0) == one.gate().is_open(), "an open gate has no hash");
+  require(one.with_gate(one.gate()).value() == one, "its gate is a gate");
+}
+
+/// The residual of what all of `wanted` is in leads to the part that is wanted.
+void check_residual(const Selection& wanted, const Selection& have) {
+  for (const Selection::Part& rest : wanted.residual(have)) {
+    const Selection::Part* part = wanted.part(rest.leaf);
+    const Selection::Part* there = have.part(rest.leaf);
+    require(part != nullptr && !rest.is_whole(), "only of a part something remains to be taken");
+    require(rest.rows == part->rows || (there != nullptr && rest.rows.is_all() && there->rows == part->rows),
+            "the rows are taken, or there");
+    require(rest.columns == part->columns ||
+                (there != nullptr && rest.columns.is_all() && there->columns == part->columns),
+            "the columns are taken, or there");
+    require(rest.channels == part->channels ||
+                (there != nullptr && rest.channels.empty() && there->channels == part->channels),
+            "the channels are taken, or there");
+  }
+}
+
+void check_pair(const Selection& a, const Selection& b) {
+  const Selection both = a.joined(b);
+  require(both == b.joined(a), "the order of joining does not matter");
+  require(both.contains(a) && both.contains(b), "both are in what is joined");
+  require(Selection::from_bytes(both.to_bytes(), both.mask().leaves()).has_value(), "it can be sent");
+  require((a.joined(both).without_gate() == both.without_gate()), "what is in it adds nothing");
+  require(a.contains(b) == (a.without_gate().joined(b.without_gate()) == a.without_gate()),
+          "what is contained adds nothing");
+  require((a.contains(b) && b.contains(a)) == (a.without_gate() == b.without_gate()), "they are the same");
+  if (a == b) require(a.what_hash() == b.what_hash() && a.gate_hash() == b.gate_hash(), "hashes are equal");
+  check_residual(a, both);
+  check_residual(b, both);
+}
+
+void check(std::span<const std::byte> input) {
+  if (input.size() < 3) return;
+  const auto byte = [&input](std::size_t at) { return std::to_integer<std::size_t>(input[at]); };
+  const std::size_t leaves = byte(0), first_bytes = byte(1) + 256 * byte(2);
+  const auto rest = input.subspan(3);
+  const auto first = rest.first(std::min(first_bytes, rest.size()));
+  const Result<Selection> a = checked(first, leaves), b = checked(rest.subspan(first.size()), leaves);
+  if (a) check_alone(*a);
+  if (b) check_alone(*b);
+  if (a && b) check_pair(*a, *b);
+}
+
+}  // namespace
+}  // namespace sft
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  sft::check(std::as_bytes(std::span(data, size)));
+  return 0;
+}

@@ -1,0 +1,94 @@
+// A part of a message, as a projection takes it, for tests.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "sft/detail/decode.h"
+#include "sft/detail/project.h"
+#include "sft/detail/walk.h"
+#include "sft/type_support.h"
+#include "tests/support/encoded.h"
+#include "tests/support/owned_value.h"
+
+namespace sft::test {
+
+/// The bytes of a projection, in memory of just that size.
+inline std::vector<std::byte> gathered(const detail::Projection& projection) {
+  std::vector<std::byte> bytes;
+  bytes.reserve(projection.bytes());
+  for (const detail::Segment& s : projection.segments()) bytes.insert(bytes.end(), s.data, s.data + s.bytes);
+  return bytes;
+}
+
+/// The message that these bytes are; those of its fields that are not in `mask` are the ones of `onto`. It is
+/// a failure of the test if they are no such message, or more than that.
+template <class T>
+T decoded_from(const std::vector<std::byte>& bytes, const FieldMask& mask, T onto = {}) {
+  const StructType& type = detail::TypeTable<T>::type;
+  std::vector<std::uint32_t> index(detail::slot_count(type));
+  const auto size = static_cast<std::uint32_t>(bytes.size());
+  const detail::SampleState state{
+      .body = bytes.data(), .body_bytes = size, .index = index.data(), .mask = &mask};
+  std::uint32_t end = 0;
+  EXPECT_EQ(detail::build_index(state, type, index, &end), detail::WalkStatus::ok);
+  EXPECT_EQ(end, size);
+  EXPECT_EQ(detail::decode(state, type, &onto), detail::WalkStatus::ok);
+  return onto;
+}
+
+/// One message and one selection. The message is encoded in memory of just its size, so that a sanitizer sees
+/// each byte that is read behind it.
+template <class T>
+class Cut {
+ public:
+  Cut(const T& message, const Selection& selection)
+      : Cut(message, selection, FieldMask::full(detail::leaf_count_of<T>)) {}
+
+  /// Of a sample that has only these fields; they are a closed mask.
+  Cut(const T& message, const Selection& selection, const FieldMask& has)
+      : plan_(type_support<T>(), type_support<T>().closed(selection)) {
+    const Encoded encoded(detail::TypeTable<T>::type, &message, has);
+    const std::vector<std::byte> body = encoded.bytes();
+    detail::SampleState state = encoded.state();
+    state.body = body.data();
+    detail::Projection projection;
+    ok_ = projection.project(state, plan_);
+    if (!ok_) return;
+    bytes_ = gathered(projection);
+    EXPECT_EQ(bytes_.size(), projection.bytes());
+  }
+
+  bool ok() const { return ok_; }
+  const FieldMask& mask() const { return plan_.mask(); }
+  const std::vector<std::byte>& bytes() const { return bytes_; }
+  /// Fields that were not selected are those of `onto`.
+  T decoded(T onto = {}) const { return decoded_from<T>(bytes_, mask(), std::move(onto)); }
+
+ private:
+  detail::ProjectionPlan plan_;
+  std::vector<std::byte> bytes_;
+  bool ok_ = false;
+};
+
+/// Byte by byte. The failure says where they differ first, and in which field.
+template <class T>
+::testing::AssertionResult is_encoded(const T& expected, const Cut<T>& cut) {
+  using ::testing::AssertionFailure;
+  if (!cut.ok()) return AssertionFailure() << "the projection was refused";
+  const StructType& type = detail::TypeTable<T>::type;
+  const std::vector<std::byte> bytes = Encoded(type, &expected, cut.mask()).bytes();
+  if (bytes == cut.bytes()) return ::testing::AssertionSuccess();
+  const auto at = std::mismatch(bytes.begin(), bytes.end(), cut.bytes().begin(), cut.bytes().end()).first;
+  const T decoded = cut.decoded(expected);
+  return AssertionFailure() << cut.bytes().size() << " bytes instead of " << bytes.size()
+                            << ", different from byte " << at - bytes.begin()
+                            << " on: " << same_value(type, &expected, &decoded).message();
+}
+
+}  // namespace sft::test

@@ -1,0 +1,26 @@
+// What the other threads of this process are doing.
+#pragma once
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+namespace sft::test {
+
+/// True if the other threads sleep: those that have sent or received have finished that.
+inline bool all_other_threads_sleep() {
+  const std::filesystem::directory_iterator tasks("/proc/self/task");
+  return std::ranges::all_of(tasks, [](const auto& task) {
+    std::string line;
+    std::getline(std::ifstream(task.path() / "stat"), line);
+    const std::size_t behind_name = line.rfind(')');
+    const bool is_this_thread = task.path().filename() == std::to_string(::gettid());
+    return is_this_thread || behind_name == std::string::npos ||
+           line.substr(behind_name + 1).starts_with(" S");
+  });
+}
+
+}  // namespace sft::test

@@ -1,0 +1,102 @@
+// The part of one field of one sample: where its bytes lie, and what becomes of the fields that depend on it
+// (selection.md, "Parts"). The header of a sample may be hostile, and in shared memory it may change while it
+// is read. So each number of it is read once, checked, and kept here.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "sft/detail/layout.h"
+#include "sft/detail/walk.h"
+#include "sft/selection.h"
+
+namespace sft::detail {
+
+class Cut {
+ public:
+  /// Bytes of a cell that lie behind one another, there and in the part.
+  struct Run {
+    std::uint32_t offset;
+    std::uint32_t bytes;
+  };
+  struct Channel {
+    Extent name;  ///< with its NUL
+    std::uint32_t offset;
+    std::uint32_t bytes;
+    std::uint32_t count;
+    std::uint8_t type;
+  };
+
+  /// `layout` is null for a list without one, and `data` is the field of which the part is taken. False if
+  /// the bytes of the sample are not what they claim to be. The sample has all fields of the layout. Of
+  /// strings nothing is found.
+  bool find(const SampleState& s, const Layout* layout, const Layout::Field& data,
+            const Selection::Part& part);
+
+  /// The field stays as it is, with all that depends on it.
+  bool is_whole() const { return is_whole_; }
+
+  std::uint64_t bytes() const { return std::uint64_t{rows_} * columns_ * cell_bytes_; }
+  /// What the part leaves out of the field.
+  std::uint64_t bytes_less() const { return is_whole_ ? 0 : field_bytes_ - bytes(); }
+  /// Of data: elements of a list, and bytes of all others.
+  std::uint32_t elements() const;
+  /// Bytes of the sample's body: where the first cell begins, and how far it is to the next one, and to the
+  /// one in the next row.
+  std::uint64_t begin() const { return begin_; }
+  std::uint64_t column_stride() const { return column_stride_; }
+  std::uint64_t row_stride() const { return row_stride_; }
+  std::uint32_t rows() const { return rows_; }
+  std::uint32_t columns() const { return columns_; }
+  std::uint32_t cell_bytes() const { return cell_bytes_; }
+  std::span<const Run> runs() const { return {runs_.data(), run_count_}; }
+
+  // What becomes of the fields with a role.
+  std::uint32_t natural(LayoutRole role) const;  ///< rows, columns, cell_bytes, row_bytes
+  double real(LayoutRole role) const { return reals_[static_cast<std::size_t>(role)]; }
+  const std::array<double, 3>& position() const { return position_; }
+  std::span<const Channel> channels() const { return {channels_.data(), channel_count_}; }
+  /// Four letters of an encoding's name are replaced by these; null: none.
+  const char* pattern() const { return pattern_; }
+
+  /// Where the letters of pattern() stand in the name.
+  static constexpr std::size_t pattern_at = 6;
+  static constexpr std::size_t pattern_letters = 4;
+
+ private:
+  using Part = Selection::Part;
+  struct Size {
+    std::uint64_t rows, columns, cell_bytes, row_bytes;
+  };
+
+  bool find_list(const SampleState& s, const Layout* layout, const Layout::Field& data, const Part& part);
+  bool find_beams(const SampleState& s, const Layout& layout, const Part& part);
+  bool find_rows(const SampleState& s, const Layout& layout, const Layout::Field& data, const Part& part);
+  bool find_cells(const SampleState& s, const Layout& layout, std::uint32_t data_bytes, const Part& part,
+                  Size& size);
+  bool find_grid(const SampleState& s, const Layout& layout, const Part& part);
+  bool find_channels(const SampleState& s, const Layout& layout, const Part& part, std::uint64_t cell_bytes);
+  void pack_channels();
+  void place(const Size& size, std::uint64_t first, const Part& part);
+
+  bool is_whole_ = false;
+  std::uint64_t field_bytes_ = 0;
+  std::uint64_t begin_ = 0;
+  std::uint64_t row_stride_ = 0;
+  std::uint64_t column_stride_ = 0;
+  std::uint32_t rows_ = 0;
+  std::uint32_t columns_ = 0;
+  std::uint32_t cell_bytes_ = 0;
+  std::uint32_t element_bytes_ = 1;
+  const char* pattern_ = nullptr;
+  std::array<double, layout_roles> reals_{};
+  std::array<double, 3> position_{};
+  std::size_t run_count_ = 0;
+  std::size_t channel_count_ = 0;
+  std::array<Run, Selection::channels_max> runs_{};
+  std::array<Channel, Selection::channels_max> channels_{};  ///< ascending by offset
+};
+
+}  // namespace sft::detail

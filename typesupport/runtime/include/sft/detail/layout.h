@@ -1,0 +1,63 @@
+// Says how a field is made of rows and columns, and which other fields depend on it (selection.md, "Parts").
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "sft/detail/type_table.h"
+
+namespace sft::detail {
+
+/// What a field means to the laid out one, of which a part is taken.
+enum class LayoutRole : std::uint8_t {
+  rows,        ///< how many there are; u32, as are the next three
+  columns,     ///< how many a row has
+  cell_bytes,  ///< from one cell of a row to the next
+  row_bytes,   ///< from one row to the next
+  channels,    ///< a sequence of structs: string name, u32 offset, u8 type, u32 count
+  byte_order,  ///< not rewritten; whoever reads the cells needs it
+  encoding,    ///< a string: the name of the format of a pixel
+  scale,       ///< the length of a side of a cell
+  origin,   ///< a struct of seven float64: where the first cell is (x, y, z), and its rotation (x, y, z, w)
+  first,    ///< the value that belongs to the first element
+  last,     ///< the value that belongs to the last element
+  step,     ///< the difference between the values of two neighbours
+  interval  ///< the time between two neighbours
+};
+inline constexpr std::size_t layout_roles = 13;
+
+/// A layout of one type, with the places of its fields in that type.
+struct Layout {
+  enum class Form : std::uint8_t {
+    list,   ///< elements
+    cells,  ///< rows of cells, all of the same size
+    points  ///< rows of cells with channels
+  };
+  struct Field {
+    std::uint32_t leaf = 0;  ///< the first one
+    std::uint32_t slot = 0;
+    const Member* member = nullptr;  ///< null: the type has no such field
+    explicit operator bool() const { return member != nullptr; }
+  };
+
+  Form form = Form::list;
+  std::vector<Field> data{};  ///< sequences, of which the same part is taken
+  std::array<Field, layout_roles> fields{};
+
+  const Field& operator[](LayoutRole role) const { return fields[static_cast<std::size_t>(role)]; }
+  /// The role of the field with this leaf. Of an origin these are the leaves of its position.
+  std::optional<LayoutRole> role_of(std::size_t leaf) const;
+  bool has_rows() const { return form != Form::list; }
+  bool has_channels() const { return form == Form::points; }
+};
+
+/// The field with this leaf, which is in no array or sequence of structs. The type has the leaf.
+Layout::Field field_at(const StructType& type, std::size_t leaf);
+
+/// The layouts of a type and of the structs in it, except of those in arrays and sequences.
+std::vector<Layout> layouts_of(const StructType& type);
+
+}  // namespace sft::detail

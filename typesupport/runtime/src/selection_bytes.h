@@ -1,0 +1,18 @@
+// The bytes of a selection (selection.md, "Bytes"): numbers are in LEB128, the rest is as listed there.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "sft/selection.h"
+
+namespace sft::detail {
+
+/// Appends one condition, without those in it.
+void put(std::vector<std::byte>& out, const Selection::Condition& condition);
+
+std::vector<std::byte> bytes_of(std::span<const Selection::Part> parts);
+std::vector<std::byte> bytes_of(const Selection::Gate& gate);
+
+}  // namespace sft::detail

@@ -1,0 +1,87 @@
+// Reads the text of a selection (selection.md).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "sft/selection.h"
+#include "sft/type_support.h"
+
+namespace sft::detail {
+
+/// The member that a leaf is, and where. Null for the length of a sequence of structs.
+struct LeafPlace {
+  const StructType::Member* member = nullptr;
+  bool is_in_collection = false;  ///< an element of an array or a sequence of structs
+};
+LeafPlace place_of(const StructType& type, std::size_t leaf);
+
+/// True for a number, a boolean, an enumeration or a string that is in no array and no sequence.
+bool is_scalar(const LeafPlace& place);
+
+/// The scalars that `changed` means if it names no field.
+std::vector<std::uint32_t> scalars_of(const TypeSupport& type, const FieldMask& mask);
+
+class SelectionParser {
+ public:
+  SelectionParser(const TypeSupport& type, std::string_view text)
+      : type_(type), text_(text), whole_(type.none()) {}
+
+  /// Errors begin with the column, from 1, of what is wrong.
+  Result<Selection> parse();
+
+ private:
+  using Condition = Selection::Condition;
+  using Conditions = std::vector<Condition>;
+
+  /// What is wanted of a leaf, and where that begins in the text.
+  struct Wish {
+    std::size_t at = 0;
+    Selection::Part part;
+  };
+
+  Result<void> item();
+  void add(Selection::Part part, std::size_t at);
+  Result<Selection> fields();
+  Result<std::vector<std::string>> channels();
+  Result<void> window(Selection::Part& part, bool is_laid_out);
+  Result<Selection::Range> range();
+  Result<std::uint32_t> index();
+  Result<std::uint32_t> leaf_for_part(const FieldMask& fields, std::string_view path, std::size_t at) const;
+  Result<Selection::Gate> gate();
+  Result<Conditions> series(Condition::Kind kind, std::size_t depth);
+  Result<Conditions> term(std::size_t depth);
+  Result<Condition> changed();
+  Result<Condition> every();
+  Result<Condition> comparison();
+  Result<std::uint32_t> scalar();
+  Result<Selection::Number> constant(std::uint32_t leaf);
+  Result<double> real(std::string_view what);
+  Result<std::chrono::microseconds> duration();
+  Result<std::chrono::microseconds> least_period();
+
+  void skip_blanks();
+  char next() const { return at_ < text_.size() ? text_[at_] : '\0'; }
+  bool take(std::string_view sign);
+  bool take_word(std::string_view word);
+  /// Takes the word with the blanks behind it, unless it is a field: an operator, or more of a path, follows.
+  bool take_keyword(std::string_view word);
+  std::string_view word() const;
+  std::string_view take_path();
+  tl::unexpected<Error> wrong(std::size_t at, std::string message, Errc code = Errc::invalid_argument) const;
+  tl::unexpected<Error> wrong(std::string message) const { return wrong(at_, std::move(message)); }
+
+  const TypeSupport& type_;
+  const std::string_view text_;
+  std::size_t at_ = 0;
+  FieldMask whole_;                         ///< fields that were named without parts
+  std::map<std::uint32_t, Wish> wishes_{};  ///< by leaf
+  std::vector<std::uint32_t> scalars_{};    ///< of all fields that were selected
+};
+
+}  // namespace sft::detail

@@ -1,0 +1,59 @@
+// Tells the members of multicast groups that are over that they are in these no more (multicast.md). A
+// farewell has time, and those to all members of a large group together would be as many bytes as some
+// samples. So a few are told at a time. Pure: groups and times go in, farewells come out.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <map>
+#include <memory>
+
+#include "udp_transport/multicast/multicast_group.h"
+
+namespace sft::udp {
+
+class Farewells {
+ public:
+  using Time = MulticastGroup::Time;
+
+  static constexpr std::chrono::seconds farewell_after{1};  ///< what is under way arrives before
+  /// So many members are told in a call, or if more are due, this part of them.
+  static constexpr std::size_t told_at_once = 8, part_told_at_once = 8;
+
+  /// The group is over. The farewell to a member ends the former groups of that member, too, so that each
+  /// destination is in the list once.
+  void note(const std::shared_ptr<MulticastGroup>& group, Time now) {
+    for (std::size_t i = 0; i < group->members().size(); ++i) {
+      const Destination* to = &group->members()[i].lane->destination();
+      farewells_.insert_or_assign(to, Farewell{group, i, now + farewell_after});
+    }
+  }
+
+  /// Calls `send(destination, farewell)` for some of the farewells that are due.
+  template <class Send>
+  void say(Time now, const Send& send) {
+    const auto is_due = [now](const auto& item) { return now >= item.second.due; };
+    const auto due = static_cast<std::size_t>(std::ranges::count_if(farewells_, is_due));
+    std::size_t left = std::max(told_at_once, due / part_told_at_once);
+    std::erase_if(farewells_, [&](const auto& item) {
+      if (left == 0 || !is_due(item)) return false;
+      const Farewell& farewell = item.second;
+      send(farewell.group->members()[farewell.member].lane->destination(),
+           farewell.group->farewell(farewell.member));
+      --left;
+      return true;
+    });
+  }
+
+ private:
+  /// The last group of a destination that is over.
+  struct Farewell {
+    std::shared_ptr<MulticastGroup> group;
+    std::size_t member = 0;
+    Time due{};
+  };
+  std::map<const Destination*, Farewell> farewells_;
+};
+
+}  // namespace sft::udp
