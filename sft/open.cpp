@@ -103,6 +103,17 @@ Result<detail::untyped::Subscriber> Node::open_subscriber(std::string_view topic
                                                           detail::untyped::Requirement requirement,
                                                           const SubscriberOptions& options,
                                                           detail::untyped::Callback callback) {
+  if (!options.selection.empty()) {
+    Result<Selection> selection =
+        detail::selection_within(type, requirement.selection.mask(), options.selection);
+    if (!selection) return tl::unexpected(selection.error());
+    if (requirement.recorded && !selection->parts().empty()) {
+      return fail(Errc::invalid_argument,
+                  "SubscriberOptions::selection '" + options.selection +
+                      "' has parts of fields, but the fields are recorded; declare them");
+    }
+    requirement.selection = std::move(*selection);
+  }
   return core_->open_subscriber(core_, {topic, type, std::move(requirement), options, std::move(callback)});
 }
 
@@ -117,13 +128,12 @@ Result<DynamicSubscriber> Node::subscriber(std::string_view topic, const Dynamic
                                            DynamicSubscriber::Callback callback) {
   Result<Selection> selection = type.support().parse_selection(fields);
   if (!selection) return tl::unexpected(selection.error());
-  if (!selection->gate().is_open()) {
-    return fail(Errc::invalid_argument,
-                "'" + std::string(fields) +
-                    "' says when samples are sent, which is not supported yet; leave out "
-                    "'@' and what follows, and use SubscriberOptions::max_rate_hz");
+  if (!options.selection.empty()) {
+    return fail(
+        Errc::invalid_argument,
+        "'" + std::string(fields) + "' says what is needed; leave SubscriberOptions::selection empty");
   }
-  return open_subscriber(topic, type, {std::move(*selection), false}, options, std::move(callback));
+  return open_subscriber(topic, type, {std::move(*selection), false, true}, options, std::move(callback));
 }
 
 Result<DynamicSubscriber> Node::subscriber(std::string_view topic, const DynamicType& type, Recorded,
@@ -144,20 +154,16 @@ Result<DynamicSubscriber> Node::open_subscriber(std::string_view topic, const Dy
                                                 detail::untyped::Requirement requirement,
                                                 const SubscriberOptions& options,
                                                 DynamicSubscriber::Callback callback) {
-  std::shared_ptr<const FieldMask> declared;
-  const Selection& asked = requirement.selection;
-  if (!requirement.recorded && !(asked.is_mask() && asked.mask().is_full()))
-    declared = std::make_shared<const FieldMask>(type.support().closed(asked).mask());
   detail::untyped::Callback untyped;
   if (callback) {
-    untyped = [type, declared, callback = std::move(callback)](detail::untyped::Sample&& sample) {
-      callback(DynamicSample(type, std::move(sample), declared));
+    untyped = [type, callback = std::move(callback)](detail::untyped::Sample&& sample) {
+      callback(DynamicSample(type, std::move(sample)));
     };
   }
   return core_
       ->open_subscriber(core_, {topic, type.support(), std::move(requirement), options, std::move(untyped),
                                 std::make_shared<DynamicType>(type)})
-      .map([&](detail::untyped::Subscriber&& s) { return DynamicSubscriber(type, std::move(s), declared); });
+      .map([&](detail::untyped::Subscriber&& s) { return DynamicSubscriber(type, std::move(s)); });
 }
 
 DomainSnapshot Node::domain() const { return core_->domain(); }

@@ -12,5 +12,10 @@ namespace sft::bench {
 std::vector<Figure> gathering_parts(int rounds);
 /// Measures what a part of a cloud costs on the link between two hosts, in bytes and time.
 std::vector<Figure> parts_between_hosts(std::uint64_t samples, int rounds);
+/// Measures what conditions that do not hold cost: the publisher time, and a reader in shared memory
+/// wake-ups.
+std::vector<Figure> closed_gates(int rounds, int samples);
+/// Measures the time from set_selection() to the first sample with the new window, between hosts.
+std::vector<Figure> moved_windows(std::uint64_t moves, int rounds);
 
 }  // namespace sft::bench

@@ -48,8 +48,9 @@ struct Request {
   std::uint64_t sequence = 0;
   std::vector<std::uint64_t> mask_words;
   std::uint32_t min_period_us = 0;  ///< one sample for each such period, no more; 0: all
-  /// Selection::to_bytes() of the parts of fields that are wanted; empty: whole fields. The type is not known
-  /// where this is received, so the bytes are decoded where samples are to be served.
+  /// Selection::to_bytes() of what is wanted but for the maximum rate, if that has parts of fields or
+  /// conditions; empty: whole fields of all samples. The type is not known where this is received, so the
+  /// bytes are decoded where samples are to be served.
   std::vector<std::byte> parts{};
   std::vector<EndpointId> listening;  ///< writers of which the reader takes datagrams
   std::vector<EndpointId> attached;   ///< writers that the reader hears through shared memory

@@ -14,7 +14,7 @@ namespace sft::core {
 /// The kinds of entries. Kinds from 128 on may be left out by whoever does not know them; others may not.
 enum class WantKind : std::uint8_t {
   period = 1,  ///< Request::min_period_us, as u32, little-endian
-  parts = 2    ///< Request::parts
+  parts = 2    ///< Request::parts, with conditions
 };
 inline constexpr std::uint8_t optional_wants = 128;
 

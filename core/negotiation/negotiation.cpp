@@ -134,9 +134,9 @@ bool Negotiation::request_received(const Request& request) {
   return facts_.table.is_topic_of_ours(reader->endpoint.topic);
 }
 
-bool Negotiation::requirement_changed(EndpointId reader, const FieldMask& mask) {
+bool Negotiation::requirement_changed(EndpointId reader, const Selection& selection) {
   TableEntry* const ours = facts_.table.find_ours(reader);
-  return ours != nullptr && OwnRequest(ours->endpoint.request).needs(mask);
+  return ours != nullptr && OwnRequest(ours->endpoint.request).needs(selection);
 }
 
 bool Negotiation::rate_changed(EndpointId reader, std::uint32_t min_period_us) {

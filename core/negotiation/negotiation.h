@@ -55,7 +55,7 @@ class Negotiation {
   bool node_returned(NodeId id);
   bool request_received(const Request& request);
   /// One of our readers needs other fields now.
-  bool requirement_changed(EndpointId reader, const FieldMask& mask);
+  bool requirement_changed(EndpointId reader, const Selection& selection);
   bool rate_changed(EndpointId reader, std::uint32_t min_period_us);
   /// Tells that samples of a writer now arrive at one of our readers by that path, or no longer arrive.
   bool connection_changed(EndpointId reader, EndpointId writer, TransportKind path, bool connected);

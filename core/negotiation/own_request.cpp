@@ -7,10 +7,13 @@
 
 namespace sft::core {
 
-bool OwnRequest::needs(const FieldMask& mask) {
-  std::vector<std::uint64_t> words = mask.to_words();
-  if (words == request_.mask_words) return false;
+bool OwnRequest::needs(const Selection& selection) {
+  std::vector<std::uint64_t> words = selection.mask().to_words();
+  std::vector<std::byte> parts;
+  if (!selection.is_mask()) parts = selection.to_bytes();
+  if (words == request_.mask_words && parts == request_.parts) return false;
   request_.mask_words = std::move(words);
+  request_.parts = std::move(parts);
   ++request_.sequence;
   return true;
 }

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "core/control/control.h"
-#include "sft/mask.h"
+#include "sft/selection.h"
 #include "sft/status.h"
 
 namespace sft::core {
@@ -15,7 +15,7 @@ class OwnRequest {
   explicit OwnRequest(Request& request) : request_(request) {}
 
   // Each returns true if the request has changed.
-  bool needs(const FieldMask& mask);
+  bool needs(const Selection& selection);
   bool takes_a_sample_per(std::uint32_t min_period_us);
   /// Tells that samples of a writer now arrive by that path, or no longer arrive. A history begins again
   /// after the path is lost by which it came.

@@ -27,7 +27,7 @@ PublisherStatus::Reader serve(const TableEntry& writer, const TableEntry& reader
   if (!verdict.mismatch.empty()) return mismatched(std::move(status), verdict);
   const Result<Selection> asked = requested_selection(r.request, type);
   if (!asked) {
-    status.reason = "it asks for parts that do not fit the type: " + asked.error().message;
+    status.reason = "it asks for parts or conditions that do not fit the type: " + asked.error().message;
     return status;
   }
   status.mask = asked->mask();
@@ -83,7 +83,8 @@ void look_after_lease(const Endpoint& reader, const PublisherStatus::Reader& sta
   const bool matches = !status.incompatible_type && status.incompatible_policy == QosPolicy::none;
   if (!matches || reader.qos.liveliness_lease.count() == 0) return;
   serving.lease_requested = true;
-  serving.samples_tell &= status.served && reader.request.min_period_us == 0;
+  const bool is_told_all = reader.request.min_period_us == 0 && status.selection.gate().is_open();
+  serving.samples_tell &= status.served && is_told_all;
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "core/control/described_type.h"
 #include "core/control/names.h"
 #include "core/control/qos.h"
+#include "core/negotiation/requested_selection.h"
 #include "core/node/topics.h"
 #include "core/platform/random_id.h"
 
@@ -141,10 +142,14 @@ Result<EndpointOpening::Reader> EndpointOpening::open_reader(ReaderOrder order) 
   Result<std::unique_ptr<PollHandle>> poll_handle;
   if (order.options.pollable) poll_handle = PollHandle::create();
   if (!poll_handle) return tl::unexpected(poll_handle.error());
+  const Result<Selection> asked = checked_selection(order.type, order.requirement.selection);
+  if (!asked) return tl::unexpected(asked.error());
+  if (auto rate = min_period_us_of(rate_hz_of(*asked)); !rate) return tl::unexpected(rate.error());
+  order.requirement.selection = *asked;
   const Result<std::uint32_t> slot = take_slot(order);
   if (!slot) return tl::unexpected(slot.error());
-  order.requirement.selection = order.type.closed(order.requirement.selection);
   Reader reader{.endpoint = describe_reader(order, *qos, *slot), .parts = {}, .slot = *slot};
+  order.requirement.selection = order.requirement.selection.without_rate();
   if (order.requirement.recorded) {
     reader.parts.recorder =
         Recorder::make(order.type.leaves(), order.options.recording,
@@ -180,28 +185,32 @@ Endpoint EndpointOpening::describe_reader(const ReaderOrder& order, const Qos& q
   endpoint.request.reader = endpoint.id;
   endpoint.request.sequence = 1;
   endpoint.request.mask_words = order.requirement.selection.mask().to_words();
-  if (!order.requirement.selection.is_mask()) endpoint.request.parts = order.requirement.selection.to_bytes();
-  endpoint.request.min_period_us = *min_period_us_of(order.options.max_rate_hz);  // qos_of() has checked it
+  const Selection selection = order.requirement.selection.without_rate();
+  if (!selection.is_mask()) endpoint.request.parts = selection.to_bytes();
+  // Both rates have been checked; the slower one counts.
+  endpoint.request.min_period_us = std::max(*min_period_us_of(order.options.max_rate_hz),
+                                            *min_period_us_of(rate_hz_of(order.requirement.selection)));
   return endpoint;
 }
 
 std::shared_ptr<SubscriberCore> EndpointOpening::make_core(const Reader& reader, ReaderOrder& order,
                                                            std::unique_ptr<PollHandle> poll_handle) const {
   const Endpoint& endpoint = reader.endpoint;
-  const bool copies = order.options.recording.as_remote || !order.requirement.selection.parts().empty();
   return std::make_shared<SubscriberCore>(
-      SubscriberCore::Spec{.id = endpoint.id,
-                           .topic = endpoint.topic,
-                           .type = &order.type,
-                           .requirement = order.requirement,
-                           .options = order.options,
-                           .callback = std::move(order.callback),
-                           .type_owner = std::move(order.type_owner),
-                           .min_period_us = endpoint.request.min_period_us,
-                           .rate_changed = [tell = news_.rate_changed, id = endpoint.id] { tell(id); },
-                           .copies = copies ? node_.heap : nullptr,
-                           .poll_handle = std::move(poll_handle),
-                           .memory_depth = memory_depth_of(endpoint)},
+      SubscriberCore::Spec{
+          .id = endpoint.id,
+          .topic = endpoint.topic,
+          .type = &order.type,
+          .requirement = order.requirement,
+          .options = order.options,
+          .callback = std::move(order.callback),
+          .type_owner = std::move(order.type_owner),
+          .min_period_us = endpoint.request.min_period_us,
+          .rate_changed = [tell = news_.rate_changed, id = endpoint.id] { tell(id); },
+          .requirement_changed = [tell = news_.requirement_changed, id = endpoint.id] { tell(id); },
+          .copies = node_.heap,
+          .poll_handle = std::move(poll_handle),
+          .memory_depth = memory_depth_of(endpoint)},
       node_.slots.at(reader.slot), reader.parts.recorder);
 }
 

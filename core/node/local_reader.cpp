@@ -181,17 +181,12 @@ bool LocalReader::may_try_again(Time now) const {
 }
 
 bool LocalReader::requirement_changed() {
-  const FieldMask mask = core_->type().closed(recorder_->required());
-  if (!node_.negotiation.requirement_changed(id_, mask)) return false;
-  ask({mask, accepted_.latest().min_period_us});
-  return true;
-}
-
-bool LocalReader::rate_changed() {
   has_news_ = true;  // status() says it already
-  const std::uint32_t min_period_us = core_->ports().min_period_us();
-  if (!node_.negotiation.rate_changed(id_, min_period_us)) return false;
-  ask({accepted_.latest().selection, min_period_us});
+  const Wanted wanted{core_->required(), core_->ports().min_period_us()};
+  const bool is_other = node_.negotiation.requirement_changed(id_, wanted.selection);
+  const bool has_other_rate = node_.negotiation.rate_changed(id_, wanted.min_period_us);
+  if (!is_other && !has_other_rate) return false;
+  ask(wanted);
   return true;
 }
 
@@ -208,7 +203,7 @@ void LocalReader::accept() {
 void LocalReader::send_request() {
   const Request& request = node_.negotiation.local(id_)->request;
   has_news_ = true;
-  core_->requests(FieldMask::from_words(core_->type().leaves(), request.mask_words), request.sequence);
+  core_->requests(accepted_.latest().selection, request.sequence);
   node_.outbox.request(id_, std::chrono::steady_clock::now());
 }
 
@@ -279,7 +274,9 @@ bool LocalReader::is_deaf(const Hearing& hearing, const Assertion& assertion, bo
   const bool connected = attached || holds(request.listening);
   // A publisher that waits for its readers has nothing to send while nobody takes what has come.
   const bool waits = hearing.source.waits && core_->available();
-  if (!connected || waits || held_up) {
+  // Conditions may not be fulfilled for long.
+  const bool has_conditions = !accepted_.latest().selection.gate().is_open();
+  if (!connected || waits || held_up || has_conditions) {
     watchdog.excuse();
     return false;
   }

@@ -25,7 +25,7 @@ class LocalReader {
  public:
   struct Parts {
     std::shared_ptr<SubscriberCore> core;
-    std::shared_ptr<Recorder> recorder;      ///< null unless the requirement is recorded
+    std::shared_ptr<Recorder> recorder;  ///< null unless the requirement is recorded; the core has it, too
     std::shared_ptr<NetworkReader> network;  ///< null if UDP is ruled out; accepts the first mask already
   };
   /// `node` outlives this object. `endpoint` is the one that is added to the negotiation.
@@ -57,10 +57,11 @@ class LocalReader {
 
   // These two return true if the desired states are to be asked for again.
 
-  /// The recorder has found that other fields are needed.
+  /// Other fields, parts of them or conditions are needed: the program has said so, or the recorder has found
+  /// it.
   bool requirement_changed();
   /// Another maximum rate was set.
-  bool rate_changed();
+  bool rate_changed() { return requirement_changed(); }
   /// Tells others the request as it is now.
   void send_request();
   /// Accepts no more samples under earlier requests, and from writers that have gone, once none can be in

@@ -44,6 +44,20 @@ const char* to_string(ShrinkStatus status) {
   return "unknown";
 }
 
+Result<Selection> detail::selection_within(const TypeSupport& type, const FieldMask& declared,
+                                           std::string_view text) {
+  const Result<Selection> named = type.parse_selection(text);
+  if (!named) return named;
+  const FieldMask all = type.closed(declared);
+  if (!all.contains(named->mask())) {
+    return fail(Errc::invalid_argument, "'" + std::string(text) +
+                                            "' names fields that the subscriber does not declare: " +
+                                            type.format_mask(named->mask() - all));
+  }
+  const std::span<const Selection::Part> parts = named->parts();
+  return Selection::make(all, {parts.begin(), parts.end()}, named->gate());
+}
+
 namespace detail::untyped {
 
 using core::SampleHandle;
@@ -70,8 +84,12 @@ const FieldMask no_fields(slots_max);
 constinit const SampleState empty_state{.index = absent_slots.data(), .mask = &no_fields};
 
 Sample::Sample(core::SampleBuffer* buffer, const TypeSupport& type, const SampleInfo& info,
-               core::RecordedSample* record)
-    : state_(view_of(*buffer, type.slots())), info_(info), buffer_(buffer), record_(record) {
+               core::RecordedSample* record, std::shared_ptr<const Selection> selection)
+    : state_(view_of(*buffer, type.slots())),
+      info_(info),
+      selection_(std::move(selection)),
+      buffer_(buffer),
+      record_(record) {
   if (record_ != nullptr) state_.log = &record_->log();
 }
 
@@ -95,6 +113,7 @@ void Sample::leave_to_the_parent() noexcept {
 void Sample::swap(Sample& other) noexcept {
   std::swap(state_, other.state_);
   std::swap(info_, other.info_);
+  selection_.swap(other.selection_);
   std::swap(buffer_, other.buffer_);
   std::swap(record_, other.record_);
 }
@@ -184,6 +203,8 @@ bool Subscriber::wait(std::chrono::nanoseconds timeout) { return core_->wait(tim
 int Subscriber::file_descriptor() const { return core_->file_descriptor(); }
 
 Result<void> Subscriber::set_max_rate_hz(double max_rate_hz) { return core_->set_max_rate_hz(max_rate_hz); }
+
+Result<void> Subscriber::set_selection(const Selection& selection) { return core_->set_selection(selection); }
 
 SubscriberStatus Subscriber::status() const { return core_->status(); }
 

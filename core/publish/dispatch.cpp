@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/publish/lent_copy.h"
+#include "core/seam/gate_table.h"
 
 namespace sft::core {
 
@@ -13,7 +14,8 @@ Dispatch::Dispatch(Setup setup)
       book_(std::move(setup.book)),
       history_(setup.history),
       waits_(setup.waits),
-      postpones_(network_ != nullptr && history_ == nullptr && network_->takes_postponed()) {
+      postpones_(network_ != nullptr && history_ == nullptr && network_->takes_postponed()),
+      gates_(type_) {
   outlets_.replace(make_outlets(type_, {}, gates_, {nullptr, network_ != nullptr, history_ != nullptr}));
 }
 
@@ -63,7 +65,14 @@ FieldMask Dispatch::serve(Serving& serving, std::shared_ptr<LendingWriter> memor
     network_->set_routes(std::move(routes));
   }
   outlets_.replace(after);
+  gates_.open_for(serving);
   return after->is_wanted ? after->mask : type_.none();
+}
+
+Dispatch::Admission Dispatch::admit(const SampleHandle& sample, std::int64_t stamp_ns) noexcept {
+  if (!sample) return admit(detail::FieldSource::of_nothing(), stamp_ns);
+  const detail::SampleState state = state_of(*sample, type_.slots());
+  return admit(detail::FieldSource::of_sample(state), stamp_ns);
 }
 
 PublishStatus Dispatch::miss(Admission&& admission, std::uint32_t body_bytes) noexcept {
@@ -128,11 +137,14 @@ PublishStatus Dispatch::send(const SampleHandle& sample, std::int64_t stamp_ns, 
 /// The sample may have been lent elsewhere, before shared memory came up or while it had no chunk free.
 SendStatus Dispatch::send_to_memory(const SampleHandle& sample, std::chrono::nanoseconds& patience) noexcept {
   LendingWriter& memory = *in_force_->memory;
-  const SampleHandle lent = memory.can_send(*sample) ? sample : copy_into(memory, *sample, type_);
+  const std::span gates(in_force_->memory_gates);
+  const SampleHandle lent =
+      memory.can_send(*sample) ? sample : copy_into(memory, *sample, type_, gate_table_bytes(gates.size()));
   if (!lent) {
     count_refusal(sample->header().body_bytes);
     return SendStatus::dropped;
   }
+  if (!gates.empty()) write_gate_table(*lent, type_.slots(), gates);
   if (waits_) memory.be_patient(patience);
   const SendStatus status = memory.send(lent);
   if (waits_) patience = memory.patience_left();

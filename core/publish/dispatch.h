@@ -13,12 +13,13 @@
 #include <optional>
 #include <set>
 
+#include "core/publish/gates.h"
 #include "core/publish/history.h"
 #include "core/publish/outlets.h"
-#include "core/publish/rate_gates.h"
 #include "core/seam/delivery.h"
 #include "core/seam/writer_port.h"
 #include "core/sync/published.h"
+#include "sft/detail/conditions.h"
 #include "sft/detail/sample_format.h"
 #include "sft/detail/untyped.h"
 
@@ -60,20 +61,23 @@ class Dispatch {
 
   // Within a Call.
 
-  /// Asks each gate once. (A durable publisher makes every sample, and sends it by the routes that are in
-  /// force once the sample is in the history, see serve(): its transmissions begin then.)
-  Admission admit(std::int64_t stamp_ns) noexcept {
+  /// Asks each gate once about the sample, before it is encoded. (A durable publisher makes every sample, and
+  /// sends it by the routes that are in force once the sample is in the history, see serve(): its
+  /// transmissions begin then.)
+  Admission admit(const detail::FieldSource& sample, std::int64_t stamp_ns) noexcept {
     const Outlets& outlets = *in_force_;
     Admission admission;
     if ((outlets.to_network || outlets.has_fallback) && history_ == nullptr)
       admission.transmission.emplace(network_->begin());
     admission.passes = outlets.to_all || outlets.gates.empty() || history_ != nullptr;
     for (const auto& gate : outlets.gates) {
-      gate->consider(stamp_ns);
+      gate->consider(sample, stamp_ns);
       admission.passes |= gate->passes();
     }
     return admission;
   }
+  /// The same for a sample that is encoded already; empty: there was no memory for it.
+  Admission admit(const SampleHandle& sample, std::int64_t stamp_ns) noexcept;
   /// True if nobody but the network gets the sample, which takes copies that are postponed.
   bool may_postpone() const noexcept { return postpones_ && in_force_->to_network && !in_force_->to_memory; }
   /// Counts samples that nobody wants, so that readers can tell.
@@ -150,7 +154,7 @@ class Dispatch {
   std::int64_t diverted_stamp_ns_ = 0;   ///< when that was published
 
   // The agent's thread.
-  RateGates gates_;
+  Gates gates_;
   std::set<EndpointId> over_network_;  ///< readers that are served so
 };
 

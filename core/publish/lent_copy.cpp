@@ -6,14 +6,16 @@
 
 namespace sft::core {
 
-SampleHandle copy_into(LendingWriter& memory, const SampleBuffer& sample, const TypeSupport& type) noexcept {
+SampleHandle copy_into(LendingWriter& memory, const SampleBuffer& sample, const TypeSupport& type,
+                       std::size_t more_bytes) noexcept {
   if (!sample.mask.is_full()) return {};
   // The sample may lie in shared memory, too, of a port that is gone: there its header is not trusted.
   const std::size_t bytes =
       detail::SampleLayout(type.slots()).bytes(state_of(sample, type.slots()).body_bytes);
-  SampleHandle copy = memory.loan(bytes);
+  SampleHandle copy = memory.loan(bytes + more_bytes);
   if (!copy) return {};
   std::memcpy(copy->data, sample.data, bytes);
+  copy->header().gates = 0;
   copy->mask = sample.mask;
   copy->whole_bytes = sample.whole_bytes;
   copy->trust_header();

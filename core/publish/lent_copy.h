@@ -7,7 +7,8 @@
 namespace sft::core {
 
 /// Empty if there is no memory for it now, or if the sample does not have all fields, as readers in shared
-/// memory need them. `sample` is one of `type`.
-SampleHandle copy_into(LendingWriter& memory, const SampleBuffer& sample, const TypeSupport& type) noexcept;
+/// memory need them. `sample` is one of `type`. The memory has room for so many bytes more.
+SampleHandle copy_into(LendingWriter& memory, const SampleBuffer& sample, const TypeSupport& type,
+                       std::size_t more_bytes = 0) noexcept;
 
 }  // namespace sft::core

@@ -7,15 +7,23 @@ namespace sft::core {
 
 namespace {
 
-bool holds(const std::vector<std::shared_ptr<RateGate>>& gates, const std::shared_ptr<RateGate>& gate) {
+bool holds(const std::vector<std::shared_ptr<Gate>>& gates, const std::shared_ptr<Gate>& gate) {
   return std::find(gates.begin(), gates.end(), gate) != gates.end();
 }
 
-void gather_gates(const std::vector<Route>& routes, const RateGates& gates, Outlets& outlets) {
+void gather_gates(const std::vector<Route>& routes, const Gates& gates, Outlets& outlets) {
   for (const Route& route : routes) {
     outlets.to_all |= route.gate == nullptr;
     if (route.gate != nullptr && !holds(outlets.gates, gates.of(route)))
       outlets.gates.push_back(gates.of(route));
+  }
+}
+
+void gather_memory_gates(const Serving& serving, const Gates& gates, Outlets& outlets) {
+  for (const Route& route : serving.memory) {
+    const bool has_conditions = route.gate != nullptr && route.gate->id() != 0;
+    if (has_conditions && !holds(outlets.memory_gates, gates.of(route)))
+      outlets.memory_gates.push_back(gates.of(route));
   }
 }
 
@@ -53,7 +61,7 @@ Outlets Outlets::with(const Outlets& other) const {
   return both;
 }
 
-std::shared_ptr<Outlets> make_outlets(const TypeSupport& type, const Serving& serving, const RateGates& gates,
+std::shared_ptr<Outlets> make_outlets(const TypeSupport& type, const Serving& serving, const Gates& gates,
                                       Means means) {
   auto outlets = std::make_shared<Outlets>();
   outlets->memory = std::move(means.memory);
@@ -66,6 +74,7 @@ std::shared_ptr<Outlets> make_outlets(const TypeSupport& type, const Serving& se
   outlets->whole = outlets->mask.is_full();
   gather_gates(serving.memory, gates, *outlets);
   gather_gates(serving.network, gates, *outlets);
+  gather_memory_gates(serving, gates, *outlets);
   gather_memory_groups(serving, *outlets);
   return outlets;
 }

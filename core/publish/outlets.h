@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/negotiation/serving.h"
-#include "core/publish/rate_gates.h"
+#include "core/publish/gates.h"
 #include "core/seam/delivery.h"
 #include "core/seam/transport.h"
 #include "sft/type_support.h"
@@ -16,7 +16,7 @@ namespace sft::core {
 struct Outlets {
   /// Readers in shared memory with one limit.
   struct MemoryGroup {
-    std::shared_ptr<const RateGate> gate;
+    std::shared_ptr<const Gate> gate;
     std::shared_ptr<DeliveryTally> tally;
     bool have_fallback;  ///< what shared memory does not take can be sent to them over the network
     bool wants_sample() const { return gate == nullptr || gate->passes(); }
@@ -26,15 +26,16 @@ struct Outlets {
   bool is_wanted = false;                 ///< true if a sample has a reader or is retained
   bool to_memory = false;
   bool to_network = false;
-  bool has_fallback = false;                     ///< some of `memory_groups` have a fallback
-  std::vector<std::shared_ptr<RateGate>> gates;  ///< to be asked about each sample
+  bool has_fallback = false;                 ///< some of `memory_groups` have a fallback
+  std::vector<std::shared_ptr<Gate>> gates;  ///< to be asked about each sample
   /// Some reliable reader in shared memory can be sent nothing over the network instead.
   bool needs_memory = false;
   bool to_all = false;  ///< some reader gets every sample
   FieldMask mask;       ///< to be encoded: everything for shared memory, else the union of what is asked for
   bool whole = false;   ///< `mask` is all there is
   std::vector<MemoryGroup> memory_groups;
-  DeliveryBook::Page page;  ///< of these readers
+  std::vector<std::shared_ptr<Gate>> memory_gates;  ///< those of `gates` with conditions, in shared memory
+  DeliveryBook::Page page;                          ///< of these readers
 
   /// True if each sample is made so that the others' routes can send it.
   bool provides_for(const Outlets& other) const;
@@ -50,7 +51,7 @@ struct Means {
 };
 
 /// REQUIRES: each route in `serving` has its gate from `gates`.
-std::shared_ptr<Outlets> make_outlets(const TypeSupport& type, const Serving& serving, const RateGates& gates,
+std::shared_ptr<Outlets> make_outlets(const TypeSupport& type, const Serving& serving, const Gates& gates,
                                       Means means);
 
 }  // namespace sft::core

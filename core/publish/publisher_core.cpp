@@ -70,7 +70,7 @@ PublishStatus PublisherCore::publish(const void* value) {
 
 PublishStatus PublisherCore::publish_one(const Dispatch::Call& call, const void* value, std::int64_t stamp_ns,
                                          std::chrono::nanoseconds& patience) {
-  Dispatch::Admission admission = dispatch_.admit(stamp_ns);
+  Dispatch::Admission admission = dispatch_.admit(detail::FieldSource::of_message(value), stamp_ns);
   if (!admission.passes) return dispatch_.withhold();
   const SampleMaker::Made made =
       maker_.encode(call.outlets(), value, stamp_ns, dispatch_.may_postpone(), patience);
@@ -131,7 +131,7 @@ Result<PublishStatus> PublisherCore::publish_cdr(std::span<const std::byte> byte
   const std::int64_t stamp_ns = realtime_ns();
   const Result<SampleMaker::Made> made = maker_.convert(call.outlets(), *payload, *size, patience);
   if (!made) return tl::unexpected(made.error());
-  Dispatch::Admission admission = dispatch_.admit(stamp_ns);
+  Dispatch::Admission admission = dispatch_.admit(made->sample, stamp_ns);
   if (!admission.passes) return dispatch_.withhold();
   if (!made->sample) return dispatch_.miss(std::move(admission), made->body_bytes);
   return dispatch_.send(made->sample, stamp_ns, std::move(admission), patience);
@@ -152,7 +152,7 @@ PublishStatus PublisherCore::commit(SampleHandle sample, bool has_gaps) {
   const std::int64_t stamp_ns = realtime_ns();
   const Dispatch::Call call(dispatch_);
   std::chrono::nanoseconds patience = spec_.max_blocking;
-  Dispatch::Admission admission = dispatch_.admit(stamp_ns);
+  Dispatch::Admission admission = dispatch_.admit(sample, stamp_ns);
   if (!admission.passes) return dispatch_.withhold();
   return dispatch_.send(sample, stamp_ns, std::move(admission), patience);
 }

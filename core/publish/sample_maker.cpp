@@ -6,6 +6,7 @@
 #include <thread>
 #include <utility>
 
+#include "core/seam/gate_table.h"
 #include "sft/detail/encode.h"
 #include "sft/detail/encode_fault.h"
 
@@ -169,10 +170,11 @@ PublishStatus SampleMaker::move_together(SampleBuffer& sample) {
 SampleHandle SampleMaker::lend(const Outlets& outlets, std::uint32_t body_bytes,
                                std::chrono::nanoseconds& patience) noexcept {
   const std::size_t bytes = layout_.bytes(body_bytes);
+  const std::size_t with_gates = bytes + gate_table_bytes(outlets.memory_gates.size());
   SampleHandle sample;
-  if (outlets.to_memory) sample = outlets.memory->loan(bytes);
+  if (outlets.to_memory) sample = outlets.memory->loan(with_gates);
   if (!sample && outlets.needs_memory && patience.count() > 0)
-    sample = await_chunk(*outlets.memory, bytes, patience);
+    sample = await_chunk(*outlets.memory, with_gates, patience);
   // The sample can still go over the network if there is no chunk for it.
   if (!sample && (!outlets.to_memory || outlets.to_network || outlets.has_fallback))
     sample = take_heap(bytes);
@@ -183,7 +185,7 @@ void SampleMaker::fill_header(SampleBuffer& buffer, const FieldMask& mask,
                               std::uint32_t body_bytes) const noexcept {
   detail::SampleHeader& header = buffer.header();
   header = detail::SampleHeader{};
-  header.slots = static_cast<std::uint32_t>(type_.slots());
+  header.slots = static_cast<std::uint16_t>(type_.slots());
   header.writer = product_.writer;
   header.type_hash = type_.hash();
   header.body_offset = static_cast<std::uint32_t>(layout_.body_offset);

@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/seam/rate_gate.h"
+#include "core/seam/gate.h"
 #include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
 
@@ -81,7 +81,7 @@ class DeliveryMeter {
 
   std::shared_ptr<const DeliveryTally> tally{};
   std::shared_ptr<const LossTally> losses{};
-  std::shared_ptr<const RateGate> gate{};
+  std::shared_ptr<const Gate> gate{};
   bool diverted = false;  ///< the tally is of a fallback route
 };
 

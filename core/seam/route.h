@@ -7,18 +7,19 @@
 #include <vector>
 
 #include "core/seam/address.h"
-#include "core/seam/rate_gate.h"
+#include "core/seam/gate.h"
 #include "sft/selection.h"
 
 namespace sft::core {
 
-/// A reader to be served, and with what. `selection` is closed, and has no gate.
+/// A reader to be served, and with what. `selection` is closed, and has no rate.
 struct Route {
   EndpointId reader = 0;
   Locator destination;
   Selection selection;
-  std::uint32_t min_period_us = 0;         ///< the limit that the reader asks for; 0: none
-  std::shared_ptr<const RateGate> gate{};  ///< keeps that limit; null: every sample is for the reader
+  std::uint32_t min_period_us = 0;  ///< the limit that the reader asks for; 0: none
+  /// Keeps that limit and the conditions of the selection; null: every sample is for the reader.
+  std::shared_ptr<const Gate> gate{};
   /// Not 0: the reader is served apart from all others, and is sent this many retained samples first.
   std::uint32_t history = 0;
   /// The reader is served elsewhere: this route is for samples that are sent by fallback routes, too.
@@ -50,7 +51,7 @@ struct Source {
 
 /// The samples of a writer that are for one reader, where several readers share a destination.
 struct Wanted {
-  Selection selection;  ///< closed, without a gate
+  Selection selection;  ///< closed, without a rate
   std::uint32_t min_period_us = 0;
   friend bool operator==(const Wanted&, const Wanted&) = default;
 };

@@ -19,11 +19,12 @@ struct SampleOrigin {
   std::uint64_t diverted_sequence = 0;  ///< of no meaning for a sample that came by UDP
   std::int64_t diverted_stamp_ns = 0;
 
-  // Samples that were received by UDP have the values that follow. In shared memory only oldest_retained is
-  // set.
+  // Samples that were received by UDP have the values that follow. In shared memory oldest_retained is set,
+  // and the values of a gate with conditions (gate_table.h).
 
-  /// The gate for a maximum rate that the sample passed at its writer; 0: none.
+  /// The maximum rate of the gate that the sample passed at its writer; 0: none.
   std::uint32_t min_period_us = 0;
+  std::uint64_t gate = 0;     ///< that gate, if it has conditions (gate_id()); 0: it has none
   std::uint32_t ordinal = 0;  ///< its number among the samples that passed the gate
   EndpointId addressee = 0;   ///< the only reader that the sample is for; 0: it is for all
   /// The sequence of the first retained sample that the writer has sent to the reader; 0: unknown.

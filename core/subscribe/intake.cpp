@@ -1,5 +1,7 @@
 #include "core/subscribe/intake.h"
 
+#include "core/seam/gate_table.h"
+
 namespace sft::core {
 
 namespace {
@@ -23,9 +25,26 @@ bool Intake::has_of(Inlet inlet, EndpointId writer) const {
   return !is_empty(inlet) && head(inlet)->writer == writer;
 }
 
-/// A writer sends by UDP only what is for this subscriber: the writer has kept the maximum rate itself.
-RateKeeper Intake::rate_keeper_of(Inlet inlet) {
-  return inlet == Inlet::network ? RateKeeper::writer : RateKeeper::reader;
+/// A sample in shared memory says by which of the gates that this subscriber has asked for it was let
+/// through.
+void Intake::put(Inlet inlet, SampleHandle sample) {
+  head(inlet) = std::move(sample);
+  if (inlet == Inlet::network || is_empty(inlet)) return;
+  SampleBuffer& buffer = *head(inlet);
+  for (const std::uint64_t gate : accounts_.gates()) {
+    const std::optional<std::uint32_t> ordinal = ordinal_in_gate(buffer, options_.slots, gate);
+    if (!ordinal) continue;
+    buffer.gate = gate;
+    buffer.ordinal = *ordinal;
+    return;
+  }
+}
+
+/// A writer sends by UDP only what is for this subscriber: the writer has kept the maximum rate itself. So it
+/// does in shared memory where there are conditions.
+RateKeeper Intake::rate_keeper_of(Inlet inlet) const {
+  const bool by_writer = inlet == Inlet::network || accounts_.has_conditions() || head(inlet)->gate != 0;
+  return by_writer ? RateKeeper::writer : RateKeeper::reader;
 }
 
 std::optional<Intake::Inlet> Intake::oldest() const {
@@ -61,7 +80,7 @@ bool Intake::may_wait(LazyRealtime& now) {
   const Writer& from = accounts_.of(buffer.writer);
   const bool was_diverted = diverted.sequence < buffer.sequence &&
                             diverted.source_stamp_ns >= from.since_ns && from.sequences.is_new(diverted) &&
-                            from.sequences.allows(diverted, RateKeeper::reader);
+                            from.sequences.allows(diverted, rate_keeper_of(chosen_));
   // Samples that go by UDP to this subscriber alone are not named, since its writer serves others in shared
   // memory all the time. Only the path of the last sample tells of them.
   if (!was_diverted && !from.last_over_network) return false;

@@ -37,10 +37,7 @@ class Intake {
   struct Options {
     std::chrono::nanoseconds patience{0};  ///< for a diverted sample, from when that was published
     std::uint32_t min_period_us = 0;       ///< of the maximum rate; 0: none
-    /// Samples from there are copied before they are delivered: they count as received by copied(), not by
-    /// take().
-    bool copies_from_memory = false;
-    bool copies_from_network = false;
+    std::size_t slots = 0;                 ///< of the message type
   };
 
   /// Where samples lie until it is their turn, each inlet with one sample. `overtaken`: a sample that was
@@ -60,7 +57,7 @@ class Intake {
   /// The inlets `memory` and `network` are filled before next() is called, as far as there are samples.
   bool is_empty(Inlet inlet) const { return !head(inlet); }
   bool is_empty() const { return !heads_[0] && !heads_[1] && !heads_[2]; }
-  void put(Inlet inlet, SampleHandle sample) { head(inlet) = std::move(sample); }
+  void put(Inlet inlet, SampleHandle sample);
 
   /// Decides about the next sample.
   Decision next(LazyRealtime& now);
@@ -74,8 +71,14 @@ class Intake {
 
   /// The sample that was just decided to be delivered, which is thereby taken.
   Taken take();
+  /// Samples from there are copied from now on before they are delivered: they count as received by copied(),
+  /// not by take().
+  void copy(bool from_memory, bool from_network) {
+    copies_from_memory_ = from_memory;
+    copies_from_network_ = from_network;
+  }
   bool is_copied(TransportKind transport) const {
-    return transport == TransportKind::udp ? options_.copies_from_network : options_.copies_from_memory;
+    return transport == TransportKind::udp ? copies_from_network_ : copies_from_memory_;
   }
   /// A copy of a sample was delivered instead of it, or could not be made: then the sample is lost.
   void copied(const SampleInfo& info, bool is_delivered);
@@ -104,9 +107,11 @@ class Intake {
   Decision choose(Inlet inlet, LazyRealtime& now);
   static bool is_expired(const Writer& from, const SampleOrigin& sample, LazyRealtime& now);
   static TransportKind transport_of(Inlet inlet);
-  static RateKeeper rate_keeper_of(Inlet inlet);
+  RateKeeper rate_keeper_of(Inlet inlet) const;
 
   const Options options_;
+  bool copies_from_memory_ = false;
+  bool copies_from_network_ = false;
   std::array<SampleHandle, 3> heads_;  ///< by Inlet
   WriterAccounts accounts_;
   Inlet chosen_{};  ///< what the latest decision is about

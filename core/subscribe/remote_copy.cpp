@@ -5,7 +5,8 @@
 namespace sft::core {
 
 SampleHandle RemoteCopy::of(SampleHandle sample, const detail::ProjectionPlan& asked) {
-  if (sample->parts == asked.parts_hash() && asked.mask().contains(sample->mask)) return sample;
+  const bool is_as_asked = sample->parts == asked.parts_hash() && asked.mask().contains(sample->mask);
+  if (is_as_asked || sample->parts != 0) return sample;
   const FieldMask present = sample->mask.contains(asked.mask()) ? asked.mask() : sample->mask & asked.whole();
   if (!project(*sample, asked, present)) return {};
   SampleHandle copy = pool_->take(detail::SampleLayout(type_.slots()).bytes(projection_.bytes()));
@@ -26,7 +27,7 @@ bool RemoteCopy::project(const SampleBuffer& sample, const detail::ProjectionPla
 bool RemoteCopy::fill(SampleBuffer& copy, const SampleBuffer& sample) const {
   const detail::SampleLayout layout(type_.slots());
   detail::SampleHeader& header = copy.header();
-  header.slots = static_cast<std::uint32_t>(type_.slots());
+  header.slots = static_cast<std::uint16_t>(type_.slots());
   header.type_hash = type_.hash();
   header.writer = sample.writer;
   header.sequence = sample.sequence;

@@ -18,8 +18,9 @@ class RemoteCopy {
   RemoteCopy(const TypeSupport& type, std::shared_ptr<BufferPool> pool)
       : type_(type), pool_(std::move(pool)) {}
 
-  /// The sample itself if it has no more than is asked for. Empty if a reader on another host would miss the
-  /// sample: if there is no memory, or if its bytes are not what they claim to be. One thread at a time.
+  /// The sample itself if it has no more than is asked for, or parts of an earlier request. Empty if a reader
+  /// on another host would miss the sample: if there is no memory, or if its bytes are not what they claim to
+  /// be. One thread at a time.
   SampleHandle of(SampleHandle sample, const detail::ProjectionPlan& asked);
 
  private:

@@ -2,16 +2,16 @@
 
 namespace sft::core {
 
-Requirements declared_requirements(const TypeSupport& type, const FieldMask& requested) {
+Requirements declared_requirements(const TypeSupport& type, const Selection& requested) {
   Requirements all;
-  all.mask = requested;
-  all.text = type.format_mask(all.mask);
+  all.mask = requested.mask();
+  all.text = type.format_selection(requested);
   for (std::size_t leaf = 0; leaf < type.leaves(); ++leaf)
-    all.fields.push_back({.path = type.path(leaf), .requested = requested.contains(leaf)});
+    all.fields.push_back({.path = type.path(leaf), .requested = all.mask.contains(leaf)});
   return all;
 }
 
-Requirements recorded_requirements(const TypeSupport& type, const FieldMask& requested,
+Requirements recorded_requirements(const TypeSupport& type, const Selection& requested,
                                    const Recorder& recorder) {
   Requirements all = declared_requirements(type, requested);
   const Recorder::Use use = recorder.use();

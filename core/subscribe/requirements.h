@@ -7,9 +7,9 @@
 
 namespace sft::core {
 
-/// `requested` is the mask in force.
-Requirements declared_requirements(const TypeSupport& type, const FieldMask& requested);
-Requirements recorded_requirements(const TypeSupport& type, const FieldMask& requested,
+/// `requested` is the request in force.
+Requirements declared_requirements(const TypeSupport& type, const Selection& requested);
+Requirements recorded_requirements(const TypeSupport& type, const Selection& requested,
                                    const Recorder& recorder);
 
 }  // namespace sft::core

@@ -19,7 +19,9 @@ SequenceAccount::Missing SequenceAccount::enter(const SampleOrigin& sample, Rate
   if (budget_.min_period_us() != limit) budget_ = RateBudget(limit);
   budget_.take(sample.source_stamp_ns);
   ordinal_.reset();
-  if (keeper == RateKeeper::writer && limit != 0) ordinal_ = sample.ordinal;
+  const bool is_numbered = sample.gate == 0 ? limit != 0 : sample.ordinal != 0;
+  if (keeper == RateKeeper::writer && is_numbered) ordinal_ = sample.ordinal;
+  gate_ = sample.gate;
   last_ = sample.sequence;
   far_behind_ = 0;
   numbering_ = std::max(numbering_, sample.numbering);
@@ -44,7 +46,10 @@ std::uint64_t SequenceAccount::lost_before(const SampleOrigin& sample, RateKeepe
                                            std::uint64_t gap) const {
   const std::uint32_t limit = limit_of(sample, keeper);
   const std::uint32_t before = budget_.min_period_us();
-  if (last_ == 0 || (limit == 0 && before == 0)) return gap;
+  if (last_ == 0) return gap;
+  if (sample.gate != 0 || gate_ != 0 || expects_conditions_)
+    return is_of_same_gate(sample) ? sample.ordinal - *ordinal_ - 1U : 0;
+  if (limit == 0 && before == 0) return gap;
   if (limit == before && keeper == RateKeeper::writer && ordinal_) return sample.ordinal - *ordinal_ - 1U;
   if (limit <= before) return budget_.forfeited(sample.source_stamp_ns);
   return RateBudget::spent(limit, stamp_ns_).forfeited(sample.source_stamp_ns);

@@ -1,22 +1,27 @@
 // Counts the samples of one writer that a reader did not get, by the samples that it did get: they were lost,
-// or withheld by the maximum rate that the reader asked for. Pure.
+// or withheld by the conditions or by the maximum rate that the reader asked for. Pure.
 //
 // Over UDP the writer withholds samples, and each sample carries its number among the samples that passed the
 // gate. Between two samples of one gate the difference of these numbers tells exactly what was lost, and the
 // difference of the sequences what was withheld, whatever happened to datagrams and masks meanwhile.
 //
-// In shared memory one sample is distributed to all readers, so that the reader skips samples. The result is
-// the same: the reader keeps the same budget over the same stamps as the writer's gate, by which the writer
-// decides which readers to wake. Samples that the queue pushed out, or that are missing because a limit or
-// the path was changed, cannot be looked at any more. The limit entitled the reader to one sample in each
-// period, and it can save one: as many as it could not have saved count as lost, the rest as withheld. If the
-// writer paused in between, this can be too many, but never too few.
+// A gate with conditions works in the same way over UDP and in shared memory, where samples carry such
+// numbers, too (core/seam/gate_table.h), and the writer puts no others into the reader's queue. Nobody can
+// tell by conditions how many samples passed. So what is missing between two samples of different gates with
+// conditions counts as withheld.
+//
+// In shared memory a sample is distributed to all readers without conditions, so that the reader skips
+// samples. The result is the same: the reader keeps the same budget over the same stamps as the writer's
+// gate, by which the writer decides which readers to wake. Samples that the queue pushed out, or that are
+// missing because a limit or the path was changed, cannot be looked at any more. The limit entitled the
+// reader to one sample in each period, and it can save one: as many as it could not have saved count as lost,
+// the rest as withheld. If the writer paused in between, this can be too many, but never too few.
 #pragma once
 
 #include <cstdint>
 #include <optional>
 
-#include "core/seam/rate_gate.h"
+#include "core/seam/rate_budget.h"
 #include "core/seam/sample_origin.h"
 
 namespace sft::core {
@@ -27,8 +32,12 @@ enum class RateKeeper : std::uint8_t { reader, writer };
 
 class SequenceAccount {
  public:
-  /// The limit that the reader asks for; 0: none.
-  void ask(std::uint32_t min_period_us) { asked_ = min_period_us; }
+  /// The limit that the reader asks for; 0: none. `with_conditions`: the reader has asked for conditions,
+  /// also if samples that come do not tell so yet.
+  void ask(std::uint32_t min_period_us, bool with_conditions = false) {
+    asked_ = min_period_us;
+    expects_conditions_ = with_conditions;
+  }
   /// So many retained samples of the writer should come first, if there are as many.
   void owe(std::uint32_t samples) { owed_ = samples; }
 
@@ -39,7 +48,7 @@ class SequenceAccount {
   void refuse(const SampleOrigin& sample) { far_behind_ = is_far_behind(sample) ? sample.sequence : 0; }
   /// True if the sample comes next, as far as the numbers tell.
   bool follows(const SampleOrigin& sample) const {
-    return sample.sequence == last_ + 1 || begins_anew(sample);
+    return sample.sequence == last_ + 1 || begins_anew(sample) || is_next_of_gate(sample);
   }
   /// True if a new sample is for the reader, false if it has to be skipped.
   bool allows(const SampleOrigin& sample, RateKeeper keeper) const;
@@ -58,6 +67,14 @@ class SequenceAccount {
   bool begins_anew(const SampleOrigin& sample) const {
     return sample.numbering > numbering_ || (is_far_behind(sample) && confirms(sample));
   }
+  /// True if all that is missing before the sample was withheld by conditions.
+  bool is_next_of_gate(const SampleOrigin& sample) const {
+    return is_of_same_gate(sample) && sample.ordinal == *ordinal_ + 1U;
+  }
+  /// Both that one and the last one have numbers. Retained samples have none, since they passed no gate.
+  bool is_of_same_gate(const SampleOrigin& sample) const {
+    return sample.gate != 0 && sample.gate == gate_ && ordinal_ && sample.ordinal != 0;
+  }
   bool is_far_behind(const SampleOrigin& sample) const {
     return sample.sequence < last_ && last_ - sample.sequence >= gap_max;
   }
@@ -71,12 +88,14 @@ class SequenceAccount {
   std::uint64_t lost_before(const SampleOrigin& sample, RateKeeper keeper, std::uint64_t gap) const;
 
   std::uint32_t asked_ = 0;
+  bool expects_conditions_ = false;
   std::uint32_t owed_ = 0;
   // The sample that was entered last:
   std::uint64_t last_ = 0;  ///< 0: none yet
   std::int64_t stamp_ns_ = 0;
   RateBudget budget_;  ///< of the limit under which it came
   std::optional<std::uint32_t> ordinal_;
+  std::uint64_t gate_ = 0;
   std::uint32_t numbering_ = 0;
   std::uint64_t far_behind_ = 0;  ///< the sample refused last, if it was far behind; 0: none
 };

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "core/control/qos.h"
+#include "core/negotiation/requested_selection.h"
 #include "core/subscribe/requirements.h"
 
 namespace sft::core {
@@ -10,28 +12,27 @@ SubscriberCore::SubscriberCore(Spec spec, Doorbell& bell, std::shared_ptr<Record
     : spec_(std::move(spec)),
       bell_(bell),
       recorder_(std::move(recorder)),
+      declared_(spec_.requirement.selection),
       events_(spec_.options.on_event),
       ports_({.patience = spec_.diverted_patience,
               .min_period_us = spec_.min_period_us,
-              .copies_from_memory = spec_.copies != nullptr,
-              .copies_from_network = !spec_.requirement.selection.parts().empty()},
-             spec_.requirement.selection.mask()),
+              .slots = type().slots()},
+             make_asked(type(), declared_, spec_.options.recording.as_remote),
+             spec_.requirement.limits_samples),
       waiter_(ports_, bell, spec_.poll_handle.get(), spec_.options.spin),
       callbacks_(spec_.callback, spec_.callback_clock) {
-  if (spec_.copies == nullptr) return;
-  remote_.emplace(type(), spec_.copies);
-  requests(spec_.requirement.selection.mask(), 1);
+  if (spec_.copies != nullptr) remote_.emplace(type(), spec_.copies);
 }
 
-void SubscriberCore::requests(const FieldMask& mask, std::uint64_t sequence) {
-  ports_.requests(mask, sequence, spec_.copies == nullptr ? nullptr : plan_of(mask));
+void SubscriberCore::requests(Selection selection, std::uint64_t sequence) {
+  ports_.requests(make_asked(type(), std::move(selection), spec_.options.recording.as_remote), sequence);
 }
 
-/// The parts are of fields that were declared, and so are always asked for.
-std::shared_ptr<const detail::ProjectionPlan> SubscriberCore::plan_of(const FieldMask& mask) const {
-  const Selection& declared = spec_.requirement.selection;
-  return declared.parts().empty() ? std::make_shared<const detail::ProjectionPlan>(type().type(), mask)
-                                  : std::make_shared<const detail::ProjectionPlan>(type(), declared);
+Selection SubscriberCore::required() const {
+  const Lock lock(selection_mutex_);
+  if (recorder_ == nullptr) return declared_;
+  // No limit is exceeded: there are no more conditions than before.
+  return Selection(type().closed(recorder_->required())).with_gate(declared_.gate()).value();
 }
 
 void SubscriberCore::hears(const std::vector<Hearing>& hearing) {
@@ -50,7 +51,7 @@ detail::untyped::Sample SubscriberCore::take(Choose choose) {
     Next next = choose();
     if (waiter_.has_descriptor()) waiter_.settle();
     if (!next.sample) return {};
-    if (next.asked == nullptr || copy_as_remote(next)) return wrap(std::move(next));
+    if (!next.is_copied || copy_as_remote(next)) return wrap(std::move(next));
   }
 }
 
@@ -67,7 +68,7 @@ detail::untyped::Sample SubscriberCore::take_latest() {
 bool SubscriberCore::copy_as_remote(Next& next) {
   {
     const Lock lock(remote_mutex_);
-    next.sample = remote_->of(std::move(next.sample), *next.asked);
+    next.sample = remote_->of(std::move(next.sample), *next.asked->plan);
   }
   const bool is_delivered = static_cast<bool>(next.sample);
   ports_.copied(next.info, is_delivered);
@@ -75,8 +76,10 @@ bool SubscriberCore::copy_as_remote(Next& next) {
 }
 
 detail::untyped::Sample SubscriberCore::wrap(Next next) {
+  std::shared_ptr<const Selection> selection;
+  if (next.asked != nullptr) selection = {next.asked, &next.asked->selection};
   return detail::untyped::Sample(next.sample.release(), *spec_.type, next.info,
-                                 recorder_ == nullptr ? nullptr : recorder_->begin());
+                                 recorder_ == nullptr ? nullptr : recorder_->begin(), std::move(selection));
 }
 
 Result<void> SubscriberCore::set_max_rate_hz(double max_rate_hz) {
@@ -84,6 +87,24 @@ Result<void> SubscriberCore::set_max_rate_hz(double max_rate_hz) {
   if (!period) return tl::unexpected(period.error());
   ports_.ask(*period);
   spec_.rate_changed();
+  return {};
+}
+
+Result<void> SubscriberCore::set_selection(const Selection& selection) {
+  if (recorder_ != nullptr) {
+    return fail(Errc::invalid_argument,
+                "topic '" + spec_.topic + "': the subscriber records its fields; open one with a selection");
+  }
+  const Result<Selection> asked = checked_selection(type(), selection);
+  if (!asked) return tl::unexpected(asked.error());
+  const Result<std::uint32_t> period = min_period_us_of(rate_hz_of(*asked));
+  if (!period) return tl::unexpected(period.error());
+  if (*period != 0) ports_.ask(*period);
+  {
+    const Lock lock(selection_mutex_);
+    declared_ = asked->without_rate();
+  }
+  spec_.requirement_changed();
   return {};
 }
 
@@ -115,7 +136,7 @@ void SubscriberCore::close() {
 }
 
 Requirements SubscriberCore::requirements() {
-  const FieldMask requested = ports_.requested();
+  const Selection requested = ports_.requested();
   return recorder_ == nullptr ? declared_requirements(type(), requested)
                               : recorded_requirements(type(), requested, *recorder_);
 }

@@ -42,8 +42,10 @@ class SubscriberCore final : public ArrivalListener {
     std::uint32_t min_period_us = 0;           ///< of options.max_rate_hz
     /// Called by any thread: lets the agent ask for the new maximum rate, and returns.
     std::function<void()> rate_changed{};
-    /// Not null: samples from shared memory are copied to this memory, reduced to what was asked for. If that
-    /// has parts of fields, samples that came by UDP are copied, too, and it must not be null.
+    /// The same for what required() says.
+    std::function<void()> requirement_changed{};
+    /// The memory of copies that have only what was asked for: of samples with parts of fields, and of all
+    /// samples from shared memory if the options say `as_remote`. Null: there are no such copies.
     std::shared_ptr<BufferPool> copies{};
     std::unique_ptr<PollHandle> poll_handle{};  ///< null: the subscriber has no file descriptor
     /// How long a sample in shared memory waits for an earlier one that went by UDP: far longer than UDP
@@ -63,6 +65,10 @@ class SubscriberCore final : public ArrivalListener {
   /// Returns -1 if the subscriber has none.
   int file_descriptor() const { return waiter_.descriptor(); }
   Result<void> set_max_rate_hz(double max_rate_hz);
+  /// Asks for something else from now on.
+  Result<void> set_selection(const Selection& selection);
+  /// What the subscriber needs at present, declared or recorded: closed, and without a rate.
+  Selection required() const SFT_EXCLUDES(selection_mutex_);
 
   // Subscribers with a callback or a file descriptor: for the thread that sleeps on their doorbell.
 
@@ -98,15 +104,14 @@ class SubscriberCore final : public ArrivalListener {
   void look_again();
   /// The writers that are heard at present.
   void hears(const std::vector<Hearing>& hearing);
-  /// The mask and the number of the request in force.
-  void requests(const FieldMask& mask, std::uint64_t sequence);
+  /// The request that is in force from now on, and its number.
+  void requests(Selection selection, std::uint64_t sequence);
 
  private:
   using Next = SubscriberPorts::Next;
 
   template <class Choose>
   detail::untyped::Sample take(Choose choose);
-  std::shared_ptr<const detail::ProjectionPlan> plan_of(const FieldMask& mask) const;
   bool copy_as_remote(Next& next);
   detail::untyped::Sample wrap(Next next);
   void call_back(CallbackDispatch::Caller caller);
@@ -114,6 +119,8 @@ class SubscriberCore final : public ArrivalListener {
   const Spec spec_;
   Doorbell& bell_;
   const std::shared_ptr<Recorder> recorder_;
+  mutable Mutex selection_mutex_;  // held for a copy of the selection
+  Selection declared_ SFT_GUARDED_BY(selection_mutex_);
   Mutex remote_mutex_ SFT_ACQUIRED_AFTER(lock_order::endpoints)
       SFT_ACQUIRED_BEFORE(lock_order::endpoint);  ///< held by the one thread that copies a sample
   std::optional<RemoteCopy> remote_ SFT_GUARDED_BY(remote_mutex_);

@@ -80,9 +80,19 @@ bool SubscriberPorts::find_next() {
 
 SubscriberPorts::Next SubscriberPorts::next() {
   if (!find_next()) return {};
-  Next next{intake_.take(), nullptr};
-  if (intake_.is_copied(next.info.transport)) next.asked = asked_;
+  Next next{intake_.take()};
+  settle(next);
   return next;
+}
+
+void SubscriberPorts::settle(Next& next) {
+  next.is_copied = intake_.is_copied(next.info.transport);
+  next.asked = next.is_copied || tells_asked_ ? asked_ : nullptr;
+  const std::uint64_t parts = next.sample->parts;
+  if (parts == 0 || parts == asked_->selection.parts_hash()) return;
+  const auto is_it = [parts](const auto& asked) { return asked->selection.parts_hash() == parts; };
+  const auto known = std::ranges::find_if(earlier_, is_it);
+  if (known != earlier_.end()) next.asked = *known;
 }
 
 SubscriberPorts::Next SubscriberPorts::take() {
@@ -98,7 +108,7 @@ SubscriberPorts::Next SubscriberPorts::take_latest() {
   Next latest = next();
   while (latest.sample && find_next()) intake_.keep_newer(latest, intake_.take());
   if (latest.sample) intake_.report_losses(latest);
-  latest.asked = latest.sample && intake_.is_copied(latest.info.transport) ? asked_ : nullptr;
+  if (latest.sample) settle(latest);
   lock.unlock();
   tell_of_room();
   return latest;
@@ -129,9 +139,9 @@ std::uint32_t SubscriberPorts::min_period_us() {
   return intake_.accounts().min_period_us();
 }
 
-FieldMask SubscriberPorts::requested() {
+Selection SubscriberPorts::requested() {
   const Lock lock(mutex_);
-  return requested_;
+  return asked_->selection;
 }
 
 void SubscriberPorts::hears(const std::vector<Hearing>& hearing) {
@@ -141,11 +151,13 @@ void SubscriberPorts::hears(const std::vector<Hearing>& hearing) {
   intake_.accounts().hears(hearing, realtime_ns());
 }
 
-void SubscriberPorts::requests(const FieldMask& mask, std::uint64_t sequence,
-                               std::shared_ptr<const detail::ProjectionPlan> asked) {
+void SubscriberPorts::requests(std::shared_ptr<const Asked> asked, std::uint64_t sequence) {
   const Lock lock(mutex_);
-  requested_ = mask;
   requests_ = sequence;
+  intake_.copy(asked->plan != nullptr, asked->from_network);
+  intake_.accounts().ask_conditions(asked->selection.gate_hash());
+  if (asked_ != nullptr && !asked_->selection.parts().empty()) earlier_.push_back(std::move(asked_));
+  if (earlier_.size() > earlier_max) earlier_.erase(earlier_.begin());
   asked_ = std::move(asked);
 }
 
@@ -205,7 +217,7 @@ SubscriberStatus SubscriberPorts::status() {
   status.lost += counts.lost;
   status.discarded = counts.discarded;
   status.held_too_many = counts.held_too_many;
-  status.mask = requested_;
+  status.mask = asked_->selection.mask();
   status.requests = requests_;
   return status;
 }

@@ -10,23 +10,29 @@
 #include <vector>
 
 #include "core/seam/transport.h"
+#include "core/subscribe/asked.h"
 #include "core/subscribe/intake.h"
 #include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
-#include "sft/detail/project.h"
 
 namespace sft::core {
 
 class SubscriberPorts {
  public:
-  /// A sample that was taken. `asked` is not null if the sample has to be copied, reduced to what is asked
-  /// for, and then reported to copied().
+  /// A sample that was taken.
   struct Next : Taken {
-    std::shared_ptr<const detail::ProjectionPlan> asked;
+    /// The request that the sample is delivered under: one of those before if it has parts that only that one
+    /// asked for. Null if nobody asks.
+    std::shared_ptr<const Asked> asked{};
+    /// The sample has to be copied, reduced to what is asked for, and then reported to copied().
+    bool is_copied = false;
   };
 
-  SubscriberPorts(const Intake::Options& options, FieldMask requested)
-      : intake_(options), requested_(std::move(requested)) {}
+  /// `tells_asked`: each sample comes with its request, also if it is delivered as it is.
+  SubscriberPorts(const Intake::Options& options, std::shared_ptr<const Asked> asked, bool tells_asked)
+      : tells_asked_(tells_asked), intake_(options) {
+    requests(std::move(asked), 1);
+  }
 
   /// The next sample in order; empty if there is none.
   Next take();
@@ -39,7 +45,7 @@ class SubscriberPorts {
 
   void ask(std::uint32_t min_period_us);
   std::uint32_t min_period_us();
-  FieldMask requested();
+  Selection requested();
   SubscriberStatus status();
 
   // The agent's.
@@ -47,10 +53,8 @@ class SubscriberPorts {
   void set_memory(std::shared_ptr<BorrowingReader> port);
   void set_network(std::shared_ptr<NetworkReader> port);
   void hears(const std::vector<Hearing>& hearing);
-  /// The mask and the number of the request in force. `asked` is the mask as a plan, where samples are
-  /// copied.
-  void requests(const FieldMask& mask, std::uint64_t sequence,
-                std::shared_ptr<const detail::ProjectionPlan> asked);
+  /// The request that is in force from now on, and its number.
+  void requests(std::shared_ptr<const Asked> asked, std::uint64_t sequence);
   /// Returns true if status() differs by it.
   bool keeps_promises(EndpointId writer, std::uint64_t deadlines_missed, bool alive);
   /// The connection to that writer was set up anew, because nothing arrived by it.
@@ -78,18 +82,22 @@ class SubscriberPorts {
   /// True if intake_ can deliver a sample.
   bool find_next() SFT_REQUIRES(mutex_);
   Next next() SFT_REQUIRES(mutex_);
+  /// Says under which request the sample is delivered.
+  void settle(Next& next) SFT_REQUIRES(mutex_);
   Counts counts() const SFT_REQUIRES(mutex_);
   /// Called after samples may have been taken. The port may make a system call.
   void tell_of_room() SFT_EXCLUDES(mutex_);
 
+  static constexpr std::size_t earlier_max = 64;  ///< requests under which samples may still come
+
+  const bool tells_asked_;
   Mutex mutex_ SFT_ACQUIRED_AFTER(lock_order::endpoints) SFT_ACQUIRED_BEFORE(lock_order::endpoint);
   Intake intake_ SFT_GUARDED_BY(mutex_);
   std::shared_ptr<BorrowingReader> memory_ SFT_GUARDED_BY(mutex_);
   std::shared_ptr<NetworkReader> network_ SFT_GUARDED_BY(mutex_);
   Counts of_former_ports_ SFT_GUARDED_BY(mutex_);
-  FieldMask requested_ SFT_GUARDED_BY(mutex_);
-  /// Null where samples are delivered as they are.
-  std::shared_ptr<const detail::ProjectionPlan> asked_ SFT_GUARDED_BY(mutex_);
+  std::shared_ptr<const Asked> asked_ SFT_GUARDED_BY(mutex_);
+  std::vector<std::shared_ptr<const Asked>> earlier_ SFT_GUARDED_BY(mutex_);  ///< with parts, the latest last
   std::uint64_t requests_ SFT_GUARDED_BY(mutex_) = 1;
   /// Some writer in shared memory waits for room. Written with the mutex held, read without it.
   std::atomic<bool> writers_wait_{false};

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/seam/gate.h"
+
 namespace sft::core {
 
 namespace {
@@ -11,7 +13,7 @@ constexpr std::size_t departed_writers_kept = 64;  // their last samples may sti
 WriterAccounts::Writer& WriterAccounts::open(EndpointId writer) {
   Writer& added = writers_.emplace_back();
   added.id = writer;
-  added.sequences.ask(min_period_us_);
+  added.sequences.ask(min_period_us_, has_conditions());
   return added;
 }
 
@@ -22,7 +24,21 @@ const WriterAccounts::Writer* WriterAccounts::find(EndpointId writer) const {
 
 void WriterAccounts::ask(std::uint32_t min_period_us) {
   min_period_us_ = min_period_us;
-  for (Writer& writer : writers_) writer.sequences.ask(min_period_us);
+  ask_all();
+}
+
+void WriterAccounts::ask_conditions(std::uint64_t hash) {
+  conditions_ = hash;
+  ask_all();
+}
+
+void WriterAccounts::ask_all() {
+  for (Writer& writer : writers_) writer.sequences.ask(min_period_us_, has_conditions());
+  const std::uint64_t gate = gate_id(conditions_, min_period_us_);
+  if (gate == 0) return;
+  std::erase(gates_, gate);
+  gates_.insert(gates_.begin(), gate);
+  if (gates_.size() > gates_max) gates_.pop_back();
 }
 
 void WriterAccounts::hears(const std::vector<Hearing>& hearing, std::int64_t now_ns) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/negotiation/hearing.h"
@@ -43,6 +44,12 @@ class WriterAccounts {
 
   /// The subscriber asks for one sample in each such period from now on; 0: for all samples.
   void ask(std::uint32_t min_period_us);
+  /// The subscriber asks for conditions from now on, which have this hash (Selection::gate_hash()); 0: for
+  /// none.
+  void ask_conditions(std::uint64_t hash);
+  bool has_conditions() const { return conditions_ != 0; }
+  /// The gates with conditions that samples in shared memory may name: the latest is the first.
+  std::span<const std::uint64_t> gates() const { return gates_; }
   std::uint32_t min_period_us() const { return min_period_us_; }
   /// The writers that are heard from now on, others excluded.
   void hears(const std::vector<Hearing>& hearing, std::int64_t now_ns);
@@ -69,12 +76,17 @@ class WriterAccounts {
 
  private:
   Writer& open(EndpointId writer);
+  void ask_all();
   void forget_departed();
   template <class Sum>
   static void add(Sum& sum, const Writer& writer);
   static void fill_in(SubscriberStatus::Writer& status, const Writer& writer);
 
+  static constexpr std::size_t gates_max = 8;  ///< samples under earlier ones are not in a queue any more
+
   std::uint32_t min_period_us_;
+  std::uint64_t conditions_ = 0;
+  std::vector<std::uint64_t> gates_;
   std::vector<Writer> writers_;
   /// The writers that are heard at present, as the negotiation describes them.
   std::vector<SubscriberStatus::Writer> heard_;

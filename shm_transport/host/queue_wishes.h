@@ -1,4 +1,5 @@
-// The requests that a reader makes to the writer of one of its queues. They travel in the name of the
+// The id of the reader of a queue, by which the writer finds its conditions, and the requests that the reader
+// makes to the writer of the queue. They travel in the name of the
 // reader's port: iceoryx passes the name on and does not read it.
 #pragma once
 
@@ -10,14 +11,15 @@
 namespace sft::shm {
 
 struct QueueWishes {
-  core::EndpointId reader = 0;  ///< the reader that makes the requests; 0: there are none
+  core::EndpointId reader = 0;  ///< the reader of the queue; 0: unknown
   bool late = false;            ///< the writer puts its retained samples into the queue before all others
   bool awaited = false;         ///< the writer waits for room in the queue, as long as it may
 };
 
-/// Returns what stands behind the label of the port; empty if the reader requests nothing.
+/// Returns what stands behind the label of the port; empty if the reader is unknown.
 std::string to_text(const QueueWishes& wishes);
-/// Reads the requests from the name of a port. A name without requests, or with malformed ones, has none.
+/// Reads the reader and the requests from the name of a port. A name without them, or with malformed ones,
+/// has none.
 QueueWishes parse_wishes(std::string_view port_name) noexcept;
 
 }  // namespace sft::shm

@@ -2,6 +2,8 @@
 
 #include <cstring>
 
+#include "core/seam/gate_table.h"
+
 namespace sft::shm {
 
 std::optional<CheckedSample> check_sample(const std::byte* data, std::size_t size, const TypeSupport& type,
@@ -22,6 +24,8 @@ std::optional<CheckedSample> check_sample(const std::byte* data, std::size_t siz
     if (offset >= header.body_bytes && offset != detail::no_offset) return std::nullopt;
   }
   CheckedSample checked{.bytes = body_offset + header.body_bytes};
+  const std::size_t with_table = core::bytes_with_gate_table(checked.bytes, header.gates);
+  if (header.gates <= core::gates_in_table_max && with_table <= size) checked.bytes = with_table;
   checked.origin.trust(header);
   return checked;
 }

@@ -15,6 +15,7 @@ void AttachedQueues::look(const Queues& queues, const Session& session) {
     const auto known = std::ranges::find(before, queue->m_uniqueId, &Listener::queue);
     listeners_.push_back(known != before.end() ? *known : listener_at(*queue, session));
     if (owed_nothing_.contains(listeners_.back().waits_as)) listeners_.back().waits_as = 0;
+    give_gate(listeners_.back());
   }
   count();
 }
@@ -23,14 +24,25 @@ AttachedQueues::Listener AttachedQueues::listener_at(const Queue& queue, const S
   const auto* port = session.port_of(queue);
   if (port == nullptr) return {queue.m_uniqueId};
   const QueueWishes wishes = parse_wishes({port->m_nodeName.c_str(), port->m_nodeName.size()});
-  return {queue.m_uniqueId, wishes.late ? wishes.reader : 0, wishes.awaited ? wishes.reader : 0, port};
+  return {queue.m_uniqueId, wishes.late ? wishes.reader : 0, wishes.awaited ? wishes.reader : 0, port,
+          wishes.reader};
+}
+
+void AttachedQueues::give_gate(Listener& listener) const {
+  const auto found = gates_.find(listener.reader);
+  listener.gate = found == gates_.end() ? nullptr : found->second;
+}
+
+void AttachedQueues::set_gates(Gates gates) {
+  gates_ = std::move(gates);
+  for (Listener& listener : listeners_) give_gate(listener);
 }
 
 const AttachedQueues::Listener* AttachedQueues::without_room() const {
   if (awaited_.empty()) return nullptr;
   const auto found = std::ranges::find_if(listeners_, [this](const Listener& listener) {
-    return listener.awaited != 0 && listener.waits_as == 0 && !has_room(listener) &&
-           awaited_.contains(listener.awaited);
+    return listener.awaited != 0 && listener.waits_as == 0 && listener.wants_sample() &&
+           !has_room(listener) && awaited_.contains(listener.awaited);
   });
   return found == listeners_.end() ? nullptr : &*found;
 }

@@ -1,5 +1,5 @@
-// The queues to which a writer delivers. Two requests that a reader makes in the name of its port
-// (queue_wishes.h) are served here:
+// The queues to which a writer delivers. The name of a queue's port tells the reader and what that requests
+// (queue_wishes.h). Two requests are served here:
 //
 // A late reader wants the samples that the writer has retained before all others. The daemon connects its
 // queue first. From then on the writer puts nothing into this queue until it has put in the retained samples.
@@ -11,10 +11,15 @@
 // A reliable reader of a writer that waits for its readers asks the writer to wait for room in the queue. The
 // writer waits for those of these readers that it serves in shared memory at present.
 //
+// A reader with conditions gets only the samples that pass its gate: what was withheld takes no place in its
+// queue.
+//
 // The caller holds the lock of the port. The daemon holds the same lock when it changes the list of queues.
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <memory>
 #include <set>
 #include <utility>
 #include <vector>
@@ -36,7 +41,13 @@ class AttachedQueues {
     core::EndpointId waits_as = 0;  ///< the late reader that waits for the retained samples; 0: none does
     core::EndpointId awaited = 0;   ///< the reader that asks the writer to wait for room; 0: none does
     const iox::popo::SubscriberPortData* port = nullptr;  ///< the port that has the queue
+    core::EndpointId reader = 0;                          ///< whose queue it is; 0: unknown
+    std::shared_ptr<const core::Gate> gate{};             ///< the reader's, if that has conditions
+
+    /// The present sample is for the reader, as far as its conditions tell.
+    bool wants_sample() const { return gate == nullptr || gate->passes(); }
   };
+  using Gates = std::map<core::EndpointId, std::shared_ptr<const core::Gate>>;
 
   /// Brings the listeners up to date with the queues. The call is cheap while the queues have not changed.
   void look(const Queues& queues, const Session& session);
@@ -53,6 +64,10 @@ class AttachedQueues {
   /// Sets the readers that get no retained samples, now and later.
   void owe_nothing(std::set<core::EndpointId> readers);
 
+  /// Sets the gates with conditions: the writer puts into a queue only what passes its reader's gate.
+  void set_gates(Gates gates);
+  bool has_gates() const { return !gates_.empty(); }
+
   /// Sets the readers for which the writer waits, if they ask for it.
   void wait_for(std::set<core::EndpointId> readers) { awaited_ = std::move(readers); }
   /// Returns a listener for which the writer waits and whose queue was full at the last look(); null if there
@@ -68,11 +83,13 @@ class AttachedQueues {
 
  private:
   static Listener listener_at(const Queue& queue, const Session& session);
+  void give_gate(Listener& listener) const;
   bool is_unchanged(const Queues& queues) const;
   void count();
 
   std::vector<Listener> listeners_;
   std::set<core::EndpointId> owed_nothing_, awaited_;
+  Gates gates_;              ///< by reader
   std::size_t waiting_ = 0;  ///< the number of listeners that wait for retained samples
   std::uint64_t held_back_ = 0;
 };

@@ -130,7 +130,7 @@ ChunkLender::Commit ChunkLender::commit(ChunkSlot& slot, bool to_readers, bool m
     // holds it. It could block otherwise, if the daemon was stopped while it held the lock.
     auto& port = publisher_.m_chunkSenderData;
     if (!port.tryLock()) return Commit::busy;
-    if (retains_ || waits_) attached_.look(port.m_queues, *session_);
+    if (retains_ || waits_ || attached_.has_gates()) attached_.look(port.m_queues, *session_);
     full = waits_ && attached_.without_room() != nullptr;
     const bool waits = full && may_wait;
     if (!waits) deliver(slot);
@@ -144,16 +144,17 @@ ChunkLender::Commit ChunkLender::commit(ChunkSlot& slot, bool to_readers, bool m
 void ChunkLender::deliver(ChunkSlot& slot) noexcept {
   auto& port = publisher_.m_chunkSenderData;
   const ChunkInHand hand(publisher_);
-  if (!attached_.somebody_waits()) {
+  if (!attached_.somebody_waits() && !attached_.has_gates()) {
     // The chunk goes back into iceoryx's own list of loans, because only a chunk in this list can be sent.
     port.m_chunksInUse.insert(slot.name.cloneToSharedChunk());
     before_chunk_leaves();
     port_.sendChunk(slot.chunk);
     return;
   }
-  attached_.hold_back();
+  if (attached_.somebody_waits()) attached_.hold_back();
   for (const AttachedQueues::Listener& listener : attached_.listeners()) {
-    if (listener.waits_as == 0) AttachedQueues::deliver(port, listener, slot.name.cloneToSharedChunk());
+    if (listener.waits_as == 0 && listener.wants_sample())
+      AttachedQueues::deliver(port, listener, slot.name.cloneToSharedChunk());
   }
 }
 
@@ -186,6 +187,11 @@ void ChunkLender::await_room(Clock::time_point until) noexcept {
 void ChunkLender::wait_for(std::set<core::EndpointId> readers) noexcept {
   const core::Lock lock(mutex_);
   attached_.wait_for(std::move(readers));
+}
+
+void ChunkLender::set_gates(AttachedQueues::Gates gates) noexcept {
+  const core::Lock lock(mutex_);
+  attached_.set_gates(std::move(gates));
 }
 
 std::optional<std::uint64_t> ChunkLender::held_back(core::EndpointId reader) noexcept {
@@ -322,11 +328,14 @@ std::string ShmWriterPort::why_unreachable(const core::Route& to) {
 
 void ShmWriterPort::set_routes(std::vector<core::Route> routes) {
   std::set<core::EndpointId> owed_nothing, awaited;
+  AttachedQueues::Gates gates;
   for (const core::Route& route : routes) {
     if (route.history == 0) owed_nothing.insert(route.reader);
     if (route.reliable) awaited.insert(route.reader);
+    if (route.gate != nullptr && route.gate->id() != 0) gates[route.reader] = route.gate;
   }
   chunks_->wait_for(std::move(awaited));
+  chunks_->set_gates(std::move(gates));
   chunks_->owe_nothing(std::move(owed_nothing));
   doorbells_.replace(routes.empty() ? nullptr : pages_->doorbells_of(routes, reader_accounts_));
   reached_.clear();

@@ -77,6 +77,8 @@ class ChunkLender final : public core::BufferOwner,
   void owe_nothing(std::set<core::EndpointId> readers) noexcept;
   /// Sets the readers for which commit() waits, if they ask for it.
   void wait_for(std::set<core::EndpointId> readers) noexcept;
+  /// Sets the gates of readers with conditions (attached_queues.h).
+  void set_gates(AttachedQueues::Gates gates) noexcept;
 
   void recycle(core::SampleBuffer& buffer) noexcept override;
   void lose() noexcept override;

@@ -11,7 +11,7 @@ constexpr std::chrono::milliseconds search_interval{500};
 }
 
 void Doorbells::add(std::shared_ptr<core::DoorbellPage> page, std::uint32_t slot,
-                    std::shared_ptr<const core::RateGate> gate) {
+                    std::shared_ptr<const core::Gate> gate) {
   core::Doorbell* bell = page == nullptr ? nullptr : &page->at(slot);
   auto known = std::ranges::find(bells_, bell, &Bell::bell);
   if (known == bells_.end()) {

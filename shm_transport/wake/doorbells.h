@@ -26,7 +26,7 @@ class Doorbells final : public WakeTask {
   /// Adds the doorbell of a reader, before the first ring. `page`: null if the reader cannot be woken.
   /// `gate`: the gate of the reader's maximum rate; null if the reader has none.
   void add(std::shared_ptr<core::DoorbellPage> page, std::uint32_t slot,
-           std::shared_ptr<const core::RateGate> gate);
+           std::shared_ptr<const core::Gate> gate);
   std::size_t size() const { return bells_.size(); }
 
   // The thread of the publisher calls these two functions. On this thread the gates know whether the sample
@@ -45,7 +45,7 @@ class Doorbells final : public WakeTask {
   struct Bell {
     core::Doorbell* bell = nullptr;
     bool always = false;  ///< a reader without a maximum rate has this doorbell
-    std::vector<std::shared_ptr<const core::RateGate>> gates{};
+    std::vector<std::shared_ptr<const core::Gate>> gates{};
     mutable std::atomic<bool> wake_due{false};  ///< set by announce(), cleared by run()
     bool wanted() const noexcept;
   };

@@ -210,6 +210,7 @@ class FakeWriter final : public core::NetworkWriter {
     }
     if (line.route.gate != nullptr) {
       copy->min_period_us = line.route.min_period_us;
+      copy->gate = line.route.gate->id();
       copy->ordinal = line.route.gate->ordinal();
     }
     const std::uint64_t body_bytes = copy->header().body_bytes;

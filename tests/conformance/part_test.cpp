@@ -1,5 +1,6 @@
 // Over networks each reader gets the parts of fields that it asked for, also while it asks for others.
 // Whoever shares the memory of a sample gets all of it.
+#include "core/seam/gate.h"
 #include "tests/conformance/conformance.h"
 
 namespace sft::conformance {
@@ -107,6 +108,35 @@ TEST_P(Conformance, GivesAReaderOfAPartThisPartOrTheSharedSample) {
     ASSERT_TRUE(is_image(sample, 1000));
     EXPECT_EQ(sample->parts, 0U);
   }
+}
+
+/// A gate for every second sample, whatever the samples say.
+std::shared_ptr<core::Gate> every_second() {
+  const TypeSupport& type = udp::test::type_support<Image>();
+  const Selection::Gate gate = type.parse_selection("* @ every 2nd").value().gate();
+  const std::uint64_t hash = Selection(type.none()).with_gate(gate).value().gate_hash();
+  return std::make_shared<core::Gate>(0, detail::Conditions(type.type(), gate.conditions), hash);
+}
+
+TEST_P(Conformance, GivesAReaderWithConditionsWhatPassesAndNothingElse) {
+  Writer writer(stage);
+  Reader choosy(stage, {.masks = {"* @ every 2nd"}, .depth = 5});
+  Reader other(stage);
+  choosy.hear(writer);
+  other.hear(writer);
+  const auto gate = every_second();
+  core::Route through_gate = choosy.route();
+  through_gate.gate = gate;
+  writer.serve({through_gate, other.route()});
+  gate->let_next_pass();
+  for (int n = 1; n <= 10; ++n) {
+    gate->consider(detail::FieldSource::of_nothing(), n);
+    ASSERT_EQ(writer.publish(), core::SendStatus::sent);
+  }
+  EXPECT_EQ(other.next_sequences(10), numbers(1, 10));
+  EXPECT_EQ(choosy.next_sequences(5), (std::vector<std::uint64_t>{1, 3, 5, 7, 9}));
+  EXPECT_EQ(choosy.take_sequences(), std::vector<std::uint64_t>{});
+  EXPECT_EQ(choosy.discarded(), 0U) << "what was withheld took no place in the queue";
 }
 
 }  // namespace

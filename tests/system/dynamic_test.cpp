@@ -230,7 +230,7 @@ TEST_P(DynamicTest, AWrongPartIsAnErrorThatNamesTheColumn) {
   };
   EXPECT_THAT(error_of("width, data{x}[::0]"), HasSubstr("column 18: a step of 0 keeps nothing"));
   EXPECT_THAT(error_of("width[1:2]"), HasSubstr("column 1: 'width' has no parts"));
-  EXPECT_THAT(error_of("data @ every 2nd"), HasSubstr("not supported yet"));
+  EXPECT_THAT(error_of("data @ every 0th"), HasSubstr("column 14: samples are counted from the 1st on"));
 }
 
 TEST_P(DynamicTest, ACallbackGetsSamples) {

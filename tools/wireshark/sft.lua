@@ -158,7 +158,7 @@ end
 local function read_marks(c, set)
   if has(set, 0x40) then return read_group_mark(c, set) end
   if has(set, 0x02) then
-    if c:number(f.rate_period, 4) == 0 then c:fail("The period of a gate must not be 0") end
+    c:number(f.rate_period, 4)
     c:number(f.rate_ordinal, 4)
   end
   if has(set, 0x04) then

@@ -61,7 +61,7 @@ bool gives_way(ArrivedSamples& arrived, const SampleAssembly& samples, std::uint
 /// All but the writer and the sequence.
 void write_header(core::SampleBuffer& sample, const FirstHeader& first, const TypeSupport& type) {
   detail::SampleHeader& header = sample.header();
-  header.slots = static_cast<std::uint32_t>(type.slots());
+  header.slots = static_cast<std::uint16_t>(type.slots());
   header.source_stamp_ns = first.stamp_ns;
   header.type_hash = type.hash();
   header.body_offset = static_cast<std::uint32_t>(detail::SampleLayout(type.slots()).body_offset);
@@ -327,6 +327,7 @@ IncomingWriter::Refusal IncomingWriter::describe(const Datagram& d, const Wanted
   buffer->mask = *named.mask;
   buffer->parts = named.parts;
   buffer->min_period_us = d.first.rate.min_period_us;
+  buffer->gate = core::gate_id(named.conditions, d.first.rate.min_period_us);
   buffer->ordinal = d.first.rate.ordinal;
   buffer->addressee = d.first.history.reader;
   buffer->oldest_retained = d.first.history.oldest;

@@ -17,6 +17,7 @@ bool LateFilter::takes(const core::SampleBuffer& sample, Time now) {
   numbering_ = std::max(numbering_, sample.numbering);
   sequence_ = sample.sequence;
   min_period_us_ = sample.min_period_us;
+  gate_ = sample.gate;
   ordinal_ = sample.ordinal;
   return true;
 }
@@ -24,7 +25,8 @@ bool LateFilter::takes(const core::SampleBuffer& sample, Time now) {
 /// Nothing is missing in between, but what was withheld.
 bool LateFilter::follows(const core::SampleBuffer& sample) const {
   if (sample.sequence <= sequence_ + 1 || sample.numbering > numbering_) return true;
-  return sample.min_period_us != 0 && sample.min_period_us == min_period_us_ &&
+  const bool is_numbered = sample.min_period_us != 0 || sample.gate != 0;
+  return is_numbered && sample.min_period_us == min_period_us_ && sample.gate == gate_ &&
          sample.ordinal == ordinal_ + 1;
 }
 

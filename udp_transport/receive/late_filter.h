@@ -35,6 +35,7 @@ class LateFilter {
   // The newest sample that was taken:
   std::uint64_t sequence_ = 0;
   std::uint32_t min_period_us_ = 0;
+  std::uint64_t gate_ = 0;
   std::uint32_t ordinal_ = 0;
   std::uint32_t numbering_ = 0;
 };

@@ -41,6 +41,7 @@ bool Subscriber::accepts(const core::SampleBuffer& sample, std::uint64_t first_r
     if (!for_one && a.request < first_request) return false;
     const FieldMask& mask = w.selection.mask();
     if (w.selection.parts_hash() != sample.parts) return false;
+    if (core::gate_id(w.selection.gate_hash(), sample.min_period_us) != sample.gate) return false;
     if (sample.merged) return w.min_period_us == 0 && sample.mask.contains(mask);
     return (for_one || w.min_period_us == sample.min_period_us) && mask == sample.mask;
   });

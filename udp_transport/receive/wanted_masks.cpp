@@ -21,7 +21,8 @@ void WantedMasks::set(const TypeSupport& type, std::span<const Selection> select
   wanted_.clear();
   merged_.clear();
   for (const Selection& selection : selections)
-    wanted_.push_back({selection.mask(), selection.what_hash(), selection.parts_hash()});
+    wanted_.push_back(
+        {selection.mask(), selection.hash(), selection.parts_hash(), selection.without_rate().gate_hash()});
 }
 
 WantedMasks::Named WantedMasks::named_by(Datagram& d) {
@@ -38,7 +39,7 @@ WantedMasks::Named WantedMasks::named_by(Datagram& d) {
     return w.hash == d.first.mask && (words.empty() || equals(w.mask, words));
   });
   if (found == wanted_.end()) return {};
-  return {.mask = &found->mask, .parts = found->parts};
+  return {.mask = &found->mask, .parts = found->parts, .conditions = found->conditions};
 }
 
 /// The union that it names, if it contains some wanted mask.

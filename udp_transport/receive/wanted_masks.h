@@ -1,5 +1,5 @@
-// Under which masks somebody here reads a writer, or which parts of fields, and which of them a datagram
-// names.
+// Under which masks somebody here reads a writer, or which parts of fields and under which conditions, and
+// which of them a datagram names.
 #pragma once
 
 #include <cstddef>
@@ -24,6 +24,7 @@ class WantedMasks {
   struct Named {
     const FieldMask* mask = nullptr;  ///< null: one that nobody wants; valid until the next call
     std::uint64_t parts = 0;          ///< as SampleBuffer::parts
+    std::uint64_t conditions = 0;     ///< the hash of the conditions under which the sample is sent; 0: none
     bool malformed = false;
   };
   /// A first, whole or packed datagram. Takes the mask's words off its payload.
@@ -34,6 +35,7 @@ class WantedMasks {
     FieldMask mask;
     std::uint64_t hash;
     std::uint64_t parts;
+    std::uint64_t conditions;
   };
   Named merged(const Datagram& d, std::span<const std::byte> words);
 

@@ -57,7 +57,8 @@ void GroupKeeper::look_at(const RouteBundle& bundle, Time now) {
     Candidate& candidate = known->second;
     if (is_new) candidate.to = to;
     if (is_new) choose_link(candidate, now);
-    if (!bundle.wanted.selection.is_mask()) candidate.refusal = "a reader there asks for parts of fields";
+    if (!bundle.wanted.selection.is_mask())
+      candidate.refusal = "a reader there asks for parts of fields, or has conditions";
     if (bundle.gate != nullptr) candidate.refusal = "a reader there has a maximum rate";
     if (bundle.late_reader != 0) candidate.refusal = "a reader there is sent what was retained";
     if (bundle.fallback) candidate.refusal = "a reader there is served in shared memory";

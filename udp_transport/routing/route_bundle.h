@@ -21,7 +21,7 @@ struct RouteBundle {
   core::Wanted wanted;
   core::EndpointId late_reader = 0;
   bool fallback = false;
-  std::shared_ptr<const core::RateGate> gate{};
+  std::shared_ptr<const core::Gate> gate{};
   std::vector<std::shared_ptr<Destination>> destinations{};
   std::vector<std::pair<core::EndpointId, const Destination*>> readers{};
   ReliableReaders reliable{};  ///< those of the readers that are served reliably

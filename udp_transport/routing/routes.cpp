@@ -7,7 +7,8 @@ namespace sft::udp {
 
 namespace {
 
-/// None where the hash says it all, or has to: a selection with parts is known to those who asked for it.
+/// None where the hash says it all, or has to: a selection with parts or conditions is known to those who
+/// asked for it.
 std::vector<std::uint64_t> words_to_send(const Selection& selection) {
   std::vector<std::uint64_t> words;
   const FieldMask& mask = selection.mask();
@@ -17,7 +18,7 @@ std::vector<std::uint64_t> words_to_send(const Selection& selection) {
 }
 
 std::shared_ptr<const WireMask> make_wire_mask(const Selection& selection, std::uint16_t number) {
-  return std::make_shared<WireMask>(WireMask{number, selection.what_hash(), words_to_send(selection)});
+  return std::make_shared<WireMask>(WireMask{number, selection.hash(), words_to_send(selection)});
 }
 
 /// The transport that serves the readers on fallback routes counts what a gate withholds from them.

@@ -23,9 +23,9 @@ namespace sft::udp {
 /// late reader is an audience of its own, so that its samples can begin with the retained ones.
 struct Audience {
   detail::ProjectionPlan plan;
-  std::shared_ptr<const core::RateGate> gate;  ///< null: every sample is for the audience
-  core::EndpointId late_reader = 0;            ///< 0: the audience is not a late reader
-  bool fallback = false;                       ///< gets only samples that are meant for fallback routes, too
+  std::shared_ptr<const core::Gate> gate;  ///< null: every sample is for the audience
+  core::EndpointId late_reader = 0;        ///< 0: the audience is not a late reader
+  bool fallback = false;                   ///< gets only samples that are meant for fallback routes, too
   std::shared_ptr<const WireMask> wire;
   std::vector<std::shared_ptr<Lane>> lanes;
   /// One for each lane: not null if a reader there is served reliably.

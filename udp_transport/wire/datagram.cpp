@@ -77,7 +77,6 @@ std::optional<Datagram> read_described(DatagramKind kind, std::uint8_t allowed,
   if (bytes.size() < d.first.bytes()) return {};
   if ((flags & rate_follows) != 0) {
     d.first.rate = {load<std::uint32_t>(&bytes[at_period]), load<std::uint32_t>(&bytes[at_ordinal])};
-    if (d.first.rate.min_period_us == 0) return {};
   }
   if ((flags & history_follows) != 0) {
     const std::size_t at = d.first.at_history();

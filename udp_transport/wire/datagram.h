@@ -86,8 +86,8 @@ struct SampleLabel {
   friend bool operator==(const SampleLabel&, const SampleLabel&) = default;
 };
 
-/// The gate that a sample passed at its writer (core/seam/rate_gate.h), with its number among the samples
-/// that passed this gate.
+/// The maximum rate of the gate that a sample passed at its writer (core/seam/gate.h), 0 if the gate has
+/// none, and the sample's number among those that passed the gate.
 struct RateMark {
   std::uint32_t min_period_us = 0;
   std::uint32_t ordinal = 0;

@@ -21,6 +21,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "sft/detail/bytes_on_demand.h"
 #include "sft/detail/untyped.h"
@@ -39,10 +40,9 @@ namespace sft {
 /// errors.
 class DynamicSample {
  public:
-  /// For SFT's own code. `declared` is closed (TypeSupport::closed); null: all fields that the sample has.
-  DynamicSample(DynamicType type, detail::untyped::Sample&& sample,
-                std::shared_ptr<const FieldMask> declared = nullptr)
-      : type_(std::move(type)), sample_(std::move(sample)), declared_(std::move(declared)) {}
+  /// For SFT's own code.
+  DynamicSample(DynamicType type, detail::untyped::Sample&& sample)
+      : type_(std::move(type)), sample_(std::move(sample)) {}
 
   /// False if there is no sample.
   explicit operator bool() const { return static_cast<bool>(sample_); }
@@ -51,8 +51,7 @@ class DynamicSample {
   /// sample, which must not be moved meanwhile.
   DynamicView view() const& {
     assert(sample_ && "an empty sample is read: ask `if (sample)` first, take() had nothing to give");
-    if (declared_ == nullptr) return {sample_.state(), type_.type()};
-    return {sample_.state(), type_.type(), *declared_};
+    return {sample_.state(), type_.type(), fields()};
   }
   void view() const&& = delete;
 
@@ -62,9 +61,17 @@ class DynamicSample {
   /// The fields that view() has. Not for an empty sample.
   const FieldMask& mask() const& {
     assert(sample_ && "an empty sample is asked for its mask: ask `if (sample)` first");
-    return declared_ == nullptr || !sample_ ? *sample_.state().mask : *declared_;
+    return fields();
   }
   void mask() const&& = delete;
+  /// What the sample is: the fields, the parts of them and the conditions that its subscriber had asked for.
+  /// While a subscriber changes its selection, samples of the former one may still come, which name that one.
+  /// Null if the subscriber records or the sample is empty. Valid as long as the sample.
+  const Selection* selection() const& { return sample_.selection(); }
+  void selection() const&& = delete;
+  /// The channels of point clouds that were asked for and that the sample's clouds do not have. Empty if none
+  /// are missing.
+  std::vector<std::string> missing_channels() const;
   /// The message type. Valid as long as the sample.
   const DynamicType& type() const& { return type_; }
   /// True if a read met bytes that are not what they claim to be.
@@ -89,9 +96,15 @@ class DynamicSample {
     return fail(Errc::unavailable, "the sample is empty: take() had nothing to give");
   }
 
+  /// A sample in shared memory has more than was asked for, and a sample of a former request may have less.
+  const FieldMask& fields() const {
+    const FieldMask& present = *sample_.state().mask;
+    const Selection* const asked = sample_.selection();
+    return asked != nullptr && present.contains(asked->mask()) ? asked->mask() : present;
+  }
+
   DynamicType type_;
   detail::untyped::Sample sample_;
-  std::shared_ptr<const FieldMask> declared_;
   mutable detail::BytesOnDemand declared_cdr_;
 };
 
@@ -145,19 +158,30 @@ class DynamicSubscriber {
   /// A callback for samples. The sample is destroyed after the call.
   using Callback = std::function<void(const DynamicSample&)>;
 
-  /// For SFT's own code: Node::subscriber() opens one. `declared` is as in DynamicSample.
-  DynamicSubscriber(DynamicType type, detail::untyped::Subscriber subscriber,
-                    std::shared_ptr<const FieldMask> declared = nullptr)
-      : type_(std::move(type)), subscriber_(std::move(subscriber)), declared_(std::move(declared)) {}
+  /// For SFT's own code: Node::subscriber() opens one.
+  DynamicSubscriber(DynamicType type, detail::untyped::Subscriber subscriber)
+      : type_(std::move(type)), subscriber_(std::move(subscriber)) {}
 
   /// Returns the oldest sample that was not taken yet; an empty one if there is none.
-  [[nodiscard]] DynamicSample take() { return {type_, subscriber_.take(), declared_}; }
+  [[nodiscard]] DynamicSample take() { return {type_, subscriber_.take()}; }
   /// Returns the newest sample; see Subscriber::take_latest().
-  [[nodiscard]] DynamicSample take_latest() { return {type_, subscriber_.take_latest(), declared_}; }
+  [[nodiscard]] DynamicSample take_latest() { return {type_, subscriber_.take_latest()}; }
   /// Returns true as soon as there is a sample to take, or false when the time is over.
   bool wait(std::chrono::nanoseconds timeout) { return subscriber_.wait(timeout); }
   /// See Subscriber::file_descriptor().
   int file_descriptor() const { return subscriber_.file_descriptor(); }
+
+  /// Asks for something else: other fields, other parts of them, other conditions. Publishers follow in a
+  /// moment, and the first sample of each passes the conditions. A maximum rate stays if the selection has
+  /// none. An error if the subscriber records, or if the text is wrong; then nothing changes.
+  Result<void> set_selection(std::string_view fields) {
+    return type_.support().parse_selection(fields).and_then(
+        [this](const Selection& selection) { return subscriber_.set_selection(selection); });
+  }
+  /// The same with a value, which was made for this type.
+  Result<void> set_selection(const Selection& selection) { return subscriber_.set_selection(selection); }
+  /// See Subscriber::set_max_rate_hz().
+  Result<void> set_max_rate_hz(double max_rate_hz) { return subscriber_.set_max_rate_hz(max_rate_hz); }
 
   /// Counts, and each publisher of the topic.
   SubscriberStatus status() const { return subscriber_.status(); }
@@ -169,7 +193,6 @@ class DynamicSubscriber {
  private:
   DynamicType type_;
   detail::untyped::Subscriber subscriber_;
-  std::shared_ptr<const FieldMask> declared_;
 };
 
 }  // namespace sft

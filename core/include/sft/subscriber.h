@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <concepts>
+#include <string_view>
 #include <utility>
 
 #include "sft/detail/untyped.h"
@@ -58,6 +59,14 @@ class Subscriber {
   /// Changes SubscriberOptions::max_rate_hz; publishers follow in a moment. An error if the rate is neither 0
   /// nor from SubscriberOptions::slowest_rate_hz to fastest_rate_hz.
   Result<void> set_max_rate_hz(double max_rate_hz) { return subscriber_.set_max_rate_hz(max_rate_hz); }
+
+  /// Changes SubscriberOptions::selection; publishers follow in a moment, and the first sample of each passes
+  /// the conditions. A maximum rate stays if the text has none. An error if the subscriber records, or if the
+  /// text is wrong; then nothing changes.
+  Result<void> set_selection(std::string_view text) {
+    return detail::selection_within(type(), FieldMask(R.mask), text)
+        .and_then([this](const Selection& selection) { return subscriber_.set_selection(selection); });
+  }
 
   /// Counts, and each publisher of the topic. Any thread.
   SubscriberStatus status() const { return subscriber_.status(); }

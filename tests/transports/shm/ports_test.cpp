@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "core/platform/doorbell.h"
-#include "core/seam/rate_gate.h"
+#include "core/seam/gate.h"
 #include "shm_transport/host/iceoryx.h"
 #include "tests/transports/shm/shm_fixture.h"
 
@@ -415,7 +415,7 @@ TEST_F(ShmPorts, RingTheDoorbellOfALateReaderThatSleepsWhateverItsRate) {
   EXPECT_TRUE(eventually([&] { return bell.sleepers == 1; }));
   core::Route late{
       .reader = 5, .destination = core::DoorbellAddress{page->id(), 3}, .selection = {}, .history = 2};
-  late.gate = std::make_shared<core::RateGate>(1'000'000);  // no sample has passed it
+  late.gate = std::make_shared<core::Gate>(1'000'000);  // no sample has passed it
   const auto begin = Clock::now();
   EXPECT_TRUE(writer.port().begin_with(late, {}, 0));
   sleeper.join();

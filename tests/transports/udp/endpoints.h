@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/seam/rate_gate.h"
+#include "core/seam/gate.h"
 #include "core/seam/transport.h"
 #include "tests/support/eventually.h"
 #include "tests/unit/udp/messages.h"
@@ -128,7 +128,7 @@ class Publisher {
     core::UdpAddress address;
     std::string mask = "*";
     bool reliable = false;
-    std::shared_ptr<const core::RateGate> gate{};  ///< not null: of a maximum rate
+    std::shared_ptr<const core::Gate> gate{};  ///< not null: of a maximum rate
   };
   void serve(const std::vector<Reader>& readers) {
     std::vector<core::Route> routes;

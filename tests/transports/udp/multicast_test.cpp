@@ -9,7 +9,7 @@
 #include <span>
 #include <string>
 
-#include "core/seam/rate_gate.h"
+#include "core/seam/gate.h"
 #include "tests/support/test_seed.h"
 #include "tests/transports/udp/faulty_io.h"
 #include "tests/transports/udp/transport_fixture.h"
@@ -32,8 +32,8 @@ class MulticastTest : public TransportTest {
     std::unique_ptr<Subscriber> subscriber;
     std::string mask;
     bool reliable = false;
-    std::uint32_t since = 0;                 ///< so many were published before it came
-    std::shared_ptr<core::RateGate> gate{};  ///< of a reader with a maximum rate
+    std::uint32_t since = 0;             ///< so many were published before it came
+    std::shared_ptr<core::Gate> gate{};  ///< of a reader with a maximum rate
   };
 
   static UdpOptions everywhere() { return {.multicast = Multicast::everywhere}; }
@@ -183,12 +183,13 @@ TEST_P(MulticastTest, MergesMasksThatCostLessTogetherAndEachReaderTakesWhatConta
 TEST_P(MulticastTest, ServesAReaderWithAMaximumRateAloneAndAtThatRate) {
   for (int i = 0; i < 3; ++i) add("*", false);
   constexpr std::uint32_t an_hour_us = 3'600'000'000;
-  processes_[2].gate = std::make_shared<core::RateGate>(an_hour_us);
+  processes_[2].gate = std::make_shared<core::Gate>(an_hour_us);
   processes_[2].subscriber->port().accept({{.wanted = {test::fields<test::Image>("*"), an_hour_us}}});
   serve();
   const auto publish_in_turn_to_others = [this] {
     for (const Process& process : std::span(processes_).first(2)) process.subscriber->await(published_);
-    processes_[2].gate->consider(published_);  // the first of an hour passes
+    processes_[2].gate->consider(detail::FieldSource::of_nothing(),
+                                 published_);  // the first of an hour passes
     publish();
   };
   ASSERT_TRUE(eventually([&] {

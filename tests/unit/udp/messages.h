@@ -130,7 +130,7 @@ void fill(core::SampleBuffer& buffer, const T& value, const FieldMask& mask, std
   const detail::SampleLayout layout(type.slots());
   const std::uint32_t bytes = detail::encoded_size(type.type(), &value, mask).bytes;
   detail::SampleHeader& header = buffer.header();
-  header.slots = static_cast<std::uint32_t>(type.slots());
+  header.slots = static_cast<std::uint16_t>(type.slots());
   header.writer = writer;
   header.sequence = sequence;
   header.source_stamp_ns = static_cast<std::int64_t>(1000 + sequence);

@@ -319,6 +319,11 @@ Selection Selection::without_gate() const {
   return result;
 }
 
+Selection Selection::without_rate() const {
+  if (gate().least_period.count() == 0) return *this;
+  return with_gate({gate().conditions, {}}).value();  // exceeds no limit: it is shorter
+}
+
 Selection Selection::joined(const Selection& other) const {
   if (*this == other) return *this;
   std::vector<Part> both;
@@ -379,5 +384,13 @@ std::uint64_t Selection::what_hash() const {
 }
 
 std::uint64_t Selection::gate_hash() const { return extra_ == nullptr ? 0 : extra_->gate_hash; }
+
+std::uint64_t Selection::hash() const {
+  if (gate().is_open()) return what_hash();
+  detail::Fnv1a hash;
+  hash.add(what_hash());
+  hash.add(gate_hash());
+  return hash.value();
+}
 
 }  // namespace sft

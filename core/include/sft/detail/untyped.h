@@ -31,6 +31,10 @@ class RecordedSample;
 
 namespace sft::detail {
 
+/// The whole fields of `declared`, but the parts of them and the gate that the text names
+/// (SubscriberOptions::selection). An error if the text names other fields.
+Result<Selection> selection_within(const TypeSupport& type, const FieldMask& declared, std::string_view text);
+
 /// The contents of reserved memory at first: zeros, or whatever was there before.
 enum class ReservedMemory : std::uint8_t { zeroed, as_it_is };
 
@@ -46,12 +50,14 @@ extern const SampleState empty_state;
 class Sample {
  public:
   Sample() = default;
-  /// Takes over one reference to `buffer`, and `record` (null unless the reader records).
+  /// Takes over one reference to `buffer`, and `record` (null unless the reader records). `selection` is what
+  /// the sample was asked for; null if nobody asks.
   Sample(core::SampleBuffer* buffer, const TypeSupport& type, const SampleInfo& info,
-         core::RecordedSample* record);
+         core::RecordedSample* record, std::shared_ptr<const Selection> selection = nullptr);
   Sample(Sample&& other) noexcept
       : state_(other.state_),
         info_(other.info_),
+        selection_(std::move(other.selection_)),
         buffer_(std::exchange(other.buffer_, nullptr)),
         record_(std::exchange(other.record_, nullptr)) {}
   Sample& operator=(Sample&& other) noexcept {
@@ -64,6 +70,8 @@ class Sample {
   explicit operator bool() const { return buffer_ != nullptr; }
   const SampleState& state() const { return state_; }
   const SampleInfo& info() const { return info_; }
+  /// Null: the subscriber does not ask, or the sample is empty.
+  const Selection* selection() const { return selection_.get(); }
   /// Encapsulation and body: standard CDR of the type projected to the mask. Nothing of an empty sample.
   std::span<const std::byte> cdr() const;
   void reset() noexcept;
@@ -74,6 +82,7 @@ class Sample {
 
   SampleState state_ = empty_state;
   SampleInfo info_{};
+  std::shared_ptr<const Selection> selection_;
   core::SampleBuffer* buffer_ = nullptr;  // one reference
   core::RecordedSample* record_ = nullptr;
 };
@@ -137,8 +146,10 @@ using Callback = std::function<void(Sample&&)>;
 
 /// The requirement of a subscriber.
 struct Requirement {
-  Selection selection;  ///< declared, without a gate; where recorded, the fields that are asked for at first
+  Selection selection;  ///< declared; where recorded, the fields that are asked for at first
   bool recorded = false;
+  /// Samples say what was asked for, and show nothing else, also if a sample in shared memory has more.
+  bool limits_samples = false;
 };
 
 class Subscriber {
@@ -152,6 +163,7 @@ class Subscriber {
   bool wait(std::chrono::nanoseconds timeout);
   int file_descriptor() const;
   Result<void> set_max_rate_hz(double max_rate_hz);
+  Result<void> set_selection(const Selection& selection);
   SubscriberStatus status() const;
   Requirements requirements() const;
   const TypeSupport& type() const;

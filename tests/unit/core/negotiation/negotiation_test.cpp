@@ -45,13 +45,22 @@ TEST_F(NegotiationTest, AReaderOfPartsIsServedWithTheseAndWithTheFieldsThatTheyN
   EXPECT_EQ(serving.readers[0].mask, type.closed(wanted).mask());
 }
 
-TEST_F(NegotiationTest, AReaderIsNotServedIfItsPartsAreMalformed) {
+TEST_F(NegotiationTest, AReaderIsNotServedIfItsPartsOrConditionsAreMalformed) {
   our_writer();
   const Selection part = type.parse_selection("data{x}").value();
   std::vector<std::byte> of_no_leaf = part.to_bytes();
   of_no_leaf[4] = std::byte{100};
-  for (const std::vector<std::byte>& parts :
-       {std::vector<std::byte>{std::byte{255}}, {std::byte{1}}, of_no_leaf}) {
+  // Conditions on a list and on a text, as no text form of a selection has them.
+  const auto on = [&](const char* field) {
+    const auto leaf = static_cast<std::uint32_t>(*type.parse_mask(field).value().begin());
+    const Selection::Gate gate{{{.kind = Selection::Condition::Kind::compare, .leaves = {leaf}}}, {}};
+    return Selection::make(type.none(), {}, gate).value().to_bytes();
+  };
+  for (const std::vector<std::byte>& parts : {std::vector<std::byte>{std::byte{255}},
+                                              {std::byte{1}},
+                                              of_no_leaf,
+                                              on("data"),
+                                              on("header.frame_id")}) {
     Endpoint reader = endpoint(Role::reader, 7);
     reader.request.parts = parts;
     negotiation.endpoint_seen(reader);
@@ -59,7 +68,7 @@ TEST_F(NegotiationTest, AReaderIsNotServedIfItsPartsAreMalformed) {
     EXPECT_TRUE(serving.network.empty());
     ASSERT_EQ(serving.readers.size(), 1U);
     EXPECT_FALSE(serving.readers[0].served);
-    EXPECT_EQ(serving.readers[0].reason.find("it asks for parts that do not fit the type"), 0U);
+    EXPECT_EQ(serving.readers[0].reason.find("it asks for parts or conditions that do not fit the type"), 0U);
     negotiation.endpoint_departed(7);
   }
 }

@@ -37,7 +37,7 @@ class DispatchTest : public ::testing::Test {
   }
   PublishStatus send(std::int64_t stamp_ns = 1) {
     const Dispatch::Call call(dispatch);
-    Dispatch::Admission admission = dispatch.admit(stamp_ns);
+    Dispatch::Admission admission = dispatch.admit(FieldSource::of_nothing(), stamp_ns);
     if (!admission.passes) return dispatch.withhold();
     return dispatch.send(make_sample(*pool, type), stamp_ns, std::move(admission), patience);
   }
@@ -141,7 +141,7 @@ TEST_F(DispatchTest, SaysThatASampleIsMissingThatCouldNotBeMade) {
   serve(serving, memory);
   const Dispatch::Call call(dispatch);
   network->take();
-  EXPECT_EQ(dispatch.miss(dispatch.admit(1), 8), PublishStatus::no_memory);
+  EXPECT_EQ(dispatch.miss(dispatch.admit(FieldSource::of_nothing(), 1), 8), PublishStatus::no_memory);
   EXPECT_EQ(network->take(), (Calls{"begin", "miss"}));
   EXPECT_EQ(book->of(2), (Delivered{.dropped = 1}));
   EXPECT_EQ(dispatch.published(), 1U) << "readers see a gap";
@@ -172,7 +172,7 @@ class DurableDispatchTest : public DispatchTest {
 TEST_F(DurableDispatchTest, MakesEverySampleAndBeginsItOnceItIsInTheHistory) {
   const Dispatch::Call call(durable);
   EXPECT_TRUE(call.outlets().is_wanted) << "by late readers";
-  Dispatch::Admission admission = durable.admit(1);
+  Dispatch::Admission admission = durable.admit(FieldSource::of_nothing(), 1);
   EXPECT_TRUE(admission.passes);
   EXPECT_FALSE(admission.transmission);
   durable.send(make_sample(*pool, type), 1, std::move(admission), patience);
@@ -184,12 +184,14 @@ TEST_F(DurableDispatchTest, SendsByTheOutletsThatCameIntoForceMeanwhile) {
   serving.network = {network_route(1, type)};
   durable.serve(serving, nullptr);
   const Dispatch::Call call(durable);
-  EXPECT_EQ(durable.send(make_sample(*pool, type), 1, durable.admit(1), patience), PublishStatus::ok);
+  EXPECT_EQ(durable.send(make_sample(*pool, type), 1, durable.admit(FieldSource::of_nothing(), 1), patience),
+            PublishStatus::ok);
   EXPECT_EQ(network->take().back(), "send");
   Serving nobody;
   durable.serve(nobody, nullptr);  // waits for no call: what is in force provides for it
   network->take();
-  EXPECT_EQ(durable.send(make_sample(*pool, type), 2, durable.admit(2), patience), PublishStatus::ok);
+  EXPECT_EQ(durable.send(make_sample(*pool, type), 2, durable.admit(FieldSource::of_nothing(), 2), patience),
+            PublishStatus::ok);
   EXPECT_EQ(network->take(), (Calls{"begin"})) << "nobody reads there any more";
   EXPECT_FALSE(call.outlets().to_network) << "a call that goes on goes by these";
 }
@@ -203,7 +205,8 @@ TEST_F(DurableDispatchTest, BeginsASampleLateThatGoesByFallbackRoutes) {
   memory->is_full = true;
   const Dispatch::Call call(durable);
   network->take();
-  EXPECT_EQ(durable.send(make_sample(*pool, type), 1, durable.admit(1), patience), PublishStatus::ok);
+  EXPECT_EQ(durable.send(make_sample(*pool, type), 1, durable.admit(FieldSource::of_nothing(), 1), patience),
+            PublishStatus::ok);
   EXPECT_EQ(network->take(), (Calls{"begin", "send begun, by fallbacks too"}));
 }
 

@@ -70,8 +70,8 @@ TEST_F(DeliveryTest, WhatIsLeftOfThePageBeforeStillCountsIfItIsExpected) {
 }
 
 TEST_F(DeliveryTest, WhatAGateWithholdsIsItsReadersFromWhenTheyCameToIt) {
-  const auto gate = std::make_shared<RateGate>(1'000'000);
-  const auto withhold = [&gate = *gate] { gate.consider(1); };
+  const auto gate = std::make_shared<Gate>(1'000'000);
+  const auto withhold = [&gate = *gate] { gate.consider(detail::FieldSource::of_nothing(), 1); };
   withhold();  // passes
   withhold();
   turn_to({{first_reader, {.gate = gate}}}, Teller::publisher);

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "core/seam/rate_gate.h"
+#include "core/seam/gate.h"
 #include "core/subscribe/sequence_account.h"
 #include "tests/support/test_seed.h"
 
@@ -94,10 +94,10 @@ TEST_F(RateBudgetTest, WhoSeesNoMoreThanTheWriterLetPassTakesAllOfIt) {
 }
 
 TEST(RateGateTest, NumbersWhatPassesAndCountsWhatDoesNot) {
-  RateGate gate(100'000);
+  Gate gate(100'000);
   std::uint32_t passed = 0;
   for (int i = 0; i < 1000; ++i) {
-    gate.consider(now_ns + i * 10 * ms);
+    gate.consider(detail::FieldSource::of_nothing(), now_ns + i * 10 * ms);
     passed += gate.passes() ? 1 : 0;
     EXPECT_EQ(gate.ordinal(), passed);
   }
@@ -181,14 +181,14 @@ TEST_F(SequenceAccountTest, OverUdpLostAndWithheldAreExact) {
   for (int round = 0; round < 200; ++round) {
     account = {};
     lost = withheld = 0;
-    RateGate gate(20'000);
+    Gate gate(20'000);
     std::uint64_t passed_lost = 0, gate_withheld = 0;  // between the first and the last sample that came
     std::uint64_t lost_since = 0, withheld_since = 0;
     bool any = false;
     std::int64_t t = now_ns;
     for (std::uint64_t sequence = 1; sequence <= 500; ++sequence) {
       t += static_cast<std::int64_t>(random() % (random() % 50 == 0 ? 2000 * ms : 12 * ms));
-      gate.consider(t);
+      gate.consider(detail::FieldSource::of_nothing(), t);
       const bool comes = gate.passes() && random() % 3 != 0;
       if (!comes) {
         if (any) ++(gate.passes() ? lost_since : withheld_since);

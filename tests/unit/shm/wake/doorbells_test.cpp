@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/seam/rate_gate.h"
+#include "core/seam/gate.h"
 #include "tests/support/random_moment.h"
 #include "tests/support/test_seed.h"
 
@@ -69,9 +69,9 @@ TEST_F(SeveralSleepers, NobodyIsWokenIfNobodySleeps) {
 }
 
 TEST_F(SeveralSleepers, AreToldOnlyOfSamplesThatTheyWant) {
-  const auto closed = std::make_shared<core::RateGate>(1'000'000);  // no sample has passed it
-  const auto open = std::make_shared<core::RateGate>(0);
-  open->consider(0);
+  const auto closed = std::make_shared<core::Gate>(1'000'000);  // no sample has passed it
+  const auto open = std::make_shared<core::Gate>(0);
+  open->consider(detail::FieldSource::of_nothing(), 0);
   ASSERT_TRUE(open->passes());
   const auto page = std::shared_ptr<DoorbellPage>(DoorbellPage::open(page_->id()).value());
   shm::Doorbells bells;

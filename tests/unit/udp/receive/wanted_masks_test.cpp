@@ -99,6 +99,22 @@ TEST_F(WantedMasksTest, KnowPartsOfFieldsByTheirHash) {
   EXPECT_EQ(merged("data, height").parts, 0U) << "a union has whole fields";
 }
 
+TEST_F(WantedMasksTest, KnowConditionsByTheirHash) {
+  const TypeSupport& type = test::type_support<Image>();
+  const Selection wide = type.closed(type.parse_selection("data @ width > 5 at most 10 Hz").value());
+  const Selection all[] = {fields<Image>("data"), wide.without_rate()};
+  wanted_.set(type, all);
+  EXPECT_EQ(named(fields<Image>("data")).conditions, 0U);
+  datagram_.first.mask = all[1].hash();
+  const auto gated = name();
+  ASSERT_NE(gated.mask, nullptr);
+  EXPECT_EQ(*gated.mask, fields<Image>("data"));
+  EXPECT_EQ(gated.parts, 0U);
+  EXPECT_EQ(gated.conditions, all[1].gate_hash());
+  datagram_.first.mask = wide.hash();
+  EXPECT_EQ(name().mask, nullptr) << "the rate stands beside the name";
+}
+
 TEST_F(WantedMasksTest, TakeAMergedMaskThatContainsAWantedOne) {
   const auto both = merged("data, width");
   ASSERT_NE(both.mask, nullptr);

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "core/seam/rate_gate.h"
+#include "core/seam/gate.h"
 #include "tests/unit/udp/connections.h"
 #include "tests/unit/udp/messages.h"
 #include "udp_transport/flow/destination_directory.h"

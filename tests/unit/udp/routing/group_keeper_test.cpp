@@ -107,7 +107,7 @@ TEST_F(GroupKeeperTest, SendsTheGroupTheUnionOfItsMembersMasks) {
 TEST_F(GroupKeeperTest, LeavesReadersWithAMaximumRateAlone) {
   readers(3);
   routes_[2].min_period_us = 10'000;
-  routes_[2].gate = std::make_shared<core::RateGate>(10'000);
+  routes_[2].gate = std::make_shared<core::Gate>(10'000);
   serve();
   go_on(200ms);
   EXPECT_EQ(members(), 2U);
@@ -122,7 +122,7 @@ TEST_F(GroupKeeperTest, TakesAMemberOutOfItsGroupOnceItHasAMaximumRate) {
   serve();
   go_on(200ms);
   ASSERT_EQ(members(), 3U);
-  routes_[1].gate = std::make_shared<core::RateGate>(10'000);
+  routes_[1].gate = std::make_shared<core::Gate>(10'000);
   serve();
   EXPECT_EQ(members(), 2U);
   routes_[2].gate = routes_[1].gate;

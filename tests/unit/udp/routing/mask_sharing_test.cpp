@@ -84,7 +84,7 @@ TEST_F(MaskSharingTest, SharesEachUnionAmongTheProcessesThatWantIt) {
 TEST_F(MaskSharingTest, LeavesTheReadersOfAProcessApartOfWhichOneHasAMaximumRate) {
   here("data, height");
   here("data, width");
-  routes_[1].gate = std::make_shared<core::RateGate>(10'000);
+  routes_[1].gate = std::make_shared<core::Gate>(10'000);
   serve_measured(1000);
   EXPECT_EQ(merged_.size(), 2U);
 }

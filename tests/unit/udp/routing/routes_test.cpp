@@ -61,7 +61,7 @@ TEST_F(RoutesTest, FallbackRoutesComeLastAndShareNumbersAndLanesWithOthers) {
 }
 
 TEST_F(RoutesTest, GroupsReadersByMaximumRateToo) {
-  const auto slow = std::make_shared<const core::RateGate>(100'000);
+  const auto slow = std::make_shared<const core::Gate>(100'000);
   core::Route limited = route(1, fields<Image>("data"));
   limited.gate = slow;
   core::Route other = route(2, fields<Image>("data"));

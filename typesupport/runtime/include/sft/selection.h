@@ -134,6 +134,8 @@ class Selection {
   Result<Selection> with_gate(Gate gate) const;
   /// The same fields and parts of every sample.
   Selection without_gate() const;
+  /// The same without a maximum rate; the conditions stay.
+  Selection without_rate() const;
 
   /// What one sample must have to serve both: all fields of both; of a leaf that both ask for, the part of
   /// both if these have the same rows and columns, and all rows and columns otherwise; the channels of both.
@@ -153,6 +155,8 @@ class Selection {
   std::uint64_t parts_hash() const { return parts().empty() ? 0 : what_hash(); }
   /// Of the gate; 0: it is open.
   std::uint64_t gate_hash() const;
+  /// Of all of it. Equal selections have equal hashes; that of a mask is FieldMask::hash().
+  std::uint64_t hash() const;
 
   /// At most bytes_max. Equal selections have equal bytes (selection.md, "Bytes").
   std::vector<std::byte> to_bytes() const;

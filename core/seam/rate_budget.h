@@ -10,7 +10,6 @@
 // writer.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <limits>
 
@@ -42,29 +41,6 @@ class RateBudget {
   std::uint32_t min_period_us_;
   std::int64_t slot_ = never;  ///< in which `saved_` was right
   std::int64_t saved_;
-};
-
-/// The gate of a writer for one of the limits that its readers ask for. Used by the publisher's thread;
-/// withheld() may be called by any thread.
-class RateGate {
- public:
-  /// Begins with one sample, not with a burst. (A reader's budget begins full: it must not have less.)
-  explicit RateGate(std::uint32_t min_period_us) : budget_(min_period_us, 1) {}
-
-  std::uint32_t min_period_us() const { return budget_.min_period_us(); }
-  /// Called once for every sample.
-  void consider(std::int64_t stamp_ns);
-  /// True if the sample that was considered last is for the readers behind this gate.
-  bool passes() const { return passes_; }
-  /// The number of the last sample that passed. Readers tell by it what was lost from what was withheld.
-  std::uint32_t ordinal() const { return ordinal_; }
-  std::uint64_t withheld() const { return withheld_.load(std::memory_order_relaxed); }
-
- private:
-  RateBudget budget_;
-  bool passes_ = false;
-  std::uint32_t ordinal_ = 0;
-  std::atomic<std::uint64_t> withheld_{0};
 };
 
 }  // namespace sft::core

@@ -1,4 +1,4 @@
-#include "core/seam/rate_gate.h"
+#include "core/seam/rate_budget.h"
 
 #include <algorithm>
 
@@ -36,15 +36,6 @@ bool RateBudget::take(std::int64_t stamp_ns) {
 std::uint64_t RateBudget::forfeited(std::int64_t stamp_ns) const {
   if (min_period_us_ == 0) return std::numeric_limits<std::uint64_t>::max();
   return static_cast<std::uint64_t>(std::max<std::int64_t>(0, worth(stamp_ns) - most_saved));
-}
-
-void RateGate::consider(std::int64_t stamp_ns) {
-  passes_ = budget_.take(stamp_ns);
-  if (passes_) {
-    ++ordinal_;
-  } else {
-    withheld_.fetch_add(1, std::memory_order_relaxed);
-  }
 }
 
 }  // namespace sft::core

@@ -1,0 +1,81 @@
+#include <sft/sft.h>
+
+#include <sensor_msgs/msg/PointCloud2.hpp>
+#include <string>
+
+#include "bench/common/hosts.h"
+#include "bench/common/node_options.h"
+#include "bench/common/statistics.h"
+#include "bench/negotiation/response.h"
+#include "bench/selection/selection.h"
+
+namespace sft::bench {
+
+namespace {
+
+using sensor_msgs::msg::PointCloud2;
+
+constexpr std::uint32_t points = 4000;
+constexpr std::uint32_t window_points = 16;
+
+struct HeightProbe {
+  using Message = PointCloud2;
+  static constexpr auto wanted = Message::Field::height;
+  static void read_usual(const auto& sample) { (void)sample->width(); }
+  static void read_wanted(const auto& sample) { (void)sample->height(); }
+};
+
+std::string window(std::uint64_t begin) {
+  return "data[" + std::to_string(begin) + ":" + std::to_string(begin + window_points) + "]";
+}
+
+/// Publishes all the time, so that the first sample with a new window is never far.
+void publish_rows(Exchange& exchange, std::uint64_t moves) {
+  Node node = Node::open(udp_node_options("publisher")).value();
+  auto publisher = node.publisher<PointCloud2>("points").value();
+  PointCloud2 row;
+  row.height = 1;
+  row.width = row.row_step = points;
+  row.point_step = 1;
+  row.data.resize(points);
+  while (exchange.received.load() < moves && !exchange.failed.load()) {
+    publisher.publish(row);
+    sleep_us(20);
+  }
+}
+
+void move_window(Exchange& exchange, std::uint64_t moves) {
+  Node node = Node::open(udp_node_options("subscriber")).value();
+  const DynamicType type = node.find_type("points", std::chrono::seconds(20)).value();
+  auto subscriber = node.subscriber("points", type, window(0)).value();
+  for (std::uint64_t n = 0; n < moves && !exchange.failed.load(); ++n) {
+    const std::uint32_t begin = static_cast<std::uint32_t>(n + 1) % (points - window_points);
+    sleep_us(1000);
+    while (subscriber.take()) continue;
+    exchange.sent_at[n] = now_ns();
+    exchange.failed = !subscriber.set_selection(window(begin));
+    for (bool has_come = false; !has_come && !exchange.failed.load();) {
+      exchange.failed = !subscriber.wait(std::chrono::seconds(2));
+      while (const DynamicSample sample = subscriber.take())
+        has_come = has_come || sample.selection()->parts()[0].columns.begin == begin;
+    }
+    exchange.received_at[n] = now_ns();
+    exchange.received = n + 1;
+  }
+}
+
+}  // namespace
+
+std::vector<Figure> moved_windows(std::uint64_t moves, int rounds) {
+  const TwoHosts hosts;
+  Rounds window_us, response_us;
+  for (int round = 0; round < rounds; ++round) {
+    window_us.add(run_pair(hosts.sides([=](Exchange& e) { publish_rows(e, moves); },
+                                       [=](Exchange& e) { move_window(e, moves); }),
+                           moves));
+    response_us.add(response_times<HeightProbe>(hosts, moves));
+  }
+  return {{"window_move", window_us.p50(), "us", response_us.p50(), "str_response", 1.3}};
+}
+
+}  // namespace sft::bench

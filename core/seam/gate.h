@@ -1,0 +1,69 @@
+// The gate of a writer for those of its readers that want the same samples: those that fulfil certain
+// conditions, and no more than so many a second. Pure: samples and stamps in, answers out.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <vector>
+
+#include "core/seam/rate_budget.h"
+#include "sft/detail/conditions.h"
+
+namespace sft::core {
+
+/// Names a gate with conditions, wherever readers tell by it what they were sent. `conditions` is the hash of
+/// a Selection's gate without a rate. 0: there are no conditions.
+std::uint64_t gate_id(std::uint64_t conditions, std::uint32_t min_period_us);
+
+/// Used by the publisher's thread, except where a function says more.
+class Gate {
+ public:
+  /// A gate for a maximum rate alone. It begins with one sample, not with a burst. (A reader's budget begins
+  /// full: it must not have less.)
+  explicit Gate(std::uint32_t min_period_us) : budget_(min_period_us, 1) {}
+  /// A gate with conditions, which Conditions::check() has accepted. Nothing passes before let_next_pass()
+  /// was called for its first reader. `hash` is that of the selection's gate without a rate.
+  Gate(std::uint32_t min_period_us, detail::Conditions conditions, std::uint64_t hash)
+      : budget_(min_period_us, 1),
+        conditions_(std::move(conditions)),
+        id_(gate_id(hash, min_period_us)),
+        is_open_(false) {}
+
+  /// Any thread.
+  std::uint32_t min_period_us() const { return budget_.min_period_us(); }
+  /// The name of a gate with conditions (gate_id()); 0: it has none. Any thread.
+  std::uint64_t id() const { return id_; }
+
+  /// Called once for every sample.
+  void consider(const detail::FieldSource& sample, std::int64_t stamp_ns) {
+    passes_ = conditions_.empty() ? budget_.take(stamp_ns) : decide(sample, stamp_ns);
+    if (passes_) {
+      ++ordinal_;
+    } else {
+      withheld_.fetch_add(1, std::memory_order_relaxed);
+    }
+  }
+  /// The next sample passes whatever it says: it is the first one after a request. Any thread.
+  void let_next_pass() noexcept { next_passes_.store(true, std::memory_order_relaxed); }
+
+  /// True if the sample that was considered last is for the readers behind this gate.
+  bool passes() const { return passes_; }
+  /// The number of the last sample that passed. Readers tell by it what was lost from what was withheld.
+  std::uint32_t ordinal() const { return ordinal_; }
+  /// Any thread.
+  std::uint64_t withheld() const { return withheld_.load(std::memory_order_relaxed); }
+
+ private:
+  bool decide(const detail::FieldSource& sample, std::int64_t stamp_ns);
+
+  RateBudget budget_;
+  detail::Conditions conditions_;
+  std::uint64_t id_ = 0;
+  bool is_open_ = true;
+  bool passes_ = false;
+  std::uint32_t ordinal_ = 0;
+  std::atomic<bool> next_passes_{false};
+  std::atomic<std::uint64_t> withheld_{0};
+};
+
+}  // namespace sft::core

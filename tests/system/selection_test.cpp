@@ -1,0 +1,221 @@
+// Subscribers that say when they need a sample, and that change what they ask for, over every transport.
+#include <gmock/gmock.h>
+
+#include <nav_msgs/msg/Odometry.hpp>
+#include <numeric>
+#include <vector>
+
+#include "tests/support/isolated_host.h"
+#include "tests/system/fixture.h"
+
+namespace sft::test {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class SelectionNodesTest : public PubSubTest {
+ protected:
+  using Numbers = std::vector<std::uint32_t>;
+
+  DynamicType type() { return b.find_type("points", 15s).value(); }
+  /// Publishes clouds with these heights, which are the numbers by which samples are known here.
+  void publish(const Numbers& heights) {
+    for (const std::uint32_t height : heights) ASSERT_EQ(pub.publish(cloud(height)), PublishStatus::ok);
+  }
+  /// The heights of all samples up to that one, which has to come.
+  template <class S>
+  static Numbers until(S& sub, std::uint32_t last) {
+    Numbers heights;
+    while (heights.empty() || heights.back() != last) {
+      if (!sub.wait(5s)) {
+        ADD_FAILURE() << "sample " << last << " did not come";
+        break;
+      }
+      while (const DynamicSample sample = sub.take())
+        heights.push_back(sample.view()["height"].template as<std::uint32_t>().value());
+    }
+    return heights;
+  }
+  PublisherStatus::Reader reader() { return pub.status().readers.at(0); }
+
+  Node a = open("a");
+  Node b = open("b");
+  Publisher<PointCloud2> pub =
+      a.publisher<PointCloud2>("points", {.reliability = Reliability::reliable}).value();
+};
+
+const SubscriberOptions deep{.reliability = Reliability::reliable, .depth = 200};
+
+TEST_P(SelectionNodesTest, TheFirstSampleComesAndThenThoseThatFulfilTheConditions) {
+  auto sub = b.subscriber("points", type(), "height @ height > 100 and height < 200", deep).value();
+  expect_served(pub, 1);
+  publish({1, 2, 101, 3, 199, 200, 150});
+  EXPECT_THAT(until(sub, 150), ElementsAre(1, 101, 199, 150));
+  EXPECT_EQ(sub.status().withheld, 3U);
+  EXPECT_EQ(sub.status().lost, 0U);
+  EXPECT_EQ(reader().sent, 4U);
+  EXPECT_EQ(reader().withheld, 3U);
+}
+
+TEST_P(SelectionNodesTest, WhatIsWithheldTakesNoPlaceInTheQueue) {
+  auto sub = b.subscriber("points", type(), "height @ height >= 100", {.depth = 2}).value();
+  expect_served(pub, 1);
+  Numbers quiet(90);
+  std::iota(quiet.begin(), quiet.end(), 1);
+  publish({1});
+  publish({100});
+  publish(quiet);
+  EXPECT_THAT(until(sub, 100), ElementsAre(1, 100));
+  EXPECT_EQ(sub.status().lost, 0U);
+  publish({101});
+  EXPECT_THAT(until(sub, 101), ElementsAre(101));
+  EXPECT_EQ(sub.status().withheld, 90U);
+  EXPECT_EQ(sub.status().lost, 0U);
+}
+
+TEST_P(SelectionNodesTest, WhatTheQueueLosesIsToldFromWhatWasWithheld) {
+  auto sub = b.subscriber("points", type(), "height @ height >= 100", {.depth = 2}).value();
+  expect_served(pub, 1);
+  publish({1});
+  EXPECT_THAT(until(sub, 1), ElementsAre(1));
+  publish({2, 100, 3, 4, 101, 5, 102, 6, 103});
+  // In shared memory the reader finds out when it takes the next sample.
+  ASSERT_TRUE(in_shared_memory() || eventually([&] { return sub.status().discarded == 2; }));
+  EXPECT_THAT(until(sub, 103), ElementsAre(102, 103));
+  EXPECT_EQ(sub.status().lost, 2U);
+  EXPECT_EQ(sub.status().withheld, 5U);
+}
+
+TEST_P(SelectionNodesTest, AChangeIsSentAndNothingWithinItsDeadband) {
+  auto sub = b.subscriber("points", type(), "height @ changed 10 %", deep).value();
+  expect_served(pub, 1);
+  publish({100, 101, 109, 110, 111, 122, 121, 100, 99, 200});
+  EXPECT_THAT(until(sub, 200), ElementsAre(100, 111, 99, 200));
+  EXPECT_EQ(sub.status().withheld, 6U);
+}
+
+TEST_P(SelectionNodesTest, EachReaderHasItsConditionsAndOneWithoutGetsEverySample) {
+  const DynamicType type = this->type();
+  auto even = b.subscriber("points", type, "height @ every 2nd", deep).value();
+  auto large = b.subscriber("points", type, "height @ height > 4", deep).value();
+  auto all = b.subscriber("points", type, "height", deep).value();
+  expect_served(pub, 3);
+  publish({1, 2, 3, 4, 5, 6, 7});
+  EXPECT_THAT(until(even, 7), ElementsAre(1, 3, 5, 7));
+  EXPECT_THAT(until(large, 7), ElementsAre(1, 5, 6, 7));
+  EXPECT_THAT(until(all, 7), ElementsAre(1, 2, 3, 4, 5, 6, 7));
+}
+
+TEST_P(SelectionNodesTest, TheConditionsOfACompiledSubscriberStandInItsOptions) {
+  SubscriberOptions options = deep;
+  options.selection = "@ height > 4";
+  auto sub = b.subscriber<PointCloud2, F::height>("points", options).value();
+  expect_served(pub, 1);
+  publish({1, 2, 5, 3, 6});
+  Numbers heights;
+  while (heights.empty() || heights.back() != 6) {
+    ASSERT_TRUE(sub.wait(5s));
+    while (const auto sample = sub.take()) heights.push_back(sample->height());
+  }
+  EXPECT_THAT(heights, ElementsAre(1, 5, 6));
+  EXPECT_THAT(sub.set_selection("width @ every 2nd").error().message,
+              HasSubstr("names fields that the subscriber does not declare: width"));
+  options.selection = "height @ width >";
+  EXPECT_THAT((b.subscriber<PointCloud2, F::height>("points", options).error().message),
+              HasSubstr("column 17"));
+}
+
+TEST_P(SelectionNodesTest, LoansAndEncodedSamplesPassTheSameConditions) {
+  auto sub = b.subscriber("points", type(), "height @ height > 4", deep).value();
+  expect_served(pub, 1);
+  publish({1});
+  for (const std::uint32_t height : {3U, 5U, 4U, 6U}) {
+    Loan<PointCloud2> loan = pub.loan(cloud(height)).value();
+    EXPECT_EQ(std::move(loan).publish(), PublishStatus::ok);
+  }
+  EXPECT_THAT(until(sub, 6), ElementsAre(1, 5, 6));
+  EXPECT_EQ(sub.status().withheld, 2U);
+}
+
+TEST_P(SelectionNodesTest, AnotherSelectionTakesTheOthersPlaceAndItsFirstSampleComes) {
+  auto sub = b.subscriber("points", type(), "height @ height > 100", deep).value();
+  expect_served(pub, 1);
+  publish({1, 2, 101});
+  EXPECT_THAT(until(sub, 101), ElementsAre(1, 101));
+  ASSERT_TRUE(sub.set_selection("height, width @ height > 200"));
+  ASSERT_TRUE(eventually([&] { return reader().selection.mask().size() == 2; }));
+  publish({150, 151, 201});
+  EXPECT_THAT(until(sub, 201), ElementsAre(150, 201));
+  ASSERT_TRUE(sub.set_selection("height"));
+  ASSERT_TRUE(eventually([&] { return reader().selection.is_mask(); }));
+  publish({1, 2});
+  EXPECT_THAT(until(sub, 2), ElementsAre(1, 2));
+  EXPECT_EQ(sub.status().lost, 0U);
+  EXPECT_EQ(sub.requirements().text, "height");
+}
+
+/// One row of points of one byte each; its stamp is the number.
+PointCloud2 row(std::int32_t number) {
+  PointCloud2 cloud;
+  cloud.header.stamp.sec = number;
+  cloud.height = 1;
+  cloud.width = cloud.row_step = 1000;
+  cloud.point_step = 1;
+  for (std::uint32_t i = 0; i < cloud.width; ++i)
+    cloud.data.push_back(static_cast<std::uint8_t>(7 * i + static_cast<std::uint32_t>(number)));
+  return cloud;
+}
+
+TEST_P(SelectionNodesTest, AWindowThatMovesGivesEachSampleThePartThatItNames) {
+  const auto window = [](int begin) {
+    return "header.stamp, data[" + std::to_string(begin) + ":" + std::to_string(begin + 10) + "]";
+  };
+  auto sub = b.subscriber("points", type(), window(0), deep).value();
+  expect_served(pub, 1);
+  for (std::int32_t round = 1; round <= 50; ++round) {
+    ASSERT_TRUE(sub.set_selection(window(3 * round)));
+    pub.publish(row(round));
+    ASSERT_TRUE(sub.wait(5s));
+    while (const DynamicSample sample = sub.take()) {
+      ASSERT_NE(sample.selection(), nullptr);
+      ASSERT_EQ(sample.selection()->parts().size(), 1U);
+      const PointCloud2 whole = row(sample.view()["header"]["stamp"]["sec"].as<std::int32_t>().value());
+      const std::uint32_t first = sample.selection()->parts()[0].columns.begin;
+      const DynamicView data = sample.view()["data"];
+      ASSERT_EQ(data.size().value(), 10U);
+      for (std::uint32_t i = 0; i < 10; ++i)
+        ASSERT_EQ(data[i].as<std::uint8_t>().value(), whole.data[first + i]) << "round " << round;
+    }
+  }
+  EXPECT_EQ(sub.status().lost, 0U);
+}
+
+TEST_P(SelectionNodesTest, ChannelsThatACloudLacksAreNamed) {
+  auto sub = b.subscriber("points", type(), "height, data{y,ring,x}", deep).value();
+  expect_served(pub, 1);
+  publish({1});
+  ASSERT_TRUE(sub.wait(5s));
+  const DynamicSample sample = sub.take();
+  EXPECT_THAT(sample.missing_channels(), ::testing::UnorderedElementsAre("ring", "x", "y"))
+      << "fields[1] is called y, but has no elements";
+}
+
+TEST_P(SelectionNodesTest, AWrongSelectionChangesNothing) {
+  auto sub = b.subscriber("points", type(), "height", deep).value();
+  auto recorder = b.subscriber("points", type(), recorded).value();
+  expect_served(pub, 2);
+  EXPECT_THAT(sub.set_selection("height @ weight > 1").error().message, HasSubstr("column 10"));
+  EXPECT_THAT(recorder.set_selection("height").error().message, HasSubstr("records its fields"));
+  const Selection foreign{FieldMask(nav_msgs::msg::Odometry::Field::header)};
+  EXPECT_THAT(sub.set_selection(foreign).error().message, HasSubstr("for another type than"));
+  publish({7});
+  EXPECT_THAT(until(sub, 7), ElementsAre(7));
+}
+
+INSTANTIATE_TEST_SUITE_P(Ways, SelectionNodesTest, ::testing::Values(Way::shm, Way::udp, Way::udp_sockets),
+                         way_name);
+
+}  // namespace
+}  // namespace sft::test

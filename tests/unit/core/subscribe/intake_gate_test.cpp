@@ -1,0 +1,83 @@
+// What counts as lost and what as withheld, where the subscriber has conditions.
+#include <gmock/gmock.h>
+
+#include "core/seam/gate_table.h"
+#include "tests/unit/core/subscribe/intake_fixture.h"
+
+namespace sft::core {
+namespace {
+
+using ::testing::ElementsAre;
+
+class GatedIntakeTest : public IntakeTest {
+ protected:
+  static constexpr std::uint64_t conditions = 77;
+
+  /// A sample that names its number among those that passed the gate; 0: it does not name one.
+  SampleHandle passed(const Sent& sent, std::uint32_t ordinal, std::uint64_t of_conditions = conditions) {
+    const auto gate = std::make_shared<Gate>(0, detail::Conditions(), of_conditions);
+    SampleHandle made = sample(sent);
+    made->header() = {};
+    for (std::uint32_t i = 0; i < ordinal; ++i) gate->consider(detail::FieldSource::of_nothing(), i);
+    if (ordinal != 0) write_gate_table(*made, 0, std::vector{gate});
+    return made;
+  }
+  void ask(std::uint64_t hash) { intake->accounts().ask_conditions(hash); }
+};
+
+TEST_F(GatedIntakeTest, WhatTheNumbersSkipIsLostAndTheRestWasWithheld) {
+  ask(conditions);
+  memory.push_back(passed({.sequence = 1}, 1));
+  memory.push_back(passed({.sequence = 5}, 2));
+  memory.push_back(passed({.sequence = 9}, 5));
+  EXPECT_THAT(taken(), ElementsAre(1, 5, 9));
+  EXPECT_EQ(status().lost, 2U);
+  EXPECT_EQ(status().withheld, 3U + 1U);
+}
+
+TEST_F(GatedIntakeTest, WhatIsMissingBetweenSamplesOfDifferentGatesCountsAsWithheld) {
+  ask(conditions);
+  memory.push_back(passed({.sequence = 1}, 1));
+  memory.push_back(passed({.sequence = 4}, 7, 78));
+  EXPECT_THAT(taken(), ElementsAre(1, 4));
+  EXPECT_EQ(status().withheld, 2U) << "the second one came before its writer knew of the conditions";
+  ask(78);
+  memory.push_back(passed({.sequence = 9}, 8, 78));
+  memory.push_back(passed({.sequence = 12}, 9, 78));
+  EXPECT_THAT(taken(), ElementsAre(9, 12));
+  ask(0);
+  memory.push_back(passed({.sequence = 15}, 10, 78));
+  in_memory({.sequence = 18});
+  EXPECT_THAT(taken(), ElementsAre(15, 18)) << "samples of former conditions are taken";
+  EXPECT_EQ(status().lost, 0U);
+  in_memory({.sequence = 20});
+  EXPECT_THAT(taken(), ElementsAre(20));
+  EXPECT_EQ(status().lost, 1U) << "without conditions each one that is missing is lost";
+}
+
+TEST_F(GatedIntakeTest, DoesNotWaitForADivertedSampleThatWasWithheld) {
+  hear(9);
+  ask(conditions);
+  memory.push_back(passed({.sequence = 1}, 1));
+  EXPECT_THAT(taken(), ElementsAre(1));
+  memory.push_back(passed({.sequence = 3, .diverted = 2, .diverted_ns = now_ns}, 2));
+  EXPECT_EQ(decide(), Decision::deliver);
+}
+
+TEST_F(GatedIntakeTest, RetainedSamplesPassNoGateAndHaveNoNumbers) {
+  ask(conditions);
+  const auto by_udp = [&](std::uint64_t sequence, std::uint32_t ordinal) {
+    over_network({.sequence = sequence});
+    network.back()->gate = gate_id(conditions, 0);
+    network.back()->ordinal = ordinal;
+  };
+  for (const std::uint64_t retained : {4U, 5U, 6U}) by_udp(retained, 0);
+  by_udp(9, 12);
+  by_udp(12, 14);
+  EXPECT_THAT(taken(), ElementsAre(4, 5, 6, 9, 12));
+  EXPECT_EQ(status().lost, 1U) << "number 13";
+  EXPECT_EQ(status().withheld, 2U + 1U);
+}
+
+}  // namespace
+}  // namespace sft::core
