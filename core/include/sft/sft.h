@@ -14,6 +14,7 @@
 #include "sft/node.h"          // IWYU pragma: export
 #include "sft/optional.h"      // IWYU pragma: export
 #include "sft/options.h"       // IWYU pragma: export
+#include "sft/points.h"        // IWYU pragma: export
 #include "sft/publisher.h"     // IWYU pragma: export
 #include "sft/qos.h"           // IWYU pragma: export
 #include "sft/requirements.h"  // IWYU pragma: export

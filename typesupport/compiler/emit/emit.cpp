@@ -1,5 +1,6 @@
 #include "emit.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <span>
@@ -26,11 +27,13 @@ std::vector<Message> messages_of(const sft_file& file) {
   return messages;
 }
 
-void emit_preamble(Code& code, const sft_file& file, const Roots& roots) {
+void emit_preamble(Code& code, const sft_file& file, const Roots& roots,
+                   const std::vector<Message>& messages) {
   code.line("// Generated from {}. Do not edit.", roots.relative(file.path).generic_string());
   code.line("#pragma once");
   code.blank();
   code.line("#include \"sft/detail/generated.h\"");
+  if (std::ranges::any_of(messages, is_cloud)) code.line("#include \"sft/points.h\"");
   for (const char* included : std::span(file.includes, file.include_count)) {
     code.line("#include <{}>", roots.relative(included).replace_extension(".hpp").generic_string());
   }
@@ -40,7 +43,7 @@ void emit_preamble(Code& code, const sft_file& file, const Roots& roots) {
 std::string header_text(const sft_file& file, const Roots& roots) {
   const std::vector<Message> messages = messages_of(file);
   Code code;
-  emit_preamble(code, file, roots);
+  emit_preamble(code, file, roots, messages);
   emit_owned(code, file, messages);
   for (const sft_declaration& declaration : std::span(file.declarations, file.declaration_count)) {
     if (declaration.kind == SFT_ENUMERATION || declaration.kind == SFT_BITMASK)

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <span>
 
 #include "naming.h"
@@ -10,6 +11,10 @@
 
 namespace sft::idl {
 namespace {
+
+/// What points() of the view reads.
+constexpr std::array<std::string_view, 7> cloud_fields{"height",     "width",    "fields", "is_bigendian",
+                                                       "point_step", "row_step", "data"};
 
 bool is_constant_of(const sft_declaration& declaration, std::string_view struct_name) {
   const std::string_view name = declaration.name;
@@ -53,6 +58,14 @@ bool belongs_to_struct(const sft_file& file, const sft_declaration& constant) {
 
 bool is_reservable(const Field& field) {
   return field.idl->type.is_sequence && field.idl->type.kind < SFT_STRING;
+}
+
+bool is_cloud(const Message& message) {
+  if (message.idl_name != "sensor_msgs::msg::PointCloud2") return false;
+  const auto has = [&](std::string_view name) {
+    return std::ranges::any_of(message.fields, [&](const Field& field) { return field.idl->name == name; });
+  };
+  return std::ranges::all_of(cloud_fields, has) && !has("points");
 }
 
 bool has_loan_size(const Field& field) {

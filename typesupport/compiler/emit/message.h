@@ -42,6 +42,10 @@ bool belongs_to_struct(const sft_file& file, const sft_declaration& constant);
 /// True if a loan can reserve the field to be written in place: a sequence of primitives or enumerations.
 bool is_reservable(const Field& field);
 
+/// True if the view has points(), which the runtime compiles if the types of the fields are those of a cloud,
+/// too.
+bool is_cloud(const Message& message);
+
 /// True if LoanSizes and LoanView name the field: it is reservable, or a struct, which may contain such
 /// fields.
 bool has_loan_size(const Field& field);

@@ -17,6 +17,14 @@ void emit_getter(Code& code, const Field& field, std::size_t index) {
   code.line("  }}");
 }
 
+/// The points of a cloud, as typed columns.
+void emit_points(Code& code) {
+  code.line("  template <class... Ts_, class... Names_>");
+  code.line("  auto points(const Names_&... names) const {{");
+  code.line("    return sft::detail::points_at<Ts_...>(at_, names...);");
+  code.line("  }}");
+}
+
 void emit_reservations(Code& code, const Message& message) {
   std::string parts;
   for (std::size_t i = 0; i < message.fields.size(); ++i) {
@@ -46,6 +54,7 @@ void emit_view(Code& code, const Message& message) {
   code.line(" public:");
   code.line("  explicit View(Place_ place) : at_(place) {{}}");
   for (std::size_t i = 0; i < message.fields.size(); ++i) emit_getter(code, message.fields[i], i);
+  if (is_cloud(message)) emit_points(code);
   code.line("}};");
   code.blank();
 }

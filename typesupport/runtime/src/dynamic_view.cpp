@@ -235,6 +235,15 @@ Extent DynamicView::extent() const {
   return {checked_block(*state_, offset, 0, 1), m.count};
 }
 
+bool DynamicView::note_all(std::size_t leaf, std::size_t count) const {
+  bool has_all = present_;
+  for (const std::size_t end = leaf + count; leaf < end; ++leaf) {
+    if (state_->log != nullptr) state_->log->touch(leaf, state_->mask->contains(leaf));
+    has_all = has_all && has_any_of(leaf, 1);
+  }
+  return has_all;
+}
+
 Result<std::size_t> DynamicView::size() const {
   if (!is_collection() || !*this) return tl::unexpected(not_readable("an array or a sequence"));
   const Extent all = extent();

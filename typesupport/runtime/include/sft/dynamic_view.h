@@ -38,6 +38,13 @@
 
 namespace sft {
 
+class DynamicView;
+
+namespace detail {
+struct CloudPlace;
+Result<CloudPlace> cloud_place_of(const DynamicView& view);
+}  // namespace detail
+
 /// A sample or a part of it: a struct, an array or a sequence, or one value.
 /// Larger than usual: it has a getter for each kind of value.
 class DynamicView {
@@ -123,6 +130,7 @@ class DynamicView {
   std::optional<std::string> enumerator() const;
 
  private:
+  friend Result<detail::CloudPlace> detail::cloud_place_of(const DynamicView& view);
   enum class Node : std::uint8_t { structure, collection, value };
   /// The place of a struct's members: at slots of the index from `slot` on, or one after the other from
   /// `offset`.
@@ -154,6 +162,8 @@ class DynamicView {
     if (state_->log != nullptr && error_ == nullptr && member_ != nullptr)
       state_->log->touch(place_.leaf, state_->mask->contains(place_.leaf));
   }
+  /// Notes that all of these leaves are read, and tells whether all of them are there.
+  bool note_all(std::size_t leaf, std::size_t count) const;
   std::string label() const;
   Result<std::span<const std::byte>> primitives(std::size_t element_bytes, const char* wanted,
                                                 bool (*matches)(detail::Kind)) const;

@@ -147,6 +147,7 @@ auto read_leaf(const SampleState& s, std::uint64_t offset) {
 /// The part that both places share: whether a member can be read, and noting that it was.
 template <auto R, class S, std::size_t Leaf>
 struct PlaceBase {
+  using Struct = S;
   template <std::size_t M>
   static constexpr std::size_t leaf_of = Leaf + leaf_offset(TypeTable<S>::type, M);
 
@@ -154,12 +155,28 @@ struct PlaceBase {
   template <std::size_t M>
   static constexpr bool has = R.is_recorded ||
                               R.mask.intersects(leaf_of<M>, leaf_count(TypeTable<S>::members[M]));
+  /// True if all of them are.
+  template <std::size_t M>
+  static constexpr bool has_all = R.is_recorded ||
+                                  R.mask.contains(R.mask.range(leaf_of<M>,
+                                                               leaf_count(TypeTable<S>::members[M])));
 
  protected:
   /// Notes the access where the reader records, and tells whether the sample has the leaf. For a collection
   /// of structs that is the leaf of its length (or its first element's leaf, in an array).
   static bool note(const SampleState& s, std::size_t leaf, std::size_t leaves) noexcept {
     return (s.log != nullptr && s.log->has_found(leaf)) || note_first(s, leaf, leaves);
+  }
+
+  /// The same for all leaves of member M. A sample has all that its reader declared.
+  template <std::size_t M>
+  static bool note_all(const SampleState& s) noexcept {
+    bool has_each = true;
+    if constexpr (R.is_recorded) {
+      for (std::size_t i = 0; i < leaf_count(TypeTable<S>::members[M]); ++i)
+        has_each = note(s, leaf_of<M> + i, 1) && has_each;
+    }
+    return has_each;
   }
 
   template <std::size_t M, class As, class OffsetOf>
@@ -183,18 +200,31 @@ class IndexedPlace : public PlaceBase<R, S, Leaf> {
 
   template <std::size_t M, class As = void>
   auto get() const {
-    constexpr std::size_t slot = Slot + slot_offset(TypeTable<S>::type, M);
     constexpr const Member& m = TypeTable<S>::members[M];
     if constexpr (m.kind == Kind::structure && m.shape == Shape::single) {
-      using Place = IndexedPlace<R, As, Base::template leaf_of<M>, slot>;
+      using Place = IndexedPlace<R, As, Base::template leaf_of<M>, slot_of<M>>;
       return typename As::template View<Place>{Place{s_}};
     } else {
-      return Base::template leaf_value<M, As>(
-          *s_, [this] { return std::uint64_t{__atomic_load_n(s_->index + slot, __ATOMIC_RELAXED)}; });
+      return Base::template leaf_value<M, As>(*s_, [this] { return begin_of<M>(); });
     }
   }
 
+  // For what reads several members at once (points.h): the sample, where member M begins in it, which is no
+  // single struct, and whether the sample has all of the member, which is noted as read.
+  const SampleState& state() const { return *s_; }
+  template <std::size_t M>
+  std::uint64_t begin_of() const {
+    return __atomic_load_n(s_->index + slot_of<M>, __ATOMIC_RELAXED);
+  }
+  template <std::size_t M>
+  bool note_all() const noexcept {
+    return Base::template note_all<M>(*s_);
+  }
+
  private:
+  template <std::size_t M>
+  static constexpr std::size_t slot_of = Slot + slot_offset(TypeTable<S>::type, M);
+
   const SampleState* s_;
 };
 
@@ -217,12 +247,18 @@ class ElementPlace : public PlaceBase<R, S, Leaf> {
     }
   }
 
- private:
+  // The same as of an indexed place.
+  const SampleState& state() const { return *s_; }
   template <std::size_t M>
   std::uint64_t begin_of() const {
     return member_begin(*s_, TypeTable<S>::type, M, Leaf, offset_);
   }
+  template <std::size_t M>
+  bool note_all() const noexcept {
+    return Base::template note_all<M>(*s_);
+  }
 
+ private:
   const SampleState* s_;
   std::uint64_t offset_;
 };

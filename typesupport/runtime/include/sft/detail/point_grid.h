@@ -1,0 +1,117 @@
+// Where the points of a cloud lie in a sample, and its channels in a point (selection.md, "Points"). The
+// bytes may be hostile, and in shared memory they may change while they are read. So each number of the
+// header is read once, checked, and kept here.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "sft/detail/type_table.h"
+#include "sft/detail/walk.h"
+#include "sft/result.h"
+
+namespace sft {
+
+class DynamicView;
+
+namespace detail {
+
+/// The members of a cloud that its points need.
+inline constexpr std::array<std::string_view, 7> cloud_fields{
+    "height", "width", "fields", "is_bigendian", "point_step", "row_step", "data"};
+
+/// The numbers of these members in a struct, in the same order.
+using CloudMembers = std::array<std::size_t, cloud_fields.size()>;
+
+/// Where these members begin in a sample, in the same order.
+struct CloudPlace {
+  const SampleState* sample = nullptr;
+  std::array<std::uint64_t, cloud_fields.size()> offsets{};
+};
+
+/// Tells whether a struct has just these single values.
+constexpr bool has_kinds(const StructType& type, std::initializer_list<Kind> kinds) {
+  return std::ranges::equal(type.members, kinds, [](const Member& member, Kind kind) {
+    return member.kind == kind && member.shape == Shape::single;
+  });
+}
+
+/// Tells whether a member is what the cloud field of this number is in sensor_msgs.
+constexpr bool fits_cloud_field(const Member& member, std::size_t field) {
+  const std::string_view name = cloud_fields[field];
+  if (name == "fields") {
+    return member.kind == Kind::structure && member.shape == Shape::sequence &&
+           has_kinds(*member.type, {Kind::string, Kind::uint32, Kind::uint8, Kind::uint32});
+  }
+  const bool is_byte = is_primitive(member.kind) && size_of(member.kind) == 1;
+  if (name == "data") return is_byte && member.shape == Shape::sequence;
+  return (name == "is_bigendian" ? is_byte : member.kind == Kind::uint32) && member.shape == Shape::single;
+}
+
+/// Nothing if the struct is no cloud. A struct of that name may have other fields.
+constexpr std::optional<CloudMembers> cloud_members_of(const StructType& type) {
+  if (type.name != "sensor_msgs::msg::PointCloud2") return {};
+  CloudMembers members{};
+  for (std::size_t field = 0; field < members.size(); ++field) {
+    const auto found = std::ranges::find(type.members, cloud_fields[field], &Member::name);
+    if (found == type.members.end() || !fits_cloud_field(*found, field)) return {};
+    members[field] = static_cast<std::size_t>(found - type.members.begin());
+  }
+  return members;
+}
+
+/// Rows of points. All of them lie within the data of the cloud.
+struct PointGrid {
+  const std::byte* first = nullptr;  ///< the first point
+  std::uint64_t row_step = 1;        ///< bytes from one row to the next; not 0, also of an empty grid
+  std::uint32_t point_step = 0;      ///< bytes from one point to the next
+  std::uint32_t rows = 0;
+  std::uint32_t columns = 0;
+  bool is_swapped = false;  ///< the values have the other byte order
+
+  std::size_t size() const { return std::size_t{rows} * columns; }
+  const std::byte* at(std::uint64_t row, std::uint64_t column) const {
+    return first + row * row_step + column * point_step;
+  }
+
+  /// The same points in as few rows as possible: rows without bytes between them are one.
+  PointGrid joined() const {
+    if (size() == 0) return {.columns = 1};
+    PointGrid grid = *this;
+    const std::uint64_t row_bytes = std::uint64_t{columns} * point_step;
+    if (rows > 1 && row_step != row_bytes) return grid;
+    grid.columns = static_cast<std::uint32_t>(size());
+    grid.rows = 1;
+    grid.row_step = rows * row_bytes;
+    return grid;
+  }
+};
+
+/// A channel that a program asks for.
+struct WantedChannel {
+  std::string_view name;
+  std::uint8_t type;  ///< its number in sensor_msgs/PointField
+  // find_points() sets the others.
+  std::uint32_t offset = 0;     ///< in a point
+  std::uint8_t found_type = 0;  ///< 0: the channel is missing
+  bool is_found = false;
+};
+
+/// Finds the points, and the wanted channels in them. If the cloud contradicts itself, the grid is empty.
+Result<PointGrid> find_points(const CloudPlace& cloud, std::span<WantedChannel> wanted);
+
+/// The error of a sample that was sent without a field, which has this number in cloud_fields.
+tl::unexpected<Error> cloud_field_not_sent(std::size_t field);
+
+/// Finds a cloud in a sample whose type is not compiled in. All fields that the points need are noted as
+/// read.
+Result<CloudPlace> cloud_place_of(const DynamicView& view);
+
+}  // namespace detail
+}  // namespace sft

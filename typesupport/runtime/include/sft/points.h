@@ -1,0 +1,276 @@
+// The points of a cloud as typed columns. The generated view of sensor_msgs::msg::PointCloud2 has a member
+// points(), also where the cloud is a member of another message, and points_of() does the same for a view
+// without the compiled type:
+//
+//   if (auto points = sample->points<float, float, float>("x", "y", "z"))
+//     for (const auto [x, y, z] : *points) ...
+//
+//   sft::points_of<float, std::uint16_t>(sample.view().find("cloud"), "x", "ring")
+//
+// It reads the cloud in place, whatever else the points have in them: a whole cloud in shared memory, or the
+// part with three channels that another host sent. Nothing is copied, and a value is read when it is asked
+// for.
+//
+// The types are those of sensor_msgs/PointField: std::int8_t, std::uint8_t, std::int16_t, std::uint16_t,
+// std::int32_t, std::uint32_t, float and double. Each is exactly the type of its channel. The result is an
+// error if
+//   - the cloud lacks a channel: unknown_field, and the message names the channels that it has. A channel
+//     without elements, of an unknown type, or that reaches beyond the point counts as lacking.
+//   - a channel has another type: type_mismatch
+//   - the sample was sent without a field that the points need, which are height, width, all of fields,
+//     is_bigendian, point_step, row_step and data: unavailable. If fields are recorded, the subscriber asks
+//     for them from then on. If a mask without one of them is declared, points() does not compile.
+//   - the bytes are not what they claim to be: malformed
+// Of a channel with several elements the first one is read, and of several channels with one name the first.
+// Values of big-endian clouds are swapped. A cloud that claims more points than its data holds is empty.
+//
+// In templates, as in a callback that takes `const auto& sample`, C++ wants
+// `sample->template points<float>("x")`.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cassert>
+#include <compare>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <iterator>
+#include <ranges>
+#include <string_view>
+#include <tuple>
+#include <utility>
+
+#include "sft/detail/point_grid.h"
+#include "sft/result.h"
+
+namespace sft {
+
+namespace detail {
+
+/// The number of a type in sensor_msgs/PointField; 0: there is none.
+template <class T>
+constexpr std::uint8_t point_type() {
+  if (std::same_as<T, std::int8_t>) return 1;
+  if (std::same_as<T, std::uint8_t>) return 2;
+  if (std::same_as<T, std::int16_t>) return 3;
+  if (std::same_as<T, std::uint16_t>) return 4;
+  if (std::same_as<T, std::int32_t>) return 5;
+  if (std::same_as<T, std::uint32_t>) return 6;
+  if (std::same_as<T, float>) return 7;
+  if (std::same_as<T, double>) return 8;
+  return 0;
+}
+
+/// Reads some channels of a point.
+template <class... Ts>
+struct PointReader {
+  std::array<std::uint32_t, sizeof...(Ts)> offsets{};  ///< in the point
+  bool is_swapped = false;
+
+  std::tuple<Ts...> operator()(const std::byte* point) const {
+    return [&]<std::size_t... I>(std::index_sequence<I...>) {
+      return std::tuple<Ts...>(value<Ts>(point + offsets[I])...);
+    }
+    (std::index_sequence_for<Ts...>());
+  }
+
+ private:
+  template <class T>
+  T value(const std::byte* at) const {
+    std::array<std::byte, sizeof(T)> bytes;
+    std::memcpy(bytes.data(), at, sizeof(T));
+    if (sizeof(T) > 1 && is_swapped) [[unlikely]]
+      std::ranges::reverse(bytes);
+    return std::bit_cast<T>(bytes);
+  }
+};
+
+}  // namespace detail
+
+/// The points of a cloud, each a tuple of the channels that were asked for. It is a range with random access,
+/// row by row, that works with std::ranges, and a small value, which is valid as long as the sample. So are
+/// its iterators, which do not need the range. Any number of threads may read it. Functions do not throw.
+template <class... Ts>
+class Points : public std::ranges::view_base {
+ public:
+  class iterator;
+  /// A point.
+  using value_type = std::tuple<Ts...>;
+
+  /// Without points.
+  Points() = default;
+  /// For SFT's own code. The offsets are those of the channels in a point, whose values lie in it.
+  Points(const detail::PointGrid& grid, const std::array<std::uint32_t, sizeof...(Ts)>& offsets)
+      : grid_(grid), reader_{offsets, grid.is_swapped} {}
+
+  /// The height of the cloud: 1 if the cloud is not organised, and 0 if it contradicts itself.
+  std::size_t rows() const { return grid_.rows; }
+  /// The width of the cloud, which are the points of a row.
+  std::size_t columns() const { return grid_.columns; }
+  /// All points.
+  std::size_t size() const { return grid_.size(); }
+  /// True without points.
+  bool empty() const { return size() == 0; }
+
+  /// The point in a row and a column, from 0. REQUIRES: row < rows() and column < columns().
+  value_type at(std::size_t row, std::size_t column) const {
+    assert(row < rows() && column < columns());
+    return reader_(grid_.at(row, column));
+  }
+  /// The point with this number, from 0, counted row by row. REQUIRES: i < size().
+  value_type operator[](std::size_t i) const { return at(i / grid_.columns, i % grid_.columns); }
+  /// The first point. REQUIRES: !empty().
+  value_type front() const { return at(0, 0); }
+  /// The last point. REQUIRES: !empty().
+  value_type back() const { return at(rows() - 1, columns() - 1); }
+
+  /// Iterates over the points, row by row.
+  iterator begin() const { return {grid_.joined(), reader_, 0}; }
+  /// The end, behind the last point.
+  iterator end() const { return {grid_.joined(), reader_, size()}; }
+
+ private:
+  detail::PointGrid grid_{};
+  detail::PointReader<Ts...> reader_{};
+};
+
+/// A position among the points.
+template <class... Ts>
+class Points<Ts...>::iterator {
+ public:
+  using iterator_concept = std::random_access_iterator_tag;
+  using iterator_category = std::input_iterator_tag;  // what C++17 asks of one whose elements are values
+  using value_type = std::tuple<Ts...>;
+  using reference = value_type;
+  using difference_type = std::ptrdiff_t;
+
+  iterator() = default;
+
+  value_type operator*() const { return reader_(grid_.first + offset_); }
+  value_type operator[](difference_type n) const { return *(*this + n); }
+
+  iterator& operator++() {
+    offset_ += grid_.point_step;
+    if (++column_ == grid_.columns) {
+      column_ = 0;
+      offset_ += row_gap();
+    }
+    return *this;
+  }
+  iterator operator++(int) {
+    iterator before = *this;
+    ++*this;
+    return before;
+  }
+  iterator& operator--() {
+    if (column_ == 0) {
+      column_ = grid_.columns;
+      offset_ -= row_gap();
+    }
+    --column_;
+    offset_ -= grid_.point_step;
+    return *this;
+  }
+  iterator operator--(int) {
+    iterator before = *this;
+    --*this;
+    return before;
+  }
+
+  iterator& operator+=(difference_type n) {
+    move_to(static_cast<std::uint64_t>(position() + n));
+    return *this;
+  }
+  iterator& operator-=(difference_type n) { return *this += -n; }
+  friend iterator operator+(iterator i, difference_type n) { return i += n; }
+  friend iterator operator+(difference_type n, iterator i) { return i += n; }
+  friend iterator operator-(iterator i, difference_type n) { return i -= n; }
+  friend difference_type operator-(const iterator& a, const iterator& b) {
+    return a.position() - b.position();
+  }
+  friend bool operator==(const iterator& a, const iterator& b) { return a.offset_ == b.offset_; }
+  friend auto operator<=>(const iterator& a, const iterator& b) { return a.offset_ <=> b.offset_; }
+
+ private:
+  friend Points;
+  iterator(const detail::PointGrid& grid, const detail::PointReader<Ts...>& reader, std::uint64_t position)
+      : grid_(grid), reader_(reader) {
+    move_to(position);
+  }
+
+  void move_to(std::uint64_t position) {
+    column_ = static_cast<std::uint32_t>(position % grid_.columns);
+    offset_ = position / grid_.columns * grid_.row_step + std::uint64_t{column_} * grid_.point_step;
+  }
+  difference_type position() const {
+    return static_cast<difference_type>(offset_ / grid_.row_step * grid_.columns + column_);
+  }
+  /// The bytes between two rows.
+  std::uint64_t row_gap() const { return grid_.row_step - std::uint64_t{grid_.columns} * grid_.point_step; }
+
+  detail::PointGrid grid_{.columns = 1};  ///< joined
+  detail::PointReader<Ts...> reader_{};
+  std::uint64_t offset_ = 0;  ///< the bytes from the first point to this one
+  std::uint32_t column_ = 0;
+};
+
+namespace detail {
+
+template <class S>
+inline constexpr std::optional<CloudMembers> cloud_members = cloud_members_of(TypeTable<S>::type);
+
+/// The wanted channels of the cloud there.
+template <class... Ts, std::convertible_to<std::string_view>... Names>
+Result<Points<Ts...>> points_in(const CloudPlace& cloud, const Names&... names) {
+  static_assert(sizeof...(Ts) > 0 && ((point_type<Ts>() != 0) && ...),
+                "points() takes the types of channels, which are those of sensor_msgs/PointField: int8_t to "
+                "int32_t, uint8_t to uint32_t, float, double");
+  static_assert(sizeof...(Names) == sizeof...(Ts), "points() takes the name of a channel for each type");
+  if constexpr (sizeof...(Names) == sizeof...(Ts)) {
+    std::array<WantedChannel, sizeof...(Ts)> wanted{WantedChannel{names, point_type<Ts>()}...};
+    const Result<PointGrid> grid = find_points(cloud, wanted);
+    if (!grid) return tl::unexpected(grid.error());
+    std::array<std::uint32_t, sizeof...(Ts)> offsets{};
+    std::ranges::transform(wanted, offsets.begin(), &WantedChannel::offset);
+    return Points<Ts...>(*grid, offsets);
+  }
+}
+
+/// What points() of a generated view returns. The place is that of the view (view.h).
+template <class... Ts, class Place, std::convertible_to<std::string_view>... Names>
+Result<Points<Ts...>> points_at(const Place& place, const Names&... names) {
+  using Struct = typename Place::Struct;
+  static_assert(cloud_members<Struct>.has_value(),
+                "the fields of this message are not those of sensor_msgs/PointCloud2");
+  return [&]<std::size_t... I>(std::index_sequence<I...>)->Result<Points<Ts...>> {
+    static_assert((Place::template has_all<(*cloud_members<Struct>)[I]> && ...),
+                  "the declared mask lacks a field that points() needs: height, width, fields, is_bigendian, "
+                  "point_step, row_step, data");
+    // All of them are noted before the first is found missing, so that all are asked for at once.
+    const std::array<bool, sizeof...(I)> sent{place.template note_all<(*cloud_members<Struct>)[I]>()...};
+    const auto missing = std::ranges::find(sent, false);
+    if (missing != sent.end()) return cloud_field_not_sent(static_cast<std::size_t>(missing - sent.begin()));
+    return points_in<Ts...>(
+        CloudPlace{&place.state(), {place.template begin_of<(*cloud_members<Struct>)[I]>()...}}, names...);
+  }
+  (std::make_index_sequence<cloud_fields.size()>());
+}
+
+}  // namespace detail
+
+/// The points of a cloud that is read by the names of its fields (dynamic_view.h). Valid as long as the
+/// sample. Also an error if the view is no cloud: type_mismatch, or the error of the view.
+template <class... Ts, std::convertible_to<std::string_view>... Names>
+Result<Points<Ts...>> points_of(const DynamicView& cloud, const Names&... names) {
+  const Result<detail::CloudPlace> place = detail::cloud_place_of(cloud);
+  if (!place) return tl::unexpected(place.error());
+  return detail::points_in<Ts...>(*place, names...);
+}
+
+}  // namespace sft
+
+template <class... Ts>
+inline constexpr bool std::ranges::enable_borrowed_range<sft::Points<Ts...>> = true;

@@ -1,0 +1,199 @@
+#include "sft/points.h"
+
+#include <optional>
+#include <string>
+
+#include "sft/dynamic_view.h"
+#include "sft/selection.h"
+#include "text.h"
+
+namespace sft::detail {
+
+namespace {
+
+/// What sensor_msgs/PointField numbers from 1.
+struct PointType {
+  std::uint8_t bytes;
+  std::string_view name;
+};
+constexpr std::array<PointType, 9> point_types{{{0, ""},
+                                                {1, "int8"},
+                                                {1, "uint8"},
+                                                {2, "int16"},
+                                                {2, "uint16"},
+                                                {4, "int32"},
+                                                {4, "uint32"},
+                                                {4, "float"},
+                                                {8, "double"}}};
+
+/// The header of a cloud.
+struct Header {
+  std::uint32_t rows = 0;
+  std::uint32_t columns = 0;
+  std::uint32_t point_step = 0;
+  std::uint32_t row_step = 0;
+  bool is_big_endian = false;
+};
+
+/// A channel as the cloud describes it.
+struct Channel {
+  std::string_view name;
+  std::uint32_t offset;
+  std::uint8_t type;
+  std::uint32_t count;
+
+  /// It is one of the eight types, has elements, and lies within the point.
+  bool is_there(std::uint32_t point_step) const {
+    const std::uint64_t bytes = type < point_types.size() ? point_types[type].bytes : 0;
+    return bytes * count > 0 && offset + bytes * count <= point_step;
+  }
+};
+
+/// Reads a number whose place is aligned to its size, once: a compiler may not read it again.
+template <class T>
+bool read_once(const SampleState& s, std::uint64_t offset, T& value) {
+  const std::uint32_t at = offset == no_offset ? no_offset : checked_block(s, offset, 1, sizeof(T));
+  if (at == no_offset) return false;
+  value = __atomic_load_n(reinterpret_cast<const T*>(s.body + at), __ATOMIC_RELAXED);
+  return true;
+}
+
+/// Reads one channel, and moves the offset behind it.
+std::optional<Channel> next_channel(const SampleState& s, std::uint64_t& offset) {
+  const Extent name = checked_length(s, offset);
+  if (!name || checked_block(s, name.first, name.count, 1) == no_offset) return {};
+  const std::uint64_t behind_name = align_up(std::uint64_t{name.first} + name.count, 4);
+  offset = behind_name + 12;
+  Channel channel{
+      {reinterpret_cast<const char*>(s.body + name.first), name.count == 0 ? 0 : name.count - 1}, 0, 0, 0};
+  if (!read_once(s, behind_name, channel.offset) || !read_once(s, behind_name + 4, channel.type) ||
+      !read_once(s, behind_name + 8, channel.count))
+    return {};
+  return channel;
+}
+
+tl::unexpected<Error> malformed(const SampleState& s) {
+  s.flag_malformed();
+  return fail(Errc::malformed, "the cloud is not within the bytes of the sample");
+}
+
+/// The names of the channels, for people: not those that a terminal should not be sent, and not endlessly
+/// many.
+std::string names_of_channels(const SampleState& s, std::uint64_t fields, std::uint32_t point_step) {
+  constexpr std::size_t longest_name = 64;
+  std::string names;
+  const Extent all = checked_length(s, fields);
+  std::uint64_t offset = all.first;
+  std::size_t named = 0;
+  for (std::uint32_t i = 0; i < all.count; ++i) {
+    const std::optional<Channel> channel = next_channel(s, offset);
+    if (!channel) break;
+    if (!channel->is_there(point_step)) continue;
+    if (named++ == Selection::channels_max) return names + ", ...";
+    const std::string name(channel->name.substr(0, longest_name + 1));
+    names += (names.empty() ? "" : ", ") + (name.size() <= longest_name && is_printable(name) ? name : "...");
+  }
+  return names.empty() ? "none" : names;
+}
+
+/// False if the bytes of the sample are not what they claim to be.
+bool find_channels(const SampleState& s, std::uint64_t fields, std::uint32_t point_step,
+                   std::span<WantedChannel> wanted) {
+  const Extent all = checked_length(s, fields);
+  if (!all) return false;
+  std::uint64_t offset = all.first;
+  std::size_t left = wanted.size();
+  for (std::uint32_t i = 0; i < all.count && left > 0; ++i) {
+    const std::optional<Channel> channel = next_channel(s, offset);
+    if (!channel) return false;
+    for (WantedChannel& one : wanted) {
+      if (one.is_found || one.name != channel->name) continue;
+      one.is_found = true;
+      --left;
+      if (!channel->is_there(point_step)) continue;
+      one.offset = channel->offset;
+      one.found_type = channel->type;
+    }
+  }
+  return true;
+}
+
+/// The points, or none of them if they are not all within the data.
+PointGrid grid_of(const Header& header, std::span<const std::byte> data) {
+  PointGrid grid{.first = data.data(),
+                 .row_step = header.row_step,
+                 .point_step = header.point_step,
+                 .rows = header.rows,
+                 .columns = header.columns,
+                 .is_swapped = header.is_big_endian};
+  const std::uint64_t row_end = std::uint64_t{grid.columns} * grid.point_step;
+  if (grid.rows <= 1 || row_end == 0) grid.row_step = std::max<std::uint64_t>(row_end, 1);
+  if (grid.rows == 0 || grid.columns == 0) return grid;
+  const bool has_room = grid.point_step > 0 && row_end <= data.size() &&
+                        (grid.rows == 1 || (row_end <= grid.row_step &&
+                                            (grid.rows - 1) * grid.row_step <= data.size() - row_end));
+  return has_room ? grid : PointGrid{};
+}
+
+/// False if the bytes of the sample are not what they claim to be.
+bool read_header(const CloudPlace& cloud, Header& header) {
+  const auto& [height, width, fields, is_big_endian, point_step, row_step, data] = cloud.offsets;
+  std::uint8_t byte_order = 0;
+  if (!read_once(*cloud.sample, height, header.rows) || !read_once(*cloud.sample, width, header.columns) ||
+      !read_once(*cloud.sample, is_big_endian, byte_order) ||
+      !read_once(*cloud.sample, point_step, header.point_step) ||
+      !read_once(*cloud.sample, row_step, header.row_step))
+    return false;
+  header.is_big_endian = byte_order != 0;
+  return true;
+}
+
+}  // namespace
+
+Result<PointGrid> find_points(const CloudPlace& cloud, std::span<WantedChannel> wanted) {
+  const SampleState& s = *cloud.sample;
+  const std::uint64_t fields = cloud.offsets[2];
+  const Extent data = checked_sequence(s, cloud.offsets[6], 1);
+  Header header;
+  if (!data || !read_header(cloud, header) || !find_channels(s, fields, header.point_step, wanted))
+    return malformed(s);
+  for (const WantedChannel& one : wanted) {
+    const std::string name(one.name);
+    if (one.found_type == 0) {
+      return fail(Errc::unknown_field, "the cloud has no channel '" + name + "'; it has " +
+                                           names_of_channels(s, fields, header.point_step));
+    }
+    if (one.found_type == one.type) continue;
+    return fail(Errc::type_mismatch, "channel '" + name + "' is " +
+                                         std::string(point_types[one.found_type].name) + ", not " +
+                                         std::string(point_types[one.type].name));
+  }
+  return grid_of(header, {s.body + data.first, data.count});
+}
+
+tl::unexpected<Error> cloud_field_not_sent(std::size_t field) {
+  return fail(Errc::unavailable, "'" + std::string(cloud_fields[field]) + "' was not sent in this sample");
+}
+
+Result<CloudPlace> cloud_place_of(const DynamicView& view) {
+  if (view.error() != nullptr) return tl::unexpected(*view.error());
+  const std::optional<CloudMembers> members =
+      view.is_struct() ? cloud_members_of(*view.type()) : std::nullopt;
+  if (!members) return tl::unexpected(view.not_readable("a cloud"));
+  const SampleState& s = *view.state_;
+  CloudPlace cloud{&s, {}};
+  std::optional<std::size_t> missing;
+  for (std::size_t field = 0; field < members->size(); ++field) {
+    const Member& member = view.type()->members[(*members)[field]];
+    const DynamicView::Place place = view.place_of((*members)[field]);
+    const bool is_sent = view.note_all(place.leaf, leaf_count(member));
+    if (!is_sent && !missing) missing = field;
+    cloud.offsets[field] = place.slot == DynamicView::no_slot
+                               ? place.offset
+                               : __atomic_load_n(s.index + place.slot, __ATOMIC_RELAXED);
+  }
+  if (missing) return cloud_field_not_sent(*missing);
+  return cloud;
+}
+
+}  // namespace sft::detail
