@@ -1,5 +1,5 @@
-// Measures selections: how long taking parts of fields and asking conditions lasts, and what they cost
-// between hosts.
+// Measures selections: how long taking and reading parts of fields and asking conditions lasts, and what they
+// cost between hosts.
 #include "bench/common/program.h"
 #include "bench/selection/selection.h"
 #include "tests/support/isolated_host.h"
@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
   int pairs = 3;
   Program program("Time of taking parts of fields and of conditions, and what they cost between hosts",
                   {{"gathering", [&] { return gathering_parts(rounds); }},
+                   {"points", [&] { return reading_points(rounds); }},
                    {"gates", [&] { return closed_gates(rounds, 1000); }},
                    {"between_hosts", [&] { return parts_between_hosts(samples, pairs); }},
                    {"window_move", [&] { return moved_windows(moves, pairs); }}});

@@ -10,6 +10,8 @@ namespace sft::bench {
 
 /// Measures the way from an encoded sample to the payload with parts of a field.
 std::vector<Figure> gathering_parts(int rounds);
+/// Measures loops over the points of a cloud, as a whole and as a part, against loops that know the layout.
+std::vector<Figure> reading_points(int rounds);
 /// Measures what a part of a cloud costs on the link between two hosts, in bytes and time.
 std::vector<Figure> parts_between_hosts(std::uint64_t samples, int rounds);
 /// Measures what conditions that do not hold cost: the publisher time, and a reader in shared memory

@@ -64,6 +64,16 @@ constexpr std::uint8_t point_type() {
   return 0;
 }
 
+/// An integer of so many bytes.
+template <std::size_t Bytes>
+using Bits = std::tuple_element_t<std::bit_width(Bytes) - 1,
+                                  std::tuple<std::uint8_t, std::uint16_t, std::uint32_t, std::uint64_t>>;
+
+inline std::uint8_t swapped(std::uint8_t bits) { return bits; }
+inline std::uint16_t swapped(std::uint16_t bits) { return __builtin_bswap16(bits); }
+inline std::uint32_t swapped(std::uint32_t bits) { return __builtin_bswap32(bits); }
+inline std::uint64_t swapped(std::uint64_t bits) { return __builtin_bswap64(bits); }
+
 /// Reads some channels of a point.
 template <class... Ts>
 struct PointReader {
@@ -72,19 +82,24 @@ struct PointReader {
 
   std::tuple<Ts...> operator()(const std::byte* point) const {
     return [&]<std::size_t... I>(std::index_sequence<I...>) {
-      return std::tuple<Ts...>(value<Ts>(point + offsets[I])...);
+      std::tuple<Ts...> values{value_at<Ts>(point + offsets[I])...};
+      if (is_swapped) [[unlikely]]
+        ((std::get<I>(values) = swapped(std::get<I>(values))), ...);
+      return values;
     }
     (std::index_sequence_for<Ts...>());
   }
 
  private:
   template <class T>
-  T value(const std::byte* at) const {
-    std::array<std::byte, sizeof(T)> bytes;
-    std::memcpy(bytes.data(), at, sizeof(T));
-    if (sizeof(T) > 1 && is_swapped) [[unlikely]]
-      std::ranges::reverse(bytes);
-    return std::bit_cast<T>(bytes);
+  static T value_at(const std::byte* at) {
+    T value;
+    std::memcpy(&value, at, sizeof value);
+    return value;
+  }
+  template <class T>
+  static T swapped(T value) {
+    return std::bit_cast<T>(detail::swapped(std::bit_cast<Bits<sizeof(T)>>(value)));
   }
 };
 
@@ -121,7 +136,11 @@ class Points : public std::ranges::view_base {
     return reader_(grid_.at(row, column));
   }
   /// The point with this number, from 0, counted row by row. REQUIRES: i < size().
-  value_type operator[](std::size_t i) const { return at(i / grid_.columns, i % grid_.columns); }
+  value_type operator[](std::size_t i) const {
+    assert(i < size());
+    const std::size_t row = grid_.is_joined() ? 0 : i / grid_.columns;
+    return reader_(grid_.at(row, i - row * grid_.columns));
+  }
   /// The first point. REQUIRES: !empty().
   value_type front() const { return at(0, 0); }
   /// The last point. REQUIRES: !empty().
@@ -154,9 +173,9 @@ class Points<Ts...>::iterator {
 
   iterator& operator++() {
     offset_ += grid_.point_step;
-    if (++column_ == grid_.columns) {
-      column_ = 0;
-      offset_ += row_gap();
+    if (offset_ == row_end_) [[unlikely]] {
+      offset_ += grid_.row_step - grid_.row_bytes();
+      row_end_ += grid_.row_step;
     }
     return *this;
   }
@@ -166,11 +185,10 @@ class Points<Ts...>::iterator {
     return before;
   }
   iterator& operator--() {
-    if (column_ == 0) {
-      column_ = grid_.columns;
-      offset_ -= row_gap();
+    if (offset_ + grid_.row_bytes() == row_end_) {
+      offset_ -= grid_.row_step - grid_.row_bytes();
+      row_end_ -= grid_.row_step;
     }
-    --column_;
     offset_ -= grid_.point_step;
     return *this;
   }
@@ -202,19 +220,21 @@ class Points<Ts...>::iterator {
   }
 
   void move_to(std::uint64_t position) {
-    column_ = static_cast<std::uint32_t>(position % grid_.columns);
-    offset_ = position / grid_.columns * grid_.row_step + std::uint64_t{column_} * grid_.point_step;
+    const std::uint64_t row = position / grid_.columns * grid_.row_step;
+    offset_ = row + position % grid_.columns * grid_.point_step;
+    row_end_ = row + grid_.row_bytes();
   }
   difference_type position() const {
-    return static_cast<difference_type>(offset_ / grid_.row_step * grid_.columns + column_);
+    const std::uint64_t row = row_end_ - grid_.row_bytes();
+    return static_cast<difference_type>(row / grid_.row_step * grid_.columns +
+                                        (offset_ - row) / grid_.point_step);
   }
-  /// The bytes between two rows.
-  std::uint64_t row_gap() const { return grid_.row_step - std::uint64_t{grid_.columns} * grid_.point_step; }
 
-  detail::PointGrid grid_{.columns = 1};  ///< joined
+  // Going on changes one number only, so that it stays in a register.
+  detail::PointGrid grid_ = detail::PointGrid{}.joined();
   detail::PointReader<Ts...> reader_{};
-  std::uint64_t offset_ = 0;  ///< the bytes from the first point to this one
-  std::uint32_t column_ = 0;
+  std::uint64_t offset_ = 0;                   ///< the bytes from the first point to this one
+  std::uint64_t row_end_ = grid_.row_bytes();  ///< and to the end of its row
 };
 
 namespace detail {

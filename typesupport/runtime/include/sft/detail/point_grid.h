@@ -76,19 +76,22 @@ struct PointGrid {
   bool is_swapped = false;  ///< the values have the other byte order
 
   std::size_t size() const { return std::size_t{rows} * columns; }
+  std::uint64_t row_bytes() const { return std::uint64_t{columns} * point_step; }
+  /// There are no bytes between the rows.
+  bool is_joined() const { return rows <= 1 || row_step == row_bytes(); }
   const std::byte* at(std::uint64_t row, std::uint64_t column) const {
     return first + row * row_step + column * point_step;
   }
 
-  /// The same points in as few rows as possible: rows without bytes between them are one.
+  /// The same points in as few rows as possible: rows without bytes between them are one. None of its
+  /// numbers is 0, except of an empty grid the rows.
   PointGrid joined() const {
-    if (size() == 0) return {.columns = 1};
+    if (size() == 0) return {.point_step = 1, .columns = 1};
+    if (!is_joined()) return *this;
     PointGrid grid = *this;
-    const std::uint64_t row_bytes = std::uint64_t{columns} * point_step;
-    if (rows > 1 && row_step != row_bytes) return grid;
     grid.columns = static_cast<std::uint32_t>(size());
     grid.rows = 1;
-    grid.row_step = rows * row_bytes;
+    grid.row_step = grid.row_bytes();
     return grid;
   }
 };
