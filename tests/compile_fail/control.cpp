@@ -22,6 +22,10 @@ std::size_t name_bytes(const sft::Sample<PointCloud2, F::header>& sample) {
   return sample->header().frame_id().size();
 }
 
+bool has_points(const sft::Sample<PointCloud2, ~(F::header | F::is_dense)>& sample) {
+  return sample->points<float>("x").has_value();
+}
+
 PointCloud2 owned(const sft::Sample<PointCloud2>& sample) { return sample.to_owned().value(); }
 
 auto subscribe(sft::Node& node) {

@@ -3,6 +3,7 @@
 #include <ranges>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 #include <string_view>
+#include <tuple>
 #include <type_traits>
 #include <utility>
 
@@ -31,6 +32,19 @@ std::uint32_t offset_of(const All& sample, std::string_view name) {
 std::size_t read_when_recorded(const sft::Sample<PointCloud2, sft::recorded>& sample) {
   const auto data = sample->data();
   return data ? data->size() : 0;
+}
+
+static_assert(std::ranges::random_access_range<sft::Points<float, double>>);
+
+float sum_of_points(const All& sample, const sft::Sample<PointCloud2, sft::recorded>& other) {
+  float sum = 0;
+  if (const auto points = sample->points<float, float>("x", "y")) {
+    for (const auto [x, y] : *points) sum += x * y;
+    sum += std::get<0>(points->at(0, 0)) + std::get<1>((*points)[1]);
+  }
+  if (const auto points = other->points<std::uint16_t>("ring"))
+    for (const auto [ring] : *points) sum += ring;
+  return sum;
 }
 
 int main() {
