@@ -184,8 +184,10 @@ bool Conditions::holds(std::size_t at, const FieldSource& sample, std::int64_t s
     case Condition::Kind::nth:
       return (samples_ - 1) % std::get<std::uint64_t>(node.condition.number) == 0;
     case Condition::Kind::elapsed: {
-      const auto period_us = static_cast<std::int64_t>(std::get<std::uint64_t>(node.condition.number));
-      return stamp_ns - passed_at_ns_ >= period_us * 1000;
+      const std::uint64_t period_us = std::get<std::uint64_t>(node.condition.number);
+      // Not less than 0: hold() has seen to it.
+      return static_cast<std::uint64_t>(stamp_ns) - static_cast<std::uint64_t>(passed_at_ns_) >=
+             period_us * 1000;
     }
   }
   return false;

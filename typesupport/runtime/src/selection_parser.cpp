@@ -44,6 +44,10 @@ void add_scalars(const StructType& type, std::size_t leaf, const FieldMask& mask
   }
 }
 
+double real_of(const Selection::Number& number) {
+  return std::visit([](auto value) { return static_cast<double>(value); }, number);
+}
+
 }  // namespace
 
 LeafPlace place_of(const StructType& type, std::size_t leaf) {
@@ -288,7 +292,7 @@ Result<std::chrono::microseconds> SelectionParser::least_period() {
     return duration();
   }
   const std::size_t begin = at_;
-  const Result<double> hz = real("a rate");
+  const Result<double> hz = number("a rate").map(real_of);
   if (!hz) return tl::unexpected(hz.error());
   skip_blanks();
   if (!take_word("Hz")) return wrong("behind a rate stands 'Hz'");
@@ -361,13 +365,14 @@ Result<Condition> SelectionParser::changed() {
   const bool has_deadband = (next() >= '0' && next() <= '9') || next() == '.' || next() == '-';
   if (!has_deadband) return condition;
   const std::size_t of_number = at_;
-  const Result<double> deadband = real("a deadband");
+  const Result<Selection::Number> deadband = number("a deadband");
   if (!deadband) return tl::unexpected(deadband.error());
-  if (*deadband < 0) return wrong(of_number, "a deadband is a finite number from 0 on");
+  const double size = real_of(*deadband);
+  if (size < 0) return wrong(of_number, "a deadband is a finite number from 0 on");
   condition.number = *deadband;
-  if (*deadband == 0) condition.number = std::uint64_t{0};
+  if (size == 0) condition.number = std::uint64_t{0};
   skip_blanks();
-  condition.is_percent = take("%") && *deadband != 0;
+  condition.is_percent = take("%") && size != 0;
   return condition;
 }
 
@@ -444,6 +449,11 @@ Result<Selection::Number> SelectionParser::constant(std::uint32_t leaf) {
     if (member.kind == Kind::boolean && take_word("false")) return std::uint64_t{0};
     return wrong(begin, "here a number is needed, not " + in_quotes(name));
   }
+  return number("a number");
+}
+
+/// As an integer, if the text is one that 64 bits can hold.
+Result<Selection::Number> SelectionParser::number(std::string_view what) {
   const char* const text = text_.data() + at_;
   const char* const end = text_.data() + text_.size();
   std::uint64_t natural = 0;
@@ -460,31 +470,25 @@ Result<Selection::Number> SelectionParser::constant(std::uint32_t leaf) {
     at_ += static_cast<std::size_t>(read.ptr - text);
     return negative;
   }
-  const Result<double> value = real("a number");
-  if (!value) return tl::unexpected(value.error());
-  return *value;
-}
-
-Result<double> SelectionParser::real(std::string_view what) {
   double value = 0;
-  const char* const begin = text_.data() + at_;
-  const auto [end, error] = std::from_chars(begin, text_.data() + text_.size(), value);
-  if (end == begin) return wrong("here " + std::string(what) + " is needed, not " + in_quotes(word()));
-  if (error != std::errc() || !std::isfinite(value)) return wrong(std::string(what) + " is a finite number");
-  at_ += static_cast<std::size_t>(end - begin);
+  const auto read = std::from_chars(text, end, value);
+  if (read.ptr == text) return wrong("here " + std::string(what) + " is needed, not " + in_quotes(word()));
+  if (read.ec != std::errc() || !std::isfinite(value))
+    return wrong(std::string(what) + " is a finite number");
+  at_ += static_cast<std::size_t>(read.ptr - text);
   return value;
 }
 
 Result<std::chrono::microseconds> SelectionParser::duration() {
   skip_blanks();
   const std::size_t begin = at_;
-  const Result<double> number = real("a period");
-  if (!number) return tl::unexpected(number.error());
+  const Result<Selection::Number> count = number("a period");
+  if (!count) return tl::unexpected(count.error());
   skip_blanks();
   constexpr std::pair<std::string_view, double> units[] = {{"us", 1}, {"ms", 1e3}, {"s", 1e6}, {"min", 6e7}};
   const auto unit = std::ranges::find_if(units, [this](const auto& one) { return take_word(one.first); });
   if (unit == std::end(units)) return wrong("behind a period stands us, ms, s or min");
-  const double us = std::round(*number * unit->second);
+  const double us = std::round(real_of(*count) * unit->second);
   if (!(us >= 1 && us <= static_cast<double>(Selection::period_max.count())))
     return wrong(begin, "a period is from 1 us to 24 hours");
   return std::chrono::microseconds(static_cast<std::int64_t>(us));

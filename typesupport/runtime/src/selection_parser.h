@@ -61,7 +61,7 @@ class SelectionParser {
   Result<Condition> comparison();
   Result<std::uint32_t> scalar();
   Result<Selection::Number> constant(std::uint32_t leaf);
-  Result<double> real(std::string_view what);
+  Result<Selection::Number> number(std::string_view what);
   Result<std::chrono::microseconds> duration();
   Result<std::chrono::microseconds> least_period();
 

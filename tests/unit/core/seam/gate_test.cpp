@@ -1,0 +1,225 @@
+// Gates: which samples pass, in what numbers, and what is counted. The conditions themselves are tested by
+// themselves; here they stand beside a rate, and beside readers that begin.
+#include "core/seam/gate.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstdint>
+#include <limits>
+#include <sensor_msgs/msg/BatteryState.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/seam/rate_budget.h"
+#include "sft/detail/conditions.h"
+#include "sft/type_support.h"
+#include "tests/support/gate_reference.h"
+#include "tests/support/random_conditions.h"
+#include "tests/support/test_seed.h"
+
+namespace sft::core {
+namespace {
+
+using sensor_msgs::msg::BatteryState;
+using Condition = Selection::Condition;
+
+constexpr std::int64_t ms = 1'000'000;
+constexpr std::int64_t now_ns = 1'700'000'000'000'000'000;  // where a slot of each of these periods begins
+
+detail::FieldSource source(const BatteryState& battery) { return detail::FieldSource::of_message(&battery); }
+
+/// The gate of a text, of which the rate is one sample in so many microseconds.
+class Stream {
+ public:
+  explicit Stream(std::string_view text) : selection_(type().parse_selection(text).value()) {}
+
+  static const TypeSupport& type() { return type_support<BatteryState>(); }
+  Gate& gate() { return gate_; }
+
+  bool passes(float voltage, std::int64_t stamp_ns) {
+    BatteryState battery;
+    battery.voltage = voltage;
+    gate_.consider(source(battery), stamp_ns);
+    return gate_.passes();
+  }
+
+ private:
+  Selection selection_;
+  Gate gate_{static_cast<std::uint32_t>(selection_.gate().least_period.count()),
+             detail::Conditions(type().type(), selection_.gate().conditions),
+             selection_.without_rate().gate_hash()};
+};
+
+TEST(GateTest, NothingPassesBeforeItsFirstReaderBegins) {
+  Stream stream("* @ voltage > 1");
+  for (int i = 0; i < 5; ++i) EXPECT_FALSE(stream.passes(2, now_ns + i * ms));
+  EXPECT_EQ(stream.gate().ordinal(), 0U);
+  EXPECT_EQ(stream.gate().withheld(), 5U);
+  stream.gate().let_next_pass();
+  EXPECT_TRUE(stream.passes(2, now_ns + 5 * ms));
+  EXPECT_TRUE(stream.passes(2, now_ns + 6 * ms));
+  EXPECT_EQ(stream.gate().ordinal(), 2U);
+}
+
+TEST(GateTest, TheFirstSamplePassesWhateverItSays) {
+  Stream stream("* @ voltage > 1");
+  stream.gate().let_next_pass();
+  EXPECT_TRUE(stream.passes(0, now_ns));
+  EXPECT_FALSE(stream.passes(0, now_ns + ms));
+  EXPECT_TRUE(stream.passes(2, now_ns + 2 * ms));
+}
+
+TEST(GateTest, TheFirstSamplePassesAlsoIfItIsNotANumber) {
+  Stream stream("* @ changed(voltage) 1");
+  stream.gate().let_next_pass();
+  EXPECT_TRUE(stream.passes(std::numeric_limits<float>::quiet_NaN(), now_ns));
+  EXPECT_FALSE(stream.passes(std::numeric_limits<float>::quiet_NaN(), now_ns + ms));
+  EXPECT_TRUE(stream.passes(0, now_ns + 2 * ms));
+}
+
+TEST(GateTest, WhenAnotherReaderBeginsTheNextSamplePassesForAllOfThem) {
+  Stream stream("* @ changed(voltage) 1");
+  stream.gate().let_next_pass();
+  EXPECT_TRUE(stream.passes(10, now_ns));
+  EXPECT_FALSE(stream.passes(10.5F, now_ns + ms));
+  stream.gate().let_next_pass();
+  stream.gate().let_next_pass();
+  EXPECT_TRUE(stream.passes(10.5F, now_ns + 2 * ms));
+  EXPECT_FALSE(stream.passes(11.25F, now_ns + 3 * ms)) << "it is one sample for both of them";
+  EXPECT_TRUE(stream.passes(11.75F, now_ns + 4 * ms)) << "later ones are compared with it";
+}
+
+TEST(GateTest, TheFirstSamplePassesWhateverTheRateSays) {
+  Stream stream("* @ voltage > 1 at most 1 Hz");
+  stream.gate().let_next_pass();
+  EXPECT_TRUE(stream.passes(2, now_ns));
+  stream.gate().let_next_pass();
+  EXPECT_TRUE(stream.passes(0, now_ns + ms));
+}
+
+TEST(GateTest, ASampleThatDoesNotFulfilTheConditionsDoesNotSpendTheRate) {
+  Stream stream("* @ voltage > 1 at most 10 Hz");
+  stream.gate().let_next_pass();
+  EXPECT_TRUE(stream.passes(2, now_ns));
+  for (int i = 1; i < 95; ++i) EXPECT_FALSE(stream.passes(0, now_ns + (100 + i) * ms)) << i;
+  EXPECT_TRUE(stream.passes(2, now_ns + 199 * ms));
+}
+
+TEST(GateTest, OfSamplesThatFulfilTheConditionsNoMorePassThanTheRatePermits) {
+  Stream stream("* @ voltage > 1 at most 10 Hz");
+  stream.gate().let_next_pass();
+  int passed = 0;
+  for (int i = 0; i < 10'000; i += 7) passed += stream.passes(2, now_ns + i * ms) ? 1 : 0;
+  EXPECT_GE(passed, 99);
+  EXPECT_LE(passed, 102);
+}
+
+TEST(GateTest, WhatTheRateWithholdsIsNotWhatLaterSamplesAreComparedWith) {
+  Stream stream("* @ changed(voltage) 1 at most 1 Hz");
+  stream.gate().let_next_pass();
+  EXPECT_TRUE(stream.passes(10, now_ns));
+  int passed = 0;
+  for (int i = 1; i < 1000; i += 100) passed += stream.passes(12, now_ns + i * ms) ? 1 : 0;
+  EXPECT_LE(passed, 1);
+  if (passed == 0) {
+    EXPECT_TRUE(stream.passes(12, now_ns + 2500 * ms)) << "it is still a change";
+  }
+  EXPECT_FALSE(stream.passes(12, now_ns + 9000 * ms));
+}
+
+TEST(GateTest, EveryThirdCountsSamplesThatPassWhateverTheySay) {
+  Stream stream("* @ every 3rd");
+  stream.gate().let_next_pass();
+  for (int i = 0; i < 30; ++i) {
+    if (i == 10) stream.gate().let_next_pass();
+    EXPECT_EQ(stream.passes(0, now_ns + i * ms), i % 3 == 0 || i == 10) << i;
+  }
+}
+
+TEST(GateTest, APeriodBeginsWithTheSampleThatPassesWhateverItSays) {
+  Stream stream("* @ every 10 s");
+  stream.gate().let_next_pass();
+  EXPECT_TRUE(stream.passes(0, now_ns));
+  stream.gate().let_next_pass();
+  EXPECT_TRUE(stream.passes(0, now_ns + 5000 * ms));
+  EXPECT_FALSE(stream.passes(0, now_ns + 10'000 * ms));
+  EXPECT_TRUE(stream.passes(0, now_ns + 15'000 * ms));
+}
+
+TEST(GateTest, ARateAloneNeedsNoReaderThatBegins) {
+  Gate gate(100'000);
+  EXPECT_EQ(gate.id(), 0U);
+  const auto passes = [&](std::int64_t stamp_ns) {
+    gate.consider(detail::FieldSource::of_nothing(), stamp_ns);
+    return gate.passes();
+  };
+  EXPECT_TRUE(passes(now_ns));
+  EXPECT_FALSE(passes(now_ns + 50 * ms));
+  EXPECT_TRUE(passes(now_ns + 100 * ms));
+  EXPECT_EQ(gate.ordinal(), 2U);
+  EXPECT_EQ(gate.withheld(), 1U);
+}
+
+TEST(GateTest, IsNamedByItsConditionsAndItsRate) {
+  Stream one("* @ voltage > 1"), same("* @ voltage > 1.0"), other("* @ voltage > 2");
+  Stream slow("* @ voltage > 1 at most 2 Hz");
+  EXPECT_NE(one.gate().id(), 0U);
+  EXPECT_EQ(one.gate().id(), same.gate().id());
+  EXPECT_NE(one.gate().id(), other.gate().id());
+  EXPECT_NE(one.gate().id(), slow.gate().id());
+  EXPECT_EQ(slow.gate().min_period_us(), 500'000U);
+}
+
+class GateLaw : public test::RandomTest {
+ protected:
+  /// The rate is asked only of samples that the conditions let pass. The first one of a reader spends it,
+  /// too, as far as there is something to spend.
+  static bool permits(bool holds, bool begins, RateBudget& budget, std::int64_t stamp_ns) {
+    const bool is_permitted = (holds || begins) && budget.take(stamp_ns);
+    return is_permitted || begins;
+  }
+  bool one_in(std::uint64_t n) { return random() % n == 0; }
+};
+
+TEST_F(GateLaw, LetsThoseSamplesPassThatAPlainReadingNames) {
+  const TypeSupport& type = type_support<BatteryState>();
+  for (std::uint64_t round = 0; round < test::test_rounds(500); ++round) {
+    test::RandomConditions any(random, type.type());
+    const std::vector<Condition> said = any.conditions();
+    const auto period_us =
+        static_cast<std::uint32_t>(one_in(3) ? 0 : 1 + random() % (one_in(2) ? 1000 : 1'000'000));
+    const Selection selection =
+        Selection::make(type.full(), {},
+                        {.conditions = said, .least_period = std::chrono::microseconds(period_us)})
+            .value();
+    SCOPED_TRACE("in round " + std::to_string(round) + ": " + type.format_selection(selection));
+    Gate gate(period_us, detail::Conditions(type.type(), selection.gate().conditions),
+              selection.without_rate().gate_hash());
+    test::GateReference reference(said);
+    RateBudget budget(period_us, 1);
+    BatteryState battery;
+    std::int64_t stamp_ns = now_ns;
+    std::uint32_t passed = 0;
+    for (std::uint32_t i = 0; i < 40; ++i) {
+      const bool begins = i == 0 || one_in(15);
+      if (begins) gate.let_next_pass();
+      const test::FieldValues values = test::values_of(any.fields(), &battery);
+      const bool holds = reference.holds(values, stamp_ns);
+      gate.consider(source(battery), stamp_ns);
+      const bool passes = permits(holds, begins, budget, stamp_ns);
+      if (reference.was_close()) break;  // the rest may depend on rounding
+      ASSERT_EQ(gate.passes(), passes) << "sample " << i;
+      passed += passes ? 1 : 0;
+      ASSERT_EQ(gate.ordinal(), passed);
+      ASSERT_EQ(gate.withheld(), i + 1 - passed);
+      if (passes) reference.passed(values, stamp_ns);
+      any.change(&battery);
+      stamp_ns = any.stamp_behind(stamp_ns);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sft::core
