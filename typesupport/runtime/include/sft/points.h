@@ -292,5 +292,7 @@ Result<Points<Ts...>> points_of(const DynamicView& cloud, const Names&... names)
 
 }  // namespace sft
 
+/// @cond not in the reference: Doxygen takes no specialization of what it does not know
 template <class... Ts>
 inline constexpr bool std::ranges::enable_borrowed_range<sft::Points<Ts...>> = true;
+/// @endcond
