@@ -191,7 +191,8 @@ bool LocalReader::requirement_changed() {
 }
 
 void LocalReader::ask(const Wanted& wanted) {
-  accepted_.asks_for(wanted, std::chrono::steady_clock::now());
+  asked_at_ = std::chrono::steady_clock::now();
+  accepted_.asks_for(wanted, asked_at_);
   accept();
   send_request();
 }
@@ -209,6 +210,10 @@ void LocalReader::send_request() {
 
 void LocalReader::forget_what_was_in_flight(Time now) {
   if (accepted_.look(now)) accept();
+  if (asked_at_ != Time::max() && now - asked_at_ > AcceptedRequests::in_flight_max) {
+    asked_at_ = Time::max();
+    core_->ports().forget_former_conditions();
+  }
   std::erase_if(departed_, [&](const auto& departed) {
     if (now - departed.second <= AcceptedRequests::in_flight_max) return false;
     network_->disconnect(departed.first);

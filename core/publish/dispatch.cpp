@@ -50,7 +50,10 @@ FieldMask Dispatch::serve(Serving& serving, std::shared_ptr<LendingWriter> memor
     outlets_.wait_for_reader();
   }
   book_->enter(after->page);
-  if (after->memory != nullptr) after->memory->set_routes(serving.memory);
+  if (after->memory != nullptr) {
+    after->memory->expect(serving.network);
+    after->memory->set_routes(serving.memory);
+  }
   if (changes_over(serving)) {
     // The reader must not fall between two ports: for a moment both send it samples, and it takes them once.
     auto both = std::make_shared<Outlets>(before->with(*after));
@@ -72,13 +75,17 @@ FieldMask Dispatch::serve(Serving& serving, std::shared_ptr<LendingWriter> memor
 Dispatch::Admission Dispatch::admit(const SampleHandle& sample, std::int64_t stamp_ns) noexcept {
   if (!sample) return admit(detail::FieldSource::of_nothing(), stamp_ns);
   const detail::SampleState state = state_of(*sample, type_.slots());
-  return admit(detail::FieldSource::of_sample(state), stamp_ns);
+  const auto fields = detail::FieldSource::of_sample(state);
+  Admission admission = admit(fields, stamp_ns);
+  made(fields, stamp_ns);
+  return admission;
 }
 
 PublishStatus Dispatch::miss(Admission&& admission, std::uint32_t body_bytes) noexcept {
   const Outlets& outlets = *in_force_;
   sequence_.fetch_add(1, std::memory_order_relaxed);
   dropped_.fetch_add(1, std::memory_order_relaxed);
+  for (const auto& gate : outlets.gates) gate->missed();
   for (const Outlets::MemoryGroup& group : outlets.memory_groups) {
     if (group.wants_sample()) group.tally->dropped();
   }
@@ -138,8 +145,9 @@ PublishStatus Dispatch::send(const SampleHandle& sample, std::int64_t stamp_ns, 
 SendStatus Dispatch::send_to_memory(const SampleHandle& sample, std::chrono::nanoseconds& patience) noexcept {
   LendingWriter& memory = *in_force_->memory;
   const std::span gates(in_force_->memory_gates);
-  const SampleHandle lent =
-      memory.can_send(*sample) ? sample : copy_into(memory, *sample, type_, gate_table_bytes(gates.size()));
+  SampleHandle lent = sample;
+  if (!memory.can_send(*sample)) lent = copy_into(memory, *sample, type_, gate_table_bytes(gates.size()));
+  if (!lent && !gates.empty()) lent = copy_into(memory, *sample, type_);
   if (!lent) {
     count_refusal(sample->header().body_bytes);
     return SendStatus::dropped;

@@ -76,7 +76,15 @@ class Dispatch {
     }
     return admission;
   }
-  /// The same for a sample that is encoded already; empty: there was no memory for it.
+  /// The message that was admitted has been encoded: later ones are compared with it.
+  void made(const detail::FieldSource& sample, std::int64_t stamp_ns) noexcept {
+    for (const auto& gate : in_force_->gates) gate->made(sample, stamp_ns);
+  }
+  /// The message that was admitted is not published after all.
+  void refuse() noexcept {
+    for (const auto& gate : in_force_->gates) gate->refused();
+  }
+  /// Admits a sample that is encoded already; empty: there was no memory for it.
   Admission admit(const SampleHandle& sample, std::int64_t stamp_ns) noexcept;
   /// True if nobody but the network gets the sample, which takes copies that are postponed.
   bool may_postpone() const noexcept { return postpones_ && in_force_->to_network && !in_force_->to_memory; }

@@ -19,11 +19,16 @@ void gather_gates(const std::vector<Route>& routes, const Gates& gates, Outlets&
   }
 }
 
+/// Also those of readers that are served over the network at present: they may find samples in their queues
+/// before they are served in shared memory.
 void gather_memory_gates(const Serving& serving, const Gates& gates, Outlets& outlets) {
-  for (const Route& route : serving.memory) {
-    const bool has_conditions = route.gate != nullptr && route.gate->id() != 0;
-    if (has_conditions && !holds(outlets.memory_gates, gates.of(route)))
-      outlets.memory_gates.push_back(gates.of(route));
+  if (!outlets.to_memory) return;
+  for (const auto* routes : {&serving.memory, &serving.network}) {
+    for (const Route& route : *routes) {
+      const bool has_conditions = route.gate != nullptr && route.gate->id() != 0;
+      if (has_conditions && !holds(outlets.memory_gates, gates.of(route)))
+        outlets.memory_gates.push_back(gates.of(route));
+    }
   }
 }
 
@@ -57,6 +62,9 @@ Outlets Outlets::with(const Outlets& other) const {
   both.to_all |= other.to_all;
   for (const auto& gate : other.gates) {
     if (!holds(both.gates, gate)) both.gates.push_back(gate);
+  }
+  for (const auto& gate : other.memory_gates) {
+    if (!holds(both.memory_gates, gate)) both.memory_gates.push_back(gate);
   }
   return both;
 }

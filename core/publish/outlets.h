@@ -34,7 +34,7 @@ struct Outlets {
   FieldMask mask;       ///< to be encoded: everything for shared memory, else the union of what is asked for
   bool whole = false;   ///< `mask` is all there is
   std::vector<MemoryGroup> memory_groups;
-  std::vector<std::shared_ptr<Gate>> memory_gates;  ///< those of `gates` with conditions, in shared memory
+  std::vector<std::shared_ptr<Gate>> memory_gates;  ///< those of `gates` that samples name
   DeliveryBook::Page page;                          ///< of these readers
 
   /// True if each sample is made so that the others' routes can send it.

@@ -70,14 +70,18 @@ PublishStatus PublisherCore::publish(const void* value) {
 
 PublishStatus PublisherCore::publish_one(const Dispatch::Call& call, const void* value, std::int64_t stamp_ns,
                                          std::chrono::nanoseconds& patience) {
-  Dispatch::Admission admission = dispatch_.admit(detail::FieldSource::of_message(value), stamp_ns);
+  const auto fields = detail::FieldSource::of_message(value);
+  Dispatch::Admission admission = dispatch_.admit(fields, stamp_ns);
   if (!admission.passes) return dispatch_.withhold();
   const SampleMaker::Made made =
       maker_.encode(call.outlets(), value, stamp_ns, dispatch_.may_postpone(), patience);
   if (!made.sample) [[unlikely]] {
-    const bool no_memory = made.why_not == PublishStatus::no_memory;
-    return no_memory ? dispatch_.miss(std::move(admission), made.body_bytes) : made.why_not;
+    if (made.why_not == PublishStatus::no_memory)
+      return dispatch_.miss(std::move(admission), made.body_bytes);
+    dispatch_.refuse();
+    return made.why_not;
   }
+  dispatch_.made(fields, stamp_ns);
   const PublishStatus status = dispatch_.send(made.sample, stamp_ns, std::move(admission), patience);
   maker_.sent(*made.sample);
   return status;

@@ -173,8 +173,9 @@ SampleHandle SampleMaker::lend(const Outlets& outlets, std::uint32_t body_bytes,
   const std::size_t with_gates = bytes + gate_table_bytes(outlets.memory_gates.size());
   SampleHandle sample;
   if (outlets.to_memory) sample = outlets.memory->loan(with_gates);
+  if (!sample && with_gates != bytes) sample = outlets.memory->loan(bytes);  // then it names no gates
   if (!sample && outlets.needs_memory && patience.count() > 0)
-    sample = await_chunk(*outlets.memory, with_gates, patience);
+    sample = await_chunk(*outlets.memory, bytes, patience);
   // The sample can still go over the network if there is no chunk for it.
   if (!sample && (!outlets.to_memory || outlets.to_network || outlets.has_fallback))
     sample = take_heap(bytes);

@@ -14,14 +14,15 @@ std::uint64_t gate_id(std::uint64_t conditions, std::uint32_t min_period_us) {
 
 /// The rate is asked only about samples that fulfil the conditions: the others cost nothing of it.
 bool Gate::decide(const detail::FieldSource& sample, std::int64_t stamp_ns) {
-  const bool is_first =
+  is_first_ =
       next_passes_.load(std::memory_order_relaxed) && next_passes_.exchange(false, std::memory_order_relaxed);
-  is_open_ = is_open_ || is_first;
+  is_open_ = is_open_ || is_first_;
   const bool holds = conditions_.hold(sample, stamp_ns);
-  const bool is_due = (holds || is_first) && budget_.take(stamp_ns);
-  const bool passes = is_open_ && (is_due || is_first);
-  if (passes) conditions_.passed(sample, stamp_ns);
-  return passes;
+  if (is_first_) {
+    budget_.spend(stamp_ns);
+    return true;
+  }
+  return is_open_ && holds && budget_.take(stamp_ns);
 }
 
 }  // namespace sft::core

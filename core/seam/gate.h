@@ -34,14 +34,30 @@ class Gate {
   /// The name of a gate with conditions (gate_id()); 0: it has none. Any thread.
   std::uint64_t id() const { return id_; }
 
-  /// Called once for every sample.
+  /// Called once for every sample. What passes is then told to made(), missed() or refused().
   void consider(const detail::FieldSource& sample, std::int64_t stamp_ns) {
+    before_ = budget_;
     passes_ = conditions_.empty() ? budget_.take(stamp_ns) : decide(sample, stamp_ns);
     if (passes_) {
       ++ordinal_;
     } else {
       withheld_.fetch_add(1, std::memory_order_relaxed);
     }
+  }
+  /// The sample that passed is sent: later ones are compared with it.
+  void made(const detail::FieldSource& sample, std::int64_t stamp_ns) {
+    if (passes_ && id_ != 0) conditions_.passed(sample, stamp_ns);
+  }
+  /// The sample that passed could not be made, and its readers miss it.
+  void missed() {
+    if (passes_ && is_first_) let_next_pass();
+  }
+  /// The message was refused, as if it had never been published.
+  void refused() {
+    missed();
+    if (!passes_) return;
+    budget_ = before_;
+    --ordinal_;
   }
   /// The next sample passes whatever it says: it is the first one after a request. Any thread.
   void let_next_pass() noexcept { next_passes_.store(true, std::memory_order_relaxed); }
@@ -57,10 +73,12 @@ class Gate {
   bool decide(const detail::FieldSource& sample, std::int64_t stamp_ns);
 
   RateBudget budget_;
+  RateBudget before_;  ///< the sample that was considered last
   detail::Conditions conditions_;
   std::uint64_t id_ = 0;
   bool is_open_ = true;
   bool passes_ = false;
+  bool is_first_ = false;  ///< the sample passed as the first one after a request
   std::uint32_t ordinal_ = 0;
   std::atomic<bool> next_passes_{false};
   std::atomic<std::uint64_t> withheld_{0};

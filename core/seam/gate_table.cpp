@@ -42,22 +42,26 @@ void write_gate_table(SampleBuffer& sample, std::size_t slots, std::span<const s
     at += sizeof entry;
     ++written;
   }
-  sample.header().gates = written;
+  // An agent may hand the sample to a late reader already.
+  __atomic_store_n(&sample.header().gates, written, __ATOMIC_RELEASE);
 }
 
 std::optional<std::uint32_t> ordinal_in_gate(const SampleBuffer& sample, std::size_t slots,
                                              std::uint64_t gate) {
-  const std::size_t gates = __atomic_load_n(&sample.header().gates, __ATOMIC_RELAXED);
+  const std::size_t gates = __atomic_load_n(&sample.header().gates, __ATOMIC_ACQUIRE);
   if (gates == 0 || gates > gates_in_table_max) return {};
   const std::size_t bytes = sample_bytes(sample, slots);
   if (bytes_with_gate_table(bytes, gates) > sample.capacity) return {};
   const std::byte* at = sample.data + gate_table_begin(bytes);
+  std::optional<std::uint32_t> ordinal;
   for (std::size_t i = 0; i < gates; ++i, at += sizeof(Entry)) {
     Entry entry;
     std::memcpy(&entry, at, sizeof entry);
-    if (entry.gate == gate) return entry.ordinal;
+    if (entry.gate != gate) continue;
+    if (ordinal) return {};  // somebody has made conditions with the same hash
+    ordinal = entry.ordinal;
   }
-  return {};
+  return ordinal;
 }
 
 }  // namespace sft::core

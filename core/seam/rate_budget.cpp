@@ -28,9 +28,15 @@ bool RateBudget::take(std::int64_t stamp_ns) {
   if (min_period_us_ == 0) return true;
   saved_ = std::min(worth(stamp_ns), most_saved);
   slot_ = slot_of(stamp_ns);
-  if (saved_ == 0) return false;
+  if (saved_ <= 0) return false;
   --saved_;
   return true;
+}
+
+void RateBudget::spend(std::int64_t stamp_ns) {
+  if (min_period_us_ == 0) return;
+  saved_ = std::min(worth(stamp_ns), most_saved) - 1;
+  slot_ = slot_of(stamp_ns);
 }
 
 std::uint64_t RateBudget::forfeited(std::int64_t stamp_ns) const {

@@ -29,6 +29,8 @@ class RateBudget {
   bool allows(std::int64_t stamp_ns) const;
   /// True if the budget allows a sample, which it has then paid for. Stamps may go back: the clock was set.
   bool take(std::int64_t stamp_ns);
+  /// A sample passes whatever the budget says, which pays for it later.
+  void spend(std::int64_t stamp_ns);
   /// The number of samples beyond what can be saved that the budget would have allowed until then. Without a
   /// limit it is any number.
   std::uint64_t forfeited(std::int64_t stamp_ns) const;
@@ -40,7 +42,7 @@ class RateBudget {
 
   std::uint32_t min_period_us_;
   std::int64_t slot_ = never;  ///< in which `saved_` was right
-  std::int64_t saved_;
+  std::int64_t saved_;         ///< less than 0: what is owed
 };
 
 }  // namespace sft::core

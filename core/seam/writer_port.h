@@ -102,6 +102,10 @@ class LendingWriter : public WriterPort {
   /// again later while there is a reason.
   virtual std::string why_unreachable(const Route& to) = 0;
 
+  /// The routes of readers that are served otherwise at present. If they have attached their queues already,
+  /// what does not pass their gates is not for them. Called before set_routes().
+  virtual void expect(const std::vector<Route>&) {}
+
   // The hand-over to a late reader. A route with `history` is to such a reader: from it all samples are held
   // back until begin_with() was called, and they have to be among what the writer retains by then.
 

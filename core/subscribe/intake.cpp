@@ -34,16 +34,16 @@ void Intake::put(Inlet inlet, SampleHandle sample) {
   for (const std::uint64_t gate : accounts_.gates()) {
     const std::optional<std::uint32_t> ordinal = ordinal_in_gate(buffer, options_.slots, gate);
     if (!ordinal) continue;
-    buffer.gate = gate;
-    buffer.ordinal = *ordinal;
-    return;
+    // By which of several gates the sample was let through, nobody knows.
+    buffer.ordinal = buffer.gate == 0 ? *ordinal : 0;
+    if (buffer.gate == 0) buffer.gate = gate;
   }
 }
 
 /// A writer sends by UDP only what is for this subscriber: the writer has kept the maximum rate itself. So it
-/// does in shared memory where there are conditions.
+/// has in shared memory for a sample that names a gate with conditions.
 RateKeeper Intake::rate_keeper_of(Inlet inlet) const {
-  const bool by_writer = inlet == Inlet::network || accounts_.has_conditions() || head(inlet)->gate != 0;
+  const bool by_writer = inlet == Inlet::network || head(inlet)->gate != 0;
   return by_writer ? RateKeeper::writer : RateKeeper::reader;
 }
 

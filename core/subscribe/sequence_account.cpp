@@ -47,6 +47,8 @@ std::uint64_t SequenceAccount::lost_before(const SampleOrigin& sample, RateKeepe
   const std::uint32_t limit = limit_of(sample, keeper);
   const std::uint32_t before = budget_.min_period_us();
   if (last_ == 0) return gap;
+  const bool both_retained = sample.oldest_retained != 0 && sample.ordinal == 0 && !ordinal_;
+  if (both_retained) return gap;
   if (sample.gate != 0 || gate_ != 0 || expects_conditions_)
     return is_of_same_gate(sample) ? sample.ordinal - *ordinal_ - 1U : 0;
   if (limit == 0 && before == 0) return gap;

@@ -25,14 +25,19 @@ SubscriberCore::SubscriberCore(Spec spec, Doorbell& bell, std::shared_ptr<Record
 }
 
 void SubscriberCore::requests(Selection selection, std::uint64_t sequence) {
+  if (selection == ports_.requested()) return ports_.requests(nullptr, sequence);
   ports_.requests(make_asked(type(), std::move(selection), spec_.options.recording.as_remote), sequence);
 }
 
 Selection SubscriberCore::required() const {
-  const Lock lock(selection_mutex_);
-  if (recorder_ == nullptr) return declared_;
-  // No limit is exceeded: there are no more conditions than before.
-  return Selection(type().closed(recorder_->required())).with_gate(declared_.gate()).value();
+  const Selection declared = [this] {
+    const Lock lock(selection_mutex_);
+    return declared_;
+  }();
+  if (recorder_ == nullptr) return declared;
+  const Selection fields = type().closed(recorder_->required());
+  return fields.with_gate(declared.gate())
+      .value_or(fields);  // without conditions if all is too long together
 }
 
 void SubscriberCore::hears(const std::vector<Hearing>& hearing) {

@@ -87,10 +87,13 @@ SubscriberPorts::Next SubscriberPorts::next() {
 
 void SubscriberPorts::settle(Next& next) {
   next.is_copied = intake_.is_copied(next.info.transport);
-  next.asked = next.is_copied || tells_asked_ ? asked_ : nullptr;
-  const std::uint64_t parts = next.sample->parts;
-  if (parts == 0 || parts == asked_->selection.parts_hash()) return;
-  const auto is_it = [parts](const auto& asked) { return asked->selection.parts_hash() == parts; };
+  if (!next.is_copied && !tells_asked_) return;
+  next.asked = asked_;
+  if (next.info.transport == TransportKind::shm) return;
+  const auto is_it = [&sample = *next.sample](const auto& asked) {
+    return asked->selection.parts_hash() == sample.parts && asked->selection.mask() == sample.mask;
+  };
+  if (is_it(asked_)) return;
   const auto known = std::ranges::find_if(earlier_, is_it);
   if (known != earlier_.end()) next.asked = *known;
 }
@@ -154,11 +157,17 @@ void SubscriberPorts::hears(const std::vector<Hearing>& hearing) {
 void SubscriberPorts::requests(std::shared_ptr<const Asked> asked, std::uint64_t sequence) {
   const Lock lock(mutex_);
   requests_ = sequence;
+  if (asked == nullptr) return;
   intake_.copy(asked->plan != nullptr, asked->from_network);
   intake_.accounts().ask_conditions(asked->selection.gate_hash());
-  if (asked_ != nullptr && !asked_->selection.parts().empty()) earlier_.push_back(std::move(asked_));
-  if (earlier_.size() > earlier_max) earlier_.erase(earlier_.begin());
+  if (asked_ != nullptr) earlier_.insert(earlier_.begin(), std::move(asked_));
+  if (earlier_.size() > earlier_max) earlier_.pop_back();
   asked_ = std::move(asked);
+}
+
+void SubscriberPorts::forget_former_conditions() {
+  const Lock lock(mutex_);
+  intake_.accounts().forget_former_conditions();
 }
 
 bool SubscriberPorts::keeps_promises(EndpointId writer, std::uint64_t deadlines_missed, bool alive) {

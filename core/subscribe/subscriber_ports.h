@@ -53,8 +53,10 @@ class SubscriberPorts {
   void set_memory(std::shared_ptr<BorrowingReader> port);
   void set_network(std::shared_ptr<NetworkReader> port);
   void hears(const std::vector<Hearing>& hearing);
-  /// The request that is in force from now on, and its number.
+  /// The request that is in force from now on, and its number. Null: the same request with another number.
   void requests(std::shared_ptr<const Asked> asked, std::uint64_t sequence);
+  /// No sample under an earlier request is under way any more.
+  void forget_former_conditions();
   /// Returns true if status() differs by it.
   bool keeps_promises(EndpointId writer, std::uint64_t deadlines_missed, bool alive);
   /// The connection to that writer was set up anew, because nothing arrived by it.
@@ -97,7 +99,7 @@ class SubscriberPorts {
   std::shared_ptr<NetworkReader> network_ SFT_GUARDED_BY(mutex_);
   Counts of_former_ports_ SFT_GUARDED_BY(mutex_);
   std::shared_ptr<const Asked> asked_ SFT_GUARDED_BY(mutex_);
-  std::vector<std::shared_ptr<const Asked>> earlier_ SFT_GUARDED_BY(mutex_);  ///< with parts, the latest last
+  std::vector<std::shared_ptr<const Asked>> earlier_ SFT_GUARDED_BY(mutex_);  ///< the latest first
   std::uint64_t requests_ SFT_GUARDED_BY(mutex_) = 1;
   /// Some writer in shared memory waits for room. Written with the mutex held, read without it.
   std::atomic<bool> writers_wait_{false};

@@ -32,6 +32,10 @@ void WriterAccounts::ask_conditions(std::uint64_t hash) {
   ask_all();
 }
 
+void WriterAccounts::forget_former_conditions() {
+  gates_.resize(std::min<std::size_t>(gates_.size(), has_conditions() ? 1 : 0));
+}
+
 void WriterAccounts::ask_all() {
   for (Writer& writer : writers_) writer.sequences.ask(min_period_us_, has_conditions());
   const std::uint64_t gate = gate_id(conditions_, min_period_us_);

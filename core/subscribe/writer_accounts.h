@@ -47,6 +47,8 @@ class WriterAccounts {
   /// The subscriber asks for conditions from now on, which have this hash (Selection::gate_hash()); 0: for
   /// none.
   void ask_conditions(std::uint64_t hash);
+  /// No sample that was let through by former conditions is under way any more.
+  void forget_former_conditions();
   bool has_conditions() const { return conditions_ != 0; }
   /// The gates with conditions that samples in shared memory may name: the latest is the first.
   std::span<const std::uint64_t> gates() const { return gates_; }

@@ -326,13 +326,21 @@ std::string ShmWriterPort::why_unreachable(const core::Route& to) {
   return {};
 }
 
+AttachedQueues::Gates ShmWriterPort::gates_of(const std::vector<core::Route>& routes) {
+  AttachedQueues::Gates gates;
+  for (const core::Route& route : routes) {
+    if (route.gate != nullptr && route.gate->id() != 0) gates[route.reader] = route.gate;
+  }
+  return gates;
+}
+
 void ShmWriterPort::set_routes(std::vector<core::Route> routes) {
   std::set<core::EndpointId> owed_nothing, awaited;
-  AttachedQueues::Gates gates;
+  AttachedQueues::Gates gates = gates_of(routes);
+  gates.insert(expected_.begin(), expected_.end());
   for (const core::Route& route : routes) {
     if (route.history == 0) owed_nothing.insert(route.reader);
     if (route.reliable) awaited.insert(route.reader);
-    if (route.gate != nullptr && route.gate->id() != 0) gates[route.reader] = route.gate;
   }
   chunks_->wait_for(std::move(awaited));
   chunks_->set_gates(std::move(gates));

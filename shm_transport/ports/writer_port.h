@@ -132,6 +132,7 @@ class ShmWriterPort final : public core::LendingWriter {
     return chunks_->has_lent(sample);
   }
   std::string why_unreachable(const core::Route& to) override;
+  void expect(const std::vector<core::Route>& others) override { expected_ = gates_of(others); }
   void set_routes(std::vector<core::Route> routes) override;
   bool owns(const core::SampleBuffer& sample) const noexcept override { return chunks_->owns(sample); }
   std::optional<std::uint64_t> held_back(core::EndpointId reader) noexcept override {
@@ -143,6 +144,7 @@ class ShmWriterPort final : public core::LendingWriter {
   std::chrono::nanoseconds patience_left() const noexcept override { return patience_; }
 
  private:
+  static AttachedQueues::Gates gates_of(const std::vector<core::Route>& routes);
   core::SendStatus drop() noexcept;
   ChunkLender::Commit commit(ChunkSlot& slot, bool to_readers, bool may_wait) noexcept;
   ChunkLender::Commit commit_once_there_is_room(ChunkSlot& slot) noexcept;
@@ -153,6 +155,7 @@ class ShmWriterPort final : public core::LendingWriter {
   const std::chrono::nanoseconds max_blocking_;
   const core::TrustedAccounts reader_accounts_;               ///< the accounts whose doorbells are rung
   std::vector<std::shared_ptr<core::DoorbellPage>> reached_;  ///< kept open until routes are set
+  AttachedQueues::Gates expected_;                            ///< of readers without routes here
 
   // The thread of the publisher uses these two members.
   std::chrono::nanoseconds patience_max_ = std::chrono::nanoseconds::max();

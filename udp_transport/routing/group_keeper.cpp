@@ -59,7 +59,8 @@ void GroupKeeper::look_at(const RouteBundle& bundle, Time now) {
     if (is_new) choose_link(candidate, now);
     if (!bundle.wanted.selection.is_mask())
       candidate.refusal = "a reader there asks for parts of fields, or has conditions";
-    if (bundle.gate != nullptr) candidate.refusal = "a reader there has a maximum rate";
+    if (bundle.gate != nullptr && bundle.gate->id() == 0)
+      candidate.refusal = "a reader there has a maximum rate";
     if (bundle.late_reader != 0) candidate.refusal = "a reader there is sent what was retained";
     if (bundle.fallback) candidate.refusal = "a reader there is served in shared memory";
     candidate.gets_more |= bundle.is_for_more_than_a_mask();

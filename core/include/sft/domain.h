@@ -114,7 +114,7 @@ struct DomainSnapshot::Endpoint {
 struct DomainSnapshot::Sent {
   std::chrono::nanoseconds age{};  ///< the time since the counts came; 0 if the asked node made them itself
   std::uint64_t sent = 0;          ///< samples
-  std::uint64_t withheld = 0;      ///< samples that were not sent, to keep to the maximum rate
+  std::uint64_t withheld = 0;      ///< samples that conditions or the maximum rate have withheld
   std::uint64_t dropped = 0;       ///< samples
   std::uint64_t retained = 0;      ///< samples from before the subscriber came; not in the counts above
   std::uint64_t bytes_sent = 0;    ///< bytes of bodies over the network

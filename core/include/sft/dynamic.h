@@ -64,9 +64,11 @@ class DynamicSample {
     return fields();
   }
   void mask() const&& = delete;
-  /// What the sample is: the fields, the parts of them and the conditions that its subscriber had asked for.
-  /// While a subscriber changes its selection, samples of the former one may still come, which name that one.
-  /// Null if the subscriber records or the sample is empty. Valid as long as the sample.
+  /// What the sample is: the fields and the parts of them that its subscriber had asked for. While a
+  /// subscriber changes its selection, samples of the former one may still come, which name that one; a
+  /// sample in shared memory, which has all, is always reduced to the latest one. Of requests that differ in
+  /// their conditions only, it is the latest one. Null if the subscriber records or the sample is empty.
+  /// Valid as long as the sample.
   const Selection* selection() const& { return sample_.selection(); }
   void selection() const&& = delete;
   /// The channels of point clouds that were asked for and that the sample's clouds do not have. Empty if none

@@ -93,7 +93,7 @@ struct PublisherStatus {
     // queued for it when its route changed count as sent.
     std::uint64_t published = 0;  ///< while it was served: sent + withheld + dropped
     std::uint64_t sent = 0;       ///< put into shared memory, given to the system, or queued for that
-    std::uint64_t withheld = 0;   ///< not sent, to keep to max_rate_hz
+    std::uint64_t withheld = 0;   ///< not sent, because of conditions or max_rate_hz
     std::uint64_t dropped = 0;    ///< not sent: a queue or the memory was full, or the system refused
     std::uint64_t retained = 0;   ///< older ones that a durable publisher sent first; not in the counts above
     std::uint64_t diverted = 0;   ///< a part of `sent`: sent by UDP because shared memory could not take them
@@ -154,7 +154,7 @@ struct SubscriberStatus {
     bool no_path_yet = false;    ///< no_path, and shared memory may still come up on this side or the other
     std::uint64_t received = 0;  ///< samples that were taken or given to the callback
     std::uint64_t lost = 0;      ///< samples that should have come, and did not
-    std::uint64_t withheld = 0;  ///< samples that were not sent, or were skipped, to keep to max_rate_hz
+    std::uint64_t withheld = 0;  ///< samples that conditions or max_rate_hz have withheld
     std::uint64_t expired = 0;   ///< samples that were not delivered because their lifespan was over
     std::uint64_t deadlines_missed = 0;  ///< periods of the subscriber's deadline without a sample of it
     /// How often the connection was set up anew because the publisher sent and nothing arrived.
@@ -163,7 +163,7 @@ struct SubscriberStatus {
 
   std::uint64_t received = 0;  ///< samples that were taken or given to the callback
   std::uint64_t lost = 0;      ///< also those of publishers that are gone that were not taken in time
-  std::uint64_t withheld = 0;  ///< samples that were not sent, or were skipped, to keep to max_rate_hz
+  std::uint64_t withheld = 0;  ///< samples that conditions or max_rate_hz have withheld
   std::uint64_t expired = 0;   ///< samples that were not delivered because their lifespan was over
   /// Samples that arrived and were thrown away: malformed ones, and those that a full queue pushed out. The
   /// latter count as lost, too, once a later sample is taken.

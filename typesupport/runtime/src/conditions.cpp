@@ -5,7 +5,9 @@
 #include <cmath>
 #include <compare>
 #include <cstring>
-#include <optional>
+#include <functional>
+#include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 
@@ -135,11 +137,13 @@ Conditions::Conditions(const StructType& type, std::vector<Condition> conditions
   if (!conditions_.empty()) enter_children(0);
 }
 
-/// Each condition has a field of its own, since it may be compared with another former value one day.
-std::uint32_t Conditions::enter(const StructType& type, std::uint32_t leaf) {
+std::size_t Conditions::enter(const StructType& type, std::uint32_t leaf) {
+  const auto known = std::ranges::find(fields_, leaf, &Field::leaf);
+  if (known != fields_.end()) return static_cast<std::size_t>(known - fields_.begin());
   const Layout::Field field = field_at(type, leaf);
-  fields_.push_back({.kind = field.member->kind, .slot = field.slot, .offset = offset_of(type, leaf)});
-  return static_cast<std::uint32_t>(fields_.size() - 1);
+  fields_.push_back(
+      {.kind = field.member->kind, .leaf = leaf, .slot = field.slot, .offset = offset_of(type, leaf)});
+  return fields_.size() - 1;
 }
 
 /// Says where the children of the node end, which is returned.
@@ -159,10 +163,12 @@ void Conditions::passed(const FieldSource& sample, std::int64_t stamp_ns) {
   passed_at_ns_ = stamp_ns;
   for (const Node& node : conditions_) {
     if (node.condition.kind != Condition::Kind::changed) continue;
-    for (const std::uint32_t i : node.fields) {
+    for (const std::size_t i : node.fields) {
       Field& field = fields_[i];
       if (field.kind == Kind::string) {
-        field.text = text_at(field, sample);
+        const std::string_view text = text_at(field, sample);
+        field.length = text.size();
+        field.bits = std::hash<std::string_view>()(text);
       } else {
         field.bits = bits_at(field, sample);
       }
@@ -225,7 +231,10 @@ bool Conditions::compares(const Node& node, const FieldSource& sample) const {
 }
 
 bool Conditions::has_changed(const Field& field, const Condition& condition, const FieldSource& sample) {
-  if (field.kind == Kind::string) return text_at(field, sample) != field.text;
+  if (field.kind == Kind::string) {
+    const std::string_view text = text_at(field, sample);
+    return text.size() != field.length || std::hash<std::string_view>()(text) != field.bits;
+  }
   const std::uint64_t bits = bits_at(field, sample);
   if (bits == field.bits) return false;
   return is_beyond(number_of(field.kind, bits), number_of(field.kind, field.bits), condition);
@@ -250,7 +259,9 @@ std::uint64_t Conditions::bits_at(const Field& field, const FieldSource& sample)
 }
 
 std::string_view Conditions::text_at(const Field& field, const FieldSource& sample) {
-  if (sample.sample_ == nullptr) return *reinterpret_cast<const std::string*>(sample.message_ + field.offset);
+  if (sample.message_ != nullptr)
+    return *reinterpret_cast<const std::string*>(sample.message_ + field.offset);
+  if (sample.sample_ == nullptr) return {};
   const SampleState& s = *sample.sample_;
   const std::uint32_t offset = __atomic_load_n(s.index + field.slot, __ATOMIC_RELAXED);
   const Extent text = offset == no_offset ? Extent{} : checked_string(s, offset);

@@ -131,8 +131,11 @@ Selection TypeSupport::closed(const Selection& selection) const {
       for (std::size_t i = 0; i < leaf_count(*field.member); ++i) mask.insert(field.leaf + i);
     }
   }
-  // No limit is exceeded: there are no more parts than before, and they are no longer.
-  return Selection::make(closed(std::move(mask)), std::move(parts), selection.gate()).value();
+  const FieldMask fields = closed(std::move(mask));
+  // A longer mask may leave too little room for the rest.
+  return Selection::make(fields, std::move(parts), selection.gate())
+      .or_else([&](const Error&) { return Selection::make(fields, {}, selection.gate()); })
+      .value_or(fields);
 }
 
 /// The parts without what the fields do not have. An array has a fixed length, and is always whole.

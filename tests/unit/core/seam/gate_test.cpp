@@ -42,6 +42,7 @@ class Stream {
     BatteryState battery;
     battery.voltage = voltage;
     gate_.consider(source(battery), stamp_ns);
+    gate_.made(source(battery), stamp_ns);
     return gate_.passes();
   }
 
@@ -129,6 +130,48 @@ TEST(GateTest, WhatTheRateWithholdsIsNotWhatLaterSamplesAreComparedWith) {
   EXPECT_FALSE(stream.passes(12, now_ns + 9000 * ms));
 }
 
+TEST(GateTest, FirstSamplesOfReadersDoNotRaiseTheRateInTheLongRun) {
+  Stream stream("* @ voltage > 1 at most 10 Hz");
+  int passed = 0;
+  for (int i = 0; i < 1000; ++i) {
+    if (i < 500 && i % 10 == 0) stream.gate().let_next_pass();
+    passed += stream.passes(2, now_ns + i * 10 * ms) ? 1 : 0;
+  }
+  EXPECT_GE(passed, 99);
+  EXPECT_LE(passed, 102);
+}
+
+TEST(GateTest, AMessageThatIsRefusedCountsAsIfItHadNotBeenPublished) {
+  Stream stream("* @ changed(voltage)");
+  stream.gate().let_next_pass();
+  BatteryState battery;
+  battery.voltage = 7;
+  const auto refuse = [&] {
+    stream.gate().consider(source(battery), now_ns);
+    EXPECT_TRUE(stream.gate().passes());
+    stream.gate().refused();
+  };
+  refuse();
+  EXPECT_EQ(stream.gate().ordinal(), 0U);
+  EXPECT_TRUE(stream.passes(0, now_ns)) << "this one is the first";
+  refuse();
+  EXPECT_TRUE(stream.passes(7, now_ns)) << "nobody has had it";
+  EXPECT_EQ(stream.gate().ordinal(), 2U);
+}
+
+TEST(GateTest, AMessageForWhichThereIsNoMemoryIsMissedAndTheNextOneIsComparedWithTheOneBefore) {
+  Stream stream("* @ changed(voltage)");
+  stream.gate().let_next_pass();
+  EXPECT_TRUE(stream.passes(1, now_ns));
+  BatteryState battery;
+  battery.voltage = 2;
+  stream.gate().consider(source(battery), now_ns);
+  stream.gate().missed();
+  EXPECT_EQ(stream.gate().ordinal(), 2U) << "its readers see that one is missing";
+  EXPECT_TRUE(stream.passes(2, now_ns));
+  EXPECT_FALSE(stream.passes(2, now_ns));
+}
+
 TEST(GateTest, EveryThirdCountsSamplesThatPassWhateverTheySay) {
   Stream stream("* @ every 3rd");
   stream.gate().let_next_pass();
@@ -175,10 +218,11 @@ TEST(GateTest, IsNamedByItsConditionsAndItsRate) {
 class GateLaw : public test::RandomTest {
  protected:
   /// The rate is asked only of samples that the conditions let pass. The first one of a reader spends it,
-  /// too, as far as there is something to spend.
+  /// too, also if there is nothing to spend.
   static bool permits(bool holds, bool begins, RateBudget& budget, std::int64_t stamp_ns) {
-    const bool is_permitted = (holds || begins) && budget.take(stamp_ns);
-    return is_permitted || begins;
+    if (!begins) return holds && budget.take(stamp_ns);
+    budget.spend(stamp_ns);
+    return true;
   }
   bool one_in(std::uint64_t n) { return random() % n == 0; }
 };
@@ -208,6 +252,7 @@ TEST_F(GateLaw, LetsThoseSamplesPassThatAPlainReadingNames) {
       const test::FieldValues values = test::values_of(any.fields(), &battery);
       const bool holds = reference.holds(values, stamp_ns);
       gate.consider(source(battery), stamp_ns);
+      gate.made(source(battery), stamp_ns);
       const bool passes = permits(holds, begins, budget, stamp_ns);
       if (reference.was_close()) break;  // the rest may depend on rounding
       ASSERT_EQ(gate.passes(), passes) << "sample " << i;

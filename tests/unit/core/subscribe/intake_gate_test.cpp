@@ -55,6 +55,47 @@ TEST_F(GatedIntakeTest, WhatIsMissingBetweenSamplesOfDifferentGatesCountsAsWithh
   EXPECT_EQ(status().lost, 1U) << "without conditions each one that is missing is lost";
 }
 
+TEST_F(GatedIntakeTest, ASampleThatNamesTwoOfTheSubscribersGatesHasNoNumber) {
+  ask(conditions);
+  memory.push_back(passed({.sequence = 1}, 1));
+  EXPECT_THAT(taken(), ElementsAre(1));
+  ask(78);
+  const std::vector gates{std::make_shared<Gate>(0, detail::Conditions(), conditions),
+                          std::make_shared<Gate>(0, detail::Conditions(), 78)};
+  for (const std::uint64_t sequence : {5U, 9U}) {
+    SampleHandle both = sample({.sequence = sequence});
+    both->header() = {};
+    for (std::uint64_t i = 0; i < sequence; ++i) {
+      for (const auto& gate : gates) gate->consider(detail::FieldSource::of_nothing(), 0);
+    }
+    write_gate_table(*both, 0, gates);
+    memory.push_back(both);
+  }
+  EXPECT_THAT(taken(), ElementsAre(5, 9));
+  EXPECT_EQ(status().lost, 0U) << "nobody knows which gate has withheld the others";
+}
+
+TEST_F(GatedIntakeTest, FormerConditionsAreForgottenOnceNoSampleOfThemIsUnderWay) {
+  ask(conditions);
+  memory.push_back(passed({.sequence = 1}, 1));
+  EXPECT_THAT(taken(), ElementsAre(1));
+  ask(0);
+  intake->accounts().forget_former_conditions();
+  memory.push_back(passed({.sequence = 2}, 2));  // for other readers it passed the same gate
+  memory.push_back(passed({.sequence = 5}, 3));
+  EXPECT_THAT(taken(), ElementsAre(2, 5));
+  EXPECT_EQ(status().lost, 2U);
+}
+
+TEST_F(GatedIntakeTest, ASampleThatNamesNoGateKeepsToTheRateOfItsReader) {
+  intake->accounts().ask(1'000'000);
+  ask(conditions);
+  for (const std::uint64_t sequence : {1U, 2U, 3U, 4U})
+    memory.push_back(passed({.sequence = sequence, .stamp_ns = static_cast<std::int64_t>(sequence)}, 0));
+  EXPECT_EQ(taken().size(), 2U) << "what can be saved";
+  EXPECT_EQ(status().lost, 0U);
+}
+
 TEST_F(GatedIntakeTest, DoesNotWaitForADivertedSampleThatWasWithheld) {
   hear(9);
   ask(conditions);
@@ -77,6 +118,17 @@ TEST_F(GatedIntakeTest, RetainedSamplesPassNoGateAndHaveNoNumbers) {
   EXPECT_THAT(taken(), ElementsAre(4, 5, 6, 9, 12));
   EXPECT_EQ(status().lost, 1U) << "number 13";
   EXPECT_EQ(status().withheld, 2U + 1U);
+}
+
+TEST_F(GatedIntakeTest, ARetainedSampleThatIsMissingIsLost) {
+  ask(conditions);
+  for (const std::uint64_t retained : {4U, 6U}) {
+    over_network({.sequence = retained});
+    network.back()->gate = gate_id(conditions, 0);
+    network.back()->oldest_retained = 4;
+  }
+  EXPECT_THAT(taken(), ElementsAre(4, 6));
+  EXPECT_EQ(status().lost, 1U);
 }
 
 }  // namespace

@@ -2,14 +2,13 @@
 // fields and stamps in, answers out.
 //
 // Fields are read where they are: in the message that the program publishes, before anything of it is
-// encoded, or in a sample that came encoded. Nothing is allocated for a sample, except if a text that is
-// compared becomes longer than ever before.
+// encoded, or in a sample that came encoded. Nothing is allocated for a sample: of a text that is compared,
+// the length and a hash are remembered.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <string>
 #include <string_view>
 #include <vector>
 
@@ -62,19 +61,20 @@ class Conditions {
   /// A field that some condition is on.
   struct Field {
     Kind kind{};
+    std::uint32_t leaf = 0;
     std::size_t slot = 0;
     std::size_t offset = 0;  ///< from the beginning of a message of the program
     // In the last sample that passed; only of fields that are compared with it:
-    std::uint64_t bits = 0;  ///< of a number
-    std::string text{};
+    std::uint64_t bits = 0;  ///< of a number; of a text a hash
+    std::size_t length = 0;  ///< of a text
   };
   struct Node {
     Condition condition;
-    std::vector<std::uint32_t> fields{};  ///< of fields_: one for each leaf of the condition
-    std::size_t end = 0;                  ///< behind the children
+    std::vector<std::size_t> fields{};  ///< of fields_: one for each leaf of the condition
+    std::size_t end = 0;                ///< behind the children
   };
 
-  std::uint32_t enter(const StructType& type, std::uint32_t leaf);
+  std::size_t enter(const StructType& type, std::uint32_t leaf);
   std::size_t enter_children(std::size_t node);
   bool holds(std::size_t node, const FieldSource& sample, std::int64_t stamp_ns) const;
   bool holds_of_children(const Node& node, std::size_t first, const FieldSource& sample,
