@@ -104,7 +104,17 @@ TEST_F(EchoTest, PartsOfFieldsAreMessagesOfTheSameType) {
       R"({"angle_min":0.5,"angle_max":1.5,"angle_increment":1.0,"time_increment":0.0,"ranges":[2.0,4.0]})"
       "\n");
   EXPECT_EQ(run_tool({"echo", "scan", "--fields", "ranges[rows 1]"}).code, 2);
-  EXPECT_EQ(run_tool({"echo", "scan", "--fields", "ranges @ every 2nd"}).code, 2);
+}
+
+TEST_F(EchoTest, SamplesThatFulfilConditionsArePrinted) {
+  auto scans = robot.publisher<LaserScan>("scan").value();
+  LaserScan scan;
+  scan.angle_increment = 0.5F;
+  const Publishing publishing(scans, scan);
+  const Ended some =
+      run_tool({"echo", "scan", "--once", "--json", "--fields", "angle_increment @ angle_increment > 0"});
+  EXPECT_EQ(some.out, "{\"angle_increment\":0.5}\n");
+  EXPECT_EQ(run_tool({"echo", "scan", "--fields", "ranges @ every 0th"}).code, 2);
 }
 
 TEST_F(EchoTest, FromSharedMemoryToo) {

@@ -59,8 +59,10 @@ class PointsHostile : public test::RandomTest {
 template <class... Ts>
 void read_all(const Points<Ts...>& points) {
   if (points.size() > 10'000) {
-    for (const std::size_t i : {std::size_t{0}, points.columns() - 1, points.size() / 2, points.size() - 1})
-      asm volatile("" : : "m"(points[i]));
+    for (const std::size_t i : {std::size_t{0}, points.columns() - 1, points.size() / 2, points.size() - 1}) {
+      const auto point = points[i];
+      asm volatile("" : : "m"(point));
+    }
     return;
   }
   std::size_t count = 0;

@@ -101,7 +101,7 @@ class AsRemoteSubscriberTest : public RemoteCopyTest {
                              .topic = "points",
                              .type = &type,
                              .requirement = {type.full(), true},
-                             .options = {},
+                             .options = {.recording = {.as_remote = true}},
                              .callback = {},
                              .copies = BufferPool::make(64 << 20)},
                             bells->at(1),

@@ -297,10 +297,12 @@ TEST(Ack, IsRefusedWhenARangeEndsBeforeItBegins) {
   EXPECT_FALSE(parse_as<Ack>(bytes));
 }
 
-TEST(Datagram, OfARateWithoutPeriodIsRefused) {
+TEST(Datagram, CarriesTheNumberInAGateThatHasConditionsAndNoRate) {
   std::array<std::byte, first_header_bytes + rate_bytes> bytes{};
-  encode(FirstHeader{.label = label, .flags = rate_follows}, bytes.data());
-  EXPECT_FALSE(parse(bytes));
+  encode(FirstHeader{.label = label, .flags = rate_follows, .rate = {.ordinal = 7}}, bytes.data());
+  const auto datagram = parse(bytes);
+  ASSERT_TRUE(datagram);
+  EXPECT_EQ(datagram->first.rate, (RateMark{.min_period_us = 0, .ordinal = 7}));
 }
 
 class BrokenDatagram : public testing::Test {
