@@ -47,7 +47,8 @@ void publish_rows(Exchange& exchange, std::uint64_t moves) {
 void move_window(Exchange& exchange, std::uint64_t moves) {
   Node node = Node::open(udp_node_options("subscriber")).value();
   const DynamicType type = node.find_type("points", std::chrono::seconds(20)).value();
-  auto subscriber = node.subscriber("points", type, window(0)).value();
+  auto subscriber =
+      node.subscriber("points", type, window(0), {.spin = std::chrono::milliseconds(1)}).value();
   for (std::uint64_t n = 0; n < moves && !exchange.failed.load(); ++n) {
     const std::uint32_t begin = static_cast<std::uint32_t>(n + 1) % (points - window_points);
     sleep_us(1000);

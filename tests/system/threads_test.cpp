@@ -111,7 +111,12 @@ class ThreadsTest : public ::testing::Test {
       publisher.publish({.height = 1});
       return called > 10;
     }));
-    auto now = threads();
+    // A thread gives itself its name a moment after it was made. The one that wakes readers is made last.
+    std::map<pid_t, Thread> now;
+    EXPECT_TRUE(eventually([&] {
+      now = threads();
+      return std::ranges::any_of(names(now), [](const std::string& name) { return name.ends_with("wake"); });
+    }));
     std::erase_if(now, [&](const auto& entry) { return before.contains(entry.first); });
     // Workers of io_uring are the kernel's.
     std::erase_if(now, [](const auto& entry) { return entry.second.name.starts_with("iou-"); });

@@ -56,6 +56,16 @@ Number number_of(Kind kind, std::uint64_t bits) {
   }
 }
 
+bool is_real(Kind kind) { return kind == Kind::float32 || kind == Kind::float64; }
+
+/// The same number as a real one, if that is exact: comparing two real numbers is quickest.
+Number as_real(const Number& number) {
+  constexpr std::uint64_t all_are_exact = std::uint64_t{1} << 53;
+  const auto* natural = std::get_if<std::uint64_t>(&number);
+  if (natural != nullptr && *natural <= all_are_exact) return static_cast<double>(*natural);
+  return number;
+}
+
 template <class Integer>
 std::partial_ordering compare(Integer whole, double real) {
   if (std::isnan(real)) return std::partial_ordering::unordered;
@@ -132,6 +142,8 @@ Conditions::Conditions(const StructType& type, std::vector<Condition> conditions
   for (Condition& condition : conditions) {
     Node& node = conditions_.emplace_back();
     for (const std::uint32_t leaf : condition.leaves) node.fields.push_back(enter(type, leaf));
+    const bool is_compared = condition.kind == Condition::Kind::compare;
+    if (is_compared && is_real(fields_[node.fields[0]].kind)) condition.number = as_real(condition.number);
     node.condition = std::move(condition);
   }
   if (!conditions_.empty()) enter_children(0);
