@@ -31,14 +31,14 @@ using test::ExactSample;
 using test::MessageType;
 using test::OwnedValue;
 
-constexpr std::int64_t now_ns = 1'700'000'000'123'456'789;
+constexpr std::int64_t any_ns = 1'700'000'000'123'456'789;
 
 /// The first leaf that the path names.
 template <class T>
 std::uint32_t leaf(std::string_view path) {
   return static_cast<std::uint32_t>(*type_support<T>().find(path).value().begin());
 }
-std::vector<Condition> conditions_of(const TypeSupport& type, std::string_view text) {
+std::vector<Condition> conditions_in(const TypeSupport& type, std::string_view text) {
   return type.parse_selection(text).value().gate().conditions;
 }
 template <class T>
@@ -74,7 +74,7 @@ TEST(ConditionsCheck, RefusesLeavesThatTheTypeLacks) {
 TEST(ConditionsCheck, LooksAtEachOfSeveralConditions) {
   const TypeSupport& type = type_support<BatteryState>();
   std::vector<Condition> conditions =
-      conditions_of(type, "* @ voltage > 1 and (every 2nd or changed(voltage))");
+      conditions_in(type, "* @ voltage > 1 and (every 2nd or changed(voltage))");
   EXPECT_TRUE(detail::Conditions::check(type.type(), conditions));
   for (Condition& condition : conditions) {
     if (condition.leaves.empty()) continue;
@@ -118,8 +118,8 @@ class HostileSample : public test::RandomTest {
     detail::Conditions asked(type, conditions);
     for (int i = 0; i < 3; ++i) {
       const auto sample = detail::FieldSource::of_sample(state);
-      asked.hold(sample, now_ns + i);
-      asked.passed(sample, now_ns + i);
+      asked.hold(sample, any_ns + i);
+      asked.passed(sample, any_ns + i);
     }
   }
   /// One condition on each single value.

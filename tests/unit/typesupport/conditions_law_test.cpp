@@ -29,7 +29,7 @@ using test::MessageType;
 using test::OwnedValue;
 using test::RandomConditions;
 
-constexpr std::int64_t now_ns = 1'700'000'000'123'456'789;
+constexpr std::int64_t begin_ns = 1'700'000'000'123'456'789;
 
 /// The fields that conditions are on, for messages of failures.
 std::string described(const std::vector<Condition>& conditions, const FieldValues& values) {
@@ -68,11 +68,11 @@ class ConditionsLaw : public test::RandomTest {
     OwnedValue message = type.make();
     values.fill(type.type(), message.get());
     const FieldMask mask = mask_for(*type.support, said);
-    std::int64_t stamp_ns = now_ns;
+    std::int64_t stamp_ns = begin_ns;
     std::string former;
     for (int i = 0; i < samples; ++i) {
       const FieldValues now = test::values_of(any.fields(), message.get());
-      const std::string sample = std::to_string(stamp_ns - now_ns) + " ns" + described(said, now);
+      const std::string sample = std::to_string(stamp_ns - begin_ns) + " ns" + described(said, now);
       bool expected = reference.holds(now, stamp_ns);
       const bool holds = asked.holds(message.get(), stamp_ns, mask);
       if (reference.was_close()) expected = holds;  // ConditionsTest has what is known of rounding

@@ -44,7 +44,7 @@ void add_scalars(const StructType& type, std::size_t leaf, const FieldMask& mask
   }
 }
 
-double real_of(const Selection::Number& number) {
+double as_double(const Selection::Number& number) {
   return std::visit([](auto value) { return static_cast<double>(value); }, number);
 }
 
@@ -292,7 +292,7 @@ Result<std::chrono::microseconds> SelectionParser::least_period() {
     return duration();
   }
   const std::size_t begin = at_;
-  const Result<double> hz = number("a rate").map(real_of);
+  const Result<double> hz = number("a rate").map(as_double);
   if (!hz) return tl::unexpected(hz.error());
   skip_blanks();
   if (!take_word("Hz")) return wrong("behind a rate stands 'Hz'");
@@ -367,7 +367,7 @@ Result<Condition> SelectionParser::changed() {
   const std::size_t of_number = at_;
   const Result<Selection::Number> deadband = number("a deadband");
   if (!deadband) return tl::unexpected(deadband.error());
-  const double size = real_of(*deadband);
+  const double size = as_double(*deadband);
   if (size < 0) return wrong(of_number, "a deadband is a finite number from 0 on");
   condition.number = *deadband;
   if (size == 0) condition.number = std::uint64_t{0};
@@ -488,7 +488,7 @@ Result<std::chrono::microseconds> SelectionParser::duration() {
   constexpr std::pair<std::string_view, double> units[] = {{"us", 1}, {"ms", 1e3}, {"s", 1e6}, {"min", 6e7}};
   const auto unit = std::ranges::find_if(units, [this](const auto& one) { return take_word(one.first); });
   if (unit == std::end(units)) return wrong("behind a period stands us, ms, s or min");
-  const double us = std::round(real_of(*count) * unit->second);
+  const double us = std::round(as_double(*count) * unit->second);
   if (!(us >= 1 && us <= static_cast<double>(Selection::period_max.count())))
     return wrong(begin, "a period is from 1 us to 24 hours");
   return std::chrono::microseconds(static_cast<std::int64_t>(us));

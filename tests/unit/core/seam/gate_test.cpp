@@ -25,8 +25,8 @@ namespace {
 using sensor_msgs::msg::BatteryState;
 using Condition = Selection::Condition;
 
-constexpr std::int64_t ms = 1'000'000;
-constexpr std::int64_t now_ns = 1'700'000'000'000'000'000;  // where a slot of each of these periods begins
+constexpr std::int64_t milliseconds = 1'000'000;
+constexpr std::int64_t begin_ns = 1'700'000'000'000'000'000;  // where a slot of each of these periods begins
 
 detail::FieldSource source(const BatteryState& battery) { return detail::FieldSource::of_message(&battery); }
 
@@ -55,64 +55,64 @@ class Stream {
 
 TEST(GateTest, NothingPassesBeforeItsFirstReaderBegins) {
   Stream stream("* @ voltage > 1");
-  for (int i = 0; i < 5; ++i) EXPECT_FALSE(stream.passes(2, now_ns + i * ms));
+  for (int i = 0; i < 5; ++i) EXPECT_FALSE(stream.passes(2, begin_ns + i * milliseconds));
   EXPECT_EQ(stream.gate().ordinal(), 0U);
   EXPECT_EQ(stream.gate().withheld(), 5U);
   stream.gate().let_next_pass();
-  EXPECT_TRUE(stream.passes(2, now_ns + 5 * ms));
-  EXPECT_TRUE(stream.passes(2, now_ns + 6 * ms));
+  EXPECT_TRUE(stream.passes(2, begin_ns + 5 * milliseconds));
+  EXPECT_TRUE(stream.passes(2, begin_ns + 6 * milliseconds));
   EXPECT_EQ(stream.gate().ordinal(), 2U);
 }
 
 TEST(GateTest, TheFirstSamplePassesWhateverItSays) {
   Stream stream("* @ voltage > 1");
   stream.gate().let_next_pass();
-  EXPECT_TRUE(stream.passes(0, now_ns));
-  EXPECT_FALSE(stream.passes(0, now_ns + ms));
-  EXPECT_TRUE(stream.passes(2, now_ns + 2 * ms));
+  EXPECT_TRUE(stream.passes(0, begin_ns));
+  EXPECT_FALSE(stream.passes(0, begin_ns + milliseconds));
+  EXPECT_TRUE(stream.passes(2, begin_ns + 2 * milliseconds));
 }
 
 TEST(GateTest, TheFirstSamplePassesAlsoIfItIsNotANumber) {
   Stream stream("* @ changed(voltage) 1");
   stream.gate().let_next_pass();
-  EXPECT_TRUE(stream.passes(std::numeric_limits<float>::quiet_NaN(), now_ns));
-  EXPECT_FALSE(stream.passes(std::numeric_limits<float>::quiet_NaN(), now_ns + ms));
-  EXPECT_TRUE(stream.passes(0, now_ns + 2 * ms));
+  EXPECT_TRUE(stream.passes(std::numeric_limits<float>::quiet_NaN(), begin_ns));
+  EXPECT_FALSE(stream.passes(std::numeric_limits<float>::quiet_NaN(), begin_ns + milliseconds));
+  EXPECT_TRUE(stream.passes(0, begin_ns + 2 * milliseconds));
 }
 
 TEST(GateTest, WhenAnotherReaderBeginsTheNextSamplePassesForAllOfThem) {
   Stream stream("* @ changed(voltage) 1");
   stream.gate().let_next_pass();
-  EXPECT_TRUE(stream.passes(10, now_ns));
-  EXPECT_FALSE(stream.passes(10.5F, now_ns + ms));
+  EXPECT_TRUE(stream.passes(10, begin_ns));
+  EXPECT_FALSE(stream.passes(10.5F, begin_ns + milliseconds));
   stream.gate().let_next_pass();
   stream.gate().let_next_pass();
-  EXPECT_TRUE(stream.passes(10.5F, now_ns + 2 * ms));
-  EXPECT_FALSE(stream.passes(11.25F, now_ns + 3 * ms)) << "it is one sample for both of them";
-  EXPECT_TRUE(stream.passes(11.75F, now_ns + 4 * ms)) << "later ones are compared with it";
+  EXPECT_TRUE(stream.passes(10.5F, begin_ns + 2 * milliseconds));
+  EXPECT_FALSE(stream.passes(11.25F, begin_ns + 3 * milliseconds)) << "it is one sample for both of them";
+  EXPECT_TRUE(stream.passes(11.75F, begin_ns + 4 * milliseconds)) << "later ones are compared with it";
 }
 
 TEST(GateTest, TheFirstSamplePassesWhateverTheRateSays) {
   Stream stream("* @ voltage > 1 at most 1 Hz");
   stream.gate().let_next_pass();
-  EXPECT_TRUE(stream.passes(2, now_ns));
+  EXPECT_TRUE(stream.passes(2, begin_ns));
   stream.gate().let_next_pass();
-  EXPECT_TRUE(stream.passes(0, now_ns + ms));
+  EXPECT_TRUE(stream.passes(0, begin_ns + milliseconds));
 }
 
 TEST(GateTest, ASampleThatDoesNotFulfilTheConditionsDoesNotSpendTheRate) {
   Stream stream("* @ voltage > 1 at most 10 Hz");
   stream.gate().let_next_pass();
-  EXPECT_TRUE(stream.passes(2, now_ns));
-  for (int i = 1; i < 95; ++i) EXPECT_FALSE(stream.passes(0, now_ns + (100 + i) * ms)) << i;
-  EXPECT_TRUE(stream.passes(2, now_ns + 199 * ms));
+  EXPECT_TRUE(stream.passes(2, begin_ns));
+  for (int i = 1; i < 95; ++i) EXPECT_FALSE(stream.passes(0, begin_ns + (100 + i) * milliseconds)) << i;
+  EXPECT_TRUE(stream.passes(2, begin_ns + 199 * milliseconds));
 }
 
 TEST(GateTest, OfSamplesThatFulfilTheConditionsNoMorePassThanTheRatePermits) {
   Stream stream("* @ voltage > 1 at most 10 Hz");
   stream.gate().let_next_pass();
   int passed = 0;
-  for (int i = 0; i < 10'000; i += 7) passed += stream.passes(2, now_ns + i * ms) ? 1 : 0;
+  for (int i = 0; i < 10'000; i += 7) passed += stream.passes(2, begin_ns + i * milliseconds) ? 1 : 0;
   EXPECT_GE(passed, 99);
   EXPECT_LE(passed, 102);
 }
@@ -120,14 +120,14 @@ TEST(GateTest, OfSamplesThatFulfilTheConditionsNoMorePassThanTheRatePermits) {
 TEST(GateTest, WhatTheRateWithholdsIsNotWhatLaterSamplesAreComparedWith) {
   Stream stream("* @ changed(voltage) 1 at most 1 Hz");
   stream.gate().let_next_pass();
-  EXPECT_TRUE(stream.passes(10, now_ns));
+  EXPECT_TRUE(stream.passes(10, begin_ns));
   int passed = 0;
-  for (int i = 1; i < 1000; i += 100) passed += stream.passes(12, now_ns + i * ms) ? 1 : 0;
+  for (int i = 1; i < 1000; i += 100) passed += stream.passes(12, begin_ns + i * milliseconds) ? 1 : 0;
   EXPECT_LE(passed, 1);
   if (passed == 0) {
-    EXPECT_TRUE(stream.passes(12, now_ns + 2500 * ms)) << "it is still a change";
+    EXPECT_TRUE(stream.passes(12, begin_ns + 2500 * milliseconds)) << "it is still a change";
   }
-  EXPECT_FALSE(stream.passes(12, now_ns + 9000 * ms));
+  EXPECT_FALSE(stream.passes(12, begin_ns + 9000 * milliseconds));
 }
 
 TEST(GateTest, FirstSamplesOfReadersDoNotRaiseTheRateInTheLongRun) {
@@ -135,7 +135,7 @@ TEST(GateTest, FirstSamplesOfReadersDoNotRaiseTheRateInTheLongRun) {
   int passed = 0;
   for (int i = 0; i < 1000; ++i) {
     if (i < 500 && i % 10 == 0) stream.gate().let_next_pass();
-    passed += stream.passes(2, now_ns + i * 10 * ms) ? 1 : 0;
+    passed += stream.passes(2, begin_ns + i * 10 * milliseconds) ? 1 : 0;
   }
   EXPECT_GE(passed, 99);
   EXPECT_LE(passed, 102);
@@ -147,29 +147,29 @@ TEST(GateTest, AMessageThatIsRefusedCountsAsIfItHadNotBeenPublished) {
   BatteryState battery;
   battery.voltage = 7;
   const auto refuse = [&] {
-    stream.gate().consider(source(battery), now_ns);
+    stream.gate().consider(source(battery), begin_ns);
     EXPECT_TRUE(stream.gate().passes());
     stream.gate().refused();
   };
   refuse();
   EXPECT_EQ(stream.gate().ordinal(), 0U);
-  EXPECT_TRUE(stream.passes(0, now_ns)) << "this one is the first";
+  EXPECT_TRUE(stream.passes(0, begin_ns)) << "this one is the first";
   refuse();
-  EXPECT_TRUE(stream.passes(7, now_ns)) << "nobody has had it";
+  EXPECT_TRUE(stream.passes(7, begin_ns)) << "nobody has had it";
   EXPECT_EQ(stream.gate().ordinal(), 2U);
 }
 
 TEST(GateTest, AMessageForWhichThereIsNoMemoryIsMissedAndTheNextOneIsComparedWithTheOneBefore) {
   Stream stream("* @ changed(voltage)");
   stream.gate().let_next_pass();
-  EXPECT_TRUE(stream.passes(1, now_ns));
+  EXPECT_TRUE(stream.passes(1, begin_ns));
   BatteryState battery;
   battery.voltage = 2;
-  stream.gate().consider(source(battery), now_ns);
+  stream.gate().consider(source(battery), begin_ns);
   stream.gate().missed();
   EXPECT_EQ(stream.gate().ordinal(), 2U) << "its readers see that one is missing";
-  EXPECT_TRUE(stream.passes(2, now_ns));
-  EXPECT_FALSE(stream.passes(2, now_ns));
+  EXPECT_TRUE(stream.passes(2, begin_ns));
+  EXPECT_FALSE(stream.passes(2, begin_ns));
 }
 
 TEST(GateTest, EveryThirdCountsSamplesThatPassWhateverTheySay) {
@@ -177,18 +177,18 @@ TEST(GateTest, EveryThirdCountsSamplesThatPassWhateverTheySay) {
   stream.gate().let_next_pass();
   for (int i = 0; i < 30; ++i) {
     if (i == 10) stream.gate().let_next_pass();
-    EXPECT_EQ(stream.passes(0, now_ns + i * ms), i % 3 == 0 || i == 10) << i;
+    EXPECT_EQ(stream.passes(0, begin_ns + i * milliseconds), i % 3 == 0 || i == 10) << i;
   }
 }
 
 TEST(GateTest, APeriodBeginsWithTheSampleThatPassesWhateverItSays) {
   Stream stream("* @ every 10 s");
   stream.gate().let_next_pass();
-  EXPECT_TRUE(stream.passes(0, now_ns));
+  EXPECT_TRUE(stream.passes(0, begin_ns));
   stream.gate().let_next_pass();
-  EXPECT_TRUE(stream.passes(0, now_ns + 5000 * ms));
-  EXPECT_FALSE(stream.passes(0, now_ns + 10'000 * ms));
-  EXPECT_TRUE(stream.passes(0, now_ns + 15'000 * ms));
+  EXPECT_TRUE(stream.passes(0, begin_ns + 5000 * milliseconds));
+  EXPECT_FALSE(stream.passes(0, begin_ns + 10'000 * milliseconds));
+  EXPECT_TRUE(stream.passes(0, begin_ns + 15'000 * milliseconds));
 }
 
 TEST(GateTest, ARateAloneNeedsNoReaderThatBegins) {
@@ -198,9 +198,9 @@ TEST(GateTest, ARateAloneNeedsNoReaderThatBegins) {
     gate.consider(detail::FieldSource::of_nothing(), stamp_ns);
     return gate.passes();
   };
-  EXPECT_TRUE(passes(now_ns));
-  EXPECT_FALSE(passes(now_ns + 50 * ms));
-  EXPECT_TRUE(passes(now_ns + 100 * ms));
+  EXPECT_TRUE(passes(begin_ns));
+  EXPECT_FALSE(passes(begin_ns + 50 * milliseconds));
+  EXPECT_TRUE(passes(begin_ns + 100 * milliseconds));
   EXPECT_EQ(gate.ordinal(), 2U);
   EXPECT_EQ(gate.withheld(), 1U);
 }
@@ -244,7 +244,7 @@ TEST_F(GateLaw, LetsThoseSamplesPassThatAPlainReadingNames) {
     test::GateReference reference(said);
     RateBudget budget(period_us, 1);
     BatteryState battery;
-    std::int64_t stamp_ns = now_ns;
+    std::int64_t stamp_ns = begin_ns;
     std::uint32_t passed = 0;
     for (std::uint32_t i = 0; i < 40; ++i) {
       const bool begins = i == 0 || one_in(15);
