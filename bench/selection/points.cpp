@@ -32,7 +32,7 @@ PointCloud2 cloud_of_values() {
   return cloud;
 }
 
-/// What a program writes that knows where x, y and z are, and that rows follow one another.
+/// The loop of a program that knows where x, y and z are, and that rows follow one another.
 [[gnu::noinline]] Sums sums_by_hand(const View& view) {
   const std::uint8_t* point = view.data().data();
   const std::size_t step = view.point_step();

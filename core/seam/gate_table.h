@@ -24,7 +24,7 @@ inline constexpr std::size_t gates_in_table_max = 64;
 
 /// The bytes to ask for beyond those of a sample, for a table of so many gates.
 std::size_t gate_table_bytes(std::size_t gates);
-/// Where the table of a sample that has so many bytes begins.
+/// Returns where the table begins of a sample that has so many bytes.
 constexpr std::size_t gate_table_begin(std::size_t sample_bytes) { return (sample_bytes + 7) / 8 * 8; }
 /// The bytes from the beginning of a sample of `sample_bytes` to the end of its table, which may be empty.
 std::size_t bytes_with_gate_table(std::size_t sample_bytes, std::size_t gates);

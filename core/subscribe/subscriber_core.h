@@ -67,7 +67,7 @@ class SubscriberCore final : public ArrivalListener {
   Result<void> set_max_rate_hz(double max_rate_hz);
   /// Asks for something else from now on.
   Result<void> set_selection(const Selection& selection);
-  /// What the subscriber needs at present, declared or recorded: closed, and without a rate.
+  /// The present need of the subscriber, declared or recorded: closed, and without a rate.
   Selection required() const SFT_EXCLUDES(selection_mutex_);
 
   // Subscribers with a callback or a file descriptor: for the thread that sleeps on their doorbell.

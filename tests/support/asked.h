@@ -46,7 +46,7 @@ class Asked {
     EXPECT_TRUE(check) << check.error().message;
   }
 
-  /// It is a failure of the test if the answer depends on where the fields are read.
+  /// The test fails if the answer depends on where the fields are read.
   bool holds(const void* message, std::int64_t stamp_ns, const FieldMask& mask) {
     const ExactSample sample(*type_, message, mask);
     const bool result = by_messages_.hold(detail::FieldSource::of_message(message), stamp_ns);

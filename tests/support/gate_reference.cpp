@@ -132,7 +132,7 @@ Exact exact(double value) {
                                    : Natural(whole).times_power_of_two(static_cast<std::size_t>(shift))};
 }
 
-/// Of a field or of a condition; not of a text.
+/// The number of a field or of a condition; a text has none.
 template <class Variant>
 Exact exact_of(const Variant& value) {
   if (const auto* natural = std::get_if<std::uint64_t>(&value)) return exact(*natural);

@@ -17,9 +17,9 @@
 
 namespace sft::test {
 
-/// What a field has: a number or a text.
+/// The value of a field: a number or a text.
 using FieldValue = std::variant<std::int64_t, std::uint64_t, double, std::string>;
-/// Of one message, by leaf.
+/// The values of one message, by leaf.
 using FieldValues = std::map<std::uint32_t, FieldValue>;
 
 /// A field that conditions can be on: a single value that is in no array and no sequence.

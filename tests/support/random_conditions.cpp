@@ -17,8 +17,8 @@ using namespace detail;
 using Condition = Selection::Condition;
 using Number = Selection::Number;
 
-// What doubles hold of the ends of integers, and what they do not; decimals that no float is equal to; what
-// is as small or as large as a number can be.
+// The ends of integers that doubles hold, and those that doubles do not hold; decimals that no float is equal
+// to; the smallest and the largest numbers.
 const std::array<Number, 30> constants{std::uint64_t{0},
                                        std::uint64_t{1},
                                        std::int64_t{-1},
@@ -272,7 +272,7 @@ void RandomConditions::change_field(const SingleField& field, std::byte* at) {
   }
 }
 
-/// Where conditions have no numbers, any will do.
+/// Any number will do for conditions that have none.
 double RandomConditions::real(double former) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   constexpr std::array<double, 7> strange{NAN, infinity, -infinity, -0.0, 0.0, 5e-324, -1.7e308};

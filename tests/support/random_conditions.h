@@ -24,9 +24,9 @@ class RandomConditions {
 
   const std::vector<SingleField>& fields() const { return fields_; }
 
-  /// Of all kinds, nested as deep and as many as a selection allows; often only a few.
+  /// Makes conditions of all kinds, nested as deep and as many as a selection allows; often only a few.
   std::vector<Condition> conditions();
-  /// What is said of them behind the "@"; with more parentheses and blanks than needed, or with none.
+  /// The text of them that stands behind the "@"; with more parentheses and blanks than needed, or with none.
   std::string text(const TypeSupport& type, const std::vector<Condition>& conditions);
 
   /// Changes some single values of a message, so that it is the next one of a stream.

@@ -9,7 +9,7 @@
 
 namespace sft::test {
 
-/// Those with single values. Those that have them of all kinds come often.
+/// The types that have single values. Types that have values of all kinds come often.
 inline std::vector<MessageType> types_with_single_values() {
   std::vector<MessageType> types;
   for (const MessageType& type : all_types())

@@ -64,7 +64,7 @@ class DynamicSample {
     return fields();
   }
   void mask() const&& = delete;
-  /// What the sample is: the fields and the parts of them that its subscriber had asked for. While a
+  /// Says what the sample is: the fields and the parts that its subscriber had asked for. While a
   /// subscriber changes its selection, samples of the former one may still come, which name that one; a
   /// sample in shared memory, which has all, is always reduced to the latest one. Of requests that differ in
   /// their conditions only, it is the latest one. Null if the subscriber records or the sample is empty.

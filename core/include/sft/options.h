@@ -231,11 +231,11 @@ struct SubscriberOptions {
   /// samples are withheld: they are not sent, and are counted apart from lost ones.
   /// Subscriber::set_max_rate_hz() changes the rate.
   double max_rate_hz = 0;
-  /// Which parts of the declared fields are needed, and when a sample is: "data{x,y,z}[::4]", "@ percentage >
-  /// 20 or every 10 s", or both (TypeSupport::parse_selection()). Declared fields that it does not name are
-  /// sent whole. If fields are recorded, it may have conditions only. Empty: whole fields of every sample.
-  /// Subscriber::set_selection() changes it. Not for subscribers of types that the program was not compiled
-  /// with, which are opened with such a text.
+  /// Says which parts of the declared fields are needed, and when a sample is: "data{x,y,z}[::4]", "@
+  /// percentage > 20 or every 10 s", or both (TypeSupport::parse_selection()). Declared fields that it does
+  /// not name are sent whole. If fields are recorded, it may have conditions only. Empty: whole fields of
+  /// every sample. Subscriber::set_selection() changes it. Not for subscribers of types that the program was
+  /// not compiled with, which are opened with such a text.
   std::string selection{};
   static constexpr double slowest_rate_hz = 0.001;     ///< the least max_rate_hz but 0
   static constexpr double fastest_rate_hz = 100'000;   ///< the greatest max_rate_hz

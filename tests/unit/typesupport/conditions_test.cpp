@@ -1,4 +1,4 @@
-// What conditions mean, sentence by sentence (selection.md, "Conditions").
+// The meaning of conditions, sentence by sentence (selection.md, "Conditions").
 #include "sft/detail/conditions.h"
 
 #include <gtest/gtest.h>

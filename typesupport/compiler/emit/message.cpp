@@ -12,7 +12,7 @@
 namespace sft::idl {
 namespace {
 
-/// What points() of the view reads.
+/// The fields that points() of the view reads.
 constexpr std::array<std::string_view, 7> cloud_fields{"height",     "width",    "fields", "is_bigendian",
                                                        "point_step", "row_step", "data"};
 

@@ -24,7 +24,7 @@ bool is_single_value(const Layout::Field& field) {
   return field && field.member->kind != Kind::structure && field.member->shape == Shape::single;
 }
 
-/// Where the program's message has the field, which is in no array and no sequence.
+/// Returns where the program's message has the field, which is in no array and no sequence.
 std::size_t offset_of(const StructType& type, std::size_t leaf) {
   std::size_t first = 0;
   for (const Member& member : type.members) {
@@ -203,7 +203,7 @@ bool Conditions::holds(std::size_t at, const FieldSource& sample, std::int64_t s
       return (samples_ - 1) % std::get<std::uint64_t>(node.condition.number) == 0;
     case Condition::Kind::elapsed: {
       const std::uint64_t period_us = std::get<std::uint64_t>(node.condition.number);
-      // Not less than 0: hold() has seen to it.
+      // The difference is not less than 0: hold() has seen to that.
       return static_cast<std::uint64_t>(stamp_ns) - static_cast<std::uint64_t>(passed_at_ns_) >=
              period_us * 1000;
     }

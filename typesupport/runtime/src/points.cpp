@@ -11,7 +11,7 @@ namespace sft::detail {
 
 namespace {
 
-/// What sensor_msgs/PointField numbers from 1.
+/// The types that sensor_msgs/PointField numbers from 1.
 struct PointType {
   std::uint8_t bytes;
   std::string_view name;
@@ -42,7 +42,7 @@ struct Channel {
   std::uint8_t type;
   std::uint32_t count;
 
-  /// It is one of the eight types, has elements, and lies within the point.
+  /// True if the channel has one of the eight types, has elements, and lies within the point.
   bool is_there(std::uint32_t point_step) const {
     const std::uint64_t bytes = type < point_types.size() ? point_types[type].bytes : 0;
     return bytes * count > 0 && offset + bytes * count <= point_step;

@@ -1,4 +1,4 @@
-// Which readers of a publisher share a gate, and for whom the next sample passes whatever it says.
+// Tests which readers of a publisher share a gate, and for whom the next sample passes whatever it says.
 #include "core/publish/gates.h"
 
 #include <gtest/gtest.h>

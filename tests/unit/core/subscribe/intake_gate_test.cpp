@@ -1,4 +1,4 @@
-// What counts as lost and what as withheld, where the subscriber has conditions.
+// Tests what counts as lost and what as withheld, if the subscriber has conditions.
 #include <gmock/gmock.h>
 
 #include "core/seam/gate_table.h"

@@ -7,9 +7,9 @@
 //
 //   sft::points_of<float, std::uint16_t>(sample.view().find("cloud"), "x", "ring")
 //
-// It reads the cloud in place, whatever else the points have in them: a whole cloud in shared memory, or the
-// part with three channels that another host sent. Nothing is copied, and a value is read when it is asked
-// for.
+// points() reads the cloud in place, whatever else the points have in them: a whole cloud in shared memory,
+// or the part with three channels that another host sent. Nothing is copied, and a value is read when it is
+// asked for.
 //
 // The types are those of sensor_msgs/PointField: std::int8_t, std::uint8_t, std::int16_t, std::uint16_t,
 // std::int32_t, std::uint32_t, float and double. Each is exactly the type of its channel. The result is an
@@ -21,7 +21,8 @@
 //     is_bigendian, point_step, row_step and data: unavailable. If fields are recorded, the subscriber asks
 //     for them from then on. If a mask without one of them is declared, points() does not compile.
 //   - the bytes are not what they claim to be: malformed
-// Of a channel with several elements the first one is read, and of several channels with one name the first.
+// If a channel has several elements, the first one is read. If several channels have one name, the first one
+// counts.
 // Values of big-endian clouds are swapped. A cloud that claims more points than its data holds is empty.
 //
 // In templates, as in a callback that takes `const auto& sample`, C++ wants
@@ -259,7 +260,7 @@ Result<Points<Ts...>> points_in(const CloudPlace& cloud, const Names&... names) 
   }
 }
 
-/// What points() of a generated view returns. The place is that of the view (view.h).
+/// Returns the points for points() of a generated view. The place is that of the view (view.h).
 template <class... Ts, class Place, std::convertible_to<std::string_view>... Names>
 Result<Points<Ts...>> points_at(const Place& place, const Names&... names) {
   using Struct = typename Place::Struct;

@@ -155,7 +155,7 @@ class Selection {
   std::uint64_t parts_hash() const { return parts().empty() ? 0 : what_hash(); }
   /// Of the gate; 0: it is open.
   std::uint64_t gate_hash() const;
-  /// Of all of it. Equal selections have equal hashes; that of a mask is FieldMask::hash().
+  /// The hash of all of it. Equal selections have equal hashes; that of a mask is FieldMask::hash().
   std::uint64_t hash() const;
 
   /// At most bytes_max. Equal selections have equal bytes (selection.md, "Bytes").

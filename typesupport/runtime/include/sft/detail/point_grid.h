@@ -1,4 +1,4 @@
-// Where the points of a cloud lie in a sample, and its channels in a point (selection.md, "Points"). The
+// Finds the points of a cloud in a sample, and its channels in a point (selection.md, "Points"). The
 // bytes may be hostile, and in shared memory they may change while they are read. So each number of the
 // header is read once, checked, and kept here.
 #pragma once
@@ -29,7 +29,7 @@ inline constexpr std::array<std::string_view, 7> cloud_fields{
 /// The numbers of these members in a struct, in the same order.
 using CloudMembers = std::array<std::size_t, cloud_fields.size()>;
 
-/// Where these members begin in a sample, in the same order.
+/// The places at which these members begin in a sample, in the same order.
 struct CloudPlace {
   const SampleState* sample = nullptr;
   std::array<std::uint64_t, cloud_fields.size()> offsets{};
