@@ -100,21 +100,21 @@ Result<detail::untyped::Publisher> Node::open_publisher(std::string_view topic, 
 }
 
 Result<detail::untyped::Subscriber> Node::open_subscriber(std::string_view topic, const TypeSupport& type,
-                                                          detail::untyped::Requirement requirement,
+                                                          Result<detail::untyped::Requirement> requirement,
                                                           const SubscriberOptions& options,
                                                           detail::untyped::Callback callback) {
+  if (!requirement) return tl::unexpected(requirement.error());
   if (!options.selection.empty()) {
-    Result<Selection> selection =
-        detail::selection_within(type, requirement.selection.mask(), options.selection);
+    Result<Selection> selection = detail::selection_within(type, requirement->selection, options.selection);
     if (!selection) return tl::unexpected(selection.error());
-    if (requirement.recorded && !selection->parts().empty()) {
+    if (requirement->recorded && !selection->parts().empty()) {
       return fail(Errc::invalid_argument,
                   "SubscriberOptions::selection '" + options.selection +
                       "' has parts of fields, but the fields are recorded; declare them");
     }
-    requirement.selection = std::move(*selection);
+    requirement->selection = std::move(*selection);
   }
-  return core_->open_subscriber(core_, {topic, type, std::move(requirement), options, std::move(callback)});
+  return core_->open_subscriber(core_, {topic, type, std::move(*requirement), options, std::move(callback)});
 }
 
 Result<DynamicType> Node::find_type(std::string_view topic, std::chrono::nanoseconds timeout) {

@@ -153,7 +153,8 @@ Result<EndpointOpening::Reader> EndpointOpening::open_reader(ReaderOrder order) 
   if (order.requirement.recorded) {
     reader.parts.recorder =
         Recorder::make(order.type.leaves(), order.options.recording,
-                       [tell = news_.requirement_changed, id = reader.endpoint.id] { tell(id); });
+                       [tell = news_.requirement_changed, id = reader.endpoint.id] { tell(id); },
+                       ChannelNumbers::clouds_of(order.type.type()));
   }
   reader.parts.core = make_core(reader, order, std::move(*poll_handle));
   if (auto opened = open_network(reader, order); !opened) {

@@ -8,6 +8,7 @@
 #include "core/platform/forked.h"
 #include "core/publish/publisher_core.h"
 #include "core/seam/sample_buffer.h"
+#include "core/subscribe/part_reader.h"
 #include "core/subscribe/recorder.h"
 #include "core/subscribe/subscriber_core.h"
 
@@ -44,20 +45,6 @@ const char* to_string(ShrinkStatus status) {
   return "unknown";
 }
 
-Result<Selection> detail::selection_within(const TypeSupport& type, const FieldMask& declared,
-                                           std::string_view text) {
-  const Result<Selection> named = type.parse_selection(text);
-  if (!named) return named;
-  const FieldMask all = type.closed(declared);
-  if (!all.contains(named->mask())) {
-    return fail(Errc::invalid_argument, "'" + std::string(text) +
-                                            "' names fields that the subscriber does not declare: " +
-                                            type.format_mask(named->mask() - all));
-  }
-  const std::span<const Selection::Part> parts = named->parts();
-  return Selection::make(all, {parts.begin(), parts.end()}, named->gate());
-}
-
 namespace detail::untyped {
 
 using core::SampleHandle;
@@ -84,29 +71,38 @@ const FieldMask no_fields(slots_max);
 constinit const SampleState empty_state{.index = absent_slots.data(), .mask = &no_fields};
 
 Sample::Sample(core::SampleBuffer* buffer, const TypeSupport& type, const SampleInfo& info,
-               core::RecordedSample* record, std::shared_ptr<const Selection> selection)
+               core::RecordedSample* record, std::shared_ptr<const Selection> selection,
+               core::PartReader* parts)
     : state_(view_of(*buffer, type.slots())),
       info_(info),
       selection_(std::move(selection)),
       buffer_(buffer),
-      record_(record) {
+      record_(record),
+      parts_(parts) {
   if (record_ != nullptr) state_.log = &record_->log();
+  state_.parts = parts_;
 }
+
+const SampleState& Sample::whole_state() const { return parts_ == nullptr ? state_ : parts_->put_together(); }
 
 std::span<const std::byte> Sample::cdr() const {
   if (buffer_ == nullptr) return {};
-  return {state_.body - encapsulation_bytes, state_.body_bytes + encapsulation_bytes};
+  const SampleState& whole = whole_state();
+  if (whole.body == nullptr) return {};
+  return {whole.body - encapsulation_bytes, whole.body_bytes + encapsulation_bytes};
 }
 
 void Sample::reset() noexcept {
   if (core::is_forked_copy()) return leave_to_the_parent();
   if (auto* record = std::exchange(record_, nullptr)) core::Recorder::end(record);
+  if (auto* parts = std::exchange(parts_, nullptr)) core::PartReader::end(parts);
   SampleHandle::adopt(std::exchange(buffer_, nullptr)).reset();
 }
 
 /// Memory is given back once, by the process that took it.
 void Sample::leave_to_the_parent() noexcept {
   record_ = nullptr;
+  parts_ = nullptr;
   buffer_ = nullptr;
 }
 
@@ -116,6 +112,7 @@ void Sample::swap(Sample& other) noexcept {
   selection_.swap(other.selection_);
   std::swap(buffer_, other.buffer_);
   std::swap(record_, other.record_);
+  std::swap(parts_, other.parts_);
 }
 
 Loan::Loan(std::shared_ptr<core::PublisherCore> publisher, core::SampleBuffer* buffer)

@@ -30,19 +30,21 @@ Result<void> Recorder::check(const SubscriberOptions::Recording& settings) {
 }
 
 std::shared_ptr<Recorder> Recorder::make(std::size_t leaves, const SubscriberOptions::Recording& settings,
-                                         Changed changed) {
-  return std::shared_ptr<Recorder>(new Recorder(leaves, settings, std::move(changed)));
+                                         Changed changed, std::vector<ChannelNumbers::Cloud> clouds) {
+  return std::shared_ptr<Recorder>(new Recorder(leaves, settings, std::move(changed), std::move(clouds)));
 }
 
-Recorder::Recorder(std::size_t leaves, const SubscriberOptions::Recording& settings, Changed changed)
+Recorder::Recorder(std::size_t leaves, const SubscriberOptions::Recording& settings, Changed changed,
+                   std::vector<ChannelNumbers::Cloud> clouds)
     : leaf_count_(leaves),
       settings_(settings),
+      channels_(leaves, std::move(clouds)),
       changed_(std::move(changed)),
-      required_(FieldMask(leaves).words()),
-      leaves_(leaves),
-      order_(leaves) {
+      required_(FieldMask(channels_.numbers()).words()),
+      leaves_(channels_.numbers()),
+      order_(channels_.numbers()) {
   const FieldMask all = FieldMask::full(leaves);
-  for (std::size_t i = 0; i < required_.size(); ++i) required_[i].store(all.word(i));
+  for (std::size_t i = 0; i < all.words(); ++i) required_[i].store(all.word(i));
 }
 
 RecordedSample* Recorder::begin() {
@@ -77,6 +79,7 @@ void Recorder::fold(RecordedSample& sample) noexcept {
     changed = count(sample);
     changed |= give_up_stale();
     changed |= samples_ == settings_.learn_samples && finish_learning();
+    sample.set_channels_sent(nullptr);
     sample.next_free_ = std::exchange(free_, &sample);
   }
   if (changed) changed_();
@@ -87,13 +90,24 @@ bool Recorder::count(RecordedSample& sample) noexcept {
   for (std::size_t i = 0; i < sample.words_.size(); ++i) {
     for (std::uint64_t bits = take_bits(sample.words_[i]); bits != 0; bits &= bits - 1) {
       const std::size_t leaf = i * 64 + static_cast<std::size_t>(std::countr_zero(bits));
-      LeafUse& use = leaves_[leaf].use;
-      ++use.samples;
-      use.last_sample = samples_;
+      leaves_[leaf].was_read = true;
+      count_use(leaf);
       changed |= need(leaf, samples_);
     }
   }
   return changed;
+}
+
+/// A leaf is read once in a sample. Whoever reads a channel reads all fields that say where it is.
+void Recorder::count_use(std::size_t leaf) noexcept {
+  if (leaf >= leaf_count_) {
+    for (const std::size_t field : channels_.fields_of(leaf)) count_use(field);
+    return;
+  }
+  LeafUse& use = leaves_[leaf].use;
+  if (use.last_sample == samples_) return;
+  ++use.samples;
+  use.last_sample = samples_;
 }
 
 bool Recorder::need(std::size_t leaf, std::uint64_t sample) noexcept {
@@ -143,20 +157,27 @@ void Recorder::first_read(std::size_t leaf) noexcept {
   changed_();
 }
 
-FieldMask Recorder::required() const {
+Selection Recorder::required() const {
   std::vector<std::uint64_t> words(required_.size());
   {
     const Lock lock(mutex_);
     for (std::size_t i = 0; i < words.size(); ++i) words[i] = required_[i].load(std::memory_order_relaxed);
   }
-  return FieldMask::from_words(leaf_count_, words);
+  return channels_.selection(FieldMask::from_words(channels_.numbers(), words));
 }
 
 Recorder::Use Recorder::use() const {
-  Use use{.samples = 0, .leaves = std::vector<LeafUse>(leaf_count_)};
-  const Lock lock(mutex_);
-  use.samples = samples_;
-  for (std::size_t leaf = 0; leaf < leaves_.size(); ++leaf) use.leaves[leaf] = leaves_[leaf].use;
+  Use use{.samples = 0, .leaves = std::vector<LeafUse>(leaf_count_), .read = {}};
+  FieldMask read(channels_.numbers());
+  {
+    const Lock lock(mutex_);
+    use.samples = samples_;
+    for (std::size_t leaf = 0; leaf < leaf_count_; ++leaf) use.leaves[leaf] = leaves_[leaf].use;
+    for (std::size_t number = 0; number < leaves_.size(); ++number) {
+      if (leaves_[number].was_read) read.insert(number);
+    }
+  }
+  use.read = channels_.selection(read);
   return use;
 }
 

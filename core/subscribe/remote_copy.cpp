@@ -4,16 +4,44 @@
 
 namespace sft::core {
 
+bool RemoteCopy::is_as_asked(const SampleBuffer& sample, const detail::ProjectionPlan& asked) {
+  return sample.parts != 0 || (asked.parts_hash() == 0 && asked.mask().contains(sample.mask));
+}
+
 SampleHandle RemoteCopy::of(SampleHandle sample, const detail::ProjectionPlan& asked) {
-  const bool is_as_asked = sample->parts == asked.parts_hash() && asked.mask().contains(sample->mask);
-  if (is_as_asked || sample->parts != 0) return sample;
+  if (is_as_asked(*sample, asked)) return sample;
   const FieldMask present = sample->mask.contains(asked.mask()) ? asked.mask() : sample->mask & asked.whole();
+  const Lock lock(mutex_);
   if (!project(*sample, asked, present)) return {};
-  SampleHandle copy = pool_->take(detail::SampleLayout(type_.slots()).bytes(projection_.bytes()));
-  if (!copy) return {};
-  copy->mask = present;
-  copy->parts = present == asked.mask() ? asked.parts_hash() : 0;
-  return fill(*copy, *sample) ? std::move(copy) : SampleHandle();
+  return copy(*sample, present, present == asked.mask() ? asked.parts_hash() : 0);
+}
+
+RemoteCopy::InPlace RemoteCopy::in_place(SampleHandle sample, std::shared_ptr<const Asked> asked) {
+  const detail::ProjectionPlan& plan = *asked->plan;
+  const bool can_stay = plan.has_parts() && plan.can_stay_in_place() && sample->mask.contains(plan.mask());
+  if (!can_stay || is_as_asked(*sample, plan)) return {of(std::move(sample), plan)};
+  const Lock lock(mutex_);
+  if (!projection_.project_around_parts(state(*sample), plan)) return {};
+  InPlace around{copy(*sample, plan.mask(), plan.parts_hash())};
+  if (!around.sample) return {};
+  around.parts = &take_reader();
+  around.parts->begin(shared_from_this(), std::move(sample), std::move(asked), projection_.cuts(plan));
+  return around;
+}
+
+PartReader& RemoteCopy::take_reader() {
+  if (free_.empty()) {
+    free_.reserve(readers_.size() + 1);  // so that giving it back allocates nothing
+    return *readers_.emplace_back(std::make_unique<PartReader>());
+  }
+  PartReader& reader = *free_.back();
+  free_.pop_back();
+  return reader;
+}
+
+void RemoteCopy::take_back(PartReader& reader) noexcept {
+  const Lock lock(mutex_);
+  free_.push_back(&reader);
 }
 
 bool RemoteCopy::project(const SampleBuffer& sample, const detail::ProjectionPlan& asked,
@@ -21,6 +49,14 @@ bool RemoteCopy::project(const SampleBuffer& sample, const detail::ProjectionPla
   const detail::SampleState state = state_of(sample, type_.slots());
   if (present == asked.mask()) return projection_.project(state, asked);
   return projection_.project(state, type_.type(), present);
+}
+
+SampleHandle RemoteCopy::copy(const SampleBuffer& sample, FieldMask mask, std::uint64_t parts) {
+  SampleHandle copy = pool_->take(detail::SampleLayout(type_.slots()).bytes(projection_.bytes()));
+  if (!copy) return {};
+  copy->mask = std::move(mask);
+  copy->parts = parts;
+  return fill(*copy, sample) ? std::move(copy) : SampleHandle();
 }
 
 /// Fills the copy with the projected bytes. Returns false if these are not what they claim to be.

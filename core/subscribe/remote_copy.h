@@ -1,35 +1,67 @@
-// Copies a sample that lies whole in shared memory as a reader on another host would get it: the same
-// projection, put together and checked as if its datagrams had come.
+// Reduces a sample that lies whole in shared memory to what a reader on another host would get: the same
+// projection, put together and checked as if its datagrams had come. Parts of fields can stay where they are.
 #pragma once
 
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "core/seam/buffer_pool.h"
 #include "core/seam/sample_buffer.h"
+#include "core/subscribe/asked.h"
+#include "core/subscribe/part_reader.h"
+#include "core/sync/lock_order.h"
+#include "core/sync/mutex.h"
 #include "sft/detail/project.h"
 #include "sft/type_support.h"
 
 namespace sft::core {
 
-class RemoteCopy {
+/// Any thread. Samples may outlive their subscriber, and keep it alive.
+class RemoteCopy final : public PartReader::Owner, public std::enable_shared_from_this<RemoteCopy> {
  public:
   /// `type` outlives it; copies lie in memory of `pool`.
-  RemoteCopy(const TypeSupport& type, std::shared_ptr<BufferPool> pool)
-      : type_(type), pool_(std::move(pool)) {}
+  static std::shared_ptr<RemoteCopy> make(const TypeSupport& type, std::shared_ptr<BufferPool> pool) {
+    return std::shared_ptr<RemoteCopy>(new RemoteCopy(type, std::move(pool)));
+  }
 
   /// The sample itself if it has no more than is asked for, or parts of an earlier request. Empty if a reader
   /// on another host would miss the sample: if there is no memory, or if its bytes are not what they claim to
-  /// be. One thread at a time.
-  SampleHandle of(SampleHandle sample, const detail::ProjectionPlan& asked);
+  /// be.
+  SampleHandle of(SampleHandle sample, const detail::ProjectionPlan& asked) override SFT_EXCLUDES(mutex_);
+
+  struct InPlace {
+    SampleHandle sample{};
+    PartReader* parts = nullptr;  ///< where the parts of the sample are; null: all is in the sample
+  };
+  /// The same, but parts of fields stay where they are if they can.
+  InPlace in_place(SampleHandle sample, std::shared_ptr<const Asked> asked) SFT_EXCLUDES(mutex_);
+
+  SampleHandle memory(std::size_t bytes) noexcept override { return pool_->take(bytes); }
+  detail::SampleState state(const SampleBuffer& sample) const override {
+    return state_of(sample, type_.slots());
+  }
+  void take_back(PartReader& reader) noexcept override SFT_EXCLUDES(mutex_);
 
  private:
-  bool project(const SampleBuffer& sample, const detail::ProjectionPlan& asked, const FieldMask& present);
-  bool fill(SampleBuffer& copy, const SampleBuffer& sample) const;
+  RemoteCopy(const TypeSupport& type, std::shared_ptr<BufferPool> pool)
+      : type_(type), pool_(std::move(pool)) {}
+
+  static bool is_as_asked(const SampleBuffer& sample, const detail::ProjectionPlan& asked);
+  bool project(const SampleBuffer& sample, const detail::ProjectionPlan& asked, const FieldMask& present)
+      SFT_REQUIRES(mutex_);
+  /// Empty if there is no memory, or if the projected bytes are not what they claim to be.
+  SampleHandle copy(const SampleBuffer& sample, FieldMask mask, std::uint64_t parts) SFT_REQUIRES(mutex_);
+  bool fill(SampleBuffer& copy, const SampleBuffer& sample) const SFT_REQUIRES(mutex_);
+  PartReader& take_reader() SFT_REQUIRES(mutex_);
 
   const TypeSupport& type_;
   const std::shared_ptr<BufferPool> pool_;
-  detail::Projection projection_;
+  Mutex mutex_ SFT_ACQUIRED_AFTER(lock_order::endpoints)
+      SFT_ACQUIRED_BEFORE(lock_order::endpoint);  ///< held by the one thread that copies a sample
+  detail::Projection projection_ SFT_GUARDED_BY(mutex_);
+  std::vector<std::unique_ptr<PartReader>> readers_ SFT_GUARDED_BY(mutex_);
+  std::vector<PartReader*> free_ SFT_GUARDED_BY(mutex_);
 };
 
 }  // namespace sft::core

@@ -17,13 +17,13 @@ Requirements recorded_requirements(const TypeSupport& type, const Selection& req
   const Recorder::Use use = recorder.use();
   all.recorded = true;
   all.samples = use.samples;
+  all.text = type.format_selection(use.read);
   all.mask = type.none();
   for (std::size_t leaf = 0; leaf < type.leaves(); ++leaf) {
     all.fields[leaf].samples = use.leaves[leaf].samples;
     all.fields[leaf].last_sample = use.leaves[leaf].last_sample;
     if (use.leaves[leaf].samples != 0) all.mask.insert(leaf);
   }
-  all.text = type.format_mask(all.mask);
   return all;
 }
 

@@ -13,20 +13,20 @@ SubscriberCore::SubscriberCore(Spec spec, Doorbell& bell, std::shared_ptr<Record
       bell_(bell),
       recorder_(std::move(recorder)),
       declared_(spec_.requirement.selection),
+      remote_(spec_.copies == nullptr ? nullptr : RemoteCopy::make(type(), spec_.copies)),
       events_(spec_.options.on_event),
       ports_({.patience = spec_.diverted_patience,
               .min_period_us = spec_.min_period_us,
               .slots = type().slots()},
-             make_asked(type(), declared_, spec_.options.recording.as_remote),
-             spec_.requirement.limits_samples),
+             make_asked(type(), declared_, spec_.options.recording.as_remote, recorder_.get()),
+             spec_.requirement.limits_samples || (recorder_ != nullptr && recorder_->records_channels())),
       waiter_(ports_, bell, spec_.poll_handle.get(), spec_.options.spin),
-      callbacks_(spec_.callback, spec_.callback_clock) {
-  if (spec_.copies != nullptr) remote_.emplace(type(), spec_.copies);
-}
+      callbacks_(spec_.callback, spec_.callback_clock) {}
 
 void SubscriberCore::requests(Selection selection, std::uint64_t sequence) {
   if (selection == ports_.requested()) return ports_.requests(nullptr, sequence);
-  ports_.requests(make_asked(type(), std::move(selection), spec_.options.recording.as_remote), sequence);
+  ports_.requests(
+      make_asked(type(), std::move(selection), spec_.options.recording.as_remote, recorder_.get()), sequence);
 }
 
 Selection SubscriberCore::required() const {
@@ -53,10 +53,10 @@ void SubscriberCore::look_again() {
 template <class Choose>
 detail::untyped::Sample SubscriberCore::take(Choose choose) {
   for (;;) {
-    Next next = choose();
+    Delivery next{choose()};
     if (waiter_.has_descriptor()) waiter_.settle();
     if (!next.sample) return {};
-    if (!next.is_copied || copy_as_remote(next)) return wrap(std::move(next));
+    if (!next.is_copied || reduce(next)) return wrap(std::move(next));
   }
 }
 
@@ -68,23 +68,30 @@ detail::untyped::Sample SubscriberCore::take_latest() {
   return take([this] { return ports_.take_latest(); });
 }
 
-/// Replaces the sample by a copy that has only what was asked for. False if a reader on another host would
-/// have missed the sample.
-bool SubscriberCore::copy_as_remote(Next& next) {
-  {
-    const Lock lock(remote_mutex_);
-    next.sample = remote_->of(std::move(next.sample), *next.asked->plan);
+/// Leaves in the sample only what was asked for. False if a reader on another host would have missed the
+/// sample. Views of compiled types read parts of fields where they are; others read one body.
+bool SubscriberCore::reduce(Delivery& delivery) {
+  if (spec_.requirement.limits_samples) {
+    delivery.sample = remote_->of(std::move(delivery.sample), *delivery.asked->plan);
+  } else {
+    RemoteCopy::InPlace reduced = remote_->in_place(std::move(delivery.sample), delivery.asked);
+    delivery.sample = std::move(reduced.sample);
+    delivery.parts = reduced.parts;
   }
-  const bool is_delivered = static_cast<bool>(next.sample);
-  ports_.copied(next.info, is_delivered);
+  const bool is_delivered = static_cast<bool>(delivery.sample);
+  ports_.copied(delivery.info, is_delivered);
   return is_delivered;
 }
 
-detail::untyped::Sample SubscriberCore::wrap(Next next) {
+detail::untyped::Sample SubscriberCore::wrap(Delivery delivery) {
+  const std::shared_ptr<const Asked>& asked = delivery.asked;
   std::shared_ptr<const Selection> selection;
-  if (next.asked != nullptr) selection = {next.asked, &next.asked->selection};
-  return detail::untyped::Sample(next.sample.release(), *spec_.type, next.info,
-                                 recorder_ == nullptr ? nullptr : recorder_->begin(), std::move(selection));
+  if (asked != nullptr && recorder_ == nullptr) selection = {asked, &asked->selection};
+  RecordedSample* const record = recorder_ == nullptr ? nullptr : recorder_->begin();
+  if (record != nullptr && delivery.sample->parts != 0 && asked != nullptr && asked->recorded_channels)
+    record->set_channels_sent({asked, &*asked->recorded_channels});
+  return detail::untyped::Sample(delivery.sample.release(), type(), delivery.info, record,
+                                 std::move(selection), delivery.parts);
 }
 
 Result<void> SubscriberCore::set_max_rate_hz(double max_rate_hz) {

@@ -23,7 +23,6 @@
 #include "core/subscribe/subscriber_ports.h"
 #include "core/subscribe/waiter.h"
 #include "core/sync/guarded_call.h"
-#include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
 #include "sft/detail/untyped.h"
 
@@ -112,8 +111,12 @@ class SubscriberCore final : public ArrivalListener {
 
   template <class Choose>
   detail::untyped::Sample take(Choose choose);
-  bool copy_as_remote(Next& next);
-  detail::untyped::Sample wrap(Next next);
+  /// A sample that is about to be delivered.
+  struct Delivery : Next {
+    PartReader* parts = nullptr;  ///< where the parts of its fields are; null: all is in the sample
+  };
+  bool reduce(Delivery& delivery);
+  detail::untyped::Sample wrap(Delivery delivery);
   void call_back(CallbackDispatch::Caller caller);
 
   const Spec spec_;
@@ -121,9 +124,7 @@ class SubscriberCore final : public ArrivalListener {
   const std::shared_ptr<Recorder> recorder_;
   mutable Mutex selection_mutex_;  // held for a copy of the selection
   Selection declared_ SFT_GUARDED_BY(selection_mutex_);
-  Mutex remote_mutex_ SFT_ACQUIRED_AFTER(lock_order::endpoints)
-      SFT_ACQUIRED_BEFORE(lock_order::endpoint);  ///< held by the one thread that copies a sample
-  std::optional<RemoteCopy> remote_ SFT_GUARDED_BY(remote_mutex_);
+  const std::shared_ptr<RemoteCopy> remote_;  ///< null: no sample is reduced
   GuardedCall<const Event&> events_;
   SubscriberPorts ports_;
   Waiter waiter_;

@@ -227,6 +227,7 @@ SubscriberStatus SubscriberPorts::status() {
   status.discarded = counts.discarded;
   status.held_too_many = counts.held_too_many;
   status.mask = asked_->selection.mask();
+  status.selection = asked_->selection;
   status.requests = requests_;
   return status;
 }

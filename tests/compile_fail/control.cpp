@@ -26,6 +26,11 @@ bool has_points(const sft::Sample<PointCloud2, ~(F::header | F::is_dense)>& samp
   return sample->points<float>("x").has_value();
 }
 
+std::size_t part_of_the_data(
+    const sft::Sample<PointCloud2, F::width | F::data.channels<"x", "z">.every(4)>& sample) {
+  return sample->points<float, float>("x", "z").value().size() + sample->data().size() + sample->width();
+}
+
 PointCloud2 owned(const sft::Sample<PointCloud2>& sample) { return sample.to_owned().value(); }
 
 auto subscribe(sft::Node& node) {

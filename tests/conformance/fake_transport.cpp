@@ -74,7 +74,10 @@ using Lines = std::vector<std::shared_ptr<Line>>;
 class FakeWriter final : public core::NetworkWriter {
  public:
   FakeWriter(const core::WriterSpec& spec, std::shared_ptr<FakeNode> node)
-      : type_(*spec.type), node_(std::move(node)), book_(spec.book), copier_(type_, node_->pool) {}
+      : type_(*spec.type),
+        node_(std::move(node)),
+        book_(spec.book),
+        copier_(core::RemoteCopy::make(type_, node_->pool)) {}
 
   // The publisher's thread.
 
@@ -199,7 +202,7 @@ class FakeWriter final : public core::NetworkWriter {
     std::shared_ptr<FakeInbox> inbox = node_->network->find(line.route.reader);
     if (inbox == nullptr) return true;
     SampleHandle copy = copy_of(sample);
-    if (copy) copy = copier_.of(std::move(copy), *line.plan);
+    if (copy) copy = copier_->of(std::move(copy), *line.plan);
     if (!copy) {
       line.tally->dropped();
       return false;
@@ -239,7 +242,7 @@ class FakeWriter final : public core::NetworkWriter {
   std::atomic<std::uint64_t> bytes_sent_{0};
 
   std::mutex mutex_;  // guards what follows; not held while listeners are called, which may send
-  core::RemoteCopy copier_;
+  const std::shared_ptr<core::RemoteCopy> copier_;
   Lines newest_;
   Lines begun_;  ///< of the present sample
 };

@@ -23,6 +23,7 @@
 #include <utility>
 #include <vector>
 
+#include "sft/detail/declared_selection.h"
 #include "sft/domain.h"
 #include "sft/dynamic.h"
 #include "sft/options.h"
@@ -53,7 +54,9 @@ class Node {
   /// F::height | F::width>("points")`; with recorded fields: `<PointCloud2, sft::recorded>`. If the field
   /// `fields` is a sequence of structs, `F::fields` names all of it, `F::fields.each.name` one member of each
   /// element, and `F::fields.size` the number of elements, which also comes with any member. An array of
-  /// structs has no `size`. As text these are "fields", "fields[].name" and "fields.size".
+  /// structs has no `size`. As text these are "fields", "fields[].name" and "fields.size". A part of a field
+  /// is declared like a field: `F::data.channels<"x", "y", "z">`, `F::ranges.every(4)`
+  /// (detail/declared_part.h, and selection.md for its meaning).
   template <class T, Req<T> R = Req<T>(all<T>)>
   Result<Subscriber<T, R>> subscriber(std::string_view topic, const SubscriberOptions& options = {}) {
     return open_subscriber(topic, type_support<T>(), requirement<T, R>(), options, {})
@@ -130,15 +133,17 @@ class Node {
 
  private:
   template <class T, Req<T> R>
-  static detail::untyped::Requirement requirement() {
-    return {FieldMask(R.mask), R.is_recorded};
+  static Result<detail::untyped::Requirement> requirement() {
+    return detail::declared_selection(FieldMask(R.mask), R.parts).map([](Selection&& selection) {
+      return detail::untyped::Requirement{std::move(selection), R.is_recorded};
+    });
   }
 
   explicit Node(std::shared_ptr<core::NodeCore> core) : core_(std::move(core)) {}
   Result<detail::untyped::Publisher> open_publisher(std::string_view topic, const TypeSupport& type,
                                                     const PublisherOptions& options);
   Result<detail::untyped::Subscriber> open_subscriber(std::string_view topic, const TypeSupport& type,
-                                                      detail::untyped::Requirement requirement,
+                                                      Result<detail::untyped::Requirement> requirement,
                                                       const SubscriberOptions& options,
                                                       detail::untyped::Callback callback);
   Result<DynamicSubscriber> open_subscriber(std::string_view topic, const DynamicType& type,

@@ -232,10 +232,10 @@ struct SubscriberOptions {
   /// Subscriber::set_max_rate_hz() changes the rate.
   double max_rate_hz = 0;
   /// Says which parts of the declared fields are needed, and when a sample is: "data{x,y,z}[::4]", "@
-  /// percentage > 20 or every 10 s", or both (TypeSupport::parse_selection()). Declared fields that it does
-  /// not name are sent whole. If fields are recorded, it may have conditions only. Empty: whole fields of
-  /// every sample. Subscriber::set_selection() changes it. Not for subscribers of types that the program was
-  /// not compiled with, which are opened with such a text.
+  /// percentage > 20 or every 10 s", or both (TypeSupport::parse_selection()). Fields that it does not name
+  /// are sent as they are declared. If fields are recorded, it may have conditions only. Empty: whole fields
+  /// of every sample. Subscriber::set_selection() changes it. Not for subscribers of types that the program
+  /// was not compiled with, which are opened with such a text.
   std::string selection{};
   static constexpr double slowest_rate_hz = 0.001;     ///< the least max_rate_hz but 0
   static constexpr double fastest_rate_hz = 100'000;   ///< the greatest max_rate_hz

@@ -114,7 +114,7 @@ class Sample {
 
  private:
   detail::WalkStatus decode_to(T& value) const {
-    return detail::decode(sample_.state(), detail::TypeTable<T>::type, &value);
+    return detail::decode(sample_.whole_state(), detail::TypeTable<T>::type, &value);
   }
   static tl::unexpected<Error> empty_error() {
     return fail(Errc::unavailable, "the sample is empty: take() had nothing to give");

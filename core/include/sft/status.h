@@ -171,6 +171,7 @@ struct SubscriberStatus {
   /// How often it held SubscriberOptions::max_held samples of a publisher and could not take the next one.
   std::uint64_t held_too_many = 0;
   FieldMask mask;              ///< the fields that it asks for at present
+  Selection selection{};       ///< these fields, with the parts and the conditions; the rate is below
   double max_rate_hz = 0;      ///< the rate that it asks for at present; 0: all samples
   std::uint64_t requests = 0;  ///< requests for fields and rates that were sent
   std::uint64_t restarts = 0;  ///< connections that were set up anew because nothing arrived

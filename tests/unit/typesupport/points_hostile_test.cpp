@@ -80,7 +80,7 @@ TEST_F(PointsHostile, NoHeaderLeadsOutOfTheData) {
     const Arrived sample(cloud());
     ASSERT_TRUE(sample.is_good());
     const std::span data = std::as_bytes(sample.view().data());
-    const auto place = detail::cloud_place_of(sample.dynamic_view());
+    const auto place = detail::cloud_place_of(sample.dynamic_view(), {});
     ASSERT_TRUE(place);
     std::array<detail::WantedChannel, 3> wanted{{{"x", 7}, {"time", 8}, {"ring", 4}}};
     const std::array<std::size_t, 3> bytes{4, 8, 2};

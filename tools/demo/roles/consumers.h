@@ -5,11 +5,12 @@
 #include <concepts>
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <string_view>
+#include <tuple>
 
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
+#include "sft/points.h"
 #include "sft/sample.h"
 
 namespace sft::demo {
@@ -23,9 +24,14 @@ class Use {
   requires std::integral<T> || std::floating_point<T>
   void operator()(T value) { sum_ += static_cast<std::uint64_t>(value); }
   void operator()(std::string_view text) { sum_ += text.size(); }
-  /// Reads one byte of every cache line, which moves as much memory as reading all bytes.
-  void operator()(std::span<const std::uint8_t> bytes) {
-    for (std::size_t i = 0; i < bytes.size(); i += 64) sum_ += bytes[i];
+  /// A recorded sample may lack a channel that is asked for from now on.
+  template <class... Ts>
+  void operator()(const Result<Points<Ts...>>& points) {
+    if (!points) return;
+    float sum = 0;
+    for (const auto& point : *points)
+      std::apply([&sum](auto... values) { sum += (static_cast<float>(values) + ...); }, point);
+    points_ += sum;
   }
   /// Recorded fields are empty if the sample does not have them.
   template <class T>
@@ -35,6 +41,7 @@ class Use {
 
  private:
   std::uint64_t sum_ = 0;
+  float points_ = 0;
 };
 
 /// The rate of a subscriber that does not name another one.
@@ -77,56 +84,27 @@ struct Recorder : EveryCloud {
   static void read(const auto& cloud, Use& use) { read_stamp(cloud, use); }
 };
 
-/// The layout of a point, which a program needs before it can read x, y and z in `data`.
-struct Layout {
-  static void read(const auto& cloud, Use& use) {
-    read_fields(cloud.fields(), use);
-    use(cloud.point_step());
-  }
-
- private:
-  template <class Range>
-  static void read_fields(const Range& fields_of_points, Use& use) {
-    for (const auto& field : fields_of_points) {
-      use(field.name());
-      use(field.offset());
-      use(field.datatype());
-      use(field.count());
-    }
-  }
-  template <class Range>
-  static void read_fields(const Optional<Range>& fields_of_points, Use& use) {
-    if (fields_of_points) read_fields(*fields_of_points, use);
-  }
-};
-
-/// Corrects its odometry now and then: it needs few clouds, but nearly all fields of them.
+/// Corrects its odometry now and then: it needs few clouds, and every second column of them.
 struct Localiser {
   static constexpr const char* name = "localiser";
   static constexpr const char* purpose = "finds the robot on a map, by one cloud a second";
   static constexpr double max_rate_hz = 1;
-  static constexpr Mask<PointCloud2> fields = ~PointCloud2::Field::height;
+  static constexpr Req<PointCloud2> fields =
+      PointCloud2::Field::header | PointCloud2::Field::data.channels<"x", "y", "z", "intensity">.every(2);
   static void read(const auto& cloud, Use& use) {
     read_stamp(cloud, use);
     use(cloud.header().frame_id());
-    use(cloud.width());
-    Layout::read(cloud, use);
-    use(cloud.is_bigendian());
-    use(cloud.row_step());
-    use(cloud.data());
-    use(cloud.is_dense());
+    use(cloud.template points<float, float, float, float>("x", "y", "z", "intensity"));
   }
 };
 
-/// Needs x, y and z of every point. It runs on the lidar's own host, where reading them costs nothing.
+/// Needs x, y and z of every point. It runs on the lidar's own host, where it reads them in place.
 struct Detector : EveryCloud {
   static constexpr const char* name = "detector";
   static constexpr const char* purpose = "finds objects, in the lidar's own memory";
-  static constexpr Mask<PointCloud2> fields =
-      PointCloud2::Field::fields | PointCloud2::Field::point_step | PointCloud2::Field::data;
+  static constexpr Req<PointCloud2> fields = PointCloud2::Field::data.channels<"x", "y", "z">;
   static void read(const auto& cloud, Use& use) {
-    Layout::read(cloud, use);
-    use(cloud.data());
+    use(cloud.template points<float, float, float>("x", "y", "z"));
   }
 };
 

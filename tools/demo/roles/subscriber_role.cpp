@@ -1,5 +1,7 @@
 #include <chrono>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "core/sync/mutex.h"
 #include "tools/demo/roles/consumers.h"
@@ -53,12 +55,19 @@ class Record {
   bool learnt_ SFT_GUARDED_BY(mutex_) = false;
 };
 
-FieldMask complement(const FieldMask& mask) {
-  FieldMask rest = FieldMask::full(mask.leaves());
-  for (std::size_t leaf = 0; leaf < mask.leaves(); ++leaf) {
-    if (mask.contains(leaf)) rest.erase(leaf);
+/// "header", "data{x,y,z}". Fields that only say how a part lies in a message are not named.
+std::vector<std::string> names_of(const TypeSupport& type, const Selection& asked) {
+  FieldMask whole = asked.mask();
+  std::vector<std::string> parts;
+  for (const Selection::Part& part : asked.parts()) {
+    const Result<Selection> alone = Selection::make(type.none(), {part}, {});
+    if (!alone) continue;
+    whole -= type.closed(*alone).mask();
+    parts.push_back(type.format_selection(*alone));
   }
-  return rest;
+  std::vector<std::string> names = type.field_names(whole);
+  names.insert(names.end(), parts.begin(), parts.end());
+  return names;
 }
 
 template <class Consumer, Req<PointCloud2> R>
@@ -100,8 +109,8 @@ class SubscriberRole {
     report.received = status.received;
     report.lost = status.lost;
     report.incomplete = node_->node().status().samples_incomplete;
-    report.fields = subscriber_->type().field_names(status.mask);
-    report.other_fields = subscriber_->type().field_names(complement(status.mask));
+    report.fields = names_of(subscriber_->type(), status.selection);
+    report.other_fields = subscriber_->type().field_names(~status.mask);
     record_.add_to(report);
     report.warning = node_->last_warning();
     report.traffic = node_->traffic();

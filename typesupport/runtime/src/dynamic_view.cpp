@@ -153,8 +153,9 @@ DynamicView DynamicView::member_at(const Member& m, const Place& place) const {
   DynamicView view(state_, declared_, m);
   view.type_ = m.type;
   view.place_ = place;
-  view.present_ = present_ && has_any_of(place.leaf, leaf_count(m));
   const bool is_single_struct = m.kind == Kind::structure && m.shape == Shape::single;
+  view.present_ = present_ && has_any_of(place.leaf, leaf_count(m)) &&
+                  (is_single_struct || is_as_published(place.leaf, leaf_count(m)));
   view.node_ = is_single_struct ? Node::structure : m.shape == Shape::single ? Node::value : Node::collection;
   if (!view.present_) return view;
   if (place.slot != no_slot && !is_single_struct) {
@@ -233,15 +234,6 @@ Extent DynamicView::extent() const {
   }
   if (is_primitive(m.kind)) return {checked_block(*state_, offset, m.count, size_of(m.kind)), m.count};
   return {checked_block(*state_, offset, 0, 1), m.count};
-}
-
-bool DynamicView::note_all(std::size_t leaf, std::size_t count) const {
-  bool has_all = present_;
-  for (const std::size_t end = leaf + count; leaf < end; ++leaf) {
-    if (state_->log != nullptr) state_->log->touch(leaf, state_->mask->contains(leaf));
-    has_all = has_all && has_any_of(leaf, 1);
-  }
-  return has_all;
 }
 
 Result<std::size_t> DynamicView::size() const {

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "sft/detail/parts_in_place.h"
 #include "sft/dynamic_view.h"
 #include "sft/selection.h"
 #include "text.h"
@@ -148,6 +149,37 @@ bool read_header(const CloudPlace& cloud, Header& header) {
   return true;
 }
 
+/// Moves the channels from where they are in a packed point to where they are in the larger cloud.
+void place_channels(const Cut& cut, std::span<WantedChannel> wanted) {
+  if (cut.channels().empty()) return;  // points are whole
+  for (WantedChannel& one : wanted) {
+    std::uint32_t packed = 0;
+    for (const Cut::Channel& channel : cut.channels()) {
+      if (packed == one.offset) {
+        one.offset = channel.offset;
+        break;
+      }
+      packed += channel.bytes;
+    }
+  }
+}
+
+/// The points of a part that stays in a larger cloud.
+PointGrid grid_of(const Header& header, const PartInPlace& place) {
+  const Cut& cut = *place.cut;
+  if (cut.bytes() == 0) return {.rows = cut.rows(), .columns = cut.columns()};
+  PointGrid grid{.first = place.source->body + cut.begin(),
+                 .row_step = cut.row_stride(),
+                 .point_step = static_cast<std::uint32_t>(cut.column_stride()),
+                 .rows = cut.rows(),
+                 .columns = cut.columns(),
+                 .is_swapped = header.is_big_endian};
+  // A step from the only one leads nowhere, and may be too long for its number.
+  if (grid.columns == 1) grid.point_step = cut.cell_bytes();
+  if (grid.rows == 1) grid.row_step = grid.row_bytes();
+  return grid;
+}
+
 }  // namespace
 
 Result<PointGrid> find_points(const CloudPlace& cloud, std::span<WantedChannel> wanted) {
@@ -157,6 +189,7 @@ Result<PointGrid> find_points(const CloudPlace& cloud, std::span<WantedChannel> 
   Header header;
   if (!data || !read_header(cloud, header) || !find_channels(s, fields, header.point_step, wanted))
     return malformed(s);
+  const std::optional<PartInPlace> place = s.parts == nullptr ? std::nullopt : s.parts->find(cloud.data_leaf);
   for (const WantedChannel& one : wanted) {
     const std::string name(one.name);
     if (one.found_type == 0) {
@@ -168,31 +201,92 @@ Result<PointGrid> find_points(const CloudPlace& cloud, std::span<WantedChannel> 
                                          std::string(point_types[one.found_type].name) + ", not " +
                                          std::string(point_types[one.type].name));
   }
-  return grid_of(header, {s.body + data.first, data.count});
+  if (!place) return grid_of(header, {s.body + data.first, data.count});
+  place_channels(*place->cut, wanted);
+  return grid_of(header, *place);
 }
 
-tl::unexpected<Error> cloud_field_not_sent(std::size_t field) {
-  return fail(Errc::unavailable, "'" + std::string(cloud_fields[field]) + "' was not sent in this sample");
+namespace {
+
+constexpr std::size_t data_field = cloud_fields.size() - 1;
+
+tl::unexpected<Error> not_sent(const std::string& what) {
+  return fail(Errc::unavailable, what + " was not sent in this sample");
 }
 
-Result<CloudPlace> cloud_place_of(const DynamicView& view) {
+tl::unexpected<Error> field_not_sent(std::size_t field) {
+  return not_sent("'" + std::string(cloud_fields[field]) + "'");
+}
+
+/// What a sample has of the channels that are read.
+struct NotedChannels {
+  bool one_by_one = false;                 ///< false: they are not noted one by one
+  const WantedChannel* missing = nullptr;  ///< the first one that was not sent
+};
+
+NotedChannels note_channels(const SampleState& s, const LeafRange& data,
+                            std::span<const WantedChannel> wanted) {
+  NotedChannels noted{.one_by_one = s.log != nullptr};
+  const bool has_data = s.mask->all_of(data.first, data.count);
+  for (const WantedChannel& one : wanted) {
+    if (!noted.one_by_one) break;
+    const std::optional<bool> was_sent = s.log->touch_channel(data.first, one.name, has_data);
+    noted.one_by_one = was_sent.has_value();
+    if (noted.one_by_one && !*was_sent && noted.missing == nullptr) noted.missing = &one;
+  }
+  return noted;
+}
+
+/// Notes a member, and tells whether all of it was sent.
+bool note_member(const SampleState& s, const LeafRange& leaves) {
+  bool has_each = true;
+  for (std::size_t leaf = leaves.first; leaf < leaves.first + leaves.count; ++leaf) {
+    const bool present = s.mask->contains(leaf) && (s.log == nullptr || s.log->is_as_published(leaf, 1));
+    if (s.log != nullptr) s.log->touch(leaf, present);
+    has_each = has_each && present;
+  }
+  return has_each;
+}
+
+}  // namespace
+
+// Everything is noted before the first is found missing, so that all is asked for at once.
+Result<void> note_points(const SampleState& s, const CloudLeaves& leaves,
+                         std::span<const WantedChannel> wanted) {
+  const NotedChannels noted = note_channels(s, leaves[data_field], wanted);
+  std::optional<std::size_t> missing;
+  for (std::size_t field = 0; field < leaves.size(); ++field) {
+    const bool was_sent = noted.one_by_one ? s.mask->all_of(leaves[field].first, leaves[field].count)
+                                           : note_member(s, leaves[field]);
+    if (!was_sent && !missing) missing = field;
+  }
+  if (missing) return field_not_sent(*missing);
+  if (noted.one_by_one && noted.missing != nullptr)
+    return not_sent("channel '" + std::string(noted.missing->name) + "'");
+  return {};
+}
+
+Result<CloudPlace> cloud_place_of(const DynamicView& view, std::span<const WantedChannel> wanted) {
   if (view.error() != nullptr) return tl::unexpected(*view.error());
   const std::optional<CloudMembers> members =
       view.is_struct() ? cloud_members_of(*view.type()) : std::nullopt;
   if (!members) return tl::unexpected(view.not_readable("a cloud"));
-  const SampleState& s = *view.state_;
-  CloudPlace cloud{&s, {}};
-  std::optional<std::size_t> missing;
+  CloudPlace cloud{view.state_, {}};
+  CloudLeaves leaves;
+  std::optional<std::size_t> undeclared;
   for (std::size_t field = 0; field < members->size(); ++field) {
     const Member& member = view.type()->members[(*members)[field]];
     const DynamicView::Place place = view.place_of((*members)[field]);
-    const bool is_sent = view.note_all(place.leaf, leaf_count(member));
-    if (!is_sent && !missing) missing = field;
+    leaves[field] = {place.leaf, leaf_count(member)};
+    if (field == data_field) cloud.data_leaf = place.leaf;
+    if (!undeclared && !view.has_all_of(place.leaf, leaf_count(member))) undeclared = field;
     cloud.offsets[field] = place.slot == DynamicView::no_slot
                                ? place.offset
-                               : __atomic_load_n(s.index + place.slot, __ATOMIC_RELAXED);
+                               : __atomic_load_n(cloud.sample->index + place.slot, __ATOMIC_RELAXED);
   }
-  if (missing) return cloud_field_not_sent(*missing);
+  if (const Result<void> sent = note_points(*cloud.sample, leaves, wanted); !sent)
+    return tl::unexpected(sent.error());
+  if (undeclared) return field_not_sent(*undeclared);
   return cloud;
 }
 

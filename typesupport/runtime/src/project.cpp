@@ -31,6 +31,11 @@ ProjectionPlan::ProjectionPlan(const TypeSupport& type, const Selection& selecti
   add_all(type.type());
 }
 
+bool ProjectionPlan::can_stay_in_place() const {
+  return std::ranges::none_of(
+      parts_, [](const PlannedPart& planned) { return planned.data.member->kind == Kind::string; });
+}
+
 FieldMask ProjectionPlan::whole() const {
   FieldMask mask = mask_;
   for (const PlannedPart& planned : parts_) mask.erase(planned.part.leaf);
@@ -115,6 +120,12 @@ class Projection::Writer {
     postponed_ = postponed;
   }
 
+  /// Leaves the parts empty.
+  Writer& without_parts() {
+    without_parts_ = true;
+    return *this;
+  }
+
   bool all() {
     for (const ProjectionPlan::Step& step : plan_.steps_) {
       const std::uint32_t offset = __atomic_load_n(s_.index + step.slot, __ATOMIC_RELAXED);
@@ -141,6 +152,7 @@ class Projection::Writer {
   bool step(const ProjectionPlan::Step& step) {
     if (step.member == nullptr) return run(step.run);
     const ProjectionPlan::Change& change = step.change;
+    if (without_parts_ && change.part && !change.role) return put(std::uint32_t{0});
     if (!change.part || out_.cuts_[*change.part].is_whole()) return member(*step.member, step.leaf, true);
     const Cut& cut = out_.cuts_[*change.part];
     if (!change.role && step.member->kind == Kind::string)
@@ -403,6 +415,7 @@ class Projection::Writer {
   std::size_t closed_ = 0;  ///< bytes in the staging buffer that segments contain
   std::span<std::byte> memory_{};
   const PostponedCopies* postponed_ = nullptr;
+  bool without_parts_ = false;
   bool failed_ = false;  ///< there was too little memory
 };
 
@@ -427,6 +440,13 @@ bool Projection::project(const SampleState& source, const ProjectionPlan& plan) 
   if (!source.mask->contains(plan.mask())) return false;
   if (!find_cuts(source, plan)) return false;
   return write(Writer(*this, source, plan));
+}
+
+bool Projection::project_around_parts(const SampleState& source, const ProjectionPlan& plan) {
+  segments_.clear();
+  bytes_ = 0;
+  if (!source.mask->contains(plan.mask()) || !find_cuts(source, plan)) return false;
+  return write(Writer(*this, source, plan).without_parts());
 }
 
 bool Projection::project(const SampleState& source, const ProjectionPlan& plan, std::span<std::byte> memory,

@@ -26,14 +26,11 @@ struct SampleBuffer;
 class NodeCore;
 class PublisherCore;
 class SubscriberCore;
+class PartReader;
 class RecordedSample;
 }  // namespace sft::core
 
 namespace sft::detail {
-
-/// The whole fields of `declared`, but the parts of them and the gate that the text names
-/// (SubscriberOptions::selection). An error if the text names other fields.
-Result<Selection> selection_within(const TypeSupport& type, const FieldMask& declared, std::string_view text);
 
 /// The contents of reserved memory at first: zeros, or whatever was there before.
 enum class ReservedMemory : std::uint8_t { zeroed, as_it_is };
@@ -50,16 +47,19 @@ extern const SampleState empty_state;
 class Sample {
  public:
   Sample() = default;
-  /// Takes over one reference to `buffer`, and `record` (null unless the reader records). `selection` is what
-  /// the sample was asked for; null if nobody asks.
+  /// Takes over one reference to `buffer`, `record` (null unless the reader records), and `parts` (null
+  /// unless the parts of its fields are elsewhere). `selection` is what the sample was asked for; null if
+  /// nobody asks.
   Sample(core::SampleBuffer* buffer, const TypeSupport& type, const SampleInfo& info,
-         core::RecordedSample* record, std::shared_ptr<const Selection> selection = nullptr);
+         core::RecordedSample* record, std::shared_ptr<const Selection> selection = nullptr,
+         core::PartReader* parts = nullptr);
   Sample(Sample&& other) noexcept
       : state_(other.state_),
         info_(other.info_),
         selection_(std::move(other.selection_)),
         buffer_(std::exchange(other.buffer_, nullptr)),
-        record_(std::exchange(other.record_, nullptr)) {}
+        record_(std::exchange(other.record_, nullptr)),
+        parts_(std::exchange(other.parts_, nullptr)) {}
   Sample& operator=(Sample&& other) noexcept {
     Sample gone(std::move(other));
     swap(gone);
@@ -69,6 +69,8 @@ class Sample {
 
   explicit operator bool() const { return buffer_ != nullptr; }
   const SampleState& state() const { return state_; }
+  /// The same with all fields in its body, also those of which the parts are elsewhere.
+  const SampleState& whole_state() const;
   const SampleInfo& info() const { return info_; }
   /// Null: the subscriber does not ask, or the sample is empty.
   const Selection* selection() const { return selection_.get(); }
@@ -85,6 +87,7 @@ class Sample {
   std::shared_ptr<const Selection> selection_;
   core::SampleBuffer* buffer_ = nullptr;  // one reference
   core::RecordedSample* record_ = nullptr;
+  core::PartReader* parts_ = nullptr;
 };
 
 /// One sample being filled. Gives its memory back unless published.

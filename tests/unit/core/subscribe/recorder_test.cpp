@@ -33,7 +33,7 @@ class RecorderTest : public ::testing::Test {
   void reopen(const SubscriberOptions::Recording& settings) {
     recorder = Recorder::make(70, settings, [this] { ++changes; });
   }
-  Leaves required() const { return leaves_of(recorder->required()); }
+  Leaves required() const { return leaves_of(recorder->required().mask()); }
 
   std::atomic<int> changes{0};
   std::shared_ptr<Recorder> recorder =
@@ -41,9 +41,9 @@ class RecorderTest : public ::testing::Test {
 };
 
 TEST_F(RecorderTest, EverythingIsRequiredUntilTheFirstSamplesWereRead) {
-  EXPECT_TRUE(recorder->required().is_full());
+  EXPECT_TRUE(recorder->required().mask().is_full());
   sample({3});
-  EXPECT_TRUE(recorder->required().is_full());
+  EXPECT_TRUE(recorder->required().mask().is_full());
   EXPECT_EQ(changes, 0);
 }
 
@@ -109,7 +109,7 @@ TEST_F(RecorderTest, SettingsThatMakeNoSenseAreRefused) {
 
 TEST_F(RecorderTest, SamplesThatNobodyReadNarrowToNothing) {
   samples(2, {});
-  EXPECT_TRUE(recorder->required().empty());
+  EXPECT_TRUE(recorder->required().mask().empty());
 }
 
 TEST_F(RecorderTest, EveryLeafCountsOncePerSampleHoweverOftenItIsRead) {
@@ -168,7 +168,7 @@ TEST_F(RecorderTest, SamplesMayBeReadAndReleasedByManyThreads) {
   }
   for (auto& t : threads) t.join();
   EXPECT_EQ(recorder->use().leaves[20].samples, 2000U);
-  EXPECT_TRUE(recorder->required().contains(20));
+  EXPECT_TRUE(recorder->required().mask().contains(20));
 }
 
 TEST_F(RecorderTest, ThreadsThatReadOneSampleCountItOnceForEachLeaf) {
@@ -307,7 +307,7 @@ TEST_F(AnyReads, AreFollowedAsPromisedAndEveryChangeIsToldOnce) {
         const std::size_t favourites = 1 + below(leaves);
         read(below(favourites));
       }
-      ASSERT_EQ(leaves_of(recorder->required()), leaves_of(promise->required())) << "step " << step;
+      ASSERT_EQ(leaves_of(recorder->required().mask()), leaves_of(promise->required())) << "step " << step;
       ASSERT_EQ(told, changes) << "step " << step;
     }
     while (!out.empty()) release();
@@ -324,7 +324,7 @@ TEST_F(AnyReads, NeverFlap) {
     std::vector<std::uint64_t> given_up_at(leaves, 0), read_at(leaves, 0);
     int times_given_up = 0;
     for (std::uint64_t n = 1; n <= 300; ++n) {
-      const FieldMask before = recorder->required();
+      const FieldMask before = recorder->required().mask();
       RecordedSample* s = recorder->begin();
       for (std::size_t leaf = 0; leaf < leaves; ++leaf) {
         if (n % periods[leaf] != 0 && n != 1) continue;
@@ -332,7 +332,7 @@ TEST_F(AnyReads, NeverFlap) {
         read_at[leaf] = n;
       }
       Recorder::end(s);
-      for (const std::size_t leaf : before - recorder->required()) {
+      for (const std::size_t leaf : before - recorder->required().mask()) {
         ASSERT_GT(periods[leaf], patience) << "it is read often enough";
         ASSERT_EQ(n, read_at[leaf] + patience);
         ASSERT_TRUE(given_up_at[leaf] == 0 || n > given_up_at[leaf] + patience);
@@ -340,7 +340,7 @@ TEST_F(AnyReads, NeverFlap) {
         ++times_given_up;
       }
       for (std::size_t leaf = 0; leaf < leaves; ++leaf)
-        ASSERT_TRUE(n >= read_at[leaf] + patience || recorder->required().contains(leaf)) << leaf;
+        ASSERT_TRUE(n >= read_at[leaf] + patience || recorder->required().mask().contains(leaf)) << leaf;
     }
     ASSERT_LE(told, 2 * times_given_up + 1) << "what was never given up does not come back";
   }

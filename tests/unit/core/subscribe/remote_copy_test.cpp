@@ -55,7 +55,8 @@ class RemoteCopyTest : public sft::test::RandomTest {
   const SampleLayout layout{type.slots()};
   sft::test::RandomValues values{random};
   const std::shared_ptr<BufferPool> pool = BufferPool::make(64 << 20);
-  RemoteCopy copies{type, BufferPool::make(64 << 20)};
+  const std::shared_ptr<RemoteCopy> copier = RemoteCopy::make(type, BufferPool::make(64 << 20));
+  RemoteCopy& copies = *copier;
   std::uint64_t sequence = 0;
 };
 
@@ -87,8 +88,8 @@ TEST_F(RemoteCopyTest, IsNotMadeOfBytesThatAreNotWhatTheyClaimToBe) {
 }
 
 TEST_F(RemoteCopyTest, IsNotMadeWithoutMemory) {
-  RemoteCopy poor(type, BufferPool::make(0));
-  EXPECT_FALSE(poor.of(whole(any_cloud()), asked(FieldMask(F::width))));
+  const std::shared_ptr<RemoteCopy> poor = RemoteCopy::make(type, BufferPool::make(0));
+  EXPECT_FALSE(poor->of(whole(any_cloud()), asked(FieldMask(F::width))));
 }
 
 class AsRemoteSubscriberTest : public RemoteCopyTest {

@@ -39,7 +39,7 @@ class WaiterTest : public ::testing::Test {
   const std::unique_ptr<DoorbellPage> bells = DoorbellPage::create();
   const std::unique_ptr<PollHandle> handle = PollHandle::create().value();
   Doorbell& bell = bells->at(0);
-  SubscriberPorts ports{{}, make_asked(type, type.full(), false), false};
+  SubscriberPorts ports{{}, make_asked(type, type.full(), false, nullptr), false};
   Waiter waiter{ports, bell, nullptr, 0ns};
   Waiter polled{ports, bell, handle.get(), 0ns};
 };

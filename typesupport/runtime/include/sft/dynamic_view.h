@@ -42,7 +42,8 @@ class DynamicView;
 
 namespace detail {
 struct CloudPlace;
-Result<CloudPlace> cloud_place_of(const DynamicView& view);
+struct WantedChannel;
+Result<CloudPlace> cloud_place_of(const DynamicView& view, std::span<const WantedChannel> wanted);
 }  // namespace detail
 
 /// A sample or a part of it: a struct, an array or a sequence, or one value.
@@ -130,7 +131,8 @@ class DynamicView {
   std::optional<std::string> enumerator() const;
 
  private:
-  friend Result<detail::CloudPlace> detail::cloud_place_of(const DynamicView& view);
+  friend Result<detail::CloudPlace> detail::cloud_place_of(const DynamicView& view,
+                                                           std::span<const detail::WantedChannel> wanted);
   enum class Node : std::uint8_t { structure, collection, value };
   /// The place of a struct's members: at slots of the index from `slot` on, or one after the other from
   /// `offset`.
@@ -147,6 +149,15 @@ class DynamicView {
   bool has_any_of(std::size_t leaf, std::size_t count) const {
     return state_->mask->any_of(leaf, count) && (declared_ == nullptr || declared_->any_of(leaf, count));
   }
+  /// The same for each of them.
+  bool has_all_of(std::size_t leaf, std::size_t count) const {
+    return present_ && state_->mask->all_of(leaf, count) &&
+           (declared_ == nullptr || declared_->all_of(leaf, count));
+  }
+  /// False if a sample with some channels only has another value there than was published.
+  bool is_as_published(std::size_t leaf, std::size_t count) const {
+    return state_->log == nullptr || state_->log->is_as_published(leaf, count);
+  }
   DynamicView element(std::size_t i) const;
   DynamicView member_at(const StructType::Member& m, const Place& place) const;
   DynamicView element_at(std::uint64_t offset) const;
@@ -160,10 +171,8 @@ class DynamicView {
   Error not_readable(const char* wanted) const;
   void note() const {
     if (state_->log != nullptr && error_ == nullptr && member_ != nullptr)
-      state_->log->touch(place_.leaf, state_->mask->contains(place_.leaf));
+      state_->log->touch(place_.leaf, state_->mask->contains(place_.leaf) && is_as_published(place_.leaf, 1));
   }
-  /// Notes that all of these leaves are read, and tells whether all of them are there.
-  bool note_all(std::size_t leaf, std::size_t count) const;
   std::string label() const;
   Result<std::span<const std::byte>> primitives(std::size_t element_bytes, const char* wanted,
                                                 bool (*matches)(detail::Kind)) const;

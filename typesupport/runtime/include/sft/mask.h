@@ -7,6 +7,7 @@
 //   node.subscriber<PointCloud2, F::header.stamp | F::data>(...)
 //   node.subscriber<PointCloud2, F::fields.each.name>(...)    // of each element of the sequence, its name
 //   node.subscriber<PointCloud2, F::fields.size>(...)         // only how many elements it has
+//   node.subscriber<PointCloud2, F::data.channels<"x", "y">>(...)  // a part of a field
 //
 // Sets of one type combine by | & - ^ ~ and compare by ==, whether they are masks or names of fields;
 // sft::Mask(F::header) is the mask of a name. F::a | F::b names the same type as F::b | F::a, so that both
@@ -26,6 +27,7 @@
 #include <utility>
 #include <vector>
 
+#include "sft/detail/declared_part.h"
 #include "sft/detail/leaf_iterator.h"
 #include "sft/detail/type_table.h"
 
@@ -187,6 +189,102 @@ using detail::operator^;
 using detail::operator~;
 using detail::operator==;
 
+namespace detail {
+
+/// Whole fields of message type T, and fields of which only a part is declared.
+template <class T>
+struct Declared {
+  Mask<T> whole{};        ///< without those of the parts
+  DeclaredParts parts{};  ///< those that are none follow the others
+
+  constexpr Mask<T> mask() const {
+    Mask<T> all = whole;
+    for (const DeclaredPart& part : parts) {
+      if (!part.is_whole()) all = all | Mask<T>::range(part.leaf, 1);
+    }
+    return all;
+  }
+  consteval void add(const DeclaredPart& part) {
+    if (part.is_whole() || whole.contains(part.leaf)) return;
+    for (DeclaredPart& place : parts) {
+      if (place.is_whole()) {
+        place = part;
+        return;
+      }
+      if (place.leaf == part.leaf && place != part) a_field_has_two_parts();
+      if (place.leaf == part.leaf) return;
+    }
+    there_are_too_many_parts();
+  }
+};
+
+/// A part of a field of message type T. The field is a sequence of values; the functions say which of them.
+template <class T>
+struct FieldPart {
+  Mask<T> beside{};  ///< fields without which nobody could read the part
+  DeclaredPart part{};
+
+  /// Each n-th element, or point or pixel of a row. n >= 1.
+  consteval FieldPart every(std::uint32_t n) const { return columns(0, 0, n); }
+  /// The elements [begin, end), or these points or pixels of each row; end 0: up to the last one.
+  consteval FieldPart range(std::uint32_t begin, std::uint32_t end, std::uint32_t step = 1) const {
+    return columns(begin, end, step);
+  }
+  /// The rows [begin, end).
+  consteval FieldPart rows(std::uint32_t begin, std::uint32_t end, std::uint32_t step = 1) const {
+    FieldPart other = *this;
+    other.part.rows = declared_range(begin, end, step);
+    return other;
+  }
+  /// The columns [begin, end).
+  consteval FieldPart columns(std::uint32_t begin, std::uint32_t end, std::uint32_t step = 1) const {
+    FieldPart other = *this;
+    other.part.columns = declared_range(begin, end, step);
+    return other;
+  }
+};
+
+template <class T>
+consteval Declared<T> to_declared(const Declared<T>& declared) {
+  return declared;
+}
+template <class T>
+consteval Declared<T> to_declared(const FieldPart<T>& part) {
+  Declared<T> declared{.whole = part.beside};
+  if (part.part.is_whole()) declared.whole = declared.whole | Mask<T>::range(part.part.leaf, 1);
+  declared.add(part.part);
+  return declared;
+}
+template <FieldSet F>
+consteval Declared<TypeOfFields<F>> to_declared(const F& fields) {
+  return {.whole = fields};
+}
+
+template <class T>
+T type_of_parts(const Declared<T>&);
+template <class T>
+T type_of_parts(const FieldPart<T>&);
+/// Something that has a part of a field.
+template <class P>
+concept PartSet = requires(const P& parts) {
+  detail::type_of_parts(parts);
+};
+
+template <class A, class B>
+requires((PartSet<A> && (PartSet<B> || FieldSet<B>)) || (FieldSet<A> && PartSet<B>)) consteval auto operator|(
+    const A& a, const B& b) {
+  auto joined = to_declared(a);
+  const decltype(joined) other = to_declared(b);  // fields of one message type
+  const DeclaredParts parts = joined.parts;
+  joined.whole = joined.whole | other.whole;
+  joined.parts = {};
+  for (const DeclaredPart& part : parts) joined.add(part);
+  for (const DeclaredPart& part : other.parts) joined.add(part);
+  return joined;
+}
+
+}  // namespace detail
+
 /// The type of sft::recorded.
 struct Recorded {
   friend constexpr bool operator==(Recorded, Recorded) = default;
@@ -203,6 +301,8 @@ struct Req {
   Mask<T> mask{};
   /// Getters note what is read (ARR).
   bool is_recorded = false;
+  /// Of these fields only a part is declared.
+  detail::DeclaredParts parts{};
 
   /// These fields are declared.
   constexpr Req(const Mask<T>& declared) : mask(declared) {}  // NOLINT(google-explicit-constructor)
@@ -210,6 +310,11 @@ struct Req {
   template <detail::FieldSet F>
   requires std::same_as<T, detail::TypeOfFields<F>>
   constexpr Req(const F& declared) : mask(declared) {}  // NOLINT(google-explicit-constructor)
+  /// Parts of fields, and other fields: `F::width | F::data.channels<"x">`.
+  template <detail::PartSet P>
+  requires std::same_as<T, decltype(detail::type_of_parts(std::declval<const P&>()))>
+  consteval Req(const P& declared)  // NOLINT(google-explicit-constructor)
+      : mask(detail::to_declared(declared).mask()), parts(detail::to_declared(declared).parts) {}
   /// Recording finds out which fields are needed.
   constexpr Req(Recorded) : mask(all<T>), is_recorded(true) {}  // NOLINT(google-explicit-constructor)
 

@@ -18,9 +18,13 @@
 //     without elements, of an unknown type, or that reaches beyond the point counts as lacking.
 //   - a channel has another type: type_mismatch
 //   - the sample was sent without a field that the points need, which are height, width, all of fields,
-//     is_bigendian, point_step, row_step and data: unavailable. If fields are recorded, the subscriber asks
-//     for them from then on. If a mask without one of them is declared, points() does not compile.
+//     is_bigendian, point_step, row_step and data, or without a channel that is recorded: unavailable. The
+//     subscriber asks for it from then on. If a mask without one of the fields is declared, points() does not
+//     compile.
 //   - the bytes are not what they claim to be: malformed
+// If fields are recorded, so are the channels: a subscriber whose program reads a cloud by points() only is
+// sent these channels only. A program that reads `fields`, `point_step`, `row_step` or `data` itself is sent
+// whole points. In samples with some channels these four count as not sent.
 // If a channel has several elements, the first one is read. If several channels have one name, the first one
 // counts.
 // Values of big-endian clouds are swapped. A cloud that claims more points than its data holds is empty.
@@ -240,24 +244,28 @@ class Points<Ts...>::iterator {
 
 namespace detail {
 
-template <class S>
-inline constexpr std::optional<CloudMembers> cloud_members = cloud_members_of(TypeTable<S>::type);
-
-/// The wanted channels of the cloud there.
+/// The channels that a program names, with their types.
 template <class... Ts, std::convertible_to<std::string_view>... Names>
-Result<Points<Ts...>> points_in(const CloudPlace& cloud, const Names&... names) {
+std::array<WantedChannel, sizeof...(Ts)> wanted_channels(const Names&... names) {
   static_assert(sizeof...(Ts) > 0 && ((point_type<Ts>() != 0) && ...),
                 "points() takes the types of channels, which are those of sensor_msgs/PointField: int8_t to "
                 "int32_t, uint8_t to uint32_t, float, double");
   static_assert(sizeof...(Names) == sizeof...(Ts), "points() takes the name of a channel for each type");
   if constexpr (sizeof...(Names) == sizeof...(Ts)) {
-    std::array<WantedChannel, sizeof...(Ts)> wanted{WantedChannel{names, point_type<Ts>()}...};
-    const Result<PointGrid> grid = find_points(cloud, wanted);
-    if (!grid) return tl::unexpected(grid.error());
-    std::array<std::uint32_t, sizeof...(Ts)> offsets{};
-    std::ranges::transform(wanted, offsets.begin(), &WantedChannel::offset);
-    return Points<Ts...>(*grid, offsets);
+    return {WantedChannel{names, point_type<Ts>()}...};
+  } else {
+    return {};
   }
+}
+
+/// The wanted channels of the cloud there.
+template <class... Ts>
+Result<Points<Ts...>> points_in(const CloudPlace& cloud, std::array<WantedChannel, sizeof...(Ts)>& wanted) {
+  const Result<PointGrid> grid = find_points(cloud, wanted);
+  if (!grid) return tl::unexpected(grid.error());
+  std::array<std::uint32_t, sizeof...(Ts)> offsets{};
+  std::ranges::transform(wanted, offsets.begin(), &WantedChannel::offset);
+  return Points<Ts...>(*grid, offsets);
 }
 
 /// Returns the points for points() of a generated view. The place is that of the view (view.h).
@@ -270,12 +278,18 @@ Result<Points<Ts...>> points_at(const Place& place, const Names&... names) {
     static_assert((Place::template has_all<(*cloud_members<Struct>)[I]> && ...),
                   "the declared mask lacks a field that points() needs: height, width, fields, is_bigendian, "
                   "point_step, row_step, data");
-    // All of them are noted before the first is found missing, so that all are asked for at once.
-    const std::array<bool, sizeof...(I)> sent{place.template note_all<(*cloud_members<Struct>)[I]>()...};
-    const auto missing = std::ranges::find(sent, false);
-    if (missing != sent.end()) return cloud_field_not_sent(static_cast<std::size_t>(missing - sent.begin()));
-    return points_in<Ts...>(
-        CloudPlace{&place.state(), {place.template begin_of<(*cloud_members<Struct>)[I]>()...}}, names...);
+    std::array<WantedChannel, sizeof...(Ts)> wanted = wanted_channels<Ts...>(names...);
+    if constexpr (Place::is_recorded) {
+      constexpr CloudLeaves leaves{
+          LeafRange{Place::template leaf_of<(*cloud_members<Struct>)[I]>,
+                    leaf_count(TypeTable<Struct>::members[(*cloud_members<Struct>)[I]])}...};
+      if (const Result<void> sent = note_points(place.state(), leaves, wanted); !sent)
+        return tl::unexpected(sent.error());
+    }
+    return points_in<Ts...>(CloudPlace{&place.state(),
+                                       {place.template begin_of<(*cloud_members<Struct>)[I]>()...},
+                                       Place::template leaf_of<cloud_members<Struct>->back()>},
+                            wanted);
   }
   (std::make_index_sequence<cloud_fields.size()>());
 }
@@ -286,9 +300,10 @@ Result<Points<Ts...>> points_at(const Place& place, const Names&... names) {
 /// sample. Also an error if the view is no cloud: type_mismatch, or the error of the view.
 template <class... Ts, std::convertible_to<std::string_view>... Names>
 Result<Points<Ts...>> points_of(const DynamicView& cloud, const Names&... names) {
-  const Result<detail::CloudPlace> place = detail::cloud_place_of(cloud);
+  std::array<detail::WantedChannel, sizeof...(Ts)> wanted = detail::wanted_channels<Ts...>(names...);
+  const Result<detail::CloudPlace> place = detail::cloud_place_of(cloud, wanted);
   if (!place) return tl::unexpected(place.error());
-  return detail::points_in<Ts...>(*place, names...);
+  return detail::points_in<Ts...>(*place, wanted);
 }
 
 }  // namespace sft

@@ -1,13 +1,24 @@
-// The getters of one recorded sample note here which leaves they read, one bit per leaf. Any number of
-// threads may read the sample.
+// The getters of one recorded sample note here which leaves they read, one bit per leaf. The points of clouds
+// are noted channel by channel: behind the leaves each channel has a number of its own, and a bit. Any number
+// of threads may read the sample.
 #pragma once
 
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <string_view>
+
+#include "sft/selection.h"
 
 namespace sft::detail {
+
+/// Tells how a sample with some channels of its clouds differs from what was published.
+struct ChannelsSent {
+  Selection selection;  ///< has the parts with these channels
+  FieldMask changed;    ///< the fields that differ: those with the points, and those that describe them
+};
 
 /// The leaves that were read, of 64. There are two words, so that one bit tells a getter both that there is
 /// nothing left to note and that it has something to return.
@@ -22,12 +33,19 @@ class AccessLog {
    public:
     /// Called at the first access in this sample to a leaf, on the reading thread: it must not block.
     virtual void first_read(std::size_t leaf) noexcept = 0;
+    /// The number of a channel of the cloud that has its points in this leaf. Nothing if channels of that
+    /// leaf are not noted one by one, or no longer. The same channel has the same number in all samples.
+    virtual std::optional<std::size_t> number_of_channel(std::size_t /*leaf*/,
+                                                         std::string_view /*name*/) noexcept {
+      return {};
+    }
 
    protected:
     ~Listener() = default;
   };
 
-  /// `words` has room for all leaves, is zero at first and outlives the log; `listener` may be null.
+  /// `words` has room for all leaves and channels, is zero at first and outlives the log; `listener` may be
+  /// null.
   AccessLog(std::span<AccessWord> words, Listener* listener) : words_(words.data()), listener_(listener) {}
 
   /// True if the leaf was read before, and the sample has it.
@@ -44,11 +62,25 @@ class AccessLog {
     if (first && listener_ != nullptr) listener_->first_read(leaf);
   }
 
+  /// The sample has these channels of its clouds only. Null, as at first: all of them. They outlive the use
+  /// of the log.
+  void set_channels_sent(const ChannelsSent* sent) noexcept { sent_ = sent; }
+  /// False if the sample has any of these leaves otherwise than they were published: a getter of such a field
+  /// finds that it was not sent.
+  bool is_as_published(std::size_t leaf, std::size_t leaves) const noexcept {
+    return sent_ == nullptr || !sent_->changed.any_of(leaf, leaves);
+  }
+  /// Notes that a channel is read of the cloud that has its points in this leaf, and tells whether the sample
+  /// was sent with it. `present`: the sample has the leaf, at least a part of it. Nothing is noted, and
+  /// nothing returned, if channels of that leaf are not noted one by one.
+  std::optional<bool> touch_channel(std::size_t leaf, std::string_view name, bool present) noexcept;
+
  private:
   static constexpr std::uint64_t bit(std::size_t leaf) { return std::uint64_t{1} << (leaf % 64); }
 
   AccessWord* words_;
   Listener* listener_;
+  const ChannelsSent* sent_ = nullptr;
 };
 
 }  // namespace sft::detail

@@ -6,14 +6,82 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "sft/detail/loan_view.h"
+#include "sft/detail/point_grid.h"
 #include "sft/detail/type_table.h"
 #include "sft/detail/view.h"
 #include "sft/mask.h"
 
 namespace sft::detail {
+
+/// True if member number M of S has the points of a cloud.
+template <class S, std::size_t M>
+constexpr bool has_points() {
+  return cloud_members<S> && cloud_members<S>->back() == M;
+}
+
+/// True of a leaf that is in no array or sequence of structs.
+constexpr bool is_in_no_collection(const StructType& type, std::size_t leaf) {
+  for (const Member& member : type.members) {
+    const std::size_t leaves = leaf_count(member);
+    if (leaf < leaves) {
+      return member.kind != Kind::structure ||
+             (member.shape == Shape::single && is_in_no_collection(*member.type, leaf));
+    }
+    leaf -= leaves;
+  }
+  return false;
+}
+
+/// The name of a field that is a sequence of values, member number M of S: also the names of its parts
+/// (declared_part.h). Its leaf is First.
+template <class Root, std::size_t First, class S, std::size_t M>
+class SequenceNode : public FieldNode<Root, First, 1> {
+  static consteval FieldPart<Root> whole() {
+    static_assert(is_in_no_collection(TypeTable<Root>::type, First),
+                  "a field of the elements of an array or a sequence has no parts");
+    FieldPart<Root> all{.part = {.leaf = First}};
+    if constexpr (has_points<S, M>()) {
+      for (const std::size_t member : *cloud_members<S>) {
+        const std::size_t leaf =
+            First - leaf_offset(TypeTable<S>::type, M) + leaf_offset(TypeTable<S>::type, member);
+        if (leaf != First)
+          all.beside = all.beside | Mask<Root>::range(leaf, leaf_count(TypeTable<S>::members[member]));
+      }
+    }
+    return all;
+  }
+  template <NameText... Names>
+  static consteval FieldPart<Root> part_with() {
+    static_assert(has_points<S, M>(), "only the data of a PointCloud2 has channels");
+    FieldPart<Root> some = whole();
+    some.part.channels = declared_channels<Names...>();
+    return some;
+  }
+
+ public:
+  static consteval FieldPart<Root> every(std::uint32_t n) { return whole().every(n); }
+  static consteval FieldPart<Root> range(std::uint32_t begin, std::uint32_t end, std::uint32_t step = 1) {
+    return whole().range(begin, end, step);
+  }
+  static consteval FieldPart<Root> rows(std::uint32_t begin, std::uint32_t end, std::uint32_t step = 1) {
+    return whole().rows(begin, end, step);
+  }
+  static consteval FieldPart<Root> columns(std::uint32_t begin, std::uint32_t end, std::uint32_t step = 1) {
+    return whole().columns(begin, end, step);
+  }
+  /// These channels of each point.
+  template <NameText... Names>
+  static constexpr FieldPart<Root> channels = part_with<Names...>();
+};
+
+/// Parts are of sequences of values.
+constexpr bool may_have_parts(const Member& member) {
+  return member.shape == Shape::sequence && member.kind != Kind::structure;
+}
 
 /// Base of the generated names of S's fields, S being at leaf First of Root: S's own node, and nodes for its
 /// members.
@@ -22,7 +90,9 @@ struct FieldsOf : FieldNode<Root, First, leaf_count_of<S>> {
   template <std::size_t M>
   static constexpr std::size_t first = First + leaf_offset(TypeTable<S>::type, M);
   template <std::size_t M>
-  using Leaf = FieldNode<Root, first<M>, leaf_count(TypeTable<S>::members[M])>;
+  using Leaf =
+      std::conditional_t<may_have_parts(TypeTable<S>::members[M]), SequenceNode<Root, first<M>, S, M>,
+                         FieldNode<Root, first<M>, leaf_count(TypeTable<S>::members[M])>>;
 };
 
 /// Names below a sequence of structs E: `fields` is all of it, `fields.size` its length, `fields.each.name` a

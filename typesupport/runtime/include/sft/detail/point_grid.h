@@ -33,6 +33,7 @@ using CloudMembers = std::array<std::size_t, cloud_fields.size()>;
 struct CloudPlace {
   const SampleState* sample = nullptr;
   std::array<std::uint64_t, cloud_fields.size()> offsets{};
+  std::size_t data_leaf = 0;  ///< of the data
 };
 
 /// Tells whether a struct has just these single values.
@@ -65,6 +66,10 @@ constexpr std::optional<CloudMembers> cloud_members_of(const StructType& type) {
   }
   return members;
 }
+
+/// The same of a struct that is compiled in.
+template <class S>
+inline constexpr std::optional<CloudMembers> cloud_members = cloud_members_of(TypeTable<S>::type);
 
 /// Rows of points. All of them lie within the data of the cloud.
 struct PointGrid {
@@ -106,15 +111,23 @@ struct WantedChannel {
   bool is_found = false;
 };
 
+/// The leaves of the members of a cloud, in the same order.
+struct LeafRange {
+  std::size_t first = 0;
+  std::size_t count = 0;
+};
+using CloudLeaves = std::array<LeafRange, cloud_fields.size()>;
+
 /// Finds the points, and the wanted channels in them. If the cloud contradicts itself, the grid is empty.
 Result<PointGrid> find_points(const CloudPlace& cloud, std::span<WantedChannel> wanted);
 
-/// The error of a sample that was sent without a field, which has this number in cloud_fields.
-tl::unexpected<Error> cloud_field_not_sent(std::size_t field);
+/// Where reads are recorded, notes that these channels are read, or all members of the cloud if its channels
+/// are not noted one by one. An error if the sample was sent without a member or a channel.
+Result<void> note_points(const SampleState& s, const CloudLeaves& leaves,
+                         std::span<const WantedChannel> wanted);
 
-/// Finds a cloud in a sample whose type is not compiled in. All fields that the points need are noted as
-/// read.
-Result<CloudPlace> cloud_place_of(const DynamicView& view);
+/// Finds a cloud in a sample whose type is not compiled in, and notes as note_points() does.
+Result<CloudPlace> cloud_place_of(const DynamicView& view, std::span<const WantedChannel> wanted);
 
 }  // namespace detail
 }  // namespace sft

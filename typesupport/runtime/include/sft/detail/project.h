@@ -39,6 +39,11 @@ class ProjectionPlan {
   /// The fields of which no part is taken.
   FieldMask whole() const;
   bool has_parts() const { return !parts_.empty(); }
+  std::size_t parts() const { return parts_.size(); }
+  /// The field of a part.
+  const Layout::Field& data(std::size_t i) const { return parts_[i].data; }
+  /// True if views can read the parts where they are: none is of texts.
+  bool can_stay_in_place() const;
   std::uint64_t parts_hash() const { return parts_hash_; }  ///< Selection::parts_hash()
 
  private:
@@ -102,6 +107,10 @@ class Projection {
   /// yet because its copies are `postponed`, the part is taken from where they will be made from.
   bool project(const SampleState& source, const ProjectionPlan& plan, std::span<std::byte> memory,
                const PostponedCopies* postponed = nullptr);
+  /// Projects the fields around the parts of the plan, which are left empty. cuts() are valid afterwards.
+  bool project_around_parts(const SampleState& source, const ProjectionPlan& plan);
+  /// Where the parts of the plan lie in the source, as it was projected last.
+  std::span<const Cut> cuts(const ProjectionPlan& plan) const { return std::span(cuts_).first(plan.parts()); }
   /// How many bytes the body of a plan with parts can have, but for the padding of structs in sequences; 0
   /// where project() would fail.
   std::size_t bytes_most(const SampleState& source, const ProjectionPlan& plan);

@@ -130,6 +130,12 @@ auto read_leaf(const SampleState& s, std::uint64_t offset) {
     return load<V>(s, offset);
   } else {
     using E = std::conditional_t<std::is_enum_v<As>, As, ElementOf<M.kind>>;
+    if constexpr (M.shape == Shape::sequence) {
+      if (s.parts != nullptr) [[unlikely]] {
+        if (const auto part = bytes_in_place(s, Leaf))
+          return std::span<const E>{reinterpret_cast<const E*>(part->data()), part->size() / sizeof(E)};
+      }
+    }
     return span_at<E>(s, M.shape == Shape::sequence
                              ? checked_sequence(s, offset, sizeof(E))
                              : Extent{checked_block(s, offset, M.count, sizeof(E)), M.count});
@@ -139,8 +145,9 @@ auto read_leaf(const SampleState& s, std::uint64_t offset) {
 /// Beside the getters, which are many and short: it is needed once for each leaf and sample.
 [[gnu::noinline]] inline bool note_first(const SampleState& s, std::size_t leaf,
                                          std::size_t leaves) noexcept {
-  const bool present = s.mask->any_of(leaf, leaves);
-  if (s.log != nullptr) s.log->touch(leaf, present);
+  if (s.log == nullptr) return s.mask->any_of(leaf, leaves);
+  const bool present = s.mask->any_of(leaf, leaves) && s.log->is_as_published(leaf, leaves);
+  s.log->touch(leaf, present);
   return present;
 }
 
@@ -148,6 +155,7 @@ auto read_leaf(const SampleState& s, std::uint64_t offset) {
 template <auto R, class S, std::size_t Leaf>
 struct PlaceBase {
   using Struct = S;
+  static constexpr bool is_recorded = R.is_recorded;
   template <std::size_t M>
   static constexpr std::size_t leaf_of = Leaf + leaf_offset(TypeTable<S>::type, M);
 
@@ -166,17 +174,6 @@ struct PlaceBase {
   /// of structs that is the leaf of its length (or its first element's leaf, in an array).
   static bool note(const SampleState& s, std::size_t leaf, std::size_t leaves) noexcept {
     return (s.log != nullptr && s.log->has_found(leaf)) || note_first(s, leaf, leaves);
-  }
-
-  /// The same for all leaves of member M. A sample has all that its reader declared.
-  template <std::size_t M>
-  static bool note_all(const SampleState& s) noexcept {
-    bool has_each = true;
-    if constexpr (R.is_recorded) {
-      for (std::size_t i = 0; i < leaf_count(TypeTable<S>::members[M]); ++i)
-        has_each = note(s, leaf_of<M> + i, 1) && has_each;
-    }
-    return has_each;
   }
 
   template <std::size_t M, class As, class OffsetOf>
@@ -209,16 +206,12 @@ class IndexedPlace : public PlaceBase<R, S, Leaf> {
     }
   }
 
-  // For what reads several members at once (points.h): the sample, where member M begins in it, which is no
-  // single struct, and whether the sample has all of the member, which is noted as read.
+  // For what reads several members at once (points.h): the sample, and where member M begins in it, which is
+  // no single struct.
   const SampleState& state() const { return *s_; }
   template <std::size_t M>
   std::uint64_t begin_of() const {
     return __atomic_load_n(s_->index + slot_of<M>, __ATOMIC_RELAXED);
-  }
-  template <std::size_t M>
-  bool note_all() const noexcept {
-    return Base::template note_all<M>(*s_);
   }
 
  private:
@@ -252,10 +245,6 @@ class ElementPlace : public PlaceBase<R, S, Leaf> {
   template <std::size_t M>
   std::uint64_t begin_of() const {
     return member_begin(*s_, TypeTable<S>::type, M, Leaf, offset_);
-  }
-  template <std::size_t M>
-  bool note_all() const noexcept {
-    return Base::template note_all<M>(*s_);
   }
 
  private:

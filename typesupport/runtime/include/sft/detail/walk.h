@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <span>
 
 #include "sft/detail/access_log.h"
@@ -20,6 +21,7 @@ namespace sft::detail {
 inline constexpr std::uint32_t max_empty_elements = 65'536;
 
 class ElementIndex;
+class PartsInPlace;
 
 /// A CDR body under a mask, as captured when the sample was taken. Owns nothing.
 struct SampleState {
@@ -29,6 +31,7 @@ struct SampleState {
   const FieldMask* mask = nullptr;       ///< leaves that are present
   AccessLog* log = nullptr;              ///< null unless the reader records
   ElementIndex* elements = nullptr;      ///< remembers where elements begin; null: jumps to them walk
+  PartsInPlace* parts = nullptr;         ///< has what is in no body (parts_in_place.h); null: nothing
   mutable bool malformed = false;        ///< a getter met bytes that are not what they claim to be
 
   // Several threads may read one sample.
@@ -77,6 +80,10 @@ inline Extent checked_sequence(const SampleState& s, std::uint64_t offset,
   if (!length) return {};
   return {checked_block(s, length.first, length.count, element_bytes), length.count};
 }
+
+/// The bytes of the part that stands for that leaf, which PartsInPlace has; nothing if the body has the leaf.
+/// REQUIRES: s.parts is not null.
+std::optional<std::span<const std::byte>> bytes_in_place(const SampleState& s, std::size_t leaf) noexcept;
 
 /// A string whose length (with its NUL) stands at `offset`; `count` is without the NUL. Length 0 reads as
 /// empty.

@@ -1,0 +1,320 @@
+// Parts that stay in the whole sample are read as if they had been copied out of it.
+#include "core/subscribe/part_reader.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstring>
+#include <memory>
+#include <nav_msgs/msg/OccupancyGrid.hpp>
+#include <sensor_msgs/msg/Image.hpp>
+#include <sensor_msgs/msg/LaserScan.hpp>
+#include <sensor_msgs/msg/PointCloud2.hpp>
+#include <string>
+#include <thread>
+#include <tuple>
+#include <vector>
+
+#include "core/subscribe/remote_copy.h"
+#include "sft/detail/view.h"
+#include "tests/support/encoded.h"
+#include "tests/support/random_layouts.h"
+#include "tests/support/random_value.h"
+
+namespace sft::core {
+namespace {
+
+using nav_msgs::msg::OccupancyGrid;
+using sensor_msgs::msg::Image;
+using sensor_msgs::msg::LaserScan;
+using sensor_msgs::msg::PointCloud2;
+
+class PartReaderTest : public sft::test::RandomTest {
+ protected:
+  using Range = Selection::Range;
+  using Part = Selection::Part;
+
+  static int rounds() { return static_cast<int>(sft::test::test_rounds(500)); }
+
+  template <class T>
+  SampleHandle sample(const T& message) {
+    const TypeSupport& type = type_support<T>();
+    const detail::SampleLayout layout(type.slots());
+    const sft::test::Encoded encoded(type.type(), &message, type.full());
+    SampleHandle buffer = pool->take(layout.bytes(encoded.bytes().size()));
+    std::ranges::copy(encoded.bytes(), buffer->data + layout.body_offset);
+    std::copy_n(encoded.state().index, type.slots(), buffer->index());
+    buffer->header().body_bytes = static_cast<std::uint32_t>(encoded.bytes().size());
+    buffer->mask = type.full();
+    buffer->parts = 0;
+    return buffer;
+  }
+  template <class T>
+  static std::shared_ptr<const Asked> asked(const Selection& selection) {
+    return make_asked(type_support<T>(), type_support<T>().closed(selection), true, nullptr);
+  }
+  template <class T>
+  static std::shared_ptr<const Asked> asked(const char* text) {
+    return asked<T>(type_support<T>().parse_selection(text).value());
+  }
+  template <class T>
+  std::shared_ptr<RemoteCopy> copier() const {
+    return RemoteCopy::make(type_support<T>(), pool);
+  }
+  /// The part of that field, and any other fields.
+  template <class T>
+  Selection selection(std::string_view field, std::uint32_t rows, std::uint32_t columns, bool has_channels) {
+    const TypeSupport& type = type_support<T>();
+    Part part{.leaf = static_cast<std::uint32_t>(*type.find(field).value().begin()),
+              .rows = rows == 1 ? Range{} : layouts.range(rows),
+              .columns = layouts.range(columns)};
+    if (has_channels && !layouts.one_in(3)) part.channels = layouts.channels();
+    return Selection::make(values.mask(type.leaves()), {part}, {}).value();
+  }
+
+  static std::vector<std::byte> body(const detail::SampleState& state) {
+    return {state.body, state.body + state.body_bytes};
+  }
+  /// Getters read it as they read a copy, and its encoding is that of the copy.
+  template <class T>
+  void expect_same(const T& message, const Selection& wanted) {
+    SCOPED_TRACE(type_support<T>().format_selection(wanted));
+    const TypeSupport& type = type_support<T>();
+    const auto copies = copier<T>();
+    const std::shared_ptr<const Asked> asked = this->asked<T>(wanted);
+    const SampleHandle copy = copies->of(sample(message), *asked->plan);
+    RemoteCopy::InPlace around = copies->in_place(sample(message), asked);
+    ASSERT_EQ(static_cast<bool>(around.sample), static_cast<bool>(copy));
+    if (!copy) return;
+    EXPECT_EQ(around.sample->mask, copy->mask);
+    EXPECT_EQ(around.sample->parts, copy->parts);
+    detail::SampleState state = state_of(*around.sample, type.slots());
+    const detail::SampleState expected = state_of(*copy, type.slots());
+    if (around.parts == nullptr) {
+      EXPECT_EQ(body(state), body(expected));
+      return;
+    }
+    state.parts = around.parts;
+    expect_same_getters<T>(state, expected);
+    EXPECT_FALSE(state.is_malformed());
+    EXPECT_EQ(body(around.parts->put_together()), body(expected));
+    PartReader::end(around.parts);
+  }
+  template <class T>
+  void expect_same_getters(const detail::SampleState& state, const detail::SampleState& expected);
+
+  sft::test::RandomLayouts layouts{random};
+  sft::test::RandomValues values{random};
+  const std::shared_ptr<BufferPool> pool = BufferPool::make(64 << 20);
+};
+
+template <class T>
+auto view(const detail::SampleState& state) {
+  return detail::view_of<T, all<T>>(state);
+}
+template <class Span>
+std::vector<std::byte> bytes(const Span& span) {
+  const auto raw = std::as_bytes(span);
+  return {raw.begin(), raw.end()};
+}
+
+template <>
+void PartReaderTest::expect_same_getters<PointCloud2>(const detail::SampleState& state,
+                                                      const detail::SampleState& expected) {
+  const auto seen = view<PointCloud2>(state), right = view<PointCloud2>(expected);
+  EXPECT_EQ(seen.height(), right.height());
+  EXPECT_EQ(seen.width(), right.width());
+  EXPECT_EQ(seen.point_step(), right.point_step());
+  EXPECT_EQ(seen.row_step(), right.row_step());
+  ASSERT_EQ(seen.fields().size(), right.fields().size());
+  for (std::size_t i = 0; i < right.fields().size(); ++i) {
+    const std::string name(right.fields()[i].name());
+    EXPECT_EQ(seen.fields()[i].name(), name);
+    EXPECT_EQ(seen.fields()[i].offset(), right.fields()[i].offset());
+    const auto points = seen.points<float>(name), in_copy = right.points<float>(name);
+    ASSERT_EQ(points.has_value(), in_copy.has_value()) << name;
+    if (!points) {
+      EXPECT_EQ(points.error().message, in_copy.error().message);
+      continue;
+    }
+    ASSERT_EQ(points->size(), in_copy->size()) << name;
+    EXPECT_EQ(points->rows(), in_copy->rows());
+    std::size_t at = 0;
+    for (const auto& [value] : *points) {
+      const float same = std::get<0>((*in_copy)[at]);
+      EXPECT_EQ(std::memcmp(&value, &same, sizeof value), 0) << name << " of point " << at;
+      const float direct = std::get<0>((*points)[at++]);
+      EXPECT_EQ(std::memcmp(&value, &direct, sizeof value), 0);
+    }
+    EXPECT_EQ(at, in_copy->size());
+  }
+  EXPECT_EQ(bytes(seen.data()), bytes(right.data()));
+}
+
+TEST_F(PartReaderTest, PartsOfCloudsAreThoseOfACopy) {
+  for (int round = 0; round < rounds() && !HasFailure(); ++round) {
+    const PointCloud2 cloud = layouts.cloud();
+    expect_same(cloud, selection<PointCloud2>("data", cloud.height, cloud.width, true));
+  }
+}
+
+template <>
+void PartReaderTest::expect_same_getters<Image>(const detail::SampleState& state,
+                                                const detail::SampleState& expected) {
+  const auto seen = view<Image>(state), right = view<Image>(expected);
+  EXPECT_EQ(seen.height(), right.height());
+  EXPECT_EQ(seen.step(), right.step());
+  EXPECT_EQ(seen.encoding(), right.encoding());
+  EXPECT_EQ(bytes(seen.data()), bytes(right.data()));
+}
+
+TEST_F(PartReaderTest, PartsOfImagesAreThoseOfACopyAlsoWhereAnImageStaysWhole) {
+  for (int round = 0; round < rounds() && !HasFailure(); ++round) {
+    const Image image = layouts.image();
+    expect_same(image, selection<Image>("data", image.height, image.width, false));
+  }
+}
+
+template <>
+void PartReaderTest::expect_same_getters<OccupancyGrid>(const detail::SampleState& state,
+                                                        const detail::SampleState& expected) {
+  const auto seen = view<OccupancyGrid>(state), right = view<OccupancyGrid>(expected);
+  EXPECT_EQ(seen.info().width(), right.info().width());
+  EXPECT_EQ(seen.info().origin().position().x(), right.info().origin().position().x());
+  EXPECT_EQ(bytes(seen.data()), bytes(right.data()));
+}
+
+TEST_F(PartReaderTest, PartsOfGridsAreThoseOfACopy) {
+  for (int round = 0; round < rounds() && !HasFailure(); ++round) {
+    const OccupancyGrid grid = layouts.grid();
+    expect_same(grid, selection<OccupancyGrid>("data", grid.info.height, grid.info.width, false));
+  }
+}
+
+template <>
+void PartReaderTest::expect_same_getters<LaserScan>(const detail::SampleState& state,
+                                                    const detail::SampleState& expected) {
+  const auto seen = view<LaserScan>(state), right = view<LaserScan>(expected);
+  EXPECT_EQ(seen.angle_increment(), right.angle_increment());
+  EXPECT_EQ(bytes(seen.ranges()), bytes(right.ranges()));
+  if (!expected.mask->contains(FieldMask(LaserScan::Field::intensities))) return;
+  EXPECT_EQ(bytes(seen.intensities()), bytes(right.intensities()));
+}
+
+TEST_F(PartReaderTest, PartsOfScansAreThoseOfACopy) {
+  for (int round = 0; round < rounds() && !HasFailure(); ++round) {
+    const LaserScan scan = layouts.scan();
+    expect_same(scan,
+                selection<LaserScan>("ranges", 1, static_cast<std::uint32_t>(scan.ranges.size()), false));
+  }
+}
+
+/// One sample with its part in place, for as long as this lives.
+template <class T>
+struct Reduced {
+  Reduced(RemoteCopy& copies, const SampleHandle& sample, std::shared_ptr<const Asked> asked)
+      : around(copies.in_place(sample, std::move(asked))),
+        state(state_of(*around.sample, type_support<T>().slots())) {
+    state.parts = around.parts;
+  }
+  ~Reduced() {
+    if (around.parts != nullptr) PartReader::end(around.parts);
+  }
+  Reduced(const Reduced&) = delete;
+  Reduced& operator=(const Reduced&) = delete;
+
+  RemoteCopy::InPlace around;
+  detail::SampleState state;
+};
+
+LaserScan numbered_scan() {
+  LaserScan scan;
+  for (int i = 0; i < 1000; ++i) scan.ranges.push_back(static_cast<float>(i));
+  return scan;
+}
+
+TEST_F(PartReaderTest, APartThatLiesTogetherIsReadInTheWholeSample) {
+  const auto copies = copier<LaserScan>();
+  const SampleHandle whole = sample(numbered_scan());
+  const Reduced<LaserScan> some(*copies, whole, asked<LaserScan>("ranges[100:200]"));
+  const auto ranges = view<LaserScan>(some.state).ranges();
+  ASSERT_EQ(ranges.size(), 100U);
+  EXPECT_EQ(ranges[0], 100.F);
+  const auto* const first = reinterpret_cast<const std::byte*>(ranges.data());
+  EXPECT_TRUE(first > whole->data && first < whole->data + whole->capacity);
+}
+
+TEST_F(PartReaderTest, TheWholeSampleIsHeldAndReaderAndMemoryAreUsedAgain) {
+  const auto copies = copier<LaserScan>();
+  const SampleHandle whole = sample(numbered_scan());
+  const PartReader* first = nullptr;
+  for (int i = 0; i < 3; ++i) {
+    const Reduced<LaserScan> some(*copies, whole, asked<LaserScan>("ranges[::4]"));
+    EXPECT_FALSE(whole->references.load() == 1);
+    EXPECT_EQ(view<LaserScan>(some.state).ranges().size(), 250U);
+    if (first == nullptr) first = some.around.parts;
+    EXPECT_EQ(some.around.parts, first);
+  }
+  EXPECT_TRUE(whole.is_only());
+}
+
+TEST_F(PartReaderTest, ASampleOutlivesWhatMadeIt) {
+  auto copies = copier<LaserScan>();
+  const Reduced<LaserScan> some(*copies, sample(numbered_scan()), asked<LaserScan>("ranges[::4]"));
+  copies.reset();
+  EXPECT_EQ(view<LaserScan>(some.state).ranges()[3], 12.F);
+}
+
+TEST_F(PartReaderTest, WithoutMemoryForACopyThePartIsEmptyAndTheSampleMalformed) {
+  const auto small = BufferPool::make(std::size_t{1} << 14);
+  const auto copies = RemoteCopy::make(type_support<LaserScan>(), small);
+  LaserScan scan = numbered_scan();
+  scan.ranges.resize(100'000);
+  const Reduced<LaserScan> some(*copies, sample(scan), asked<LaserScan>("ranges[::2]"));
+  ASSERT_TRUE(some.around.parts);
+  EXPECT_TRUE(view<LaserScan>(some.state).ranges().empty());
+  EXPECT_TRUE(some.state.is_malformed());
+  EXPECT_EQ(some.around.parts->put_together().body, nullptr);
+}
+
+TEST_F(PartReaderTest, ThreadsThatReadOneSampleShareOneCopy) {
+  const auto copies = copier<LaserScan>();
+  const Reduced<LaserScan> some(*copies, sample(numbered_scan()), asked<LaserScan>("ranges[::4]"));
+  std::vector<const float*> seen(4);
+  std::vector<const std::byte*> together(seen.size());
+  std::vector<std::thread> threads;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    threads.emplace_back([&, i] {
+      seen[i] = view<LaserScan>(some.state).ranges().data();
+      together[i] = some.around.parts->put_together().body;
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (const float* one : seen) EXPECT_EQ(one, seen[0]);
+  for (const std::byte* one : together) EXPECT_EQ(one, together[0]);
+  EXPECT_NE(together[0], nullptr);
+}
+
+TEST_F(PartReaderTest, AHeaderThatChangesAfterwardsLeadsNowhereElse) {
+  const auto copies = copier<PointCloud2>();
+  for (int round = 0; round < rounds() && !HasFailure(); ++round) {
+    const PointCloud2 cloud = layouts.cloud();
+    const SampleHandle whole = sample(cloud);
+    const Reduced<PointCloud2> some(
+        *copies, whole, asked<PointCloud2>(selection<PointCloud2>("data", cloud.height, cloud.width, true)));
+    const detail::SampleLayout layout(type_support<PointCloud2>().slots());
+    for (std::byte* at = whole->data + layout.body_offset; at < whole->data + layout.body_offset + 64; ++at)
+      *at = static_cast<std::byte>(random());
+    if (some.around.parts == nullptr) continue;
+    std::size_t sum = 0;  // a sanitizer sees what is read beyond the sample
+    for (const auto byte : view<PointCloud2>(some.state).data()) sum += byte;
+    if (const auto points = view<PointCloud2>(some.state).points<float>("x")) {
+      for (const auto& [x] : *points) sum += x != 0 ? 1 : 0;
+    }
+    EXPECT_GE(sum, 0U);
+  }
+}
+
+}  // namespace
+}  // namespace sft::core

@@ -1,0 +1,58 @@
+#include "sft/detail/declared_selection.h"
+
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace sft::detail {
+
+namespace {
+
+Selection::Range range_of(const DeclaredRange& declared) {
+  return {.begin = declared.begin,
+          .end = declared.end == 0 ? Selection::Range::no_end : declared.end,
+          .step = declared.step == 0 ? 1 : declared.step};
+}
+
+Selection::Part part_of(const DeclaredPart& declared) {
+  Selection::Part part{
+      .leaf = declared.leaf, .rows = range_of(declared.rows), .columns = range_of(declared.columns)};
+  std::string_view names = declared.channels.data();
+  while (!names.empty()) {
+    const std::size_t comma = names.find(',');
+    part.channels.emplace_back(names.substr(0, comma));
+    names.remove_prefix(comma + 1);
+  }
+  return part;
+}
+
+}  // namespace
+
+Result<Selection> declared_selection(const FieldMask& mask, const DeclaredParts& parts) {
+  std::vector<Selection::Part> declared;
+  for (const DeclaredPart& part : parts) {
+    if (!part.is_whole()) declared.push_back(part_of(part));
+  }
+  return Selection::make(mask, std::move(declared), {});
+}
+
+Result<Selection> selection_within(const TypeSupport& type, const Selection& declared,
+                                   std::string_view text) {
+  const Result<Selection> named = type.parse_selection(text);
+  if (!named) return named;
+  const FieldMask all = type.closed(declared).mask();
+  if (!all.contains(named->mask())) {
+    return fail(Errc::invalid_argument, "'" + std::string(text) +
+                                            "' names fields that the subscriber does not declare: " +
+                                            type.format_mask(named->mask() - all));
+  }
+  const std::span<const Selection::Part> named_parts = named->parts();
+  std::vector<Selection::Part> parts(named_parts.begin(), named_parts.end());
+  for (const Selection::Part& part : declared.parts()) {
+    if (!named->mask().contains(part.leaf)) parts.push_back(part);
+  }
+  return Selection::make(all, std::move(parts), named->gate());
+}
+
+}  // namespace sft::detail
