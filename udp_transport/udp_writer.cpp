@@ -21,7 +21,7 @@ GroupKeeper::Setup groups_of(const core::WriterSpec& spec, SendSide& side,
                              std::shared_ptr<WriterTally> tally) {
   GroupKeeper::Setup setup;
   setup.writer = static_cast<std::uint32_t>(spec.id);
-  setup.type = &spec.type->type();
+  setup.type = spec.type;
   setup.use = side.multicast;
   setup.report_port = side.answer_port;
   setup.queue_depth = side.queue_depth;

@@ -71,9 +71,10 @@ detail::untyped::Sample SubscriberCore::take_latest() {
 /// Leaves in the sample only what was asked for. False if a reader on another host would have missed the
 /// sample. Views of compiled types read parts of fields where they are; others read one body.
 bool SubscriberCore::reduce(Delivery& delivery) {
-  if (spec_.requirement.limits_samples) {
-    delivery.sample = remote_->of(std::move(delivery.sample), *delivery.asked->plan);
-  } else {
+  const detail::ProjectionPlan* const plan = delivery.asked->plan.get();
+  if (plan != nullptr && spec_.requirement.limits_samples) {
+    delivery.sample = remote_->of(std::move(delivery.sample), *plan);
+  } else if (plan != nullptr) {
     RemoteCopy::InPlace reduced = remote_->in_place(std::move(delivery.sample), delivery.asked);
     delivery.sample = std::move(reduced.sample);
     delivery.parts = reduced.parts;

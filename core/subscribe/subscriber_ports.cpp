@@ -85,13 +85,17 @@ SubscriberPorts::Next SubscriberPorts::next() {
   return next;
 }
 
+/// A merged sample names no request: it has whole fields, and is for each request without
+/// conditions that it contains. The present one comes first.
 void SubscriberPorts::settle(Next& next) {
   next.is_copied = intake_.is_copied(next.info.transport);
   if (!next.is_copied && !tells_asked_) return;
   next.asked = asked_;
   if (next.info.transport == TransportKind::shm) return;
   const auto is_it = [&sample = *next.sample](const auto& asked) {
-    return asked->selection.parts_hash() == sample.parts && asked->selection.mask() == sample.mask;
+    const Selection& selection = asked->selection;
+    if (sample.merged) return selection.gate().is_open() && sample.mask.contains(selection.mask());
+    return selection.parts_hash() == sample.parts && selection.mask() == sample.mask;
   };
   if (is_it(asked_)) return;
   const auto known = std::ranges::find_if(earlier_, is_it);
@@ -158,7 +162,8 @@ void SubscriberPorts::requests(std::shared_ptr<const Asked> asked, std::uint64_t
   const Lock lock(mutex_);
   requests_ = sequence;
   if (asked == nullptr) return;
-  intake_.copy(asked->plan != nullptr, asked->from_network);
+  takes_parts_ = takes_parts_ || asked->from_network;
+  intake_.copy(asked->plan != nullptr, takes_parts_);
   intake_.accounts().ask_conditions(asked->selection.gate_hash());
   if (asked_ != nullptr) earlier_.insert(earlier_.begin(), std::move(asked_));
   if (earlier_.size() > earlier_max) earlier_.pop_back();

@@ -24,7 +24,8 @@ class SubscriberPorts {
     /// The request that the sample is delivered under: one of those before if it has parts that only that one
     /// asked for. Null if nobody asks.
     std::shared_ptr<const Asked> asked{};
-    /// The sample has to be copied, reduced to what is asked for, and then reported to copied().
+    /// The sample has to be copied, reduced to what is asked for, and then reported to copied(). It stays as
+    /// it is if the request has no plan.
     bool is_copied = false;
   };
 
@@ -101,6 +102,8 @@ class SubscriberPorts {
   std::shared_ptr<const Asked> asked_ SFT_GUARDED_BY(mutex_);
   std::vector<std::shared_ptr<const Asked>> earlier_ SFT_GUARDED_BY(mutex_);  ///< the latest first
   std::uint64_t requests_ SFT_GUARDED_BY(mutex_) = 1;
+  /// Some request had parts, which may have to be taken out of samples that are still under way.
+  bool takes_parts_ SFT_GUARDED_BY(mutex_) = false;
   /// Some writer in shared memory waits for room. Written with the mutex held, read without it.
   std::atomic<bool> writers_wait_{false};
 };

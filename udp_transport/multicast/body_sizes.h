@@ -1,12 +1,17 @@
-// The lengths of a writer's bodies under any mask, which the cost model asks for. They are measured on
-// samples as these are published, seldom.
+// The lengths of a writer's bodies under any mask, and with the parts of fields that readers ask for. The
+// cost model asks for them. They are measured on samples as these are published, seldom.
 #pragma once
 
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
 
+#include "core/sync/published.h"
 #include "udp_transport/multicast/leaf_sizes.h"
+#include "udp_transport/multicast/part_size.h"
 
 namespace sft::udp {
 
@@ -27,26 +32,43 @@ class BodySizes {
     if (!is_asked_for && now - measured_at_ < pause) return;
     measured_at_ = now;
     leaves_.measure(sample);
+    const Parts* const parts = parts_.load();
+    if (parts == nullptr) return;
+    for (const auto& part : *parts) part->measure(sample);
   }
+
+  // The agent's thread.
+
+  /// These selections are measured from now on, as far as they have parts, and no others. `type` outlives
+  /// this object.
+  void follow(const TypeSupport& type, std::span<const Selection> selections);
+  /// Samples with all of these fields have been measured, and parts of them, too. The parts are followed.
+  bool known(const Selection& selection) const;
+  /// Returns the length of a body with just that. Its parts are followed; otherwise they count as whole.
+  double bytes_of(const Selection& selection) const;
+  /// Null if the selection has no parts, or is not followed.
+  std::shared_ptr<const PartSize> part_size(const Selection& selection) const;
 
   // Any thread.
 
   /// The next sample is measured: somebody asks for other fields.
   void measure_next() { asked_for_.store(true, std::memory_order_relaxed); }
-  /// Samples with all of these fields have been measured.
-  bool known(const FieldMask& fields) const { return leaves_.known(fields); }
   double bytes_of(const FieldMask& fields) const { return leaves_.bytes(fields); }
   std::uint64_t samples() const { return samples_.load(std::memory_order_relaxed); }
   /// Some were published together since last asked.
   bool take_several() { return several_.exchange(false, std::memory_order_relaxed); }
 
  private:
+  using Parts = std::vector<std::shared_ptr<PartSize>>;
+
   static constexpr std::chrono::milliseconds pause{100};
 
   LeafSizes leaves_;
   std::atomic<std::uint64_t> samples_{0};
   std::atomic<bool> several_{false}, asked_for_{false};
-  Time measured_at_{};  ///< used by the publisher's thread
+  Time measured_at_{};            ///< used by the publisher's thread
+  Parts followed_;                ///< used by the agent's thread
+  core::Published<Parts> parts_;  ///< the same, for the publisher's thread
 };
 
 }  // namespace sft::udp

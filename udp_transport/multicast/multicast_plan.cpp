@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "udp_transport/multicast/one_copy.h"
 #include "udp_transport/multicast/plan_search.h"
 
 namespace sft::udp {
@@ -63,10 +64,8 @@ class LinkPlan {
     std::map<std::size_t, PlannedGroup> groups;
     for (std::size_t kind = 0; kind < kinds_.size(); ++kind) {
       if (places_[kind] == PlanSearch::alone) continue;
-      PlannedGroup& group =
-          groups.try_emplace(places_[kind], PlannedGroup{FieldMask(kinds_[kind].fields.leaves()), {}})
-              .first->second;
-      group.fields |= kinds_[kind].fields;
+      PlannedGroup& group = groups[places_[kind]];
+      add_to_copy(group.fields, kinds_[kind].fields, group.members.empty());
       group.members.insert(group.members.end(), members_[kind].begin(), members_[kind].end());
     }
     for (auto& [place, group] : groups) {

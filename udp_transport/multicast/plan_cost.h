@@ -7,24 +7,24 @@
 #include <functional>
 #include <vector>
 
-#include "sft/mask.h"
+#include "sft/selection.h"
 
 namespace sft::udp {
 
-/// Bytes of a body that has these fields.
-using BodyBytes = std::function<double(const FieldMask&)>;
+/// Bytes of a body that has these fields, and parts of fields.
+using BodyBytes = std::function<double(const Selection&)>;
 
 /// A process that may be in a group.
 struct PlanDestination {
-  FieldMask fields{};              ///< that some reader there asks for
-  double alone_bytes = 0;          ///< on the wire, if each of its masks is sent there alone
+  Selection fields{};              ///< one_copy() for all its readers
+  double alone_bytes = 0;          ///< on the wire, if what each of them asks for is sent there alone
   std::size_t link = 0;            ///< a group is behind one link
   std::size_t datagram_bytes = 0;  ///< that its path takes
   bool is_new = false;             ///< it was not there, or had other fields, when the present plan was made
 };
 
 struct PlannedGroup {
-  FieldMask fields;                  ///< sent to it: all those of its members
+  Selection fields;                  ///< sent to it: one_copy() for its members
   std::vector<std::size_t> members;  ///< ascending; places of destinations
   friend bool operator==(const PlannedGroup&, const PlannedGroup&) = default;
 };

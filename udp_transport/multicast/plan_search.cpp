@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "udp_transport/multicast/all_partitions.h"
+#include "udp_transport/multicast/one_copy.h"
 
 namespace sft::udp {
 
@@ -67,10 +68,11 @@ PlanSearch::Group PlanSearch::with(const Group& group, std::size_t kind) const {
 
 /// Bytes are counted again only if more fields or shorter datagrams are sent than before.
 PlanSearch::Group PlanSearch::united(Group group, const Group& other) const {
-  if (group.kinds.empty()) group.fields = FieldMask(other.fields.leaves());
-  const bool is_same = group.destinations > 1 && group.fields.contains(other.fields) &&
-                       group.datagram_bytes <= other.datagram_bytes;
-  group.fields |= other.fields;
+  Selection fields = group.fields;
+  add_to_copy(fields, other.fields, group.kinds.empty());
+  const bool is_same =
+      group.destinations > 1 && fields == group.fields && group.datagram_bytes <= other.datagram_bytes;
+  group.fields = std::move(fields);
   group.datagram_bytes = std::min(group.datagram_bytes, other.datagram_bytes);
   group.destinations += other.destinations;
   group.kinds.insert(group.kinds.end(), other.kinds.begin(), other.kinds.end());
@@ -80,11 +82,10 @@ PlanSearch::Group PlanSearch::united(Group group, const Group& other) const {
 
 PlanSearch::Group PlanSearch::without(const Group& group, std::size_t kind) const {
   Group rest;
-  rest.fields = FieldMask(group.fields.leaves());
   for (const std::size_t other : group.kinds) {
     if (other == kind) continue;
+    add_to_copy(rest.fields, kinds_[other].fields, rest.kinds.empty());
     rest.kinds.push_back(other);
-    rest.fields |= kinds_[other].fields;
     rest.datagram_bytes = std::min(rest.datagram_bytes, kinds_[other].datagram_bytes);
     rest.destinations += kinds_[other].destinations;
   }
@@ -108,9 +109,8 @@ void PlanSearch::begin(const Places& places) {
       continue;
     }
     Group& group = groups_[places_[kind]];
-    if (group.kinds.empty()) group.fields = FieldMask(kinds_[kind].fields.leaves());
+    add_to_copy(group.fields, kinds_[kind].fields, group.kinds.empty());
     group.kinds.push_back(kind);
-    group.fields |= kinds_[kind].fields;
     group.datagram_bytes = std::min(group.datagram_bytes, kinds_[kind].datagram_bytes);
     group.destinations += kinds_[kind].destinations;
   }

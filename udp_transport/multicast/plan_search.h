@@ -13,7 +13,7 @@ namespace sft::udp {
 /// Destinations that are treated alike. (To split them would only ever pay where one of them gives a group
 /// its second member, so that another one gets its several masks at once.)
 struct PlanKind {
-  FieldMask fields;
+  Selection fields;
   double alone_bytes = 0;  ///< of each
   std::size_t datagram_bytes = 0;
   std::size_t destinations = 1;
@@ -43,7 +43,7 @@ class PlanSearch {
  private:
   struct Group {
     std::vector<std::size_t> kinds{};
-    FieldMask fields{};
+    Selection fields{};
     std::size_t datagram_bytes = SIZE_MAX;
     std::size_t destinations = 0;
     double together = 0;  ///< bytes of one copy under `fields`

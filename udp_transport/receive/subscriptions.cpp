@@ -32,7 +32,8 @@ void join(Stream& stream, const TypeSupport* type, const core::Source& source,
 
 }  // namespace
 
-/// A sample for this reader alone has waited behind the history, and may come late.
+/// A sample for this reader alone has waited behind the history, and may come late. A merged sample has whole
+/// fields, of which the reader takes its parts.
 bool Subscriber::accepts(const core::SampleBuffer& sample, std::uint64_t first_request) const {
   const bool for_one = sample.addressee != 0;
   if (for_one && sample.addressee != reader) return false;
@@ -40,9 +41,9 @@ bool Subscriber::accepts(const core::SampleBuffer& sample, std::uint64_t first_r
     const core::Wanted& w = a.wanted;
     if (!for_one && a.request < first_request) return false;
     const FieldMask& mask = w.selection.mask();
-    if (w.selection.parts_hash() != sample.parts) return false;
     if (core::gate_id(w.selection.gate_hash(), sample.min_period_us) != sample.gate) return false;
     if (sample.merged) return w.min_period_us == 0 && sample.mask.contains(mask);
+    if (w.selection.parts_hash() != sample.parts) return false;
     return (for_one || w.min_period_us == sample.min_period_us) && mask == sample.mask;
   });
 }

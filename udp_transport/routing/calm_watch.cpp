@@ -9,7 +9,7 @@ namespace {
 
 bool is_same(const CalmWatch::Asked& a, const CalmWatch::Asked& b) {
   return a.reliable == b.reliable && a.gets_more == b.gets_more &&
-         std::ranges::is_permutation(a.masks, b.masks);
+         std::ranges::is_permutation(a.selections, b.selections);
 }
 
 CalmWatch::Duration calm_after_changes(int changes) {

@@ -1,14 +1,14 @@
-// Notes since when each destination of a writer has asked for the same fields. One whose masks have just
-// changed, or change often, is in no multicast group: each change of a member makes another group for all of
-// them. A new destination only has the time to say what all its readers ask for. Pure: what is asked for and
-// times go in, answers come out.
+// Notes since when each destination of a writer has asked for the same. One that has just asked for other
+// fields or parts, or does so often, is in no multicast group: each change of a member makes another group
+// for all of them. A new destination only has the time to say what all its readers ask for. Pure: what is
+// asked for and times go in, answers come out.
 #pragma once
 
 #include <chrono>
 #include <map>
 #include <vector>
 
-#include "sft/mask.h"
+#include "sft/selection.h"
 #include "udp_transport/io/datagram_io.h"
 
 namespace sft::udp {
@@ -20,7 +20,7 @@ class CalmWatch {
 
   /// A change of one of these makes another group.
   struct Asked {
-    std::vector<FieldMask> masks{};  ///< in any order, none twice
+    std::vector<Selection> selections{};  ///< in any order, none twice
     bool reliable = false;
     bool gets_more = false;  ///< than a group is sent
   };

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "udp_transport/io/interfaces.h"
+#include "udp_transport/multicast/one_copy.h"
 
 namespace sft::udp {
 
@@ -25,7 +26,7 @@ bool holds(const Range& range, const Value& value) {
 
 GroupKeeper::GroupKeeper(Setup setup)
     : setup_(std::move(setup)),
-      too_many_leaves_(leaf_count(*setup_.type) > leaves_in_groups_max),
+      too_many_leaves_(setup_.type->leaves() > leaves_in_groups_max),
       sharing_(setup_.limits.wire_max) {}
 
 void GroupKeeper::merge(std::vector<RouteBundle>& routes, Time now) {
@@ -57,17 +58,15 @@ void GroupKeeper::look_at(const RouteBundle& bundle, Time now) {
     Candidate& candidate = known->second;
     if (is_new) candidate.to = to;
     if (is_new) choose_link(candidate, now);
-    if (!bundle.wanted.selection.is_mask())
-      candidate.refusal = "a reader there asks for parts of fields, or has conditions";
+    const Selection& asked = bundle.wanted.selection;
+    if (!asked.gate().is_open()) candidate.refusal = "a reader there has conditions";
     if (bundle.gate != nullptr && bundle.gate->id() == 0)
       candidate.refusal = "a reader there has a maximum rate";
     if (bundle.late_reader != 0) candidate.refusal = "a reader there is sent what was retained";
     if (bundle.fallback) candidate.refusal = "a reader there is served in shared memory";
-    candidate.gets_more |= bundle.is_for_more_than_a_mask();
-    if (!holds(candidate.masks, bundle.wanted.selection.mask()))
-      candidate.masks.push_back(bundle.wanted.selection.mask());
-    if (is_new) candidate.fields = bundle.wanted.selection.mask();
-    candidate.fields |= bundle.wanted.selection.mask();
+    candidate.gets_more |= bundle.is_for_some_samples();
+    add_to_copy(candidate.together, asked, is_new);
+    if (!holds(candidate.asked, asked)) candidate.asked.push_back(asked);
     candidate.reliable = candidate.reliable || bundle.reliable.contains(to.get());
   }
 }
@@ -76,7 +75,7 @@ void GroupKeeper::await_calm(Time now) {
   calm_.begin_look();
   for (auto& [to, candidate] : candidates_) {
     const SocketAddress address = to->path().address();
-    calm_.note(address, {candidate.masks, candidate.reliable, candidate.gets_more}, now);
+    calm_.note(address, {candidate.asked, candidate.reliable, candidate.gets_more}, now);
     candidate.calm_at = calm_.calm_at(address);
   }
   calm_.end_look(now);
@@ -116,10 +115,18 @@ void GroupKeeper::choose_sizes(Time now) {
   sizes_ = nullptr;
   if (possible(Time::max()) == 0 && !sharing_.is_possible()) return;
   if (measured_ == nullptr) {
-    measured_ = std::make_shared<BodySizes>(*setup_.type);
+    measured_ = std::make_shared<BodySizes>(setup_.type->type());
     rate_.emplace(now);
   }
   sizes_ = measured_;
+  std::vector<Selection> asked;
+  for (const auto& [to, candidate] : candidates_)
+    asked.insert(asked.end(), candidate.asked.begin(), candidate.asked.end());
+  sizes_->follow(*setup_.type, asked);
+}
+
+bool GroupKeeper::knows_sizes_of(const Candidate& candidate) const {
+  return std::ranges::all_of(candidate.asked, [&](const Selection& one) { return sizes_->known(one); });
 }
 
 /// A destination that cannot be in a group any more, or asks for something else, is served alone from now on.
@@ -181,16 +188,17 @@ std::vector<PlanDestination> GroupKeeper::plan_destinations(std::vector<const De
   std::vector<PlanDestination> destinations;
   for (const auto& [to, candidate] : candidates_) {
     if (!is_calm(candidate, now)) continue;
-    if (!sizes_->known(candidate.fields)) {
+    if (!knows_sizes_of(candidate)) {
       sizes_->measure_next();
       if (!is_planned(to)) continue;
     }
     const std::size_t datagram_bytes = to->path().datagram_bytes();
     const PlaceMark mark = candidate.reliable ? PlaceMark::in_channel : PlaceMark::none;
-    const double alone = sharing_.bytes_to(to, candidate.masks, mark, *sizes_);
+    const double alone = sharing_.bytes_to(to, candidate.asked, mark, *sizes_);
     const auto known = planned_for_.destinations.find(to);
-    const bool is_new = known == planned_for_.destinations.end() || known->second.fields != candidate.fields;
-    destinations.push_back({candidate.fields, alone, *candidate.link, datagram_bytes, is_new});
+    const bool is_new =
+        known == planned_for_.destinations.end() || known->second.fields != candidate.together;
+    destinations.push_back({candidate.together, alone, *candidate.link, datagram_bytes, is_new});
     places.push_back(to);
   }
   return destinations;
@@ -218,8 +226,8 @@ bool GroupKeeper::someone_came(Time now) const {
   return sizes_ != nullptr && std::ranges::any_of(candidates_, [&](const auto& item) {
            const auto known = planned_for_.destinations.find(item.first);
            const bool is_new =
-               known == planned_for_.destinations.end() || known->second.fields != item.second.fields;
-           return is_new && is_calm(item.second, now) && sizes_->known(item.second.fields);
+               known == planned_for_.destinations.end() || known->second.fields != item.second.together;
+           return is_new && is_calm(item.second, now) && knows_sizes_of(item.second);
          });
 }
 
@@ -261,10 +269,9 @@ bool GroupKeeper::plan(Time now) {
   MulticastPlan present;
   for (const Planned& planned : planned_) {
     PlannedGroup& group = present.emplace_back();
-    group.fields = FieldMask(leaf_count(*setup_.type));
     for (std::size_t i = 0; i < places.size(); ++i) {
       if (!holds(planned.members, places[i])) continue;
-      group.fields |= destinations[i].fields;
+      add_to_copy(group.fields, destinations[i].fields, group.members.empty());
       group.members.push_back(i);
     }
   }
@@ -272,7 +279,7 @@ bool GroupKeeper::plan(Time now) {
   planned_for_ = {.samples_per_s = rate_->per_s()};
   for (std::size_t i = 0; i < places.size(); ++i)
     planned_for_.destinations.emplace(places[i], destinations[i]);
-  const auto body_bytes = [this](const FieldMask& fields) { return sizes_->bytes_of(fields); };
+  const auto body_bytes = [this](const Selection& sent) { return sizes_->bytes_of(sent); };
   const MulticastPlan plan = plan_multicast(destinations, body_bytes, rate_->per_s(), present, setup_.limits);
   if (std::ranges::is_permutation(plan, present)) return false;
   std::vector<Planned> next;
@@ -348,8 +355,9 @@ void GroupKeeper::explain(const std::vector<RouteBundle>& routes, Time now) {
     for (const auto& [reader, to] : bundle.readers) {
       const Candidate& candidate = candidates_.at(to);
       const bool waits = several && candidate.refusal.empty() && !is_calm(candidate, now);
-      readers[reader] = {to, waits ? restless : candidate.refusal, bundle.wanted.selection.mask(),
-                         sharing_.shares(to)};
+      const Selection& asked = bundle.wanted.selection;
+      readers[reader] = {to, waits ? restless : candidate.refusal, asked,
+                         sizes_ == nullptr ? nullptr : sizes_->part_size(asked), sharing_.shares(to)};
     }
   }
   reasons_.set_readers(std::move(readers), sizes_, several);

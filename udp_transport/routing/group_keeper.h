@@ -34,7 +34,7 @@ class GroupKeeper {
                                                              std::size_t datagram_bytes)>;
   struct Setup {
     std::uint32_t writer = 0;
-    const StructType* type = nullptr;  ///< outlives it
+    const TypeSupport* type = nullptr;  ///< outlives it
     Multicast use = Multicast::automatic;
     std::uint16_t report_port = 0;
     std::size_t queue_depth = 4;
@@ -49,9 +49,9 @@ class GroupKeeper {
 
   // While routes are made anew, one after the other:
 
-  /// Puts what goes to the members of each group into one: under the union of their masks. Whoever came just
-  /// now, or asks for something else, is served alone until it is calm. Readers of one process may share a
-  /// copy, too.
+  /// Puts what goes to the members of each group into one, which serves all of them. Whoever came just now,
+  /// or asks for something else, is served alone until it is calm. Readers of one process may share a copy,
+  /// too.
   void merge(std::vector<RouteBundle>& routes, Time now);
   /// The group at that place with these members, known or new.
   std::shared_ptr<MulticastGroup> find(std::size_t place, std::vector<MulticastGroup::Member> members);
@@ -74,8 +74,8 @@ class GroupKeeper {
  private:
   struct Candidate {
     std::shared_ptr<Destination> to;
-    std::vector<FieldMask> masks{};
-    FieldMask fields{};  ///< of all masks
+    std::vector<Selection> asked{};
+    Selection together{};  ///< one_copy() for all of them
     bool reliable = false;
     bool gets_more = false;             ///< than a group is sent
     Time calm_at{};                     ///< before, it is in no group
@@ -103,6 +103,7 @@ class GroupKeeper {
   std::size_t possible(Time now) const;
   void choose_link(Candidate& candidate, Time now) const;
   void choose_sizes(Time now);
+  bool knows_sizes_of(const Candidate& candidate) const;
   void keep_possible(Time now);
   void merge(const Planned& planned, std::vector<RouteBundle>& routes) const;
   bool plan(Time now);

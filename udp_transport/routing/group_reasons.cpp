@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "udp_transport/multicast/one_copy.h"
+
 namespace sft::udp {
 
 void GroupReasons::set_readers(Readers readers, std::shared_ptr<BodySizes> sizes, bool several) {
@@ -51,12 +53,13 @@ std::string GroupReasons::alone(const Reader& reader) const {
 
 template <class IsThere>
 std::string GroupReasons::unwanted(const Reader& reader, const IsThere& is_there) const {
-  FieldMask fields = reader.fields;
+  Selection sent = reader.asked;
   for (const auto& [id, other] : readers_) {
-    if (is_there(other.to)) fields |= other.fields;
+    if (is_there(other.to)) sent = one_copy(sent, other.asked);
   }
-  if (sizes_ == nullptr || fields == reader.fields) return "";
-  const double bytes = sizes_->bytes_of(fields) - sizes_->bytes_of(reader.fields);
+  if (sizes_ == nullptr || sent == reader.asked) return "";
+  const double part_less = reader.part == nullptr ? 0 : reader.part->bytes_less();
+  const double bytes = sizes_->bytes_of(sent.mask()) - sizes_->bytes_of(reader.asked.mask()) + part_less;
   return ", which adds " + std::to_string(std::lround(bytes)) + " bytes to a sample that others asked for";
 }
 

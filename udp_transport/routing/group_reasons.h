@@ -19,9 +19,10 @@ class GroupReasons {
  public:
   struct Reader {
     const Destination* to = nullptr;
-    std::string refusal{};  ///< why it cannot be in a group; empty: it can
-    FieldMask fields{};     ///< that it asks for
-    bool shares = false;    ///< all readers there are sent one copy if they are in no group
+    std::string refusal{};                   ///< why it cannot be in a group; empty: it can
+    Selection asked{};                       ///< what it asks for
+    std::shared_ptr<const PartSize> part{};  ///< of that, if it has parts and they are measured
+    bool shares = false;                     ///< all readers there are sent one copy if they are in no group
   };
   using Readers = std::map<core::EndpointId, Reader>;
   using Groups = std::vector<std::shared_ptr<MulticastGroup>>;

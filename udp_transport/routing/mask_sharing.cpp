@@ -4,6 +4,8 @@
 #include <set>
 #include <utility>
 
+#include "udp_transport/multicast/one_copy.h"
+
 namespace sft::udp {
 
 void MaskSharing::look_at(const std::vector<RouteBundle>& routes) {
@@ -11,24 +13,23 @@ void MaskSharing::look_at(const std::vector<RouteBundle>& routes) {
   std::set<const Destination*> gets_more;
   for (const RouteBundle& bundle : routes) {
     for (const std::shared_ptr<Destination>& to : bundle.destinations) {
-      if (bundle.is_for_more_than_a_mask()) gets_more.insert(to.get());
+      if (bundle.is_for_some_samples()) gets_more.insert(to.get());
       Place& place = places[to.get()];
-      place.masks.push_back(bundle.wanted.selection.mask());
+      add_to_copy(place.together, bundle.wanted.selection, place.asked.empty());
+      place.asked.push_back(bundle.wanted.selection);
       place.datagram_bytes = to->path().datagram_bytes();
       if (bundle.reliable.contains(to.get())) place.mark = PlaceMark::in_channel;
     }
   }
   std::erase_if(places, [&](const auto& item) {
-    return item.second.masks.size() < 2 || gets_more.contains(item.first);
+    return item.second.asked.size() < 2 || gets_more.contains(item.first);
   });
   for (auto& [to, place] : places) {
-    place.fields = FieldMask(place.masks.front().leaves());
-    for (const FieldMask& mask : place.masks) place.fields |= mask;
     const auto before = several_.find(to);
     if (before == several_.end()) continue;
     place.shares = before->second.shares;
     place.is_decided =
-        before->second.is_decided && std::ranges::is_permutation(place.masks, before->second.masks);
+        before->second.is_decided && std::ranges::is_permutation(place.asked, before->second.asked);
   }
   several_ = std::move(places);
 }
@@ -39,7 +40,7 @@ bool MaskSharing::decide(BodySizes& sizes, Time now) {
   bool changed = false;
   for (auto& [to, place] : several_) {
     if (place.is_decided && !all) continue;
-    if (!sizes.known(place.fields)) {
+    if (!is_known(place, sizes)) {
       sizes.measure_next();
       continue;
     }
@@ -52,15 +53,20 @@ bool MaskSharing::decide(BodySizes& sizes, Time now) {
 
 bool MaskSharing::is_undecided(const BodySizes& sizes) const {
   return std::ranges::any_of(
-      several_, [&](const auto& item) { return !item.second.is_decided && sizes.known(item.second.fields); });
+      several_, [&](const auto& item) { return !item.second.is_decided && is_known(item.second, sizes); });
 }
 
-/// One copy never has more bytes than all copies together. But a reader of few fields then waits for many.
+bool MaskSharing::is_known(const Place& place, const BodySizes& sizes) {
+  return std::ranges::all_of(place.asked, [&](const Selection& one) { return sizes.known(one); });
+}
+
+/// One copy of whole fields never has more bytes than all copies together. But a reader of few fields then
+/// waits for many.
 bool MaskSharing::is_better_shared(const Place& place, const BodySizes& sizes) const {
-  const double together = wire_bytes(sizes.bytes_of(place.fields), place.datagram_bytes, place.mark);
+  const double together = wire_bytes(sizes.bytes_of(place.together), place.datagram_bytes, place.mark);
   double apart = 0;
-  for (const FieldMask& mask : place.masks)
-    apart += wire_bytes(sizes.bytes_of(mask), place.datagram_bytes, place.mark);
+  for (const Selection& one : place.asked)
+    apart += wire_bytes(sizes.bytes_of(one), place.datagram_bytes, place.mark);
   return apart > (place.shares ? (1 + wire_max_) / 2 : wire_max_) * together;
 }
 
@@ -69,13 +75,13 @@ bool MaskSharing::shares(const Destination* to) const {
   return found != several_.end() && found->second.shares;
 }
 
-double MaskSharing::bytes_to(const Destination* to, const std::vector<FieldMask>& masks, PlaceMark place,
+double MaskSharing::bytes_to(const Destination* to, const std::vector<Selection>& asked, PlaceMark place,
                              const BodySizes& sizes) const {
   const std::size_t datagram_bytes = to->path().datagram_bytes();
   if (const auto found = several_.find(to); found != several_.end() && found->second.shares)
-    return wire_bytes(sizes.bytes_of(found->second.fields), datagram_bytes, place);
+    return wire_bytes(sizes.bytes_of(found->second.together), datagram_bytes, place);
   double bytes = 0;
-  for (const FieldMask& mask : masks) bytes += wire_bytes(sizes.bytes_of(mask), datagram_bytes, place);
+  for (const Selection& one : asked) bytes += wire_bytes(sizes.bytes_of(one), datagram_bytes, place);
   return bytes;
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "udp_transport/multicast/one_copy.h"
+
 namespace sft::udp {
 
 void RouteBundle::add(const std::shared_ptr<Destination>& to) {
@@ -10,7 +12,7 @@ void RouteBundle::add(const std::shared_ptr<Destination>& to) {
 }
 
 void RouteBundle::absorb(RouteBundle other) {
-  wanted.selection = wanted.selection.mask() | other.wanted.selection.mask();
+  add_to_copy(wanted.selection, other.wanted.selection, destinations.empty());
   for (const std::shared_ptr<Destination>& to : other.destinations) add(to);
   readers.insert(readers.end(), other.readers.begin(), other.readers.end());
   for (auto& [to, of_destination] : other.reliable) reliable[to].merge(of_destination);

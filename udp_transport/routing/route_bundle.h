@@ -27,14 +27,14 @@ struct RouteBundle {
   ReliableReaders reliable{};  ///< those of the readers that are served reliably
   /// The multicast group that sends to all of them; empty if none does.
   std::optional<std::size_t> multicast{};
-  /// The readers ask for different masks, of which this is the union.
+  /// The readers may ask for different things, and this is one_copy() for all of them.
   bool merged = false;
 
   void add(const std::shared_ptr<Destination>& to);
   void absorb(RouteBundle other);
-  /// The readers are sent something else than every sample under their mask, or by another way.
-  bool is_for_more_than_a_mask() const {
-    return gate != nullptr || late_reader != 0 || fallback || !wanted.selection.is_mask();
+  /// The readers are sent other samples than each one as it is published, or by another way.
+  bool is_for_some_samples() const {
+    return gate != nullptr || late_reader != 0 || fallback || !wanted.selection.gate().is_open();
   }
 };
 

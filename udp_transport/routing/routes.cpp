@@ -190,7 +190,7 @@ std::shared_ptr<const RouteTable> make_route_table(const TypeSupport& type,
                                                bundle.fallback,
                                                variant.wire,
                                                {}});
-    audience.merged = bundle.merged;
+    audience.merged = bundle.merged && bundle.wanted.selection.is_mask();
     for (const std::shared_ptr<Destination>& to : bundle.destinations) {
       const bool is_reliable = bundle.reliable.contains(to.get());
       audience.channels.push_back(is_reliable ? variants.channel(to, reliable.at(to.get())) : nullptr);

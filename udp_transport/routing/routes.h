@@ -38,7 +38,7 @@ struct Audience {
   /// first one of another mask. So no destination may be sent several masks: a reader there that changes from
   /// one mask to another would miss some samples.
   bool packs = false;
-  /// Readers of the audience ask for different masks, of which `wire` is the union.
+  /// Readers of the audience may ask for different things, and `wire` is a mask that contains all of them.
   bool merged = false;
 
   /// True if the present sample is for the audience. Used by the publisher's thread.

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tests/support/test_seed.h"
+#include "udp_transport/multicast/one_copy.h"
 #include "udp_transport/multicast/plan_search.h"
 
 namespace sft::udp {
@@ -25,9 +26,9 @@ using Masks = std::vector<FieldMask>;
 
 /// Bodies of fields with these sizes.
 BodyBytes apart(std::vector<double> bytes) {
-  return [bytes](const FieldMask& fields) {
+  return [bytes](const Selection& sent) {
     double all = 0;
-    for (const std::size_t leaf : fields) all += leaf < bytes.size() ? bytes[leaf] : 0;
+    for (const std::size_t leaf : sent.mask()) all += leaf < bytes.size() ? bytes[leaf] : 0;
     return all;
   };
 }
@@ -36,7 +37,7 @@ PlanDestination destination(const Masks& masks, const BodyBytes& bytes,
                             std::size_t datagrams = datagram_bytes) {
   PlanDestination to{.fields = FieldMask(64), .datagram_bytes = datagrams};
   for (const FieldMask& mask : masks) {
-    to.fields |= mask;
+    to.fields = one_copy(to.fields, mask);
     to.alone_bytes += wire_bytes(bytes(mask), datagrams, PlaceMark::none);
   }
   return to;
@@ -72,7 +73,7 @@ PlanCost plan_cost(const std::vector<PlanDestination>& destinations, const BodyB
 double wire_bytes_max(const std::vector<PlanDestination>& destinations, const BodyBytes& body_bytes) {
   PlannedGroup all{FieldMask(64), {}};
   for (std::size_t i = 0; i < destinations.size(); ++i) {
-    all.fields |= destinations[i].fields;
+    add_to_copy(all.fields, destinations[i].fields, all.members.empty());
     all.members.push_back(i);
   }
   const double together = plan_cost(destinations, body_bytes, {all}).wire;
@@ -207,7 +208,7 @@ TEST(MulticastPlan, CountsWhatMembersGetAndHaveNotAskedFor) {
   indifferent.wire_max = 2;
   PlanLimits usual;
   usual.wire_max = 2;
-  const BodyBytes nearly_equal = [](const FieldMask& fields) {
+  const BodyBytes nearly_equal = [](const Selection& fields) {
     return fields == (A | B) ? 1200.0 : fields == A ? 1100.0 : 300.0;
   };
   const std::vector<PlanDestination> all = destinations({A, A, B, B}, nearly_equal);
@@ -273,7 +274,7 @@ class RandomTask {
     for (std::size_t i = 0; i <= plan_.size() && i < PlanLimits{}.groups_max; ++i) {
       const MulticastPlan before = plan_;
       if (i == plan_.size()) plan_.push_back({FieldMask(64), {}});
-      plan_[i].fields |= all[kinds_[next][0]].fields;
+      add_to_copy(plan_[i].fields, all[kinds_[next][0]].fields, plan_[i].members.empty());
       plan_[i].members.insert(plan_[i].members.end(), kinds_[next].begin(), kinds_[next].end());
       place(next + 1);
       plan_ = before;
@@ -359,7 +360,7 @@ TEST_F(MulticastPlanTest, WeighsAboutAsManyUnionsAsThereAreMasks) {
     std::vector<PlanDestination> all;
     for (std::size_t i = 0; i < masks; ++i) all.push_back(destination({some(random())}, bytes));
     std::size_t weighed = 0;
-    const BodyBytes counted = [&](const FieldMask& fields) { return ++weighed, bytes(fields); };
+    const BodyBytes counted = [&](const Selection& fields) { return ++weighed, bytes(fields); };
     const MulticastPlan best = plan_multicast(all, counted, often, {}, {});
     const auto n = static_cast<double>(masks);
     EXPECT_LE(static_cast<double>(weighed), 100 * n * std::log2(n)) << masks;

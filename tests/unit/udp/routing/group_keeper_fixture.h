@@ -34,10 +34,10 @@ class GroupKeeperTest : public testing::Test {
   GroupKeeperTest() { restart(Multicast::automatic); }
 
   void restart(Multicast use, std::uint32_t writer = 7) {
-    keeper_ = std::make_unique<GroupKeeper>(setup(type_support<Image>().type(), use, writer));
+    keeper_ = std::make_unique<GroupKeeper>(setup(type_support<Image>(), use, writer));
   }
 
-  GroupKeeper::Setup setup(const StructType& type, Multicast use, std::uint32_t writer) {
+  GroupKeeper::Setup setup(const TypeSupport& type, Multicast use, std::uint32_t writer) {
     GroupKeeper::Setup setup;
     setup.writer = writer;
     setup.type = &type;

@@ -397,7 +397,8 @@ TEST_F(GroupKeeperTest, MakesNoGroupForATypeWithTooManyFields) {
     std::vector<StructType::Member> members;
     for (const std::string& name : names)
       members.push_back({.name = name, .kind = StructType::Member::Kind::uint8});
-    const StructType type("test::Large", members);
+    const StructType large("test::Large", members);
+    const TypeSupport type(large);
     keeper_ = std::make_unique<GroupKeeper>(setup(type, Multicast::automatic, 7));
     routes_.clear();
     for (std::uint32_t host = 10; host < 12; ++host)
