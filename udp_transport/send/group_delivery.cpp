@@ -1,13 +1,15 @@
 #include "udp_transport/send/group_delivery.h"
 
 #include <chrono>
+#include <utility>
 
 namespace sft::udp {
 
 /// Each reliable member keeps the job in its channel: for repairs, or to send it itself while the member does
 /// not hear the group or has no room. Copies for the best-effort members that do not hear the group have no
 /// mark of the group.
-std::size_t GroupDelivery::send(const Audience& audience, const core::SampleHandle& sample) {
+std::size_t GroupDelivery::send(const Audience& audience, const core::SampleHandle& sample,
+                                const core::SampleHandle& body) {
   MulticastGroup& group = *audience.multicast;
   Job& job = draft_.job();
   await_room(audience);
@@ -17,7 +19,7 @@ std::size_t GroupDelivery::send(const Audience& audience, const core::SampleHand
   direct_.begin_sample();
   audience.tally->sent(job.first.total, job.whole_bytes, 1);
   std::size_t missed = 0;
-  if (!small) draft_.keep_in_channels(sample, side_->pool);
+  if (!small) draft_.keep_in_channels(body, side_->pool);
   for (std::size_t i = 0; i < audience.lanes.size(); ++i) {
     if (audience.channels[i] == nullptr) continue;
     if (small) draft_.copy_for_channel();
@@ -28,7 +30,7 @@ std::size_t GroupDelivery::send(const Audience& audience, const core::SampleHand
     // Channels share the job by now. Its own header is for the group alone.
     job.first.flags |= group_follows;
     job.first.group = {group.name().number, static_cast<std::uint32_t>(sample->sequence >> 32), ordinal};
-    missed += send_to_group(audience, sample) ? 0 : 1;
+    missed += send_to_group(audience, body) ? 0 : 1;
   }
   draft_.release();
   return others.some_do_not ? missed + send_to_the_deaf(audience, sample) : missed;
@@ -46,12 +48,14 @@ void GroupDelivery::await_room(const Audience& audience) {
 
 /// Sends to the best-effort members that do not hear the group.
 std::size_t GroupDelivery::send_to_the_deaf(const Audience& audience, const core::SampleHandle& sample) {
-  if (!encoder_.encode(audience, *sample, draft_.begin())) return 0;
+  Job& job = draft_.begin();
+  if (!encoder_.encode(audience, *sample, job)) return 0;
+  const core::SampleHandle parts = std::exchange(job.sample, {});
   direct_.begin_sample();
   std::size_t missed = 0;
   for (std::size_t i = 0; i < audience.lanes.size(); ++i) {
     if (audience.channels[i] == nullptr && !audience.multicast->hears(i))
-      missed += unicast_.send(audience, i, sample);
+      missed += unicast_.send(audience, i, parts ? parts : sample);
   }
   draft_.release();
   return missed;
@@ -68,7 +72,7 @@ std::size_t GroupDelivery::keep_for(const Audience& audience, std::size_t member
 }
 
 /// False if the group does not get the sample, or loses an older one for it.
-bool GroupDelivery::send_to_group(const Audience& audience, const core::SampleHandle& sample) {
+bool GroupDelivery::send_to_group(const Audience& audience, const core::SampleHandle& body) {
   MulticastGroup& group = *audience.multicast;
   const std::shared_ptr<Lane>& lane = group.lane();
   Job& job = draft_.job();
@@ -83,7 +87,7 @@ bool GroupDelivery::send_to_group(const Audience& audience, const core::SampleHa
   }
   const SendOutcome outcome = lane->is_clear() ? direct_.send(*lane, job) : SendOutcome::would_wait;
   if (outcome == SendOutcome::would_wait) {
-    draft_.keep(sample);
+    draft_.keep(body);
     return unicast_.best_effort.enqueue(MulticastGroup::lane_of(audience.multicast)) == 0;
   }
   sender.wake(group.note_departed(job, outcome != SendOutcome::sent));

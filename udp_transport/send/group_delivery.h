@@ -21,14 +21,16 @@ class GroupDelivery {
                 DirectPath& direct, UnicastDelivery& unicast)
       : side_(std::move(side)), encoder_(encoder), draft_(draft), direct_(direct), unicast_(unicast) {}
 
-  /// The audience has a multicast group. Returns how many destinations do not get the sample.
-  std::size_t send(const Audience& audience, const core::SampleHandle& sample);
+  /// The audience has a multicast group. `body` has the bytes of the job: it is the sample, or memory of the
+  /// parts that were taken out of the sample. Returns how many destinations do not get the sample.
+  std::size_t send(const Audience& audience, const core::SampleHandle& sample,
+                   const core::SampleHandle& body);
 
  private:
   void await_room(const Audience& audience);
   std::size_t send_to_the_deaf(const Audience& audience, const core::SampleHandle& sample);
   std::size_t keep_for(const Audience& audience, std::size_t member, std::uint64_t ordinal, bool has_room);
-  bool send_to_group(const Audience& audience, const core::SampleHandle& sample);
+  bool send_to_group(const Audience& audience, const core::SampleHandle& body);
 
   const std::shared_ptr<SendSide> side_;
   const SampleEncoder& encoder_;

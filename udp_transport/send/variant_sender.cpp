@@ -27,16 +27,22 @@ std::size_t VariantSender::send(const Audience& audience, const core::SampleHand
     job.first.flags |= rate_follows;
     job.first.rate = {audience.gate->min_period_us(), audience.gate->ordinal()};
   }
-  if (job.sample) return distribute(audience, std::exchange(job.sample, {}));
+  if (job.sample) return send_body(audience, sample, std::exchange(job.sample, {}));
   if (sample->postponed != nullptr && !job.is_small()) {
     if (PostponedDelivery::is_possible(audience)) return send_postponed(audience, sample);
     sample->complete();
   }
-  return audience.multicast == nullptr ? distribute(audience, sample) : group_.send(audience, sample);
+  return send_body(audience, sample, sample);
 } catch (const std::bad_alloc&) {  // buffers grow with the samples that they have seen
   audience.tally->dropped();
   draft_.reset();
   return audience.lanes.size();
+}
+
+/// `body` has the bytes of the job: it is the sample, or memory of the parts that were taken out of it.
+std::size_t VariantSender::send_body(const Audience& audience, const core::SampleHandle& sample,
+                                     const core::SampleHandle& body) {
+  return audience.multicast == nullptr ? distribute(audience, body) : group_.send(audience, sample, body);
 }
 
 std::size_t VariantSender::send_postponed(const Audience& audience, const core::SampleHandle& sample) {

@@ -55,6 +55,8 @@ class VariantSender {
  private:
   std::size_t send_pack(const Packer::Pack& pack) noexcept;
   std::size_t distribute(const Audience& audience, const core::SampleHandle& sample);
+  std::size_t send_body(const Audience& audience, const core::SampleHandle& sample,
+                        const core::SampleHandle& body);
   std::size_t send_postponed(const Audience& audience, const core::SampleHandle& sample);
 
   const std::shared_ptr<SendSide> side_;

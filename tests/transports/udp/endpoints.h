@@ -57,7 +57,7 @@ class Subscriber final : private core::ArrivalListener {
                 {.id = id, .type = &type_support<Image>(), .depth = depth, .listener = this, .doorbell = {}})
             .value();
     std::vector<core::Accepted> accepted;
-    for (const std::string& mask : masks) accepted.push_back({.wanted = {fields<Image>(mask)}});
+    for (const std::string& mask : masks) accepted.push_back({.wanted = {selection_of<Image>(mask)}});
     port_->accept(accepted);
   }
 
@@ -126,14 +126,14 @@ class Publisher {
 
   struct Reader {
     core::UdpAddress address;
-    std::string mask = "*";
+    std::string mask = "*";  ///< or a selection with parts
     bool reliable = false;
     std::shared_ptr<const core::Gate> gate{};  ///< not null: of a maximum rate
   };
   void serve(const std::vector<Reader>& readers) {
     std::vector<core::Route> routes;
     for (const Reader& reader : readers) {
-      routes.push_back({routes.size() + 1, reader.address, fields<Image>(reader.mask)});
+      routes.push_back({routes.size() + 1, reader.address, selection_of<Image>(reader.mask)});
       routes.back().reliable = reader.reliable;
       routes.back().gate = reader.gate;
       if (reader.gate != nullptr) routes.back().min_period_us = reader.gate->min_period_us();

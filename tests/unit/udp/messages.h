@@ -107,6 +107,12 @@ FieldMask fields(std::string_view text) {
   return type_support<T>().closed(type_support<T>().parse_mask(text).value());
 }
 
+/// What a subscriber with that text asks its publishers for: "stamp, data[::2]".
+template <class T>
+Selection selection_of(std::string_view text) {
+  return type_support<T>().closed(type_support<T>().parse_selection(text).value());
+}
+
 template <class T>
 std::vector<std::byte> encoded_body(const T& value, const FieldMask& mask) {
   const TypeSupport& type = type_support<T>();

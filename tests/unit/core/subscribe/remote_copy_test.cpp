@@ -163,5 +163,127 @@ TEST_F(AsRemoteSubscriberTest, MayTakeOnSeveralThreadsAtOnce) {
   EXPECT_EQ(subscriber.status().received, samples);
 }
 
+/// A subscriber on another host than its publishers, which gets what they send there.
+class PartSubscriberTest : public RemoteCopyTest {
+ protected:
+  PartSubscriberTest() { subscriber.ports().set_network(port); }
+
+  Selection selection(const char* text) const { return type.closed(type.parse_selection(text).value()); }
+  void arrives(const char* text) {
+    const Selection sent = selection(text);
+    detail::Projection projection;
+    const SampleHandle all = whole(cloud);
+    ASSERT_TRUE(projection.project(state_of(*all, type.slots()), ProjectionPlan(type, sent)));
+    SampleHandle buffer = pool->take(layout.bytes(projection.bytes()));
+    std::byte* to = buffer->data + layout.body_offset;
+    for (const Segment& segment : projection.segments()) {
+      std::copy_n(segment.data, segment.bytes, to);
+      to += segment.bytes;
+    }
+    buffer->header().body_bytes = static_cast<std::uint32_t>(projection.bytes());
+    buffer->mask = sent.mask();
+    buffer->parts = sent.parts_hash();
+    buffer->writer = 9;
+    buffer->sequence = sequence;
+    ASSERT_EQ(build_index(state_of(*buffer, type.slots()), type.type(), {buffer->index(), type.slots()}),
+              WalkStatus::ok);
+    port->samples.push_back(std::move(buffer));
+  }
+  void arrives_merged(const char* text) {
+    arrives(text);
+    port->samples.back()->merged = true;
+  }
+  /// The next sample is what it says: that selection of the cloud.
+  void expect_next(const char* text) {
+    const untyped::Sample sample = subscriber.take();
+    ASSERT_TRUE(sample);
+    ASSERT_NE(sample.selection(), nullptr);
+    EXPECT_EQ(*sample.selection(), selection(text)) << type.format_selection(*sample.selection());
+    detail::Projection projection;
+    const SampleHandle all = whole(cloud);
+    --sequence;
+    ASSERT_TRUE(projection.project(state_of(*all, type.slots()), ProjectionPlan(type, *sample.selection())));
+    std::vector<std::byte> expected;
+    for (const Segment& segment : projection.segments())
+      expected.insert(expected.end(), segment.data, segment.data + segment.bytes);
+    const SampleState& state = sample.state();
+    EXPECT_EQ(*state.mask, selection(text).mask());
+    EXPECT_EQ(std::vector(state.body, state.body + state.body_bytes), expected) << text;
+  }
+
+  static PointCloud2 points() {
+    PointCloud2 all;
+    all.fields = {{"x", 0, 7, 1}, {"y", 4, 7, 1}, {"z", 8, 7, 1}, {"ring", 12, 4, 1}};
+    all.height = 2;
+    all.width = 50;
+    all.point_step = 16;
+    all.row_step = 800;
+    for (int i = 0; i < 1600; ++i) all.data.push_back(static_cast<std::uint8_t>(7 * i));
+    return all;
+  }
+
+  const PointCloud2 cloud = points();
+  const std::unique_ptr<DoorbellPage> bells = DoorbellPage::create();
+  const std::shared_ptr<NetworkQueue> port = std::make_shared<NetworkQueue>();
+  SubscriberCore subscriber{{.id = 1,
+                             .topic = "points",
+                             .type = &type,
+                             .requirement = {selection("*"), true},
+                             .options = {},
+                             .callback = {},
+                             .copies = BufferPool::make(64 << 20)},
+                            bells->at(1),
+                            nullptr};
+};
+
+TEST_F(PartSubscriberTest, TakesItsPartOutOfAMergedSample) {
+  subscriber.requests(selection("data{x,y,z}"), 2);
+  arrives_merged("*");
+  arrives("data{x,y,z}");
+  expect_next("data{x,y,z}");
+  expect_next("data{x,y,z}");
+  EXPECT_EQ(subscriber.status().received, 2U);
+}
+
+/// Samples of the request before are under way when a request has just changed.
+TEST_F(PartSubscriberTest, GetsWholeSamplesOfItsFormerRequestAsTheyAre) {
+  arrives("*");
+  arrives("*");
+  subscriber.requests(selection("data{x,y,z}"), 2);
+  expect_next("*");
+  expect_next("*");
+  arrives("data{x,y,z}");
+  subscriber.requests(selection("*"), 3);
+  expect_next("data{x,y,z}");
+  EXPECT_EQ(subscriber.status().received, 3U);
+  EXPECT_EQ(subscriber.status().lost, 0U);
+}
+
+/// A merged sample has the mask of a former request now and then, and yet is for the present one.
+TEST_F(PartSubscriberTest, PrefersThePresentRequestForAMergedSample) {
+  const char* const same_fields = "data, fields, height, width, point_step, row_step, is_bigendian";
+  subscriber.requests(selection(same_fields), 2);
+  subscriber.requests(selection("data{x}"), 3);
+  ASSERT_EQ(selection(same_fields).mask(), selection("data{x}").mask());
+  arrives_merged(same_fields);
+  expect_next("data{x}");
+}
+
+TEST_F(PartSubscriberTest, TakesAFormerPartOutOfAMergedSampleThatLacksWhatItAsksForNow) {
+  subscriber.requests(selection("data{x}"), 2);
+  subscriber.requests(selection("data{y}"), 3);
+  subscriber.requests(selection("header"), 4);
+  arrives_merged("data, fields, height, width, point_step, row_step, is_bigendian");
+  expect_next("data{y}");
+  EXPECT_EQ(subscriber.status().received, 1U);
+}
+
+TEST_F(PartSubscriberTest, NamesNoConditionsThatAMergedSampleWasNotSentUnder) {
+  subscriber.requests(selection("data{x}"), 2);
+  subscriber.requests(selection("data{x} @ height > 100"), 3);
+  arrives_merged("*");
+  expect_next("data{x}");
+}
+
 }  // namespace
 }  // namespace sft::core::test

@@ -206,5 +206,21 @@ TEST_F(LeafSizesTest, StayAsTheyAreIfASampleIsMalformed) {
   EXPECT_FALSE(sizes.known(test::fields<Image>("name")));
 }
 
+/// The parts of a list of texts follow from the first ones.
+TEST_F(LeafSizesTest, TellWhatAPartOfAListOfTextsHas) {
+  const TypeSupport& type = test::type_support<Scene>();
+  for (const char* asked : {"words[::3]", "words[10:20]", "words[3000:]", "third, words[:2000]"}) {
+    const Selection part = test::selection_of<Scene>(asked);
+    const Sample<Scene> sample(scene(0, 0, 3000));
+    BodySizes sizes(type.type());
+    sizes.follow(type, {&part, 1});
+    sizes.measure(sample.state(), BodySizes::Time{std::chrono::seconds(1)});
+    ASSERT_TRUE(sizes.known(part)) << asked;
+    detail::Projection projection;
+    ASSERT_TRUE(projection.project(sample.state(), detail::ProjectionPlan(type, part)));
+    EXPECT_NEAR(sizes.bytes_of(part), static_cast<double>(projection.bytes()), 3000 * 3) << asked;
+  }
+}
+
 }  // namespace
 }  // namespace sft::udp

@@ -73,5 +73,39 @@ TEST_F(SubscriptionsTest, AReaderIsRemovedOnceTheReceivingThreadDoesNotUseItsTyp
   receiving.join();
 }
 
+/// A reader that asked for these texts in turn.
+Subscriber subscriber_of(const std::vector<const char*>& asked) {
+  Subscriber subscriber;
+  for (const char* text : asked)
+    subscriber.accepted.push_back({.wanted = {test::selection_of<test::Image>(text)}});
+  return subscriber;
+}
+
+TEST(SubscriberOfParts, TakesItsPartAndMergedSamplesThatHaveTheWholeField) {
+  const Subscriber subscriber = subscriber_of({"data[::3]"});
+  core::SampleBuffer sample;
+  sample.mask = test::fields<test::Image>("data");
+  sample.parts = test::selection_of<test::Image>("data[::3]").parts_hash();
+  EXPECT_TRUE(subscriber.accepts(sample));
+  sample.parts = test::selection_of<test::Image>("data[::4]").parts_hash();
+  EXPECT_FALSE(subscriber.accepts(sample)) << "another part";
+  sample.parts = 0;
+  EXPECT_FALSE(subscriber.accepts(sample)) << "the whole field was sent to somebody else";
+  sample.merged = true;
+  EXPECT_TRUE(subscriber.accepts(sample));
+  sample.mask = test::fields<test::Image>("data, height");
+  EXPECT_TRUE(subscriber.accepts(sample));
+  sample.mask = test::fields<test::Image>("height");
+  EXPECT_FALSE(subscriber.accepts(sample));
+}
+
+TEST(SubscriberOfParts, TakesNoMergedSampleIfItHasConditions) {
+  core::SampleBuffer sample;
+  sample.mask = test::fields<test::Image>("*");
+  sample.merged = true;
+  EXPECT_FALSE(subscriber_of({"data[::3] @ height > 4"}).accepts(sample));
+  EXPECT_TRUE(subscriber_of({"data[::3] @ height > 4", "data[::3]"}).accepts(sample));
+}
+
 }  // namespace
 }  // namespace sft::udp

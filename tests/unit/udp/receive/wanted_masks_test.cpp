@@ -99,6 +99,36 @@ TEST_F(WantedMasksTest, KnowPartsOfFieldsByTheirHash) {
   EXPECT_EQ(merged("data, height").parts, 0U) << "a union has whole fields";
 }
 
+/// Whoever can write to a group may claim any selection, with any flags.
+TEST_F(WantedMasksTest, TakeNothingUnderAHashThatNobodyAskedFor) {
+  const TypeSupport& type = test::type_support<Image>();
+  const Selection asked = test::selection_of<Image>("data[::3]");
+  wanted_.set(type, {&asked, 1});
+  std::vector<std::uint64_t> hashes{0, ~std::uint64_t{0}, fields<Image>("data").hash(),
+                                    test::selection_of<Image>("data[::3] @ height > 4").hash()};
+  for (int step = 2; step < 100; ++step) {
+    const std::string text = "data[::" + std::to_string(step) + "]";
+    if (step != 3) hashes.push_back(test::selection_of<Image>(text).hash());
+  }
+  for (unsigned bit = 0; bit < 64; ++bit) hashes.push_back(asked.hash() ^ std::uint64_t{1} << bit);
+  for (const std::uint64_t hash : hashes) {
+    for (const std::uint8_t flag : {group_follows, merged_masks}) {
+      (void)named(fields<Image>("data"), flag);
+      datagram_.first.mask = hash;
+      const WantedMasks::Named name = this->name();
+      if (name.mask == nullptr) continue;
+      EXPECT_EQ(flag, merged_masks) << hash;
+      EXPECT_EQ(name.mask->hash(), hash) << "it is a mask, of whole fields";
+      EXPECT_TRUE(name.mask->contains(asked.mask()));
+      EXPECT_EQ(name.parts, 0U);
+      EXPECT_EQ(name.conditions, 0U);
+    }
+  }
+  (void)named(fields<Image>("data"), merged_masks);
+  datagram_.first.mask = asked.hash();
+  EXPECT_TRUE(name().malformed) << "a selection with parts is no union";
+}
+
 TEST_F(WantedMasksTest, KnowConditionsByTheirHash) {
   const TypeSupport& type = test::type_support<Image>();
   const Selection wide = type.closed(type.parse_selection("data @ width > 5 at most 10 Hz").value());

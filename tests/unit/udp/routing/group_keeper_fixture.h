@@ -61,7 +61,8 @@ class GroupKeeperTest : public testing::Test {
   }
 
   core::Route& reader(std::uint32_t ip, const char* mask = "*") {
-    core::Route route{routes_.size() + 1, core::UdpAddress{ip, 1000, 1'000'000}, fields<Image>(mask)};
+    core::Route route{routes_.size() + 1, core::UdpAddress{ip, 1000, 1'000'000},
+                      selection_of<Image>(mask).without_rate()};
     route.reliable = true;
     return routes_.emplace_back(std::move(route));
   }

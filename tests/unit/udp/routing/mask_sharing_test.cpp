@@ -118,6 +118,49 @@ TEST_F(MaskSharingTest, DoesNotChangeToAndFroWithSizes) {
   EXPECT_LE(changes, 1);
 }
 
+TEST_F(MaskSharingTest, SendsOneCopyOfTheWholeFieldForPartsThatAreMoreTogether) {
+  here("data[:900]");
+  here("data[100:]");
+  here("height");
+  serve_measured(1000);
+  ASSERT_EQ(merged_.size(), 1U);
+  EXPECT_EQ(merged_[0].wanted.selection, Selection(fields<Image>("data, height")));
+  EXPECT_EQ(
+      why(1),
+      "one copy for all readers of its process, which adds 104 bytes to a sample that others asked for; "
+      "in no group: multicast is off by option");
+}
+
+TEST_F(MaskSharingTest, SendsSmallPartsByThemselves) {
+  here("data[:900]");
+  here("data[90000:]");
+  serve_measured(100'000);
+  ASSERT_EQ(merged_.size(), 2U);
+  EXPECT_EQ(merged_[0].wanted.selection, selection_of<Image>("data[:900]"));
+}
+
+TEST_F(MaskSharingTest, GoesOnWithTheWholeFieldWhileOneOfItsPartsMoves) {
+  here("data");
+  here("data[:900]");
+  serve_measured(1000);
+  for (int i = 0; i < 50; ++i, now_ += 10ms) {
+    routes_[1].selection = selection_of<Image>("data[" + std::to_string(i) + ":990]");
+    serve();
+    ASSERT_EQ(merged_.size(), 1U) << "at move " << i;
+    EXPECT_EQ(merged_[0].wanted.selection, Selection(fields<Image>("data")));
+    publish(1000);
+    EXPECT_FALSE(keeper_->replan(now_));
+  }
+}
+
+TEST_F(MaskSharingTest, LeavesTheReadersOfAProcessApartOfWhichOneHasConditions) {
+  here("data, height");
+  here("data, width @ width > 5");
+  routes_[1].gate = std::make_shared<core::Gate>(0);
+  serve_measured(1000);
+  EXPECT_EQ(merged_.size(), 2U);
+}
+
 /// Whoever is in a multicast group is sent the union of all its masks by that group.
 TEST_F(MaskSharingTest, LeavesMembersOfGroupsToThese) {
   restart(Multicast::automatic);

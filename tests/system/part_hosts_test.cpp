@@ -1,0 +1,276 @@
+// A publisher of clouds and subscribers on other hosts that ask for channels, ranges and windows of them:
+// each gets just what it asked for, and the network carries it once.
+#include <gtest/gtest.h>
+
+#include <sft/sft.h>
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <sensor_msgs/msg/PointCloud2.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/support/eventually.h"
+#include "tests/support/isolated_host.h"
+#include "tests/support/pace.h"
+#include "tests/system/node_process.h"
+#include "tools/hosts/network.h"
+
+namespace sft::test {
+namespace {
+
+using sensor_msgs::msg::PointCloud2;
+using namespace std::chrono_literals;
+
+constexpr std::uint32_t points = 4000, point_bytes = 32;
+constexpr double whole_bytes = double{points} * point_bytes;
+constexpr std::chrono::seconds patience_of_nodes{60};
+
+struct Cloudcast {
+  std::atomic<bool> failed{false};
+  std::atomic<std::uint32_t> wanted{0};  ///< so many are to be published
+  std::atomic<std::uint32_t> count{0};
+  std::atomic<std::size_t> served{0}, in_groups{0};
+  std::atomic<std::uint64_t> link_bytes{0};  ///< that the publisher's host has sent
+};
+
+struct Received {
+  std::atomic<bool> failed{false};
+  std::atomic<bool> wrong{false};           ///< a sample was not what it names
+  std::atomic<std::uint32_t> selection{0};  ///< the one to ask for
+  std::atomic<std::uint32_t> count{0}, last{0};
+  std::atomic<std::uint64_t> lost{0};
+  std::atomic<std::uint32_t> named{0};  ///< the selection of the last sample
+};
+
+std::uint8_t byte_at(std::uint32_t number, std::size_t at) {
+  return static_cast<std::uint8_t>(number * 7 + at * 31 + at / 256);
+}
+
+std::uint64_t sent_by_link() {
+  std::ifstream devices("/proc/thread-self/net/dev");
+  for (std::string line; std::getline(devices, line);) {
+    const std::size_t name = line.find("eth0:");
+    if (name == std::string::npos) continue;
+    std::array<unsigned long long, 9> counts{};
+    const char* numbers = line.c_str() + name + 5;
+    for (unsigned long long& count : counts) {
+      char* end = nullptr;
+      count = std::strtoull(numbers, &end, 10);
+      numbers = end;
+    }
+    return counts[8];
+  }
+  return 0;
+}
+
+PointCloud2 cloud_number(std::uint32_t number) {
+  PointCloud2 cloud;
+  cloud.header.stamp.sec = static_cast<std::int32_t>(number);
+  cloud.height = 1;
+  cloud.width = points;
+  cloud.fields = {
+      {"x", 0, 7, 1}, {"y", 4, 7, 1}, {"z", 8, 7, 1}, {"intensity", 12, 7, 1}, {"ring", 16, 4, 1}};
+  cloud.point_step = point_bytes;
+  cloud.row_step = point_bytes * points;
+  cloud.data.resize(std::size_t{point_bytes} * points);
+  for (std::size_t i = 0; i < cloud.data.size(); ++i) cloud.data[i] = byte_at(number, i);
+  return cloud;
+}
+
+void publish_numbered(Node& node, Cloudcast& cast) {
+  auto publisher = node.publisher<PointCloud2>("points", {.reliability = Reliability::reliable}).value();
+  Pace pace(2ms);
+  for (;; pace.await_turn()) {
+    std::size_t served = 0, in_groups = 0;
+    for (const PublisherStatus::Reader& reader : publisher.status().readers) {
+      served += reader.served ? 1 : 0;
+      in_groups += reader.multicast.starts_with("group ") && !reader.multicast.ends_with("more") ? 1 : 0;
+    }
+    cast.served = served;
+    cast.in_groups = in_groups;
+    cast.link_bytes = sent_by_link();
+    if (cast.count >= cast.wanted) continue;
+    publisher.publish(cloud_number(cast.count + 1));
+    ++cast.count;
+  }
+}
+
+/// The bytes of the data that the selection takes of the cloud with that number.
+std::vector<std::uint8_t> part_of_cloud(std::uint32_t number, const Selection::Part* part) {
+  std::vector<std::uint8_t> bytes;
+  for (std::uint32_t point = 0; point < points; ++point) {
+    const auto takes = [&](std::uint32_t offset, std::uint32_t count) {
+      for (std::uint32_t i = 0; i < count; ++i)
+        bytes.push_back(byte_at(number, std::size_t{point} * point_bytes + offset + i));
+    };
+    if (part != nullptr) {
+      const Selection::Range& range = part->columns;
+      if (point < range.begin || point >= range.end || (point - range.begin) % range.step != 0) continue;
+    }
+    if (part == nullptr || part->channels.empty()) {
+      takes(0, point_bytes);
+      continue;
+    }
+    constexpr std::array<std::pair<const char*, std::pair<std::uint32_t, std::uint32_t>>, 5> all{
+        {{"x", {0, 4}}, {"y", {4, 4}}, {"z", {8, 4}}, {"intensity", {12, 4}}, {"ring", {16, 2}}}};
+    for (const auto& [name, place] : all) {
+      if (std::ranges::find(part->channels, name) != part->channels.end()) takes(place.first, place.second);
+    }
+  }
+  return bytes;
+}
+
+/// A sample is of the cloud with its number, and has just the part that it names.
+bool is_what_it_names(const DynamicSample& sample, std::uint32_t number) {
+  const Selection* const named = sample.selection();
+  if (named == nullptr) return false;
+  const DynamicView data = sample.view()["data"];
+  if (!data) return named->parts().empty();
+  const Selection::Part* const part = named->parts().empty() ? nullptr : &named->parts()[0];
+  const std::vector<std::uint8_t> expected = part_of_cloud(number, part);
+  if (data.size().value_or(0) != expected.size()) return false;
+  for (std::size_t i = 0; i < expected.size(); i += 13) {
+    if (data[i].as<std::uint8_t>().value() != expected[i]) return false;
+  }
+  return true;
+}
+
+/// Asks for one of the selections after another, as it is told.
+auto subscribe_in_turn(std::vector<std::string> selections) {
+  return [selections = std::move(selections)](Node& node, Received& received) {
+    const DynamicType type = node.find_type("points", patience_of_nodes).value();
+    std::vector<Selection> asked;
+    for (const std::string& text : selections) {
+      const TypeSupport& support = type.support();
+      asked.push_back(support.closed(support.parse_selection(text).value()));
+    }
+    std::uint32_t current = received.selection;
+    auto subscriber = node.subscriber("points", type, selections.at(current),
+                                      {.reliability = Reliability::reliable, .depth = 5000})
+                          .value();
+    for (;;) {
+      if (received.selection != current) {
+        current = received.selection;
+        if (!subscriber.set_selection(selections.at(current))) received.failed = true;
+      }
+      subscriber.wait(5ms);
+      while (const DynamicSample sample = subscriber.take()) {
+        const auto number = static_cast<std::uint32_t>(sample.info().sequence);
+        if (number != received.last + 1 && received.last != 0) received.wrong = true;
+        if (!is_what_it_names(sample, number)) received.wrong = true;
+        const auto name = std::ranges::find(asked, *sample.selection());
+        received.named = static_cast<std::uint32_t>(name - asked.begin());
+        received.last = number;
+        ++received.count;
+      }
+      received.lost = subscriber.status().lost;
+    }
+  };
+}
+
+class PartHostsTest : public testing::Test {
+ protected:
+  using Subscriber = NodeProcessWith<Received>;
+
+  void SetUp() override {
+    if (!isolation_refusal().empty()) GTEST_SKIP() << isolation_refusal();
+    auto made = hosts::EmulatedNetwork::create(8);
+    if (!made) GTEST_SKIP() << made.error().message;
+    network_ = std::make_unique<hosts::EmulatedNetwork>(std::move(*made));
+  }
+  static NodeOptions options() { return {.transport = TransportChoice::udp}; }
+
+  void open_all(const std::vector<std::vector<std::string>>& selections) {
+    publisher_ = std::make_unique<NodeProcessWith<Cloudcast>>(network_->host(0), options(), publish_numbered);
+    for (const auto& some : selections) {
+      subscribers_.push_back(std::make_unique<Subscriber>(network_->host(subscribers_.size() + 1), options(),
+                                                          subscribe_in_turn(some)));
+    }
+    ASSERT_TRUE(eventually([&] { return cast().served == selections.size(); }, patience_of_nodes));
+  }
+  Cloudcast& cast() { return publisher_->report(); }
+  Received& received(std::size_t subscriber) { return subscribers_[subscriber]->report(); }
+  /// Publishes so many more, until everybody has the last one.
+  bool publish_more(std::uint32_t count) {
+    cast().wanted += count;
+    return eventually(
+        [&] {
+          return std::ranges::all_of(subscribers_,
+                                     [&](const auto& one) { return one->report().last == cast().wanted; });
+        },
+        patience_of_nodes);
+  }
+  /// At least so many.
+  bool publish_until_in_groups(std::size_t readers) {
+    return eventually([&] { return cast().in_groups >= readers || (publish_more(5), false); },
+                      patience_of_nodes);
+  }
+  double bytes_of_a_sample() {
+    constexpr std::uint32_t samples = 50;
+    EXPECT_TRUE(publish_more(10));
+    const std::uint64_t before = cast().link_bytes;
+    EXPECT_TRUE(publish_more(samples));
+    return static_cast<double>(cast().link_bytes - before) / samples;
+  }
+  void expect_all_is_right() {
+    for (std::size_t i = 0; i < subscribers_.size(); ++i) {
+      EXPECT_FALSE(received(i).failed) << i;
+      EXPECT_FALSE(received(i).wrong) << i;
+      EXPECT_EQ(received(i).lost, 0U) << i;
+      EXPECT_EQ(received(i).count, cast().wanted) << i;
+    }
+  }
+
+  std::unique_ptr<hosts::EmulatedNetwork> network_;
+  std::unique_ptr<NodeProcessWith<Cloudcast>> publisher_;
+  std::vector<std::unique_ptr<Subscriber>> subscribers_;
+};
+
+TEST_F(PartHostsTest, FourHostsThatAskForTheSameChannelsCostOneCopyOfThem) {
+  open_all({{"data{x,y,z}"}, {"data{x,y,z}"}, {"data{x,y,z}"}, {"data{x,y,z}"}});
+  ASSERT_TRUE(publish_until_in_groups(4));
+  const double bytes = bytes_of_a_sample();
+  std::printf("%.0f bytes on the link for each sample, of %.0f in the channels\n", bytes, 12.0 * points);
+  EXPECT_LT(bytes, 1.2 * 12 * points);
+  expect_all_is_right();
+}
+
+TEST_F(PartHostsTest, WholePartsAndScalarsAreServedBesideEachOther) {
+  open_all({{"*"}, {"*"}, {"data{x,y,z}"}, {"data{x,y,z}"}, {"data[::4]"}, {"height, width"}});
+  ASSERT_TRUE(publish_until_in_groups(5));
+  const double bytes = bytes_of_a_sample();
+  std::printf("%.0f bytes on the link for each sample, of %.0f in the cloud\n", bytes, whole_bytes);
+  EXPECT_LT(bytes, 1.2 * whole_bytes);
+  expect_all_is_right();
+}
+
+/// The hosts look at windows that overlap for the most part, and cut them out of what is sent to all.
+TEST_F(PartHostsTest, WindowsThatOverlapAreCutOutOfOneCopyOfTheWholeField) {
+  open_all({{"data[:3900]"}, {"data[50:3950]"}, {"data[100:]"}, {"data{x,y,z,intensity,ring}"}});
+  ASSERT_TRUE(publish_until_in_groups(4));
+  EXPECT_LT(bytes_of_a_sample(), 1.2 * whole_bytes);
+  expect_all_is_right();
+}
+
+TEST_F(PartHostsTest, ASubscriberThatChangesItsPartLosesNothingAndNeitherDoOthers) {
+  const std::vector<std::string> in_turn{"data{x,y,z}", "data{intensity}", "*", "data[::3]", "data[10:4000]"};
+  open_all({in_turn, {"data{x,y,z}"}, {"data[5:]"}, {"*"}});
+  ASSERT_TRUE(publish_until_in_groups(4));
+  for (std::uint32_t round = 1; round <= 15; ++round) {
+    const auto next = static_cast<std::uint32_t>(round % in_turn.size());
+    received(0).selection = next;
+    ASSERT_TRUE(
+        eventually([&] { return received(0).named == next || (publish_more(2), false); }, patience_of_nodes))
+        << "round " << round;
+  }
+  EXPECT_TRUE(publish_until_in_groups(4)) << "it has become calm";
+  EXPECT_TRUE(publish_more(20));
+  expect_all_is_right();
+}
+
+}  // namespace
+}  // namespace sft::test
