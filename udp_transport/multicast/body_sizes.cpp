@@ -31,6 +31,10 @@ bool BodySizes::known(const Selection& selection) const {
   return part != nullptr && part->known();
 }
 
+bool BodySizes::known_all(std::span<const Selection> selections) const {
+  return std::ranges::all_of(selections, [this](const Selection& one) { return known(one); });
+}
+
 double BodySizes::bytes_of(const Selection& selection) const {
   const double whole = leaves_.bytes(selection.mask());
   const auto part = part_size(selection);

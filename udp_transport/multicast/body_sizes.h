@@ -44,6 +44,7 @@ class BodySizes {
   void follow(const TypeSupport& type, std::span<const Selection> selections);
   /// Samples with all of these fields have been measured, and parts of them, too. The parts are followed.
   bool known(const Selection& selection) const;
+  bool known_all(std::span<const Selection> selections) const;
   /// Returns the length of a body with just that. Its parts are followed; otherwise they count as whole.
   double bytes_of(const Selection& selection) const;
   /// Null if the selection has no parts, or is not followed.

@@ -125,10 +125,6 @@ void GroupKeeper::choose_sizes(Time now) {
   sizes_->follow(*setup_.type, asked);
 }
 
-bool GroupKeeper::knows_sizes_of(const Candidate& candidate) const {
-  return std::ranges::all_of(candidate.asked, [&](const Selection& one) { return sizes_->known(one); });
-}
-
 /// A destination that cannot be in a group any more, or asks for something else, is served alone from now on.
 void GroupKeeper::keep_possible(Time now) {
   const auto must_leave = [&](const Destination* to) {
@@ -188,7 +184,7 @@ std::vector<PlanDestination> GroupKeeper::plan_destinations(std::vector<const De
   std::vector<PlanDestination> destinations;
   for (const auto& [to, candidate] : candidates_) {
     if (!is_calm(candidate, now)) continue;
-    if (!knows_sizes_of(candidate)) {
+    if (!sizes_->known_all(candidate.asked)) {
       sizes_->measure_next();
       if (!is_planned(to)) continue;
     }
@@ -227,7 +223,7 @@ bool GroupKeeper::someone_came(Time now) const {
            const auto known = planned_for_.destinations.find(item.first);
            const bool is_new =
                known == planned_for_.destinations.end() || known->second.fields != item.second.together;
-           return is_new && is_calm(item.second, now) && knows_sizes_of(item.second);
+           return is_new && is_calm(item.second, now) && sizes_->known_all(item.second.asked);
          });
 }
 

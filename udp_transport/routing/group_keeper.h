@@ -103,7 +103,6 @@ class GroupKeeper {
   std::size_t possible(Time now) const;
   void choose_link(Candidate& candidate, Time now) const;
   void choose_sizes(Time now);
-  bool knows_sizes_of(const Candidate& candidate) const;
   void keep_possible(Time now);
   void merge(const Planned& planned, std::vector<RouteBundle>& routes) const;
   bool plan(Time now);

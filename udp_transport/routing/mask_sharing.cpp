@@ -40,7 +40,7 @@ bool MaskSharing::decide(BodySizes& sizes, Time now) {
   bool changed = false;
   for (auto& [to, place] : several_) {
     if (place.is_decided && !all) continue;
-    if (!is_known(place, sizes)) {
+    if (!sizes.known_all(place.asked)) {
       sizes.measure_next();
       continue;
     }
@@ -52,12 +52,9 @@ bool MaskSharing::decide(BodySizes& sizes, Time now) {
 }
 
 bool MaskSharing::is_undecided(const BodySizes& sizes) const {
-  return std::ranges::any_of(
-      several_, [&](const auto& item) { return !item.second.is_decided && is_known(item.second, sizes); });
-}
-
-bool MaskSharing::is_known(const Place& place, const BodySizes& sizes) {
-  return std::ranges::all_of(place.asked, [&](const Selection& one) { return sizes.known(one); });
+  return std::ranges::any_of(several_, [&](const auto& item) {
+    return !item.second.is_decided && sizes.known_all(item.second.asked);
+  });
 }
 
 /// One copy of whole fields never has more bytes than all copies together. But a reader of few fields then

@@ -54,7 +54,6 @@ class MaskSharing {
     bool shares = false;
   };
 
-  static bool is_known(const Place& place, const BodySizes& sizes);
   bool is_better_shared(const Place& place, const BodySizes& sizes) const;
 
   static constexpr std::chrono::seconds pause{1};
