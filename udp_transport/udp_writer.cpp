@@ -17,6 +17,10 @@ constexpr std::size_t small_variants_max = 4, large_variants_max = 1;
 /// At most, and less where a member's buffer is small; as the receiving kernel counts.
 constexpr std::uint64_t group_bytes_per_s = 2'000'000'000;
 
+/// The bytes that a copy for several readers may have, by those that a sample may have at most: sizes are
+/// known as averages, and whoever asked for less has to get each sample.
+constexpr double merged_share = 0.75;
+
 GroupKeeper::Setup groups_of(const core::WriterSpec& spec, SendSide& side,
                              std::shared_ptr<WriterTally> tally) {
   GroupKeeper::Setup setup;
@@ -25,6 +29,7 @@ GroupKeeper::Setup groups_of(const core::WriterSpec& spec, SendSide& side,
   setup.use = side.multicast;
   setup.report_port = side.answer_port;
   setup.queue_depth = side.queue_depth;
+  setup.limits.merged_body_max = merged_share * static_cast<double>(side.max_sample_bytes);
   setup.tally = std::move(tally);
   setup.roster = &side.groups;
   setup.links = [&side](Multicast use) { return side.links.list(use); };

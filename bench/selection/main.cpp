@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
                    {"points", [&] { return reading_points(rounds); }},
                    {"gates", [&] { return closed_gates(rounds, 1000); }},
                    {"between_hosts", [&] { return parts_between_hosts(samples, pairs); }},
+                   {"shared_part", [&] { return shared_part_of_hosts(samples); }},
                    {"window_move", [&] { return moved_windows(moves, pairs); }}});
   program.options()
       .add_option("--rounds", rounds, "rounds of each contender, in turns; the best counts")

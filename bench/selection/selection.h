@@ -14,6 +14,8 @@ std::vector<Figure> gathering_parts(int rounds);
 std::vector<Figure> reading_points(int rounds);
 /// Measures what a part of a cloud costs on the link between two hosts, in bytes and time.
 std::vector<Figure> parts_between_hosts(std::uint64_t samples, int rounds);
+/// Measures what a part of a cloud costs on the link of a publisher with four hosts that ask for it.
+std::vector<Figure> shared_part_of_hosts(std::uint64_t samples);
 /// Measures what conditions that do not hold cost: the publisher time, and a reader in shared memory
 /// wake-ups.
 std::vector<Figure> closed_gates(int rounds, int samples);

@@ -7,7 +7,6 @@
 #include <array>
 #include <atomic>
 #include <cstdio>
-#include <fstream>
 #include <memory>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 #include <string>
@@ -17,6 +16,7 @@
 #include "tests/support/isolated_host.h"
 #include "tests/support/pace.h"
 #include "tests/system/node_process.h"
+#include "tools/hosts/interface_counters.h"
 #include "tools/hosts/network.h"
 
 namespace sft::test {
@@ -50,23 +50,6 @@ std::uint8_t byte_at(std::uint32_t number, std::size_t at) {
   return static_cast<std::uint8_t>(number * 7 + at * 31 + at / 256);
 }
 
-std::uint64_t sent_by_link() {
-  std::ifstream devices("/proc/thread-self/net/dev");
-  for (std::string line; std::getline(devices, line);) {
-    const std::size_t name = line.find("eth0:");
-    if (name == std::string::npos) continue;
-    std::array<unsigned long long, 9> counts{};
-    const char* numbers = line.c_str() + name + 5;
-    for (unsigned long long& count : counts) {
-      char* end = nullptr;
-      count = std::strtoull(numbers, &end, 10);
-      numbers = end;
-    }
-    return counts[8];
-  }
-  return 0;
-}
-
 PointCloud2 cloud_number(std::uint32_t number) {
   PointCloud2 cloud;
   cloud.header.stamp.sec = static_cast<std::int32_t>(number);
@@ -92,7 +75,7 @@ void publish_numbered(Node& node, Cloudcast& cast) {
     }
     cast.served = served;
     cast.in_groups = in_groups;
-    cast.link_bytes = sent_by_link();
+    cast.link_bytes = hosts::interface_bytes(hosts::host_interface).value_or(hosts::InterfaceBytes{}).sent;
     if (cast.count >= cast.wanted) continue;
     publisher.publish(cloud_number(cast.count + 1));
     ++cast.count;

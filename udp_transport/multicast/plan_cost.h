@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include "sft/selection.h"
@@ -37,6 +38,8 @@ struct PlanLimits {
   double gain_min = 0.05;          ///< of the present cost: less is no reason to change anything
   double gain_bytes_per_s = 4096;  ///< likewise
   std::size_t groups_max = 8;      ///< on a link
+  /// Of the body of a copy that has more than somebody asked for: a larger one might not be sent at all.
+  double merged_body_max = std::numeric_limits<double>::infinity();
 };
 
 /// The position that a sample carries on the wire. A sample that fits into one datagram has its position in a

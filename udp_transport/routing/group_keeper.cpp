@@ -15,6 +15,9 @@ namespace {
 /// Masks of larger types are named by their hashes only.
 constexpr std::size_t leaves_in_groups_max = 64 * WireMask::words_max;
 
+/// More than anything else costs, and little enough for sums of it to be exact to a byte.
+constexpr double too_much_body = 1e12;
+
 constexpr const char* restless = "it asks for that only since just now, or often for something else";
 
 template <class Range, class Value>
@@ -27,7 +30,7 @@ bool holds(const Range& range, const Value& value) {
 GroupKeeper::GroupKeeper(Setup setup)
     : setup_(std::move(setup)),
       too_many_leaves_(setup_.type->leaves() > leaves_in_groups_max),
-      sharing_(setup_.limits.wire_max) {}
+      sharing_(setup_.limits) {}
 
 void GroupKeeper::merge(std::vector<RouteBundle>& routes, Time now) {
   look_at(routes, now);
@@ -275,7 +278,14 @@ bool GroupKeeper::plan(Time now) {
   planned_for_ = {.samples_per_s = rate_->per_s()};
   for (std::size_t i = 0; i < places.size(); ++i)
     planned_for_.destinations.emplace(places[i], destinations[i]);
-  const auto body_bytes = [this](const Selection& sent) { return sizes_->bytes_of(sent); };
+  const auto is_asked_for = [&](const Selection& sent) {
+    return std::ranges::any_of(candidates_, [&](const auto& item) { return holds(item.second.asked, sent); });
+  };
+  const auto body_bytes = [&](const Selection& sent) {
+    const double bytes = sizes_->bytes_of(sent);
+    const bool may_be_sent = bytes <= setup_.limits.merged_body_max || is_asked_for(sent);
+    return may_be_sent ? bytes : too_much_body;
+  };
   const MulticastPlan plan = plan_multicast(destinations, body_bytes, rate_->per_s(), present, setup_.limits);
   if (std::ranges::is_permutation(plan, present)) return false;
   std::vector<Planned> next;

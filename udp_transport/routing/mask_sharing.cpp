@@ -60,11 +60,14 @@ bool MaskSharing::is_undecided(const BodySizes& sizes) const {
 /// One copy of whole fields never has more bytes than all copies together. But a reader of few fields then
 /// waits for many.
 bool MaskSharing::is_better_shared(const Place& place, const BodySizes& sizes) const {
-  const double together = wire_bytes(sizes.bytes_of(place.together), place.datagram_bytes, place.mark);
+  const double body = sizes.bytes_of(place.together);
+  const bool is_asked_for = std::ranges::find(place.asked, place.together) != place.asked.end();
+  if (body > limits_.merged_body_max && !is_asked_for) return false;
+  const double together = wire_bytes(body, place.datagram_bytes, place.mark);
   double apart = 0;
   for (const Selection& one : place.asked)
     apart += wire_bytes(sizes.bytes_of(one), place.datagram_bytes, place.mark);
-  return apart > (place.shares ? (1 + wire_max_) / 2 : wire_max_) * together;
+  return apart > (place.shares ? (1 + limits_.wire_max) / 2 : limits_.wire_max) * together;
 }
 
 bool MaskSharing::shares(const Destination* to) const {

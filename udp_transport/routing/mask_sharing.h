@@ -19,9 +19,9 @@ class MaskSharing {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// `wire_max`: readers share one copy if all copies together have so many times its bytes; PlanLimits has
-  /// it. They go on until half of that surplus is gone.
-  explicit MaskSharing(double wire_max) : wire_max_(wire_max) {}
+  /// Readers share one copy if all copies together have `wire_max` times its bytes. They go on until half of
+  /// that surplus is gone.
+  explicit MaskSharing(const PlanLimits& limits) : limits_(limits) {}
 
   /// Notes what the readers of each destination ask for. Leaves out destinations with a reader that is sent
   /// something else than each sample: one with a maximum rate, with conditions, with retained samples, or in
@@ -58,7 +58,7 @@ class MaskSharing {
 
   static constexpr std::chrono::seconds pause{1};
 
-  const double wire_max_;
+  const PlanLimits limits_;
   std::map<const Destination*, Place> several_;  ///< destinations with several selections
   Time next_look_{};
 };

@@ -112,6 +112,37 @@ TEST_F(PartGroupsTest, AWindowThatMovesAllTheTimeIsServedAloneAndTheOthersNotice
   }
 }
 
+/// A reader of parts gets samples that are too large to be sent as a whole.
+TEST_F(PartGroupsTest, NobodyIsSentMoreThanItAskedForIfThatMightBeTooMuchForASample) {
+  const auto restart_with_limit = [this](Multicast use) {
+    GroupKeeper::Setup limited = setup(type_support<Image>(), use, 7);
+    limited.limits.merged_body_max = 50'000;
+    keeper_ = std::make_unique<GroupKeeper>(std::move(limited));
+    routes_.clear();
+  };
+  restart_with_limit(Multicast::automatic);
+  for (int i = 0; i < 8; ++i) readers(1, ("data[" + std::to_string(100 * i + 1) + ":]").c_str());
+  serve();
+  go_on_with(100'000, 200ms);
+  EXPECT_EQ(members(), 0U);
+  EXPECT_EQ(merged_.size(), 8U);
+  readers(3, "data");
+  serve();
+  go_on_with(100'000, 200ms);
+  EXPECT_EQ(members(), 11U) << "somebody is sent the whole field anyway";
+
+  restart_with_limit(Multicast::off);
+  reader(first_link + 10, "data[1:]");
+  reader(first_link + 10, "data[2:]");
+  serve();
+  go_on_with(100'000, 10ms);
+  EXPECT_EQ(merged_.size(), 2U);
+  reader(first_link + 10, "data");
+  serve();
+  go_on_with(100'000, 10ms);
+  EXPECT_EQ(merged_.size(), 1U);
+}
+
 /// A place in a group takes the place of the ordinal by which a reader tells loss from what was withheld.
 TEST_F(PartGroupsTest, ReadersWithConditionsAreServedAlone) {
   for (const char* asked : {"data[::3] @ height > 4", "data @ every 2nd"}) {
