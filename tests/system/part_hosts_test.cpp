@@ -155,6 +155,39 @@ auto subscribe_in_turn(std::vector<std::string> selections) {
   };
 }
 
+/// Asks for all of the selections at the same time, with a subscriber for each.
+auto subscribe_together(std::vector<std::string> selections) {
+  return [selections = std::move(selections)](Node& node, Received& received) {
+    const DynamicType type = node.find_type("points", patience_of_nodes).value();
+    std::vector<DynamicSubscriber> subscribers;
+    std::vector<Selection> asked;
+    for (const std::string& text : selections) {
+      asked.push_back(type.support().closed(type.support().parse_selection(text).value()));
+      subscribers.push_back(
+          node.subscriber("points", type, text, {.reliability = Reliability::reliable, .depth = 5000})
+              .value());
+    }
+    std::vector<std::uint32_t> last(selections.size());
+    for (;;) {
+      std::uint64_t lost = 0;
+      for (std::size_t i = 0; i < subscribers.size(); ++i) {
+        subscribers[i].wait(1ms);
+        while (const DynamicSample sample = subscribers[i].take()) {
+          const auto number = static_cast<std::uint32_t>(sample.info().sequence);
+          const bool is_next = last[i] == 0 || number == last[i] + 1;
+          if (!is_next || !is_what_it_names(sample, number) || *sample.selection() != asked[i])
+            received.wrong = true;
+          last[i] = number;
+          if (i == 0) ++received.count;
+        }
+        lost += subscribers[i].status().lost;
+      }
+      received.lost = lost;
+      received.last = std::ranges::min(last);
+    }
+  };
+}
+
 class PartHostsTest : public testing::Test {
  protected:
   using Subscriber = NodeProcessWith<Received>;
@@ -167,8 +200,11 @@ class PartHostsTest : public testing::Test {
   }
   static NodeOptions options() { return {.transport = TransportChoice::udp}; }
 
-  void open_all(const std::vector<std::vector<std::string>>& selections) {
+  void open_publisher() {
     publisher_ = std::make_unique<NodeProcessWith<Cloudcast>>(network_->host(0), options(), publish_numbered);
+  }
+  void open_all(const std::vector<std::vector<std::string>>& selections) {
+    open_publisher();
     for (const auto& some : selections) {
       subscribers_.push_back(std::make_unique<Subscriber>(network_->host(subscribers_.size() + 1), options(),
                                                           subscribe_in_turn(some)));
@@ -240,6 +276,16 @@ TEST_F(PartHostsTest, WholePartsAndScalarsAreServedBesideEachOther) {
 TEST_F(PartHostsTest, WindowsThatOverlapAreCutOutOfOneCopyOfTheWholeField) {
   open_all({{"data[:3900]"}, {"data[50:3950]"}, {"data[100:]"}, {"data{x,y,z,intensity,ring}"}});
   ASSERT_TRUE(publish_until_in_groups(4));
+  EXPECT_TRUE(sends_at_most(1.2 * whole_bytes));
+  expect_all_is_right();
+}
+
+TEST_F(PartHostsTest, TheSubscribersOfANodeCutTheirPartsOutOfOneCopy) {
+  open_publisher();
+  subscribers_.push_back(std::make_unique<Subscriber>(
+      network_->host(1), options(),
+      subscribe_together({"data[:3900]", "data[100:]", "data{x,y,z}", "height, width, data{ring}"})));
+  ASSERT_TRUE(eventually([&] { return cast().served == 4; }, patience_of_nodes));
   EXPECT_TRUE(sends_at_most(1.2 * whole_bytes));
   expect_all_is_right();
 }

@@ -1,5 +1,5 @@
-// Decides which processes are sent one copy of a sample for all their readers, under the union of what these
-// ask for, instead of one copy for each of them (multicast.md). That needs no multicast.
+// Decides which processes are sent one copy of a sample that serves all their readers, instead of one copy
+// for each of them (multicast.md). That needs no multicast.
 // Pure: what is asked for, sizes and times go in, decisions come out. Of the agent's thread.
 #pragma once
 
