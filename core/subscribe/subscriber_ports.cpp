@@ -85,8 +85,8 @@ SubscriberPorts::Next SubscriberPorts::next() {
   return next;
 }
 
-/// A merged sample names no request: it has whole fields, and is for each request without
-/// conditions that it contains. The present one comes first.
+/// A merged sample names no request: it has whole fields, and is for each request without conditions that it
+/// contains. The present one comes first.
 void SubscriberPorts::settle(Next& next) {
   next.is_copied = intake_.is_copied(next.info.transport);
   if (!next.is_copied && !tells_asked_) return;

@@ -228,7 +228,7 @@ class PartHostsTest : public testing::Test {
     return eventually([&] { return cast().in_groups >= readers || (publish_more(5), false); },
                       patience_of_nodes);
   }
-  /// Of samples that everybody has before the next one is published: nobody falls behind its group.
+  /// Everybody has each sample before the next one is published, so nobody falls behind its group.
   double bytes_of_a_sample() {
     constexpr std::uint32_t samples = 20;
     EXPECT_TRUE(publish_more(1));

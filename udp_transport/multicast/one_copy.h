@@ -1,4 +1,4 @@
-// What a sample has that serves several readers at a time.
+// The fields and parts in a copy of a sample that serves several readers.
 #pragma once
 
 #include "sft/selection.h"

@@ -1,5 +1,5 @@
-// How many bytes a selection with parts leaves out of the samples of one writer, on average. What it takes to
-// find out are the numbers that a sample says of itself, and no projection.
+// The bytes that a selection with parts leaves out of the samples of one writer, on average. They follow from
+// the numbers that a sample says of itself, without a projection.
 #pragma once
 
 #include <atomic>

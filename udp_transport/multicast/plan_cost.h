@@ -38,7 +38,7 @@ struct PlanLimits {
   double gain_min = 0.05;          ///< of the present cost: less is no reason to change anything
   double gain_bytes_per_s = 4096;  ///< likewise
   std::size_t groups_max = 8;      ///< on a link
-  /// Of the body of a copy that has more than somebody asked for: a larger one might not be sent at all.
+  /// The bytes that a body may have that nobody asked for as it is: a larger one might not be sent at all.
   double merged_body_max = std::numeric_limits<double>::infinity();
 };
 

@@ -57,8 +57,8 @@ bool MaskSharing::is_undecided(const BodySizes& sizes) const {
   });
 }
 
-/// One copy of whole fields never has more bytes than all copies together. But a reader of few fields then
-/// waits for many.
+/// One copy has no more bytes than all copies together, unless some readers ask for parts of what it has as a
+/// whole. But a reader of few fields then waits for many.
 bool MaskSharing::is_better_shared(const Place& place, const BodySizes& sizes) const {
   const double body = sizes.bytes_of(place.together);
   const bool is_asked_for = std::ranges::find(place.asked, place.together) != place.asked.end();

@@ -107,7 +107,7 @@ FieldMask fields(std::string_view text) {
   return type_support<T>().closed(type_support<T>().parse_mask(text).value());
 }
 
-/// What a subscriber with that text asks its publishers for: "stamp, data[::2]".
+/// The selection that a subscriber with that text asks for: "stamp, data[::2]".
 template <class T>
 Selection selection_of(std::string_view text) {
   return type_support<T>().closed(type_support<T>().parse_selection(text).value());

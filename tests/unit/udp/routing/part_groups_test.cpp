@@ -15,7 +15,7 @@ class PartGroupsTest : public GroupKeeperTest {
       if (keeper_->replan(now_)) serve();
     }
   }
-  /// What is sent to those that so many readers are behind; the first bundle with that number.
+  /// The selection of the first bundle that has so many readers; nothing if there is none.
   Selection sent_to(std::size_t readers) const {
     const auto found = std::ranges::find_if(
         merged_, [&](const RouteBundle& bundle) { return bundle.readers.size() == readers; });
