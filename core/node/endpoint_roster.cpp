@@ -40,7 +40,7 @@ NodeSnapshot::Subscriber snapshot_of(SubscriberCore& subscriber) {
   snapshot.topic = spec.topic;
   snapshot.type = spec.type->name();
   snapshot.qos = qos_of(spec.options).value_or(Qos{});  // was checked when it was opened
-  snapshot.fields = spec.type->format_mask(snapshot.mask);
+  snapshot.fields = spec.type->format_selection(snapshot.selection);
   snapshot.recorded = spec.requirement.recorded;
   return snapshot;
 }

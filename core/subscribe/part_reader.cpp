@@ -54,13 +54,18 @@ std::span<const std::byte> PartReader::gathered(std::size_t part) noexcept {
 }
 
 const detail::SampleState& PartReader::put_together() noexcept {
-  const Lock lock(mutex_);
-  if (!was_put_together_) {
-    was_put_together_ = true;
-    together_ = owner_->of(source_, *asked_->plan);
-    together_state_ = together_ ? owner_->state(*together_) : detail::untyped::empty_state;
-    if (!together_) together_state_.mask = &asked_->plan->mask();  // of which nothing can be read
+  {
+    const Lock lock(mutex_);
+    if (was_put_together_) return together_state_;
   }
+  // The owner has a lock of its own. Of threads that come at the same time the first one's copy counts.
+  SampleHandle copy = owner_->of(source_, *asked_->plan);
+  const Lock lock(mutex_);
+  if (was_put_together_) return together_state_;
+  was_put_together_ = true;
+  together_ = std::move(copy);
+  together_state_ = together_ ? owner_->state(*together_) : detail::untyped::empty_state;
+  if (!together_) together_state_.mask = &asked_->plan->mask();  // of which nothing can be read
   return together_state_;
 }
 

@@ -54,7 +54,7 @@ class PartReader final : public detail::PartsInPlace {
   detail::SampleState source_state_;
   std::vector<detail::Cut> cuts_;  ///< of the parts
 
-  Mutex mutex_;  ///< held while a copy is made, by one of those who read the same sample
+  Mutex mutex_;  ///< held while the bytes of a part are copied, by one of those who read the same sample
   std::vector<SampleHandle> copies_ SFT_GUARDED_BY(mutex_);  ///< of the parts
   SampleHandle together_ SFT_GUARDED_BY(mutex_);
   detail::SampleState together_state_ SFT_GUARDED_BY(mutex_);

@@ -18,7 +18,7 @@ struct SFT_CAPABILITY("level") Border {};
 
 /// Endpoints are asked for their status: EndpointRoster.
 inline constexpr Border endpoints{};
-/// One endpoint: PublisherCore, SubscriberPorts, SubscriberCore.
+/// One endpoint: PublisherCore, SubscriberPorts, RemoteCopy.
 inline constexpr Border endpoint SFT_ACQUIRED_AFTER(endpoints){};
 /// What one endpoint, or one remote socket, has to send or to receive: Inbox, ShmReaderPort, Lane, Channel,
 /// ChannelRoster, DestinationDirectory, ScheduledWork, SubscriptionDirectory.
