@@ -22,6 +22,24 @@ double rate_hz_of(const Selection& selection) {
   return period_us == 0 ? 0 : 1e6 / period_us;
 }
 
+namespace {
+
+/// The rule by which a part is meant has to be that of our type: rows and columns would be others.
+Result<Selection> with_our_rules(const TypeSupport& type, const Selection& asked) {
+  for (const Selection::Part& part : asked.parts()) {
+    const detail::Layout* const layout = type.layout_of(part.leaf);
+    if (part.rule == (layout == nullptr ? 0 : layout->rule)) continue;
+    return fail(
+        Errc::type_mismatch,
+        "the part of " + type.path(part.leaf) +
+            " is meant by another layout rule (@sft_layout) than the one that the publisher was built "
+            "with; build both programs from one definition of the type");
+  }
+  return asked;
+}
+
+}  // namespace
+
 Result<Selection> requested_selection(const Request& request, const TypeSupport& type) {
   const FieldMask fields = FieldMask::from_words(type.leaves(), request.mask_words);
   if (request.parts.empty()) return Selection(type.closed(fields));
@@ -30,6 +48,7 @@ Result<Selection> requested_selection(const Request& request, const TypeSupport&
         const std::span<const Selection::Part> parts = some.parts();
         return Selection::make(fields, {parts.begin(), parts.end()}, {some.gate().conditions, {}});
       })
+      .and_then([&](const Selection& asked) { return with_our_rules(type, asked); })
       .and_then([&](const Selection& asked) { return checked_selection(type, asked); });
 }
 

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "from_msg/idl_text.h"
+#include "from_msg/layouts.h"
 #include "from_msg/model_of.h"
 #include "from_msg/names.h"
 #include "from_msg/parse.h"
@@ -22,7 +23,7 @@ void require(bool condition) {
 
 Definition without_lines(Definition definition) {
   for (Constant& constant : definition.constants) constant.line = 0;
-  for (Field& field : definition.fields) field.line = 0;
+  for (Field& field : definition.fields) field.line = field.layout.line = field.layout.column = 0;
   return definition;
 }
 
@@ -40,10 +41,12 @@ void check(const std::vector<Problem>& problems, std::string_view text) {
   }
 }
 
-void check(const Definition& definition) {
+void check(const Definition& definition, std::string_view text) {
   const auto again = parse(test::print(definition), definition.type);
   require(again && without_lines(*again) == without_lines(definition));
   require(!idl_text(definition).empty());
+  for (const Problem& problem : check_layouts(definition, [](const TypeName&) { return nullptr; }))
+    check(std::vector<Problem>{problem}, text);
   const ModelOf model(definition, {"/root", {}});
   require(model.file().declaration_count == definition.constants.size() + 1);
 }
@@ -53,6 +56,6 @@ void check(const Definition& definition) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   const auto definition = parse(text, {"my_msgs", "Example"});
-  definition ? check(*definition) : check(definition.error(), text);
+  definition ? check(*definition, text) : check(definition.error(), text);
   return 0;
 }

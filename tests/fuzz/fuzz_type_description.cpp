@@ -97,6 +97,25 @@ void check_projection(const DynamicType& type, const Body& body) {
           "and is valid then");
 }
 
+/// Takes a part of each field that has a layout.
+void check_parts(const DynamicType& type, const Body& body) {
+  const TypeSupport& support = type.support();
+  for (const std::size_t leaf : body.mask()) {
+    if (support.layout_of(leaf) == nullptr) continue;
+    const Selection::Part part{
+        .leaf = static_cast<std::uint32_t>(leaf), .rows = {1, 9, 1}, .columns = {0, 8, 2}};
+    const Selection asked = support.closed(Selection::make(support.none(), {part}, {}).value());
+    require(support.closed(asked) == asked, "a closed selection stays");
+    if (!body.mask().contains(asked.mask())) continue;
+    Projection projection;
+    require(projection.project(body.state(), ProjectionPlan(support, asked)), "a part can be taken");
+    std::vector<std::byte> bytes;
+    for (const Segment& s : projection.segments()) bytes.insert(bytes.end(), s.data, s.data + s.bytes);
+    Body some(support, asked.mask(), bytes);
+    require(build_index(some.state(), type.type(), some.index()) == WalkStatus::ok, "and is valid then");
+  }
+}
+
 void run(std::span<const std::byte> input) {
   auto [description, rest] = parse_description_input(input);
   const Result<DynamicType> type = DynamicType::parse(description);
@@ -110,6 +129,7 @@ void run(std::span<const std::byte> input) {
             "a valid body can be printed");
     require(!body.state().is_malformed() && !without_index.is_malformed(), "and is not malformed");
     check_projection(*type, body);
+    check_parts(*type, body);
   }
   for (std::size_t slot = 0; slot < body.index().size(); ++slot) {  // an index that lies
     const std::size_t at = slot * 7 % (rest.size() + 1);

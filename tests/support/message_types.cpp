@@ -1,6 +1,7 @@
 #include "tests/support/message_types.h"
 
 #include <array>
+#include <layouts.hpp>
 #include <nav_msgs/msg/OccupancyGrid.hpp>
 #include <nav_msgs/msg/Odometry.hpp>
 #include <proof.hpp>
@@ -31,6 +32,10 @@ std::span<const MessageType> all_types() {
       message_type<proof::MarkedElements>(),
       message_type<proof::Wide>(),
       message_type<proof::Chunks>(),
+      message_type<layouts::HeightMap>(),
+      message_type<layouts::Spectrum>(),
+      message_type<layouts::Records>(),
+      message_type<layouts::Points>(),
   };
   return types;
 }

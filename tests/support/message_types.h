@@ -45,7 +45,8 @@ std::vector<MessageType> generated_types();
 std::span<const MessageType> common_types();
 
 /// All types above, and some that are made to be difficult (tests/generators/idl/torture.idl,
-/// tests/unit/typesupport/proof.idl). The order is kept: inputs of the fuzzer name types by their number.
+/// tests/unit/typesupport/proof.idl) or have layout rules (layouts.idl there). The order is kept: inputs of
+/// the fuzzer name types by their number.
 std::span<const MessageType> all_types();
 
 /// all_types(), and behind them all other types of the tests and the common packages, by name. Only for

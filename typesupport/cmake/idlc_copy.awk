@@ -7,6 +7,7 @@
 # - idlc counts lines wrongly beside comments, and sometimes elsewhere. The copy has no comments, and a number for each
 #   line. Columns do not change.
 # - idlc misreads the letters in "\x7e". The copy has "\176".
+# - idlc drops annotations that are not declared. The copy declares @sft_layout.
 function blank(width, spaces) {
   while (length(spaces) < width) spaces = spaces " "
   return spaces
@@ -70,7 +71,11 @@ function alias_of(line, name, dimension) {
   return name == line "__" dimension "[" dimension "]" ? line "__" dimension : ""
 }
 
-BEGIN { is_head = 1 }
+BEGIN {
+  is_head = 1
+  print "#ifndef SFT_LAYOUT_ANNOTATION\n#define SFT_LAYOUT_ANNOTATION"
+  print "@annotation sft_layout { string value; };\n#endif"
+}
 
 {
   sub(/\r$/, "")

@@ -66,7 +66,8 @@ struct sft_member {
   struct sft_value* initial_elements;  ///< of a sequence, or of an array in which the last index runs fastest
   size_t initial_element_count;        ///< 0: value-initialized
   bool is_key;
-  const char* unit;  ///< null: none given
+  const char* unit;    ///< null: none given
+  const char* layout;  ///< a rule as layout/rule.h spells it; null: none given
 };
 
 // An enumerator, or a flag of a bitmask, whose value is its bit.

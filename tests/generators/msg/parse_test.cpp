@@ -220,5 +220,18 @@ TEST(Units, OfTheMessageOrOfAConstantAreNoFieldsUnits) {
   EXPECT_EQ(unit("\nint8 A=1 # [m]\n  # [m]\nfloat64 x"), "");
 }
 
+TEST(Layouts, StandBesideAboveOrIndentedBelowTheirField) {
+  const auto layout = [](std::string_view text) { return parsed(text).fields.at(0).layout; };
+  const Layout beside = layout("uint8[] x  ## [m] @sft_layout  columns=w  rows=h \nuint32 w");
+  EXPECT_EQ(beside.text, "columns=w  rows=h");
+  EXPECT_EQ(beside.line, 1U);
+  EXPECT_EQ(beside.column, 32U);
+  EXPECT_EQ(parsed("uint8[] x  # [m] @sft_layout columns=w").fields.at(0).unit, "m");
+  EXPECT_EQ(layout("\n# @sft_layout columns=w\n\n# more\nuint8[] x").line, 2U);
+  EXPECT_EQ(layout("uint8[] x\n  # @sft_layout columns=w").line, 2U);
+  EXPECT_EQ(layout("uint8[] x\n# @sft_layout columns=w\nuint8[] y").text, "");
+  EXPECT_EQ(layout("uint8[] x  # sft_layout columns=w").text, "") << "only a comment";
+}
+
 }  // namespace
 }  // namespace sft::msg

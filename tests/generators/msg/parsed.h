@@ -20,7 +20,8 @@ inline Definition parsed(std::string_view text) {
   return {};
 }
 
-/// Returns what is wrong with `text`, one line each: "LINE MEMBER: TEXT". Empty if nothing is.
+/// Returns what is wrong with `text`, one line each: "LINE MEMBER: TEXT", with the
+/// column behind it if it is known. Empty if nothing is.
 inline std::string problems(std::string_view text, const TypeName& name = example) {
   std::string lines;
   const auto result = parse(text, name);
@@ -28,6 +29,7 @@ inline std::string problems(std::string_view text, const TypeName& name = exampl
   for (const Problem& problem : result.error()) {
     lines += lines.empty() ? "" : "\n";
     lines += std::to_string(problem.line) + " " + problem.member + ": " + problem.text;
+    if (problem.column != 0) lines += " (column " + std::to_string(problem.column) + ")";
   }
   return lines;
 }

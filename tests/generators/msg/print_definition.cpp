@@ -49,7 +49,8 @@ std::string print(const Definition& definition) {
     text += fmt::format("{} {}={}\n", print(c.type), c.name, print(c.value));
   for (const Field& f : definition.fields) {
     const std::string unit = f.unit.empty() ? "" : fmt::format("  # [{}]", f.unit);
-    text += fmt::format("{} {}{}{}\n", print(f.type), f.name, print_initial(f), unit);
+    const std::string layout = f.layout.text.empty() ? "" : fmt::format("  # @sft_layout {}", f.layout.text);
+    text += fmt::format("{} {}{}{}{}\n", print(f.type), f.name, print_initial(f), unit, layout);
   }
   return text;
 }

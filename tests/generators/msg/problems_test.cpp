@@ -97,6 +97,31 @@ TEST(Names, AreGivenOnce) {
   EXPECT_EQ(problems("int32 X=1\n\nint8 X=2"), "3 X: there is one already, in line 1: rename one of them");
 }
 
+TEST(Layouts, ThatAreNoRulesAreRefusedWithTheirColumn) {
+  EXPECT_EQ(problems("uint32 w\nuint8[] x  # [m] @sft_layout rows=w\n"),
+            "2 x: rows needs columns beside it (column 34)");
+  EXPECT_NE(problems("uint8[] x\n\t# @sft_layout line=w").find("2 x: 'line' is no role"), std::string::npos);
+  EXPECT_EQ(problems("uint8[] x  # @sft_layout"),
+            "1 x: a layout names roles, as in rows=height columns=width (column 25)");
+  EXPECT_EQ(problems("uint8[] x  # @sft_layout columns=w columns=h"),
+            "1 x: columns is given twice (column 36)");
+}
+
+TEST(Layouts, BelongToOneFieldEach) {
+  EXPECT_EQ(problems("\n# @sft_layout columns=w\n# @sft_layout columns=h\nuint8[] x"),
+            "3 : a field has one layout (column 15)");
+  EXPECT_EQ(problems("\n# @sft_layout columns=w\nuint8[] x\n # @sft_layout columns=w"),
+            "4 x: a field has one layout (column 16)");
+  EXPECT_EQ(problems("\n# @sft_layout columns=w\nuint8 X=1"),
+            "2 X: a layout belongs to a field, not to a constant (column 15)");
+  EXPECT_EQ(problems("uint8 y\n# @sft_layout columns=w\n"),
+            "2 : no field follows that the layout could belong to (column 15)");
+  EXPECT_EQ(problems("uint8 X=1\n  # @sft_layout columns=w\n"),
+            "2 : no field stands before this layout (column 17)");
+  EXPECT_NE(problems("# @sft_layout columns=w\nuint8[] x").find("1 : the comment at the top belongs to the"),
+            std::string::npos);
+}
+
 TEST(Constants, AreOfPrimitiveTypes) {
   const std::string expected = " cannot be the type of a constant: use a primitive type or string";
   EXPECT_EQ(problems("int32[] X=[1]"), "1 X: 'int32[]'" + expected);

@@ -157,7 +157,10 @@ TEST(HostileDescriptionTest, ArraysHaveElementsAndAttributesBelongToWhatTheyFit)
   EXPECT_THAT(with_member(uint8 | array).number(0).error(), HasSubstr("elements of an array: 0"));
   EXPECT_THAT(with_member(uint8 | array).number(1ULL << 40).error(), HasSubstr("elements of an array"));
   EXPECT_THAT(with_member(uint8 | attributes).byte(0).error(), HasSubstr("unknown attributes"));
-  EXPECT_THAT(with_member(uint8 | attributes).byte(16).error(), HasSubstr("unknown attributes"));
+  EXPECT_THAT(with_member(uint8 | attributes).byte(32).error(), HasSubstr("unknown attributes"));
+  EXPECT_THAT(with_member(uint8 | attributes).byte(16).text("").error(), HasSubstr("a layout without roles"));
+  EXPECT_THAT(with_member(uint8 | attributes).byte(16).text("columns=x").error(),
+              HasSubstr("the layout of member 'x': a layout belongs to a sequence of numbers"));
   EXPECT_THAT(with_member(uint8 | attributes).byte(1).number(3).error(), HasSubstr("is no sequence"));
   EXPECT_THAT(with_member(uint8 | attributes).byte(2).number(3).error(), HasSubstr("string's bound"));
   EXPECT_THAT(with_member(uint8 | attributes).byte(4).number(0).error(), HasSubstr("there is not"));

@@ -18,6 +18,7 @@ std::string options(const sft_member& member) {
   if (member.type.string_bound != 0) add("string_bound", fmt::to_string(member.type.string_bound));
   if (member.is_key) add("key", "true");
   if (member.unit != nullptr) add("unit", string_literal(member.unit));
+  if (member.layout != nullptr) add("layout", string_literal(member.layout));
   return given.empty() ? "" : ", {" + given + "}";
 }
 

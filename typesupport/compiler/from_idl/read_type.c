@@ -13,13 +13,18 @@ static const struct {
     {IDL_UINT64, SFT_UINT64}, {IDL_FLOAT, SFT_FLOAT32}, {IDL_DOUBLE, SFT_FLOAT64},
 };
 
-static void read_primitive(struct sft_reading* reading, idl_type_t type, struct sft_type* result) {
+bool sft_primitive_kind(idl_type_t type, enum sft_kind* kind) {
   for (size_t i = 0; i < sizeof primitives / sizeof primitives[0]; ++i) {
     if (primitives[i].type == type) {
-      result->kind = primitives[i].kind;
-      return;
+      *kind = primitives[i].kind;
+      return true;
     }
   }
+  return false;
+}
+
+static void read_primitive(struct sft_reading* reading, idl_type_t type, struct sft_type* result) {
+  if (sft_primitive_kind(type, &result->kind)) return;
   switch (type) {
     case IDL_WCHAR:
       sft_refuse(reading, "wide characters are not supported: use string, which holds UTF-8");

@@ -12,6 +12,9 @@ struct sft_type sft_read_type(struct sft_reading* reading, const idl_type_spec_t
 /// The value of a constant expression, a literal or an enumerator, which idlc has converted to `type`.
 struct sft_value sft_read_value(const struct sft_type* type, const void* expression);
 
+/// Sets the kind of a primitive type. False if it is another type, or a primitive that the model lacks.
+bool sft_primitive_kind(idl_type_t type, enum sft_kind* kind);
+
 /// True for a bitmask, whose values are unsigned integers, and for a collection of bitmasks.
 bool sft_is_bitmask(const struct sft_type* type);
 

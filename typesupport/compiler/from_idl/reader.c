@@ -4,6 +4,7 @@
 
 #include "memory.h"
 #include "read_default.h"
+#include "read_layout.h"
 #include "read_type.h"
 #include "reading.h"
 
@@ -132,6 +133,7 @@ static void read_struct(struct sft_reading* reading, const idl_struct_t* node) {
     const idl_declarator_t* declarator;
     IDL_FOREACH(declarator, member->declarators) read_member(reading, result, member, declarator);
   }
+  sft_read_layouts(reading, node, result);
 }
 
 // Refuses an unsupported declaration even if no member uses it.
@@ -141,6 +143,10 @@ static void refuse_declaration(struct sft_reading* reading, const void* node) {
 }
 
 static void read_declaration(struct sft_reading* reading, const idl_node_t* node) {
+  if (sft_layout_of(node) != NULL) {
+    enter(reading, node);
+    sft_refuse(reading, "@sft_layout belongs to a member that is a sequence of numbers");
+  }
   switch (idl_mask(node) & (IDL_CONST | IDL_TYPEDEF | IDL_ENUM | IDL_STRUCT | IDL_UNION | IDL_BITMASK)) {
     case IDL_CONST:
       read_constant(reading, (const idl_const_t*)node);

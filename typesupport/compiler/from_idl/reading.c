@@ -7,8 +7,10 @@
 
 void sft_refuse(struct sft_reading* reading, const char* format, ...) {
   const idl_position_t* place = &idl_location(reading->node)->first;
-  fprintf(stderr, "%s:%" PRIu32 ": %s%s%s: ", place->source->file->name, place->line,
-          reading->owner + strlen("::"), reading->member ? "." : "", reading->member ? reading->member : "");
+  fprintf(stderr, "%s:%" PRIu32 ":", place->source->file->name, place->line);
+  if (reading->column != 0) fprintf(stderr, "%" PRIu32 ":", reading->column);
+  fprintf(stderr, " %s%s%s: ", reading->owner + strlen("::"), reading->member ? "." : "",
+          reading->member ? reading->member : "");
   va_list arguments;
   va_start(arguments, format);
   vfprintf(stderr, format, arguments);

@@ -11,6 +11,7 @@ struct sft_reading {
   const void* node;       ///< reports name its line
   const char* owner;      ///< scoped name of the declaration
   const char* member;     ///< null outside of members
+  uint32_t column;        ///< reports name it, too; 0: they do not
   bool is_refused;        ///< set by the first sft_refuse()
 };
 

@@ -45,12 +45,22 @@ struct Constant {
   bool operator==(const Constant&) const = default;
 };
 
+/// A layout rule, as it is written.
+struct Layout {
+  std::string text;          ///< empty: none given
+  std::uint32_t line = 0;    ///< where the text begins
+  std::uint32_t column = 0;  ///< from 1
+
+  bool operator==(const Layout&) const = default;
+};
+
 struct Field {
   Type type;
   std::string name;
   std::vector<Value> initial;  ///< the default: one value, or one per element; empty: none given
   std::string unit;            ///< "m/s"; empty: none given
   std::uint32_t line;
+  Layout layout{};
 
   bool operator==(const Field&) const = default;
 };
@@ -66,8 +76,9 @@ struct Definition {
 /// An error in a definition.
 struct Problem {
   std::uint32_t line;
-  std::string member;  ///< field or constant; empty: the line or the whole message
-  std::string text;    ///< what is wrong, and what to do
+  std::string member;        ///< field or constant; empty: the line or the whole message
+  std::string text;          ///< what is wrong, and what to do
+  std::uint32_t column = 0;  ///< from 1; 0: the whole line
 };
 
 }  // namespace sft::msg

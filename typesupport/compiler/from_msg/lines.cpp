@@ -7,9 +7,11 @@ namespace {
 
 Line line_of(std::string_view text, std::uint32_t number) {
   const std::size_t mark = text.find('#');
-  Line line{number, trimmed(text.substr(0, mark)), {}, mark != text.npos, text.starts_with(' ')};
+  Line line{number, trimmed(text.substr(0, mark)), {}, mark != text.npos, text.starts_with(' '), 0};
   if (line.has_comment) {
-    line.comment = text.substr(std::min(text.find_first_not_of('#', mark), text.size()));
+    const std::size_t begin = std::min(text.find_first_not_of('#', mark), text.size());
+    line.comment = text.substr(begin);
+    line.comment_column = static_cast<std::uint32_t>(begin + 1);
   }
   return line;
 }

@@ -15,6 +15,7 @@ struct Line {
   std::string_view comment;  ///< without the '#' in front
   bool has_comment;
   bool is_indented;
+  std::uint32_t comment_column;  ///< where the comment begins, from 1
 };
 
 /// Normalizes `text`: lines end with '\n', other white space is spaces, and there is no byte order mark.

@@ -5,12 +5,15 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "emit/emit.h"
 #include "emit/output.h"
 #include "from_msg/idl_text.h"
+#include "from_msg/layouts.h"
 #include "from_msg/model_of.h"
 #include "from_msg/nested.h"
 #include "from_msg/parse.h"
@@ -50,7 +53,9 @@ int fail(std::string_view file, std::uint32_t line, std::string_view place, std:
 int fail(const Arguments& arguments, const TypeName& type, const std::vector<Problem>& problems) {
   for (const Problem& problem : problems) {
     const std::string member = problem.member.empty() ? "" : "." + problem.member;
-    fail(arguments.file, problem.line, type.text() + member, problem.text);
+    const std::string column = problem.column == 0 ? "" : fmt::format("{}:", problem.column);
+    fmt::print(stderr, "{}:{}:{} {}{}: {}\n", arguments.file, problem.line, column, type.text(), member,
+               problem.text);
   }
   if (problems.size() >= Limits::problems) fmt::print(stderr, "{}: giving up\n", arguments.file);
   return 1;
@@ -66,13 +71,37 @@ bool is_name(const fs::path& name) {
          name.extension() == ".msg" && *name.begin() != "..";
 }
 
+/// The definitions of nested messages, each read once.
+class NestedDefinitions {
+ public:
+  explicit NestedDefinitions(const SearchPath& search_path) : search_path_(search_path) {}
+
+  /// Null for types in IDL, and for messages with errors.
+  const Definition* find(const TypeName& type) {
+    const auto [known, is_new] = definitions_.try_emplace(type);
+    const auto file = is_new ? search_path_.find(type) : std::nullopt;
+    if (file && file->extension() == ".msg") {
+      if (auto parsed = parse(read_file(*file), type)) known->second = *std::move(parsed);
+    }
+    return known->second ? &*known->second : nullptr;
+  }
+
+ private:
+  const SearchPath& search_path_;
+  std::map<TypeName, std::optional<Definition>> definitions_;
+};
+
 int generate(const Arguments& arguments, const fs::path& root, const TypeName& type) {
   const auto definition = parse(read_file(arguments.file), type);
   if (!definition) return fail(arguments, type, definition.error());
   std::vector<fs::path> roots{root};
   roots.insert(roots.end(), arguments.roots.begin(), arguments.roots.end());
-  const auto nested = nested_files(*definition, SearchPath(roots));
+  const SearchPath search_path(roots);
+  const auto nested = nested_files(*definition, search_path);
   if (!nested) return fail(arguments, type, nested.error());
+  NestedDefinitions definitions(search_path);
+  const auto wrong = check_layouts(*definition, [&](const TypeName& name) { return definitions.find(name); });
+  if (!wrong.empty()) return fail(arguments, type, wrong);
 
   if (!arguments.idl_dir.empty()) {
     const fs::path idl = fs::path(arguments.idl_dir) / (type.text() + ".idl");

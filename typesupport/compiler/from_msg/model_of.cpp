@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "from_msg/layouts.h"
 #include "from_msg/nested.h"
 
 namespace sft::msg {
@@ -53,6 +54,7 @@ sft_member ModelOf::member_of(const Field& field) {
   member.name = keep(field.name);
   member.type = type_of(field.type);
   if (!field.unit.empty()) member.unit = keep(field.unit);
+  if (!field.layout.text.empty()) member.layout = keep(layout_text(field));
   if (field.initial.empty()) return member;
   if (field.type.is_single()) {
     member.initial = value_of(field.initial.front());

@@ -14,6 +14,7 @@
 #include "from_msg/type.h"
 #include "from_msg/unit.h"
 #include "from_msg/utf8.h"
+#include "layout/rule.h"
 
 namespace sft::msg {
 namespace {
@@ -51,6 +52,10 @@ class Parser {
   tl::expected<Definition, std::vector<Problem>> run(std::string_view text) {
     check_name();
     if (check_text(text)) read(with_plain_spaces(text));
+    if (layout_) refuse_layout(*layout_, 0, "", "no field follows that the layout could belong to");
+    std::ranges::stable_sort(problems_, {}, &Problem::line);
+    if (problems_.size() > Limits::problems)
+      problems_.erase(problems_.begin() + Limits::problems, problems_.end());
     if (!problems_.empty()) return tl::unexpected(std::move(problems_));
     for (std::size_t i = 0; i < field_comments_.size(); ++i) {
       const std::string_view unit = unit_in(field_comments_[i]);
@@ -106,7 +111,14 @@ class Parser {
     while (const auto line = lines.next()) {
       line_ = line->number;
       is_head = is_head && line->has_comment && line->code.empty() && !line->is_indented;
-      if (!is_head) read_line(*line);
+      if (!is_head) {
+        read_line(*line);
+      } else if (const auto layout = layout_in(*line)) {
+        refuse_layout(
+            *layout, 0, "",
+            "the comment at the top belongs to the message, and a layout to a field: write an empty "
+            "line above it, or write it behind the field");
+      }
       if (problems_.size() >= Limits::problems) return;
       if (definition_.fields.size() + definition_.constants.size() <= Limits::members) continue;
       return refuse("", "too many fields and constants: expected at most {}", Limits::members);
@@ -116,15 +128,21 @@ class Parser {
   /// A comment belongs to the definition that follows it or stands in its line. An indented comment in a line
   /// of its own belongs to the definition before it.
   void read_line(const Line& line) {
+    auto layout = layout_in(line);
     if (line.has_comment && line.code.empty() && line.is_indented) {
       if (previous_field_) append_line(field_comments_[*previous_field_], line.comment);
-      return;
+      if (!layout) return;
+      if (!previous_field_) return refuse_layout(*layout, 0, "", "no field stands before this layout");
+      return set_layout(definition_.fields[*previous_field_], *std::move(layout));
     }
     if (line.has_comment) append_line(comment_, line.comment);
+    if (layout && layout_) refuse_layout(*layout, 0, "", "a field has one layout");
+    if (layout && !layout_) layout_ = std::move(layout);
     if (line.code.empty()) return;
     previous_field_.reset();
     read_statement(line.code);
     comment_.clear();
+    layout_.reset();
   }
 
   void read_statement(std::string_view code) {
@@ -162,6 +180,7 @@ class Parser {
     auto values = parse_values(type, statement.value);
     if (!values) return refuse(statement.name, "{}", values.error());
     if (!is_new(statement.name)) return;
+    if (layout_) refuse_layout(*layout_, 0, statement.name, "a layout belongs to a field, not to a constant");
     definition_.constants.push_back({type, std::string(statement.name), std::move(values->front()), line_});
   }
 
@@ -182,12 +201,35 @@ class Parser {
     previous_field_ = definition_.fields.size();
     definition_.fields.push_back(std::move(field));
     field_comments_.push_back(comment_);
+    if (layout_) set_layout(definition_.fields.back(), *std::move(layout_));
   }
 
   bool is_new(std::string_view name) {
     const auto [first, inserted] = lines_of_names_.try_emplace(std::string(name), line_);
     if (!inserted) refuse(name, "there is one already, in line {}: rename one of them", first->second);
     return inserted;
+  }
+
+  /// The layout in the comment of a line, up to its end.
+  static std::optional<Layout> layout_in(const Line& line) {
+    const std::size_t at = line.comment.find(layout::annotation);
+    if (at == line.comment.npos) return {};
+    const std::size_t behind = at + layout::annotation.size();
+    const std::size_t begin = std::min(line.comment.find_first_not_of(' ', behind), line.comment.size());
+    return Layout{std::string(trimmed(line.comment.substr(begin))), line.number,
+                  line.comment_column + static_cast<std::uint32_t>(begin)};
+  }
+
+  void set_layout(Field& field, Layout layout) {
+    if (!field.layout.text.empty()) return refuse_layout(layout, 0, field.name, "a field has one layout");
+    if (const auto rule = layout::read_rule(layout.text); !rule)
+      return refuse_layout(layout, rule.error().at, field.name, rule.error().text);
+    field.layout = std::move(layout);
+  }
+
+  void refuse_layout(const Layout& layout, std::size_t at, std::string_view member, std::string text) {
+    problems_.push_back(
+        {layout.line, std::string(member), std::move(text), layout.column + static_cast<std::uint32_t>(at)});
   }
 
   static void append_line(std::string& comment, std::string_view line) {
@@ -205,6 +247,7 @@ class Parser {
   std::vector<Problem> problems_;
   std::uint32_t line_ = 1;
   std::string comment_;                        // of the next definition
+  std::optional<Layout> layout_;               // of the next field
   std::vector<std::string> field_comments_;    // one per field
   std::optional<std::size_t> previous_field_;  // empty if the previous definition is a constant
   std::unordered_map<std::string, std::uint32_t> lines_of_names_;

@@ -119,20 +119,22 @@ bool Cut::find_beams(const SampleState& s, const Layout& layout, const Part& par
 }
 
 bool Cut::find_rows(const SampleState& s, const Layout& layout, const Layout::Field& data, const Part& part) {
-  const Extent bytes = checked_sequence(s, offset_of(s, data.slot), 1);
+  element_bytes_ = static_cast<std::uint32_t>(size_of(data.member->kind));
+  const Extent all = checked_sequence(s, offset_of(s, data.slot), element_bytes_);
   const auto rows = natural_at(s, layout[LayoutRole::rows], 1);
   const auto columns = natural_at(s, layout[LayoutRole::columns], 1);
-  if (!bytes || !rows || !columns) return false;
-  field_bytes_ = bytes.count;
+  if (!all || !rows || !columns) return false;
+  const std::uint64_t data_bytes = std::uint64_t{all.count} * element_bytes_;
+  field_bytes_ = data_bytes;
   Size size{*rows, *columns, 0, 0};
-  if (!find_cells(s, layout, bytes.count, part, size)) return false;
+  if (!find_cells(s, layout, data_bytes, part, size)) return false;
   if (is_whole_) return true;
   const bool is_empty = *rows == 0 || *columns == 0;
   const std::uint64_t row_end = size.columns * size.cell_bytes;
   const bool has_room =
-      is_empty || (size.cell_bytes > 0 && row_end <= bytes.count &&
-                   (size.rows == 1 || (row_end <= size.row_bytes &&
-                                       (size.rows - 1) * size.row_bytes <= bytes.count - row_end)));
+      is_empty || (size.cell_bytes > 0 && row_end <= data_bytes &&
+                   (size.rows == 1 ||
+                    (row_end <= size.row_bytes && (size.rows - 1) * size.row_bytes <= data_bytes - row_end)));
   if (!has_room) size = {0, 0, size.cell_bytes, size.row_bytes};
   if (layout.has_channels() && !part.channels.empty()) {
     if (!find_channels(s, layout, part, size.cell_bytes)) return false;
@@ -141,14 +143,14 @@ bool Cut::find_rows(const SampleState& s, const Layout& layout, const Layout::Fi
     run_count_ = 1;
     cell_bytes_ = static_cast<std::uint32_t>(size.cell_bytes);
   }
-  place(size, bytes.first, part);
+  place(size, all.first, part);
   return true;
 }
 
 /// Finds out how large cells and rows are, and whether a part of them can be taken at all.
-bool Cut::find_cells(const SampleState& s, const Layout& layout, std::uint32_t data_bytes, const Part& part,
+bool Cut::find_cells(const SampleState& s, const Layout& layout, std::uint64_t data_bytes, const Part& part,
                      Size& size) {
-  const auto cell_bytes = natural_at(s, layout[LayoutRole::cell_bytes], 1);
+  const auto cell_bytes = natural_at(s, layout[LayoutRole::cell_bytes], element_bytes_);
   if (!cell_bytes) return false;
   size.cell_bytes = *cell_bytes;
   const auto row_bytes = natural_at(s, layout[LayoutRole::row_bytes], size.columns * size.cell_bytes);

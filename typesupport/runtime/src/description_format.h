@@ -14,6 +14,7 @@ inline constexpr unsigned has_bound = 0x01;
 inline constexpr unsigned has_string_bound = 0x02;
 inline constexpr unsigned has_enumeration = 0x04;
 inline constexpr unsigned has_unit = 0x08;
-inline constexpr unsigned attribute_bits = 0x0f;
+inline constexpr unsigned has_layout = 0x10;
+inline constexpr unsigned attribute_bits = 0x1f;
 
 }  // namespace sft::description

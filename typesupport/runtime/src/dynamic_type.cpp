@@ -1,6 +1,7 @@
 #include "sft/dynamic_type.h"
 
 #include <algorithm>
+#include <deque>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "description_format.h"
+#include "layout/rule.h"
 #include "sft/detail/type_description.h"
 #include "sft/detail/type_shape.h"
 #include "text.h"
@@ -157,7 +159,22 @@ class DynamicType::Parser {
     }
     expanded_.push_back(sum);
     out_.structs.emplace_back(name, members).first_leaves = first_leaves;
-    return true;
+    return layouts(out_.structs.back());
+  }
+
+  bool layouts(const StructType& type) {
+    std::deque<layout::Rule> read;
+    std::vector<layout::RuleOfMember> rules;
+    for (std::size_t i = 0; i < type.members.size(); ++i) {
+      const Member& m = type.members[i];
+      if (m.layout.empty()) continue;
+      auto rule = layout::read_rule(m.layout);
+      if (!rule) return fail("the layout of " + of(m) + ": " + rule.error().text);
+      if (rule->text() != m.layout) return fail("the layout of " + of(m) + " is not in its one spelling");
+      rules.push_back({i, &read.emplace_back(*std::move(rule))});
+    }
+    const auto wrong = layout::check_rules(layout::SeenStructTypes(), &type, rules);
+    return !wrong || fail("the layout of " + of(type.members[wrong->member]) + ": " + wrong->text);
   }
 
   bool member(Member& m, Names& names) {
@@ -196,9 +213,12 @@ class DynamicType::Parser {
       if (!positive(m.string_bound, UINT32_MAX, "bound")) return false;
     }
     if ((given & description::has_enumeration) != 0 && !enumeration_of(m)) return false;
-    if ((given & description::has_unit) == 0) return true;
-    if (!text(m.unit)) return false;
-    return (!m.unit.empty() && is_printable(m.unit)) || fail(of(m) + " has a unit that cannot be printed");
+    if ((given & description::has_unit) != 0) {
+      if (!text(m.unit)) return false;
+      if (m.unit.empty() || !is_printable(m.unit)) return fail(of(m) + " has a unit that cannot be printed");
+    }
+    if ((given & description::has_layout) == 0) return true;
+    return text(m.layout) && (!m.layout.empty() || fail(of(m) + " has a layout without roles"));
   }
 
   bool enumeration_of(Member& m) {

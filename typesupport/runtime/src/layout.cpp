@@ -1,49 +1,35 @@
 #include "sft/detail/layout.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <optional>
-#include <span>
 #include <string_view>
+#include <utility>
+#include <vector>
+
+#include "layout/rule.h"
+#include "sft/detail/fnv1a.h"
 
 namespace sft::detail {
 
 namespace {
 
-struct RoleOf {
-  std::string_view path;
-  LayoutRole role;
-};
-
-/// A layout, by the paths of its fields in a type.
-struct KnownLayout {
+/// The rule of a type that is not annotated. These are types of ROS 2, of which the files are not ours.
+struct KnownRule {
   std::string_view type;
-  Layout::Form form;
-  std::array<std::string_view, 2> data;  ///< the second may be empty
-  std::span<const RoleOf> roles;
+  std::string_view field;
+  std::string_view rule;
 };
-
-constexpr RoleOf cloud_roles[] = {
-    {"height", LayoutRole::rows},           {"width", LayoutRole::columns},
-    {"fields", LayoutRole::channels},       {"is_bigendian", LayoutRole::byte_order},
-    {"point_step", LayoutRole::cell_bytes}, {"row_step", LayoutRole::row_bytes}};
-constexpr RoleOf image_roles[] = {{"height", LayoutRole::rows},
-                                  {"width", LayoutRole::columns},
-                                  {"encoding", LayoutRole::encoding},
-                                  {"is_bigendian", LayoutRole::byte_order},
-                                  {"step", LayoutRole::row_bytes}};
-constexpr RoleOf grid_roles[] = {{"info.resolution", LayoutRole::scale},
-                                 {"info.width", LayoutRole::columns},
-                                 {"info.height", LayoutRole::rows},
-                                 {"info.origin", LayoutRole::origin}};
-constexpr RoleOf scan_roles[] = {{"angle_min", LayoutRole::first},
-                                 {"angle_max", LayoutRole::last},
-                                 {"angle_increment", LayoutRole::step},
-                                 {"time_increment", LayoutRole::interval}};
-constexpr KnownLayout known_layouts[] = {
-    {"sensor_msgs::msg::PointCloud2", Layout::Form::points, {"data"}, cloud_roles},
-    {"sensor_msgs::msg::Image", Layout::Form::cells, {"data"}, image_roles},
-    {"nav_msgs::msg::OccupancyGrid", Layout::Form::cells, {"data"}, grid_roles},
-    {"sensor_msgs::msg::LaserScan", Layout::Form::list, {"ranges", "intensities"}, scan_roles}};
+constexpr KnownRule known_rules[] = {
+    {"sensor_msgs::msg::PointCloud2", "data",
+     "rows=height columns=width cell_bytes=point_step row_bytes=row_step channels=fields "
+     "byte_order=is_bigendian"},
+    {"sensor_msgs::msg::Image", "data",
+     "rows=height columns=width row_bytes=step byte_order=is_bigendian encoding=encoding"},
+    {"nav_msgs::msg::OccupancyGrid", "data",
+     "rows=info.height columns=info.width scale=info.resolution origin=info.origin"},
+    {"sensor_msgs::msg::LaserScan", "ranges",
+     "first=angle_min last=angle_max step=angle_increment interval=time_increment also=intensities"}};
 
 /// A struct, with the numbers of its first leaf and slot.
 struct Place {
@@ -78,82 +64,75 @@ bool is_single(const Member& member, Kind kind) {
   return member.kind == kind && member.shape == Shape::single;
 }
 
-bool is_real(const Member& member) {
-  return is_single(member, Kind::float32) || is_single(member, Kind::float64);
+/// Readers with another rule must not be served by this one (Selection::Part::rule).
+std::uint32_t hash_of(std::string_view rule) {
+  Fnv1a hash;
+  hash.add(rule);
+  return std::max(static_cast<std::uint32_t>(hash.value() ^ hash.value() >> 32), std::uint32_t{1});
 }
 
-bool has_kinds(const StructType& type, std::span<const Kind> kinds) {
-  return std::ranges::equal(type.members, kinds,
-                            [](const Member& member, Kind kind) { return is_single(member, kind); });
-}
-
-bool is_pose(const StructType& type) {
-  constexpr std::array<Kind, 4> reals{Kind::float64, Kind::float64, Kind::float64, Kind::float64};
-  return type.members.size() == 2 && type.slots == 7 && is_single(type.members[0], Kind::structure) &&
-         is_single(type.members[1], Kind::structure) &&
-         has_kinds(*type.members[0].type, std::span(reals).first(3)) &&
-         has_kinds(*type.members[1].type, reals);
-}
-
-bool fits(const Member& member, LayoutRole role) {
-  constexpr std::array channel{Kind::string, Kind::uint32, Kind::uint8, Kind::uint32};
-  switch (role) {
-    case LayoutRole::rows:
-    case LayoutRole::columns:
-    case LayoutRole::cell_bytes:
-    case LayoutRole::row_bytes:
-      return is_single(member, Kind::uint32);
-    case LayoutRole::channels:
-      return member.kind == Kind::structure && member.shape == Shape::sequence &&
-             has_kinds(*member.type, channel);
-    case LayoutRole::byte_order:
-      return is_primitive(member.kind) && member.shape == Shape::single;
-    case LayoutRole::encoding:
-      return is_single(member, Kind::string);
-    case LayoutRole::origin:
-      return is_single(member, Kind::structure) && is_pose(*member.type);
-    case LayoutRole::scale:
-    case LayoutRole::first:
-    case LayoutRole::last:
-    case LayoutRole::step:
-    case LayoutRole::interval:
-      return is_real(member);
-  }
-  return false;
-}
-
-bool is_data(const Member& member, Layout::Form form) {
-  return is_primitive(member.kind) && member.shape == Shape::sequence &&
-         (form == Layout::Form::list || size_of(member.kind) == 1);
-}
-
-/// Nothing if a type of that name has other fields.
-std::optional<Layout> layout_at(const Place& place, const KnownLayout& known) {
-  Layout layout{.form = known.form};
-  for (const std::string_view path : known.data) {
-    if (path.empty()) continue;
-    const Layout::Field data = find(place, path);
-    if (!data || !is_data(*data.member, known.form)) return {};
-    layout.data.push_back(data);
-  }
-  for (const RoleOf& one : known.roles) {
-    const Layout::Field field = find(place, one.path);
-    if (!field || !fits(*field.member, one.role)) return {};
-    layout.fields[static_cast<std::size_t>(one.role)] = field;
+Layout layout_of(const Place& place, std::string_view field, const layout::Rule& rule) {
+  Layout layout{.form = rule.form};
+  layout.data.push_back(find(place, field));
+  for (const layout::Rule::Path& path : rule.also) layout.data.push_back(find(place, path.text));
+  for (std::size_t i = 0; i < layout_roles; ++i) {
+    if (rule.roles[i]) layout.fields[i] = find(place, rule.roles[i]->text);
   }
   return layout;
 }
 
-void add_layouts(const Place& place, std::vector<Layout>& layouts) {
-  const auto known = std::ranges::find(known_layouts, place.type->name, &KnownLayout::type);
-  if (known != std::end(known_layouts)) {
-    if (std::optional<Layout> layout = layout_at(place, *known)) layouts.push_back(std::move(*layout));
+/// Collects the layouts of a type. The leaves of the fields of one belong to no other one.
+class Collector {
+ public:
+  explicit Collector(const StructType& type) : is_taken_(type.leaves) {}
+
+  void add(const Place& place) {
+    const bool is_annotated =
+        std::ranges::any_of(place.type->members, [](const Member& m) { return !m.layout.empty(); });
+    for (std::size_t i = 0; i < place.type->members.size(); ++i) {
+      const Member& member = place.type->members[i];
+      if (!member.layout.empty()) add(place, i, member.layout, hash_of(member.layout));
+    }
+    for (const KnownRule& known : known_rules) {
+      if (is_annotated || known.type != place.type->name) continue;
+      const auto member = std::ranges::find(place.type->members, known.field, &Member::name);
+      if (member == place.type->members.end()) continue;
+      add(place, static_cast<std::size_t>(member - place.type->members.begin()), known.rule, 0);
+    }
+    for_each_member(place, [&](const Layout::Field& field) {
+      if (is_single(*field.member, Kind::structure)) add({field.member->type, field.leaf, field.slot});
+    });
   }
-  for_each_member(place, [&](const Layout::Field& field) {
-    if (is_single(*field.member, Kind::structure))
-      add_layouts({field.member->type, field.leaf, field.slot}, layouts);
-  });
-}
+
+  std::vector<Layout> take() { return std::move(layouts_); }
+
+ private:
+  /// A type of the name of a known one may have other members. It has no layout then.
+  void add(const Place& place, std::size_t member, std::string_view text, std::uint32_t hash) {
+    const auto rule = layout::read_rule(text);
+    if (!rule) return;
+    const layout::RuleOfMember one{member, &*rule};
+    if (layout::check_rules(layout::SeenStructTypes(), place.type, {&one, 1})) return;
+    Layout layout = layout_of(place, place.type->members[member].name, *rule);
+    layout.rule = hash;
+    if (take_leaves(layout)) layouts_.push_back(std::move(layout));
+  }
+
+  bool take_leaves(const Layout& layout) {
+    std::vector<std::size_t> leaves;
+    const auto list = [&leaves](const Layout::Field& field) {
+      for (std::size_t i = 0; field && i < leaf_count(*field.member); ++i) leaves.push_back(field.leaf + i);
+    };
+    std::ranges::for_each(layout.data, list);
+    std::ranges::for_each(layout.fields, list);
+    if (std::ranges::any_of(leaves, [this](std::size_t leaf) { return is_taken_[leaf]; })) return false;
+    for (const std::size_t leaf : leaves) is_taken_[leaf] = true;
+    return true;
+  }
+
+  std::vector<bool> is_taken_;
+  std::vector<Layout> layouts_;
+};
 
 Layout::Field field_in(const Place& place, std::size_t leaf) {
   Layout::Field found;
@@ -178,9 +157,9 @@ std::optional<LayoutRole> Layout::role_of(std::size_t leaf) const {
 Layout::Field field_at(const StructType& type, std::size_t leaf) { return field_in({&type, 0, 0}, leaf); }
 
 std::vector<Layout> layouts_of(const StructType& type) {
-  std::vector<Layout> layouts;
-  add_layouts({&type, 0, 0}, layouts);
-  return layouts;
+  Collector collector(type);
+  collector.add({&type, 0, 0});
+  return collector.take();
 }
 
 }  // namespace sft::detail

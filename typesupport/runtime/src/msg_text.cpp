@@ -1,17 +1,20 @@
 #include "sft/msg_text.h"
 
 #include <algorithm>
+#include <deque>
 #include <map>
 #include <optional>
 #include <system_error>
 #include <utility>
 #include <vector>
 
+#include "from_msg/layouts.h"
 #include "from_msg/lines.h"
 #include "from_msg/names.h"
 #include "from_msg/nested.h"
 #include "from_msg/parse.h"
 #include "from_msg/type.h"
+#include "layout/rule.h"
 #include "sft/detail/type_description.h"
 #include "text.h"
 
@@ -86,7 +89,7 @@ class MsgWriter {
     if (m.enumeration != nullptr) return refuse(type, path + ": .msg has no enumerations and bitmasks");
     if (m.kind == Kind::character) return refuse(type, path + ": .msg has no characters, but uint8");
     if (m.key) return refuse(type, path + ": .msg has no keys");
-    text_ += element(m) + brackets(m) + " " + std::string(m.name) + unit(m) + "\n";
+    text_ += element(m) + brackets(m) + " " + std::string(m.name) + comment(m) + "\n";
   }
 
   std::string element(const Member& m) {
@@ -105,10 +108,13 @@ class MsgWriter {
     return m.bound == 0 ? "[]" : "[<=" + std::to_string(m.bound) + "]";
   }
 
-  /// The comment with the unit, if brackets can hold the unit.
-  static std::string unit(const Member& m) {
-    if (m.unit.empty() || m.unit.find_first_of("[],") != m.unit.npos) return "";
-    return "  # [" + std::string(m.unit) + "]";
+  /// The comment with the unit, if a comment can hold it, and the layout.
+  static std::string comment(const Member& m) {
+    const bool has_unit = !m.unit.empty() && m.unit.find_first_of("[],") == m.unit.npos &&
+                          m.unit.find(layout::annotation) == m.unit.npos;
+    std::string text = has_unit ? " [" + std::string(m.unit) + "]" : "";
+    if (!m.layout.empty()) text += " " + std::string(layout::annotation) + " " + std::string(m.layout);
+    return text.empty() ? "" : "  #" + text;
   }
 
   void refuse(const StructType& type, const std::string& what) {
@@ -176,17 +182,21 @@ class MsgReader {
     }
     chain_.push_back(name);
     std::vector<Member> members;
-    for (const msg::Field& field : definition->second.fields) {
+    std::deque<std::string> layouts;
+    for (const msg::Field& field : definition->second.definition.fields) {
       Member& m = members.emplace_back(member_of(field));
+      if (!field.layout.text.empty()) m.layout = layouts.emplace_back(layout_text(field));
       if (m.kind != Kind::structure) continue;
       const Result<const StructType*> nested = type_of(field.type.nested);
       if (!nested) return nested;
       m.type = *nested;
     }
     chain_.pop_back();
+    if (auto wrong = check_layouts_of(definition->second)) return tl::unexpected(*std::move(wrong));
     Made& made = types_[name];
     made.name = name.package + "::msg::" + name.name;
     made.members = std::move(members);
+    made.layouts = std::move(layouts);
     made.type = StructType(made.name, made.members);
     return &made.type;
   }
@@ -195,7 +205,12 @@ class MsgReader {
   struct Made {  ///< does not move, since `type` refers to the other members
     std::string name;
     std::vector<Member> members;
+    std::deque<std::string> layouts;  ///< texts of the members
     StructType type;
+  };
+  struct Known {
+    Definition definition;
+    std::string source;  ///< which errors name
   };
 
   static std::string_view line_at(std::string_view text, std::size_t at) {
@@ -240,14 +255,25 @@ class MsgReader {
   /// Parses a definition. Errors name `source`.
   std::optional<Error> add(const TypeName& name, std::string_view text, const std::string& source) {
     auto parsed = msg::parse(text, name);
-    if (!parsed) {
-      const msg::Problem& first = parsed.error().front();
-      return Error{Errc::malformed, source + ":" + std::to_string(first.line) + ": " +
-                                        (first.member.empty() ? "" : first.member + ": ") + first.text};
-    }
-    const auto [known, is_new] = definitions_.try_emplace(name, *std::move(parsed));
+    if (!parsed) return error_of(parsed.error().front(), source);
+    const auto [known, is_new] = definitions_.try_emplace(name, Known{*std::move(parsed), source});
     if (!is_new) return Error{Errc::malformed, name.text() + " is defined twice"};
     return {};
+  }
+
+  static Error error_of(const msg::Problem& first, const std::string& source) {
+    const std::string column = first.column == 0 ? "" : std::to_string(first.column) + ":";
+    return {Errc::malformed, source + ":" + std::to_string(first.line) + ":" + column + " " +
+                                 (first.member.empty() ? "" : first.member + ": ") + first.text};
+  }
+
+  /// The definitions of all that it nests are known.
+  std::optional<Error> check_layouts_of(const Known& known) const {
+    const auto wrong = msg::check_layouts(known.definition, [this](const TypeName& nested) {
+      const auto found = definitions_.find(nested);
+      return found == definitions_.end() ? nullptr : &found->second.definition;
+    });
+    return wrong.empty() ? std::nullopt : std::optional(error_of(wrong.front(), known.source));
   }
 
   /// The result refers to the field.
@@ -265,7 +291,7 @@ class MsgReader {
   }
 
   std::optional<msg::SearchPath> search_path_;
-  std::map<TypeName, Definition> definitions_;
+  std::map<TypeName, Known> definitions_;
   std::map<TypeName, Made> types_;
   std::vector<TypeName> chain_;  // types that are being made; each nests the next one
 };

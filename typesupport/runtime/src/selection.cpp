@@ -215,7 +215,8 @@ bool has_same_cells(const Part& a, const Part& b) { return a.rows == b.rows && a
 
 /// The part that whoever wants either of both needs of a leaf.
 Part joined(const Part& a, const Part& b) {
-  Part both{.leaf = a.leaf};
+  Part both{.leaf = a.leaf, .rule = a.rule};
+  if (a.rule != b.rule) return both;
   if (has_same_cells(a, b)) {
     both.rows = a.rows;
     both.columns = a.columns;
@@ -350,7 +351,9 @@ bool Selection::contains(const Selection& other) const {
   return std::ranges::all_of(parts(), [&](const Part& part) {
     if (!other.mask_.contains(part.leaf)) return true;
     const Part* theirs = other.part(part.leaf);
-    if (theirs == nullptr || !(has_all_cells(part) || has_same_cells(part, *theirs))) return false;
+    if (theirs == nullptr || part.rule != theirs->rule ||
+        !(has_all_cells(part) || has_same_cells(part, *theirs)))
+      return false;
     if (part.channels.empty()) return true;
     return !theirs->channels.empty() && std::ranges::includes(part.channels, theirs->channels);
   });
@@ -360,6 +363,7 @@ std::vector<Part> Selection::residual(const Selection& have) const {
   std::vector<Part> rest;
   for (const Part& part : parts()) {
     const Part* there = have.part(part.leaf);
+    if (there != nullptr && there->rule != part.rule) there = nullptr;
     Part missing = part;
     if (there != nullptr && has_same_cells(*there, part)) missing.rows = missing.columns = {};
     if (there != nullptr && there->channels == part.channels) missing.channels.clear();

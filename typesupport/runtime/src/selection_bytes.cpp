@@ -18,7 +18,7 @@ using Range = Selection::Range;
 // The first byte of a selection says what follows the mask.
 constexpr std::uint8_t has_parts = 1, has_conditions = 2, has_period = 4;
 // The first byte of a part.
-constexpr std::uint8_t has_rows = 1, has_columns = 2, has_channels = 4;
+constexpr std::uint8_t has_rows = 1, has_columns = 2, has_channels = 4, has_rule = 8;
 // The first byte of a condition: its kind, its comparison from bit 3 on, and these.
 constexpr std::uint8_t is_percent = 0x40;
 constexpr unsigned comparison_shift = 3;
@@ -141,6 +141,7 @@ Part take_part(Reader& in) {
   Part part;
   const std::uint8_t has = in.byte();
   part.leaf = in.small_number();
+  if ((has & has_rule) != 0) part.rule = in.small_number();
   if ((has & has_rows) != 0) part.rows = take_range(in);
   if ((has & has_columns) != 0) part.columns = take_range(in);
   if ((has & has_channels) != 0) {
@@ -187,10 +188,11 @@ Bytes detail::bytes_of(std::span<const Part> parts) {
   Bytes out;
   sft::put(out, parts.size());
   for (const Part& part : parts) {
-    put_byte(out, static_cast<std::uint8_t>((part.rows.is_all() ? 0 : has_rows) |
-                                            (part.columns.is_all() ? 0 : has_columns) |
-                                            (part.channels.empty() ? 0 : has_channels)));
+    put_byte(out, static_cast<std::uint8_t>(
+                      (part.rows.is_all() ? 0 : has_rows) | (part.columns.is_all() ? 0 : has_columns) |
+                      (part.channels.empty() ? 0 : has_channels) | (part.rule == 0 ? 0 : has_rule)));
     sft::put(out, part.leaf);
+    if (part.rule != 0) sft::put(out, part.rule);
     if (!part.rows.is_all()) sft::put(out, part.rows);
     if (!part.columns.is_all()) sft::put(out, part.columns);
     if (part.channels.empty()) continue;

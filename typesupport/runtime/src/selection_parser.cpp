@@ -148,6 +148,7 @@ Result<void> SelectionParser::item() {
   if (!leaf) return tl::unexpected(leaf.error());
   Selection::Part part{.leaf = *leaf};
   const Layout* const layout = type_.layout_of(*leaf);
+  if (layout != nullptr) part.rule = layout->rule;
   const std::size_t of_channels = at_;
   if (take("{")) {
     if (layout == nullptr || !layout->has_channels())

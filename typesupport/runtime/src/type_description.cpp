@@ -65,7 +65,8 @@ class Describer {
     const unsigned attributes = (m.bound != 0 ? description::has_bound : 0U) |
                                 (m.string_bound != 0 ? description::has_string_bound : 0U) |
                                 (m.enumeration != nullptr ? description::has_enumeration : 0U) |
-                                (m.unit.empty() ? 0U : description::has_unit);
+                                (m.unit.empty() ? 0U : description::has_unit) |
+                                (m.layout.empty() ? 0U : description::has_layout);
     out.push_back(static_cast<char>(
         static_cast<unsigned>(m.kind) | static_cast<unsigned>(m.shape) << description::shape_shift |
         (m.key ? description::is_key : 0U) | (attributes != 0 ? description::has_attributes : 0U)));
@@ -78,6 +79,7 @@ class Describer {
     if (m.string_bound != 0) put(out, std::uint64_t{m.string_bound});
     if (m.enumeration != nullptr) put(out, add(*m.enumeration));
     if (!m.unit.empty()) put(out, m.unit);
+    if (!m.layout.empty()) put(out, m.layout);
   }
 
   std::size_t add(const EnumType& type) {

@@ -68,6 +68,7 @@ class ShapeWriter {
     out_ += "  ";
     if (m.key) out_ += "@key ";
     if (!m.unit.empty()) out_ += "@unit(" + quoted(m.unit) + ") ";
+    if (!m.layout.empty()) out_ += "@sft_layout(" + quoted(m.layout) + ") ";
     const bool is_array = m.shape == Shape::array;
     out_ += (is_array ? element_type(m) : format_type(m)) + " " + std::string(m.name);
     if (is_array) out_ += "[" + std::to_string(m.count) + "]";

@@ -147,10 +147,12 @@ std::vector<Selection::Part> TypeSupport::closed_parts(const Selection& selectio
     if (!field || field.member->shape != Shape::sequence || field.member->kind == Kind::structure) continue;
     if (layout == nullptr || !layout->has_rows()) part.rows = {};
     if (layout == nullptr || !layout->has_channels()) part.channels.clear();
+    part.rule = layout == nullptr ? 0 : layout->rule;
     for (const Layout::Field& other : layout == nullptr ? std::vector<Layout::Field>() : layout->data) {
       if (!selection.mask().contains(other.leaf)) continue;
       const Selection::Part* const its = selection.part(other.leaf);
-      if (its == nullptr || its->columns != part.columns) part.columns = {};
+      const bool has_same_rows = its != nullptr && (!layout->has_rows() || its->rows == part.rows);
+      if (!has_same_rows || its->columns != part.columns) part.rows = part.columns = {};
     }
     if (!part.is_whole()) parts.push_back(std::move(part));
   }

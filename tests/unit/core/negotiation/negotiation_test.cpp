@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <random>
 
+#include "sft/msg_text.h"
 #include "tests/unit/core/negotiation/negotiation_fixture.h"
 
 namespace sft::core {
@@ -82,6 +83,37 @@ TEST_F(NegotiationTest, APartOfANumberIsNoneAtAll) {
   reader.request.mask_words = words(F::width);
   negotiation.endpoint_seen(reader);
   EXPECT_EQ(negotiation.serving(100).network[0].selection, Selection(FieldMask(F::height | F::width)));
+}
+
+TEST_F(NegotiationTest, APartThatIsMeantByAnotherLayoutRuleIsNotServedAndOtherRequestsAre) {
+  const auto type_with = [](const std::string& comment) {
+    return from_msg("my_msgs/Map", "uint32 w\nuint32 h\nuint8[] cells " + comment + "\n").value();
+  };
+  const DynamicType ours = type_with("# @sft_layout rows=h columns=w");
+  const auto of_our_type = [&](Endpoint e) {
+    e.type_name = ours.name();
+    e.type_hash = ours.hash();
+    e.request.mask_words = {4};
+    return e;
+  };
+  negotiation.local_added(of_our_type(endpoint(Role::writer, 100)), ours.support());
+  const auto serving = [&](const DynamicType& theirs, const char* selection) {
+    Endpoint reader = of_our_type(endpoint(Role::reader, 7));
+    const Selection asked = theirs.support().parse_selection(selection).value();
+    if (!asked.is_mask()) reader.request.parts = asked.to_bytes();
+    negotiation.endpoint_seen(reader);
+    const PublisherStatus::Reader status = negotiation.serving(100).readers.at(0);
+    negotiation.endpoint_departed(7);
+    return status.served ? "" : status.reason;
+  };
+  EXPECT_EQ(serving(ours, "cells[1:]"), "");
+  for (const char* comment : {"", "# @sft_layout columns=w", "# @sft_layout rows=w columns=h"}) {
+    EXPECT_NE(
+        serving(type_with(comment), "cells[1:]").find("the part of cells is meant by another layout rule"),
+        std::string::npos)
+        << comment;
+    EXPECT_EQ(serving(type_with(comment), "cells"), "") << comment;
+  }
 }
 
 TEST_F(NegotiationTest, EventsOfATopicThatIsNotOursChangeNothing) {

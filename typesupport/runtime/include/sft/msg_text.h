@@ -13,7 +13,8 @@
 //   ...
 //
 // Syntax and parser are those of .msg files (typesupport/compiler/msg.md). Constants, defaults and comments
-// other than units are not a part of a type: they are skipped when a text is read, and are not written.
+// other than units and layout rules (@sft_layout) are not a part of a type: they are skipped when a text is
+// read, and are not written.
 //
 // All functions are pure, except that two of them read files; any thread may call them. They allocate memory.
 #pragma once

@@ -74,6 +74,7 @@ struct StructType {
     const detail::SequenceAccess* access = nullptr;  ///< to the compiled std::vector if the shape is sequence
     bool key = false;                                ///< `@key`: the member is always sent
     std::string_view unit{};                         ///< from `@unit`, to be shown to people
+    std::string_view layout{};  ///< from `@sft_layout`: how it is made of rows and columns (selection.md)
   };
 
   std::string_view name;            ///< "sensor_msgs::msg::PointCloud2"

@@ -74,7 +74,7 @@ class Cut {
   bool find_list(const SampleState& s, const Layout* layout, const Layout::Field& data, const Part& part);
   bool find_beams(const SampleState& s, const Layout& layout, const Part& part);
   bool find_rows(const SampleState& s, const Layout& layout, const Layout::Field& data, const Part& part);
-  bool find_cells(const SampleState& s, const Layout& layout, std::uint32_t data_bytes, const Part& part,
+  bool find_cells(const SampleState& s, const Layout& layout, std::uint64_t data_bytes, const Part& part,
                   Size& size);
   bool find_grid(const SampleState& s, const Layout& layout, const Part& part);
   bool find_channels(const SampleState& s, const Layout& layout, const Part& part, std::uint64_t cell_bytes);

@@ -44,6 +44,7 @@ struct Layout {
   };
 
   Form form = Form::list;
+  std::uint32_t rule = 0;     ///< Selection::Part::rule of its parts
   std::vector<Field> data{};  ///< sequences, of which the same part is taken
   std::array<Field, layout_roles> fields{};
 
@@ -57,7 +58,8 @@ struct Layout {
 /// The field with this leaf, which is in no array or sequence of structs. The type has the leaf.
 Layout::Field field_at(const StructType& type, std::size_t leaf);
 
-/// The layouts of a type and of the structs in it, except of those in arrays and sequences.
+/// The layouts of a type and of the structs in it, except of those in arrays and sequences: those that its
+/// members are annotated with, or that are known by the name of the type. No field has a role in two of them.
 std::vector<Layout> layouts_of(const StructType& type);
 
 }  // namespace sft::detail

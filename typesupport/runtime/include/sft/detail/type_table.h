@@ -214,6 +214,7 @@ struct MemberOptions {
   std::uint32_t string_bound = 0;
   bool key = false;
   std::string_view unit{};
+  std::string_view layout{};
 };
 
 /// One row of a generated table. V is the member's type in the owned struct, `kind` that of one element in
@@ -234,7 +235,8 @@ constexpr Member member(std::string_view name, Kind kind, std::size_t offset, Me
           .stride = sizeof(Element),
           .access = Place::access,
           .key = options.key,
-          .unit = options.unit};
+          .unit = options.unit,
+          .layout = options.layout};
 }
 
 }  // namespace sft::detail

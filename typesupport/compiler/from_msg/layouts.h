@@ -1,0 +1,20 @@
+// Checks the layout rules of a message against the fields that they name.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "from_msg/definition.h"
+
+namespace sft::msg {
+
+/// The definition of a nested type; null if it is not known.
+using FindDefinition = std::function<const Definition*(const TypeName&)>;
+
+/// What is wrong with the rules of the definition.
+std::vector<Problem> check_layouts(const Definition& definition, const FindDefinition& find);
+
+/// The one spelling of the rule of a field, which parse() has accepted; empty: it has none.
+std::string layout_text(const Field& field);
+
+}  // namespace sft::msg

@@ -1,0 +1,90 @@
+// Layout rules as text, the content of @sft_layout: how a field is made of rows and columns, and which other
+// members depend on it (runtime/selection.md, "Layout rules"). The compilers, the runtime and the reader of
+// type descriptions share this file, so that all of them accept the same rules.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <tl/expected.hpp>
+#include <vector>
+
+#include "sft/detail/layout.h"
+
+namespace sft::layout {
+
+using Form = detail::Layout::Form;
+using Role = detail::LayoutRole;
+
+/// The word that begins a rule in comments of .msg files, and with which IDL annotates a member.
+inline constexpr std::string_view annotation = "@sft_layout";
+inline constexpr std::size_t rule_bytes_max = 255;
+inline constexpr std::size_t also_max = 16;   ///< fields that share one rule, beside the annotated one
+inline constexpr std::size_t rules_max = 64;  ///< of one struct
+
+/// One rule, `rows=height columns=width`. Paths are relative to the struct of the annotated field.
+struct Rule {
+  struct Path {
+    std::string text;    ///< "info.width"
+    std::size_t at = 0;  ///< where it stands in the rule, in bytes from 0
+  };
+
+  Form form = Form::list;
+  std::array<std::optional<Path>, detail::layout_roles> roles{};
+  std::vector<Path> also{};  ///< other fields, of which the same part is taken
+
+  const std::optional<Path>& operator[](Role role) const { return roles[static_cast<std::size_t>(role)]; }
+  /// The one spelling of the rule: roles in the order of LayoutRole, one blank between them.
+  std::string text() const;
+};
+
+/// What is wrong with a rule, and what to do.
+struct Fault {
+  std::size_t member = 0;  ///< the annotated one, in its struct
+  std::size_t at = 0;      ///< where in the text of the rule, in bytes from 0
+  std::string text;
+};
+
+/// Reads a rule. What can be known without its type is checked: that the roles suit each other.
+tl::expected<Rule, Fault> read_rule(std::string_view text);
+
+/// A member of a struct, as far as rules look at it.
+struct SeenMember {
+  std::string_view name;
+  detail::Kind kind{};
+  detail::Shape shape{};
+  const void* type = nullptr;  ///< of a structure: for SeenTypes::member(); null: not known here
+};
+
+/// The structs among which a rule looks for members.
+class SeenTypes {
+ public:
+  virtual ~SeenTypes() = default;
+  /// Nothing behind the last member.
+  virtual std::optional<SeenMember> member(const void* type, std::size_t i) const = 0;
+};
+
+/// The members of the types that were compiled, or were made of a description.
+class SeenStructTypes : public SeenTypes {
+ public:
+  std::optional<SeenMember> member(const void* type, std::size_t i) const override {
+    const auto& members = static_cast<const StructType*>(type)->members;
+    if (i >= members.size()) return {};
+    return SeenMember{members[i].name, members[i].kind, members[i].shape, members[i].type};
+  }
+};
+
+struct RuleOfMember {
+  std::size_t member;
+  const Rule* rule;
+};
+
+/// The first fault of the rules of one struct: a member that it lacks or that is of another kind, and members
+/// that two rules want to rewrite.
+std::optional<Fault> check_rules(const SeenTypes& types, const void* type,
+                                 std::span<const RuleOfMember> rules);
+
+}  // namespace sft::layout
