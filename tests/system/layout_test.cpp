@@ -70,7 +70,8 @@ TEST_P(LayoutNodesTest, ADynamicSubscriberGetsTheRowsAndColumnsThatItNames) {
   Cells whole;
   whole.rows = rows;
   whole.columns = columns;
-  whole.cells.assign(map().heights.begin(), map().heights.end());
+  const std::vector<float> heights = map().heights;
+  whole.cells.assign(heights.begin(), heights.end());
   ASSERT_EQ(cells.publish(whole), PublishStatus::ok);
   const DynamicSample sample = next(sub);
   const DynamicView part = sample.view()["cells"];

@@ -99,7 +99,7 @@ TEST(Names, AreGivenOnce) {
 
 TEST(Layouts, ThatAreNoRulesAreRefusedWithTheirColumn) {
   EXPECT_EQ(problems("uint32 w\nuint8[] x  # [m] @sft_layout rows=w\n"),
-            "2 x: rows needs columns beside it (column 34)");
+            "2 x: rows needs columns beside it (column 30)");
   EXPECT_NE(problems("uint8[] x\n\t# @sft_layout line=w").find("2 x: 'line' is no role"), std::string::npos);
   EXPECT_EQ(problems("uint8[] x  # @sft_layout"),
             "1 x: a layout names roles, as in rows=height columns=width (column 25)");

@@ -146,7 +146,7 @@ TEST(LayoutRuleOfATypeTest, SharesNoMemberWithAnotherRule) {
             "3:33: b: 'w' belongs to another layout already: name all fields that share it in one, by also=");
   EXPECT_THAT(fault_in("uint32 w\nuint8[] a # @sft_layout columns=w also=b\n"
                        "float32 f\nuint8[] b # @sft_layout first=f\n"),
-              HasSubstr("2:43: a: 'b' belongs to another layout already"));
+              HasSubstr("2:40: a: 'b' belongs to another layout already"));
 }
 
 TEST(LayoutRuleOfATypeTest, StandsWhereAFieldIsMeant) {
