@@ -8,14 +8,19 @@
 #include <unistd.h>
 
 #include <sft/sft.h>
+#include <algorithm>
 #include <atomic>
 #include <cstring>
 #include <fstream>
+#include <optional>
 #include <sensor_msgs/msg/PointCloud2.hpp>
+#include <set>
 #include <thread>
+#include <vector>
 
 #include "tests/support/eventually.h"
 #include "tests/support/isolated_host.h"
+#include "tests/support/pace.h"
 #include "tests/support/test_seed.h"
 
 namespace sft::test {
@@ -63,6 +68,18 @@ constexpr std::uint32_t cloud_bytes = 1'000'000;
   Node node = Node::open({.name = "stalled"}).value();
   auto subscriber = node.subscriber<PointCloud2>("points", {.reliability = reliable}).value();
   for (;;) pause();
+}
+
+/// Wants every second sample, and takes them.
+[[noreturn]] void choose_forever(TransportChoice transport) {
+  Node node = Node::open({.name = "choosy", .transport = transport}).value();
+  auto subscriber =
+      node.subscriber<PointCloud2>("points", {.reliability = reliable, .selection = "* @ every 2nd"}).value();
+  for (;;) {
+    subscriber.wait(1s);
+    while (subscriber.take()) {
+    }
+  }
 }
 
 // ---- the tests' own language ----
@@ -280,6 +297,66 @@ TEST_F(KillTest, AReaderThatIsWaitedForAndKilledIsSoonWaitedForNoMore) {
   EXPECT_LT(std::chrono::steady_clock::now() - begin, 20s) << "not for each of its samples";
 }
 
+/// The other reader has conditions, too. Memory that a killed reader would keep for ever could soon not be
+/// lent any more.
+TEST_F(KillTest, AReaderWithConditionsThatIsKilledInTrafficCostsTheOthersNothing) {
+  SCOPED_TRACE(how_to_repeat());
+  Random random{test_seed()};
+  Node a = Node::open({.name = "a"}).value();
+  Node b = Node::open({.name = "b"}).value();
+  auto publisher = a.publisher<PointCloud2>("points", {.reliability = reliable}).value();
+  auto subscriber = b.subscriber<PointCloud2, F::height>(
+                         "points", {.reliability = reliable, .depth = 256, .selection = "@ every 3rd"})
+                        .value();
+  std::set<std::uint64_t> served_so_far;
+  const auto serves_one = [&] {
+    const auto readers = publisher.status().readers;
+    return std::ranges::count_if(readers, &PublisherStatus::Reader::served) == 1;
+  };
+  ASSERT_TRUE(eventually(serves_one));
+  served_so_far.insert(publisher.status().readers[0].id);
+  std::vector<std::uint32_t> taken, expected;
+  std::atomic<std::uint32_t> published{0};
+  std::atomic<int> failed{0};
+  const auto take_all = [&] {
+    while (const auto sample = subscriber.take()) taken.push_back(sample->height());
+  };
+  std::optional<Ticker> traffic(std::in_place, 1ms, [&](std::uint32_t number) {
+    auto loan = publisher.loan({.height = number}, {.data = cloud_bytes});
+    // A sample counts as dropped that takes the place of another one in the queue of a killed reader.
+    failed += loan && std::move(*loan).publish() != PublishStatus::no_memory ? 0 : 1;
+    published = number;
+  });
+  for (int round = 0; round < 20; ++round) {
+    Process other(round % 2 == 0 ? "choosy_in_memory" : "choosy_by_udp");
+    // Killed ones stay in the table until their lease ends.
+    ASSERT_TRUE(eventually([&] {
+      take_all();
+      return std::ranges::any_of(publisher.status().readers, [&](const PublisherStatus::Reader& reader) {
+        return reader.sent > 5 && served_so_far.insert(reader.id).second;
+      });
+    })) << "round "
+        << round;
+    const std::uint32_t enough = published + static_cast<std::uint32_t>(random() % 20);
+    ASSERT_TRUE(eventually([&] { return published >= enough; }));
+    other.kill_now();
+  }
+  EXPECT_TRUE(eventually([&] {
+    take_all();
+    return serves_one();
+  })) << "the gates of the killed readers are asked no more";
+  traffic.reset();
+  for (std::uint32_t number = 1; number <= published; number += 3) expected.push_back(number);
+  EXPECT_TRUE(eventually([&] {
+    take_all();
+    return taken.size() >= expected.size();
+  }));
+  EXPECT_EQ(taken, expected);
+  EXPECT_EQ(failed, 0);
+  EXPECT_EQ(subscriber.status().lost, 0U);
+  EXPECT_EQ(subscriber.status().withheld, 2 * (expected.size() - 1));
+}
+
 TEST_F(KillTest, APublisherThatIsStoppedOrKilledLosesItsLiveliness) {
   Node node = Node::open({.name = "reader"}).value();
   std::atomic<int> lost{0}, recovered{0};
@@ -309,6 +386,8 @@ int main(int argc, char** argv) {
   if (role == "stalled") sft::test::stall_forever();
   if (role == "living") sft::test::live_forever();
   if (role == "subscriber") sft::test::subscribe_forever();
+  if (role == "choosy_in_memory") sft::test::choose_forever(sft::TransportChoice::shm);
+  if (role == "choosy_by_udp") sft::test::choose_forever(sft::TransportChoice::udp);
   ::testing::InitGoogleTest(&argc, argv);
   if (GTEST_FLAG_GET(list_tests)) return RUN_ALL_TESTS();
   return sft::test::run_isolated([] { return RUN_ALL_TESTS(); });
