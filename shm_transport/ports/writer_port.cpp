@@ -278,8 +278,18 @@ SendStatus ShmWriterPort::send(const SampleHandle& sample) noexcept {
     committed = commit_once_there_is_room(slot);
   if (committed == ChunkLender::Commit::lost) return SendStatus::lost_port;
   if (committed == ChunkLender::Commit::busy) return drop();
-  if (wanted) pages_->ring(doorbells_.loaded());
+  if (wanted) ring();
   return committed == ChunkLender::Commit::displaced ? SendStatus::displaced : SendStatus::sent;
+}
+
+/// Readers may have changed their conditions since the doorbells were looked at, and have got the sample by
+/// new ones. Together with set_routes() it is certain that one of the two lists has the gate that let the
+/// sample into a queue. A reader that is rung for twice finds nothing the second time.
+void ShmWriterPort::ring() noexcept {
+  const Doorbells* before = doorbells_.loaded().get();
+  pages_->ring(doorbells_.loaded());
+  const Doorbells* now = doorbells_.load();
+  if (now != before && now != nullptr) pages_->ring(doorbells_.loaded());
 }
 
 ChunkLender::Commit ShmWriterPort::commit(ChunkSlot& slot, bool to_readers, bool may_wait) noexcept {
@@ -337,15 +347,22 @@ AttachedQueues::Gates ShmWriterPort::gates_of(const std::vector<core::Route>& ro
 void ShmWriterPort::set_routes(std::vector<core::Route> routes) {
   std::set<core::EndpointId> owed_nothing, awaited;
   AttachedQueues::Gates gates = gates_of(routes);
+  const bool gates_change = !gates.empty() || !gates_of(routes_).empty();
   gates.insert(expected_.begin(), expected_.end());
   for (const core::Route& route : routes) {
     if (route.history == 0) owed_nothing.insert(route.reader);
     if (route.reliable) awaited.insert(route.reader);
   }
   chunks_->wait_for(std::move(awaited));
+  if (gates_change) {
+    // A sample that is sent meanwhile passes the old gates or the new ones: whoever gets it is woken.
+    routes_.insert(routes_.end(), routes.begin(), routes.end());
+    doorbells_.replace(pages_->doorbells_of(routes_, reader_accounts_));
+  }
   chunks_->set_gates(std::move(gates));
   chunks_->owe_nothing(std::move(owed_nothing));
   doorbells_.replace(routes.empty() ? nullptr : pages_->doorbells_of(routes, reader_accounts_));
+  routes_ = std::move(routes);
   reached_.clear();
 }
 

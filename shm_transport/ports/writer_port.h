@@ -146,6 +146,7 @@ class ShmWriterPort final : public core::LendingWriter {
  private:
   static AttachedQueues::Gates gates_of(const std::vector<core::Route>& routes);
   core::SendStatus drop() noexcept;
+  void ring() noexcept;
   ChunkLender::Commit commit(ChunkSlot& slot, bool to_readers, bool may_wait) noexcept;
   ChunkLender::Commit commit_once_there_is_room(ChunkSlot& slot) noexcept;
 
@@ -156,6 +157,7 @@ class ShmWriterPort final : public core::LendingWriter {
   const core::TrustedAccounts reader_accounts_;               ///< the accounts whose doorbells are rung
   std::vector<std::shared_ptr<core::DoorbellPage>> reached_;  ///< kept open until routes are set
   AttachedQueues::Gates expected_;                            ///< of readers without routes here
+  std::vector<core::Route> routes_;                           ///< in force
 
   // The thread of the publisher uses these two members.
   std::chrono::nanoseconds patience_max_ = std::chrono::nanoseconds::max();

@@ -15,6 +15,18 @@ namespace {
 const TypeSupport& image_type() { return udp::test::type_support<Image>(); }
 using Clock = std::chrono::steady_clock;
 
+/// The image of which the part is taken, by index.
+Image part_of(Image image, const Selection& wanted) {
+  const std::size_t leaf = *fields<Image>("data").begin();
+  const Selection::Part* const part = wanted.part(leaf);
+  if (part == nullptr) return image;
+  std::vector<std::uint8_t> kept;
+  const std::size_t end = std::min<std::size_t>(part->columns.end, image.data.size());
+  for (std::size_t i = part->columns.begin; i < end; i += part->columns.step) kept.push_back(image.data[i]);
+  image.data = std::move(kept);
+  return image;
+}
+
 AnyReader open_reader(const AnyTransport& node, const core::ReaderSpec& spec) {
   if (node.memory() != nullptr) return node.memory()->open_reader(spec).value();
   return node.network()->open_reader(spec).value();
@@ -104,10 +116,10 @@ void Writer::serve(Reader& reader) {
   serve({reader.route()});
 }
 
-SampleHandle Writer::make(std::size_t data_bytes) {
+SampleHandle Writer::make(std::size_t data_bytes, std::size_t bytes_behind) {
   const FieldMask all = image_type().full();
   const Image image = make_image(data_bytes, static_cast<std::uint32_t>(sequence_ + 1));
-  const std::size_t bytes = udp::test::sample_bytes(image, all);
+  const std::size_t bytes = udp::test::sample_bytes(image, all) + bytes_behind;
   SampleHandle sample = port_.memory() == nullptr ? pool_->take(bytes) : port_.memory()->loan(bytes);
   if (sample) udp::test::fill(*sample, image, all, id_, ++sequence_);
   return sample;
@@ -149,6 +161,19 @@ testing::AssertionResult is_image(const SampleHandle& sample, std::size_t data_b
   const SampleHeader& header = sample->header();
   const std::span<const std::byte> body(sample->data + header.body_offset, header.body_bytes);
   if (udp::test::same_bytes(body, encoded_body(image, sample->mask))) return testing::AssertionSuccess();
+  return testing::AssertionFailure() << "sample " << sample->sequence << " has other bytes";
+}
+
+testing::AssertionResult is_part(const SampleHandle& sample, std::size_t data_bytes,
+                                 const Selection& wanted) {
+  if (!sample) return testing::AssertionFailure() << "there is no sample";
+  const Image image = make_image(data_bytes, static_cast<std::uint32_t>(sample->sequence));
+  const SampleHeader& header = sample->header();
+  const std::span<const std::byte> body(sample->data + header.body_offset, header.body_bytes);
+  if (sample->mask != wanted.mask() || sample->parts != wanted.parts_hash())
+    return testing::AssertionFailure() << "sample " << sample->sequence << " is of another selection";
+  if (udp::test::same_bytes(body, encoded_body(part_of(image, wanted), wanted.mask())))
+    return testing::AssertionSuccess();
   return testing::AssertionFailure() << "sample " << sample->sequence << " has other bytes";
 }
 

@@ -70,6 +70,8 @@ class Reader final : private core::ArrivalListener {
   core::ReaderPort& port() { return *port_; }
   std::uint64_t discarded() const { return port_->counters().discarded; }
   std::uint64_t lost_unnoticed() const { return port_->counters().lost_unnoticed; }
+  /// How often its doorbell was rung so far.
+  std::uint32_t rings() const { return bell_.rings; }
   void destroy_port() { port_.reset(); }
 
  private:
@@ -94,8 +96,8 @@ class Writer {
   /// Makes it hear and be served, alone.
   void serve(Reader& reader);
 
-  /// The next sample, not sent; empty where there is no memory for it.
-  core::SampleHandle make(std::size_t data_bytes);
+  /// The next sample, not sent; empty where there is no memory for it, or for so many bytes behind its body.
+  core::SampleHandle make(std::size_t data_bytes, std::size_t bytes_behind = 0);
   core::SendStatus publish(std::size_t data_bytes = 50);
   /// Waits until the reader has noticed it.
   void publish_to(Reader& reader, std::size_t data_bytes = 50);
@@ -137,6 +139,9 @@ std::vector<std::uint64_t> numbers(std::uint64_t first, std::uint64_t last);
 /// Of images, as text (selection.md); closed.
 Selection selection(const std::string& text);
 testing::AssertionResult is_image(const core::SampleHandle& sample, std::size_t data_bytes);
+/// True if the sample has just what that selection says of what its writer put there.
+testing::AssertionResult is_part(const core::SampleHandle& sample, std::size_t data_bytes,
+                                 const Selection& wanted);
 
 class Conformance : public testing::TestWithParam<MediumChoice> {
  protected:

@@ -13,31 +13,6 @@ const std::vector<std::string> parts{"data[::3]",          "data",          "hei
                                      "data[100:]",         "name, data[0]", "stamp",
                                      "data[10:5000:2], *", "data[0:0]",     "data[::4]"};
 
-/// The image of which the part is taken, by index.
-Image part_of(Image image, const Selection& wanted) {
-  const std::size_t leaf = *fields<Image>("data").begin();
-  const Selection::Part* const part = wanted.part(leaf);
-  if (part == nullptr) return image;
-  std::vector<std::uint8_t> kept;
-  const std::size_t end = std::min<std::size_t>(part->columns.end, image.data.size());
-  for (std::size_t i = part->columns.begin; i < end; i += part->columns.step) kept.push_back(image.data[i]);
-  image.data = std::move(kept);
-  return image;
-}
-
-testing::AssertionResult is_part(const SampleHandle& sample, std::size_t data_bytes,
-                                 const Selection& wanted) {
-  if (!sample) return testing::AssertionFailure() << "there is no sample";
-  const Image image = make_image(data_bytes, static_cast<std::uint32_t>(sample->sequence));
-  const detail::SampleHeader& header = sample->header();
-  const std::span<const std::byte> body(sample->data + header.body_offset, header.body_bytes);
-  if (sample->mask != wanted.mask() || sample->parts != wanted.parts_hash())
-    return testing::AssertionFailure() << "sample " << sample->sequence << " is of another selection";
-  if (udp::test::same_bytes(body, encoded_body(part_of(image, wanted), wanted.mask())))
-    return testing::AssertionSuccess();
-  return testing::AssertionFailure() << "sample " << sample->sequence << " has other bytes";
-}
-
 TEST_P(Projection, GivesEachReaderItsPartsOfFields) {
   Writer writer(stage);
   std::vector<std::unique_ptr<Reader>> readers;

@@ -1,0 +1,245 @@
+// A reader asks for one selection after the other, with parts of fields and with conditions, while its writer
+// publishes. Each sample that comes is one which the selection that it names has let pass, and is what that
+// selection says.
+#include <algorithm>
+#include <atomic>
+#include <optional>
+#include <set>
+#include <thread>
+#include <utility>
+
+#include "core/seam/gate.h"
+#include "core/seam/gate_table.h"
+#include "tests/conformance/conformance.h"
+
+namespace sft::conformance {
+namespace {
+
+using core::SampleHandle;
+
+/// The height of an image is its sequence.
+const std::vector<std::string> texts{"data[::3] @ every 2nd",
+                                     "* @ every 3rd",
+                                     "height, data[5:9] @ changed(height) 4",
+                                     "name, data[0] @ every 2nd and height > 50",
+                                     "data[10:5000:2], * @ every 4th or height < 300",
+                                     "stamp @ every 7th",
+                                     "data[0:0] @ changed(height) 2",
+                                     "data[::3] @ every 5th"};
+
+/// A selection that the reader asks for, and what became of each sample at its gate.
+struct Choice {
+  explicit Choice(const std::string& text) : wanted(selection(text)) {
+    const TypeSupport& type = udp::test::type_support<Image>();
+    gate = std::make_shared<core::Gate>(0, detail::Conditions(type.type(), wanted.gate().conditions),
+                                        wanted.gate_hash());
+  }
+  void consider(const detail::FieldSource& fields, std::int64_t stamp_ns) {
+    gate->consider(fields, stamp_ns);
+    gate->made(fields, stamp_ns);
+    ordinals.push_back(gate->passes() ? gate->ordinal() : 0);
+  }
+  bool has_passed(std::uint64_t sequence) const { return ordinals.at(sequence) != 0; }
+
+  Selection wanted;
+  std::shared_ptr<core::Gate> gate;
+  std::vector<std::uint32_t> ordinals{0};  ///< by sequence; 0: withheld
+};
+
+/// The routes that may have been in force while a sample was sent, by the numbers of the changes.
+struct Span {
+  std::size_t first = 0, last = 0;
+};
+
+/// A writer, the reader whose route changes, and another reader that gets every sample.
+class GateChanges {
+ public:
+  static constexpr std::size_t changes = 1000, bytes = 40'000;
+
+  explicit GateChanges(Stage& given) : stage(given) {
+    std::vector<std::string> all = texts;
+    all.push_back("*");
+    for (const std::string& text : texts) choices.emplace_back(text);
+    reader.emplace(stage, ReaderOptions{.masks = all});
+    reader->hear(writer);
+    other.hear(writer);
+    put_in_force(0);
+  }
+  bool projects() const { return stage.medium->traits().projects; }
+  Choice& choice(std::size_t change) { return choices[change % choices.size()]; }
+  void put_in_force(std::size_t change) {
+    begun = change;
+    core::Route route = reader->route(texts[change % texts.size()]);
+    route.gate = choice(change).gate;
+    writer.serve({route, other.route()});
+    choice(change).gate->let_next_pass();
+    done = change;
+  }
+  /// Publishes the next sample, and notes which routes it may have gone by.
+  void publish() {
+    const std::size_t slots = udp::test::type_support<Image>().slots();
+    Span span{.first = done};
+    const SampleHandle sample = writer.make(bytes, core::gate_table_bytes(choices.size()));
+    ASSERT_TRUE(sample);
+    const detail::SampleState state = core::state_of(*sample, slots);
+    std::vector<std::shared_ptr<core::Gate>> gates;
+    for (Choice& one : choices) {
+      one.consider(detail::FieldSource::of_sample(state), static_cast<std::int64_t>(writer.sequence()));
+      gates.push_back(one.gate);
+    }
+    if (!projects()) core::write_gate_table(*sample, slots, gates);
+    ASSERT_EQ(writer.port().send(sample), core::SendStatus::sent);
+    span.last = begun;
+    spans.push_back(span);
+    published = writer.sequence();
+  }
+  /// The sample has passed some, or all, of the gates that may have been in force.
+  bool some_passed(std::uint64_t sequence) {
+    bool some = false;
+    for (std::size_t i = spans[sequence].first; i <= spans[sequence].last; ++i)
+      some |= choice(i).has_passed(sequence);
+    return some;
+  }
+  bool all_passed(std::uint64_t sequence) {
+    bool all = true;
+    for (std::size_t i = spans[sequence].first; i <= spans[sequence].last; ++i)
+      all &= choice(i).has_passed(sequence);
+    return all;
+  }
+  bool may_have_been_in_force(const Choice& named, std::uint64_t sequence) {
+    bool may = false;
+    for (std::size_t i = spans[sequence].first; i <= spans[sequence].last; ++i) may |= &choice(i) == &named;
+    return may;
+  }
+  void expect_right(const SampleHandle& sample) {
+    projects() ? expect_as_named(sample) : expect_whole_with_table(sample);
+  }
+  /// The sample names its mask, its parts and its gate.
+  void expect_as_named(const SampleHandle& sample) {
+    const auto named = std::ranges::find_if(choices, [&](const Choice& one) {
+      return one.wanted.mask() == sample->mask && one.wanted.parts_hash() == sample->parts &&
+             one.gate->id() == sample->gate;
+    });
+    ASSERT_NE(named, choices.end()) << "sample " << sample->sequence;
+    EXPECT_TRUE(may_have_been_in_force(*named, sample->sequence)) << "sample " << sample->sequence;
+    EXPECT_TRUE(named->has_passed(sample->sequence)) << "sample " << sample->sequence;
+    EXPECT_EQ(named->ordinals[sample->sequence], sample->ordinal) << "sample " << sample->sequence;
+    EXPECT_TRUE(is_part(sample, bytes, named->wanted));
+    came.insert(&*named);
+  }
+  void expect_whole_with_table(const SampleHandle& sample) {
+    const std::size_t slots = udp::test::type_support<Image>().slots();
+    EXPECT_TRUE(is_image(sample, bytes));
+    EXPECT_TRUE(some_passed(sample->sequence)) << "sample " << sample->sequence;
+    for (const Choice& one : choices) {
+      const auto ordinal = core::ordinal_in_gate(*sample, slots, one.gate->id());
+      EXPECT_EQ(ordinal.value_or(0), one.ordinals[sample->sequence]) << "sample " << sample->sequence;
+      if (ordinal) came.insert(&one);
+    }
+  }
+  /// Takes what is there, or, if the sample has to come, what comes up to that.
+  void take_and_compare(std::uint64_t sequence) {
+    const bool has_to_come = all_passed(sequence);
+    while (const SampleHandle sample = has_to_come ? reader->next() : reader->take()) {
+      ASSERT_GT(sample->sequence, last);
+      last = sample->sequence;
+      ASSERT_NO_FATAL_FAILURE(expect_right(sample));
+      if (last == sequence) return;
+    }
+    ASSERT_FALSE(has_to_come) << "sample " << sequence << " did not come";
+  }
+
+  Stage& stage;
+  Writer writer{stage};
+  std::optional<Reader> reader;
+  Reader other{stage, {.masks = {"height, width"}}};  // the other reader does not accept that
+  std::vector<Choice> choices;
+  std::vector<Span> spans{1};  ///< by sequence
+  std::atomic<std::size_t> published{0};
+  std::atomic<std::size_t> begun{0}, done{0};  ///< changes
+  std::uint64_t last = 0;                      ///< the sequence that came last
+  std::set<const Choice*> came;                ///< samples came that they have let pass
+};
+
+/// Changes the routes so often, each time after another sample was published.
+std::jthread change_routes(GateChanges& world, std::size_t times) {
+  return std::jthread([&world, times](const std::stop_token& stop) {
+    for (std::size_t i = 1; i <= times && !stop.stop_requested(); ++i) {
+      while (world.published < i && !stop.stop_requested()) std::this_thread::yield();
+      world.put_in_force(i);
+    }
+  });
+}
+
+TEST_P(Conformance, GivesAReaderThatChangesItsConditionsOnlyWhatTheNamedSelectionHasLetPass) {
+  GateChanges world(stage);
+  std::jthread agent = change_routes(world, GateChanges::changes);
+  while (world.done < GateChanges::changes) {
+    ASSERT_NO_FATAL_FAILURE(world.publish());
+    ASSERT_NO_FATAL_FAILURE(world.take_and_compare(world.published));
+    world.other.take_sequences();
+  }
+  agent.join();
+  EXPECT_EQ(world.came.size(), texts.size());
+  world.writer.serve({world.reader->route("*")});
+  ASSERT_NO_FATAL_FAILURE(world.publish());
+  SampleHandle sample = world.reader->next();
+  while (sample && sample->sequence < world.published) {
+    ASSERT_NO_FATAL_FAILURE(world.expect_right(sample));
+    sample = world.reader->next();
+  }
+  EXPECT_TRUE(is_image(sample, GateChanges::bytes)) << "nothing is withheld any more";
+  EXPECT_EQ(stage.here->counters().malformed, 0U);
+}
+
+/// A gate for every sample, or for none.
+std::shared_ptr<core::Gate> gate(bool is_open) {
+  const TypeSupport& type = udp::test::type_support<Image>();
+  const Selection any = selection(is_open ? "* @ height >= 0" : "* @ height < 0");
+  auto made = std::make_shared<core::Gate>(0, detail::Conditions(type.type(), any.gate().conditions),
+                                           any.gate_hash());
+  if (is_open) made->let_next_pass();
+  return made;
+}
+
+/// The writer has chosen whom to wake before the reader asked for something else, and has put the sample into
+/// the reader's queue after that.
+TEST_P(BackPressure, WakesAReaderThatChangesItsConditionsWhileTheWriterWaitsForAnother) {
+  if (traits().projects) GTEST_SKIP() << "a network keeps to the routes that a sample began with";
+  using namespace std::chrono_literals;
+  constexpr std::uint32_t depth = 8;
+  Writer writer(stage, 1, patience);
+  Reader full(stage, {.depth = depth}), changing(stage);
+  full.hear(writer);
+  changing.hear(writer);
+  const auto closed = gate(false), open = gate(true);
+  core::Route route = changing.route();
+  route.gate = closed;
+  writer.serve({full.route(), route});
+  std::atomic<std::uint32_t> begun{0};
+  std::jthread publishing([&] {
+    while (begun <= depth) {
+      ++begun;
+      for (const auto& one : {closed, open}) one->consider(detail::FieldSource::of_nothing(), begun);
+      writer.publish();
+    }
+  });
+  std::uint32_t before = 0;
+  const auto waits = [&] {
+    const std::uint32_t now = begun;
+    return std::exchange(before, now) == depth + 1 && now == depth + 1;
+  };
+  ASSERT_TRUE(eventually(waits, patience, 100ms));
+  const std::uint32_t rings = changing.rings();
+  route.gate = open;
+  writer.serve({full.route(), route});
+  EXPECT_TRUE(full.take());
+  publishing.join();
+  const SampleHandle sample = changing.take();
+  ASSERT_TRUE(sample);
+  EXPECT_EQ(sample->sequence, depth + 1);
+  EXPECT_NE(changing.rings(), rings);
+}
+
+}  // namespace
+}  // namespace sft::conformance
