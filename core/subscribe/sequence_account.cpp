@@ -22,6 +22,7 @@ SequenceAccount::Missing SequenceAccount::enter(const SampleOrigin& sample, Rate
   const bool is_numbered = sample.gate == 0 ? limit != 0 : sample.ordinal != 0;
   if (keeper == RateKeeper::writer && is_numbered) ordinal_ = sample.ordinal;
   gate_ = sample.gate;
+  had_conditions_ = has_conditions_;
   last_ = sample.sequence;
   far_behind_ = 0;
   numbering_ = std::max(numbering_, sample.numbering);
@@ -49,7 +50,7 @@ std::uint64_t SequenceAccount::lost_before(const SampleOrigin& sample, RateKeepe
   if (last_ == 0) return gap;
   const bool both_retained = sample.oldest_retained != 0 && sample.ordinal == 0 && !ordinal_;
   if (both_retained) return gap;
-  if (sample.gate != 0 || gate_ != 0 || expects_conditions_)
+  if (sample.gate != 0 || gate_ != 0 || had_conditions_)
     return is_of_same_gate(sample) ? sample.ordinal - *ordinal_ - 1U : 0;
   if (limit == 0 && before == 0) return gap;
   if (limit == before && keeper == RateKeeper::writer && ordinal_) return sample.ordinal - *ordinal_ - 1U;

@@ -36,7 +36,8 @@ class SequenceAccount {
   /// also if samples that come do not tell so yet.
   void ask(std::uint32_t min_period_us, bool with_conditions = false) {
     asked_ = min_period_us;
-    expects_conditions_ = with_conditions;
+    has_conditions_ = with_conditions;
+    had_conditions_ = had_conditions_ || with_conditions;
   }
   /// So many retained samples of the writer should come first, if there are as many.
   void owe(std::uint32_t samples) { owed_ = samples; }
@@ -88,7 +89,8 @@ class SequenceAccount {
   std::uint64_t lost_before(const SampleOrigin& sample, RateKeeper keeper, std::uint64_t gap) const;
 
   std::uint32_t asked_ = 0;
-  bool expects_conditions_ = false;
+  bool has_conditions_ = false;
+  bool had_conditions_ = false;  ///< at any time since the last sample was entered, or has them
   std::uint32_t owed_ = 0;
   // The sample that was entered last:
   std::uint64_t last_ = 0;  ///< 0: none yet

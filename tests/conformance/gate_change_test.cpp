@@ -22,7 +22,7 @@ const std::vector<std::string> texts{"data[::3] @ every 2nd",
                                      "* @ every 3rd",
                                      "height, data[5:9] @ changed(height) 4",
                                      "name, data[0] @ every 2nd and height > 50",
-                                     "data[10:5000:2], * @ every 4th or height < 300",
+                                     "data[10:5000:2], stamp @ every 4th or height < 300",
                                      "stamp @ every 7th",
                                      "data[0:0] @ changed(height) 2",
                                      "data[::3] @ every 5th"};

@@ -22,6 +22,8 @@ class GroupPath {
 
   /// True if the process is in a group.
   bool exists() const { return group_.has_value(); }
+  /// The process gets into no group until the next change().
+  void leave() { group_.reset(); }
   /// The process gets into another group, or into none, or nothing of the group reaches it any more.
   void change();
   /// The process has crashed and was started again. If it was in a group, it gets into another one.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <utility>
 
 #include "tests/support/parse_datagram.h"
@@ -39,10 +40,17 @@ void Laws::process_started() {
   lost_ = 0;
 }
 
+void Laws::asks(core::EndpointId reader, const Selection& wish) {
+  Account& account = readers_[reader];
+  account.has_conditions = wish.gate_hash() != 0;
+  account.had_conditions = account.had_conditions || account.has_conditions;
+  account.numbers.ask(0, account.has_conditions);
+}
+
 void Laws::came(const core::SampleBuffer& sample) {
   if (scenario_.forgers) return;
   const std::string which = name_of(sample.sequence);
-  if (is_sound(sample, which) && !ledger_.came({sample.sequence, sample.mask.hash()}))
+  if (is_sound(sample, which) && !ledger_.came({sample.sequence, name_of_selection(sample)}))
     fail(which + " comes twice");
 }
 
@@ -63,27 +71,67 @@ void Laws::taken(core::EndpointId reader, const core::SampleBuffer& sample, bool
   if (!is_sound(sample, which)) return;
   if (scenario_.forgers) return static_cast<void>(account.got.insert(sample.sequence));
   if (sample.sequence == account.last) {
-    // While its mask changes, a sample can come under both, for it and for another.
+    // While its wish changes, a sample can come under both, for it and for another.
     const bool may_repeat = account.changed || changes;
-    if (!may_repeat || !account.last_masks.insert(sample.mask.hash()).second) fail(which + " comes twice");
+    if (!may_repeat || !account.last_names.insert(name_of_selection(sample)).second)
+      fail(which + " comes twice");
     return;
   }
   if (sample.sequence < account.last) return fail(which + " comes after " + std::to_string(account.last));
+  check_missing(account, sample, changes, which);
+  account.had_conditions = account.has_conditions;
   account.last = sample.sequence;
-  account.last_masks = {sample.mask.hash()};
+  account.last_gate = sample.gate;
+  account.last_names = {name_of_selection(sample)};
   account.changed = changes;
   account.got.insert(sample.sequence);
 }
 
-/// Returns true if the sample is what was published, under its mask.
+/// Between two samples of one gate each one that has passed the gate and did not come counts as lost. Without
+/// conditions each one does that did not come. Where the reader changed its conditions, nothing counts as
+/// lost. What was withheld from a reader that has always asked for the same never does.
+void Laws::check_missing(Account& account, const core::SampleBuffer& sample, bool changes,
+                         const std::string& which) {
+  const std::uint64_t before = account.last;
+  const std::uint64_t lost = account.numbers.enter(sample, core::RateKeeper::writer).lost;
+  if (before == 0) return;
+  const std::uint64_t gap = sample.sequence - before - 1;
+  const auto between = [&](const auto& sequences) {
+    return static_cast<std::uint64_t>(
+        std::distance(sequences.upper_bound(before), sequences.lower_bound(sample.sequence)));
+  };
+  std::uint64_t missing = 0;
+  if (sample.gate == account.last_gate && sample.gate != 0) missing = between(passed_[sample.gate]);
+  if (sample.gate == 0 && account.last_gate == 0 && !account.had_conditions) missing = gap;
+  if (lost != missing)
+    fail(which + ": " + std::to_string(lost) + " before it count as lost, and " + std::to_string(missing) +
+         " that have passed did not come");
+  const std::uint64_t withheld = between(account.withheld);
+  if (!changes && !account.changed && lost + withheld > gap)
+    fail(which + ": " + std::to_string(lost) + " before it count as lost of " + std::to_string(gap) +
+         ", of which " + std::to_string(withheld) + " were withheld");
+}
+
+bool Laws::has_passed_its_gate(const core::SampleBuffer& sample) const {
+  if (sample.gate == 0) return true;
+  const auto gate = passed_.find(sample.gate);
+  if (gate == passed_.end()) return false;
+  const auto passed = gate->second.find(sample.sequence);
+  return passed != gate->second.end() && passed->second == sample.ordinal;
+}
+
+/// Returns true if the sample is what was published, under the selection that it names, and has passed the
+/// gate of that.
 bool Laws::is_sound(const core::SampleBuffer& sample, const std::string& which) {
   if (sample.writer != writer_id) return fail(which + " names another writer"), false;
   const auto image = images_.find(sample.sequence);
   if (image == images_.end()) return fail(which + " was never published"), false;
   const std::span<const std::byte> body(sample.data + sample.header().body_offset,
                                         sample.header().body_bytes);
-  if (std::ranges::equal(body, udp::test::encoded_body(image->second, sample.mask))) return true;
-  return fail(which + " has other bytes, or those of another mask"), false;
+  if (name_of_selection(sample) == 0) return fail(which + " is of no selection that is known"), false;
+  if (!has_passed_its_gate(sample)) return fail(which + " was withheld, or has another number"), false;
+  if (std::ranges::equal(body, body_under(image->second, sample))) return true;
+  return fail(which + " has other bytes, or those of another selection"), false;
 }
 
 void Laws::check(const udp::ResendWindow& sent, udp::ArrivalWindow* arrivals) {

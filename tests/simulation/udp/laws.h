@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/seam/sample_buffer.h"
+#include "core/subscribe/sequence_account.h"
 #include "tests/simulation/udp/loss_ledger.h"
 #include "tests/simulation/udp/scenario.h"
 #include "tests/simulation/udp/topic.h"
@@ -34,17 +35,27 @@ class Laws {
   void published(std::uint64_t sequence, Image image, Time now);
   /// The sample was sent to that reader.
   void owes(core::EndpointId reader, const Variant& sample) { readers_[reader].owed.push_back(sample); }
+  /// The conditions of that reader have withheld the sample.
+  void withholds(core::EndpointId reader, std::uint64_t sequence) {
+    readers_[reader].withheld.insert(sequence);
+  }
+  /// The sample has passed that gate, with that number.
+  void let_pass(std::uint64_t gate, std::uint64_t sequence, std::uint32_t ordinal) {
+    passed_[gate].emplace(sequence, ordinal);
+  }
 
   // What the process of the readers reports.
 
   void process_started();
   void process_crashed() { readers_.clear(); }
   void reader_joined(core::EndpointId reader) { readers_.try_emplace(reader); }
+  /// The reader asks for that from now on.
+  void asks(core::EndpointId reader, const Selection& wish);
   /// A whole sample came. Best-effort readers would take it at once.
   void came(const core::SampleBuffer& sample);
   /// The datagram came, and nobody in the process had asked for its samples.
   void refused(std::span<const std::byte> datagram);
-  /// The reader was given a sample. `changes`: the reader is changing from one mask to another.
+  /// The reader was given a sample. `changes`: the reader is changing from one wish to another.
   void taken(core::EndpointId reader, const core::SampleBuffer& sample, bool changes);
 
   // What is checked.
@@ -60,11 +71,19 @@ class Laws {
     std::vector<Variant> owed{};
     std::set<std::uint64_t> got{};         ///< sequences
     std::uint64_t last = 0;                ///< the sequence that the reader got last
-    std::set<std::uint64_t> last_masks{};  ///< hashes of the masks under which this sequence came
-    bool changed = false;                  ///< the reader was changing its mask when it got that
+    std::uint64_t last_gate = 0;           ///< the gate that this sample has passed; 0: none
+    std::set<std::uint64_t> last_names{};  ///< the selections under which this sequence came
+    bool changed = false;                  ///< the reader was changing its wish when it got that
+    bool has_conditions = false;           ///< of its latest wish
+    bool had_conditions = false;           ///< at any time since it got that, or has them
+    std::set<std::uint64_t> withheld{};    ///< sequences
+    core::SequenceAccount numbers{};       ///< as a subscriber counts what is missing
   };
 
   bool is_sound(const core::SampleBuffer& sample, const std::string& which);
+  bool has_passed_its_gate(const core::SampleBuffer& sample) const;
+  void check_missing(Account& account, const core::SampleBuffer& sample, bool changes,
+                     const std::string& which);
   void check_losses(udp::ArrivalWindow& arrivals);
   void check_end(core::EndpointId reader, const Account& account);
   void check_end_after_forgeries(const Account& account);
@@ -76,6 +95,7 @@ class Laws {
   std::map<std::uint64_t, Image> images_;
   std::map<core::EndpointId, Account> readers_;
   LossLedger ledger_;
+  std::map<std::uint64_t, std::map<std::uint64_t, std::uint32_t>> passed_;  ///< numbers, by gate and sequence
   std::uint64_t lost_ = 0;  ///< as the process counted when it was asked last
 };
 

@@ -15,7 +15,7 @@ namespace sft::simulation {
 /// One encoding of a sample.
 struct Variant {
   std::uint64_t sequence = 0;
-  std::uint64_t mask = 0;  ///< hash of the mask
+  std::uint64_t selection = 0;  ///< hash of the selection, or of the union of masks
   friend auto operator<=>(const Variant&, const Variant&) = default;
 };
 

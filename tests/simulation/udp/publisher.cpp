@@ -5,26 +5,63 @@
 
 namespace sft::simulation {
 
-void Publisher::publish(const std::map<core::EndpointId, Mask>& asked, Time now) {
-  std::set<Mask> served;
-  for (const auto& [reader, mask] : asked) served.insert(mask);
+void Publisher::publish(const std::map<core::EndpointId, Wish>& asked, Time now) {
+  std::set<Wish> served;
+  for (const auto& [reader, wish] : asked) served.insert(wish);
   FieldMask all = image_type().none();
-  for (const Mask mask : served) all |= masks()[mask];
-  std::vector<Image> images = next_images(served.size() == 1 && !group_.exists());
-  if (group_.exists()) {
-    publish_to_group(images.front(), served, all, now);
-  } else {
-    for (const Mask mask : served)
-      channel_.keep(encode(images, masks()[mask], static_cast<std::uint16_t>(mask)));
+  for (const Wish wish : served) all |= wishes()[wish].mask();
+  const bool only_masks = served.empty() || *served.rbegin() < masks_end;
+  if (!only_masks) group_.leave();  // see GroupKeeper: all that a process gets by a group are masks
+  const bool may_span = served.size() == 1 && only_masks && !group_.exists();
+  std::vector<Image> images = next_images(may_span);
+  const GatesInForce gates = give_gates(asked);
+  ask_gates(gates, images.front());
+  const auto passes = [&](Wish wish) { return !gates.contains(wish) || gates.at(wish)->passes(); };
+  for (const Wish wish : served) {
+    if (group_.exists() || !passes(wish)) continue;
+    const udp::JobHandle job = encode(images, wishes()[wish], static_cast<std::uint16_t>(wish));
+    if (gates.contains(wish)) {
+      job->first.flags |= udp::rate_follows;
+      job->first.rate = {0, gates.at(wish)->ordinal()};
+    }
+    channel_.keep(job);
   }
+  if (group_.exists()) publish_to_group(images.front(), served, all, now);
   for (Image& image : images) {
-    for (const auto& [reader, mask] : asked)
-      laws_.owes(reader, {sequence_, (group_.exists() ? all : masks()[mask]).hash()});
+    for (const auto& [reader, wish] : asked) {
+      const std::uint64_t name = group_.exists() ? all.hash() : wishes()[wish].hash();
+      passes(wish) ? laws_.owes(reader, {sequence_, name}) : laws_.withholds(reader, sequence_);
+    }
     laws_.published(sequence_++, std::move(image), now);
   }
   const bool is_last = ++published_ == scenario_.samples;
   publish_at_ = is_last ? Time::max() : now + std::chrono::microseconds(log_uniform(random_, 20'000));
   channel_.wake(now);
+}
+
+/// Puts the wishes in force, as Dispatch::serve() does with routes.
+Publisher::GatesInForce Publisher::give_gates(const std::map<core::EndpointId, Wish>& asked) {
+  core::Serving serving;
+  for (const auto& [reader, wish] : asked)
+    serving.network.push_back({.reader = reader, .destination = {}, .selection = wishes()[wish]});
+  gates_.give(serving.network);
+  gates_.open_for(serving);
+  GatesInForce gates;
+  for (const core::Route& route : serving.network)
+    if (route.gate != nullptr) gates[asked.at(route.reader)] = gates_.of(route);
+  return gates;
+}
+
+/// Wishes with the same conditions share a gate.
+void Publisher::ask_gates(const GatesInForce& gates, const Image& image) {
+  std::set<core::Gate*> distinct;
+  for (const auto& [wish, gate] : gates) distinct.insert(gate.get());
+  const auto fields = detail::FieldSource::of_message(&image);
+  for (core::Gate* gate : distinct) {
+    gate->consider(fields, static_cast<std::int64_t>(sequence_));
+    gate->made(fields, static_cast<std::int64_t>(sequence_));
+    if (gate->passes()) laws_.let_pass(gate->id(), sequence_, gate->ordinal());
+  }
 }
 
 /// `may_span`: there may be several images, which are small then.
@@ -40,37 +77,44 @@ std::vector<Image> Publisher::next_images(bool may_span) {
 }
 
 /// Publishes the image once, under all masks of the process.
-void Publisher::publish_to_group(const Image& image, const std::set<Mask>& served, const FieldMask& all,
+void Publisher::publish_to_group(const Image& image, const std::set<Wish>& served, const FieldMask& all,
                                  Time now) {
   if (served.empty()) return;
   std::uint16_t masks_served = 0;  // a bit for each
-  for (const Mask mask : served) masks_served |= static_cast<std::uint16_t>(1U << mask);
-  const udp::JobHandle job = encode({&image, 1}, all, static_cast<std::uint16_t>(100 + masks_served));
+  for (const Wish wish : served) masks_served |= static_cast<std::uint16_t>(1U << wish);
+  const udp::JobHandle job =
+      encode({&image, 1}, Selection(all), static_cast<std::uint16_t>(100 + masks_served));
   job->first.flags |= udp::merged_masks;
   group_.send(job, now);
 }
 
 /// Several images become a pack.
-udp::JobHandle Publisher::encode(std::span<const Image> images, const FieldMask& mask,
+udp::JobHandle Publisher::encode(std::span<const Image> images, const Selection& selection,
                                  std::uint16_t variant) {
   const FieldMask all = image_type().full();
   udp::JobHandle job = jobs_->take();
-  job->mask = std::make_shared<udp::WireMask>(udp::WireMask{variant, mask.hash(), {}});
+  job->mask = std::make_shared<udp::WireMask>(udp::WireMask{variant, selection.hash(), {}});
   job->sequence = sequence_;
   job->first.label = {writer_label, static_cast<std::uint32_t>(sequence_), variant};
   job->first.flags = 0;
+  job->first.rate = {};
   job->first.mask = job->mask->mask;
   for (const Image& image : images) {
     core::SampleHandle sample = memory_->take(udp::test::sample_bytes(image, all));
     udp::test::fill(*sample, image, all, writer_id, sequence_);
-    project(*job, sample, mask, images.size() > 1);
+    project(*job, sample, selection, images.size() > 1);
   }
   if (images.size() > 1) job->seal();
   return job;
 }
 
-void Publisher::project(udp::Job& job, const core::SampleHandle& sample, const FieldMask& mask, bool packed) {
-  job.projection.project(core::state_of(*sample, image_type().slots()), image_type().type(), mask);
+void Publisher::project(udp::Job& job, const core::SampleHandle& sample, const Selection& selection,
+                        bool packed) {
+  const detail::ProjectionPlan plan(image_type(), selection);
+  const detail::SampleState state = core::state_of(*sample, image_type().slots());
+  const bool done =
+      plan.has_parts() ? job.projection.project(state, plan, {}) : job.projection.project(state, plan);
+  if (!done) laws_.fail("a sample cannot be encoded");
   if (packed) return job.pack(job.projection.segments());
   job.first.total = static_cast<std::uint32_t>(job.projection.bytes());
   if (happens(random_, 0.5)) {

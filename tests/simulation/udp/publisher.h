@@ -1,4 +1,4 @@
-// The publisher of the simulation: makes samples now and then, encodes them under the masks that readers ask
+// The publisher of the simulation: makes samples now and then, encodes them as readers ask, asks their gates,
 // for, and hands them to the channel or to the multicast group.
 #pragma once
 
@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "core/publish/gates.h"
 #include "core/seam/buffer_pool.h"
 #include "tests/simulation/udp/channel_sender.h"
 #include "tests/simulation/udp/group_path.h"
@@ -24,17 +25,22 @@ class Publisher {
   Publisher(const Scenario& scenario, Random& random, ChannelSender& channel, GroupPath& group, Laws& laws)
       : scenario_(scenario), random_(random), channel_(channel), group_(group), laws_(laws) {}
 
-  /// Publishes one sample, or several small ones. `asked`: the masks of the readers, as the writer knows
+  /// Publishes one sample, or several small ones. `asked`: the wishes of the readers, as the writer knows
   /// them.
-  void publish(const std::map<core::EndpointId, Mask>& asked, Time now);
+  void publish(const std::map<core::EndpointId, Wish>& asked, Time now);
   /// The time of the next publish().
   Time next() const { return publish_at_; }
 
  private:
+  /// The gates of the wishes that have conditions.
+  using GatesInForce = std::map<Wish, std::shared_ptr<core::Gate>>;
+
+  GatesInForce give_gates(const std::map<core::EndpointId, Wish>& asked);
+  void ask_gates(const GatesInForce& gates, const Image& image);
   std::vector<Image> next_images(bool may_span);
-  void publish_to_group(const Image& image, const std::set<Mask>& served, const FieldMask& all, Time now);
-  udp::JobHandle encode(std::span<const Image> images, const FieldMask& mask, std::uint16_t variant);
-  void project(udp::Job& job, const core::SampleHandle& sample, const FieldMask& mask, bool packed);
+  void publish_to_group(const Image& image, const std::set<Wish>& served, const FieldMask& all, Time now);
+  udp::JobHandle encode(std::span<const Image> images, const Selection& selection, std::uint16_t variant);
+  void project(udp::Job& job, const core::SampleHandle& sample, const Selection& selection, bool packed);
 
   const Scenario& scenario_;
   Random& random_;
@@ -43,6 +49,7 @@ class Publisher {
   Laws& laws_;
   std::shared_ptr<udp::JobPool> jobs_ = udp::JobPool::make();
   std::shared_ptr<core::BufferPool> memory_ = core::BufferPool::make(std::size_t{64} << 20);
+  core::Gates gates_{image_type()};
   std::uint64_t sequence_ = scenario_.first_sequence;  ///< of the next sample
   std::size_t published_ = 0;
   Time publish_at_ = start_time;

@@ -15,17 +15,19 @@ void ReaderHost::start() {
   shares_ = std::make_unique<udp::ReceiveShares>(scenario_.receive_buffer_bytes);
   readers_.clear();
   laws_.process_started();
-  for (std::size_t i = 0; i < from_to(random_, 1, 3); ++i) add_reader(from_to(random_, 0, 2));
+  for (std::size_t i = 0; i < from_to(random_, 1, 3); ++i)
+    add_reader(from_to(random_, 0, scenario_.asking.wishes - 1));
   follow();
 }
 
-void ReaderHost::add_reader(Mask mask) {
+void ReaderHost::add_reader(Wish wish) {
   readers_.push_back({.id = ++last_id_,
                       .inbox = std::make_shared<udp::Inbox>(1, nullptr),
-                      .requests = core::AcceptedRequests({masks()[mask]}, true),
-                      .known = mask});
+                      .requests = core::AcceptedRequests({wishes()[wish]}, true),
+                      .known = wish});
   const Reader& reader = readers_.back();
   laws_.reader_joined(reader.id);
+  laws_.asks(reader.id, wishes()[wish]);
   directory_->add(reader.id, reader.inbox, image_type());
   directory_->accept(*reader.inbox, reader.requests.all());
   const core::Source source{.writer = writer_id, .reliable = true, .waits = scenario_.readers_lag};
@@ -50,26 +52,27 @@ void ReaderHost::crash() {
   look_again_at_ = Time::max();
 }
 
-std::map<core::EndpointId, Mask> ReaderHost::masks_known() const {
-  std::map<core::EndpointId, Mask> known;
+std::map<core::EndpointId, Wish> ReaderHost::wishes_known() const {
+  std::map<core::EndpointId, Wish> known;
   for (const Reader& reader : readers_) known.emplace(reader.id, reader.known);
   return known;
 }
 
-void ReaderHost::change_a_mask(Time now) {
+void ReaderHost::change_a_wish(Time now) {
   if (readers_.empty()) return;
   Reader& reader = readers_[from_to(random_, 0, readers_.size() - 1)];
-  const Mask mask = from_to(random_, 0, 2);
-  if (reader.requests.latest().selection.mask() == masks()[mask]) return;
-  reader.requests.asks_for({masks()[mask]}, now);
+  const Wish wish = from_to(random_, 0, scenario_.asking.wishes - 1);
+  if (reader.requests.latest().selection == wishes()[wish]) return;
+  reader.requests.asks_for({wishes()[wish]}, now);
+  laws_.asks(reader.id, wishes()[wish]);
   directory_->accept(*reader.inbox, reader.requests.all());
   follow();
   const Time after = reader.under_way.empty() ? now : reader.under_way.back().first;
   const auto delay = std::chrono::microseconds(log_uniform(random_, 50'000));
-  reader.under_way.emplace_back(std::max(after, now + delay), mask);
+  reader.under_way.emplace_back(std::max(after, now + delay), wish);
 }
 
-void ReaderHost::tell_writer_of_masks(Time now) {
+void ReaderHost::tell_writer_of_wishes(Time now) {
   for (Reader& reader : readers_) {
     while (!reader.under_way.empty() && reader.under_way.front().first <= now) {
       reader.known = reader.under_way.front().second;

@@ -31,13 +31,13 @@ class ReaderHost {
   void start();
   void crash();
 
-  /// The masks of the readers, as the writer knows them.
-  std::map<core::EndpointId, Mask> masks_known() const;
-  /// A reader asks for another mask. It takes samples under both masks from now on, and the writer gets to
-  /// know later.
-  void change_a_mask(Time now);
+  /// The wishes of the readers, as the writer knows them.
+  std::map<core::EndpointId, Wish> wishes_known() const;
+  /// A reader asks for something else. It takes samples under both selections from now on, and the writer
+  /// gets to know later.
+  void change_a_wish(Time now);
   /// The writer gets to know what readers have asked for long enough ago.
-  void tell_writer_of_masks(Time now);
+  void tell_writer_of_wishes(Time now);
 
   void receive(const Bytes& bytes, Time now);
   /// Hands over samples for which readers had no room before, and sends the answers that are due.
@@ -52,11 +52,11 @@ class ReaderHost {
     core::EndpointId id = 0;
     std::shared_ptr<udp::Inbox> inbox;  ///< the subscriptions know the reader by it; nothing is queued
     core::AcceptedRequests requests;
-    Mask known = 0;                                 ///< the mask of which the writer knows
-    std::deque<std::pair<Time, Mask>> under_way{};  ///< the masks of which the writer will know, and when
+    Wish known = 0;                                 ///< the wish of which the writer knows
+    std::deque<std::pair<Time, Wish>> under_way{};  ///< the wishes of which the writer will know, and when
   };
 
-  void add_reader(Mask mask);
+  void add_reader(Wish wish);
   void follow();
   void accept(const Bytes& bytes, Time now);
   void report(const Bytes& bytes, Time now);

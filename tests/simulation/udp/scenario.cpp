@@ -29,7 +29,7 @@ Scenario::Scenario(Random& random, bool with_forgers) : forgers(with_forgers) {
   tight_writer = happens(random, 0.2);
   tight_reader = happens(random, 0.2);
   crashes = happens(random, 0.15);
-  change = happens(random, 0.5) ? 0.1 : 0;
+  asking.change = happens(random, 0.5) ? 0.1 : 0;
   regroup = happens(random, 0.5) ? 0.15 : 0;
   span = happens(random, 0.3) ? 0.2 : 0;
   readers_lag = happens(random, 0.3);
@@ -46,6 +46,8 @@ Scenario::Scenario(Random& random, bool with_forgers) : forgers(with_forgers) {
     resend.samples = from_to(random, 2, 12);
     resend.bytes = from_to(random, 20'000, 200'000);
   }
+  if (happens(random, 0.6)) asking.wishes = simulation::wishes().size();
+  if (asking.change != 0 && happens(random, 0.5)) asking.change_midway = 0.005;
   if (!tight_reader) return;
   reassembly.channel.samples = from_to(random, 4, 16);
   reassembly.channel.held_bytes = from_to(random, 20'000, 200'000);
@@ -60,7 +62,7 @@ void Scenario::beset(Random& random) {
   weather.parted_until = {};
   stalled_from = Time::max();
   first_ordinal = 1;
-  change = 0;
+  asking.change = 0;
   tight_writer = tight_reader = crashes = readers_lag = false;
   sample_bytes_max = std::min<std::size_t>(sample_bytes_max, 12'000);
   samples = 900;

@@ -6,10 +6,19 @@
 
 #include "tests/simulation/udp/network.h"
 #include "tests/simulation/udp/random.h"
+#include "tests/simulation/udp/topic.h"
 #include "udp_transport/receive/reassembly.h"
 #include "udp_transport/reliable/resend_window.h"
 
 namespace sft::simulation {
+
+/// The wishes of the readers.
+struct Asking {
+  std::size_t wishes = masks_end;  ///< the first so many of wishes()
+  double change = 0;               ///< probability that a reader asks for something else
+  /// Probability that a reader does so at any event, while parts of a sample are under way, lost or repaired.
+  double change_midway = 0;
+};
 
 /// The probabilities are those of an event after each published sample.
 struct Scenario {
@@ -23,7 +32,7 @@ struct Scenario {
   bool tight_writer = false;  ///< the writer keeps little
   bool tight_reader = false;
   bool crashes = false;  ///< the process of the readers crashes, and is started again
-  double change = 0;     ///< probability that a reader asks for another mask
+  Asking asking{};
   std::size_t receive_buffer_bytes = 212'992;
   double regroup = 0;        ///< probability that the multicast group of the process changes
   double span = 0;           ///< probability that several samples are published instead of one

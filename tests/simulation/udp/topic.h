@@ -1,4 +1,4 @@
-// The topic of the simulation: its type, its writer, and the masks under which its readers ask for samples.
+// The topic of the simulation: its type, its writer, and what its readers ask for.
 #pragma once
 
 #include <cstddef>
@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/control/control.h"
+#include "core/seam/sample_buffer.h"
 #include "tests/unit/udp/messages.h"
 
 namespace sft::simulation {
@@ -18,9 +19,17 @@ inline constexpr auto writer_label = static_cast<std::uint32_t>(writer_id);
 /// The writer hears answers at this port.
 inline constexpr std::uint16_t writer_port = 7;
 
-using Mask = std::size_t;  ///< an index of masks()
-const std::vector<FieldMask>& masks();
-
 inline const TypeSupport& image_type() { return udp::test::type_support<Image>(); }
+
+using Wish = std::size_t;  ///< an index of wishes()
+/// The selections that readers ask for: first three masks, then windows, and then some with conditions on the
+/// height, some of these with windows.
+const std::vector<Selection>& wishes();
+inline constexpr Wish masks_end = 3;
+
+/// The hash by which datagrams name the selection under which the sample came; 0: nobody asks for that.
+std::uint64_t name_of_selection(const core::SampleBuffer& sample);
+/// The bytes of the image under the selection that the sample names. REQUIRES: it names one.
+std::vector<std::byte> body_under(const Image& image, const core::SampleBuffer& sample);
 
 }  // namespace sft::simulation

@@ -44,12 +44,13 @@ bool World::step() {
   deliver();
   if (crash_at_ <= now_) crash();
   if (back_at_ <= now_) start_again();
-  readers_.tell_writer_of_masks(now_);
+  readers_.tell_writer_of_wishes(now_);
   group_.send_due(now_);
   if (publisher_.next() <= now_) publish();
   if (channel_.next(now_) <= now_) channel_.send(now_);
   group_.offer(now_);
   readers_.look(now_);
+  if (happens(random_, scenario_.asking.change_midway)) readers_.change_a_wish(now_);
   laws_.check(channel_.window(), readers_.arrivals());
   return true;
 }
@@ -87,8 +88,8 @@ void World::start_again() {
 }
 
 void World::publish() {
-  publisher_.publish(readers_.masks_known(), now_);
-  if (happens(random_, scenario_.change)) readers_.change_a_mask(now_);
+  publisher_.publish(readers_.wishes_known(), now_);
+  if (happens(random_, scenario_.asking.change)) readers_.change_a_wish(now_);
   if (happens(random_, scenario_.regroup)) group_.change();
   if (happens(random_, scenario_.detour)) network_.take_detour(any_datagram_bytes(random_));
 }

@@ -55,6 +55,20 @@ TEST_F(GatedIntakeTest, WhatIsMissingBetweenSamplesOfDifferentGatesCountsAsWithh
   EXPECT_EQ(status().lost, 1U) << "without conditions each one that is missing is lost";
 }
 
+TEST_F(GatedIntakeTest, WhatIsMissingAroundConditionsUnderWhichNothingCameCountsAsWithheld) {
+  in_memory({.sequence = 1});
+  EXPECT_THAT(taken(), ElementsAre(1));
+  ask(conditions);
+  ask(0);
+  in_memory({.sequence = 5});
+  EXPECT_THAT(taken(), ElementsAre(5));
+  EXPECT_EQ(status().lost, 0U);
+  EXPECT_EQ(status().withheld, 3U);
+  in_memory({.sequence = 7});
+  EXPECT_THAT(taken(), ElementsAre(7));
+  EXPECT_EQ(status().lost, 1U) << "conditions are over";
+}
+
 TEST_F(GatedIntakeTest, ASampleThatNamesTwoOfTheSubscribersGatesHasNoNumber) {
   ask(conditions);
   memory.push_back(passed({.sequence = 1}, 1));
