@@ -4,6 +4,13 @@
 
 namespace sft::core {
 
+/// Returns how many have passed a gate with conditions between two samples. A writer that has forgotten the
+/// gate meanwhile begins anew, and nobody can tell any more.
+static std::uint64_t passed_between(std::uint32_t before, std::uint32_t now) {
+  const std::uint32_t ahead = now - before;
+  return ahead == 0 || ahead > INT32_MAX ? 0 : ahead - 1;
+}
+
 bool SequenceAccount::allows(const SampleOrigin& sample, RateKeeper keeper) const {
   if (keeper == RateKeeper::writer || asked_ != budget_.min_period_us()) return true;
   return budget_.allows(sample.source_stamp_ns);
@@ -51,7 +58,7 @@ std::uint64_t SequenceAccount::lost_before(const SampleOrigin& sample, RateKeepe
   const bool both_retained = sample.oldest_retained != 0 && sample.ordinal == 0 && !ordinal_;
   if (both_retained) return gap;
   if (sample.gate != 0 || gate_ != 0 || had_conditions_)
-    return is_of_same_gate(sample) ? sample.ordinal - *ordinal_ - 1U : 0;
+    return is_of_same_gate(sample) ? passed_between(*ordinal_, sample.ordinal) : 0;
   if (limit == 0 && before == 0) return gap;
   if (limit == before && keeper == RateKeeper::writer && ordinal_) return sample.ordinal - *ordinal_ - 1U;
   if (limit <= before) return budget_.forfeited(sample.source_stamp_ns);

@@ -69,6 +69,16 @@ TEST_F(GatedIntakeTest, WhatIsMissingAroundConditionsUnderWhichNothingCameCounts
   EXPECT_EQ(status().lost, 1U) << "conditions are over";
 }
 
+TEST_F(GatedIntakeTest, NothingIsLostWhereTheWriterHasForgottenTheGateAndCountsAnew) {
+  ask(conditions);
+  memory.push_back(passed({.sequence = 1}, 5));
+  memory.push_back(passed({.sequence = 9}, 1));
+  memory.push_back(passed({.sequence = 12}, 3));
+  EXPECT_THAT(taken(), ElementsAre(1, 9, 12));
+  EXPECT_EQ(status().lost, 1U) << "number 2";
+  EXPECT_EQ(status().withheld, 7U + 1U);
+}
+
 TEST_F(GatedIntakeTest, ASampleThatNamesTwoOfTheSubscribersGatesHasNoNumber) {
   ask(conditions);
   memory.push_back(passed({.sequence = 1}, 1));
