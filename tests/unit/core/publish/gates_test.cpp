@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <memory>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 #include <string>
+#include <vector>
 
 #include "tests/unit/core/publish/port_logs.h"
 
@@ -66,6 +69,21 @@ TEST_F(GatesTest, TheFirstSamplePassesForAReaderThatComesOrAsksForSomethingElse)
   EXPECT_TRUE(passes(one, 0)) << "for the part";
   serve({route(2, "height @ width > 5")});
   EXPECT_FALSE(passes(one, 0)) << "a reader that goes asks for nothing";
+}
+
+TEST_F(GatesTest, OneThatNobodyAsksForGoesOnWithItsNumbersUntilThereAreManyOthers) {
+  const auto serve_one = [&](int width) {
+    gates.tidy();
+    return serve({route(1, "data @ width > " + std::to_string(width))})[0].gate;
+  };
+  std::weak_ptr<const Gate> first = serve_one(0);
+  std::vector<std::weak_ptr<const Gate>> others;
+  for (int width = 1; width < 60; ++width) others.push_back(serve_one(width));
+  EXPECT_FALSE(first.expired());
+  for (int width = 60; width < 200; ++width) others.push_back(serve_one(width));
+  EXPECT_TRUE(first.expired());
+  EXPECT_FALSE(others.back().expired());
+  EXPECT_LT(std::ranges::count_if(others, [](const auto& gate) { return !gate.expired(); }), 70);
 }
 
 TEST_F(GatesTest, NothingPassesBeforeTheRoutesAreInForce) {
