@@ -1,6 +1,10 @@
 // The suite on shared memory, each test on a host and with a daemon of its own.
+#include <atomic>
 #include <optional>
+#include <thread>
+#include <utility>
 
+#include "core/seam/gate.h"
 #include "tests/conformance/conformance.h"
 #include "tests/transports/shm/shm_fixture.h"
 
@@ -139,6 +143,57 @@ TEST_P(ShmSamples, ComeToALateReaderThatDoesNotWaitForWhatWasRetained) {
   EXPECT_EQ(early.take_sequences(), numbers(2, 2));
   EXPECT_EQ(late.take_sequences(), numbers(2, 2));
   EXPECT_EQ(late.port().history(writer.id()), core::HistoryProgress::came) << "it awaits none";
+}
+
+/// A gate for every sample, or for none.
+std::shared_ptr<core::Gate> gate(bool is_open) {
+  const TypeSupport& type = udp::test::type_support<Image>();
+  const Selection any = selection(is_open ? "* @ height >= 0" : "* @ height < 0");
+  auto made = std::make_shared<core::Gate>(0, detail::Conditions(type.type(), any.gate().conditions),
+                                           any.gate_hash());
+  if (is_open) made->let_next_pass();
+  return made;
+}
+
+class ShmWaiting : public Conformance {};
+INSTANTIATE_TEST_SUITE_P(Shm, ShmWaiting, reliable_iceoryx, name_of);
+
+/// The writer has chosen whom to wake before the reader asked for something else, and has put the sample into
+/// the reader's queue after that.
+TEST_P(ShmWaiting, WakesAReaderThatChangesItsConditionsWhileTheWriterWaitsForAnother) {
+  using namespace std::chrono_literals;
+  constexpr std::uint32_t depth = 8;
+  Writer writer(stage, 1, patience);
+  Reader full(stage, {.depth = depth}), changing(stage);
+  full.hear(writer);
+  changing.hear(writer);
+  const auto closed = gate(false), open = gate(true);
+  core::Route route = changing.route();
+  route.gate = closed;
+  writer.serve({full.route(), route});
+  std::atomic<std::uint32_t> begun{0};
+  std::jthread publishing([&] {
+    while (begun <= depth) {
+      ++begun;
+      for (const auto& one : {closed, open}) one->consider(detail::FieldSource::of_nothing(), begun);
+      writer.publish();
+    }
+  });
+  std::uint32_t before = 0;
+  const auto waits = [&] {
+    const std::uint32_t now = begun;
+    return std::exchange(before, now) == depth + 1 && now == depth + 1;
+  };
+  ASSERT_TRUE(eventually(waits, patience, 100ms));
+  const std::uint32_t rings = changing.rings();
+  route.gate = open;
+  writer.serve({full.route(), route});
+  EXPECT_TRUE(full.take());
+  publishing.join();
+  const core::SampleHandle sample = changing.take();
+  ASSERT_TRUE(sample);
+  EXPECT_EQ(sample->sequence, depth + 1);
+  EXPECT_NE(changing.rings(), rings);
 }
 
 }  // namespace
