@@ -136,7 +136,7 @@ Result<DynamicSubscriber> Node::subscriber(std::string_view topic, const Dynamic
   return open_subscriber(topic, type, {std::move(*selection), false, true}, options, std::move(callback));
 }
 
-Result<DynamicSubscriber> Node::subscriber(std::string_view topic, const DynamicType& type, Recorded,
+Result<DynamicSubscriber> Node::subscriber(std::string_view topic, const DynamicType& type, detail::Recorded,
                                            const SubscriberOptions& options,
                                            DynamicSubscriber::Callback callback) {
   return open_subscriber(topic, type, {type.support().full(), true}, options, std::move(callback));

@@ -116,7 +116,7 @@ class Node {
                                        std::string_view fields, const SubscriberOptions& options = {},
                                        DynamicSubscriber::Callback callback = {});
   /// The same with recorded fields: `node.subscriber("points", type, sft::recorded)`.
-  Result<DynamicSubscriber> subscriber(std::string_view topic, const DynamicType& type, Recorded,
+  Result<DynamicSubscriber> subscriber(std::string_view topic, const DynamicType& type, detail::Recorded,
                                        const SubscriberOptions& options = {},
                                        DynamicSubscriber::Callback callback = {});
 

@@ -28,7 +28,7 @@ struct Requirements {
   bool recorded = false;      ///< false: the fields are declared, and nothing is counted
   std::uint64_t samples = 0;  ///< the number of samples that were released
   FieldMask mask;             ///< the fields that were read in at least one sample, or that are declared
-  /// The declared selection, or the mask of the recorded fields, as Node::subscriber takes it.
+  /// The declared selection, or the fields and the channels that were read, as Node::subscriber takes it.
   std::string text;
   std::vector<Field> fields;  ///< all leaves of the type
 };

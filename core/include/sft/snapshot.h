@@ -8,8 +8,8 @@
 // does.
 //
 // As JSON it is one object. Later versions keep the names and may add some. Ids are strings of 16 hex digits,
-// durations are nanoseconds, 0 means none, `fields` are as parse_mask() takes them, and `transport` is "shm",
-// "udp" or, for a reader that is not served and a writer that is not connected, null:
+// durations are nanoseconds, 0 means none, `fields` are as parse_selection() takes them, and `transport` is
+// "shm", "udp" or, for a reader that is not served and a writer that is not connected, null:
 //
 //   node          name, domain, version, control_protocol, time_ns (CLOCK_REALTIME)
 //   shm           ready, state, refused {malformed, over_limit}

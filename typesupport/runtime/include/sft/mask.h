@@ -285,13 +285,16 @@ requires((PartSet<A> && (PartSet<B> || FieldSet<B>)) || (FieldSet<A> && PartSet<
 
 }  // namespace detail
 
+namespace detail {
 /// The type of sft::recorded.
 struct Recorded {
   friend constexpr bool operator==(Recorded, Recorded) = default;
 };
+}  // namespace detail
+
 /// Stands in place of a mask: the getters of the subscriber's samples note which fields the program reads,
 /// and these fields are requested.
-inline constexpr Recorded recorded{};
+inline constexpr detail::Recorded recorded{};
 
 /// The needs of a subscriber, as a template argument: a mask, the name of a field, or
 /// sft::recorded.
@@ -316,7 +319,7 @@ struct Req {
   consteval Req(const P& declared)  // NOLINT(google-explicit-constructor)
       : mask(detail::to_declared(declared).mask()), parts(detail::to_declared(declared).parts) {}
   /// Recording finds out which fields are needed.
-  constexpr Req(Recorded) : mask(all<T>), is_recorded(true) {}  // NOLINT(google-explicit-constructor)
+  constexpr Req(detail::Recorded) : mask(all<T>), is_recorded(true) {}  // NOLINT(google-explicit-constructor)
 
   friend constexpr bool operator==(const Req&, const Req&) = default;
 };
