@@ -57,6 +57,7 @@ bool ChannelNumbers::can_be_named(std::size_t leaf, std::string_view name) const
 
 std::optional<std::size_t> ChannelNumbers::number_of(std::size_t leaf, std::string_view name) {
   if (const auto known = find(leaf, name)) return known;
+  if (count_.load(std::memory_order_relaxed) == most) return {};
   const auto cloud = std::ranges::find(clouds_, leaf, &Cloud::data);
   if (cloud == clouds_.end() || !can_be_named(leaf, name)) return {};
   const Lock lock(mutex_);
@@ -89,7 +90,11 @@ Selection ChannelNumbers::selection(const FieldMask& numbers) const {
       parts.push_back({.leaf = static_cast<std::uint32_t>(cloud.data), .channels = std::move(channels)});
     }
   }
-  return Selection::make(fields, std::move(parts), {}).value_or(Selection(fields));
+  if (Result<Selection> asked = Selection::make(fields, std::move(parts), {})) return *std::move(asked);
+  for (const Cloud& cloud : clouds_) {  // it has too many parts or names: points are whole
+    if (fields.contains(cloud.data)) fields |= cloud.fields;
+  }
+  return fields;
 }
 
 std::optional<detail::ChannelsSent> ChannelNumbers::sent_for(const Selection& selection) const {

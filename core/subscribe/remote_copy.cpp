@@ -30,6 +30,7 @@ RemoteCopy::InPlace RemoteCopy::in_place(SampleHandle sample, std::shared_ptr<co
 }
 
 PartReader& RemoteCopy::take_reader() {
+  const Lock lock(readers_mutex_);
   if (free_.empty()) {
     free_.reserve(readers_.size() + 1);  // so that giving it back allocates nothing
     return *readers_.emplace_back(std::make_unique<PartReader>());
@@ -40,7 +41,7 @@ PartReader& RemoteCopy::take_reader() {
 }
 
 void RemoteCopy::take_back(PartReader& reader) noexcept {
-  const Lock lock(mutex_);
+  const Lock lock(readers_mutex_);
   free_.push_back(&reader);
 }
 
@@ -51,10 +52,10 @@ bool RemoteCopy::project(const SampleBuffer& sample, const detail::ProjectionPla
   return projection_.project(state, type_.type(), present);
 }
 
-SampleHandle RemoteCopy::copy(const SampleBuffer& sample, FieldMask mask, std::uint64_t parts) {
+SampleHandle RemoteCopy::copy(const SampleBuffer& sample, const FieldMask& mask, std::uint64_t parts) {
   SampleHandle copy = pool_->take(detail::SampleLayout(type_.slots()).bytes(projection_.bytes()));
   if (!copy) return {};
-  copy->mask = std::move(mask);
+  copy->mask = mask;
   copy->parts = parts;
   return fill(*copy, sample) ? std::move(copy) : SampleHandle();
 }

@@ -41,7 +41,7 @@ class RemoteCopy final : public PartReader::Owner, public std::enable_shared_fro
   detail::SampleState state(const SampleBuffer& sample) const override {
     return state_of(sample, type_.slots());
   }
-  void take_back(PartReader& reader) noexcept override SFT_EXCLUDES(mutex_);
+  void take_back(PartReader& reader) noexcept override SFT_EXCLUDES(readers_mutex_);
 
  private:
   RemoteCopy(const TypeSupport& type, std::shared_ptr<BufferPool> pool)
@@ -51,17 +51,19 @@ class RemoteCopy final : public PartReader::Owner, public std::enable_shared_fro
   bool project(const SampleBuffer& sample, const detail::ProjectionPlan& asked, const FieldMask& present)
       SFT_REQUIRES(mutex_);
   /// Empty if there is no memory, or if the projected bytes are not what they claim to be.
-  SampleHandle copy(const SampleBuffer& sample, FieldMask mask, std::uint64_t parts) SFT_REQUIRES(mutex_);
+  SampleHandle copy(const SampleBuffer& sample, const FieldMask& mask, std::uint64_t parts)
+      SFT_REQUIRES(mutex_);
   bool fill(SampleBuffer& copy, const SampleBuffer& sample) const SFT_REQUIRES(mutex_);
-  PartReader& take_reader() SFT_REQUIRES(mutex_);
+  PartReader& take_reader() SFT_EXCLUDES(readers_mutex_);
 
   const TypeSupport& type_;
   const std::shared_ptr<BufferPool> pool_;
   Mutex mutex_ SFT_ACQUIRED_AFTER(lock_order::endpoints)
       SFT_ACQUIRED_BEFORE(lock_order::endpoint);  ///< held by the one thread that copies a sample
   detail::Projection projection_ SFT_GUARDED_BY(mutex_);
-  std::vector<std::unique_ptr<PartReader>> readers_ SFT_GUARDED_BY(mutex_);
-  std::vector<PartReader*> free_ SFT_GUARDED_BY(mutex_);
+  Mutex readers_mutex_;  ///< held for a few instructions: whoever gives one back waits for no copy
+  std::vector<std::unique_ptr<PartReader>> readers_ SFT_GUARDED_BY(readers_mutex_);
+  std::vector<PartReader*> free_ SFT_GUARDED_BY(readers_mutex_);
 };
 
 }  // namespace sft::core

@@ -85,12 +85,14 @@ class Sample {
     return *sample_.state().mask;
   }
   void mask() const&& = delete;
-  /// True if a getter met bytes that are not what they claim to be, and returned an empty value.
+  /// True if a getter met bytes that are not what they claim to be, or had no memory for the part of a field
+  /// that it had to copy together, and returned an empty value.
   bool malformed() const { return sample_.state().is_malformed(); }
 
   /// Copies the whole message. Only for samples that have all fields. An error if the bytes are not what they
   /// claim to be, which a broken program on this host can cause.
-  Result<T> to_owned() const requires(!R.is_recorded && R.mask == all<T>) {
+  Result<T> to_owned() const
+      requires(!R.is_recorded && R.mask == all<T> && R.parts == detail::DeclaredParts{}) {
     if (!sample_) return empty_error();
     Result<T> value{};
     if (const detail::WalkStatus status = decode_to(*value); status != detail::WalkStatus::ok)
@@ -108,7 +110,8 @@ class Sample {
   }
 
   /// The encoded sample, valid as long as the sample: 4 bytes of encapsulation, and standard CDR of those
-  /// members of the type that are in mask().
+  /// members of the type that are in mask(). On the publisher's host the first call copies a sample of which
+  /// parts of fields were asked for; it is empty if there is no memory.
   std::span<const std::byte> cdr() const& { return sample_.cdr(); }
   void cdr() const&& = delete;
 

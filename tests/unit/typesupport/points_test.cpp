@@ -10,6 +10,7 @@
 #include <vector>
 #include <views.hpp>
 
+#include "sft/detail/parts_in_place.h"
 #include "sft/dynamic_view.h"
 #include "tests/support/point_cloud.h"
 
@@ -327,6 +328,62 @@ TEST_F(PointsTest, AFieldThatWasNotSentIsAnErrorAndAllThatAreMissingAreNoted) {
     EXPECT_EQ(one->found(), FieldMask(sent));
     EXPECT_EQ(one->missed(), needed - FieldMask(sent));
   }
+}
+
+/// Notes channels one by one.
+struct ChannelListener final : detail::AccessLog::Listener {
+  void first_read(std::size_t) noexcept override {}
+  std::optional<std::size_t> number_of_channel(std::size_t, std::string_view name) noexcept override {
+    return 32 + static_cast<std::size_t>(name[0] % 16);
+  }
+};
+
+TEST_F(PointsTest, ChannelsThatOverlapAreReadAsWholePoints) {
+  for (const bool overlap : {false, true}) {
+    PointCloud2 message = cloud(2, 3);
+    message.fields = {{"x", 0, 7, 1}, {"rgb", 12, 7, 1}};
+    if (overlap) message.fields.push_back({"argb", 14, 6, 1});
+    const Arrived sample(message);
+    ChannelListener listener;
+    std::vector<detail::AccessWord> words(1);
+    detail::AccessLog log(words, &listener);
+    detail::SampleState state = sample.state();
+    state.log = &log;
+    ASSERT_TRUE((detail::view_of<PointCloud2, recorded>(state).points<float>("x")));
+    EXPECT_EQ((words[0].found & FieldMask(F::data).word(0)) != 0, overlap);
+    EXPECT_NE(words[0].found >> 32, 0U) << "the channel is noted";
+  }
+}
+
+/// The data of a cloud, cut as a list and not as points: the rule of another field has its `width`.
+struct CutAsList final : detail::PartsInPlace {
+  explicit CutAsList(const detail::SampleState& sample) : source(sample) {
+    EXPECT_TRUE(cut.find(source, nullptr, data, part));
+  }
+  std::optional<detail::PartInPlace> find(std::size_t leaf) noexcept override {
+    if (leaf != data.leaf) return {};
+    return detail::PartInPlace{&source, data, &cut};
+  }
+  std::optional<std::span<const std::byte>> bytes_of(std::size_t) noexcept override { return {}; }
+  const detail::SampleState& put_together() noexcept override { return source; }
+
+  const detail::SampleState source;
+  const std::uint32_t leaf = static_cast<std::uint32_t>(*FieldMask(F::data).begin());
+  const detail::Layout::Field data = detail::field_at(detail::TypeTable<PointCloud2>::type, leaf);
+  const Selection::Part part{.leaf = leaf, .columns = {.step = 4}};
+  detail::Cut cut;
+};
+
+TEST_F(PointsTest, DataThatWasNotCutAsPointsHasNone) {
+  const Arrived sample(cloud(2, 3));
+  CutAsList parts(sample.state());
+  detail::SampleState state = sample.state();
+  state.parts = &parts;
+  const auto points = detail::view_of<PointCloud2, all<PointCloud2>>(state).points<float>("time2");
+  EXPECT_FALSE(points);
+  const auto x = detail::view_of<PointCloud2, all<PointCloud2>>(state).points<double>("time");
+  ASSERT_TRUE(x) << message_of(x);
+  EXPECT_TRUE(x->empty());
 }
 
 TEST_F(PointsTest, ADynamicViewOfACloudHasTheSamePoints) {

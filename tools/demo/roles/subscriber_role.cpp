@@ -23,7 +23,8 @@ class Record {
     const core::Lock lock(mutex_);
     latency_.add(arrival - sample.info().source_stamp);
     ++received_;
-    payload_bytes_ += sample.cdr().size();
+    // In shared memory cdr() would copy what the subscriber reads in place.
+    if (sample.info().transport == TransportKind::udp) payload_bytes_ += sample.cdr().size();
     if (may_learn && !learnt_) watch_learning(sample.mask().is_full());
   }
 

@@ -19,7 +19,7 @@ struct SubscriberFigures : Reception {
   double payload_bytes = 0;             ///< sum over all received samples
   std::optional<double> wire_bytes;     ///< the same on the wire, with learning; empty: not measured
   double full_bytes_per_sample = 0;     ///< encapsulation and body of the whole message
-  double payload_bytes_per_sample = 0;  ///< in shared memory: bytes that can be read
+  double payload_bytes_per_sample = 0;  ///< in shared memory 0
   std::optional<double> wire_bytes_per_sample;  ///< with link-layer headers; empty: not measured
   std::optional<double> learning_bytes;         ///< on the wire, until the recorded mask had narrowed
 

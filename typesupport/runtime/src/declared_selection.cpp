@@ -18,12 +18,9 @@ Selection::Range range_of(const DeclaredRange& declared) {
 Selection::Part part_of(const DeclaredPart& declared) {
   Selection::Part part{
       .leaf = declared.leaf, .rows = range_of(declared.rows), .columns = range_of(declared.columns)};
-  std::string_view names = declared.channels.data();
-  while (!names.empty()) {
-    const std::size_t comma = names.find(',');
-    part.channels.emplace_back(names.substr(0, comma));
-    names.remove_prefix(comma + 1);
-  }
+  const std::string_view names = declared.channels.data();  // a NUL is behind the last comma
+  for (std::size_t begin = 0, comma = 0; (comma = names.find(',', begin)) != names.npos; begin = comma + 1)
+    part.channels.emplace_back(names.substr(begin, comma - begin));
   return part;
 }
 

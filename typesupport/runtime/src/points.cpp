@@ -44,9 +44,11 @@ struct Channel {
   std::uint32_t count;
 
   /// True if the channel has one of the eight types, has elements, and lies within the point.
-  bool is_there(std::uint32_t point_step) const {
+  bool is_there(std::uint32_t point_step) const { return end() > offset && end() <= point_step; }
+  /// Behind its last byte in the point; the offset if the channel has no bytes.
+  std::uint64_t end() const {
     const std::uint64_t bytes = type < point_types.size() ? point_types[type].bytes : 0;
-    return bytes * count > 0 && offset + bytes * count <= point_step;
+    return offset + bytes * count;
   }
 };
 
@@ -149,19 +151,41 @@ bool read_header(const CloudPlace& cloud, Header& header) {
   return true;
 }
 
-/// Moves the channels from where they are in a packed point to where they are in the larger cloud.
-void place_channels(const Cut& cut, std::span<WantedChannel> wanted) {
-  if (cut.channels().empty()) return;  // points are whole
-  for (WantedChannel& one : wanted) {
-    std::uint32_t packed = 0;
-    for (const Cut::Channel& channel : cut.channels()) {
-      if (packed == one.offset) {
-        one.offset = channel.offset;
-        break;
-      }
-      packed += channel.bytes;
+/// Moves a channel from where it is in a packed point to where it is in the larger cloud. False if it is not
+/// within the cells of the part: its data was not cut as the points of this cloud.
+bool place_channel(const Cut& cut, WantedChannel& one) {
+  const std::uint32_t bytes = point_types[one.type].bytes;
+  // Without channels points are whole.
+  if (cut.channels().empty()) return std::uint64_t{one.offset} + bytes <= cut.cell_bytes();
+  std::uint32_t packed = 0;
+  for (const Cut::Channel& channel : cut.channels()) {
+    if (packed == one.offset && channel.bytes >= bytes) {
+      one.offset = channel.offset;
+      return true;
     }
+    packed += channel.bytes;
   }
+  return false;
+}
+
+/// True if two channels of the cloud have bytes in common, or if there are more of them than a selection
+/// names: a part with some of them could be larger than the points.
+bool channels_overlap(const SampleState& s, std::uint64_t fields, std::uint32_t point_step) {
+  std::array<Channel, Selection::channels_max> seen;
+  std::size_t count = 0;
+  const Extent all = checked_length(s, fields);
+  std::uint64_t offset = all.first;
+  for (std::uint32_t i = 0; i < all.count; ++i) {
+    const std::optional<Channel> channel = next_channel(s, offset);
+    if (!channel) break;
+    if (!channel->is_there(point_step)) continue;
+    const auto overlaps = [&](const Channel& other) {
+      return channel->offset < other.end() && other.offset < channel->end();
+    };
+    if (count == seen.size() || std::any_of(seen.begin(), seen.begin() + count, overlaps)) return true;
+    seen[count++] = *channel;
+  }
+  return false;
 }
 
 /// The points of a part that stays in a larger cloud.
@@ -190,19 +214,25 @@ Result<PointGrid> find_points(const CloudPlace& cloud, std::span<WantedChannel> 
   if (!data || !read_header(cloud, header) || !find_channels(s, fields, header.point_step, wanted))
     return malformed(s);
   const std::optional<PartInPlace> place = s.parts == nullptr ? std::nullopt : s.parts->find(cloud.data_leaf);
+  // Parts of such clouds could be empty, so that whole points are recorded.
+  if (s.log != nullptr && s.log->is_as_published(cloud.data_leaf, 1) &&
+      channels_overlap(s, fields, header.point_step))
+    s.log->touch(cloud.data_leaf, true);
   for (const WantedChannel& one : wanted) {
+    if (one.found_type == one.type) continue;
     const std::string name(one.name);
     if (one.found_type == 0) {
       return fail(Errc::unknown_field, "the cloud has no channel '" + name + "'; it has " +
                                            names_of_channels(s, fields, header.point_step));
     }
-    if (one.found_type == one.type) continue;
     return fail(Errc::type_mismatch, "channel '" + name + "' is " +
                                          std::string(point_types[one.found_type].name) + ", not " +
                                          std::string(point_types[one.type].name));
   }
   if (!place) return grid_of(header, {s.body + data.first, data.count});
-  place_channels(*place->cut, wanted);
+  for (WantedChannel& one : wanted) {
+    if (!place_channel(*place->cut, one)) return PointGrid{};
+  }
   return grid_of(header, *place);
 }
 

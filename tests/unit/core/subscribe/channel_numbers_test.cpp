@@ -141,6 +141,16 @@ TEST_F(ChannelNumbersTest, WhatARequestCannotNameHasNoNumber) {
   EXPECT_FALSE(none.number_of(data, "x"));
 }
 
+TEST_F(ChannelNumbersTest, NamesThatAreTooLongTogetherForARequestMeanWholePoints) {
+  ChannelNumbers channels(leaves, clouds());
+  FieldMask numbers(channels.numbers());
+  for (std::size_t i = 0; i < ChannelNumbers::most; ++i)
+    numbers.insert(channels.number_of(data, std::string(60, 'a') + std::to_string(i)).value());
+  const Selection asked = channels.selection(numbers);
+  EXPECT_TRUE(asked.is_mask());
+  EXPECT_EQ(asked.mask(), clouds()[0].fields);
+}
+
 TEST_F(ChannelNumbersTest, ThreadsThatMeetAChannelAtTheSameTimeGetOneNumber) {
   ChannelNumbers channels(leaves, clouds());
   constexpr std::size_t names = 32;

@@ -224,8 +224,13 @@ struct FieldPart {
   Mask<T> beside{};  ///< fields without which nobody could read the part
   DeclaredPart part{};
 
-  /// Each n-th element, or point or pixel of a row. n >= 1.
-  consteval FieldPart every(std::uint32_t n) const { return columns(0, 0, n); }
+  /// Each n-th element, or point or pixel of a row, of a range that was given before. n >= 1.
+  consteval FieldPart every(std::uint32_t n) const {
+    FieldPart other = *this;
+    if (other.part.columns.step != 0) a_range_is_given_twice();
+    other.part.columns.step = declared_range(0, 0, n).step;
+    return other;
+  }
   /// The elements [begin, end), or these points or pixels of each row; end 0: up to the last one.
   consteval FieldPart range(std::uint32_t begin, std::uint32_t end, std::uint32_t step = 1) const {
     return columns(begin, end, step);
@@ -233,12 +238,14 @@ struct FieldPart {
   /// The rows [begin, end).
   consteval FieldPart rows(std::uint32_t begin, std::uint32_t end, std::uint32_t step = 1) const {
     FieldPart other = *this;
+    if (other.part.rows != DeclaredRange{}) a_range_is_given_twice();
     other.part.rows = declared_range(begin, end, step);
     return other;
   }
   /// The columns [begin, end).
   consteval FieldPart columns(std::uint32_t begin, std::uint32_t end, std::uint32_t step = 1) const {
     FieldPart other = *this;
+    if (other.part.columns != DeclaredRange{}) a_range_is_given_twice();
     other.part.columns = declared_range(begin, end, step);
     return other;
   }

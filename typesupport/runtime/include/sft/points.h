@@ -14,8 +14,8 @@
 // The types are those of sensor_msgs/PointField: std::int8_t, std::uint8_t, std::int16_t, std::uint16_t,
 // std::int32_t, std::uint32_t, float and double. Each is exactly the type of its channel. The result is an
 // error if
-//   - the cloud lacks a channel: unknown_field, and the message names the channels that it has. A channel
-//     without elements, of an unknown type, or that reaches beyond the point counts as lacking.
+//   - the cloud lacks a channel: unknown_field, and the message names the channels that the sample has. A
+//     channel without elements, of an unknown type, or that reaches beyond the point counts as lacking.
 //   - a channel has another type: type_mismatch
 //   - the sample was sent without a field that the points need, which are height, width, all of fields,
 //     is_bigendian, point_step, row_step and data, or without a channel that is recorded: unavailable. The
@@ -24,7 +24,8 @@
 //   - the bytes are not what they claim to be: malformed
 // If fields are recorded, so are the channels: a subscriber whose program reads a cloud by points() only is
 // sent these channels only. A program that reads `fields`, `point_step`, `row_step` or `data` itself is sent
-// whole points. In samples with some channels these four count as not sent.
+// whole points. In samples with some channels these four count as not sent. Of clouds whose channels overlap
+// whole points are recorded.
 // If a channel has several elements, the first one is read. If several channels have one name, the first one
 // counts.
 // Values of big-endian clouds are swapped. A cloud that claims more points than its data holds is empty.

@@ -31,7 +31,8 @@ struct DeclaredRange {
 
 /// The part of one leaf; without a part if all of its members are 0.
 struct DeclaredPart {
-  static constexpr std::size_t channel_bytes_max = 128;  ///< of all names, with a comma behind each
+  static constexpr std::size_t channel_bytes_max =
+      128;  ///< of all names, with a comma behind each, and a NUL
 
   std::uint32_t leaf = 0;
   DeclaredRange rows{};
@@ -60,6 +61,7 @@ struct NameText {
 inline void a_range_has_an_index_and_a_step() {}
 inline void a_name_of_a_channel_has_a_character_and_neither_comma_nor_brace() {}
 inline void names_of_channels_are_too_long_together() {}
+inline void a_range_is_given_twice() {}
 inline void a_field_has_two_parts() {}
 inline void there_are_too_many_parts() {}
 
@@ -73,9 +75,9 @@ consteval std::array<char, DeclaredPart::channel_bytes_max> declared_channels() 
   std::array<char, DeclaredPart::channel_bytes_max> text{};
   std::size_t end = 0;
   for (const std::string_view name : {Names.view()...}) {
-    if (name.empty() || name.find_first_of(",{}") != name.npos)
+    if (name.empty() || name.find_first_of(std::string_view(",{}\0", 4)) != name.npos)
       a_name_of_a_channel_has_a_character_and_neither_comma_nor_brace();
-    if (end + name.size() + 1 > text.size()) names_of_channels_are_too_long_together();
+    if (end + name.size() + 1 >= text.size()) names_of_channels_are_too_long_together();
     end = static_cast<std::size_t>(std::ranges::copy(name, text.begin() + end).out - text.begin());
     text[end++] = ',';
   }
