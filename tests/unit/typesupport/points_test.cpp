@@ -360,8 +360,8 @@ struct CutAsList final : detail::PartsInPlace {
   explicit CutAsList(const detail::SampleState& sample) : source(sample) {
     EXPECT_TRUE(cut.find(source, nullptr, data, part));
   }
-  std::optional<detail::PartInPlace> find(std::size_t leaf) noexcept override {
-    if (leaf != data.leaf) return {};
+  std::optional<detail::PartInPlace> find(std::size_t wanted) noexcept override {
+    if (wanted != data.leaf) return {};
     return detail::PartInPlace{&source, data, &cut};
   }
   std::optional<std::span<const std::byte>> bytes_of(std::size_t) noexcept override { return {}; }
