@@ -188,9 +188,12 @@ bool channels_overlap(const SampleState& s, std::uint64_t fields, std::uint32_t 
   return false;
 }
 
-/// The points of a part that stays in a larger cloud.
-PointGrid grid_of(const Header& header, const PartInPlace& place) {
+/// The points of a part that stays in a larger cloud, and where the channels are there.
+PointGrid grid_in_place(const Header& header, const PartInPlace& place, std::span<WantedChannel> wanted) {
   const Cut& cut = *place.cut;
+  for (WantedChannel& one : wanted) {
+    if (!place_channel(cut, one)) return {};
+  }
   if (cut.bytes() == 0) return {.rows = cut.rows(), .columns = cut.columns()};
   PointGrid grid{.first = place.source->body + cut.begin(),
                  .row_step = cut.row_stride(),
@@ -213,7 +216,6 @@ Result<PointGrid> find_points(const CloudPlace& cloud, std::span<WantedChannel> 
   Header header;
   if (!data || !read_header(cloud, header) || !find_channels(s, fields, header.point_step, wanted))
     return malformed(s);
-  const std::optional<PartInPlace> place = s.parts == nullptr ? std::nullopt : s.parts->find(cloud.data_leaf);
   // Parts of such clouds could be empty, so that whole points are recorded.
   if (s.log != nullptr && s.log->is_as_published(cloud.data_leaf, 1) &&
       channels_overlap(s, fields, header.point_step))
@@ -229,11 +231,10 @@ Result<PointGrid> find_points(const CloudPlace& cloud, std::span<WantedChannel> 
                                          std::string(point_types[one.found_type].name) + ", not " +
                                          std::string(point_types[one.type].name));
   }
-  if (!place) return grid_of(header, {s.body + data.first, data.count});
-  for (WantedChannel& one : wanted) {
-    if (!place_channel(*place->cut, one)) return PointGrid{};
+  if (s.parts != nullptr) {
+    if (const auto place = s.parts->find(cloud.data_leaf)) return grid_in_place(header, *place, wanted);
   }
-  return grid_of(header, *place);
+  return grid_of(header, {s.body + data.first, data.count});
 }
 
 namespace {
