@@ -20,13 +20,11 @@ namespace {
 using sensor_msgs::msg::PointCloud2;
 using F = PointCloud2::Field;
 
-const TypeSupport& type() { return type_support<PointCloud2>(); }
-constexpr std::size_t leaves = detail::leaf_count_of<PointCloud2>;
-const std::size_t data = *FieldMask(F::data).begin();
-std::vector<ChannelNumbers::Cloud> clouds() { return ChannelNumbers::clouds_of(type().type()); }
-
 class ChannelNumbersTest : public ::testing::Test {
  protected:
+  static const TypeSupport& type() { return type_support<PointCloud2>(); }
+  static std::vector<ChannelNumbers::Cloud> clouds() { return ChannelNumbers::clouds_of(type().type()); }
+
   /// One sample of which these leaves and channels are read.
   void sample(std::initializer_list<std::size_t> read, std::initializer_list<std::string_view> channels) {
     RecordedSample* s = recorder->begin();
@@ -37,6 +35,8 @@ class ChannelNumbersTest : public ::testing::Test {
   }
   std::string required() const { return type().format_selection(recorder->required()); }
 
+  const std::size_t leaves = type().leaves();
+  const std::size_t data = *FieldMask(F::data).begin();
   std::atomic<int> changes{0};
   std::shared_ptr<Recorder> recorder = Recorder::make(
       leaves, {.learn_samples = 2, .narrow_after_samples = 4}, [this] { ++changes; }, clouds());
@@ -157,7 +157,7 @@ TEST_F(ChannelNumbersTest, ThreadsThatMeetAChannelAtTheSameTimeGetOneNumber) {
   std::vector<std::vector<std::size_t>> found(4);
   std::vector<std::thread> threads;
   for (auto& numbers : found) {
-    threads.emplace_back([&channels, &numbers] {
+    threads.emplace_back([&] {
       for (std::size_t i = 0; i < names; ++i)
         numbers.push_back(channels.number_of(data, "c" + std::to_string(i)).value());
     });
