@@ -88,6 +88,7 @@ Selection ChannelNumbers::selection(const FieldMask& numbers) const {
       fields |= cloud.fields;
     } else {
       parts.push_back({.leaf = static_cast<std::uint32_t>(cloud.data), .channels = std::move(channels)});
+      fields.insert(cloud.data);
     }
   }
   if (Result<Selection> asked = Selection::make(fields, std::move(parts), {})) return *std::move(asked);

@@ -206,7 +206,7 @@ class PartSubscriberTest : public RemoteCopyTest {
     std::vector<std::byte> expected;
     for (const Segment& segment : projection.segments())
       expected.insert(expected.end(), segment.data, segment.data + segment.bytes);
-    const SampleState& state = sample.state();
+    const SampleState& state = sample.whole_state();
     EXPECT_EQ(*state.mask, selection(text).mask());
     EXPECT_EQ(std::vector(state.body, state.body + state.body_bytes), expected) << text;
   }
