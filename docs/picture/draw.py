@@ -25,7 +25,7 @@ WIDTH = 800
 MARGIN = 12
 TOP = 48  # The boxes begin here, below the headings.
 LEFT_BOX = 330  # This is the width of the publisher's host.
-RIGHT_BOX = 232  # This is the width of each other host.
+RIGHT_BOX = 272  # This is the width of each other host.
 ROW, GAP = 66, 12  # These are the height of each other host, and the space between two of them.
 TRUNK = MARGIN + LEFT_BOX + 24  # The network's line goes up and down here.
 
