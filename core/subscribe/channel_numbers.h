@@ -27,7 +27,8 @@ class ChannelNumbers {
   struct Cloud {
     std::size_t data = 0;  ///< the leaf with the points
     FieldMask fields;      ///< this one, and all that say how the points lie in it
-    /// Those of them that a part with some channels changes. Whoever reads one of these needs whole points.
+    /// The fields among them that a part with some channels changes. A program that reads one of these needs
+    /// whole points.
     FieldMask changed;
   };
   /// The clouds of a type, except of those in arrays and sequences.
@@ -49,7 +50,8 @@ class ChannelNumbers {
   /// The whole fields and the channels with these numbers. Where points are whole, so are all fields that say
   /// how they lie; a part has them anyway. Any thread.
   Selection selection(const FieldMask& numbers) const;
-  /// How samples differ from what was published if that is asked for; nothing if they do not. Any thread.
+  /// Tells how samples differ from what was published if that selection is asked for. Nothing if they do not
+  /// differ. Any thread.
   std::optional<detail::ChannelsSent> sent_for(const Selection& selection) const;
 
  private:
@@ -65,7 +67,7 @@ class ChannelNumbers {
   const std::size_t leaves_;
   const std::vector<Cloud> clouds_;
   Mutex mutex_;  // held while a channel is added
-  /// Those below count_ never change.
+  /// Channels with a number below count_ never change.
   const std::unique_ptr<Channel[]> channels_;
   std::atomic<std::size_t> count_{0};
 };

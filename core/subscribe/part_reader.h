@@ -32,7 +32,7 @@ class PartReader final : public detail::PartsInPlace {
     ~Owner() = default;
   };
 
-  /// From here on it reads the parts of `source` that are asked for, and where `cuts` say that they lie.
+  /// Makes it read the parts of `source` that are asked for. They lie where `cuts` say.
   void begin(std::shared_ptr<Owner> owner, SampleHandle source, std::shared_ptr<const Asked> asked,
              std::span<const detail::Cut> cuts);
   std::optional<detail::PartInPlace> find(std::size_t leaf) noexcept override;

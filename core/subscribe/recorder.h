@@ -73,7 +73,8 @@ class Recorder final : public std::enable_shared_from_this<Recorder>, private de
   Selection required() const;
   /// True if the type has clouds of which channels are recorded.
   bool records_channels() const { return channels_.has_clouds(); }
-  /// How samples differ from what was published if that is asked for; nothing if they do not.
+  /// Tells how samples differ from what was published if that selection is asked for. Nothing if they do not
+  /// differ.
   std::optional<detail::ChannelsSent> sent_for(const Selection& selection) const {
     return channels_.sent_for(selection);
   }

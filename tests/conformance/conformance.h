@@ -70,7 +70,7 @@ class Reader final : private core::ArrivalListener {
   core::ReaderPort& port() { return *port_; }
   std::uint64_t discarded() const { return port_->counters().discarded; }
   std::uint64_t lost_unnoticed() const { return port_->counters().lost_unnoticed; }
-  /// How often its doorbell was rung so far.
+  /// The number of times that its doorbell was rung so far.
   std::uint32_t rings() const { return bell_.rings; }
   void destroy_port() { port_.reset(); }
 

@@ -10,7 +10,8 @@
 #define BIT(n) (1 << (n))
 #define HAS(set, n) ((set) >> (n) & 1)
 
-/* By the network: sequence, gate, number in that gate. In shared memory: sequence, numbers in gates 1 and 2. */
+/* A sample on its way. A network carries its sequence, its gate and its number in that gate. Shared memory carries its
+   sequence and its numbers in gates 1 and 2. */
 chan way = [2] of { byte, byte, byte };
 
 /* The gates for two sets of conditions are 1 and 2; 0 stands for no conditions. */
@@ -25,7 +26,7 @@ byte last, last_gate, last_number; /* SequenceAccount */
 bool has_conditions, had_conditions;
 byte gates; /* WriterAccounts::gates, as a set */
 
-/* For the properties only: what was in force for each sample, which samples were for the reader, and which have
+/* Only the properties read these: what was in force for each sample, which samples were for the reader, and which have
    passed each gate; whether the reader has asked for conditions, or for anything, since it took a sample. */
 byte served[SAMPLES + 1];
 short sent;
@@ -96,7 +97,7 @@ active proctype writer() {
 }
 
 #ifndef MEMORY
-/* What is sent over the network may be lost, come later than what was sent behind it, or twice. */
+/* The network may lose a sample, deliver it later than one that was sent behind it, or deliver it twice. */
 active proctype network() {
   byte sequence, a, b;
   do

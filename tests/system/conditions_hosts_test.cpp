@@ -178,7 +178,7 @@ class SubscriberProcess : public NodeProcessWith<Taken> {
       EXPECT_EQ(reader(i).withheld, expected.back() + 1 - expected.size()) << rules_[i].conditions;
     }
   }
-  /// How many samples pass for all readers together.
+  /// The sum over all readers of the samples that pass for them.
   std::uint64_t passing_in_total() const {
     std::uint64_t sum = 0;
     for (std::size_t i = 0; i < rules_.size(); ++i) sum += expected_of(i, samples).size();

@@ -210,8 +210,9 @@ struct SubscriberOptions {
     /// always is. A field that is read at least once in so many samples is never given up.
     std::uint32_t narrow_after_samples = 100;
     /// True: samples from shared memory have only the fields that were asked for when they were taken, as
-    /// they would on another host. A program can so be tried on one host before it runs on two. The fields
-    /// are copied. This also applies to a subscriber whose fields are not recorded.
+    /// they would on another host. A program can so be tried on one host before it runs on two. Whole
+    /// fields are copied for that; parts of fields stay where they are. This also applies to a subscriber
+    /// whose fields are not recorded.
     bool as_remote = false;
   };
 
@@ -243,7 +244,8 @@ struct SubscriberOptions {
   static constexpr std::uint32_t max_held_most = 256;  ///< iceoryx holds no more
   /// Number of samples in shared memory of one publisher that the program may hold at the same time. While it
   /// holds that many, take() gives no more of that publisher; its next samples wait within
-  /// `depth`. The subscriber gets one event each time (Event::Kind::held_too_many). Others are not affected.
+  /// `depth`. A sample with parts of fields holds the whole sample that they lie in. The subscriber gets one
+  /// event each time (Event::Kind::held_too_many). Others are not affected.
   std::uint32_t max_held = max_held_most;
   /// How long wait() spins, which keeps a core busy, before it sleeps. A sample that comes within that time
   /// is taken within a microsecond, because no thread has to be woken. The default is about the time that it

@@ -61,7 +61,7 @@ std::vector<Cell> window(const std::vector<Cell>& all, std::size_t rows, std::si
   return kept;
 }
 
-/// Where the corner of the cell is: the rotation as q v q*, of a quaternion of length 1.
+/// Computes where the corner of a cell is. The rotation is q v q*, with a quaternion q of length 1.
 template <class Pose>
 std::array<double, 3> corner_of(const Pose& pose, double x, double y) {
   using Quaternion = std::array<double, 4>;  // w, x, y, z

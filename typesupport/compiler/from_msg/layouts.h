@@ -11,7 +11,7 @@ namespace sft::msg {
 /// The definition of a nested type; null if it is not known.
 using FindDefinition = std::function<const Definition*(const TypeName&)>;
 
-/// What is wrong with the rules of the definition.
+/// Returns the mistakes in the rules of the definition.
 std::vector<Problem> check_layouts(const Definition& definition, const FindDefinition& find);
 
 /// The one spelling of the rule of a field, which parse() has accepted; empty: it has none.

@@ -26,7 +26,7 @@ struct sft_rule {
   const char* text;
 };
 
-/// What is wrong, in memory of this struct, and where.
+/// A mistake in a rule. Its text lies in this struct.
 struct sft_rule_fault {
   size_t rule;  ///< its number in the list
   size_t at;    ///< in the text of the rule, in bytes

@@ -114,7 +114,7 @@ class Reader {
   Rule rule_;
 };
 
-/// What a role needs beside it, or cannot have beside it.
+/// A role that another role needs beside it, or cannot have beside it.
 struct Tie {
   Role role;
   Role other;

@@ -41,7 +41,7 @@ struct Rule {
   std::string text() const;
 };
 
-/// What is wrong with a rule, and what to do.
+/// A mistake in a rule, with a text that says what to do.
 struct Fault {
   std::size_t member = 0;  ///< the annotated one, in its struct
   std::size_t at = 0;      ///< where in the text of the rule, in bytes from 0

@@ -155,7 +155,7 @@ bool read_header(const CloudPlace& cloud, Header& header) {
 /// within the cells of the part: its data was not cut as the points of this cloud.
 bool place_channel(const Cut& cut, WantedChannel& one) {
   const std::uint32_t bytes = point_types[one.type].bytes;
-  // Without channels points are whole.
+  // Points are whole if no channels were asked for.
   if (cut.channels().empty()) return std::uint64_t{one.offset} + bytes <= cut.cell_bytes();
   std::uint32_t packed = 0;
   for (const Cut::Channel& channel : cut.channels()) {
@@ -249,7 +249,7 @@ tl::unexpected<Error> field_not_sent(std::size_t field) {
   return not_sent("'" + std::string(cloud_fields[field]) + "'");
 }
 
-/// What a sample has of the channels that are read.
+/// The result of noting which channels are read.
 struct NotedChannels {
   bool one_by_one = false;                 ///< false: they are not noted one by one
   const WantedChannel* missing = nullptr;  ///< the first one that was not sent

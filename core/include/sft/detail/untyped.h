@@ -69,7 +69,8 @@ class Sample {
 
   explicit operator bool() const { return buffer_ != nullptr; }
   const SampleState& state() const { return state_; }
-  /// The same with all fields in its body, also those of which the parts are elsewhere.
+  /// A state that has all fields in its body. If parts of fields are elsewhere, the first call puts them
+  /// together.
   const SampleState& whole_state() const;
   const SampleInfo& info() const { return info_; }
   /// Null: the subscriber does not ask, or the sample is empty.

@@ -149,7 +149,7 @@ class DynamicView {
   bool has_any_of(std::size_t leaf, std::size_t count) const {
     return state_->mask->any_of(leaf, count) && (declared_ == nullptr || declared_->any_of(leaf, count));
   }
-  /// The same for each of them.
+  /// True if the reader declared all of these leaves, and the sample has them.
   bool has_all_of(std::size_t leaf, std::size_t count) const {
     return present_ && state_->mask->all_of(leaf, count) &&
            (declared_ == nullptr || declared_->all_of(leaf, count));

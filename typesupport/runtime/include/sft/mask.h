@@ -311,7 +311,7 @@ struct Req {
   Mask<T> mask{};
   /// Getters note what is read (ARR).
   bool is_recorded = false;
-  /// Of these fields only a part is declared.
+  /// The fields of which only a part is declared.
   detail::DeclaredParts parts{};
 
   /// These fields are declared.

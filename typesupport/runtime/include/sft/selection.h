@@ -57,8 +57,8 @@ class Selection {
     Range columns{};         ///< elements, where the leaf has no rows
     /// Names, ascending, each once; empty: all. A name is printable UTF-8 without ',', '}' and outer blanks.
     std::vector<std::string> channels{};
-    /// Which layout rule gives rows, columns and channels their meaning: a hash of the rule that the type is
-    /// annotated with; 0: the type has none. parse_selection() and TypeSupport::closed() enter it.
+    /// A hash of the layout rule that the type is annotated with, which gives rows, columns and channels
+    /// their meaning. 0: the type has none. parse_selection() and TypeSupport::closed() enter it.
     std::uint32_t rule = 0;
 
     /// True if it is the whole leaf.

@@ -67,7 +67,7 @@ constexpr std::optional<CloudMembers> cloud_members_of(const StructType& type) {
   return members;
 }
 
-/// The same of a struct that is compiled in.
+/// The members of a cloud that is compiled in. Nothing if the struct is no cloud.
 template <class S>
 inline constexpr std::optional<CloudMembers> cloud_members = cloud_members_of(TypeTable<S>::type);
 
@@ -121,8 +121,8 @@ using CloudLeaves = std::array<LeafRange, cloud_fields.size()>;
 /// Finds the points, and the wanted channels in them. If the cloud contradicts itself, the grid is empty.
 Result<PointGrid> find_points(const CloudPlace& cloud, std::span<WantedChannel> wanted);
 
-/// Where reads are recorded, notes that these channels are read, or all members of the cloud if its channels
-/// are not noted one by one. An error if the sample was sent without a member or a channel.
+/// Notes that these channels are read if reads are recorded. All members of the cloud are noted if its
+/// channels are not noted one by one. An error if the sample was sent without a member or a channel.
 Result<void> note_points(const SampleState& s, const CloudLeaves& leaves,
                          std::span<const WantedChannel> wanted);
 

@@ -109,7 +109,7 @@ class Projection {
                const PostponedCopies* postponed = nullptr);
   /// Projects the fields around the parts of the plan, which are left empty. cuts() are valid afterwards.
   bool project_around_parts(const SampleState& source, const ProjectionPlan& plan);
-  /// Where the parts of the plan lie in the source, as it was projected last.
+  /// Tells where the parts of the plan lie in the source that was projected last.
   std::span<const Cut> cuts(const ProjectionPlan& plan) const { return std::span(cuts_).first(plan.parts()); }
   /// How many bytes the body of a plan with parts can have, but for the padding of structs in sequences; 0
   /// where project() would fail.

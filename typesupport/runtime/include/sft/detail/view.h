@@ -206,8 +206,8 @@ class IndexedPlace : public PlaceBase<R, S, Leaf> {
     }
   }
 
-  // For what reads several members at once (points.h): the sample, and where member M begins in it, which is
-  // no single struct.
+  // Functions that read several members at once (points.h) need the sample, and where member M begins in it.
+  // M is no single struct.
   const SampleState& state() const { return *s_; }
   template <std::size_t M>
   std::uint64_t begin_of() const {
