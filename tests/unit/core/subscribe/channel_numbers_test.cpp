@@ -80,9 +80,10 @@ TEST_F(ChannelNumbersTest, AChannelThatIsNotReadForLongIsGivenUp) {
 }
 
 TEST_F(ChannelNumbersTest, WhoReadsTheDataOrItsDescriptionNeedsWholePoints) {
-  for (const std::size_t leaf : clouds()[0].changed) {
+  const auto known = clouds();
+  for (const std::size_t leaf : known[0].changed) {
     recorder = Recorder::make(
-        leaves, {.learn_samples = 1}, [] {}, clouds());
+        leaves, {.learn_samples = 1}, [] {}, known);
     sample({leaf}, {"x"});
     const Selection asked = recorder->required();
     EXPECT_TRUE(asked.is_mask()) << leaf;
