@@ -134,7 +134,7 @@ class Node {
  private:
   template <class T, Req<T> R>
   static Result<detail::untyped::Requirement> requirement() {
-    return detail::declared_selection(FieldMask(R.mask), R.parts).map([](Selection&& selection) {
+    return detail::declared_selection<R>().map([](Selection&& selection) {
       return detail::untyped::Requirement{std::move(selection), R.is_recorded};
     });
   }

@@ -65,7 +65,7 @@ class Subscriber {
   /// the conditions. A maximum rate stays if the text has none. An error if the subscriber records, or if the
   /// text is wrong; then nothing changes.
   Result<void> set_selection(std::string_view text) {
-    return detail::declared_selection(FieldMask(R.mask), R.parts)
+    return detail::declared_selection<R>()
         .and_then([&](const Selection& all) { return detail::selection_within(type(), all, text); })
         .and_then([this](const Selection& selection) { return subscriber_.set_selection(selection); });
   }

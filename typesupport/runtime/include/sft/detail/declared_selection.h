@@ -14,6 +14,13 @@ namespace sft::detail {
 /// The fields of the mask; of those that have a part just that. The error says which limit is exceeded.
 Result<Selection> declared_selection(const FieldMask& mask, const DeclaredParts& parts);
 
+/// The same of a requirement (Req) that is a template argument.
+template <auto R>
+Result<Selection> declared_selection() {
+  constexpr DeclaredParts parts = R.parts;  // clang 16 crashes if it is to pass a member of R on
+  return declared_selection(FieldMask(R.mask), parts);
+}
+
 /// The fields of `declared`, but the parts of them and the gate that the text names
 /// (SubscriberOptions::selection). A field that the text does not name is as it was declared. An error if the
 /// text names other fields.
