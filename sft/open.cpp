@@ -62,6 +62,18 @@ Result<std::unique_ptr<core::SharedMemory>> open_shm(const NodeOptions& options)
   return shm::open_shm_transport(shm);
 }
 
+/// Adds what SubscriberOptions::further_selections ask for. `selection_of` reads one of these texts.
+template <class SelectionOf>
+Result<void> add_further(detail::untyped::Requirement& requirement, const SubscriberOptions& options,
+                         SelectionOf selection_of) {
+  for (const std::string& text : options.further_selections) {
+    Result<Selection> selection = selection_of(text);
+    if (!selection) return tl::unexpected(selection.error());
+    requirement.further.push_back(std::move(*selection));
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<Node> Node::open(const NodeOptions& options) {
@@ -104,8 +116,13 @@ Result<detail::untyped::Subscriber> Node::open_subscriber(std::string_view topic
                                                           const SubscriberOptions& options,
                                                           detail::untyped::Callback callback) {
   if (!requirement) return tl::unexpected(requirement.error());
+  const Selection declared = requirement->selection;
+  const auto selection_of = [&](std::string_view text) {
+    return requirement->fields_by_text ? type.parse_selection(text)
+                                       : detail::selection_within(type, declared, text);
+  };
   if (!options.selection.empty()) {
-    Result<Selection> selection = detail::selection_within(type, requirement->selection, options.selection);
+    Result<Selection> selection = selection_of(options.selection);
     if (!selection) return tl::unexpected(selection.error());
     if (requirement->recorded && !selection->parts().empty()) {
       return fail(Errc::invalid_argument,
@@ -114,6 +131,8 @@ Result<detail::untyped::Subscriber> Node::open_subscriber(std::string_view topic
     }
     requirement->selection = std::move(*selection);
   }
+  if (Result<void> added = add_further(*requirement, options, selection_of); !added)
+    return tl::unexpected(added.error());
   return core_->open_subscriber(core_, {topic, type, std::move(*requirement), options, std::move(callback)});
 }
 
@@ -133,13 +152,18 @@ Result<DynamicSubscriber> Node::subscriber(std::string_view topic, const Dynamic
         Errc::invalid_argument,
         "'" + std::string(fields) + "' says what is needed; leave SubscriberOptions::selection empty");
   }
-  return open_subscriber(topic, type, {std::move(*selection), false, true}, options, std::move(callback));
+  detail::untyped::Requirement requirement{.selection = std::move(*selection), .limits_samples = true};
+  const auto selection_of = [&](std::string_view text) { return type.support().parse_selection(text); };
+  if (Result<void> added = add_further(requirement, options, selection_of); !added)
+    return tl::unexpected(added.error());
+  return open_subscriber(topic, type, std::move(requirement), options, std::move(callback));
 }
 
 Result<DynamicSubscriber> Node::subscriber(std::string_view topic, const DynamicType& type, detail::Recorded,
                                            const SubscriberOptions& options,
                                            DynamicSubscriber::Callback callback) {
-  return open_subscriber(topic, type, {type.support().full(), true}, options, std::move(callback));
+  return open_subscriber(topic, type, {.selection = type.support().full(), .recorded = true}, options,
+                         std::move(callback));
 }
 
 Result<DynamicPublisher> Node::publisher(std::string_view topic, const DynamicType& type,

@@ -2,7 +2,10 @@
 #include <sys/prctl.h>
 
 #include <sensor_msgs/msg/PointCloud2.hpp>
+#include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "bench/common/hosts.h"
 #include "bench/common/node_options.h"
@@ -30,12 +33,22 @@ std::string window(std::uint64_t begin) {
   return "data[" + std::to_string(begin) + ":" + std::to_string(begin + window_points) + "]";
 }
 
+std::uint32_t begin_of_move(std::uint64_t n) {
+  return static_cast<std::uint32_t>(n + 1) % (points - window_points);
+}
+
 /// Publishes all the time, so that the first sample with a new window is never far. The usual slack of timers
-/// would make each pause 50 us longer.
+/// would make each pause 50 us longer. Notes when the publisher has each window in force.
 void publish_rows(Exchange& exchange, std::uint64_t moves) {
   ::prctl(PR_SET_TIMERSLACK, 1UL);
+  const auto note = [&](const PublisherStatus& status) {
+    const std::uint64_t n = exchange.received.load();
+    if (status.readers.empty() || n >= moves) return;
+    const auto parts = status.readers[0].selection.parts();
+    if (!parts.empty() && parts[0].columns.begin == begin_of_move(n)) exchange.returned_at[n] = now_ns();
+  };
   Node node = Node::open(udp_node_options("publisher")).value();
-  auto publisher = node.publisher<PointCloud2>("points").value();
+  auto publisher = node.publisher<PointCloud2>("points", {.on_readers_changed = note}).value();
   PointCloud2 row;
   row.height = 1;
   row.width = row.row_step = points;
@@ -53,7 +66,7 @@ void move_window(Exchange& exchange, std::uint64_t moves) {
   auto subscriber =
       node.subscriber("points", type, window(0), {.spin = std::chrono::milliseconds(1)}).value();
   for (std::uint64_t n = 0; n < moves && !exchange.failed.load(); ++n) {
-    const std::uint32_t begin = static_cast<std::uint32_t>(n + 1) % (points - window_points);
+    const std::uint32_t begin = begin_of_move(n);
     sleep_us(1000);
     while (subscriber.take()) continue;
     exchange.sent_at[n] = now_ns();
@@ -72,14 +85,23 @@ void move_window(Exchange& exchange, std::uint64_t moves) {
 
 std::vector<Figure> moved_windows(std::uint64_t moves, int rounds) {
   const TwoHosts hosts;
-  Rounds window_us, response_us;
+  Rounds window_us, in_force_us, response_us;
   for (int round = 0; round < rounds; ++round) {
-    window_us.add(run_pair(hosts.sides([=](Exchange& e) { publish_rows(e, moves); },
-                                       [=](Exchange& e) { move_window(e, moves); }),
-                           moves));
+    const std::vector<Delivery> all = run_deliveries(hosts.sides([=](Exchange& e) { publish_rows(e, moves); },
+                                                                 [=](Exchange& e) { move_window(e, moves); }),
+                                                     moves);
+    std::vector<double> whole, in_force;
+    for (const Delivery& move : std::span(all).subspan(all.size() / 10)) {
+      whole.push_back(move.us());
+      if (move.returned_at != 0)
+        in_force.push_back(static_cast<double>(move.returned_at - move.sent_at) / 1000.0);
+    }
+    window_us.add(std::move(whole));
+    in_force_us.add(std::move(in_force));
     response_us.add(response_times<HeightProbe>(hosts, moves));
   }
-  return {{"window_move", window_us.p50(), "us", response_us.p50(), "str_response", 1.3}};
+  return {{"window_move", window_us.p50(), "us", response_us.p50(), "str_response", 1.3},
+          {"window_in_force", in_force_us.p50(), "us", response_us.p50(), "str_response"}};
 }
 
 }  // namespace sft::bench

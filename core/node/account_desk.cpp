@@ -49,7 +49,7 @@ void AccountDesk::add_accounts_of(EndpointId own, std::set<AccountId>& accounts)
 Account AccountDesk::account(const AccountId& id) const {
   Account account{.id = id};
   if (id.said_by == Role::reader) {
-    account.by_reader = ours_.readers.at(id.pair.reader).core().ports().account_of(id.pair.writer);
+    account.by_reader = ours_.readers.at(id.pair.reader).ports().account_of(id.pair.writer);
   } else {
     account.by_writer = ours_.writers.at(id.pair.writer).account_of(id.pair.reader);
   }

@@ -142,26 +142,52 @@ Result<EndpointOpening::Reader> EndpointOpening::open_reader(ReaderOrder order) 
   Result<std::unique_ptr<PollHandle>> poll_handle;
   if (order.options.pollable) poll_handle = PollHandle::create();
   if (!poll_handle) return tl::unexpected(poll_handle.error());
-  const Result<Selection> asked = checked_selection(order.type, order.requirement.selection);
-  if (!asked) return tl::unexpected(asked.error());
-  if (auto rate = min_period_us_of(rate_hz_of(*asked)); !rate) return tl::unexpected(rate.error());
-  order.requirement.selection = *asked;
+  const Result<std::vector<Selection>> selections = all_selections(order);
+  if (!selections) return tl::unexpected(selections.error());
   const Result<std::uint32_t> slot = take_slot(order);
   if (!slot) return tl::unexpected(slot.error());
-  Reader reader{.endpoint = describe_reader(order, *qos, *slot), .parts = {}, .slot = *slot};
-  order.requirement.selection = order.requirement.selection.without_rate();
-  if (order.requirement.recorded) {
-    reader.parts.recorder =
-        Recorder::make(order.type.leaves(), order.options.recording,
-                       [tell = news_.requirement_changed, id = reader.endpoint.id] { tell(id); },
-                       ChannelNumbers::clouds_of(order.type.type()));
-  }
-  reader.parts.core = make_core(reader, order, std::move(*poll_handle));
-  if (auto opened = open_network(reader, order); !opened) {
-    node_.slots.give_back(*slot);
-    return tl::unexpected(opened.error());
+  std::vector<Endpoint> endpoints;
+  for (const Selection& selection : *selections)
+    endpoints.push_back(describe_reader(order, selection, *qos, *slot));
+  Reader reader{.core = make_core(endpoints, *slot, *selections, order, std::move(*poll_handle)),
+                .endpoints = {},
+                .slot = *slot};
+  for (std::size_t i = 0; i < endpoints.size(); ++i) {
+    auto network = open_network(endpoints[i], *reader.core, i);
+    if (!network) {
+      node_.slots.give_back(*slot);
+      return tl::unexpected(network.error());
+    }
+    reader.core->ports(i).set_network(*network);
+    reader.endpoints.push_back({std::move(endpoints[i]), {reader.core, *std::move(network), i}});
   }
   return reader;
+}
+
+/// The first one and the further ones, closed, each with its rate.
+Result<std::vector<Selection>> EndpointOpening::all_selections(const ReaderOrder& order) {
+  if (order.requirement.recorded && !order.options.further_selections.empty()) {
+    return fail(
+        Errc::invalid_argument,
+        "topic " + in_quotes(order.topic) +
+            ": SubscriberOptions::further_selections is not empty, but the fields are recorded: declare "
+            "them, or open another subscriber");
+  }
+  const std::vector<Selection>& further = order.requirement.further;
+  if (further.size() >= SubscriberOptions::selections_max) {
+    return fail(Errc::limit_exceeded, "topic " + in_quotes(order.topic) + ": a subscriber has at most " +
+                                          std::to_string(SubscriberOptions::selections_max) +
+                                          " selections, not " + std::to_string(further.size() + 1));
+  }
+  std::vector<Selection> all{order.requirement.selection};
+  all.insert(all.end(), further.begin(), further.end());
+  for (Selection& selection : all) {
+    const Result<Selection> closed = checked_selection(order.type, selection);
+    if (!closed) return tl::unexpected(closed.error());
+    if (auto rate = min_period_us_of(rate_hz_of(*closed)); !rate) return tl::unexpected(rate.error());
+    selection = *closed;
+  }
+  return all;
 }
 
 Result<std::uint32_t> EndpointOpening::take_slot(const ReaderOrder& order) const {
@@ -176,7 +202,7 @@ Result<std::uint32_t> EndpointOpening::take_slot(const ReaderOrder& order) const
   return has_callback ? WakeSlots::dispatcher : WakeSlots::poller;
 }
 
-Endpoint EndpointOpening::describe_reader(const ReaderOrder& order, const Qos& qos,
+Endpoint EndpointOpening::describe_reader(const ReaderOrder& order, const Selection& asked, const Qos& qos,
                                           std::uint32_t slot) const {
   Endpoint endpoint = describe(Role::reader, order.topic, order.type, order.options.transport);
   endpoint.qos = qos;
@@ -185,50 +211,62 @@ Endpoint EndpointOpening::describe_reader(const ReaderOrder& order, const Qos& q
   endpoint.may_use_memory = endpoint.may_use_memory && node_.slots.page_id() != 0;
   endpoint.request.reader = endpoint.id;
   endpoint.request.sequence = 1;
-  endpoint.request.mask_words = order.requirement.selection.mask().to_words();
-  const Selection selection = order.requirement.selection.without_rate();
+  const Selection selection = asked.without_rate();
+  endpoint.request.mask_words = selection.mask().to_words();
   if (!selection.is_mask()) endpoint.request.parts = selection.to_bytes();
   // Both rates have been checked; the slower one counts.
-  endpoint.request.min_period_us = std::max(*min_period_us_of(order.options.max_rate_hz),
-                                            *min_period_us_of(rate_hz_of(order.requirement.selection)));
+  endpoint.request.min_period_us =
+      std::max(*min_period_us_of(order.options.max_rate_hz), *min_period_us_of(rate_hz_of(asked)));
   return endpoint;
 }
 
-std::shared_ptr<SubscriberCore> EndpointOpening::make_core(const Reader& reader, ReaderOrder& order,
+std::shared_ptr<SubscriberCore> EndpointOpening::make_core(const std::vector<Endpoint>& endpoints,
+                                                           std::uint32_t slot,
+                                                           const std::vector<Selection>& selections,
+                                                           ReaderOrder& order,
                                                            std::unique_ptr<PollHandle> poll_handle) const {
-  const Endpoint& endpoint = reader.endpoint;
+  std::vector<Feed::Spec> feeds;
+  const std::uint32_t memory_depth = memory_depth_of(endpoints.front());
+  for (std::size_t i = 0; i < endpoints.size(); ++i) {
+    const Endpoint& endpoint = endpoints[i];
+    feeds.push_back({.id = endpoint.id,
+                     .selection = selections[i].without_rate(),
+                     .min_period_us = endpoint.request.min_period_us,
+                     .memory_depth = memory_depth,
+                     .changed = [tell = news_.requirement_changed, id = endpoint.id] { tell(id); }});
+  }
+  std::shared_ptr<Recorder> recorder;
+  if (order.requirement.recorded) {
+    recorder = Recorder::make(order.type.leaves(), order.options.recording, feeds.front().changed,
+                              ChannelNumbers::clouds_of(order.type.type()));
+  }
   return std::make_shared<SubscriberCore>(
-      SubscriberCore::Spec{
-          .id = endpoint.id,
-          .topic = endpoint.topic,
-          .type = &order.type,
-          .requirement = order.requirement,
-          .options = order.options,
-          .callback = std::move(order.callback),
-          .type_owner = std::move(order.type_owner),
-          .min_period_us = endpoint.request.min_period_us,
-          .rate_changed = [tell = news_.rate_changed, id = endpoint.id] { tell(id); },
-          .requirement_changed = [tell = news_.requirement_changed, id = endpoint.id] { tell(id); },
-          .copies = node_.heap,
-          .poll_handle = std::move(poll_handle),
-          .memory_depth = memory_depth_of(endpoint)},
-      node_.slots.at(reader.slot), reader.parts.recorder);
+      SubscriberCore::Spec{.topic = endpoints.front().topic,
+                           .type = &order.type,
+                           .feeds = std::move(feeds),
+                           .options = order.options,
+                           .limits_samples = order.requirement.limits_samples,
+                           .callback = std::move(order.callback),
+                           .type_owner = std::move(order.type_owner),
+                           .copies = node_.heap,
+                           .poll_handle = std::move(poll_handle)},
+      node_.slots.at(slot), std::move(recorder));
 }
 
-/// Leaves the port null if the reader may not use UDP.
-Result<void> EndpointOpening::open_network(Reader& reader, const ReaderOrder& order) const {
-  const Endpoint& endpoint = reader.endpoint;
-  if (!endpoint.may_use_network) return {};
-  LocalReader::Parts& parts = reader.parts;
-  ReaderSpec spec{endpoint.id, &order.type, order.options.depth, parts.core.get(), endpoint.doorbell};
-  spec.only_waited_for = !parts.core->has_callback() && !order.options.pollable;
-  spec.spin = std::clamp(order.options.spin, std::chrono::nanoseconds(0), std::chrono::nanoseconds(max_spin));
+/// Null if the reader may not use UDP.
+Result<std::shared_ptr<NetworkReader>> EndpointOpening::open_network(const Endpoint& reader,
+                                                                     SubscriberCore& core,
+                                                                     std::size_t selection) const {
+  if (!reader.may_use_network) return nullptr;
+  const SubscriberOptions& options = core.spec().options;
+  ReaderSpec spec{reader.id, &core.type(), options.depth, &core, reader.doorbell};
+  spec.only_waited_for = !core.has_callback() && !options.pollable;
+  spec.spin = std::clamp(options.spin, std::chrono::nanoseconds(0), std::chrono::nanoseconds(max_spin));
   auto port = node_.network->open_reader(spec);
   if (!port) return tl::unexpected(port.error());
-  parts.network = std::move(*port);
-  parts.network->accept({{.wanted = {order.requirement.selection, endpoint.request.min_period_us}}});
-  parts.core->ports().set_network(parts.network);
-  return {};
+  std::shared_ptr<NetworkReader> network = std::move(*port);
+  network->accept({{.wanted = {core.feed(selection).spec().selection, reader.request.min_period_us}}});
+  return network;
 }
 
 /// The part of a reader's depth that shared memory keeps. The log says so if the reader asks for more: with a

@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "core/control/control.h"
 #include "core/node/local_reader.h"
@@ -41,7 +42,6 @@ class EndpointOpening {
   struct News {
     std::function<void(EndpointId)> asserted;
     std::function<void(EndpointId)> requirement_changed;
-    std::function<void(EndpointId)> rate_changed;
     std::function<void(LogLevel, std::string)> log;
   };
   EndpointOpening(Node node, News news) : node_(std::move(node)), news_(std::move(news)) {}
@@ -64,10 +64,14 @@ class EndpointOpening {
     detail::untyped::Callback callback;
     std::shared_ptr<const void> type_owner{};  ///< keeps the type alive; null where it is static
   };
-  struct Reader {
+  struct ReaderEndpoint {
     Endpoint endpoint;
     LocalReader::Parts parts;
-    std::uint32_t slot = 0;  ///< to be given back to WakeSlots after the reader has ended
+  };
+  struct Reader {
+    std::shared_ptr<SubscriberCore> core;
+    std::vector<ReaderEndpoint> endpoints;  ///< by the number of the selection
+    std::uint32_t slot = 0;                 ///< to be given back to WakeSlots after the reader has ended
   };
   Result<Reader> open_reader(ReaderOrder order) const;
 
@@ -81,10 +85,14 @@ class EndpointOpening {
                                                       const PublisherOptions& options,
                                                       std::shared_ptr<DeliveryBook> book) const;
   Result<std::uint32_t> take_slot(const ReaderOrder& order) const;
-  Endpoint describe_reader(const ReaderOrder& order, const Qos& qos, std::uint32_t slot) const;
-  std::shared_ptr<SubscriberCore> make_core(const Reader& reader, ReaderOrder& order,
+  static Result<std::vector<Selection>> all_selections(const ReaderOrder& order);
+  Endpoint describe_reader(const ReaderOrder& order, const Selection& selection, const Qos& qos,
+                           std::uint32_t slot) const;
+  std::shared_ptr<SubscriberCore> make_core(const std::vector<Endpoint>& endpoints, std::uint32_t slot,
+                                            const std::vector<Selection>& selections, ReaderOrder& order,
                                             std::unique_ptr<PollHandle> poll_handle) const;
-  Result<void> open_network(Reader& reader, const ReaderOrder& order) const;
+  Result<std::shared_ptr<NetworkReader>> open_network(const Endpoint& reader, SubscriberCore& core,
+                                                      std::size_t selection) const;
   std::uint32_t memory_depth_of(const Endpoint& reader) const;
 
   const Node node_;

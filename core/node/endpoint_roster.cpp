@@ -32,16 +32,16 @@ NodeSnapshot::Publisher snapshot_of(const PublisherCore& publisher) {
   return snapshot;
 }
 
-NodeSnapshot::Subscriber snapshot_of(SubscriberCore& subscriber) {
+NodeSnapshot::Subscriber snapshot_of(SubscriberCore& subscriber, std::size_t selection) {
   const SubscriberCore::Spec& spec = subscriber.spec();
   NodeSnapshot::Subscriber snapshot;
-  static_cast<SubscriberStatus&>(snapshot) = subscriber.status();
-  snapshot.id = spec.id;
+  static_cast<SubscriberStatus&>(snapshot) = subscriber.status(selection);
+  snapshot.id = subscriber.feed(selection).spec().id;
   snapshot.topic = spec.topic;
   snapshot.type = spec.type->name();
   snapshot.qos = qos_of(spec.options).value_or(Qos{});  // was checked when it was opened
   snapshot.fields = spec.type->format_selection(snapshot.selection);
-  snapshot.recorded = spec.requirement.recorded;
+  snapshot.recorded = subscriber.is_recorded();
   return snapshot;
 }
 
@@ -70,7 +70,10 @@ void EndpointRoster::strike_off(const SubscriberCore& subscriber) {
 void EndpointRoster::describe(NodeSnapshot& snapshot) {
   const Lock lock(mutex_);
   for (const PublisherCore* publisher : publishers_) snapshot.publishers.push_back(snapshot_of(*publisher));
-  for (SubscriberCore* subscriber : subscribers_) snapshot.subscribers.push_back(snapshot_of(*subscriber));
+  for (SubscriberCore* subscriber : subscribers_) {
+    for (std::size_t i = 0; i < subscriber->selections(); ++i)
+      snapshot.subscribers.push_back(snapshot_of(*subscriber, i));
+  }
 }
 
 }  // namespace sft::core

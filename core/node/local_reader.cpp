@@ -31,17 +31,17 @@ LocalReader::LocalReader(NodeContext& node, const Endpoint& endpoint, Parts part
     : node_(node),
       id_(endpoint.id),
       core_(std::move(parts.core)),
-      recorder_(std::move(parts.recorder)),
+      selection_(parts.selection),
       network_(std::move(parts.network)),
       requested_(endpoint.qos),
-      accepted_({core_->spec().requirement.selection, endpoint.request.min_period_us},
+      accepted_({core_->feed(selection_).spec().selection, endpoint.request.min_period_us},
                 endpoint.qos.reliability == Reliability::reliable) {
   accept();
 }
 
 void LocalReader::close() {
-  core_->ports().set_network(nullptr);
-  core_->ports().set_memory(nullptr);
+  ports().set_network(nullptr);
+  ports().set_memory(nullptr);
 }
 
 void LocalReader::reconcile(std::size_t& unattached) {
@@ -56,7 +56,7 @@ void LocalReader::reconcile(std::size_t& unattached) {
   heard_ = std::move(heard);
   std::erase_if(connecting_, [&](const auto& item) { return !heard_.contains(item.first); });
   std::erase_if(watchdogs_, [&](const auto& item) { return !heard_.contains(item.first); });
-  core_->hears(wanted);
+  core_->hears(wanted, selection_);
   has_news_ = true;
   watch_matching();
 }
@@ -116,7 +116,7 @@ Result<void> LocalReader::connect_in_memory(const Source& source) {
                                            node_.negotiation.local(id_)->doorbell, options.max_held});
     if (!port) return tl::unexpected(port.error());
     memory_ = std::move(*port);
-    core_->ports().set_memory(memory_);
+    ports().set_memory(memory_);
   }
   return memory_->connect(source);
 }
@@ -167,7 +167,7 @@ bool LocalReader::look_after_history(const ReaderPort& port, EndpointId writer, 
 }
 
 void LocalReader::drop_memory() {
-  core_->ports().set_memory(nullptr);
+  ports().set_memory(nullptr);
   memory_.reset();
   for (auto& [writer, hearing] : heard_) hearing.memory = false;
   for (auto& [writer, connecting] : connecting_) connecting.memory = {};
@@ -182,7 +182,7 @@ bool LocalReader::may_try_again(Time now) const {
 
 bool LocalReader::requirement_changed() {
   has_news_ = true;  // status() says it already
-  const Wanted wanted{core_->required(), core_->ports().min_period_us()};
+  const Wanted wanted{core_->feed(selection_).required(), ports().min_period_us()};
   const bool is_other = node_.negotiation.requirement_changed(id_, wanted.selection);
   const bool has_other_rate = node_.negotiation.rate_changed(id_, wanted.min_period_us);
   if (!is_other && !has_other_rate) return false;
@@ -204,7 +204,7 @@ void LocalReader::accept() {
 void LocalReader::send_request() {
   const Request& request = node_.negotiation.local(id_)->request;
   has_news_ = true;
-  core_->requests(accepted_.latest().selection, request.sequence);
+  core_->feed(selection_).requests(accepted_.latest().selection, request.sequence);
   node_.outbox.request(id_, std::chrono::steady_clock::now());
 }
 
@@ -212,7 +212,7 @@ void LocalReader::forget_what_was_in_flight(Time now) {
   if (accepted_.look(now)) accept();
   if (asked_at_ != Time::max() && now - asked_at_ > AcceptedRequests::in_flight_max) {
     asked_at_ = Time::max();
-    core_->ports().forget_former_conditions();
+    ports().forget_former_conditions();
   }
   std::erase_if(departed_, [&](const auto& departed) {
     if (now - departed.second <= AcceptedRequests::in_flight_max) return false;
@@ -229,7 +229,7 @@ void LocalReader::watch_matching() {
   });
   for (const auto& [writer, hearing] : heard_) {
     if (!hearing.status.matched || watched_.contains(writer)) continue;
-    const RequestWatch watch(hearing.offered, requested_, core_->ports().arrivals(writer),
+    const RequestWatch watch(hearing.offered, requested_, ports().arrivals(writer),
                              std::chrono::steady_clock::now());
     if (watch.pace()) watched_.emplace(writer, watch);
   }
@@ -237,8 +237,8 @@ void LocalReader::watch_matching() {
 
 void LocalReader::watch_promises(Time now) {
   for (auto& [writer, watch] : watched_) {
-    watch.look(core_->ports().arrivals(writer), now);
-    has_news_ |= core_->ports().keeps_promises(writer, watch.deadlines_missed(), watch.alive());
+    watch.look(ports().arrivals(writer), now);
+    has_news_ |= ports().keeps_promises(writer, watch.deadlines_missed(), watch.alive());
   }
 }
 
@@ -278,7 +278,7 @@ bool LocalReader::is_deaf(const Hearing& hearing, const Assertion& assertion, bo
   ArrivalWatchdog& watchdog = watchdogs_[writer];
   const bool connected = attached || holds(request.listening);
   // A publisher that waits for its readers has nothing to send while nobody takes what has come.
-  const bool waits = hearing.source.waits && core_->available();
+  const bool waits = hearing.source.waits && ports().available();
   // Conditions may not be fulfilled for long.
   const bool has_conditions = !accepted_.latest().selection.gate().is_open();
   if (!connected || waits || held_up || has_conditions) {
@@ -287,7 +287,7 @@ bool LocalReader::is_deaf(const Hearing& hearing, const Assertion& assertion, bo
   }
   const auto named = std::ranges::find(assertion.progress, writer, &Progress::writer);
   const bool lossy = !attached && !hearing.source.reliable;
-  std::uint64_t signs = core_->ports().arrivals(writer);
+  std::uint64_t signs = ports().arrivals(writer);
   // Parts of samples may arrive although no sample does.
   if (lossy && node_.network != nullptr) signs += node_.network->counters().incomplete;
   const ReaderPort* by = network_.get();
@@ -323,7 +323,7 @@ void LocalReader::restart(Hearing& hearing, Time now) {
   const bool listened = node_.negotiation.connection_changed(id_, writer, TransportKind::udp, false);
   const bool was_attached = node_.negotiation.connection_changed(id_, writer, TransportKind::shm, false);
   if (listened || was_attached) send_request();
-  core_->ports().restarted(writer);
+  ports().restarted(writer);
   node_.log.write(LogLevel::warning, "topic " + in_quotes(core_->spec().topic) + ", node " +
                                          in_quotes(hearing.status.node) +
                                          ": it sends, but nothing arrives by " +
@@ -334,14 +334,17 @@ void LocalReader::restart(Hearing& hearing, Time now) {
 
 /// States are copied and compared only if something can have happened.
 void LocalReader::tell_events() {
-  const std::uint64_t losses = core_->ports().losses();
+  const std::uint64_t losses = ports().losses();
   has_news_ |= std::exchange(losses_told_, losses) != losses;
-  has_news_ |= core_->ports().held_too_many() != told_.held_too_many;
+  has_news_ |= ports().held_too_many() != told_.held_too_many;
   if (!std::exchange(has_news_, false)) return;
-  core::tell_events(*core_, told_, node_.log,
-                    [this](const SubscriberStatus& before, const SubscriberStatus& now) {
-                      return events_between(before, now, core_->type(), requested_.reliability);
-                    });
+  core::tell_events(
+      *core_, told_, node_.log, [this] { return core_->status(selection_); },
+      [this](const SubscriberStatus& before, const SubscriberStatus& now) {
+        std::vector<Event> events = events_between(before, now, core_->type(), requested_.reliability);
+        for (Event& event : events) event.selection = static_cast<std::uint32_t>(selection_);
+        return events;
+      });
 }
 
 std::vector<EndpointId> LocalReader::matching_writers() const {

@@ -1,6 +1,6 @@
-// One reader of this node: connects its ports to the writers that the negotiation wants it to hear, tells
-// these writers what it asks for, and looks after promises and after connections by which nothing arrives.
-// The agent's.
+// One reader of this node, for one selection of a subscriber: connects its ports to the writers that the
+// negotiation wants it to hear, tells these writers what it asks for, and looks after promises and after
+// connections by which nothing arrives. The agent's.
 #pragma once
 
 #include <chrono>
@@ -16,7 +16,6 @@
 #include "core/node/arrival_watchdog.h"
 #include "core/node/node_context.h"
 #include "core/platform/clock.h"
-#include "core/subscribe/recorder.h"
 #include "core/subscribe/subscriber_core.h"
 
 namespace sft::core {
@@ -25,13 +24,14 @@ class LocalReader {
  public:
   struct Parts {
     std::shared_ptr<SubscriberCore> core;
-    std::shared_ptr<Recorder> recorder;  ///< null unless the requirement is recorded; the core has it, too
     std::shared_ptr<NetworkReader> network;  ///< null if UDP is ruled out; accepts the first mask already
+    std::size_t selection = 0;               ///< of the subscriber: the one that this reader asks for
   };
   /// `node` outlives this object. `endpoint` is the one that is added to the negotiation.
   LocalReader(NodeContext& node, const Endpoint& endpoint, Parts parts);
 
   SubscriberCore& core() const { return *core_; }
+  SubscriberPorts& ports() const { return core_->ports(selection_); }
   /// Stops taking samples. It is called when the reader is removed.
   void close();
 
@@ -55,13 +55,9 @@ class LocalReader {
 
   // Requests.
 
-  // These two return true if the desired states are to be asked for again.
-
-  /// Other fields, parts of them or conditions are needed: the program has said so, or the recorder has found
-  /// it.
+  /// Other fields, parts of them, conditions or another maximum rate may be needed: the program has said so,
+  /// or the recorder has found it. True if the desired states are to be asked for again.
   bool requirement_changed();
-  /// Another maximum rate was set.
-  bool rate_changed() { return requirement_changed(); }
   /// Tells others the request as it is now.
   void send_request();
   /// Accepts no more samples under earlier requests, and from writers that have gone, once none can be in
@@ -107,7 +103,7 @@ class LocalReader {
   NodeContext& node_;
   EndpointId id_;
   std::shared_ptr<SubscriberCore> core_;
-  std::shared_ptr<Recorder> recorder_;
+  std::size_t selection_;
   std::shared_ptr<BorrowingReader> memory_;
   std::shared_ptr<NetworkReader> network_;
   // By writer:

@@ -139,10 +139,11 @@ std::optional<Progress> LocalWriter::take_progress() {
 void LocalWriter::tell_events() {
   has_news_ |= core_->diverted() != told_.diverted;
   if (!std::exchange(has_news_, false)) return;
-  core::tell_events(*core_, told_, node_.log,
-                    [this](const PublisherStatus& before, const PublisherStatus& now) {
-                      return events_between(before, now, core_->type());
-                    });
+  core::tell_events(
+      *core_, told_, node_.log, [this] { return core_->status(); },
+      [this](const PublisherStatus& before, const PublisherStatus& now) {
+        return events_between(before, now, core_->type());
+      });
 }
 
 std::vector<EndpointId> LocalWriter::matching_readers() const {

@@ -20,11 +20,11 @@ struct NodeContext {
 };
 
 /// Tells the user what differs between the states that the user could have polled. `told`: the state that was
-/// told last. `differences` turns two states into events.
-template <class Core, class Status, class Differences>
-void tell_events(Core& core, Status& told, NodeLog& log, Differences differences) {
+/// told last. `read_status` returns the present one, and `differences` turns two states into events.
+template <class Core, class Status, class ReadStatus, class Differences>
+void tell_events(Core& core, Status& told, NodeLog& log, ReadStatus read_status, Differences differences) {
   if (!core.events().is_set() && !log.wants(LogLevel::warning)) return;
-  Status status = core.status();
+  Status status = read_status();
   const std::vector<Event> events = differences(told, status);
   told = std::move(status);
   for (const Event& event : events) {

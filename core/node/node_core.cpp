@@ -97,7 +97,6 @@ EndpointOpening::News NodeCore::news_of_endpoints() {
       .asserted = [this](EndpointId id) { agent_.post([this, id] { reconciler_->program_asserts(id); }); },
       .requirement_changed =
           [this](EndpointId id) { agent_.post([this, id] { reconciler_->requirement_changed(id); }); },
-      .rate_changed = [this](EndpointId id) { agent_.post([this, id] { reconciler_->rate_changed(id); }); },
       .log =
           [this](LogLevel level, std::string text) {
             agent_.post([this, level, text = std::move(text)] { log_.write(level, text); });
@@ -131,23 +130,24 @@ Result<detail::untyped::Subscriber> NodeCore::open_subscriber(const std::shared_
   const bool pollable = order.options.pollable;
   Result<EndpointOpening::Reader> reader = opening_->open_reader(std::move(order));
   if (!reader) return tl::unexpected(reader.error());
-  const std::shared_ptr<SubscriberCore> core = reader->parts.core;
-  const auto close = [self, core, recorder = reader->parts.recorder, id = reader->endpoint.id,
-                      slot = reader->slot](SubscriberCore*) {
+  const std::shared_ptr<SubscriberCore> core = reader->core;
+  std::vector<EndpointId> ids;
+  for (const EndpointOpening::ReaderEndpoint& opened : reader->endpoints) ids.push_back(opened.endpoint.id);
+  const auto close = [self, core, ids = std::move(ids), slot = reader->slot](SubscriberCore*) {
     if (is_forked_copy()) return;
     core->close();
     self->roster_.strike_off(*core);
-    if (recorder != nullptr) recorder->detach();
     self->poller_.remove(*core);
-    self->agent_.post([node = self.get(), id, slot] {
-      node->reconciler_->remove(id);
+    self->agent_.post([node = self.get(), ids, slot] {
+      for (const EndpointId id : ids) node->reconciler_->remove(id);
       node->wake_slots_.give_back(slot);
     });
   };
   if (pollable) poller_.add(core);
   roster_.enter(*core);
   agent_.post([this, reader = std::move(*reader)]() mutable {
-    reconciler_->add_reader(reader.endpoint, std::move(reader.parts));
+    for (EndpointOpening::ReaderEndpoint& opened : reader.endpoints)
+      reconciler_->add_reader(opened.endpoint, std::move(opened.parts));
     endpoints_changed_.raise();
   });
   return detail::untyped::Subscriber(std::shared_ptr<SubscriberCore>(core.get(), close));

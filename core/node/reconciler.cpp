@@ -78,11 +78,6 @@ void Reconciler::requirement_changed(EndpointId id) {
   if (reader != ours_.readers.end()) dirty_ |= reader->second.requirement_changed();
 }
 
-void Reconciler::rate_changed(EndpointId id) {
-  const auto reader = ours_.readers.find(id);
-  if (reader != ours_.readers.end()) dirty_ |= reader->second.rate_changed();
-}
-
 /// Tells others at once, so that what the program does in time is in time for them.
 void Reconciler::program_asserts(EndpointId id) {
   const auto writer = ours_.writers.find(id);

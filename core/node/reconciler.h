@@ -40,10 +40,8 @@ class Reconciler {
   void add_reader(const Endpoint& endpoint, LocalReader::Parts parts);
   /// Withdraws an endpoint and gives up its ports.
   void remove(EndpointId id);
-  /// The recorder of one of our readers has found that other fields are needed.
+  /// One of our readers may ask for something else: the program has said so, or its recorder has found it.
   void requirement_changed(EndpointId id);
-  /// One of our readers may ask for another maximum rate.
-  void rate_changed(EndpointId id);
   /// The program has asserted the liveliness of one of our writers.
   void program_asserts(EndpointId writer);
 

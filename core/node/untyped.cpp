@@ -199,13 +199,23 @@ bool Subscriber::wait(std::chrono::nanoseconds timeout) { return core_->wait(tim
 
 int Subscriber::file_descriptor() const { return core_->file_descriptor(); }
 
-Result<void> Subscriber::set_max_rate_hz(double max_rate_hz) { return core_->set_max_rate_hz(max_rate_hz); }
+Result<void> Subscriber::set_max_rate_hz(double max_rate_hz, std::size_t which) {
+  return core_->find(which).and_then([&](core::Feed* feed) { return feed->set_max_rate_hz(max_rate_hz); });
+}
 
-Result<void> Subscriber::set_selection(const Selection& selection) { return core_->set_selection(selection); }
+Result<void> Subscriber::set_selection(const Selection& selection, std::size_t which) {
+  return core_->find(which).and_then([&](core::Feed* feed) { return feed->set_selection(selection); });
+}
 
-SubscriberStatus Subscriber::status() const { return core_->status(); }
+SubscriberStatus Subscriber::status(std::size_t which) const {
+  const Result<core::Feed*> feed = core_->find(which);
+  return feed ? (*feed)->status() : SubscriberStatus{};
+}
 
-Requirements Subscriber::requirements() const { return core_->requirements(); }
+Requirements Subscriber::requirements(std::size_t which) const {
+  const Result<core::Feed*> feed = core_->find(which);
+  return feed ? (*feed)->requirements() : Requirements{};
+}
 
 const TypeSupport& Subscriber::type() const { return core_->type(); }
 

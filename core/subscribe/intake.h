@@ -69,6 +69,8 @@ class Intake {
   /// decision.
   Decision overtaken(SampleHandle found, LazyRealtime& now);
 
+  /// When the sample was published that was just decided to be delivered.
+  std::int64_t next_stamp_ns() const { return head(chosen_)->source_stamp_ns; }
   /// The sample that was just decided to be delivered, which is thereby taken.
   Taken take();
   /// Samples from there are copied from now on before they are delivered: they count as received by copied(),

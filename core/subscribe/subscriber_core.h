@@ -1,15 +1,17 @@
-// One subscriber without its message type: the facade of its ports and intake (subscriber_ports.h), of who
-// waits for samples (waiter.h) and of its callback (callback_dispatch.h).
+// One subscriber without its message type: the facade of what its selections bring (feed.h), of who waits for
+// samples (waiter.h) and of its callback (callback_dispatch.h).
+//
+// Functions that concern one selection take its number; 0 is the first, which every subscriber has.
 //
 // take(), take_latest() and wait() are called by any thread; arrived() by threads of transports; dispatch()
 // by these and the dispatcher; functions marked so by the agent only.
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
-#include <functional>
+#include <deque>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +20,7 @@
 #include "core/platform/poll_handle.h"
 #include "core/seam/transport.h"
 #include "core/subscribe/callback_dispatch.h"
+#include "core/subscribe/feed.h"
 #include "core/subscribe/recorder.h"
 #include "core/subscribe/remote_copy.h"
 #include "core/subscribe/subscriber_ports.h"
@@ -31,18 +34,13 @@ namespace sft::core {
 class SubscriberCore final : public ArrivalListener {
  public:
   struct Spec {
-    EndpointId id = 0;
     std::string topic;
     const TypeSupport* type = nullptr;
-    detail::untyped::Requirement requirement;
+    std::vector<Feed::Spec> feeds;  ///< one for each selection; one only if fields are recorded
     SubscriberOptions options;
+    bool limits_samples = false;               ///< see detail::untyped::Requirement
     detail::untyped::Callback callback;        ///< empty: samples are taken
     std::shared_ptr<const void> type_owner{};  ///< keeps the type alive; null where it is static
-    std::uint32_t min_period_us = 0;           ///< of options.max_rate_hz
-    /// Called by any thread: lets the agent ask for the new maximum rate, and returns.
-    std::function<void()> rate_changed{};
-    /// The same for what required() says.
-    std::function<void()> requirement_changed{};
     /// The memory of copies that have only what was asked for: of samples with parts of fields, and of all
     /// samples from shared memory if the options say `as_remote`. Null: there are no such copies.
     std::shared_ptr<BufferPool> copies{};
@@ -50,7 +48,6 @@ class SubscriberCore final : public ArrivalListener {
     /// How long a sample in shared memory waits for an earlier one that went by UDP: far longer than UDP
     /// takes within a host. But the earlier sample may be lost, and nobody should wait long for that.
     std::chrono::nanoseconds diverted_patience = std::chrono::milliseconds(100);
-    std::uint32_t memory_depth = 0;  ///< samples of a writer that shared memory keeps; 0: options.depth
     ReadTime callback_clock = &std::chrono::steady_clock::now;  ///< tells whether a callback is slow
   };
 
@@ -60,14 +57,9 @@ class SubscriberCore final : public ArrivalListener {
   detail::untyped::Sample take();
   detail::untyped::Sample take_latest();
   bool wait(std::chrono::nanoseconds timeout) { return waiter_.wait_until(deadline_after(timeout)); }
-  bool available() { return ports_.available(); }
+  bool available() { return waiter_.available(); }
   /// Returns -1 if the subscriber has none.
   int file_descriptor() const { return waiter_.descriptor(); }
-  Result<void> set_max_rate_hz(double max_rate_hz);
-  /// Asks for something else from now on.
-  Result<void> set_selection(const Selection& selection);
-  /// The present need of the subscriber, declared or recorded: closed, and without a rate.
-  Selection required() const SFT_EXCLUDES(selection_mutex_);
 
   // Subscribers with a callback or a file descriptor: for the thread that sleeps on their doorbell.
 
@@ -86,31 +78,33 @@ class SubscriberCore final : public ArrivalListener {
   /// After it returns no callback runs any more, except for one in which it is called itself.
   void close();
 
-  SubscriberStatus status();
-  Requirements requirements();
+  SubscriberStatus status(std::size_t selection = 0) { return feed(selection).status(); }
   /// True if this thread is within a callback of some subscriber.
   static bool in_callback() noexcept { return CallbackDispatch::in_callback(); }
 
   const TypeSupport& type() const { return *spec_.type; }
   const Spec& spec() const { return spec_; }
+  bool is_recorded() const { return recorder_ != nullptr; }
   bool has_callback() const { return static_cast<bool>(spec_.callback); }
   GuardedCall<const Event&>& events() { return events_; }
-  SubscriberPorts& ports() { return ports_; }
+  std::size_t selections() const { return feeds_.size(); }
+  Feed& feed(std::size_t selection = 0) { return feeds_[selection]; }
+  /// An error if the program names a selection that there is not.
+  Result<Feed*> find(std::size_t selection);
+  SubscriberPorts& ports(std::size_t selection = 0) { return feed(selection).ports(); }
 
   // The agent's.
   /// Wakes threads that wait, if a sample was held back. Called now and then, so that none is held back for
   /// long.
   void look_again();
   /// The writers that are heard at present.
-  void hears(const std::vector<Hearing>& hearing);
-  /// The request that is in force from now on, and its number.
-  void requests(Selection selection, std::uint64_t sequence);
+  void hears(const std::vector<Hearing>& hearing, std::size_t selection = 0);
 
  private:
   using Next = SubscriberPorts::Next;
 
-  template <class Choose>
-  detail::untyped::Sample take(Choose choose);
+  std::size_t oldest();
+  detail::untyped::Sample take(Next (SubscriberPorts::*choose)());
   /// A sample that is about to be delivered.
   struct Delivery : Next {
     PartReader* parts = nullptr;  ///< where the parts of its fields are; null: all is in the sample
@@ -122,11 +116,9 @@ class SubscriberCore final : public ArrivalListener {
   const Spec spec_;
   Doorbell& bell_;
   const std::shared_ptr<Recorder> recorder_;
-  mutable Mutex selection_mutex_;  // held for a copy of the selection
-  Selection declared_ SFT_GUARDED_BY(selection_mutex_);
   const std::shared_ptr<RemoteCopy> remote_;  ///< null: no sample is reduced
   GuardedCall<const Event&> events_;
-  SubscriberPorts ports_;
+  std::deque<Feed> feeds_;  ///< by the number of the selection
   Waiter waiter_;
   CallbackDispatch callbacks_;
 };

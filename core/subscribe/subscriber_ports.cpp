@@ -121,14 +121,14 @@ SubscriberPorts::Next SubscriberPorts::take_latest() {
   return latest;
 }
 
-bool SubscriberPorts::available() {
-  bool found = false;
+std::optional<std::int64_t> SubscriberPorts::next_stamp_ns() {
+  std::optional<std::int64_t> stamp;
   {
     const Lock lock(mutex_);
-    found = find_next();
+    if (find_next()) stamp = intake_.next_stamp_ns();
   }
   tell_of_room();
-  return found;
+  return stamp;
 }
 
 void SubscriberPorts::copied(const SampleInfo& info, bool is_delivered) {

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/seam/transport.h"
@@ -39,7 +40,9 @@ class SubscriberPorts {
   Next take();
   /// The newest sample; those before it are passed over.
   Next take_latest();
-  bool available();
+  bool available() { return next_stamp_ns().has_value(); }
+  /// When the next sample in order was published; none if there is none.
+  std::optional<std::int64_t> next_stamp_ns();
   /// See Intake.
   void copied(const SampleInfo& info, bool is_delivered);
   std::shared_ptr<NetworkReader> network();

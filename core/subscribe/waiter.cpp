@@ -1,23 +1,35 @@
 #include "core/subscribe/waiter.h"
 
+#include <algorithm>
+
 namespace sft::core {
 
 using Clock = std::chrono::steady_clock;
 
+bool Waiter::available() const { return std::ranges::any_of(ports_, &SubscriberPorts::available); }
+
+/// One port that receives by UDP: it receives for all ports of its node. Null if there is none.
+std::shared_ptr<NetworkReader> Waiter::receiver() const {
+  for (SubscriberPorts* const ports : ports_) {
+    if (std::shared_ptr<NetworkReader> network = ports->network()) return network;
+  }
+  return nullptr;
+}
+
 bool Waiter::wait_until(Time deadline) {
-  if (ports_.available()) return true;
+  if (available()) return true;
   const Time began = Clock::now();
   const std::chrono::nanoseconds spin = spinning_.spin();
   const Time spin_until = deadline - began < spin ? deadline : began + spin;
   for (;;) {
     const std::uint32_t seen = bell_.rings.load(std::memory_order_seq_cst);
-    const bool found = ports_.available();
+    const bool found = available();
     const Time now = Clock::now();
     if (found || now >= deadline) {
       spinning_.waited(now - began, found);
       return found;
     }
-    const std::shared_ptr<NetworkReader> network = ports_.network();
+    const std::shared_ptr<NetworkReader> network = receiver();
     if (network != nullptr && network->receive({bell_, seen, deadline, spin_until})) continue;
     if (handle_ == nullptr && bell_.spin(seen, spin_until)) continue;
     sleep_until(deadline);
@@ -26,7 +38,7 @@ bool Waiter::wait_until(Time deadline) {
 
 void Waiter::sleep_until(Time deadline) {
   if (handle_ == nullptr) {
-    bell_.wait(deadline, [this] { return ports_.available(); });
+    bell_.wait(deadline, [this] { return available(); });
   } else {  // the doorbell is shared with other subscribers, and is not rung for every sample
     settle();
     handle_->wait(deadline);
@@ -35,17 +47,17 @@ void Waiter::sleep_until(Time deadline) {
 
 void Waiter::wake() {
   bell_.ring();
-  if (const std::shared_ptr<NetworkReader> network = ports_.network()) network->interrupt();
+  if (const std::shared_ptr<NetworkReader> network = receiver()) network->interrupt();
 }
 
 void Waiter::sample_arrived() { handle_ != nullptr ? handle_->raise() : bell_.ring(); }
 
 void Waiter::tell_if_available() {
-  if (ports_.available()) handle_->raise();
+  if (available()) handle_->raise();
 }
 
 void Waiter::settle() {
-  if (ports_.available()) return;
+  if (available()) return;
   handle_->lower();
   tell_if_available();
 }

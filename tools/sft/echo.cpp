@@ -57,8 +57,20 @@ Result<DynamicSubscriber> subscribe(const EchoOptions& options, const FoundTopic
                                .max_rate_hz = options.max_rate_hz,
                                .pollable = true};
   // A sample in shared memory has every field. This cuts it down to the fields that the user asked for.
-  subscriber.recording.as_remote = options.fields != "*";
-  return node.subscriber(topic.name, topic.type, options.fields, subscriber);
+  subscriber.recording.as_remote = options.fields != std::vector<std::string>{"*"};
+  subscriber.further_selections.assign(options.fields.begin() + 1, options.fields.end());
+  return node.subscriber(topic.name, topic.type, options.fields.front(), subscriber);
+}
+
+/// The fields that samples may have.
+Result<FieldMask> all_fields(const EchoOptions& options, const TypeSupport& type) {
+  FieldMask all(type.leaves());
+  for (const std::string& text : options.fields) {
+    const Result<Selection> selection = type.parse_selection(text);
+    if (!selection) return tl::unexpected(selection.error());
+    all |= type.closed(*selection).mask();
+  }
+  return all;
 }
 
 /// Prints samples as they arrive and returns how many there were. A user who wants a number of samples waits
@@ -87,14 +99,16 @@ ExitCode run(const EchoOptions& options, const CommonOptions& common, Session& s
   const Result<FoundTopic> topic = session.find(options.topic);
   if (!topic) return give_up(topic.error());
   const TypeSupport& type = topic->type.support();
-  const Result<Selection> fields = type.parse_selection(options.fields);
+  const Result<FieldMask> fields = all_fields(options, type);
   if (!fields) return give_up(fields.error());
   Result<DynamicSubscriber> subscriber = subscribe(options, *topic, session.node());
   if (!subscriber) return give_up(subscriber.error());
-  Printer printer(options, type, type.closed(*fields).mask(), session.output());
+  Printer printer(options, type, *fields, session.output());
   const auto printed = print_samples(options, common, *subscriber, printer, session.stop());
   if (!printed) return give_up(printed.error());
-  if (const std::uint64_t lost = subscriber->status().lost; lost > 0)
+  std::uint64_t lost = 0;
+  for (std::size_t i = 0; i < options.fields.size(); ++i) lost += subscriber->status(i).lost;
+  if (lost > 0)
     complain(fmt::format(
         "{} samples of '{}' were lost: they arrive faster than they are printed, or got lost on the way.",
         lost, topic->name));

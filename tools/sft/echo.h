@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "tools/sft/session.h"
 
@@ -12,8 +13,8 @@ enum class Format : std::uint8_t { yaml, json, csv };
 
 struct EchoOptions {
   std::string topic{};
-  std::string fields = "*";
-  std::uint64_t count = 0;  ///< 0: until the user stops it
+  std::vector<std::string> fields{"*"};  ///< one text for each selection
+  std::uint64_t count = 0;               ///< 0: until the user stops it
   Format format = Format::yaml;
   bool full = false;       ///< print long arrays and texts whole on terminals, too
   double max_rate_hz = 0;  ///< 0: all samples

@@ -175,20 +175,25 @@ class DynamicSubscriber {
 
   /// Asks for something else: other fields, other parts of them, other conditions. Publishers follow in a
   /// moment, and the first sample of each passes the conditions. A maximum rate stays if the selection has
-  /// none. An error if the subscriber records, or if the text is wrong; then nothing changes.
-  Result<void> set_selection(std::string_view fields) {
+  /// none. `which` is the number of one of its selections, as with Subscriber. An error if the subscriber
+  /// records, if the text is wrong, or if there is no such selection; then nothing changes.
+  Result<void> set_selection(std::string_view fields, std::size_t which = 0) {
     return type_.support().parse_selection(fields).and_then(
-        [this](const Selection& selection) { return subscriber_.set_selection(selection); });
+        [&](const Selection& selection) { return subscriber_.set_selection(selection, which); });
   }
   /// The same with a value, which was made for this type.
-  Result<void> set_selection(const Selection& selection) { return subscriber_.set_selection(selection); }
+  Result<void> set_selection(const Selection& selection, std::size_t which = 0) {
+    return subscriber_.set_selection(selection, which);
+  }
   /// See Subscriber::set_max_rate_hz().
-  Result<void> set_max_rate_hz(double max_rate_hz) { return subscriber_.set_max_rate_hz(max_rate_hz); }
+  Result<void> set_max_rate_hz(double max_rate_hz, std::size_t which = 0) {
+    return subscriber_.set_max_rate_hz(max_rate_hz, which);
+  }
 
-  /// Counts, and each publisher of the topic.
-  SubscriberStatus status() const { return subscriber_.status(); }
+  /// Counts, and each publisher of the topic, as with Subscriber.
+  SubscriberStatus status(std::size_t which = 0) const { return subscriber_.status(which); }
   /// See Subscriber::requirements().
-  Requirements requirements() const { return subscriber_.requirements(); }
+  Requirements requirements(std::size_t which = 0) const { return subscriber_.requirements(which); }
   /// The message type. Valid as long as this object.
   const DynamicType& type() const { return type_; }
 

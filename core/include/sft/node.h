@@ -56,7 +56,8 @@ class Node {
   /// element, and `F::fields.size` the number of elements, which also comes with any member. An array of
   /// structs has no `size`. As text these are "fields", "fields[].name" and "fields.size". A part of a field
   /// is declared like a field: `F::data.channels<"x", "y", "z">`, `F::ranges.every(4)`
-  /// (detail/declared_part.h, and selection.md for its meaning).
+  /// (detail/declared_part.h, and selection.md for its meaning). With `<PointCloud2, sft::selected>`
+  /// SubscriberOptions::selection names the fields when the program runs.
   template <class T, Req<T> R = Req<T>(all<T>)>
   Result<Subscriber<T, R>> subscriber(std::string_view topic, const SubscriberOptions& options = {}) {
     return open_subscriber(topic, type_support<T>(), requirement<T, R>(), options, {})
@@ -135,7 +136,8 @@ class Node {
   template <class T, Req<T> R>
   static Result<detail::untyped::Requirement> requirement() {
     return detail::declared_selection<R>().map([](Selection&& selection) {
-      return detail::untyped::Requirement{std::move(selection), R.is_recorded};
+      return detail::untyped::Requirement{
+          .selection = std::move(selection), .recorded = R.is_recorded, .fields_by_text = R.is_selected};
     });
   }
 

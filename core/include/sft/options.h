@@ -235,9 +235,18 @@ struct SubscriberOptions {
   /// Says which parts of the declared fields are needed, and when a sample is: "data{x,y,z}[::4]", "@
   /// percentage > 20 or every 10 s", or both (TypeSupport::parse_selection()). Fields that it does not name
   /// are sent as they are declared. If fields are recorded, it may have conditions only. Empty: whole fields
-  /// of every sample. Subscriber::set_selection() changes it. Not for subscribers of types that the program
-  /// was not compiled with, which are opened with such a text.
+  /// of every sample. Subscriber::set_selection() changes it. For a subscriber with sft::selected it names
+  /// the fields, too: "header.stamp, data{x,y,z}". Not for subscribers of types that the program was not
+  /// compiled with, which are opened with such a text.
   std::string selection{};
+  /// Further selections, as texts of the same kind: what the subscriber gets besides, each by rules of its
+  /// own, as if it had a subscriber of its own: the pose 100 times a second, its covariance once a second.
+  /// SampleInfo::selection says by which of them a sample came: 0 is the first one, 1 the first of these. A
+  /// message that several let through comes once by each. Of the samples that have come the oldest is
+  /// delivered first. Each selection has its own counts, rate, `depth` and `max_held`, and its own request:
+  /// publishers and tools see as many subscribers. Not if fields are recorded.
+  std::vector<std::string> further_selections{};
+  static constexpr std::size_t selections_max = 16;    ///< of a subscriber, with the first one
   static constexpr double slowest_rate_hz = 0.001;     ///< the least max_rate_hz but 0
   static constexpr double fastest_rate_hz = 100'000;   ///< the greatest max_rate_hz
   static constexpr std::uint32_t max_held_least = 2;   ///< one is held while the next is taken

@@ -7,8 +7,9 @@
 //   struct                a view with getters    a range of views
 //
 // Ranges have random access, and work with range-for and std::ranges. If a mask is declared, a getter of a
-// field that is not in it does not compile. If fields are recorded, getters return sft::Optional
-// (optional.h), which is empty if the sample does not have the field, and note the access.
+// field that is not in it does not compile. If fields are recorded, or selected by text, getters return
+// sft::Optional (optional.h), which is empty if the sample does not have the field. If they are recorded,
+// getters note the access, too.
 #pragma once
 
 #include <cassert>
@@ -92,7 +93,7 @@ class Sample {
   /// Copies the whole message. Only for samples that have all fields. An error if the bytes are not what they
   /// claim to be, which a broken program on this host can cause.
   Result<T> to_owned() const
-      requires(!R.is_recorded && R.mask == all<T> && R.parts == detail::DeclaredParts{}) {
+      requires(!R.may_lack() && R.mask == all<T> && R.parts == detail::DeclaredParts{}) {
     if (!sample_) return empty_error();
     Result<T> value{};
     if (const detail::WalkStatus status = decode_to(*value); status != detail::WalkStatus::ok)

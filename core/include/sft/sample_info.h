@@ -18,6 +18,9 @@ struct SampleInfo {
   std::chrono::sys_time<std::chrono::nanoseconds> receive_stamp{};
   std::uint64_t lost_before = 0;  ///< samples of this publisher between the previous one taken and this one
   TransportKind transport{};      ///< the path by which the sample came
+  /// The selection that it came by: 0, or 1 for the first of SubscriberOptions::further_selections, and so
+  /// on.
+  std::uint32_t selection = 0;
 };
 
 }  // namespace sft

@@ -62,7 +62,7 @@ struct NodeSnapshot {
     std::vector<Reader> readers;           ///< all subscribers of the topic, served or not
   };
 
-  /// One subscriber, with its status.
+  /// One subscriber, with its status. A subscriber with several selections is here once for each.
   struct Subscriber : SubscriberStatus {
     std::uint64_t id = 0;   ///< DomainSnapshot::Endpoint::id
     std::string topic;      ///< without a slash at the beginning

@@ -1,8 +1,9 @@
-// Receiving messages of type T with requirement R: a declared mask, or sft::recorded (mask.h).
+// Receiving messages of type T with requirement R: a declared mask, sft::recorded or sft::selected (mask.h).
 #pragma once
 
 #include <chrono>
 #include <concepts>
+#include <cstddef>
 #include <string_view>
 #include <utility>
 
@@ -42,9 +43,10 @@ class Subscriber {
   /// Returns the oldest sample that was not taken yet; an empty one if there is none.
   [[nodiscard]] Sample<T, R> take() { return Sample<T, R>(subscriber_.take()); }
   /// Returns the newest sample of all publishers, by their stamps; an empty one if there is none. All other
-  /// samples in the queue are skipped, and do not count as lost. SampleInfo::lost_before is about the
-  /// publisher of the sample; losses of other publishers are told with the next sample of these that is
-  /// taken.
+  /// samples in the queue are skipped, and do not count as lost. With several selections, those of one
+  /// selection are skipped, and the next call returns the newest sample of another one.
+  /// SampleInfo::lost_before is about the publisher of the sample; losses of other publishers are told with
+  /// the next sample of these that is taken.
   [[nodiscard]] Sample<T, R> take_latest() { return Sample<T, R>(subscriber_.take_latest()); }
   /// Returns true as soon as there is a sample to take, or false when the time is over. It spins for
   /// SubscriberOptions::spin, and then sleeps. If all subscribers of the node are used by wait(), and none of
@@ -57,23 +59,30 @@ class Subscriber {
   /// it. The subscriber owns it and closes it. -1 without SubscriberOptions::pollable.
   int file_descriptor() const { return subscriber_.file_descriptor(); }
 
-  /// Changes SubscriberOptions::max_rate_hz; publishers follow in a moment. An error if the rate is neither 0
-  /// nor from SubscriberOptions::slowest_rate_hz to fastest_rate_hz.
-  Result<void> set_max_rate_hz(double max_rate_hz) { return subscriber_.set_max_rate_hz(max_rate_hz); }
+  // `which` is the number of one of its selections: 0, or 1 for the first of further_selections, and so on.
 
-  /// Changes SubscriberOptions::selection; publishers follow in a moment, and the first sample of each passes
-  /// the conditions. A maximum rate stays if the text has none. An error if the subscriber records, or if the
-  /// text is wrong; then nothing changes.
-  Result<void> set_selection(std::string_view text) {
-    return detail::declared_selection<R>()
-        .and_then([&](const Selection& all) { return detail::selection_within(type(), all, text); })
-        .and_then([this](const Selection& selection) { return subscriber_.set_selection(selection); });
+  /// Changes SubscriberOptions::max_rate_hz; publishers follow in a moment. An error if the rate is neither 0
+  /// nor from SubscriberOptions::slowest_rate_hz to fastest_rate_hz, or if there is no such selection.
+  Result<void> set_max_rate_hz(double max_rate_hz, std::size_t which = 0) {
+    return subscriber_.set_max_rate_hz(max_rate_hz, which);
   }
 
-  /// Counts, and each publisher of the topic. Any thread.
-  SubscriberStatus status() const { return subscriber_.status(); }
-  /// The fields that it asks for and, if they are recorded, how often each was read.
-  Requirements requirements() const { return subscriber_.requirements(); }
+  /// Changes SubscriberOptions::selection, or a further one; publishers follow in a moment, and the first
+  /// sample of each passes the conditions. A maximum rate stays if the text has none. An error if the
+  /// subscriber records, if the text is wrong, or if there is no such selection; then nothing changes.
+  Result<void> set_selection(std::string_view text, std::size_t which = 0) {
+    return detail::declared_selection<R>()
+        .and_then([&](const Selection& all) {
+          return R.is_selected ? type().parse_selection(text) : detail::selection_within(type(), all, text);
+        })
+        .and_then([&](const Selection& selection) { return subscriber_.set_selection(selection, which); });
+  }
+
+  /// Counts, and each publisher of the topic: those of one selection. All zero if there is no such selection.
+  /// Any thread.
+  SubscriberStatus status(std::size_t which = 0) const { return subscriber_.status(which); }
+  /// The fields that one selection asks for and, if they are recorded, how often each was read.
+  Requirements requirements(std::size_t which = 0) const { return subscriber_.requirements(which); }
   /// The message type. Any thread; valid as long as the subscriber.
   const TypeSupport& type() const { return subscriber_.type(); }
 

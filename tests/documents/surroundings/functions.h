@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cstdio>
 #include <iostream>
+#include <nav_msgs/msg/Odometry.hpp>
+#include <optional>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 #include <span>
 #include <string>

@@ -129,7 +129,7 @@ class PathSwitch : public test::RandomTest {
     }
     publisher.serve(serving, memory_writer);
     const std::uint32_t asked = asked_period_us();
-    ASSERT_TRUE(subscriber.set_max_rate_hz(asked == 0 ? 0 : 1e6 / asked));
+    ASSERT_TRUE(subscriber.feed().set_max_rate_hz(asked == 0 ? 0 : 1e6 / asked));
   }
 
   /// Datagrams may be lost, come late and come twice; chunks may be pushed out, but come in order.
@@ -190,13 +190,11 @@ class PathSwitch : public test::RandomTest {
   const std::shared_ptr<NetworkQueue> network_reader = std::make_shared<NetworkQueue>();
   const std::shared_ptr<MemoryQueue> memory_reader = std::make_shared<MemoryQueue>();
   PublisherCore publisher{{9, "points", &type, 1 << 16}, pool, network_writer};
-  SubscriberCore subscriber{{.id = reader_id,
-                             .topic = "points",
+  SubscriberCore subscriber{{.topic = "points",
                              .type = &type,
-                             .requirement = {type.full(), false},
+                             .feeds = {{.id = reader_id, .selection = type.full()}},
                              .options = {},
                              .callback = nullptr,
-                             .rate_changed = [] {},
                              .copies = nullptr,
                              .diverted_patience = patience},
                             bells->at(1),
@@ -331,7 +329,7 @@ TEST_F(PathSwitch, CountsEachSampleThatDidNotComeAsLostOrWithheldWhileLimitsChan
   run();
   ASSERT_FALSE(HasFatalFailure());
   periods_us = {0};
-  ASSERT_TRUE(subscriber.set_max_rate_hz(0));
+  ASSERT_TRUE(subscriber.feed().set_max_rate_hz(0));
   Serving unlimited;
   unlimited.memory = {{reader_id, DoorbellAddress{}, type.full()}};
   publisher.serve(unlimited, memory_writer);

@@ -117,6 +117,18 @@ TEST_F(EchoTest, SamplesThatFulfilConditionsArePrinted) {
   EXPECT_EQ(run_tool({"echo", "scan", "--fields", "ranges @ every 0th"}).code, 2);
 }
 
+TEST_F(EchoTest, SamplesComeByEitherOfTwoSelections) {
+  auto scans = robot.publisher<LaserScan>("scan").value();
+  LaserScan scan;
+  scan.angle_increment = 0.5F;
+  scan.range_min = 0.25F;
+  const Publishing publishing(scans, scan);
+  ToolProcess echo({"echo", "scan", "--fields", "angle_increment", "--fields", "range_min @ every 2nd"});
+  EXPECT_TRUE(echo.prints("angle_increment: 0.5")) << echo.out();
+  EXPECT_TRUE(echo.prints("range_min: 0.25")) << echo.out();
+  EXPECT_EQ(run_tool({"echo", "scan", "--fields", "ranges", "--fields", "ragnes"}).code, 2);
+}
+
 TEST_F(EchoTest, FromSharedMemoryToo) {
   Node camera = open("camera", TransportChoice::shm);
   auto points = camera.publisher<PointCloud2>("images").value();

@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "sft/detail/loan_view.h"
 #include "sft/detail/walk.h"
@@ -152,8 +153,11 @@ using Callback = std::function<void(Sample&&)>;
 struct Requirement {
   Selection selection;  ///< declared; where recorded, the fields that are asked for at first
   bool recorded = false;
+  /// The texts of SubscriberOptions name the fields. Otherwise they name parts of declared fields only.
+  bool fields_by_text = false;
   /// Samples say what was asked for, and show nothing else, also if a sample in shared memory has more.
   bool limits_samples = false;
+  std::vector<Selection> further{};  ///< SubscriberOptions::further_selections; none where recorded
 };
 
 class Subscriber {
@@ -166,10 +170,11 @@ class Subscriber {
   Sample take_latest();
   bool wait(std::chrono::nanoseconds timeout);
   int file_descriptor() const;
-  Result<void> set_max_rate_hz(double max_rate_hz);
-  Result<void> set_selection(const Selection& selection);
-  SubscriberStatus status() const;
-  Requirements requirements() const;
+  // `which`: the number of one of its selections.
+  Result<void> set_max_rate_hz(double max_rate_hz, std::size_t which);
+  Result<void> set_selection(const Selection& selection, std::size_t which);
+  SubscriberStatus status(std::size_t which) const;
+  Requirements requirements(std::size_t which) const;
   const TypeSupport& type() const;
 
  private:

@@ -9,17 +9,15 @@ namespace {
 class LocalReaderTest : public LocalEndpointTest {
  protected:
   void open(const Endpoint& endpoint, const std::shared_ptr<Recorder>& recorder = nullptr) {
-    SubscriberCore::Spec spec{.id = endpoint.id,
-                              .topic = "points",
+    SubscriberCore::Spec spec{.topic = "points",
                               .type = &type,
-                              .requirement = {mask, recorder != nullptr},
+                              .feeds = {{.id = endpoint.id, .selection = mask}},
                               .options = {},
-                              .callback = nullptr,
-                              .rate_changed = [] {}};
+                              .callback = nullptr};
     core = std::make_shared<SubscriberCore>(std::move(spec), bells->at(1), recorder);
     if (endpoint.may_use_network) core->ports().set_network(network_port);
     reader.emplace(node, endpoint,
-                   LocalReader::Parts{core, recorder, endpoint.may_use_network ? network_port : nullptr});
+                   LocalReader::Parts{core, endpoint.may_use_network ? network_port : nullptr});
     negotiation.local_added(endpoint, type);
   }
   void open_by_network() { open(over_network(Role::reader, 200)); }
@@ -103,11 +101,11 @@ TEST_F(LocalReaderTest, AfterItsPortWasDroppedItConnectsAnew) {
 
 TEST_F(LocalReaderTest, AnotherMaximumRateIsAskedForOnce) {
   open_by_network();
-  EXPECT_FALSE(reader->rate_changed()) << "it is the same as before";
-  ASSERT_TRUE(core->set_max_rate_hz(10));
-  EXPECT_TRUE(reader->rate_changed());
+  EXPECT_FALSE(reader->requirement_changed()) << "it is the same as before";
+  ASSERT_TRUE(core->feed().set_max_rate_hz(10));
+  EXPECT_TRUE(reader->requirement_changed());
   EXPECT_EQ(discovery.sent.back().min_period_us, 100'000U);
-  EXPECT_FALSE(reader->rate_changed());
+  EXPECT_FALSE(reader->requirement_changed());
   EXPECT_EQ(discovery.sent.size(), 1U);
 }
 

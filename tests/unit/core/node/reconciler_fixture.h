@@ -121,16 +121,15 @@ class ReconcilerTest : public ::testing::Test {
 
   std::shared_ptr<SubscriberCore> our_reader(EndpointId id, detail::untyped::Callback callback = nullptr) {
     const auto port = std::make_shared<TestReaderPort>(connections);
-    auto core = std::make_shared<SubscriberCore>(SubscriberCore::Spec{.id = id,
-                                                                      .topic = "points",
-                                                                      .type = &type,
-                                                                      .requirement = {mask, false},
-                                                                      .options = {},
-                                                                      .callback = std::move(callback),
-                                                                      .rate_changed = [] {}},
-                                                 bells->at(1), nullptr);
+    auto core =
+        std::make_shared<SubscriberCore>(SubscriberCore::Spec{.topic = "points",
+                                                              .type = &type,
+                                                              .feeds = {{.id = id, .selection = mask}},
+                                                              .options = {},
+                                                              .callback = std::move(callback)},
+                                         bells->at(1), nullptr);
     core->ports().set_network(port);
-    reconciler.add_reader(endpoint(Role::reader, id), {core, nullptr, port});
+    reconciler.add_reader(endpoint(Role::reader, id), {core, port});
     reconciler.reconcile();
     return core;
   }

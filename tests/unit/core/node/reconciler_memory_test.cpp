@@ -28,19 +28,17 @@ class ReconcilerInMemoryTest : public ReconcilerTest {
     return e;
   }
   std::shared_ptr<SubscriberCore> our_core(EndpointId id) {
-    return std::make_shared<SubscriberCore>(SubscriberCore::Spec{.id = id,
-                                                                 .topic = "points",
+    return std::make_shared<SubscriberCore>(SubscriberCore::Spec{.topic = "points",
                                                                  .type = &type,
-                                                                 .requirement = {mask, false},
+                                                                 .feeds = {{.id = id, .selection = mask}},
                                                                  .options = {},
-                                                                 .callback = nullptr,
-                                                                 .rate_changed = [] {}},
+                                                                 .callback = nullptr},
                                             bells->at(1), nullptr);
   }
   void open_reader(EndpointId id, Reliability reliability = Reliability::best_effort) {
     Endpoint reader = here(Role::reader, id);
     reader.qos.reliability = reliability;
-    node.add_reader(reader, {our_core(id), nullptr, nullptr});
+    node.add_reader(reader, {our_core(id), nullptr});
     node.tick();
   }
   void open_writer(EndpointId id) {
@@ -137,7 +135,7 @@ TEST_F(ReconcilerInMemoryTest, ADaemonThatDoesNotAnswerIsNotAskedForOthersAtOnce
     memory.refusal = refusal;
     logged.clear();
     const auto begin = std::chrono::steady_clock::now();
-    own.add_reader(here(Role::reader, 200), {our_core(200), nullptr, nullptr});
+    own.add_reader(here(Role::reader, 200), {our_core(200), nullptr});
     own.tick();
     own.endpoint_seen(here(Role::writer, 7));
     own.reconcile();

@@ -159,11 +159,11 @@ TEST_F(ReconcilerTest, StatesAreComparedForEventsOnlyWhereSomethingHasHappened) 
 TEST_F(ReconcilerTest, TheMaximumRateThatWasSetLastIsAskedForInWhateverOrderTheNewsCome) {
   const auto core = our_reader(200);
   const auto asked = [&] { return discovery.sent.back().min_period_us; };
-  ASSERT_TRUE(core->set_max_rate_hz(10));
-  ASSERT_TRUE(core->set_max_rate_hz(20));
-  reconciler.rate_changed(200);
+  ASSERT_TRUE(core->feed().set_max_rate_hz(10));
+  ASSERT_TRUE(core->feed().set_max_rate_hz(20));
+  reconciler.requirement_changed(200);
   EXPECT_EQ(asked(), 50'000U);
-  reconciler.rate_changed(200);
+  reconciler.requirement_changed(200);
   EXPECT_EQ(asked(), 50'000U);
   EXPECT_EQ(discovery.sent.size(), 1U);
 }

@@ -37,10 +37,9 @@ TEST(DispatcherTest, EverySampleIsCalledBackForOnceWhileCallbacksMoveBetweenThre
     ++called;
   };
   const auto subscriber =
-      std::make_shared<SubscriberCore>(SubscriberCore::Spec{.id = 1,
-                                                            .topic = "points",
+      std::make_shared<SubscriberCore>(SubscriberCore::Spec{.topic = "points",
                                                             .type = &type,
-                                                            .requirement = {type.full(), false},
+                                                            .feeds = {{.id = 1, .selection = type.full()}},
                                                             .options = {},
                                                             .callback = call_back},
                                        bells->at(0), nullptr);

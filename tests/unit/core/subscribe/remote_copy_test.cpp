@@ -98,10 +98,9 @@ class AsRemoteSubscriberTest : public RemoteCopyTest {
 
   const std::unique_ptr<DoorbellPage> bells = DoorbellPage::create();
   const std::shared_ptr<MemoryQueue> port = std::make_shared<MemoryQueue>();
-  SubscriberCore subscriber{{.id = 1,
-                             .topic = "points",
+  SubscriberCore subscriber{{.topic = "points",
                              .type = &type,
-                             .requirement = {type.full(), true},
+                             .feeds = {{.id = 1, .selection = type.full()}},
                              .options = {.recording = {.as_remote = true}},
                              .callback = {},
                              .copies = BufferPool::make(64 << 20)},
@@ -112,14 +111,14 @@ class AsRemoteSubscriberTest : public RemoteCopyTest {
 TEST_F(AsRemoteSubscriberTest, GetsWhatItsRequestInForceAsksForWhenItTakes) {
   for (int i = 0; i < 3; ++i) port->samples.push_back(whole(any_cloud()));
   EXPECT_TRUE(subscriber.take().state().mask->is_full());
-  subscriber.requests(FieldMask(F::width), 2);
+  subscriber.feed().requests(FieldMask(F::width), 2);
   EXPECT_EQ(*subscriber.take().state().mask, FieldMask(F::width));
-  subscriber.requests(FieldMask(F::height), 3);
+  subscriber.feed().requests(FieldMask(F::height), 3);
   EXPECT_EQ(*subscriber.take().state().mask, FieldMask(F::height));
 }
 
 TEST_F(AsRemoteSubscriberTest, CountsAsLostWhatItWouldNotHaveGotThere) {
-  subscriber.requests(FieldMask(F::width), 2);
+  subscriber.feed().requests(FieldMask(F::width), 2);
   for (int i = 0; i < 3; ++i) port->samples.push_back(whole(any_cloud()));
   std::fill_n(port->samples[1]->index(), type.slots(), 0xFFFFFF00U);
   EXPECT_EQ(subscriber.take().info().sequence, 1U);
@@ -131,7 +130,7 @@ TEST_F(AsRemoteSubscriberTest, CountsAsLostWhatItWouldNotHaveGotThere) {
 }
 
 TEST_F(AsRemoteSubscriberTest, CountsThosePassedOverAsReceived) {
-  subscriber.requests(FieldMask(F::width), 2);
+  subscriber.feed().requests(FieldMask(F::width), 2);
   for (int i = 0; i < 3; ++i) port->samples.push_back(whole(any_cloud()));
   EXPECT_EQ(subscriber.take_latest().info().sequence, 3U);
   EXPECT_EQ(subscriber.status().received, 3U);
@@ -139,7 +138,7 @@ TEST_F(AsRemoteSubscriberTest, CountsThosePassedOverAsReceived) {
 
 TEST_F(AsRemoteSubscriberTest, MayTakeOnSeveralThreadsAtOnce) {
   constexpr std::uint64_t samples = 1000;
-  subscriber.requests(closed(FieldMask(F::data)), 2);
+  subscriber.feed().requests(closed(FieldMask(F::data)), 2);
   for (std::uint64_t i = 1; i <= samples; ++i) {
     PointCloud2 cloud;
     cloud.data.assign(i, static_cast<std::uint8_t>(i));
@@ -225,10 +224,9 @@ class PartSubscriberTest : public RemoteCopyTest {
   const PointCloud2 cloud = points();
   const std::unique_ptr<DoorbellPage> bells = DoorbellPage::create();
   const std::shared_ptr<NetworkQueue> port = std::make_shared<NetworkQueue>();
-  SubscriberCore subscriber{{.id = 1,
-                             .topic = "points",
+  SubscriberCore subscriber{{.topic = "points",
                              .type = &type,
-                             .requirement = {selection("*"), true},
+                             .feeds = {{.id = 1, .selection = selection("*")}},
                              .options = {},
                              .callback = {},
                              .copies = BufferPool::make(64 << 20)},
@@ -237,7 +235,7 @@ class PartSubscriberTest : public RemoteCopyTest {
 };
 
 TEST_F(PartSubscriberTest, TakesItsPartOutOfAMergedSample) {
-  subscriber.requests(selection("data{x,y,z}"), 2);
+  subscriber.feed().requests(selection("data{x,y,z}"), 2);
   arrives_merged("*");
   arrives("data{x,y,z}");
   expect_next("data{x,y,z}");
@@ -249,11 +247,11 @@ TEST_F(PartSubscriberTest, TakesItsPartOutOfAMergedSample) {
 TEST_F(PartSubscriberTest, GetsWholeSamplesOfItsFormerRequestAsTheyAre) {
   arrives("*");
   arrives("*");
-  subscriber.requests(selection("data{x,y,z}"), 2);
+  subscriber.feed().requests(selection("data{x,y,z}"), 2);
   expect_next("*");
   expect_next("*");
   arrives("data{x,y,z}");
-  subscriber.requests(selection("*"), 3);
+  subscriber.feed().requests(selection("*"), 3);
   expect_next("data{x,y,z}");
   EXPECT_EQ(subscriber.status().received, 3U);
   EXPECT_EQ(subscriber.status().lost, 0U);
@@ -262,25 +260,25 @@ TEST_F(PartSubscriberTest, GetsWholeSamplesOfItsFormerRequestAsTheyAre) {
 /// A merged sample has the mask of a former request now and then, and yet is for the present one.
 TEST_F(PartSubscriberTest, PrefersThePresentRequestForAMergedSample) {
   const char* const same_fields = "data, fields, height, width, point_step, row_step, is_bigendian";
-  subscriber.requests(selection(same_fields), 2);
-  subscriber.requests(selection("data{x}"), 3);
+  subscriber.feed().requests(selection(same_fields), 2);
+  subscriber.feed().requests(selection("data{x}"), 3);
   ASSERT_EQ(selection(same_fields).mask(), selection("data{x}").mask());
   arrives_merged(same_fields);
   expect_next("data{x}");
 }
 
 TEST_F(PartSubscriberTest, TakesAFormerPartOutOfAMergedSampleThatLacksWhatItAsksForNow) {
-  subscriber.requests(selection("data{x}"), 2);
-  subscriber.requests(selection("data{y}"), 3);
-  subscriber.requests(selection("header"), 4);
+  subscriber.feed().requests(selection("data{x}"), 2);
+  subscriber.feed().requests(selection("data{y}"), 3);
+  subscriber.feed().requests(selection("header"), 4);
   arrives_merged("data, fields, height, width, point_step, row_step, is_bigendian");
   expect_next("data{y}");
   EXPECT_EQ(subscriber.status().received, 1U);
 }
 
 TEST_F(PartSubscriberTest, NamesNoConditionsThatAMergedSampleWasNotSentUnder) {
-  subscriber.requests(selection("data{x}"), 2);
-  subscriber.requests(selection("data{x} @ height > 100"), 3);
+  subscriber.feed().requests(selection("data{x}"), 2);
+  subscriber.feed().requests(selection("data{x} @ height > 100"), 3);
   arrives_merged("*");
   expect_next("data{x}");
 }

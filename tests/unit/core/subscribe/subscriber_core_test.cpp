@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <limits>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 #include <thread>
@@ -24,15 +25,14 @@ class SubscriberCoreTest : public ::testing::Test {
   SubscriberCoreTest() { reopen({}); }
 
   void reopen(untyped::Callback callback) {
-    subscriber = std::make_unique<SubscriberCore>(SubscriberCore::Spec{.id = 1,
-                                                                       .topic = "points",
-                                                                       .type = &type,
-                                                                       .requirement = {type.full(), false},
-                                                                       .options = {},
-                                                                       .callback = std::move(callback),
-                                                                       .rate_changed = [] {},
-                                                                       .callback_clock = &read_callback_time},
-                                                  bells->at(1), nullptr);
+    subscriber =
+        std::make_unique<SubscriberCore>(SubscriberCore::Spec{.topic = "points",
+                                                              .type = &type,
+                                                              .feeds = {{.id = 1, .selection = type.full()}},
+                                                              .options = {},
+                                                              .callback = std::move(callback),
+                                                              .callback_clock = &read_callback_time},
+                                         bells->at(1), nullptr);
     subscriber->ports().set_memory(memory);
     subscriber->ports().set_network(network);
   }
@@ -154,7 +154,7 @@ TEST_F(SubscriberCoreTest, WhetherASampleIsExpiredIsToldOfAnyStamp) {
 }
 
 TEST_F(SubscriberCoreTest, AMaximumRateIsKeptWithAnyStamps) {
-  ASSERT_TRUE(subscriber->set_max_rate_hz(100'000));
+  ASSERT_TRUE(subscriber->feed().set_max_rate_hz(100'000));
   std::uint64_t sequence = 0;
   for (int round = 0; round < 3; ++round) {
     for (const std::int64_t stamp : {std::numeric_limits<std::int64_t>::min(), std::int64_t{-1},
@@ -239,6 +239,87 @@ TEST_F(SubscriberCoreTest, AfterASlowCallbackTheDispatcherCallsBackUntilManyWere
   EXPECT_EQ(calls, 101);
   arrive_together(1);
   EXPECT_EQ(calls, 102);
+}
+
+// A subscriber with two selections.
+class TwoFeedsTest : public SubscriberCoreTest {
+ protected:
+  using Came =
+      std::vector<std::pair<std::uint32_t, std::uint64_t>>;  ///< by which selection, and the sequence
+
+  TwoFeedsTest() {
+    subscriber = std::make_unique<SubscriberCore>(
+        SubscriberCore::Spec{
+            .topic = "points",
+            .type = &type,
+            .feeds = {{.id = 1, .selection = type.full()}, {.id = 2, .selection = type.full()}},
+            .options = {},
+            .callback = nullptr},
+        bells->at(1), nullptr);
+    subscriber->ports(0).set_memory(memory);
+    subscriber->ports(1).set_memory(memory_of_second);
+  }
+  template <class Take>
+  static Came all(Take take) {
+    Came came;
+    while (const untyped::Sample sample = take())
+      came.emplace_back(sample.info().selection, sample.info().sequence);
+    return came;
+  }
+
+  const std::shared_ptr<MemoryQueue> memory_of_second = std::make_shared<MemoryQueue>();
+};
+
+TEST_F(TwoFeedsTest, TheOldestSampleComesFirstAndOfEquallyOldOnesThatOfTheFirstSelection) {
+  arrives(*memory_of_second, 1);
+  arrives(*memory_of_second, 3);
+  arrives(*memory, 2);
+  arrives(*memory, 3);
+  EXPECT_EQ(all([&] { return subscriber->take(); }), (Came{{1, 1}, {0, 2}, {0, 3}, {1, 3}}));
+  EXPECT_EQ(subscriber->status(0).received, 2U);
+  EXPECT_EQ(subscriber->status(1).received, 2U);
+}
+
+TEST_F(TwoFeedsTest, TheNewestSampleOfEachSelectionIsTakenInTurn) {
+  for (const std::uint64_t sequence : {1, 2, 3, 4}) arrives(*memory, sequence);
+  arrives(*memory_of_second, 2);
+  EXPECT_EQ(all([&] { return subscriber->take_latest(); }), (Came{{0, 4}, {1, 2}}));
+}
+
+TEST_F(TwoFeedsTest, LossesAreThoseOfTheSelection) {
+  arrives(*memory, 1);
+  arrives(*memory, 4);
+  arrives(*memory_of_second, 1);
+  arrives(*memory_of_second, 2);
+  EXPECT_EQ(all([&] { return subscriber->take(); }).size(), 4U);
+  EXPECT_EQ(subscriber->status(0).lost, 2U);
+  EXPECT_EQ(subscriber->status(1).lost, 0U);
+}
+
+TEST_F(TwoFeedsTest, AnotherSelectionOfTheSecondLeavesTheFirst) {
+  ASSERT_TRUE(subscriber->feed(1).set_selection(FieldMask(PointCloud2::Field::width)));
+  EXPECT_EQ(subscriber->feed(0).required(), Selection(type.full()));
+  EXPECT_EQ(subscriber->feed(1).required(), Selection(FieldMask(PointCloud2::Field::width)));
+  ASSERT_TRUE(subscriber->feed(1).set_max_rate_hz(10));
+  EXPECT_EQ(subscriber->ports(0).min_period_us(), 0U);
+  EXPECT_EQ(subscriber->ports(1).min_period_us(), 100'000U);
+  EXPECT_EQ(subscriber->find(2).error().code, Errc::invalid_argument);
+}
+
+TEST_F(TwoFeedsTest, AThreadThatWaitsIsWokenBySamplesOfEither) {
+  const std::array ports{std::make_shared<SharedMemoryQueue>(), std::make_shared<SharedMemoryQueue>()};
+  for (const std::size_t i : {0, 1}) subscriber->ports(i).set_memory(ports[i]);
+  for (const std::size_t i : {0, 1}) {
+    std::thread waits([&] { EXPECT_TRUE(subscriber->wait(std::chrono::hours(1))); });
+    SampleHandle sample = pool->take(256);
+    sample->writer = 9;
+    sample->sequence = 1;
+    ports[i]->put(std::move(sample));
+    subscriber->arrived();
+    waits.join();
+    EXPECT_EQ(subscriber->take().info().selection, i);
+    EXPECT_FALSE(subscriber->available());
+  }
 }
 
 }  // namespace

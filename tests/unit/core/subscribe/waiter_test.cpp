@@ -40,8 +40,8 @@ class WaiterTest : public ::testing::Test {
   const std::unique_ptr<PollHandle> handle = PollHandle::create().value();
   Doorbell& bell = bells->at(0);
   SubscriberPorts ports{{}, make_asked(type, type.full(), false, nullptr), false};
-  Waiter waiter{ports, bell, nullptr, 0ns};
-  Waiter polled{ports, bell, handle.get(), 0ns};
+  Waiter waiter{{&ports}, bell, nullptr, 0ns};
+  Waiter polled{{&ports}, bell, handle.get(), 0ns};
 };
 
 TEST_F(WaiterTest, ReturnsAtOnceIfThereIsASample) {

@@ -110,9 +110,8 @@ class SubscriberWakeUp : public WakeUp {
  protected:
   void open(std::chrono::nanoseconds spin, std::unique_ptr<PollHandle> poll_handle = nullptr) {
     SubscriberCore::Spec spec;
-    spec.id = 1;
     spec.type = &type_;
-    spec.requirement.selection = type_.full();
+    spec.feeds = {{.id = 1, .selection = type_.full()}};
     spec.options.spin = spin;
     spec.poll_handle = std::move(poll_handle);
     subscriber_ = std::make_shared<SubscriberCore>(std::move(spec), bell(), nullptr);

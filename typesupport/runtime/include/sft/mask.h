@@ -297,20 +297,29 @@ namespace detail {
 struct Recorded {
   friend constexpr bool operator==(Recorded, Recorded) = default;
 };
+/// The type of sft::selected.
+struct Selected {
+  friend constexpr bool operator==(Selected, Selected) = default;
+};
 }  // namespace detail
 
 /// Stands in place of a mask: the getters of the subscriber's samples note which fields the program reads,
 /// and these fields are requested.
 inline constexpr detail::Recorded recorded{};
+/// Stands in place of a mask: texts that the program gives when it runs name the fields
+/// (SubscriberOptions::selection).
+inline constexpr detail::Selected selected{};
 
-/// The needs of a subscriber, as a template argument: a mask, the name of a field, or
-/// sft::recorded.
+/// The needs of a subscriber, as a template argument: a mask, the name of a field, sft::recorded, or
+/// sft::selected.
 template <class T>
 struct Req {
-  /// The fields; of recording all.
+  /// The fields; if they are recorded or selected, all.
   Mask<T> mask{};
   /// Getters note what is read (ARR).
   bool is_recorded = false;
+  /// Texts name the fields when the program runs.
+  bool is_selected = false;
   /// The fields of which only a part is declared.
   detail::DeclaredParts parts{};
 
@@ -328,6 +337,11 @@ struct Req {
   /// Recording finds out which fields are needed.
   constexpr Req(detail::Recorded) : mask(all<T>), is_recorded(true) {}  // NOLINT(google-explicit-constructor)
 
+  /// Texts will say which fields are needed.
+  constexpr Req(detail::Selected) : mask(all<T>), is_selected(true) {}  // NOLINT(google-explicit-constructor)
+
+  /// True if samples may lack fields that have getters, which then return sft::Optional.
+  constexpr bool may_lack() const { return is_recorded || is_selected; }
   friend constexpr bool operator==(const Req&, const Req&) = default;
 };
 

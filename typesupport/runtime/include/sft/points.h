@@ -280,7 +280,7 @@ Result<Points<Ts...>> points_at(const Place& place, const Names&... names) {
                   "the declared mask lacks a field that points() needs: height, width, fields, is_bigendian, "
                   "point_step, row_step, data");
     std::array<WantedChannel, sizeof...(Ts)> wanted = wanted_channels<Ts...>(names...);
-    if constexpr (Place::is_recorded) {
+    if constexpr (Place::may_lack) {
       constexpr CloudLeaves leaves{
           LeafRange{Place::template leaf_of<(*cloud_members<Struct>)[I]>,
                     leaf_count(TypeTable<Struct>::members[(*cloud_members<Struct>)[I]])}...};

@@ -35,7 +35,7 @@ template <class Place, std::size_t Member>
 concept field_is_in_declared_mask = Place::template has<Member>;
 
 template <auto R, class V>
-using Got = std::conditional_t<R.is_recorded, Optional<V>, V>;
+using Got = std::conditional_t<R.may_lack(), Optional<V>, V>;
 
 /// The types of the primitives, in the order of their kinds.
 using Scalars = std::tuple<bool, std::uint8_t, char, std::int8_t, std::uint8_t, std::int16_t, std::uint16_t,
@@ -155,19 +155,18 @@ auto read_leaf(const SampleState& s, std::uint64_t offset) {
 template <auto R, class S, std::size_t Leaf>
 struct PlaceBase {
   using Struct = S;
-  static constexpr bool is_recorded = R.is_recorded;
+  static constexpr bool may_lack = R.may_lack();
   template <std::size_t M>
   static constexpr std::size_t leaf_of = Leaf + leaf_offset(TypeTable<S>::type, M);
 
-  /// True if any leaf of member M is in the declared mask (always if fields are recorded).
+  /// True if any leaf of member M is in the declared mask (always if no mask is declared).
   template <std::size_t M>
-  static constexpr bool has = R.is_recorded ||
-                              R.mask.intersects(leaf_of<M>, leaf_count(TypeTable<S>::members[M]));
+  static constexpr bool has = R.may_lack() || R.mask.intersects(leaf_of<M>,
+                                                                leaf_count(TypeTable<S>::members[M]));
   /// True if all of them are.
   template <std::size_t M>
-  static constexpr bool has_all = R.is_recorded ||
-                                  R.mask.contains(R.mask.range(leaf_of<M>,
-                                                               leaf_count(TypeTable<S>::members[M])));
+  static constexpr bool has_all =
+      R.may_lack() || R.mask.contains(R.mask.range(leaf_of<M>, leaf_count(TypeTable<S>::members[M])));
 
  protected:
   /// Notes the access where the reader records, and tells whether the sample has the leaf. For a collection
@@ -179,7 +178,7 @@ struct PlaceBase {
   template <std::size_t M, class As, class OffsetOf>
   static auto leaf_value(const SampleState& s, OffsetOf offset_of) {
     using V = decltype(read_leaf<R, S, M, leaf_of<M>, As>(s, 0));
-    if constexpr (R.is_recorded) {
+    if constexpr (R.may_lack()) {
       if (!note(s, leaf_of<M>, leaf_count(TypeTable<S>::members[M]))) return Optional<V>{};
     }
     return Got<R, V>{read_leaf<R, S, M, leaf_of<M>, As>(s, offset_of())};

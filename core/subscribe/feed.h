@@ -1,0 +1,75 @@
+// What one selection of a subscriber brings: to others it is an endpoint of its own, with a request, ports,
+// an order of samples and counts. Most subscribers have one.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string_view>
+#include <utility>
+
+#include "core/control/control.h"
+#include "core/subscribe/recorder.h"
+#include "core/subscribe/subscriber_ports.h"
+#include "core/sync/mutex.h"
+#include "sft/requirements.h"
+#include "sft/result.h"
+#include "sft/selection.h"
+#include "sft/status.h"
+#include "sft/type_support.h"
+
+namespace sft::core {
+
+class Feed {
+ public:
+  struct Spec {
+    EndpointId id = 0;
+    /// Closed, and without a rate. If fields are recorded, it is asked for at first.
+    Selection selection{};
+    std::uint32_t min_period_us = 0;  ///< of its maximum rate; 0: all samples
+    std::uint32_t memory_depth = 0;   ///< samples of a writer that shared memory keeps; 0: all of `depth`
+    /// Called by any thread: lets the agent ask for what is needed now, and returns.
+    std::function<void()> changed = [] {};
+  };
+  /// The same for all feeds of a subscriber.
+  struct Common {
+    const TypeSupport& type;
+    std::string_view topic;
+    std::chrono::nanoseconds patience{0};  ///< see Intake::Options
+    std::uint32_t depth = 0;               ///< SubscriberOptions::depth
+    bool as_remote = false;                ///< SubscriberOptions::Recording::as_remote
+    bool tells_asked = false;              ///< see SubscriberPorts
+    Recorder* recorder = nullptr;          ///< null: the selection is declared
+  };
+
+  /// What `common` names outlives this object.
+  Feed(Spec spec, const Common& common);
+
+  const Spec& spec() const { return spec_; }
+  SubscriberPorts& ports() { return ports_; }
+
+  /// What is needed at present, declared or recorded: closed, and without a rate. Any thread.
+  Selection required() const SFT_EXCLUDES(mutex_);
+  // Any thread; see Subscriber.
+  Result<void> set_max_rate_hz(double max_rate_hz);
+  Result<void> set_selection(const Selection& other) SFT_EXCLUDES(mutex_);
+  SubscriberStatus status();
+  Requirements requirements();
+
+  /// The agent's: the request that is in force from now on, and its number.
+  void requests(Selection selection, std::uint64_t sequence);
+
+ private:
+  std::shared_ptr<const Asked> asked(Selection selection) const {
+    return make_asked(common_.type, std::move(selection), common_.as_remote, common_.recorder);
+  }
+
+  const Spec spec_;
+  const Common common_;
+  mutable Mutex mutex_;  // held for a copy of the selection
+  Selection declared_ SFT_GUARDED_BY(mutex_);
+  SubscriberPorts ports_;
+};
+
+}  // namespace sft::core

@@ -1,0 +1,257 @@
+// Subscribers with several selections, over every transport.
+#include <gmock/gmock.h>
+#include <poll.h>
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <nav_msgs/msg/Odometry.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/support/isolated_host.h"
+#include "tests/system/fixture.h"
+
+namespace sft::test {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Pair;
+using ::testing::SizeIs;
+using ::testing::UnorderedElementsAre;
+
+class SeveralSelectionsTest : public PubSubTest {
+ protected:
+  /// The selection by which a sample came, and its height.
+  using Came = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+
+  static SubscriberOptions with(std::vector<std::string> further) {
+    return {.reliability = Reliability::reliable, .depth = 200, .further_selections = std::move(further)};
+  }
+  DynamicType type() { return b.find_type("points", 15s).value(); }
+  void publish(const std::vector<std::uint32_t>& heights) {
+    for (const std::uint32_t height : heights) ASSERT_EQ(pub.publish(cloud(height)), PublishStatus::ok);
+  }
+  static std::pair<std::uint32_t, std::uint32_t> of(const DynamicSample& sample) {
+    return {sample.info().selection, sample.view()["height"].as<std::uint32_t>().value_or(0)};
+  }
+  /// The next `count` samples, which have to come.
+  static Came next(DynamicSubscriber& sub, std::size_t count) {
+    Came came;
+    while (came.size() < count && sub.wait(5s)) {
+      while (const DynamicSample sample = sub.take()) came.push_back(of(sample));
+    }
+    return came;
+  }
+
+  Node a = open("a");
+  Node b = open("b");
+  Publisher<PointCloud2> pub =
+      a.publisher<PointCloud2>("points", {.reliability = Reliability::reliable}).value();
+};
+
+TEST_P(SeveralSelectionsTest, EachSampleSaysByWhichOfThemItCame) {
+  auto sub = b.subscriber("points", type(), "height, width",
+                          with({"height @ height > 100", "height, point_step @ every 3rd"}))
+                 .value();
+  expect_served(pub, 3);
+  publish({1, 2, 101, 102});
+  EXPECT_THAT(next(sub, 9), UnorderedElementsAre(Pair(0, 1), Pair(1, 1), Pair(2, 1), Pair(0, 2), Pair(0, 101),
+                                                 Pair(1, 101), Pair(0, 102), Pair(1, 102), Pair(2, 102)));
+  EXPECT_FALSE(sub.take());
+  EXPECT_EQ(sub.status(0).received, 4U);
+  EXPECT_EQ(sub.status(1).received, 3U);
+  EXPECT_EQ(sub.status(2).received, 2U);
+  for (const std::size_t i : {0, 1, 2}) EXPECT_EQ(sub.status(i).lost, 0U) << i;
+}
+
+TEST_P(SeveralSelectionsTest, ASampleHasTheFieldsAndTheSelectionThatItCameBy) {
+  auto sub = b.subscriber("points", type(), "height", with({"width @ width > 0"})).value();
+  expect_served(pub, 2);
+  publish({7});
+  std::vector<std::string> seen;
+  while (seen.size() < 2 && sub.wait(5s)) {
+    while (const DynamicSample sample = sub.take()) {
+      seen.push_back(std::to_string(sample.info().selection) + ": " +
+                     sample.type().support().format_mask(sample.mask()));
+      ASSERT_NE(sample.selection(), nullptr);
+      EXPECT_EQ(sample.selection()->mask(), sample.mask());
+    }
+  }
+  EXPECT_THAT(seen, UnorderedElementsAre("0: height", "1: width"));
+}
+
+// The pose of each sample, and the covariance of each third, as a compiled program reads them.
+TEST_P(SeveralSelectionsTest, ACompiledSubscriberReadsWhatTheSampleHas) {
+  using nav_msgs::msg::Odometry;
+  auto odometry = a.publisher<Odometry>("odometry", {.reliability = Reliability::reliable}).value();
+  SubscriberOptions options = with({"pose.covariance @ every 3rd"});
+  options.selection = "pose.pose.position";
+  options.recording.as_remote = true;
+  auto sub = b.subscriber<Odometry, selected>("odometry", options).value();
+  ASSERT_TRUE(odometry.wait_for_subscribers(2, 15s));
+  for (int i = 1; i <= 4; ++i) {
+    Odometry message;
+    message.pose.pose.position.x = i;
+    message.pose.covariance[0] = 10 * i;
+    ASSERT_EQ(odometry.publish(message), PublishStatus::ok);
+  }
+  std::vector<double> positions, covariances;
+  while (positions.size() + covariances.size() < 6 && sub.wait(5s)) {
+    while (const auto sample = sub.take()) {
+      const auto pose = sample->pose();
+      const bool is_second = sample.info().selection == 1;
+      EXPECT_EQ(pose.covariance().has_value(), is_second);
+      EXPECT_EQ(pose.pose().position().x().has_value(), !is_second);
+      if (is_second) {
+        covariances.push_back((*pose.covariance())[0]);
+      } else {
+        positions.push_back(*pose.pose().position().x());
+      }
+    }
+  }
+  EXPECT_THAT(positions, ElementsAre(1, 2, 3, 4));
+  EXPECT_THAT(covariances, ElementsAre(10, 40));
+  EXPECT_EQ(odometry.status().readers.size(), 2U);
+}
+
+TEST_P(SeveralSelectionsTest, DeclaredFieldsComeInSeveralParts) {
+  SubscriberOptions options = with({"@ width > 4"});
+  options.selection = "data[::10]";
+  auto sub = b.subscriber<PointCloud2, F::width | F::data>("points", options).value();
+  expect_served(pub, 2);
+  PointCloud2 row = cloud(1);
+  row.width = row.row_step = static_cast<std::uint32_t>(row.data.size());
+  row.point_step = 1;
+  ASSERT_EQ(pub.publish(row), PublishStatus::ok);
+  std::vector<std::size_t> bytes;
+  while (bytes.size() < 2 && sub.wait(5s)) {
+    while (const auto sample = sub.take()) bytes.push_back(sample->data().size());
+  }
+  EXPECT_THAT(bytes, UnorderedElementsAre((row.data.size() + 9) / 10, row.data.size()));
+}
+
+TEST_P(SeveralSelectionsTest, OneOfThemChangesWithoutTheOthers) {
+  auto sub = b.subscriber("points", type(), "height", with({"height @ height > 100"})).value();
+  expect_served(pub, 2);
+  publish({1});
+  EXPECT_THAT(next(sub, 2), UnorderedElementsAre(Pair(0, 1), Pair(1, 1)));
+  ASSERT_TRUE(sub.set_selection("height @ height > 200", 1));
+  const TypeSupport& support = pub.type();
+  ASSERT_TRUE(eventually([&] {
+    return std::ranges::any_of(pub.status().readers, [&](const PublisherStatus::Reader& reader) {
+      return support.format_selection(reader.selection).ends_with("height > 200");
+    });
+  }));
+  publish({150, 151, 201});
+  EXPECT_THAT(next(sub, 5),
+              UnorderedElementsAre(Pair(0, 150), Pair(1, 150), Pair(0, 151), Pair(0, 201), Pair(1, 201)));
+  EXPECT_EQ(support.format_selection(sub.status(0).selection), "height");
+  EXPECT_EQ(support.format_selection(sub.status(1).selection), "height @ height > 200");
+  EXPECT_THAT(sub.set_selection("height", 2).error().message, HasSubstr("there is no selection 2"));
+  EXPECT_THAT(sub.set_max_rate_hz(1, 2).error().message, HasSubstr("there is no selection 2"));
+  EXPECT_THAT(sub.status(2).writers, IsEmpty());
+}
+
+TEST_P(SeveralSelectionsTest, OneCallbackIsCalledForAll) {
+  std::mutex mutex;
+  Came came;
+  std::atomic<int> within{0};
+  const auto call_back = [&](const DynamicSample& sample) {
+    EXPECT_EQ(within.fetch_add(1), 0);
+    {
+      const std::lock_guard lock(mutex);
+      came.push_back(of(sample));
+    }
+    within.fetch_sub(1);
+  };
+  auto sub = b.subscriber("points", type(), "height", with({"height @ every 10th"}), call_back).value();
+  expect_served(pub, 2);
+  for (std::uint32_t i = 1; i <= 100; ++i) publish({i});
+  EXPECT_TRUE(eventually([&] {
+    const std::lock_guard lock(mutex);
+    return came.size() == 110;
+  }));
+  const std::lock_guard lock(mutex);
+  EXPECT_EQ(std::ranges::count(came, 1U, [](const auto& c) { return c.first; }), 10);
+}
+
+TEST_P(SeveralSelectionsTest, OneFileDescriptorTellsOfAll) {
+  SubscriberOptions options = with({"height @ height > 100"});
+  options.pollable = true;
+  auto sub = b.subscriber("points", type(), "height @ height < 100", options).value();
+  expect_served(pub, 2);
+  publish({1, 101});
+  Came came;
+  pollfd readable{.fd = sub.file_descriptor(), .events = POLLIN, .revents = 0};
+  while (came.size() < 3 && ::poll(&readable, 1, 5000) == 1) {
+    while (const DynamicSample sample = sub.take()) came.push_back(of(sample));
+  }
+  EXPECT_THAT(came, UnorderedElementsAre(Pair(0, 1), Pair(1, 1), Pair(1, 101)));
+  EXPECT_EQ(::poll(&readable, 1, 0), 0);
+}
+
+TEST_P(SeveralSelectionsTest, AllAreWithdrawnWithTheSubscriber) {
+  {
+    auto sub = b.subscriber("points", type(), "height", with({"width", "point_step"})).value();
+    expect_served(pub, 3);
+    const NodeSnapshot snapshot = b.snapshot();
+    ASSERT_THAT(snapshot.subscribers, SizeIs(3));
+    EXPECT_EQ(snapshot.subscribers[2].fields, "point_step");
+  }
+  EXPECT_TRUE(eventually([&] { return pub.status().readers.empty(); }));
+  EXPECT_THAT(b.snapshot().subscribers, IsEmpty());
+}
+
+TEST_P(SeveralSelectionsTest, EventsSayWhichOfThemTheyAreAbout) {
+  std::mutex mutex;
+  std::vector<std::uint32_t> matched;
+  SubscriberOptions options = with({"width"});
+  options.on_event = [&](const Event& event) {
+    const std::lock_guard lock(mutex);
+    if (event.kind == Event::Kind::matched) matched.push_back(event.selection);
+  };
+  auto sub = b.subscriber("points", type(), "height", options).value();
+  EXPECT_TRUE(eventually([&] {
+    const std::lock_guard lock(mutex);
+    return matched.size() == 2;
+  }));
+  const std::lock_guard lock(mutex);
+  EXPECT_THAT(matched, UnorderedElementsAre(0, 1));
+}
+
+TEST_P(SeveralSelectionsTest, WhatCannotWorkIsAnErrorThatSaysWhy) {
+  const DynamicType type = this->type();
+  const auto why = [&](std::vector<std::string> further) {
+    return b.subscriber("points", type, "height", with(std::move(further))).error().message;
+  };
+  EXPECT_THAT(why({"width", "no_such_field"}), HasSubstr("no_such_field"));
+  EXPECT_THAT(why(std::vector<std::string>(16, "width")), HasSubstr("at most 16 selections, not 17"));
+  EXPECT_THAT(b.subscriber("points", type, recorded, with({"width"})).error().message,
+              HasSubstr("further_selections is not empty, but the fields are recorded"));
+  EXPECT_THAT((b.subscriber<PointCloud2, recorded>("points", with({"width"})).error().message),
+              HasSubstr("further_selections is not empty, but the fields are recorded"));
+  EXPECT_THAT((b.subscriber<PointCloud2, F::height>("points", with({"width"})).error().message),
+              HasSubstr("names fields that the subscriber does not declare: width"));
+}
+
+TEST_P(SeveralSelectionsTest, SixteenOfThemAreServed) {
+  std::vector<std::string> further;
+  for (int i = 1; i < 16; ++i) further.push_back("height @ height > " + std::to_string(i));
+  auto sub = b.subscriber("points", type(), "height", with(further)).value();
+  expect_served(pub, 16);
+  publish({0, 15, 16});
+  const Came came = next(sub, 16 + 15 + 16);
+  EXPECT_THAT(came, SizeIs(16 + 15 + 16));
+  EXPECT_EQ(std::ranges::count(came, std::pair(15U, 15U)), 0);
+  EXPECT_EQ(std::ranges::count(came, std::pair(15U, 16U)), 1);
+}
+
+INSTANTIATE_TEST_SUITE_P(Ways, SeveralSelectionsTest, ::testing::Values(Way::shm, Way::udp, Way::udp_sockets),
+                         way_name);
+
+}  // namespace
+}  // namespace sft::test
