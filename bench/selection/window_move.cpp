@@ -37,8 +37,9 @@ std::uint32_t begin_of_move(std::uint64_t n) {
   return static_cast<std::uint32_t>(n + 1) % (points - window_points);
 }
 
-/// Publishes all the time, so that the first sample with a new window is never far. The usual slack of timers
-/// would make each pause 50 us longer. Notes when the publisher has each window in force.
+/// Publishes often, so that the first sample with a new window is never far. If it published more often, it
+/// would take the core from the thread that brings the window into force. The usual slack of timers would
+/// make each pause 50 us longer. Notes when the publisher has each window in force.
 void publish_rows(Exchange& exchange, std::uint64_t moves) {
   ::prctl(PR_SET_TIMERSLACK, 1UL);
   const auto note = [&](const PublisherStatus& status) {
@@ -56,7 +57,7 @@ void publish_rows(Exchange& exchange, std::uint64_t moves) {
   row.data.resize(points);
   while (exchange.received.load() < moves && !exchange.failed.load()) {
     publisher.publish(row);
-    sleep_us(20);
+    sleep_us(50);
   }
 }
 
