@@ -118,8 +118,7 @@ Result<detail::untyped::Subscriber> Node::open_subscriber(std::string_view topic
   if (!requirement) return tl::unexpected(requirement.error());
   const Selection declared = requirement->selection;
   const auto selection_of = [&](std::string_view text) {
-    return requirement->fields_by_text ? type.parse_selection(text)
-                                       : detail::selection_within(type, declared, text);
+    return detail::selection_of_text(type, declared, requirement->fields_of_text, text);
   };
   if (!options.selection.empty()) {
     Result<Selection> selection = selection_of(options.selection);

@@ -147,21 +147,31 @@ Result<EndpointOpening::Reader> EndpointOpening::open_reader(ReaderOrder order) 
   const Result<std::uint32_t> slot = take_slot(order);
   if (!slot) return tl::unexpected(slot.error());
   std::vector<Endpoint> endpoints;
-  for (const Selection& selection : *selections)
-    endpoints.push_back(describe_reader(order, selection, *qos, *slot));
+  for (const Selection& selection : *selections) {
+    Qos of_selection = *qos;
+    if (!endpoints.empty()) of_selection.deadline = {};  // a deadline is for the first one
+    endpoints.push_back(describe_reader(order, selection, of_selection, *slot));
+  }
   Reader reader{.core = make_core(endpoints, *slot, *selections, order, std::move(*poll_handle)),
                 .endpoints = {},
                 .slot = *slot};
   for (std::size_t i = 0; i < endpoints.size(); ++i) {
     auto network = open_network(endpoints[i], *reader.core, i);
     if (!network) {
-      node_.slots.give_back(*slot);
+      give_up(std::move(reader));
       return tl::unexpected(network.error());
     }
     reader.core->ports(i).set_network(*network);
     reader.endpoints.push_back({std::move(endpoints[i]), {reader.core, *std::move(network), i}});
   }
   return reader;
+}
+
+/// Nobody rings the doorbell any more when its slot is given back.
+void EndpointOpening::give_up(Reader reader) const {
+  for (std::size_t i = 0; i < reader.core->selections(); ++i) reader.core->ports(i).set_network(nullptr);
+  reader.endpoints.clear();
+  node_.slots.give_back(reader.slot);
 }
 
 /// The first one and the further ones, closed, each with its rate.
@@ -202,8 +212,8 @@ Result<std::uint32_t> EndpointOpening::take_slot(const ReaderOrder& order) const
   return has_callback ? WakeSlots::dispatcher : WakeSlots::poller;
 }
 
-Endpoint EndpointOpening::describe_reader(const ReaderOrder& order, const Selection& asked, const Qos& qos,
-                                          std::uint32_t slot) const {
+Endpoint EndpointOpening::describe_reader(const ReaderOrder& order, const Selection& selection,
+                                          const Qos& qos, std::uint32_t slot) const {
   Endpoint endpoint = describe(Role::reader, order.topic, order.type, order.options.transport);
   endpoint.qos = qos;
   endpoint.doorbell = {node_.slots.page_id(), slot};
@@ -211,12 +221,12 @@ Endpoint EndpointOpening::describe_reader(const ReaderOrder& order, const Select
   endpoint.may_use_memory = endpoint.may_use_memory && node_.slots.page_id() != 0;
   endpoint.request.reader = endpoint.id;
   endpoint.request.sequence = 1;
-  const Selection selection = asked.without_rate();
-  endpoint.request.mask_words = selection.mask().to_words();
-  if (!selection.is_mask()) endpoint.request.parts = selection.to_bytes();
+  const Selection without_rate = selection.without_rate();
+  endpoint.request.mask_words = without_rate.mask().to_words();
+  if (!without_rate.is_mask()) endpoint.request.parts = without_rate.to_bytes();
   // Both rates have been checked; the slower one counts.
   endpoint.request.min_period_us =
-      std::max(*min_period_us_of(order.options.max_rate_hz), *min_period_us_of(rate_hz_of(asked)));
+      std::max(*min_period_us_of(order.options.max_rate_hz), *min_period_us_of(rate_hz_of(selection)));
   return endpoint;
 }
 
@@ -226,13 +236,12 @@ std::shared_ptr<SubscriberCore> EndpointOpening::make_core(const std::vector<End
                                                            ReaderOrder& order,
                                                            std::unique_ptr<PollHandle> poll_handle) const {
   std::vector<Feed::Spec> feeds;
-  const std::uint32_t memory_depth = memory_depth_of(endpoints.front());
   for (std::size_t i = 0; i < endpoints.size(); ++i) {
     const Endpoint& endpoint = endpoints[i];
     feeds.push_back({.id = endpoint.id,
                      .selection = selections[i].without_rate(),
                      .min_period_us = endpoint.request.min_period_us,
-                     .memory_depth = memory_depth,
+                     .qos = endpoint.qos,
                      .changed = [tell = news_.requirement_changed, id = endpoint.id] { tell(id); }});
   }
   std::shared_ptr<Recorder> recorder;
@@ -249,7 +258,8 @@ std::shared_ptr<SubscriberCore> EndpointOpening::make_core(const std::vector<End
                            .callback = std::move(order.callback),
                            .type_owner = std::move(order.type_owner),
                            .copies = node_.heap,
-                           .poll_handle = std::move(poll_handle)},
+                           .poll_handle = std::move(poll_handle),
+                           .memory_depth = memory_depth_of(endpoints.front())},
       node_.slots.at(slot), std::move(recorder));
 }
 

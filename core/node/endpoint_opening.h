@@ -85,6 +85,7 @@ class EndpointOpening {
                                                       const PublisherOptions& options,
                                                       std::shared_ptr<DeliveryBook> book) const;
   Result<std::uint32_t> take_slot(const ReaderOrder& order) const;
+  void give_up(Reader reader) const;
   static Result<std::vector<Selection>> all_selections(const ReaderOrder& order);
   Endpoint describe_reader(const ReaderOrder& order, const Selection& selection, const Qos& qos,
                            std::uint32_t slot) const;

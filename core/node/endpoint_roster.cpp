@@ -2,8 +2,6 @@
 
 #include <utility>
 
-#include "core/control/qos.h"
-
 namespace sft::core {
 
 namespace {
@@ -35,11 +33,13 @@ NodeSnapshot::Publisher snapshot_of(const PublisherCore& publisher) {
 NodeSnapshot::Subscriber snapshot_of(SubscriberCore& subscriber, std::size_t selection) {
   const SubscriberCore::Spec& spec = subscriber.spec();
   NodeSnapshot::Subscriber snapshot;
-  static_cast<SubscriberStatus&>(snapshot) = subscriber.status(selection);
-  snapshot.id = subscriber.feed(selection).spec().id;
+  Feed& feed = subscriber.feed(selection);
+  static_cast<SubscriberStatus&>(snapshot) = feed.status();
+  snapshot.id = feed.spec().id;
+  snapshot.selection_number = selection;
   snapshot.topic = spec.topic;
   snapshot.type = spec.type->name();
-  snapshot.qos = qos_of(spec.options).value_or(Qos{});  // was checked when it was opened
+  snapshot.qos = feed.spec().qos;
   snapshot.fields = spec.type->format_selection(snapshot.selection);
   snapshot.recorded = subscriber.is_recorded();
   return snapshot;

@@ -32,9 +32,10 @@ LocalReader::LocalReader(NodeContext& node, const Endpoint& endpoint, Parts part
       id_(endpoint.id),
       core_(std::move(parts.core)),
       selection_(parts.selection),
+      feed_(core_->feed(selection_)),
       network_(std::move(parts.network)),
       requested_(endpoint.qos),
-      accepted_({core_->feed(selection_).spec().selection, endpoint.request.min_period_us},
+      accepted_({feed_.spec().selection, endpoint.request.min_period_us},
                 endpoint.qos.reliability == Reliability::reliable) {
   accept();
 }
@@ -56,7 +57,9 @@ void LocalReader::reconcile(std::size_t& unattached) {
   heard_ = std::move(heard);
   std::erase_if(connecting_, [&](const auto& item) { return !heard_.contains(item.first); });
   std::erase_if(watchdogs_, [&](const auto& item) { return !heard_.contains(item.first); });
-  core_->hears(wanted, selection_);
+  ports().hears(wanted);
+  // A writer that was killed between handing over its last sample and waking us did not wake us.
+  core_->wake();
   has_news_ = true;
   watch_matching();
 }
@@ -182,7 +185,7 @@ bool LocalReader::may_try_again(Time now) const {
 
 bool LocalReader::requirement_changed() {
   has_news_ = true;  // status() says it already
-  const Wanted wanted{core_->feed(selection_).required(), ports().min_period_us()};
+  const Wanted wanted{feed_.required(), ports().min_period_us()};
   const bool is_other = node_.negotiation.requirement_changed(id_, wanted.selection);
   const bool has_other_rate = node_.negotiation.rate_changed(id_, wanted.min_period_us);
   if (!is_other && !has_other_rate) return false;
@@ -204,7 +207,7 @@ void LocalReader::accept() {
 void LocalReader::send_request() {
   const Request& request = node_.negotiation.local(id_)->request;
   has_news_ = true;
-  core_->feed(selection_).requests(accepted_.latest().selection, request.sequence);
+  feed_.requests(accepted_.latest().selection, request.sequence);
   node_.outbox.request(id_, std::chrono::steady_clock::now());
 }
 
@@ -324,7 +327,7 @@ void LocalReader::restart(Hearing& hearing, Time now) {
   const bool was_attached = node_.negotiation.connection_changed(id_, writer, TransportKind::shm, false);
   if (listened || was_attached) send_request();
   ports().restarted(writer);
-  node_.log.write(LogLevel::warning, "topic " + in_quotes(core_->spec().topic) + ", node " +
+  node_.log.write(LogLevel::warning, text_of_topic(core_->spec().topic, selection_) + ", node " +
                                          in_quotes(hearing.status.node) +
                                          ": it sends, but nothing arrives by " +
                                          to_string(attached ? TransportKind::shm : TransportKind::udp) +
@@ -339,7 +342,7 @@ void LocalReader::tell_events() {
   has_news_ |= ports().held_too_many() != told_.held_too_many;
   if (!std::exchange(has_news_, false)) return;
   core::tell_events(
-      *core_, told_, node_.log, [this] { return core_->status(selection_); },
+      *core_, told_, node_.log, [this] { return feed_.status(); },
       [this](const SubscriberStatus& before, const SubscriberStatus& now) {
         std::vector<Event> events = events_between(before, now, core_->type(), requested_.reliability);
         for (Event& event : events) event.selection = static_cast<std::uint32_t>(selection_);

@@ -25,13 +25,13 @@ class LocalReader {
   struct Parts {
     std::shared_ptr<SubscriberCore> core;
     std::shared_ptr<NetworkReader> network;  ///< null if UDP is ruled out; accepts the first mask already
-    std::size_t selection = 0;               ///< of the subscriber: the one that this reader asks for
+    std::size_t selection = 0;               ///< the number of the selection that this reader asks for
   };
   /// `node` outlives this object. `endpoint` is the one that is added to the negotiation.
   LocalReader(NodeContext& node, const Endpoint& endpoint, Parts parts);
 
   SubscriberCore& core() const { return *core_; }
-  SubscriberPorts& ports() const { return core_->ports(selection_); }
+  SubscriberPorts& ports() const { return feed_.ports(); }
   /// Stops taking samples. It is called when the reader is removed.
   void close();
 
@@ -104,6 +104,7 @@ class LocalReader {
   EndpointId id_;
   std::shared_ptr<SubscriberCore> core_;
   std::size_t selection_;
+  Feed& feed_;  ///< of the core
   std::shared_ptr<BorrowingReader> memory_;
   std::shared_ptr<NetworkReader> network_;
   // By writer:

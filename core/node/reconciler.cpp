@@ -49,7 +49,8 @@ void Reconciler::add_writer(const Endpoint& endpoint, std::shared_ptr<PublisherC
 }
 
 void Reconciler::add_reader(const Endpoint& endpoint, LocalReader::Parts parts) {
-  if (parts.core->has_callback()) dispatcher_.add(parts.core);
+  const bool is_first = parts.selection == 0;  // the core is dispatched for all of its selections
+  if (is_first && parts.core->has_callback()) dispatcher_.add(parts.core);
   const LocalReader& added =
       ours_.readers.try_emplace(endpoint.id, context_, endpoint, std::move(parts)).first->second;
   negotiation_.local_added(endpoint, added.core().type());
@@ -184,7 +185,7 @@ void Reconciler::look_after_endpoints(Time now) {
   std::erase_if(departing_, [](const auto& item) { return !item.second.core().is_called_back(); });
   for (auto& [id, reader] : ours_.readers) {
     dirty_ |= reader.may_try_again(now);
-    reader.core().look_again();
+    if (reader.ports().take_held_back()) reader.core().wake();
     if (reader.is_in_long_callback()) held_up_at_ = now;
   }
 }

@@ -96,6 +96,7 @@ Json writer(const SubscriberStatus::Writer& w) {
 Json subscriber(const NodeSnapshot::Subscriber& s) {
   return {{"id", core::in_hex(s.id)},
           {"topic", s.topic},
+          {"selection", s.selection_number},
           {"type", s.type},
           {"qos", qos_of(s.qos)},
           {"fields", s.fields},

@@ -207,6 +207,8 @@ Result<void> Subscriber::set_selection(const Selection& selection, std::size_t w
   return core_->find(which).and_then([&](core::Feed* feed) { return feed->set_selection(selection); });
 }
 
+std::size_t Subscriber::selections() const { return core_->selections(); }
+
 SubscriberStatus Subscriber::status(std::size_t which) const {
   const Result<core::Feed*> feed = core_->find(which);
   return feed ? (*feed)->status() : SubscriberStatus{};

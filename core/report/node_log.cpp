@@ -19,6 +19,11 @@ bool LineBudget::take(Time now) {
 
 std::uint64_t LineBudget::take_left_out() { return std::exchange(left_out_, 0); }
 
+std::string text_of_topic(std::string_view topic, std::size_t selection) {
+  const std::string text = "topic '" + std::string(topic) + "'";
+  return selection == 0 ? text : text + ", selection " + std::to_string(selection);
+}
+
 NodeLog::NodeLog(std::string node, LogLevel threshold, NodeOptions::LogSink sink)
     : node_(std::move(node)), threshold_(threshold), sink_(std::move(sink)) {}
 
@@ -29,7 +34,7 @@ void NodeLog::write(LogLevel level, const std::string& text, Time now) {
 void NodeLog::write(const std::string& topic, const Event& event, Time now) {
   const LogLevel level = level_of(event);
   if (!wants(level)) return;
-  std::string text = "topic '" + topic + "'";
+  std::string text = text_of_topic(topic, event.selection);
   if (!event.node.empty()) text += ", node '" + event.node + "'";
   if (event.kind == Event::Kind::samples_lost && event.reliable) return write_loss(text, event, now);
   if (!event.text.starts_with(to_string(event.kind))) text += std::string(": ") + to_string(event.kind);

@@ -35,6 +35,9 @@ class LineBudget {
   std::uint64_t left_out_ = 0;
 };
 
+/// Names a topic and, of a subscriber with several selections, which one a line is about.
+std::string text_of_topic(std::string_view topic, std::size_t selection);
+
 class NodeLog {
  public:
   NodeLog(std::string node, LogLevel threshold, NodeOptions::LogSink sink);

@@ -69,8 +69,8 @@ Requirements Feed::requirements() {
 SubscriberStatus Feed::status() {
   SubscriberStatus status = ports_.status();
   for (SubscriberStatus::Writer& writer : status.writers) {
-    const bool as_asked = writer.transport == TransportKind::udp || spec_.memory_depth == 0;
-    writer.depth = as_asked ? common_.depth : spec_.memory_depth;
+    const bool as_asked = writer.transport == TransportKind::udp || common_.memory_depth == 0;
+    writer.depth = as_asked ? common_.depth : common_.memory_depth;
   }
   return status;
 }

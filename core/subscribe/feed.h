@@ -1,5 +1,5 @@
-// What one selection of a subscriber brings: to others it is an endpoint of its own, with a request, ports,
-// an order of samples and counts. Most subscribers have one.
+// What one selection of a subscriber brings. Each selection is an endpoint of its own, with a request, ports,
+// an order of its samples, and counts. Most subscribers have one selection.
 #pragma once
 
 #include <chrono>
@@ -13,6 +13,7 @@
 #include "core/subscribe/recorder.h"
 #include "core/subscribe/subscriber_ports.h"
 #include "core/sync/mutex.h"
+#include "sft/qos.h"
 #include "sft/requirements.h"
 #include "sft/result.h"
 #include "sft/selection.h"
@@ -28,7 +29,7 @@ class Feed {
     /// Closed, and without a rate. If fields are recorded, it is asked for at first.
     Selection selection{};
     std::uint32_t min_period_us = 0;  ///< of its maximum rate; 0: all samples
-    std::uint32_t memory_depth = 0;   ///< samples of a writer that shared memory keeps; 0: all of `depth`
+    Qos qos{};                        ///< requested
     /// Called by any thread: lets the agent ask for what is needed now, and returns.
     std::function<void()> changed = [] {};
   };
@@ -38,6 +39,7 @@ class Feed {
     std::string_view topic;
     std::chrono::nanoseconds patience{0};  ///< see Intake::Options
     std::uint32_t depth = 0;               ///< SubscriberOptions::depth
+    std::uint32_t memory_depth = 0;        ///< the part of it that shared memory keeps; 0: all
     bool as_remote = false;                ///< SubscriberOptions::Recording::as_remote
     bool tells_asked = false;              ///< see SubscriberPorts
     Recorder* recorder = nullptr;          ///< null: the selection is declared

@@ -11,10 +11,6 @@ bool is_newer(const SampleInfo& next, const SampleInfo& latest) {
   return next.writer == latest.writer || next.source_stamp > latest.source_stamp;
 }
 
-bool goes_first(const SampleBuffer& a, const SampleBuffer& b) {
-  return a.writer == b.writer ? a.sequence < b.sequence : a.source_stamp_ns < b.source_stamp_ns;
-}
-
 }  // namespace
 
 TransportKind Intake::transport_of(Inlet inlet) {

@@ -1,6 +1,6 @@
-// The order in which a subscriber takes the samples that its two paths bring, and which samples it takes at
-// all. Pure: samples, answers and the time go in, decisions come out; it knows no port, no clock and no lock.
-// Not safe for threads: subscriber_ports.h guards it.
+// The order in which a subscriber takes the samples that its two paths bring for one of its selections, and
+// which samples it takes at all. Pure: samples, answers and the time go in, decisions come out; it knows no
+// port, no clock and no lock. Not safe for threads: subscriber_ports.h guards it.
 //
 // - The samples of one writer are delivered by rising sequence, whichever path brings them. Between writers
 //   the sample with the older stamp goes first.
@@ -31,6 +31,11 @@ struct Taken {
   SampleHandle sample;
   SampleInfo info;
 };
+
+/// True if a sample is to be delivered before another one that has come, too.
+inline bool goes_first(const SampleOrigin& a, const SampleOrigin& b) {
+  return a.writer == b.writer ? a.sequence < b.sequence : a.source_stamp_ns < b.source_stamp_ns;
+}
 
 class Intake {
  public:
@@ -69,8 +74,8 @@ class Intake {
   /// decision.
   Decision overtaken(SampleHandle found, LazyRealtime& now);
 
-  /// When the sample was published that was just decided to be delivered.
-  std::int64_t next_stamp_ns() const { return head(chosen_)->source_stamp_ns; }
+  /// The origin of the sample that was just decided to be delivered.
+  const SampleOrigin& next_origin() const { return *head(chosen_); }
   /// The sample that was just decided to be delivered, which is thereby taken.
   Taken take();
   /// Samples from there are copied from now on before they are delivered: they count as received by copied(),

@@ -13,6 +13,7 @@ std::deque<Feed> make_feeds(const SubscriberCore::Spec& spec, Recorder* recorder
       .topic = spec.topic,
       .patience = spec.diverted_patience,
       .depth = spec.options.depth,
+      .memory_depth = spec.memory_depth,
       .as_remote = spec.options.recording.as_remote,
       .tells_asked = spec.limits_samples || (recorder != nullptr && recorder->records_channels()),
       .recorder = recorder};
@@ -39,43 +40,32 @@ SubscriberCore::SubscriberCore(Spec spec, Doorbell& bell, std::shared_ptr<Record
       waiter_(ports_of(feeds_), bell, spec_.poll_handle.get(), spec_.options.spin),
       callbacks_(spec_.callback, spec_.callback_clock) {}
 
-void SubscriberCore::hears(const std::vector<Hearing>& hearing, std::size_t selection) {
-  ports(selection).hears(hearing);
-  // A writer that was killed between handing over its last sample and waking us did not wake us.
-  waiter_.wake();
-}
-
-void SubscriberCore::look_again() {
-  for (Feed& feed : feeds_) {
-    if (feed.ports().take_held_back())
-      waiter_.wake();  // the dispatcher then calls back, if there is a callback
-  }
-}
-
-/// The selection of which the oldest sample is, of all that have come.
-std::size_t SubscriberCore::oldest() {
-  std::size_t oldest = 0;
-  if (feeds_.size() == 1) return oldest;
-  std::optional<std::int64_t> oldest_stamp;
+/// Returns the selection that has the sample to be delivered first, of all samples that have come. If there
+/// is one selection, its ports know it best.
+std::optional<std::size_t> SubscriberCore::oldest() {
+  if (feeds_.size() == 1) return 0;
+  std::optional<std::size_t> oldest;
+  SampleOrigin first;
   for (std::size_t i = 0; i < feeds_.size(); ++i) {
-    const std::optional<std::int64_t> stamp = ports(i).next_stamp_ns();
-    if (!stamp || (oldest_stamp && *oldest_stamp <= *stamp)) continue;
+    const std::optional<SampleOrigin> next = ports(i).next_origin();
+    if (!next || (oldest && !goes_first(*next, first))) continue;
     oldest = i;
-    oldest_stamp = stamp;
+    first = *next;
   }
   return oldest;
 }
 
 detail::untyped::Sample SubscriberCore::take(Next (SubscriberPorts::*choose)()) {
   for (;;) {
-    const std::size_t selection = oldest();
-    Delivery next{(ports(selection).*choose)()};
+    const std::optional<std::size_t> selection = oldest();
+    Delivery next;
+    if (selection) static_cast<Next&>(next) = (ports(*selection).*choose)();
     if (waiter_.has_descriptor()) waiter_.settle();
     if (!next.sample) {
-      if (feeds_.size() == 1 || !available()) return {};
-      continue;  // another thread took that one
+      if (!selection || feeds_.size() == 1) return {};
+      continue;  // another thread has taken that sample
     }
-    next.info.selection = static_cast<std::uint32_t>(selection);
+    next.info.selection = static_cast<std::uint32_t>(*selection);
     if (!next.is_copied || reduce(next)) return wrap(std::move(next));
   }
 }

@@ -1,7 +1,7 @@
 // One subscriber without its message type: the facade of what its selections bring (feed.h), of who waits for
 // samples (waiter.h) and of its callback (callback_dispatch.h).
 //
-// Functions that concern one selection take its number; 0 is the first, which every subscriber has.
+// Selections have numbers; 0 is the first, which every subscriber has.
 //
 // take(), take_latest() and wait() are called by any thread; arrived() by threads of transports; dispatch()
 // by these and the dispatcher; functions marked so by the agent only.
@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -48,6 +49,7 @@ class SubscriberCore final : public ArrivalListener {
     /// How long a sample in shared memory waits for an earlier one that went by UDP: far longer than UDP
     /// takes within a host. But the earlier sample may be lost, and nobody should wait long for that.
     std::chrono::nanoseconds diverted_patience = std::chrono::milliseconds(100);
+    std::uint32_t memory_depth = 0;  ///< the part of options.depth that shared memory keeps; 0: all
     ReadTime callback_clock = &std::chrono::steady_clock::now;  ///< tells whether a callback is slow
   };
 
@@ -78,7 +80,6 @@ class SubscriberCore final : public ArrivalListener {
   /// After it returns no callback runs any more, except for one in which it is called itself.
   void close();
 
-  SubscriberStatus status(std::size_t selection = 0) { return feed(selection).status(); }
   /// True if this thread is within a callback of some subscriber.
   static bool in_callback() noexcept { return CallbackDispatch::in_callback(); }
 
@@ -94,16 +95,13 @@ class SubscriberCore final : public ArrivalListener {
   SubscriberPorts& ports(std::size_t selection = 0) { return feed(selection).ports(); }
 
   // The agent's.
-  /// Wakes threads that wait, if a sample was held back. Called now and then, so that none is held back for
-  /// long.
-  void look_again();
-  /// The writers that are heard at present.
-  void hears(const std::vector<Hearing>& hearing, std::size_t selection = 0);
+  /// Wakes whoever waits for samples: some may be there that nobody was woken for.
+  void wake() { waiter_.wake(); }
 
  private:
   using Next = SubscriberPorts::Next;
 
-  std::size_t oldest();
+  std::optional<std::size_t> oldest();
   detail::untyped::Sample take(Next (SubscriberPorts::*choose)());
   /// A sample that is about to be delivered.
   struct Delivery : Next {

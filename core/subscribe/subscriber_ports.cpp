@@ -121,14 +121,14 @@ SubscriberPorts::Next SubscriberPorts::take_latest() {
   return latest;
 }
 
-std::optional<std::int64_t> SubscriberPorts::next_stamp_ns() {
-  std::optional<std::int64_t> stamp;
+std::optional<SampleOrigin> SubscriberPorts::next_origin() {
+  std::optional<SampleOrigin> origin;
   {
     const Lock lock(mutex_);
-    if (find_next()) stamp = intake_.next_stamp_ns();
+    if (find_next()) origin = intake_.next_origin();
   }
   tell_of_room();
-  return stamp;
+  return origin;
 }
 
 void SubscriberPorts::copied(const SampleInfo& info, bool is_delivered) {

@@ -1,6 +1,6 @@
-// The two ports of a subscriber and the intake of what they bring, behind one mutex. Any thread, except where
-// something is marked as the agent's. The mutex is held for a short time, never over a system call, a copy of
-// a sample or a callback.
+// The two ports of one selection of a subscriber, and the intake of what they bring, behind one mutex. Any
+// thread, except where something is marked as the agent's. The mutex is held for a short time, never over a
+// system call, a copy of a sample or a callback.
 #pragma once
 
 #include <atomic>
@@ -40,9 +40,9 @@ class SubscriberPorts {
   Next take();
   /// The newest sample; those before it are passed over.
   Next take_latest();
-  bool available() { return next_stamp_ns().has_value(); }
-  /// When the next sample in order was published; none if there is none.
-  std::optional<std::int64_t> next_stamp_ns();
+  bool available() { return next_origin().has_value(); }
+  /// The origin of the next sample in order; none if there is no sample.
+  std::optional<SampleOrigin> next_origin();
   /// See Intake.
   void copied(const SampleInfo& info, bool is_delivered);
   std::shared_ptr<NetworkReader> network();

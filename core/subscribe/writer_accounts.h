@@ -1,4 +1,5 @@
-// One subscriber's account of each writer that it hears: its samples, and how it keeps its promises. Pure.
+// The account, for one selection of a subscriber, of each writer that is heard: its samples, and how it keeps
+// its promises. Pure.
 // Not safe for threads: subscriber_ports.h guards it.
 #pragma once
 

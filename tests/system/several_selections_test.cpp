@@ -3,10 +3,14 @@
 #include <poll.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <cstring>
 #include <mutex>
 #include <nav_msgs/msg/Odometry.hpp>
+#include <optional>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -192,6 +196,104 @@ TEST_P(SeveralSelectionsTest, OneFileDescriptorTellsOfAll) {
   }
   EXPECT_THAT(came, UnorderedElementsAre(Pair(0, 1), Pair(1, 1), Pair(1, 101)));
   EXPECT_EQ(::poll(&readable, 1, 0), 0);
+}
+
+// The first selection lets one sample through and then none: only samples of the second one can wake the
+// thread, which receives by UDP itself.
+TEST_P(SeveralSelectionsTest, AThreadThatWaitsIsWokenByTheSecondOneAlone) {
+  auto sub = b.subscriber("points", type(), "height @ height = 1", with({"height @ height > 100"})).value();
+  expect_served(pub, 2);
+  publish({1});
+  EXPECT_THAT(next(sub, 2), UnorderedElementsAre(Pair(0, 1), Pair(1, 1)));
+  std::atomic<std::uint32_t> taken{0};
+  std::jthread waits([&] {
+    for (std::uint32_t height = 101; height <= 110; ++height) {
+      ASSERT_TRUE(sub.wait(10s)) << height;
+      EXPECT_EQ(of(sub.take()), std::pair(1U, height));
+      taken = height;
+    }
+  });
+  for (std::uint32_t height = 101; height <= 110; ++height) {
+    publish({height});
+    ASSERT_TRUE(eventually([&] { return taken == height; }));
+  }
+}
+
+TEST_P(SeveralSelectionsTest, TheSubscriberMayBeDestroyedInItsCallback) {
+  const DynamicType type = this->type();
+  std::optional<DynamicSubscriber> sub;
+  std::atomic<bool> is_open{false}, is_gone{false};
+  const auto call_back = [&](const DynamicSample&) {
+    while (!is_open) std::this_thread::yield();
+    sub.reset();
+    is_gone = true;
+  };
+  sub.emplace(b.subscriber("points", type, "height", with({"width", "point_step"}), call_back).value());
+  is_open = true;
+  expect_served(pub, 3);
+  publish({1, 2, 3});
+  EXPECT_TRUE(eventually([&] { return is_gone.load() && pub.status().readers.empty(); }));
+}
+
+TEST_P(SeveralSelectionsTest, ADeadlineIsForTheFirstOneOnly) {
+  SubscriberOptions options = with({"height @ height > 100"});
+  options.deadline = 2s;
+  options.on_event = [](const Event& event) { EXPECT_NE(event.kind, Event::Kind::deadline_missed); };
+  auto promising =
+      a.publisher<PointCloud2>("promised", {.reliability = Reliability::reliable, .deadline = 2s}).value();
+  auto sub = b.subscriber("promised", b.find_type("promised", 15s).value(), "height", options).value();
+  expect_served(promising, 2);
+  for (int i = 0; i < 30; ++i) {
+    ASSERT_EQ(promising.publish(cloud(1)), PublishStatus::ok);
+    ASSERT_TRUE(sub.wait(5s));
+    while (sub.take()) continue;
+    EXPECT_FALSE(sub.wait(100ms));
+  }
+  EXPECT_EQ(b.snapshot().subscribers[0].qos.deadline, 2s);
+  EXPECT_EQ(b.snapshot().subscribers[1].qos.deadline, 0s);
+  for (const std::size_t i : {0, 1}) EXPECT_EQ(sub.status(i).writers.at(0).deadlines_missed, 0U) << i;
+}
+
+// A text without fields asks for all of them, wherever a compiled program gives it.
+TEST_P(SeveralSelectionsTest, AConditionAloneLeavesAllFieldsOfACompiledSubscriber) {
+  SubscriberOptions options = with({"", "@ height > 100", "width"});
+  options.selection = "@ height > 0";
+  auto sub = b.subscriber<PointCloud2, selected>("points", options).value();
+  expect_served(pub, 4);
+  ASSERT_EQ(sub.selections(), 4U);
+  for (const std::size_t i : {0, 1, 2}) EXPECT_TRUE(sub.status(i).mask.is_full()) << i;
+  EXPECT_FALSE(sub.status(3).mask.is_full());
+  ASSERT_TRUE(sub.set_selection("@ height > 200", 3));
+  EXPECT_TRUE(eventually([&] { return sub.status(3).mask.is_full(); }));
+  ASSERT_TRUE(sub.set_selection("height", 3));
+  EXPECT_TRUE(eventually([&] { return !sub.status(3).mask.is_full(); }));
+  EXPECT_THAT(sub.set_selection("hieght", 3).error().message, HasSubstr("did you mean 'height'"));
+}
+
+TEST_P(SeveralSelectionsTest, ACompiledSubscriberReadsPointsOfChannelsThatItSelects) {
+  auto sub = b.subscriber<PointCloud2, selected>("points", {.selection = "data{x,z}"}).value();
+  expect_served(pub, 1);
+  PointCloud2 row = cloud(1, 24);
+  row.height = 1;
+  row.width = 2;
+  row.point_step = 12;
+  row.row_step = 24;
+  row.fields.resize(3);
+  for (const std::uint32_t i : {0U, 1U, 2U}) {
+    row.fields[i] = {
+        .name = std::string(1, static_cast<char>('x' + i)), .offset = 4 * i, .datatype = 7, .count = 1};
+  }
+  const std::array<float, 6> xyz{1, 2, 3, 4, 5, 6};
+  std::memcpy(row.data.data(), xyz.data(), sizeof xyz);
+  ASSERT_EQ(pub.publish(row), PublishStatus::ok);
+  ASSERT_TRUE(sub.wait(5s));
+  const auto sample = sub.take();
+  const auto points = sample->points<float, float>("x", "z");
+  ASSERT_TRUE(points) << points.error().message;
+  std::vector<float> values;
+  for (const auto [x, z] : *points) values.insert(values.end(), {x, z});
+  EXPECT_THAT(values, ElementsAre(1, 3, 4, 6));
+  EXPECT_FALSE(sample->points<float>("y"));
 }
 
 TEST_P(SeveralSelectionsTest, AllAreWithdrawnWithTheSubscriber) {

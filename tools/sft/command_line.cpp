@@ -121,11 +121,12 @@ void declare_echo(CLI::App& app, Parsed& parsed) {
                    "Ask publishers for these fields only: 'header.stamp, fields[].name'; * is all. "
                    "Of a field this can be a part, for example 'data{x,y,z}', 'ranges[::4]'. "
                    "Behind @ stands when a sample is needed: 'voltage @ changed 1% or every 10 s'. "
-                   "Given twice: samples come by either of both")
+                   "The option may be given several times: then samples come by each of these selections")
       ->allow_extra_args(false)
       ->default_str("*");
   add_count(command, echo.count, "End after one sample", "End after this many samples");
-  command->add_option("--rate", echo.max_rate_hz, "Ask for at most this many samples a second")
+  command
+      ->add_option("--rate", echo.max_rate_hz, "Ask for at most this many samples a second of each selection")
       ->check(CLI::Range(SubscriberOptions::slowest_rate_hz, SubscriberOptions::fastest_rate_hz));
   CLI::Option* yaml = command->add_flag("--yaml", parsed.yaml, "Write YAML (the default)");
   CLI::Option* csv = command->add_flag("--csv", parsed.csv, "Write a table, with a column for each field");

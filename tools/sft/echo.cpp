@@ -19,7 +19,10 @@ constexpr std::size_t bytes_most = std::size_t{1} << 30;
 class Printer {
  public:
   Printer(const EchoOptions& options, const TypeSupport& type, const FieldMask& mask, Output& output)
-      : format_(options.format), output_(output), table_(type, mask) {
+      : format_(options.format),
+        has_several_(options.fields.size() > 1),
+        output_(output),
+        table_(type, mask) {
     yaml_ = {.elements_max = SIZE_MAX, .text_bytes_max = SIZE_MAX, .output_bytes_max = bytes_most};
     json_.output_bytes_max = bytes_most;
     if (!output.on_terminal() || options.full) return;
@@ -33,6 +36,8 @@ class Printer {
     if (!text) return tl::unexpected(text.error());
     if (format_ == Format::csv && !has_header_) output_.line(table_.header());
     has_header_ = true;
+    if (format_ == Format::yaml && has_several_)
+      output_.line(fmt::format("# selection {}", sample.info().selection));
     output_.write(*text + (format_ == Format::yaml ? "---\n" : "\n"));
     return {};
   }
@@ -44,6 +49,7 @@ class Printer {
   }
 
   Format format_;
+  bool has_several_;  ///< samples come by several selections
   Output& output_;
   CsvTable table_;
   YamlOptions yaml_;

@@ -175,8 +175,8 @@ class DynamicSubscriber {
 
   /// Asks for something else: other fields, other parts of them, other conditions. Publishers follow in a
   /// moment, and the first sample of each passes the conditions. A maximum rate stays if the selection has
-  /// none. `which` is the number of one of its selections, as with Subscriber. An error if the subscriber
-  /// records, if the text is wrong, or if there is no such selection; then nothing changes.
+  /// none. `which` is the number of a selection. An error if the subscriber records, if the text is wrong, or
+  /// if there is no such selection; then nothing changes.
   Result<void> set_selection(std::string_view fields, std::size_t which = 0) {
     return type_.support().parse_selection(fields).and_then(
         [&](const Selection& selection) { return subscriber_.set_selection(selection, which); });
@@ -185,12 +185,14 @@ class DynamicSubscriber {
   Result<void> set_selection(const Selection& selection, std::size_t which = 0) {
     return subscriber_.set_selection(selection, which);
   }
+  /// See Subscriber::selections().
+  std::size_t selections() const { return subscriber_.selections(); }
   /// See Subscriber::set_max_rate_hz().
   Result<void> set_max_rate_hz(double max_rate_hz, std::size_t which = 0) {
     return subscriber_.set_max_rate_hz(max_rate_hz, which);
   }
 
-  /// Counts, and each publisher of the topic, as with Subscriber.
+  /// See Subscriber::status().
   SubscriberStatus status(std::size_t which = 0) const { return subscriber_.status(which); }
   /// See Subscriber::requirements().
   Requirements requirements(std::size_t which = 0) const { return subscriber_.requirements(which); }

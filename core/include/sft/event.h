@@ -49,8 +49,8 @@ struct Event {
   bool yet = false;         ///< with no_path: shared memory may still come up, on this side or the other
   bool reliable = false;    ///< with samples_lost: the subscriber asked for reliability
   std::string text{};       ///< a sentence for people
-  /// On a subscriber: the one of its selections that it is about (SampleInfo::selection). Each tells of its
-  /// own matches, paths and losses.
+  /// On a subscriber: the number of the selection that the event is about (SampleInfo::selection). Each
+  /// selection tells of its own matches, paths and losses.
   std::uint32_t selection = 0;
   friend bool operator==(const Event&, const Event&) = default;
 };

@@ -136,8 +136,9 @@ class Node {
   template <class T, Req<T> R>
   static Result<detail::untyped::Requirement> requirement() {
     return detail::declared_selection<R>().map([](Selection&& selection) {
-      return detail::untyped::Requirement{
-          .selection = std::move(selection), .recorded = R.is_recorded, .fields_by_text = R.is_selected};
+      return detail::untyped::Requirement{.selection = std::move(selection),
+                                          .recorded = R.is_recorded,
+                                          .fields_of_text = detail::fields_of_text<R>};
     });
   }
 

@@ -228,23 +228,28 @@ struct SubscriberOptions {
   std::chrono::nanoseconds deadline{0};  ///< it expects a sample from each publisher at least so often
   Liveliness liveliness = Liveliness::automatic;  ///< manual_by_topic matches publishers of that kind only
   std::chrono::nanoseconds liveliness_lease{0};   ///< it expects a sign of life at least so often
-  /// The most samples per second, evenly spaced, from slowest_rate_hz to fastest_rate_hz; 0: all. Other
-  /// samples are withheld: they are not sent, and are counted apart from lost ones.
+  /// The most samples per second of each selection, evenly spaced, from slowest_rate_hz to fastest_rate_hz;
+  /// 0: all. Other samples are withheld: they are not sent, and are counted apart from lost ones.
   /// Subscriber::set_max_rate_hz() changes the rate.
   double max_rate_hz = 0;
   /// Says which parts of the declared fields are needed, and when a sample is: "data{x,y,z}[::4]", "@
   /// percentage > 20 or every 10 s", or both (TypeSupport::parse_selection()). Fields that it does not name
   /// are sent as they are declared. If fields are recorded, it may have conditions only. Empty: whole fields
   /// of every sample. Subscriber::set_selection() changes it. For a subscriber with sft::selected it names
-  /// the fields, too: "header.stamp, data{x,y,z}". Not for subscribers of types that the program was not
-  /// compiled with, which are opened with such a text.
+  /// the fields, too: "header.stamp, data{x,y,z}". If it names none, these are all fields. Not for
+  /// subscribers of types that the program was not compiled with, which are opened with such a text.
   std::string selection{};
-  /// Further selections, as texts of the same kind: what the subscriber gets besides, each by rules of its
-  /// own, as if it had a subscriber of its own: the pose 100 times a second, its covariance once a second.
-  /// SampleInfo::selection says by which of them a sample came: 0 is the first one, 1 the first of these. A
-  /// message that several let through comes once by each. Of the samples that have come the oldest is
-  /// delivered first. Each selection has its own counts, rate, `depth` and `max_held`, and its own request:
-  /// publishers and tools see as many subscribers. Not if fields are recorded.
+  /// Further selections, as texts of the same kind: "pose.pose @ at most 100 Hz" as the first selection, and
+  /// "pose.covariance @ at most 1 Hz" here. A message comes once by each selection that lets it through.
+  /// SampleInfo::selection says by which one a sample came: 0 is the first selection, 1 the first of these.
+  /// Of all samples that have come the oldest is delivered first; of one message the samples are delivered in
+  /// the order of the selections, if all have come. A sample may have more fields than its selection asks
+  /// for, since one encoding may serve several selections, and a sample in shared memory has all.
+  ///
+  /// To publishers and tools each selection is a subscriber of its own, which matches and connects alone:
+  /// Publisher::wait_for_subscribers() counts each, and all limits do, too. Each selection has counts of its
+  /// own. `depth`, `max_held` and `max_rate_hz` are for each selection; a `deadline` is for the first one
+  /// only. An error if fields are recorded.
   std::vector<std::string> further_selections{};
   static constexpr std::size_t selections_max = 16;    ///< of a subscriber, with the first one
   static constexpr double slowest_rate_hz = 0.001;     ///< the least max_rate_hz but 0

@@ -182,8 +182,9 @@ class Publisher {
   const std::string& why_invalid() const { return publisher_.why_invalid(); }
 
   /// Sleeps until at least so many subscribers are served, and returns true, or until the time is over, and
-  /// returns false. Messages that are published after true are sent to these subscribers. Not for callbacks:
-  /// the node would not serve these subscribers meanwhile.
+  /// returns false. A subscriber with several selections counts once for each. Messages that are published
+  /// after true are sent to these subscribers. Not for callbacks: the node would not serve these subscribers
+  /// meanwhile.
   bool wait_for_subscribers(std::size_t count, std::chrono::nanoseconds timeout) const {
     return publisher_.wait_for_subscribers(count, timeout);
   }

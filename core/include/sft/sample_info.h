@@ -16,7 +16,7 @@ struct SampleInfo {
   /// When the sample was complete on this host. A sample in shared memory is complete when it is published;
   /// its stamp tells when it was taken.
   std::chrono::sys_time<std::chrono::nanoseconds> receive_stamp{};
-  std::uint64_t lost_before = 0;  ///< samples of this publisher between the previous one taken and this one
+  std::uint64_t lost_before = 0;  ///< samples of this publisher since the one before by the same selection
   TransportKind transport{};      ///< the path by which the sample came
   /// The selection that it came by: 0, or 1 for the first of SubscriberOptions::further_selections, and so
   /// on.

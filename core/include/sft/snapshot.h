@@ -20,8 +20,8 @@
 //     readers[]   id, node, served, transport, reason, multicast, incompatible_type,
 //                 incompatible_policy (null: none), no_path, fields, max_rate_hz, request, published, sent,
 //                 withheld, dropped, retained, diverted, bytes_sent, bytes_saved
-//   subscribers[] id, topic, type, qos, fields (asked for), recorded, max_rate_hz, requests, received,
-//                 lost, withheld, expired, discarded, held_too_many, restarts, writers[]
+//   subscribers[] id, topic, selection (its number), type, qos, fields (asked for), recorded, max_rate_hz,
+//                 requests, received, lost, withheld, expired, discarded, held_too_many, restarts, writers[]
 //     writers[]   id, node, matched, connected, alive, transport, reason, depth, incompatible_type,
 //                 incompatible_policy, no_path, received, lost, withheld, expired, deadlines_missed, restarts
 //   qos           reliability, durability, history_depth, deadline_ns, lifespan_ns, liveliness,
@@ -29,6 +29,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -62,7 +63,8 @@ struct NodeSnapshot {
     std::vector<Reader> readers;           ///< all subscribers of the topic, served or not
   };
 
-  /// One subscriber, with its status. A subscriber with several selections is here once for each.
+  /// One subscriber, with its status. A subscriber with several selections is here once for each, with an id
+  /// of its own.
   struct Subscriber : SubscriberStatus {
     std::uint64_t id = 0;   ///< DomainSnapshot::Endpoint::id
     std::string topic;      ///< without a slash at the beginning
@@ -70,6 +72,8 @@ struct NodeSnapshot {
     Qos qos;                ///< requested
     std::string fields;     ///< the fields that it asks for at present
     bool recorded = false;  ///< true: they were found by recording
+    /// SampleInfo::selection of its samples. The entries of one subscriber stand behind each other.
+    std::size_t selection_number = 0;
   };
 
   /// NodeOptions::name.

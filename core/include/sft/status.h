@@ -129,8 +129,9 @@ struct PublisherStatus {
   std::uint64_t dropped = 0;
   /// Samples that shared memory could not take.
   Diverted diverted{};
-  FieldMask mask;               ///< the fields of a sample that are encoded at present
-  std::vector<Reader> readers;  ///< all subscribers of the topic, served or not
+  FieldMask mask;  ///< the fields of a sample that are encoded at present
+  /// All subscribers of the topic, served or not. A subscriber with several selections is here once for each.
+  std::vector<Reader> readers;
 };
 
 /// One subscriber. Sample counts are over all publishers, also those that are gone.

@@ -27,8 +27,9 @@ concept SampleCallback = std::invocable<F&, const S&> || std::invocable<F&, S>;
 ///
 /// A subscriber without a callback is asked for its samples by take(). A callback is called for each sample,
 /// from threads of the node, and never twice at once; while it runs, further samples wait in the queue, up to
-/// SubscriberOptions::depth. After the destructor no callback runs any more (unless the destructor is called
-/// from within the callback). A callback must not throw: the exception would end the program.
+/// SubscriberOptions::depth of each selection. After the destructor no callback runs any more (unless the
+/// destructor is called from within the callback). A callback must not throw: the exception would end the
+/// program.
 ///
 /// Callbacks for samples that came by UDP run on the receiving thread, which has the least latency, as long
 /// as they are short. After one that took 0.2 ms or more, the callbacks of that subscriber run on the thread
@@ -43,10 +44,10 @@ class Subscriber {
   /// Returns the oldest sample that was not taken yet; an empty one if there is none.
   [[nodiscard]] Sample<T, R> take() { return Sample<T, R>(subscriber_.take()); }
   /// Returns the newest sample of all publishers, by their stamps; an empty one if there is none. All other
-  /// samples in the queue are skipped, and do not count as lost. With several selections, those of one
-  /// selection are skipped, and the next call returns the newest sample of another one.
-  /// SampleInfo::lost_before is about the publisher of the sample; losses of other publishers are told with
-  /// the next sample of these that is taken.
+  /// samples in the queue are skipped, and do not count as lost. SampleInfo::lost_before is about the
+  /// publisher of the sample; losses of other publishers are told with the next sample of these that is
+  /// taken. With several selections it is the newest sample of the one whose samples have waited longest:
+  /// calls until there is none give the newest sample of each.
   [[nodiscard]] Sample<T, R> take_latest() { return Sample<T, R>(subscriber_.take_latest()); }
   /// Returns true as soon as there is a sample to take, or false when the time is over. It spins for
   /// SubscriberOptions::spin, and then sleeps. If all subscribers of the node are used by wait(), and none of
@@ -59,29 +60,32 @@ class Subscriber {
   /// it. The subscriber owns it and closes it. -1 without SubscriberOptions::pollable.
   int file_descriptor() const { return subscriber_.file_descriptor(); }
 
-  // `which` is the number of one of its selections: 0, or 1 for the first of further_selections, and so on.
+  /// The number of its selections: 1, and one more for each of SubscriberOptions::further_selections.
+  std::size_t selections() const { return subscriber_.selections(); }
 
-  /// Changes SubscriberOptions::max_rate_hz; publishers follow in a moment. An error if the rate is neither 0
-  /// nor from SubscriberOptions::slowest_rate_hz to fastest_rate_hz, or if there is no such selection.
+  /// Changes the maximum rate of selection `which`; publishers follow in a moment. An error if the rate is
+  /// neither 0 nor from SubscriberOptions::slowest_rate_hz to fastest_rate_hz, or if there is no such
+  /// selection.
   Result<void> set_max_rate_hz(double max_rate_hz, std::size_t which = 0) {
     return subscriber_.set_max_rate_hz(max_rate_hz, which);
   }
 
-  /// Changes SubscriberOptions::selection, or a further one; publishers follow in a moment, and the first
-  /// sample of each passes the conditions. A maximum rate stays if the text has none. An error if the
-  /// subscriber records, if the text is wrong, or if there is no such selection; then nothing changes.
+  /// Changes selection `which`; publishers follow in a moment, and the first sample of each passes the
+  /// conditions. A maximum rate stays if the text has none. An error if the subscriber records, if the text
+  /// is wrong, or if there is no such selection; then nothing changes.
   Result<void> set_selection(std::string_view text, std::size_t which = 0) {
     return detail::declared_selection<R>()
         .and_then([&](const Selection& all) {
-          return R.is_selected ? type().parse_selection(text) : detail::selection_within(type(), all, text);
+          return detail::selection_of_text(type(), all, detail::fields_of_text<R>, text);
         })
         .and_then([&](const Selection& selection) { return subscriber_.set_selection(selection, which); });
   }
 
-  /// Counts, and each publisher of the topic: those of one selection. All zero if there is no such selection.
-  /// Any thread.
+  /// What selection `which` has received and lost, and each publisher of the topic. Any thread. An empty
+  /// status if there is no such selection.
   SubscriberStatus status(std::size_t which = 0) const { return subscriber_.status(which); }
-  /// The fields that one selection asks for and, if they are recorded, how often each was read.
+  /// The fields that selection `which` asks for and, if they are recorded, how often each was read. Empty if
+  /// there is no such selection.
   Requirements requirements(std::size_t which = 0) const { return subscriber_.requirements(which); }
   /// The message type. Any thread; valid as long as the subscriber.
   const TypeSupport& type() const { return subscriber_.type(); }

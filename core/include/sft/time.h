@@ -27,7 +27,7 @@ concept OwnedSeconds = requires(const S& s) {
   { s.sec } -> std::convertible_to<std::int64_t>;
   { s.nanosec } -> std::convertible_to<std::int64_t>;
 };
-/// A view, whose getters return optionals where fields are recorded.
+/// A view, whose getters return optionals where fields are recorded or selected.
 template <class S>
 concept ReadSeconds = requires(const S& s) {
   s.sec();
@@ -67,8 +67,9 @@ concept SecondsMessage = OwnedSeconds<S> || ReadSeconds<S>;
 
 }  // namespace detail
 
-/// A builtin_interfaces/Duration in ns. For a sample whose fields are recorded it is a std::optional, which
-/// is empty if the sample does not have both fields. Every value of a message is in range.
+/// A builtin_interfaces/Duration in ns. For a sample whose fields are recorded or selected it is a
+/// std::optional, which is empty if the sample does not have both fields. Every value of a message is in
+/// range.
 template <detail::SecondsMessage S>
 constexpr auto to_duration(const S& duration) {
   if constexpr (detail::OwnedSeconds<S>) {
@@ -86,7 +87,7 @@ constexpr auto to_duration(const S& duration) {
 
 /// A builtin_interfaces/Time as a point in time since 1970-01-01 in UTC, as std::chrono::system_clock and the
 /// stamps of SampleInfo count. A stamp of simulated time counts from the begin of the simulation. For a
-/// sample whose fields are recorded it is a std::optional, as for to_duration().
+/// sample whose fields are recorded or selected it is a std::optional, as for to_duration().
 template <detail::SecondsMessage S>
 constexpr auto to_time(const S& stamp) {
   using Time = std::chrono::sys_time<std::chrono::nanoseconds>;

@@ -206,7 +206,7 @@ class PathSwitch : public test::RandomTest {
 
 TEST_F(PathSwitch, LosesNothingUncountedTakesNothingTwiceAndAsksForNothingThatIsNotThere) {
   run();
-  const SubscriberStatus status = subscriber.status();
+  const SubscriberStatus status = subscriber.feed().status();
   EXPECT_GT(status.received, 1000U);
   EXPECT_EQ(status.received + status.lost, last - first + 1);
   EXPECT_EQ(publisher.status().published, published);
@@ -221,7 +221,7 @@ TEST_F(PathSwitch, WhatSharedMemoryRefusesIsLostTakenOnceOrCountedAsWell) {
     take();
     return memory_reader->samples.empty() && network_reader->samples.empty() && !subscriber.available();
   }));
-  const SubscriberStatus status = subscriber.status();
+  const SubscriberStatus status = subscriber.feed().status();
   EXPECT_GT(status.received, 1000U);
   EXPECT_EQ(status.received + status.lost, last - first + 1);
   EXPECT_EQ(memory_writer->uncovered + network_writer->uncovered, 0);
@@ -256,7 +256,7 @@ TEST_F(PatientPathSwitch, WhatSharedMemoryRefusesComesByUdpInItsPlaceHoweverLate
   deliver_all_of(*memory_writer, *memory_reader);
   deliver_all_of(*network_writer, *network_reader);
   take();
-  const SubscriberStatus status = subscriber.status();
+  const SubscriberStatus status = subscriber.feed().status();
   EXPECT_EQ(last, published);
   EXPECT_EQ(status.received, last - first + 1);
   EXPECT_EQ(status.lost, 0U);
@@ -274,7 +274,7 @@ void PatientPathSwitch::expect_in_place(const Serving& over_network, const Servi
     deliver_all_of(*memory_writer, *memory_reader);
     deliver_all_of(*network_writer, *network_reader);
     take();
-    const std::uint64_t lost = subscriber.status().lost;
+    const std::uint64_t lost = subscriber.feed().status().lost;
     for (int i = 0; i < 7; ++i) publish();
     publisher.serve(in_memory, memory_writer);  // samples are published meanwhile
     publish();
@@ -283,7 +283,7 @@ void PatientPathSwitch::expect_in_place(const Serving& over_network, const Servi
     deliver_all_of(*network_writer, *network_reader);
     take();
     ASSERT_EQ(last, published);
-    ASSERT_EQ(subscriber.status().lost, lost);
+    ASSERT_EQ(subscriber.feed().status().lost, lost);
   }
 }
 
@@ -338,7 +338,7 @@ TEST_F(PathSwitch, CountsEachSampleThatDidNotComeAsLostOrWithheldWhileLimitsChan
   periods_us = {0, 10, 30};
   EXPECT_TRUE(test::eventually([&] { return take(), last == published; }))
       << last;  // or it waits, for a while
-  const SubscriberStatus status = subscriber.status();
+  const SubscriberStatus status = subscriber.feed().status();
   EXPECT_GT(status.received, 1000U);
   EXPECT_GT(status.withheld, 100U);
   EXPECT_EQ(status.received + status.lost + status.withheld, last - first + 1);

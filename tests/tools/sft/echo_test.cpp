@@ -124,8 +124,11 @@ TEST_F(EchoTest, SamplesComeByEitherOfTwoSelections) {
   scan.range_min = 0.25F;
   const Publishing publishing(scans, scan);
   ToolProcess echo({"echo", "scan", "--fields", "angle_increment", "--fields", "range_min @ every 2nd"});
-  EXPECT_TRUE(echo.prints("angle_increment: 0.5")) << echo.out();
-  EXPECT_TRUE(echo.prints("range_min: 0.25")) << echo.out();
+  EXPECT_TRUE(echo.prints("# selection 0\nangle_increment: 0.5\n---\n")) << echo.out();
+  EXPECT_TRUE(echo.prints("# selection 1\nrange_min: 0.25\n---\n")) << echo.out();
+  ToolProcess table({"echo", "scan", "--csv", "--fields", "ranges", "--fields", "range_min"});
+  EXPECT_TRUE(table.prints("range_min,ranges\n")) << table.out();
+  EXPECT_TRUE(table.prints("\n0.25,\n")) << table.out();
   EXPECT_EQ(run_tool({"echo", "scan", "--fields", "ranges", "--fields", "ragnes"}).code, 2);
 }
 

@@ -34,10 +34,10 @@ Result<Selection> declared_selection(const FieldMask& mask, const DeclaredParts&
   return Selection::make(mask, std::move(declared), {});
 }
 
-Result<Selection> selection_within(const TypeSupport& type, const Selection& declared,
-                                   std::string_view text) {
-  const Result<Selection> named = type.parse_selection(text);
-  if (!named) return named;
+Result<Selection> selection_of_text(const TypeSupport& type, const Selection& declared, FieldsOfText fields,
+                                    std::string_view text) {
+  Result<Selection> named = type.parse_selection(text);
+  if (!named || (fields == FieldsOfText::named && !named->mask().empty())) return named;
   const FieldMask all = type.closed(declared).mask();
   if (!all.contains(named->mask())) {
     return fail(Errc::invalid_argument, "'" + std::string(text) +

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "sft/detail/declared_selection.h"
 #include "sft/detail/loan_view.h"
 #include "sft/detail/walk.h"
 #include "sft/options.h"
@@ -153,8 +154,7 @@ using Callback = std::function<void(Sample&&)>;
 struct Requirement {
   Selection selection;  ///< declared; where recorded, the fields that are asked for at first
   bool recorded = false;
-  /// The texts of SubscriberOptions name the fields. Otherwise they name parts of declared fields only.
-  bool fields_by_text = false;
+  FieldsOfText fields_of_text = FieldsOfText::declared;  ///< of the texts of SubscriberOptions
   /// Samples say what was asked for, and show nothing else, also if a sample in shared memory has more.
   bool limits_samples = false;
   std::vector<Selection> further{};  ///< SubscriberOptions::further_selections; none where recorded
@@ -173,6 +173,7 @@ class Subscriber {
   // `which`: the number of one of its selections.
   Result<void> set_max_rate_hz(double max_rate_hz, std::size_t which);
   Result<void> set_selection(const Selection& selection, std::size_t which);
+  std::size_t selections() const;
   SubscriberStatus status(std::size_t which) const;
   Requirements requirements(std::size_t which) const;
   const TypeSupport& type() const;

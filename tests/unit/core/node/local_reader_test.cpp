@@ -113,8 +113,8 @@ TEST_F(LocalReaderTest, ItsRequestTellsTheSubscriberWhatIsInForce) {
   open_by_network();
   negotiation.rate_changed(200, 1000);
   reader->send_request();
-  EXPECT_EQ(core->status().requests, request().sequence);
-  EXPECT_EQ(core->status().mask, mask);
+  EXPECT_EQ(core->feed().status().requests, request().sequence);
+  EXPECT_EQ(core->feed().status().mask, mask);
 }
 
 TEST_F(LocalReaderTest, AConnectionByWhichNothingArrivesIsClosedAndMadeAnewAfterAPause) {
@@ -132,7 +132,7 @@ TEST_F(LocalReaderTest, AConnectionByWhichNothingArrivesIsClosedAndMadeAnewAfter
   EXPECT_TRUE(restarted);
   EXPECT_THAT(connections.writers, IsEmpty());
   EXPECT_THAT(request().listening, IsEmpty());
-  EXPECT_EQ(core->status().restarts, 1U);
+  EXPECT_EQ(core->feed().status().restarts, 1U);
   EXPECT_TRUE(reader->may_try_again(now + std::chrono::seconds(1)));
 }
 

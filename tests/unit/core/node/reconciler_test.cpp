@@ -405,8 +405,8 @@ TEST_F(ReconcilerTest, AConnectionByWhichNothingArrivesIsSetUpAnewAndCounted) {
   ASSERT_EQ(discovery.sent.size(), before + 1);
   EXPECT_THAT(discovery.sent.back().listening, IsEmpty());
   EXPECT_THAT(connections.writers, IsEmpty());
-  EXPECT_EQ(core->status().restarts, 1U);
-  EXPECT_EQ(core->status().writers.at(0).restarts, 1U);
+  EXPECT_EQ(core->feed().status().restarts, 1U);
+  EXPECT_EQ(core->feed().status().writers.at(0).restarts, 1U);
   EXPECT_THAT(logged,
               ElementsAre("node: topic 'points', node 'camera': it sends, but nothing arrives by udp; the "
                           "connection is set up anew (restart 1)"));

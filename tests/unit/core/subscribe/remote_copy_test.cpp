@@ -125,15 +125,15 @@ TEST_F(AsRemoteSubscriberTest, CountsAsLostWhatItWouldNotHaveGotThere) {
   const untyped::Sample behind = subscriber.take();
   EXPECT_EQ(behind.info().sequence, 3U);
   EXPECT_EQ(behind.info().lost_before, 1U);
-  EXPECT_EQ(subscriber.status().received, 2U);
-  EXPECT_EQ(subscriber.status().lost, 1U);
+  EXPECT_EQ(subscriber.feed().status().received, 2U);
+  EXPECT_EQ(subscriber.feed().status().lost, 1U);
 }
 
 TEST_F(AsRemoteSubscriberTest, CountsThosePassedOverAsReceived) {
   subscriber.feed().requests(FieldMask(F::width), 2);
   for (int i = 0; i < 3; ++i) port->samples.push_back(whole(any_cloud()));
   EXPECT_EQ(subscriber.take_latest().info().sequence, 3U);
-  EXPECT_EQ(subscriber.status().received, 3U);
+  EXPECT_EQ(subscriber.feed().status().received, 3U);
 }
 
 TEST_F(AsRemoteSubscriberTest, MayTakeOnSeveralThreadsAtOnce) {
@@ -159,7 +159,7 @@ TEST_F(AsRemoteSubscriberTest, MayTakeOnSeveralThreadsAtOnce) {
   take_all();
   other.join();
   EXPECT_EQ(wrong, 0U);
-  EXPECT_EQ(subscriber.status().received, samples);
+  EXPECT_EQ(subscriber.feed().status().received, samples);
 }
 
 /// A subscriber on another host than its publishers, which gets what they send there.
@@ -240,7 +240,7 @@ TEST_F(PartSubscriberTest, TakesItsPartOutOfAMergedSample) {
   arrives("data{x,y,z}");
   expect_next("data{x,y,z}");
   expect_next("data{x,y,z}");
-  EXPECT_EQ(subscriber.status().received, 2U);
+  EXPECT_EQ(subscriber.feed().status().received, 2U);
 }
 
 /// Samples of the request before are under way when a request has just changed.
@@ -253,8 +253,8 @@ TEST_F(PartSubscriberTest, GetsWholeSamplesOfItsFormerRequestAsTheyAre) {
   arrives("data{x,y,z}");
   subscriber.feed().requests(selection("*"), 3);
   expect_next("data{x,y,z}");
-  EXPECT_EQ(subscriber.status().received, 3U);
-  EXPECT_EQ(subscriber.status().lost, 0U);
+  EXPECT_EQ(subscriber.feed().status().received, 3U);
+  EXPECT_EQ(subscriber.feed().status().lost, 0U);
 }
 
 /// A merged sample has the mask of a former request now and then, and yet is for the present one.
@@ -273,7 +273,7 @@ TEST_F(PartSubscriberTest, TakesAFormerPartOutOfAMergedSampleThatLacksWhatItAsks
   subscriber.feed().requests(selection("header"), 4);
   arrives_merged("data, fields, height, width, point_step, row_step, is_bigendian");
   expect_next("data{y}");
-  EXPECT_EQ(subscriber.status().received, 1U);
+  EXPECT_EQ(subscriber.feed().status().received, 1U);
 }
 
 TEST_F(PartSubscriberTest, NamesNoConditionsThatAMergedSampleWasNotSentUnder) {

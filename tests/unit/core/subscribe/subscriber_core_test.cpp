@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <atomic>
 #include <limits>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 #include <thread>
@@ -90,7 +91,7 @@ TEST_F(SubscriberCoreTest, ASampleInSharedMemoryWaitsForOneBeforeItThatWentByUdp
   EXPECT_EQ(taken(), (Sequences{7}));
   arrives(*network, 2);
   EXPECT_EQ(taken(), (Sequences{2, 3}));
-  EXPECT_EQ(subscriber->status().lost, 0U);
+  EXPECT_EQ(subscriber->feed().status().lost, 0U);
 }
 
 TEST_F(SubscriberCoreTest, WhatWentByUdpToOthersIsNotWaitedForWhereNobodyListensThere) {
@@ -107,7 +108,9 @@ TEST_F(SubscriberCoreTest, OneThatWaitsInVainIsLookedAtAgain) {
   arrives_after_diverted(2, 1, realtime_ns());
   EXPECT_FALSE(subscriber->wait({}));
   std::jthread agent([&](const std::stop_token& end) {
-    while (!end.stop_requested()) subscriber->look_again();
+    while (!end.stop_requested()) {
+      if (subscriber->ports().take_held_back()) subscriber->wake();
+    }
   });
   EXPECT_TRUE(subscriber->wait(std::chrono::seconds(10)));
   EXPECT_EQ(taken(), (Sequences{2}));
@@ -119,14 +122,14 @@ TEST_F(SubscriberCoreTest, WhatItsWriterSentBeforeIsFoundInSharedMemoryBehindSam
   arrives(*memory, 2, 9, 6);
   arrives(*network, 3, 9, 7);
   EXPECT_EQ(taken(), (Sequences{1, 2, 3, 1}));
-  EXPECT_EQ(subscriber->status().lost, 0U);
+  EXPECT_EQ(subscriber->feed().status().lost, 0U);
 }
 
 TEST_F(SubscriberCoreTest, WhatAPortLostUnseenIsCountedAlsoWhenThePortIsGone) {
   memory->unnoticed = 5;
-  EXPECT_EQ(subscriber->status().lost, 5U);
+  EXPECT_EQ(subscriber->feed().status().lost, 5U);
   subscriber->ports().set_memory(nullptr);
-  EXPECT_EQ(subscriber->status().lost, 5U);
+  EXPECT_EQ(subscriber->feed().status().lost, 5U);
 }
 
 TEST_F(SubscriberCoreTest, LossesThatOnlyAPortKnowsAreCountedWithThoseSeen) {
@@ -134,7 +137,7 @@ TEST_F(SubscriberCoreTest, LossesThatOnlyAPortKnowsAreCountedWithThoseSeen) {
   arrives(*network, 8);
   network->unnoticed = 3;
   taken();
-  EXPECT_EQ(subscriber->status().lost, 5U);
+  EXPECT_EQ(subscriber->feed().status().lost, 5U);
 }
 
 TEST_F(SubscriberCoreTest, WhetherASampleIsExpiredIsToldOfAnyStamp) {
@@ -145,11 +148,11 @@ TEST_F(SubscriberCoreTest, WhetherASampleIsExpiredIsToldOfAnyStamp) {
     Hearing hearing;
     hearing.source.writer = hearing.status.id = 9;
     hearing.offered.lifespan = std::chrono::nanoseconds(lifespan);
-    subscriber->hears({hearing});
+    subscriber->ports().hears({hearing});
     arrives(*network, 1, 9, first);
     arrives(*network, 2, 9, last);
     EXPECT_EQ(taken(), (Sequences{2})) << lifespan;
-    EXPECT_EQ(subscriber->status().expired, 1U) << lifespan;
+    EXPECT_EQ(subscriber->feed().status().expired, 1U) << lifespan;
   }
 }
 
@@ -164,7 +167,7 @@ TEST_F(SubscriberCoreTest, AMaximumRateIsKeptWithAnyStamps) {
   }
   const std::size_t delivered = taken().size();
   EXPECT_GT(delivered, 0U);
-  EXPECT_EQ(delivered + subscriber->status().withheld, sequence);
+  EXPECT_EQ(delivered + subscriber->feed().status().withheld, sequence);
 }
 
 TEST_F(SubscriberCoreTest, TheLatestSampleCarriesTheLossesOfThosePassedOver) {
@@ -276,8 +279,8 @@ TEST_F(TwoFeedsTest, TheOldestSampleComesFirstAndOfEquallyOldOnesThatOfTheFirstS
   arrives(*memory, 2);
   arrives(*memory, 3);
   EXPECT_EQ(all([&] { return subscriber->take(); }), (Came{{1, 1}, {0, 2}, {0, 3}, {1, 3}}));
-  EXPECT_EQ(subscriber->status(0).received, 2U);
-  EXPECT_EQ(subscriber->status(1).received, 2U);
+  EXPECT_EQ(subscriber->feed(0).status().received, 2U);
+  EXPECT_EQ(subscriber->feed(1).status().received, 2U);
 }
 
 TEST_F(TwoFeedsTest, TheNewestSampleOfEachSelectionIsTakenInTurn) {
@@ -292,8 +295,8 @@ TEST_F(TwoFeedsTest, LossesAreThoseOfTheSelection) {
   arrives(*memory_of_second, 1);
   arrives(*memory_of_second, 2);
   EXPECT_EQ(all([&] { return subscriber->take(); }).size(), 4U);
-  EXPECT_EQ(subscriber->status(0).lost, 2U);
-  EXPECT_EQ(subscriber->status(1).lost, 0U);
+  EXPECT_EQ(subscriber->feed(0).status().lost, 2U);
+  EXPECT_EQ(subscriber->feed(1).status().lost, 0U);
 }
 
 TEST_F(TwoFeedsTest, AnotherSelectionOfTheSecondLeavesTheFirst) {
@@ -320,6 +323,39 @@ TEST_F(TwoFeedsTest, AThreadThatWaitsIsWokenBySamplesOfEither) {
     EXPECT_EQ(subscriber->take().info().selection, i);
     EXPECT_FALSE(subscriber->available());
   }
+}
+
+// The publisher's clock is set back meanwhile.
+TEST_F(TwoFeedsTest, TheSamplesOfAWriterComeInTheOrderOfTheirNumbers) {
+  arrives(*memory, 1, 9, 1000);
+  arrives(*memory_of_second, 2, 9, 500);
+  EXPECT_EQ(all([&] { return subscriber->take(); }), (Came{{0, 1}, {1, 2}}));
+}
+
+TEST_F(TwoFeedsTest, EachSampleIsTakenByOneOfSeveralThreads) {
+  constexpr std::uint64_t samples = 2000;
+  const std::array ports{std::make_shared<SharedMemoryQueue>(), std::make_shared<SharedMemoryQueue>()};
+  for (const std::size_t i : {0, 1}) subscriber->ports(i).set_memory(ports[i]);
+  std::array<std::atomic<std::uint64_t>, 2> taken{};
+  const auto take_all = [&] {
+    while (taken[0] + taken[1] < 2 * samples) {
+      if (const untyped::Sample sample = subscriber->take()) ++taken[sample.info().selection];
+    }
+  };
+  std::jthread first(take_all), second(take_all);
+  for (std::uint64_t sequence = 1; sequence <= samples; ++sequence) {
+    for (const auto& port : ports) {
+      SampleHandle sample = pool->take(256);
+      for (; !sample; sample = pool->take(256)) std::this_thread::yield();
+      sample->writer = 9;
+      sample->sequence = sequence;
+      sample->mask = type.full();
+      port->put(std::move(sample));
+    }
+  }
+  first.join();
+  second.join();
+  for (const std::size_t i : {0, 1}) EXPECT_EQ(subscriber->feed(i).status().received, samples) << i;
 }
 
 }  // namespace

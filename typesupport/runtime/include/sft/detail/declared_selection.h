@@ -1,6 +1,7 @@
 // The selection of a program that declares its fields when it is compiled.
 #pragma once
 
+#include <cstdint>
 #include <string_view>
 
 #include "sft/detail/declared_part.h"
@@ -21,9 +22,18 @@ Result<Selection> declared_selection() {
   return declared_selection(FieldMask(R.mask), parts);
 }
 
-/// The fields of `declared`, but the parts of them and the gate that the text names
-/// (SubscriberOptions::selection). A field that the text does not name is as it was declared. An error if the
-/// text names other fields.
-Result<Selection> selection_within(const TypeSupport& type, const Selection& declared, std::string_view text);
+/// Says which fields a text of SubscriberOptions asks for.
+enum class FieldsOfText : std::uint8_t {
+  declared,  ///< those that are declared; of these the text names parts, and no others
+  named      ///< those that the text names; all, if it names none
+};
+
+template <auto R>
+inline constexpr FieldsOfText fields_of_text = R.is_selected ? FieldsOfText::named : FieldsOfText::declared;
+
+/// What such a text asks for, with its gate. A declared field that the text does not name is as it was
+/// declared. An error if the text names fields that it must not name.
+Result<Selection> selection_of_text(const TypeSupport& type, const Selection& declared, FieldsOfText fields,
+                                    std::string_view text);
 
 }  // namespace sft::detail

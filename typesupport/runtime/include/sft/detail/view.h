@@ -172,6 +172,7 @@ struct PlaceBase {
   /// Notes the access where the reader records, and tells whether the sample has the leaf. For a collection
   /// of structs that is the leaf of its length (or its first element's leaf, in an array).
   static bool note(const SampleState& s, std::size_t leaf, std::size_t leaves) noexcept {
+    if constexpr (!R.is_recorded) return s.mask->any_of(leaf, leaves);
     return (s.log != nullptr && s.log->has_found(leaf)) || note_first(s, leaf, leaves);
   }
 
