@@ -201,7 +201,7 @@ TEST_P(SeveralSelectionsTest, OneFileDescriptorTellsOfAll) {
 // The first selection lets one sample through and then none: only samples of the second one can wake the
 // thread, which receives by UDP itself.
 TEST_P(SeveralSelectionsTest, AThreadThatWaitsIsWokenByTheSecondOneAlone) {
-  auto sub = b.subscriber("points", type(), "height @ height = 1", with({"height @ height > 100"})).value();
+  auto sub = b.subscriber("points", type(), "height @ height == 1", with({"height @ height > 100"})).value();
   expect_served(pub, 2);
   publish({1});
   EXPECT_THAT(next(sub, 2), UnorderedElementsAre(Pair(0, 1), Pair(1, 1)));
@@ -243,10 +243,11 @@ TEST_P(SeveralSelectionsTest, ADeadlineIsForTheFirstOneOnly) {
       a.publisher<PointCloud2>("promised", {.reliability = Reliability::reliable, .deadline = 2s}).value();
   auto sub = b.subscriber("promised", b.find_type("promised", 15s).value(), "height", options).value();
   expect_served(promising, 2);
-  for (int i = 0; i < 30; ++i) {
-    ASSERT_EQ(promising.publish(cloud(1)), PublishStatus::ok);
-    ASSERT_TRUE(sub.wait(5s));
-    while (sub.take()) continue;
+  ASSERT_EQ(promising.publish(cloud(1)), PublishStatus::ok);
+  EXPECT_THAT(next(sub, 2), UnorderedElementsAre(Pair(0, 1), Pair(1, 1)));
+  for (std::uint32_t height = 2; height < 32; ++height) {
+    ASSERT_EQ(promising.publish(cloud(height)), PublishStatus::ok);
+    EXPECT_THAT(next(sub, 1), ElementsAre(Pair(0, height)));
     EXPECT_FALSE(sub.wait(100ms));
   }
   EXPECT_EQ(b.snapshot().subscribers[0].qos.deadline, 2s);

@@ -106,6 +106,7 @@ TEST_P(PartFanOutTest, ServesWholePartAndScalarsBesideEachOther) {
 TEST_P(PartFanOutTest, SendsAProcessWithTwoReadersOfAPartOneCopy) {
   make_readers({"data[::2]"});
   const double one_reader = bytes_of_one_sample();
+  ASSERT_TRUE(all_came()) << "the second reader is to hear those that follow only";
   test::Subscriber second(*hosts_[0].transport, std::vector<std::string>{"data[::2]"}, 10'000, 2);
   GetParam() ? second.listen_reliably_to(publisher_->id()) : second.listen_to(publisher_->id());
   const std::uint32_t since = published_;
