@@ -17,6 +17,7 @@
 #include "shm_transport/host/iceoryx.h"
 #include "shm_transport/sftd/other_daemons.h"
 #include "shm_transport/sftd/pool_choice.h"
+#include "shm_transport/sftd/populated_mappings.h"
 #include "shm_transport/sftd/stale_files.h"
 #include "shm_transport/sftd/status_file.h"
 #include "shm_transport/sftd/wait_until.h"
@@ -111,7 +112,11 @@ std::optional<StartFailure> Daemon::host(const PoolPlan& plan) {
                         "another iceoryx daemon (iox-roudi) is starting; stop that daemon"};
   }
   roudi_lock_.emplace(std::move(lock.value()));
-  auto memory = HostMemory::make(make_config(plan, groups_), groups_);
+  const iox::RouDiConfig_t config = make_config(plan, groups_);
+  auto memory = [&] {
+    const PopulatedMappings populated(plan.bytes() + HostMemory::management_bytes(config));
+    return HostMemory::make(config, groups_);
+  }();
   if (!memory) return StartFailure{ExitCode::no_space, memory.error().message};
   memory_ = std::move(*memory);
   ports_ = std::make_unique<iox::roudi::PortManager>(memory_.get());

@@ -1,0 +1,25 @@
+#include "shm_transport/sftd/populated_mappings.h"
+
+#include <sys/mman.h>
+
+namespace sft::shm {
+
+namespace {
+/// Of other memory that the process may ask for meanwhile.
+constexpr std::size_t room_for_others = std::size_t{64} << 20;
+}  // namespace
+
+PopulatedMappings::PopulatedMappings(std::size_t bytes) {
+  if (::mlockall(MCL_FUTURE) != 0) return;
+  // Beyond the limit of locked memory a mapping would fail. This one occupies nothing, and tells.
+  const std::size_t all = bytes + room_for_others;
+  void* const probe = ::mmap(nullptr, all, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  is_allowed_ = probe != MAP_FAILED;
+  is_allowed_ ? ::munmap(probe, all) : ::munlockall();
+}
+
+PopulatedMappings::~PopulatedMappings() {
+  if (is_allowed_) ::munlockall();
+}
+
+}  // namespace sft::shm
