@@ -1,5 +1,5 @@
-// What one selection of a subscriber brings. Each selection is an endpoint of its own, with a request, ports,
-// an order of its samples, and counts. Most subscribers have one selection.
+// A feed brings the samples of one selection of a subscriber. Each selection is an endpoint of its own, with
+// a request, ports, an order of its samples, and counts. Most subscribers have one selection.
 #pragma once
 
 #include <chrono>
@@ -45,15 +45,16 @@ class Feed {
     Recorder* recorder = nullptr;          ///< null: the selection is declared
   };
 
-  /// What `common` names outlives this object.
+  /// The objects that `common` names outlive this one.
   Feed(Spec spec, const Common& common);
 
   const Spec& spec() const { return spec_; }
   SubscriberPorts& ports() { return ports_; }
 
-  /// What is needed at present, declared or recorded: closed, and without a rate. Any thread.
+  /// Returns what the subscriber needs at present, declared or recorded: closed, and without a rate. Any
+  /// thread.
   Selection required() const SFT_EXCLUDES(mutex_);
-  // Any thread; see Subscriber.
+  // The class Subscriber explains these functions. They may be called by any thread.
   Result<void> set_max_rate_hz(double max_rate_hz);
   Result<void> set_selection(const Selection& other) SFT_EXCLUDES(mutex_);
   SubscriberStatus status();

@@ -27,7 +27,6 @@
 #include "core/subscribe/subscriber_ports.h"
 #include "core/subscribe/waiter.h"
 #include "core/sync/guarded_call.h"
-#include "core/sync/mutex.h"
 #include "sft/detail/untyped.h"
 
 namespace sft::core {

@@ -5,13 +5,13 @@
 namespace sft::shm {
 
 namespace {
-/// Of other memory that the process may ask for meanwhile.
+/// The process may ask for so much other memory meanwhile.
 constexpr std::size_t room_for_others = std::size_t{64} << 20;
 }  // namespace
 
 PopulatedMappings::PopulatedMappings(std::size_t bytes) {
   if (::mlockall(MCL_FUTURE) != 0) return;
-  // Beyond the limit of locked memory a mapping would fail. This one occupies nothing, and tells.
+  // A mapping fails if it exceeds the limit of locked memory. This one occupies nothing; it only finds out.
   const std::size_t all = bytes + room_for_others;
   void* const probe = ::mmap(nullptr, all, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   is_allowed_ = probe != MAP_FAILED;

@@ -242,7 +242,7 @@ struct SubscriberOptions {
   /// Further selections, as texts of the same kind: "pose.pose @ at most 100 Hz" as the first selection, and
   /// "pose.covariance @ at most 1 Hz" here. A message comes once by each selection that lets it through.
   /// SampleInfo::selection says by which one a sample came: 0 is the first selection, 1 the first of these.
-  /// Of all samples that have come the oldest is delivered first; of one message the samples are delivered in
+  /// The oldest of all samples that have come is delivered first. The samples of one message are delivered in
   /// the order of the selections, if all have come. A sample may have more fields than its selection asks
   /// for, since one encoding may serve several selections, and a sample in shared memory has all.
   ///

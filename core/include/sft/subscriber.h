@@ -60,7 +60,7 @@ class Subscriber {
   /// it. The subscriber owns it and closes it. -1 without SubscriberOptions::pollable.
   int file_descriptor() const { return subscriber_.file_descriptor(); }
 
-  /// The number of its selections: 1, and one more for each of SubscriberOptions::further_selections.
+  /// Returns the number of its selections: 1, and one more for each of SubscriberOptions::further_selections.
   std::size_t selections() const { return subscriber_.selections(); }
 
   /// Changes the maximum rate of selection `which`; publishers follow in a moment. An error if the rate is
@@ -81,11 +81,11 @@ class Subscriber {
         .and_then([&](const Selection& selection) { return subscriber_.set_selection(selection, which); });
   }
 
-  /// What selection `which` has received and lost, and each publisher of the topic. Any thread. An empty
-  /// status if there is no such selection.
+  /// Returns the counts of selection `which`, and each publisher of the topic. Any thread. The status is
+  /// empty if there is no such selection.
   SubscriberStatus status(std::size_t which = 0) const { return subscriber_.status(which); }
-  /// The fields that selection `which` asks for and, if they are recorded, how often each was read. Empty if
-  /// there is no such selection.
+  /// Returns the fields that selection `which` asks for and, if they are recorded, how often each was read.
+  /// The result is empty if there is no such selection.
   Requirements requirements(std::size_t which = 0) const { return subscriber_.requirements(which); }
   /// The message type. Any thread; valid as long as the subscriber.
   const TypeSupport& type() const { return subscriber_.type(); }

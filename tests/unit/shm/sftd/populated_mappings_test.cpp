@@ -1,4 +1,4 @@
-// What the daemon maps while it starts is in memory at once, where the system lets it lock so much.
+// The daemon's mappings are in memory at once while it starts, where the system lets it lock so much.
 #include "shm_transport/sftd/populated_mappings.h"
 
 #include <gtest/gtest.h>
@@ -34,7 +34,7 @@ TEST(PopulatedMappings, NeedNoPageFaults) {
   EXPECT_GT(faults_of_a_mapping(), usual / 2) << "nothing is populated any more";
 }
 
-TEST(PopulatedMappings, LeaveALimitOfLockedMemoryAlone) {
+TEST(PopulatedMappings, PopulateNothingIfSoMuchCannotBeMapped) {
   const PopulatedMappings populated(std::size_t{1} << 50);
   EXPECT_FALSE(populated.is_allowed()) << "so much cannot be mapped";
   EXPECT_GT(faults_of_a_mapping(), 100);

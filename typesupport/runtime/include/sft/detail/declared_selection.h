@@ -31,8 +31,8 @@ enum class FieldsOfText : std::uint8_t {
 template <auto R>
 inline constexpr FieldsOfText fields_of_text = R.is_selected ? FieldsOfText::named : FieldsOfText::declared;
 
-/// What such a text asks for, with its gate. A declared field that the text does not name is as it was
-/// declared. An error if the text names fields that it must not name.
+/// Returns what such a text asks for, with its gate. A declared field that the text does not name is as it
+/// was declared. An error if the text names fields that it must not name.
 Result<Selection> selection_of_text(const TypeSupport& type, const Selection& declared, FieldsOfText fields,
                                     std::string_view text);
 
