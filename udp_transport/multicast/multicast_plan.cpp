@@ -53,10 +53,11 @@ class LinkPlan {
   /// Changes whatever is worth it.
   void improve(double samples_per_s, const PlanLimits& limits) {
     Places best = search_.search(places_);
-    const PlanCost gain = cost_ - search_.cost_of(best);
+    const PlanCost least = search_.cost_of(best);
+    const PlanCost gain = cost_ - least;
     const bool must = !search_.allows(cost_) && gain.wire * samples_per_s > limits.gain_bytes_per_s;
     const bool pays =
-        gain.cost > limits.gain_min * cost_.cost && gain.cost * samples_per_s > limits.gain_bytes_per_s;
+        gain.cost > limits.gain_min * least.cost && gain.cost * samples_per_s > limits.gain_bytes_per_s;
     if (must || pays) places_ = std::move(best);
   }
 

@@ -35,7 +35,7 @@ using MulticastPlan = std::vector<PlannedGroup>;
 struct PlanLimits {
   double unwanted_weight = 0.25;   ///< of a byte that a member gets and has not asked for
   double wire_max = 1.05;          ///< bytes on a link, by what one group, or none, would put there
-  double gain_min = 0.05;          ///< of the present cost: less is no reason to change anything
+  double gain_min = 0.05;          ///< of what the best one costs: less is no reason to change anything
   double gain_bytes_per_s = 4096;  ///< likewise
   std::size_t groups_max = 8;      ///< on a link
   /// The bytes that a body may have that nobody asked for as it is: a larger one might not be sent at all.

@@ -194,6 +194,27 @@ TEST(MulticastPlan, DoesNotFlapWhileSizesVary) {
   EXPECT_LE(changes, 1);
 }
 
+TEST(MulticastPlan, IsKeptWhileItCostsAtMostATwentiethMoreThanTheBest) {
+  const FieldMask C = some(4);
+  const MulticastPlan present{{A | C, {0, 1, 4}}, {B | C, {2, 3}}};
+  PlanLimits usual, eager;
+  usual.wire_max = eager.wire_max = 2;
+  eager.gain_min = 0;
+  double dearest_kept = 1, cheapest_left = 2;  // of the present plan, by the best one
+  for (double a = 1000; a < 3000; a += 2) {  // the larger, the dearer it is that the last one gets that, too
+    const BodyBytes bytes = apart({a, 1000, 500});
+    const std::vector<PlanDestination> all = destinations({A | C, A | C, B | C, B | C, C}, bytes);
+    const double least = plan_cost(all, bytes, plan_multicast(all, bytes, often, present, eager)).cost;
+    const double cost = plan_cost(all, bytes, present).cost / least;
+    double& nearest =
+        plan_multicast(all, bytes, often, present, usual) == present ? dearest_kept : cheapest_left;
+    nearest = &nearest == &dearest_kept ? std::max(nearest, cost) : std::min(nearest, cost);
+  }
+  EXPECT_LE(dearest_kept, 1 + PlanLimits{}.gain_min);
+  EXPECT_GT(cheapest_left, 1 + PlanLimits{}.gain_min);
+  EXPECT_NEAR(dearest_kept, cheapest_left, 1e-3) << "both are seen";
+}
+
 TEST(MulticastPlan, HasNoGroupForATopicThatIsSeldomSent) {
   const std::vector<PlanDestination> all = destinations({A, A, A, A, A, A, A, A}, apart({100}));
   EXPECT_TRUE(plan_multicast(all, apart({100}), 1, {}, {}).empty());
