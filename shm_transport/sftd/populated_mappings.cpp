@@ -15,7 +15,10 @@ PopulatedMappings::PopulatedMappings(std::size_t bytes) {
   const std::size_t all = bytes + room_for_others;
   void* const probe = ::mmap(nullptr, all, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   is_allowed_ = probe != MAP_FAILED;
-  is_allowed_ ? ::munmap(probe, all) : ::munlockall();
+  if (is_allowed_)
+    ::munmap(probe, all);
+  else
+    ::munlockall();
 }
 
 PopulatedMappings::~PopulatedMappings() {

@@ -206,9 +206,10 @@ TEST(MulticastPlan, IsKeptWhileItCostsAtMostATwentiethMoreThanTheBest) {
     const std::vector<PlanDestination> all = destinations({A | C, A | C, B | C, B | C, C}, bytes);
     const double least = plan_cost(all, bytes, plan_multicast(all, bytes, often, present, eager)).cost;
     const double cost = plan_cost(all, bytes, present).cost / least;
-    double& nearest =
-        plan_multicast(all, bytes, often, present, usual) == present ? dearest_kept : cheapest_left;
-    nearest = &nearest == &dearest_kept ? std::max(nearest, cost) : std::min(nearest, cost);
+    if (plan_multicast(all, bytes, often, present, usual) == present)
+      dearest_kept = std::max(dearest_kept, cost);
+    else
+      cheapest_left = std::min(cheapest_left, cost);
   }
   EXPECT_LE(dearest_kept, 1 + PlanLimits{}.gain_min);
   EXPECT_GT(cheapest_left, 1 + PlanLimits{}.gain_min);
