@@ -17,7 +17,6 @@
 #include "shm_transport/host/iceoryx.h"
 #include "shm_transport/sftd/other_daemons.h"
 #include "shm_transport/sftd/pool_choice.h"
-#include "shm_transport/sftd/populated_mappings.h"
 #include "shm_transport/sftd/stale_files.h"
 #include "shm_transport/sftd/status_file.h"
 #include "shm_transport/sftd/wait_until.h"
@@ -101,7 +100,10 @@ Daemon::Started Daemon::start(const DaemonSettings& settings, const Log& log, En
   });
   auto failure = daemon->host(*plan);
   daemon->errors_.end_process_with({});
-  if (failure) return tl::unexpected(*failure);
+  if (failure) {
+    daemon->remove_files(false);
+    return tl::unexpected(*failure);
+  }
   return daemon;
 }
 
@@ -112,11 +114,7 @@ std::optional<StartFailure> Daemon::host(const PoolPlan& plan) {
                         "another iceoryx daemon (iox-roudi) is starting; stop that daemon"};
   }
   roudi_lock_.emplace(std::move(lock.value()));
-  const iox::RouDiConfig_t config = make_config(plan, groups_);
-  auto memory = [&] {
-    const PopulatedMappings populated(plan.bytes() + HostMemory::management_bytes(config));
-    return HostMemory::make(config, groups_);
-  }();
+  auto memory = HostMemory::make(make_config(plan, groups_), groups_);
   if (!memory) return StartFailure{ExitCode::no_space, memory.error().message};
   memory_ = std::move(*memory);
   ports_ = std::make_unique<iox::roudi::PortManager>(memory_.get());

@@ -2,6 +2,8 @@
 
 #include <sys/mman.h>
 
+#include "shm_transport/sftd/segment_file.h"
+
 namespace sft::shm {
 
 using iox::roudi::RouDiMemoryManagerError;
@@ -17,26 +19,38 @@ iox::RouDiConfig_t make_config(const PoolPlan& plan, const Groups& groups) {
   return config;
 }
 
-HostMemory::HostMemory(const iox::RouDiConfig_t& config) : memory_(config) {
-  std::ignore = memory_.m_managementShm.addMemoryBlock(&ports_);
-  std::ignore = manager_.addMemoryProvider(&memory_.m_managementShm);
+HostMemory::HostMemory(const iox::RouDiConfig_t& config)
+    : introspection_(iox::roudi::DefaultRouDiMemory(config).introspectionMemPoolConfig()),
+      sample_block_(config),
+      management_(iox::roudi::SHM_NAME, iox::posix::AccessMode::READ_WRITE,
+                  iox::posix::OpenMode::OPEN_EXISTING) {
+  for (iox::roudi::MemoryBlock* const block : blocks()) std::ignore = management_.addMemoryBlock(block);
+  std::ignore = manager_.addMemoryProvider(&management_);
+}
+
+std::array<iox::roudi::MemoryBlock*, 3> HostMemory::blocks() {
+  return {&introspection_, &sample_block_, &ports_};
 }
 
 std::size_t HostMemory::management_bytes(const iox::RouDiConfig_t& config) {
-  return HostMemory(config).management_bytes();
+  return HostMemory(config).management_file_bytes();
 }
 
-std::size_t HostMemory::management_bytes() const {
+std::size_t HostMemory::management_file_bytes() {
   constexpr std::size_t alignment_slack = 4096;
-  return ports_.size() + memory_.m_introspectionMemPoolBlock.size() + memory_.m_segmentManagerBlock.size() +
-         alignment_slack;
+  std::size_t sum = alignment_slack;
+  for (const iox::roudi::MemoryBlock* const block : blocks()) sum += block->size();
+  return sum;
 }
 
 Result<std::unique_ptr<HostMemory>> HostMemory::make(const iox::RouDiConfig_t& config, const Groups& groups) {
   std::unique_ptr<HostMemory> memory(new HostMemory(config));
-  if (memory->createAndAnnounceMemory().has_error() || !memory->find_samples(groups.member)) {
-    return fail(Errc::out_of_memory, "the segments in /dev/shm could not be created; is there space left?");
-  }
+  if (auto made = make_segment_file(iox::roudi::SHM_NAME, memory->management_file_bytes()); !made)
+    return tl::unexpected(made.error());
+  if (auto made = make_segment_file(groups.writers, SampleBlock::file_bytes(config)); !made)
+    return tl::unexpected(made.error());
+  if (memory->createAndAnnounceMemory().has_error() || !memory->find_samples(groups.member))
+    return fail(Errc::out_of_memory, "the segments in /dev/shm could not be mapped");
   return memory;
 }
 
@@ -55,8 +69,7 @@ bool HostMemory::find_samples(uid_t member) {
 }
 
 std::span<const std::byte> HostMemory::management() const {
-  return {static_cast<const std::byte*>(*memory_.m_managementShm.baseAddress()),
-          memory_.m_managementShm.size()};
+  return {static_cast<const std::byte*>(*management_.baseAddress()), management_.size()};
 }
 
 std::uint64_t HostMemory::port_pool_offset() const {
@@ -75,7 +88,7 @@ iox::cxx::expected<RouDiMemoryManagerError> HostMemory::destroyMemory() noexcept
 }
 
 const iox::roudi::PosixShmMemoryProvider* HostMemory::mgmtMemoryProvider() const noexcept {
-  return &memory_.m_managementShm;
+  return &management_;
 }
 
 iox::cxx::optional<iox::roudi::PortPool*> HostMemory::portPool() noexcept {
@@ -84,11 +97,11 @@ iox::cxx::optional<iox::roudi::PortPool*> HostMemory::portPool() noexcept {
 }
 
 iox::cxx::optional<iox::mepoo::MemoryManager*> HostMemory::introspectionMemoryManager() const noexcept {
-  return memory_.m_introspectionMemPoolBlock.memoryManager();
+  return introspection_.memoryManager();
 }
 
 iox::cxx::optional<iox::mepoo::SegmentManager<>*> HostMemory::segmentManager() const noexcept {
-  return memory_.m_segmentManagerBlock.segmentManager();
+  return sample_block_.manager();
 }
 
 }  // namespace sft::shm

@@ -1,8 +1,10 @@
 // The shared memory of the daemon: iceoryx's management segment, and one segment with the pools of samples.
-// The class does the same as IceOryxRouDiMemoryManager, but returns failures as values, and knows the
-// position of the table of ports. Readers look in that table whether they are connected.
+// The class does the same as IceOryxRouDiMemoryManager, but returns failures as values, makes the files in a
+// moment, and knows the position of the table of ports. Readers look in that table whether they are
+// connected.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -12,6 +14,7 @@
 #include "shm_transport/host/iceoryx.h"
 #include "shm_transport/sftd/groups.h"
 #include "shm_transport/sftd/pools.h"
+#include "shm_transport/sftd/sample_block.h"
 
 #include <iceoryx_hoofs/posix_wrapper/file_lock.hpp>
 #include <iceoryx_posh/internal/roudi/memory/port_pool_memory_block.hpp>
@@ -36,8 +39,9 @@ class HostMemory final : public iox::roudi::RouDiMemoryInterface {
   /// Returns the size of the management segment for these pools.
   static std::size_t management_bytes(const iox::RouDiConfig_t& config);
 
-  /// Creates the segments and fills them with zeros, so that /dev/shm has really given the memory. Core dumps
-  /// of this process leave the segments out.
+  /// Creates the segments, for which no file may exist. /dev/shm has really given the memory. The files
+  /// remain when the object is destroyed, and after a failure: OwnFiles removes them. Core dumps of this
+  /// process leave the segments out.
   static Result<std::unique_ptr<HostMemory>> make(const iox::RouDiConfig_t& config, const Groups& groups);
 
   const SampleSegment& samples() const { return samples_; }
@@ -54,12 +58,15 @@ class HostMemory final : public iox::roudi::RouDiMemoryInterface {
 
  private:
   explicit HostMemory(const iox::RouDiConfig_t& config);
-  std::size_t management_bytes() const;
+  std::array<iox::roudi::MemoryBlock*, 3> blocks();
+  std::size_t management_file_bytes();
   bool find_samples(uid_t member);
 
   iox::roudi::PortPoolMemoryBlock ports_;
   iox::cxx::optional<iox::roudi::PortPool> port_pool_;
-  iox::roudi::DefaultRouDiMemory memory_;
+  iox::roudi::MemPoolCollectionMemoryBlock introspection_;
+  SampleBlock sample_block_;
+  iox::roudi::PosixShmMemoryProvider management_;
   iox::roudi::RouDiMemoryManager manager_;
   SampleSegment samples_;
 };

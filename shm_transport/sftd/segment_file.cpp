@@ -1,0 +1,45 @@
+#include "shm_transport/sftd/segment_file.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "core/platform/file_descriptor.h"
+
+namespace sft::shm {
+
+namespace {
+
+constexpr mode_t owner_and_group = S_IRUSR | S_IWUSR | S_IRGRP | S_IWGRP;
+
+/// Returns the error number, or 0.
+int set_aside(const core::FileDescriptor& file, std::size_t bytes) {
+  int error = 0;
+  do error = posix_fallocate(file.get(), 0, static_cast<off_t>(bytes));
+  while (error == EINTR);
+  return error;
+}
+
+}  // namespace
+
+Result<void> make_segment_file(const std::string& name, std::size_t bytes) {
+  const std::string path = "/dev/shm/" + name;
+  const core::FileDescriptor file(
+      shm_open(("/" + name).c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, S_IRUSR | S_IWUSR));
+  if (!file) {
+    const bool exists = errno == EEXIST;
+    return fail(exists ? Errc::address_in_use : Errc::out_of_memory,
+                path + " could not be made: " + std::strerror(errno));
+  }
+  int error = set_aside(file, bytes);
+  if (error == 0 && fchmod(file.get(), owner_and_group) != 0) error = errno;
+  if (error == 0) return {};
+  shm_unlink(("/" + name).c_str());
+  return fail(Errc::out_of_memory, path + " could not be given " + std::to_string(bytes) +
+                                       " bytes: " + std::strerror(error));
+}
+
+}  // namespace sft::shm

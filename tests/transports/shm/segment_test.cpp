@@ -1,0 +1,100 @@
+// The files of the daemon's segments: how they are made, and what sftd does if they cannot be made.
+#include <sys/mount.h>
+#include <sys/stat.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "shm_transport/host/iceoryx.h"
+#include "shm_transport/sftd/segment_file.h"
+#include "tests/transports/shm/shm_fixture.h"
+
+namespace sft::test {
+namespace {
+
+constexpr std::size_t mebibyte = std::size_t{1} << 20;
+
+struct stat status_of(const std::string& path) {
+  struct stat status {};
+  EXPECT_EQ(stat(path.c_str(), &status), 0) << path;
+  return status;
+}
+
+std::size_t bytes_in_memory(const std::string& path) {
+  constexpr std::size_t block = 512;  // stat(2): st_blocks counts these
+  return static_cast<std::size_t>(status_of(path).st_blocks) * block;
+}
+
+class SegmentFile : public ShmTest {
+ protected:
+  void TearDown() override {
+    std::filesystem::remove("/dev/shm/segment");
+    ShmTest::TearDown();
+  }
+};
+
+TEST_F(SegmentFile, HasAllItsMemoryFromTheBeginning) {
+  ASSERT_TRUE(shm::make_segment_file("segment", 3 * mebibyte + 1));
+  EXPECT_EQ(std::filesystem::file_size("/dev/shm/segment"), 3 * mebibyte + 1);
+  EXPECT_GE(bytes_in_memory("/dev/shm/segment"), 3 * mebibyte + 1);
+}
+
+TEST_F(SegmentFile, IsForItsAccountAndItsGroupWhateverTheUmask) {
+  const mode_t before = umask(077);
+  const auto made = shm::make_segment_file("segment", mebibyte);
+  umask(before);
+  ASSERT_TRUE(made) << made.error().message;
+  EXPECT_EQ(status_of("/dev/shm/segment").st_mode, mode_t{S_IFREG | 0660});
+}
+
+TEST_F(SegmentFile, TakesNoFileThatIsThereAlready) {
+  std::ofstream("/dev/shm/segment") << "of another program";
+  const auto made = shm::make_segment_file("segment", mebibyte);
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().code, Errc::address_in_use);
+  EXPECT_EQ(made.error().message, "/dev/shm/segment could not be made: File exists");
+  EXPECT_EQ(std::filesystem::file_size("/dev/shm/segment"), std::string("of another program").size());
+}
+
+TEST_F(SegmentFile, FollowsNoLink) {
+  std::filesystem::create_symlink("/tmp/elsewhere", "/dev/shm/segment");
+  EXPECT_FALSE(shm::make_segment_file("segment", mebibyte));
+  EXPECT_FALSE(std::filesystem::exists("/tmp/elsewhere"));
+}
+
+TEST_F(SegmentFile, LeavesNothingWhereThereIsNoSpaceForIt) {
+  const ShmOfSize small(2);
+  const auto made = shm::make_segment_file("segment", 3 * mebibyte);
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().code, Errc::out_of_memory);
+  EXPECT_EQ(made.error().message,
+            "/dev/shm/segment could not be given 3145728 bytes: No space left on device");
+  EXPECT_TRUE(std::filesystem::is_empty("/dev/shm"));
+}
+
+class SftdSegments : public ShmTest {};
+
+TEST_F(SftdSegments, HaveAllTheirMemoryFromTheBeginning) {
+  Process daemon({sftd_path(), "--foreground", "--log-level=warning"});
+  ASSERT_EQ(daemon.line(), "sftd: ready");
+  for (const auto& file : std::filesystem::directory_iterator("/dev/shm"))
+    EXPECT_GE(bytes_in_memory(file.path()), file.file_size()) << file.path();
+  daemon.signal(SIGTERM);
+  EXPECT_EQ(daemon.exit_code(), 0);
+}
+
+TEST_F(SftdSegments, AreAllRemovedIfOneOfThemCannotBeMade) {
+  const ShmOfSize large(256);
+  // The directory, the host file, and the management segment. No file is left for the segment of samples.
+  ASSERT_EQ(mount(nullptr, "/dev/shm", nullptr, MS_REMOUNT, "nr_inodes=3"), 0);
+  Process daemon({sftd_path()});
+  const std::string output = daemon.all_output();
+  EXPECT_TRUE(contains(output, "could not be made: No space left on device")) << output;
+  EXPECT_FALSE(contains(output, iox::roudi::SHM_NAME)) << output;
+  EXPECT_EQ(daemon.exit_code(), 1);
+  EXPECT_TRUE(std::filesystem::is_empty("/dev/shm"));
+  EXPECT_TRUE(std::filesystem::is_empty("/tmp"));
+}
+
+}  // namespace
+}  // namespace sft::test
