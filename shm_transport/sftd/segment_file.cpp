@@ -38,8 +38,8 @@ Result<void> make_segment_file(const std::string& name, std::size_t bytes) {
   if (error == 0 && fchmod(file.get(), owner_and_group) != 0) error = errno;
   if (error == 0) return {};
   shm_unlink(("/" + name).c_str());
-  return fail(Errc::out_of_memory, path + " could not be given " + std::to_string(bytes) +
-                                       " bytes: " + std::strerror(error));
+  return fail(Errc::out_of_memory,
+              path + " could not be given " + std::to_string(bytes) + " bytes: " + std::strerror(error));
 }
 
 }  // namespace sft::shm

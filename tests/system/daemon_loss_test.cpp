@@ -12,6 +12,7 @@
 
 #include <sft/sft.h>
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -119,44 +120,59 @@ class PublishingProcess {
   pid_t pid_ = -1;
 };
 
-/// A subscriber in this process, and what it took.
+/// A subscriber in this process with two selections, and what it took by each.
 class Reading {
  public:
-  /// Takes until a sample came by that way; when.
+  /// Takes until a sample came that way by each selection; when.
   std::optional<Clock::time_point> hears_by(TransportKind way) {
-    std::optional<Clock::time_point> heard;
+    std::array<bool, 2> heard{};
+    std::optional<Clock::time_point> all_heard;
     eventually([&] {
       subscriber_.wait(10ms);
       while (const auto sample = subscriber_.take()) {
-        if (note(sample.info()) == way && !heard) heard = Clock::now();
+        note(sample.info());
+        heard.at(sample.info().selection) |= sample.info().transport == way;
+        if (heard[0] && heard[1] && !all_heard) all_heard = Clock::now();
       }
-      return heard.has_value();
+      return all_heard.has_value();
     });
-    return heard;
+    return all_heard;
   }
-  /// Returns success if each sample from the first to the last one was taken once and in order, or counted as
-  /// lost.
+  /// Returns success if each sample from the first to the last one was taken once and in order by each
+  /// selection, or counted as lost.
   testing::AssertionResult accounts_for_all() const {
-    const std::uint64_t published = last_ - first_ + 1;
-    const std::uint64_t lost = subscriber_.status().lost;
-    if (disordered_ == 0 && taken_ + lost == published) return testing::AssertionSuccess();
-    return testing::AssertionFailure() << published << " published, " << taken_ << " taken, " << lost
-                                       << " lost, " << disordered_ << " repeated or out of order";
+    for (const std::size_t i : {0, 1}) {
+      const Taken& taken = taken_[i];
+      const std::uint64_t published = taken.last - taken.first + 1;
+      const std::uint64_t lost = subscriber_.status(i).lost;
+      if (taken.disordered != 0 || taken.samples + lost != published) {
+        return testing::AssertionFailure()
+               << "selection " << i << ": " << published << " published, " << taken.samples << " taken, "
+               << lost << " lost, " << taken.disordered << " repeated or out of order";
+      }
+    }
+    return testing::AssertionSuccess();
   }
   std::uint64_t lost() const { return subscriber_.status().lost; }
 
  private:
-  TransportKind note(const SampleInfo& info) {
-    if (taken_++ == 0) first_ = info.sequence;
-    if (info.sequence <= last_) ++disordered_;
-    last_ = info.sequence;
-    return info.transport;
+  struct Taken {
+    std::uint64_t first = 0, last = 0, samples = 0, disordered = 0;
+  };
+  void note(const SampleInfo& info) {
+    Taken& taken = taken_.at(info.selection);
+    if (taken.samples++ == 0) taken.first = info.sequence;
+    if (info.sequence <= taken.last) ++taken.disordered;
+    taken.last = info.sequence;
   }
 
   Node node_ = Node::open(without_starting_one("reader")).value();
-  Subscriber<PointCloud2, F::height> subscriber_ =
-      node_.subscriber<PointCloud2, F::height>("points", {.depth = 4096}).value();
-  std::uint64_t first_ = 0, last_ = 0, taken_ = 0, disordered_ = 0;
+  Subscriber<PointCloud2, selected> subscriber_ =
+      node_
+          .subscriber<PointCloud2, selected>(
+              "points", {.depth = 4096, .selection = "height", .further_selections = {"width"}})
+          .value();
+  std::array<Taken, 2> taken_;
 };
 
 class DaemonLoss : public testing::Test {

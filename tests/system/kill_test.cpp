@@ -9,6 +9,7 @@
 
 #include <sft/sft.h>
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstring>
 #include <fstream>
@@ -70,10 +71,12 @@ constexpr std::uint32_t cloud_bytes = 1'000'000;
   for (;;) pause();
 }
 
-/// Wants every second sample, and takes them.
+/// Wants every second sample, and every seventh one, too. It takes them.
 [[noreturn]] void choose_forever(TransportChoice transport) {
   Node node = Node::open({.name = "choosy", .transport = transport}).value();
-  auto subscriber = node.subscriber<PointCloud2>("points", {.selection = "* @ every 2nd"}).value();
+  auto subscriber = node.subscriber<PointCloud2>(
+                            "points", {.selection = "* @ every 2nd", .further_selections = {"@ every 7th"}})
+                        .value();
   for (;;) {
     subscriber.wait(1s);
     while (subscriber.take()) {
@@ -296,37 +299,60 @@ TEST_F(KillTest, AReaderThatIsWaitedForAndKilledIsSoonWaitedForNoMore) {
   EXPECT_LT(std::chrono::steady_clock::now() - begin, 20s) << "not for each of its samples";
 }
 
-/// The other reader has conditions, too, and is waited for. Samples are small: the queues of several killed
-/// readers keep some for a while, and shared memory must have room for more.
+/// Takes from a subscriber with two selections on a thread of its own: on a busy machine it may take longer
+/// to start a process than the queue lasts.
+class Taking {
+ public:
+  using Heights = std::array<std::vector<std::uint32_t>, 2>;  ///< by selection
+  explicit Taking(Subscriber<PointCloud2, F::height>& subscriber)
+      : thread_([this, &subscriber](const std::stop_token& stop) {
+          while (!stop.stop_requested()) {
+            subscriber.wait(10ms);
+            while (const auto sample = subscriber.take()) {
+              taken_.at(sample.info().selection).push_back(sample->height());
+              last_.at(sample.info().selection) = sample->height();
+            }
+          }
+        }) {}
+
+  /// Takes until each selection has given its last sample, and no longer. Returns all that were taken.
+  Heights up_to(const std::array<std::uint32_t, 2>& last) {
+    for (const std::size_t i : {0, 1}) EXPECT_TRUE(eventually([&] { return last_[i] == last[i]; })) << i;
+    thread_.request_stop();
+    thread_.join();
+    return taken_;
+  }
+
+ private:
+  Heights taken_;
+  std::array<std::atomic<std::uint32_t>, 2> last_{};
+  std::jthread thread_;
+};
+
+/// The other reader has conditions and two selections, too, and is waited for. Samples are small: the queues
+/// of several killed readers keep some for a while, and shared memory must have room for more.
 TEST_F(KillTest, AReaderWithConditionsThatIsKilledInTrafficCostsTheOthersNothing) {
   SCOPED_TRACE(how_to_repeat());
   Random random{test_seed()};
   Node a = Node::open({.name = "a"}).value();
   Node b = Node::open({.name = "b"}).value();
   auto publisher = a.publisher<PointCloud2>("points", {.reliability = reliable, .max_blocking = 1s}).value();
-  auto subscriber = b.subscriber<PointCloud2, F::height>(
-                         "points", {.reliability = reliable, .depth = 256, .selection = "@ every 3rd"})
+  auto subscriber = b.subscriber<PointCloud2, F::height>("points", {.reliability = reliable,
+                                                                    .depth = 256,
+                                                                    .selection = "@ every 3rd",
+                                                                    .further_selections = {"@ every 5th"}})
                         .value();
   std::set<std::uint64_t> served_so_far;
-  const auto serves_one = [&] {
+  const auto serves_nobody_else = [&] {
     const auto readers = publisher.status().readers;
-    return std::ranges::count_if(readers, &PublisherStatus::Reader::served) == 1;
+    return std::ranges::count_if(readers, &PublisherStatus::Reader::served) == 2;
   };
-  ASSERT_TRUE(eventually(serves_one));
-  served_so_far.insert(publisher.status().readers[0].id);
-  std::vector<std::uint32_t> taken, expected;
-  std::atomic<std::uint32_t> published{0}, last_taken{0};
+  ASSERT_TRUE(eventually(serves_nobody_else));
+  for (const auto& reader : publisher.status().readers) served_so_far.insert(reader.id);
+  constexpr std::array<std::uint32_t, 2> every{3, 5};  // by selection
+  std::atomic<std::uint32_t> published{0};
   std::atomic<int> failed{0};
-  // On a busy machine it may take longer to start a process than the queue lasts.
-  std::optional<std::jthread> taking(std::in_place, [&](const std::stop_token& stop) {
-    while (!stop.stop_requested()) {
-      subscriber.wait(10ms);
-      while (const auto sample = subscriber.take()) {
-        taken.push_back(sample->height());
-        last_taken = taken.back();
-      }
-    }
-  });
+  Taking taking(subscriber);
   std::optional<Ticker> traffic(std::in_place, 1ms, [&](std::uint32_t number) {
     auto loan = publisher.loan({.height = number}, {.data = 10'000});
     // A sample counts as dropped that takes the place of another one in the queue of a killed reader.
@@ -346,36 +372,45 @@ TEST_F(KillTest, AReaderWithConditionsThatIsKilledInTrafficCostsTheOthersNothing
     ASSERT_TRUE(eventually([&] { return published >= enough; }));
     other.kill_now();
   }
-  EXPECT_TRUE(eventually(serves_one)) << "the gates of the killed readers are asked no more";
+  EXPECT_TRUE(eventually(serves_nobody_else)) << "the gates of the killed readers are asked no more";
   traffic.reset();
-  for (std::uint32_t number = 1; number <= published; number += 3) expected.push_back(number);
-  EXPECT_TRUE(eventually([&] { return last_taken == expected.back(); }));
-  taking.reset();
-  EXPECT_EQ(taken, expected);
+  Taking::Heights expected;
+  for (const std::size_t i : {0, 1})
+    for (std::uint32_t number = 1; number <= published; number += every[i]) expected[i].push_back(number);
+  EXPECT_EQ(taking.up_to({expected[0].back(), expected[1].back()}), expected);
   EXPECT_EQ(failed, 0);
   EXPECT_EQ(publisher.status().diverted.total(), 0U) << "shared memory had no room";
-  EXPECT_EQ(subscriber.status().lost, 0U);
-  EXPECT_EQ(subscriber.status().withheld, 2 * (expected.size() - 1));
+  for (const std::size_t i : {0, 1}) {
+    EXPECT_EQ(subscriber.status(i).lost, 0U) << i;
+    EXPECT_EQ(subscriber.status(i).withheld, (every[i] - 1) * (expected[i].size() - 1)) << i;
+  }
 }
 
 TEST_F(KillTest, APublisherThatIsStoppedOrKilledLosesItsLiveliness) {
   Node node = Node::open({.name = "reader"}).value();
-  std::atomic<int> lost{0}, recovered{0};
+  // By selection.
+  std::array<std::atomic<int>, 2> lost{}, recovered{};
   const auto note = [&](const Event& event) {
-    lost += event.kind == Event::Kind::liveliness_lost ? 1 : 0;
-    recovered += event.kind == Event::Kind::liveliness_recovered ? 1 : 0;
+    lost.at(event.selection) += event.kind == Event::Kind::liveliness_lost ? 1 : 0;
+    recovered.at(event.selection) += event.kind == Event::Kind::liveliness_recovered ? 1 : 0;
+  };
+  const auto both = [](const std::array<std::atomic<int>, 2>& counts, int count) {
+    return counts[0] == count && counts[1] == count;
   };
   auto subscriber =
-      node.subscriber<PointCloud2, F::height>("points", {.liveliness_lease = 1s, .on_event = note}).value();
+      node.subscriber<PointCloud2, F::height>(
+              "points", {.liveliness_lease = 1s, .further_selections = {"@ every 2nd"}, .on_event = note})
+          .value();
   Process publisher("living");
-  ASSERT_TRUE(eventually([&] { return subscriber.status().writers.size() == 1; }));
-  EXPECT_FALSE(eventually([&] { return lost != 0; }, 1500ms));
+  for (const std::size_t i : {0, 1})
+    ASSERT_TRUE(eventually([&] { return subscriber.status(i).writers.size() == 1; })) << i;
+  EXPECT_FALSE(eventually([&] { return !both(lost, 0); }, 1500ms));
   publisher.signal(SIGSTOP);
-  EXPECT_TRUE(eventually([&] { return lost == 1; }, 3s));
+  EXPECT_TRUE(eventually([&] { return both(lost, 1); }, 3s));
   publisher.signal(SIGCONT);
-  EXPECT_TRUE(eventually([&] { return recovered == 1; }, 3s));
+  EXPECT_TRUE(eventually([&] { return both(recovered, 1); }, 3s));
   publisher.kill_now();
-  EXPECT_TRUE(eventually([&] { return lost == 2; }, 3s));
+  EXPECT_TRUE(eventually([&] { return both(lost, 2); }, 3s));
 }
 
 }  // namespace

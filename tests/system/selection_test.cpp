@@ -127,6 +127,26 @@ TEST_P(SelectionNodesTest, TheConditionsOfACompiledSubscriberStandInItsOptions) 
               HasSubstr("column 17"));
 }
 
+// Each has conditions of its own: "height >= 1", "height >= 2", and so on.
+TEST_P(SelectionNodesTest, SixtyFourReadersWithSixtyFourConditionsGetWhatTheyAskedFor) {
+  constexpr std::uint32_t readers = 64;
+  const DynamicType type = this->type();
+  std::vector<DynamicSubscriber> subs;
+  for (std::uint32_t least = 1; least <= readers; ++least)
+    subs.push_back(b.subscriber("points", type, "height @ height >= " + std::to_string(least), deep).value());
+  expect_served(pub, readers);
+  Numbers heights(readers + 1);
+  std::iota(heights.begin(), heights.end(), 0);
+  publish(heights);
+  for (std::uint32_t least = 1; least <= readers; ++least) {
+    Numbers expected{0};
+    for (std::uint32_t height = least; height <= readers; ++height) expected.push_back(height);
+    EXPECT_EQ(until(subs[least - 1], readers), expected);
+    EXPECT_EQ(subs[least - 1].status().withheld, least - 1);
+    EXPECT_EQ(subs[least - 1].status().lost, 0U);
+  }
+}
+
 TEST_P(SelectionNodesTest, LoansAndEncodedSamplesPassTheSameConditions) {
   auto sub = b.subscriber("points", type(), "height @ height > 4", deep).value();
   expect_served(pub, 1);
@@ -190,6 +210,32 @@ TEST_P(SelectionNodesTest, AWindowThatMovesGivesEachSampleThePartThatItNames) {
     }
   }
   EXPECT_EQ(sub.status().lost, 0U);
+}
+
+TEST_P(SelectionNodesTest, ASampleOfACompiledSubscriberNamesItsPart) {
+  SubscriberOptions options = deep;
+  options.selection = "data[:10]";
+  auto sub = b.subscriber<PointCloud2, F::header.stamp | F::data>("points", options).value();
+  const auto none = sub.take();
+  EXPECT_EQ(none.selection(), nullptr);
+  expect_served(pub, 1);
+  const auto begin_of_the_next = [&]() -> std::uint32_t {
+    EXPECT_TRUE(sub.wait(5s));
+    const auto sample = sub.take();
+    if (!sample || sample.selection() == nullptr || sample.selection()->parts().size() != 1) return 0;
+    EXPECT_TRUE(sample.selection()->mask().contains(F::header.stamp | F::data));
+    const std::uint32_t begin = sample.selection()->parts()[0].columns.begin;
+    EXPECT_EQ(sample->data()[0], row(sample->header().stamp().sec()).data[begin]);
+    return begin;
+  };
+  ASSERT_EQ(pub.publish(row(1)), PublishStatus::ok);
+  EXPECT_EQ(begin_of_the_next(), 0U);
+  ASSERT_TRUE(sub.set_selection("data[500:510]"));
+  std::int32_t number = 1;
+  EXPECT_TRUE(eventually([&] {
+    EXPECT_EQ(pub.publish(row(++number)), PublishStatus::ok);
+    return begin_of_the_next() == 500;
+  }));
 }
 
 TEST_P(SelectionNodesTest, ChannelsThatACloudLacksAreNamed) {

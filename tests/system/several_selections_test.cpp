@@ -57,6 +57,9 @@ class SeveralSelectionsTest : public PubSubTest {
       a.publisher<PointCloud2>("points", {.reliability = Reliability::reliable}).value();
 };
 
+/// Samples of shared memory are held; those that came by UDP are not limited.
+class HeldSelectionsTest : public SeveralSelectionsTest {};
+
 TEST_P(SeveralSelectionsTest, EachSampleSaysByWhichOfThemItCame) {
   auto sub = b.subscriber("points", type(), "height, width",
                           with({"height @ height > 100", "height, point_step @ every 3rd"}))
@@ -280,6 +283,27 @@ TEST_P(SeveralSelectionsTest, AConditionAloneLeavesAllFieldsOfACompiledSubscribe
   EXPECT_THAT(sub.set_selection("hieght", 3).error().message, HasSubstr("did you mean 'height'"));
 }
 
+TEST_P(HeldSelectionsTest, SamplesThatAreHeldOfOneLeaveTheOtherItsOwn) {
+  SubscriberOptions options = with({"height @ height > 100"});
+  options.max_held = 2;
+  auto sub = b.subscriber("points", type(), "height @ height < 100", options).value();
+  expect_served(pub, 2);
+  publish({1, 2, 3});  // The first message passes the conditions of both.
+  std::vector<DynamicSample> held;
+  while (held.size() < 3 && sub.wait(5s)) {
+    while (DynamicSample sample = sub.take()) held.push_back(std::move(sample));
+  }
+  ASSERT_THAT(held, SizeIs(3));
+  EXPECT_THAT((Came{of(held[0]), of(held[1]), of(held[2])}),
+              UnorderedElementsAre(Pair(0, 1), Pair(1, 1), Pair(0, 2)));
+  publish({101});
+  EXPECT_THAT(next(sub, 1), ElementsAre(Pair(1, 101)));
+  EXPECT_FALSE(sub.take()) << "two samples of the first selection are held";
+  held.clear();
+  EXPECT_THAT(next(sub, 1), ElementsAre(Pair(0, 3)));
+  for (const std::size_t i : {0, 1}) EXPECT_EQ(sub.status(i).lost, 0U) << i;
+}
+
 TEST_P(SeveralSelectionsTest, ACompiledSubscriberReadsPointsOfChannelsThatItSelects) {
   auto sub = b.subscriber<PointCloud2, selected>("points", {.selection = "data{x,z}"}).value();
   expect_served(pub, 1);
@@ -362,6 +386,7 @@ TEST_P(SeveralSelectionsTest, SixteenOfThemAreServed) {
   EXPECT_EQ(std::ranges::count(came, std::pair(15U, 16U)), 1);
 }
 
+INSTANTIATE_TEST_SUITE_P(Ways, HeldSelectionsTest, ::testing::Values(Way::shm), way_name);
 INSTANTIATE_TEST_SUITE_P(Ways, SeveralSelectionsTest, ::testing::Values(Way::shm, Way::udp, Way::udp_sockets),
                          way_name);
 

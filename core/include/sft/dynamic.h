@@ -64,11 +64,7 @@ class DynamicSample {
     return fields();
   }
   void mask() const&& = delete;
-  /// Says what the sample is: the fields and the parts that its subscriber had asked for. While a
-  /// subscriber changes its selection, samples of the former one may still come, which name that one; a
-  /// sample in shared memory, which has all, is always reduced to the latest one. Of requests that differ in
-  /// their conditions only, it is the latest one. Null if the subscriber records or the sample is empty.
-  /// Valid as long as the sample.
+  /// See Sample::selection().
   const Selection* selection() const& { return sample_.selection(); }
   void selection() const&& = delete;
   /// The channels of point clouds that were asked for and that the sample's clouds do not have. Empty if none

@@ -86,6 +86,13 @@ class Sample {
     return *sample_.state().mask;
   }
   void mask() const&& = delete;
+  /// Says what the sample is: the fields and the parts that its subscriber had asked for. While a subscriber
+  /// changes its selection, samples of the former one may still come, which name that one; a sample in shared
+  /// memory, which has all, is always reduced to the latest one. Of requests that differ in their conditions
+  /// only, it is the latest one. Null if the subscriber records or the sample is empty. Valid as long as the
+  /// sample.
+  const Selection* selection() const& { return sample_.selection(); }
+  void selection() const&& = delete;
   /// True if a getter met bytes that are not what they claim to be, or had no memory for the part of a field
   /// that it had to copy together, and returned an empty value.
   bool malformed() const { return sample_.state().is_malformed(); }
