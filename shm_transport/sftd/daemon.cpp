@@ -130,6 +130,8 @@ std::optional<StartFailure> Daemon::host(const PoolPlan& plan) {
   if (!announce())
     return StartFailure{ExitCode::failed, std::string(host_file_path) + " or " + daemon_lock_path +
                                               " could not be written; is there space left?"};
+  if (const auto started = clearer_.start({memory_->management(), memory_->samples().memory}); !started)
+    log_.warning("the first samples will be late: " + started.error().message);
   log_.info(description());
   if (!plan.remark.empty()) log_.warning(plan.remark);
   return std::nullopt;
@@ -143,7 +145,7 @@ bool Daemon::announce() {
   file.protocol = host_protocol;
   file.segment = groups_.writers;
   file.segment_id = memory_->samples().id;
-  file.segment_bytes = memory_->samples().bytes;
+  file.segment_bytes = memory_->samples().memory.size();
   file.readers = groups_.reader_id;
   if (getrandom(file.token.data(), file.token.size(), 0) != static_cast<ssize_t>(file.token.size()))
     return false;
@@ -176,7 +178,7 @@ void Daemon::write_status() {
   status.idle_exit_s = settings_.idle_exit.count();
   status.writers = groups_.writers;
   status.readers = groups_.readers;
-  status.sample_bytes = memory_->samples().bytes;
+  status.sample_bytes = memory_->samples().memory.size();
   status.management_bytes = memory_->management().size();
   status.usage = roudi_->usage();
   const auto written = write_status_file(status);

@@ -14,6 +14,7 @@
 #include "shm_transport/sftd/iceoryx_errors.h"
 #include "shm_transport/sftd/log.h"
 #include "shm_transport/sftd/own_files.h"
+#include "shm_transport/sftd/page_clearer.h"
 #include "shm_transport/sftd/roudi_host.h"
 #include "shm_transport/sftd/settings.h"
 #include "shm_transport/sftd/start_failure.h"
@@ -72,6 +73,7 @@ class Daemon {
   IceoryxErrors errors_;
   std::optional<iox::posix::FileLock> roudi_lock_;  ///< keeps an iox-roudi from replacing the segments
   std::unique_ptr<HostMemory> memory_;
+  PageClearer clearer_;
   std::unique_ptr<iox::roudi::PortManager> ports_;
   std::unique_ptr<RoudiHost> roudi_;
   std::optional<std::chrono::steady_clock::time_point> idle_since_;

@@ -61,10 +61,11 @@ bool HostMemory::find_samples(uid_t member) {
   auto writable = segments.getSegmentInformationWithWriteAccessForUser(user);
   if (mappings.empty() || !writable.m_memoryManager.has_value()) return false;
   const auto& mapping = mappings[0];
-  samples_ = {mapping.m_segmentId, mapping.m_size, &writable.m_memoryManager.value().get()};
-  const std::span<const std::byte> managing = management();
-  madvise(const_cast<std::byte*>(managing.data()), managing.size(), MADV_DONTDUMP);
-  madvise(const_cast<void*>(mapping.m_startAddress), mapping.m_size, MADV_DONTDUMP);
+  samples_ = {mapping.m_segmentId,
+              {static_cast<const std::byte*>(mapping.m_startAddress), mapping.m_size},
+              &writable.m_memoryManager.value().get()};
+  for (const std::span<const std::byte> segment : {management(), samples_.memory})
+    madvise(const_cast<std::byte*>(segment.data()), segment.size(), MADV_DONTDUMP);
   return true;
 }
 

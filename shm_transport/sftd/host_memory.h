@@ -30,7 +30,7 @@ iox::RouDiConfig_t make_config(const PoolPlan& plan, const Groups& groups);
 /// The data that programs need to map the segment of samples.
 struct SampleSegment {
   std::uint64_t id = 0;
-  std::uint64_t bytes = 0;
+  std::span<const std::byte> memory;
   iox::mepoo::MemoryManager* pools = nullptr;
 };
 

@@ -1,4 +1,5 @@
 // The files of the daemon's segments: how they are made, and what sftd does if they cannot be made.
+#include <signal.h>
 #include <sys/mount.h>
 #include <sys/stat.h>
 
@@ -7,6 +8,7 @@
 
 #include "shm_transport/host/iceoryx.h"
 #include "shm_transport/sftd/segment_file.h"
+#include "tests/support/eventually.h"
 #include "tests/transports/shm/shm_fixture.h"
 
 namespace sft::test {
@@ -79,6 +81,35 @@ TEST_F(SftdSegments, HaveAllTheirMemoryFromTheBeginning) {
   ASSERT_EQ(daemon.line(), "sftd: ready");
   for (const auto& file : std::filesystem::directory_iterator("/dev/shm"))
     EXPECT_GE(bytes_in_memory(file.path()), file.file_size()) << file.path();
+  daemon.signal(SIGTERM);
+  EXPECT_EQ(daemon.exit_code(), 0);
+}
+
+/// How much of the file the process has mapped, in KiB: "Size" or "Rss", as proc(5) says of smaps.
+std::size_t mapped_kib(pid_t pid, const std::string& file, const std::string& what) {
+  std::ifstream mappings("/proc/" + std::to_string(pid) + "/smaps");
+  std::size_t kib = 0;
+  bool is_of_file = false;
+  for (std::string line; std::getline(mappings, line);) {
+    if (line.find("-") < line.find(" ")) is_of_file = line.ends_with(file);
+    if (is_of_file && line.starts_with(what + ":")) kib += std::stoul(line.substr(what.size() + 1));
+  }
+  return kib;
+}
+
+TEST_F(SftdSegments, AreClearedWithoutAnybodyWhoUsesThem) {
+  Process daemon({sftd_path(), "--foreground", "--log-level=warning"});
+  ASSERT_EQ(daemon.line(), "sftd: ready");
+  std::size_t segments = 0;
+  for (const auto& file : std::filesystem::directory_iterator("/dev/shm")) {
+    if (file.file_size() < mebibyte) continue;
+    ++segments;
+    const std::size_t all = mapped_kib(daemon.pid(), file.path(), "Size");
+    EXPECT_GT(all, 0U) << file.path();
+    EXPECT_TRUE(eventually([&] { return mapped_kib(daemon.pid(), file.path(), "Rss") == all; }))
+        << file.path();
+  }
+  EXPECT_EQ(segments, 2U);
   daemon.signal(SIGTERM);
   EXPECT_EQ(daemon.exit_code(), 0);
 }
