@@ -29,25 +29,6 @@ std::vector<std::byte> projected(const detail::SampleState& state, const StructT
 
 }  // namespace
 
-std::vector<std::string> DynamicSample::missing_channels() const {
-  std::vector<std::string> missing;
-  const Selection* const asked = sample_.selection();
-  if (asked == nullptr) return missing;
-  const TypeSupport& type = type_.support();
-  for (const Selection::Part& part : asked->parts()) {
-    const detail::Layout* const layout = type.layout_of(part.leaf);
-    if (part.channels.empty() || layout == nullptr) continue;
-    const detail::Layout::Field& channels = (*layout)[detail::LayoutRole::channels];
-    const std::string& size = type.path(channels.leaf);  // "fields.size"
-    const std::string_view name = channels.member->type->members[0].name;
-    missing.insert(missing.end(), part.channels.begin(), part.channels.end());
-    for (const DynamicView& channel : view().find(size.substr(0, size.rfind('.'))).elements()) {
-      if (const auto known = channel.find(name).as<std::string_view>()) std::erase(missing, *known);
-    }
-  }
-  return missing;
-}
-
 std::span<const std::byte> DynamicSample::cdr() const& {
   const detail::SampleState& state = sample_.state();
   if (!sample_ || fields().contains(*state.mask)) return sample_.cdr();

@@ -11,6 +11,7 @@
 #include "core/subscribe/part_reader.h"
 #include "core/subscribe/recorder.h"
 #include "core/subscribe/subscriber_core.h"
+#include "sft/dynamic_view.h"
 
 namespace sft {
 
@@ -84,6 +85,24 @@ Sample::Sample(core::SampleBuffer* buffer, const TypeSupport& type, const Sample
 }
 
 const SampleState& Sample::whole_state() const { return parts_ == nullptr ? state_ : parts_->put_together(); }
+
+std::vector<std::string> Sample::missing_channels(const TypeSupport& type) const {
+  std::vector<std::string> missing;
+  if (selection_ == nullptr) return missing;
+  const DynamicView view(state_, type.type(), *state_.mask);
+  for (const Selection::Part& part : selection_->parts()) {
+    const Layout* const layout = type.layout_of(part.leaf);
+    if (part.channels.empty() || layout == nullptr) continue;
+    const Layout::Field& channels = (*layout)[LayoutRole::channels];
+    const std::string& size = type.path(channels.leaf);  // "fields.size"
+    const std::string_view name = channels.member->type->members[0].name;
+    missing.insert(missing.end(), part.channels.begin(), part.channels.end());
+    for (const DynamicView& channel : view.find(size.substr(0, size.rfind('.'))).elements()) {
+      if (const auto known = channel.find(name).as<std::string_view>()) std::erase(missing, *known);
+    }
+  }
+  return missing;
+}
 
 std::span<const std::byte> Sample::cdr() const {
   if (buffer_ == nullptr) return {};

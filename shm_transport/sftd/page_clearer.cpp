@@ -27,8 +27,7 @@ bool clear_pages(std::span<const std::byte> pages) {
 }  // namespace
 
 Result<void> PageClearer::start(std::vector<std::span<const std::byte>> memory) {
-  auto thread =
-      core::start_thread("sftd-clearer", [this, memory = std::move(memory)] { clear(memory); });
+  auto thread = core::start_thread("sftd-clearer", [this, memory = std::move(memory)] { clear(memory); });
   if (!thread) return tl::unexpected(thread.error());
   thread_ = std::move(*thread);
   return {};

@@ -248,6 +248,18 @@ TEST_P(SelectionNodesTest, ChannelsThatACloudLacksAreNamed) {
       << "fields[1] is called y, but has no elements";
 }
 
+TEST_P(SelectionNodesTest, ACompiledSampleNamesMissingChannelsToo) {
+  SubscriberOptions options = deep;
+  options.selection = "data{y,ring}";
+  auto sub = b.subscriber<PointCloud2>("points", options).value();
+  EXPECT_TRUE(Sample<PointCloud2>().missing_channels().empty());
+  expect_served(pub, 1);
+  publish({1});
+  ASSERT_TRUE(sub.wait(5s));
+  const auto sample = sub.take();
+  EXPECT_THAT(sample.missing_channels(), ::testing::UnorderedElementsAre("ring", "y"));
+}
+
 TEST_P(SelectionNodesTest, AWrongSelectionChangesNothing) {
   auto sub = b.subscriber("points", type(), "height", deep).value();
   auto recorder = b.subscriber("points", type(), recorded).value();

@@ -20,7 +20,7 @@ local f = {
   sequence = ProtoField.uint32("sft.sequence", "Sequence (low half)"),
   total = ProtoField.uint32("sft.total", "Bytes of the body"),
   mask = ProtoField.uint64("sft.mask", "Mask", base.HEX),
-  leaves = ProtoField.string("sft.leaves", "Leaves"),
+  leaves = ProtoField.string("sft.leaves", "Leaves if whole fields were asked for"),
   stamp = ProtoField.absolute_time("sft.stamp", "Published", base.UTC),
   offset = ProtoField.uint32("sft.offset", "Offset in the body"),
   rate_period = ProtoField.uint32("sft.rate.period_us", "Gate: period (us)"),
@@ -183,12 +183,23 @@ local function read_mask_words(c, body_bytes)
   end
 end
 
+-- Tells whether the sample passed a gate that has conditions and no period. `c` stands behind the mask.
+local function has_conditions(c, set)
+  local rate_follows = has(set, 0x02) and not has(set, 0x40) and c:left() >= 12
+  return rate_follows and c.buffer(c.at + 8, 4):le_uint() == 0
+end
+
+-- The datagram does not say whether a mask without words is the hash of a selection. It is one if the reader asked for
+-- conditions or for parts of fields.
 local function read_mask(c, set)
   local mask, item = c:number(f.mask, 8)
   if mask == nil then return end
   if has(set, 0x01) then
     item:append_text(" (hash)")
+  elseif has_conditions(c, set) then
+    item:append_text(" (hash of a selection)")
   else
+    item:append_text(" (hash of a selection if parts of fields were asked for)")
     c.tree:add(f.leaves, c.buffer(c.at - 8, 8), leaves_text(mask, 0))
   end
 end

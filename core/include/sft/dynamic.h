@@ -67,9 +67,8 @@ class DynamicSample {
   /// See Sample::selection().
   const Selection* selection() const& { return sample_.selection(); }
   void selection() const&& = delete;
-  /// The channels of point clouds that were asked for and that the sample's clouds do not have. Empty if none
-  /// are missing.
-  std::vector<std::string> missing_channels() const;
+  /// See Sample::missing_channels().
+  std::vector<std::string> missing_channels() const { return sample_.missing_channels(type_.support()); }
   /// The message type. Valid as long as the sample.
   const DynamicType& type() const& { return type_; }
   /// True if a read met bytes that are not what they claim to be.

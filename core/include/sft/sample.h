@@ -17,6 +17,7 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "sft/detail/decode.h"
 #include "sft/detail/untyped.h"
@@ -93,6 +94,9 @@ class Sample {
   /// sample.
   const Selection* selection() const& { return sample_.selection(); }
   void selection() const&& = delete;
+  /// The channels of point clouds that were asked for and that the sample's clouds do not have. Empty if none
+  /// are missing.
+  std::vector<std::string> missing_channels() const { return sample_.missing_channels(type_support<T>()); }
   /// True if a getter met bytes that are not what they claim to be, or had no memory for the part of a field
   /// that it had to copy together, and returned an empty value.
   bool malformed() const { return sample_.state().is_malformed(); }

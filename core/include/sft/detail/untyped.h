@@ -77,6 +77,8 @@ class Sample {
   const SampleInfo& info() const { return info_; }
   /// Null: the subscriber does not ask, or the sample is empty.
   const Selection* selection() const { return selection_.get(); }
+  /// The channels that were asked for and that the message, which is of this type, does not have.
+  std::vector<std::string> missing_channels(const TypeSupport& type) const;
   /// Encapsulation and body: standard CDR of the type projected to the mask. Nothing of an empty sample.
   std::span<const std::byte> cdr() const;
   void reset() noexcept;
