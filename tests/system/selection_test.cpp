@@ -1,4 +1,4 @@
-// Subscribers that say when they need a sample, and that change what they ask for, over every transport.
+// Subscribers that say when they need a sample, over every transport.
 #include <gmock/gmock.h>
 
 #include <nav_msgs/msg/Odometry.hpp>
@@ -176,68 +176,6 @@ TEST_P(SelectionNodesTest, AnotherSelectionTakesTheOthersPlaceAndItsFirstSampleC
   EXPECT_EQ(sub.requirements().text, "height");
 }
 
-/// One row of points of one byte each; its stamp is the number.
-PointCloud2 row(std::int32_t number) {
-  PointCloud2 cloud;
-  cloud.header.stamp.sec = number;
-  cloud.height = 1;
-  cloud.width = cloud.row_step = 1000;
-  cloud.point_step = 1;
-  for (std::uint32_t i = 0; i < cloud.width; ++i)
-    cloud.data.push_back(static_cast<std::uint8_t>(7 * i + static_cast<std::uint32_t>(number)));
-  return cloud;
-}
-
-TEST_P(SelectionNodesTest, AWindowThatMovesGivesEachSampleThePartThatItNames) {
-  const auto window = [](int begin) {
-    return "header.stamp, data[" + std::to_string(begin) + ":" + std::to_string(begin + 10) + "]";
-  };
-  auto sub = b.subscriber("points", type(), window(0), deep).value();
-  expect_served(pub, 1);
-  for (std::int32_t round = 1; round <= 50; ++round) {
-    ASSERT_TRUE(sub.set_selection(window(3 * round)));
-    pub.publish(row(round));
-    ASSERT_TRUE(sub.wait(5s));
-    while (const DynamicSample sample = sub.take()) {
-      ASSERT_NE(sample.selection(), nullptr);
-      ASSERT_EQ(sample.selection()->parts().size(), 1U);
-      const PointCloud2 whole = row(sample.view()["header"]["stamp"]["sec"].as<std::int32_t>().value());
-      const std::uint32_t first = sample.selection()->parts()[0].columns.begin;
-      const DynamicView data = sample.view()["data"];
-      ASSERT_EQ(data.size().value(), 10U);
-      for (std::uint32_t i = 0; i < 10; ++i)
-        ASSERT_EQ(data[i].as<std::uint8_t>().value(), whole.data[first + i]) << "round " << round;
-    }
-  }
-  EXPECT_EQ(sub.status().lost, 0U);
-}
-
-TEST_P(SelectionNodesTest, ASampleOfACompiledSubscriberNamesItsPart) {
-  SubscriberOptions options = deep;
-  options.selection = "data[:10]";
-  auto sub = b.subscriber<PointCloud2, F::header.stamp | F::data>("points", options).value();
-  const auto none = sub.take();
-  EXPECT_EQ(none.selection(), nullptr);
-  expect_served(pub, 1);
-  const auto begin_of_the_next = [&]() -> std::uint32_t {
-    EXPECT_TRUE(sub.wait(5s));
-    const auto sample = sub.take();
-    if (!sample || sample.selection() == nullptr || sample.selection()->parts().size() != 1) return 0;
-    EXPECT_TRUE(sample.selection()->mask().contains(F::header.stamp | F::data));
-    const std::uint32_t begin = sample.selection()->parts()[0].columns.begin;
-    EXPECT_EQ(sample->data()[0], row(sample->header().stamp().sec()).data[begin]);
-    return begin;
-  };
-  ASSERT_EQ(pub.publish(row(1)), PublishStatus::ok);
-  EXPECT_EQ(begin_of_the_next(), 0U);
-  ASSERT_TRUE(sub.set_selection("data[500:510]"));
-  std::int32_t number = 1;
-  EXPECT_TRUE(eventually([&] {
-    EXPECT_EQ(pub.publish(row(++number)), PublishStatus::ok);
-    return begin_of_the_next() == 500;
-  }));
-}
-
 TEST_P(SelectionNodesTest, ChannelsThatACloudLacksAreNamed) {
   auto sub = b.subscriber("points", type(), "height, data{y,ring,x}", deep).value();
   expect_served(pub, 1);
@@ -258,6 +196,44 @@ TEST_P(SelectionNodesTest, ACompiledSampleNamesMissingChannelsToo) {
   ASSERT_TRUE(sub.wait(5s));
   const auto sample = sub.take();
   EXPECT_THAT(sample.missing_channels(), ::testing::UnorderedElementsAre("ring", "y"));
+}
+
+TEST_P(SelectionNodesTest, ALateReaderGetsThePartsOfRetainedSamplesWithoutConditions) {
+  auto retaining = a.publisher<PointCloud2>("retained", {.reliability = Reliability::reliable,
+                                                         .durability = Durability::transient_local,
+                                                         .history_depth = 3})
+                       .value();
+  const auto publish_each = [&](const Numbers& stamps) {
+    for (const std::uint32_t stamp : stamps) {
+      PointCloud2 row = cloud(stamp);
+      row.height = row.point_step = 1;
+      row.width = row.row_step = static_cast<std::uint32_t>(row.data.size());
+      ASSERT_EQ(retaining.publish(row), PublishStatus::ok);
+    }
+  };
+  publish_each({1, 2, 3, 4, 5});
+  SubscriberOptions options = deep;
+  options.durability = Durability::transient_local;
+  const DynamicType type = b.find_type("retained", 15s).value();
+  auto sub =
+      b.subscriber("retained", type, "header.stamp, data[::100] @ header.stamp.sec > 100", options).value();
+  expect_served(retaining, 1);
+  const auto stamps_until = [&](std::int32_t last) {
+    std::vector<std::int32_t> stamps;
+    while ((stamps.empty() || stamps.back() != last) && sub.wait(5s)) {
+      while (const DynamicSample sample = sub.take()) {
+        stamps.push_back(sample.view()["header"]["stamp"]["sec"].as<std::int32_t>().value());
+        const DynamicView data = sample.view()["data"];
+        EXPECT_EQ(data.size().value(), 10U) << stamps.back();
+        EXPECT_EQ(data[1].as<std::uint8_t>(), cloud(static_cast<std::uint32_t>(stamps.back())).data[100]);
+      }
+    }
+    return stamps;
+  };
+  EXPECT_THAT(stamps_until(5), ElementsAre(3, 4, 5));
+  publish_each({7, 8, 101});
+  EXPECT_THAT(stamps_until(101), ElementsAre(7, 101)) << "the first one after the request passes";
+  EXPECT_EQ(sub.status().lost, 0U);
 }
 
 TEST_P(SelectionNodesTest, AWrongSelectionChangesNothing) {

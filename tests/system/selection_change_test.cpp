@@ -1,0 +1,137 @@
+// Subscribers that change what they ask for while samples come, over every transport.
+#include <algorithm>
+#include <atomic>
+#include <string>
+
+#include "tests/support/isolated_host.h"
+#include "tests/support/pace.h"
+#include "tests/support/test_seed.h"
+#include "tests/system/fixture.h"
+
+namespace sft::test {
+namespace {
+
+/// One row of points of one byte each; its stamp is the number.
+PointCloud2 row(std::int32_t number) {
+  PointCloud2 cloud;
+  cloud.header.stamp.sec = number;
+  cloud.height = 1;
+  cloud.width = cloud.row_step = 1000;
+  cloud.point_step = 1;
+  for (std::uint32_t i = 0; i < cloud.width; ++i)
+    cloud.data.push_back(static_cast<std::uint8_t>(7 * i + static_cast<std::uint32_t>(number)));
+  return cloud;
+}
+
+/// Tells whether the sample has those bytes of the row that its stamp names which its selection names.
+bool has_what_it_names(const DynamicSample& sample) {
+  if (sample.selection() == nullptr || sample.selection()->parts().size() != 1) return false;
+  const Selection::Range part = sample.selection()->parts()[0].columns;
+  const PointCloud2 whole = row(sample.view()["header"]["stamp"]["sec"].as<std::int32_t>().value());
+  const DynamicView data = sample.view()["data"];
+  const std::uint32_t size = part.size_of(whole.width);
+  if (data.size() != size) return false;
+  for (std::uint32_t i = 0; i < size; ++i)
+    if (data[i].as<std::uint8_t>() != whole.data[part.begin + i * part.step]) return false;
+  return true;
+}
+
+class SelectionChangeTest : public PubSubTest {
+ protected:
+  static inline const SubscriberOptions deep{.reliability = Reliability::reliable, .depth = 200};
+
+  DynamicType type() { return b.find_type("points", 15s).value(); }
+
+  Node a = open("a");
+  Node b = open("b");
+  Publisher<PointCloud2> pub =
+      a.publisher<PointCloud2>("points", {.reliability = Reliability::reliable}).value();
+};
+
+TEST_P(SelectionChangeTest, AWindowThatMovesGivesEachSampleThePartThatItNames) {
+  const auto window = [](int begin) {
+    return "header.stamp, data[" + std::to_string(begin) + ":" + std::to_string(begin + 10) + "]";
+  };
+  auto sub = b.subscriber("points", type(), window(0), deep).value();
+  expect_served(pub, 1);
+  for (std::int32_t round = 1; round <= 50; ++round) {
+    ASSERT_TRUE(sub.set_selection(window(3 * round)));
+    pub.publish(row(round));
+    ASSERT_TRUE(sub.wait(5s));
+    while (const DynamicSample sample = sub.take()) {
+      ASSERT_TRUE(has_what_it_names(sample)) << "round " << round;
+      ASSERT_EQ(sample.view()["data"].size().value(), 10U);
+    }
+  }
+  EXPECT_EQ(sub.status().lost, 0U);
+}
+
+TEST_P(SelectionChangeTest, ASampleOfACompiledSubscriberNamesItsPart) {
+  SubscriberOptions options = deep;
+  options.selection = "data[:10]";
+  auto sub = b.subscriber<PointCloud2, F::header.stamp | F::data>("points", options).value();
+  const auto none = sub.take();
+  EXPECT_EQ(none.selection(), nullptr);
+  expect_served(pub, 1);
+  const auto begin_of_the_next = [&]() -> std::uint32_t {
+    EXPECT_TRUE(sub.wait(5s));
+    const auto sample = sub.take();
+    if (!sample || sample.selection() == nullptr || sample.selection()->parts().size() != 1) return 0;
+    EXPECT_TRUE(sample.selection()->mask().contains(F::header.stamp | F::data));
+    const std::uint32_t begin = sample.selection()->parts()[0].columns.begin;
+    EXPECT_EQ(sample->data()[0], row(sample->header().stamp().sec()).data[begin]);
+    return begin;
+  };
+  ASSERT_EQ(pub.publish(row(1)), PublishStatus::ok);
+  EXPECT_EQ(begin_of_the_next(), 0U);
+  ASSERT_TRUE(sub.set_selection("data[500:510]"));
+  std::int32_t number = 1;
+  EXPECT_TRUE(eventually([&] {
+    EXPECT_EQ(pub.publish(row(++number)), PublishStatus::ok);
+    return begin_of_the_next() == 500;
+  }));
+}
+
+// A reliable reader, which misses nothing while each sample that comes finds another selection in force.
+TEST_P(SelectionChangeTest, AThousandSelectionsInTrafficAreEachDecodedAsWhatTheyName) {
+  SCOPED_TRACE(how_to_repeat());
+  Random random{test_seed()};
+  const auto any_window = [&random] {
+    const std::uint64_t begin = random() % 990, step = 1 + random() % 7;
+    return "header.stamp, data[" + std::to_string(begin) + ":" + std::to_string(begin + 1 + random() % 100) +
+           ":" + std::to_string(step) + "]";
+  };
+  auto sub = b.subscriber("points", type(), any_window(), deep).value();
+  expect_served(pub, 1);
+  std::atomic<std::uint32_t> published{0};
+  std::optional<Ticker> traffic(std::in_place, 1ms, [&](std::uint32_t number) {
+    EXPECT_EQ(pub.publish(row(static_cast<std::int32_t>(number))), PublishStatus::ok);
+    published = number;
+  });
+  std::uint32_t taken = 0;
+  const auto take_all = [&] {
+    while (const DynamicSample sample = sub.take()) {
+      ++taken;
+      ASSERT_EQ(sample.info().sequence, taken);
+      ASSERT_TRUE(has_what_it_names(sample)) << "sample " << taken;
+    }
+  };
+  for (int change = 0; change < 1000 && !HasFatalFailure(); ++change) {
+    ASSERT_TRUE(sub.set_selection(any_window()));
+    ASSERT_TRUE(sub.wait(5s)) << "change " << change;
+    take_all();
+  }
+  traffic.reset();
+  EXPECT_TRUE(eventually([&] {
+    take_all();
+    return taken == published;
+  }));
+  EXPECT_GE(published, 1000U);
+  EXPECT_EQ(sub.status().lost, 0U);
+}
+
+INSTANTIATE_TEST_SUITE_P(Ways, SelectionChangeTest,
+                         ::testing::Values(Way::shm, Way::udp, Way::udp_sockets), way_name);
+
+}  // namespace
+}  // namespace sft::test
