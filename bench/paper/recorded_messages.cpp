@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <nav_msgs/msg/OccupancyGrid.hpp>
 #include <sensor_msgs/msg/BatteryState.hpp>
 #include <sensor_msgs/msg/LaserScan.hpp>
@@ -9,6 +8,7 @@
 #include "bench/common/cloud.h"
 #include "bench/paper/messages.h"
 #include "bench/paper/typed_messages.h"
+#include "tests/support/grey_map.h"
 #include "tests/support/recorded_data.h"
 
 namespace sft::bench::paper {
@@ -32,32 +32,6 @@ SharedMessages logged(const std::filesystem::path& data, const char* name) {
   return messages.empty() ? nullptr : shared(std::move(messages));
 }
 
-/// A cell by the grey value of a map's image, as a map server has it.
-std::int8_t cell_of(unsigned char grey) {
-  constexpr unsigned char free = 254, occupied = 0;
-  if (grey == free) return 0;
-  return grey == occupied ? 100 : -1;
-}
-
-/// Reads a binary PGM without a comment.
-std::optional<nav_msgs::msg::OccupancyGrid> map_of(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::string magic;
-  std::uint32_t width = 0, height = 0, white = 0;
-  stream >> magic >> width >> height >> white;
-  stream.get();
-  std::vector<char> pixels(std::size_t{width} * height);
-  stream.read(pixels.data(), static_cast<std::streamsize>(pixels.size()));
-  if (!stream || magic != "P5" || white != 255) return std::nullopt;
-  nav_msgs::msg::OccupancyGrid grid{.header = header("map")};
-  grid.info.resolution = 0.05F;
-  grid.info.width = width;
-  grid.info.height = height;
-  std::ranges::transform(pixels, std::back_inserter(grid.data),
-                         [](char pixel) { return cell_of(static_cast<unsigned char>(pixel)); });
-  return grid;
-}
-
 }  // namespace
 
 SharedMessages recorded_laser_scans(const std::filesystem::path& data) {
@@ -69,8 +43,8 @@ SharedMessages recorded_battery_states(const std::filesystem::path& data) {
 }
 
 SharedMessages recorded_occupancy_grids(const std::filesystem::path& data) {
-  const auto grid = map_of(data / "maps/depot.pgm");
-  return grid ? shared(std::vector{*grid}) : nullptr;
+  const auto map = test::read_grey_map(data / "maps/depot.pgm");
+  return map ? shared(std::vector{test::grid_of(*map, 0.05F)}) : nullptr;
 }
 
 SharedMessages recorded_point_clouds(const std::filesystem::path& data) {

@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
                   {{"gathering", [&] { return gathering_parts(rounds); }},
                    {"points", [&] { return reading_points(rounds); }},
                    {"gates", [&] { return closed_gates(rounds, 1000); }},
+                   {"recordings", [] { return parts_of_recordings(); }},
                    {"between_hosts", [&] { return parts_between_hosts(samples, pairs); }},
                    {"shared_part", [&] { return shared_part_of_hosts(samples); }},
                    {"window_move", [&] { return moved_windows(moves, pairs); }}});

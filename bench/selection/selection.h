@@ -19,6 +19,8 @@ std::vector<Figure> shared_part_of_hosts(std::uint64_t samples);
 /// Measures what conditions that do not hold cost: the publisher time, and a reader in shared memory
 /// wake-ups.
 std::vector<Figure> closed_gates(int rounds, int samples);
+/// Counts what parts and conditions leave of recorded messages, as far as the recordings are on this machine.
+std::vector<Figure> parts_of_recordings();
 /// Measures the time from set_selection() to the first sample with the new window, between hosts.
 std::vector<Figure> moved_windows(std::uint64_t moves, int rounds);
 

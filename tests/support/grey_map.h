@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <nav_msgs/msg/OccupancyGrid.hpp>
 #include <optional>
 #include <sensor_msgs/msg/Image.hpp>
@@ -37,9 +38,9 @@ inline std::optional<GreyMap> read_grey_map(const std::filesystem::path& path) {
   return file ? std::optional(std::move(map)) : std::nullopt;
 }
 
-/// The first row of a grid is the lowest one of its map. Dark cells are occupied; 205 is unknown.
+/// As a map server has it: the first row of a grid is the lowest one of its map.
 inline nav_msgs::msg::OccupancyGrid grid_of(const GreyMap& map, float resolution) {
-  constexpr std::uint8_t unknown = 205;
+  constexpr std::uint8_t free = 254, occupied = 0;
   nav_msgs::msg::OccupancyGrid grid;
   grid.header.frame_id = "map";
   grid.info.resolution = resolution;
@@ -48,7 +49,7 @@ inline nav_msgs::msg::OccupancyGrid grid_of(const GreyMap& map, float resolution
   for (std::uint32_t row = map.height; row-- > 0;) {
     const auto begin = map.grey.begin() + std::ptrdiff_t{row} * map.width;
     std::transform(begin, begin + map.width, std::back_inserter(grid.data), [](std::uint8_t grey) {
-      return static_cast<std::int8_t>(grey == unknown ? -1 : 100 - 100 * grey / 255);
+      return static_cast<std::int8_t>(grey == free ? 0 : grey == occupied ? 100 : -1);
     });
   }
   return grid;

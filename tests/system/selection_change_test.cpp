@@ -130,8 +130,8 @@ TEST_P(SelectionChangeTest, AThousandSelectionsInTrafficAreEachDecodedAsWhatThey
   EXPECT_EQ(sub.status().lost, 0U);
 }
 
-INSTANTIATE_TEST_SUITE_P(Ways, SelectionChangeTest,
-                         ::testing::Values(Way::shm, Way::udp, Way::udp_sockets), way_name);
+INSTANTIATE_TEST_SUITE_P(Ways, SelectionChangeTest, ::testing::Values(Way::shm, Way::udp, Way::udp_sockets),
+                         way_name);
 
 }  // namespace
 }  // namespace sft::test

@@ -1,5 +1,6 @@
-// Windows of a recorded map, as an occupancy grid and as a grey image: Cyclone DDS reads them, each cell keeps
-// its value and its place in the world, and each pixel its value. Needs the recordings beside the repository.
+// Windows of a recorded map, as an occupancy grid and as a grey image: Cyclone DDS reads them, each cell
+// keeps its value and its place in the world, and each pixel its value. Needs the recordings beside the
+// repository.
 #include <gtest/gtest.h>
 #include <nav_msgs/msg/OccupancyGrid.h>
 #include <sensor_msgs/msg/Image.h>
@@ -69,7 +70,8 @@ TEST_F(CutMapCorpusTest, AWindowOfTenByTenMetresKeepsEachCellInItsPlace) {
   ASSERT_EQ(whole.info.height, 945U);
   const test::Cut<OccupancyGrid> window = cut(whole, "data[rows 400:600, columns 700:900]");
   ASSERT_TRUE(window.ok());
-  EXPECT_NEAR(static_cast<double>(window.bytes().size()) / static_cast<double>(whole.data.size()), 0.036, 0.001);
+  EXPECT_NEAR(static_cast<double>(window.bytes().size()) / static_cast<double>(whole.data.size()), 0.036,
+              0.001);
   test::CycloneReader reader(nav_msgs_msg_OccupancyGrid_desc);
   const auto* some = static_cast<const nav_msgs_msg_OccupancyGrid*>(reader.deserialize(window.bytes()));
   ASSERT_NE(some, nullptr);
