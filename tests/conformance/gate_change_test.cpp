@@ -2,6 +2,7 @@
 // publishes. Each sample that comes is one which the selection that it names has let pass, and is what that
 // selection says.
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <optional>
 #include <set>
@@ -10,6 +11,7 @@
 #include "core/seam/gate.h"
 #include "core/seam/gate_table.h"
 #include "tests/conformance/conformance.h"
+#include "tests/support/test_seed.h"
 
 namespace sft::conformance {
 namespace {
@@ -55,7 +57,10 @@ class GateChanges {
  public:
   static constexpr std::size_t changes = 1000, bytes = 40'000;
 
-  explicit GateChanges(Stage& given) : stage(given) {
+  /// The selections follow each other in a random order: in a fixed one, "every 2nd" might find the same half
+  /// of the samples each time.
+  GateChanges(Stage& given, test::Random random) : stage(given) {
+    for (std::size_t& text : order) text = random() % texts.size();
     std::vector<std::string> all = texts;
     all.push_back("*");
     for (const std::string& text : texts) choices.emplace_back(text);
@@ -65,10 +70,10 @@ class GateChanges {
     put_in_force(0);
   }
   bool projects() const { return stage.medium->traits().projects; }
-  Choice& choice(std::size_t change) { return choices[change % choices.size()]; }
+  Choice& choice(std::size_t change) { return choices[order[change]]; }
   void put_in_force(std::size_t change) {
     begun = change;
-    core::Route route = reader->route(texts[change % texts.size()]);
+    core::Route route = reader->route(texts[order[change]]);
     route.gate = choice(change).gate;
     writer.serve({route, other.route()});
     choice(change).gate->let_next_pass();
@@ -149,6 +154,7 @@ class GateChanges {
   }
 
   Stage& stage;
+  std::array<std::size_t, changes + 1> order{};  ///< the text of each change
   Writer writer{stage};
   std::optional<Reader> reader;
   Reader other{stage, {.masks = {"height, width"}}};  // the other reader does not accept that
@@ -171,7 +177,8 @@ std::jthread change_routes(GateChanges& world, std::size_t times) {
 }
 
 TEST_P(Conformance, GivesAReaderThatChangesItsConditionsOnlyWhatTheNamedSelectionHasLetPass) {
-  GateChanges world(stage);
+  SCOPED_TRACE(test::how_to_repeat());
+  GateChanges world(stage, test::Random(test::test_seed()));
   std::jthread agent = change_routes(world, GateChanges::changes);
   while (world.done < GateChanges::changes) {
     ASSERT_NO_FATAL_FAILURE(world.publish());
