@@ -154,9 +154,9 @@ void DaemonLink::await_launch(const ShmOptions& options, Clock::time_point now) 
   look(options, now);
 }
 
-/// Files that appeared while sftd started count as obstacles, too, because they may have stopped it.
+/// What came in the way while sftd started counts as an obstacle, too, because it may have stopped sftd.
 void DaemonLink::give_up_launch(const std::string& reason, Clock::time_point now) {
-  obstacles_.add_files_of(LaunchObstacles::look(files_of_daemon_));
+  obstacles_.add(LaunchObstacles::look(files_of_daemon_));
   launch_failed_at_ = now;
   give_up(launching_, reason, now);
 }

@@ -15,10 +15,30 @@ namespace sft::shm {
 
 namespace {
 
-// Other programs take and give back space all the time. Only a growth by this much is a reason for a new
-// attempt.
-constexpr std::uint64_t least_growth_bytes = std::uint64_t{16} << 20;
-constexpr std::uint64_t least_growth_divisor = 8;  // the growth must be this part of the space that was free
+/// Other programs take and give back space all the time. Only a growth by so much, and by this part of what
+/// was free, is a reason for a new attempt.
+struct LeastGrowth {
+  std::uint64_t bytes;
+  std::uint64_t files = 16;
+  static constexpr std::uint64_t divisor = 8;
+};
+constexpr LeastGrowth in_shm{.bytes = std::uint64_t{16} << 20};
+constexpr LeastGrowth in_tmp{.bytes = std::uint64_t{1} << 20};
+
+bool has_grown(std::uint64_t before, std::uint64_t now, std::uint64_t least) {
+  return now >= before + std::max(least, before / LeastGrowth::divisor);
+}
+
+bool has_grown(const LaunchObstacles::Space& before, const LaunchObstacles::Space& now,
+               const LeastGrowth& least) {
+  return has_grown(before.bytes, now.bytes, least.bytes) || has_grown(before.files, now.files, least.files);
+}
+
+LaunchObstacles::Space space_in(const char* directory) {
+  struct statvfs space {};
+  if (statvfs(directory, &space) != 0) return {};
+  return {.bytes = std::uint64_t{space.f_bavail} * space.f_frsize, .files = space.f_favail};
+}
 
 std::string own_group_name() {
   group entry{};
@@ -52,8 +72,9 @@ std::vector<std::string> files_of_own_daemon() {
   return files;
 }
 
-LaunchObstacles LaunchObstacles::look(const std::vector<std::string>& names, const char* directory) {
-  LaunchObstacles found;
+LaunchObstacles LaunchObstacles::look(const std::vector<std::string>& names, const char* shm,
+                                      const char* tmp) {
+  LaunchObstacles found{.shm = space_in(shm), .tmp = space_in(tmp)};
   for (const std::string& name : names) {
     struct stat there {};
     if (lstat(name.c_str(), &there) != 0) continue;
@@ -62,19 +83,17 @@ LaunchObstacles LaunchObstacles::look(const std::vector<std::string>& names, con
     if (is_replaceable) continue;
     found.files.push_back({name, there.st_dev, there.st_ino, there.st_uid, there.st_mode & S_IFMT});
   }
-  struct statvfs space {};
-  if (statvfs(directory, &space) == 0) found.free_bytes = std::uint64_t{space.f_bavail} * space.f_frsize;
   return found;
 }
 
-void LaunchObstacles::add_files_of(const LaunchObstacles& later) {
+void LaunchObstacles::add(const LaunchObstacles& later) {
   std::ranges::copy_if(later.files, std::back_inserter(files),
                        [this](const File& file) { return !contain(files, file); });
+  tmp = {.bytes = std::min(tmp.bytes, later.tmp.bytes), .files = std::min(tmp.files, later.tmp.files)};
 }
 
 bool LaunchObstacles::have_eased_since(const LaunchObstacles& before) const {
-  const std::uint64_t growth = std::max(least_growth_bytes, before.free_bytes / least_growth_divisor);
-  return free_bytes >= before.free_bytes + growth ||
+  return has_grown(before.shm, shm, in_shm) || has_grown(before.tmp, tmp, in_tmp) ||
          std::ranges::any_of(before.files, [this](const File& file) { return !contain(files, file); });
 }
 

@@ -1,6 +1,6 @@
 // Looks for what can keep sftd from starting: files with the names that sftd needs, and too little space in
-// /dev/shm. Such a look costs a few system calls, while an attempt to start sftd costs a process. So attempts
-// are made ever more seldom, until a look shows that an obstacle is gone.
+// /dev/shm or /tmp. Such a look costs a few system calls, while an attempt to start sftd costs a process. So
+// attempts are made ever more seldom, until a look shows that an obstacle is gone.
 #pragma once
 
 #include <sys/types.h>
@@ -30,17 +30,25 @@ struct LaunchObstacles {
     mode_t type = 0;
     friend bool operator==(const File&, const File&) = default;
   };
+  /// What is free in a directory. 0 if it is not known.
+  struct Space {
+    std::uint64_t bytes = 0;
+    std::uint64_t files = 0;  ///< so many more can be made
+    friend bool operator==(const Space&, const Space&) = default;
+  };
   std::vector<File> files{};
-  std::uint64_t free_bytes = 0;  ///< free space in the directory
+  Space shm{};  ///< where the segments are
+  Space tmp{};  ///< where locks and sockets are
 
-  /// Looks for files with these names, and at the free space of the directory. An ordinary file or a socket
-  /// of this account is no obstacle, because sftd replaces it, and because each attempt makes and removes
-  /// such files.
-  static LaunchObstacles look(const std::vector<std::string>& names, const char* directory = "/dev/shm");
+  /// Looks for files with these names, and at the space in the directories. An ordinary file or a socket of
+  /// this account is no obstacle, because sftd replaces it, and because each attempt makes and removes such
+  /// files.
+  static LaunchObstacles look(const std::vector<std::string>& names, const char* shm = "/dev/shm",
+                              const char* tmp = "/tmp");
 
-  /// Adds the files that were found later. The free space stays as it is, because an attempt that fails takes
-  /// some space for a moment.
-  void add_files_of(const LaunchObstacles& later);
+  /// Adds what was found later, when the attempt had failed: files, and that there is less space in /tmp. The
+  /// space in /dev/shm stays as it is, because an attempt that fails takes much of it for a moment.
+  void add(const LaunchObstacles& later);
 
   /// Returns whether something that was in the way `before` is not in the way any more: a file is gone or was
   /// replaced, or there is considerably more space. New obstacles do not count, because with them an attempt

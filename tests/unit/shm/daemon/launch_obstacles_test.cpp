@@ -25,9 +25,11 @@ class LaunchObstaclesTest : public ::testing::Test {
   void make_fifo(const std::string& name) const { ASSERT_EQ(mkfifo(path(name).c_str(), 0600), 0); }
   /// Leaves the free space out, which other programs change.
   LaunchObstacles look() const {
-    LaunchObstacles found = LaunchObstacles::look({path("a"), path("b")}, directory_.c_str());
-    EXPECT_GT(found.free_bytes, 0U);
-    found.free_bytes = 0;
+    LaunchObstacles found =
+        LaunchObstacles::look({path("a"), path("b")}, directory_.c_str(), directory_.c_str());
+    EXPECT_GT(found.shm.bytes, 0U);
+    EXPECT_EQ(found.shm, found.tmp);
+    found.shm = found.tmp = {};
     return found;
   }
 
@@ -95,8 +97,8 @@ TEST_F(LaunchObstaclesTest, ObstaclesHaveEasedWhenOneOfThemWasReplaced) {
 TEST_F(LaunchObstaclesTest, ObstaclesThatCameDuringTheAttemptCountToo) {
   LaunchObstacles before = look();
   make_fifo("a");
-  before.add_files_of(look());
-  before.add_files_of(look());
+  before.add(look());
+  before.add(look());
   EXPECT_EQ(before.files.size(), 1U);
   fs::remove(path("a"));
   EXPECT_TRUE(look().have_eased_since(before));
@@ -104,14 +106,38 @@ TEST_F(LaunchObstaclesTest, ObstaclesThatCameDuringTheAttemptCountToo) {
 
 TEST_F(LaunchObstaclesTest, ObstaclesEaseWithConsiderablyMoreSpaceAndNotWithALittleMore) {
   const auto eases = [](std::uint64_t before, std::uint64_t after) {
-    return LaunchObstacles{.files = {}, .free_bytes = after}.have_eased_since(
-        {.files = {}, .free_bytes = before});
+    return LaunchObstacles{.shm{.bytes = after}}.have_eased_since({.shm{.bytes = before}});
   };
   EXPECT_FALSE(eases(0, 16 * MiB - 1));
   EXPECT_TRUE(eases(0, 16 * MiB));
   EXPECT_FALSE(eases(800 * MiB, 900 * MiB - 1));
   EXPECT_TRUE(eases(800 * MiB, 900 * MiB));
   EXPECT_FALSE(eases(800 * MiB, 0));
+}
+
+TEST_F(LaunchObstaclesTest, ObstaclesEaseWithMoreSpaceForLocksAndSockets) {
+  const auto eases = [](std::uint64_t before, std::uint64_t after) {
+    return LaunchObstacles{.tmp{.bytes = after}}.have_eased_since({.tmp{.bytes = before}});
+  };
+  EXPECT_FALSE(eases(0, 1 * MiB - 1));
+  EXPECT_TRUE(eases(0, 1 * MiB));
+  EXPECT_FALSE(eases(800 * MiB, 900 * MiB - 1));
+}
+
+TEST_F(LaunchObstaclesTest, ObstaclesEaseWhenMoreFilesCanBeMade) {
+  EXPECT_FALSE((LaunchObstacles{.shm{.files = 15}}.have_eased_since({})));
+  EXPECT_TRUE((LaunchObstacles{.shm{.files = 16}}.have_eased_since({})));
+  EXPECT_TRUE((LaunchObstacles{.tmp{.files = 16}}.have_eased_since({})));
+  EXPECT_FALSE((LaunchObstacles{.tmp{.files = 899}}.have_eased_since({.tmp{.files = 800}})));
+}
+
+// /tmp may be filled while the attempt goes on. The attempt itself takes space in /dev/shm only.
+TEST_F(LaunchObstaclesTest, SpaceThatWasTakenDuringTheAttemptCountsInTmpOnly) {
+  LaunchObstacles before{.shm{.bytes = 100 * MiB}, .tmp{.bytes = 100 * MiB}};
+  before.add({.shm{.bytes = 0}, .tmp{.bytes = 0}});
+  EXPECT_EQ(before.shm.bytes, 100 * MiB);
+  EXPECT_EQ(before.tmp.bytes, 0U);
+  EXPECT_TRUE((LaunchObstacles{.shm{.bytes = 100 * MiB}, .tmp{.bytes = 100 * MiB}}.have_eased_since(before)));
 }
 
 TEST_F(LaunchObstaclesTest, AllNamesThatTheFirstAttemptNeedsAreLookedAt) {
