@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/discovery/leases.h"
 #include "tests/unit/core/start.h"
 
 namespace sft::core {
@@ -22,11 +23,13 @@ class SilenceWatchTest : public ::testing::Test {
 
 TEST_F(SilenceWatchTest, ANodeThatSentNothingElseIsLostAtOnce) {
   EXPECT_TRUE(watch.is_lost(silent_node, test_start));
+  watch.lives(silent_node);
   watch.heard(silent_node, 5s, test_start);
   EXPECT_TRUE(watch.is_lost(silent_node, test_start + 5s));
 }
 
 TEST_F(SilenceWatchTest, ANodeThatSentSomethingIsLostALeaseAfterThat) {
+  watch.lives(silent_node);
   watch.heard(silent_node, 5s, test_start);
   EXPECT_FALSE(watch.is_lost(silent_node, test_start + 1s));
   watch.heard(silent_node, 5s, test_start + 3s);
@@ -39,7 +42,17 @@ TEST_F(SilenceWatchTest, OnceANodeSaysThatItLivesItIsForDiscoveryToTell) {
   watch.heard(silent_node, 5s, test_start);
   watch.lives(silent_node);
   EXPECT_THAT(watch.take_lost(test_start + 20s), IsEmpty());
-  EXPECT_TRUE(watch.is_lost(silent_node, test_start + 20s));
+  watch.heard(silent_node, 5s, test_start + 20s);
+  EXPECT_THAT(watch.take_lost(test_start + 40s), IsEmpty()) << "whatever else it says";
+  EXPECT_TRUE(watch.is_lost(silent_node, test_start + 40s));
+}
+
+// Somebody may have outdated its signs of life before the first one came.
+TEST_F(SilenceWatchTest, ANodeThatWasNeverHeardToLiveHasTimeForALinkThatIsMadeAnew) {
+  watch.heard(silent_node, 5s, test_start);
+  watch.heard(silent_node, 5s, test_start + 1s);
+  EXPECT_THAT(watch.take_lost(test_start + 5s + renewal_takes - 1ms), IsEmpty());
+  EXPECT_THAT(watch.take_lost(test_start + 5s + renewal_takes), ElementsAre(silent_node));
 }
 
 }  // namespace
