@@ -44,6 +44,9 @@ class Forgeries : public NegotiationTest {
   static bool missed_somebody(const json& status) {
     return was_told(status.at("offered"), "unmatched") || was_told(status.at("requested"), "unmatched");
   }
+  /// By either of them: who makes its link anew hears the other one again, and speaks by a new writer, whose
+  /// signs the other one believes.
+  std::uint64_t links_renewed() { return links_renewed(publisher()) + links_renewed(reader()); }
   static std::uint64_t links_renewed(Peer& peer) { return peer.status()["node"]["links_renewed"]; }
 
  private:
@@ -123,8 +126,7 @@ TEST_F(OutdatedByForgery, SignsOfLifeAreHeardAgainBeforeAnyNodeIsTakenForDead) {
   forger().forge("outdate signs of life");
   const auto end = std::chrono::steady_clock::now() + 13s;  // twice a lease, and what it takes to notice
   while (std::chrono::steady_clock::now() < end) ASSERT_TRUE(flows(reader()));
-  EXPECT_GT(links_renewed(publisher()), 0);
-  EXPECT_GT(links_renewed(reader()), 0);
+  EXPECT_GT(links_renewed(), 0U);
   for (Peer* peer : {&publisher(), &reader()})
     EXPECT_FALSE(missed_somebody(peer->status())) << peer->status();
 }
@@ -143,9 +145,9 @@ TEST_F(OutdatedByForgery, AllNodesOfAProcessAreHeardAgain) {
   forger().forge("outdate signs of life");
   const auto end = std::chrono::steady_clock::now() + 13s;
   while (std::chrono::steady_clock::now() < end) ASSERT_TRUE(flows(reader()));
+  EXPECT_GT(links_renewed(), 0U);
   for (Peer* peer : {&publisher(), &reader()}) {
     const json status = peer->status();
-    EXPECT_GT(links_renewed(*peer), 0) << status;
     EXPECT_TRUE(all_are_served(*peer)) << status;
     for (const json& neighbour : status.at("neighbours")) {
       EXPECT_EQ(neighbour.at("links_renewed"), status.at("node").at("links_renewed")) << "they share them";
