@@ -1,0 +1,130 @@
+// Hostile messages of the types that have parts, under any selection: u8 number of the type (modulo their
+// count), u8 length of a selection as text, the text, and the body of a whole message. Nothing is read
+// outside of the body. The part that is taken of a message that passes the validating walk is a message
+// again. Points are read in it and in the whole message, and conditions are asked.
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <nav_msgs/msg/OccupancyGrid.hpp>
+#include <optional>
+#include <sensor_msgs/msg/Image.hpp>
+#include <sensor_msgs/msg/LaserScan.hpp>
+#include <sensor_msgs/msg/PointCloud2.hpp>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/seam/gate.h"
+#include "sft/detail/project.h"
+#include "sft/detail/view.h"
+#include "sft/points.h"
+#include "sft/type_support.h"
+
+namespace sft {
+namespace {
+
+using sensor_msgs::msg::PointCloud2;
+
+void require(bool condition, const char* what) {
+  if (!condition) throw std::logic_error(what);  // libFuzzer reports it as a crash
+}
+
+/// A body in memory of exactly its size, so that the address sanitizer sees the first byte too many.
+class Body {
+ public:
+  Body(const TypeSupport& type, FieldMask mask, std::size_t bytes)
+      : type_(type),
+        mask_(std::move(mask)),
+        bytes_(bytes),
+        body_(new std::byte[bytes]),
+        index_(type.slots()) {
+    state_ = {.body = body_.get(),
+              .body_bytes = static_cast<std::uint32_t>(bytes),
+              .index = index_.data(),
+              .mask = &mask_};
+  }
+  std::byte* data() { return body_.get(); }
+  /// Where the message ends; nothing if the bytes are none.
+  std::optional<std::uint32_t> walk() {
+    std::uint32_t end = 0;
+    if (detail::build_index(state_, type_.type(), index_, &end) != detail::WalkStatus::ok)
+      return std::nullopt;
+    return end;
+  }
+  const detail::SampleState& state() const { return state_; }
+  std::size_t bytes() const { return bytes_; }
+
+ private:
+  const TypeSupport& type_;
+  const FieldMask mask_;
+  const std::size_t bytes_;
+  const std::unique_ptr<std::byte[]> body_;
+  std::vector<std::uint32_t> index_;
+  detail::SampleState state_{};
+};
+
+/// Twice, so that there is a former sample to compare with.
+void ask(const Selection& selection, const TypeSupport& type, const detail::SampleState& sample) {
+  if (selection.gate().conditions.empty()) return;
+  const Result<void> sound = detail::Conditions::check(type.type(), selection.gate().conditions);
+  require(sound.has_value(), "conditions that a text names can be asked");
+  core::Gate gate(0, detail::Conditions(type.type(), selection.gate().conditions), selection.gate_hash());
+  gate.let_next_pass();
+  for (const std::int64_t stamp_ns : {0, 1}) {
+    gate.consider(detail::FieldSource::of_sample(sample), stamp_ns);
+    require(stamp_ns != 0 || gate.passes(), "the first sample passes");
+    gate.made(detail::FieldSource::of_sample(sample), stamp_ns);
+  }
+}
+
+void read_points(const detail::SampleState& cloud) {
+  const auto view = detail::view_of<PointCloud2, Req<PointCloud2>(all<PointCloud2>)>(cloud);
+  const auto points = view.points<float, double, std::uint16_t>("x", "y", "ring");
+  if (!points) return;
+  if (!points->empty()) {
+    const auto last = (*points)[points->size() - 1];
+    asm volatile("" : : "m"(last));
+  }
+  std::size_t left = 10'000;
+  for (const auto point : *points) {
+    asm volatile("" : : "m"(point));
+    if (--left == 0) break;
+  }
+}
+
+void check(const TypeSupport& type, std::string_view text, std::span<const std::uint8_t> bytes) {
+  Body whole(type, type.full(), bytes.size());
+  std::copy(bytes.begin(), bytes.end(), reinterpret_cast<std::uint8_t*>(whole.data()));
+  if (!whole.walk()) return;
+  const bool is_cloud = &type == &type_support<PointCloud2>();
+  if (is_cloud) read_points(whole.state());
+  const Result<Selection> selection = type.parse_selection(text);
+  if (!selection) return;
+  ask(*selection, type, whole.state());
+  const detail::ProjectionPlan plan(type, type.closed(*selection));
+  detail::Projection projection;
+  if (!projection.project(whole.state(), plan)) return;
+  Body part(type, plan.mask(), projection.bytes());
+  std::byte* to = part.data();
+  for (const detail::Segment& segment : projection.segments())
+    to = std::copy_n(segment.data, segment.bytes, to);
+  require(part.walk() == part.bytes(), "a part is a message, and no more than that");
+  if (is_cloud && plan.mask() == type.full()) read_points(part.state());
+}
+
+}  // namespace
+}  // namespace sft
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const std::array types{
+      &sft::type_support<sensor_msgs::msg::PointCloud2>(), &sft::type_support<sensor_msgs::msg::Image>(),
+      &sft::type_support<nav_msgs::msg::OccupancyGrid>(), &sft::type_support<sensor_msgs::msg::LaserScan>()};
+  if (size < 2 || size - 2 < data[1]) return 0;
+  const std::string text(reinterpret_cast<const char*>(data + 2), data[1]);
+  sft::check(*types[data[0] % types.size()], text, {data + 2 + data[1], size - 2 - data[1]});
+  return 0;
+}
