@@ -15,8 +15,4 @@ constexpr std::chrono::milliseconds silence_in(std::chrono::milliseconds lease) 
   return std::clamp(lease * 3 / 10, std::chrono::milliseconds(300), std::chrono::milliseconds(4500));
 }
 
-/// A link that does not hear a node's signs of life is made anew after a lease. It takes so long at most
-/// until signs are heard by the new one.
-inline constexpr std::chrono::seconds renewal_takes{4};
-
 }  // namespace sft::core

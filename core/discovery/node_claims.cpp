@@ -94,8 +94,7 @@ void NodeClaims::end_silent(const LeaseOf& lease_of, Time now) {
   for (auto& [id, node] : nodes_) {
     for (Claim& claim : node.claims) {
       const auto silent_for = now - claim.heard;
-      if (claim.alive && silent_for > lease_default + renewal_takes &&
-          silent_for > lease_of(id) + renewal_takes)
+      if (claim.alive && silent_for > lease_default + slack && silent_for > lease_of(id) + slack)
         claim.alive = false;
     }
   }

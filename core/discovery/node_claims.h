@@ -45,6 +45,9 @@ class NodeClaims {
   void forget_before(Time before);
 
  private:
+  /// Time for a link that does not hear the signs of life to be made anew (hearing_watch.h).
+  static constexpr std::chrono::seconds slack{4};
+
   struct Claim {
     Speaker speaker;
     Time heard{};  ///< when the speaker said last that this node lives; it may speak for others, too

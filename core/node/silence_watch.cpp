@@ -1,17 +1,6 @@
 #include "core/node/silence_watch.h"
 
-#include <algorithm>
-
-#include "core/discovery/leases.h"
-
 namespace sft::core {
-
-void SilenceWatch::heard(NodeId node, std::chrono::milliseconds lease, Time now) {
-  const bool is_new = !watched_.contains(node) && !lost_at_.contains(node);
-  const auto at = now + lease + (is_new ? renewal_takes : std::chrono::seconds(0));
-  Time& lost_at = lost_at_[node];
-  lost_at = std::max(lost_at, at);
-}
 
 void SilenceWatch::lives(NodeId node) {
   lost_at_.erase(node);

@@ -18,9 +18,8 @@ namespace sft::core {
 class SilenceWatch {
  public:
   /// The node has said something else than that it lives. While discovery does not watch the node, it is lost
-  /// if nothing is heard of it for `lease`. If it has never said that it lives, it has renewal_takes more:
-  /// somebody may have made its signs of life unbelievable before the first one came.
-  void heard(NodeId node, std::chrono::milliseconds lease, Time now);
+  /// if nothing is heard of it for `lease`.
+  void heard(NodeId node, std::chrono::milliseconds lease, Time now) { lost_at_[node] = now + lease; }
   /// The node has said that it lives: discovery watches it.
   void lives(NodeId node);
   /// Discovery misses the node's signs of life. True if the node is lost; if not, take_lost() may tell it

@@ -152,6 +152,7 @@ TEST_P(ChannelsTest, AProgramThatReadsTheBytesOfThePointsIsSentAllOfThem) {
 
 TEST_P(ChannelsTest, ChannelsOfADynamicViewAreRecordedAsWell) {
   sub.reset();  // it would be sent whole points, in one copy for both
+  expect_served(pub, 0);
   auto dynamic = b.subscriber("points", b.find_type("points", 15s).value(), recorded,
                               {.recording = {.learn_samples = 3}})
                      .value();
@@ -176,6 +177,7 @@ TEST_P(ChannelsTest, ChannelsOfADynamicViewAreRecordedAsWell) {
 
 TEST_P(ChannelsTest, ChannelsAreDeclaredWhenTheProgramIsCompiled) {
   sub.reset();
+  expect_served(pub, 0);
   auto declared = b.subscriber<PointCloud2, F::header.stamp | F::data.channels<"x", "intensity">.every(2)>(
                        "points", {.reliability = Reliability::reliable})
                       .value();
@@ -197,6 +199,7 @@ TEST_P(ChannelsTest, ChannelsAreDeclaredWhenTheProgramIsCompiled) {
 
 TEST_P(ChannelsTest, AnOptionChangesADeclaredPartAndLeavesOthers) {
   sub.reset();
+  expect_served(pub, 0);
   SubscriberOptions options{.reliability = Reliability::reliable};
   options.selection = "@ height > 1";
   auto declared =
