@@ -40,6 +40,10 @@ class Forgeries : public NegotiationTest {
     const std::uint64_t received = reader.status()["subscriber"]["received"];
     return comes_true([&] { return reader.status()["subscriber"]["received"] > received + 20; });
   }
+  void expect_that_it_flows_for(std::chrono::seconds duration) {
+    const auto end = std::chrono::steady_clock::now() + duration;
+    while (std::chrono::steady_clock::now() < end) ASSERT_TRUE(flows(reader()));
+  }
   /// True if an endpoint was told that another one did not answer, or had left.
   static bool missed_somebody(const json& status) {
     return was_told(status.at("offered"), "unmatched") || was_told(status.at("requested"), "unmatched");
@@ -116,6 +120,8 @@ TEST_F(Forgeries, AComplaintThatSomebodyMakesUpCostsNoSampleAndFewLinks) {
 /// name.
 class OutdatedByForgery : public Forgeries {
  protected:
+  static constexpr auto two_leases = 13s;  // and what it takes to notice
+
   void SetUp() override {
     Forgeries::SetUp();
     if (!IsSkipped()) begin("height, width");
@@ -124,8 +130,7 @@ class OutdatedByForgery : public Forgeries {
 
 TEST_F(OutdatedByForgery, SignsOfLifeAreHeardAgainBeforeAnyNodeIsTakenForDead) {
   forger().forge("outdate signs of life");
-  const auto end = std::chrono::steady_clock::now() + 13s;  // twice a lease, and what it takes to notice
-  while (std::chrono::steady_clock::now() < end) ASSERT_TRUE(flows(reader()));
+  expect_that_it_flows_for(two_leases);
   EXPECT_GT(links_renewed(), 0U);
   for (Peer* peer : {&publisher(), &reader()})
     EXPECT_FALSE(missed_somebody(peer->status())) << peer->status();
@@ -142,9 +147,9 @@ TEST_F(OutdatedByForgery, AllNodesOfAProcessAreHeardAgain) {
   for (Peer* peer : {&publisher(), &reader()}) peer->open_neighbours(neighbours);
   for (Peer* peer : {&publisher(), &reader()})
     ASSERT_TRUE(comes_true([&] { return all_are_served(*peer); })) << peer->status();
+  expect_that_it_flows_for(2s);  // in which each node says three times that it lives
   forger().forge("outdate signs of life");
-  const auto end = std::chrono::steady_clock::now() + 13s;
-  while (std::chrono::steady_clock::now() < end) ASSERT_TRUE(flows(reader()));
+  expect_that_it_flows_for(two_leases);
   EXPECT_GT(links_renewed(), 0U);
   for (Peer* peer : {&publisher(), &reader()}) {
     const json status = peer->status();
