@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -40,6 +41,15 @@ T decoded_from(const std::vector<std::byte>& bytes, const FieldMask& mask, T ont
   EXPECT_EQ(end, size);
   EXPECT_EQ(detail::decode(state, type, &onto), detail::WalkStatus::ok);
   return onto;
+}
+
+/// Selects the whole message, but for the parts that the text names.
+template <class T>
+Selection all_with(std::string_view text) {
+  const TypeSupport& type = type_support<T>();
+  const Selection parsed = type.parse_selection(text).value();
+  const auto parts = parsed.parts();
+  return Selection::make(type.full(), {parts.begin(), parts.end()}, {}).value();
 }
 
 /// One message and one selection. The message is encoded in memory of just its size, so that a sanitizer sees

@@ -146,10 +146,7 @@ class CutCorpusTest : public ::testing::Test {
   template <class T>
   static std::vector<std::byte> taken(const Payload& payload, std::string_view text) {
     const TypeSupport& type = type_support<T>();
-    const Selection parsed = type.parse_selection(text).value();
-    const auto parts = parsed.parts();
-    const Selection wanted = Selection::make(type.full(), {parts.begin(), parts.end()}, {}).value();
-    const detail::ProjectionPlan plan(type, type.closed(wanted));
+    const detail::ProjectionPlan plan(type, type.closed(test::all_with<T>(text)));
     EXPECT_EQ(plan.mask(), type.full());
 
     const std::vector<std::byte> body(payload.begin() + head_bytes, payload.end());

@@ -30,6 +30,7 @@ using sensor_msgs::msg::Image;
 using sensor_msgs::msg::LaserScan;
 using sensor_msgs::msg::PointCloud2;
 using sensor_msgs::msg::PointField;
+using test::all_with;
 using test::Cut;
 using ::testing::AssertionFailure;
 using ::testing::AssertionResult;
@@ -47,15 +48,6 @@ class CutHostile : public test::RandomTest {
   void TearDown() override {
     const double seconds = static_cast<double>(std::clock() - begin_) / CLOCKS_PER_SEC;
     EXPECT_LT(seconds, 60);
-  }
-
-  /// The whole message, but for parts that the text names.
-  template <class T>
-  static Selection all_with(std::string_view text) {
-    const TypeSupport& type = type_support<T>();
-    const Selection parsed = type.parse_selection(text).value();
-    const auto parts = parsed.parts();
-    return Selection::make(type.full(), {parts.begin(), parts.end()}, {}).value();
   }
 
   /// Refusals, bytes that are no message, and a message that takes a second are failures of the test.

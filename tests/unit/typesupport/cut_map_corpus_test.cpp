@@ -52,14 +52,6 @@ class CutMapCorpusTest : public ::testing::Test {
     grid.info.origin.orientation.w = std::cos(0.2);
     return grid;
   }
-  /// The whole message, but for the part that the text names.
-  template <class T>
-  static test::Cut<T> cut(const T& message, std::string_view text) {
-    const TypeSupport& type = type_support<T>();
-    const Selection parsed = type.parse_selection(text).value();
-    const auto parts = parsed.parts();
-    return {message, Selection::make(type.full(), {parts.begin(), parts.end()}, {}).value()};
-  }
 
   test::GreyMap map_;
 };
@@ -68,7 +60,8 @@ TEST_F(CutMapCorpusTest, AWindowOfTenByTenMetresKeepsEachCellInItsPlace) {
   const OccupancyGrid whole = grid();
   ASSERT_EQ(whole.info.width, 1165U);
   ASSERT_EQ(whole.info.height, 945U);
-  const test::Cut<OccupancyGrid> window = cut(whole, "data[rows 400:600, columns 700:900]");
+  const test::Cut<OccupancyGrid> window(whole,
+                                        test::all_with<OccupancyGrid>("data[rows 400:600, columns 700:900]"));
   ASSERT_TRUE(window.ok());
   EXPECT_NEAR(static_cast<double>(window.bytes().size()) / static_cast<double>(whole.data.size()), 0.036,
               0.001);
@@ -92,7 +85,7 @@ TEST_F(CutMapCorpusTest, AWindowOfTenByTenMetresKeepsEachCellInItsPlace) {
 
 TEST_F(CutMapCorpusTest, AGreyImageIsThinnedPixelByPixel) {
   const Image whole = test::image_of(map_);
-  const test::Cut<Image> thin = cut(whole, "data[rows 5:900:3, columns 1::4]");
+  const test::Cut<Image> thin(whole, test::all_with<Image>("data[rows 5:900:3, columns 1::4]"));
   ASSERT_TRUE(thin.ok());
   test::CycloneReader reader(sensor_msgs_msg_Image_desc);
   const auto* some = static_cast<const sensor_msgs_msg_Image*>(reader.deserialize(thin.bytes()));
