@@ -33,7 +33,8 @@ constexpr std::size_t samples = 2001;
 struct Published {
   std::atomic<bool> failed{false};
   std::atomic<std::size_t> served{0};
-  std::atomic<std::size_t> wanted{0};  ///< so many are to be published
+  std::atomic<std::size_t> in_groups{0};  ///< of the readers, while nothing is published
+  std::atomic<std::size_t> wanted{0};     ///< so many are to be published
   std::atomic<std::size_t> count{0};
   std::atomic<std::uint64_t> sent{0}, withheld{0}, dropped{0};  ///< to all readers together
 };
@@ -75,10 +76,11 @@ void publish_numbers(Node& node, Published& published, Reliability reliability) 
       publisher.publish(row(place, numbers[place]));
       published.count = place + 1;
     } else {
-      std::size_t served = 0;
+      std::size_t served = 0, in_groups = 0;
       std::uint64_t sent = 0, withheld = 0, dropped = 0;
       for (const PublisherStatus::Reader& reader : publisher.status().readers) {
         served += reader.served ? 1 : 0;
+        in_groups += reader.multicast.starts_with("group ") ? 1 : 0;
         sent += reader.sent;
         withheld += reader.withheld;
         dropped += reader.dropped;
@@ -86,6 +88,7 @@ void publish_numbers(Node& node, Published& published, Reliability reliability) 
       published.sent = sent;
       published.withheld = withheld;
       published.dropped = dropped;
+      published.in_groups = in_groups;
       published.served = served;
     }
   }
@@ -235,6 +238,28 @@ TEST_P(ConditionsOfOtherHosts, SixtyFourReadersOnFourHostsGetJustWhatTheirOwnCon
   EXPECT_TRUE(eventually([&] { return published.sent == passing; })) << published.sent << " of " << passing;
   EXPECT_EQ(published.withheld, rules.size() * samples - passing);
   EXPECT_EQ(published.dropped, 0U);
+}
+
+/// Two of the hosts have other conditions than the other two.
+TEST_P(ConditionsOfOtherHosts, HostsWithTheSameConditionsAreServedByOneGroupAndMissNothing) {
+  SCOPED_TRACE(how_to_repeat());
+  const auto network = hosts::EmulatedNetwork::create(5);
+  if (!network) GTEST_SKIP() << network.error().message;
+  const std::vector<Rule> rules{different_rules(6)[5], different_rules(8)[7]};
+  const Reliability reliability = GetParam() ? Reliability::reliable : Reliability::best_effort;
+  const PublisherProcess publisher(network->host(0), options(), reliability);
+  std::vector<std::unique_ptr<SubscriberProcess>> subscribers;
+  for (std::size_t host = 1; host <= 4; ++host)
+    subscribers.push_back(std::make_unique<SubscriberProcess>(network->host(host), options(),
+                                                              std::vector{rules[host % 2]}, reliability));
+  ASSERT_TRUE(publisher.serves(4));
+  ASSERT_TRUE(publisher.publishes_up_to(samples / 2));
+  EXPECT_TRUE(eventually([&] { return publisher.report().in_groups == 4; }));
+  ASSERT_TRUE(publisher.publishes_up_to(samples));
+  for (const auto& subscriber : subscribers) {
+    ASSERT_TRUE(subscriber->has_all_before(samples));
+    subscriber->expect_all_accounted(samples);
+  }
 }
 
 /// The cable is away for less than the lease of a node. Half a thousand samples are published meanwhile.

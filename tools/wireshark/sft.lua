@@ -141,12 +141,10 @@ function Cursor:rest(field)
   self.tree:add(field, self:take(self:left()))
 end
 
--- Reads the mark of a sample that is sent to a group. There is no other mark, since each member knows the sample's
--- position in its channel.
+-- Reads the mark of a sample that is sent to a group. Only a rate may stand beside it, since a group has no late readers,
+-- and each member knows the sample's position in its channel.
 local function read_group_mark(c, set)
-  if has(set, 0x02) or has(set, 0x04) or has(set, 0x08) then
-    c:fail("No other mark may follow a position in a group")
-  end
+  if has(set, 0x04) or has(set, 0x08) then c:fail("Only a rate may stand beside a position in a group") end
   local group = c:number(f.group, 4)
   c:number(f.sequence_high, 4)
   local ordinal = c:number(f.group_ordinal, 8)
@@ -156,11 +154,11 @@ end
 
 -- Reads the marks behind a header, as its flags say, but not the words of the mask.
 local function read_marks(c, set)
-  if has(set, 0x40) then return read_group_mark(c, set) end
   if has(set, 0x02) then
     c:number(f.rate_period, 4)
     c:number(f.rate_ordinal, 4)
   end
+  if has(set, 0x40) then return read_group_mark(c, set) end
   if has(set, 0x04) then
     if c:number(f.history_reader, 8) == UInt64(0) then c:fail("The id of a reader must not be 0") end
     c:number(f.history_oldest, 8)
@@ -185,7 +183,7 @@ end
 
 -- Tells whether the sample passed a gate that has conditions and no period. `c` stands behind the mask.
 local function has_conditions(c, set)
-  local rate_follows = has(set, 0x02) and not has(set, 0x40) and c:left() >= 12
+  local rate_follows = has(set, 0x02) and c:left() >= 12
   return rate_follows and c.buffer(c.at + 8, 4):le_uint() == 0
 end
 
@@ -465,7 +463,7 @@ end
 
 -- True if a first datagram may have these flags and this length.
 local function plausible_flags(set, bytes)
-  if has(set, 0x40) then return bytes >= 48 and not (has(set, 0x02) or has(set, 0x04) or has(set, 0x08)) end
+  if has(set, 0x40) then return bytes >= 48 and not (has(set, 0x04) or has(set, 0x08)) end
   return bytes >= 48 or not has(set, 0x08)
 end
 -- True if a whole datagram has an ordinal, and a stamp from 1970 to 2100. Any flags are possible.

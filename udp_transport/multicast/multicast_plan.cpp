@@ -16,12 +16,12 @@ bool are_alike(const PlanDestination& a, const PlanDestination& b) {
   return a.fields == b.fields && a.alone_bytes == b.alone_bytes && a.datagram_bytes == b.datagram_bytes;
 }
 
-/// The destinations behind one link, by kind, and the plan for them.
-class LinkPlan {
+/// The destinations of one division, by kind, and the plan for them.
+class DivisionPlan {
  public:
-  LinkPlan(std::span<const PlanDestination> all, std::size_t link, const BodyBytes& body_bytes,
-           const PlanLimits& limits)
-      : all_(all), kinds_(kinds_behind(link)), search_(kinds_, body_bytes, limits) {}
+  DivisionPlan(std::span<const PlanDestination> all, std::size_t division, const BodyBytes& body_bytes,
+               const PlanLimits& limits)
+      : all_(all), kinds_(kinds_of(division)), search_(kinds_, body_bytes, limits) {}
 
   /// Groups whose kinds are together at present. Those who came anew go where they cost least.
   void take_over(const MulticastPlan& present, double samples_per_s, const PlanLimits& limits) {
@@ -78,11 +78,11 @@ class LinkPlan {
  private:
   using Places = PlanSearch::Places;
 
-  std::vector<PlanKind> kinds_behind(std::size_t link) {
+  std::vector<PlanKind> kinds_of(std::size_t division) {
     std::vector<PlanKind> kinds;
     for (std::size_t i = 0; i < all_.size(); ++i) {
       const PlanDestination& to = all_[i];
-      if (to.link != link) continue;
+      if (to.division != division) continue;
       const auto known = std::ranges::find_if(
           members_, [&](const auto& members) { return are_alike(all_[members.front()], to); });
       if (known == members_.end()) {
@@ -115,11 +115,11 @@ class LinkPlan {
 
 MulticastPlan plan_multicast(std::span<const PlanDestination> destinations, const BodyBytes& body_bytes,
                              double samples_per_s, const MulticastPlan& present, const PlanLimits& limits) {
-  std::set<std::size_t> links;
-  for (const PlanDestination& to : destinations) links.insert(to.link);
+  std::set<std::size_t> divisions;
+  for (const PlanDestination& to : destinations) divisions.insert(to.division);
   MulticastPlan plan;
-  for (const std::size_t link : links) {
-    LinkPlan one(destinations, link, body_bytes, limits);
+  for (const std::size_t division : divisions) {
+    DivisionPlan one(destinations, division, body_bytes, limits);
     one.take_over(present, samples_per_s, limits);
     one.improve(samples_per_s, limits);
     one.add_to(plan);

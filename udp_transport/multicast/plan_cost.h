@@ -19,7 +19,7 @@ using BodyBytes = std::function<double(const Selection&)>;
 struct PlanDestination {
   Selection fields{};              ///< one_copy() for all its readers
   double alone_bytes = 0;          ///< on the wire, if what each of them asks for is sent there alone
-  std::size_t link = 0;            ///< a group is behind one link
+  std::size_t division = 0;        ///< a group has members of one division (divisions.h)
   std::size_t datagram_bytes = 0;  ///< that its path takes
   bool is_new = false;             ///< it was not there, or had other fields, when the present plan was made
 };
@@ -37,7 +37,7 @@ struct PlanLimits {
   double wire_max = 1.05;          ///< bytes on a link, by what one group, or none, would put there
   double gain_min = 0.05;          ///< of what the best one costs: less is no reason to change anything
   double gain_bytes_per_s = 4096;  ///< likewise
-  std::size_t groups_max = 8;      ///< on a link
+  std::size_t groups_max = 8;      ///< of a division
   /// The bytes that a body may have that nobody asked for as it is: a larger one might not be sent at all.
   double merged_body_max = std::numeric_limits<double>::infinity();
 };

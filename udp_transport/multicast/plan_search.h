@@ -1,4 +1,4 @@
-// Looks for a cheap way to put the destinations behind one link into groups, without trying all of them
+// Looks for a cheap way to put the destinations of one division into groups, without trying all of them
 // (multicast.md).
 #pragma once
 

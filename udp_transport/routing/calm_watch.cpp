@@ -8,7 +8,7 @@ namespace sft::udp {
 namespace {
 
 bool is_same(const CalmWatch::Asked& a, const CalmWatch::Asked& b) {
-  return a.reliable == b.reliable && a.gets_more == b.gets_more &&
+  return a.reliable == b.reliable && a.gets_more == b.gets_more && a.min_period_us == b.min_period_us &&
          std::ranges::is_permutation(a.selections, b.selections);
 }
 

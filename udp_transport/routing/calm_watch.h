@@ -5,6 +5,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <map>
 #include <vector>
 
@@ -21,6 +22,7 @@ class CalmWatch {
   /// A change of one of these makes another group.
   struct Asked {
     std::vector<Selection> selections{};  ///< in any order, none twice
+    std::uint32_t min_period_us = 0;      ///< of a reader that asks for the only one of them
     bool reliable = false;
     bool gets_more = false;  ///< than a group is sent
   };

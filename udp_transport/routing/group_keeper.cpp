@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "udp_transport/io/interfaces.h"
+#include "udp_transport/multicast/divisions.h"
 #include "udp_transport/multicast/one_copy.h"
 
 namespace sft::udp {
@@ -51,6 +52,18 @@ void GroupKeeper::look_at(const std::vector<RouteBundle>& routes, Time now) {
   candidates_.clear();
   links_ = setup_.use == Multicast::off ? std::vector<MulticastLink>{} : setup_.links(setup_.use);
   for (const RouteBundle& bundle : routes) look_at(bundle, now);
+  std::vector<Candidate*> possible;
+  std::vector<DividedPlace> places;
+  for (auto& [to, candidate] : candidates_) {
+    if (!candidate.refusal.empty()) continue;
+    possible.push_back(&candidate);
+    places.push_back({*candidate.link, candidate.some_samples ? &*candidate.some_samples : nullptr});
+  }
+  const std::vector<Division> divisions = divide(places);
+  for (std::size_t i = 0; i < possible.size(); ++i) {
+    possible[i]->division = divisions[i].number;
+    possible[i]->refusal = divisions[i].refusal;
+  }
   if (!too_many_leaves_) sharing_.look_at(routes);
   await_calm(now);
 }
@@ -62,12 +75,12 @@ void GroupKeeper::look_at(const RouteBundle& bundle, Time now) {
     if (is_new) candidate.to = to;
     if (is_new) choose_link(candidate, now);
     const Selection& asked = bundle.wanted.selection;
-    if (!asked.gate().is_open()) candidate.refusal = "a reader there has conditions";
-    if (bundle.gate != nullptr && bundle.gate->id() == 0)
-      candidate.refusal = "a reader there has a maximum rate";
+    if (is_new && bundle.gate != nullptr) candidate.some_samples = bundle.wanted;
+    if (!is_new && (candidate.some_samples || bundle.gate != nullptr))
+      candidate.refusal = "a reader there has conditions or a maximum rate, and others there ask for more";
     if (bundle.late_reader != 0) candidate.refusal = "a reader there is sent what was retained";
     if (bundle.fallback) candidate.refusal = "a reader there is served in shared memory";
-    candidate.gets_more |= bundle.is_for_some_samples();
+    candidate.gets_more |= bundle.late_reader != 0 || bundle.fallback;
     add_to_copy(candidate.together, asked, is_new);
     if (!holds(candidate.asked, asked)) candidate.asked.push_back(asked);
     candidate.reliable = candidate.reliable || bundle.reliable.contains(to.get());
@@ -78,7 +91,8 @@ void GroupKeeper::await_calm(Time now) {
   calm_.begin_look();
   for (auto& [to, candidate] : candidates_) {
     const SocketAddress address = to->path().address();
-    calm_.note(address, {candidate.asked, candidate.reliable, candidate.gets_more}, now);
+    const std::uint32_t min_period_us = candidate.some_samples ? candidate.some_samples->min_period_us : 0;
+    calm_.note(address, {candidate.asked, min_period_us, candidate.reliable, candidate.gets_more}, now);
     candidate.calm_at = calm_.calm_at(address);
   }
   calm_.end_look(now);
@@ -197,7 +211,7 @@ std::vector<PlanDestination> GroupKeeper::plan_destinations(std::vector<const De
     const auto known = planned_for_.destinations.find(to);
     const bool is_new =
         known == planned_for_.destinations.end() || known->second.fields != candidate.together;
-    destinations.push_back({candidate.together, alone, *candidate.link, datagram_bytes, is_new});
+    destinations.push_back({candidate.together, alone, candidate.division, datagram_bytes, is_new});
     places.push_back(to);
   }
   return destinations;
@@ -252,8 +266,8 @@ bool GroupKeeper::is_news(std::span<const Destination* const> places,
   if (differ(planned_for_.samples_per_s, rate_->per_s())) return true;
   for (std::size_t i = 0; i < places.size(); ++i) {
     const auto known = before.find(places[i]);
-    if (known == before.end() || known->second.fields != all[i].fields || known->second.link != all[i].link ||
-        differ(known->second.alone_bytes, all[i].alone_bytes))
+    if (known == before.end() || known->second.fields != all[i].fields ||
+        known->second.division != all[i].division || differ(known->second.alone_bytes, all[i].alone_bytes))
       return true;
   }
   return false;

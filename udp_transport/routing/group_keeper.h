@@ -76,11 +76,14 @@ class GroupKeeper {
     std::shared_ptr<Destination> to;
     std::vector<Selection> asked{};
     Selection together{};  ///< one_copy() for all of them
+    /// What all readers there ask for, if only some samples are for them.
+    std::optional<core::Wanted> some_samples{};
     bool reliable = false;
     bool gets_more = false;             ///< than a group is sent
     Time calm_at{};                     ///< before, it is in no group
     std::optional<std::size_t> link{};  ///< in links_; empty: it cannot be in a group
     std::string refusal{};              ///< why
+    std::size_t division = 0;           ///< see divide()
   };
   struct Planned {
     std::size_t place = 0;  ///< its address goes by this

@@ -24,6 +24,8 @@ RouteBundle take_out(std::vector<RouteBundle>& routes,
   const auto leads_to_one = [&](const std::shared_ptr<Destination>& to) { return is_one(to.get()); };
   for (RouteBundle& bundle : routes) {
     if (bundle.merged || std::ranges::none_of(bundle.destinations, leads_to_one)) continue;
+    all.wanted.min_period_us = bundle.wanted.min_period_us;
+    all.gate = bundle.gate;
     RouteBundle taken{.wanted = bundle.wanted};
     std::erase_if(bundle.destinations, [&](const std::shared_ptr<Destination>& to) {
       if (leads_to_one(to)) taken.destinations.push_back(to);

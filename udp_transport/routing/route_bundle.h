@@ -42,7 +42,7 @@ struct RouteBundle {
 std::vector<RouteBundle> bundle_routes(std::span<const core::Route> routes, DestinationDirectory& directory);
 
 /// Takes what goes to these destinations out of all bundles that are not merged, and merges it. Bundles may
-/// be left without destinations.
+/// be left without destinations. REQUIRES: the same samples are for all their readers.
 RouteBundle take_out(std::vector<RouteBundle>& routes, const std::function<bool(const Destination*)>& is_one);
 
 }  // namespace sft::udp

@@ -185,12 +185,12 @@ std::shared_ptr<const RouteTable> make_route_table(const TypeSupport& type,
     VariantDirectory::Variant& variant = variants.find(bundle.wanted, bundle.late_reader);
     Audience& audience =
         table->audiences.emplace_back(Audience{detail::ProjectionPlan(type, bundle.wanted.selection),
-                                               std::move(bundle.gate),
+                                               bundle.gate,
                                                bundle.late_reader,
                                                bundle.fallback,
                                                variant.wire,
                                                {}});
-    audience.merged = bundle.merged && bundle.wanted.selection.is_mask();
+    audience.merged = bundle.merged && !bundle.is_for_some_samples() && bundle.wanted.selection.is_mask();
     for (const std::shared_ptr<Destination>& to : bundle.destinations) {
       const bool is_reliable = bundle.reliable.contains(to.get());
       audience.channels.push_back(is_reliable ? variants.channel(to, reliable.at(to.get())) : nullptr);

@@ -42,6 +42,10 @@ void SampleEncoder::describe(const Audience& audience, const core::SampleBuffer&
   if (audience.merged) job.first.flags |= merged_masks;
   if (audience.late_reader != 0) job.first.flags |= history_follows;
   job.first.history.reader = audience.late_reader;
+  if (audience.gate != nullptr) {
+    job.first.flags |= rate_follows;
+    job.first.rate = {audience.gate->min_period_us(), audience.gate->ordinal()};
+  }
   job.first.mask = audience.wire->mask;
   job.first.stamp_ns = sample.source_stamp_ns;
 }

@@ -23,10 +23,6 @@ std::size_t VariantSender::send(const Audience& audience, const core::SampleHand
     audience.tally->dropped();
     return audience.lanes.size();
   }
-  if (audience.gate != nullptr) {
-    job.first.flags |= rate_follows;
-    job.first.rate = {audience.gate->min_period_us(), audience.gate->ordinal()};
-  }
   if (job.sample) return send_body(audience, sample, std::exchange(job.sample, {}));
   if (sample->postponed != nullptr && !job.is_small()) {
     if (PostponedDelivery::is_possible(audience)) return send_postponed(audience, sample);

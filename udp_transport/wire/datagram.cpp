@@ -100,8 +100,9 @@ std::optional<Datagram> read_described(DatagramKind kind, std::uint8_t allowed,
 }
 
 std::optional<Datagram> read_first(std::span<const std::byte> bytes) noexcept {
-  constexpr std::uint8_t not_in_groups = rate_follows | history_follows | channel_follows;
-  constexpr std::uint8_t allowed = mask_words_follow | not_in_groups | group_follows | merged_masks;
+  constexpr std::uint8_t not_in_groups = history_follows | channel_follows;
+  constexpr std::uint8_t allowed =
+      mask_words_follow | rate_follows | not_in_groups | group_follows | merged_masks;
   const std::optional<Datagram> d = read_described(DatagramKind::first, allowed, bytes);
   const bool of_group = d && (d->first.flags & group_follows) != 0;
   return of_group && (d->first.flags & not_in_groups) != 0 ? std::nullopt : d;

@@ -32,8 +32,8 @@ std::uint32_t retained_for(const core::Qos& offered, const core::Qos& requested)
 
 }  // namespace
 
-/// Exactly those readers are served that were told to be there, each under the newest mask and rate that it
-/// was told to want, and by a path that it is known to listen on.
+/// Exactly those readers are served that were told to be there, each under the newest selection and rate that
+/// it was told to want, and by a path that it is known to listen on.
 void NegotiationLaws::check_serving(const WorldNode& node, const WorldWriter& writer) {
   std::size_t routes = 0;
   for (const auto& [id, told] : node.told) {
@@ -73,7 +73,7 @@ std::size_t NegotiationLaws::check_route(const WorldNode& node, const WorldWrite
   if ((by_udp != nullptr) != udp) fail("by UDP: served unasked, or not served");
   for (const Route* route : {by_shm, by_udp, fallback}) {
     if (route == nullptr) continue;
-    if (!(route->selection == asked.mask)) fail("not the newest mask that the reader asked for");
+    if (!(route->selection == asked.selection)) fail("not the newest selection that the reader asked for");
     if (route->min_period_us != asked.request.min_period_us) fail("not the newest rate that it asked for");
     // A fallback route, of a reader in shared memory, never has one.
     const bool has_it = shm && (route == fallback || holds(asked.request.begun, w));
@@ -114,8 +114,8 @@ void NegotiationLaws::check_pair(const WorldNode& there, const WorldWriter& writ
   const Route* by_udp = route_to(writer.in_force.network, r.id);
   if ((by_shm != nullptr) != shm || (by_udp != nullptr) != udp) fail("at rest, but not by the best path");
   const Route* route = by_shm != nullptr ? by_shm : by_udp;
-  if (route != nullptr && !(route->selection == asked_.last(r.id).mask))
-    fail("at rest, but under another mask");
+  if (route != nullptr && !(route->selection == asked_.last(r.id).selection))
+    fail("at rest, but under another selection");
   if (route != nullptr && route->min_period_us != asked_.last(r.id).request.min_period_us)
     fail("at rest, but at another rate");
   const bool durable = matches && network && retained_for(w.qos, r.qos) != 0;
@@ -130,8 +130,8 @@ void NegotiationLaws::check_pair(const WorldNode& there, const WorldWriter& writ
   }
 }
 
-/// The datagram names its mask, so it is decoded under that mask. The check is that its reader takes such
-/// samples.
+/// The datagram names its selection, so it is decoded under that selection. The check is that its reader
+/// takes such samples.
 void NegotiationLaws::check_arrival(const std::vector<WorldNode>& nodes, const Datagram& datagram) {
   for (const WorldNode& node : nodes) {
     const auto reader = node.readers.find(datagram.reader);
@@ -139,8 +139,8 @@ void NegotiationLaws::check_arrival(const std::vector<WorldNode>& nodes, const D
     if (holds(reader->second.let_go, datagram.writer)) continue;
     if (!holds(reader->second.connected, datagram.writer))
       fail("a sample came to a reader that does not listen");
-    if (!asked_.has_ever_asked_for(datagram.reader, datagram.mask))
-      fail("a sample came under a mask that its reader never asked for");
+    if (!asked_.has_ever_asked_for(datagram.reader, datagram.selection))
+      fail("a sample came under a selection that its reader never asked for");
   }
 }
 

@@ -18,7 +18,7 @@ struct NegotiationPlan {
   };
   /// The number of times that each event may happen which is not the protocol's own doing.
   struct Budget {
-    int mask_changes = 0;
+    int selection_changes = 0;
     int rate_changes = 0;
     int losses = 0;    ///< one node does not hear another any more, for a while
     int silences = 0;  ///< likewise, but only what it says of its life

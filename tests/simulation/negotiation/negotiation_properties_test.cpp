@@ -1,6 +1,6 @@
 // The negotiation's promises, whatever the order in which things happen: every reader is served under exactly
-// the newest mask that its writer's node was told of, by a path that the reader is known to listen on, as
-// long as it is there and no longer; and when nothing happens any more, both sides agree. The world checks
+// the newest selection that its writer's node was told of, by a path that the reader is known to listen on,
+// as long as it is there and no longer; and when nothing happens any more, both sides agree. The world checks
 // after each step (negotiation_world.h); core/negotiation/negotiation.md says which rule is covered where.
 #include <gtest/gtest.h>
 
@@ -76,28 +76,28 @@ Plan one_pair(const NegotiationWorld::Budget& budget) {
           .common_memory = false};
 }
 
-TEST_F(AllOrders, OfMasksThatChangeAndRequestsThatComeTwice) {
-  explore(one_pair({.mask_changes = 2, .repetitions = 1}), 8, 10);
+TEST_F(AllOrders, OfSelectionsThatChangeAndRequestsThatComeTwice) {
+  explore(one_pair({.selection_changes = 2, .repetitions = 1}), 8, 10);
 }
 
 TEST_F(AllOrders, OfNodesThatLoseAndFindEachOther) {
-  explore(one_pair({.mask_changes = 1, .losses = 1}), 8, 10);
+  explore(one_pair({.selection_changes = 1, .losses = 1}), 8, 10);
 }
 
 TEST_F(AllOrders, OfNodesThatFallSilentAndAreHeardAgain) {
-  explore(one_pair({.mask_changes = 1, .losses = 1, .silences = 1}), 7, 9);
+  explore(one_pair({.selection_changes = 1, .losses = 1, .silences = 1}), 7, 9);
 }
 
 TEST_F(AllOrders, OfNodesThatAreKilledAndComeBack) {
-  explore(one_pair({.mask_changes = 1, .restarts = 1}), 7, 9);
+  explore(one_pair({.selection_changes = 1, .restarts = 1}), 7, 9);
 }
 
 TEST_F(AllOrders, OfEndpointsThatDepart) {
-  explore(one_pair({.mask_changes = 1, .departures = 1, .repetitions = 1}), 7, 10);
+  explore(one_pair({.selection_changes = 1, .departures = 1, .repetitions = 1}), 7, 10);
 }
 
 TEST_F(AllOrders, OfMaximumRatesThatChange) {
-  explore(one_pair({.mask_changes = 1, .rate_changes = 2}), 8, 10);
+  explore(one_pair({.selection_changes = 1, .rate_changes = 2}), 8, 10);
 }
 
 TEST_F(AllOrders, OfRetainedSamplesThatComeFirst) {
@@ -119,7 +119,7 @@ class RandomOrders : public RandomTest {
     for (const Role role : {Role::writer, Role::reader}) {
       for (int i = up_to(2); i >= 0; --i) plan.endpoints.push_back(random_endpoint(plan.places, role));
     }
-    plan.budget = {.mask_changes = up_to(8),
+    plan.budget = {.selection_changes = up_to(8),
                    .rate_changes = up_to(4),
                    .losses = up_to(4),
                    .silences = up_to(3),

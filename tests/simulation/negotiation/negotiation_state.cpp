@@ -12,13 +12,14 @@ core::HostToken host_token(std::uint8_t n) {
   return token;
 }
 
-void AskedRequests::note(const core::Request& request) {
-  const FieldMask mask = type_->closed(FieldMask::from_words(type_->leaves(), request.mask_words));
-  asked_[request.reader].resize(request.sequence + 1, {request, mask});
+void AskedRequests::note(const core::Request& request, const Selection& wanted) {
+  asked_[request.reader].resize(request.sequence + 1,
+                                std::make_shared<const Asked>(Asked{request, type_->closed(wanted)}));
 }
 
-bool AskedRequests::has_ever_asked_for(Id reader, const FieldMask& mask) const {
-  return std::ranges::any_of(asked_.at(reader), [&](const Asked& asked) { return asked.mask == mask; });
+bool AskedRequests::has_ever_asked_for(Id reader, const Selection& selection) const {
+  return std::ranges::any_of(asked_.at(reader),
+                             [&](const auto& asked) { return asked->selection == selection; });
 }
 
 bool WorldWriter::owes_history() const {
@@ -71,7 +72,7 @@ void NegotiationState::find(std::size_t from, std::size_t to) {
 void NegotiationState::publish(std::size_t node, std::size_t writer) {
   const auto& [id, publisher] = nth(nodes[node].writers, writer);
   for (const core::Route& route : publisher.in_force.network)
-    datagrams.push_back({id, route.reader, route.selection.mask()});
+    datagrams.push_back({id, route.reader, route.selection});
 }
 
 Datagram NegotiationState::take_datagram(std::size_t which) {

@@ -20,25 +20,26 @@ using Id = core::EndpointId;
 
 core::HostToken host_token(std::uint8_t n);
 
-/// All requests that readers have ever made, with the masks under which they may be served.
+/// All requests that readers have ever made, with the selections under which they may be served.
 class AskedRequests {
  public:
   struct Asked {
     core::Request request;
-    FieldMask mask;  ///< closed
+    Selection selection;  ///< closed
   };
 
   /// `type` outlives this object.
   explicit AskedRequests(const TypeSupport& type) : type_(&type) {}
 
-  void note(const core::Request& request);
-  const Asked& at(Id reader, std::uint64_t sequence) const { return asked_.at(reader).at(sequence); }
-  const Asked& last(Id reader) const { return asked_.at(reader).back(); }
-  bool has_ever_asked_for(Id reader, const FieldMask& mask) const;
+  /// `wanted` is what the reader wanted when it made the request, whatever the request says of it.
+  void note(const core::Request& request, const Selection& wanted);
+  const Asked& at(Id reader, std::uint64_t sequence) const { return *asked_.at(reader).at(sequence); }
+  const Asked& last(Id reader) const { return *asked_.at(reader).back(); }
+  bool has_ever_asked_for(Id reader, const Selection& selection) const;
 
  private:
   const TypeSupport* type_;
-  std::map<Id, std::vector<Asked>> asked_;  ///< by sequence
+  std::map<Id, std::vector<std::shared_ptr<const Asked>>> asked_;  ///< by sequence
 };
 
 struct Heard {
@@ -47,6 +48,7 @@ struct Heard {
 };
 struct WorldReader {
   core::Endpoint endpoint;
+  Selection wanted;
   std::map<Id, Heard> heard;
   std::vector<Id> connected;   ///< takes datagrams of
   std::vector<Id> let_go;      ///< did so before
@@ -102,7 +104,7 @@ struct WorldNode {
 struct Datagram {
   Id writer = 0;
   Id reader = 0;
-  FieldMask mask;
+  Selection selection;
 };
 
 struct NegotiationState {

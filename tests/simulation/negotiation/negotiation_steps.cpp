@@ -35,8 +35,8 @@ class StepList {
     if (node.connections_changed()) add(What::agent_looks_after_connections, n);
     const auto is_lost = [](const auto& told) { return told.second.lost_since.has_value(); };
     if (std::any_of(node.told.begin(), node.told.end(), is_lost)) add(What::lost_forgotten, n);
-    for (std::size_t i = 0; i < node.readers.size() && state_.left.mask_changes > 0; ++i)
-      add(What::mask_changes, n, i);
+    for (std::size_t i = 0; i < node.readers.size() && state_.left.selection_changes > 0; ++i)
+      add(What::selection_changes, n, i);
     for (std::size_t i = 0; i < node.readers.size() && state_.left.rate_changes > 0; ++i)
       add(What::rate_changes, n, i);
     for (std::uint8_t i = 0; i < 3 && state_.left.memory_changes > 0; ++i) {

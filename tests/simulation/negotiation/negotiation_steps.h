@@ -17,7 +17,7 @@ struct NegotiationStep {
     agent_reconciles,
     agent_looks_after_connections,
     daemon_connects,
-    mask_changes,
+    selection_changes,
     rate_changes,
     node_lost,
     node_found,

@@ -14,6 +14,22 @@ using core::Request;
 using core::Role;
 using core::Route;
 
+namespace {
+
+/// Even numbers are wishes for parts of fields, for conditions, or for both; odd ones are for whole fields.
+Selection wish_of(const TypeSupport& type, std::uint64_t number) {
+  constexpr std::array<const char*, 6> parts{"data{x,y} @ height > 1",
+                                             "data[::4]",
+                                             "data{x,y}",
+                                             "* @ every 2nd",
+                                             "data{x,z}[:100], header.stamp",
+                                             "header, data[:9] @ changed(width)"};
+  if (number % 2 == 0) return type.parse_selection(parts[number / 2 % parts.size()]).value();
+  return FieldMask::from_words(type.leaves(), {{number}});
+}
+
+}  // namespace
+
 /// One kind of step: its name in histories, and the function that makes it happen.
 struct NegotiationWorld::StepKind {
   const char* name;
@@ -41,7 +57,7 @@ const std::array<NegotiationWorld::StepKind, 22> NegotiationWorld::step_kinds{{
     {"reconciles", [](auto& world, auto n, auto) { world.reconcile(n); }},
     {"looks after it", [](auto& world, auto n, auto) { world.look_after_connections(n); }},
     {"daemon connects", [](auto& world, auto, auto) { world.connect_by_daemon(); }},
-    {"mask changes", [](auto& world, auto n, auto which) { world.change_mask(n, which); }},
+    {"selection changes", [](auto& world, auto n, auto which) { world.change_selection(n, which); }},
     {"rate changes", [](auto& world, auto n, auto which) { world.change_rate(n, which); }},
     {"lost",
      [](auto& world, auto n, auto other) {
@@ -152,6 +168,7 @@ void NegotiationWorld::add_endpoint(WorldNode& node, const EndpointPlan& plan) {
                         .attached = {},
                         .begun = {}};
     node.readers[endpoint.id].endpoint = endpoint;
+    node.readers[endpoint.id].wanted = mask;
   } else {
     node.writers[endpoint.id].endpoint = endpoint;
   }
@@ -192,14 +209,17 @@ void NegotiationWorld::depart(std::size_t n, std::size_t which) {
   changed(n, true);
 }
 
-void NegotiationWorld::change_mask(std::size_t n, std::size_t which) {
-  --state_.left.mask_changes;
-  const Id id = nth(state_.nodes[n].readers, which).first;
-  const std::uint64_t was = state_.asked.last(id).request.mask_words.front();
-  const std::uint64_t bits = random_ != nullptr ? (*random_)() : std::uint64_t{was == 1 ? 2U : 1U};
-  const FieldMask mask = FieldMask::from_words(type_->leaves(), {{bits}});  // whoever serves it closes it
-  const bool is_new = state_.nodes[n].negotiation.requirement_changed(id, mask);
+void NegotiationWorld::change_selection(std::size_t n, std::size_t which) {
+  const int left = --state_.left.selection_changes;
+  auto& [id, reader] = nth(state_.nodes[n].readers, which);
+  const auto first_possibility = static_cast<std::uint64_t>(left == 0 ? 3 : 2 * left);
+  const std::uint64_t number = random_ != nullptr ? (*random_)() : first_possibility;
+  const Selection wish = wish_of(*type_, number);  // whoever serves it closes it
+  const bool is_new = state_.nodes[n].negotiation.requirement_changed(id, wish);
+  if (!is_new && !(type_->closed(wish) == type_->closed(reader.wanted)))
+    return fail("another selection is the same");
   if (!is_new) return;
+  reader.wanted = wish;
   note_request(n, id);
   changed(n, is_new);
   send_request(n, id);

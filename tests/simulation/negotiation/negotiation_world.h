@@ -51,7 +51,7 @@ class NegotiationWorld {
   void kill(std::size_t node);
   void add_endpoint(WorldNode& node, const NegotiationPlan::Endpoint& plan);
   void depart(std::size_t node, std::size_t which);
-  void change_mask(std::size_t node, std::size_t which);
+  void change_selection(std::size_t node, std::size_t which);
   void change_rate(std::size_t node, std::size_t which);
   void change_memory(std::size_t node, const core::HostToken& host);
   void give_history(std::size_t node, std::size_t which);

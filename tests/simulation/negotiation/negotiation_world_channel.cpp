@@ -24,7 +24,8 @@ void NegotiationWorld::send_request(std::size_t n, Id reader) {
 }
 
 void NegotiationWorld::note_request(std::size_t n, Id reader) {
-  state_.asked.note(state_.nodes[n].negotiation.local(reader)->request);
+  const WorldNode& node = state_.nodes[n];
+  state_.asked.note(node.negotiation.local(reader)->request, node.readers.at(reader).wanted);
 }
 
 void NegotiationWorld::deliver(std::size_t to, const Announcement& announcement) {

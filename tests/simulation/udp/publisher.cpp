@@ -1,5 +1,6 @@
 #include "tests/simulation/udp/publisher.h"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -11,7 +12,10 @@ void Publisher::publish(const std::map<core::EndpointId, Wish>& asked, Time now)
   FieldMask all = image_type().none();
   for (const Wish wish : served) all |= wishes()[wish].mask();
   const bool only_masks = served.empty() || *served.rbegin() < masks_end;
-  if (!only_masks) group_.leave();  // see GroupKeeper: all that a process gets by a group are masks
+  const bool some_samples =
+      std::ranges::any_of(served, [](Wish wish) { return !wishes()[wish].gate().is_open(); });
+  if (some_samples && served.size() > 1) group_.leave();  // see GroupKeeper::look_at()
+  const Selection together = served.size() == 1 ? wishes()[*served.begin()] : Selection(all);
   const bool may_span = served.size() == 1 && only_masks && !group_.exists();
   std::vector<Image> images = next_images(may_span);
   const GatesInForce gates = give_gates(asked);
@@ -20,16 +24,18 @@ void Publisher::publish(const std::map<core::EndpointId, Wish>& asked, Time now)
   for (const Wish wish : served) {
     if (group_.exists() || !passes(wish)) continue;
     const udp::JobHandle job = encode(images, wishes()[wish], static_cast<std::uint16_t>(wish));
-    if (gates.contains(wish)) {
-      job->first.flags |= udp::rate_follows;
-      job->first.rate = {0, gates.at(wish)->ordinal()};
-    }
+    mark(*job, wish, gates);
     channel_.keep(job);
   }
-  if (group_.exists()) publish_to_group(images.front(), served, all, now);
+  if (group_.exists() && !served.empty() && passes(*served.begin())) {
+    const udp::JobHandle job = encode({&images.front(), 1}, together, number_of(served));
+    if (together.is_mask()) job->first.flags |= udp::merged_masks;
+    mark(*job, *served.begin(), gates);
+    group_.send(job, now);
+  }
   for (Image& image : images) {
     for (const auto& [reader, wish] : asked) {
-      const std::uint64_t name = group_.exists() ? all.hash() : wishes()[wish].hash();
+      const std::uint64_t name = (group_.exists() ? together : wishes()[wish]).hash();
       passes(wish) ? laws_.owes(reader, {sequence_, name}) : laws_.withholds(reader, sequence_);
     }
     laws_.published(sequence_++, std::move(image), now);
@@ -76,16 +82,18 @@ std::vector<Image> Publisher::next_images(bool may_span) {
   return images;
 }
 
-/// Publishes the image once, under all masks of the process.
-void Publisher::publish_to_group(const Image& image, const std::set<Wish>& served, const FieldMask& all,
-                                 Time now) {
-  if (served.empty()) return;
-  std::uint16_t masks_served = 0;  // a bit for each
-  for (const Wish wish : served) masks_served |= static_cast<std::uint16_t>(1U << wish);
-  const udp::JobHandle job =
-      encode({&image, 1}, Selection(all), static_cast<std::uint16_t>(100 + masks_served));
-  job->first.flags |= udp::merged_masks;
-  group_.send(job, now);
+/// The sample has passed the gate of the wish, if there is one.
+void Publisher::mark(udp::Job& job, Wish wish, const GatesInForce& gates) {
+  if (!gates.contains(wish)) return;
+  job.first.flags |= udp::rate_follows;
+  job.first.rate = {0, gates.at(wish)->ordinal()};
+}
+
+/// Returns the number of the variant that serves all these.
+std::uint16_t Publisher::number_of(const std::set<Wish>& served) {
+  std::uint16_t number = 100;
+  for (const Wish wish : served) number += static_cast<std::uint16_t>(1U << wish);
+  return number;
 }
 
 /// Several images become a pack.

@@ -1,5 +1,5 @@
-// The publisher of the simulation: makes samples now and then, encodes them as readers ask, asks their gates,
-// for, and hands them to the channel or to the multicast group.
+// The publisher of the simulation: makes samples now and then, encodes them as readers ask, asks
+// their gates, and hands them to the channel or to the multicast group.
 #pragma once
 
 #include <cstdint>
@@ -38,7 +38,8 @@ class Publisher {
   GatesInForce give_gates(const std::map<core::EndpointId, Wish>& asked);
   void ask_gates(const GatesInForce& gates, const Image& image);
   std::vector<Image> next_images(bool may_span);
-  void publish_to_group(const Image& image, const std::set<Wish>& served, const FieldMask& all, Time now);
+  static void mark(udp::Job& job, Wish wish, const GatesInForce& gates);
+  static std::uint16_t number_of(const std::set<Wish>& served);
   udp::JobHandle encode(std::span<const Image> images, const Selection& selection, std::uint16_t variant);
   void project(udp::Job& job, const core::SampleHandle& sample, const Selection& selection, bool packed);
 

@@ -179,8 +179,7 @@ TEST_P(MulticastTest, MergesMasksThatCostLessTogetherAndEachReaderTakesWhatConta
   EXPECT_EQ(samples.back()->mask, test::fields<test::Image>("height, width, stamp"));
 }
 
-/// A group is sent every sample, so that who has a maximum rate can be in none.
-TEST_P(MulticastTest, ServesAReaderWithAMaximumRateAloneAndAtThatRate) {
+TEST_P(MulticastTest, ServesAReaderAloneAtAMaximumRateThatNobodyElseHas) {
   for (int i = 0; i < 3; ++i) add("*", false);
   constexpr std::uint32_t an_hour_us = 3'600'000'000;
   processes_[2].gate = std::make_shared<core::Gate>(an_hour_us);
@@ -197,9 +196,49 @@ TEST_P(MulticastTest, ServesAReaderWithAMaximumRateAloneAndAtThatRate) {
     return hears(1) && hears(2);
   })) << state_of(1);
   for (int i = 0; i < 50; ++i) publish_in_turn_to_others();
-  EXPECT_EQ(state_of(3), "alone: a reader there has a maximum rate");
+  EXPECT_EQ(state_of(3), "alone: nobody else asks for the same under its conditions or its maximum rate");
   for (std::size_t i = 0; i < 2; ++i) expect_all_of(i);
   EXPECT_EQ(processes_[2].subscriber->await_sequences(1), (std::vector<std::uint64_t>{1}));
+}
+
+/// Every second sample passes the gate. By its number among these, a reader tells loss from what was
+/// withheld.
+TEST_P(MulticastTest, ServesReadersWithOneMaximumRateByAGroupAtThatRate) {
+  for (int i = 0; i < 2; ++i) add("*", false);
+  for (const bool reliable : {false, true}) add("*", reliable);
+  constexpr std::uint32_t an_hour_us = 3'600'000'000;
+  const auto gate = std::make_shared<core::Gate>(an_hour_us);
+  for (Process& process : std::span(processes_).subspan(2)) {
+    process.gate = gate;
+    process.subscriber->port().accept({{.wanted = {test::fields<test::Image>("*"), an_hour_us}}});
+  }
+  serve();
+  std::vector<std::uint64_t> passed;
+  const auto publish_in_turn_to_all = [&] {
+    for (const Process& process : std::span(processes_).first(2)) process.subscriber->await(published_);
+    for (const Process& process : std::span(processes_).subspan(2)) process.subscriber->await(passed.size());
+    gate->consider(detail::FieldSource::of_nothing(), published_ * std::int64_t{an_hour_us} * 500);
+    publish();
+    if (gate->passes()) passed.push_back(published_);
+  };
+  ASSERT_TRUE(eventually([&] {
+    publish_in_turn_to_all();
+    return all_hear();
+  })) << state_of(1)
+      << "; " << state_of(3);
+  for (int i = 0; i < 50; ++i) publish_in_turn_to_all();
+  EXPECT_TRUE(all_hear());
+  EXPECT_NE(state_of(1), state_of(3)) << "they are in different groups";
+  for (std::size_t i = 0; i < 2; ++i) expect_all_of(i);
+  for (const Process& process : std::span(processes_).subspan(2)) {
+    const auto samples = process.subscriber->await(passed.size());
+    ASSERT_EQ(samples.size(), passed.size());
+    for (std::size_t i = 0; i < passed.size(); ++i) {
+      EXPECT_EQ(samples[i]->header().sequence, passed[i]);
+      EXPECT_EQ(samples[i]->ordinal, i + 1);
+      EXPECT_EQ(samples[i]->min_period_us, an_hour_us);
+    }
+  }
 }
 
 TEST_P(MulticastTest, TakesInWhoComesLaterAndGoesOnWithoutWhoLeaves) {

@@ -151,10 +151,10 @@ TEST(MulticastPlan, IsTheCheapestOfEachCase) {
 
 TEST(MulticastPlan, HasGroupsBehindOneLinkOnly) {
   std::vector<PlanDestination> all = destinations({A, A, A, A}, apart({1000}));
-  all[1].link = all[3].link = 1;
+  all[1].division = all[3].division = 1;
   const MulticastPlan best{{A, {0, 2}}, {A, {1, 3}}};
   EXPECT_EQ(plan_multicast(all, apart({1000}), often, {}, {}), best);
-  all[2].link = 2;
+  all[2].division = 2;
   EXPECT_EQ(plan_multicast(all, apart({1000}), often, {}, {}), (MulticastPlan{{A, {1, 3}}}));
 }
 

@@ -104,17 +104,64 @@ TEST_F(GroupKeeperTest, SendsTheGroupTheUnionOfItsMembersMasks) {
   EXPECT_EQ(members(), 4U);
 }
 
-TEST_F(GroupKeeperTest, LeavesReadersWithAMaximumRateAlone) {
+TEST_F(GroupKeeperTest, LeavesAReaderAloneWhoseMaximumRateNobodyElseHas) {
   readers(3);
   routes_[2].min_period_us = 10'000;
   routes_[2].gate = std::make_shared<core::Gate>(10'000);
   serve();
   go_on(200ms);
   EXPECT_EQ(members(), 2U);
-  EXPECT_EQ(why(3), "alone: a reader there has a maximum rate");
+  EXPECT_EQ(why(3), "alone: nobody else asks for the same under its conditions or its maximum rate");
   ASSERT_EQ(merged_.size(), 2U);
   EXPECT_EQ(merged_[1].gate, routes_[2].gate);
   EXPECT_EQ(merged_[1].destinations.size(), 1U);
+}
+
+TEST_F(GroupKeeperTest, MakesAGroupOfReadersWithOneMaximumRateBesideThatOfTheOthers) {
+  readers(6);
+  const auto gate = std::make_shared<core::Gate>(10'000);
+  for (const std::size_t rated : {3, 4, 5}) {
+    routes_[rated].min_period_us = 10'000;
+    routes_[rated].gate = gate;
+  }
+  serve();
+  go_on(200ms);
+  EXPECT_EQ(groups_.size(), 2U);
+  EXPECT_EQ(members(), 6U);
+  ASSERT_EQ(merged_.size(), 2U);
+  for (const RouteBundle& bundle : merged_) {
+    const bool rated = bundle.gate != nullptr;
+    EXPECT_EQ(bundle.gate, rated ? gate : nullptr);
+    EXPECT_EQ(bundle.wanted.min_period_us, rated ? 10'000U : 0U);
+    EXPECT_EQ(bundle.destinations.size(), 3U);
+  }
+}
+
+TEST_F(GroupKeeperTest, LeavesAHostAloneWhereOnlyOneOfSeveralReadersHasAMaximumRate) {
+  readers(2);
+  for (const std::uint32_t host : {1, 2}) {
+    reader(first_link + 100 + host);
+    reader(first_link + 100 + host).gate = std::make_shared<core::Gate>(10'000);
+  }
+  serve();
+  go_on(200ms);
+  EXPECT_EQ(members(), 2U);
+  EXPECT_EQ(why(3), "alone: a reader there has conditions or a maximum rate, and others there ask for more");
+}
+
+TEST_F(GroupKeeperTest, TakesAMemberOutOfItsGroupWhenItsMaximumRateChangesAndIntoAnotherOneOnceItIsCalm) {
+  readers(4);
+  const auto often = std::make_shared<core::Gate>(10'000), seldom = std::make_shared<core::Gate>(20'000);
+  for (const std::size_t i : {0, 1, 2, 3}) routes_[i].gate = i < 2 ? often : seldom;
+  serve();
+  go_on(200ms);
+  ASSERT_EQ(groups_.size(), 2U);
+  routes_[1].gate = seldom;
+  serve();
+  EXPECT_EQ(members(), 2U) << "of those that are left, one is alone";
+  EXPECT_EQ(why(2), restless);
+  go_on(300ms);
+  EXPECT_EQ(members(), 3U);
 }
 
 TEST_F(GroupKeeperTest, TakesAMemberOutOfItsGroupOnceItHasAMaximumRate) {

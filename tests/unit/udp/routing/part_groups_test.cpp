@@ -143,9 +143,9 @@ TEST_F(PartGroupsTest, NobodyIsSentMoreThanItAskedForIfThatMightBeTooMuchForASam
   EXPECT_EQ(merged_.size(), 1U);
 }
 
-/// A place in a group takes the place of the ordinal by which a reader tells loss from what was withheld.
-TEST_F(PartGroupsTest, ReadersWithConditionsAreServedAlone) {
+TEST_F(PartGroupsTest, ReadersWithTheSameConditionsShareAGroupOfTheirOwn) {
   for (const char* asked : {"data[::3] @ height > 4", "data @ every 2nd"}) {
+    restart(Multicast::automatic);
     const std::uint64_t conditions = selection_of<Image>(asked).gate_hash();
     const auto gate = std::make_shared<core::Gate>(0, detail::Conditions(), conditions);
     routes_.clear();
@@ -154,12 +154,13 @@ TEST_F(PartGroupsTest, ReadersWithConditionsAreServedAlone) {
     routes_[2].gate = routes_[3].gate = gate;
     serve();
     go_on_with(100'000, 200ms);
-    EXPECT_EQ(members(), 2U);
-    EXPECT_EQ(why(3), "alone: a reader there has conditions");
+    EXPECT_EQ(groups_.size(), 2U);
+    EXPECT_EQ(members(), 4U);
     const auto gated = std::ranges::find_if(merged_, [](const auto& one) { return one.gate != nullptr; });
     ASSERT_NE(gated, merged_.end());
-    EXPECT_EQ(gated->destinations.size(), 2U) << "they share an encoding";
-    EXPECT_FALSE(gated->merged);
+    EXPECT_EQ(gated->gate, gate);
+    EXPECT_EQ(gated->wanted.selection, selection_of<Image>(asked));
+    EXPECT_EQ(gated->destinations.size(), 2U);
   }
 }
 

@@ -376,6 +376,21 @@ TEST(WidenSequence, FollowsACounterThroughManyTurns) {
   }
 }
 
+TEST(Datagram, CarriesARateAndThePlaceInAGroup) {
+  FirstHeader header{.label = label, .flags = rate_follows | group_follows, .total = 3, .mask = 5};
+  header.rate = {.min_period_us = 0x34333231, .ordinal = 7};
+  header.group = {.group = 0x44434241, .sequence_high = 9, .ordinal = 8};
+  std::array<std::byte, first_header_bytes + rate_bytes + group_bytes + 3> bytes{};
+  encode(header, bytes.data());
+  EXPECT_EQ(bytes[first_header_bytes], std::byte{0x31});
+  EXPECT_EQ(bytes[first_header_bytes + rate_bytes], std::byte{0x41});
+  const auto d = parse(bytes);
+  ASSERT_TRUE(d);
+  EXPECT_EQ(d->first.rate, header.rate);
+  EXPECT_EQ(d->first.group, header.group);
+  EXPECT_EQ(d->payload.size(), 3U);
+}
+
 TEST(Datagram, CarriesThePlaceInAGroup) {
   FirstHeader header{.label = label, .flags = group_follows | merged_masks, .total = 3, .mask = 5};
   header.group = {.group = 0x44434241, .sequence_high = 0x54535251, .ordinal = 0x0867666564636261};
@@ -388,9 +403,8 @@ TEST(Datagram, CarriesThePlaceInAGroup) {
   EXPECT_EQ(d->first.group, header.group);
   EXPECT_EQ(d->first.flags, header.flags);
   EXPECT_EQ(d->payload.size(), 3U);
-  for (const std::uint8_t other : {rate_follows, history_follows, channel_follows}) {
+  for (const std::uint8_t other : {history_follows, channel_follows}) {
     header.flags = group_follows | other;
-    header.rate = {1, 1};
     header.history = {1, 1};
     header.channel.ordinal = 1;
     std::array<std::byte, 128> both{};
