@@ -141,8 +141,8 @@ function Cursor:rest(field)
   self.tree:add(field, self:take(self:left()))
 end
 
--- Reads the mark of a sample that is sent to a group. Only a rate may stand beside it, since a group has no late readers,
--- and each member knows the sample's position in its channel.
+-- Reads the mark of a sample that is sent to a group. Only a rate may stand beside it: a group has no late readers, and
+-- each member knows the sample's position in its channel.
 local function read_group_mark(c, set)
   if has(set, 0x04) or has(set, 0x08) then c:fail("Only a rate may stand beside a position in a group") end
   local group = c:number(f.group, 4)
