@@ -130,7 +130,7 @@ std::optional<StartFailure> Daemon::host(const PoolPlan& plan) {
   if (!announce())
     return StartFailure{ExitCode::failed, std::string(host_file_path) + " or " + daemon_lock_path +
                                               " could not be written; is there space left?"};
-  if (const auto started = clearer_.start({memory_->management(), memory_->samples().memory}); !started)
+  if (const auto started = clearer_.start(memory_->take_files()); !started)
     log_.warning("the first samples will be late: " + started.error().message);
   log_.info(description());
   if (!plan.remark.empty()) log_.warning(plan.remark);

@@ -2,8 +2,6 @@
 
 #include <sys/mman.h>
 
-#include "shm_transport/sftd/segment_file.h"
-
 namespace sft::shm {
 
 using iox::roudi::RouDiMemoryManagerError;
@@ -45,10 +43,13 @@ std::size_t HostMemory::management_file_bytes() {
 
 Result<std::unique_ptr<HostMemory>> HostMemory::make(const iox::RouDiConfig_t& config, const Groups& groups) {
   std::unique_ptr<HostMemory> memory(new HostMemory(config));
-  if (auto made = make_segment_file(iox::roudi::SHM_NAME, memory->management_file_bytes()); !made)
-    return tl::unexpected(made.error());
-  if (auto made = make_segment_file(groups.writers, SampleBlock::file_bytes(config)); !made)
-    return tl::unexpected(made.error());
+  for (const auto& [name, bytes] :
+       {std::pair(std::string(iox::roudi::SHM_NAME), memory->management_file_bytes()),
+        std::pair(groups.writers, SampleBlock::file_bytes(config))}) {
+    auto made = make_segment_file(name, bytes);
+    if (!made) return tl::unexpected(made.error());
+    memory->files_.push_back(std::move(*made));
+  }
   if (memory->createAndAnnounceMemory().has_error() || !memory->find_samples(groups.member))
     return fail(Errc::out_of_memory, "the segments in /dev/shm could not be mapped");
   return memory;

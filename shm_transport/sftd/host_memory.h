@@ -9,12 +9,15 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "sft/result.h"
 #include "shm_transport/host/iceoryx.h"
 #include "shm_transport/sftd/groups.h"
 #include "shm_transport/sftd/pools.h"
 #include "shm_transport/sftd/sample_block.h"
+#include "shm_transport/sftd/segment_file.h"
 
 #include <iceoryx_hoofs/posix_wrapper/file_lock.hpp>
 #include <iceoryx_posh/internal/roudi/memory/port_pool_memory_block.hpp>
@@ -46,6 +49,8 @@ class HostMemory final : public iox::roudi::RouDiMemoryInterface {
 
   const SampleSegment& samples() const { return samples_; }
   std::span<const std::byte> management() const;
+  /// Returns the files of both segments, once.
+  std::vector<SegmentFile> take_files() { return std::exchange(files_, {}); }
 
   std::uint64_t port_pool_offset() const;
 
@@ -69,6 +74,7 @@ class HostMemory final : public iox::roudi::RouDiMemoryInterface {
   iox::roudi::PosixShmMemoryProvider management_;
   iox::roudi::RouDiMemoryManager manager_;
   SampleSegment samples_;
+  std::vector<SegmentFile> files_;
 };
 
 }  // namespace sft::shm

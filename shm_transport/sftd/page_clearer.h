@@ -3,21 +3,20 @@
 #pragma once
 
 #include <atomic>
-#include <cstddef>
-#include <span>
 #include <thread>
 #include <vector>
 
 #include "sft/result.h"
+#include "shm_transport/sftd/segment_file.h"
 
 namespace sft::shm {
 
 /// A thread that yields to all others. It changes no byte, so programs may use the memory meanwhile.
 class PageClearer {
  public:
-  /// `memory`: shared mappings, which are cleared in this order. They outlive this object. An error if the
-  /// system gives no thread; then pages are cleared when they are used.
-  Result<void> start(std::vector<std::span<const std::byte>> memory);
+  /// The segments are cleared in this order. An error if the system gives no thread; then pages are cleared
+  /// when they are used.
+  Result<void> start(std::vector<SegmentFile> segments);
 
   PageClearer() = default;
   /// Stops in a moment, wherever it is.
@@ -26,8 +25,9 @@ class PageClearer {
   PageClearer& operator=(const PageClearer&) = delete;
 
  private:
-  void clear(const std::vector<std::span<const std::byte>>& memory);
+  void clear() const;
 
+  std::vector<SegmentFile> segments_;
   std::atomic<bool> stops_{false};
   std::thread thread_;
 };

@@ -6,8 +6,7 @@
 
 #include <cerrno>
 #include <cstring>
-
-#include "core/platform/file_descriptor.h"
+#include <utility>
 
 namespace sft::shm {
 
@@ -25,9 +24,9 @@ int set_aside(const core::FileDescriptor& file, std::size_t bytes) {
 
 }  // namespace
 
-Result<void> make_segment_file(const std::string& name, std::size_t bytes) {
+Result<SegmentFile> make_segment_file(const std::string& name, std::size_t bytes) {
   const std::string path = "/dev/shm/" + name;
-  const core::FileDescriptor file(
+  core::FileDescriptor file(
       shm_open(("/" + name).c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, S_IRUSR | S_IWUSR));
   if (!file) {
     const bool exists = errno == EEXIST;
@@ -36,10 +35,20 @@ Result<void> make_segment_file(const std::string& name, std::size_t bytes) {
   }
   int error = set_aside(file, bytes);
   if (error == 0 && fchmod(file.get(), owner_and_group) != 0) error = errno;
-  if (error == 0) return {};
+  if (error == 0) return SegmentFile{std::move(file), bytes};
   shm_unlink(("/" + name).c_str());
   return fail(Errc::out_of_memory,
               path + " could not be given " + std::to_string(bytes) + " bytes: " + std::strerror(error));
+}
+
+/// A page that was set aside before is cleared when it is set aside again (shmem_get_folio_gfp() in Linux).
+bool clear_pages(const SegmentFile& segment, std::size_t offset, std::size_t bytes) {
+  int failed = 0;
+  do
+    failed = fallocate(segment.file.get(), FALLOC_FL_KEEP_SIZE, static_cast<off_t>(offset),
+                       static_cast<off_t>(bytes));
+  while (failed != 0 && errno == EINTR);
+  return failed == 0;
 }
 
 }  // namespace sft::shm

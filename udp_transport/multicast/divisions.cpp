@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 #include <map>
+#include <utility>
 
 namespace sft::udp {
 
@@ -12,6 +13,7 @@ struct Known {
   DividedPlace of;
   std::size_t number = 0;
   std::size_t places = 0;
+  bool has_group = false;
   std::string_view refusal{};
 };
 
@@ -21,12 +23,14 @@ bool are_alike(const DividedPlace& a, const DividedPlace& b) {
 }
 
 void refuse_some(std::vector<Known>& divisions) {
-  std::ranges::stable_sort(divisions, std::greater(), &Known::places);
+  std::ranges::stable_sort(divisions, std::greater(),
+                           [](const Known& one) { return std::pair(one.has_group, one.places); });
   std::map<std::size_t, std::size_t> groups_behind;  // a link
   for (Known& one : divisions) {
     if (one.of.some_samples == nullptr) continue;
     if (one.places < 2) {
-      one.refusal = "nobody else asks for the same under its conditions or its maximum rate";
+      one.refusal =
+          "no other host that could be in a group asks for the same at its rate or under its conditions";
     } else if (++groups_behind[one.of.link] > some_samples_groups_max) {
       one.refusal = "other conditions or maximum rates that more readers have are in groups already";
     }
@@ -42,6 +46,7 @@ std::vector<Division> divide(std::span<const DividedPlace> places) {
     auto known = std::ranges::find_if(divisions, [&](const Known& one) { return are_alike(one.of, place); });
     if (known == divisions.end()) known = divisions.insert(known, {place, divisions.size()});
     ++known->places;
+    known->has_group = known->has_group || place.is_in_group;
     all.push_back({known->number});
   }
   refuse_some(divisions);

@@ -17,6 +17,7 @@ struct DividedPlace {
   /// What all its readers ask for, if only some samples are for them: those that pass conditions or a maximum
   /// rate. Null: every sample is. Outlives the call.
   const core::Wanted* some_samples = nullptr;
+  bool is_in_group = false;  ///< at present
 };
 
 struct Division {
@@ -24,8 +25,8 @@ struct Division {
   std::string_view refusal{};  ///< why the place can be in no group; empty if it can be
 };
 
-/// Behind a link, so many divisions that are sent some samples only may have groups: those that are asked for
-/// most.
+/// Behind a link, so many divisions that are sent some samples only may have groups: those that have one, and
+/// then those that most ask for.
 inline constexpr std::size_t some_samples_groups_max = 8;
 
 /// Returns the division of each place. Only places of one division may share a group: they are behind one

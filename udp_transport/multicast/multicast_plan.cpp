@@ -120,12 +120,40 @@ MulticastPlan plan_multicast(std::span<const PlanDestination> destinations, cons
   MulticastPlan plan;
   for (const std::size_t division : divisions) {
     DivisionPlan one(destinations, division, body_bytes, limits);
-    one.take_over(present, samples_per_s, limits);
-    one.improve(samples_per_s, limits);
+    const double here_per_s =
+        std::min(samples_per_s,
+                 std::ranges::find(destinations, division, &PlanDestination::division)->samples_per_s_max);
+    one.take_over(present, here_per_s, limits);
+    one.improve(here_per_s, limits);
     one.add_to(plan);
   }
   std::ranges::sort(plan, {}, [](const PlannedGroup& group) { return group.members.front(); });
   return plan;
+}
+
+std::vector<std::size_t> keep_places(const MulticastPlan& present, std::span<const std::size_t> places,
+                                     const MulticastPlan& next) {
+  constexpr std::size_t none = SIZE_MAX;
+  std::vector<std::size_t> kept(next.size(), none);
+  const auto keep_if = [&](const auto& is_successor) {
+    for (std::size_t i = 0; i < next.size(); ++i) {
+      for (std::size_t p = 0; p < present.size() && kept[i] == none; ++p) {
+        const bool is_free = std::ranges::find(kept, places[p]) == kept.end();
+        if (is_free && is_successor(present[p].members, next[i].members)) kept[i] = places[p];
+      }
+    }
+  };
+  keep_if([](const auto& before, const auto& now) { return before == now; });
+  keep_if([](const auto& before, const auto& now) {
+    return std::ranges::find_first_of(before, now) != before.end();
+  });
+  std::size_t unused = 0;
+  for (std::size_t& place : kept) {
+    if (place != none) continue;
+    while (std::ranges::find(kept, unused) != kept.end()) ++unused;
+    place = unused;
+  }
+  return kept;
 }
 
 }  // namespace sft::udp

@@ -57,7 +57,8 @@ void GroupKeeper::look_at(const std::vector<RouteBundle>& routes, Time now) {
   for (auto& [to, candidate] : candidates_) {
     if (!candidate.refusal.empty()) continue;
     possible.push_back(&candidate);
-    places.push_back({*candidate.link, candidate.some_samples ? &*candidate.some_samples : nullptr});
+    const core::Wanted* const some_samples = candidate.some_samples ? &*candidate.some_samples : nullptr;
+    places.push_back({*candidate.link, some_samples, is_planned(to)});
   }
   const std::vector<Division> divisions = divide(places);
   for (std::size_t i = 0; i < possible.size(); ++i) {
@@ -73,14 +74,14 @@ void GroupKeeper::look_at(const RouteBundle& bundle, Time now) {
     const auto [known, is_new] = candidates_.try_emplace(to.get());
     Candidate& candidate = known->second;
     if (is_new) candidate.to = to;
+    if (is_new && bundle.gate != nullptr) candidate.some_samples = bundle.wanted;
     if (is_new) choose_link(candidate, now);
     const Selection& asked = bundle.wanted.selection;
-    if (is_new && bundle.gate != nullptr) candidate.some_samples = bundle.wanted;
-    if (!is_new && (candidate.some_samples || bundle.gate != nullptr))
-      candidate.refusal = "a reader there has conditions or a maximum rate, and others there ask for more";
+    const bool differ = !is_new && (candidate.some_samples || bundle.gate != nullptr);
+    if (differ) candidate.refusal = "its readers ask for different samples, or for different fields of some";
     if (bundle.late_reader != 0) candidate.refusal = "a reader there is sent what was retained";
     if (bundle.fallback) candidate.refusal = "a reader there is served in shared memory";
-    candidate.gets_more |= bundle.late_reader != 0 || bundle.fallback;
+    candidate.gets_more |= differ || bundle.late_reader != 0 || bundle.fallback;
     add_to_copy(candidate.together, asked, is_new);
     if (!holds(candidate.asked, asked)) candidate.asked.push_back(asked);
     candidate.reliable = candidate.reliable || bundle.reliable.contains(to.get());
@@ -101,7 +102,8 @@ void GroupKeeper::await_calm(Time now) {
 void GroupKeeper::choose_link(Candidate& candidate, Time now) const {
   const core::IpAddress address = candidate.to->path().address().ip;
   if (setup_.use == Multicast::off) candidate.refusal = "multicast is off by option";
-  if (now < packed_until_) candidate.refusal = "samples that are published together share datagrams";
+  if (now < packed_until_ && !candidate.some_samples)
+    candidate.refusal = "samples that are published together share datagrams";
   if (too_many_leaves_) candidate.refusal = "its type has too many fields";
   const auto deaf = deaf_until_.find(candidate.to.get());
   if (deaf != deaf_until_.end() && now < deaf->second) candidate.refusal = "no multicast comes to it";
@@ -211,7 +213,10 @@ std::vector<PlanDestination> GroupKeeper::plan_destinations(std::vector<const De
     const auto known = planned_for_.destinations.find(to);
     const bool is_new =
         known == planned_for_.destinations.end() || known->second.fields != candidate.together;
-    destinations.push_back({candidate.together, alone, candidate.division, datagram_bytes, is_new});
+    PlanDestination& destination = destinations.emplace_back();
+    destination = {candidate.together, alone, candidate.division, datagram_bytes, is_new};
+    if (candidate.some_samples && candidate.some_samples->min_period_us != 0)
+      destination.samples_per_s_max = 1e6 / candidate.some_samples->min_period_us;
     places.push_back(to);
   }
   return destinations;
@@ -302,9 +307,12 @@ bool GroupKeeper::plan(Time now) {
   };
   const MulticastPlan plan = plan_multicast(destinations, body_bytes, rate_->per_s(), present, setup_.limits);
   if (std::ranges::is_permutation(plan, present)) return false;
+  std::vector<std::size_t> present_places;
+  for (const Planned& planned : planned_) present_places.push_back(planned.place);
+  const std::vector<std::size_t> next_places = keep_places(present, present_places, plan);
   std::vector<Planned> next;
   for (const PlannedGroup& group : plan) {
-    Planned planned{.place = next.size()};
+    Planned planned{.place = next_places[next.size()]};
     for (const std::size_t member : group.members) planned.members.push_back(places[member]);
     next.push_back(std::move(planned));
   }
@@ -370,17 +378,24 @@ GroupKeeper::Time GroupKeeper::next_duty(Time now) const {
 
 void GroupKeeper::explain(const std::vector<RouteBundle>& routes, Time now) {
   GroupReasons::Readers readers;
-  const bool several = possible(Time::max()) > 1;
+  std::map<std::size_t, std::size_t> possible_in;  // a division
+  for (const auto& [to, candidate] : candidates_)
+    if (candidate.refusal.empty()) ++possible_in[candidate.division];
   for (const RouteBundle& bundle : routes) {
     for (const auto& [reader, to] : bundle.readers) {
       const Candidate& candidate = candidates_.at(to);
-      const bool waits = several && candidate.refusal.empty() && !is_calm(candidate, now);
+      const bool has_company = candidate.refusal.empty() && possible_in[candidate.division] > 1;
+      const bool waits = has_company && !is_calm(candidate, now);
       const Selection& asked = bundle.wanted.selection;
-      readers[reader] = {to, waits ? restless : candidate.refusal, asked,
-                         sizes_ == nullptr ? nullptr : sizes_->part_size(asked), sharing_.shares(to)};
+      readers[reader] = {to,
+                         waits ? restless : candidate.refusal,
+                         asked,
+                         sizes_ == nullptr ? nullptr : sizes_->part_size(asked),
+                         sharing_.shares(to),
+                         has_company};
     }
   }
-  reasons_.set_readers(std::move(readers), sizes_, several);
+  reasons_.set_readers(std::move(readers), sizes_);
 }
 
 }  // namespace sft::udp

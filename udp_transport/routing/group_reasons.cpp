@@ -8,11 +8,10 @@
 
 namespace sft::udp {
 
-void GroupReasons::set_readers(Readers readers, std::shared_ptr<BodySizes> sizes, bool several) {
+void GroupReasons::set_readers(Readers readers, std::shared_ptr<BodySizes> sizes) {
   const core::Lock lock(mutex_);
   readers_ = std::move(readers);
   sizes_ = std::move(sizes);
-  several_ = several;
 }
 
 void GroupReasons::set_groups(Groups groups) {
@@ -43,8 +42,8 @@ std::string GroupReasons::of(core::EndpointId reader) const {
 std::string GroupReasons::alone(const Reader& reader) const {
   std::string why = reader.refusal;
   if (why.empty()) {
-    why = several_ ? "a group would put hardly fewer bytes on the wire"
-                   : "nobody else could be in a group with it";
+    why = reader.has_company ? "a group would put hardly fewer bytes on the wire"
+                             : "nobody else could be in a group with it";
   }
   if (!reader.shares) return "alone: " + why;
   const auto is_there = [&](const Destination* to) { return to == reader.to; };

@@ -23,12 +23,13 @@ class GroupReasons {
     Selection asked{};                       ///< what it asks for
     std::shared_ptr<const PartSize> part{};  ///< of that, if it has parts and they are measured
     bool shares = false;                     ///< all readers there are sent one copy if they are in no group
+    bool has_company = false;                ///< others could be in a group with it
   };
   using Readers = std::map<core::EndpointId, Reader>;
   using Groups = std::vector<std::shared_ptr<MulticastGroup>>;
 
-  /// `several` of them can be in a group. `sizes` may be null.
-  void set_readers(Readers readers, std::shared_ptr<BodySizes> sizes, bool several);
+  /// `sizes` may be null.
+  void set_readers(Readers readers, std::shared_ptr<BodySizes> sizes);
   void set_groups(Groups groups);
 
   /// Any thread. Empty if nobody of that name is served.
@@ -46,7 +47,6 @@ class GroupReasons {
   Readers readers_ SFT_GUARDED_BY(mutex_);
   Groups groups_ SFT_GUARDED_BY(mutex_);
   std::shared_ptr<BodySizes> sizes_ SFT_GUARDED_BY(mutex_);
-  bool several_ SFT_GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace sft::udp

@@ -50,6 +50,7 @@ void GroupDelivery::await_room(const Audience& audience) {
 std::size_t GroupDelivery::send_to_the_deaf(const Audience& audience, const core::SampleHandle& sample) {
   Job& job = draft_.begin();
   if (!encoder_.encode(audience, *sample, job)) return 0;
+  SampleEncoder::number(audience, job);
   const core::SampleHandle parts = std::exchange(job.sample, {});
   direct_.begin_sample();
   std::size_t missed = 0;

@@ -33,6 +33,12 @@ bool SampleEncoder::gather(const Audience& audience, const core::SampleBuffer& s
   return job.projection.project(state, audience.plan, {}, sample.postponed);
 }
 
+void SampleEncoder::number(const Audience& audience, Job& job) {
+  if (audience.gate == nullptr) return;
+  job.first.flags |= rate_follows;
+  job.first.rate = {audience.gate->min_period_us(), audience.gate->ordinal()};
+}
+
 void SampleEncoder::describe(const Audience& audience, const core::SampleBuffer& sample, Job& job) const {
   job.mask = audience.wire;
   job.sequence = sample.sequence;
@@ -42,10 +48,6 @@ void SampleEncoder::describe(const Audience& audience, const core::SampleBuffer&
   if (audience.merged) job.first.flags |= merged_masks;
   if (audience.late_reader != 0) job.first.flags |= history_follows;
   job.first.history.reader = audience.late_reader;
-  if (audience.gate != nullptr) {
-    job.first.flags |= rate_follows;
-    job.first.rate = {audience.gate->min_period_us(), audience.gate->ordinal()};
-  }
   job.first.mask = audience.wire->mask;
   job.first.stamp_ns = sample.source_stamp_ns;
 }

@@ -11,7 +11,7 @@
 
 namespace sft::udp {
 
-/// Any thread.
+/// Any thread, but for number().
 class SampleEncoder {
  public:
   SampleEncoder(const core::WriterSpec& spec, std::shared_ptr<SendSide> side)
@@ -20,6 +20,9 @@ class SampleEncoder {
   /// False if there is nothing to send: the sample is malformed, or too large. If large parts of fields were
   /// asked for, the body lies in memory of the node's own, which the job then has as its sample.
   bool encode(const Audience& audience, const core::SampleBuffer& sample, Job& job) const;
+  /// The publisher's thread: the sample has passed the gate of the audience, if there is one, and says as
+  /// which one. Retained samples pass no gate.
+  static void number(const Audience& audience, Job& job);
   /// Writes all of the header but the length of the body.
   void describe(const Audience& audience, const core::SampleBuffer& sample, Job& job) const;
   /// Projects the sample to the mask of the audience. False if the sample is malformed.

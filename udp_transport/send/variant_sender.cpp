@@ -23,6 +23,7 @@ std::size_t VariantSender::send(const Audience& audience, const core::SampleHand
     audience.tally->dropped();
     return audience.lanes.size();
   }
+  SampleEncoder::number(audience, job);
   if (job.sample) return send_body(audience, sample, std::exchange(job.sample, {}));
   if (sample->postponed != nullptr && !job.is_small()) {
     if (PostponedDelivery::is_possible(audience)) return send_postponed(audience, sample);

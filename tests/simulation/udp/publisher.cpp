@@ -89,8 +89,9 @@ void Publisher::mark(udp::Job& job, Wish wish, const GatesInForce& gates) {
   job.first.rate = {0, gates.at(wish)->ordinal()};
 }
 
-/// Returns the number of the variant that serves all these.
+/// Returns the number of the variant that serves all these. It is the same by the group and without.
 std::uint16_t Publisher::number_of(const std::set<Wish>& served) {
+  if (served.size() == 1) return static_cast<std::uint16_t>(*served.begin());
   std::uint16_t number = 100;
   for (const Wish wish : served) number += static_cast<std::uint16_t>(1U << wish);
   return number;

@@ -86,6 +86,41 @@ TEST_P(TransportTest, SendsRetainedSamplesToOneReaderBeforeWhatComesMeanwhile) {
   EXPECT_EQ(early.await_sequences(4).back(), 6U);
 }
 
+TEST_P(TransportTest, RetainedSamplesAreNotAmongThoseThatPassedAGate) {
+  const auto there = open(), here = open();
+  Subscriber early(*here, {"data"}, 1000, 1);
+  Subscriber late(*here, {"data"}, 1000, 2);
+  Publisher publisher(*there);
+  early.listen_to(publisher.id());
+  late.listen_late_to(publisher.id());
+  constexpr std::uint32_t period_us = 1000;
+  const FieldMask mask = fields<Image>("data");
+  for (Subscriber* subscriber : {&early, &late}) subscriber->port().accept({{.wanted = {mask, period_us}}});
+  const auto gate = std::make_shared<core::Gate>(period_us);
+  core::Route to_early{1, loopback_address(*here), mask, period_us, gate};
+  core::Route to_late{2, loopback_address(*here), mask, period_us, gate, 2};
+  publisher.port().set_routes({to_early});
+  std::vector<core::SampleHandle> retained;
+  const auto publish = [&](std::int64_t ms) {
+    gate->consider(detail::FieldSource::of_nothing(), ms * 1'000'000);
+    publisher.publish(make_image(10));
+  };
+  for (int i = 0; i < 2; ++i) retained.push_back(publisher.make(make_image(10)));
+  for (int ms = 1; ms <= 3; ++ms) publish(ms);
+  publisher.port().set_routes({to_early, to_late});
+  publisher.port().send_history(to_late, retained);
+  publish(4);
+  const std::vector<core::SampleHandle> samples = late.await(3);
+  ASSERT_EQ(samples.size(), 3U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(samples[i]->addressee, 2U);
+    EXPECT_EQ(samples[i]->ordinal, 0U);
+    EXPECT_EQ(samples[i]->min_period_us, 0U);
+  }
+  EXPECT_EQ(samples[2]->ordinal, 4U);
+  EXPECT_EQ(samples[2]->min_period_us, period_us);
+}
+
 TEST_P(TransportTest, KeepsTheOrderOfALateReaderThatAsksForOtherFieldsMeanwhile) {
   const auto there = open({.max_bytes_per_s = 100'000'000}), here = open();
   Subscriber late(*here, {"*", "stamp"});

@@ -395,5 +395,21 @@ TEST_F(MulticastPlanTest, WeighsAboutAsManyUnionsAsThereAreMasks) {
   }
 }
 
+TEST(PlacesOfGroups, AreKeptByGroupsThatStayAndAreNeverShared) {
+  using Places = std::vector<std::size_t>;
+  const auto groups = [](std::vector<std::vector<std::size_t>> members) {
+    MulticastPlan plan;
+    for (auto& one : members) plan.push_back({{}, std::move(one)});
+    return plan;
+  };
+  const MulticastPlan none;
+  EXPECT_EQ(keep_places(none, {}, groups({{0, 1}, {2, 3}})), (Places{0, 1}));
+  const MulticastPlan present = groups({{2, 3}, {4, 5}});
+  EXPECT_EQ(keep_places(present, Places{0, 1}, groups({{0, 4, 5}, {2, 3}})), (Places{1, 0}));
+  EXPECT_EQ(keep_places(present, Places{0, 1}, groups({{0, 1}, {4, 5}})), (Places{0, 1}));
+  EXPECT_EQ(keep_places(present, Places{0, 1}, groups({{0, 3}, {1, 2}, {4, 5}})), (Places{0, 2, 1}));
+  EXPECT_EQ(keep_places(present, Places{3, 7}, groups({{2, 3, 4, 5}, {0, 1}})), (Places{3, 0}));
+}
+
 }  // namespace
 }  // namespace sft::udp

@@ -111,7 +111,9 @@ TEST_F(GroupKeeperTest, LeavesAReaderAloneWhoseMaximumRateNobodyElseHas) {
   serve();
   go_on(200ms);
   EXPECT_EQ(members(), 2U);
-  EXPECT_EQ(why(3), "alone: nobody else asks for the same under its conditions or its maximum rate");
+  EXPECT_EQ(
+      why(3),
+      "alone: no other host that could be in a group asks for the same at its rate or under its conditions");
   ASSERT_EQ(merged_.size(), 2U);
   EXPECT_EQ(merged_[1].gate, routes_[2].gate);
   EXPECT_EQ(merged_[1].destinations.size(), 1U);
@@ -146,7 +148,59 @@ TEST_F(GroupKeeperTest, LeavesAHostAloneWhereOnlyOneOfSeveralReadersHasAMaximumR
   serve();
   go_on(200ms);
   EXPECT_EQ(members(), 2U);
-  EXPECT_EQ(why(3), "alone: a reader there has conditions or a maximum rate, and others there ask for more");
+  EXPECT_EQ(why(3), "alone: its readers ask for different samples, or for different fields of some");
+}
+
+TEST_F(GroupKeeperTest, NoticesNothingOfAHostWhereAReaderWithAMaximumRateComesAndGoes) {
+  readers(4);
+  serve();
+  go_on(200ms);
+  ASSERT_EQ(members(), 4U);
+  int plans = 0;
+  for (int i = 0; i < 50; ++i) {
+    reader(first_link + 10).gate = std::make_shared<core::Gate>(10'000);
+    serve();
+    plans += go_on(60ms);
+    routes_.pop_back();
+    serve();
+    plans += go_on(60ms);
+  }
+  EXPECT_LE(plans, 8) << "it is restless soon";
+  EXPECT_EQ(members(), 3U);
+}
+
+TEST_F(GroupKeeperTest, LeavesAGroupAtItsAddressWhenAnotherOneComes) {
+  readers(2, "data[::3]");
+  serve();
+  go_on(200ms);
+  ASSERT_EQ(groups_.size(), 1U);
+  const auto first = groups_[0];
+  const auto gate = std::make_shared<core::Gate>(10'000);
+  for (std::uint32_t i = 0; i < 5; ++i) {
+    reader(first_link + 100 + i).gate = gate;
+    serve();
+    go_on(1100ms);
+    if (i == 0) continue;
+    ASSERT_EQ(groups_.size(), 2U);
+    EXPECT_TRUE(groups_[0] == first || groups_[1] == first);
+    EXPECT_NE(groups_[0]->name().address, groups_[1]->name().address);
+  }
+}
+
+TEST_F(GroupKeeperTest, MakesNoGroupForAMaximumRateThatLetsHardlyAnythingPass) {
+  for (const std::uint32_t period_us : {10'000, 1'000'000}) {
+    restart(Multicast::automatic);
+    routes_.clear();
+    readers(2);
+    const auto gate = std::make_shared<core::Gate>(period_us);
+    for (core::Route& route : routes_) {
+      route.gate = gate;
+      route.min_period_us = period_us;
+    }
+    serve();
+    go_on(2s);
+    EXPECT_EQ(members(), period_us == 10'000 ? 2U : 0U);
+  }
 }
 
 TEST_F(GroupKeeperTest, TakesAMemberOutOfItsGroupWhenItsMaximumRateChangesAndIntoAnotherOneOnceItIsCalm) {
