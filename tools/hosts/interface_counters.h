@@ -11,6 +11,7 @@ namespace sft::hosts {
 struct InterfaceBytes {
   std::uint64_t received = 0;
   std::uint64_t sent = 0;
+  friend bool operator==(const InterfaceBytes&, const InterfaceBytes&) = default;
 };
 
 /// Empty if there is no such interface.

@@ -7,6 +7,8 @@
 
 #include <array>
 #include <cerrno>
+#include <thread>
+#include <utility>
 
 #include "tools/hosts/interface_counters.h"
 #include "tools/hosts/packet_filter.h"
@@ -64,13 +66,23 @@ void TrafficMeter::count_control() {
   }
 }
 
+/// A frame is counted by the interface first, and a moment later it comes to the packet socket. So both are
+/// read again until no frame has come meanwhile; while many come, one more or less does not count.
 Traffic TrafficMeter::read() {
+  constexpr int tries_max = 20;
+  constexpr std::chrono::milliseconds moment{1};
   const core::Lock lock(mutex_);
-  const InterfaceBytes bytes = interface_bytes(interface_).value_or(InterfaceBytes{});
+  InterfaceBytes bytes = interface_bytes(interface_).value_or(InterfaceBytes{});
+  for (int tries = 0; tries < tries_max; ++tries) {
+    std::this_thread::sleep_for(moment);
+    count_control();
+    const InterfaceBytes now = interface_bytes(interface_).value_or(InterfaceBytes{});
+    const bool is_quiet = now == std::exchange(bytes, now);
+    if (is_quiet) break;
+  }
   Traffic traffic;
   traffic.received = bytes.received;
   traffic.sent = bytes.sent;
-  count_control();
   traffic.control_received = control_received_;
   traffic.control_sent = control_sent_;
   traffic.at_ns = std::chrono::steady_clock::now().time_since_epoch().count();
