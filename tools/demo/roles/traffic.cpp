@@ -71,20 +71,23 @@ void TrafficMeter::count_control() {
 Traffic TrafficMeter::read() {
   constexpr int tries_max = 20;
   constexpr std::chrono::milliseconds moment{1};
-  const core::Lock lock(mutex_);
-  InterfaceBytes bytes = interface_bytes(interface_).value_or(InterfaceBytes{});
+  const auto counters = [this] { return interface_bytes(interface_).value_or(InterfaceBytes{}); };
+  Traffic traffic;
+  InterfaceBytes bytes = counters();
   for (int tries = 0; tries < tries_max; ++tries) {
     std::this_thread::sleep_for(moment);
-    count_control();
-    const InterfaceBytes now = interface_bytes(interface_).value_or(InterfaceBytes{});
+    {
+      const core::Lock lock(mutex_);
+      count_control();
+      traffic.control_received = control_received_;
+      traffic.control_sent = control_sent_;
+    }
+    const InterfaceBytes now = counters();
     const bool is_quiet = now == std::exchange(bytes, now);
     if (is_quiet) break;
   }
-  Traffic traffic;
   traffic.received = bytes.received;
   traffic.sent = bytes.sent;
-  traffic.control_received = control_received_;
-  traffic.control_sent = control_sent_;
   traffic.at_ns = std::chrono::steady_clock::now().time_since_epoch().count();
   return traffic;
 }
