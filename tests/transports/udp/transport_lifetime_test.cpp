@@ -110,7 +110,8 @@ TEST_P(TransportTest, LetsAListenerDestroyItsReader) {
                                          .doorbell = {}})
                           .value();
     listener.reader->accept({{.wanted = {fields<Image>("*")}}});
-    Publisher publisher(*there);
+    // Of a writer that it knows, the receiving thread would not take the first sample a second time.
+    Publisher publisher(*there, Publisher::usual_id + static_cast<core::EndpointId>(i));
     ASSERT_TRUE(listener.reader->connect({publisher.id(), 0}));
     publisher.serve({{loopback_address(*here)}});
     publisher.publish(make_image(10));
