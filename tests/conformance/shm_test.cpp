@@ -23,7 +23,9 @@ class ShmMedium final : public Medium {
     return {.projects = false, .counts_before_first_taken = false, .reliable = reliable_};
   }
   AnyTransport open() override {
-    auto transport = shm::open_shm_transport(test::own_daemon()).value();
+    shm::ShmOptions options = test::own_daemon();
+    options.port_deadline = patience;  // the daemon may have to wait for a processor; a node would ask again
+    auto transport = shm::open_shm_transport(options).value();
     const auto ready = [&] {
       return transport->poll(std::chrono::steady_clock::now()) == core::Availability::ready;
     };

@@ -279,6 +279,9 @@ TEST_P(ConditionsOfOtherHosts, ACableThatIsPulledAndPutBackLosesNothingThatPasse
   put("down");
   ASSERT_TRUE(publisher.publishes_up_to(1000));
   put("up");
+  // A publisher keeps 4,096 samples for a host: those of one reader, or some 1,300 of these eight readers.
+  ASSERT_TRUE(publisher.publishes_up_to(1200));
+  ASSERT_TRUE(subscriber.has_all_before(1200));
   ASSERT_TRUE(publisher.publishes_up_to(samples));
   ASSERT_TRUE(subscriber.has_all_before(samples));
   subscriber.expect_all_accounted(samples);
