@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <mutex>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 #include <span>
 #include <string>
@@ -61,19 +62,24 @@ void publish_rows(Exchange& exchange, std::uint64_t moves, Publishing publishing
   ::prctl(PR_SET_TIMERSLACK, 1UL);
   const PointCloud2 row = one_row();
   std::atomic<Publisher<PointCloud2>*> at_once{nullptr};
+  std::mutex publishing_mutex;  // this thread and that of the node publish, which is for one at a time
+  const auto publish_one = [&](Publisher<PointCloud2>& publisher) {
+    const std::scoped_lock lock(publishing_mutex);
+    publisher.publish(row);
+  };
   const auto note = [&](const PublisherStatus& status) {
     const std::uint64_t n = exchange.received.load();
     if (status.readers.empty() || n >= moves) return;
     const auto parts = status.readers[0].selection.parts();
     if (parts.empty() || parts[0].columns.begin != begin_of_move(n)) return;
     exchange.returned_at[n] = now_ns();
-    if (auto* const publisher = at_once.load()) publisher->publish(row);
+    if (auto* const publisher = at_once.load()) publish_one(*publisher);
   };
   Node node = Node::open(udp_node_options("publisher")).value();
   auto publisher = node.publisher<PointCloud2>("points", {.on_readers_changed = note}).value();
   if (publishing == Publishing::at_once) at_once = &publisher;
   while (exchange.received.load() < moves && !exchange.failed.load()) {
-    if (publishing == Publishing::paced || exchange.received.load() == 0) publisher.publish(row);
+    if (publishing == Publishing::paced || exchange.received.load() == 0) publish_one(publisher);
     sleep_us(publishing == Publishing::paced ? 50 : 1000);
   }
   at_once = nullptr;

@@ -40,8 +40,9 @@ class Gate {
     passes_ = conditions_.empty() ? budget_.take(stamp_ns) : decide(sample, stamp_ns);
     if (passes_) {
       ++ordinal_;
+      add(passed_, 1);
     } else {
-      withheld_.fetch_add(1, std::memory_order_relaxed);
+      add(withheld_, 1);
     }
   }
   /// The sample that passed is sent: later ones are compared with it.
@@ -58,6 +59,7 @@ class Gate {
     if (!passes_) return;
     budget_ = before_;
     --ordinal_;
+    add(passed_, -1);
   }
   /// The next sample passes whatever it says: it is the first one after a request. Any thread.
   void let_next_pass() noexcept { next_passes_.store(true, std::memory_order_relaxed); }
@@ -66,11 +68,19 @@ class Gate {
   bool passes() const { return passes_; }
   /// The number of the last sample that passed. Readers tell by it what was lost from what was withheld.
   std::uint32_t ordinal() const { return ordinal_; }
-  /// Any thread.
+  // Any thread: how many samples passed, and how many did not.
+  std::uint64_t passed() const { return passed_.load(std::memory_order_relaxed); }
   std::uint64_t withheld() const { return withheld_.load(std::memory_order_relaxed); }
 
  private:
+  using Count = std::atomic<std::uint64_t>;
+
   bool decide(const detail::FieldSource& sample, std::int64_t stamp_ns);
+  /// Nobody else writes it.
+  static void add(Count& count, int more) {
+    count.store(count.load(std::memory_order_relaxed) + static_cast<std::uint64_t>(more),
+                std::memory_order_relaxed);
+  }
 
   RateBudget budget_;
   RateBudget before_;  ///< the sample that was considered last
@@ -81,7 +91,7 @@ class Gate {
   bool is_first_ = false;  ///< the sample passed as the first one after a request
   std::uint32_t ordinal_ = 0;
   std::atomic<bool> next_passes_{false};
-  std::atomic<std::uint64_t> withheld_{0};
+  Count passed_{0}, withheld_{0};
 };
 
 }  // namespace sft::core

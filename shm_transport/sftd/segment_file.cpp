@@ -42,7 +42,11 @@ Result<SegmentFile> make_segment_file(const std::string& name, std::size_t bytes
 }
 
 /// A page that was set aside before is cleared when it is set aside again (shmem_get_folio_gfp() in Linux).
+/// Behind the end of a file that somebody has made shorter, pages would be set aside for nobody.
 bool clear_pages(const SegmentFile& segment, std::size_t offset, std::size_t bytes) {
+  struct stat now {};
+  if (fstat(segment.file.get(), &now) != 0 || static_cast<std::size_t>(now.st_size) < offset + bytes)
+    return false;
   int failed = 0;
   do
     failed = fallocate(segment.file.get(), FALLOC_FL_KEEP_SIZE, static_cast<off_t>(offset),

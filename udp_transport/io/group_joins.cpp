@@ -36,15 +36,11 @@ void GroupJoins::join(std::uint32_t group, const SocketAddress& towards, bool an
   if (!own.is_ipv4()) return;
   const Joined wanted{group, own.ipv4()};
   if (const auto known = std::ranges::find(joined_, wanted); known != joined_.end()) {
-    std::rotate(known, known + 1, joined_.end());
     if (anew) set(IP_DROP_MEMBERSHIP, wanted);
     if (anew) set(IP_ADD_MEMBERSHIP, wanted);
     return;
   }
-  if (joined_.size() == joins_max) {
-    set(IP_DROP_MEMBERSHIP, joined_.front());
-    joined_.erase(joined_.begin());
-  }
+  if (joined_.size() == joins_max) return;
   set(IP_ADD_MEMBERSHIP, wanted);
   socket_->in_groups.store(true, std::memory_order_relaxed);
   joined_.push_back(wanted);

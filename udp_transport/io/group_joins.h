@@ -20,8 +20,10 @@ class GroupJoins {
 
   explicit GroupJoins(std::shared_ptr<const UdpSocket> socket) : socket_(std::move(socket)) {}
 
-  /// Joins the group on the link by which `towards` is reached. If there are too many groups, the oldest is
-  /// left. A group that was joined before is left first if `anew`: that alone makes the system report the
+  /// Joins the group on the link by which `towards` is reached, if there are not too many already: its writer
+  /// then hears that no probe comes, and serves this process alone. If the oldest were left instead, what
+  /// that one's writer sends would be lost until it has noticed, and that group would take the next one's
+  /// place. A group that was joined before is left first if `anew`: that alone makes the system report the
   /// membership to switches again.
   void join(std::uint32_t group, const SocketAddress& towards, bool anew) noexcept;
   /// Leaves all but these.
@@ -36,7 +38,7 @@ class GroupJoins {
   void set(int option, const Joined& joined) noexcept;
 
   const std::shared_ptr<const UdpSocket> socket_;
-  std::vector<Joined> joined_;  ///< the newest last
+  std::vector<Joined> joined_;
 };
 
 }  // namespace sft::udp

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <functional>
 #include <map>
-#include <utility>
+#include <tuple>
 
 namespace sft::udp {
 
@@ -14,6 +14,7 @@ struct Known {
   std::size_t number = 0;
   std::size_t places = 0;
   bool has_group = false;
+  double bytes_per_s = 0;
   std::string_view refusal{};
 };
 
@@ -23,8 +24,9 @@ bool are_alike(const DividedPlace& a, const DividedPlace& b) {
 }
 
 void refuse_some(std::vector<Known>& divisions) {
-  std::ranges::stable_sort(divisions, std::greater(),
-                           [](const Known& one) { return std::pair(one.has_group, one.places); });
+  std::ranges::stable_sort(divisions, std::greater(), [](const Known& one) {
+    return std::tuple(one.has_group, one.bytes_per_s, one.places);
+  });
   std::map<std::size_t, std::size_t> groups_behind;  // a link
   for (Known& one : divisions) {
     if (one.of.some_samples == nullptr) continue;
@@ -32,7 +34,8 @@ void refuse_some(std::vector<Known>& divisions) {
       one.refusal =
           "no other host that could be in a group asks for the same at its rate or under its conditions";
     } else if (++groups_behind[one.of.link] > some_samples_groups_max) {
-      one.refusal = "other conditions or maximum rates that more readers have are in groups already";
+      one.refusal =
+          "other conditions or maximum rates have all the groups that there may be, or are sent more";
     }
   }
 }
@@ -47,6 +50,7 @@ std::vector<Division> divide(std::span<const DividedPlace> places) {
     if (known == divisions.end()) known = divisions.insert(known, {place, divisions.size()});
     ++known->places;
     known->has_group = known->has_group || place.is_in_group;
+    known->bytes_per_s += place.bytes_per_s;
     all.push_back({known->number});
   }
   refuse_some(divisions);

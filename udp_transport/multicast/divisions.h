@@ -17,7 +17,8 @@ struct DividedPlace {
   /// What all its readers ask for, if only some samples are for them: those that pass conditions or a maximum
   /// rate. Null: every sample is. Outlives the call.
   const core::Wanted* some_samples = nullptr;
-  bool is_in_group = false;  ///< at present
+  bool is_in_group = false;  ///< of those places that are in this division now, too
+  double bytes_per_s = 0;    ///< that it is sent where it is served alone; 0: not known yet
 };
 
 struct Division {
@@ -26,7 +27,7 @@ struct Division {
 };
 
 /// Behind a link, so many divisions that are sent some samples only may have groups: those that have one, and
-/// then those that most ask for.
+/// then those for which most is sent.
 inline constexpr std::size_t some_samples_groups_max = 8;
 
 /// Returns the division of each place. Only places of one division may share a group: they are behind one

@@ -50,6 +50,16 @@ class DivisionPlan {
     cost_ = cost;
   }
 
+  /// Dissolves groups that are hardly worth anything any more. Who is in one of which nothing is heard for
+  /// long may be forgotten by a switch, and then misses the next sample.
+  void dissolve_if_rare(double samples_per_s, const PlanLimits& limits) {
+    const Places all_alone(kinds_.size(), PlanSearch::alone);
+    const PlanCost cost = search_.cost_of(all_alone);
+    if ((cost.cost - cost_.cost) * samples_per_s >= limits.gain_bytes_per_s / 2) return;
+    places_ = all_alone;
+    cost_ = cost;
+  }
+
   /// Changes whatever is worth it.
   void improve(double samples_per_s, const PlanLimits& limits) {
     Places best = search_.search(places_);
@@ -120,10 +130,11 @@ MulticastPlan plan_multicast(std::span<const PlanDestination> destinations, cons
   MulticastPlan plan;
   for (const std::size_t division : divisions) {
     DivisionPlan one(destinations, division, body_bytes, limits);
-    const double here_per_s =
-        std::min(samples_per_s,
-                 std::ranges::find(destinations, division, &PlanDestination::division)->samples_per_s_max);
+    const std::optional<double> passing_per_s =
+        std::ranges::find(destinations, division, &PlanDestination::division)->passing_per_s;
+    const double here_per_s = passing_per_s.value_or(samples_per_s);
     one.take_over(present, here_per_s, limits);
+    if (passing_per_s) one.dissolve_if_rare(here_per_s, limits);
     one.improve(here_per_s, limits);
     one.add_to(plan);
   }

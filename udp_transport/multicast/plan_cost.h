@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "sft/selection.h"
@@ -22,8 +23,9 @@ struct PlanDestination {
   std::size_t division = 0;        ///< a group has members of one division (divisions.h)
   std::size_t datagram_bytes = 0;  ///< that its path takes
   bool is_new = false;             ///< it was not there, or had other fields, when the present plan was made
-  /// All in its division are sent no more than so many samples in a second.
-  double samples_per_s_max = std::numeric_limits<double>::infinity();
+  /// All in its division are sent so many samples in a second, on average over some seconds. Empty: every
+  /// sample.
+  std::optional<double> passing_per_s{};
 };
 
 struct PlannedGroup {

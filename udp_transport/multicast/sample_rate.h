@@ -1,6 +1,8 @@
-// How many samples a writer sends in a second. It is pure: counts and times go in.
+// How many samples a writer sends in a second, and how many of them pass a gate. Both are pure: counts and
+// times go in.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <utility>
@@ -13,7 +15,8 @@ class SampleRate {
   /// Samples are counted for so long at least.
   static constexpr std::chrono::milliseconds counting{100};
 
-  explicit SampleRate(Time now) : since_(now) {}
+  /// `samples` were sent before.
+  explicit SampleRate(Time now, std::uint64_t samples = 0) : since_(now), counted_(samples) {}
 
   /// `samples` were sent in all until now. What was counted before is the rate until there is more to count.
   /// The first samples count at once, although there may be more of them than it seems.
@@ -32,9 +35,35 @@ class SampleRate {
 
  private:
   Time since_;
-  std::uint64_t counted_ = 0;
+  std::uint64_t counted_;
   double per_s_ = 0;
   bool is_early_ = false;
+};
+
+/// Samples may pass in bursts, and a group is of use only where they come steadily. So they are counted for
+/// longer.
+class PassRate {
+ public:
+  using Time = SampleRate::Time;
+  static constexpr std::chrono::seconds counting{5};  ///< at least, once so much time has passed
+
+  /// The next sample that passes is the first one after a request, and does not count.
+  PassRate(Time now, std::uint64_t passed) : former_{now, passed + 1}, latest_(former_) {}
+
+  /// `passed` have passed in all until now.
+  double per_s(Time now, std::uint64_t passed) {
+    if (now - latest_.at >= counting) former_ = std::exchange(latest_, Count{now, passed});
+    const std::chrono::duration<double> seconds =
+        std::max<SampleRate::Time::duration>(now - former_.at, SampleRate::counting);
+    return passed <= former_.passed ? 0 : static_cast<double>(passed - former_.passed) / seconds.count();
+  }
+
+ private:
+  struct Count {
+    Time at;
+    std::uint64_t passed;
+  };
+  Count former_, latest_;
 };
 
 }  // namespace sft::udp

@@ -50,15 +50,21 @@ void GroupKeeper::merge(std::vector<RouteBundle>& routes, Time now) {
 
 void GroupKeeper::look_at(const std::vector<RouteBundle>& routes, Time now) {
   candidates_.clear();
+  measured_.passing.forget_unused();
   links_ = setup_.use == Multicast::off ? std::vector<MulticastLink>{} : setup_.links(setup_.use);
   for (const RouteBundle& bundle : routes) look_at(bundle, now);
+  const auto bytes_per_s = [&](const Candidate& candidate) {
+    const BodySizes* const sizes = measured_.sizes.get();
+    if (candidate.gate == nullptr || sizes == nullptr || !sizes->known_all(candidate.asked)) return 0.;
+    return sizes->bytes_of(candidate.together) * measured_.passing.per_s(candidate.gate, now);
+  };
   std::vector<Candidate*> possible;
   std::vector<DividedPlace> places;
   for (auto& [to, candidate] : candidates_) {
     if (!candidate.refusal.empty()) continue;
     possible.push_back(&candidate);
     const core::Wanted* const some_samples = candidate.some_samples ? &*candidate.some_samples : nullptr;
-    places.push_back({*candidate.link, some_samples, is_planned(to)});
+    places.push_back({*candidate.link, some_samples, is_planned(to, candidate), bytes_per_s(candidate)});
   }
   const std::vector<Division> divisions = divide(places);
   for (std::size_t i = 0; i < possible.size(); ++i) {
@@ -74,7 +80,11 @@ void GroupKeeper::look_at(const RouteBundle& bundle, Time now) {
     const auto [known, is_new] = candidates_.try_emplace(to.get());
     Candidate& candidate = known->second;
     if (is_new) candidate.to = to;
-    if (is_new && bundle.gate != nullptr) candidate.some_samples = bundle.wanted;
+    if (is_new && bundle.gate != nullptr) {
+      candidate.some_samples = bundle.wanted;
+      candidate.gate = bundle.gate;
+      measured_.passing.follow(bundle.gate, now);
+    }
     if (is_new) choose_link(candidate, now);
     const Selection& asked = bundle.wanted.selection;
     const bool differ = !is_new && (candidate.some_samples || bundle.gate != nullptr);
@@ -131,13 +141,11 @@ std::size_t GroupKeeper::possible(Time now) const {
 
 /// Samples are measured for one that may be in a group later, too: the plan is ready when another one comes.
 void GroupKeeper::choose_sizes(Time now) {
-  sizes_ = nullptr;
+  const bool measures = std::exchange(sizes_, nullptr) != nullptr;
   if (possible(Time::max()) == 0 && !sharing_.is_possible()) return;
-  if (measured_ == nullptr) {
-    measured_ = std::make_shared<BodySizes>(setup_.type->type());
-    rate_.emplace(now);
-  }
-  sizes_ = measured_;
+  if (measured_.sizes == nullptr) measured_.sizes = std::make_shared<BodySizes>(setup_.type->type());
+  if (!measures) measured_.rate.emplace(now, measured_.sizes->samples());
+  sizes_ = measured_.sizes;
   std::vector<Selection> asked;
   for (const auto& [to, candidate] : candidates_)
     asked.insert(asked.end(), candidate.asked.begin(), candidate.asked.end());
@@ -193,8 +201,11 @@ void GroupKeeper::merged(Time now) {
   reasons_.set_groups(groups_);
 }
 
-bool GroupKeeper::is_planned(const Destination* to) const {
-  return std::ranges::any_of(planned_, [&](const Planned& planned) { return holds(planned.members, to); });
+/// True if it is in a group, and is sent the same samples as before.
+bool GroupKeeper::is_planned(const Destination* to, const Candidate& candidate) const {
+  return std::ranges::any_of(planned_, [&](const Planned& planned) {
+    return planned.some_samples == candidate.some_samples && holds(planned.members, to);
+  });
 }
 
 /// Those whose fields have never been sent wait for a sample.
@@ -205,7 +216,7 @@ std::vector<PlanDestination> GroupKeeper::plan_destinations(std::vector<const De
     if (!is_calm(candidate, now)) continue;
     if (!sizes_->known_all(candidate.asked)) {
       sizes_->measure_next();
-      if (!is_planned(to)) continue;
+      if (!is_planned(to, candidate)) continue;
     }
     const std::size_t datagram_bytes = to->path().datagram_bytes();
     const PlaceMark mark = candidate.reliable ? PlaceMark::in_channel : PlaceMark::none;
@@ -215,8 +226,7 @@ std::vector<PlanDestination> GroupKeeper::plan_destinations(std::vector<const De
         known == planned_for_.destinations.end() || known->second.fields != candidate.together;
     PlanDestination& destination = destinations.emplace_back();
     destination = {candidate.together, alone, candidate.division, datagram_bytes, is_new};
-    if (candidate.some_samples && candidate.some_samples->min_period_us != 0)
-      destination.samples_per_s_max = 1e6 / candidate.some_samples->min_period_us;
+    if (candidate.gate != nullptr) destination.passing_per_s = measured_.passing.per_s(candidate.gate, now);
     places.push_back(to);
   }
   return destinations;
@@ -230,7 +240,7 @@ bool GroupKeeper::replan(Time now) {
     packed_until_ = now + packed_pause;
     if (is_news) return true;
   }
-  if (sizes_ != nullptr && sizes_->samples() == 0) rate_.emplace(now);
+  if (sizes_ != nullptr && sizes_->samples() == 0) measured_.rate.emplace(now);
   const bool is_shared_otherwise = sizes_ != nullptr && sharing_.decide(*sizes_, now);
   const bool came = someone_came(now);
   hasten(now);
@@ -262,17 +272,18 @@ bool GroupKeeper::may_plan(Time now) const {
 /// False if a plan was made for the same destinations, and for about the same bytes.
 bool GroupKeeper::is_news(std::span<const Destination* const> places,
                           std::span<const PlanDestination> all) const {
-  const auto differ = [](double before, double now) {
-    constexpr double least = 0.01;
+  const auto differ = [](double before, double now, double least = 0.01) {
     return std::abs(now - before) > least * before;
   };
+  constexpr double of_what_passes = 0.25;  // which differs much from second to second
   const auto& before = planned_for_.destinations;
   if (planned_for_.someone_left || places.size() != before.size()) return true;
-  if (differ(planned_for_.samples_per_s, rate_->per_s())) return true;
+  if (differ(planned_for_.samples_per_s, measured_.rate->per_s())) return true;
   for (std::size_t i = 0; i < places.size(); ++i) {
     const auto known = before.find(places[i]);
     if (known == before.end() || known->second.fields != all[i].fields ||
-        known->second.division != all[i].division || differ(known->second.alone_bytes, all[i].alone_bytes))
+        known->second.division != all[i].division || differ(known->second.alone_bytes, all[i].alone_bytes) ||
+        differ(known->second.passing_per_s.value_or(0), all[i].passing_per_s.value_or(0), of_what_passes))
       return true;
   }
   return false;
@@ -280,8 +291,8 @@ bool GroupKeeper::is_news(std::span<const Destination* const> places,
 
 /// True if other groups are better than the present ones.
 bool GroupKeeper::plan(Time now) {
-  rate_->count(sizes_->samples(), now);
-  replan_at_ = rate_->due(now + replan_pause);
+  measured_.rate->count(sizes_->samples(), now);
+  replan_at_ = measured_.rate->due(now + replan_pause);
   std::vector<const Destination*> places;
   const std::vector<PlanDestination> destinations = plan_destinations(places, now);
   MulticastPlan present;
@@ -294,7 +305,7 @@ bool GroupKeeper::plan(Time now) {
     }
   }
   if (!is_news(places, destinations)) return false;
-  planned_for_ = {.samples_per_s = rate_->per_s()};
+  planned_for_ = {.samples_per_s = measured_.rate->per_s()};
   for (std::size_t i = 0; i < places.size(); ++i)
     planned_for_.destinations.emplace(places[i], destinations[i]);
   const auto is_asked_for = [&](const Selection& sent) {
@@ -305,14 +316,16 @@ bool GroupKeeper::plan(Time now) {
     const bool may_be_sent = bytes <= setup_.limits.merged_body_max || is_asked_for(sent);
     return may_be_sent ? bytes : too_much_body;
   };
-  const MulticastPlan plan = plan_multicast(destinations, body_bytes, rate_->per_s(), present, setup_.limits);
+  const MulticastPlan plan =
+      plan_multicast(destinations, body_bytes, measured_.rate->per_s(), present, setup_.limits);
   if (std::ranges::is_permutation(plan, present)) return false;
   std::vector<std::size_t> present_places;
   for (const Planned& planned : planned_) present_places.push_back(planned.place);
   const std::vector<std::size_t> next_places = keep_places(present, present_places, plan);
   std::vector<Planned> next;
   for (const PlannedGroup& group : plan) {
-    Planned planned{.place = next_places[next.size()]};
+    Planned planned{.place = next_places[next.size()],
+                    .some_samples = candidates_.at(places[group.members.front()]).some_samples};
     for (const std::size_t member : group.members) planned.members.push_back(places[member]);
     next.push_back(std::move(planned));
   }

@@ -22,6 +22,7 @@
 #include "udp_transport/routing/farewells.h"
 #include "udp_transport/routing/group_reasons.h"
 #include "udp_transport/routing/mask_sharing.h"
+#include "udp_transport/routing/pass_rates.h"
 #include "udp_transport/routing/route_bundle.h"
 
 namespace sft::udp {
@@ -78,6 +79,7 @@ class GroupKeeper {
     Selection together{};  ///< one_copy() for all of them
     /// What all readers there ask for, if only some samples are for them.
     std::optional<core::Wanted> some_samples{};
+    std::shared_ptr<const core::Gate> gate{};  ///< of these; null: every sample is for them
     bool reliable = false;
     bool gets_more = false;             ///< than a group is sent
     Time calm_at{};                     ///< before, it is in no group
@@ -87,6 +89,8 @@ class GroupKeeper {
   };
   struct Planned {
     std::size_t place = 0;  ///< its address goes by this
+    std::optional<core::Wanted>
+        some_samples{};  ///< what all members ask for, if only some samples are for them
     std::vector<const Destination*> members{};
   };
   /// The destinations and the rate that the present plan was made for.
@@ -94,6 +98,13 @@ class GroupKeeper {
     std::map<const Destination*, PlanDestination> destinations{};
     double samples_per_s = 0;
     bool someone_left = false;  ///< since then
+  };
+
+  /// What is known of samples, asked for or not.
+  struct Measured {
+    std::shared_ptr<BodySizes> sizes{};
+    std::optional<SampleRate> rate{};  ///< as soon as samples are measured
+    PassRates passing{};
   };
 
   void look_at(const std::vector<RouteBundle>& routes, Time now);
@@ -113,7 +124,7 @@ class GroupKeeper {
   bool someone_came(Time now) const;
   void hasten(Time now);
   std::vector<PlanDestination> plan_destinations(std::vector<const Destination*>& places, Time now);
-  bool is_planned(const Destination* to) const;
+  bool is_planned(const Destination* to, const Candidate& candidate) const;
   bool is_news(std::span<const Destination* const> places, std::span<const PlanDestination> all) const;
   std::uint32_t address(std::size_t place) const;
   static void send(Destination& to, const GroupOffer& offer, Time now);
@@ -132,8 +143,8 @@ class GroupKeeper {
   std::map<const Destination*, Candidate> candidates_;
   CalmWatch calm_;
   MaskSharing sharing_;
-  std::shared_ptr<BodySizes> measured_;  ///< what is known of samples, asked for or not
-  std::shared_ptr<BodySizes> sizes_;     ///< the same, or null
+  Measured measured_;
+  std::shared_ptr<BodySizes> sizes_;  ///< those that were measured, or null
   PlannedFor planned_for_;
   std::vector<Planned> planned_;
   std::vector<std::shared_ptr<MulticastGroup>> groups_, found_;
@@ -142,8 +153,7 @@ class GroupKeeper {
   Time packed_until_{};
   std::uint32_t last_number_ = 0;
   Time replan_at_{};
-  Time planned_at_{};               ///< the last time that the plan changed
-  std::optional<SampleRate> rate_;  ///< as soon as samples are measured
+  Time planned_at_{};  ///< the last time that the plan changed
   GroupReasons reasons_;
 };
 

@@ -193,7 +193,8 @@ struct PublisherOptions {
   bool asynchronous = false;
   /// Called after readers came, left or changed what they ask for, once that is in force, with the status of
   /// all of them. (on_event tells what happened to each.) It runs on the node's agent thread and must be
-  /// short. Like any callback it may be called before the function that opens the publisher has returned.
+  /// short. Like any callback it may be called before the function that opens the publisher has returned. It
+  /// may publish, if no other thread does so at the same time.
   std::function<void(const PublisherStatus&)> on_readers_changed{};
   Event::Callback
       on_event{};  ///< called with what happens to its pairs, on the node's agent thread: be short

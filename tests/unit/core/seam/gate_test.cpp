@@ -258,6 +258,7 @@ TEST_F(GateLaw, LetsThoseSamplesPassThatAPlainReadingNames) {
       ASSERT_EQ(gate.passes(), passes) << "sample " << i;
       passed += passes ? 1 : 0;
       ASSERT_EQ(gate.ordinal(), passed);
+      ASSERT_EQ(gate.passed(), passed);
       ASSERT_EQ(gate.withheld(), i + 1 - passed);
       if (passes) reference.passed(values, stamp_ns);
       any.change(&battery);

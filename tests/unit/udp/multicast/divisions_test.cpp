@@ -56,6 +56,17 @@ TEST(Divisions, OfSomeSamplesAreLimitedBehindALinkAndTheMostWantedOnesComeFirst)
   EXPECT_EQ(all.back().refusal, "") << "three readers ask for it";
 }
 
+TEST(Divisions, ThatAreSentMoreComeBeforeThoseThatMoreReadersAskFor) {
+  std::vector<core::Wanted> kinds;
+  for (std::uint32_t i = 0; i <= some_samples_groups_max; ++i) kinds.push_back(wanted("data", 1000 + i));
+  std::vector<DividedPlace> places;
+  for (const core::Wanted& kind : kinds) places.insert(places.end(), 3, {0, &kind, false, 10});
+  places.erase(places.end() - 1);
+  EXPECT_NE(divided(places).back().refusal, "");
+  places.back().bytes_per_s = 1000;
+  EXPECT_EQ(divided(places).back().refusal, "");
+}
+
 TEST(Divisions, ThatHaveAGroupKeepItWhateverOthersAskFor) {
   std::vector<core::Wanted> kinds;
   for (std::uint32_t i = 0; i <= some_samples_groups_max; ++i) kinds.push_back(wanted("data", 1000 + i));

@@ -1,6 +1,7 @@
 // These tests check which readers of a writer are put into multicast groups.
 #include "tests/support/parse_datagram.h"
 #include "tests/unit/udp/routing/group_keeper_fixture.h"
+#include "udp_transport/multicast/divisions.h"
 
 namespace sft::udp::test {
 namespace {
@@ -201,6 +202,75 @@ TEST_F(GroupKeeperTest, MakesNoGroupForAMaximumRateThatLetsHardlyAnythingPass) {
     go_on(2s);
     EXPECT_EQ(members(), period_us == 10'000 ? 2U : 0U);
   }
+}
+
+/// A switch forgets who is in a group of which nothing is heard, and each sample would be the first one after
+/// that.
+TEST_F(GroupKeeperTest, MakesNoGroupForConditionsThatLetHardlyAnythingPass) {
+  for (const bool often : {true, false}) {
+    restart(Multicast::automatic);
+    routes_.clear();
+    readers(2, "* @ changed(height)");
+    const auto gate = std::make_shared<core::Gate>(often ? 10'000 : 5'000'000, detail::Conditions(),
+                                                   routes_[0].selection.gate_hash());
+    for (core::Route& route : routes_) route.gate = gate;
+    serve();
+    go_on(200ms);
+    for (int i = 0; i < 100; ++i) {
+      go_on(200ms);
+      ASSERT_EQ(members(), often ? 2U : 0U) << i;
+    }
+  }
+}
+
+TEST_F(GroupKeeperTest, GivesUpAGroupForConditionsThatLetHardlyAnythingPassAnyMore) {
+  readers(2, "* @ changed(height)");
+  const auto hash = routes_[0].selection.gate_hash();
+  const auto gate = std::make_shared<core::Gate>(0, detail::Conditions(), hash);
+  for (core::Route& route : routes_) route.gate = gate;
+  serve();
+  go_on(300ms);
+  ASSERT_EQ(members(), 2U);
+  anything_passes_ = false;
+  go_on(15s);
+  EXPECT_EQ(members(), 0U);
+  anything_passes_ = true;
+  go_on(2s);
+  EXPECT_EQ(members(), 2U);
+}
+
+TEST_F(GroupKeeperTest, MakesAGroupSoonForAMaximumRateThatOneReaderHadForLongBeforeAnotherCame) {
+  const auto gate = std::make_shared<core::Gate>(10'000);
+  readers(1);
+  routes_[0].gate = gate;
+  serve();
+  for (const auto end = now_ + 10min; now_ < end; now_ += 10ms) publish();
+  readers(1);
+  routes_[1].gate = gate;
+  serve();
+  go_on(200ms);
+  EXPECT_EQ(members(), 2U);
+}
+
+TEST_F(GroupKeeperTest, WhoChangesItsMaximumRateTakesNoGroupFromOthers) {
+  std::vector<std::shared_ptr<core::Gate>> gates;
+  for (std::uint32_t i = 0; i <= some_samples_groups_max; ++i)
+    gates.push_back(std::make_shared<core::Gate>(10'000 + i));
+  for (const auto& gate : gates) {
+    readers(3);
+    for (std::size_t i = routes_.size() - 3; i < routes_.size(); ++i) routes_[i].gate = gate;
+    for (std::size_t i = routes_.size() - 3; i < routes_.size(); ++i)
+      routes_[i].min_period_us = gate->min_period_us();
+    serve();
+    go_on(300ms);
+  }
+  ASSERT_EQ(groups_.size(), some_samples_groups_max);
+  routes_[0].gate = gates.back();
+  routes_[0].min_period_us = gates.back()->min_period_us();
+  serve();
+  go_on(2s);
+  EXPECT_EQ(groups_.size(), some_samples_groups_max);
+  EXPECT_EQ(members(), 3 * some_samples_groups_max - 1);
 }
 
 TEST_F(GroupKeeperTest, TakesAMemberOutOfItsGroupWhenItsMaximumRateChangesAndIntoAnotherOneOnceItIsCalm) {

@@ -1,0 +1,33 @@
+// How many samples pass each gate of a writer in a second.
+#pragma once
+
+#include <map>
+#include <memory>
+
+#include "core/seam/gate.h"
+#include "udp_transport/multicast/sample_rate.h"
+
+namespace sft::udp {
+
+class PassRates {
+ public:
+  using Time = PassRate::Time;
+
+  /// Counts from now on what passes the gate, unless it is counted already.
+  void follow(const std::shared_ptr<const core::Gate>& gate, Time now) {
+    rates_.try_emplace(gate, now, gate->passed());
+  }
+  /// Forgets gates that nobody else has any more.
+  void forget_unused() {
+    std::erase_if(rates_, [](const auto& item) { return item.first.use_count() == 1; });
+  }
+  /// REQUIRES: the gate is followed.
+  double per_s(const std::shared_ptr<const core::Gate>& gate, Time now) {
+    return rates_.at(gate).per_s(now, gate->passed());
+  }
+
+ private:
+  std::map<std::shared_ptr<const core::Gate>, PassRate> rates_;
+};
+
+}  // namespace sft::udp
