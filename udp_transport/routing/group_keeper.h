@@ -88,9 +88,8 @@ class GroupKeeper {
     std::size_t division = 0;           ///< see divide()
   };
   struct Planned {
-    std::size_t place = 0;  ///< its address goes by this
-    std::optional<core::Wanted>
-        some_samples{};  ///< what all members ask for, if only some samples are for them
+    std::size_t place = 0;                       ///< its address goes by this
+    std::optional<core::Wanted> some_samples{};  ///< as of its members, which are Candidates
     std::vector<const Destination*> members{};
   };
   /// The destinations and the rate that the present plan was made for.

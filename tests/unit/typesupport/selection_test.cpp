@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <random>
 #include <string>
 #include <vector>
@@ -84,6 +86,21 @@ class SelectionTest : public testing::Test {
  private:
   std::mt19937_64 random_{test::test_seed()};
 };
+
+/// As somebody may send it.
+TEST(Selections, WithADeadbandThatIsNoNumberAreNotReadFromTheirBytes) {
+  const double usual = 0.1234567, none = std::nan("");
+  const Selection one =
+      Selection::make(FieldMask(10), {},
+                      {.conditions = {{.kind = Condition::Kind::changed, .leaves = {1}, .number = usual}}})
+          .value();
+  std::vector<std::byte> bytes = one.to_bytes();
+  const auto* const wanted = reinterpret_cast<const std::byte*>(&usual);
+  const auto at = std::search(bytes.begin(), bytes.end(), wanted, wanted + sizeof usual);
+  ASSERT_NE(at, bytes.end());
+  std::memcpy(&*at, &none, sizeof none);
+  EXPECT_FALSE(Selection::from_bytes(bytes, 10));
+}
 
 TEST_F(SelectionTest, AreReadFromTheirBytesAndFromNoOthers) {
   SCOPED_TRACE(test::how_to_repeat());
@@ -263,8 +280,12 @@ TEST_F(SelectionTest, AreRefusedWhereTheyMakeNoSense) {
             "'and' and 'or' need conditions to stand between");
   EXPECT_EQ(refusal({}, {{.kind = Condition::Kind::nth, .number = std::uint64_t{0}}}),
             "samples are counted from the 1st on");
-  EXPECT_EQ(refusal({}, {{.kind = Condition::Kind::changed, .leaves = {1}, .number = -1.0}}),
-            "a deadband is a finite number from 0 on");
+  for (const double deadband : {-1.0, std::nan(""), HUGE_VAL}) {
+    EXPECT_EQ(refusal({}, {{.kind = Condition::Kind::changed, .leaves = {1}, .number = deadband}}),
+              "a deadband is a finite number from 0 on");
+  }
+  EXPECT_EQ(refusal({}, {{.kind = Condition::Kind::compare, .leaves = {1}, .number = std::nan("")}}),
+            "a field is compared with a finite number");
   const Condition nth{.kind = Condition::Kind::nth, .number = std::uint64_t{2}};
   EXPECT_EQ(refusal({}, {nth, nth}), "conditions beside each other");
   const Condition pair{.kind = Condition::Kind::any_of, .children = 2};

@@ -26,8 +26,7 @@ class GroupJoinsTest : public testing::Test {
   void join(std::size_t number) { joins_.join(group(number), {core::loopback_ipv4, 7}, false); }
   /// The system knows. It leaves the group with the answer.
   bool was_in(std::size_t number) const {
-    const ip_mreq request{.imr_multiaddr = {htonl(group(number))},
-                          .imr_interface = {htonl(INADDR_LOOPBACK)}};
+    const ip_mreq request{.imr_multiaddr = {htonl(group(number))}, .imr_interface = {htonl(INADDR_LOOPBACK)}};
     return ::setsockopt(socket_->groups.group_fd.get(), IPPROTO_IP, IP_DROP_MEMBERSHIP, &request,
                         sizeof request) == 0;
   }
