@@ -5,6 +5,7 @@
 #include "core/negotiation/endpoint_table.h"
 #include "core/negotiation/history_ledger.h"
 #include "core/negotiation/local_host.h"
+#include "core/negotiation/requested_selections.h"
 #include "core/negotiation/unreachable_readers.h"
 
 namespace sft::core {
@@ -14,12 +15,14 @@ struct KnownFacts {
   EndpointTable table;
   HistoryLedger history;
   UnreachableReaders unreachable;
+  mutable RequestedSelections requested{};  ///< follows from the requests in the table
 
   /// The endpoint is gone. If it comes back after this, it is owed the history again.
   void erase(EndpointId id) {
     if (!table.erase(id)) return;
     history.forget(id);
     unreachable.forget(id);
+    requested.forget(id);
   }
 };
 

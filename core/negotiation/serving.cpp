@@ -5,7 +5,6 @@
 
 #include "core/negotiation/id_list.h"
 #include "core/negotiation/pair_judge.h"
-#include "core/negotiation/requested_selection.h"
 
 namespace sft::core {
 
@@ -25,7 +24,7 @@ PublisherStatus::Reader serve(const TableEntry& writer, const TableEntry& reader
   const TypeSupport& type = *writer.type;
   PublisherStatus::Reader status{.id = r.id, .node = r.node, .request_sequence = r.request.sequence};
   if (!verdict.mismatch.empty()) return mismatched(std::move(status), verdict);
-  const Result<Selection> asked = requested_selection(r.request, type);
+  const Result<Selection> asked = facts.requested.of({writer.endpoint.id, r.id}, r.request, type);
   if (!asked) {
     status.reason = "it asks for parts or conditions that do not fit the type: " + asked.error().message;
     return status;

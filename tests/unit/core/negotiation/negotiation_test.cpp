@@ -46,6 +46,29 @@ TEST_F(NegotiationTest, AReaderOfPartsIsServedWithTheseAndWithTheFieldsThatTheyN
   EXPECT_EQ(serving.readers[0].mask, type.closed(wanted).mask());
 }
 
+TEST_F(NegotiationTest, AReaderThatChangesItsPartsIsServedWithTheNewOnesAndOthersWithTheirs) {
+  const auto window_of = [&](EndpointId reader, int begin) {
+    Request wish = request(reader, static_cast<std::uint64_t>(begin), F::height | F::width);
+    const Selection wanted = type.parse_selection("height, data[" + std::to_string(begin) + ":100]").value();
+    wish.mask_words = wanted.mask().to_words();
+    wish.parts = wanted.to_bytes();
+    return wish;
+  };
+  our_writer();
+  for (const EndpointId id : {7, 8}) {
+    Endpoint reader = endpoint(Role::reader, id);
+    reader.request = window_of(id, 1);
+    negotiation.endpoint_seen(reader);
+  }
+  for (int begin = 2; begin < 50; ++begin) {
+    ASSERT_TRUE(negotiation.request_received(window_of(7, begin)));
+    for (const Route& route : negotiation.serving(100).network) {
+      const auto place = route.selection.parts()[0].columns.begin;
+      ASSERT_EQ(place, route.reader == 7 ? static_cast<std::uint32_t>(begin) : 1U) << route.reader;
+    }
+  }
+}
+
 TEST_F(NegotiationTest, AReaderIsNotServedIfItsPartsOrConditionsAreMalformed) {
   our_writer();
   const Selection part = type.parse_selection("data{x}").value();
