@@ -51,7 +51,7 @@ PublisherOptions publisher_options(const json& asked, EventList& events) {
 
 SubscriberOptions subscriber_options(const json& asked, EventList& events) {
   auto options = policies<SubscriberOptions>(asked, events);
-  options.depth = asked.value("depth", 1000U);
+  options.depth = asked.value("depth", 256U);
   options.max_rate_hz = asked.value("max_rate_hz", 0.0);
   options.recording = {.learn_samples = 1, .narrow_after_samples = asked.value("narrow_after", 5U)};
   return options;

@@ -2,7 +2,6 @@
 #include <atomic>
 #include <functional>
 #include <iterator>
-#include <limits>
 #include <mutex>
 #include <sensor_msgs/msg/Image.hpp>
 #include <set>
@@ -45,38 +44,17 @@ class EventLog {
 
 using sensor_msgs::msg::Image;
 
-/// Lets a publisher be ahead of the reader that takes by as many samples as the least queue has room for.
-/// However long that reader is kept from running, it then loses none. Between two readers nobody waits.
-class Lead {
- public:
-  static constexpr std::uint64_t samples_max = 150;
-
-  void await_turn(std::uint64_t sequence) const {
-    for (std::uint64_t last = last_; sequence > last; last = last_) last_.wait(last);
-  }
-  void taken(std::uint64_t sequence) { set_last(sequence + samples_max); }
-  void end() { set_last(std::numeric_limits<std::uint64_t>::max()); }
-
- private:
-  void set_last(std::uint64_t sequence) {
-    last_ = sequence;
-    last_.notify_all();
-  }
-
-  std::atomic<std::uint64_t> last_{std::numeric_limits<std::uint64_t>::max()};  ///< that may be published
-};
-
 /// Takes samples as they come: each once, in order, and no gap but before the first.
 template <class S>
-void expect_unbroken(S& late, int samples, Lead& lead) {
+void expect_unbroken(S& late, int samples) {
   std::uint64_t last = 0;
   for (int taken = 0; taken < samples && late.wait(5s); ++taken) {
     const auto sample = late.take();
-    const std::uint64_t sequence = sample.info().sequence;
-    EXPECT_TRUE(last == 0 || sequence == last + 1) << sequence << " came behind " << last;
-    lead.taken(last = sequence);
+    if (last != 0) {
+      ASSERT_EQ(sample.info().sequence, last + 1);
+    }
+    last = sample.info().sequence;
   }
-  lead.end();
   EXPECT_EQ(late.status().lost, 0U);
 }
 
@@ -87,15 +65,13 @@ void expect_history_beside_others(Node& a, Node& b) {
   ASSERT_TRUE(eventually([&] { return pub.status().readers.size() == 1 && pub.status().readers[0].served; }));
   PointCloud2 message;
   message.data.resize(3000);
-  Lead lead;
   const Ticker publishing(500us, [&](std::uint32_t i) {
-    lead.await_turn(i);
     message.height = i;
     pub.publish(message);
   });
   for (int round = 0; round < 5; ++round) {
     auto late = b.subscriber<PointCloud2>("points", {.durability = transient_local, .depth = 1000}).value();
-    expect_unbroken(late, 600, lead);
+    expect_unbroken(late, 600);
   }
 }
 
@@ -240,7 +216,7 @@ TEST_P(QosTest, SamplesThatWaitedBeyondTheirLifespanAreNotDelivered) {
 
 TEST_P(QosTest, AManualPublisherLivesAsLongAsItSaysSo) {
   const PublisherOptions options{
-      .liveliness = manual_by_topic, .liveliness_lease = 1s, .on_event = offered.callback()};
+      .liveliness = manual_by_topic, .liveliness_lease = 200ms, .on_event = offered.callback()};
   auto pub = a.publisher<PointCloud2>("points", options).value();
   auto sub = b.subscriber<PointCloud2, F::height>(
                   "points",
@@ -248,13 +224,13 @@ TEST_P(QosTest, AManualPublisherLivesAsLongAsItSaysSo) {
                  .value();
   expect_served(pub, 1);
   const auto alive = [&] { return sub.status().writers.at(0).alive; };
-  const auto for_three_leases = [&](auto act) {
+  const auto for_a_second = [&](auto act) {
     return !eventually(
         [&] {
           act();
           return !alive();
         },
-        3s);
+        1s);
   };
   ASSERT_TRUE(requested.await(Event::Kind::liveliness_lost));
   ASSERT_TRUE(offered.await(Event::Kind::liveliness_lost));
@@ -267,18 +243,18 @@ TEST_P(QosTest, AManualPublisherLivesAsLongAsItSaysSo) {
     pub.assert_liveliness();
     return alive();
   }));
-  EXPECT_TRUE(for_three_leases([&] { pub.assert_liveliness(); }));
-  EXPECT_TRUE(for_three_leases([&] { pub.publish(cloud(1)); }));
+  EXPECT_TRUE(for_a_second([&] { pub.assert_liveliness(); }));
+  EXPECT_TRUE(for_a_second([&] { pub.publish(cloud(1)); }));
   EXPECT_TRUE(eventually([&] { return !alive(); }));
 }
 
 TEST_P(QosTest, AnAutomaticPublisherLivesWithItsNode) {
-  auto pub = a.publisher<PointCloud2>("points", {.liveliness_lease = 1s}).value();
+  auto pub = a.publisher<PointCloud2>("points", {.liveliness_lease = 300ms}).value();
   auto sub = b.subscriber<PointCloud2, F::height>("points",
-                                                  {.liveliness_lease = 3s, .on_event = requested.callback()})
+                                                  {.liveliness_lease = 1s, .on_event = requested.callback()})
                  .value();
   expect_served(pub, 1);
-  EXPECT_FALSE(eventually([&] { return requested.has(Event::Kind::liveliness_lost); }, 3s));
+  EXPECT_FALSE(eventually([&] { return requested.has(Event::Kind::liveliness_lost); }, 1s));
 }
 
 TEST_P(QosTest, ALateSubscriberGetsTheLastSamplesInOrderAndLiveOnesBehind) {
@@ -305,14 +281,10 @@ TEST_P(QosTest, ALateSubscriberGetsTheLastSamplesInOrderAndLiveOnesBehind) {
 
 TEST_P(QosTest, BetweenHistoryAndLiveSamplesNothingIsMissingAndNothingTwice) {
   auto pub = a.publisher<PointCloud2>("points", {.durability = transient_local, .history_depth = 10}).value();
-  Lead lead;
-  const Ticker publishing(200us, [&](std::uint32_t i) {
-    lead.await_turn(i);
-    pub.publish(cloud(i, 3000));
-  });
+  const Ticker publishing(200us, [&](std::uint32_t i) { pub.publish(cloud(i, 3000)); });
   for (int round = 0; round < 10; ++round) {
     auto late = b.subscriber<PointCloud2>("points", {.durability = transient_local, .depth = 1000}).value();
-    expect_unbroken(late, 100, lead);
+    expect_unbroken(late, 100);
   }
 }
 
@@ -425,7 +397,7 @@ TEST_P(RateTest, ReadersOfOneProcessHaveEachTheirOwn) {
 }
 
 TEST_P(RateTest, TheRateChangesWhileSamplesFlow) {
-  auto sub = b.subscriber<PointCloud2, F::height>("points", {.depth = 256, .max_rate_hz = 5}).value();
+  auto sub = b.subscriber<PointCloud2, F::height>("points", {.max_rate_hz = 5}).value();
   expect_served(pub, 1);
   const Ticker ticker(period, publish, Keeps::rate);
   (void)hear(sub, 3);
@@ -436,12 +408,7 @@ TEST_P(RateTest, TheRateChangesWhileSamplesFlow) {
   EXPECT_EQ(of_all.samples, of_all.published()) << "every one that was published meanwhile";
   ASSERT_TRUE(sub.set_max_rate_hz(10));
   ASSERT_TRUE(eventually([&] { return pub.status().readers.at(0).max_rate_hz == 10; }));
-  const std::uint64_t on_their_way = pub.status().published;
-  for (std::uint64_t taken = 0; taken < on_their_way;) {
-    const Heard one = hear(sub, 1);
-    ASSERT_EQ(one.samples, 1U);
-    taken = one.last.sequence;
-  }
+  (void)hear(sub, 12);  // what was on its way
   expect_rate(hear(sub, 8), 10);
   EXPECT_EQ(sub.status().lost, 0U);
   EXPECT_FALSE(sub.set_max_rate_hz(-1));

@@ -95,9 +95,8 @@ class SelectionChangeTest : public PubSubTest {
 
   Node a = open("a");
   Node b = open("b");
-  Publisher<PointCloud2> pub = a.publisher<PointCloud2>("points", {.reliability = Reliability::reliable,
-                                                                   .max_blocking = std::chrono::seconds(1)})
-                                   .value();
+  Publisher<PointCloud2> pub =
+      a.publisher<PointCloud2>("points", {.reliability = Reliability::reliable}).value();
 };
 
 TEST_P(SelectionChangeTest, AWindowThatMovesGivesEachSampleThePartThatItNames) {

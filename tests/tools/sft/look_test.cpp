@@ -232,7 +232,7 @@ TEST_F(LookTest, WhyTellsOfSharedMemory) {
 
 TEST_F(LookTest, AnUnknownTopicIsOneSentenceThatNamesThoseThatAreThere) {
   for (const char* command : {"info", "type", "echo", "hz", "bw", "delay", "why"}) {
-    const Ended ended = run_tool({command, "pints", "--timeout", "1.5"});
+    const Ended ended = run_tool({command, "pints", "--timeout", "0.5"});
     EXPECT_EQ(ended.code, 1) << command;
     EXPECT_EQ(ended.out, "") << command;
     EXPECT_EQ(ended.err, "sft: nobody publishes or subscribes to 'pints'; topics that were seen: points\n")

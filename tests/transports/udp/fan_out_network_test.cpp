@@ -12,7 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include "tests/support/other_threads.h"
 #include "tests/transports/udp/bridge_fixture.h"
 #include "tests/transports/udp/sample_tap.h"
 #include "udp_transport/multicast/multicast_plan.h"
@@ -63,10 +62,7 @@ TEST_P(FanOutTest, PutsBytesOnTheWireByMasksAndNotByReceivers) {
   const auto gathered = std::chrono::steady_clock::now() + CalmWatch::gathering;
   ASSERT_TRUE(publish_until([&] { return std::chrono::steady_clock::now() >= gathered; }));
   const std::uint32_t before = published_;
-  ASSERT_TRUE(publish_until([this] {
-    EXPECT_TRUE(test::eventually(sft::test::all_other_threads_sleep));
-    return all_are_in_groups();
-  })) << publisher_->port().multicast(1);
+  ASSERT_TRUE(publish_until([this] { return all_are_in_groups(); })) << publisher_->port().multicast(1);
   const std::uint32_t until_settled = published_ - before;
   const double together = bytes_of_a_sample();
   std::printf(
