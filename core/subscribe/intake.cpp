@@ -27,7 +27,7 @@ void Intake::put(Inlet inlet, SampleHandle sample) {
   head(inlet) = std::move(sample);
   if (inlet == Inlet::network || is_empty(inlet)) return;
   SampleBuffer& buffer = *head(inlet);
-  for (const std::uint64_t gate : accounts_.gates()) {
+  for (const std::uint64_t gate : accounts_.asked_gates().nameable()) {
     const std::optional<std::uint32_t> ordinal = ordinal_in_gate(buffer, options_.slots, gate);
     if (!ordinal) continue;
     // By which of several gates the sample was let through, nobody knows.
@@ -51,9 +51,7 @@ std::optional<Intake::Inlet> Intake::oldest() const {
   return oldest;
 }
 
-bool Intake::follows(Inlet inlet) {
-  return accounts_.of(head(inlet)->writer).sequences.follows(*head(inlet));
-}
+bool Intake::follows(Inlet inlet) { return accounts_.follows(*head(inlet)); }
 
 Intake::Decision Intake::next(LazyRealtime& now) {
   const std::optional<Inlet> oldest = this->oldest();

@@ -16,10 +16,11 @@ bool SequenceAccount::allows(const SampleOrigin& sample, RateKeeper keeper) cons
   return budget_.allows(sample.source_stamp_ns);
 }
 
-SequenceAccount::Missing SequenceAccount::enter(const SampleOrigin& sample, RateKeeper keeper) {
+SequenceAccount::Missing SequenceAccount::enter(const SampleOrigin& sample, RateKeeper keeper,
+                                                const AskedGates& asked) {
   const std::uint64_t gap = gap_before(sample);
   Missing missing;
-  missing.lost = gap == 0 ? 0 : std::min(gap, lost_before(sample, keeper, gap));
+  missing.lost = gap == 0 ? 0 : std::min(gap, lost_before(sample, keeper, asked, gap));
   missing.withheld = gap - missing.lost;
   if (!allows(sample, keeper)) ++missing.withheld;
   const std::uint32_t limit = limit_of(sample, keeper);
@@ -29,7 +30,8 @@ SequenceAccount::Missing SequenceAccount::enter(const SampleOrigin& sample, Rate
   const bool is_numbered = sample.gate == 0 ? limit != 0 : sample.ordinal != 0;
   if (keeper == RateKeeper::writer && is_numbered) ordinal_ = sample.ordinal;
   gate_ = sample.gate;
-  had_conditions_ = has_conditions_;
+  request_ = std::max(request_, asked.settled());
+  if (keeper == RateKeeper::reader) request_ = asked.open_since(request_);  // no gate has let it through
   last_ = sample.sequence;
   far_behind_ = 0;
   numbering_ = std::max(numbering_, sample.numbering);
@@ -51,14 +53,15 @@ std::uint64_t SequenceAccount::gap_before(const SampleOrigin& sample) const {
 /// The lost ones among the `gap` samples between the last one and this. If the limit has changed, the slower
 /// one counts.
 std::uint64_t SequenceAccount::lost_before(const SampleOrigin& sample, RateKeeper keeper,
-                                           std::uint64_t gap) const {
+                                           const AskedGates& asked, std::uint64_t gap) const {
   const std::uint32_t limit = limit_of(sample, keeper);
   const std::uint32_t before = budget_.min_period_us();
   if (last_ == 0) return gap;
   const bool both_retained = sample.oldest_retained != 0 && sample.ordinal == 0 && !ordinal_;
   if (both_retained) return gap;
-  if (sample.gate != 0 || gate_ != 0 || had_conditions_)
-    return is_of_same_gate(sample) ? passed_between(*ordinal_, sample.ordinal) : 0;
+  const std::optional<std::uint64_t> gate = asked.only_gate_since(request_);
+  if (sample.gate != 0 || gate_ != 0 || gate != 0)
+    return gate == sample.gate && is_of_same_gate(sample) ? passed_between(*ordinal_, sample.ordinal) : 0;
   if (limit == 0 && before == 0) return gap;
   if (limit == before && keeper == RateKeeper::writer && ordinal_) return sample.ordinal - *ordinal_ - 1U;
   if (limit <= before) return budget_.forfeited(sample.source_stamp_ns);

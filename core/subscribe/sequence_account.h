@@ -7,8 +7,8 @@
 //
 // A gate with conditions works in the same way over UDP and in shared memory, where samples carry such
 // numbers, too (core/seam/gate_table.h), and the writer puts no others into the reader's queue. Nobody can
-// tell by conditions how many samples passed. So what is missing between two samples of different gates with
-// conditions counts as withheld.
+// tell by conditions how many samples passed. So where another gate can have been in force between two
+// samples, what is missing between them counts as withheld (asked_gates.h).
 //
 // In shared memory a sample is distributed to all readers without conditions, so that the reader skips
 // samples. The result is the same: the reader keeps the same budget over the same stamps as the writer's
@@ -23,6 +23,7 @@
 
 #include "core/seam/rate_budget.h"
 #include "core/seam/sample_origin.h"
+#include "core/subscribe/asked_gates.h"
 
 namespace sft::core {
 
@@ -32,13 +33,8 @@ enum class RateKeeper : std::uint8_t { reader, writer };
 
 class SequenceAccount {
  public:
-  /// The limit that the reader asks for; 0: none. `with_conditions`: the reader has asked for conditions,
-  /// also if samples that come do not tell so yet.
-  void ask(std::uint32_t min_period_us, bool with_conditions = false) {
-    asked_ = min_period_us;
-    has_conditions_ = with_conditions;
-    had_conditions_ = had_conditions_ || with_conditions;
-  }
+  /// The limit that the reader asks for; 0: none.
+  void ask(std::uint32_t min_period_us) { asked_ = min_period_us; }
   /// So many retained samples of the writer should come first, if there are as many.
   void owe(std::uint32_t samples) { owed_ = samples; }
 
@@ -48,8 +44,8 @@ class SequenceAccount {
   /// of both: the second sample in a row that is so far behind tells that the account begins anew with it.
   void refuse(const SampleOrigin& sample) { far_behind_ = is_far_behind(sample) ? sample.sequence : 0; }
   /// True if the sample comes next, as far as the numbers tell.
-  bool follows(const SampleOrigin& sample) const {
-    return sample.sequence == last_ + 1 || begins_anew(sample) || is_next_of_gate(sample);
+  bool follows(const SampleOrigin& sample, const AskedGates& asked) const {
+    return sample.sequence == last_ + 1 || begins_anew(sample) || is_next_of_gate(sample, asked);
   }
   /// True if a new sample is for the reader, false if it has to be skipped.
   bool allows(const SampleOrigin& sample, RateKeeper keeper) const;
@@ -59,7 +55,7 @@ class SequenceAccount {
     std::uint64_t withheld = 0;  ///< with the sample itself, if it is skipped
   };
   /// Enters a new sample, to be delivered or skipped as allows() says.
-  Missing enter(const SampleOrigin& sample, RateKeeper keeper);
+  Missing enter(const SampleOrigin& sample, RateKeeper keeper, const AskedGates& asked);
 
  private:
   /// Nothing that is larger is believed to be missing where sequences begin anew, or of what was retained.
@@ -69,8 +65,9 @@ class SequenceAccount {
     return sample.numbering > numbering_ || (is_far_behind(sample) && confirms(sample));
   }
   /// True if all that is missing before the sample was withheld by conditions.
-  bool is_next_of_gate(const SampleOrigin& sample) const {
-    return is_of_same_gate(sample) && sample.ordinal == *ordinal_ + 1U;
+  bool is_next_of_gate(const SampleOrigin& sample, const AskedGates& asked) const {
+    return is_of_same_gate(sample) && sample.ordinal == *ordinal_ + 1U &&
+           asked.only_gate_since(request_) == sample.gate;
   }
   /// Both that one and the last one have numbers. Retained samples have none, since they passed no gate.
   bool is_of_same_gate(const SampleOrigin& sample) const {
@@ -86,11 +83,10 @@ class SequenceAccount {
     return keeper == RateKeeper::writer ? sample.min_period_us : asked_;
   }
   std::uint64_t gap_before(const SampleOrigin& sample) const;
-  std::uint64_t lost_before(const SampleOrigin& sample, RateKeeper keeper, std::uint64_t gap) const;
+  std::uint64_t lost_before(const SampleOrigin& sample, RateKeeper keeper, const AskedGates& asked,
+                            std::uint64_t gap) const;
 
   std::uint32_t asked_ = 0;
-  bool has_conditions_ = false;
-  bool had_conditions_ = false;  ///< at any time since the last sample was entered, or has them
   std::uint32_t owed_ = 0;
   // The sample that was entered last:
   std::uint64_t last_ = 0;  ///< 0: none yet
@@ -98,6 +94,7 @@ class SequenceAccount {
   RateBudget budget_;  ///< of the limit under which it came
   std::optional<std::uint32_t> ordinal_;
   std::uint64_t gate_ = 0;
+  AskedGates::Number request_ = 0;  ///< the earliest that can have been in force for it
   std::uint32_t numbering_ = 0;
   std::uint64_t far_behind_ = 0;  ///< the sample refused last, if it was far behind; 0: none
 };

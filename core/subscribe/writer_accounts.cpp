@@ -13,7 +13,7 @@ constexpr std::size_t departed_writers_kept = 64;  // their last samples may sti
 WriterAccounts::Writer& WriterAccounts::open(EndpointId writer) {
   Writer& added = writers_.emplace_back();
   added.id = writer;
-  added.sequences.ask(min_period_us_, has_conditions());
+  added.sequences.ask(min_period_us_);
   return added;
 }
 
@@ -32,17 +32,9 @@ void WriterAccounts::ask_conditions(std::uint64_t hash) {
   ask_all();
 }
 
-void WriterAccounts::forget_former_conditions() {
-  gates_.resize(std::min<std::size_t>(gates_.size(), has_conditions() ? 1 : 0));
-}
-
 void WriterAccounts::ask_all() {
-  for (Writer& writer : writers_) writer.sequences.ask(min_period_us_, has_conditions());
-  const std::uint64_t gate = gate_id(conditions_, min_period_us_);
-  if (gate == 0) return;
-  std::erase(gates_, gate);
-  gates_.insert(gates_.begin(), gate);
-  if (gates_.size() > gates_max) gates_.pop_back();
+  for (Writer& writer : writers_) writer.sequences.ask(min_period_us_);
+  asked_gates_.ask(gate_id(conditions_, min_period_us_));
 }
 
 void WriterAccounts::hears(const std::vector<Hearing>& hearing, std::int64_t now_ns) {

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "core/negotiation/hearing.h"
@@ -49,17 +48,19 @@ class WriterAccounts {
   /// none.
   void ask_conditions(std::uint64_t hash);
   /// No sample that was let through by former conditions is under way any more.
-  void forget_former_conditions();
-  bool has_conditions() const { return conditions_ != 0; }
-  /// The gates with conditions that samples in shared memory may name: the latest is the first.
-  std::span<const std::uint64_t> gates() const { return gates_; }
+  void forget_former_conditions() { asked_gates_.settle(); }
+  const AskedGates& asked_gates() const { return asked_gates_; }
+  /// True if the sample comes next, as far as the numbers tell.
+  bool follows(const SampleOrigin& sample) {
+    return of(sample.writer).sequences.follows(sample, asked_gates_);
+  }
   std::uint32_t min_period_us() const { return min_period_us_; }
   /// The writers that are heard from now on, others excluded.
   void hears(const std::vector<Hearing>& hearing, std::int64_t now_ns);
 
   /// Enters a new sample in its writer's account, and counts what is missing before that sample.
   void enter(Writer& writer, const SampleOrigin& sample, RateKeeper keeper) {
-    const SequenceAccount::Missing missing = writer.sequences.enter(sample, keeper);
+    const SequenceAccount::Missing missing = writer.sequences.enter(sample, keeper, asked_gates_);
     writer.lost += missing.lost;
     writer.lost_untold += missing.lost;
     losses_ += missing.lost;
@@ -85,11 +86,9 @@ class WriterAccounts {
   static void add(Sum& sum, const Writer& writer);
   static void fill_in(SubscriberStatus::Writer& status, const Writer& writer);
 
-  static constexpr std::size_t gates_max = 8;  ///< samples under earlier ones are not in a queue any more
-
   std::uint32_t min_period_us_;
   std::uint64_t conditions_ = 0;
-  std::vector<std::uint64_t> gates_;
+  AskedGates asked_gates_;
   std::vector<Writer> writers_;
   /// The writers that are heard at present, as the negotiation describes them.
   std::vector<SubscriberStatus::Writer> heard_;

@@ -23,15 +23,16 @@ byte serving; /* what the writer knows of that */
 bool done;
 
 byte last, last_gate, last_number; /* SequenceAccount */
-bool has_conditions, had_conditions;
-byte gates; /* WriterAccounts::gates, as a set */
+byte request;
+byte asked[CHANGES + 1]; /* AskedGates */
+byte latest, settled;
+byte gates; /* AskedGates::nameable, as a set; with 0 if that may be in force */
 
-/* Only the properties read these: what was in force for each sample, which samples were for the reader, and which have
-   passed each gate; whether the reader has asked for conditions, or for anything, since it took a sample. */
-byte served[SAMPLES + 1];
+/* Only the properties read these: which samples were for the reader, and which have passed each gate; whether the last
+   sample was taken when nothing but the present wish could be in force. */
 short sent;
 short passed[3];
-bool asked_conditions, asked;
+bool is_certain;
 
 /* Gate::consider. Other readers may have the same conditions, and may have asked for them just now. */
 inline consider(gate) {
@@ -55,7 +56,7 @@ inline consider(gate) {
 }
 
 active proctype writer() {
-  byte sequence = 1;
+  byte sequence = 1, in_force;
   bool passes, is_sent;
   do
   :: atomic { serving != wish -> /* Dispatch::serve, Gates::open_for */
@@ -73,7 +74,7 @@ active proctype writer() {
       atomic { /* Dispatch::admit */
         consider(1);
         consider(2);
-        served[sequence] = serving;
+        in_force = serving;
         is_sent = (serving == 0 || HAS(passed[serving], sequence));
         if
         :: is_sent -> sent = sent | BIT(sequence)
@@ -86,7 +87,7 @@ active proctype writer() {
           way!sequence, (HAS(passed[1], sequence) -> numbers[1] : 0),
               (HAS(passed[2], sequence) -> numbers[2] : 0)
 #else
-          way!sequence, served[sequence], (served[sequence] == 0 -> 0 : numbers[served[sequence]])
+          way!sequence, in_force, (in_force == 0 -> 0 : numbers[in_force])
 #endif
       :: else
       fi;
@@ -109,16 +110,34 @@ active proctype network() {
 }
 #endif
 
+/* AskedGates::only_gate_since(request) */
+inline find_only_gate() {
+  at = request;
+  do
+  :: at <= latest ->
+      several = several || (only != 0 && asked[at] != 0 && asked[at] != only);
+      only = (asked[at] != 0 -> asked[at] : only);
+      at++
+  :: else -> break
+  od
+#ifdef REQUESTS_BETWEEN_NOT_LOOKED_AT
+  ;
+  several = false;
+  only = gate
+#endif
+}
+
 /* SequenceAccount::lost_before */
 inline count_lost() {
-  same_gate = (gate != 0 && gate == last_gate && number != 0 && last_number != 0);
+  find_only_gate();
+  same_gate = (gate != 0 && gate == last_gate && number != 0 && last_number != 0 && !several && only == gate);
   if
 #ifdef NUMBERS_NOT_LOOKED_AT
   :: true -> lost = gap
 #else
   :: same_gate -> lost = number - last_number - 1
-  :: !same_gate && (gate != 0 || last_gate != 0 || had_conditions) -> lost = 0
-  :: !same_gate && gate == 0 && last_gate == 0 && !had_conditions -> lost = gap
+  :: !same_gate && (gate != 0 || last_gate != 0 || only != 0) -> lost = 0
+  :: !same_gate && gate == 0 && last_gate == 0 && only == 0 -> lost = gap
 #endif
   fi;
   if
@@ -127,22 +146,29 @@ inline count_lost() {
   fi
 }
 
-/* Nothing in the gap was taken. A gap is even if the writer knew of one wish all the time. */
+/* Nothing in the gap was taken. */
 inline check() {
-  is_even = (served[sequence] == served[last]);
   at = last + 1;
   do
   :: at < sequence ->
       missing = missing + HAS(sent, at);
       through_gate = through_gate + HAS(passed[gate], at);
-      is_even = is_even && served[at] == served[last];
       at++
   :: else -> break
   od;
-  assert(!is_even || lost <= missing);
-  assert(!is_even || asked || served[sequence] != wish || lost == missing);
-  assert(!same_gate || lost == through_gate);
-  assert(is_even || same_gate || lost == 0 || (gate == 0 && last_gate == 0 && !asked_conditions))
+  assert(lost <= missing);
+  assert(!is_certain || request != latest || lost == missing);
+  assert(!same_gate || lost == through_gate)
+}
+
+/* AskedGates::open_since */
+inline find_open() {
+  at = request;
+  do
+  :: at <= latest && asked[at] != 0 -> at++
+  :: at <= latest && asked[at] == 0 -> request = at; break
+  :: at > latest -> break
+  od
 }
 
 inline enter() {
@@ -156,9 +182,14 @@ inline enter() {
       last = sequence;
       last_gate = gate;
       last_number = number;
-      had_conditions = has_conditions;
-      asked_conditions = has_conditions;
-      asked = (gates != BIT(wish)) /* the sample may have been found to be of a former gate */
+      request = (request > settled -> request : settled);
+#ifdef MEMORY
+      if
+      :: gate == 0 -> find_open() /* RateKeeper::reader */
+      :: else
+      fi;
+#endif
+      is_certain = (request == latest && gates == BIT(wish)) /* else it may be found to be of a former gate */
   :: else
   fi
 }
@@ -179,13 +210,13 @@ inline find_gate() {
 }
 
 active proctype reader() {
-  byte changes = CHANGES, sequence, a, b, gate, number, gap, lost, at, missing, through_gate;
-  bool same_gate, is_even;
+  byte changes = CHANGES, sequence, a, b, gate, number, gap, lost, at, missing, through_gate, only;
+  bool same_gate, several;
   gates = BIT(0);
   do
   :: d_step { nempty(way) -> way?sequence, a, b; find_gate(); enter();
       sequence = 0; a = 0; b = 0; gate = 0; number = 0; gap = 0; lost = 0; at = 0; missing = 0;
-      through_gate = 0; same_gate = false; is_even = false
+      through_gate = 0; only = 0; same_gate = false; several = false
     }
 #ifdef MEMORY
   :: atomic { nempty(way) -> way?sequence, a, b; sequence = 0; a = 0; b = 0 } /* pushed out of the queue */
@@ -197,13 +228,13 @@ active proctype reader() {
       :: wish != 1 -> wish = 1
       :: wish != 2 -> wish = 2
       fi;
-      asked = true;
-      has_conditions = (wish != 0);
-      asked_conditions = asked_conditions || has_conditions;
 #ifdef FORMER_CONDITIONS_FORGOTTEN
-      had_conditions = has_conditions;
+      latest = 0;
+      request = 0;
+      asked[0] = wish;
 #else
-      had_conditions = had_conditions || has_conditions;
+      latest++;
+      asked[latest] = wish;
 #endif
 #ifdef MEMORY
       gates = gates | BIT(wish)
@@ -211,9 +242,7 @@ active proctype reader() {
       gates = BIT(wish) /* not looked at */
 #endif
     }
-#ifdef MEMORY
-  :: atomic { empty(way) && serving == wish && gates != BIT(wish) -> gates = BIT(wish) } /* forget_former_conditions */
-#endif
+  :: atomic { empty(way) && serving == wish && settled < latest -> settled = latest; gates = BIT(wish) } /* settle */
   :: done && empty(way) -> break
   od
 }

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <utility>
 
+#include "core/seam/gate.h"
 #include "tests/support/parse_datagram.h"
 
 namespace sft::simulation {
@@ -41,9 +42,9 @@ void Laws::process_started() {
 
 void Laws::asks(core::EndpointId reader, const Selection& wish) {
   Account& account = readers_[reader];
-  account.has_conditions = wish.gate_hash() != 0;
-  account.had_conditions = account.had_conditions || account.has_conditions;
-  account.numbers.ask(0, account.has_conditions);
+  const std::uint64_t gate = core::gate_id(wish.gate_hash(), 0);
+  account.gates.insert(gate);
+  account.asked.ask(gate);
 }
 
 void Laws::came(const core::SampleBuffer& sample) {
@@ -77,8 +78,7 @@ void Laws::taken(core::EndpointId reader, const core::SampleBuffer& sample, bool
     return;
   }
   if (sample.sequence < account.last) return fail(which + " comes after " + std::to_string(account.last));
-  check_missing(account, sample, changes, which);
-  account.had_conditions = account.has_conditions;
+  check_missing(account, sample, which);
   account.last = sample.sequence;
   account.last_gate = sample.gate;
   account.last_names = {name_of_selection(sample)};
@@ -86,27 +86,27 @@ void Laws::taken(core::EndpointId reader, const core::SampleBuffer& sample, bool
   account.got.insert(sample.sequence);
 }
 
-/// Between two samples of one gate each one that has passed the gate and did not come counts as lost. Without
-/// conditions each one does that did not come. Where the reader changed its conditions, nothing counts as
-/// lost. What was withheld from a reader that has always asked for the same never does.
-void Laws::check_missing(Account& account, const core::SampleBuffer& sample, bool changes,
-                         const std::string& which) {
+/// What was withheld never counts as lost. Between two samples of one gate, each one that has passed the gate
+/// and did not come counts as lost, if the reader has never asked for other conditions. Without conditions
+/// each one does that did not come.
+void Laws::check_missing(Account& account, const core::SampleBuffer& sample, const std::string& which) {
   const std::uint64_t before = account.last;
-  const std::uint64_t lost = account.numbers.enter(sample, core::RateKeeper::writer).lost;
+  const std::uint64_t lost = account.numbers.enter(sample, core::RateKeeper::writer, account.asked).lost;
   if (before == 0) return;
   const std::uint64_t gap = sample.sequence - before - 1;
   const auto between = [&](const auto& sequences) {
     return static_cast<std::uint64_t>(
         std::distance(sequences.upper_bound(before), sequences.lower_bound(sample.sequence)));
   };
-  std::uint64_t missing = 0;
-  if (sample.gate == account.last_gate && sample.gate != 0) missing = between(passed_[sample.gate]);
-  if (sample.gate == 0 && account.last_gate == 0 && !account.had_conditions) missing = gap;
-  if (lost != missing)
-    fail(which + ": " + std::to_string(lost) + " before it count as lost, and " + std::to_string(missing) +
-         " that have passed did not come");
+  const auto is_certain = [&](std::uint64_t gate) { return gate == 0 || gate == sample.gate; };
+  if (sample.gate == account.last_gate && std::ranges::all_of(account.gates, is_certain)) {
+    const std::uint64_t missing = sample.gate == 0 ? gap : between(passed_[sample.gate]);
+    if (lost != missing)
+      fail(which + ": " + std::to_string(lost) + " before it count as lost, and " + std::to_string(missing) +
+           " that have passed did not come");
+  }
   const std::uint64_t withheld = between(account.withheld);
-  if (!changes && !account.changed && lost + withheld > gap)
+  if (lost + withheld > gap)
     fail(which + ": " + std::to_string(lost) + " before it count as lost of " + std::to_string(gap) +
          ", of which " + std::to_string(withheld) + " were withheld");
 }

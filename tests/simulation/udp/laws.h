@@ -74,16 +74,15 @@ class Laws {
     std::uint64_t last_gate = 0;           ///< the gate that this sample has passed; 0: none
     std::set<std::uint64_t> last_names{};  ///< the selections under which this sequence came
     bool changed = false;                  ///< the reader was changing its wish when it got that
-    bool has_conditions = false;           ///< of its latest wish
-    bool had_conditions = false;           ///< at any time since it got that, or has them
+    std::set<std::uint64_t> gates{};       ///< of all its wishes; 0: the one without conditions
     std::set<std::uint64_t> withheld{};    ///< sequences
     core::SequenceAccount numbers{};       ///< as a subscriber counts what is missing
+    core::AskedGates asked{};              ///< likewise
   };
 
   bool is_sound(const core::SampleBuffer& sample, const std::string& which);
   bool has_passed_its_gate(const core::SampleBuffer& sample) const;
-  void check_missing(Account& account, const core::SampleBuffer& sample, bool changes,
-                     const std::string& which);
+  void check_missing(Account& account, const core::SampleBuffer& sample, const std::string& which);
   void check_losses(udp::ArrivalWindow& arrivals);
   void check_end(core::EndpointId reader, const Account& account);
   void check_end_after_forgeries(const Account& account);

@@ -260,7 +260,7 @@ class LiveStreams {
         one.account.refuse(origin);
         continue;
       }
-      one.lost += one.account.enter(origin, core::RateKeeper::writer).lost;
+      one.lost += one.account.enter(origin, core::RateKeeper::writer, {}).lost;
       one.last = sample->sequence;
       // A sample without a channel carries only the low half of its sequence.
       const std::uint64_t said =

@@ -113,7 +113,7 @@ class SequenceAccountTest : public ::testing::Test {
   void enter(const Arrival& sample) {
     ASSERT_TRUE(is_new(sample));
     delivered += account.allows(sample.origin, sample.keeper) ? 1 : 0;
-    const auto missing = account.enter(sample.origin, sample.keeper);
+    const auto missing = account.enter(sample.origin, sample.keeper, {});
     lost += missing.lost;
     withheld += missing.withheld;
   }

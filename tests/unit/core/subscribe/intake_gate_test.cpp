@@ -99,6 +99,56 @@ TEST_F(GatedIntakeTest, ASampleThatNamesTwoOfTheSubscribersGatesHasNoNumber) {
   EXPECT_EQ(status().lost, 0U) << "nobody knows which gate has withheld the others";
 }
 
+// The reader asked for others in between, under which nothing came.
+TEST_F(GatedIntakeTest, WhatOtherConditionsCanHaveWithheldBetweenTwoSamplesOfOneGateIsNotLost) {
+  ask(conditions);
+  memory.push_back(passed({.sequence = 1}, 1));
+  EXPECT_THAT(taken(), ElementsAre(1));
+  ask(78);
+  ask(conditions);
+  memory.push_back(passed({.sequence = 5}, 4));
+  EXPECT_THAT(taken(), ElementsAre(5));
+  EXPECT_EQ(status().lost, 0U) << "numbers 2 and 3 passed for other readers";
+  EXPECT_EQ(status().withheld, 3U);
+  intake->accounts().forget_former_conditions();
+  memory.push_back(passed({.sequence = 6}, 5));
+  memory.push_back(passed({.sequence = 9}, 7));
+  EXPECT_THAT(taken(), ElementsAre(6, 9));
+  EXPECT_EQ(status().lost, 1U) << "number 6";
+}
+
+// The writer hears late of what a reader asks for: the first two samples were sent before.
+TEST_F(GatedIntakeTest, ConditionsThatAreTakenBackBeforeAnythingComesUnderThemLoseNothing) {
+  ask(0);
+  in_memory({.sequence = 1});
+  EXPECT_THAT(taken(), ElementsAre(1));
+  ask(conditions);
+  ask(0);
+  in_memory({.sequence = 2});
+  in_memory({.sequence = 5});
+  in_memory({.sequence = 8});
+  EXPECT_THAT(taken(), ElementsAre(2, 5, 8));
+  EXPECT_EQ(status().lost, 0U);
+  EXPECT_EQ(status().withheld, 4U);
+  intake->accounts().forget_former_conditions();
+  in_memory({.sequence = 9});
+  in_memory({.sequence = 12});
+  EXPECT_THAT(taken(), ElementsAre(9, 12));
+  EXPECT_EQ(status().lost, 2U);
+}
+
+// What has passed the conditions is for the reader before its writer hears of them, and thereafter.
+TEST_F(GatedIntakeTest, WhatHasPassedTheFirstConditionsIsLostWhetherTheyWereInForceOrNot) {
+  ask(0);
+  in_memory({.sequence = 1});
+  ask(conditions);
+  memory.push_back(passed({.sequence = 2}, 6));
+  memory.push_back(passed({.sequence = 6}, 8));
+  EXPECT_THAT(taken(), ElementsAre(1, 2, 6));
+  EXPECT_EQ(status().lost, 1U) << "number 7";
+  EXPECT_EQ(status().withheld, 2U);
+}
+
 TEST_F(GatedIntakeTest, FormerConditionsAreForgottenOnceNoSampleOfThemIsUnderWay) {
   ask(conditions);
   memory.push_back(passed({.sequence = 1}, 1));

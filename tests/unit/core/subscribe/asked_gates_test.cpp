@@ -1,0 +1,80 @@
+// Which of a reader's requests a writer can have had in force between two samples.
+#include "core/subscribe/asked_gates.h"
+
+#include <gmock/gmock.h>
+
+#include <optional>
+#include <vector>
+
+namespace sft::core {
+namespace {
+
+constexpr std::uint64_t near = 7, far = 8;
+using ::testing::ElementsAre;
+
+AskedGates asked(const std::vector<std::uint64_t>& gates) {
+  AskedGates asked;
+  for (const std::uint64_t gate : gates) asked.ask(gate);
+  return asked;
+}
+
+TEST(AskedGatesTest, BeforeAnythingIsAskedForThereAreNoConditions) {
+  EXPECT_EQ(AskedGates().only_gate_since(0), 0U);
+  EXPECT_EQ(asked({near}).only_gate_since(0), near) << "what is asked for first has always been so";
+}
+
+TEST(AskedGatesTest, EachRequestSinceThenCanHaveBeenInForce) {
+  const AskedGates gates = asked({0, near, far});
+  EXPECT_EQ(asked({0, near}).only_gate_since(0), near);
+  EXPECT_EQ(gates.only_gate_since(0), std::nullopt);
+  EXPECT_EQ(gates.only_gate_since(1), std::nullopt);
+  EXPECT_EQ(gates.only_gate_since(2), far);
+  EXPECT_EQ(asked({near, 0, near}).only_gate_since(0), near);
+  EXPECT_EQ(asked({near, far, near}).only_gate_since(0), std::nullopt);
+}
+
+TEST(AskedGatesTest, TheSameAskedAgainIsNoChange) {
+  AskedGates gates = asked({near, near, near});
+  gates.settle();
+  EXPECT_EQ(gates.settled(), 0U);
+}
+
+TEST(AskedGatesTest, OnceTheRequestsHaveSettledOnlyTheLastOneIsInForce) {
+  AskedGates gates = asked({near, far, near});
+  EXPECT_EQ(gates.settled(), 0U);
+  gates.settle();
+  EXPECT_EQ(gates.settled(), 2U);
+  EXPECT_EQ(gates.only_gate_since(gates.settled()), near);
+  EXPECT_EQ(gates.only_gate_since(0), std::nullopt) << "for what came before, others can have been";
+}
+
+TEST(AskedGatesTest, FindsTheFirstRequestWithoutConditions) {
+  const AskedGates gates = asked({near, 0, far, 0});
+  EXPECT_EQ(gates.open_since(0), 1U);
+  EXPECT_EQ(gates.open_since(1), 1U);
+  EXPECT_EQ(gates.open_since(2), 3U);
+  EXPECT_EQ(asked({near, far}).open_since(1), 1U) << "there is none";
+}
+
+TEST(AskedGatesTest, NamesTheLatestFirstAndNoneTwice) {
+  AskedGates gates = asked({near, 0, far, near});
+  EXPECT_THAT(gates.nameable(), ElementsAre(near, far));
+  gates.settle();
+  EXPECT_THAT(gates.nameable(), ElementsAre(near));
+  gates.ask(0);
+  EXPECT_THAT(gates.nameable(), ElementsAre(near));
+  gates.settle();
+  EXPECT_THAT(gates.nameable(), ElementsAre());
+}
+
+TEST(AskedGatesTest, WhereRequestsWereForgottenNothingIsKnown) {
+  AskedGates gates;
+  for (std::uint64_t i = 0; i < 1000; ++i) gates.ask(1 + i % 100);
+  EXPECT_EQ(gates.only_gate_since(0), std::nullopt);
+  EXPECT_EQ(gates.only_gate_since(999), 100U);
+  gates.settle();
+  EXPECT_EQ(gates.settled(), 999U);
+}
+
+}  // namespace
+}  // namespace sft::core
