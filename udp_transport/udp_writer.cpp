@@ -110,7 +110,7 @@ void UdpWriter::make_table() {
   if (book_ != nullptr) book_->enter(table->page);
   greet_receivers(*table);
   routes_.replace(std::move(table));
-  side_->sender.look_again();
+  if (variants_.take_closed()) side_->sender.look_again();
 }
 
 /// Who has not reported yet is asked now, so that the first large sample need not be copied until a report

@@ -36,7 +36,10 @@ std::shared_ptr<Channel> ChannelDirectory::find(const std::shared_ptr<Destinatio
       std::ranges::any_of(readers, [&](core::EndpointId reader) { return known.readers.contains(reader); });
   known.readers = readers;
   if (channel != nullptr && some_stay && !channel->closed()) return channel;
-  if (channel != nullptr) channel->close();
+  if (channel != nullptr) {
+    channel->close();
+    closed_ = true;
+  }
   channel = std::make_shared<Channel>(writer_, unused_number(*to), to, tally_, ack_port_, memory_);
   roster_.add(channel);
   known.channel = channel;
@@ -64,6 +67,7 @@ void ChannelDirectory::keep_to(const ReliableReaders& readers) {
     const std::shared_ptr<Channel> channel = known.channel.lock();
     if (channel == nullptr || readers.contains(to)) continue;
     channel->end();
+    closed_ = true;
     known.readers.clear();
   }
 }

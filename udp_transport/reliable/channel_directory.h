@@ -55,6 +55,8 @@ class ChannelDirectory {
   bool some_went_wrong() const;
   /// All others end.
   void keep_to(const ReliableReaders& readers);
+  /// True if channels were closed, or have ended, since this was called last.
+  bool take_closed() { return std::exchange(closed_, false); }
 
  private:
   std::uint32_t unused_number(const Destination& to);
@@ -71,6 +73,7 @@ class ChannelDirectory {
     std::set<core::EndpointId> readers;
   };
   std::map<const Destination*, Known> channels_;
+  bool closed_ = false;
 };
 
 }  // namespace sft::udp

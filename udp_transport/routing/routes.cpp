@@ -83,9 +83,9 @@ VariantDirectory::VariantDirectory(std::size_t queue_depth, std::shared_ptr<Writ
     : queue_depth_(queue_depth), tally_(std::move(tally)), channels_(channels) {}
 
 VariantDirectory::Variant& VariantDirectory::find(const core::Wanted& wanted, core::EndpointId late_reader) {
-  auto known = std::find_if(variants_.begin(), variants_.end(), [&](const Variant& v) {
-    return v.wanted == wanted && v.late_reader == late_reader;
-  });
+  const std::uint64_t hash = wanted.selection.hash();
+  auto known = std::ranges::find_if(
+      variants_, [&](const Variant& variant) { return variant.is_for(wanted, hash, late_reader); });
   if (known == variants_.end()) {
     variants_.push_back({wanted, late_reader, make_wire_mask(wanted.selection, unused_number()), {}, round_});
     known = variants_.end() - 1;
@@ -110,16 +110,21 @@ std::shared_ptr<Lane> VariantDirectory::late_lane(core::EndpointId reader,
                                                   const std::shared_ptr<Channel>& channel) {
   std::shared_ptr<Lane>& lane = late_lanes_[reader];
   if (lane != nullptr && &lane->destination() == to.get() && lane->channel() == channel.get()) return lane;
-  if (lane != nullptr) lane->close();
+  if (lane != nullptr) close(*lane);
   lane = std::make_shared<Lane>(to, queue_depth_, tally_, Lane::Start::held, channel);
   return lane;
+}
+
+void VariantDirectory::close(Lane& lane) {
+  lane.close();
+  closed_ = true;
 }
 
 void VariantDirectory::keep_lanes_to(const std::set<const Destination*>& served,
                                      const std::set<core::EndpointId>& late_readers) {
   const auto close_if_unserved = [&](const std::shared_ptr<Lane>& lane) {
     if (served.contains(&lane->destination())) return false;
-    lane->close();
+    close(*lane);
     return true;
   };
   for (Variant& variant : variants_) std::erase_if(variant.lanes, close_if_unserved);
@@ -149,7 +154,8 @@ void VariantDirectory::next_round() {
         std::min_element(variants_.begin(), variants_.end(),
                          [](const Variant& a, const Variant& b) { return a.last_use < b.last_use; });
     if (oldest->last_use + 1 >= round_) return;  // all that are left were in use until now
-    variants_.erase(oldest);
+    std::swap(*oldest, variants_.back());
+    variants_.pop_back();
   }
 }
 

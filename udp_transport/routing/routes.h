@@ -7,6 +7,7 @@
 #include <memory>
 #include <set>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/seam/transport.h"
@@ -74,6 +75,10 @@ class VariantDirectory {
     std::shared_ptr<const WireMask> wire;
     std::vector<std::shared_ptr<Lane>> lanes;
     std::uint64_t last_use;
+
+    bool is_for(const core::Wanted& that, std::uint64_t hash, core::EndpointId reader) const {
+      return wire->mask == hash && wanted == that && late_reader == reader;
+    }
   };
 
   /// `channels` outlives the directory. Null: nobody is served reliably.
@@ -99,6 +104,12 @@ class VariantDirectory {
   void keep_lanes_to(const std::set<const Destination*>& served,
                      const std::set<core::EndpointId>& late_readers);
 
+  /// True if lanes or channels were closed since this was called last: the sending thread should look.
+  bool take_closed() {
+    const bool closed_channels = channels_ != nullptr && channels_->take_closed();
+    return std::exchange(closed_, false) || closed_channels;
+  }
+
   /// True if nothing waits in the lane of that late reader.
   bool late_lane_idle(core::EndpointId reader) const;
 
@@ -109,6 +120,7 @@ class VariantDirectory {
   std::uint16_t unused_number();
   std::shared_ptr<Lane> late_lane(core::EndpointId reader, const std::shared_ptr<Destination>& to,
                                   const std::shared_ptr<Channel>& channel);
+  void close(Lane& lane);
 
   static constexpr std::size_t remembered_max = 64;
   const std::size_t queue_depth_;
@@ -118,6 +130,7 @@ class VariantDirectory {
   std::map<core::EndpointId, std::shared_ptr<Lane>> late_lanes_;
   std::uint16_t next_number_ = 0;
   std::uint64_t round_ = 0;
+  bool closed_ = false;
 };
 
 /// The table of a writer of `type`, which outlives the table. Routes that do not lead to a UDP address are

@@ -32,7 +32,7 @@ class Laws {
 
   // What the writer reports.
 
-  void published(std::uint64_t sequence, Image image, Time now);
+  void published(std::uint64_t sequence, Cloud cloud, Time now);
   /// The sample was sent to that reader.
   void owes(core::EndpointId reader, const Variant& sample) { readers_[reader].owed.push_back(sample); }
   /// The conditions of that reader have withheld the sample.
@@ -91,7 +91,11 @@ class Laws {
   std::string violation_;
   std::uint64_t next_sequence_;
   std::uint64_t first_owed_ = 0;  ///< the first sample that was published a second after the last forgery
-  std::map<std::uint64_t, Image> images_;
+  struct Published {
+    Cloud cloud;
+    std::map<std::uint64_t, std::vector<std::byte>> bodies{};  ///< by the name of the selection
+  };
+  std::map<std::uint64_t, Published> published_;
   std::map<core::EndpointId, Account> readers_;
   LossLedger ledger_;
   std::map<std::uint64_t, std::map<std::uint64_t, std::uint32_t>> passed_;  ///< numbers, by gate and sequence

@@ -9,7 +9,7 @@ namespace sft::simulation {
 void Publisher::publish(const std::map<core::EndpointId, Wish>& asked, Time now) {
   std::set<Wish> served;
   for (const auto& [reader, wish] : asked) served.insert(wish);
-  FieldMask all = image_type().none();
+  FieldMask all = cloud_type().none();
   for (const Wish wish : served) all |= wishes()[wish].mask();
   const bool only_masks = served.empty() || *served.rbegin() < masks_end;
   const bool some_samples =
@@ -17,28 +17,28 @@ void Publisher::publish(const std::map<core::EndpointId, Wish>& asked, Time now)
   if (some_samples && served.size() > 1) group_.leave();  // see GroupKeeper::look_at()
   const Selection together = served.size() == 1 ? wishes()[*served.begin()] : Selection(all);
   const bool may_span = served.size() == 1 && only_masks && !group_.exists();
-  std::vector<Image> images = next_images(may_span);
+  std::vector<Cloud> clouds = next_clouds(may_span);
   const GatesInForce gates = give_gates(asked);
-  ask_gates(gates, images.front());
+  ask_gates(gates, clouds.front());
   const auto passes = [&](Wish wish) { return !gates.contains(wish) || gates.at(wish)->passes(); };
   for (const Wish wish : served) {
     if (group_.exists() || !passes(wish)) continue;
-    const udp::JobHandle job = encode(images, wishes()[wish], static_cast<std::uint16_t>(wish));
+    const udp::JobHandle job = encode(clouds, wishes()[wish], static_cast<std::uint16_t>(wish));
     mark(*job, wish, gates);
     channel_.keep(job);
   }
   if (group_.exists() && !served.empty() && passes(*served.begin())) {
-    const udp::JobHandle job = encode({&images.front(), 1}, together, number_of(served));
+    const udp::JobHandle job = encode({&clouds.front(), 1}, together, number_of(served));
     if (together.is_mask()) job->first.flags |= udp::merged_masks;
     mark(*job, *served.begin(), gates);
     group_.send(job, now);
   }
-  for (Image& image : images) {
+  for (Cloud& cloud : clouds) {
     for (const auto& [reader, wish] : asked) {
       const std::uint64_t name = (group_.exists() ? together : wishes()[wish]).hash();
       passes(wish) ? laws_.owes(reader, {sequence_, name}) : laws_.withholds(reader, sequence_);
     }
-    laws_.published(sequence_++, std::move(image), now);
+    laws_.published(sequence_++, std::move(cloud), now);
   }
   const bool is_last = ++published_ == scenario_.samples;
   publish_at_ = is_last ? Time::max() : now + std::chrono::microseconds(log_uniform(random_, 20'000));
@@ -59,10 +59,10 @@ Publisher::GatesInForce Publisher::give_gates(const std::map<core::EndpointId, W
 }
 
 /// Wishes with the same conditions share a gate.
-void Publisher::ask_gates(const GatesInForce& gates, const Image& image) {
+void Publisher::ask_gates(const GatesInForce& gates, const Cloud& cloud) {
   std::set<core::Gate*> distinct;
   for (const auto& [wish, gate] : gates) distinct.insert(gate.get());
-  const auto fields = detail::FieldSource::of_message(&image);
+  const auto fields = detail::FieldSource::of_message(&cloud);
   for (core::Gate* gate : distinct) {
     gate->consider(fields, static_cast<std::int64_t>(sequence_));
     gate->made(fields, static_cast<std::int64_t>(sequence_));
@@ -70,16 +70,16 @@ void Publisher::ask_gates(const GatesInForce& gates, const Image& image) {
   }
 }
 
-/// `may_span`: there may be several images, which are small then.
-std::vector<Image> Publisher::next_images(bool may_span) {
+/// `may_span`: there may be several clouds, which are small then.
+std::vector<Cloud> Publisher::next_clouds(bool may_span) {
   const bool is_span = may_span && happens(random_, scenario_.span);
-  const double bytes_max = is_span ? 200 : static_cast<double>(scenario_.sample_bytes_max);
-  std::vector<Image> images;
+  const double bytes_max = is_span ? 100 : static_cast<double>(scenario_.sample_bytes_max);
+  std::vector<Cloud> clouds;
   for (std::size_t left = is_span ? from_to(random_, 2, 40) : 1; left > 0; --left) {
-    const auto seed = static_cast<std::uint32_t>((sequence_ + images.size()) * 7);
-    images.push_back(udp::test::make_image(log_uniform(random_, bytes_max), seed));
+    const auto seed = static_cast<std::uint32_t>((sequence_ + clouds.size()) * 7);
+    clouds.push_back(make_cloud(log_uniform(random_, bytes_max), seed));
   }
-  return images;
+  return clouds;
 }
 
 /// The sample has passed the gate of the wish, if there is one.
@@ -97,10 +97,10 @@ std::uint16_t Publisher::number_of(const std::set<Wish>& served) {
   return number;
 }
 
-/// Several images become a pack.
-udp::JobHandle Publisher::encode(std::span<const Image> images, const Selection& selection,
+/// Several clouds become a pack.
+udp::JobHandle Publisher::encode(std::span<const Cloud> clouds, const Selection& selection,
                                  std::uint16_t variant) {
-  const FieldMask all = image_type().full();
+  const FieldMask all = cloud_type().full();
   udp::JobHandle job = jobs_->take();
   job->mask = std::make_shared<udp::WireMask>(udp::WireMask{variant, selection.hash(), {}});
   job->sequence = sequence_;
@@ -108,19 +108,19 @@ udp::JobHandle Publisher::encode(std::span<const Image> images, const Selection&
   job->first.flags = 0;
   job->first.rate = {};
   job->first.mask = job->mask->mask;
-  for (const Image& image : images) {
-    core::SampleHandle sample = memory_->take(udp::test::sample_bytes(image, all));
-    udp::test::fill(*sample, image, all, writer_id, sequence_);
-    project(*job, sample, selection, images.size() > 1);
+  for (const Cloud& cloud : clouds) {
+    core::SampleHandle sample = memory_->take(udp::test::sample_bytes(cloud, all));
+    udp::test::fill(*sample, cloud, all, writer_id, sequence_);
+    project(*job, sample, selection, clouds.size() > 1);
   }
-  if (images.size() > 1) job->seal();
+  if (clouds.size() > 1) job->seal();
   return job;
 }
 
 void Publisher::project(udp::Job& job, const core::SampleHandle& sample, const Selection& selection,
                         bool packed) {
-  const detail::ProjectionPlan plan(image_type(), selection);
-  const detail::SampleState state = core::state_of(*sample, image_type().slots());
+  const detail::ProjectionPlan plan(cloud_type(), selection);
+  const detail::SampleState state = core::state_of(*sample, cloud_type().slots());
   const bool done =
       plan.has_parts() ? job.projection.project(state, plan, {}) : job.projection.project(state, plan);
   if (!done) laws_.fail("a sample cannot be encoded");

@@ -36,11 +36,11 @@ class Publisher {
   using GatesInForce = std::map<Wish, std::shared_ptr<core::Gate>>;
 
   GatesInForce give_gates(const std::map<core::EndpointId, Wish>& asked);
-  void ask_gates(const GatesInForce& gates, const Image& image);
-  std::vector<Image> next_images(bool may_span);
+  void ask_gates(const GatesInForce& gates, const Cloud& cloud);
+  std::vector<Cloud> next_clouds(bool may_span);
   static void mark(udp::Job& job, Wish wish, const GatesInForce& gates);
   static std::uint16_t number_of(const std::set<Wish>& served);
-  udp::JobHandle encode(std::span<const Image> images, const Selection& selection, std::uint16_t variant);
+  udp::JobHandle encode(std::span<const Cloud> clouds, const Selection& selection, std::uint16_t variant);
   void project(udp::Job& job, const core::SampleHandle& sample, const Selection& selection, bool packed);
 
   const Scenario& scenario_;
@@ -50,7 +50,7 @@ class Publisher {
   Laws& laws_;
   std::shared_ptr<udp::JobPool> jobs_ = udp::JobPool::make();
   std::shared_ptr<core::BufferPool> memory_ = core::BufferPool::make(std::size_t{64} << 20);
-  core::Gates gates_{image_type()};
+  core::Gates gates_{cloud_type()};
   std::uint64_t sequence_ = scenario_.first_sequence;  ///< of the next sample
   std::size_t published_ = 0;
   Time publish_at_ = start_time;

@@ -28,7 +28,7 @@ void ReaderHost::add_reader(Wish wish) {
   const Reader& reader = readers_.back();
   laws_.reader_joined(reader.id);
   laws_.asks(reader.id, wishes()[wish]);
-  directory_->add(reader.id, reader.inbox, image_type());
+  directory_->add(reader.id, reader.inbox, cloud_type());
   directory_->accept(*reader.inbox, reader.requests.all());
   const core::Source source{.writer = writer_id, .reliable = true, .waits = scenario_.readers_lag};
   if (!directory_->connect(*reader.inbox, source)) laws_.fail("a reader is not connected");

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/seam/gate.h"
+#include "tests/support/cut_reference.h"
 
 namespace sft::simulation {
 
@@ -20,13 +21,32 @@ const Selection* named_by(const core::SampleBuffer& sample) {
 
 }  // namespace
 
+Cloud make_cloud(std::size_t data_bytes, std::uint32_t number) {
+  using sensor_msgs::msg::PointField;
+  Cloud cloud;
+  cloud.header.stamp = {.sec = static_cast<std::int32_t>(number), .nanosec = 7};
+  cloud.header.frame_id = "lidar";
+  cloud.fields = {{.name = "x", .offset = 0, .datatype = PointField::FLOAT32, .count = 1},
+                  {.name = "y", .offset = 5, .datatype = PointField::FLOAT32, .count = 1},
+                  {.name = "ring", .offset = 10, .datatype = PointField::UINT16, .count = 1}};
+  cloud.point_step = 14;
+  cloud.height = 1 + number % 3;
+  cloud.width = static_cast<std::uint32_t>(data_bytes / (std::size_t{cloud.height} * cloud.point_step));
+  cloud.row_step = cloud.width * cloud.point_step + number % 4;
+  cloud.data.resize(std::size_t{cloud.height} * cloud.row_step);
+  udp::test::fill_with_distances(cloud.data, number);
+  return cloud;
+}
+
 const std::vector<Selection>& wishes() {
   static const std::vector<Selection> all = [] {
     std::vector<Selection> made;
-    for (const char* text : {"*", "data", "stamp, width", "data[:100]", "data[50:5000], height",
-                             "data[::3], stamp", "* @ every 2nd", "data[:100] @ every 2nd",
-                             "data[::3] @ changed(height) 9", "data[10:], name @ every 3rd or height < 500"})
-      made.push_back(image_type().closed(image_type().parse_selection(text).value()));
+    for (const char* text :
+         {"*", "data", "header.stamp, width", "data{x}", "data{y,ring}[rows 1:3, columns 5:5000:2], header.stamp",
+          "data[::3], header.frame_id", "* @ every 2nd", "data[:100] @ every 2nd",
+          "data[::3] @ changed(header.stamp.sec) 9",
+          "data{ring}[10:], is_dense @ every 3rd or header.stamp.sec < 500"})
+      made.push_back(cloud_type().closed(cloud_type().parse_selection(text).value()));
     return made;
   }();
   return all;
@@ -38,17 +58,10 @@ std::uint64_t name_of_selection(const core::SampleBuffer& sample) {
   return named == nullptr ? 0 : named->hash();
 }
 
-std::vector<std::byte> body_under(const Image& image, const core::SampleBuffer& sample) {
+std::vector<std::byte> body_under(const Cloud& cloud, const core::SampleBuffer& sample) {
   const Selection* const named = named_by(sample);
-  const std::size_t leaf = *udp::test::fields<Image>("data").begin();
-  const Selection::Part* const part = named == nullptr ? nullptr : named->part(leaf);
-  if (part == nullptr) return udp::test::encoded_body(image, sample.mask);
-  Image cut = image;
-  cut.data.clear();
-  const std::size_t end = std::min<std::size_t>(part->columns.end, image.data.size());
-  for (std::size_t i = part->columns.begin; i < end; i += part->columns.step)
-    cut.data.push_back(image.data[i]);
-  return udp::test::encoded_body(cut, sample.mask);
+  if (named == nullptr || named->parts().empty()) return udp::test::encoded_body(cloud, sample.mask);
+  return udp::test::encoded_body(test::cut_reference::cut(cloud, named->parts().front()), sample.mask);
 }
 
 }  // namespace sft::simulation

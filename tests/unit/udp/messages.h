@@ -159,7 +159,16 @@ inline std::vector<std::byte> body_of(const core::SampleBuffer& sample) {
   return {body, body + sample.header().body_bytes};
 }
 
-/// An image whose bytes tell how far they are from the beginning.
+/// The bytes tell how far they are from the beginning.
+inline void fill_with_distances(std::vector<std::uint8_t>& data, std::uint32_t seed) {
+  constexpr std::size_t period = 1 << 16;  // copied, since these loops are not optimised
+  for (std::size_t i = 0; i < std::min(data.size(), period); ++i)
+    data[i] = static_cast<std::uint8_t>(i * 31 + (i >> 8) + seed);
+  for (std::size_t at = period; at < data.size(); at += period)
+    std::memcpy(&data[at], data.data(), std::min(data.size() - at, period));
+}
+
+/// An image whose data is filled with distances.
 inline Image make_image(std::size_t data_bytes, std::uint32_t seed = 1) {
   Image image{.stamp = {static_cast<std::int32_t>(seed), 7},
               .name = "camera",
@@ -167,11 +176,7 @@ inline Image make_image(std::size_t data_bytes, std::uint32_t seed = 1) {
               .width = 2,
               .data = {}};
   image.data.resize(data_bytes);
-  constexpr std::size_t period = 1 << 16;  // copied, since these loops are not optimised
-  for (std::size_t i = 0; i < std::min(data_bytes, period); ++i)
-    image.data[i] = static_cast<std::uint8_t>(i * 31 + (i >> 8) + seed);
-  for (std::size_t at = period; at < data_bytes; at += period)
-    std::memcpy(&image.data[at], image.data.data(), std::min(data_bytes - at, period));
+  fill_with_distances(image.data, seed);
   return image;
 }
 

@@ -79,6 +79,18 @@ TEST_F(ChannelDirectoryTest, EndsChannelsToWhereNobodyIsServedReliablyAnyMore) {
   EXPECT_NE(channels.find(one, {1}), channel) << "it begins anew";
 }
 
+TEST_F(ChannelDirectoryTest, TellsOnceThatChannelsWereClosedOrHaveEnded) {
+  const auto there = to(1);
+  const auto channel = channels.find(there, {1});
+  channels.keep_to({{there.get(), {1}}});
+  EXPECT_FALSE(channels.take_closed());
+  const auto next = channels.find(there, {2});
+  EXPECT_TRUE(channels.take_closed());
+  EXPECT_FALSE(channels.take_closed());
+  channels.keep_to({});
+  EXPECT_TRUE(channels.take_closed());
+}
+
 TEST_F(ChannelDirectoryTest, FindsTheChannelOfAnAckWhileSomebodyHoldsIt) {
   const auto there = to(1);
   auto channel = channels.find(there, {1});

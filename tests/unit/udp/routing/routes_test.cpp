@@ -133,6 +133,26 @@ TEST_F(RoutesTest, ClosesTheLanesToADestinationThatNoRouteLeadsTo) {
   EXPECT_FALSE(back->audiences[0].lanes[0]->closed());
 }
 
+TEST_F(RoutesTest, TellsOnceThatLanesWereClosedAndNotWhereAReaderOnlyAsksForSomethingElse) {
+  table({route(1, fields<Image>("data")), route(2, fields<Image>("data"))});
+  table({route(1, fields<Image>("name")), route(2, fields<Image>("data"))});
+  EXPECT_FALSE(variants_.take_closed());
+  table({route(2, fields<Image>("data"))});
+  EXPECT_TRUE(variants_.take_closed());
+  EXPECT_FALSE(variants_.take_closed());
+}
+
+TEST_F(RoutesTest, TellsThatTheLaneOfALateReaderThatMovesWasClosed) {
+  core::Route late = route(1, fields<Image>("data"));
+  late.reader = 7;
+  late.history = 3;
+  table({late});
+  EXPECT_FALSE(variants_.take_closed());
+  late.destination = core::UdpAddress{0x7f000001, 2, 1'000'000};
+  table({late, route(1, fields<Image>("data"))});
+  EXPECT_TRUE(variants_.take_closed());
+}
+
 TEST_F(RoutesTest, ConnectsToAnAddressOnceAndOnlyWhileARouteLeadsThere) {
   auto t = table(
       {route(1, fields<Image>("data")), route(1, fields<Image>("name")), route(2, fields<Image>("data"))});
