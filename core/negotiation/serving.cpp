@@ -1,7 +1,7 @@
 #include "core/negotiation/serving.h"
 
 #include <string>
-#include <utility>
+#include <vector>
 
 #include "core/negotiation/id_list.h"
 #include "core/negotiation/pair_judge.h"
@@ -10,24 +10,26 @@ namespace sft::core {
 
 namespace {
 
-PublisherStatus::Reader mismatched(PublisherStatus::Reader status, const Verdict& verdict) {
+void note_mismatch(const Verdict& verdict, PublisherStatus::Reader& status) {
   status.reason = verdict.mismatch;
   status.mismatch = verdict.definitions;
   status.incompatible_type = verdict.incompatible_type;
   status.incompatible_policy = verdict.incompatible_policy;
-  return status;
 }
 
-PublisherStatus::Reader serve(const TableEntry& writer, const TableEntry& reader, const Verdict& verdict,
-                              const KnownFacts& facts, Serving& serving) {
+void serve(const TableEntry& writer, const TableEntry& reader, const Verdict& verdict,
+           const KnownFacts& facts, Serving& serving) {
   const Endpoint& r = reader.endpoint;
   const TypeSupport& type = *writer.type;
-  PublisherStatus::Reader status{.id = r.id, .node = r.node, .request_sequence = r.request.sequence};
-  if (!verdict.mismatch.empty()) return mismatched(std::move(status), verdict);
-  const Result<Selection> asked = facts.requested.of({writer.endpoint.id, r.id}, r.request, type);
+  PublisherStatus::Reader& status = serving.readers.emplace_back();
+  status.id = r.id;
+  status.node = r.node;
+  status.request_sequence = r.request.sequence;
+  if (!verdict.mismatch.empty()) return note_mismatch(verdict, status);
+  const Result<Selection>& asked = facts.requested.of({writer.endpoint.id, r.id}, r.request, type);
   if (!asked) {
     status.reason = "it asks for parts or conditions that do not fit the type: " + asked.error().message;
-    return status;
+    return;
   }
   status.mask = asked->mask();
   status.selection = *asked;
@@ -35,7 +37,7 @@ PublisherStatus::Reader serve(const TableEntry& writer, const TableEntry& reader
   status.max_rate_hz = period == 0 ? 0 : 1e6 / period;
   if (reader.lost()) {
     status.reason = "its node does not answer";
-    return status;
+    return;
   }
   serving.memory_port |= verdict.memory;
   const std::uint32_t owed = facts.history.owed(writer.endpoint, r);
@@ -74,7 +76,6 @@ PublisherStatus::Reader serve(const TableEntry& writer, const TableEntry& reader
                     : verdict.memory ? "shared memory is being attached"
                                      : "UDP is ruled out, and " + verdict.network_reason;
   }
-  return status;
 }
 
 /// Liveliness is the same for all that match, served at present or not.
@@ -91,9 +92,11 @@ void look_after_lease(const Endpoint& reader, const PublisherStatus::Reader& sta
 Serving serving_of(const TableEntry& writer, const KnownFacts& facts, TypeComparisons& comparisons) {
   Serving serving;
   PairJudge judge(facts.host.self(), comparisons);
-  for (const TableEntry* reader : facts.table.counterparts(writer)) {
+  const std::vector<const TableEntry*> readers = facts.table.counterparts(writer);
+  serving.readers.reserve(readers.size());
+  for (const TableEntry* reader : readers) {
     const Verdict verdict = judge.judge(writer, *reader);
-    serving.readers.push_back(serve(writer, *reader, verdict, facts, serving));
+    serve(writer, *reader, verdict, facts, serving);
     look_after_lease(reader->endpoint, serving.readers.back(), serving);
   }
   return serving;

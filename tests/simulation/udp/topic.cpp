@@ -42,9 +42,9 @@ const std::vector<Selection>& wishes() {
   static const std::vector<Selection> all = [] {
     std::vector<Selection> made;
     for (const char* text :
-         {"*", "data", "header.stamp, width", "data{x}", "data{y,ring}[rows 1:3, columns 5:5000:2], header.stamp",
-          "data[::3], header.frame_id", "* @ every 2nd", "data[:100] @ every 2nd",
-          "data[::3] @ changed(header.stamp.sec) 9",
+         {"*", "data", "header.stamp, width", "data{x}",
+          "data{y,ring}[rows 1:3, columns 5:5000:2], header.stamp", "data[::3], header.frame_id",
+          "* @ every 2nd", "data[:100] @ every 2nd", "data[::3] @ changed(header.stamp.sec) 9",
           "data{ring}[10:], is_dense @ every 3rd or header.stamp.sec < 500"})
       made.push_back(cloud_type().closed(cloud_type().parse_selection(text).value()));
     return made;

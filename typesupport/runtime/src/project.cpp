@@ -108,6 +108,8 @@ void ProjectionPlan::measure(Run& run) const {
 }
 
 /// Copies selected members from a source position to the end of the projected body, keeping both alignments.
+/// Masks alone, which are most plans, pay for nothing that parts need.
+template <bool with_parts>
 class Projection::Writer {
  public:
   Writer(Projection& out, const SampleState& source, const ProjectionPlan& plan)
@@ -133,7 +135,7 @@ class Projection::Writer {
       from_ = offset;
       if (!this->step(step)) return false;
     }
-    return !failed_;
+    return !with_parts || !failed_;
   }
 
   /// Sets the pointers of the staged segments, now that the staging buffer moves no more.
@@ -151,6 +153,7 @@ class Projection::Writer {
  private:
   bool step(const ProjectionPlan::Step& step) {
     if (step.member == nullptr) return run(step.run);
+    if constexpr (!with_parts) return member(*step.member, step.leaf, true);
     const ProjectionPlan::Change& change = step.change;
     if (without_parts_ && change.part && !change.role) return put(std::uint32_t{0});
     if (!change.part || out_.cuts_[*change.part].is_whole()) return member(*step.member, step.leaf, true);
@@ -262,12 +265,13 @@ class Projection::Writer {
     return to;
   }
 
-  std::span<std::byte> memory() { return memory_.data() == nullptr ? std::span(out_.staging_) : memory_; }
+  bool has_memory() const { return with_parts && memory_.data() != nullptr; }
+  std::span<std::byte> memory() { return has_memory() ? memory_ : std::span(out_.staging_); }
 
   /// Where these bytes of the body are. Null if they are in several places.
   const std::byte* source(std::uint64_t first, std::size_t bytes) const {
     const std::byte* const data = s_.body + first;
-    return postponed_ == nullptr ? data : postponed_->locate(data, bytes);
+    return !with_parts || postponed_ == nullptr ? data : postponed_->locate(data, bytes);
   }
 
   bool run(const ProjectionPlan::Run& run) {
@@ -374,7 +378,7 @@ class Projection::Writer {
   }
 
   void copy(std::uint64_t first, std::size_t bytes) {
-    if (bytes < reference_bytes_min || memory_.data() != nullptr) {
+    if (bytes < reference_bytes_min || has_memory()) {
       stage(source(first, bytes), bytes);
     } else {
       close_staged();
@@ -386,14 +390,17 @@ class Projection::Writer {
 
   void stage(const void* data, std::size_t bytes) {
     if (bytes == 0) return;
-    std::byte* const to = data == nullptr ? nullptr : take_staging(bytes);
-    failed_ = failed_ || to == nullptr;
-    if (to != nullptr) std::memcpy(to, data, bytes);
+    std::byte* const to = with_parts && data == nullptr ? nullptr : take_staging(bytes);
+    if (with_parts && to == nullptr) {
+      failed_ = true;
+    } else {
+      std::memcpy(to, data, bytes);
+    }
   }
 
   bool make_room(std::size_t bytes) {
     if (memory().size() - staged_ >= bytes) return true;
-    if (memory_.data() != nullptr) return false;
+    if (has_memory()) return false;
     out_.staging_.resize(2 * out_.staging_.size() + bytes);
     return true;
   }
@@ -434,19 +441,27 @@ bool Projection::find_cuts(const SampleState& source, const ProjectionPlan& plan
   return true;
 }
 
+template <bool with_parts>
+bool Projection::write(Writer<with_parts> writer) {
+  const bool ok = writer.all();
+  writer.finish();
+  return ok;
+}
+
 bool Projection::project(const SampleState& source, const ProjectionPlan& plan) {
   segments_.clear();
   bytes_ = 0;
   if (!source.mask->contains(plan.mask())) return false;
+  if (!plan.has_parts()) return write(Writer<false>(*this, source, plan));
   if (!find_cuts(source, plan)) return false;
-  return write(Writer(*this, source, plan));
+  return write(Writer<true>(*this, source, plan));
 }
 
 bool Projection::project_around_parts(const SampleState& source, const ProjectionPlan& plan) {
   segments_.clear();
   bytes_ = 0;
   if (!source.mask->contains(plan.mask()) || !find_cuts(source, plan)) return false;
-  return write(Writer(*this, source, plan).without_parts());
+  return write(Writer<true>(*this, source, plan).without_parts());
 }
 
 bool Projection::project(const SampleState& source, const ProjectionPlan& plan, std::span<std::byte> memory,
@@ -454,7 +469,7 @@ bool Projection::project(const SampleState& source, const ProjectionPlan& plan, 
   segments_.clear();
   bytes_ = 0;
   if (!source.mask->contains(plan.mask()) || !find_cuts(source, plan)) return false;
-  return write(Writer(*this, source, plan, memory, postponed));
+  return write(Writer<true>(*this, source, plan, memory, postponed));
 }
 
 std::size_t Projection::bytes_most(const SampleState& source, const ProjectionPlan& plan) {
@@ -463,12 +478,6 @@ std::size_t Projection::bytes_most(const SampleState& source, const ProjectionPl
   std::uint64_t bytes = source.body_bytes + 2 * padding * (plan.steps_.size() + plan.blocks_.size() + 1);
   for (std::size_t i = 0; i < plan.parts_.size(); ++i) bytes -= cuts_[i].bytes_less();
   return bytes;
-}
-
-bool Projection::write(Writer writer) {
-  const bool ok = writer.all();
-  writer.finish();
-  return ok;
 }
 
 }  // namespace sft::detail

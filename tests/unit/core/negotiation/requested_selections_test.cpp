@@ -45,7 +45,7 @@ TEST_F(RequestedSelectionsTest, WithOtherFieldsAreOthers) {
   EXPECT_EQ(of(7, wide).mask(), requested_selection(wide, type)->mask());
 }
 
-TEST_F(RequestedSelectionsTest, OfWholeFieldsTakeTheirPlaceAndOfThoseNothingIsKept) {
+TEST_F(RequestedSelectionsTest, OfWholeFieldsTakeTheirPlace) {
   const Request window = asking_for("data[1:100]"), fields = asking_for("height, width");
   (void)of(7, window);
   EXPECT_EQ(of(7, fields), Selection(FieldMask(F::height | F::width)));

@@ -140,8 +140,10 @@ class Projection {
   std::size_t bytes() const { return bytes_; }
 
  private:
+  template <bool with_parts>
   class Writer;
-  bool write(Writer writer);
+  template <bool with_parts>
+  bool write(Writer<with_parts> writer);
   bool find_cuts(const SampleState& source, const ProjectionPlan& plan);
 
   std::vector<Cut> cuts_;           ///< of the plan's parts, one after the other
