@@ -94,13 +94,17 @@ bool UdpWriter::history_sent(core::EndpointId reader) noexcept {
 void UdpWriter::set_routes(std::vector<core::Route> routes) {
   asked_for_ = std::move(routes);
   make_table();
+  if (variants_.concern_sender()) side_->sender.look_again();
   const Time now = std::chrono::steady_clock::now();
   keeper_.tend(now);  // whoever is in a group from now on should hear that soon
   side_->writers.tend_by(keeper_.next_duty(now));
 }
 
 Tended::Time UdpWriter::tend(Time now) {
-  if (keeper_.replan(now) || channels_.some_went_wrong()) make_table();
+  if (keeper_.replan(now) || channels_.some_went_wrong()) {
+    make_table();
+    side_->sender.look_again();
+  }
   keeper_.tend(now);
   return keeper_.next_duty(now);
 }
@@ -110,7 +114,6 @@ void UdpWriter::make_table() {
   if (book_ != nullptr) book_->enter(table->page);
   greet_receivers(*table);
   routes_.replace(std::move(table));
-  if (variants_.take_closed()) side_->sender.look_again();
 }
 
 /// Who has not reported yet is asked now, so that the first large sample need not be copied until a report

@@ -10,7 +10,7 @@ const Result<Selection>& RequestedSelections::of(const PairId& pair, const Reque
                                                  const TypeSupport& type) {
   const auto known = known_.find(pair);
   if (known != known_.end() && known->second.is_of(request)) return known->second.selection;
-  if (!request.parts.empty()) ++decoded_;
+  ++decoded_;
   Known asked{request.mask_words, request.parts, requested_selection(request, type)};
   return known_.insert_or_assign(pair, std::move(asked)).first->second.selection;
 }

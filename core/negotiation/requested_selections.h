@@ -21,7 +21,7 @@ class RequestedSelections {
     std::erase_if(known_,
                   [&](const auto& item) { return item.first.writer == id || item.first.reader == id; });
   }
-  /// The number of requests with parts or conditions that were decoded so far.
+  /// The number of requests that were decoded so far.
   std::uint64_t decoded() const { return decoded_; }
 
  private:

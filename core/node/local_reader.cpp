@@ -194,8 +194,12 @@ bool LocalReader::requirement_changed() {
 }
 
 void LocalReader::ask(const Wanted& wanted) {
-  asked_at_ = std::chrono::steady_clock::now();
-  accepted_.asks_for(wanted, asked_at_);
+  const Time now = std::chrono::steady_clock::now();
+  const Wanted& before = accepted_.latest();
+  const bool of_the_same_samples = wanted.min_period_us == before.min_period_us &&
+                                   wanted.selection.gate_hash() == before.selection.gate_hash();
+  if (!of_the_same_samples) others_asked_at_ = now;
+  accepted_.asks_for(wanted, now);
   accept();
   send_request();
 }
@@ -213,8 +217,8 @@ void LocalReader::send_request() {
 
 void LocalReader::forget_what_was_in_flight(Time now) {
   if (accepted_.look(now)) accept();
-  if (asked_at_ != Time::max() && now - asked_at_ > AcceptedRequests::in_flight_max) {
-    asked_at_ = Time::max();
+  if (others_asked_at_ != Time::max() && now - others_asked_at_ > AcceptedRequests::in_flight_max) {
+    others_asked_at_ = Time::max();
     ports().forget_former_conditions();
   }
   std::erase_if(departed_, [&](const auto& departed) {

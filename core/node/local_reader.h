@@ -113,9 +113,9 @@ class LocalReader {
   std::map<EndpointId, RequestWatch> watched_;
   std::map<EndpointId, ArrivalWatchdog> watchdogs_;
   std::map<EndpointId, Time>
-      departed_;                 ///< writers of which datagrams may still be in flight, and since when
-  Time asked_at_ = Time::max();  ///< when something else was asked for last; max: long ago
-  int looks_in_callback_ = 0;    ///< in a row
+      departed_;                        ///< writers of which datagrams may still be in flight, and since when
+  Time others_asked_at_ = Time::max();  ///< when other samples were asked for last; max: long ago
+  int looks_in_callback_ = 0;           ///< in a row
   Qos requested_;
   AcceptedRequests accepted_;
   SubscriberStatus told_;  ///< the state up to which events were told

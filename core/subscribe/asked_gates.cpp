@@ -5,12 +5,13 @@
 
 namespace sft::core {
 
-void AskedGates::ask(std::uint64_t gate) {
-  if (!std::exchange(was_asked_, true)) gates_.clear();
-  if (!gates_.empty() && gates_.back() == gate) return;
-  gates_.push_back(gate);
-  if (gates_.size() > kept_max) {
-    gates_.erase(gates_.begin());
+void AskedGates::ask(std::uint64_t gate, bool is_limited) {
+  const Request asked{gate, is_limited};
+  if (!std::exchange(was_asked_, true)) requests_.clear();
+  if (!requests_.empty() && requests_.back() == asked) return;
+  requests_.push_back(asked);
+  if (requests_.size() > kept_max) {
+    requests_.erase(requests_.begin());
     ++oldest_;
   }
   if (gate == 0) return;
@@ -19,27 +20,38 @@ void AskedGates::ask(std::uint64_t gate) {
   if (nameable_.size() > nameable_max) nameable_.pop_back();
 }
 
-void AskedGates::settle() {
-  settled_ = end() - 1;
-  nameable_.resize(std::min<std::size_t>(nameable_.size(), gates_.back() == 0 ? 0 : 1));
+void AskedGates::settle(Number request) {
+  settled_ = std::max({oldest_, settled_, request});
+  const auto settled = requests_.begin() + static_cast<std::ptrdiff_t>(settled_ - oldest_);
+  std::erase_if(nameable_, [&](std::uint64_t gate) {
+    return std::find_if(settled, requests_.end(), [gate](const Request& r) { return r.gate == gate; }) ==
+           requests_.end();
+  });
 }
 
 AskedGates::Number AskedGates::open_since(Number since) const {
-  for (Number request = std::max(oldest_, since); request < end(); ++request) {
-    if (gate_of(request) == 0) return request;
+  if (since < oldest_) return since;
+  for (Number request = since; request < end(); ++request) {
+    const std::uint64_t gate = at(request).gate;
+    if (gate == 0) return request;
+    if (std::ranges::find(nameable_, gate) == nameable_.end()) return since;
   }
   return since;
 }
 
+/// A limit withholds some of what passes conditions.
 std::optional<std::uint64_t> AskedGates::only_gate_since(Number first) const {
   if (first < oldest_) return {};
   std::uint64_t only = 0;
+  bool is_limited = false;
   for (Number request = first; request < end(); ++request) {
-    const std::uint64_t gate = gate_of(request);
+    const auto [gate, limited] = at(request);
+    if (gate == 0) is_limited = is_limited || limited;
     if (gate == 0 || gate == only) continue;
     if (only != 0) return {};
     only = gate;
   }
+  if (only != 0 && is_limited) return {};
   return only;
 }
 

@@ -15,35 +15,45 @@
 
 namespace sft::core {
 
-/// A gate is named as by gate_id(); 0 is the one without conditions, which every sample passes.
+/// A gate is named as by gate_id(); 0 is the one without conditions.
 class AskedGates {
  public:
-  /// Counts the changes from one gate to another.
+  /// Counts the requests for another gate than before.
   using Number = std::uint64_t;
 
-  /// The reader asks for that gate from now on. What it asks for first has always been so.
-  void ask(std::uint64_t gate);
-  /// Nothing that was sent under earlier requests is under way any more.
-  void settle();
+  /// The reader asks for that gate from now on. What it asks for first has always been so. `is_limited`: by a
+  /// maximum rate.
+  void ask(std::uint64_t gate, bool is_limited = false);
+  Number latest() const { return end() - 1; }
+  /// Nothing that was sent under requests before that one is under way, or waits in a queue, any more.
+  void settle(Number request);
 
   /// The earliest request that can be in force for what comes from now on.
   Number settled() const { return settled_; }
-  /// The first request without conditions from `since` on; `since` if there is none.
+  /// The request that can be in force for a sample in shared memory that names no gate, if none before
+  /// `since` can: the first one without conditions. `since` if there is none, or if samples need not name one
+  /// of the gates in between.
   Number open_since(Number since) const;
   /// The only gate with conditions of the requests from that one on; 0 if none has conditions. Nothing if
-  /// there are several, or if not all of them are known any more.
+  /// there are several, or others can have withheld what has passed it, or not all are known any more.
   std::optional<std::uint64_t> only_gate_since(Number first) const;
   /// The gates with conditions that samples in shared memory may name: the latest is the first.
   std::span<const std::uint64_t> nameable() const { return nameable_; }
 
  private:
   static constexpr std::size_t kept_max = 64;
-  static constexpr std::size_t nameable_max = 8;  ///< samples under earlier ones are not in a queue any more
+  static constexpr std::size_t nameable_max = 8;  ///< each sample is searched for each of them
 
-  Number end() const { return oldest_ + gates_.size(); }
-  std::uint64_t gate_of(Number request) const { return gates_[request - oldest_]; }
+  struct Request {
+    std::uint64_t gate = 0;
+    bool is_limited = false;
+    friend bool operator==(const Request&, const Request&) = default;
+  };
 
-  std::vector<std::uint64_t> gates_{0};  ///< of the requests from `oldest_` on; neighbours differ
+  Number end() const { return oldest_ + requests_.size(); }
+  const Request& at(Number request) const { return requests_[request - oldest_]; }
+
+  std::vector<Request> requests_{Request{}};  ///< from `oldest_` on; neighbours differ
   Number oldest_ = 0;
   Number settled_ = 0;
   bool was_asked_ = false;

@@ -31,7 +31,7 @@ SequenceAccount::Missing SequenceAccount::enter(const SampleOrigin& sample, Rate
   if (keeper == RateKeeper::writer && is_numbered) ordinal_ = sample.ordinal;
   gate_ = sample.gate;
   request_ = std::max(request_, asked.settled());
-  if (keeper == RateKeeper::reader) request_ = asked.open_since(request_);  // no gate has let it through
+  if (keeper == RateKeeper::reader) request_ = asked.open_since(request_);
   last_ = sample.sequence;
   far_behind_ = 0;
   numbering_ = std::max(numbering_, sample.numbering);

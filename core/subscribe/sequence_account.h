@@ -7,7 +7,7 @@
 //
 // A gate with conditions works in the same way over UDP and in shared memory, where samples carry such
 // numbers, too (core/seam/gate_table.h), and the writer puts no others into the reader's queue. Nobody can
-// tell by conditions how many samples passed. So where another gate can have been in force between two
+// tell by conditions how many samples passed. So where other conditions can have been in force between two
 // samples, what is missing between them counts as withheld (asked_gates.h).
 //
 // In shared memory a sample is distributed to all readers without conditions, so that the reader skips

@@ -47,6 +47,12 @@ void SubscriberPorts::fill(Intake::Inlet inlet, ReaderPort* port) {
   if (port != nullptr && intake_.is_empty(inlet)) intake_.put(inlet, port->take());
 }
 
+bool SubscriberPorts::none_waits() {
+  if (in_force_) [[unlikely]]
+    intake_.accounts().forget_conditions_before(*std::exchange(in_force_, std::nullopt));
+  return false;
+}
+
 bool SubscriberPorts::find_next() {
   using Decision = Intake::Decision;
   LazyRealtime now;
@@ -60,7 +66,7 @@ bool SubscriberPorts::find_next() {
       case Decision::dropped:
         fill(Intake::Inlet::memory, memory_.get());
         fill(Intake::Inlet::network, network_.get());
-        if (intake_.is_empty()) return false;
+        if (intake_.is_empty()) return none_waits();
         decision = intake_.next(now);
         break;
       case Decision::ask_connected: {
@@ -172,7 +178,7 @@ void SubscriberPorts::requests(std::shared_ptr<const Asked> asked, std::uint64_t
 
 void SubscriberPorts::forget_former_conditions() {
   const Lock lock(mutex_);
-  intake_.accounts().forget_former_conditions();
+  in_force_ = intake_.accounts().asked_gates().latest();
 }
 
 bool SubscriberPorts::keeps_promises(EndpointId writer, std::uint64_t deadlines_missed, bool alive) {

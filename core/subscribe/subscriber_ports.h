@@ -59,7 +59,7 @@ class SubscriberPorts {
   void hears(const std::vector<Hearing>& hearing);
   /// The request that is in force from now on, and its number. Null: the same request with another number.
   void requests(std::shared_ptr<const Asked> asked, std::uint64_t sequence);
-  /// No sample under an earlier request is under way any more.
+  /// No sample under an earlier request is under way any more. Some may wait to be taken.
   void forget_former_conditions();
   /// Returns true if status() differs by it.
   bool keeps_promises(EndpointId writer, std::uint64_t deadlines_missed, bool alive);
@@ -87,6 +87,8 @@ class SubscriberPorts {
   void fill(Intake::Inlet inlet, ReaderPort* port) SFT_REQUIRES(mutex_);
   /// True if intake_ can deliver a sample.
   bool find_next() SFT_REQUIRES(mutex_);
+  /// False: what find_next() says then.
+  bool none_waits() SFT_REQUIRES(mutex_);
   Next next() SFT_REQUIRES(mutex_);
   /// Says under which request the sample is delivered.
   void settle(Next& next) SFT_REQUIRES(mutex_);
@@ -105,6 +107,8 @@ class SubscriberPorts {
   std::shared_ptr<const Asked> asked_ SFT_GUARDED_BY(mutex_);
   std::vector<std::shared_ptr<const Asked>> earlier_ SFT_GUARDED_BY(mutex_);  ///< the latest first
   std::uint64_t requests_ SFT_GUARDED_BY(mutex_) = 1;
+  /// Of what comes, nothing is of an earlier request any more: only samples that wait to be taken.
+  std::optional<AskedGates::Number> in_force_ SFT_GUARDED_BY(mutex_);
   /// Some request had parts, which may have to be taken out of samples that are still under way.
   bool takes_parts_ SFT_GUARDED_BY(mutex_) = false;
   /// Some writer in shared memory waits for room. Written with the mutex held, read without it.

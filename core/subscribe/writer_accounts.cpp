@@ -34,7 +34,7 @@ void WriterAccounts::ask_conditions(std::uint64_t hash) {
 
 void WriterAccounts::ask_all() {
   for (Writer& writer : writers_) writer.sequences.ask(min_period_us_);
-  asked_gates_.ask(gate_id(conditions_, min_period_us_));
+  asked_gates_.ask(gate_id(conditions_, min_period_us_), min_period_us_ != 0);
 }
 
 void WriterAccounts::hears(const std::vector<Hearing>& hearing, std::int64_t now_ns) {

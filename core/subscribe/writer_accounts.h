@@ -47,8 +47,8 @@ class WriterAccounts {
   /// The subscriber asks for conditions from now on, which have this hash (Selection::gate_hash()); 0: for
   /// none.
   void ask_conditions(std::uint64_t hash);
-  /// No sample that was let through by former conditions is under way any more.
-  void forget_former_conditions() { asked_gates_.settle(); }
+  /// No sample that was let through by conditions before these is under way, or waits, any more.
+  void forget_conditions_before(AskedGates::Number these) { asked_gates_.settle(these); }
   const AskedGates& asked_gates() const { return asked_gates_; }
   /// True if the sample comes next, as far as the numbers tell.
   bool follows(const SampleOrigin& sample) {

@@ -1,5 +1,6 @@
-/* Gate and SequenceAccount: what a reader that changes its conditions makes of the numbers that samples carry.
-   What was withheld never counts as lost, and what has passed and did not come always does. See model.md. */
+/* Gate, AskedGates and SequenceAccount: what a reader that changes its conditions makes of the numbers that samples
+   carry. What was withheld never counts as lost. What has passed and did not come does, once no other conditions can
+   have been in force. See model.md. */
 
 #ifndef SAMPLES
 #define SAMPLES 4

@@ -13,9 +13,22 @@ namespace {
 
 constexpr std::size_t twins_max = 64;  // with one short id, of which something is heard
 
+/// The places of a stream's selections, by their hashes: there are many where many readers change theirs.
+using SelectionPlaces = std::unordered_multimap<std::uint64_t, std::size_t>;
+
+void add(const Selection& selection, Stream& stream, SelectionPlaces& places) {
+  const std::uint64_t hash = selection.hash();
+  const auto [first, last] = places.equal_range(hash);
+  const bool is_known = std::any_of(
+      first, last, [&](const auto& known) { return stream.selections[known.second] == selection; });
+  if (is_known) return;
+  places.emplace(hash, stream.selections.size());
+  stream.selections.push_back(selection);
+}
+
 /// Puts the wishes of all readers of one writer together.
 void join(Stream& stream, const TypeSupport* type, const core::Source& source,
-          const std::vector<core::Accepted>& accepted) {
+          const std::vector<core::Accepted>& accepted, SelectionPlaces& places) {
   stream.writer = source.writer;
   stream.type = type;
   stream.reliable = stream.reliable || source.reliable;
@@ -23,11 +36,7 @@ void join(Stream& stream, const TypeSupport* type, const core::Source& source,
   stream.node = source.node;
   stream.alive = source.alive;
   stream.max_sample_bytes = std::max(stream.max_sample_bytes, source.max_sample_bytes);
-  for (const core::Accepted& a : accepted) {
-    const auto end = stream.selections.end();
-    if (std::find(stream.selections.begin(), end, a.wanted.selection) == end)
-      stream.selections.push_back(a.wanted.selection);
-  }
+  for (const core::Accepted& a : accepted) add(a.wanted.selection, stream, places);
 }
 
 }  // namespace
@@ -37,7 +46,7 @@ void join(Stream& stream, const TypeSupport* type, const core::Source& source,
 bool Subscriber::accepts(const core::SampleBuffer& sample, std::uint64_t first_request) const {
   const bool for_one = sample.addressee != 0;
   if (for_one && sample.addressee != reader) return false;
-  return std::ranges::any_of(accepted, [&](const core::Accepted& a) {
+  return std::ranges::any_of(*accepted, [&](const core::Accepted& a) {
     const core::Wanted& w = a.wanted;
     if (!for_one && a.request < first_request) return false;
     const FieldMask& mask = w.selection.mask();
@@ -50,14 +59,14 @@ bool Subscriber::accepts(const core::SampleBuffer& sample, std::uint64_t first_r
 
 std::uint64_t Subscriber::heard_request() const {
   std::uint64_t last = 0;
-  for (const core::Accepted& a : accepted) last = a.heard ? a.request : last;
+  for (const core::Accepted& a : *accepted) last = a.heard ? a.request : last;
   return last;
 }
 
 void SubscriptionDirectory::add(core::EndpointId reader, const std::shared_ptr<Inbox>& inbox,
                                 const TypeSupport& type) {
   const core::Lock lock(mutex_);
-  readers_.push_back({reader, inbox, &type, {}, {}});
+  readers_.push_back({reader, inbox, &type, std::make_shared<const std::vector<core::Accepted>>(), {}});
 }
 
 Result<void> SubscriptionDirectory::connect(const Inbox& inbox, const core::Source& source) {
@@ -109,8 +118,9 @@ void SubscriptionDirectory::disconnect(const Inbox& inbox, core::EndpointId writ
 }
 
 void SubscriptionDirectory::accept(const Inbox& inbox, std::vector<core::Accepted> accepted) {
+  auto shared = std::make_shared<const std::vector<core::Accepted>>(std::move(accepted));
   const core::Lock lock(mutex_);
-  find(inbox).accepted = std::move(accepted);
+  find(inbox).accepted = std::move(shared);
   publish();
 }
 
@@ -134,14 +144,16 @@ SubscriptionDirectory::Reader& SubscriptionDirectory::find(const Inbox& inbox) {
 void SubscriptionDirectory::publish() {
   auto next = std::make_shared<Subscriptions>();
   std::unordered_map<core::EndpointId, std::size_t> places;
+  std::vector<SelectionPlaces> selections;  // for each stream
   for (const Reader& reader : readers_) {
     for (const core::Source& source : reader.sources) {
       const auto [place, is_new] = places.try_emplace(source.writer, next->streams.size());
       if (is_new) {
         next->streams.emplace_back();
         next->subscribers.emplace_back();
+        selections.emplace_back();
       }
-      join(next->streams[place->second], reader.type, source, reader.accepted);
+      join(next->streams[place->second], reader.type, source, *reader.accepted, selections[place->second]);
       next->subscribers[place->second].push_back({reader.id, reader.inbox, reader.accepted, source.reliable});
     }
   }

@@ -19,7 +19,7 @@ namespace sft::udp {
 struct Subscriber {
   core::EndpointId reader = 0;
   std::shared_ptr<Inbox> inbox;
-  std::vector<core::Accepted> accepted;  ///< the latest is the last
+  std::shared_ptr<const std::vector<core::Accepted>> accepted;  ///< the latest is the last
   bool reliable = false;
 
   /// Requests before `first_request` are over.
@@ -62,7 +62,7 @@ class SubscriptionDirectory {
     core::EndpointId id;
     std::shared_ptr<Inbox> inbox;
     const TypeSupport* type;
-    std::vector<core::Accepted> accepted;
+    std::shared_ptr<const std::vector<core::Accepted>> accepted;
     std::vector<core::Source> sources;
   };
   Reader& find(const Inbox& reader) SFT_REQUIRES(mutex_);

@@ -23,6 +23,7 @@ void WantedMasks::set(const TypeSupport& type, std::span<const Selection> select
   for (const Selection& selection : selections)
     wanted_.push_back(
         {selection.mask(), selection.hash(), selection.parts_hash(), selection.without_rate().gate_hash()});
+  std::ranges::sort(wanted_, {}, &Wanted::hash);
 }
 
 WantedMasks::Named WantedMasks::named_by(Datagram& d) {
@@ -35,10 +36,10 @@ WantedMasks::Named WantedMasks::named_by(Datagram& d) {
     if (d.kind == DatagramKind::whole) d.first.total = static_cast<std::uint32_t>(d.payload.size());
   }
   if ((d.first.flags & merged_masks) != 0) return merged(d, words);
-  const auto found = std::ranges::find_if(wanted_, [&](const Wanted& w) {
-    return w.hash == d.first.mask && (words.empty() || equals(w.mask, words));
-  });
-  if (found == wanted_.end()) return {};
+  const auto of_hash = std::ranges::equal_range(wanted_, d.first.mask, {}, &Wanted::hash);
+  const auto found =
+      std::ranges::find_if(of_hash, [&](const Wanted& w) { return words.empty() || equals(w.mask, words); });
+  if (found == of_hash.end()) return {};
   return {.mask = &found->mask, .parts = found->parts, .conditions = found->conditions};
 }
 

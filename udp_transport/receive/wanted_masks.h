@@ -41,7 +41,7 @@ class WantedMasks {
 
   static constexpr std::size_t merged_max = 8;
   const TypeSupport* type_ = nullptr;
-  std::vector<Wanted> wanted_;
+  std::vector<Wanted> wanted_;     ///< by ascending hash
   std::vector<FieldMask> merged_;  ///< unions that were met lately, each of something that is wanted
 };
 

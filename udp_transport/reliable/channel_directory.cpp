@@ -65,7 +65,7 @@ void ChannelDirectory::keep_to(const ReliableReaders& readers) {
   std::erase_if(channels_, [](const auto& item) { return item.second.channel.expired(); });
   for (auto& [to, known] : channels_) {
     const std::shared_ptr<Channel> channel = known.channel.lock();
-    if (channel == nullptr || readers.contains(to)) continue;
+    if (channel == nullptr || known.readers.empty() || readers.contains(to)) continue;
     channel->end();
     closed_ = true;
     known.readers.clear();

@@ -96,6 +96,7 @@ VariantDirectory::Variant& VariantDirectory::find(const core::Wanted& wanted, co
 
 std::shared_ptr<Lane> VariantDirectory::lane(Variant& variant, const std::shared_ptr<Destination>& to,
                                              const std::shared_ptr<Channel>& channel) {
+  moves_ += to->moves();
   if (variant.late_reader != 0) return late_lane(variant.late_reader, to, channel);
   for (const std::shared_ptr<Lane>& lane : variant.lanes) {
     if (&lane->destination() == to.get()) return lane;
@@ -149,6 +150,7 @@ std::uint16_t VariantDirectory::unused_number() {
 
 void VariantDirectory::next_round() {
   ++round_;
+  moves_ = 0;
   while (variants_.size() > remembered_max) {
     const auto oldest =
         std::min_element(variants_.begin(), variants_.end(),

@@ -104,10 +104,12 @@ class VariantDirectory {
   void keep_lanes_to(const std::set<const Destination*>& served,
                      const std::set<core::EndpointId>& late_readers);
 
-  /// True if lanes or channels were closed since this was called last: the sending thread should look.
-  bool take_closed() {
+  /// True if the sending thread should look: since this was called last, lanes or channels were closed, or a
+  /// destination has moved. What readers ask for does not concern it.
+  bool concern_sender() {
     const bool closed_channels = channels_ != nullptr && channels_->take_closed();
-    return std::exchange(closed_, false) || closed_channels;
+    const bool some_moved = std::exchange(known_moves_, moves_) != moves_;
+    return std::exchange(closed_, false) || closed_channels || some_moved;
   }
 
   /// True if nothing waits in the lane of that late reader.
@@ -131,6 +133,8 @@ class VariantDirectory {
   std::uint16_t next_number_ = 0;
   std::uint64_t round_ = 0;
   bool closed_ = false;
+  std::uint64_t moves_ = 0;        ///< of the destinations of all lanes of this round
+  std::uint64_t known_moves_ = 0;  ///< when concern_sender() was called last
 };
 
 /// The table of a writer of `type`, which outlives the table. Routes that do not lead to a UDP address are

@@ -44,6 +44,9 @@ void Laws::asks(core::EndpointId reader, const Selection& wish) {
   Account& account = readers_[reader];
   const std::uint64_t gate = core::gate_id(wish.gate_hash(), 0);
   account.gates.insert(gate);
+  account.gate = gate;
+  account.known_from = 0;
+  account.is_settled = account.was_settled = false;
   account.asked.ask(gate);
 }
 
@@ -79,6 +82,11 @@ void Laws::taken(core::EndpointId reader, const core::SampleBuffer& sample, bool
   }
   if (sample.sequence < account.last) return fail(which + " comes after " + std::to_string(account.last));
   check_missing(account, sample, which);
+  account.was_settled = account.is_settled;
+  if (account.known_from != 0 && sample.sequence >= account.known_from) {
+    account.asked.settle(account.asked.latest());
+    account.is_settled = true;
+  }
   account.last = sample.sequence;
   account.last_gate = sample.gate;
   account.last_names = {name_of_selection(sample)};
@@ -98,8 +106,10 @@ void Laws::check_missing(Account& account, const core::SampleBuffer& sample, con
     return static_cast<std::uint64_t>(
         std::distance(sequences.upper_bound(before), sequences.lower_bound(sample.sequence)));
   };
-  const auto is_certain = [&](std::uint64_t gate) { return gate == 0 || gate == sample.gate; };
-  if (sample.gate == account.last_gate && std::ranges::all_of(account.gates, is_certain)) {
+  const auto suits = [&](std::uint64_t gate) { return gate == 0 || gate == sample.gate; };
+  const bool is_certain = account.was_settled ? sample.gate == account.gate  // else it was sent to others
+                                              : std::ranges::all_of(account.gates, suits);
+  if (sample.gate == account.last_gate && is_certain) {
     const std::uint64_t missing = sample.gate == 0 ? gap : between(passed_[sample.gate]);
     if (lost != missing)
       fail(which + ": " + std::to_string(lost) + " before it count as lost, and " + std::to_string(missing) +

@@ -51,6 +51,8 @@ class Laws {
   void reader_joined(core::EndpointId reader) { readers_.try_emplace(reader); }
   /// The reader asks for that from now on.
   void asks(core::EndpointId reader, const Selection& wish);
+  /// The writer knows of the reader's latest wish from now on.
+  void is_heard(core::EndpointId reader) { readers_[reader].known_from = next_sequence_; }
   /// A whole sample came. Best-effort readers would take it at once.
   void came(const core::SampleBuffer& sample);
   /// The datagram came, and nobody in the process had asked for its samples.
@@ -75,6 +77,10 @@ class Laws {
     std::set<std::uint64_t> last_names{};  ///< the selections under which this sequence came
     bool changed = false;                  ///< the reader was changing its wish when it got that
     std::set<std::uint64_t> gates{};       ///< of all its wishes; 0: the one without conditions
+    std::uint64_t gate = 0;                ///< of its latest wish
+    std::uint64_t known_from = 0;          ///< the first sample under that wish; 0: there is none yet
+    bool is_settled = false;               ///< it has got a sample that was sent under its latest wish
+    bool was_settled = false;              ///< also before the sample that it got last
     std::set<std::uint64_t> withheld{};    ///< sequences
     core::SequenceAccount numbers{};       ///< as a subscriber counts what is missing
     core::AskedGates asked{};              ///< likewise

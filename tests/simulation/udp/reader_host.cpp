@@ -77,6 +77,7 @@ void ReaderHost::tell_writer_of_wishes(Time now) {
     while (!reader.under_way.empty() && reader.under_way.front().first <= now) {
       reader.known = reader.under_way.front().second;
       reader.under_way.pop_front();
+      if (reader.under_way.empty()) laws_.is_heard(reader.id);
     }
     if (!reader.requests.look(now)) continue;
     directory_->accept(*reader.inbox, reader.requests.all());

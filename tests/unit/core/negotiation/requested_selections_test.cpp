@@ -35,6 +35,9 @@ TEST_F(RequestedSelectionsTest, AreDecodedAnewOnlyWhereTheyHaveChanged) {
   EXPECT_EQ(of(7, moved), requested_selection(moved, type));
   EXPECT_EQ(of(7, moved), requested_selection(moved, type));
   EXPECT_EQ(selections.decoded(), 65U) << "once";
+  const Request fields = asking_for("height, width");
+  for (int round = 0; round < 3; ++round) ASSERT_EQ(of(7, fields), requested_selection(fields, type));
+  EXPECT_EQ(selections.decoded(), 66U) << "so are masks";
 }
 
 TEST_F(RequestedSelectionsTest, WithOtherFieldsAreOthers) {
@@ -50,7 +53,7 @@ TEST_F(RequestedSelectionsTest, OfWholeFieldsTakeTheirPlace) {
   (void)of(7, window);
   EXPECT_EQ(of(7, fields), Selection(FieldMask(F::height | F::width)));
   EXPECT_EQ(of(7, window), requested_selection(window, type));
-  EXPECT_EQ(selections.decoded(), 2U);
+  EXPECT_EQ(selections.decoded(), 3U);
 }
 
 TEST_F(RequestedSelectionsTest, OfOneThatIsGoneAreForgotten) {

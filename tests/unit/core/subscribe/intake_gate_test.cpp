@@ -23,6 +23,11 @@ class GatedIntakeTest : public IntakeTest {
     return made;
   }
   void ask(std::uint64_t hash) { intake->accounts().ask_conditions(hash); }
+  /// Nothing of earlier requests is under way any more.
+  void settle() {
+    WriterAccounts& accounts = intake->accounts();
+    accounts.forget_conditions_before(accounts.asked_gates().latest());
+  }
 };
 
 TEST_F(GatedIntakeTest, WhatTheNumbersSkipIsLostAndTheRestWasWithheld) {
@@ -110,7 +115,7 @@ TEST_F(GatedIntakeTest, WhatOtherConditionsCanHaveWithheldBetweenTwoSamplesOfOne
   EXPECT_THAT(taken(), ElementsAre(5));
   EXPECT_EQ(status().lost, 0U) << "numbers 2 and 3 passed for other readers";
   EXPECT_EQ(status().withheld, 3U);
-  intake->accounts().forget_former_conditions();
+  settle();
   memory.push_back(passed({.sequence = 6}, 5));
   memory.push_back(passed({.sequence = 9}, 7));
   EXPECT_THAT(taken(), ElementsAre(6, 9));
@@ -130,7 +135,7 @@ TEST_F(GatedIntakeTest, ConditionsThatAreTakenBackBeforeAnythingComesUnderThemLo
   EXPECT_THAT(taken(), ElementsAre(2, 5, 8));
   EXPECT_EQ(status().lost, 0U);
   EXPECT_EQ(status().withheld, 4U);
-  intake->accounts().forget_former_conditions();
+  settle();
   in_memory({.sequence = 9});
   in_memory({.sequence = 12});
   EXPECT_THAT(taken(), ElementsAre(9, 12));
@@ -154,7 +159,7 @@ TEST_F(GatedIntakeTest, FormerConditionsAreForgottenOnceNoSampleOfThemIsUnderWay
   memory.push_back(passed({.sequence = 1}, 1));
   EXPECT_THAT(taken(), ElementsAre(1));
   ask(0);
-  intake->accounts().forget_former_conditions();
+  settle();
   memory.push_back(passed({.sequence = 2}, 2));  // for other readers it passed the same gate
   memory.push_back(passed({.sequence = 5}, 3));
   EXPECT_THAT(taken(), ElementsAre(2, 5));

@@ -4,7 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <memory>
+#include <set>
+#include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "tests/unit/udp/datagrams.h"
 
@@ -73,12 +78,36 @@ TEST_F(SubscriptionsTest, AReaderIsRemovedOnceTheReceivingThreadDoesNotUseItsTyp
   receiving.join();
 }
 
+TEST_F(SubscriptionsTest, WhatManyReadersAskedForInTurnIsWantedOfTheirWriterOnce) {
+  constexpr std::uint64_t readers = 64, requests = 16;
+  std::vector<std::shared_ptr<Inbox>> inboxes;
+  for (std::uint64_t reader = 0; reader < readers; ++reader) {
+    inboxes.push_back(std::make_shared<Inbox>(1, nullptr));
+    directory_.add(100 + reader, inboxes.back(), test::type_support<test::Image>());
+    ASSERT_TRUE(directory_.connect(*inboxes.back(), {.writer = 5}));
+    std::vector<core::Accepted> accepted;
+    for (std::uint64_t i = 0; i < requests; ++i) {
+      const std::string window = "data[" + std::to_string(8 * reader + i) + ":10000]";
+      accepted.push_back({.wanted = {test::selection_of<test::Image>(window)}});
+    }
+    directory_.accept(*inboxes.back(), std::move(accepted));
+  }
+  const std::shared_ptr<const Subscriptions> wanted = directory_.enter();
+  directory_.leave();
+  ASSERT_EQ(wanted->streams.size(), 1U);
+  EXPECT_EQ(wanted->streams[0].selections.size(), 8 * (readers - 1) + requests) << "neighbours share half";
+  std::set<std::uint64_t> hashes;
+  for (const Selection& selection : wanted->streams[0].selections) hashes.insert(selection.hash());
+  EXPECT_EQ(hashes.size(), wanted->streams[0].selections.size());
+  ASSERT_EQ(wanted->subscribers[0].size(), readers);
+  EXPECT_EQ(wanted->subscribers[0].back().accepted->size(), requests);
+}
+
 /// A reader that asked for these texts in turn.
 Subscriber subscriber_of(const std::vector<const char*>& asked) {
-  Subscriber subscriber;
-  for (const char* text : asked)
-    subscriber.accepted.push_back({.wanted = {test::selection_of<test::Image>(text)}});
-  return subscriber;
+  std::vector<core::Accepted> accepted;
+  for (const char* text : asked) accepted.push_back({.wanted = {test::selection_of<test::Image>(text)}});
+  return {.inbox = {}, .accepted = std::make_shared<const std::vector<core::Accepted>>(std::move(accepted))};
 }
 
 TEST(SubscriberOfParts, TakesItsPartAndMergedSamplesThatHaveTheWholeField) {

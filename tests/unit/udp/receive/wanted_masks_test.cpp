@@ -99,6 +99,20 @@ TEST_F(WantedMasksTest, KnowPartsOfFieldsByTheirHash) {
   EXPECT_EQ(merged("data, height").parts, 0U) << "a union has whole fields";
 }
 
+TEST_F(WantedMasksTest, KnowEachOfManySelections) {
+  std::vector<Selection> all;
+  for (int begin = 0; begin < 1000; ++begin)
+    all.push_back(test::selection_of<Image>("data[" + std::to_string(begin) + ":2000]"));
+  wanted_.set(test::type_support<Image>(), all);
+  for (const Selection& selection : all) {
+    (void)named(fields<Image>("data"));
+    datagram_.first.mask = selection.hash();
+    const WantedMasks::Named name = this->name();
+    ASSERT_NE(name.mask, nullptr);
+    EXPECT_EQ(name.parts, selection.parts_hash());
+  }
+}
+
 /// Whoever can write to a group may claim any selection, with any flags.
 TEST_F(WantedMasksTest, TakeNothingUnderAHashThatNobodyAskedFor) {
   const TypeSupport& type = test::type_support<Image>();

@@ -89,6 +89,8 @@ TEST_F(ChannelDirectoryTest, TellsOnceThatChannelsWereClosedOrHaveEnded) {
   EXPECT_FALSE(channels.take_closed());
   channels.keep_to({});
   EXPECT_TRUE(channels.take_closed());
+  channels.keep_to({});
+  EXPECT_FALSE(channels.take_closed()) << "it has ended already";
 }
 
 TEST_F(ChannelDirectoryTest, FindsTheChannelOfAnAckWhileSomebodyHoldsIt) {

@@ -133,13 +133,28 @@ TEST_F(RoutesTest, ClosesTheLanesToADestinationThatNoRouteLeadsTo) {
   EXPECT_FALSE(back->audiences[0].lanes[0]->closed());
 }
 
-TEST_F(RoutesTest, TellsOnceThatLanesWereClosedAndNotWhereAReaderOnlyAsksForSomethingElse) {
+TEST_F(RoutesTest, TellsOnceThatLanesWereClosedButNothingOfAReaderThatAsksForSomethingElse) {
   table({route(1, fields<Image>("data")), route(2, fields<Image>("data"))});
   table({route(1, fields<Image>("name")), route(2, fields<Image>("data"))});
-  EXPECT_FALSE(variants_.take_closed());
+  EXPECT_FALSE(variants_.concern_sender());
   table({route(2, fields<Image>("data"))});
-  EXPECT_TRUE(variants_.take_closed());
-  EXPECT_FALSE(variants_.take_closed());
+  EXPECT_TRUE(variants_.concern_sender());
+  EXPECT_FALSE(variants_.concern_sender());
+}
+
+TEST_F(RoutesTest, TellsOnceThatADestinationHasMoved) {
+  core::UdpAddress address{0x7f000001, 1, 1'000'000};
+  address.node = 9;
+  core::Route there = route(1, fields<Image>("data"));
+  there.destination = address;
+  table({there});
+  EXPECT_FALSE(variants_.concern_sender());
+  address.ip = 0x7f000002;
+  there.destination = address;
+  table({there});
+  EXPECT_TRUE(variants_.concern_sender());
+  table({there});
+  EXPECT_FALSE(variants_.concern_sender());
 }
 
 TEST_F(RoutesTest, TellsThatTheLaneOfALateReaderThatMovesWasClosed) {
@@ -147,10 +162,10 @@ TEST_F(RoutesTest, TellsThatTheLaneOfALateReaderThatMovesWasClosed) {
   late.reader = 7;
   late.history = 3;
   table({late});
-  EXPECT_FALSE(variants_.take_closed());
+  EXPECT_FALSE(variants_.concern_sender());
   late.destination = core::UdpAddress{0x7f000001, 2, 1'000'000};
   table({late, route(1, fields<Image>("data"))});
-  EXPECT_TRUE(variants_.take_closed());
+  EXPECT_TRUE(variants_.concern_sender());
 }
 
 TEST_F(RoutesTest, ConnectsToAnAddressOnceAndOnlyWhileARouteLeadsThere) {
