@@ -18,7 +18,7 @@ namespace sft::core {
 /// A gate is named as by gate_id(); 0 is the one without conditions.
 class AskedGates {
  public:
-  /// Counts the requests for another gate than before.
+  /// Counts the requests for another gate than before, or for another limit.
   using Number = std::uint64_t;
 
   /// The reader asks for that gate from now on. What it asks for first has always been so. `is_limited`: by a

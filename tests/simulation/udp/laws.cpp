@@ -95,8 +95,8 @@ void Laws::taken(core::EndpointId reader, const core::SampleBuffer& sample, bool
 }
 
 /// What was withheld never counts as lost. Between two samples of one gate, each one that has passed the gate
-/// and did not come counts as lost, if the reader has never asked for other conditions. Without conditions
-/// each one does that did not come.
+/// and did not come counts as lost, if no other conditions can have been in force. Without conditions each
+/// one does that did not come.
 void Laws::check_missing(Account& account, const core::SampleBuffer& sample, const std::string& which) {
   const std::uint64_t before = account.last;
   const std::uint64_t lost = account.numbers.enter(sample, core::RateKeeper::writer, account.asked).lost;
