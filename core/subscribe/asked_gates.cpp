@@ -21,8 +21,9 @@ void AskedGates::ask(std::uint64_t gate, bool is_limited) {
 }
 
 void AskedGates::settle(Number request) {
-  settled_ = std::max({oldest_, settled_, request});
-  const auto settled = requests_.begin() + static_cast<std::ptrdiff_t>(settled_ - oldest_);
+  settled_ = std::max(settled_, request);
+  const Number first = std::max(oldest_, settled_);
+  const auto settled = requests_.begin() + static_cast<std::ptrdiff_t>(first - oldest_);
   std::erase_if(nameable_, [&](std::uint64_t gate) {
     return std::find_if(settled, requests_.end(), [gate](const Request& r) { return r.gate == gate; }) ==
            requests_.end();

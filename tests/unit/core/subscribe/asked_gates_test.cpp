@@ -57,6 +57,10 @@ TEST(AskedGatesTest, RequestsThatCameMeanwhileDoNotSettle) {
   EXPECT_THAT(gates.nameable(), ElementsAre(near, far));
   gates.settle(0);
   EXPECT_EQ(gates.settled(), 1U) << "it does not go back";
+  for (std::uint64_t i = 0; i < 100; ++i) gates.ask(1 + i % 2);
+  gates.settle(2);
+  EXPECT_EQ(gates.settled(), 2U) << "also where that one was forgotten";
+  EXPECT_EQ(gates.only_gate_since(gates.settled()), std::nullopt);
 }
 
 TEST(AskedGatesTest, FindsTheFirstRequestWithoutConditions) {
