@@ -170,7 +170,7 @@ bool LocalReader::look_after_history(const ReaderPort& port, EndpointId writer, 
 }
 
 void LocalReader::drop_memory() {
-  ports().set_memory(nullptr);
+  ports().lose_memory(core_->spec().options.depth);
   memory_.reset();
   for (auto& [writer, hearing] : heard_) hearing.memory = false;
   for (auto& [writer, connecting] : connecting_) connecting.memory = {};

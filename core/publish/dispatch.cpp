@@ -51,7 +51,6 @@ FieldMask Dispatch::serve(Serving& serving, std::shared_ptr<LendingWriter> memor
   }
   book_->enter(after->page);
   if (after->memory != nullptr) {
-    after->memory->expect(serving.network);
     after->memory->set_routes(serving.memory);
   }
   if (changes_over(serving)) {

@@ -19,16 +19,12 @@ void gather_gates(const std::vector<Route>& routes, const Gates& gates, Outlets&
   }
 }
 
-/// Also those of readers that are served over the network at present: they may find samples in their queues
-/// before they are served in shared memory.
 void gather_memory_gates(const Serving& serving, const Gates& gates, Outlets& outlets) {
   if (!outlets.to_memory) return;
-  for (const auto* routes : {&serving.memory, &serving.network}) {
-    for (const Route& route : *routes) {
-      const bool has_conditions = route.gate != nullptr && route.gate->id() != 0;
-      if (has_conditions && !holds(outlets.memory_gates, gates.of(route)))
-        outlets.memory_gates.push_back(gates.of(route));
-    }
+  for (const Route& route : serving.memory) {
+    const bool has_conditions = route.gate != nullptr && route.gate->id() != 0;
+    if (has_conditions && !holds(outlets.memory_gates, gates.of(route)))
+      outlets.memory_gates.push_back(gates.of(route));
   }
 }
 
@@ -52,7 +48,9 @@ void gather_memory_groups(const Serving& serving, Outlets& outlets) {
 
 bool Outlets::provides_for(const Outlets& other) const {
   const auto asked = [this](const auto& gate) { return holds(gates, gate); };
-  return mask.contains(other.mask) && (to_all || !other.to_all) && std::ranges::all_of(other.gates, asked);
+  const auto named = [this](const auto& gate) { return holds(memory_gates, gate); };
+  return mask.contains(other.mask) && (to_all || !other.to_all) && std::ranges::all_of(other.gates, asked) &&
+         (!to_memory || std::ranges::all_of(other.memory_gates, named));
 }
 
 Outlets Outlets::with(const Outlets& other) const {

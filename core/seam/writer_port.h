@@ -75,7 +75,8 @@ class WriterPort {
   /// thread.
   virtual void be_patient(std::chrono::nanoseconds at_most) noexcept = 0;
 
-  /// Replaces the routes. The publisher's thread goes on with the earlier ones until the next sample.
+  /// Replaces the routes. The publisher's thread goes on with the earlier ones until the next sample. A
+  /// reader without a route gets nothing, also if it is attached: it is served otherwise.
   virtual void set_routes(std::vector<Route> routes) = 0;
 };
 
@@ -101,10 +102,6 @@ class LendingWriter : public WriterPort {
   /// must be served otherwise. Empty if it can be told. The agent asks before the reader gets a route, and
   /// again later while there is a reason.
   virtual std::string why_unreachable(const Route& to) = 0;
-
-  /// The routes of readers that are served otherwise at present. If they have attached their queues already,
-  /// what does not pass their gates is not for them. Called before set_routes().
-  virtual void expect(const std::vector<Route>&) {}
 
   // The hand-over to a late reader. A route with `history` is to such a reader: from it all samples are held
   // back until begin_with() was called, and they have to be among what the writer retains by then.

@@ -15,10 +15,20 @@ void SubscriberPorts::set_memory(std::shared_ptr<BorrowingReader> port) {
   const std::shared_ptr<NetworkReader> beside = network();
   if (port != nullptr && beside != nullptr) beside->share_reader();
   const Lock lock(mutex_);
-  memory_.swap(port);  // the former port ends with the argument, after the mutex was released
+  port = memory_.replace(std::move(port));  // the former one ends with the argument, without the mutex
   if (port == nullptr) return;
   of_former_ports_.add(*port);
   of_former_ports_.held_too_many += port->held_too_many();
+}
+
+void SubscriberPorts::lose_memory(std::size_t depth) {
+  MemoryInlet::Lost lost;  // ends after the mutex was released
+  const Lock lock(mutex_);
+  lost = memory_.lose(depth);
+  if (lost.port == nullptr) return;
+  of_former_ports_.add(*lost.port);
+  of_former_ports_.held_too_many += lost.port->held_too_many();
+  of_former_ports_.discarded += lost.dropped.size();
 }
 
 void SubscriberPorts::set_network(std::shared_ptr<NetworkReader> port) {
@@ -38,13 +48,9 @@ void SubscriberPorts::tell_of_room() {
   std::shared_ptr<BorrowingReader> memory;
   {
     const Lock lock(mutex_);
-    memory = memory_;
+    memory = memory_.port();
   }
   if (memory != nullptr) memory->tell_of_room();
-}
-
-void SubscriberPorts::fill(Intake::Inlet inlet, ReaderPort* port) {
-  if (port != nullptr && intake_.is_empty(inlet)) intake_.put(inlet, port->take());
 }
 
 bool SubscriberPorts::none_waits() {
@@ -64,8 +70,9 @@ bool SubscriberPorts::find_next() {
       case Decision::nothing:
         return false;
       case Decision::dropped:
-        fill(Intake::Inlet::memory, memory_.get());
-        fill(Intake::Inlet::network, network_.get());
+        if (intake_.is_empty(Intake::Inlet::memory)) intake_.put(Intake::Inlet::memory, memory_.take());
+        if (network_ != nullptr && intake_.is_empty(Intake::Inlet::network))
+          intake_.put(Intake::Inlet::network, network_->take());
         if (intake_.is_empty()) return none_waits();
         decision = intake_.next(now);
         break;
@@ -74,12 +81,9 @@ bool SubscriberPorts::find_next() {
         decision = intake_.connected(is_connected, now);
         break;
       }
-      case Decision::ask_overtaken: {
-        SampleHandle found;
-        if (memory_ != nullptr) found = memory_->take_of(intake_.asked_about());
-        decision = intake_.overtaken(std::move(found), now);
+      case Decision::ask_overtaken:
+        decision = intake_.overtaken(memory_.take_of(intake_.asked_about()), now);
         break;
-      }
     }
   }
 }
@@ -203,12 +207,12 @@ std::uint64_t SubscriberPorts::losses() {
 
 std::uint64_t SubscriberPorts::held_too_many() {
   const Lock lock(mutex_);
-  return of_former_ports_.held_too_many + (memory_ == nullptr ? 0 : memory_->held_too_many());
+  return of_former_ports_.held_too_many + (memory_.port() == nullptr ? 0 : memory_.port()->held_too_many());
 }
 
 std::uint64_t SubscriberPorts::arrivals(EndpointId writer) {
   const Lock lock(mutex_);
-  return (memory_ == nullptr ? 0 : memory_->arrivals(writer)) +
+  return (memory_.port() == nullptr ? 0 : memory_.port()->arrivals(writer)) +
          (network_ == nullptr ? 0 : network_->arrivals(writer));
 }
 
@@ -221,9 +225,9 @@ Account::OfReader SubscriberPorts::account_of(EndpointId writer) {
 
 SubscriberPorts::Counts SubscriberPorts::counts() const {
   Counts counts = of_former_ports_;
-  if (memory_ != nullptr) {
-    counts.add(*memory_);
-    counts.held_too_many += memory_->held_too_many();
+  if (const auto& memory = memory_.port(); memory != nullptr) {
+    counts.add(*memory);
+    counts.held_too_many += memory->held_too_many();
   }
   if (network_ != nullptr) counts.add(*network_);
   return counts;

@@ -13,6 +13,7 @@
 #include "core/seam/transport.h"
 #include "core/subscribe/asked.h"
 #include "core/subscribe/intake.h"
+#include "core/subscribe/memory_inlet.h"
 #include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
 
@@ -55,6 +56,9 @@ class SubscriberPorts {
   // The agent's.
   /// Null: the subscriber has none any more.
   void set_memory(std::shared_ptr<BorrowingReader> port);
+  /// The memory was lost, and so was the port there. The last `depth` samples that came by it are kept until
+  /// they are taken.
+  void lose_memory(std::size_t depth);
   void set_network(std::shared_ptr<NetworkReader> port);
   void hears(const std::vector<Hearing>& hearing);
   /// The request that is in force from now on, and its number. Null: the same request with another number.
@@ -84,7 +88,6 @@ class SubscriberPorts {
     void add(const ReaderPort& port);
   };
 
-  void fill(Intake::Inlet inlet, ReaderPort* port) SFT_REQUIRES(mutex_);
   /// True if intake_ can deliver a sample.
   bool find_next() SFT_REQUIRES(mutex_);
   /// False: what find_next() says then.
@@ -101,7 +104,7 @@ class SubscriberPorts {
   const bool tells_asked_;
   Mutex mutex_ SFT_ACQUIRED_AFTER(lock_order::endpoints) SFT_ACQUIRED_BEFORE(lock_order::endpoint);
   Intake intake_ SFT_GUARDED_BY(mutex_);
-  std::shared_ptr<BorrowingReader> memory_ SFT_GUARDED_BY(mutex_);
+  MemoryInlet memory_ SFT_GUARDED_BY(mutex_);
   std::shared_ptr<NetworkReader> network_ SFT_GUARDED_BY(mutex_);
   Counts of_former_ports_ SFT_GUARDED_BY(mutex_);
   std::shared_ptr<const Asked> asked_ SFT_GUARDED_BY(mutex_);

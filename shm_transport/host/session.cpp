@@ -265,8 +265,10 @@ void Session::lose() noexcept {
     if (std::exchange(lost_, true)) return;
     members.swap(members_);
   }
-  for (const auto& member : members) {
-    if (const auto held = member.lock()) held->lose();
+  for (const bool senders : {true, false}) {
+    for (const auto& member : members) {
+      if (const auto held = member.lock(); held != nullptr && held->sends() == senders) held->lose();
+    }
   }
   forget_segments();
 }

@@ -35,6 +35,9 @@ class SessionMember {
  public:
   /// Returns when no other thread is using iceoryx through this member any more.
   virtual void lose() noexcept = 0;
+  /// Returns whether other members may get samples from this one. It is told of the loss before them, so that
+  /// they know by then what has arrived.
+  virtual bool sends() const noexcept = 0;
 
  protected:
   ~SessionMember() = default;

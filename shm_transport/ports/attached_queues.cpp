@@ -15,7 +15,7 @@ void AttachedQueues::look(const Queues& queues, const Session& session) {
     const auto known = std::ranges::find(before, queue->m_uniqueId, &Listener::queue);
     listeners_.push_back(known != before.end() ? *known : listener_at(*queue, session));
     if (owed_nothing_.contains(listeners_.back().waits_as)) listeners_.back().waits_as = 0;
-    give_gate(listeners_.back());
+    serve(listeners_.back());
   }
   count();
 }
@@ -28,21 +28,23 @@ AttachedQueues::Listener AttachedQueues::listener_at(const Queue& queue, const S
           wishes.reader};
 }
 
-void AttachedQueues::give_gate(Listener& listener) const {
-  const auto found = gates_.find(listener.reader);
-  listener.gate = found == gates_.end() ? nullptr : found->second;
+void AttachedQueues::serve(Listener& listener) const {
+  const auto found = served_.find(listener.reader);
+  listener.is_served = found != served_.end();
+  listener.gate = listener.is_served ? found->second : nullptr;
 }
 
-void AttachedQueues::set_gates(Gates gates) {
-  gates_ = std::move(gates);
-  for (Listener& listener : listeners_) give_gate(listener);
+void AttachedQueues::serve(Served served) {
+  served_ = std::move(served);
+  for (Listener& listener : listeners_) serve(listener);
+  count();
 }
 
 const AttachedQueues::Listener* AttachedQueues::without_room() const {
   if (awaited_.empty()) return nullptr;
   const auto found = std::ranges::find_if(listeners_, [this](const Listener& listener) {
-    return listener.awaited != 0 && listener.waits_as == 0 && listener.wants_sample() &&
-           !has_room(listener) && awaited_.contains(listener.awaited);
+    return listener.awaited != 0 && listener.wants_sample() && !has_room(listener) &&
+           awaited_.contains(listener.awaited);
   });
   return found == listeners_.end() ? nullptr : &*found;
 }
@@ -83,6 +85,9 @@ void AttachedQueues::deliver(Port& port, const Listener& listener, iox::mepoo::S
 void AttachedQueues::count() {
   waiting_ = static_cast<std::size_t>(
       std::ranges::count_if(listeners_, [](const Listener& listener) { return listener.waits_as != 0; }));
+  all_want_all_ = waiting_ == 0 && std::ranges::all_of(listeners_, [](const Listener& listener) {
+                    return listener.is_served && listener.gate == nullptr;
+                  });
 }
 
 }  // namespace sft::shm

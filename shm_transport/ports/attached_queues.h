@@ -11,8 +11,10 @@
 // A reliable reader of a writer that waits for its readers asks the writer to wait for room in the queue. The
 // writer waits for those of these readers that it serves in shared memory at present.
 //
-// A reader with conditions gets only the samples that pass its gate: what was withheld takes no place in its
-// queue.
+// Only the readers that the writer serves in shared memory at present get samples. The daemon connects a
+// queue before the writer serves it, and until then the reader gets what is for it over the network. If some
+// of that came here as well, a gap in it would look like a loss. A reader with conditions gets only the
+// samples that pass its gate: what was withheld takes no place in its queue.
 //
 // The caller holds the lock of the port. The daemon holds the same lock when it changes the list of queues.
 #pragma once
@@ -42,12 +44,14 @@ class AttachedQueues {
     core::EndpointId awaited = 0;   ///< the reader that asks the writer to wait for room; 0: none does
     const iox::popo::SubscriberPortData* port = nullptr;  ///< the port that has the queue
     core::EndpointId reader = 0;                          ///< whose queue it is; 0: unknown
+    bool is_served = false;                               ///< the writer serves the reader here
     std::shared_ptr<const core::Gate> gate{};             ///< the reader's, if that has conditions
 
-    /// The present sample is for the reader, as far as its conditions tell.
-    bool wants_sample() const { return gate == nullptr || gate->passes(); }
+    /// The present sample is to be put into the queue.
+    bool wants_sample() const { return is_served && waits_as == 0 && (gate == nullptr || gate->passes()); }
   };
-  using Gates = std::map<core::EndpointId, std::shared_ptr<const core::Gate>>;
+  /// The readers that are served, and their gates. Null: the reader has no conditions.
+  using Served = std::map<core::EndpointId, std::shared_ptr<const core::Gate>>;
 
   /// Brings the listeners up to date with the queues. The call is cheap while the queues have not changed.
   void look(const Queues& queues, const Session& session);
@@ -64,9 +68,9 @@ class AttachedQueues {
   /// Sets the readers that get no retained samples, now and later.
   void owe_nothing(std::set<core::EndpointId> readers);
 
-  /// Sets the gates with conditions: the writer puts into a queue only what passes its reader's gate.
-  void set_gates(Gates gates);
-  bool has_gates() const { return !gates_.empty(); }
+  void serve(Served served);
+  /// Returns whether each sample is for every queue there is.
+  bool all_want_all() const { return all_want_all_; }
 
   /// Sets the readers for which the writer waits, if they ask for it.
   void wait_for(std::set<core::EndpointId> readers) { awaited_ = std::move(readers); }
@@ -83,14 +87,15 @@ class AttachedQueues {
 
  private:
   static Listener listener_at(const Queue& queue, const Session& session);
-  void give_gate(Listener& listener) const;
+  void serve(Listener& listener) const;
   bool is_unchanged(const Queues& queues) const;
   void count();
 
   std::vector<Listener> listeners_;
   std::set<core::EndpointId> owed_nothing_, awaited_;
-  Gates gates_;              ///< by reader
+  Served served_;
   std::size_t waiting_ = 0;  ///< the number of listeners that wait for retained samples
+  bool all_want_all_ = true;
   std::uint64_t held_back_ = 0;
 };
 

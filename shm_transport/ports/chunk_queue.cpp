@@ -1,18 +1,38 @@
 #include "shm_transport/ports/chunk_queue.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "shm_transport/host/chunk_hand.h"
 
 namespace sft::shm {
 
+using iox::mepoo::ShmSafeUnmanagedChunk;
+
 ChunkQueue::Taken ChunkQueue::take() noexcept {
   const core::Lock lock(mutex_);
-  if (lost_ || (!open_ && arrived_ == 0)) return {};
+  if (!open_ && remaining() == 0) return {};
   if (slots_.empty()) {
-    if (at_limit_ || !port_.hasNewChunks()) return {};
+    if (at_limit_ || (open_ && !port_.hasNewChunks())) return {};
     at_limit_ = true;
     return {.limit_reached = true};
+  }
+  iox::mepoo::ChunkHeader* const chunk = pop();
+  if (chunk == nullptr) return {};
+  ChunkSlot* slot = slots_.take();
+  slot->chunk = chunk;
+  return {.slot = slot, .overflowed = std::exchange(overflow_is_news_, false), .popped = ++popped_};
+}
+
+/// Returns how many samples can be taken from a queue that is not open.
+std::uint64_t ChunkQueue::remaining() const noexcept { return lost_ ? kept_.size() : arrived_; }
+
+/// Takes the oldest chunk out of the queue; null if there is none.
+iox::mepoo::ChunkHeader* ChunkQueue::pop() noexcept {
+  if (lost_) {
+    iox::mepoo::ChunkHeader* const oldest = kept_.front();
+    kept_.pop_front();
+    return oldest;
   }
   if (!open_) --arrived_;
   const ChunkInHand hand(data_);
@@ -20,10 +40,7 @@ ChunkQueue::Taken ChunkQueue::take() noexcept {
   // this one.
   overflow_is_news_ |= port_.hasLostChunksSinceLastCall();
   auto chunk = port_.tryGetChunk();
-  if (chunk.has_error()) return {};
-  ChunkSlot* slot = slots_.take();
-  slot->chunk = const_cast<iox::mepoo::ChunkHeader*>(chunk.value());
-  return {.slot = slot, .overflowed = std::exchange(overflow_is_news_, false), .popped = ++popped_};
+  return chunk.has_error() ? nullptr : const_cast<iox::mepoo::ChunkHeader*>(chunk.value());
 }
 
 void ChunkQueue::give_back(ChunkSlot& slot) noexcept {
@@ -40,7 +57,7 @@ void ChunkQueue::give_back(ChunkSlot& slot) noexcept {
 /// any more, so overflows are counted, too.
 std::uint64_t ChunkQueue::arrivals() noexcept {
   const core::Lock lock(mutex_);
-  if (lost_) return popped_ + overflows_;
+  if (lost_) return popped_ + overflows_ + kept_.size();
   if (port_.hasLostChunksSinceLastCall()) {
     overflow_is_news_ = true;
     ++overflows_;
@@ -55,7 +72,7 @@ bool ChunkQueue::open() const noexcept {
 
 bool ChunkQueue::drained() const noexcept {
   const core::Lock lock(mutex_);
-  return lost_ || (!open_ && arrived_ == 0);
+  return !open_ && remaining() == 0;
 }
 
 void ChunkQueue::close() noexcept {
@@ -69,12 +86,16 @@ void ChunkQueue::close() noexcept {
 
 std::uint64_t ChunkQueue::left() const noexcept {
   const core::Lock lock(mutex_);
-  return lost_ ? 0 : arrived_;
+  return open_ ? 0 : remaining();
 }
 
 bool ChunkQueue::drop_oldest() noexcept {
   const core::Lock lock(mutex_);
-  if (lost_ || arrived_ == 0) return false;
+  if (open_ || remaining() == 0) return false;
+  if (lost_) {
+    kept_.pop_front();
+    return true;
+  }
   --arrived_;
   const ChunkInHand hand(data_);
   // If too many chunks are held already, iceoryx gives this one back itself.
@@ -84,8 +105,19 @@ bool ChunkQueue::drop_oldest() noexcept {
 
 void ChunkQueue::lose() noexcept {
   const core::Lock lock(mutex_);
-  open_ = false;
-  lost_ = true;
+  if (std::exchange(lost_, true)) return;
+  auto& queue = data_.m_chunkReceiverData.m_queue;
+  const std::uint64_t arrived =
+      std::min<std::uint64_t>(std::exchange(open_, false) ? queue.size() : arrived_, capacity());
+  overflow_is_news_ |= port_.hasLostChunksSinceLastCall();
+  iox::popo::ChunkQueuePopper<iox::popo::SubscriberPortData::ChunkQueueData_t> popper(
+      &data_.m_chunkReceiverData);
+  while (kept_.size() < arrived) {
+    auto chunk = popper.tryPop();
+    if (!chunk) break;
+    // The reference is never given back: a writer that has not noticed the loss must not lend the chunk anew.
+    kept_.push_back(ShmSafeUnmanagedChunk(std::move(*chunk)).getChunkHeader());
+  }
 }
 
 }  // namespace sft::shm

@@ -1,9 +1,10 @@
 // The queue of chunks that one writer fills for a reader, and the chunks that are borrowed from it. No more
-// than a limited number of chunks is borrowed at a time. After the queue is closed, the samples that have
-// arrived before can still be taken; after it is lost, iceoryx is not used any more.
+// than a limited number of chunks is borrowed at a time. After the queue is closed or lost, the samples that
+// have arrived before can still be taken. After it is lost, iceoryx is not used any more.
 #pragma once
 
 #include <cstdint>
+#include <deque>
 
 #include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
@@ -39,14 +40,17 @@ class ChunkQueue {
   bool open() const noexcept;     ///< neither closed nor lost
   bool drained() const noexcept;  ///< not open, and no sample remains to be taken
   void close() noexcept;
-  /// Returns how many samples remain to be taken after close().
+  /// Returns how many samples remain to be taken after close() or lose().
   std::uint64_t left() const noexcept;
-  /// Drops the oldest of the samples that remain after close(). Returns false if there is none.
+  /// Drops the oldest of the samples that remain after close() or lose(). Returns false if there is none.
   bool drop_oldest() noexcept;
-  /// The session is lost.
+  /// The session is lost. The memory of the samples that have arrived stays mapped, and nobody lends it anew.
   void lose() noexcept;
 
  private:
+  std::uint64_t remaining() const noexcept SFT_REQUIRES(mutex_);
+  iox::mepoo::ChunkHeader* pop() noexcept SFT_REQUIRES(mutex_);
+
   iox::popo::SubscriberPortData& data_;
   mutable core::Mutex mutex_ SFT_ACQUIRED_AFTER(core::lock_order::jobs);  ///< never held over a system call
   iox::popo::SubscriberPortUser port_ SFT_GUARDED_BY(mutex_);
@@ -56,6 +60,8 @@ class ChunkQueue {
   bool lost_ SFT_GUARDED_BY(mutex_) = false;
   /// The samples that had arrived at close() and are not yet taken.
   std::uint64_t arrived_ SFT_GUARDED_BY(mutex_) = 0;
+  /// The chunks that had arrived at lose() and are not yet taken.
+  std::deque<iox::mepoo::ChunkHeader*> kept_ SFT_GUARDED_BY(mutex_);
   std::uint64_t popped_ SFT_GUARDED_BY(mutex_) = 0;     ///< chunks taken out of the queue
   std::uint64_t overflows_ SFT_GUARDED_BY(mutex_) = 0;  ///< overflows that arrivals() has noticed
   /// An overflow was noticed, and take() has not told of it.

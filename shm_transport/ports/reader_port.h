@@ -55,15 +55,16 @@ class ChunkBorrower final : public core::BufferOwner,
   void wake_writer() noexcept;
   /// Ends the connection. The samples that have arrived before can still be taken.
   void close() noexcept { queue_.close(); }
-  /// Returns how many samples remain to be taken after close().
+  /// Returns how many samples remain to be taken once it is not open.
   std::uint64_t left() const noexcept { return queue_.left(); }
-  /// Drops the oldest of the samples that remain after close().
+  /// Drops the oldest of the samples that remain once it is not open.
   void drop_oldest() noexcept;
   /// Returns how many samples are missing without a gap in the sequence numbers that shows them.
   std::uint64_t lost_unnoticed() const noexcept { return losses_.lost_unnoticed(); }
 
   void recycle(core::SampleBuffer& buffer) noexcept override;
   void lose() noexcept override { queue_.lose(); }
+  bool sends() const noexcept override { return false; }
 
  private:
   ChunkBorrower(std::shared_ptr<Session> session, iox::popo::SubscriberPortData& port,

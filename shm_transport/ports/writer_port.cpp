@@ -34,6 +34,8 @@ constexpr std::chrono::microseconds lock_pause{50};
 constexpr std::chrono::microseconds room_spin{20};
 constexpr std::chrono::milliseconds room_sleep_longest{10};
 
+bool has_conditions(const core::Route& route) { return route.gate != nullptr && route.gate->id() != 0; }
+
 }  // namespace
 
 std::shared_ptr<ChunkLender> ChunkLender::make(std::shared_ptr<Session> session,
@@ -130,7 +132,7 @@ ChunkLender::Commit ChunkLender::commit(ChunkSlot& slot, bool to_readers, bool m
     // holds it. It could block otherwise, if the daemon was stopped while it held the lock.
     auto& port = publisher_.m_chunkSenderData;
     if (!port.tryLock()) return Commit::busy;
-    if (retains_ || waits_ || attached_.has_gates()) attached_.look(port.m_queues, *session_);
+    attached_.look(port.m_queues, *session_);
     full = waits_ && attached_.without_room() != nullptr;
     const bool waits = full && may_wait;
     if (!waits) deliver(slot);
@@ -144,7 +146,7 @@ ChunkLender::Commit ChunkLender::commit(ChunkSlot& slot, bool to_readers, bool m
 void ChunkLender::deliver(ChunkSlot& slot) noexcept {
   auto& port = publisher_.m_chunkSenderData;
   const ChunkInHand hand(publisher_);
-  if (!attached_.somebody_waits() && !attached_.has_gates()) {
+  if (attached_.all_want_all()) {
     // The chunk goes back into iceoryx's own list of loans, because only a chunk in this list can be sent.
     port.m_chunksInUse.insert(slot.name.cloneToSharedChunk());
     before_chunk_leaves();
@@ -153,8 +155,7 @@ void ChunkLender::deliver(ChunkSlot& slot) noexcept {
   }
   if (attached_.somebody_waits()) attached_.hold_back();
   for (const AttachedQueues::Listener& listener : attached_.listeners()) {
-    if (listener.waits_as == 0 && listener.wants_sample())
-      AttachedQueues::deliver(port, listener, slot.name.cloneToSharedChunk());
+    if (listener.wants_sample()) AttachedQueues::deliver(port, listener, slot.name.cloneToSharedChunk());
   }
 }
 
@@ -189,9 +190,9 @@ void ChunkLender::wait_for(std::set<core::EndpointId> readers) noexcept {
   attached_.wait_for(std::move(readers));
 }
 
-void ChunkLender::set_gates(AttachedQueues::Gates gates) noexcept {
+void ChunkLender::serve(AttachedQueues::Served readers) noexcept {
   const core::Lock lock(mutex_);
-  attached_.set_gates(std::move(gates));
+  attached_.serve(std::move(readers));
 }
 
 std::optional<std::uint64_t> ChunkLender::held_back(core::EndpointId reader) noexcept {
@@ -336,32 +337,28 @@ std::string ShmWriterPort::why_unreachable(const core::Route& to) {
   return {};
 }
 
-AttachedQueues::Gates ShmWriterPort::gates_of(const std::vector<core::Route>& routes) {
-  AttachedQueues::Gates gates;
-  for (const core::Route& route : routes) {
-    if (route.gate != nullptr && route.gate->id() != 0) gates[route.reader] = route.gate;
-  }
-  return gates;
-}
-
+/// Whoever may get a sample is woken: a reader is rung for before it is served, until it is not served any
+/// more, and by the gates from before and from now while they change.
 void ShmWriterPort::set_routes(std::vector<core::Route> routes) {
   std::set<core::EndpointId> owed_nothing, awaited;
-  AttachedQueues::Gates gates = gates_of(routes);
-  const bool gates_change = !gates.empty() || !gates_of(routes_).empty();
-  gates.insert(expected_.begin(), expected_.end());
+  AttachedQueues::Served served;
   for (const core::Route& route : routes) {
+    served[route.reader] = has_conditions(route) ? route.gate : nullptr;
     if (route.history == 0) owed_nothing.insert(route.reader);
     if (route.reliable) awaited.insert(route.reader);
   }
   chunks_->wait_for(std::move(awaited));
-  if (gates_change) {
-    // A sample that is sent meanwhile passes the old gates or the new ones: whoever gets it is woken.
-    routes_.insert(routes_.end(), routes.begin(), routes.end());
-    doorbells_.replace(pages_->doorbells_of(routes_, reader_accounts_));
-  }
-  chunks_->set_gates(std::move(gates));
+  const auto leaves = [&served](const core::Route& route) { return !served.contains(route.reader); };
+  const bool both = std::ranges::any_of(routes, has_conditions) ||
+                    std::ranges::any_of(routes_, has_conditions) || std::ranges::any_of(routes_, leaves);
+  if (both) routes_.insert(routes_.end(), routes.begin(), routes.end());
+  const auto ring_for = [this](const std::vector<core::Route>& readers) {
+    doorbells_.replace(readers.empty() ? nullptr : pages_->doorbells_of(readers, reader_accounts_));
+  };
+  ring_for(both ? routes_ : routes);
+  chunks_->serve(std::move(served));
   chunks_->owe_nothing(std::move(owed_nothing));
-  doorbells_.replace(routes.empty() ? nullptr : pages_->doorbells_of(routes, reader_accounts_));
+  if (both) ring_for(routes);
   routes_ = std::move(routes);
   reached_.clear();
 }

@@ -77,11 +77,12 @@ class ChunkLender final : public core::BufferOwner,
   void owe_nothing(std::set<core::EndpointId> readers) noexcept;
   /// Sets the readers for which commit() waits, if they ask for it.
   void wait_for(std::set<core::EndpointId> readers) noexcept;
-  /// Sets the gates of readers with conditions (attached_queues.h).
-  void set_gates(AttachedQueues::Gates gates) noexcept;
+  /// Sets the readers that get samples (attached_queues.h).
+  void serve(AttachedQueues::Served readers) noexcept;
 
   void recycle(core::SampleBuffer& buffer) noexcept override;
   void lose() noexcept override;
+  bool sends() const noexcept override { return true; }
 
  private:
   ChunkLender(std::shared_ptr<Session> session, iox::popo::PublisherPortData& publisher,
@@ -132,7 +133,6 @@ class ShmWriterPort final : public core::LendingWriter {
     return chunks_->has_lent(sample);
   }
   std::string why_unreachable(const core::Route& to) override;
-  void expect(const std::vector<core::Route>& others) override { expected_ = gates_of(others); }
   void set_routes(std::vector<core::Route> routes) override;
   bool owns(const core::SampleBuffer& sample) const noexcept override { return chunks_->owns(sample); }
   std::optional<std::uint64_t> held_back(core::EndpointId reader) noexcept override {
@@ -144,7 +144,6 @@ class ShmWriterPort final : public core::LendingWriter {
   std::chrono::nanoseconds patience_left() const noexcept override { return patience_; }
 
  private:
-  static AttachedQueues::Gates gates_of(const std::vector<core::Route>& routes);
   core::SendStatus drop() noexcept;
   void ring() noexcept;
   ChunkLender::Commit commit(ChunkSlot& slot, bool to_readers, bool may_wait) noexcept;
@@ -156,7 +155,6 @@ class ShmWriterPort final : public core::LendingWriter {
   const std::chrono::nanoseconds max_blocking_;
   const core::TrustedAccounts reader_accounts_;               ///< the accounts whose doorbells are rung
   std::vector<std::shared_ptr<core::DoorbellPage>> reached_;  ///< kept open until routes are set
-  AttachedQueues::Gates expected_;                            ///< of readers without routes here
   std::vector<core::Route> routes_;                           ///< in force
 
   // The thread of the publisher uses these two members.

@@ -25,7 +25,7 @@ class HeldLock : public ShmNodeTest {
         shm::ChunkLender::make(session_, *publisher_, *keeper, {.id = 1, .type = &frame_type()}, 16),
         std::make_shared<shm::DoorbellPages>(), statistics_);
     port_->set_routes(
-        {{.reader = 1, .destination = core::DoorbellAddress{}, .selection = frame_type().full()}});
+        {{.reader = reader_id, .destination = core::DoorbellAddress{}, .selection = frame_type().full()}});
   }
   void TearDown() override {
     port_.reset();

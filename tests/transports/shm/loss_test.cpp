@@ -97,6 +97,53 @@ TEST_F(Loss, LeavesLentAndReceivedSamplesReadable) {
   EXPECT_EQ(next.send_frame(), SendStatus::sent) << "samples of the dead daemon must not disturb the new one";
 }
 
+TEST_F(Loss, OfTheDaemonKeepsTheSamplesThatHaveArrived) {
+  constexpr std::uint64_t sent = 5;
+  Node node;
+  ASSERT_TRUE(node.becomes_ready()) << node->description();
+  Writer writer(node, 1);
+  Reader reader(node);
+  ASSERT_TRUE(reader.connects_to(1));
+  for (std::uint64_t i = 0; i < sent; ++i) EXPECT_EQ(writer.send_frame(), SendStatus::sent);
+  const auto before = reader.port().arrivals(1);
+  kill_daemon();
+  ASSERT_NE(node.poll(), Availability::ready);
+  EXPECT_EQ(before, sent);
+  ASSERT_TRUE(node.becomes_ready()) << node->description();
+  Writer next(node, 2);
+  std::vector<SampleHandle> taken;
+  for (std::uint64_t i = 1; i <= sent; ++i) {
+    EXPECT_EQ(next.send_frame(), SendStatus::sent);
+    taken.push_back(reader.take());
+    ASSERT_TRUE(taken.back()) << i;
+    EXPECT_EQ(sequence_of(taken.back()), i);
+  }
+  EXPECT_FALSE(reader.take());
+  EXPECT_EQ(reader.port().counters().discarded, 0U);
+}
+
+TEST_F(Loss, OfTheDaemonLeavesTheOldestSamplesToBeTakenOnceOthersAreGivenBack) {
+  Node node;
+  ASSERT_TRUE(node.becomes_ready()) << node->description();
+  Writer writer(node, 1);
+  const auto port =
+      node->open_reader({.id = reader_id, .type = &frame_type(), .depth = 8, .doorbell = {}, .max_held = 2});
+  ASSERT_TRUE(port) << port.error().message;
+  ASSERT_TRUE((*port)->connect({.writer = 1, .max_sample_bytes = 1 << 20}));
+  ASSERT_TRUE(eventually([&] { return (*port)->connected(1); }));
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(writer.send_frame(), SendStatus::sent);
+  kill_daemon();
+  ASSERT_NE(node.poll(), Availability::ready);
+  SampleHandle first = (*port)->take();
+  SampleHandle second = (*port)->take();
+  EXPECT_FALSE((*port)->take()) << "no more than two may be held";
+  EXPECT_EQ((*port)->held_too_many(), 1U);
+  EXPECT_EQ(sequence_of(second), 2U);
+  first.reset();
+  EXPECT_EQ(sequence_of((*port)->take()), 3U);
+  EXPECT_EQ(sequence_of((*port)->take()), 4U);
+}
+
 /// Returns whether this process has the samples of a daemon mapped.
 bool maps_samples() {
   std::ifstream maps("/proc/self/maps");

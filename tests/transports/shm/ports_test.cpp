@@ -303,6 +303,25 @@ TEST_F(ShmPorts, NeverWriteIntoAHeldSampleAlsoIfItHadNoRoute) {
   for (std::size_t i = 0; i < history.size(); ++i) EXPECT_EQ(sequence_of(history[i]), i + 1);
 }
 
+TEST_F(ShmPorts, GiveSamplesOnlyToReadersThatTheWriterServes) {
+  Writer writer(node(), 1);
+  Reader reader(node());
+  ASSERT_TRUE(reader.connects_to(1));
+  const auto serve = [&](core::EndpointId id) {
+    writer.port().set_routes(
+        {{.reader = id, .destination = core::DoorbellAddress{}, .selection = frame_type().full()}});
+  };
+  for (std::uint64_t round = 0; round < 3; ++round) {
+    serve(reader_id + 1);
+    writer.send_frame();
+    EXPECT_FALSE(reader.take()) << "it is served elsewhere, and what comes here is for another reader";
+    serve(reader_id);
+    writer.send_frame();
+    EXPECT_EQ(sequence_of(reader.take()), 2 * round + 2);
+  }
+  EXPECT_EQ(reader.port().counters().discarded, 0U);
+}
+
 TEST_F(ShmPorts, UseTheSameChunkAgainOnceNobodyHoldsIt) {
   Writer writer(node(), 1);
   writer.send_frame();
@@ -365,7 +384,7 @@ TEST_F(ShmPorts, RingTheDoorbellOfASleepingReader) {
   ASSERT_TRUE(reader.connects_to(1));
   const core::DoorbellAddress address{page->id(), 3};
   const FieldMask full = frame_type().full();
-  writer.port().set_routes({{.reader = 1, .destination = address, .selection = full},
+  writer.port().set_routes({{.reader = reader_id, .destination = address, .selection = full},
                             {.reader = 2, .destination = address, .selection = full}});
   SampleHandle got;
   std::thread sleeper(

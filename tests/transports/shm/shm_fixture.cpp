@@ -170,7 +170,7 @@ Writer::Writer(Node& node, core::EndpointId id) : id_(id) {
   if (!port) return;
   port_ = std::move(*port);
   port_->set_routes(
-      {{.reader = 1, .destination = core::DoorbellAddress{}, .selection = frame_type().full()}});
+      {{.reader = reader_id, .destination = core::DoorbellAddress{}, .selection = frame_type().full()}});
 }
 
 core::SampleHandle Writer::loan(std::uint32_t data) { return port_->loan(frame_bytes(data)); }
@@ -186,7 +186,7 @@ core::SendStatus Writer::send_frame(std::uint32_t data) {
 }
 
 Reader::Reader(Node& node, std::uint32_t depth) {
-  auto port = node->open_reader({.id = 7, .type = &frame_type(), .depth = depth, .doorbell = {}});
+  auto port = node->open_reader({.id = reader_id, .type = &frame_type(), .depth = depth, .doorbell = {}});
   EXPECT_TRUE(port) << port.error().message;
   if (port) port_ = std::move(*port);
 }

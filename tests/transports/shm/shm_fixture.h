@@ -106,6 +106,9 @@ class Writer {
   std::uint64_t sequence_ = 0;
 };
 
+/// Every reader of these tests has this id, and every writer serves it.
+constexpr core::EndpointId reader_id = 7;
+
 class Reader {
  public:
   explicit Reader(Node& node, std::uint32_t depth = 8);

@@ -132,6 +132,33 @@ TEST_F(SubscriberCoreTest, WhatAPortLostUnseenIsCountedAlsoWhenThePortIsGone) {
   EXPECT_EQ(subscriber->feed().status().lost, 5U);
 }
 
+TEST_F(SubscriberCoreTest, WhatCameBeforeTheMemoryWasLostIsTakenBeforeWhatComesByTheNextPort) {
+  arrives(*memory, 1);
+  arrives(*memory, 2, 8, 100);
+  arrives(*memory, 2);
+  subscriber->ports().lose_memory(16);
+  arrives(*network, 3);
+  EXPECT_EQ(taken(), (Sequences{1, 2, 3, 2}));
+  subscriber->ports().set_memory(memory);
+  arrives(*memory, 4);
+  subscriber->ports().lose_memory(16);
+  subscriber->ports().lose_memory(16);
+  subscriber->ports().set_memory(memory);
+  arrives(*memory, 5);
+  EXPECT_EQ(taken(), (Sequences{4, 5}));
+  EXPECT_EQ(subscriber->feed().status().lost, 0U);
+}
+
+TEST_F(SubscriberCoreTest, NoMoreThanTheDepthIsKeptHoweverOftenTheMemoryIsLost) {
+  for (std::uint64_t sequence = 1; sequence <= 5; ++sequence) {
+    arrives(*memory, sequence);
+    subscriber->ports().lose_memory(2);
+    subscriber->ports().set_memory(memory);
+  }
+  EXPECT_EQ(subscriber->feed().status().discarded, 3U);
+  EXPECT_EQ(taken(), (Sequences{4, 5}));
+}
+
 TEST_F(SubscriberCoreTest, LossesThatOnlyAPortKnowsAreCountedWithThoseSeen) {
   arrives(*network, 5);
   arrives(*network, 8);

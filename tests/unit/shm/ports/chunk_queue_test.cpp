@@ -90,14 +90,42 @@ TEST_F(ChunkQueueTest, AChunkThatIsDroppedIsFree) {
   EXPECT_EQ(queue_->left(), 1U);
 }
 
-TEST_F(ChunkQueueTest, NothingIsTakenOnceTheSessionIsLost) {
+TEST_F(ChunkQueueTest, OnlySamplesThatArrivedBeforeTheSessionWasLostCanBeTaken) {
   arrive(2);
   ChunkSlot* const slot = queue_->take().slot;
+  const auto before = queue_->arrivals();
   queue_->lose();
+  arrive(1);
+  EXPECT_FALSE(queue_->open());
+  EXPECT_EQ(queue_->left(), 1U);
+  EXPECT_EQ(queue_->arrivals(), before);
+  const std::size_t in_use_before = in_use();
+  queue_->give_back(*slot);
+  const ChunkQueue::Taken kept = queue_->take();
+  ASSERT_NE(kept.slot, nullptr);
+  EXPECT_FALSE(kept.overflowed);
   EXPECT_TRUE(queue_->drained());
   EXPECT_EQ(queue_->take().slot, nullptr);
-  queue_->give_back(*slot);
-  EXPECT_EQ(in_use(), 2U) << "iceoryx is not used any more";
+  queue_->give_back(*kept.slot);
+  EXPECT_EQ(in_use(), in_use_before) << "iceoryx is not used any more";
+}
+
+TEST_F(ChunkQueueTest, OfAClosedQueueOnlyWhatHadArrivedByThenIsKeptOnceTheSessionIsLost) {
+  arrive(1);
+  queue_->close();
+  arrive(1);
+  queue_->lose();
+  EXPECT_EQ(queue_->left(), 1U);
+  EXPECT_TRUE(queue_->drop_oldest());
+  EXPECT_TRUE(queue_->drained());
+  EXPECT_FALSE(queue_->drop_oldest());
+}
+
+TEST_F(ChunkQueueTest, AnOverflowBeforeTheSessionWasLostIsToldWithTheFirstChunkThatWasKept) {
+  arrive(3);
+  queue_->lose();
+  EXPECT_TRUE(queue_->take().overflowed);
+  EXPECT_FALSE(queue_->take().overflowed);
 }
 
 }  // namespace
