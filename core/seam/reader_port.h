@@ -107,6 +107,9 @@ class BorrowingReader : public ReaderPort {
   /// Does what take() does, for that writer only: samples of one writer may have to go before those of
   /// others.
   virtual SampleHandle take_of(EndpointId writer) noexcept = 0;
+  /// True if a sample waits, also one that take() does not give because as many are held as may be. Any
+  /// thread.
+  virtual bool some_wait() const noexcept = 0;
   /// Wakes writers that wait for room that take() has made since this was called last. After take(), without
   /// a lock: it may make a system call. Any thread.
   virtual void tell_of_room() noexcept = 0;

@@ -29,6 +29,8 @@ class MemoryInlet {
   /// The next sample; null if there is none.
   SampleHandle take();
   SampleHandle take_of(EndpointId writer);
+  /// True if a sample waits, also one that cannot be taken because as many are held as may be.
+  bool some_wait() const { return !kept_.empty() || (port_ != nullptr && port_->some_wait()); }
 
  private:
   std::shared_ptr<BorrowingReader> port_;

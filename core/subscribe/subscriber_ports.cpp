@@ -54,7 +54,7 @@ void SubscriberPorts::tell_of_room() {
 }
 
 bool SubscriberPorts::none_waits() {
-  if (in_force_) [[unlikely]]
+  if (in_force_ && !memory_.some_wait()) [[unlikely]]
     intake_.accounts().forget_conditions_before(*std::exchange(in_force_, std::nullopt));
   return false;
 }

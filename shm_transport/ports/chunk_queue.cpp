@@ -53,6 +53,11 @@ void ChunkQueue::give_back(ChunkSlot& slot) noexcept {
   at_limit_ = false;
 }
 
+bool ChunkQueue::some_wait() const noexcept {
+  const core::Lock lock(mutex_);
+  return open_ ? port_.hasNewChunks() : remaining() > 0;
+}
+
 /// Counts the samples that were taken and those that wait. When the queue is full, this sum does not change
 /// any more, so overflows are counted, too.
 std::uint64_t ChunkQueue::arrivals() noexcept {

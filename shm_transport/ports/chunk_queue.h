@@ -34,6 +34,8 @@ class ChunkQueue {
   Taken take() noexcept;
   void give_back(ChunkSlot& slot) noexcept;
 
+  /// Returns whether a chunk waits, also one for which no slot is free.
+  bool some_wait() const noexcept;
   /// Returns a number that changes whenever a sample has arrived.
   std::uint64_t arrivals() noexcept;
 

@@ -141,6 +141,12 @@ SampleHandle ShmReaderPort::take_of(core::EndpointId writer) noexcept {
   return found == writers_.end() ? SampleHandle() : (*found)->take();
 }
 
+bool ShmReaderPort::some_wait() const noexcept {
+  const auto has_some = [](const auto& writer) { return writer->some_wait(); };
+  const core::Lock lock(mutex_);
+  return std::ranges::any_of(writers_, has_some) || std::ranges::any_of(departed_, has_some);
+}
+
 void ShmReaderPort::tell_of_room() noexcept {
   for (;;) {
     std::shared_ptr<ChunkBorrower> due;

@@ -41,6 +41,7 @@ class ChunkBorrower final : public core::BufferOwner,
   bool connected() noexcept;                                  ///< only one thread at a time may call it
   /// Returns whether the retained samples of the writer come first and nothing has come yet.
   bool awaits_retained() noexcept { return retained_first_ && arrivals() == 0; }
+  bool some_wait() const noexcept { return queue_.some_wait(); }
   /// Returns a number that changes whenever a sample has arrived.
   std::uint64_t arrivals() noexcept { return queue_.arrivals(); }
   std::uint64_t discarded() const noexcept { return discarded_.load(std::memory_order_relaxed); }
@@ -98,6 +99,7 @@ class ShmReaderPort final : public core::BorrowingReader {
 
   core::SampleHandle take() noexcept override;
   core::SampleHandle take_of(core::EndpointId writer) noexcept override;
+  bool some_wait() const noexcept override;
   Result<void> connect(const core::Source& source) override;
   bool connected(core::EndpointId writer) const noexcept override;
   core::HistoryProgress history(core::EndpointId writer) const noexcept override;

@@ -65,6 +65,7 @@ class IdleReader : public Port {
 class IdleBorrowingReader : public IdleReader<BorrowingReader> {
  public:
   SampleHandle take_of(EndpointId) noexcept override { return {}; }
+  bool some_wait() const noexcept override { return false; }
   void tell_of_room() noexcept override {}
   std::uint64_t held_too_many() const noexcept override { return 0; }
 };

@@ -37,6 +37,8 @@ using NetworkQueue = QueueOf<IdleNetworkReader>;
 
 class MemoryQueue final : public QueueOf<IdleBorrowingReader> {
  public:
+  SampleHandle take() noexcept override { return is_at_limit ? SampleHandle() : pop(); }
+  bool some_wait() const noexcept override { return !samples.empty(); }
   SampleHandle take_of(EndpointId writer) noexcept override {
     const auto first = std::find_if(samples.begin(), samples.end(),
                                     [&](const SampleHandle& sample) { return sample->writer == writer; });
@@ -45,6 +47,8 @@ class MemoryQueue final : public QueueOf<IdleBorrowingReader> {
     samples.erase(first);
     return sample;
   }
+
+  bool is_at_limit = false;  ///< as many samples are held as may be
 };
 
 /// A port that another thread fills.

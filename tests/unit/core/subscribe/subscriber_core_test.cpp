@@ -159,6 +159,29 @@ TEST_F(SubscriberCoreTest, NoMoreThanTheDepthIsKeptHoweverOftenTheMemoryIsLost) 
   EXPECT_EQ(taken(), (Sequences{4, 5}));
 }
 
+TEST_F(SubscriberCoreTest, FormerConditionsCountUntilNoSampleWaitsNotEvenOneThatCannotBeTakenYet) {
+  const auto request = [&](const char* text, std::uint64_t number) {
+    subscriber->feed().requests(type.closed(type.parse_selection(text).value()), number);
+  };
+  arrives(*memory, 1);
+  EXPECT_EQ(taken(), (Sequences{1}));
+  request("* @ height > 5", 2);
+  request("*", 3);
+  arrives(*memory, 4);
+  memory->is_at_limit = true;
+  subscriber->ports().forget_former_conditions();
+  EXPECT_EQ(taken(), (Sequences{}));
+  memory->is_at_limit = false;
+  EXPECT_EQ(taken(), (Sequences{4}));
+  EXPECT_EQ(subscriber->feed().status().lost, 0U) << "the conditions in between may have withheld samples";
+  arrives(*memory, 6);
+  EXPECT_EQ(taken(), (Sequences{6}));
+  EXPECT_EQ(subscriber->feed().status().lost, 0U) << "the fifth one may have been sent while they still counted";
+  arrives(*memory, 8);
+  EXPECT_EQ(taken(), (Sequences{8}));
+  EXPECT_EQ(subscriber->feed().status().lost, 1U) << "nothing waited any more, so they count no more";
+}
+
 TEST_F(SubscriberCoreTest, LossesThatOnlyAPortKnowsAreCountedWithThoseSeen) {
   arrives(*network, 5);
   arrives(*network, 8);

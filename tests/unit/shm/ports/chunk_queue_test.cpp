@@ -58,6 +58,7 @@ TEST_F(ChunkQueueTest, NoMoreChunksAreBorrowedThanTheLimitAndThisIsToldOnce) {
   arrive(1);
   EXPECT_TRUE(queue_->take().limit_reached);
   EXPECT_FALSE(queue_->take().limit_reached);
+  EXPECT_TRUE(queue_->some_wait());
   queue_->give_back(*first);
   EXPECT_NE(queue_->take().slot, nullptr);
 }
@@ -97,6 +98,7 @@ TEST_F(ChunkQueueTest, OnlySamplesThatArrivedBeforeTheSessionWasLostCanBeTaken) 
   queue_->lose();
   arrive(1);
   EXPECT_FALSE(queue_->open());
+  EXPECT_TRUE(queue_->some_wait());
   EXPECT_EQ(queue_->left(), 1U);
   EXPECT_EQ(queue_->arrivals(), before);
   const std::size_t in_use_before = in_use();
@@ -105,6 +107,7 @@ TEST_F(ChunkQueueTest, OnlySamplesThatArrivedBeforeTheSessionWasLostCanBeTaken) 
   ASSERT_NE(kept.slot, nullptr);
   EXPECT_FALSE(kept.overflowed);
   EXPECT_TRUE(queue_->drained());
+  EXPECT_FALSE(queue_->some_wait());
   EXPECT_EQ(queue_->take().slot, nullptr);
   queue_->give_back(*kept.slot);
   EXPECT_EQ(in_use(), in_use_before) << "iceoryx is not used any more";
