@@ -15,6 +15,9 @@ constexpr std::size_t unattached_max = 128;
 constexpr std::chrono::milliseconds attach_again_after{500};
 constexpr int looks_in_callback_max = 4;                 // in a row
 constexpr std::chrono::milliseconds restart_pause{500};  // for the other side to see that nobody listens
+/// Lost memory is not free for the next daemon while samples in it can be taken. sftd waits half a second for
+/// that when it ends, of which a node may take 200 ms to notice.
+constexpr std::chrono::milliseconds lost_memory_kept{200};
 constexpr std::chrono::seconds network_preferred_min{2}, network_preferred_max{60};
 
 /// The first announcement of a writer that is heard may be somebody else's: a later one corrects it.
@@ -43,6 +46,7 @@ LocalReader::LocalReader(NodeContext& node, const Endpoint& endpoint, Parts part
 void LocalReader::close() {
   ports().set_network(nullptr);
   ports().set_memory(nullptr);
+  ports().release_lost_memory(true);
 }
 
 void LocalReader::reconcile(std::size_t& unattached) {
@@ -170,7 +174,8 @@ bool LocalReader::look_after_history(const ReaderPort& port, EndpointId writer, 
 }
 
 void LocalReader::drop_memory() {
-  ports().lose_memory(core_->spec().options.depth);
+  ports().lose_memory();
+  memory_lost_at_ = std::chrono::steady_clock::now();
   memory_.reset();
   for (auto& [writer, hearing] : heard_) hearing.memory = false;
   for (auto& [writer, connecting] : connecting_) connecting.memory = {};
@@ -216,6 +221,8 @@ void LocalReader::send_request() {
 }
 
 void LocalReader::forget_what_was_in_flight(Time now) {
+  if (memory_lost_at_ != Time::max() && ports().release_lost_memory(now - memory_lost_at_ > lost_memory_kept))
+    memory_lost_at_ = Time::max();
   if (accepted_.look(now)) accept();
   if (others_asked_at_ != Time::max() && now - others_asked_at_ > AcceptedRequests::in_flight_max) {
     others_asked_at_ = Time::max();

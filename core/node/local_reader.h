@@ -48,7 +48,7 @@ class LocalReader {
   };
   /// Sends the writers a request that says which of them the reader hears by now.
   Connections look_after_connections();
-  /// The memory of the port is gone, or another daemon's.
+  /// The memory of the port is gone, or another daemon's. What has come by the port can be taken for a while.
   void drop_memory();
   /// True if a connection failed that may be tried again.
   bool may_try_again(Time now) const;
@@ -60,8 +60,8 @@ class LocalReader {
   bool requirement_changed();
   /// Tells others the request as it is now.
   void send_request();
-  /// Accepts no more samples under earlier requests, and from writers that have gone, once none can be in
-  /// flight.
+  /// Accepts no more samples under earlier requests, from writers that have gone, and by lost memory, once
+  /// none can be in flight.
   void forget_what_was_in_flight(Time now);
 
   // Life.
@@ -114,6 +114,7 @@ class LocalReader {
   std::map<EndpointId, ArrivalWatchdog> watchdogs_;
   std::map<EndpointId, Time>
       departed_;                        ///< writers of which datagrams may still be in flight, and since when
+  Time memory_lost_at_ = Time::max();   ///< while what came by it can be taken; max: long ago
   Time others_asked_at_ = Time::max();  ///< when other samples were asked for last; max: long ago
   int looks_in_callback_ = 0;           ///< in a row
   Qos requested_;

@@ -1,12 +1,37 @@
 #include "core/publish/dispatch.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "core/publish/lent_copy.h"
 #include "core/seam/gate_table.h"
 
 namespace sft::core {
+
+namespace {
+
+bool is_among(const std::vector<Route>& routes, const Route& to) {
+  return std::ranges::find(routes, to.reader, &Route::reader) != routes.end();
+}
+
+/// The routes of `some`, and those of `others` to other readers.
+std::vector<Route> joined(const std::vector<Route>& some, const std::vector<Route>& others) {
+  std::vector<Route> all = some;
+  const auto is_new = [&](const Route& route) { return !is_among(some, route); };
+  std::ranges::copy_if(others, std::back_inserter(all), is_new);
+  return all;
+}
+
+/// The routes of `before` to readers to whom `elsewhere` has routes.
+std::vector<Route> changing_over(const std::vector<Route>& before, const std::vector<Route>& elsewhere) {
+  std::vector<Route> some;
+  const auto is_elsewhere = [&](const Route& route) { return is_among(elsewhere, route); };
+  std::ranges::copy_if(before, std::back_inserter(some), is_elsewhere);
+  return some;
+}
+
+}  // namespace
 
 Dispatch::Dispatch(Setup setup)
     : type_(*setup.type),
@@ -27,13 +52,16 @@ void Dispatch::turn_to(const Outlets& outlets) noexcept {
   in_force_ = &outlets;
 }
 
-/// True if a reader that was served over the network is served in shared memory from now on.
-bool Dispatch::changes_over(const Serving& serving) {
-  const bool somebody_does = std::ranges::any_of(
-      serving.memory, [this](const Route& route) { return over_network_.contains(route.reader); });
-  over_network_.clear();
-  for (const Route& route : serving.network) over_network_.insert(route.reader);
-  return somebody_does;
+/// Puts outlets in force by which samples go to the ports of before and to those of from now on.
+void Dispatch::send_by_both(const Outlets& before, const Outlets& after) {
+  auto both = std::make_shared<Outlets>(before.with(after));
+  if (after.memory != nullptr) {
+    both->to_memory = after.to_memory || (before.to_memory && before.memory == after.memory);
+    both->memory = after.memory;
+  }
+  both->to_network |= after.to_network;
+  outlets_.replace(std::move(both));
+  outlets_.wait_for_reader();
 }
 
 FieldMask Dispatch::serve(Serving& serving, std::shared_ptr<LendingWriter> memory) {
@@ -50,24 +78,21 @@ FieldMask Dispatch::serve(Serving& serving, std::shared_ptr<LendingWriter> memor
     outlets_.wait_for_reader();
   }
   book_->enter(after->page);
-  if (after->memory != nullptr) {
-    after->memory->set_routes(serving.memory);
-  }
-  if (changes_over(serving)) {
-    // The reader must not fall between two ports: for a moment both send it samples, and it takes them once.
-    auto both = std::make_shared<Outlets>(before->with(*after));
-    both->memory = after->memory;
-    both->to_memory = true;
-    outlets_.replace(std::move(both));
-    outlets_.wait_for_reader();
-  }
-  if (network_ != nullptr) {
-    std::vector<Route> routes = serving.network;
-    if (after->has_fallback) routes.insert(routes.end(), serving.fallback.begin(), serving.fallback.end());
-    network_->set_routes(std::move(routes));
-  }
+  // A reader that changes over must not fall between two ports: for a moment both send it samples, and it
+  // takes them once.
+  const std::vector<Route> leave_memory = changing_over(in_memory_, serving.network);
+  const std::vector<Route> leave_network = changing_over(over_network_, serving.memory);
+  std::vector<Route> network = serving.network;
+  if (after->has_fallback) network.insert(network.end(), serving.fallback.begin(), serving.fallback.end());
+  if (network_ != nullptr && !leave_memory.empty()) network_->set_routes(joined(leave_network, network));
+  if (after->memory != nullptr) after->memory->set_routes(joined(leave_memory, serving.memory));
+  if (!leave_memory.empty() || !leave_network.empty()) send_by_both(*before, *after);
+  if (after->memory != nullptr && !leave_memory.empty()) after->memory->set_routes(serving.memory);
+  if (network_ != nullptr) network_->set_routes(std::move(network));
   outlets_.replace(after);
   gates_.open_for(serving);
+  in_memory_ = serving.memory;
+  over_network_ = serving.network;
   return after->is_wanted ? after->mask : type_.none();
 }
 

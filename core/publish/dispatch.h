@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <set>
+#include <vector>
 
 #include "core/publish/gates.h"
 #include "core/publish/history.h"
@@ -140,7 +140,7 @@ class Dispatch {
     diverted_stamp_ns_ = sample.source_stamp_ns;
   }
   void count_refusal(std::uint32_t body_bytes) noexcept;
-  bool changes_over(const Serving& serving);
+  void send_by_both(const Outlets& before, const Outlets& after);
 
   const TypeSupport& type_;
   const std::shared_ptr<NetworkWriter> network_;
@@ -163,7 +163,7 @@ class Dispatch {
 
   // The agent's thread.
   Gates gates_;
-  std::set<EndpointId> over_network_;  ///< readers that are served so
+  std::vector<Route> in_memory_, over_network_;  ///< the routes in force
 };
 
 }  // namespace sft::core

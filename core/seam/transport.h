@@ -43,7 +43,8 @@ class Transport {
 
   /// Looks after the transport (starts or finds its daemon, notices its death) and tells its state; called
   /// often, and returns at once. When the answer leaves `ready`, ports of before are dead: destroy them and
-  /// open others.
+  /// open others. What had come by a BorrowingReader can still be taken until it is destroyed, which should
+  /// be soon, since the memory is not free before.
   virtual Availability poll(std::chrono::steady_clock::time_point now) = 0;
   /// The largest body that it carries. Any thread.
   virtual std::size_t max_sample_bytes() const noexcept = 0;

@@ -76,7 +76,7 @@ class WriterPort {
   virtual void be_patient(std::chrono::nanoseconds at_most) noexcept = 0;
 
   /// Replaces the routes. The publisher's thread goes on with the earlier ones until the next sample. A
-  /// reader without a route gets nothing, also if it is attached: it is served otherwise.
+  /// reader without a route gets nothing, also if it is attached.
   virtual void set_routes(std::vector<Route> routes) = 0;
 };
 

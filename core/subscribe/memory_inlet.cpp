@@ -1,37 +1,42 @@
 #include "core/subscribe/memory_inlet.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace sft::core {
 
-std::shared_ptr<BorrowingReader> MemoryInlet::replace(std::shared_ptr<BorrowingReader> port) {
-  return std::exchange(port_, std::move(port));
+MemoryInlet::Port MemoryInlet::replace(Port port) { return std::exchange(port_, std::move(port)); }
+
+MemoryInlet::Port MemoryInlet::lose() {
+  if (port_ == nullptr) return nullptr;
+  return std::exchange(lost_, std::exchange(port_, nullptr));
 }
 
-MemoryInlet::Lost MemoryInlet::lose(std::size_t depth) {
-  Lost lost{std::exchange(port_, nullptr), {}};
-  if (lost.port == nullptr) return lost;
-  while (SampleHandle sample = lost.port->take()) kept_.push_back(std::move(sample));
-  for (; kept_.size() > depth; kept_.pop_front()) lost.dropped.push_back(std::move(kept_.front()));
-  return lost;
+MemoryInlet::Port MemoryInlet::release(bool also_if_some_wait) {
+  if (lost_ == nullptr || (lost_->some_wait() && !also_if_some_wait)) return nullptr;
+  return std::exchange(lost_, nullptr);
 }
 
 SampleHandle MemoryInlet::take() {
-  if (kept_.empty()) [[likely]]
-    return port_ == nullptr ? SampleHandle() : port_->take();
-  SampleHandle oldest = std::move(kept_.front());
-  kept_.pop_front();
-  return oldest;
+  SampleHandle sample;
+  if (lost_ != nullptr) [[unlikely]]
+    sample = lost_->take();
+  if (!sample && port_ != nullptr) sample = port_->take();
+  return sample;
 }
 
 SampleHandle MemoryInlet::take_of(EndpointId writer) {
-  const auto is_it = [writer](const SampleHandle& sample) { return sample->writer == writer; };
-  const auto kept = std::ranges::find_if(kept_, is_it);
-  if (kept == kept_.end()) return port_ == nullptr ? SampleHandle() : port_->take_of(writer);
-  SampleHandle oldest = std::move(*kept);
-  kept_.erase(kept);
-  return oldest;
+  SampleHandle sample;
+  if (lost_ != nullptr) sample = lost_->take_of(writer);
+  if (!sample && port_ != nullptr) sample = port_->take_of(writer);
+  return sample;
+}
+
+bool MemoryInlet::some_wait() const {
+  return (lost_ != nullptr && lost_->some_wait()) || (port_ != nullptr && port_->some_wait());
+}
+
+std::uint64_t MemoryInlet::held_too_many() const {
+  return (lost_ == nullptr ? 0 : lost_->held_too_many()) + (port_ == nullptr ? 0 : port_->held_too_many());
 }
 
 }  // namespace sft::core

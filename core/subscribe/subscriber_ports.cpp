@@ -11,24 +11,33 @@ void SubscriberPorts::Counts::add(const ReaderPort& port) {
   discarded += counters.discarded;
 }
 
+void SubscriberPorts::Counts::add(const MemoryInlet::Port& port) {
+  if (port == nullptr) return;
+  add(*port);
+  held_too_many += port->held_too_many();
+}
+
 void SubscriberPorts::set_memory(std::shared_ptr<BorrowingReader> port) {
   const std::shared_ptr<NetworkReader> beside = network();
   if (port != nullptr && beside != nullptr) beside->share_reader();
   const Lock lock(mutex_);
   port = memory_.replace(std::move(port));  // the former one ends with the argument, without the mutex
-  if (port == nullptr) return;
-  of_former_ports_.add(*port);
-  of_former_ports_.held_too_many += port->held_too_many();
+  of_former_ports_.add(port);
 }
 
-void SubscriberPorts::lose_memory(std::size_t depth) {
-  MemoryInlet::Lost lost;  // ends after the mutex was released
+void SubscriberPorts::lose_memory() {
+  MemoryInlet::Port ended;  // without the mutex
   const Lock lock(mutex_);
-  lost = memory_.lose(depth);
-  if (lost.port == nullptr) return;
-  of_former_ports_.add(*lost.port);
-  of_former_ports_.held_too_many += lost.port->held_too_many();
-  of_former_ports_.discarded += lost.dropped.size();
+  ended = memory_.lose();
+  of_former_ports_.add(ended);
+}
+
+bool SubscriberPorts::release_lost_memory(bool also_if_some_wait) {
+  MemoryInlet::Port ended;  // without the mutex
+  const Lock lock(mutex_);
+  ended = memory_.release(also_if_some_wait);
+  of_former_ports_.add(ended);
+  return memory_.lost() == nullptr;
 }
 
 void SubscriberPorts::set_network(std::shared_ptr<NetworkReader> port) {
@@ -53,12 +62,6 @@ void SubscriberPorts::tell_of_room() {
   if (memory != nullptr) memory->tell_of_room();
 }
 
-bool SubscriberPorts::none_waits() {
-  if (in_force_ && !memory_.some_wait()) [[unlikely]]
-    intake_.accounts().forget_conditions_before(*std::exchange(in_force_, std::nullopt));
-  return false;
-}
-
 bool SubscriberPorts::find_next() {
   using Decision = Intake::Decision;
   LazyRealtime now;
@@ -73,7 +76,11 @@ bool SubscriberPorts::find_next() {
         if (intake_.is_empty(Intake::Inlet::memory)) intake_.put(Intake::Inlet::memory, memory_.take());
         if (network_ != nullptr && intake_.is_empty(Intake::Inlet::network))
           intake_.put(Intake::Inlet::network, network_->take());
-        if (intake_.is_empty()) return none_waits();
+        if (intake_.is_empty()) {
+          if (in_force_ && !memory_.some_wait()) [[unlikely]]
+            intake_.accounts().forget_conditions_before(*std::exchange(in_force_, std::nullopt));
+          return false;
+        }
         decision = intake_.next(now);
         break;
       case Decision::ask_connected: {
@@ -207,7 +214,7 @@ std::uint64_t SubscriberPorts::losses() {
 
 std::uint64_t SubscriberPorts::held_too_many() {
   const Lock lock(mutex_);
-  return of_former_ports_.held_too_many + (memory_.port() == nullptr ? 0 : memory_.port()->held_too_many());
+  return of_former_ports_.held_too_many + memory_.held_too_many();
 }
 
 std::uint64_t SubscriberPorts::arrivals(EndpointId writer) {
@@ -225,10 +232,8 @@ Account::OfReader SubscriberPorts::account_of(EndpointId writer) {
 
 SubscriberPorts::Counts SubscriberPorts::counts() const {
   Counts counts = of_former_ports_;
-  if (const auto& memory = memory_.port(); memory != nullptr) {
-    counts.add(*memory);
-    counts.held_too_many += memory->held_too_many();
-  }
+  counts.add(memory_.port());
+  counts.add(memory_.lost());
   if (network_ != nullptr) counts.add(*network_);
   return counts;
 }

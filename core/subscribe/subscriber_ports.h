@@ -56,9 +56,10 @@ class SubscriberPorts {
   // The agent's.
   /// Null: the subscriber has none any more.
   void set_memory(std::shared_ptr<BorrowingReader> port);
-  /// The memory was lost, and so was the port there. The last `depth` samples that came by it are kept until
-  /// they are taken.
-  void lose_memory(std::size_t depth);
+  /// The memory was lost, and so was the port there. What has come by it can still be taken.
+  void lose_memory();
+  /// Lets go of the lost port if nothing waits in it, or also what waits. True if there is none any more.
+  bool release_lost_memory(bool also_if_some_wait);
   void set_network(std::shared_ptr<NetworkReader> port);
   void hears(const std::vector<Hearing>& hearing);
   /// The request that is in force from now on, and its number. Null: the same request with another number.
@@ -86,12 +87,11 @@ class SubscriberPorts {
     std::uint64_t discarded = 0;
     std::uint64_t held_too_many = 0;
     void add(const ReaderPort& port);
+    void add(const MemoryInlet::Port& port);
   };
 
   /// True if intake_ can deliver a sample.
   bool find_next() SFT_REQUIRES(mutex_);
-  /// False: what find_next() says then.
-  bool none_waits() SFT_REQUIRES(mutex_);
   Next next() SFT_REQUIRES(mutex_);
   /// Says under which request the sample is delivered.
   void settle(Next& next) SFT_REQUIRES(mutex_);

@@ -219,9 +219,9 @@ std::shared_ptr<Session> DaemonLink::watch_session() {
   }
   // If there is no session, its last user has released it, and it has said goodbye to the daemon.
   phase_ = Phase::looking;
+  if (session != nullptr) session->lose();
   publish(Availability::starting,
           session != nullptr ? daemon_name(session->daemon_pid()) + " is gone" : looking_for_daemon);
-  if (session != nullptr) session->lose();
   return nullptr;
 }
 

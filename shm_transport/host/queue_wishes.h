@@ -1,6 +1,6 @@
-// The id of the reader of a queue, by which the writer finds its conditions, and the requests that the reader
-// makes to the writer of the queue. They travel in the name of the
-// reader's port: iceoryx passes the name on and does not read it.
+// The id of the reader of a queue, by which the writer finds whether it serves the reader and under which
+// conditions, and the requests that the reader makes to the writer of the queue. They travel in the name of
+// the reader's port: iceoryx passes the name on and does not read it.
 #pragma once
 
 #include <string>

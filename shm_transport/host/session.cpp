@@ -255,7 +255,7 @@ void Session::enlist(const std::shared_ptr<SessionMember>& member) {
       return;
     }
   }
-  member->lose();
+  member->lose(SessionMember::Loss::before);
 }
 
 void Session::lose() noexcept {
@@ -267,7 +267,8 @@ void Session::lose() noexcept {
   }
   for (const bool senders : {true, false}) {
     for (const auto& member : members) {
-      if (const auto held = member.lock(); held != nullptr && held->sends() == senders) held->lose();
+      if (const auto held = member.lock(); held != nullptr && held->sends() == senders)
+        held->lose(SessionMember::Loss::now);
     }
   }
   forget_segments();

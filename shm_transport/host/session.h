@@ -25,23 +25,11 @@
 #include "shm_transport/host/mapping.h"
 #include "shm_transport/host/queue_wishes.h"
 #include "shm_transport/host/roudi_channel.h"
+#include "shm_transport/host/session_member.h"
 
 namespace sft::shm {
 
 class IceoryxRuntime;
-
-/// The state of a port. It must not use iceoryx any more after the session is lost.
-class SessionMember {
- public:
-  /// Returns when no other thread is using iceoryx through this member any more.
-  virtual void lose() noexcept = 0;
-  /// Returns whether other members may get samples from this one. It is told of the loss before them, so that
-  /// they know by then what has arrived.
-  virtual bool sends() const noexcept = 0;
-
- protected:
-  ~SessionMember() = default;
-};
 
 class Session : public std::enable_shared_from_this<Session> {
  public:

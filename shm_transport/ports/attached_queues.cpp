@@ -77,9 +77,11 @@ void AttachedQueues::owe_nothing(std::set<core::EndpointId> readers) {
   owed_nothing_ = std::move(readers);
 }
 
-void AttachedQueues::deliver(Port& port, const Listener& listener, iox::mepoo::SharedChunk chunk) {
+void AttachedQueues::deliver(Port& port, const Listener& listener, iox::mepoo::SharedChunk chunk) const {
+  const auto index =
+      static_cast<std::uint32_t>(&listener - listeners_.data());  // where it is looked for first
   iox::popo::ChunkDistributor<iox::popo::PublisherPortData::ChunkDistributorData_t> distributor(&port);
-  std::ignore = distributor.deliverToQueue(listener.queue, 0, std::move(chunk));
+  std::ignore = distributor.deliverToQueue(listener.queue, index, std::move(chunk));
 }
 
 void AttachedQueues::count() {

@@ -79,8 +79,8 @@ class AttachedQueues {
   const Listener* without_room() const;
   static bool has_room(const Listener& listener);
 
-  /// Puts the chunk into the queue of this listener, unless the queue is gone.
-  static void deliver(Port& port, const Listener& listener, iox::mepoo::SharedChunk chunk);
+  /// Puts the chunk into the queue of this listener, which is one of listeners(), unless the queue is gone.
+  void deliver(Port& port, const Listener& listener, iox::mepoo::SharedChunk chunk) const;
   /// Counts a sample that is held back from the late readers that wait.
   void hold_back() { ++held_back_; }
   std::uint64_t held_back() const { return held_back_; }

@@ -25,15 +25,11 @@ ChunkQueue::Taken ChunkQueue::take() noexcept {
 }
 
 /// Returns how many samples can be taken from a queue that is not open.
-std::uint64_t ChunkQueue::remaining() const noexcept { return lost_ ? kept_.size() : arrived_; }
+std::uint64_t ChunkQueue::remaining() const noexcept { return lost_ ? kept_.size() - kept_taken_ : arrived_; }
 
 /// Takes the oldest chunk out of the queue; null if there is none.
 iox::mepoo::ChunkHeader* ChunkQueue::pop() noexcept {
-  if (lost_) {
-    iox::mepoo::ChunkHeader* const oldest = kept_.front();
-    kept_.pop_front();
-    return oldest;
-  }
+  if (lost_) return kept_[kept_taken_++];
   if (!open_) --arrived_;
   const ChunkInHand hand(data_);
   // The overflow is queried before the chunk is taken, because a later overflow may concern samples behind
@@ -62,7 +58,7 @@ bool ChunkQueue::some_wait() const noexcept {
 /// any more, so overflows are counted, too.
 std::uint64_t ChunkQueue::arrivals() noexcept {
   const core::Lock lock(mutex_);
-  if (lost_) return popped_ + overflows_ + kept_.size();
+  if (lost_) return popped_ + overflows_ + remaining();
   if (port_.hasLostChunksSinceLastCall()) {
     overflow_is_news_ = true;
     ++overflows_;
@@ -98,7 +94,7 @@ bool ChunkQueue::drop_oldest() noexcept {
   const core::Lock lock(mutex_);
   if (open_ || remaining() == 0) return false;
   if (lost_) {
-    kept_.pop_front();
+    ++kept_taken_;
     return true;
   }
   --arrived_;
@@ -108,20 +104,20 @@ bool ChunkQueue::drop_oldest() noexcept {
   return true;
 }
 
-void ChunkQueue::lose() noexcept {
+void ChunkQueue::lose(SessionMember::Loss loss) noexcept {
   const core::Lock lock(mutex_);
   if (std::exchange(lost_, true)) return;
-  auto& queue = data_.m_chunkReceiverData.m_queue;
-  const std::uint64_t arrived =
-      std::min<std::uint64_t>(std::exchange(open_, false) ? queue.size() : arrived_, capacity());
+  const bool was_open = std::exchange(open_, false);
+  if (loss == SessionMember::Loss::before) return;
+  std::uint64_t arrived = std::min<std::uint64_t>(
+      was_open ? data_.m_chunkReceiverData.m_queue.size() : arrived_, kept_.capacity());
   overflow_is_news_ |= port_.hasLostChunksSinceLastCall();
   iox::popo::ChunkQueuePopper<iox::popo::SubscriberPortData::ChunkQueueData_t> popper(
       &data_.m_chunkReceiverData);
-  while (kept_.size() < arrived) {
-    auto chunk = popper.tryPop();
-    if (!chunk) break;
+  for (; arrived > 0; --arrived) {
     // The reference is never given back: a writer that has not noticed the loss must not lend the chunk anew.
-    kept_.push_back(ShmSafeUnmanagedChunk(std::move(*chunk)).getChunkHeader());
+    if (auto chunk = popper.tryPop())
+      kept_.push_back(ShmSafeUnmanagedChunk(std::move(*chunk)).getChunkHeader());
   }
 }
 

@@ -4,12 +4,13 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
+#include <vector>
 
 #include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
 #include "shm_transport/host/chunk_slots.h"
 #include "shm_transport/host/iceoryx.h"
+#include "shm_transport/host/session_member.h"
 
 namespace sft::shm {
 
@@ -18,7 +19,9 @@ class ChunkQueue {
  public:
   /// `port` outlives the queue. `most`: chunks that may be borrowed at a time.
   ChunkQueue(iox::popo::SubscriberPortData& port, std::uint32_t most, const FieldMask& mask)
-      : data_(port), port_(&port), slots_(most, mask) {}
+      : data_(port), port_(&port), slots_(most, mask) {
+    kept_.reserve(capacity());
+  }
 
   iox::popo::SubscriberPortData& port() const noexcept { return data_; }
   std::uint64_t capacity() const noexcept { return data_.m_chunkReceiverData.m_queue.capacity(); }
@@ -46,8 +49,9 @@ class ChunkQueue {
   std::uint64_t left() const noexcept;
   /// Drops the oldest of the samples that remain after close() or lose(). Returns false if there is none.
   bool drop_oldest() noexcept;
-  /// The session is lost. The memory of the samples that have arrived stays mapped, and nobody lends it anew.
-  void lose() noexcept;
+  /// The session is lost. The samples that have arrived stay mapped, and nobody lends their memory anew,
+  /// since this reader never gives it back.
+  void lose(SessionMember::Loss loss) noexcept;
 
  private:
   std::uint64_t remaining() const noexcept SFT_REQUIRES(mutex_);
@@ -62,8 +66,9 @@ class ChunkQueue {
   bool lost_ SFT_GUARDED_BY(mutex_) = false;
   /// The samples that had arrived at close() and are not yet taken.
   std::uint64_t arrived_ SFT_GUARDED_BY(mutex_) = 0;
-  /// The chunks that had arrived at lose() and are not yet taken.
-  std::deque<iox::mepoo::ChunkHeader*> kept_ SFT_GUARDED_BY(mutex_);
+  /// The chunks that had arrived at lose(), of which the first `kept_taken_` are taken.
+  std::vector<iox::mepoo::ChunkHeader*> kept_ SFT_GUARDED_BY(mutex_);
+  std::size_t kept_taken_ SFT_GUARDED_BY(mutex_) = 0;
   std::uint64_t popped_ SFT_GUARDED_BY(mutex_) = 0;     ///< chunks taken out of the queue
   std::uint64_t overflows_ SFT_GUARDED_BY(mutex_) = 0;  ///< overflows that arrivals() has noticed
   /// An overflow was noticed, and take() has not told of it.

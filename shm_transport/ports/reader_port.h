@@ -1,6 +1,8 @@
 // The reader's end of a topic in shared memory. A reader has one subscriber port of iceoryx for each writer
 // that it is connected to, and takes samples from these ports in turn.
 //
+// Samples that had come before the session was lost can still be taken.
+//
 // Samples of a writer from which the reader was disconnected can still be taken, and come first. At most
 // `depth` of them are kept in all, because a publisher that is restarted again and again while nobody takes
 // must not use up the chunks and ports of the daemon. The oldest samples are dropped, and are counted.
@@ -64,7 +66,7 @@ class ChunkBorrower final : public core::BufferOwner,
   std::uint64_t lost_unnoticed() const noexcept { return losses_.lost_unnoticed(); }
 
   void recycle(core::SampleBuffer& buffer) noexcept override;
-  void lose() noexcept override { queue_.lose(); }
+  void lose(Loss loss) noexcept override { queue_.lose(loss); }
   bool sends() const noexcept override { return false; }
 
  private:

@@ -155,7 +155,7 @@ void ChunkLender::deliver(ChunkSlot& slot) noexcept {
   }
   if (attached_.somebody_waits()) attached_.hold_back();
   for (const AttachedQueues::Listener& listener : attached_.listeners()) {
-    if (listener.wants_sample()) AttachedQueues::deliver(port, listener, slot.name.cloneToSharedChunk());
+    if (listener.wants_sample()) attached_.deliver(port, listener, slot.name.cloneToSharedChunk());
   }
 }
 
@@ -215,7 +215,7 @@ bool ChunkLender::begin(core::EndpointId reader, const std::vector<SampleHandle>
     const ChunkInHand hand(publisher_);
     for (const SampleHandle& sample : retained) {
       ChunkSlot& slot = ChunkSlot::of(*sample);
-      AttachedQueues::deliver(port, *listener, slot.name.cloneToSharedChunk());
+      attached_.deliver(port, *listener, slot.name.cloneToSharedChunk());
       slot.sent = true;
     }
     attached_.begun(reader);
@@ -243,7 +243,7 @@ void ChunkLender::recycle(SampleBuffer& buffer) noexcept {
   gone = let_go();
 }
 
-void ChunkLender::lose() noexcept {
+void ChunkLender::lose(Loss) noexcept {
   std::shared_ptr<Session> gone;
   const core::Lock lock(mutex_);
   lost_ = true;
@@ -337,8 +337,8 @@ std::string ShmWriterPort::why_unreachable(const core::Route& to) {
   return {};
 }
 
-/// Whoever may get a sample is woken: a reader is rung for before it is served, until it is not served any
-/// more, and by the gates from before and from now while they change.
+/// Whoever may get a sample is woken. A reader is rung for before it is served, and until it is not served
+/// any more. While gates change, those of before and those of now ring.
 void ShmWriterPort::set_routes(std::vector<core::Route> routes) {
   std::set<core::EndpointId> owed_nothing, awaited;
   AttachedQueues::Served served;
@@ -349,16 +349,17 @@ void ShmWriterPort::set_routes(std::vector<core::Route> routes) {
   }
   chunks_->wait_for(std::move(awaited));
   const auto leaves = [&served](const core::Route& route) { return !served.contains(route.reader); };
-  const bool both = std::ranges::any_of(routes, has_conditions) ||
-                    std::ranges::any_of(routes_, has_conditions) || std::ranges::any_of(routes_, leaves);
-  if (both) routes_.insert(routes_.end(), routes.begin(), routes.end());
+  const bool ring_for_both = std::ranges::any_of(routes, has_conditions) ||
+                             std::ranges::any_of(routes_, has_conditions) ||
+                             std::ranges::any_of(routes_, leaves);
+  if (ring_for_both) routes_.insert(routes_.end(), routes.begin(), routes.end());
   const auto ring_for = [this](const std::vector<core::Route>& readers) {
     doorbells_.replace(readers.empty() ? nullptr : pages_->doorbells_of(readers, reader_accounts_));
   };
-  ring_for(both ? routes_ : routes);
+  ring_for(ring_for_both ? routes_ : routes);
   chunks_->serve(std::move(served));
   chunks_->owe_nothing(std::move(owed_nothing));
-  if (both) ring_for(routes);
+  if (ring_for_both) ring_for(routes);
   routes_ = std::move(routes);
   reached_.clear();
 }

@@ -55,10 +55,10 @@ class ChunkLender final : public core::BufferOwner,
   std::size_t largest_bytes() const noexcept { return largest_bytes_; }
 
   enum class Commit { done, displaced, busy, full, lost };
-  /// Delivers a lent sample to all subscribed readers, or to none. `busy`: the daemon holds the lock of the
-  /// port. It holds it for microseconds, unless it was stopped or killed meanwhile. `full`: `may_wait` is
-  /// true, and a reader for which the writer waits has no room. `displaced`: `may_wait` is false, and such a
-  /// reader has lost its oldest sample.
+  /// Delivers a lent sample to all readers that are served and want it, or to none. `busy`: the daemon holds
+  /// the lock of the port. It holds it for microseconds, unless it was stopped or killed meanwhile. `full`:
+  /// `may_wait` is true, and a reader for which the writer waits has no room. `displaced`: `may_wait` is
+  /// false, and such a reader has lost its oldest sample.
   Commit commit(ChunkSlot& slot, bool to_readers, bool may_wait) noexcept;
   /// Sleeps, after commit() has returned `full`, until that reader has room, but at most until `until`, and
   /// never long. Then the caller tries commit() again.
@@ -81,7 +81,7 @@ class ChunkLender final : public core::BufferOwner,
   void serve(AttachedQueues::Served readers) noexcept;
 
   void recycle(core::SampleBuffer& buffer) noexcept override;
-  void lose() noexcept override;
+  void lose(Loss loss) noexcept override;
   bool sends() const noexcept override { return true; }
 
  private:

@@ -27,7 +27,7 @@ active proctype writer() {
       if
       :: udp!sequence
       :: shm!sequence
-      :: udp!sequence; shm!sequence /* routed to UDP, and attached already because of another reader */
+      :: udp!sequence; shm!sequence /* for a moment both paths have a route to the reader */
       :: true                       /* no memory, or on a path that was just given up */
       fi;
       sequence++

@@ -1,11 +1,14 @@
 // Tests how a publisher changes from one division of its readers to another.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <functional>
 #include <future>
 #include <optional>
 #include <sensor_msgs/msg/PointCloud2.hpp>
+#include <set>
+#include <vector>
 
 #include "core/publish/publisher_core.h"
 #include "sft/detail/encode.h"
@@ -117,6 +120,86 @@ TEST_F(PublisherServingTest, OnceClosedItTellsTheProgramOfNoReaders) {
   telling.close();
   telling.serve({}, nullptr);
   EXPECT_EQ(told, 1);
+}
+
+/// A publisher that publishes a sample whenever the routes of one of its ports are about to change and have
+/// changed, and what has come to one of its readers, by whichever port.
+class ChangeOverTest : public ::testing::Test {
+ protected:
+  static constexpr EndpointId reader = 2;
+
+  /// Passes on what is sent while it has a route to the reader.
+  template <class Idle>
+  class Port : public Idle {
+   public:
+    explicit Port(ChangeOverTest& test) : test_(test) {}
+    void set_routes(std::vector<Route> routes) override {
+      test_.publish();
+      const auto is_for_reader = [](const Route& r) { return r.reader == reader && !r.fallback; };
+      EXPECT_LE(std::ranges::count(routes, reader, &Route::reader), 1);
+      serves_ = std::ranges::any_of(routes, is_for_reader);
+      test_.publish();
+    }
+
+   protected:
+    SendStatus pass_on(const SampleHandle& sample) {
+      if (serves_) test_.came_.insert(sample->sequence);
+      return SendStatus::sent;
+    }
+    ChangeOverTest& test_;
+
+   private:
+    bool serves_ = false;
+  };
+  class Network final : public Port<IdleNetworkWriter> {
+    using Port::Port;
+    SendStatus send_begun(const SampleHandle& sample, Reach) noexcept override { return pass_on(sample); }
+  };
+  class Memory final : public Port<IdleLendingWriter> {
+   public:
+    using Port::Port;
+    SampleHandle loan(std::size_t bytes) noexcept override { return test_.pool_->take(bytes); }
+    SendStatus send(const SampleHandle& sample) noexcept override { return pass_on(sample); }
+  };
+
+  Route to(EndpointId id) const { return {id, UdpAddress{0x7f000001, 5000}, type_.full()}; }
+  void publish() {
+    if (is_open_) publisher_.publish(&cloud_);
+  }
+  /// The readers in memory and those over the network.
+  void serve(std::vector<EndpointId> here, std::vector<EndpointId> elsewhere) {
+    Serving serving;
+    for (const EndpointId id : here) {
+      serving.memory.push_back(to(id));
+      serving.fallback.push_back(to(id));
+      serving.fallback.back().fallback = true;
+    }
+    for (const EndpointId id : elsewhere) serving.network.push_back(to(id));
+    publisher_.serve(serving, memory_);
+    is_open_ = true;
+    publish();
+  }
+
+  const TypeSupport type_{TypeTable<PointCloud2>::type};
+  const PointCloud2 cloud_{};
+  std::set<std::uint64_t> came_;
+  bool is_open_ = false;  ///< the reader is served
+  const std::shared_ptr<BufferPool> pool_ = BufferPool::make(1 << 20);
+  const std::shared_ptr<Memory> memory_ = std::make_shared<Memory>(*this);
+  PublisherCore publisher_{
+      {1, "points", &type_, 1 << 16}, BufferPool::make(1 << 20), std::make_shared<Network>(*this)};
+};
+
+TEST_F(ChangeOverTest, NoSampleFallsBetweenTheTwoPortsOfAReader) {
+  serve({}, {reader});
+  serve({reader}, {});
+  serve({}, {reader});
+  serve({reader, 3}, {4});
+  serve({3}, {reader, 4});
+  serve({reader, 4}, {3});
+  serve({3}, {4, reader});
+  EXPECT_GT(came_.size(), 20U);
+  EXPECT_EQ(came_.size(), publisher_.status().published);
 }
 
 /// Notes to which addresses it is given what was retained.

@@ -9,6 +9,7 @@
 #include <limits>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 #include <thread>
+#include <utility>
 
 #include "core/platform/clock.h"
 #include "core/seam/buffer_pool.h"
@@ -133,30 +134,50 @@ TEST_F(SubscriberCoreTest, WhatAPortLostUnseenIsCountedAlsoWhenThePortIsGone) {
 }
 
 TEST_F(SubscriberCoreTest, WhatCameBeforeTheMemoryWasLostIsTakenBeforeWhatComesByTheNextPort) {
+  const auto next = std::make_shared<MemoryQueue>();
   arrives(*memory, 1);
   arrives(*memory, 2, 8, 100);
   arrives(*memory, 2);
-  subscriber->ports().lose_memory(16);
+  subscriber->ports().lose_memory();
+  subscriber->ports().set_memory(next);
   arrives(*network, 3);
-  EXPECT_EQ(taken(), (Sequences{1, 2, 3, 2}));
-  subscriber->ports().set_memory(memory);
-  arrives(*memory, 4);
-  subscriber->ports().lose_memory(16);
-  subscriber->ports().lose_memory(16);
-  subscriber->ports().set_memory(memory);
-  arrives(*memory, 5);
-  EXPECT_EQ(taken(), (Sequences{4, 5}));
+  arrives(*next, 4);
+  EXPECT_EQ(taken(), (Sequences{1, 2, 3, 2, 4}));
   EXPECT_EQ(subscriber->feed().status().lost, 0U);
 }
 
-TEST_F(SubscriberCoreTest, NoMoreThanTheDepthIsKeptHoweverOftenTheMemoryIsLost) {
-  for (std::uint64_t sequence = 1; sequence <= 5; ++sequence) {
-    arrives(*memory, sequence);
-    subscriber->ports().lose_memory(2);
-    subscriber->ports().set_memory(memory);
-  }
-  EXPECT_EQ(subscriber->feed().status().discarded, 3U);
-  EXPECT_EQ(taken(), (Sequences{4, 5}));
+TEST_F(SubscriberCoreTest, ALostPortIsKeptUntilNothingWaitsInItOrAnotherOneIsLost) {
+  SubscriberPorts& ports = subscriber->ports();
+  auto first = std::make_shared<MemoryQueue>();
+  const std::weak_ptr<MemoryQueue> kept = first;
+  ports.set_memory(first);
+  arrives(*first, 1);
+  arrives(*first, 2);
+  first->unnoticed = 5;
+  first.reset();
+  ports.lose_memory();
+  ports.set_memory(memory);
+  EXPECT_FALSE(ports.release_lost_memory(false)) << "two samples wait";
+  EXPECT_EQ(subscriber->feed().status().lost, 5U);
+  EXPECT_EQ(taken(), (Sequences{1, 2}));
+  EXPECT_FALSE(kept.expired());
+  EXPECT_TRUE(ports.release_lost_memory(false));
+  EXPECT_TRUE(kept.expired());
+  EXPECT_EQ(subscriber->feed().status().lost, 5U);
+
+  arrives(*memory, 3);
+  ports.lose_memory();
+  EXPECT_FALSE(ports.release_lost_memory(false));
+  ports.set_memory(std::make_shared<MemoryQueue>());
+  ports.lose_memory();
+  EXPECT_EQ(taken(), (Sequences{})) << "the port that was lost before has gone";
+}
+
+TEST_F(SubscriberCoreTest, WhatWaitsInALostPortGoesWhenItsTimeIsOver) {
+  arrives(*memory, 1);
+  subscriber->ports().lose_memory();
+  EXPECT_TRUE(subscriber->ports().release_lost_memory(true));
+  EXPECT_EQ(taken(), (Sequences{}));
 }
 
 TEST_F(SubscriberCoreTest, FormerConditionsCountUntilNoSampleWaitsNotEvenOneThatCannotBeTakenYet) {
@@ -176,7 +197,7 @@ TEST_F(SubscriberCoreTest, FormerConditionsCountUntilNoSampleWaitsNotEvenOneThat
   EXPECT_EQ(subscriber->feed().status().lost, 0U) << "the conditions in between may have withheld samples";
   arrives(*memory, 6);
   EXPECT_EQ(taken(), (Sequences{6}));
-  EXPECT_EQ(subscriber->feed().status().lost, 0U) << "the fifth one may have been sent while they still counted";
+  EXPECT_EQ(subscriber->feed().status().lost, 0U) << "the fifth one may be of the time when they counted";
   arrives(*memory, 8);
   EXPECT_EQ(taken(), (Sequences{8}));
   EXPECT_EQ(subscriber->feed().status().lost, 1U) << "nothing waited any more, so they count no more";

@@ -95,7 +95,7 @@ TEST_F(ChunkQueueTest, OnlySamplesThatArrivedBeforeTheSessionWasLostCanBeTaken) 
   arrive(2);
   ChunkSlot* const slot = queue_->take().slot;
   const auto before = queue_->arrivals();
-  queue_->lose();
+  queue_->lose(SessionMember::Loss::now);
   arrive(1);
   EXPECT_FALSE(queue_->open());
   EXPECT_TRUE(queue_->some_wait());
@@ -117,16 +117,24 @@ TEST_F(ChunkQueueTest, OfAClosedQueueOnlyWhatHadArrivedByThenIsKeptOnceTheSessio
   arrive(1);
   queue_->close();
   arrive(1);
-  queue_->lose();
+  queue_->lose(SessionMember::Loss::now);
   EXPECT_EQ(queue_->left(), 1U);
   EXPECT_TRUE(queue_->drop_oldest());
   EXPECT_TRUE(queue_->drained());
   EXPECT_FALSE(queue_->drop_oldest());
 }
 
+TEST_F(ChunkQueueTest, OfASessionThatWasLostBeforeNothingIsTouched) {
+  arrive(2);
+  queue_->lose(SessionMember::Loss::before);
+  EXPECT_TRUE(queue_->drained());
+  EXPECT_EQ(queue_->take().slot, nullptr);
+  EXPECT_EQ(port_->m_chunkReceiverData.m_queue.size(), 2U);
+}
+
 TEST_F(ChunkQueueTest, AnOverflowBeforeTheSessionWasLostIsToldWithTheFirstChunkThatWasKept) {
   arrive(3);
-  queue_->lose();
+  queue_->lose(SessionMember::Loss::now);
   EXPECT_TRUE(queue_->take().overflowed);
   EXPECT_FALSE(queue_->take().overflowed);
 }
