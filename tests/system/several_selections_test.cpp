@@ -284,6 +284,7 @@ TEST_P(SeveralSelectionsTest, AConditionAloneLeavesAllFieldsOfACompiledSubscribe
 }
 
 TEST_P(HeldSelectionsTest, SamplesThatAreHeldOfOneLeaveTheOtherItsOwn) {
+  warnings_expected = true;  // that too many samples are held
   SubscriberOptions options = with({"height @ height > 100"});
   options.max_held = 2;
   auto sub = b.subscriber("points", type(), "height @ height < 100", options).value();
