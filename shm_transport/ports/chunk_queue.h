@@ -3,6 +3,8 @@
 // have arrived before can still be taken. After it is lost, iceoryx is not used any more.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -20,7 +22,8 @@ class ChunkQueue {
   /// `port` outlives the queue. `most`: chunks that may be borrowed at a time.
   ChunkQueue(iox::popo::SubscriberPortData& port, std::uint32_t most, const FieldMask& mask)
       : data_(port), port_(&port), slots_(most, mask) {
-    kept_.reserve(capacity());
+    // The capacity lies in shared memory, where other programs can write.
+    kept_.reserve(std::min<std::size_t>(capacity(), iox::MAX_SUBSCRIBER_QUEUE_CAPACITY));
   }
 
   iox::popo::SubscriberPortData& port() const noexcept { return data_; }
