@@ -99,6 +99,30 @@ TEST_F(LocalReaderTest, AfterItsPortWasDroppedItConnectsAnew) {
   EXPECT_THAT(memory.asked_for, ElementsAre(7, 7));
 }
 
+TEST_F(LocalReaderTest, ItsLostPortStaysWhileSamplesWaitInItButNotForLong) {
+  open_in_memory();
+  seen(here(Role::writer, 7));
+  memory.samples_wait = true;
+  reader->drop_memory();
+  reader->forget_what_was_in_flight(std::chrono::steady_clock::now());
+  EXPECT_EQ(memory.readers, 1);
+  reader->forget_what_was_in_flight(soon());
+  EXPECT_EQ(memory.readers, 0) << "the next daemon needs the memory";
+
+  reader->reconcile(unattached);
+  memory.samples_wait = false;
+  reader->drop_memory();
+  reader->forget_what_was_in_flight(std::chrono::steady_clock::now());
+  EXPECT_EQ(memory.readers, 0) << "nothing waits";
+
+  reader->reconcile(unattached);
+  memory.samples_wait = true;
+  reader->drop_memory();
+  EXPECT_EQ(memory.readers, 1);
+  reader->close();
+  EXPECT_EQ(memory.readers, 0);
+}
+
 TEST_F(LocalReaderTest, AnotherMaximumRateIsAskedForOnce) {
   open_by_network();
   EXPECT_FALSE(reader->requirement_changed()) << "it is the same as before";

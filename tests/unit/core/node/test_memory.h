@@ -30,7 +30,9 @@ class TestMemory final : public IdleSharedMemory {
   };
   class Reader final : public IdleBorrowingReader {
    public:
-    explicit Reader(TestMemory& memory) : memory_(memory) {}
+    explicit Reader(TestMemory& memory) : memory_(memory) { ++memory_.readers; }
+    ~Reader() override { --memory_.readers; }
+    bool some_wait() const noexcept override { return memory_.samples_wait; }
     Result<void> connect(const Source& source) override {
       memory_.asked_for.push_back(source.writer);
       if (memory_.refusal) return fail(*memory_.refusal, "it does not do that");
@@ -64,6 +66,8 @@ class TestMemory final : public IdleSharedMemory {
   bool attaches = true;
   HistoryProgress progress = HistoryProgress::awaited;
   int writers = 0;
+  int readers = 0;
+  bool samples_wait = false;          ///< in each reader
   int openings = 0;                   ///< of writers, attempts counted
   std::vector<Route> routes;          ///< of the writer that got its own last
   std::string why_unreachable;        ///< what writers say of each reader
