@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
   Program program("Time of taking parts of fields and of conditions, and what they cost between hosts",
                   {{"gathering", [&] { return gathering_parts(rounds); }},
                    {"points", [&] { return reading_points(rounds); }},
+                   {"cells", [&] { return reading_cells(rounds); }},
                    {"gates", [&] { return closed_gates(rounds, 1000); }},
                    {"recordings", [] { return parts_of_recordings(); }},
                    {"between_hosts", [&] { return parts_between_hosts(samples, pairs); }},

@@ -1,6 +1,5 @@
 #include "sft/points.h"
 
-#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <cstring>
@@ -9,11 +8,10 @@
 
 #include "bench/common/contest.h"
 #include "bench/common/process.h"
+#include "bench/selection/local_part.h"
 #include "bench/selection/messages.h"
 #include "bench/selection/selection.h"
 #include "bench/typesupport/messages.h"
-#include "core/seam/buffer_pool.h"
-#include "core/subscribe/remote_copy.h"
 #include "sft/detail/project.h"
 
 namespace sft::bench {
@@ -69,41 +67,18 @@ Figure time_of(const SampleState& state, std::string name, int rounds) {
   return {std::move(name), best[0] / 1000, "us", best[1] / 1000, "a loop by hand that sums x, y and z", 1.1};
 }
 
-/// The whole cloud, as it lies in shared memory.
-core::SampleHandle sample_of(const Sample& whole, core::BufferPool& pool, const TypeSupport& type) {
-  const SampleLayout layout(type.slots());
-  const SampleState& state = whole.state();
-  core::SampleHandle sample = pool.take(layout.bytes(state.body_bytes));
-  std::memcpy(sample->data + layout.body_offset, state.body, state.body_bytes);
-  std::copy_n(state.index, type.slots(), sample->index());
-  sample->header().body_bytes = state.body_bytes;
-  sample->mask = type.full();
-  return sample;
-}
-
 /// A reader with three channels on the publisher's host: what its part costs at take(), and how its points
 /// are read.
 std::vector<Figure> part_in_place(const Sample& whole, int rounds) {
-  const TypeSupport& type = type_support<PointCloud2>();
-  const auto pool = core::BufferPool::make(std::size_t{64} << 20);
-  const auto copies = core::RemoteCopy::make(type, pool);
-  const auto asked =
-      core::make_asked(type, type.closed(type.parse_selection("data{x,y,z}").value()), false, nullptr);
-  const core::SampleHandle sample = sample_of(whole, *pool, type);
-  const auto best =
-      best_times_ns({batch_of([&] { core::PartReader::end(copies->in_place(sample, asked).parts); }),
-                     batch_of([&] { keep(copies->of(sample, *asked->plan)->data); })},
-                    rounds);
-  const core::RemoteCopy::InPlace part = copies->in_place(sample, asked);
-  SampleState state = copies->state(*part.sample);
-  state.parts = part.parts;
-  const View in_place = view_of<PointCloud2, all<PointCloud2>>(state);
+  LocalPart part(type_support<PointCloud2>(), whole, "data{x,y,z}");
+  const auto best = best_times_ns(
+      {batch_of([&] { part.take_and_release(); }), batch_of([&] { keep(part.copied()->data); })}, rounds);
+  const View in_place = view_of<PointCloud2, all<PointCloud2>>(part.state());
   const View full = view_of<PointCloud2, all<PointCloud2>>(whole.state());
   if (sums_of_points(in_place) != sums_by_hand(full)) std::abort();
   const auto loops = best_times_ns(
       {batch_of([&] { keep(sums_of_points(in_place)); }), batch_of([&] { keep(sums_by_hand(full)); })},
       rounds);
-  core::PartReader::end(part.parts);
   return {{"part_in_place", best[0] / 1000, "us", best[1] / 1000, "a copy of the part", 0.1},
           {"points_view_in_place", loops[0] / 1000, "us", loops[1] / 1000,
            "a loop by hand that sums x, y and z", 1.1}};

@@ -12,6 +12,8 @@ namespace sft::bench {
 std::vector<Figure> gathering_parts(int rounds);
 /// Measures loops over the points of a cloud, as a whole and as a part, against loops that know the layout.
 std::vector<Figure> reading_points(int rounds);
+/// Measures loops over the pixels of an image and of a window in it, against loops that know the layout.
+std::vector<Figure> reading_cells(int rounds);
 /// Measures what a part of a cloud costs on the link between two hosts, in bytes and time.
 std::vector<Figure> parts_between_hosts(std::uint64_t samples, int rounds);
 /// Measures what a part of a cloud costs on the link of a publisher with four hosts that ask for it.

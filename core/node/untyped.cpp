@@ -89,7 +89,9 @@ const SampleState& Sample::whole_state() const { return parts_ == nullptr ? stat
 std::vector<std::string> Sample::missing_channels(const TypeSupport& type) const {
   std::vector<std::string> missing;
   if (selection_ == nullptr) return missing;
-  const DynamicView view(state_, type.type(), *state_.mask);
+  SampleState state = state_;
+  state.log = nullptr;  // the program reads no field
+  const DynamicView view(state, type.type(), *state.mask);
   for (const Selection::Part& part : selection_->parts()) {
     const Layout* const layout = type.layout_of(part.leaf);
     if (part.channels.empty() || layout == nullptr) continue;

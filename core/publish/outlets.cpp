@@ -22,8 +22,7 @@ void gather_gates(const std::vector<Route>& routes, const Gates& gates, Outlets&
 void gather_memory_gates(const Serving& serving, const Gates& gates, Outlets& outlets) {
   if (!outlets.to_memory) return;
   for (const Route& route : serving.memory) {
-    const bool has_conditions = route.gate != nullptr && route.gate->id() != 0;
-    if (has_conditions && !holds(outlets.memory_gates, gates.of(route)))
+    if (route.has_conditions() && !holds(outlets.memory_gates, gates.of(route)))
       outlets.memory_gates.push_back(gates.of(route));
   }
 }

@@ -25,6 +25,9 @@ struct Route {
   /// The reader is served elsewhere: this route is for samples that are sent by fallback routes, too.
   bool fallback = false;
   bool reliable = false;  ///< what gets lost on the way is sent again
+
+  /// Not every sample that the rate lets pass is for the reader.
+  bool has_conditions() const { return gate != nullptr && gate->id() != 0; }
   friend bool operator==(const Route&, const Route&) = default;
 };
 

@@ -75,12 +75,9 @@ detail::untyped::Sample SubscriberCore::take() { return take(&SubscriberPorts::t
 detail::untyped::Sample SubscriberCore::take_latest() { return take(&SubscriberPorts::take_latest); }
 
 /// Leaves in the sample only what was asked for. False if a reader on another host would have missed the
-/// sample. Views of compiled types read parts of fields where they are; others read one body.
+/// sample. Parts of fields stay where they are.
 bool SubscriberCore::reduce(Delivery& delivery) {
-  const detail::ProjectionPlan* const plan = delivery.asked->plan.get();
-  if (plan != nullptr && spec_.limits_samples) {
-    delivery.sample = remote_->of(std::move(delivery.sample), *plan);
-  } else if (plan != nullptr) {
+  if (delivery.asked->plan != nullptr) {
     RemoteCopy::InPlace reduced = remote_->in_place(std::move(delivery.sample), delivery.asked);
     delivery.sample = std::move(reduced.sample);
     delivery.parts = reduced.parts;
@@ -93,7 +90,7 @@ bool SubscriberCore::reduce(Delivery& delivery) {
 detail::untyped::Sample SubscriberCore::wrap(Delivery delivery) {
   const std::shared_ptr<const Asked>& asked = delivery.asked;
   std::shared_ptr<const Selection> selection;
-  if (asked != nullptr && recorder_ == nullptr) selection = {asked, &asked->selection};
+  if (asked != nullptr) selection = {asked, &asked->selection};
   RecordedSample* const record = recorder_ == nullptr ? nullptr : recorder_->begin();
   if (record != nullptr && delivery.sample->parts != 0 && asked != nullptr && asked->recorded_channels)
     record->set_channels_sent({asked, &*asked->recorded_channels});

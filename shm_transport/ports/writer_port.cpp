@@ -34,8 +34,6 @@ constexpr std::chrono::microseconds lock_pause{50};
 constexpr std::chrono::microseconds room_spin{20};
 constexpr std::chrono::milliseconds room_sleep_longest{10};
 
-bool has_conditions(const core::Route& route) { return route.gate != nullptr && route.gate->id() != 0; }
-
 }  // namespace
 
 std::shared_ptr<ChunkLender> ChunkLender::make(std::shared_ptr<Session> session,
@@ -343,14 +341,14 @@ void ShmWriterPort::set_routes(std::vector<core::Route> routes) {
   std::set<core::EndpointId> owed_nothing, awaited;
   AttachedQueues::Served served;
   for (const core::Route& route : routes) {
-    served[route.reader] = has_conditions(route) ? route.gate : nullptr;
+    served[route.reader] = route.has_conditions() ? route.gate : nullptr;
     if (route.history == 0) owed_nothing.insert(route.reader);
     if (route.reliable) awaited.insert(route.reader);
   }
   chunks_->wait_for(std::move(awaited));
   const auto leaves = [&served](const core::Route& route) { return !served.contains(route.reader); };
-  const bool ring_for_both = std::ranges::any_of(routes, has_conditions) ||
-                             std::ranges::any_of(routes_, has_conditions) ||
+  const bool ring_for_both = std::ranges::any_of(routes, &core::Route::has_conditions) ||
+                             std::ranges::any_of(routes_, &core::Route::has_conditions) ||
                              std::ranges::any_of(routes_, leaves);
   if (ring_for_both) routes_.insert(routes_.end(), routes.begin(), routes.end());
   const auto ring_for = [this](const std::vector<core::Route>& readers) {

@@ -12,7 +12,6 @@ using core::SampleHandle;
 using core::SendStatus;
 
 namespace {
-const TypeSupport& image_type() { return udp::test::type_support<Image>(); }
 using Clock = std::chrono::steady_clock;
 
 /// The image of which the part is taken, by index.
@@ -40,19 +39,24 @@ AnyWriter open_writer(const AnyTransport& node, const core::WriterSpec& spec) {
 
 Reader::Reader(Stage& stage, const ReaderOptions& options)
     : bell_(stage.bells->at(stage.readers)),
+      type_(*options.type),
       reliable_(stage.medium->traits().reliable && !options.best_effort) {
   const core::DoorbellAddress bell{stage.bells->id(), stage.readers++};
   const core::EndpointId id = 1000 + stage.readers;
-  core::ReaderSpec spec{.id = id, .type = &image_type(), .depth = options.depth, .doorbell = bell};
+  core::ReaderSpec spec{.id = id, .type = &type_, .depth = options.depth, .doorbell = bell};
   spec.listener = this;
   spec.only_waited_for = true;
   port_ = open_reader(stage.here, spec);
   std::vector<core::Accepted> accepted;
-  for (const std::string& text : options.masks) accepted.push_back({.wanted = {selection(text)}});
+  for (const std::string& text : options.masks) accepted.push_back({.wanted = {selection(text, type_)}});
   route_ = {.reader = id,
             .destination = stage.medium->locator(stage.here, bell),
             .selection = accepted[0].wanted.selection};
   route_.reliable = reliable_;
+  accept(std::move(accepted));
+}
+
+void Reader::accept(std::vector<core::Accepted> accepted) {
   if (port_.network() != nullptr) port_.network()->accept(std::move(accepted));
 }
 
@@ -66,9 +70,11 @@ core::Source Reader::source(const Writer& writer) const {
   return {.writer = writer.id(), .reliable = reliable_, .waits = writer.waits()};
 }
 
-core::Route Reader::route(const std::string& mask) const {
+core::Route Reader::route(const std::string& mask) const { return route(selection(mask, type_)); }
+
+core::Route Reader::route(const Selection& asked) const {
   core::Route route = route_;
-  route.selection = selection(mask);
+  route.selection = asked;
   return route;
 }
 
@@ -106,10 +112,11 @@ std::vector<std::uint64_t> Reader::take_sequences() {
   return sequences;
 }
 
-Writer::Writer(Stage& stage, core::EndpointId id, std::chrono::nanoseconds max_blocking)
+Writer::Writer(Stage& stage, core::EndpointId id, std::chrono::nanoseconds max_blocking,
+               const TypeSupport& type)
     : id_(id),
       waits_(max_blocking.count() > 0),
-      port_(open_writer(stage.there, {id, &image_type(), true, max_blocking})) {}
+      port_(open_writer(stage.there, {id, &type, true, max_blocking})) {}
 
 void Writer::serve(Reader& reader) {
   reader.hear(*this);
@@ -117,12 +124,11 @@ void Writer::serve(Reader& reader) {
 }
 
 SampleHandle Writer::make(std::size_t data_bytes, std::size_t bytes_behind) {
-  const FieldMask all = image_type().full();
-  const Image image = make_image(data_bytes, static_cast<std::uint32_t>(sequence_ + 1));
-  const std::size_t bytes = udp::test::sample_bytes(image, all) + bytes_behind;
-  SampleHandle sample = port_.memory() == nullptr ? pool_->take(bytes) : port_.memory()->loan(bytes);
-  if (sample) udp::test::fill(*sample, image, all, id_, ++sequence_);
-  return sample;
+  return make_of(make_image(data_bytes, static_cast<std::uint32_t>(sequence_ + 1)), bytes_behind);
+}
+
+SampleHandle Writer::memory_for(std::size_t bytes) {
+  return port_.memory() == nullptr ? pool_->take(bytes) : port_.memory()->loan(bytes);
 }
 
 SendStatus Writer::publish(std::size_t data_bytes) {
@@ -150,8 +156,7 @@ std::vector<std::uint64_t> numbers(std::uint64_t first, std::uint64_t last) {
   return all;
 }
 
-Selection selection(const std::string& text) {
-  const TypeSupport& type = udp::test::type_support<Image>();
+Selection selection(const std::string& text, const TypeSupport& type) {
   return type.closed(type.parse_selection(text).value());
 }
 

@@ -17,6 +17,7 @@
 #include "core/seam/transport.h"
 #include "tests/conformance/medium.h"
 #include "tests/support/eventually.h"
+#include "tests/support/test_seed.h"
 #include "tests/unit/udp/messages.h"
 
 namespace sft::conformance {
@@ -44,6 +45,7 @@ struct ReaderOptions {
   std::vector<std::string> masks{"*"};  ///< selections that it accepts; it asks for the first
   std::uint32_t depth = 250;
   bool best_effort = false;  ///< whatever the medium's readers ask for
+  const TypeSupport* type = &udp::test::type_support<Image>();
 };
 
 class Writer;
@@ -58,6 +60,9 @@ class Reader final : private core::ArrivalListener {
   /// The route that the writer needs to serve this reader.
   core::Route route() const { return route_; }
   core::Route route(const std::string& mask) const;
+  core::Route route(const Selection& asked) const;
+  /// Over a network: it takes samples under these selections from now on.
+  void accept(std::vector<core::Accepted> accepted);
 
   core::SampleHandle take();
   /// The next sample, as soon as it has come; empty after `patience`.
@@ -78,16 +83,19 @@ class Reader final : private core::ArrivalListener {
   void arrived() noexcept override { bell_.ring(); }
 
   core::Doorbell& bell_;
+  const TypeSupport& type_;
   const bool reliable_;
   core::Route route_;
   AnyReader port_;  // goes first: then nobody calls any more
 };
 
-/// A writer whose sample number n is an image made of the seed n.
+/// A writer whose sample number n is an image made of the seed n, unless it is given messages of another
+/// type.
 class Writer {
  public:
   /// Waits for reliable readers for so long.
-  explicit Writer(Stage& stage, core::EndpointId id = 1, std::chrono::nanoseconds max_blocking = {});
+  explicit Writer(Stage& stage, core::EndpointId id = 1, std::chrono::nanoseconds max_blocking = {},
+                  const TypeSupport& type = udp::test::type_support<Image>());
 
   core::EndpointId id() const { return id_; }
   std::uint64_t sequence() const { return sequence_; }
@@ -98,6 +106,14 @@ class Writer {
 
   /// The next sample, not sent; empty where there is no memory for it, or for so many bytes behind its body.
   core::SampleHandle make(std::size_t data_bytes, std::size_t bytes_behind = 0);
+  /// The same with a message of the writer's type.
+  template <class Message>
+  core::SampleHandle make_of(const Message& message, std::size_t bytes_behind = 0) {
+    const FieldMask all = udp::test::type_support<Message>().full();
+    core::SampleHandle sample = memory_for(udp::test::sample_bytes(message, all) + bytes_behind);
+    if (sample) udp::test::fill(*sample, message, all, id_, ++sequence_);
+    return sample;
+  }
   core::SendStatus publish(std::size_t data_bytes = 50);
   /// Waits until the reader has noticed it.
   void publish_to(Reader& reader, std::size_t data_bytes = 50);
@@ -113,6 +129,8 @@ class Writer {
   void destroy_port() { port_.reset(); }
 
  private:
+  core::SampleHandle memory_for(std::size_t bytes);
+
   core::EndpointId id_;
   const bool waits_;
   AnyWriter port_;
@@ -137,7 +155,7 @@ std::vector<std::uint64_t> numbers(std::uint64_t first, std::uint64_t last);
 
 /// True if the sample has what its writer put there, of the fields that its mask names, and nothing else.
 /// Of images, as text (selection.md); closed.
-Selection selection(const std::string& text);
+Selection selection(const std::string& text, const TypeSupport& type = udp::test::type_support<Image>());
 testing::AssertionResult is_image(const core::SampleHandle& sample, std::size_t data_bytes);
 /// True if the sample has just what that selection says of what its writer put there.
 testing::AssertionResult is_part(const core::SampleHandle& sample, std::size_t data_bytes,
@@ -148,6 +166,8 @@ class Conformance : public testing::TestWithParam<MediumChoice> {
   void SetUp() override;
   Traits traits() const { return stage.medium->traits(); }
 
+  const testing::ScopedTrace repeat{__FILE__, __LINE__,
+                                    test::how_to_repeat()};  ///< of what a medium makes random
   Stage stage{GetParam().make()};
 };
 

@@ -1,7 +1,7 @@
 // Hostile messages of the types that have parts, under any selection: u8 number of the type (modulo their
 // count), u8 length of a selection as text, the text, and the body of a whole message. Nothing is read
 // outside of the body. The part that is taken of a message that passes the validating walk is a message
-// again. Points are read in it and in the whole message, and conditions are asked.
+// again. Points and cells are read in it and in the whole message, and conditions are asked.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -19,8 +19,10 @@
 #include <vector>
 
 #include "core/seam/gate.h"
+#include "sft/cells.h"
 #include "sft/detail/project.h"
 #include "sft/detail/view.h"
+#include "sft/dynamic_view.h"
 #include "sft/points.h"
 #include "sft/type_support.h"
 
@@ -81,18 +83,32 @@ void ask(const Selection& selection, const TypeSupport& type, const detail::Samp
   }
 }
 
-void read_points(const detail::SampleState& cloud) {
-  const auto view = detail::view_of<PointCloud2, Req<PointCloud2>(all<PointCloud2>)>(cloud);
-  const auto points = view.points<float, double, std::uint16_t>("x", "y", "ring");
-  if (!points) return;
-  if (!points->empty()) {
-    const auto last = (*points)[points->size() - 1];
+template <class Cell>
+void read_all(const Result<Cells<Cell>>& cells) {
+  if (!cells) return;
+  if (!cells->empty()) {
+    const auto last = (*cells)[cells->size() - 1];
     asm volatile("" : : "m"(last));
   }
   std::size_t left = 10'000;
-  for (const auto point : *points) {
-    asm volatile("" : : "m"(point));
+  for (const auto cell : *cells) {
+    asm volatile("" : : "m"(cell));
     if (--left == 0) break;
+  }
+}
+
+void read_points(const detail::SampleState& cloud) {
+  const auto view = detail::view_of<PointCloud2, Req<PointCloud2>(all<PointCloud2>)>(cloud);
+  read_all(view.points<float, double, std::uint16_t>("x", "y", "ring"));
+}
+
+void read_cells(const TypeSupport& type, const detail::SampleState& sample) {
+  const DynamicView message(sample, type.type());
+  for (const char* field : {"data", "ranges", "intensities"}) {
+    read_all(cells_of<std::uint8_t>(message, field));
+    read_all(cells_of<std::array<std::uint8_t, 3>>(message, field));
+    read_all(cells_of<std::uint16_t>(message, field));
+    read_all(cells_of<float>(message, field));
   }
 }
 
@@ -102,6 +118,7 @@ void check(const TypeSupport& type, std::string_view text, std::span<const std::
   if (!whole.walk()) return;
   const bool is_cloud = &type == &type_support<PointCloud2>();
   if (is_cloud) read_points(whole.state());
+  read_cells(type, whole.state());
   const Result<Selection> selection = type.parse_selection(text);
   if (!selection) return;
   ask(*selection, type, whole.state());
@@ -114,6 +131,7 @@ void check(const TypeSupport& type, std::string_view text, std::span<const std::
     to = std::copy_n(segment.data, segment.bytes, to);
   require(part.walk() == part.bytes(), "a part is a message, and no more than that");
   if (is_cloud && plan.mask() == type.full()) read_points(part.state());
+  read_cells(type, part.state());
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstring>
 #include <sensor_msgs/msg/PointCloud2.hpp>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -44,6 +45,9 @@ T value_at(const sensor_msgs::msg::PointCloud2& cloud, std::size_t offset) {
   std::memcpy(&value, cloud.data.data() + offset, sizeof value);
   return value;
 }
+
+/// What a result that is an error says.
+std::string message_of(const auto& result) { return result ? "no error" : result.error().message; }
 
 /// A sample of message type T, of which the index is found as for a sample that came by UDP.
 template <class T>

@@ -133,6 +133,11 @@ TEST_P(RecordedChannelsTest, AChannelThatTheCloudLacksIsAnUnknownOneOnceItIsAske
   const Cloud sample = next();
   EXPECT_EQ(sample->points<float>("far").error().code, Errc::unknown_field);
   EXPECT_TRUE(sample->points<float>("x"));
+  EXPECT_THAT(sample.missing_channels(), ElementsAre("far"));
+  EXPECT_TRUE(until_asked_for("data{x}", [](const Cloud& other) {
+    (void)other->points<float>("x");
+    (void)other.missing_channels();
+  })) << "who asks what is missing has read no field";
 }
 
 TEST_P(RecordedChannelsTest, AProgramThatReadsTheBytesOfThePointsIsSentAllOfThem) {

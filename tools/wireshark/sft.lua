@@ -1,15 +1,30 @@
--- SFT in Wireshark: a dissector for its datagrams (udp_transport/wire/wire_format.md).
+-- SFT in Wireshark: a dissector for its datagrams (udp_transport/wire/wire_format.md), and one for what publishers and
+-- subscribers announce and ask for (core/control/sft_control.idl).
 --
 -- Copy this file into the folder "Personal Lua Plugins" (Help, About Wireshark, Folders), or try it with
 -- `tshark -X lua_script:sft.lua -r capture.pcap`. The dissector recognises datagrams by their contents, whatever their
 -- ports. With "Decode As...", Wireshark takes all datagrams of a port for SFT, and reports what is wrong with others.
 --
--- A new kind of datagram needs an entry in `kinds`, and a new flag an entry in `flags`.
+-- Control samples travel by Cyclone DDS. Wireshark's own dissector of RTPS takes them out of the datagrams, and gives
+-- them to this one. Wireshark shows requests that did not fit into one datagram if the preference "Enable RTPS
+-- Reassembly" (rtps.enable_rtps_reassembly) is on.
+--
+-- A new kind of datagram needs an entry in `kinds`, and a new flag an entry in `flags`. A new kind of entry in requests
+-- needs an entry in `wants`. A new version of the control topics needs what is new, and `control_version`.
+--
+-- Larger than usual: users copy one file, and datagrams are explained by the requests in the same capture.
 
 local sft = Proto("sft", "Selective Field Transmission")
 
 local wire_version = 1
 local common_bytes = 16
+
+-- What the control samples of the capture have told. `names` has what subscribers asked for, by the number that stands
+-- for it in datagrams. `types` has the types of publishers and subscribers by their ids, and `leaves` how many leaves
+-- the type of a publisher has, by its short id; publishers with one short id and different types have `false`.
+local known = { names = {}, types = {}, leaves = {} }
+
+function sft.init() known.names, known.types, known.leaves = {}, {}, {} end
 
 local f = {
   version = ProtoField.uint8("sft.version", "Version", base.DEC, nil, 0xf0),
@@ -20,7 +35,10 @@ local f = {
   sequence = ProtoField.uint32("sft.sequence", "Sequence (low half)"),
   total = ProtoField.uint32("sft.total", "Bytes of the body"),
   mask = ProtoField.uint64("sft.mask", "Mask", base.HEX),
-  leaves = ProtoField.string("sft.leaves", "Leaves if whole fields were asked for"),
+  meaning = ProtoField.string("sft.mask.meaning", "Meaning"),
+  leaves = ProtoField.string("sft.leaves", "Leaves"),
+  selection = ProtoField.string("sft.selection", "Asked for"),
+  asked_in = ProtoField.framenum("sft.asked_in", "Asked for in frame", base.NONE, frametype.REQUEST),
   stamp = ProtoField.absolute_time("sft.stamp", "Published", base.UTC),
   offset = ProtoField.uint32("sft.offset", "Offset in the body"),
   rate_period = ProtoField.uint32("sft.rate.period_us", "Gate: period (us)"),
@@ -86,36 +104,61 @@ sft.experts = { malformed, loss }
 
 local function has(set, bit) return set % (2 * bit) >= bit end
 
--- The bits of a word of the mask as text, "0-3, 7". `first` is the number of the word's lowest bit.
-local function leaves_text(word, first)
+-- Adds the bits of a word of a mask to a set of leaves. `first` is the number of the word's lowest bit.
+local function add_leaves(set, word, first)
+  local halves = { word:lower(), word:higher() }
+  for leaf = 0, 63 do
+    if has(halves[leaf < 32 and 1 or 2], 2 ^ (leaf % 32)) then set[first + leaf] = true end
+  end
+end
+
+-- The leaves of a set from `first` on, before `last`, as runs: pairs of the first and the last leaf.
+local function runs_of(set, first, last)
   local runs, begin = {}, nil
-  local bits = { word:lower(), word:higher() }
-  for leaf = 0, 64 do
-    local set = leaf < 64 and has(bits[leaf < 32 and 1 or 2], 2 ^ (leaf % 32))
-    if set and begin == nil then begin = leaf end
-    if not set and begin ~= nil then
-      local last = leaf - 1
-      runs[#runs + 1] = begin == last and tostring(first + begin) or (first + begin) .. "-" .. (first + last)
+  for leaf = first, last do
+    local is_in = leaf < last and set[leaf]
+    if is_in and begin == nil then begin = leaf end
+    if not is_in and begin ~= nil then
+      runs[#runs + 1] = { begin, leaf - 1 }
       begin = nil
     end
   end
-  return #runs == 0 and "none" or table.concat(runs, ", ")
+  return runs
 end
 
--- A position in the datagram, which advances with each read. A read beyond the end returns nil, and is reported once.
+-- The same as text, "0-3, 7".
+local function runs_text(set, first, last)
+  local texts = {}
+  for i, run in ipairs(runs_of(set, first, last)) do
+    texts[i] = run[1] == run[2] and string.format("%d", run[1]) or string.format("%d-%d", run[1], run[2])
+  end
+  return #texts == 0 and "none" or table.concat(texts, ", ")
+end
+
+-- The bits of a word of the mask as text. `first` is the number of the word's lowest bit.
+local function leaves_text(word, first)
+  local set = {}
+  add_leaves(set, word, first)
+  return runs_text(set, first, first + 64)
+end
+
+-- A position in a datagram or a control sample, which advances with each read. A read beyond the end returns nil, and
+-- is reported once.
 local Cursor = {}
 Cursor.__index = Cursor
 
-function Cursor.new(buffer, tree) return setmetatable({ buffer = buffer, at = 0, tree = tree }, Cursor) end
+function Cursor.new(buffer, tree, expert_info)
+  return setmetatable({ buffer = buffer, at = 0, tree = tree, expert_info = expert_info or malformed }, Cursor)
+end
 function Cursor:left() return self.buffer:len() - self.at end
 function Cursor:fail(what)
-  if not self.failed then self.tree:add_proto_expert_info(malformed, what) end
+  if not self.failed then self.tree:add_proto_expert_info(self.expert_info, what) end
   self.failed = true
 end
 function Cursor:take(bytes)
   if self.failed then return nil end
   if bytes > self:left() then
-    self:fail("The datagram ends " .. (bytes - self:left()) .. " bytes too early")
+    self:fail((bytes - self:left()) .. " bytes are missing at the end")
     return nil
   end
   local range = self.buffer(self.at, bytes)
@@ -187,19 +230,65 @@ local function has_conditions(c, set)
   return rate_follows and c.buffer(c.at + 8, 4):le_uint() == 0
 end
 
--- The datagram does not say whether a mask without words is the hash of a selection. It is one if the reader asked for
--- conditions or for parts of fields.
-local function read_mask(c, set)
+-- Tells whether a mask without words is more likely a hash than a list of leaves. A hash has about half of its bits
+-- set, in about 16 runs. Fewer than 1 in 5000 hashes are missed. A list that is taken for a hash names scattered fields
+-- of a type with about 50 leaves or more.
+local function looks_like_hash(mask)
+  local set, leaves = {}, 0
+  add_leaves(set, mask, 0)
+  for _ in pairs(set) do leaves = leaves + 1 end
+  return mask:higher() >= 2 ^ 16 and leaves >= 17 and #runs_of(set, 0, 64) >= 9
+end
+
+-- Tells whether a mask without words is a hash, from how many leaves the publisher's type has: true, false, or nil if
+-- nothing is known of the publisher, or if most hashes could be lists of so many leaves.
+local function is_hash_by_type(mask, writer)
+  local leaves = known.leaves[writer]
+  if not leaves then return nil end
+  if leaves > 64 then return true end
+  if leaves < 64 and mask:rshift(leaves) ~= UInt64(0) then return true end
+  if leaves <= 48 then return false end
+  return nil
+end
+
+-- What a mask is that is a hash without words and is in no request of the capture. Without a gate, only parts of fields
+-- make a selection that has a hash. Retained samples come without conditions, but under the name of a whole request.
+local function hash_text(c, set, writer)
+  if has_conditions(c, set) then return "hash of a selection with conditions" end
+  if (known.leaves[writer] or 0) > 2048 then return "hash of a long mask, or of a selection" end
+  if has(set, 0x02) or has(set, 0x04) then return "hash of a selection with parts or conditions" end
+  return "hash of a selection with parts"
+end
+
+-- Explains a mask by the request that it stands for, and names the frame of that. Returns the meaning.
+local function add_request(c, range, request)
+  if request.leaves then c.tree:add(f.leaves, range, request.leaves) end
+  c.tree:add(f.selection, range, request.text):set_generated()
+  c.tree:add(f.asked_in, range, request.frame):set_generated()
+  return request.kind
+end
+
+-- A datagram says what a mask without words is only if there are conditions without a period, which make it the hash of
+-- a selection, or if several masks are merged, which makes it a list of leaves. In the other cases requests and
+-- announcements in the capture tell it. Without them, the number itself is judged. Returns the meaning of the mask.
+local function explain_mask(c, set, writer, mask, range)
+  local request, is_merged = known.names[mask:tohex()], has(set, 0x80)
+  if request then return add_request(c, range, request) end
+  if has(set, 0x01) then return "hash of a mask" end
+  local is_hash = not is_merged and is_hash_by_type(mask, writer)
+  if is_hash or (has_conditions(c, set) and not is_merged) then return hash_text(c, set, writer) end
+  if is_hash == nil and looks_like_hash(mask) then return "it looks like the " .. hash_text(c, set, writer) end
+  c.tree:add(f.leaves, range, leaves_text(mask, 0))
+  return is_hash == nil and "leaves, unless it is the " .. hash_text(c, set, writer) or "leaves"
+end
+
+local function read_mask(c, set, writer)
   local mask, item = c:number(f.mask, 8)
   if mask == nil then return end
-  if has(set, 0x01) then
-    item:append_text(" (hash)")
-  elseif has_conditions(c, set) then
-    item:append_text(" (hash of a selection)")
-  else
-    item:append_text(" (hash of a selection if parts of fields were asked for)")
-    c.tree:add(f.leaves, c.buffer(c.at - 8, 8), leaves_text(mask, 0))
-  end
+  local range = c.buffer(c.at - 8, 8)
+  local meaning = explain_mask(c, set, writer, mask, range)
+  item:append_text(" (" .. meaning .. ")")
+  item:add(f.meaning, range, meaning):set_generated()
 end
 
 local function place_text(place)
@@ -209,10 +298,10 @@ local function place_text(place)
   return place.ordinal and " ordinal=" .. tostring(place.ordinal) or ""
 end
 
-local function read_first(c, set)
+local function read_first(c, set, _, writer)
   local sequence = c:number(f.sequence, 4)
   local total = c:number(f.total, 4)
-  read_mask(c, set)
+  read_mask(c, set, writer)
   c:stamp(f.stamp)
   local place = read_marks(c, set)
   if c.failed then return "" end
@@ -235,11 +324,11 @@ local function read_short_place(c)
   return set
 end
 
-local function read_whole(c, set)
+local function read_whole(c, set, _, writer)
   local sequence = c:number(f.sequence, 4)
   local ordinal = c:number(f.ordinal, 4)
   if ordinal == 0 then c:fail("Ordinals count from 1") end
-  read_mask(c, set)
+  read_mask(c, set, writer)
   c:stamp(f.stamp)
   if c.failed then return "" end
   local bytes = c:left()
@@ -317,11 +406,11 @@ local function read_samples(c, sequence, place, samples, each)
   end
 end
 
-local function read_packed(c, set)
+local function read_packed(c, set, _, writer)
   local sequence = c:number(f.sequence, 4)
   local samples = c:number(f.samples, 2)
   local each = c:number(f.bytes_each, 2)
-  read_mask(c, set)
+  read_mask(c, set, writer)
   c:stamp(f.stamp)
   local place = read_marks(c, set)
   if c.failed then return "" end
@@ -453,7 +542,7 @@ function sft.dissector(buffer, pinfo, root)
   if c.failed then return buffer:len() end
   local at_2 = kind.at_2 and c:number(kind.at_2, 2)
   local writer = c:number(kind.at_4 or f.writer, 4)
-  local what = kind.read(c, set, at_2)
+  local what = kind.read(c, set, at_2, writer)
   local text = string.format("%s %s=%08x %s", kind.name, kind.at_4 and "flow" or "writer", writer, what)
   if c.failed then text = text .. " [malformed]" end
   pinfo.cols.info = text
@@ -498,3 +587,861 @@ end
 
 sft:register_heuristic("udp", looks_like_sft)
 DissectorTable.get("udp.port"):add_for_decode_as(sft)
+
+-- Control samples from here on: what publishers announce on the topic sft_writer, and what subscribers announce and ask
+-- for on the topic sft_reader. Their bytes are little-endian CDR (XCDR1).
+local control = Proto("sft_control", "SFT control sample")
+
+local control_version = 12
+local struct_depth_max = 64
+local conditions_max, condition_depth_max = 32, 8
+local parts_max = 16
+local leaves_max = 4096
+
+local roles = { [0] = "publisher", [1] = "subscriber" }
+local g = {
+  reader = ProtoField.uint64("sft_control.reader", "Subscriber", base.HEX),
+  part = ProtoField.uint8("sft_control.part", "Part", base.DEC, { [0] = "announcement", [1] = "request" }),
+  endpoint = ProtoField.none("sft_control.endpoint", "Announcement"),
+  id = ProtoField.uint64("sft_control.id", "Id", base.HEX),
+  version = ProtoField.uint8("sft_control.version", "Version"),
+  role = ProtoField.uint8("sft_control.role", "Role", base.DEC, roles),
+  node = ProtoField.uint64("sft_control.node", "Node", base.HEX),
+  lease = ProtoField.uint32("sft_control.lease_ms", "Lease of the node (ms)"),
+  node_name = ProtoField.string("sft_control.node_name", "Name of the node"),
+  topic = ProtoField.string("sft_control.topic", "Topic"),
+  type_name = ProtoField.string("sft_control.type_name", "Type"),
+  type_hash = ProtoField.uint64("sft_control.type_hash", "Hash of the type", base.HEX),
+  description = ProtoField.bytes("sft_control.type_description", "Type description"),
+  host = ProtoField.bytes("sft_control.host", "Host token"),
+  network = ProtoField.uint64("sft_control.network", "Network", base.HEX),
+  may_use_shm = ProtoField.bool("sft_control.may_use_shm", "May use shared memory"),
+  may_use_udp = ProtoField.bool("sft_control.may_use_udp", "May use UDP"),
+  address = ProtoField.none("sft_control.address", "Address"),
+  wireless = ProtoField.bool("sft_control.address.wireless", "Wireless"),
+  ipv4 = ProtoField.ipv4("sft_control.address.ipv4", "IPv4 address"),
+  ipv6 = ProtoField.ipv6("sft_control.address.ipv6", "IPv6 address"),
+  port = ProtoField.uint16("sft_control.address.port", "Port"),
+  receive_buffer = ProtoField.uint32("sft_control.address.receive_buffer", "Bytes of the receive buffer"),
+  doorbell_page = ProtoField.uint64("sft_control.doorbell.page", "Page of the doorbell", base.HEX),
+  doorbell_slot = ProtoField.uint32("sft_control.doorbell.slot", "Slot of the doorbell"),
+  max_sample = ProtoField.uint64("sft_control.max_sample_bytes", "Bytes of the largest body"),
+  waits = ProtoField.bool("sft_control.waits", "Waits for reliable subscribers"),
+  reliability = ProtoField.uint8("sft_control.reliability", "Reliability", base.DEC,
+                                 { [0] = "best effort", [1] = "reliable" }),
+  durability = ProtoField.uint8("sft_control.durability", "Durability", base.DEC,
+                                { [0] = "volatile", [1] = "transient local" }),
+  liveliness = ProtoField.uint8("sft_control.liveliness", "Liveliness", base.DEC,
+                                { [0] = "automatic", [1] = "manual by topic" }),
+  deadline = ProtoField.uint64("sft_control.deadline_ns", "Deadline (ns, 0: none)"),
+  liveliness_lease = ProtoField.uint64("sft_control.liveliness_lease_ns", "Lease of the liveliness (ns, 0: none)"),
+  lifespan = ProtoField.uint64("sft_control.lifespan_ns", "Lifespan (ns, 0: none)"),
+  history_depth = ProtoField.uint32("sft_control.history_depth", "Depth of the history"),
+  revision = ProtoField.uint64("sft_control.revision", "Revision"),
+  request = ProtoField.none("sft_control.request", "Request"),
+  request_sequence = ProtoField.uint64("sft_control.request.sequence", "Sequence of the request"),
+  mask_word = ProtoField.uint64("sft_control.request.mask_word", "Mask word", base.HEX),
+  listening = ProtoField.uint64("sft_control.request.listening", "Listens to the publisher", base.HEX),
+  attached = ProtoField.uint64("sft_control.request.attached", "Attached in shared memory to the publisher", base.HEX),
+  begun = ProtoField.uint64("sft_control.request.begun", "Got retained samples of the publisher", base.HEX),
+  name = ProtoField.uint64("sft_control.request.name", "Mask in datagrams", base.HEX),
+  selection = ProtoField.string("sft_control.request.selection", "Asks for"),
+  wants = ProtoField.none("sft_control.wants", "Wants beside the mask"),
+  want = ProtoField.none("sft_control.want", "Entry"),
+  want_kind = ProtoField.uint8("sft_control.want.kind", "Kind", base.DEC,
+                               { [1] = "period", [2] = "parts and conditions" }),
+  want_bytes = ProtoField.uint16("sft_control.want.bytes", "Bytes"),
+  period = ProtoField.uint32("sft_control.want.period_us", "One sample at most for each period of (us)"),
+  leaves = ProtoField.string("sft_control.want.leaves", "Leaves"),
+  field_part = ProtoField.none("sft_control.want.part", "Part of a field"),
+  leaf = ProtoField.uint32("sft_control.want.part.leaf", "Leaf"),
+  rule = ProtoField.uint32("sft_control.want.part.rule", "Hash of the layout rule", base.HEX),
+  rows = ProtoField.string("sft_control.want.part.rows", "Rows"),
+  columns = ProtoField.string("sft_control.want.part.columns", "Columns or elements"),
+  channel = ProtoField.string("sft_control.want.part.channel", "Channel"),
+  condition = ProtoField.none("sft_control.want.condition", "Condition"),
+  rate = ProtoField.string("sft_control.want.rate", "Rate"),
+}
+control.fields = g
+
+local control_malformed = ProtoExpert.new("sft_control.malformed", "Malformed", expert.group.MALFORMED,
+                                          expert.severity.ERROR)
+control.experts = { control_malformed }
+
+function Cursor:align(bytes)
+  local rest = self.at % bytes
+  if rest > 0 then self:take(bytes - rest) end
+end
+-- Reads a number that CDR has aligned.
+function Cursor:aligned(field, bytes)
+  self:align(bytes)
+  return self:number(field, bytes)
+end
+-- Returns the number of elements of a sequence of CDR. Each element takes so many bytes at least.
+function Cursor:count(bytes_each)
+  self:align(4)
+  local range = self:take(4)
+  local count = range and range:le_uint() or 0
+  if count * bytes_each <= self:left() then return count end
+  self:fail("A sequence has more elements than there are bytes")
+  return 0
+end
+function Cursor:ids(field)
+  for _ = 1, self:count(8) do self:aligned(field, 8) end
+end
+function Cursor:text(field)
+  local range = self:take(math.max(self:count(1), 1))
+  if range == nil then return "" end
+  local last = range:len() - 1
+  if range(last, 1):uint() ~= 0 then self:fail("A text does not end with a zero byte") end
+  local text = last > 0 and range(0, last):string() or ""
+  self.tree:add(field, range, text)
+  return text
+end
+function Cursor:byte()
+  local range = self:take(1)
+  return range and range:uint() or 0
+end
+-- Reads an unsigned LEB128. Numbers have no superfluous bytes.
+function Cursor:leb()
+  local value = UInt64(0)
+  for i = 0, 9 do
+    local byte = self:byte()
+    if self.failed or (i == 9 and byte > 1) or (i > 0 and byte == 0) then break end
+    value = value + UInt64(byte % 128):lshift(7 * i)
+    if byte < 128 then return value end
+  end
+  self:fail("A number has superfluous bytes, or more than 64 bits")
+  return UInt64(0)
+end
+function Cursor:leb_of_32_bits()
+  local value = self:leb()
+  if value:higher() > 0 then self:fail("A number has more than 32 bits") end
+  return self.failed and 0 or value:lower()
+end
+-- Returns how many things follow, each of which takes a byte at least.
+function Cursor:several()
+  local count = self:leb_of_32_bits()
+  if count <= self:left() then return count end
+  self:fail("There are more things than bytes")
+  return 0
+end
+function Cursor:short_text()
+  local bytes = self:several()
+  local range = bytes > 0 and self:take(bytes)
+  return range and range:string(ENC_UTF_8) or "", range
+end
+-- Calls read() with an item of its own, which is as long as the bytes that read() takes. The first result of read()
+-- becomes the text of the item, unless it is nil. Returns the results of read().
+function Cursor:within(field, read)
+  if self:left() <= 0 then self:take(1) end
+  if self.failed then return nil end
+  local outer, begin = self.tree, self.at
+  local item = outer:add(field, self.buffer(begin))
+  self.tree = item
+  local text, result = read()
+  item:set_len(self.at - begin)
+  if text then item:set_text(text) end
+  self.tree = outer
+  return text, result
+end
+-- Returns the bytes from `begin` to the position as a string.
+function Cursor:raw_from(begin) return self.at > begin and self.buffer:raw(begin, self.at - begin) or "" end
+
+-- FNV-1a, as in sft/detail/fnv1a.h: the masks of datagrams are such hashes.
+local fnv_begin, fnv_prime = UInt64(0x84222325, 0xcbf29ce4), UInt64(0x1b3, 0x100)
+local function mix(hash, raw)
+  for i = 1, #raw do hash = hash:bxor(UInt64(raw:byte(i))) * fnv_prime end
+  return hash
+end
+local function mix_word(hash, word)
+  for i = 0, 7 do hash = hash:bxor(word:rshift(8 * i):band(UInt64(0xff))) * fnv_prime end
+  return hash
+end
+local function hash_of(raw) return mix(mix_word(fnv_begin, UInt64(#raw)), raw) end
+local function hash_of_both(a, b) return mix_word(mix_word(fnv_begin, a), b) end
+
+-- Returns the number that stands in datagrams for what was asked for (FieldMask::hash(), Selection::hash()).
+local function name_of(asked)
+  local name = asked.words[1] or UInt64(0)
+  if #asked.words > 1 then
+    name = fnv_begin
+    for _, word in ipairs(asked.words) do name = mix_word(name, word) end
+  end
+  if asked.parts_raw ~= "" then name = hash_of_both(name, hash_of(asked.parts_raw)) end
+  if asked.conditions_raw == "" then return name end
+  local gate = hash_of(asked.conditions_raw)
+  return hash_of_both(name, gate == UInt64(0) and UInt64(1) or gate)
+end
+
+-- Type descriptions (typesupport/runtime/type_description.md) give leaves their names.
+
+-- Adds the leaves and the nodes of a struct to a type. A node is a path with the leaves below it. The leaf of a single
+-- value in no list is in `scalars`.
+local function flatten(type, struct, prefix, is_in_list)
+  local function add_leaf(path, is_scalar)
+    type.scalars[type.leaves] = is_scalar or nil
+    type.nodes[#type.nodes + 1] = { path = path, first = type.leaves, count = 1, is_leaf = true }
+    type.paths[type.leaves] = path
+    type.leaves = type.leaves + 1
+  end
+  for _, member in ipairs(struct.members) do
+    local path, inner = prefix .. member.name, member.struct
+    if inner == nil then
+      add_leaf(path, member.shape == 0 and not is_in_list)
+    else
+      local has_size, is_list = member.shape == 2, member.shape > 0
+      type.nodes[#type.nodes + 1] = { path = path, first = type.leaves, count = inner.leaves + (has_size and 1 or 0) }
+      if has_size then add_leaf(path .. ".size", false) end
+      if is_list then path = path .. "[]" end
+      if is_list then type.nodes[#type.nodes + 1] = { path = path, first = type.leaves, count = inner.leaves } end
+      flatten(type, inner, path .. ".", is_in_list or is_list)
+    end
+  end
+  return type
+end
+
+local function skip_attributes(c, shape)
+  local attributes = c:byte()
+  if has(attributes, 0x01) then c:leb() end
+  if has(attributes, 0x02) then c:leb() end
+  if has(attributes, 0x04) then c:leb() end
+  if has(attributes, 0x08) then c:short_text() end
+  if has(attributes, 0x10) then c:short_text() end
+  if attributes == 0 or attributes > 0x1f or (has(attributes, 0x01) and shape ~= 2) then
+    c:fail("A member has attributes that are unknown")
+  end
+end
+
+local function read_member(c, structs)
+  local form = c:byte()
+  local kind, member = form % 16, { name = c:short_text(), shape = math.floor(form / 16) % 4 }
+  if kind > 14 or member.shape > 2 then c:fail("A member has a kind or a shape that is unknown") end
+  if member.shape == 1 then c:leb() end
+  if kind == 14 then
+    member.struct = structs[c:leb_of_32_bits() + 1]
+    if member.struct == nil then c:fail("A member is of a struct that does not stand before it") end
+  end
+  if has(form, 0x80) then skip_attributes(c, member.shape) end
+  return member
+end
+
+local function read_struct(c, structs)
+  local struct = { members = {}, leaves = 0, depth = 1 }
+  c:short_text()
+  for i = 1, c:several() do
+    local member = read_member(c, structs)
+    if c.failed then return nil end
+    struct.members[i] = member
+    struct.leaves = struct.leaves + (member.struct and member.struct.leaves or 1)
+    if member.struct and member.shape == 2 then struct.leaves = struct.leaves + 1 end
+    struct.depth = math.max(struct.depth, member.struct and member.struct.depth + 1 or 1)
+    if struct.leaves > leaves_max or struct.depth > struct_depth_max then c:fail("The type is too large") end
+  end
+  return struct
+end
+
+local function skip_enumeration(c)
+  c:short_text()
+  c:byte()
+  for _ = 1, c:several() do
+    c:short_text()
+    c:leb()
+    if c.failed then return end
+  end
+end
+
+-- Returns the type, or nil if its description is malformed.
+local function read_description(c)
+  if c:byte() ~= 1 then c:fail("The version of the type description is not 1") end
+  for _ = 1, c:several() do
+    skip_enumeration(c)
+    if c.failed then return nil end
+  end
+  local structs = {}
+  for i = 1, c:several() do
+    structs[i] = read_struct(c, structs)
+    if c.failed then return nil end
+  end
+  if #structs == 0 or c:left() > 0 then c:fail("The type description does not end with its last struct") end
+  if c.failed then return nil end
+  return flatten({ leaves = 0, paths = {}, nodes = {}, scalars = {} }, structs[#structs], "", false)
+end
+
+-- Selections as text (typesupport/runtime/selection.md). Without the type, leaves have numbers instead of names.
+
+local function path_of(type, leaf) return type and type.paths[leaf] or string.format("leaf %d", leaf) end
+
+local function has_all(set, node)
+  for leaf = node.first, node.first + node.count - 1 do
+    if not set[leaf] then return false end
+  end
+  return true
+end
+
+-- What was asked for, without conditions. `asked.parts` has the texts of the parts by their leaves.
+local function fields_text(asked, type)
+  local whole, texts, covered = {}, {}, 0
+  for leaf in pairs(asked.set) do whole[leaf] = asked.parts[leaf] == nil or nil end
+  if type then
+    if has_all(whole, { first = 0, count = type.leaves }) then return "*" end
+    for _, node in ipairs(type.nodes) do
+      local part = node.is_leaf and asked.parts[node.first]
+      if node.first >= covered and (part or has_all(whole, node)) then
+        texts[#texts + 1] = node.path .. (part or "")
+        covered = node.first + node.count
+      end
+    end
+  else
+    if next(whole) then texts[1] = "leaves " .. runs_text(whole, 0, 64 * #asked.words) end
+    for leaf = 0, 64 * #asked.words - 1 do
+      if asked.parts[leaf] then texts[#texts + 1] = path_of(nil, leaf) .. asked.parts[leaf] end
+    end
+  end
+  return #texts == 0 and "no fields" or table.concat(texts, ", ")
+end
+
+local function duration_text(us)
+  local units = { { 60000000, "min" }, { 1000000, "s" }, { 1000, "ms" } }
+  for _, unit in ipairs(units) do
+    if us % unit[1] == 0 then return string.format("%.0f %s", us / unit[1], unit[2]) end
+  end
+  return string.format("%.0f us", us)
+end
+
+local function rate_text(us)
+  if us <= 1000000 and 1000000 % us == 0 then return string.format("at most %.0f Hz", 1000000 / us) end
+  return "at most one per " .. duration_text(us)
+end
+
+local function ordinal_text(n)
+  local last = n % 10
+  local is_teen = math.floor(n % 100 / 10) == 1
+  local endings = { "st", "nd", "rd" }
+  return string.format("%.0f", n) .. (not is_teen and endings[last] or "th")
+end
+
+-- The shortest text of a real number that is read as the same number.
+local function real_text(number)
+  for digits = 1, 16 do
+    local text = string.format("%." .. digits .. "g", number)
+    if tonumber(text) == number then return text end
+  end
+  return string.format("%.17g", number)
+end
+
+-- Reads a range of indices. Returns its text, or nil if nothing follows.
+local function read_range(c, field, follows)
+  if not follows then return nil end
+  local at = c.at
+  local begin, end_, step = c:leb_of_32_bits(), c:leb_of_32_bits(), c:leb_of_32_bits()
+  if c.failed then return nil end
+  local is_empty, is_open = step == 0, end_ == 0
+  if is_empty and (begin ~= 0 or end_ ~= 0) then c:fail("An empty range is 0 to 0") end
+  if not is_empty and is_open and begin == 0 and step == 1 then c:fail("A range of all indices is not written") end
+  if not is_open and not is_empty then
+    local count = end_ - begin
+    local is_least = count > 0 and (count - 1) % step == 0 and (count > 1 or step == 1)
+    if not is_least then c:fail("A range ends behind the last index that it keeps") end
+  end
+  local text = (begin > 0 and string.format("%d", begin) or "") .. ":" .. (is_open and "" or string.format("%d", end_))
+  if step > 1 then text = text .. string.format(":%d", step) end
+  if is_empty then text = "0:0" elseif end_ == begin + 1 then text = string.format("%d", begin) end
+  c.tree:add(field, c.buffer(at, c.at - at), text)
+  return text
+end
+
+-- Compares texts by their bytes. Lua's own comparison depends on the language of the user.
+local function is_before(a, b)
+  for i = 1, math.min(#a, #b) do
+    if a:byte(i) ~= b:byte(i) then return a:byte(i) < b:byte(i) end
+  end
+  return #a < #b
+end
+
+local function read_channels(c)
+  local names = {}
+  for i = 1, c:several() do
+    local name, range = c:short_text()
+    if c.failed then return "" end
+    if not range or (i > 1 and not is_before(names[i - 1], name)) then
+      c:fail("The names of channels ascend, and none is empty")
+      return ""
+    end
+    c.tree:add(g.channel, range, name)
+    names[i] = name
+  end
+  if #names == 0 then c:fail("There are no channels") end
+  return "{" .. table.concat(names, ",") .. "}"
+end
+
+-- Reads the part of one field into `parts`. Returns its text and its leaf.
+local function read_part(c, parts, type)
+  local flags_at = c.at
+  local follows = c:byte()
+  if follows > 0x0f or follows % 8 == 0 then c:fail("A part says what is unknown, or nothing") end
+  local leaf = c:leb_of_32_bits()
+  if c.failed then return nil end
+  c.tree:add(g.leaf, c.buffer(flags_at + 1, c.at - flags_at - 1), leaf):append_text(
+    type and " (" .. path_of(type, leaf) .. ")" or "")
+  if has(follows, 0x08) then
+    local at = c.at
+    local rule = c:leb_of_32_bits()
+    if rule == 0 then c:fail("A layout rule of 0 is not written") end
+    c.tree:add(g.rule, c.buffer(at, c.at - at), rule)
+  end
+  local rows = read_range(c, g.rows, has(follows, 0x01))
+  local columns = read_range(c, g.columns, has(follows, 0x02))
+  local text = has(follows, 0x04) and read_channels(c) or ""
+  if rows then
+    text = text .. "[rows " .. rows .. (columns and ", columns " .. columns or "") .. "]"
+  elseif columns then
+    text = text .. "[" .. columns .. "]"
+  end
+  parts[leaf] = text
+  return path_of(type, leaf) .. text, leaf
+end
+
+local function read_parts(c, asked, set, type)
+  local begin, last = c.at, -1
+  local count = c:several()
+  if count == 0 or count > parts_max then c:fail("There are 1 to " .. parts_max .. " parts") end
+  for _ = 1, count do
+    local _, leaf = c:within(g.field_part, function() return read_part(c, asked.parts, type) end)
+    if c.failed then return end
+    if leaf <= last then c:fail("The leaves of parts ascend") end
+    if not set[leaf] then c:fail("The leaf of a part is not in the mask") end
+    last = leaf
+  end
+  asked.parts_raw = c:raw_from(begin)
+end
+
+-- Reads the number of a condition. Returns its text, and the number if it is not negative and not real.
+local function read_number(c)
+  local form = c:byte()
+  if form == 1 then
+    local number = c:leb()
+    return tostring(number), number
+  elseif form == 2 then
+    local number = c:leb()
+    if number:higher() >= 2 ^ 31 then c:fail("A negative number has more than 64 bits") end
+    return "-" .. tostring(number + UInt64(1))
+  elseif form == 3 then
+    local range = c:take(8)
+    return range and real_text(range:le_float()) or ""
+  end
+  c:fail("A number has an unknown form")
+  return ""
+end
+
+-- True if the leaves are all single values of the mask, which is what `changed` means without names.
+local function are_all_scalars(leaves, set, type)
+  if type == nil then return false end
+  local scalars = 0
+  for leaf in pairs(type.scalars) do
+    if set[leaf] then scalars = scalars + 1 end
+  end
+  for _, leaf in ipairs(leaves) do
+    if not (type.scalars[leaf] and set[leaf]) then return false end
+  end
+  return scalars == #leaves
+end
+
+local function changed_text(leaves, deadband, percent, set, type)
+  local names = {}
+  for i, leaf in ipairs(leaves) do names[i] = path_of(type, leaf) end
+  local text = "changed" .. (are_all_scalars(leaves, set, type) and "" or "(" .. table.concat(names, ", ") .. ")")
+  return deadband == "0" and text or text .. " " .. deadband .. (percent and "%" or "")
+end
+
+local comparisons = { [0] = "<", "<=", ">", ">=", "==", "!=" }
+
+-- Reads a condition that has no conditions in it. Returns its text.
+local function read_term(c, kind, comparison, percent, set, type)
+  local leaves = {}
+  for i = 1, c:several() do leaves[i] = c:leb_of_32_bits() end
+  local number, natural = read_number(c)
+  if c.failed then return "" end
+  if kind == 2 and #leaves == 1 and comparisons[comparison] then
+    return path_of(type, leaves[1]) .. " " .. comparisons[comparison] .. " " .. number
+  elseif kind == 3 and #leaves > 0 then
+    return changed_text(leaves, number, percent, set, type)
+  elseif (kind == 4 or kind == 5) and #leaves == 0 and natural and natural > UInt64(0) then
+    return "every " .. (kind == 4 and ordinal_text or duration_text)(natural:tonumber())
+  end
+  c:fail("A condition is none that a selection can have")
+  return ""
+end
+
+-- Reads a condition with those in it. `tree` counts the conditions that are still to come. Returns the text.
+local function read_condition(c, tree, depth, outer)
+  local at = c.at
+  local form = c:byte()
+  local kind, comparison, percent = form % 8, math.floor(form / 8) % 8, has(form, 0x40)
+  tree.left = tree.left - 1
+  if has(form, 0x80) or (comparison > 0 and kind ~= 2) or (percent and kind ~= 3) then
+    c:fail("A condition says what its kind does not have")
+  end
+  if kind > 1 then return read_term(c, kind, comparison, percent, tree.set, tree.type) end
+  local texts, children = {}, c:leb_of_32_bits()
+  if children < 2 or children > tree.left then c:fail("There are fewer conditions than stand in others") end
+  if depth >= condition_depth_max then c:fail("Conditions lie too deep in each other") end
+  for i = 1, children do
+    if c.failed or tree.left == 0 then break end
+    texts[i] = c:within(g.condition, function() return read_condition(c, tree, depth + 1, kind) end) or ""
+  end
+  if #texts < children then c:fail("There are fewer conditions than stand in others") end
+  local text = table.concat(texts, kind == 0 and " and " or " or ")
+  return kind == 1 and outer == 0 and "(" .. text .. ")" or text
+end
+
+local function read_conditions(c, asked, set, type)
+  local begin, tree = c.at, { left = c:several(), set = set, type = type }
+  if tree.left == 0 or tree.left > conditions_max then c:fail("There are 1 to " .. conditions_max .. " conditions") end
+  local text = c:within(g.condition, function() return read_condition(c, tree, 1) end)
+  if tree.left > 0 then c:fail("Conditions stand beside each other without a word between them") end
+  asked.conditions, asked.conditions_raw = text or "", c:raw_from(begin)
+end
+
+-- Reads the mask of a selection, of which bit b of byte i is leaf 8 i + b.
+local function read_selection_mask(c)
+  local at, set = c.at, {}
+  local count = c:several()
+  for i = 0, count - 1 do
+    local byte = c:byte()
+    for bit = 0, 7 do
+      if has(byte, 2 ^ bit) then set[8 * i + bit] = true end
+    end
+    if i == count - 1 and byte == 0 then c:fail("The last byte of a mask is not 0") end
+  end
+  if not c.failed then c.tree:add(g.leaves, c.buffer(at, c.at - at), runs_text(set, 0, 8 * count)) end
+  return set
+end
+
+-- The kinds of entries of a request (core/control/wants.h) by number: functions that read what is in an entry, and
+-- return its text.
+local wants = {
+  [1] = function(c, asked)
+    local us = c:number(g.period, 4)
+    if us == 0 then c:fail("A period is not 0") end
+    if c.failed then return nil end
+    if c:left() > 0 then c:fail("A period has 4 bytes") end
+    asked.rate = rate_text(us)
+    return asked.rate
+  end,
+  [2] = function(c, asked, type)
+    local follows = c:byte()
+    if follows > 0x07 then c:fail("A selection says what is unknown") end
+    local set = read_selection_mask(c)
+    if has(follows, 0x01) and not c.failed then read_parts(c, asked, set, type) end
+    if has(follows, 0x02) and not c.failed then read_conditions(c, asked, set, type) end
+    if has(follows, 0x04) and not c.failed then
+      local at, us = c.at, c:leb_of_32_bits()
+      if us == 0 then c:fail("A rate of 0 is not written") end
+      if not c.failed then c.tree:add(g.rate, c.buffer(at, c.at - at), rate_text(us)) end
+    end
+    if c:left() > 0 then c:fail("A selection is longer than what it says") end
+    return nil
+  end,
+}
+
+-- Reads an entry of `wants`. Returns its text, and its kind.
+local function read_want(c, asked, type, last)
+  local kind, bytes = c:number(g.want_kind, 1), c:number(g.want_bytes, 2)
+  if c.failed then return nil end
+  if kind <= last then c:fail("Each kind of entry stands once, and the kinds ascend") end
+  if bytes > c:left() then c:fail("An entry is longer than what is left") end
+  if not wants[kind] and kind < 128 then c:fail("An entry of this kind must be known: the request is refused") end
+  if wants[kind] and bytes == 0 then c:fail("The entry is empty") end
+  local range = bytes > 0 and c:take(bytes)
+  if c.failed then return nil end
+  if not wants[kind] then return "Entry of an unknown kind, which may be left out", kind end
+  local inner = Cursor.new(range:tvb(), c.tree, c.expert_info)
+  local text = wants[kind](inner, asked, type)
+  c.failed = inner.failed
+  return text and "Entry: " .. text, kind
+end
+
+local function read_wants(c, asked, type)
+  local bytes = c:count(1)
+  if bytes == 0 then return end
+  c:within(g.wants, function()
+    local range = c:take(bytes)
+    local inner, last = Cursor.new(range:tvb(), c.tree, c.expert_info), 0
+    while not inner.failed and inner:left() > 0 do
+      local _, kind = inner:within(g.want, function() return read_want(inner, asked, type, last) end)
+      last = kind or last
+    end
+    asked.is_malformed = inner.failed
+  end)
+end
+
+-- What was asked for as text, with its conditions and its rate.
+local function asked_text(asked, type)
+  local gate = asked.conditions .. (asked.conditions ~= "" and asked.rate ~= "" and " " or "") .. asked.rate
+  return fields_text(asked, type) .. (gate ~= "" and " @ " .. gate or "")
+end
+
+-- Notes what stands for a request in datagrams. The frame is that of the first such request whose type is known, or
+-- else of the first one.
+local function note(asked, type, frame)
+  local key = asked.name:tohex()
+  local former = known.names[key]
+  if former and (former.is_typed or not type) then return end
+  local is_mask = asked.parts_raw == "" and asked.conditions_raw == ""
+  local kind = "hash of a selection with " .. (asked.parts_raw ~= "" and "parts" or "conditions")
+  if asked.parts_raw ~= "" and asked.conditions_raw ~= "" then kind = kind .. " and conditions" end
+  if is_mask then kind = #asked.words > 1 and "hash of a mask" or "leaves" end
+  known.names[key] = {
+    kind = kind, frame = frame, is_typed = type ~= nil,
+    text = fields_text(asked, type) .. (asked.conditions ~= "" and " @ " .. asked.conditions or ""),
+    leaves = is_mask and runs_text(asked.set, 0, 64 * #asked.words) or nil,
+  }
+end
+
+-- Reads a request. Returns its text; nil if it is no subscriber's.
+local function read_request(c, pinfo)
+  local asked = { set = {}, words = {}, parts = {}, parts_raw = "", conditions = "", conditions_raw = "", rate = "" }
+  local reader = c:aligned(g.reader, 8)
+  c:aligned(g.version, 1)
+  c:aligned(g.request_sequence, 8)
+  for i = 1, c:count(8) do
+    local word, item = c:aligned(g.mask_word, 8)
+    if word == nil then return nil end
+    asked.words[i] = word
+    add_leaves(asked.set, word, 64 * (i - 1))
+    item:append_text(" (leaves " .. leaves_text(word, 64 * (i - 1)) .. ")")
+  end
+  local type = reader and known.types[reader:tohex()]
+  read_wants(c, asked, type)
+  c:ids(g.listening)
+  c:ids(g.attached)
+  c:ids(g.begun)
+  if c.failed or asked.is_malformed or reader == UInt64(0) then return nil end
+  asked.name = name_of(asked)
+  local text = asked_text(asked, type)
+  c.tree:add(g.selection, text):set_generated()
+  c.tree:add(g.name, asked.name):set_generated()
+  note(asked, type, pinfo.number)
+  return text
+end
+
+-- Reads a type description. Notes the type of the endpoint for those who name leaves by number.
+local function read_type(c, id, role)
+  local bytes = c:count(1)
+  local range = bytes > 0 and c:take(bytes)
+  if not range then return end
+  local item = c.tree:add(g.description, range)
+  local type = read_description(Cursor.new(range:tvb(), item, c.expert_info))
+  if type == nil then return end
+  item:append_text(string.format(" (%d leaves)", type.leaves))
+  known.types[id:tohex()] = type
+  if role ~= 0 then return end
+  local former = known.leaves[id:lower()]
+  known.leaves[id:lower()] = (former == nil or former == type.leaves) and type.leaves
+end
+
+local function read_address(c)
+  local family = c:byte()
+  c:number(g.wireless, 1)
+  local range = c:take(16)
+  if range == nil then return nil end
+  local is_ipv4 = family == 4
+  if is_ipv4 then c.tree:add(g.ipv4, range(12, 4)) else c.tree:add(g.ipv6, range) end
+  local port = c:aligned(g.port, 2)
+  c:aligned(g.receive_buffer, 4)
+  if c.failed then return nil end
+  local address = tostring(is_ipv4 and range(12, 4):ipv4() or range:ipv6())
+  return string.format(is_ipv4 and "Address: %s:%d" or "Address: [%s]:%d", address, port)
+end
+
+-- Reads where an endpoint can be reached.
+local function read_places(c)
+  local host = c:take(32)
+  if host then c.tree:add(g.host, host) end
+  c:aligned(g.network, 8)
+  c:number(g.may_use_shm, 1)
+  c:number(g.may_use_udp, 1)
+  for _ = 1, c:count(24) do
+    if c.failed then return end
+    c:within(g.address, function() return read_address(c) end)
+  end
+  c:aligned(g.doorbell_page, 8)
+  c:aligned(g.doorbell_slot, 4)
+end
+
+local function read_qos(c)
+  c:number(g.reliability, 1)
+  c:number(g.durability, 1)
+  c:number(g.liveliness, 1)
+  c:aligned(g.deadline, 8)
+  c:aligned(g.liveliness_lease, 8)
+  c:aligned(g.lifespan, 8)
+  c:aligned(g.history_depth, 4)
+end
+
+local function check_version(c, offset)
+  local range = c:left() > offset and c.buffer(c.at + offset, 1)
+  if range and range:uint() ~= control_version then c:fail("The version is not " .. control_version) end
+end
+
+-- Reads what a publisher or a subscriber announces. Returns its text.
+local function read_endpoint(c, pinfo)
+  check_version(c, 8)
+  local id = c:aligned(g.id, 8)
+  c:number(g.version, 1)
+  local role = c:number(g.role, 1)
+  c:aligned(g.node, 8)
+  c:aligned(g.lease, 4)
+  c:text(g.node_name)
+  local topic = c:text(g.topic)
+  local type_name = c:text(g.type_name)
+  c:aligned(g.type_hash, 8)
+  if c.failed then return nil end
+  read_type(c, id, role)
+  read_places(c)
+  c:aligned(g.max_sample, 8)
+  c:number(g.waits, 1)
+  read_qos(c)
+  c:align(8)
+  local _, request = c:within(g.request, function()
+    local text = read_request(c, pinfo)
+    return "Request: " .. (text or "none"), text
+  end)
+  c:aligned(g.revision, 8)
+  if c.failed then return nil end
+  local text = string.format("%s of %s, %s", roles[role] or "endpoint", topic, type_name)
+  return text .. (request and " asks for " .. request or "")
+end
+
+-- Reads a sample of the topic sft_reader. Of its two sequences one has an element.
+local function read_reader_word(c, pinfo)
+  c:aligned(g.reader, 8)
+  c:number(g.part, 1)
+  local text
+  for _ = 1, c:count(1) do
+    if c.failed then return nil end
+    c:align(8)
+    c:within(g.endpoint, function() text = read_endpoint(c, pinfo) end)
+  end
+  for _ = 1, c:count(1) do
+    if c.failed then return nil end
+    c:align(8)
+    check_version(c, 8)
+    c:within(g.request, function()
+      local request = read_request(c, pinfo)
+      text = request and "subscriber asks for " .. request
+    end)
+  end
+  return text
+end
+
+-- Reads the key of samples, which is all that the end of a publisher or a subscriber has. That of a subscriber has a
+-- part.
+local function read_key(c)
+  local id = c:aligned(g.id, 8)
+  if c:left() > 0 then c:number(g.part, 1) end
+  return id and string.format("key %s", id:tohex())
+end
+
+-- Reads a control sample, whose topic its bytes tell: a sample of the topic sft_writer has its version where one of
+-- sft_reader has its part, which is 0 or 1.
+local function read_control(buffer, pinfo, root)
+  local tree = root:add(control, buffer())
+  local c = Cursor.new(buffer, tree, control_malformed)
+  local is_word = buffer:len() >= 9 and buffer(8, 1):uint() <= 1
+  local is_key = buffer:len() < 16
+  local text = (is_key and read_key or is_word and read_reader_word or read_endpoint)(c, pinfo)
+  if not is_key and not c.failed and c:left() > 3 then c:fail("The sample is longer than what it says") end
+  if text == nil or c.failed then text = "malformed" end
+  tree:append_text(": " .. text)
+  if not is_key then pinfo.cols.info:append(" [" .. text .. "]") end
+end
+
+-- True if the bytes are what a text of CDR begins with and ends with. Returns where the text ends, too.
+local function is_text(buffer, at)
+  if buffer:len() < at + 4 then return false end
+  local bytes = buffer(at, 4):le_uint()
+  if bytes == 0 or bytes > 256 or buffer:len() < at + 4 + bytes then return false end
+  return buffer(at + 3 + bytes, 1):uint() == 0, at + 4 + bytes
+end
+
+local function looks_like_endpoint(buffer, at, role)
+  if buffer:len() < at + 32 then return false end
+  if buffer(at + 8, 1):uint() ~= control_version or buffer(at + 9, 1):uint() ~= role then return false end
+  at = at + 28
+  for _ = 1, 3 do
+    local is_one, behind = is_text(buffer, at)
+    if not is_one then return false end
+    at = behind + -behind % 4
+  end
+  return true
+end
+
+-- True if bytes of an unknown topic are a control sample: ids are repeated, texts end, and the version is right.
+local function looks_like_control(buffer)
+  if buffer:len() < 40 then return false end
+  if looks_like_endpoint(buffer, 0, 0) then return true end
+  local announcements, reader = buffer(12, 4):le_uint(), buffer(0, 8):le_uint64()
+  if buffer(8, 1):uint() ~= 1 - announcements then return false end
+  if announcements == 1 then
+    return buffer(16, 8):le_uint64() == reader and looks_like_endpoint(buffer, 16, 1)
+  end
+  return buffer(16, 4):le_uint() == 1 and buffer(24, 8):le_uint64() == reader and
+         buffer(32, 1):uint() == control_version
+end
+
+-- Wireshark's dissector of RTPS gives on what is in a sample if the type of the topic was announced in the capture. It
+-- writes the name of the type in lower case, with underscores. In a capture that began later, whatever looks like a
+-- control sample is dissected behind everything else.
+local function join_rtps()
+  local submessage_bytes = Field.new("rtps.sm.octetsToNextHeader")
+  local encapsulation = Field.new("rtps.param.serialize.encap_kind")
+  local undissected = Field.new("rtps.issueData")
+  local bytes_of_fragmented = Field.new("rtps.data_frag.sample_size")
+
+  -- Wireshark gives on all bytes up to the end of the datagram. Returns how many belong to the sample.
+  local function sample_bytes(buffer)
+    local all, at = { submessage_bytes() }, buffer:offset()
+    local last = all[#all]
+    if last == nil or last.value == 0 or last.offset > at then return buffer:len() end
+    return math.min(buffer:len(), last.offset + 2 + last.value - at)
+  end
+
+  function control.dissector(buffer, pinfo, root)
+    local all = { encapsulation() }
+    local bytes = sample_bytes(buffer)
+    if bytes <= 0 or (#all > 0 and all[#all].value ~= 1) then return 0 end
+    read_control(buffer(0, bytes):tvb(), pinfo, root)
+    return bytes
+  end
+
+  -- True if the bytes from that offset on are a fragment: the header of their submessage has the size of the whole.
+  local function is_fragment(at)
+    local begin = 0
+    for _, bytes in ipairs({ submessage_bytes() }) do
+      if bytes.offset < at then begin = math.max(begin, bytes.offset) end
+    end
+    for _, bytes in ipairs({ bytes_of_fragmented() }) do
+      if bytes.offset > begin and bytes.offset < at then return true end
+    end
+    return false
+  end
+
+  local unannounced = Proto("sft_control_unannounced", "SFT control samples of topics that were announced earlier")
+  function unannounced.dissector(_, pinfo, root)
+    for _, bytes in ipairs({ undissected() }) do
+      local buffer = bytes.range and bytes.range:tvb()
+      if buffer and looks_like_control(buffer) and not is_fragment(bytes.offset) then
+        read_control(buffer, pinfo, root)
+      end
+    end
+  end
+  register_postdissector(unannounced)
+
+  local types = DissectorTable.get("rtps.type_name")
+  for _, name in ipairs({ "sft_control_readerword", "sft_control_endpoint" }) do types:add(name, control) end
+end
+
+-- A Wireshark without the dissector of RTPS still shows datagrams.
+if not pcall(join_rtps) then print("SFT: this Wireshark does not let control samples be dissected") end

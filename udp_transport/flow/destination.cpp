@@ -42,6 +42,12 @@ void Destination::sent(const Connection& by, std::size_t bytes, std::size_t data
   if (const std::optional<FlowMark> due = window_.sent(bytes, datagrams, now, aside)) send(*due, now);
 }
 
+bool Destination::takes_control(Time now) {
+  if (window_.takes_control(now)) return true;
+  mark(now);
+  return false;
+}
+
 void Destination::mark(Time now) {
   if (const std::optional<FlowMark> due = window_.await_room(now)) send(*due, now);
 }

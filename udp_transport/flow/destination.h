@@ -60,7 +60,9 @@ class Destination {
   /// The size of the remote socket's receive buffer as announced.
   void set_receive_buffer(std::uint32_t bytes) { window_.announce(bytes); }
   std::size_t room(Size size, Time now) { return window_.room(size, now); }
-  bool takes_control(Time now) { return window_.takes_control(now); }
+  /// Returns true if a heartbeat or an offer may go. What may not is withheld until the receiver reports, for
+  /// which it is asked here: it may be all that is left to send.
+  bool takes_control(Time now);
   /// Notes what was sent through one of the connections. Sends the receiver a mark if one is due.
   void sent(const Connection& by, std::size_t bytes, std::size_t datagrams, Time now);
   /// Somebody waits for room: asks a receiver again that does not report.

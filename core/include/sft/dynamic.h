@@ -71,7 +71,8 @@ class DynamicSample {
   std::vector<std::string> missing_channels() const { return sample_.missing_channels(type_.support()); }
   /// The message type. Valid as long as the sample.
   const DynamicType& type() const& { return type_; }
-  /// True if a read met bytes that are not what they claim to be.
+  /// True if a read met bytes that are not what they claim to be, or if there was no memory for the part of a
+  /// field that it had to copy.
   bool malformed() const { return sample_.state().is_malformed(); }
   /// The encoded sample, valid as long as the sample: 4 bytes of encapsulation, and standard CDR of those
   /// members of the type that are in mask(). If the sample has other fields, too, the first call makes a copy

@@ -94,8 +94,8 @@ class Sample {
   /// sample.
   const Selection* selection() const& { return sample_.selection(); }
   void selection() const&& = delete;
-  /// The channels of point clouds that were asked for and that the sample's clouds do not have. Empty if none
-  /// are missing.
+  /// The channels of point clouds that were asked for, declared or recorded, and that the sample's clouds do
+  /// not have. Empty if none are missing. Asking for them reads no field.
   std::vector<std::string> missing_channels() const { return sample_.missing_channels(type_support<T>()); }
   /// True if a getter met bytes that are not what they claim to be, or had no memory for the part of a field
   /// that it had to copy together, and returned an empty value.

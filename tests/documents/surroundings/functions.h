@@ -2,10 +2,12 @@
 #include <sft/sft.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <iostream>
 #include <nav_msgs/msg/Odometry.hpp>
 #include <optional>
+#include <sensor_msgs/msg/Image.hpp>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 #include <span>
 #include <string>

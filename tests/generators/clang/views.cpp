@@ -34,7 +34,7 @@ std::size_t read_when_recorded(const sft::Sample<PointCloud2, sft::recorded>& sa
   return data ? data->size() : 0;
 }
 
-static_assert(std::ranges::random_access_range<sft::Points<float, double>>);
+static_assert(std::ranges::random_access_range<sft::Cells<std::tuple<float, double>>>);
 
 float sum_of_points(const All& sample, const sft::Sample<PointCloud2, sft::recorded>& other) {
   float sum = 0;

@@ -43,6 +43,7 @@ void Laws::process_started() {
 void Laws::asks(core::EndpointId reader, const Selection& wish) {
   Account& account = readers_[reader];
   const std::uint64_t gate = core::gate_id(wish.gate_hash(), 0);
+  account.names.insert(wish.hash());
   account.gates.insert(gate);
   account.gate = gate;
   account.known_from = 0;
@@ -73,6 +74,8 @@ void Laws::taken(core::EndpointId reader, const core::SampleBuffer& sample, bool
   if (scenario_.forgers && !published_.contains(sample.sequence)) return;
   if (!is_sound(sample, which)) return;
   if (scenario_.forgers) return static_cast<void>(account.got.insert(sample.sequence));
+  if (!sample.merged && !account.names.contains(name_of_selection(sample)))
+    return fail(which + " is of something that it has never asked for");
   if (sample.sequence == account.last) {
     // While its wish changes, a sample can come under both, for it and for another.
     const bool may_repeat = account.changed || changes;
@@ -95,8 +98,8 @@ void Laws::taken(core::EndpointId reader, const core::SampleBuffer& sample, bool
 }
 
 /// What was withheld never counts as lost. Between two samples of one gate, each one that has passed the gate
-/// and did not come counts as lost, if no other conditions can have been in force. Without conditions each
-/// one does that did not come.
+/// and did not come counts as lost, if no other conditions can have been in force, and if the gate did not
+/// begin anew. Without conditions each one does that did not come.
 void Laws::check_missing(Account& account, const core::SampleBuffer& sample, const std::string& which) {
   const std::uint64_t before = account.last;
   const std::uint64_t lost = account.numbers.enter(sample, core::RateKeeper::writer, account.asked).lost;
@@ -107,8 +110,10 @@ void Laws::check_missing(Account& account, const core::SampleBuffer& sample, con
         std::distance(sequences.upper_bound(before), sequences.lower_bound(sample.sequence)));
   };
   const auto suits = [&](std::uint64_t gate) { return gate == 0 || gate == sample.gate; };
-  const bool is_certain = account.was_settled ? sample.gate == account.gate  // else it was sent to others
-                                              : std::ranges::all_of(account.gates, suits);
+  const bool is_known = account.was_settled ? sample.gate == account.gate  // else it was sent to others
+                                            : std::ranges::all_of(account.gates, suits);
+  const auto& begun = begun_[sample.gate];
+  const bool is_certain = is_known && begun.upper_bound(before) == begun.upper_bound(sample.sequence);
   if (sample.gate == account.last_gate && is_certain) {
     const std::uint64_t missing = sample.gate == 0 ? gap : between(passed_[sample.gate]);
     if (lost != missing)
@@ -179,6 +184,16 @@ void Laws::check_end(const udp::ResendWindow& sent, std::uint32_t channel) {
                        " are said to be lost");
   for (const auto& [reader, account] : readers_)
     scenario_.forgers ? check_end_after_forgeries(account) : check_end(reader, account);
+}
+
+void Laws::check_settled() {
+  for (const auto& [reader, account] : readers_) {
+    const bool has_changed = account.known_from != 0;
+    if (has_changed && !account.is_settled)
+      return fail("reader " + std::to_string(reader) + " gets nothing under its latest wish");
+    if (account.asked.nameable().size() > 1)
+      return fail("reader " + std::to_string(reader) + " keeps former conditions");
+  }
 }
 
 void Laws::check_end(core::EndpointId reader, const Account& account) {

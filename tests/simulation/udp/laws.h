@@ -33,15 +33,18 @@ class Laws {
   // What the writer reports.
 
   void published(std::uint64_t sequence, Cloud cloud, Time now);
-  /// The sample was sent to that reader.
-  void owes(core::EndpointId reader, const Variant& sample) { readers_[reader].owed.push_back(sample); }
+  /// The sample was sent to that reader. The writer may not know yet that the reader has left.
+  void owes(core::EndpointId reader, const Variant& sample) {
+    if (readers_.contains(reader)) readers_[reader].owed.push_back(sample);
+  }
   /// The conditions of that reader have withheld the sample.
   void withholds(core::EndpointId reader, std::uint64_t sequence) {
-    readers_[reader].withheld.insert(sequence);
+    if (readers_.contains(reader)) readers_[reader].withheld.insert(sequence);
   }
   /// The sample has passed that gate, with that number.
   void let_pass(std::uint64_t gate, std::uint64_t sequence, std::uint32_t ordinal) {
     passed_[gate].emplace(sequence, ordinal);
+    if (ordinal == 1) begun_[gate].insert(sequence);
   }
 
   // What the process of the readers reports.
@@ -49,6 +52,7 @@ class Laws {
   void process_started();
   void process_crashed() { readers_.clear(); }
   void reader_joined(core::EndpointId reader) { readers_.try_emplace(reader); }
+  void reader_left(core::EndpointId reader) { readers_.erase(reader); }
   /// The reader asks for that from now on.
   void asks(core::EndpointId reader, const Selection& wish);
   /// The writer knows of the reader's latest wish from now on.
@@ -66,6 +70,8 @@ class Laws {
   void check(const udp::ResendWindow& sent, udp::ArrivalWindow* arrivals);
   /// Checks what must hold when nothing is under way any more. `channel`: the last channel of the writer.
   void check_end(const udp::ResendWindow& sent, std::uint32_t channel);
+  /// Checks that nothing is kept of former wishes once samples have come under the latest ones.
+  void check_settled();
 
  private:
   /// What one reader has to get, and has got.
@@ -76,6 +82,7 @@ class Laws {
     std::uint64_t last_gate = 0;           ///< the gate that this sample has passed; 0: none
     std::set<std::uint64_t> last_names{};  ///< the selections under which this sequence came
     bool changed = false;                  ///< the reader was changing its wish when it got that
+    std::set<std::uint64_t> names{};       ///< of all its wishes
     std::set<std::uint64_t> gates{};       ///< of all its wishes; 0: the one without conditions
     std::uint64_t gate = 0;                ///< of its latest wish
     std::uint64_t known_from = 0;          ///< the first sample under that wish; 0: there is none yet
@@ -105,6 +112,8 @@ class Laws {
   std::map<core::EndpointId, Account> readers_;
   LossLedger ledger_;
   std::map<std::uint64_t, std::map<std::uint64_t, std::uint32_t>> passed_;  ///< numbers, by gate and sequence
+  /// The sequences with which each gate began: again, where the writer has forgotten the gate meanwhile.
+  std::map<std::uint64_t, std::set<std::uint64_t>> begun_;
   std::uint64_t lost_ = 0;  ///< as the process counted when it was asked last
 };
 

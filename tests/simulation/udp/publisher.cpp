@@ -30,6 +30,7 @@ void Publisher::publish(const std::map<core::EndpointId, Wish>& asked, Time now)
   if (group_.exists() && !served.empty() && passes(*served.begin())) {
     const udp::JobHandle job = encode({&clouds.front(), 1}, together, number_of(served));
     if (together.is_mask()) job->first.flags |= udp::merged_masks;
+    if (gates.contains(*served.begin())) ++gated_by_group_;
     mark(*job, *served.begin(), gates);
     group_.send(job, now);
   }
@@ -50,12 +51,22 @@ Publisher::GatesInForce Publisher::give_gates(const std::map<core::EndpointId, W
   core::Serving serving;
   for (const auto& [reader, wish] : asked)
     serving.network.push_back({.reader = reader, .destination = {}, .selection = wishes()[wish]});
+  gates_.tidy();
   gates_.give(serving.network);
   gates_.open_for(serving);
+  serving_ = std::move(serving);
   GatesInForce gates;
-  for (const core::Route& route : serving.network)
-    if (route.gate != nullptr) gates[asked.at(route.reader)] = gates_.of(route);
+  for (const core::Route& route : serving_.network) {
+    if (route.gate == nullptr) continue;
+    gates[asked.at(route.reader)] = gates_.of(route);
+    given_.insert_or_assign(route.gate.get(), route.gate);
+  }
   return gates;
+}
+
+std::size_t Publisher::gates() const {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(given_, [](const auto& gate) { return !gate.second.expired(); }));
 }
 
 /// Wishes with the same conditions share a gate.
@@ -92,7 +103,7 @@ void Publisher::mark(udp::Job& job, Wish wish, const GatesInForce& gates) {
 /// Returns the number of the variant that serves all these. It is the same by the group and without.
 std::uint16_t Publisher::number_of(const std::set<Wish>& served) {
   if (served.size() == 1) return static_cast<std::uint16_t>(*served.begin());
-  std::uint16_t number = 100;
+  std::uint16_t number = 1000;
   for (const Wish wish : served) number += static_cast<std::uint16_t>(1U << wish);
   return number;
 }

@@ -30,6 +30,12 @@ class Publisher {
   void publish(const std::map<core::EndpointId, Wish>& asked, Time now);
   /// The time of the next publish().
   Time next() const { return publish_at_; }
+  /// How many samples are still to be published.
+  std::size_t left() const { return scenario_.samples - published_; }
+  /// How many gates there are, of wishes in force and of former ones.
+  std::size_t gates() const;
+  /// How many samples that have passed a gate were sent to a group.
+  std::size_t gated_by_group() const { return gated_by_group_; }
 
  private:
   /// The gates of the wishes that have conditions.
@@ -51,6 +57,9 @@ class Publisher {
   std::shared_ptr<udp::JobPool> jobs_ = udp::JobPool::make();
   std::shared_ptr<core::BufferPool> memory_ = core::BufferPool::make(std::size_t{64} << 20);
   core::Gates gates_{cloud_type()};
+  core::Serving serving_{};                                               ///< in force
+  std::map<const core::Gate*, std::weak_ptr<const core::Gate>> given_{};  ///< gates, perhaps gone by now
+  std::size_t gated_by_group_ = 0;
   std::uint64_t sequence_ = scenario_.first_sequence;  ///< of the next sample
   std::size_t published_ = 0;
   Time publish_at_ = start_time;

@@ -15,23 +15,26 @@ void ReaderHost::start() {
   shares_ = std::make_unique<udp::ReceiveShares>(scenario_.receive_buffer_bytes);
   readers_.clear();
   laws_.process_started();
-  for (std::size_t i = 0; i < from_to(random_, 1, 3); ++i)
-    add_reader(from_to(random_, 0, scenario_.asking.wishes - 1));
+  for (std::size_t i = 0; i < from_to(random_, 1, 3); ++i) {
+    Reader& reader = add_reader(from_to(random_, 0, scenario_.asking.wishes - 1));
+    reader.known = reader.asked;
+  }
   follow();
 }
 
-void ReaderHost::add_reader(Wish wish) {
+ReaderHost::Reader& ReaderHost::add_reader(Wish wish) {
   readers_.push_back({.id = ++last_id_,
                       .inbox = std::make_shared<udp::Inbox>(1, nullptr),
                       .requests = core::AcceptedRequests({wishes()[wish]}, true),
-                      .known = wish});
-  const Reader& reader = readers_.back();
+                      .asked = wish});
+  Reader& reader = readers_.back();
   laws_.reader_joined(reader.id);
   laws_.asks(reader.id, wishes()[wish]);
   directory_->add(reader.id, reader.inbox, cloud_type());
   directory_->accept(*reader.inbox, reader.requests.all());
   const core::Source source{.writer = writer_id, .reliable = true, .waits = scenario_.readers_lag};
   if (!directory_->connect(*reader.inbox, source)) laws_.fail("a reader is not connected");
+  return reader;
 }
 
 /// Tells the reassembly what the readers want by now.
@@ -48,31 +51,86 @@ void ReaderHost::follow() {
 void ReaderHost::crash() {
   reassembly_.reset();
   readers_.clear();
+  departed_.clear();
   laws_.process_crashed();
   look_again_at_ = Time::max();
 }
 
 std::map<core::EndpointId, Wish> ReaderHost::wishes_known() const {
   std::map<core::EndpointId, Wish> known;
-  for (const Reader& reader : readers_) known.emplace(reader.id, reader.known);
+  for (const Reader& reader : readers_)
+    if (reader.known) known.emplace(reader.id, *reader.known);
+  for (const Departed& reader : departed_) known.emplace(reader.id, reader.known);
   return known;
+}
+
+/// Where readers come and go, one often wants what another one wants: then they may be served by a group.
+Wish ReaderHost::any_wish() {
+  const bool as_another = scenario_.asking.churn != 0 && happens(random_, 0.5);
+  if (as_another) return readers_[from_to(random_, 0, readers_.size() - 1)].asked;
+  return from_to(random_, 0, scenario_.asking.wishes - 1);
 }
 
 void ReaderHost::change_a_wish(Time now) {
   if (readers_.empty()) return;
   Reader& reader = readers_[from_to(random_, 0, readers_.size() - 1)];
-  const Wish wish = from_to(random_, 0, scenario_.asking.wishes - 1);
+  const Wish wish = any_wish();
   if (reader.requests.latest().selection == wishes()[wish]) return;
+  ++changes_;
+  reader.asked = wish;
   reader.requests.asks_for({wishes()[wish]}, now);
   laws_.asks(reader.id, wishes()[wish]);
   directory_->accept(*reader.inbox, reader.requests.all());
   follow();
+  announce(reader, now);
+}
+
+/// What the reader asks for is on the way to the writer from now on.
+void ReaderHost::announce(Reader& reader, Time now) {
   const Time after = reader.under_way.empty() ? now : reader.under_way.back().first;
   const auto delay = std::chrono::microseconds(log_uniform(random_, 50'000));
-  reader.under_way.emplace_back(std::max(after, now + delay), wish);
+  reader.under_way.emplace_back(std::max(after, now + delay), reader.asked);
+}
+
+void ReaderHost::come_or_go(Time now) {
+  constexpr std::size_t readers_max = 4;
+  if (readers_.empty()) return;
+  ++changes_;
+  const bool joins = readers_.size() == 1 || (readers_.size() < readers_max && happens(random_, 0.4));
+  joins ? join(now) : leave(now);
+}
+
+void ReaderHost::join(Time now) {
+  Reader& reader = add_reader(any_wish());
+  follow();
+  announce(reader, now);
+}
+
+void ReaderHost::leave(Time now) {
+  const std::size_t place = from_to(random_, 1, readers_.size() - 1);
+  const Reader reader = std::move(readers_[place]);
+  readers_.erase(readers_.begin() + static_cast<std::ptrdiff_t>(place));
+  laws_.reader_left(reader.id);
+  directory_->leave();
+  directory_->remove(*reader.inbox);
+  follow();
+  const auto delay = std::chrono::microseconds(log_uniform(random_, 50'000));
+  if (reader.known) departed_.push_back({reader.id, *reader.known, now + delay});
+}
+
+void ReaderHost::check_kept() {
+  if (subscriptions_->streams.size() != 1) return laws_.fail("there is more than one stream");
+  if (subscriptions_->subscribers[0].size() != readers_.size())
+    return laws_.fail("readers that have left are still known");
+  constexpr std::size_t groups_max = 4;
+  if (reassembly_->groups().size() > groups_max) return laws_.fail("former groups are kept");
+  for (const Reader& reader : readers_)
+    if (reader.requests.all().size() > core::AcceptedRequests::reliable_max)
+      return laws_.fail("former requests are kept");
 }
 
 void ReaderHost::tell_writer_of_wishes(Time now) {
+  std::erase_if(departed_, [now](const Departed& reader) { return reader.until <= now; });
   for (Reader& reader : readers_) {
     while (!reader.under_way.empty() && reader.under_way.front().first <= now) {
       reader.known = reader.under_way.front().second;

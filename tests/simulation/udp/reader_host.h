@@ -6,6 +6,7 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -36,6 +37,12 @@ class ReaderHost {
   /// A reader asks for something else. It takes samples under both selections from now on, and the writer
   /// gets to know later.
   void change_a_wish(Time now);
+  /// Another reader joins, or one leaves, but not the first one. The writer gets to know later.
+  void come_or_go(Time now);
+  /// How often a reader has changed its wish, has joined or has left.
+  std::size_t changes() const { return changes_; }
+  /// Fails if more is kept than what the present readers may need.
+  void check_kept();
   /// The writer gets to know what readers have asked for long enough ago.
   void tell_writer_of_wishes(Time now);
 
@@ -52,11 +59,23 @@ class ReaderHost {
     core::EndpointId id = 0;
     std::shared_ptr<udp::Inbox> inbox;  ///< the subscriptions know the reader by it; nothing is queued
     core::AcceptedRequests requests;
-    Wish known = 0;                                 ///< the wish of which the writer knows
+    Wish asked = 0;                                 ///< its latest wish
+    std::optional<Wish> known{};                    ///< the wish of which the writer knows
     std::deque<std::pair<Time, Wish>> under_way{};  ///< the wishes of which the writer will know, and when
   };
 
-  void add_reader(Wish wish);
+  /// A reader that has left, of which the writer still knows.
+  struct Departed {
+    core::EndpointId id = 0;
+    Wish known = 0;
+    Time until;
+  };
+
+  Reader& add_reader(Wish wish);
+  Wish any_wish();
+  void join(Time now);
+  void leave(Time now);
+  void announce(Reader& reader, Time now);
   void follow();
   void accept(const Bytes& bytes, Time now);
   void report(const Bytes& bytes, Time now);
@@ -74,7 +93,9 @@ class ReaderHost {
   std::unique_ptr<udp::Reassembly> reassembly_;  ///< null while the process is away
   std::unique_ptr<udp::ReceiveShares> shares_;
   std::vector<Reader> readers_;
+  std::vector<Departed> departed_;
   core::EndpointId last_id_ = 0;
+  std::size_t changes_ = 0;
   Time look_again_at_ = Time::max();  ///< readers that had no room may have some then
 };
 

@@ -12,7 +12,7 @@ std::size_t any_datagram_bytes(Random& random) {
   return lengths[from_to(random, 0, 2)];
 }
 
-Scenario::Scenario(Random& random, bool with_forgers) : forgers(with_forgers) {
+Scenario::Scenario(Random& random, Plan plan) : forgers(plan == Plan::beset) {
   weather.loss = happens(random, 0.2) ? 0 : std::uniform_real_distribution<>(0, 0.3)(random);
   weather.repetition = happens(random, 0.5) ? 0 : 0.1;
   weather.delay = std::chrono::microseconds(log_uniform(random, 20'000));
@@ -46,8 +46,9 @@ Scenario::Scenario(Random& random, bool with_forgers) : forgers(with_forgers) {
     resend.samples = from_to(random, 2, 12);
     resend.bytes = from_to(random, 20'000, 200'000);
   }
-  if (happens(random, 0.6)) asking.wishes = simulation::wishes().size();
+  if (happens(random, 0.6)) asking.wishes = usual_wishes_end;
   if (asking.change != 0 && happens(random, 0.5)) asking.change_midway = 0.005;
+  if (plan == Plan::churning) churn();
   if (!tight_reader) return;
   reassembly.channel.samples = from_to(random, 4, 16);
   reassembly.channel.held_bytes = from_to(random, 20'000, 200'000);
@@ -66,6 +67,28 @@ void Scenario::beset(Random& random) {
   tight_writer = tight_reader = crashes = readers_lag = false;
   sample_bytes_max = std::min<std::size_t>(sample_bytes_max, 12'000);
   samples = 1300;  // enough for readers to whom conditions let every third one pass
+}
+
+/// Nothing but loss keeps a sample from coming, and what a reader waits for comes before it has asked for so
+/// much else that its request is forgotten.
+void Scenario::churn() {
+  weather.loss = std::min(weather.loss, 0.1);
+  weather.delay = std::min(weather.delay, std::chrono::microseconds(3000));
+  weather.jitter = std::min(weather.jitter, std::chrono::microseconds(5000));
+  weather.parted_until = {};
+  stalled_from = Time::max();
+  first_ordinal = std::min<std::uint64_t>(first_ordinal, UINT32_MAX);  // far from the last one of a channel
+  tight_writer = tight_reader = crashes = readers_lag = false;
+  resend = {.repair_bytes_per_s = resend.repair_bytes_per_s};
+  reassembly = {};
+  samples = 5000;
+  sample_bytes_max = std::min<std::size_t>(sample_bytes_max, 3000);
+  regroup = 0.15;
+  asking = {.wishes = simulation::wishes().size(),
+            .change = 0.25,
+            .change_midway = 0.002,
+            .churn = 0.5,
+            .quiet = 200};
 }
 
 }  // namespace sft::simulation

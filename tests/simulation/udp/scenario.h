@@ -18,6 +18,15 @@ struct Asking {
   double change = 0;               ///< probability that a reader asks for something else
   /// Probability that a reader does so at any event, while parts of a sample are under way, lost or repaired.
   double change_midway = 0;
+  double churn = 0;       ///< probability that a reader joins or leaves
+  std::size_t quiet = 0;  ///< nothing of that happens from the last so many samples on
+};
+
+/// What a run is about.
+enum class Plan : std::uint8_t {
+  usual,
+  beset,     ///< datagrams are forged, too, in the beginning
+  churning,  ///< readers join, leave and change their conditions with nearly each sample
 };
 
 /// The probabilities are those of an event after each published sample.
@@ -42,11 +51,11 @@ struct Scenario {
   udp::ResendLimits resend{};
   udp::ReassemblyLimits reassembly{};
 
-  /// `with_forgers`: datagrams are forged, too, in the beginning.
-  Scenario(Random& random, bool with_forgers);
+  Scenario(Random& random, Plan plan);
 
  private:
   void beset(Random& random);
+  void churn();
 };
 
 /// The longest datagrams of some path.

@@ -10,9 +10,9 @@ namespace sft::simulation {
 namespace {
 
 #ifdef SFT_SANITIZED
-constexpr std::uint64_t seeds = 500, beset_seeds = 20;
+constexpr std::uint64_t seeds = 500, beset_seeds = 20, churning_seeds = 4;
 #else
-constexpr std::uint64_t seeds = 10'000, beset_seeds = 200;
+constexpr std::uint64_t seeds = 10'000, beset_seeds = 200, churning_seeds = 12;
 #endif
 constexpr int shards = 4;
 
@@ -39,9 +39,27 @@ TEST_P(Simulation, DeliversAllASecondAfterTheLastForgedDatagram) {
   const std::uint64_t first =
       test::test_seed() + (alone ? 0 : count * static_cast<std::uint64_t>(GetParam()));
   for (std::uint64_t seed = first; seed < first + count; ++seed) {
-    const std::string failure = World(seed, true).run();
+    const std::string failure = World(seed, Plan::beset).run();
     ASSERT_EQ(failure, "") << "to repeat: SFT_TEST_SEED=" << seed;
   }
+}
+
+/// In each run there are some thousand of these changes, and conditions for more gates than a publisher
+/// keeps.
+TEST_P(Simulation, KeepsAllExactAndNothingForLongWhileReadersJoinLeaveAndChangeTheirConditions) {
+  const bool alone = std::getenv("SFT_TEST_SEED") != nullptr;
+  const std::uint64_t count = alone ? 1 : test::test_rounds(churning_seeds / shards);
+  const std::uint64_t first =
+      test::test_seed() + (alone ? 0 : count * static_cast<std::uint64_t>(GetParam()));
+  std::size_t gated_by_group = 0;
+  for (std::uint64_t seed = first; seed < first + count; ++seed) {
+    World world(seed, Plan::churning);
+    const std::string failure = world.run();
+    ASSERT_EQ(failure, "") << "to repeat: SFT_TEST_SEED=" << seed;
+    EXPECT_GT(world.changes(), 2500U) << "to repeat: SFT_TEST_SEED=" << seed;
+    gated_by_group += world.gated_by_group();
+  }
+  EXPECT_GT(gated_by_group, 0U);
 }
 
 }  // namespace

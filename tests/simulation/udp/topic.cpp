@@ -1,6 +1,8 @@
 #include "tests/simulation/udp/topic.h"
 
 #include <algorithm>
+#include <array>
+#include <string>
 
 #include "core/seam/gate.h"
 #include "tests/support/cut_reference.h"
@@ -17,6 +19,14 @@ const Selection* named_by(const core::SampleBuffer& sample) {
            core::gate_id(wish.gate_hash(), 0) == sample.gate;
   });
   return named == wishes().end() ? nullptr : &*named;
+}
+
+/// The number of a cloud is 7 more than that of the one before.
+std::string any_conditions(int number) {
+  const std::string text = std::to_string(number);
+  if (number % 3 == 0) return "changed(header.stamp.sec) " + std::to_string(7 * (number % 4)) + "." + text;
+  if (number % 3 == 1) return "every 2nd or header.stamp.sec == " + text;
+  return "every 3rd and header.stamp.sec != " + text;
 }
 
 }  // namespace
@@ -47,6 +57,12 @@ const std::vector<Selection>& wishes() {
           "* @ every 2nd", "data[:100] @ every 2nd", "data[::3] @ changed(header.stamp.sec) 9",
           "data{ring}[10:], is_dense @ every 3rd or header.stamp.sec < 500"})
       made.push_back(cloud_type().closed(cloud_type().parse_selection(text).value()));
+    const std::array<std::string, 4> fields{"data{x}", "data[:100:2]", "header", "*"};
+    for (int i = 0; i < 140; ++i) {  // two of them share conditions, and half of these pairs a mask
+      const std::string text =
+          fields[static_cast<std::size_t>(i) % fields.size()] + " @ " + any_conditions(i / 2);
+      made.push_back(cloud_type().closed(cloud_type().parse_selection(text).value()));
+    }
     return made;
   }();
   return all;

@@ -28,9 +28,10 @@ Cloud make_cloud(std::size_t data_bytes, std::uint32_t number);
 
 using Wish = std::size_t;  ///< an index of wishes()
 /// The selections that readers ask for: first three masks, then channels and windows, and then some with
-/// conditions on the number, some of these with windows.
+/// conditions on the number, some of these with windows. Behind the usual ones there are so many others with
+/// conditions that a publisher does not keep all their gates.
 const std::vector<Selection>& wishes();
-inline constexpr Wish masks_end = 3;
+inline constexpr Wish masks_end = 3, usual_wishes_end = 10;
 
 /// The hash by which datagrams name the selection under which the sample came; 0: nobody asks for that.
 std::uint64_t name_of_selection(const core::SampleBuffer& sample);

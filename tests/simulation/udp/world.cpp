@@ -10,13 +10,16 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::size_t steps_max = 200'000;
+constexpr std::size_t steps_max = 200'000, steps_of_a_sample_max = 100;
+
+/// A publisher lets go of unused gates beyond so many (core/publish/gates.h), when it serves others.
+constexpr std::size_t gates_remembered = 64;
 
 }  // namespace
 
-World::World(std::uint64_t seed, bool forgers)
+World::World(std::uint64_t seed, Plan plan)
     : random_(seed),
-      scenario_(random_, forgers),
+      scenario_(random_, plan),
       network_(scenario_.weather, scenario_.datagram_bytes, random_),
       laws_(scenario_),
       channel_(scenario_, random_, network_, laws_.ledger()),
@@ -28,10 +31,12 @@ World::World(std::uint64_t seed, bool forgers)
 }
 
 std::string World::run() {
+  const std::size_t most = std::max(steps_max, steps_of_a_sample_max * scenario_.samples);
   for (std::size_t steps = 0; laws_.violation().empty() && step(); ++steps) {
-    if (steps == steps_max) laws_.fail("it does not come to rest");
+    if (steps == most) laws_.fail("it does not come to rest");
   }
   if (laws_.violation().empty()) laws_.check_end(channel_.window(), channel_.number());
+  if (laws_.violation().empty() && scenario_.asking.churn != 0) laws_.check_settled();
   if (laws_.violation().empty()) return {};
   return laws_.violation() + ", after " + std::to_string((now_ - start_time) / 1us) + " us";
 }
@@ -50,7 +55,7 @@ bool World::step() {
   if (channel_.next(now_) <= now_) channel_.send(now_);
   group_.offer(now_);
   readers_.look(now_);
-  if (happens(random_, scenario_.asking.change_midway)) readers_.change_a_wish(now_);
+  if (happens(random_, scenario_.asking.change_midway) && !is_quiet()) readers_.change_a_wish(now_);
   laws_.check(channel_.window(), readers_.arrivals());
   return true;
 }
@@ -89,9 +94,17 @@ void World::start_again() {
 
 void World::publish() {
   publisher_.publish(readers_.wishes_known(), now_);
-  if (happens(random_, scenario_.asking.change)) readers_.change_a_wish(now_);
+  if (happens(random_, scenario_.asking.change) && !is_quiet()) readers_.change_a_wish(now_);
+  if (scenario_.asking.churn != 0) churn();
   if (happens(random_, scenario_.regroup)) group_.change();
   if (happens(random_, scenario_.detour)) network_.take_detour(any_datagram_bytes(random_));
+}
+
+void World::churn() {
+  if (happens(random_, scenario_.asking.churn) && !is_quiet()) readers_.come_or_go(now_);
+  readers_.check_kept();
+  const std::size_t in_force = readers_.wishes_known().size();
+  if (publisher_.gates() > gates_remembered + in_force) laws_.fail("gates of former wishes are kept");
 }
 
 }  // namespace sft::simulation

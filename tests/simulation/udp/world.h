@@ -19,12 +19,17 @@ namespace sft::simulation {
 
 class World {
  public:
-  /// `forgers`: datagrams are forged, too, in the beginning. All samples are delivered again from a second
-  /// after the last forgery on; those that were lost before are not counted.
-  explicit World(std::uint64_t seed, bool forgers = false);
+  /// Where datagrams are forged, all samples are delivered again from a second after the last forgery on;
+  /// those that were lost before are not counted.
+  explicit World(std::uint64_t seed, Plan plan = Plan::usual);
 
   /// Runs until nothing happens any more. Returns the first violation of a law; empty if there is none.
   std::string run();
+
+  /// How often readers have joined, left, or asked for something else.
+  std::size_t changes() const { return readers_.changes(); }
+  /// How many samples that have passed the conditions of all readers were sent to a group.
+  std::size_t gated_by_group() const { return publisher_.gated_by_group(); }
 
  private:
   Time next_event() const;
@@ -33,6 +38,8 @@ class World {
   void crash();
   void start_again();
   void publish();
+  bool is_quiet() const { return publisher_.left() < scenario_.asking.quiet; }
+  void churn();
 
   Random random_;
   const Scenario scenario_;

@@ -18,11 +18,13 @@ def write_pcap(path, payloads):
             out.write(struct.pack("<IIII", number, 0, len(ip + udp), len(ip + udp)) + ip + udp)
 
 
-def dissect(path, fields, decode_as=False):
+def dissect(path, fields, decode_as=False, preferences=()):
     """For each datagram the values of these fields; of one that occurs more than once all, joined by commas."""
     # The system gives out ports that other protocols are registered for: what a datagram looks like goes first.
     command = ["tshark", "-n", "-o", "udp.try_heuristic_first:TRUE", "-X", f"lua_script:{SCRIPT}", "-r", str(path),
                "-T", "fields", "-E", "separator=|"]
+    for preference in preferences:
+        command += ["-o", preference]
     if decode_as:
         command += ["-d", f"udp.port=={SFT_PORT},sft"]
     for field in fields:
@@ -41,9 +43,9 @@ def first(body=b"body", flags=0, total=None, mask=0x87, marks=b""):
     return header(1, flags=flags) + struct.pack("<IQq", total, mask, 1_500_000_000_000_000_001) + marks + body
 
 
-def whole(body=b"body", flags=0, variant=3, channel=5, ordinal=12, stamp=1_500_000_000_000_000_001):
+def whole(body=b"body", flags=0, variant=3, channel=5, ordinal=12, stamp=1_500_000_000_000_000_001, mask=0x87):
     place = 0x1A | flags << 8 | variant << 10 | channel << 21
-    return struct.pack("<IIIIQq", place, 0x04030201, 9, ordinal, 0x87, stamp) + body
+    return struct.pack("<IIIIQq", place, 0x04030201, 9, ordinal, mask, stamp) + body
 
 
 def following(body=b"more", offset=1440):

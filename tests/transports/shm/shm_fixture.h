@@ -106,12 +106,12 @@ class Writer {
   std::uint64_t sequence_ = 0;
 };
 
-/// Every reader of these tests has this id, and every writer serves it.
+/// The readers of these tests have this id, unless a test wants others, and every writer serves it.
 constexpr core::EndpointId reader_id = 7;
 
 class Reader {
  public:
-  explicit Reader(Node& node, std::uint32_t depth = 8);
+  explicit Reader(Node& node, std::uint32_t depth = 8, core::EndpointId id = reader_id);
 
   bool connects_to(core::EndpointId writer);
   core::SampleHandle take() { return port_->take(); }

@@ -24,6 +24,10 @@ struct Faults {
   double loss = 0;
   double repetition = 0;
   double swap = 0;  ///< with the datagram after it
+  /// Outlives the I/O. Null: there are faults at all times.
+  const std::atomic<bool>* only_while = nullptr;
+
+  bool may_happen() const { return only_while == nullptr || *only_while; }
 };
 
 /// Passes everything on; the base of receivers that look at what comes, or lose some of it.
@@ -64,7 +68,9 @@ class FaultyReceiver final : public PassingReceiver {
       : PassingReceiver(std::move(inner)), faults_(faults), random_(seed) {}
 
  private:
-  bool happens(double probability) { return std::uniform_real_distribution<>()(random_) < probability; }
+  bool happens(double probability) {
+    return faults_.may_happen() && std::uniform_real_distribution<>()(random_) < probability;
+  }
 
   void datagram(std::span<const std::byte> bytes, const SocketAddress& from) noexcept override {
     if (happens(faults_.loss)) return;
@@ -234,7 +240,9 @@ class SenderOfBadLink final : public PassingSender {
   }
 
  private:
-  bool happens(double probability) { return std::uniform_real_distribution<>()(random_) < probability; }
+  bool happens(double probability) {
+    return faults_.may_happen() && std::uniform_real_distribution<>()(random_) < probability;
+  }
 
   Faults faults_;
   std::mt19937 random_;

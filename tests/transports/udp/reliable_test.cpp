@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 
+#include <atomic>
 #include <chrono>
 #include <memory>
 #include <numeric>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,6 +16,7 @@
 #include "tests/transports/udp/endpoints.h"
 #include "tests/transports/udp/faulty_io.h"
 #include "tests/transports/udp/transfers.h"
+#include "udp_transport/flow/flow_limits.h"
 #include "udp_transport/udp_transport.h"
 
 namespace sft::udp {
@@ -80,6 +83,41 @@ TEST_P(ReliableTest, DeliversTheLastSampleAlthoughNothingFollowsIt) {
   join(publisher, subscriber, *here);
   publisher.publish(make_image(5));
   EXPECT_EQ(subscriber.await_sequences(1), up_to(1));
+}
+
+/// Counts what comes, except marks.
+class CountingReceiver final : public test::PassingReceiver {
+ public:
+  CountingReceiver(std::unique_ptr<DatagramReceiver> inner, std::atomic<std::size_t>& count)
+      : PassingReceiver(std::move(inner)), count_(count) {}
+
+ private:
+  void datagram(std::span<const std::byte> bytes, const SocketAddress& from) noexcept override {
+    if (kind_of(bytes) != DatagramKind::mark) ++count_;
+    pass_on(bytes, from);
+  }
+
+  std::atomic<std::size_t>& count_;
+};
+
+TEST_P(ReliableTest, DeliversWhatGotLostAlsoIfTheReceiverHasNotAnsweredWhileItWasSentAllThatItMayBe) {
+  std::atomic<bool> is_deaf{true};
+  std::atomic<std::size_t> came{0};
+  const auto there = open();
+  const auto here =
+      open_udp_transport({.bind_address = core::loopback_ipv4, .backend = GetParam()}, test::make_pool(),
+                         [&](DatagramIo io) {
+                           io.receiver = std::make_unique<CountingReceiver>(std::move(io.receiver), came);
+                           return test::with_faults(std::move(io), {.loss = 1, .only_while = &is_deaf}, 1);
+                         })
+          .value();
+  Subscriber subscriber(*here, {"*"});
+  Publisher publisher(*there);
+  join(publisher, subscriber, *here);
+  for (std::size_t n = 1; n <= 12; ++n) ASSERT_EQ(publisher.publish(make_image(n)), core::SendStatus::sent);
+  ASSERT_TRUE(test::eventually([&] { return came >= FlowLimits().unproven_datagrams; }, test::patience));
+  is_deaf = false;
+  EXPECT_EQ(subscriber.await_sequences(12), up_to(12));
 }
 
 TEST_P(ReliableTest, SendsReadersOfOneProcessOneCopyWhetherTheyAreReliableOrNot) {

@@ -57,7 +57,7 @@ class PointsHostile : public test::RandomTest {
 
 /// All values, which a sanitizer watches, or those of the corners if there are very many.
 template <class... Ts>
-void read_all(const Points<Ts...>& points) {
+void read_all(const Cells<std::tuple<Ts...>>& points) {
   if (points.size() > 10'000) {
     for (const std::size_t i : {std::size_t{0}, points.columns() - 1, points.size() / 2, points.size() - 1}) {
       const auto point = points[i];

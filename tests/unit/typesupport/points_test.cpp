@@ -19,8 +19,9 @@ namespace {
 
 using sensor_msgs::msg::PointCloud2;
 using test::Arrived;
+using test::message_of;
 using F = PointCloud2::Field;
-using Xyz = Points<float, float, float>;
+using Xyz = Cells<std::tuple<float, float, float>>;
 
 static_assert(std::random_access_iterator<Xyz::iterator>);
 static_assert(std::ranges::random_access_range<Xyz> && std::ranges::sized_range<Xyz>);
@@ -29,7 +30,7 @@ static_assert(std::is_trivially_copyable_v<Xyz> && sizeof(Xyz) <= 64);
 
 /// Bits, since random values may be no numbers.
 template <class... Ts>
-std::vector<std::array<std::uint64_t, sizeof...(Ts)>> bits_of(const Points<Ts...>& points) {
+std::vector<std::array<std::uint64_t, sizeof...(Ts)>> bits_of(const Cells<std::tuple<Ts...>>& points) {
   std::vector<std::array<std::uint64_t, sizeof...(Ts)>> bits;
   for (const auto point : points) {
     auto& one = bits.emplace_back();
@@ -42,8 +43,6 @@ std::vector<std::array<std::uint64_t, sizeof...(Ts)>> bits_of(const Points<Ts...
   }
   return bits;
 }
-
-std::string message_of(const auto& result) { return result ? "no error" : result.error().message; }
 
 class PointsTest : public test::RandomTest {
  protected:

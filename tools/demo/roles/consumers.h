@@ -26,7 +26,7 @@ class Use {
   void operator()(std::string_view text) { sum_ += text.size(); }
   /// A recorded sample may lack a channel that is asked for from now on.
   template <class... Ts>
-  void operator()(const Result<Points<Ts...>>& points) {
+  void operator()(const Result<Cells<std::tuple<Ts...>>>& points) {
     if (!points) return;
     float sum = 0;
     for (const auto& point : *points)

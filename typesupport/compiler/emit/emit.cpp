@@ -33,6 +33,10 @@ void emit_preamble(Code& code, const sft_file& file, const Roots& roots,
   code.line("#pragma once");
   code.blank();
   code.line("#include \"sft/detail/generated.h\"");
+  const auto has_cells = [](const Message& message) {
+    return std::ranges::any_of(message.fields, is_reservable);
+  };
+  if (std::ranges::any_of(messages, has_cells)) code.line("#include \"sft/cells.h\"");
   if (std::ranges::any_of(messages, is_cloud)) code.line("#include \"sft/points.h\"");
   for (const char* included : std::span(file.includes, file.include_count)) {
     code.line("#include <{}>", roots.relative(included).replace_extension(".hpp").generic_string());

@@ -17,6 +17,15 @@ void emit_getter(Code& code, const Field& field, std::size_t index) {
   code.line("  }}");
 }
 
+/// The getter of a sequence of numbers that takes the type of a cell.
+void emit_cells(Code& code, const Field& field, std::size_t index) {
+  code.line("  template <class Cell_>");
+  code.line("  auto {}() const requires sft::detail::field_is_in_declared_mask<Place_, {}> {{", field.name,
+            index);
+  code.line("    return sft::detail::cells_at<Cell_, {}>(at_);", index);
+  code.line("  }}");
+}
+
 /// The points of a cloud, as typed columns.
 void emit_points(Code& code) {
   code.line("  template <class... Ts_, class... Names_>");
@@ -53,7 +62,10 @@ void emit_view(Code& code, const Message& message) {
   code.blank();
   code.line(" public:");
   code.line("  explicit View(Place_ place) : at_(place) {{}}");
-  for (std::size_t i = 0; i < message.fields.size(); ++i) emit_getter(code, message.fields[i], i);
+  for (std::size_t i = 0; i < message.fields.size(); ++i) {
+    emit_getter(code, message.fields[i], i);
+    if (is_reservable(message.fields[i])) emit_cells(code, message.fields[i], i);
+  }
   if (is_cloud(message)) emit_points(code);
   code.line("}};");
   code.blank();

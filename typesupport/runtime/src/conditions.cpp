@@ -56,6 +56,13 @@ Number number_of(Kind kind, std::uint64_t bits) {
   }
 }
 
+template <class Bits>
+std::uint64_t bits_of(const std::byte* at) {
+  Bits bits;
+  std::memcpy(&bits, at, sizeof bits);
+  return bits;
+}
+
 bool is_real(Kind kind) { return kind == Kind::float32 || kind == Kind::float64; }
 
 /// The same number as a real one, if that is exact: comparing two real numbers is quickest.
@@ -264,10 +271,18 @@ const std::byte* Conditions::find(const Field& field, const FieldSource& sample)
 
 /// The bytes of the number, and zeros behind them. 0 if the sample does not have it.
 std::uint64_t Conditions::bits_at(const Field& field, const FieldSource& sample) {
-  std::uint64_t bits = 0;
-  if (const std::byte* const at = find(field, sample); at != nullptr)
-    std::memcpy(&bits, at, size_of(field.kind));
-  return bits;
+  const std::byte* const at = find(field, sample);
+  if (at == nullptr) return 0;
+  switch (size_of(field.kind)) {  // copying a number of bytes that is not known would be a call
+    case 1:
+      return bits_of<std::uint8_t>(at);
+    case 2:
+      return bits_of<std::uint16_t>(at);
+    case 4:
+      return bits_of<std::uint32_t>(at);
+    default:
+      return bits_of<std::uint64_t>(at);
+  }
 }
 
 std::string_view Conditions::text_at(const Field& field, const FieldSource& sample) {

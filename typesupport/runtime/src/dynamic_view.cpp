@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "sft/detail/parts_in_place.h"
 #include "sft/detail/type_shape.h"
 #include "text.h"
 
@@ -98,13 +99,19 @@ DynamicView::DynamicView(const SampleState& s, const StructType& type, const Fie
 DynamicView DynamicView::operator[](std::string_view member) const {
   if (error_ != nullptr) return *this;
   if (!is_struct()) return failed(Errc::type_mismatch, label() + " has no members: it is no struct");
-  const auto found = std::find_if(type_->members.begin(), type_->members.end(),
-                                  [&](const Member& m) { return m.name == member; });
-  if (found == type_->members.end()) {
+  const std::optional<std::size_t> number = number_of(member);
+  if (!number) {
     return failed(Errc::unknown_field, std::string(type_->name) + " has no member '" + std::string(member) +
                                            "'" + nearest_member(*type_, member));
   }
-  return member_at(*found, place_of(static_cast<std::size_t>(found - type_->members.begin())));
+  return member_at(type_->members[*number], place_of(*number));
+}
+
+std::optional<std::size_t> DynamicView::number_of(std::string_view member) const {
+  if (!is_struct()) return {};
+  const auto found = std::ranges::find(type_->members, member, &Member::name);
+  if (found == type_->members.end()) return {};
+  return static_cast<std::size_t>(found - type_->members.begin());
 }
 
 DynamicView DynamicView::find(std::string_view path) const {
@@ -159,8 +166,13 @@ DynamicView DynamicView::member_at(const Member& m, const Place& place) const {
   view.node_ = is_single_struct ? Node::structure : m.shape == Shape::single ? Node::value : Node::collection;
   if (!view.present_) return view;
   if (place.slot != no_slot && !is_single_struct) {
+    // Whoever reads the elements of a part one by one gets a copy of the sample with the part.
+    if (state_->parts != nullptr && state_->parts->find(place.leaf)) {
+      view.state_ = &state_->parts->put_together();
+      if (view.state_->body == nullptr) state_->flag_malformed();
+    }
     view.place_.slot = no_slot;
-    view.place_.offset = __atomic_load_n(state_->index + place.slot, __ATOMIC_RELAXED);
+    view.place_.offset = __atomic_load_n(view.state_->index + place.slot, __ATOMIC_RELAXED);
   }
   return view.place_.slot == no_slot && view.place_.offset == no_offset ? view.malformed() : view;
 }

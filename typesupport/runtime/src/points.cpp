@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "noted_leaves.h"
 #include "sft/detail/parts_in_place.h"
 #include "sft/dynamic_view.h"
 #include "sft/selection.h"
@@ -122,20 +123,20 @@ bool find_channels(const SampleState& s, std::uint64_t fields, std::uint32_t poi
 }
 
 /// The points, or none of them if they are not all within the data.
-PointGrid grid_of(const Header& header, std::span<const std::byte> data) {
-  PointGrid grid{.first = data.data(),
-                 .row_step = header.row_step,
-                 .point_step = header.point_step,
-                 .rows = header.rows,
-                 .columns = header.columns,
-                 .is_swapped = header.is_big_endian};
-  const std::uint64_t row_end = std::uint64_t{grid.columns} * grid.point_step;
+CellGrid grid_of(const Header& header, std::span<const std::byte> data) {
+  CellGrid grid{.first = data.data(),
+                .row_step = header.row_step,
+                .column_step = header.point_step,
+                .rows = header.rows,
+                .columns = header.columns,
+                .is_swapped = header.is_big_endian};
+  const std::uint64_t row_end = std::uint64_t{grid.columns} * grid.column_step;
   if (grid.rows <= 1 || row_end == 0) grid.row_step = std::max<std::uint64_t>(row_end, 1);
   if (grid.rows == 0 || grid.columns == 0) return grid;
-  const bool has_room = grid.point_step > 0 && row_end <= data.size() &&
+  const bool has_room = grid.column_step > 0 && row_end <= data.size() &&
                         (grid.rows == 1 || (row_end <= grid.row_step &&
                                             (grid.rows - 1) * grid.row_step <= data.size() - row_end));
-  return has_room ? grid : PointGrid{};
+  return has_room ? grid : CellGrid{};
 }
 
 /// False if the bytes of the sample are not what they claim to be.
@@ -189,27 +190,19 @@ bool channels_overlap(const SampleState& s, std::uint64_t fields, std::uint32_t 
 }
 
 /// The points of a part that stays in a larger cloud, and where the channels are there.
-PointGrid grid_in_place(const Header& header, const PartInPlace& place, std::span<WantedChannel> wanted) {
+CellGrid grid_in_place(const Header& header, const PartInPlace& place, std::span<WantedChannel> wanted) {
   const Cut& cut = *place.cut;
   for (WantedChannel& one : wanted) {
     if (!place_channel(cut, one)) return {};
   }
-  if (cut.bytes() == 0) return {.rows = cut.rows(), .columns = cut.columns()};
-  PointGrid grid{.first = place.source->body + cut.begin(),
-                 .row_step = cut.row_stride(),
-                 .point_step = static_cast<std::uint32_t>(cut.column_stride()),
-                 .rows = cut.rows(),
-                 .columns = cut.columns(),
-                 .is_swapped = header.is_big_endian};
-  // A step from the only one leads nowhere, and may be too long for its number.
-  if (grid.columns == 1) grid.point_step = cut.cell_bytes();
-  if (grid.rows == 1) grid.row_step = grid.row_bytes();
+  CellGrid grid = CellGrid::of(*place.source, cut);
+  grid.is_swapped = header.is_big_endian;
   return grid;
 }
 
 }  // namespace
 
-Result<PointGrid> find_points(const CloudPlace& cloud, std::span<WantedChannel> wanted) {
+Result<CellGrid> find_points(const CloudPlace& cloud, std::span<WantedChannel> wanted) {
   const SampleState& s = *cloud.sample;
   const std::uint64_t fields = cloud.offsets[2];
   const Extent data = checked_sequence(s, cloud.offsets[6], 1);
@@ -268,17 +261,6 @@ NotedChannels note_channels(const SampleState& s, const LeafRange& data,
   return noted;
 }
 
-/// Notes a member, and tells whether all of it was sent.
-bool note_member(const SampleState& s, const LeafRange& leaves) {
-  bool has_each = true;
-  for (std::size_t leaf = leaves.first; leaf < leaves.first + leaves.count; ++leaf) {
-    const bool present = s.mask->contains(leaf) && (s.log == nullptr || s.log->is_as_published(leaf, 1));
-    if (s.log != nullptr) s.log->touch(leaf, present);
-    has_each = has_each && present;
-  }
-  return has_each;
-}
-
 }  // namespace
 
 // Everything is noted before the first is found missing, so that all is asked for at once.
@@ -288,7 +270,7 @@ Result<void> note_points(const SampleState& s, const CloudLeaves& leaves,
   std::optional<std::size_t> missing;
   for (std::size_t field = 0; field < leaves.size(); ++field) {
     const bool was_sent = noted.one_by_one ? s.mask->all_of(leaves[field].first, leaves[field].count)
-                                           : note_member(s, leaves[field]);
+                                           : note_leaves(s, leaves[field].first, leaves[field].count);
     if (!was_sent && !missing) missing = field;
   }
   if (missing) return field_not_sent(*missing);

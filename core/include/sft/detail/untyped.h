@@ -76,7 +76,7 @@ class Sample {
   const SampleState& whole_state() const;
   const SampleInfo& info() const { return info_; }
   /// Null: the subscriber does not ask, or the sample is empty.
-  const Selection* selection() const { return selection_.get(); }
+  const Selection* selection() const { return record_ == nullptr ? selection_.get() : nullptr; }
   /// The channels that were asked for and that the message, which is of this type, does not have.
   std::vector<std::string> missing_channels(const TypeSupport& type) const;
   /// Encapsulation and body: standard CDR of the type projected to the mask. Nothing of an empty sample.

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstring>
 #include <memory>
@@ -17,7 +18,9 @@
 #include <vector>
 
 #include "core/subscribe/remote_copy.h"
+#include "sft/cells.h"
 #include "sft/detail/view.h"
+#include "sft/dynamic_view.h"
 #include "tests/support/encoded.h"
 #include "tests/support/random_layouts.h"
 #include "tests/support/random_value.h"
@@ -119,6 +122,43 @@ std::vector<std::byte> bytes(const Span& span) {
   return {raw.begin(), raw.end()};
 }
 
+/// The bytes of all cells, however they are gone through.
+template <class Cell>
+std::vector<std::byte> bytes_of_cells(const Cells<Cell>& cells) {
+  std::vector<Cell> each(cells.begin(), cells.end());
+  EXPECT_EQ(each.size(), cells.size());
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const std::array<Cell, 3> same{each[i], cells[i], cells.at(i / cells.columns(), i % cells.columns())};
+    EXPECT_TRUE(std::memcmp(&same[0], &same[1], sizeof(Cell)) == 0 &&
+                std::memcmp(&same[0], &same[2], sizeof(Cell)) == 0)
+        << "cell " << i;
+  }
+  return bytes(std::span<const Cell>(each));
+}
+
+template <class Cell>
+void expect_same_cells(const Result<Cells<Cell>>& seen, const Result<Cells<Cell>>& right) {
+  ASSERT_EQ(seen.has_value(), right.has_value()) << (seen ? "" : seen.error().message);
+  if (!right) {
+    EXPECT_EQ(seen.error().message, right.error().message);
+    return;
+  }
+  EXPECT_EQ(seen->rows(), right->rows());
+  EXPECT_EQ(seen->columns(), right->columns());
+  EXPECT_EQ(bytes_of_cells(*seen), bytes_of_cells(*right));
+}
+
+/// Cells in place are those of the copy, with the compiled type and without it. Returns those of the copy.
+template <class Cell, class T>
+Result<Cells<Cell>> expect_same_data(const detail::SampleState& state, const detail::SampleState& expected) {
+  const Result<Cells<Cell>> right = view<T>(expected).template data<Cell>();
+  const StructType& type = type_support<T>().type();
+  expect_same_cells(view<T>(state).template data<Cell>(), right);
+  expect_same_cells(cells_of<Cell>(DynamicView(state, type), "data"), right);
+  expect_same_cells(cells_of<Cell>(DynamicView(expected, type), "data"), right);
+  return right;
+}
+
 template <>
 void PartReaderTest::expect_same_getters<PointCloud2>(const detail::SampleState& state,
                                                       const detail::SampleState& expected) {
@@ -166,6 +206,18 @@ void PartReaderTest::expect_same_getters<Image>(const detail::SampleState& state
   EXPECT_EQ(seen.height(), right.height());
   EXPECT_EQ(seen.step(), right.step());
   EXPECT_EQ(seen.encoding(), right.encoding());
+  const auto greys = expect_same_data<std::uint8_t, Image>(state, expected);
+  const auto colours = expect_same_data<std::array<std::uint8_t, 3>, Image>(state, expected);
+  expect_same_data<std::uint16_t, Image>(state, expected);
+  expect_same_data<std::array<std::uint16_t, 4>, Image>(state, expected);
+  expect_same_data<float, Image>(state, expected);
+  const bool is_packed = std::uint64_t{right.step()} * right.height() == right.data().size();
+  if (is_packed && greys && right.step() == right.width()) {
+    EXPECT_EQ(bytes_of_cells(*greys), bytes(right.data()));
+  }
+  if (is_packed && colours && right.step() == 3 * right.width()) {
+    EXPECT_EQ(bytes_of_cells(*colours), bytes(right.data()));
+  }
   EXPECT_EQ(bytes(seen.data()), bytes(right.data()));
 }
 
@@ -182,6 +234,10 @@ void PartReaderTest::expect_same_getters<OccupancyGrid>(const detail::SampleStat
   const auto seen = view<OccupancyGrid>(state), right = view<OccupancyGrid>(expected);
   EXPECT_EQ(seen.info().width(), right.info().width());
   EXPECT_EQ(seen.info().origin().position().x(), right.info().origin().position().x());
+  const auto cells = expect_same_data<std::int8_t, OccupancyGrid>(state, expected);
+  if (cells && cells->size() == right.data().size()) {
+    EXPECT_EQ(bytes_of_cells(*cells), bytes(right.data()));
+  }
   EXPECT_EQ(bytes(seen.data()), bytes(right.data()));
 }
 
@@ -197,6 +253,11 @@ void PartReaderTest::expect_same_getters<LaserScan>(const detail::SampleState& s
                                                     const detail::SampleState& expected) {
   const auto seen = view<LaserScan>(state), right = view<LaserScan>(expected);
   EXPECT_EQ(seen.angle_increment(), right.angle_increment());
+  const auto beams = right.ranges<float>();
+  expect_same_cells(seen.ranges<float>(), beams);
+  expect_same_cells(cells_of<float>(DynamicView(state, type_support<LaserScan>().type()), "ranges"), beams);
+  ASSERT_TRUE(beams);
+  EXPECT_EQ(bytes_of_cells(*beams), bytes(right.ranges()));
   EXPECT_EQ(bytes(seen.ranges()), bytes(right.ranges()));
   if (!expected.mask->contains(FieldMask(LaserScan::Field::intensities))) return;
   EXPECT_EQ(bytes(seen.intensities()), bytes(right.intensities()));
@@ -266,16 +327,57 @@ TEST_F(PartReaderTest, ASampleOutlivesWhatMadeIt) {
   EXPECT_EQ(view<LaserScan>(some.state).ranges()[3], 12.F);
 }
 
-TEST_F(PartReaderTest, WithoutMemoryForACopyThePartIsEmptyAndTheSampleMalformed) {
-  const auto small = BufferPool::make(std::size_t{1} << 14);
-  const auto copies = RemoteCopy::make(type_support<LaserScan>(), small);
-  LaserScan scan = numbered_scan();
-  scan.ranges.resize(100'000);
-  const Reduced<LaserScan> some(*copies, sample(scan), asked<LaserScan>("ranges[::2]"));
+/// A scan of which there is no memory for a copy of every second beam, and one other field.
+class WithoutMemory : public PartReaderTest {
+ protected:
+  static LaserScan long_scan() {
+    LaserScan scan = numbered_scan();
+    scan.scan_time = 0.5F;
+    scan.ranges.resize(100'000);
+    return scan;
+  }
+
+  const std::shared_ptr<RemoteCopy> copies =
+      RemoteCopy::make(type_support<LaserScan>(), BufferPool::make(std::size_t{1} << 14));
+  const SampleHandle whole = sample(long_scan());
+  const Reduced<LaserScan> some{*copies, whole, asked<LaserScan>("ranges[::2], scan_time")};
+  const DynamicView dynamic{some.state, type_support<LaserScan>().type()};
+};
+
+TEST_F(WithoutMemory, CellsAndOtherFieldsAreReadSinceNothingIsCopied) {
+  for (const auto& beams :
+       {view<LaserScan>(some.state).ranges<float>(), cells_of<float>(dynamic, "ranges")}) {
+    ASSERT_TRUE(beams) << beams.error().message;
+    EXPECT_EQ(beams->size(), 50'000U);
+    EXPECT_EQ((*beams)[499], 998.F);
+  }
+  EXPECT_EQ(dynamic["scan_time"].as<float>().value(), 0.5F);
+  EXPECT_FALSE(some.state.is_malformed());
+}
+
+TEST_F(WithoutMemory, TheElementsOfADynamicViewAreAnErrorAndTheSampleMalformed) {
+  EXPECT_EQ(dynamic["ranges"].size().error().code, Errc::malformed);
+  EXPECT_TRUE(some.state.is_malformed());
+}
+
+TEST_F(WithoutMemory, ThePartIsEmptyAndTheSampleMalformed) {
   ASSERT_TRUE(some.around.parts);
   EXPECT_TRUE(view<LaserScan>(some.state).ranges().empty());
   EXPECT_TRUE(some.state.is_malformed());
   EXPECT_EQ(some.around.parts->put_together().body, nullptr);
+}
+
+TEST_F(PartReaderTest, ADynamicViewReadsTheElementsOfAPartInACopy) {
+  const auto copies = copier<LaserScan>();
+  const Reduced<LaserScan> some(*copies, sample(numbered_scan()), asked<LaserScan>("ranges[100:200:4]"));
+  const DynamicView scan(some.state, type_support<LaserScan>().type());
+  EXPECT_EQ(scan["ranges"].size().value(), 25U);
+  EXPECT_EQ(scan["ranges"][24].as<float>().value(), 196.F);
+  EXPECT_EQ(scan.find("ranges").as<std::span<const float>>().value()[1], 104.F);
+  std::size_t count = 0;
+  for (const DynamicView& beam : scan["ranges"].elements())
+    EXPECT_EQ(beam.as<float>().value(), 100.F + 4 * static_cast<float>(count++));
+  EXPECT_EQ(count, 25U);
 }
 
 TEST_F(PartReaderTest, ThreadsThatReadOneSampleShareOneCopy) {
@@ -311,6 +413,26 @@ TEST_F(PartReaderTest, AHeaderThatChangesAfterwardsLeadsNowhereElse) {
     for (const auto byte : view<PointCloud2>(some.state).data()) sum += byte;
     if (const auto points = view<PointCloud2>(some.state).points<float>("x")) {
       for (const auto& [x] : *points) sum += x != 0 ? 1 : 0;
+    }
+    EXPECT_GE(sum, 0U);
+  }
+}
+
+TEST_F(PartReaderTest, CellsStayWithinTheSampleAlsoIfItsHeaderChangesAfterwards) {
+  for (int round = 0; round < rounds() && !HasFailure(); ++round) {
+    const Image image = layouts.image();
+    const auto copies = copier<Image>();
+    const SampleHandle whole = sample(image);
+    const Reduced<Image> some(*copies, whole,
+                              asked<Image>(selection<Image>("data", image.height, image.width, false)));
+    const auto pixels = view<Image>(some.state).data<std::uint16_t>();
+    const detail::SampleLayout layout(type_support<Image>().slots());
+    for (std::byte* at = whole->data + layout.body_offset; at < whole->data + layout.body_offset + 64; ++at)
+      *at = static_cast<std::byte>(random());
+    std::size_t sum = 0;  // a sanitizer sees what is read beyond the sample
+    for (const auto& cells : {pixels, view<Image>(some.state).data<std::uint16_t>()}) {
+      if (!cells) continue;
+      for (const std::uint16_t pixel : *cells) sum += pixel;
     }
     EXPECT_GE(sum, 0U);
   }

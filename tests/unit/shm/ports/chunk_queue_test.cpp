@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <iceoryx_posh/mepoo/mepoo_config.hpp>
 #include <iceoryx_posh/roudi/port_pool.hpp>
 #include <memory>
@@ -27,8 +28,9 @@ class ChunkQueueTest : public ::testing::Test {
     iox::popo::SubscriberOptions options;
     options.queueCapacity = queue_capacity;
     port_ = pool_.addSubscriberPort({"sft", "w", "1"}, "sft_node", options, iox::mepoo::MemoryInfo{}).value();
-    queue_ = std::make_unique<ChunkQueue>(*port_, 2, FieldMask{});
+    open_queue();
   }
+  void open_queue() { queue_ = std::make_unique<ChunkQueue>(*port_, 2, FieldMask{}); }
 
   /// Chunks arrive as a writer delivers them.
   void arrive(int count) {
@@ -40,6 +42,41 @@ class ChunkQueueTest : public ::testing::Test {
     }
   }
   std::uint32_t in_use() const { return memory_.getMemPoolInfo(0).m_usedChunks; }
+
+  /// Finds the word of the queue that `read` returns, and writes another value there, as a hostile program
+  /// can do.
+  template <class Read>
+  void forge(std::uint64_t value, const Read& read) {
+    auto& queue = port_->m_chunkReceiverData.m_queue;
+    auto* const words = reinterpret_cast<std::byte*>(&queue);
+    const auto put = [&](std::size_t at, std::uint64_t word) { std::memcpy(words + at, &word, sizeof word); };
+    const std::uint64_t honest = read(queue);
+    for (std::size_t at = 0; at + sizeof honest <= sizeof queue; at += sizeof honest) {
+      std::uint64_t word = 0;
+      std::memcpy(&word, words + at, sizeof word);
+      if (word != honest) continue;
+      put(at, honest + 1);
+      const bool found = read(queue) == honest + 1;
+      put(at, found ? value : word);
+      if (found) return;
+    }
+    ADD_FAILURE() << "the queue has no such word";
+  }
+  void forge_capacity(std::uint64_t capacity) {
+    forge(capacity, [](const auto& queue) { return queue.capacity(); });
+    ASSERT_EQ(queue_->capacity(), capacity);
+  }
+  void forge_size(std::uint64_t size) {
+    forge(size, [](auto& queue) { return queue.size(); });
+    ASSERT_EQ(port_->m_chunkReceiverData.m_queue.size(), size);
+  }
+  /// Returns how many samples can be taken, each of which is given back before the next one.
+  std::uint64_t take_all() {
+    std::uint64_t taken = 0;
+    for (ChunkSlot* slot = queue_->take().slot; slot != nullptr; slot = queue_->take().slot, ++taken)
+      queue_->give_back(*slot);
+    return taken;
+  }
 
   iox::mepoo::MePooConfig pools_config_;
   std::vector<std::uint64_t> management_, samples_;
@@ -137,6 +174,48 @@ TEST_F(ChunkQueueTest, AnOverflowBeforeTheSessionWasLostIsToldWithTheFirstChunkT
   queue_->lose(SessionMember::Loss::now);
   EXPECT_TRUE(queue_->take().overflowed);
   EXPECT_FALSE(queue_->take().overflowed);
+}
+
+/// Nobody could give so much memory as these capacities claim to need.
+TEST_F(ChunkQueueTest, AForgedCapacityIsNoReasonToReserveMemoryForIt) {
+  for (const std::uint64_t forged : {UINT64_MAX, UINT64_MAX / 8, std::uint64_t{1} << 56}) {
+    forge_capacity(forged);
+    ASSERT_NO_THROW(open_queue()) << forged;
+    arrive(2);
+    queue_->lose(SessionMember::Loss::now);
+    EXPECT_EQ(queue_->left(), 2U) << forged;
+    EXPECT_EQ(take_all(), 2U) << "what has arrived is kept all the same";
+    forge_capacity(queue_capacity);
+  }
+}
+
+/// Memory is reserved when the queue is opened, since nothing may be allocated while a session is lost.
+TEST_F(ChunkQueueTest, NoMoreIsKeptThanTheQueueHadRoomForWhenItWasOpened) {
+  constexpr int more = 6;
+  ASSERT_TRUE(port_->m_chunkReceiverData.m_queue.setCapacity(more)) << "as another program can do";
+  arrive(more);
+  queue_->lose(SessionMember::Loss::now);
+  EXPECT_EQ(queue_->left(), queue_capacity);
+  EXPECT_EQ(take_all(), queue_capacity);
+  EXPECT_TRUE(queue_->drained());
+}
+
+TEST_F(ChunkQueueTest, AForgedSizeDoesNotKeepMoreThanHasArrived) {
+  arrive(1);
+  forge_size(UINT64_MAX / 2);
+  queue_->lose(SessionMember::Loss::now);
+  EXPECT_EQ(queue_->left(), 1U);
+  EXPECT_EQ(take_all(), 1U);
+  EXPECT_TRUE(queue_->drained());
+}
+
+TEST_F(ChunkQueueTest, AForgedSizeWhenItWasClosedDoesNotKeepMoreThanHasArrived) {
+  arrive(2);
+  forge_size(UINT64_MAX / 2);
+  queue_->close();
+  queue_->lose(SessionMember::Loss::now);
+  EXPECT_EQ(take_all(), 2U);
+  EXPECT_FALSE(queue_->drop_oldest());
 }
 
 }  // namespace

@@ -83,6 +83,32 @@ TEST_F(DestinationTest, SendsNoHeartbeatsToWhoDoesNotAnswerAndThenOneAtOnce) {
   EXPECT_TRUE(to_.takes_control(now_));
 }
 
+TEST_F(DestinationTest, AsksWhoNeverAnsweredAlsoIfNothingButHeartbeatsIsLeftToSend) {
+  to_.sent(to_.connection(), 1000, 16, now_);
+  const std::size_t first = connections_.sent().size();
+  EXPECT_EQ(first, 1U);
+  Destination::Time time = now_;
+  for (; time < now_ + 10s; time += 1s) EXPECT_FALSE(to_.takes_control(time));
+  EXPECT_GE(connections_.sent().size(), first + 5) << "of marks";
+  ASSERT_TRUE(to_.hear(answer_to_mark(), there_, time).believed);
+  EXPECT_TRUE(to_.takes_control(time));
+}
+
+TEST_F(DestinationTest, AsksWhoFellSilentAlsoIfNothingButHeartbeatsIsLeftToSend) {
+  to_.sent(to_.connection(), 100, 1, now_);
+  ASSERT_TRUE(to_.hear(answer_to_mark(), there_, now_).believed);
+  Destination::Time time = now_;
+  for (; to_.takes_control(time); time += 300ms) {
+    ASSERT_LT(time, now_ + 20s);
+    if (time < now_ + 5s) to_.sent(to_.connection(), 100, 1, time);
+  }
+  const std::size_t before = connections_.sent().size();
+  for (const Destination::Time end = time + 5s; time < end; time += 1s) EXPECT_FALSE(to_.takes_control(time));
+  EXPECT_GE(connections_.sent().size(), before + 4) << "of marks";
+  ASSERT_TRUE(to_.hear(answer_to_mark(), there_, time).believed);
+  EXPECT_TRUE(to_.takes_control(time));
+}
+
 TEST_F(DestinationTest, SendsMarksThatNameThePortForReports) {
   to_.mark(now_);
   ASSERT_EQ(connections_.sent().size(), 1U);

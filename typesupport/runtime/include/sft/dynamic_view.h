@@ -33,6 +33,7 @@
 #include <utility>
 #include <variant>
 
+#include "sft/detail/element_type.h"
 #include "sft/detail/walk.h"
 #include "sft/result.h"
 
@@ -41,9 +42,12 @@ namespace sft {
 class DynamicView;
 
 namespace detail {
+struct CellGrid;
 struct CloudPlace;
 struct WantedChannel;
 Result<CloudPlace> cloud_place_of(const DynamicView& view, std::span<const WantedChannel> wanted);
+Result<CellGrid> find_cells(const DynamicView& message, std::string_view path, std::size_t cell_bytes,
+                            bool (*holds)(Kind));
 }  // namespace detail
 
 /// A sample or a part of it: a struct, an array or a sequence, or one value.
@@ -133,6 +137,8 @@ class DynamicView {
  private:
   friend Result<detail::CloudPlace> detail::cloud_place_of(const DynamicView& view,
                                                            std::span<const detail::WantedChannel> wanted);
+  friend Result<detail::CellGrid> detail::find_cells(const DynamicView& message, std::string_view path,
+                                                     std::size_t cell_bytes, bool (*holds)(detail::Kind));
   enum class Node : std::uint8_t { structure, collection, value };
   /// The place of a struct's members: at slots of the index from `slot` on, or one after the other from
   /// `offset`.
@@ -158,6 +164,8 @@ class DynamicView {
   bool is_as_published(std::size_t leaf, std::size_t count) const {
     return state_->log == nullptr || state_->log->is_as_published(leaf, count);
   }
+  /// Of a member of a struct; nothing if it has none of that name, or is no struct.
+  std::optional<std::size_t> number_of(std::string_view member) const;
   DynamicView element(std::size_t i) const;
   DynamicView member_at(const StructType::Member& m, const Place& place) const;
   DynamicView element_at(std::uint64_t offset) const;
@@ -277,25 +285,6 @@ template <class T>
 inline constexpr bool is_span = false;
 template <class E>
 inline constexpr bool is_span<std::span<const E>> = true;
-
-/// True if a collection of that kind consists of E in memory.
-template <class E>
-constexpr bool holds(Kind kind) {
-  if constexpr (std::is_same_v<E, std::byte>) return kind == Kind::octet || kind == Kind::uint8;
-  if constexpr (std::is_same_v<E, char>) return kind == Kind::character;
-  if constexpr (std::is_same_v<E, std::uint8_t>)
-    return kind == Kind::boolean || kind == Kind::octet || kind == Kind::uint8;
-  if constexpr (std::is_same_v<E, std::int8_t>) return kind == Kind::int8;
-  if constexpr (std::is_same_v<E, std::int16_t>) return kind == Kind::int16;
-  if constexpr (std::is_same_v<E, std::uint16_t>) return kind == Kind::uint16;
-  if constexpr (std::is_same_v<E, std::int32_t>) return kind == Kind::int32;
-  if constexpr (std::is_same_v<E, std::uint32_t>) return kind == Kind::uint32;
-  if constexpr (std::is_same_v<E, std::int64_t>) return kind == Kind::int64;
-  if constexpr (std::is_same_v<E, std::uint64_t>) return kind == Kind::uint64;
-  if constexpr (std::is_same_v<E, float>) return kind == Kind::float32;
-  if constexpr (std::is_same_v<E, double>) return kind == Kind::float64;
-  return false;
-}
 
 template <class T>
 inline constexpr bool is_number =

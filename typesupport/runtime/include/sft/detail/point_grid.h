@@ -12,6 +12,7 @@
 #include <span>
 #include <string_view>
 
+#include "sft/detail/cell_grid.h"
 #include "sft/detail/type_table.h"
 #include "sft/detail/walk.h"
 #include "sft/result.h"
@@ -71,36 +72,6 @@ constexpr std::optional<CloudMembers> cloud_members_of(const StructType& type) {
 template <class S>
 inline constexpr std::optional<CloudMembers> cloud_members = cloud_members_of(TypeTable<S>::type);
 
-/// Rows of points. All of them lie within the data of the cloud.
-struct PointGrid {
-  const std::byte* first = nullptr;  ///< the first point
-  std::uint64_t row_step = 1;        ///< bytes from one row to the next; not 0, also of an empty grid
-  std::uint32_t point_step = 0;      ///< bytes from one point to the next
-  std::uint32_t rows = 0;
-  std::uint32_t columns = 0;
-  bool is_swapped = false;  ///< the values have the other byte order
-
-  std::size_t size() const { return std::size_t{rows} * columns; }
-  std::uint64_t row_bytes() const { return std::uint64_t{columns} * point_step; }
-  /// There are no bytes between the rows.
-  bool is_joined() const { return rows <= 1 || row_step == row_bytes(); }
-  const std::byte* at(std::uint64_t row, std::uint64_t column) const {
-    return first + row * row_step + column * point_step;
-  }
-
-  /// The same points in as few rows as possible: rows without bytes between them are one. None of its
-  /// numbers is 0, except of an empty grid the rows.
-  PointGrid joined() const {
-    if (size() == 0) return {.point_step = 1, .columns = 1};
-    if (!is_joined()) return *this;
-    PointGrid grid = *this;
-    grid.columns = static_cast<std::uint32_t>(size());
-    grid.rows = 1;
-    grid.row_step = grid.row_bytes();
-    return grid;
-  }
-};
-
 /// A channel that a program asks for.
 struct WantedChannel {
   std::string_view name;
@@ -119,7 +90,7 @@ struct LeafRange {
 using CloudLeaves = std::array<LeafRange, cloud_fields.size()>;
 
 /// Finds the points, and the wanted channels in them. If the cloud contradicts itself, the grid is empty.
-Result<PointGrid> find_points(const CloudPlace& cloud, std::span<WantedChannel> wanted);
+Result<CellGrid> find_points(const CloudPlace& cloud, std::span<WantedChannel> wanted);
 
 /// Notes that these channels are read if reads are recorded. All members of the cloud are noted if its
 /// channels are not noted one by one. An error if the sample was sent without a member or a channel.

@@ -151,10 +151,21 @@ auto read_leaf(const SampleState& s, std::uint64_t offset) {
   return present;
 }
 
+template <class R>
+struct RootOf;
+template <class T>
+struct RootOf<Req<T>> {
+  using type = T;
+};
+
 /// The part that both places share: whether a member can be read, and noting that it was.
 template <auto R, class S, std::size_t Leaf>
 struct PlaceBase {
+  using Root = typename RootOf<std::remove_const_t<decltype(R)>>::type;
   using Struct = S;
+  static constexpr Mask<Root> declared = R.mask;
+  /// The reader declared the mask. If it declared parts, the fields that belong to them are sent, too.
+  static constexpr bool declares_mask = !R.may_lack() && R.parts == DeclaredParts{};
   static constexpr bool may_lack = R.may_lack();
   template <std::size_t M>
   static constexpr std::size_t leaf_of = Leaf + leaf_offset(TypeTable<S>::type, M);
@@ -193,6 +204,8 @@ class IndexedPlace : public PlaceBase<R, S, Leaf> {
   using Base = PlaceBase<R, S, Leaf>;
 
  public:
+  static constexpr bool is_indexed = true;
+
   explicit IndexedPlace(const SampleState* s) : s_(s) {}
 
   template <std::size_t M, class As = void>
@@ -206,8 +219,8 @@ class IndexedPlace : public PlaceBase<R, S, Leaf> {
     }
   }
 
-  // Functions that read several members at once (points.h) need the sample, and where member M begins in it.
-  // M is no single struct.
+  // Functions that read several members at once (points.h, cells.h) need the sample, and where member M
+  // begins in it. M is no single struct.
   const SampleState& state() const { return *s_; }
   template <std::size_t M>
   std::uint64_t begin_of() const {
@@ -227,6 +240,8 @@ class ElementPlace : public PlaceBase<R, S, Leaf> {
   using Base = PlaceBase<R, S, Leaf>;
 
  public:
+  static constexpr bool is_indexed = false;
+
   ElementPlace(const SampleState* s, std::uint64_t offset) : s_(s), offset_(offset) {}
 
   template <std::size_t M, class As = void>

@@ -1,0 +1,204 @@
+"""Control samples made by hand, as bytes, and the datagrams of RTPS that bring them."""
+import struct
+
+VERSION = 12
+ANNOUNCED = {"sft_writer": "sft_control::Endpoint", "sft_reader": "sft_control::ReaderWord"}
+ENTITIES = {"sft_writer": 0x202, "sft_reader": 0x302, "chatter": 0x402}
+PREFIX = bytes(range(1, 13))
+
+
+def leb(number):
+    out = b""
+    while number >= 0x80:
+        out += bytes([number & 0x7F | 0x80])
+        number >>= 7
+    return out + bytes([number])
+
+
+def short_text(text):
+    return leb(len(text.encode())) + text.encode()
+
+
+class Cdr:
+    """Bytes of CDR, little-endian."""
+
+    def __init__(self):
+        self.bytes = b""
+
+    def put(self, form, *values):
+        for value in values:
+            self.bytes += bytes(-len(self.bytes) % struct.calcsize(form)) + struct.pack("<" + form, value)
+        return self
+
+    def raw(self, data):
+        self.bytes += data
+        return self
+
+    def octets(self, data):
+        return self.put("I", len(data)).raw(data)
+
+    def text(self, text):
+        return self.octets(text.encode() + b"\0")
+
+    def ids(self, ids):
+        return self.put("I", len(ids)).put("Q", *ids)
+
+
+def part(leaf, rows=None, columns=None, channels=(), rule=0):
+    """Ranges are triples of begin, end (0: open) and step (0: empty)."""
+    out = bytes([(rows is not None) | 2 * (columns is not None) | 4 * bool(channels) | 8 * bool(rule)]) + leb(leaf)
+    out += leb(rule) if rule else b""
+    for number in (rows or ()) + (columns or ()):
+        out += leb(number)
+    if channels:
+        out += leb(len(channels)) + b"".join(short_text(name) for name in channels)
+    return out
+
+
+NOTHING = b"\x01\x00"  # the number of a `changed` without a deadband
+
+
+def real(number):
+    return b"\x03" + struct.pack("<d", number)
+
+
+def condition(kind, leaves=(), number=NOTHING, comparison=0, percent=False):
+    return bytes([kind + 8 * comparison + 64 * percent]) + leb(len(leaves)) + b"".join(map(leb, leaves)) + number
+
+
+def every(ordinal):
+    return condition(4, number=b"\x01" + leb(ordinal))
+
+
+def joined(word, *conditions):
+    return bytes([("and", "or").index(word)]) + leb(len(conditions)) + b"".join(conditions)
+
+
+def selection(leaves, parts=(), conditions=(), rate=0):
+    """`conditions` has each condition, before those in it; some may be joined already."""
+    mask = sum(1 << leaf for leaf in leaves)
+    mask = mask.to_bytes((mask.bit_length() + 7) // 8, "little")
+    out = bytes([bool(parts) | 2 * bool(conditions) | 4 * bool(rate)]) + leb(len(mask)) + mask
+    if parts:
+        out += leb(len(parts)) + b"".join(parts)
+    if conditions:
+        out += leb(len(conditions)) + b"".join(conditions)
+    return out + (leb(rate) if rate else b"")
+
+
+def want(kind, data):
+    return struct.pack("<BH", kind, len(data)) + data
+
+
+def period(us):
+    return want(1, struct.pack("<I", us))
+
+
+def put_request(cdr, reader, leaves, wants=b"", words=1, listening=(), version=VERSION):
+    mask = sum(1 << leaf for leaf in leaves)
+    cdr.put("Q", reader).put("B", version).put("Q", 3)
+    cdr.ids([mask >> 64 * i & (1 << 64) - 1 for i in range(words)])
+    return cdr.octets(wants).ids(listening).ids([]).ids([])
+
+
+def put_endpoint(cdr, endpoint_id, role, description=b"", **request):
+    cdr.put("Q", endpoint_id).put("B", VERSION, role).put("Q", 0x77).put("I", 5000)
+    cdr.text("arm").text("scan").text("pkg::msg::Scan").put("Q", 0x99).octets(description)
+    cdr.raw(bytes(32)).put("Q", 5).raw(b"\1\1")
+    cdr.put("I", 1).raw(b"\4\0").raw(bytes(10) + b"\xff\xff" + bytes([10, 0, 0, 1])).put("H", 7000).put("I", 4096)
+    cdr.put("Q", 0).put("I", 0).put("Q", 1 << 20).raw(b"\0" + b"\1\0\0").put("Q", 0, 0, 0).put("I", 8)
+    return put_request(cdr, **{"reader": 0, "leaves": [], "words": 0, **request}).put("Q", 1)
+
+
+def request(reader=0x1122, leaves=(0,), **more):
+    cdr = Cdr().put("Q", reader).put("B", 1).put("I", 0, 1)
+    return put_request(cdr.put("Q"), reader, leaves, **more).bytes
+
+
+def subscriber(reader=0x1122, leaves=(0,), **more):
+    cdr = Cdr().put("Q", reader).put("B", 0).put("I", 1)
+    return put_endpoint(cdr, reader, 1, reader=reader, leaves=leaves, **{"words": 1, **more}).put("I", 0).bytes
+
+
+def publisher(writer, description=b""):
+    return put_endpoint(Cdr(), writer, 0, description).bytes
+
+
+def member(name, kind=11, shape=0, struct_number=None, attributes=b""):
+    out = bytes([kind | shape << 4 | bool(attributes) << 7]) + short_text(name) + (leb(3) if shape == 1 else b"")
+    return (out if struct_number is None else out + leb(struct_number)) + attributes
+
+
+def description(*structs, enumerations=()):
+    """Each struct is a list of members; the last one is the type. An enumeration is a list of names."""
+    out = b"\x01" + leb(len(enumerations))
+    for names in enumerations:
+        out += short_text("pkg::msg::E") + b"\x00" + leb(len(names))
+        out += b"".join(short_text(name) + leb(number) for number, name in enumerate(names))
+    out += leb(len(structs))
+    for number, members in enumerate(structs):
+        out += short_text(f"pkg::msg::T{number}") + leb(len(members)) + b"".join(members)
+    return out
+
+
+def submessage(kind, flags, body):
+    return struct.pack("<BBH", kind, flags, len(body)) + body
+
+
+def data(payload, writer, reader=0, flags=0x05, encapsulation=b"\0\1\0\0"):
+    head = struct.pack("<HH", 0, 16) + struct.pack(">II", reader, writer) + struct.pack("<iI", 0, 1)
+    payload += bytes(-len(payload) % 4)
+    return submessage(0x15, flags, head + encapsulation + payload)
+
+
+def parameter(number, value):
+    value += bytes(-len(value) % 4)
+    return struct.pack("<HH", number, len(value)) + value
+
+
+def rtps(*submessages):
+    return b"RTPS\x02\x01\x01\x10" + PREFIX + b"".join(submessages)
+
+
+HEARTBEAT = submessage(0x07, 0x01, struct.pack(">II", 0, 0x302) + struct.pack("<iIiII", 0, 1, 0, 1, 1))
+
+
+def announcement(topic):
+    """What Cyclone tells of a writer, which is where Wireshark has the topic and its type from."""
+    text = [struct.pack("<I", len(name) + 1) + name.encode() + b"\0"
+            for name in (topic, ANNOUNCED.get(topic, "std::String"))]
+    parameters = (parameter(0x05, text[0]) + parameter(0x07, text[1]) +
+                  parameter(0x5A, PREFIX + struct.pack(">I", ENTITIES[topic])) + parameter(0x01, b""))
+    return rtps(data(parameters, writer=0x3C2, reader=0x3C7, encapsulation=b"\0\3\0\0"))
+
+
+def sample(topic, *payloads, **more):
+    """A datagram with these samples, behind which something else follows."""
+    return rtps(*(data(payload, ENTITIES[topic], **more) for payload in payloads), HEARTBEAT)
+
+
+def fragments(topic, payload, size):
+    """Datagrams with a sample in fragments of so many bytes, behind which something else follows."""
+    data, out = b"\0\1\0\0" + payload, []
+    for number, at in enumerate(range(0, len(data), size), 1):
+        head = struct.pack("<HH", 0, 28) + struct.pack(">II", 0, ENTITIES[topic]) + struct.pack("<iI", 0, 1)
+        one = head + struct.pack("<IHHI", number, 1, size, len(data)) + data[at:at + size]
+        out.append(rtps(submessage(0x16, 0x01, one + bytes(-len(one) % 4)), HEARTBEAT))
+    return out
+
+
+def fnv(data, value=0xCBF29CE484222325):
+    for byte in data:
+        value = (value ^ byte) * 0x100000001B3 % (1 << 64)
+    return value
+
+
+def hash_of(data):
+    return fnv(struct.pack("<Q", len(data)) + data)
+
+
+def name_of(mask, parts=b"", conditions=b""):
+    """What stands for a request in datagrams."""
+    if parts:
+        mask = fnv(struct.pack("<QQ", mask, hash_of(parts)))
+    return fnv(struct.pack("<QQ", mask, hash_of(conditions))) if conditions else mask

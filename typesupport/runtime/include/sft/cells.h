@@ -1,0 +1,298 @@
+// The cells of a field in rows and columns, read where they lie: pixels, cells of a map, beams, and the
+// elements of any sequence of numbers. The getter of such a field takes the type of a cell:
+//
+//   using Rgb = std::array<std::uint8_t, 3>;
+//   if (const auto pixels = sample->data<Rgb>())
+//     for (const auto [r, g, b] : *pixels) ...
+//   if (const auto beams = sample->ranges<float>()) ...
+//
+//   sft::cells_of<Rgb>(sample.view(), "image.data")  // without the compiled type
+//
+// Nothing is copied, and a cell is read when it is asked for: where the subscriber asked for a part, these
+// are the cells of the part, whether they lie in a whole image in shared memory or in the smaller one that
+// another host sent. (The getter without a type returns a span, for which it copies the bytes of a part
+// together if they do not lie so.)
+//
+// Where the time of a loop matters, go row by row: `pixels->row(i)` is a span wherever the cells lie
+// together. A loop over all cells looks at each of them whether its row ends.
+//
+// How a field is made of rows and columns says its layout (typesupport/runtime/selection.md, "Parts"). A
+// field without rows is one row. A cell is an element of the field, or as many bytes as the encoding of the
+// image or the field for the size of a cell says. Its type is an arithmetic one or a std::array of these; of
+// fields of numbers of several bytes it is the type of the number. The result is an error if
+//   - a cell has another size, or the encoding has no such cells: type_mismatch
+//   - the sample was sent without a field that the layout needs: unavailable. If fields are recorded, the
+//     subscriber asks for it from then on.
+//   - the bytes are not what they claim to be: malformed
+// Values of big-endian images are swapped. A field that claims more cells than it holds is empty.
+//
+// The points of clouds, whose cells have channels, are read with points() (points.h). In templates, as in a
+// callback that takes `const auto& sample`, C++ wants `sample->template data<Rgb>()`.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cassert>
+#include <compare>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <iterator>
+#include <optional>
+#include <ranges>
+#include <span>
+#include <string_view>
+#include <tuple>
+#include <type_traits>
+
+#include "sft/detail/cell_grid.h"
+#include "sft/detail/element_type.h"
+#include "sft/result.h"
+#include "sft/type_support.h"
+
+namespace sft {
+
+namespace detail {
+
+/// An integer of so many bytes.
+template <std::size_t Bytes>
+using Bits = std::tuple_element_t<std::bit_width(Bytes) - 1,
+                                  std::tuple<std::uint8_t, std::uint16_t, std::uint32_t, std::uint64_t>>;
+
+inline std::uint16_t swapped_bits(std::uint16_t bits) { return __builtin_bswap16(bits); }
+inline std::uint32_t swapped_bits(std::uint32_t bits) { return __builtin_bswap32(bits); }
+inline std::uint64_t swapped_bits(std::uint64_t bits) { return __builtin_bswap64(bits); }
+
+/// Reads a value, or each of several by itself: compilers keep those in registers then.
+template <class T>
+void read_value(const std::byte* at, T& value) {
+  std::memcpy(&value, at, sizeof value);
+}
+template <class E, std::size_t N>
+void read_value(const std::byte* at, std::array<E, N>& values) {
+  for (std::size_t i = 0; i < N; ++i) read_value(at + i * sizeof(E), values[i]);
+}
+
+template <class T>
+void swap_bytes(T& value) {
+  if constexpr (sizeof(T) > 1) value = std::bit_cast<T>(swapped_bits(std::bit_cast<Bits<sizeof(T)>>(value)));
+}
+template <class E, std::size_t N>
+void swap_bytes(std::array<E, N>& values) {
+  for (E& value : values) swap_bytes(value);
+}
+
+/// Reads a cell of one value or several.
+template <class Cell>
+struct CellReader {
+  bool is_swapped = false;
+
+  Cell operator()(const std::byte* at) const {
+    Cell cell;
+    read_value(at, cell);
+    if (is_swapped) [[unlikely]]
+      swap_bytes(cell);
+    return cell;
+  }
+};
+
+}  // namespace detail
+
+/// The cells of a field. It is a range with random access, row by row, that works with std::ranges, and a
+/// small value, which is valid as long as the sample. So are its iterators, which do not need the range. Any
+/// number of threads may read it. Functions do not throw.
+template <class Cell>
+class Cells : public std::ranges::view_base {
+ public:
+  class iterator;
+  /// A cell.
+  using value_type = Cell;
+
+  /// Without cells.
+  Cells() = default;
+  /// For SFT's own code. All that the reader reads of a cell lies in the cell.
+  Cells(const detail::CellGrid& grid, const detail::CellReader<Cell>& reader)
+      : grid_(grid), reader_(reader) {}
+
+  /// The number of rows: 1 if the field has none, and 0 if it contradicts itself or has nothing.
+  std::size_t rows() const { return grid_.rows; }
+  /// The cells of a row.
+  std::size_t columns() const { return grid_.columns; }
+  /// All cells.
+  std::size_t size() const { return grid_.size(); }
+  /// True without cells.
+  bool empty() const { return size() == 0; }
+
+  /// The cell in a row and a column, from 0. REQUIRES: row < rows() and column < columns().
+  Cell at(std::size_t row, std::size_t column) const {
+    assert(row < rows() && column < columns());
+    return reader_(grid_.at(row, column));
+  }
+  /// A row as a span, if its cells lie like those of an array of Cell. Nothing if they do not, as those of a
+  /// part with a step, of another byte order, or at addresses that are not aligned. REQUIRES: row < rows().
+  std::optional<std::span<const Cell>> row(std::size_t row) const {
+    assert(row < rows());
+    const std::byte* const first = grid_.at(row, 0);
+    const bool is_aligned = reinterpret_cast<std::uintptr_t>(first) % alignof(Cell) == 0;
+    if (grid_.is_swapped || grid_.column_step != sizeof(Cell) || !is_aligned) return std::nullopt;
+    return std::span<const Cell>(reinterpret_cast<const Cell*>(first), columns());
+  }
+  /// The cell with this number, from 0, counted row by row. REQUIRES: i < size().
+  Cell operator[](std::size_t i) const {
+    assert(i < size());
+    const std::size_t row = grid_.is_joined() ? 0 : i / grid_.columns;
+    return reader_(grid_.at(row, i - row * grid_.columns));
+  }
+  /// The first cell. REQUIRES: !empty().
+  Cell front() const { return at(0, 0); }
+  /// The last cell. REQUIRES: !empty().
+  Cell back() const { return at(rows() - 1, columns() - 1); }
+
+  /// Iterates over the cells, row by row.
+  iterator begin() const { return {grid_.joined(), reader_, 0}; }
+  /// The end, behind the last cell.
+  iterator end() const { return {grid_.joined(), reader_, size()}; }
+
+ private:
+  detail::CellGrid grid_{};
+  detail::CellReader<Cell> reader_{};
+};
+
+/// A position among the cells.
+template <class Cell>
+class Cells<Cell>::iterator {
+ public:
+  using iterator_concept = std::random_access_iterator_tag;
+  using iterator_category = std::input_iterator_tag;  // what C++17 asks of one whose elements are values
+  using value_type = Cell;
+  using reference = value_type;
+  using difference_type = std::ptrdiff_t;
+
+  iterator() = default;
+
+  value_type operator*() const { return reader_(grid_.first + offset_); }
+  value_type operator[](difference_type n) const { return *(*this + n); }
+
+  iterator& operator++() {
+    offset_ += grid_.column_step;
+    if (offset_ == row_end_) [[unlikely]] {
+      offset_ += grid_.row_step - grid_.row_bytes();
+      row_end_ += grid_.row_step;
+    }
+    return *this;
+  }
+  iterator operator++(int) {
+    iterator before = *this;
+    ++*this;
+    return before;
+  }
+  iterator& operator--() {
+    if (offset_ + grid_.row_bytes() == row_end_) {
+      offset_ -= grid_.row_step - grid_.row_bytes();
+      row_end_ -= grid_.row_step;
+    }
+    offset_ -= grid_.column_step;
+    return *this;
+  }
+  iterator operator--(int) {
+    iterator before = *this;
+    --*this;
+    return before;
+  }
+
+  iterator& operator+=(difference_type n) {
+    move_to(static_cast<std::uint64_t>(position() + n));
+    return *this;
+  }
+  iterator& operator-=(difference_type n) { return *this += -n; }
+  friend iterator operator+(iterator i, difference_type n) { return i += n; }
+  friend iterator operator+(difference_type n, iterator i) { return i += n; }
+  friend iterator operator-(iterator i, difference_type n) { return i -= n; }
+  friend difference_type operator-(const iterator& a, const iterator& b) {
+    return a.position() - b.position();
+  }
+  friend bool operator==(const iterator& a, const iterator& b) { return a.offset_ == b.offset_; }
+  friend auto operator<=>(const iterator& a, const iterator& b) { return a.offset_ <=> b.offset_; }
+
+ private:
+  friend Cells;
+  iterator(const detail::CellGrid& grid, const detail::CellReader<Cell>& reader, std::uint64_t position)
+      : grid_(grid), reader_(reader) {
+    move_to(position);
+  }
+
+  void move_to(std::uint64_t position) {
+    const std::uint64_t row = position / grid_.columns * grid_.row_step;
+    offset_ = row + position % grid_.columns * grid_.column_step;
+    row_end_ = row + grid_.row_bytes();
+  }
+  difference_type position() const {
+    const std::uint64_t row = row_end_ - grid_.row_bytes();
+    return static_cast<difference_type>(row / grid_.row_step * grid_.columns +
+                                        (offset_ - row) / grid_.column_step);
+  }
+
+  // Going on changes one number only, so that it stays in a register.
+  detail::CellGrid grid_ = detail::CellGrid{}.joined();
+  detail::CellReader<Cell> reader_{};
+  std::uint64_t offset_ = 0;                   ///< the bytes from the first cell to this one
+  std::uint64_t row_end_ = grid_.row_bytes();  ///< and to the end of its row
+};
+
+namespace detail {
+
+template <class T>
+inline constexpr bool is_cell = std::is_arithmetic_v<T> && !std::same_as<T, bool>;
+template <class E, std::size_t N>
+inline constexpr bool is_cell<std::array<E, N>> = N > 0 && is_cell<E>;
+
+template <class Cell>
+Result<Cells<Cell>> cells_on(const Result<CellGrid>& grid) {
+  static_assert(is_cell<Cell>, "a cell is an arithmetic type, or a std::array of these");
+  if (!grid) return tl::unexpected(grid.error());
+  return Cells<Cell>(*grid, {.is_swapped = grid->is_swapped});
+}
+
+/// True if a field of elements of that kind may have cells of this type. Bytes may be anything.
+template <class Cell>
+constexpr bool fits_elements(Kind kind) {
+  return size_of(kind) == 1 || holds<Cell>(kind);
+}
+
+/// Returns the cells of member number M for its getter in a generated view. The place is that of the view
+/// (view.h).
+template <class Cell, std::size_t M, class Place>
+Result<Cells<Cell>> cells_at(const Place& place) {
+  constexpr const Member& m = TypeTable<typename Place::Struct>::members[M];
+  static_assert(fits_elements<Cell>(m.kind),
+                "the field has cells of another type, which is that of its elements");
+  constexpr std::size_t leaf = Place::template leaf_of<M>;
+  CellsPlace cells{.sample = &place.state(),
+                   .member = &m,
+                   .leaf = leaf,
+                   .offset = place.state().mask->contains(leaf) ? place.template begin_of<M>() : no_offset};
+  if constexpr (Place::is_indexed) cells.layout = type_support<typename Place::Root>().layout_of(leaf);
+  if constexpr (Place::declares_mask) {
+    static const FieldMask declared(Place::declared);
+    cells.declared = &declared;
+  }
+  return cells_on<Cell>(find_cells(cells, sizeof(Cell)));
+}
+
+}  // namespace detail
+
+/// The cells of the field with that path in a message that is read by the names of its fields
+/// (dynamic_view.h). Valid as long as the sample. Also an error if there is no such field: unknown_field, or
+/// if it is no sequence of numbers: type_mismatch.
+template <class Cell>
+Result<Cells<Cell>> cells_of(const DynamicView& message, std::string_view path) {
+  return detail::cells_on<Cell>(detail::find_cells(message, path, sizeof(Cell), detail::fits_elements<Cell>));
+}
+
+}  // namespace sft
+
+/// @cond not in the reference: Doxygen takes no specialization of what it does not know
+template <class Cell>
+inline constexpr bool std::ranges::enable_borrowed_range<sft::Cells<Cell>> = true;
+/// @endcond

@@ -1,0 +1,75 @@
+// Where the cells of a field lie in a sample, in rows and columns, and how they are found there. The bytes
+// may be hostile, and in shared memory they may change while they are read. So each number of the header is
+// read once, checked, and kept here.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "sft/detail/layout.h"
+#include "sft/detail/walk.h"
+#include "sft/mask.h"
+#include "sft/result.h"
+
+namespace sft {
+
+class DynamicView;
+
+namespace detail {
+
+class Cut;
+
+/// Rows of cells. All of them lie within the bytes of the field.
+struct CellGrid {
+  const std::byte* first = nullptr;  ///< the first cell
+  std::uint64_t row_step = 1;        ///< bytes from one row to the next; not 0, also of an empty grid
+  std::uint32_t column_step = 0;     ///< bytes from one cell of a row to the next
+  std::uint32_t rows = 0;
+  std::uint32_t columns = 0;
+  bool is_swapped = false;  ///< the values have the other byte order
+
+  /// The cells of a part, where it lies. `cut` says so, of this larger sample.
+  static CellGrid of(const SampleState& source, const Cut& cut);
+
+  std::size_t size() const { return std::size_t{rows} * columns; }
+  std::uint64_t row_bytes() const { return std::uint64_t{columns} * column_step; }
+  /// All cells are equally far from one another.
+  bool is_joined() const { return rows <= 1 || row_step == row_bytes(); }
+  const std::byte* at(std::uint64_t row, std::uint64_t column) const {
+    return first + row * row_step + column * column_step;
+  }
+
+  /// The same cells in as few rows as possible: rows without bytes between them are one. None of its numbers
+  /// is 0, except of an empty grid the rows.
+  CellGrid joined() const {
+    if (size() == 0) return {.column_step = 1, .columns = 1};
+    if (!is_joined()) return *this;
+    CellGrid grid = *this;
+    grid.columns = static_cast<std::uint32_t>(size());
+    grid.rows = 1;
+    grid.row_step = grid.row_bytes();
+    return grid;
+  }
+};
+
+/// A sequence of numbers in a sample.
+struct CellsPlace {
+  const SampleState* sample = nullptr;
+  const FieldMask* declared = nullptr;  ///< what the reader declared; null: all that the sample has
+  const Layout* layout = nullptr;       ///< of this sample's type; null: the elements are one row of cells
+  const Member* member = nullptr;
+  std::size_t leaf = 0;
+  std::uint64_t offset = 0;  ///< where the field begins in the body
+};
+
+/// Finds the cells, each of that size. Notes what that reads, if reads are recorded.
+Result<CellGrid> find_cells(const CellsPlace& place, std::size_t cell_bytes);
+
+/// The same for the field with that path in a message whose type is not compiled in. `holds` tells whether a
+/// cell is an element of that kind.
+Result<CellGrid> find_cells(const DynamicView& message, std::string_view path, std::size_t cell_bytes,
+                            bool (*holds)(Kind));
+
+}  // namespace detail
+}  // namespace sft

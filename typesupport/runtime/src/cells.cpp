@@ -1,0 +1,192 @@
+#include "sft/cells.h"
+
+#include <algorithm>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "noted_leaves.h"
+#include "sft/detail/cut.h"
+#include "sft/detail/parts_in_place.h"
+#include "sft/detail/type_shape.h"
+#include "sft/dynamic_view.h"
+
+namespace sft::detail {
+
+CellGrid CellGrid::of(const SampleState& source, const Cut& cut) {
+  if (cut.bytes() == 0) return {.rows = cut.rows(), .columns = cut.columns()};
+  CellGrid grid{.first = source.body + cut.begin(),
+                .row_step = cut.row_stride(),
+                .column_step = static_cast<std::uint32_t>(cut.column_stride()),
+                .rows = cut.rows(),
+                .columns = cut.columns()};
+  // A step from the only one leads nowhere, and may be too long for its number.
+  if (grid.columns == 1) grid.column_step = cut.cell_bytes();
+  if (grid.rows == 1) grid.row_step = grid.row_bytes();
+  return grid;
+}
+
+namespace {
+
+std::string quoted(const Member& member) { return "'" + std::string(member.name) + "'"; }
+
+tl::unexpected<Error> malformed_cells(const CellsPlace& place) {
+  place.sample->flag_malformed();
+  return fail(Errc::malformed, quoted(*place.member) + " is not within the bytes of the sample");
+}
+
+/// Notes that a member is read. An error if the sample was sent without it.
+Result<void> note_member(const CellsPlace& place, std::size_t leaf, const Member& member) {
+  const std::size_t leaves = leaf_count(member);
+  const bool was_sent = note_leaves(*place.sample, leaf, leaves);
+  if (was_sent && (place.declared == nullptr || place.declared->all_of(leaf, leaves))) return {};
+  return fail(Errc::unavailable, quoted(member) + " was not sent in this sample");
+}
+
+/// The layout if the field has rows: the cells of others are elements, whatever the values beside them are.
+const Layout* rows_of(const CellsPlace& place) {
+  return place.layout != nullptr && place.layout->has_rows() ? place.layout : nullptr;
+}
+
+// Everything is noted before the first is found missing, so that all is asked for at once.
+Result<void> note_cells(const CellsPlace& place) {
+  Result<void> sent = note_member(place, place.leaf, *place.member);
+  const Layout* const layout = rows_of(place);
+  if (layout == nullptr) return sent;
+  for (const Layout::Field& field : layout->fields) {
+    if (!field || &field == &(*layout)[LayoutRole::channels]) continue;
+    if (Result<void> other = note_member(place, field.leaf, *field.member); !other && sent)
+      sent = std::move(other);
+  }
+  return sent;
+}
+
+/// Nothing if the sample has no such value.
+std::optional<bool> is_swapped(const SampleState& s, const Layout& layout) {
+  const Layout::Field& order = layout[LayoutRole::byte_order];
+  if (!order) return false;
+  const std::size_t bytes = size_of(order.member->kind);
+  const std::uint32_t offset = __atomic_load_n(s.index + order.slot, __ATOMIC_RELAXED);
+  const std::uint32_t at = offset == no_offset ? no_offset : checked_block(s, offset, 1, bytes);
+  if (at == no_offset) return {};
+  return std::any_of(s.body + at, s.body + at + bytes, [](std::byte one) { return one != std::byte{0}; });
+}
+
+tl::unexpected<Error> other_size(const Member& member, std::size_t bytes, std::size_t cell_bytes) {
+  return fail(Errc::type_mismatch, "a cell of " + quoted(member) + " has " + std::to_string(bytes) +
+                                       " bytes, not " + std::to_string(cell_bytes));
+}
+
+/// The cells of a part, or of a field with rows. `source` is the sample in which they lie.
+Result<CellGrid> cells_of_cut(const CellsPlace& place, const SampleState& source, const Cut& cut,
+                              std::size_t cell_bytes) {
+  if (cut.is_whole()) {
+    return fail(Errc::type_mismatch,
+                quoted(*place.member) + " has no cells of one size: its encoding says no such size");
+  }
+  if (cut.rows() == 0 || cut.columns() == 0) return CellGrid();
+  if (cut.cell_bytes() != cell_bytes) return other_size(*place.member, cut.cell_bytes(), cell_bytes);
+  if (cut.runs().size() != 1)
+    return fail(Errc::type_mismatch,
+                "the bytes of a cell of " + quoted(*place.member) + " do not lie together");
+  CellGrid grid = CellGrid::of(source, cut);
+  grid.first += cut.runs()[0].offset;
+  const Layout* const layout = rows_of(place);
+  const std::optional<bool> swapped = layout == nullptr ? false : is_swapped(*place.sample, *layout);
+  if (!swapped) return malformed_cells(place);
+  grid.is_swapped = *swapped;
+  return grid;
+}
+
+/// All cells of a field, whose elements are those.
+Result<CellGrid> cells_of_all(const CellsPlace& place, const SampleState& source,
+                              std::span<const std::byte> elements, std::size_t cell_bytes) {
+  if (elements.empty()) return CellGrid();
+  if (const Layout* const layout = rows_of(place)) {
+    const auto data = std::ranges::find(layout->data, place.leaf, &Layout::Field::leaf);
+    Cut cut;
+    if (!cut.find(source, layout, *data, {})) return malformed_cells(place);
+    return cells_of_cut(place, source, cut, cell_bytes);
+  }
+  const std::size_t element_bytes = size_of(place.member->kind);
+  if (element_bytes != cell_bytes) return other_size(*place.member, element_bytes, cell_bytes);
+  return CellGrid{.first = elements.data(),
+                  .row_step = elements.size(),
+                  .column_step = static_cast<std::uint32_t>(element_bytes),
+                  .rows = 1,
+                  .columns = static_cast<std::uint32_t>(elements.size() / element_bytes)};
+}
+
+/// The bytes of all elements, which lie in the body.
+std::optional<std::span<const std::byte>> elements_of(const CellsPlace& place) {
+  const std::size_t element_bytes = size_of(place.member->kind);
+  if (place.offset == no_offset) return {};
+  const Extent all = checked_sequence(*place.sample, place.offset, element_bytes);
+  if (!all) return {};
+  return std::span(place.sample->body + all.first, all.count * element_bytes);
+}
+
+}  // namespace
+
+Result<CellGrid> find_cells(const CellsPlace& place, std::size_t cell_bytes) {
+  if (const Result<void> sent = note_cells(place); !sent) return tl::unexpected(sent.error());
+  const SampleState& s = *place.sample;
+  const auto part = s.parts == nullptr ? std::nullopt : s.parts->find(place.leaf);
+  if (part && !part->cut->is_whole()) return cells_of_cut(place, *part->source, *part->cut, cell_bytes);
+  const auto elements = part ? part->contiguous() : elements_of(place);
+  if (!elements) return malformed_cells(place);
+  return cells_of_all(place, part ? *part->source : s, *elements, cell_bytes);
+}
+
+namespace {
+
+/// The layout of the field with this leaf in a struct whose first leaf and slot are those. With the leaves
+/// and slots of the sample.
+std::optional<Layout> layout_in(const StructType& type, std::size_t first_leaf, std::size_t first_slot,
+                                std::size_t leaf) {
+  const auto move = [&](Layout::Field& field) {
+    field.leaf += static_cast<std::uint32_t>(first_leaf);
+    field.slot += static_cast<std::uint32_t>(first_slot);
+  };
+  for (Layout& layout : layouts_of(type)) {
+    std::ranges::for_each(layout.data, move);
+    std::ranges::for_each(layout.fields, move);
+    if (std::ranges::find(layout.data, leaf, &Layout::Field::leaf) != layout.data.end()) return layout;
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<CellGrid> find_cells(const DynamicView& message, std::string_view path, std::size_t cell_bytes,
+                            bool (*holds)(Kind)) {
+  const std::size_t dot = path.rfind('.');
+  const bool is_nested = dot != std::string_view::npos;
+  const DynamicView parent = is_nested ? message.find(path.substr(0, dot)) : message;
+  const std::string_view name = is_nested ? path.substr(dot + 1) : path;
+  if (parent.error() != nullptr) return tl::unexpected(*parent.error());
+  const std::optional<std::size_t> number = parent.number_of(name);
+  if (!number) return tl::unexpected(*parent[name].error());
+  const Member& member = parent.type_->members[*number];
+  if (member.shape != Shape::sequence || !is_primitive(member.kind) || !holds(member.kind)) {
+    return fail(Errc::type_mismatch,
+                quoted(member) + " is " + format_type(member) + ", which has no cells of that type");
+  }
+  const DynamicView::Place place = parent.place_of(*number);
+  const bool is_indexed = place.slot != DynamicView::no_slot;
+  const SampleState& s = *parent.state_;
+  const std::optional<Layout> layout =
+      is_indexed ? layout_in(*message.type_, message.place_.leaf, message.place_.slot, place.leaf)
+                 : std::nullopt;
+  return find_cells(
+      {.sample = &s,
+       .declared = parent.declared_,
+       .layout = layout ? &*layout : nullptr,
+       .member = &member,
+       .leaf = place.leaf,
+       .offset = is_indexed ? __atomic_load_n(s.index + place.slot, __ATOMIC_RELAXED) : place.offset},
+      cell_bytes);
+}
+
+}  // namespace sft::detail
