@@ -20,11 +20,13 @@ local wire_version = 1
 local common_bytes = 16
 
 -- What the control samples of the capture have told. `names` has what subscribers asked for, by the number that stands
--- for it in datagrams. `types` has the types of publishers and subscribers by their ids, and `leaves` how many leaves
--- the type of a publisher has, by its short id; publishers with one short id and different types have `false`.
-local known = { names = {}, types = {}, leaves = {} }
+-- for it in datagrams, and by their topic and that number. `topics` has the topics of publishers and subscribers by
+-- their ids, and `writers` those of publishers by their short ids. `types` has the types of publishers and subscribers
+-- by their ids, and `leaves` how many leaves the type of a publisher has, by its short id. Publishers with one short id
+-- and different topics or types have `false`.
+local known = { names = {}, types = {}, leaves = {}, topics = {}, writers = {} }
 
-function sft.init() known.names, known.types, known.leaves = {}, {}, {} end
+function sft.init() known.names, known.types, known.leaves, known.topics, known.writers = {}, {}, {}, {}, {} end
 
 local f = {
   version = ProtoField.uint8("sft.version", "Version", base.DEC, nil, 0xf0),
@@ -260,6 +262,14 @@ local function hash_text(c, set, writer)
   return "hash of a selection with parts"
 end
 
+-- The request that a mask of this publisher stands for. Masks of other topics may be the same number: where the topic
+-- is not known, of the publisher or of the subscriber, the first request with that mask counts.
+local function request_of(mask, writer)
+  local key, topic = mask:tohex(), known.writers[writer]
+  if not topic then return known.names[key] end
+  return known.names[topic .. " " .. key] or known.names["? " .. key]
+end
+
 -- Explains a mask by the request that it stands for, and names the frame of that. Returns the meaning.
 local function add_request(c, range, request)
   if request.leaves then c.tree:add(f.leaves, range, request.leaves) end
@@ -272,7 +282,8 @@ end
 -- a selection, or if several masks are merged, which makes it a list of leaves. In the other cases requests and
 -- announcements in the capture tell it. Without them, the number itself is judged. Returns the meaning of the mask.
 local function explain_mask(c, set, writer, mask, range)
-  local request, is_merged = known.names[mask:tohex()], has(set, 0x80)
+  local is_merged = has(set, 0x80)
+  local request = not is_merged and request_of(mask, writer)
   if request then return add_request(c, range, request) end
   if has(set, 0x01) then return "hash of a mask" end
   local is_hash = not is_merged and is_hash_by_type(mask, writer)
@@ -1184,19 +1195,21 @@ end
 
 -- Notes what stands for a request in datagrams. The frame is that of the first such request whose type is known, or
 -- else of the first one.
-local function note(asked, type, frame)
-  local key = asked.name:tohex()
-  local former = known.names[key]
-  if former and (former.is_typed or not type) then return end
+local function note(asked, type, topic, frame)
   local is_mask = asked.parts_raw == "" and asked.conditions_raw == ""
   local kind = "hash of a selection with " .. (asked.parts_raw ~= "" and "parts" or "conditions")
   if asked.parts_raw ~= "" and asked.conditions_raw ~= "" then kind = kind .. " and conditions" end
   if is_mask then kind = #asked.words > 1 and "hash of a mask" or "leaves" end
-  known.names[key] = {
+  local request = {
     kind = kind, frame = frame, is_typed = type ~= nil,
     text = fields_text(asked, type) .. (asked.conditions ~= "" and " @ " .. asked.conditions or ""),
     leaves = is_mask and runs_text(asked.set, 0, 64 * #asked.words) or nil,
   }
+  local mask = asked.name:tohex()
+  for _, key in ipairs({ mask, (topic or "?") .. " " .. mask }) do
+    local former = known.names[key]
+    if not former or (type and not former.is_typed) then known.names[key] = request end
+  end
 end
 
 -- Reads a request. Returns its text; nil if it is no subscriber's.
@@ -1222,7 +1235,7 @@ local function read_request(c, pinfo)
   local text = asked_text(asked, type)
   c.tree:add(g.selection, text):set_generated()
   c.tree:add(g.name, asked.name):set_generated()
-  note(asked, type, pinfo.number)
+  note(asked, type, known.topics[reader:tohex()], pinfo.number)
   return text
 end
 
@@ -1241,7 +1254,7 @@ local function read_type(c, id, role)
   known.leaves[id:lower()] = (former == nil or former == type.leaves) and type.leaves
 end
 
-local function read_address(c)
+local function read_endpoint_address(c)
   local family = c:byte()
   c:number(g.wireless, 1)
   local range = c:take(16)
@@ -1264,7 +1277,7 @@ local function read_places(c)
   c:number(g.may_use_udp, 1)
   for _ = 1, c:count(24) do
     if c.failed then return end
-    c:within(g.address, function() return read_address(c) end)
+    c:within(g.address, function() return read_endpoint_address(c) end)
   end
   c:aligned(g.doorbell_page, 8)
   c:aligned(g.doorbell_slot, 4)
@@ -1298,6 +1311,11 @@ local function read_endpoint(c, pinfo)
   local type_name = c:text(g.type_name)
   c:aligned(g.type_hash, 8)
   if c.failed then return nil end
+  known.topics[id:tohex()] = topic
+  if role == 0 then
+    local former = known.writers[id:lower()]
+    known.writers[id:lower()] = (former == nil or former == topic) and topic
+  end
   read_type(c, id, role)
   read_places(c)
   c:aligned(g.max_sample, 8)

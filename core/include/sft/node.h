@@ -111,7 +111,7 @@ class Node {
   Result<AccountInquiry> ask_accounts(std::string_view topic) const;
   /// Opens a subscriber of a topic of any type. `fields` is a text: "header.stamp, fields[].name", or "*" for
   /// all. It may name parts of fields, as TypeSupport::parse_selection() takes them: "data{x,y,z}[::4]".
-  /// Other hosts send just the part; in shared memory it is copied out of the sample. Without a callback the
+  /// Other hosts send just the part; in shared memory it stays in the whole sample. Without a callback the
   /// subscriber is asked for its samples.
   Result<DynamicSubscriber> subscriber(std::string_view topic, const DynamicType& type,
                                        std::string_view fields, const SubscriberOptions& options = {},

@@ -3,6 +3,7 @@
 // with every version.
 #pragma once
 
+#include "sft/cells.h"         // IWYU pragma: export
 #include "sft/domain.h"        // IWYU pragma: export
 #include "sft/dynamic.h"       // IWYU pragma: export
 #include "sft/dynamic_type.h"  // IWYU pragma: export

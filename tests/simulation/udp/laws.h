@@ -35,11 +35,11 @@ class Laws {
   void published(std::uint64_t sequence, Cloud cloud, Time now);
   /// The sample was sent to that reader. The writer may not know yet that the reader has left.
   void owes(core::EndpointId reader, const Variant& sample) {
-    if (readers_.contains(reader)) readers_[reader].owed.push_back(sample);
+    if (!left_.contains(reader)) readers_[reader].owed.push_back(sample);
   }
   /// The conditions of that reader have withheld the sample.
   void withholds(core::EndpointId reader, std::uint64_t sequence) {
-    if (readers_.contains(reader)) readers_[reader].withheld.insert(sequence);
+    if (!left_.contains(reader)) readers_[reader].withheld.insert(sequence);
   }
   /// The sample has passed that gate, with that number.
   void let_pass(std::uint64_t gate, std::uint64_t sequence, std::uint32_t ordinal) {
@@ -51,8 +51,14 @@ class Laws {
 
   void process_started();
   void process_crashed() { readers_.clear(); }
-  void reader_joined(core::EndpointId reader) { readers_.try_emplace(reader); }
-  void reader_left(core::EndpointId reader) { readers_.erase(reader); }
+  void reader_joined(core::EndpointId reader) {
+    readers_.try_emplace(reader);
+    left_.erase(reader);
+  }
+  void reader_left(core::EndpointId reader) {
+    readers_.erase(reader);
+    left_.insert(reader);
+  }
   /// The reader asks for that from now on.
   void asks(core::EndpointId reader, const Selection& wish);
   /// The writer knows of the reader's latest wish from now on.
@@ -110,6 +116,7 @@ class Laws {
   };
   std::map<std::uint64_t, Published> published_;
   std::map<core::EndpointId, Account> readers_;
+  std::set<core::EndpointId> left_;  ///< and did not come back
   LossLedger ledger_;
   std::map<std::uint64_t, std::map<std::uint64_t, std::uint32_t>> passed_;  ///< numbers, by gate and sequence
   /// The sequences with which each gate began: again, where the writer has forgotten the gate meanwhile.

@@ -101,9 +101,9 @@ def put_request(cdr, reader, leaves, wants=b"", words=1, listening=(), version=V
     return cdr.octets(wants).ids(listening).ids([]).ids([])
 
 
-def put_endpoint(cdr, endpoint_id, role, description=b"", **request):
+def put_endpoint(cdr, endpoint_id, role, description=b"", topic="scan", **request):
     cdr.put("Q", endpoint_id).put("B", VERSION, role).put("Q", 0x77).put("I", 5000)
-    cdr.text("arm").text("scan").text("pkg::msg::Scan").put("Q", 0x99).octets(description)
+    cdr.text("arm").text(topic).text("pkg::msg::Scan").put("Q", 0x99).octets(description)
     cdr.raw(bytes(32)).put("Q", 5).raw(b"\1\1")
     cdr.put("I", 1).raw(b"\4\0").raw(bytes(10) + b"\xff\xff" + bytes([10, 0, 0, 1])).put("H", 7000).put("I", 4096)
     cdr.put("Q", 0).put("I", 0).put("Q", 1 << 20).raw(b"\0" + b"\1\0\0").put("Q", 0, 0, 0).put("I", 8)
@@ -120,8 +120,8 @@ def subscriber(reader=0x1122, leaves=(0,), **more):
     return put_endpoint(cdr, reader, 1, reader=reader, leaves=leaves, **{"words": 1, **more}).put("I", 0).bytes
 
 
-def publisher(writer, description=b""):
-    return put_endpoint(Cdr(), writer, 0, description).bytes
+def publisher(writer, description=b"", **more):
+    return put_endpoint(Cdr(), writer, 0, description, **more).bytes
 
 
 def member(name, kind=11, shape=0, struct_number=None, attributes=b""):

@@ -330,6 +330,26 @@ class ControlTest(unittest.TestCase):
         self.assertEqual(self.read_mask(first(mask=0x40), asks), ("leaves", "6", "limit", "5"))
         self.assertEqual(self.read_mask(first(mask=0x40), asks[:2]), ("leaves", "6", "leaves 6", "3"))
 
+    def test_explains_a_mask_by_a_request_of_the_same_topic(self):
+        other = [sample("sft_reader", subscriber(READER, [], description=KNOWN_TYPE, topic="other")),
+                 sample("sft_reader", request(READER, [6]))]
+        same = [sample("sft_reader", subscriber(READER + 1, [], topic="scan")),
+                sample("sft_reader", request(READER + 1, [6]))]
+        here = sample("sft_writer", publisher(0x0504030201))
+        there = sample("sft_writer", publisher(0x0504030201, topic="other"))
+        unknown = [sample("sft_reader", request(READER + 2, [6]))]
+        for before, selection_shown, frame in [
+                ([here, *other, *same], "leaves 6", "7"), ([there, *other, *same], "limit", "5"),
+                ([here, *other], "", ""), ([here, *other, *unknown], "leaves 6", "6"),
+                ([*other, *same], "limit", "4")]:
+            with self.subTest(frame=frame):
+                shown = self.read_mask(first(mask=0x40), before)
+                self.assertEqual(shown[2:], (selection_shown, frame))
+
+    def test_explains_no_union_by_a_request_that_has_the_same_number(self):
+        asks = [sample("sft_reader", request(READER, [6]))]
+        self.assertEqual(self.read_mask(first(mask=0x40, flags=0x80), asks), ("leaves", "6", "", ""))
+
     def test_computes_the_hashes_that_publishers_write(self):
         # These bytes and hashes are those of datagrams of real nodes.
         of_conditions = "022600020200020601030002020103039a999999999909402a01090203430109010105000180ade204"

@@ -35,21 +35,25 @@ class RequestsTest(unittest.TestCase):
         publish = [SFT, "pub", "scan", "sensor_msgs/LaserScan", MESSAGE, "--rate", "50"]
         with subprocess.Popen(publish + ["--reliable"] * reliable, stdout=subprocess.DEVNULL,
                               env=WITHOUT_MEMORY) as publisher:
-            for fields in SELECTIONS:
-                subprocess.run([SFT, "echo", "scan", "--fields", fields, "-n", "3", "--timeout", "20"],
-                               check=True, stdout=subprocess.DEVNULL, timeout=40, env=WITHOUT_MEMORY)
-            publisher.terminate()
+            try:
+                for fields in SELECTIONS:
+                    subprocess.run([SFT, "echo", "scan", "--fields", fields, "-n", "3", "--timeout", "20"],
+                                   check=True, stdout=subprocess.DEVNULL, timeout=40, env=WITHOUT_MEMORY)
+            finally:
+                publisher.terminate()
 
     def capture(self, folder):
         pcap = folder / "requests.pcapng"
         with subprocess.Popen(["dumpcap", "-i", "lo", "-f", "udp", "-a", "duration:100", "-w", str(pcap)],
                               stderr=subprocess.PIPE, text=True) as dump:
-            while not dump.stderr.readline().startswith("File:"):
-                self.assertIsNone(dump.poll(), "dumpcap ended")
-            for reliable in (False, True):
-                self.run_nodes(reliable)
-            dump.send_signal(signal.SIGINT)
-            dump.communicate()
+            try:
+                while not dump.stderr.readline().startswith("File:"):
+                    self.assertIsNone(dump.poll(), "dumpcap ended")
+                for reliable in (False, True):
+                    self.run_nodes(reliable)
+            finally:
+                dump.send_signal(signal.SIGINT)
+                dump.communicate()
         return pcap
 
     def test_explains_each_datagram_of_real_nodes_by_its_request(self):

@@ -12,9 +12,13 @@
 #include <sensor_msgs/msg/MultiEchoLaserScan.hpp>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 #include <string>
+#include <tuple>
 #include <vector>
 
+#include "sft/dynamic_type.h"
 #include "sft/dynamic_view.h"
+#include "sft/json.h"
+#include "sft/msg_text.h"
 #include "tests/support/point_cloud.h"
 
 namespace sft {
@@ -112,7 +116,7 @@ TEST(CellsTest, AnImageInPlanesHasNoCells) {
   Image planes = image(2, 4);
   planes.encoding = "nv12";
   EXPECT_EQ(message_of(Arrived(planes).view().data<std::uint8_t>()),
-            "'data' has no cells of one size: its encoding says no such size");
+            "'data' has no cells of one size in its encoding");
 }
 
 TEST(CellsTest, PixelsOfABigEndianImageAreSwapped) {
@@ -184,15 +188,51 @@ TEST(CellsTest, OfAMemberInASequenceAreItsElements) {
   EXPECT_EQ(same->back(), 9.F);
 }
 
-TEST(CellsTest, OfACloudAreItsPointsUnlessTheirBytesAreApart) {
+template <class C>
+concept has_row_spans = requires(const C& cells) {
+  cells.row(0);
+};
+static_assert(has_row_spans<Cells<Rgb>>);
+static_assert(!has_row_spans<Cells<std::tuple<float, float>>>, "a tuple has its members in another order");
+
+TEST(CellsTest, TheCellsOfACloudHaveChannelsAndAreReadAsPoints) {
   test::Random random(1);
-  const PointCloud2 cloud = test::random_cloud(random, 2, 3);
-  using Point = std::array<std::uint8_t, 48>;
-  const Arrived sample(cloud);
-  const auto points = sample.view().data<Point>();
-  ASSERT_TRUE(points) << message_of(points);
-  EXPECT_EQ(points->rows(), 2U);
-  EXPECT_TRUE(std::ranges::equal(points->at(1, 2), std::span(cloud.data).subspan(cloud.row_step + 96, 48)));
+  const Arrived sample(test::random_cloud(random, 2, 3));
+  const char* const says = "the cells of 'data' have channels: read its points";
+  EXPECT_EQ(message_of(sample.view().data<std::array<std::uint8_t, 48>>()), says);
+  EXPECT_EQ(message_of(cells_of<std::uint8_t>(sample.dynamic_view(), "data")), says);
+}
+
+TEST(CellsTest, ByteOrderIsThatOfBytesAndNotOfLargerElements) {
+  constexpr const char* text =
+      "uint32 columns\nbool is_bigendian\nfloat32[] heights  # @sft_layout "
+      "columns=columns byte_order=is_bigendian\n";
+  const DynamicType type = from_msg("test_msgs/msg/Heights", text).value();
+  const auto cdr =
+      cdr_from_json(type.type(), R"({"columns": 2, "is_bigendian": true, "heights": [1.5, 2]})").value();
+  const std::vector<std::byte> body(cdr.begin() + 4, cdr.end());
+  const FieldMask mask = type.support().full();
+  std::vector<std::uint32_t> index(type.support().slots());
+  const detail::SampleState state{.body = body.data(),
+                                  .body_bytes = static_cast<std::uint32_t>(body.size()),
+                                  .index = index.data(),
+                                  .mask = &mask};
+  ASSERT_EQ(detail::build_index(state, type.type(), index), detail::WalkStatus::ok);
+  const auto heights = cells_of<float>(DynamicView(state, type.type()), "heights");
+  ASSERT_TRUE(heights) << message_of(heights);
+  EXPECT_TRUE(std::ranges::equal(*heights, std::array{1.5F, 2.F}));
+}
+
+TEST(CellsTest, OfAMapNeedNeitherItsScaleNorItsOrigin) {
+  OccupancyGrid map;
+  map.info.height = map.info.width = 1;
+  map.data = {7};
+  const Arrived full(map);
+  using M = OccupancyGrid::Field;
+  const auto cells = detail::view_of<OccupancyGrid, M::data | M::info.height | M::info.width>(full.state())
+                         .data<std::int8_t>();
+  ASSERT_TRUE(cells) << message_of(cells);
+  EXPECT_EQ(cells->front(), 7);
 }
 
 TEST(CellsTest, AFieldThatWasNotSentIsAnErrorThatNamesIt) {

@@ -31,7 +31,7 @@ constexpr std::array class_names =
 
 /// Template parameters and private members in generated classes (fields.cpp, views.cpp, owned.cpp).
 constexpr std::array private_names =
-    std::to_array<std::string_view>({"First_", "Loaned_", "Of_", "Place_", "Root_", "at_"});
+    std::to_array<std::string_view>({"Cell_", "First_", "Loaned_", "Of_", "Place_", "Root_", "at_"});
 
 bool is_one_of(std::span<const std::string_view> names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();

@@ -54,8 +54,10 @@ Result<void> note_cells(const CellsPlace& place) {
   Result<void> sent = note_member(place, place.leaf, *place.member);
   const Layout* const layout = rows_of(place);
   if (layout == nullptr) return sent;
-  for (const Layout::Field& field : layout->fields) {
-    if (!field || &field == &(*layout)[LayoutRole::channels]) continue;
+  for (const LayoutRole role : {LayoutRole::rows, LayoutRole::columns, LayoutRole::cell_bytes,
+                                LayoutRole::row_bytes, LayoutRole::byte_order, LayoutRole::encoding}) {
+    const Layout::Field& field = (*layout)[role];
+    if (!field) continue;
     if (Result<void> other = note_member(place, field.leaf, *field.member); !other && sent)
       sent = std::move(other);
   }
@@ -81,19 +83,15 @@ tl::unexpected<Error> other_size(const Member& member, std::size_t bytes, std::s
 /// The cells of a part, or of a field with rows. `source` is the sample in which they lie.
 Result<CellGrid> cells_of_cut(const CellsPlace& place, const SampleState& source, const Cut& cut,
                               std::size_t cell_bytes) {
-  if (cut.is_whole()) {
-    return fail(Errc::type_mismatch,
-                quoted(*place.member) + " has no cells of one size: its encoding says no such size");
-  }
-  if (cut.rows() == 0 || cut.columns() == 0) return CellGrid();
+  if (cut.is_whole())
+    return fail(Errc::type_mismatch, quoted(*place.member) + " has no cells of one size in its encoding");
+  if (cut.bytes() == 0) return CellGrid();
   if (cut.cell_bytes() != cell_bytes) return other_size(*place.member, cut.cell_bytes(), cell_bytes);
-  if (cut.runs().size() != 1)
-    return fail(Errc::type_mismatch,
-                "the bytes of a cell of " + quoted(*place.member) + " do not lie together");
   CellGrid grid = CellGrid::of(source, cut);
-  grid.first += cut.runs()[0].offset;
   const Layout* const layout = rows_of(place);
-  const std::optional<bool> swapped = layout == nullptr ? false : is_swapped(*place.sample, *layout);
+  const bool is_of_bytes = size_of(place.member->kind) == 1;  // the byte order is not that of other elements
+  const std::optional<bool> swapped =
+      layout == nullptr || !is_of_bytes ? false : is_swapped(*place.sample, *layout);
   if (!swapped) return malformed_cells(place);
   grid.is_swapped = *swapped;
   return grid;
@@ -106,7 +104,7 @@ Result<CellGrid> cells_of_all(const CellsPlace& place, const SampleState& source
   if (const Layout* const layout = rows_of(place)) {
     const auto data = std::ranges::find(layout->data, place.leaf, &Layout::Field::leaf);
     Cut cut;
-    if (!cut.find(source, layout, *data, {})) return malformed_cells(place);
+    if (!cut.find_all(source, *layout, *data)) return malformed_cells(place);
     return cells_of_cut(place, source, cut, cell_bytes);
   }
   const std::size_t element_bytes = size_of(place.member->kind);
@@ -130,6 +128,9 @@ std::optional<std::span<const std::byte>> elements_of(const CellsPlace& place) {
 }  // namespace
 
 Result<CellGrid> find_cells(const CellsPlace& place, std::size_t cell_bytes) {
+  if (place.layout != nullptr && place.layout->has_channels())
+    return fail(Errc::type_mismatch,
+                "the cells of " + quoted(*place.member) + " have channels: read its points");
   if (const Result<void> sent = note_cells(place); !sent) return tl::unexpected(sent.error());
   const SampleState& s = *place.sample;
   const auto part = s.parts == nullptr ? std::nullopt : s.parts->find(place.leaf);

@@ -62,7 +62,7 @@ std::uint32_t channel_type_bytes(std::uint8_t type) {
 
 }  // namespace
 
-bool Cut::find(const SampleState& s, const Layout* layout, const Layout::Field& data, const Part& part) {
+void Cut::clear() {
   is_whole_ = false;
   field_bytes_ = 0;
   begin_ = row_stride_ = column_stride_ = 0;
@@ -70,6 +70,15 @@ bool Cut::find(const SampleState& s, const Layout* layout, const Layout::Field& 
   element_bytes_ = 1;
   pattern_ = nullptr;
   run_count_ = channel_count_ = 0;
+}
+
+bool Cut::find_all(const SampleState& s, const Layout& layout, const Layout::Field& data) {
+  clear();
+  return place_rows(s, layout, data, {});
+}
+
+bool Cut::find(const SampleState& s, const Layout* layout, const Layout::Field& data, const Part& part) {
+  clear();
   const bool has_rows = layout != nullptr && layout->has_rows();
   return has_rows ? find_rows(s, *layout, data, part) : find_list(s, layout, data, part);
 }
@@ -119,6 +128,12 @@ bool Cut::find_beams(const SampleState& s, const Layout& layout, const Part& par
 }
 
 bool Cut::find_rows(const SampleState& s, const Layout& layout, const Layout::Field& data, const Part& part) {
+  if (layout[LayoutRole::scale] && !find_grid(s, layout, part)) return false;
+  return place_rows(s, layout, data, part);
+}
+
+bool Cut::place_rows(const SampleState& s, const Layout& layout, const Layout::Field& data,
+                     const Part& part) {
   element_bytes_ = static_cast<std::uint32_t>(size_of(data.member->kind));
   const Extent all = checked_sequence(s, offset_of(s, data.slot), element_bytes_);
   const auto rows = natural_at(s, layout[LayoutRole::rows], 1);
@@ -162,10 +177,10 @@ bool Cut::find_cells(const SampleState& s, const Layout& layout, std::uint64_t d
     const Pixels pixels = Pixels::of(text_of(s, text));
     const Pixels::Image image{size.rows, size.columns, size.row_bytes, data_bytes};
     size.cell_bytes = pixels.bytes_in(image);
-    is_whole_ = size.cell_bytes == 0 || !pixels.have(part.rows, part.columns, size.columns);
+    is_whole_ = is_whole_ || size.cell_bytes == 0 || !pixels.have(part.rows, part.columns, size.columns);
     pattern_ = pixels.pattern_at(part.rows.begin, part.columns.begin);
   }
-  return !layout[LayoutRole::scale] || find_grid(s, layout, part);
+  return true;
 }
 
 /// The cells become larger by the step, and the first one is where the corner of the part is.

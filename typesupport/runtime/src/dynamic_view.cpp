@@ -166,19 +166,30 @@ DynamicView DynamicView::member_at(const Member& m, const Place& place) const {
   view.node_ = is_single_struct ? Node::structure : m.shape == Shape::single ? Node::value : Node::collection;
   if (!view.present_) return view;
   if (place.slot != no_slot && !is_single_struct) {
-    // Whoever reads the elements of a part one by one gets a copy of the sample with the part.
-    if (state_->parts != nullptr && state_->parts->find(place.leaf)) {
-      view.state_ = &state_->parts->put_together();
-      if (view.state_->body == nullptr) state_->flag_malformed();
-    }
+    view.is_in_place_ = state_->parts != nullptr && state_->parts->find(place.leaf).has_value();
+    if (view.is_in_place_)
+      return view;  // at its slot, by which it is found in the sample that is put together
     view.place_.slot = no_slot;
-    view.place_.offset = __atomic_load_n(view.state_->index + place.slot, __ATOMIC_RELAXED);
+    view.place_.offset = __atomic_load_n(state_->index + place.slot, __ATOMIC_RELAXED);
   }
   return view.place_.slot == no_slot && view.place_.offset == no_offset ? view.malformed() : view;
 }
 
+/// The same part in a copy of the sample, of which the elements are read one by one.
+DynamicView DynamicView::put_together() const {
+  const SampleState& whole = state_->parts->put_together();
+  if (whole.body == nullptr) return malformed();
+  DynamicView view = *this;
+  view.state_ = &whole;
+  view.is_in_place_ = false;
+  view.place_.offset = __atomic_load_n(whole.index + place_.slot, __ATOMIC_RELAXED);
+  view.place_.slot = no_slot;
+  return view;
+}
+
 DynamicView DynamicView::element(std::size_t i) const {
   if (error_ != nullptr) return *this;
+  if (is_in_place_) return put_together().element(i);
   if (!is_collection()) return failed(Errc::type_mismatch, label() + " is neither array nor sequence");
   if (!present_) return element_at(0);
   const Extent all = extent();
@@ -224,6 +235,10 @@ bool DynamicView::has_only_size() const {
 }
 
 DynamicView::Elements::Elements(DynamicView of) : of_(std::move(of)) {
+  if (of_.is_in_place_) {
+    of_ = of_.put_together();
+    if (of_.error_ != nullptr) left_ = 1;  // which reports the error
+  }
   if (!of_ || !of_.is_collection()) return;
   const bool empty_ones = of_.has_only_size();
   if (empty_ones && of_.state_->log == nullptr) return;
@@ -234,6 +249,14 @@ DynamicView::Elements::Elements(DynamicView of) : of_(std::move(of)) {
 }
 
 // ---- values ----
+
+/// The bytes of a part in place, in one piece.
+Result<std::span<const std::byte>> DynamicView::part() const {
+  note();
+  const auto bytes = bytes_in_place(*state_, place_.leaf);
+  if (!bytes || bytes->data() == nullptr) return tl::unexpected(*malformed().error_);
+  return *bytes;
+}
 
 /// The first element of a collection, and the number of elements, checked against the bytes of the sample.
 Extent DynamicView::extent() const {
@@ -250,6 +273,7 @@ Extent DynamicView::extent() const {
 
 Result<std::size_t> DynamicView::size() const {
   if (!is_collection() || !*this) return tl::unexpected(not_readable("an array or a sequence"));
+  if (is_in_place_) return part().map([this](auto bytes) { return bytes.size() / size_of(kind()); });
   const Extent all = extent();
   if (!all) return tl::unexpected(*malformed().error_);
   return all.count;
@@ -276,6 +300,7 @@ std::optional<std::string> DynamicView::enumerator() const {
 Result<std::span<const std::byte>> DynamicView::primitives(std::size_t element_bytes, const char* wanted,
                                                            bool (*matches)(Kind)) const {
   if (!is_collection() || !*this || !matches(kind())) return tl::unexpected(not_readable(wanted));
+  if (is_in_place_) return part();
   const Extent all = extent();
   if (!all) return tl::unexpected(*malformed().error_);
   return std::span(state_->body + all.first, all.count * element_bytes);

@@ -21,12 +21,13 @@
 // image or the field for the size of a cell says. Its type is an arithmetic one or a std::array of these; of
 // fields of numbers of several bytes it is the type of the number. The result is an error if
 //   - a cell has another size, or the encoding has no such cells: type_mismatch
-//   - the sample was sent without a field that the layout needs: unavailable. If fields are recorded, the
-//     subscriber asks for it from then on.
+//   - the sample was sent without a field that says how many rows and columns there are, or how large a cell
+//     is: unavailable. If fields are recorded, the subscriber asks for it from then on. Whoever declares a
+//     mask declares these fields, too. Whoever declares a part need not.
 //   - the bytes are not what they claim to be: malformed
-// Values of big-endian images are swapped. A field that claims more cells than it holds is empty.
+// Values in big-endian fields of bytes are swapped. A field that claims more cells than it holds is empty.
 //
-// The points of clouds, whose cells have channels, are read with points() (points.h). In templates, as in a
+// The points of clouds are read with points() (points.h). In templates, as in a
 // callback that takes `const auto& sample`, C++ wants `sample->template data<Rgb>()`.
 #pragma once
 
@@ -83,6 +84,13 @@ void swap_bytes(std::array<E, N>& values) {
   for (E& value : values) swap_bytes(value);
 }
 
+/// One value of a cell: an integer of 1 to 8 bytes, float or double.
+template <class T>
+inline constexpr bool is_cell = std::is_arithmetic_v<T> && !std::is_const_v<T> && !std::is_volatile_v<T> &&
+                                !std::same_as<T, bool> && sizeof(T) <= 8;
+template <class E, std::size_t N>
+inline constexpr bool is_cell<std::array<E, N>> = N > 0 && is_cell<E>;
+
 /// Reads a cell of one value or several.
 template <class Cell>
 struct CellReader {
@@ -115,7 +123,7 @@ class Cells : public std::ranges::view_base {
   Cells(const detail::CellGrid& grid, const detail::CellReader<Cell>& reader)
       : grid_(grid), reader_(reader) {}
 
-  /// The number of rows: 1 if the field has none, and 0 if it contradicts itself or has nothing.
+  /// The number of rows: 1 if the field has none, and 0 if it contradicts itself.
   std::size_t rows() const { return grid_.rows; }
   /// The cells of a row.
   std::size_t columns() const { return grid_.columns; }
@@ -130,9 +138,11 @@ class Cells : public std::ranges::view_base {
     return reader_(grid_.at(row, column));
   }
   /// A row as a span, if its cells lie like those of an array of Cell. Nothing if they do not, as those of a
-  /// part with a step, of another byte order, or at addresses that are not aligned. REQUIRES: row < rows().
-  std::optional<std::span<const Cell>> row(std::size_t row) const {
+  /// part with a step, of another byte order, or at addresses that are not aligned. Points have no such rows.
+  /// REQUIRES: row < rows().
+  std::optional<std::span<const Cell>> row(std::size_t row) const requires detail::is_cell<Cell> {
     assert(row < rows());
+    if (empty()) return std::span<const Cell>();
     const std::byte* const first = grid_.at(row, 0);
     const bool is_aligned = reinterpret_cast<std::uintptr_t>(first) % alignof(Cell) == 0;
     if (grid_.is_swapped || grid_.column_step != sizeof(Cell) || !is_aligned) return std::nullopt;
@@ -242,14 +252,10 @@ class Cells<Cell>::iterator {
 
 namespace detail {
 
-template <class T>
-inline constexpr bool is_cell = std::is_arithmetic_v<T> && !std::same_as<T, bool>;
-template <class E, std::size_t N>
-inline constexpr bool is_cell<std::array<E, N>> = N > 0 && is_cell<E>;
-
 template <class Cell>
 Result<Cells<Cell>> cells_on(const Result<CellGrid>& grid) {
-  static_assert(is_cell<Cell>, "a cell is an arithmetic type, or a std::array of these");
+  static_assert(is_cell<Cell>,
+                "a cell is a number of at most 8 bytes and not bool, or a std::array of these");
   if (!grid) return tl::unexpected(grid.error());
   return Cells<Cell>(*grid, {.is_swapped = grid->is_swapped});
 }

@@ -173,6 +173,8 @@ class DynamicView {
   void pass(const StructType::Member& m, Place& place) const;
   std::uint64_t behind_element(std::uint64_t offset) const;
   std::size_t element_leaf() const;
+  DynamicView put_together() const;
+  Result<std::span<const std::byte>> part() const;
   detail::Extent extent() const;
   DynamicView failed(Errc code, std::string message) const;
   DynamicView malformed() const;
@@ -189,9 +191,10 @@ class DynamicView {
   const FieldMask* declared_ = nullptr;  ///< null: all that the sample has
   const StructType::Member* member_ = nullptr;
   const StructType* type_ = nullptr;
-  Place place_{};  ///< of a struct; else only leaf and offset mean something
+  Place place_{};  ///< of a struct or a part in place; else only leaf and offset mean something
   Node node_ = Node::value;
   bool present_ = true;
+  bool is_in_place_ = false;  ///< a part of a field, which is not in the body of the sample
   std::shared_ptr<const Error> error_;
 };
 

@@ -84,10 +84,6 @@ struct CellReader<std::tuple<Ts...>> {
   }
 };
 
-}  // namespace detail
-
-namespace detail {
-
 /// The channels that a program names, with their types.
 template <class... Ts, std::convertible_to<std::string_view>... Names>
 std::array<WantedChannel, sizeof...(Ts)> wanted_channels(const Names&... names) {

@@ -35,6 +35,9 @@ class Cut {
   bool find(const SampleState& s, const Layout* layout, const Layout::Field& data,
             const Selection::Part& part);
 
+  /// Finds all cells of a field with rows, and nothing of what depends on them.
+  bool find_all(const SampleState& s, const Layout& layout, const Layout::Field& data);
+
   /// The field stays as it is, with all that depends on it.
   bool is_whole() const { return is_whole_; }
 
@@ -71,9 +74,11 @@ class Cut {
     std::uint64_t rows, columns, cell_bytes, row_bytes;
   };
 
+  void clear();
   bool find_list(const SampleState& s, const Layout* layout, const Layout::Field& data, const Part& part);
   bool find_beams(const SampleState& s, const Layout& layout, const Part& part);
   bool find_rows(const SampleState& s, const Layout& layout, const Layout::Field& data, const Part& part);
+  bool place_rows(const SampleState& s, const Layout& layout, const Layout::Field& data, const Part& part);
   bool find_cells(const SampleState& s, const Layout& layout, std::uint64_t data_bytes, const Part& part,
                   Size& size);
   bool find_grid(const SampleState& s, const Layout& layout, const Part& part);
