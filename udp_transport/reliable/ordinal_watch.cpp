@@ -23,6 +23,9 @@ bool OrdinalWatch::has_come(std::uint64_t ordinal) const {
 std::optional<std::uint64_t> OrdinalWatch::passed_over(std::uint64_t ordinal, bool same_datagram, Time now) {
   if (has_come(ordinal) || (same_datagram && passed_over_ > 0)) return {};
   const bool ascends = passed_over_ > 0 && ordinal >= last_passed_over_;
+  const bool was_overtaken = passed_over_ > 0 && !ascends && ordinal >= first_passed_over_ &&
+                             last_passed_over_ - ordinal < passed_over_in_a_row;
+  if (was_overtaken) return {};
   if (!ascends) {
     first_passed_over_ = ordinal;
     passed_over_since_ = now;

@@ -21,7 +21,8 @@ class OrdinalWatch {
   static constexpr std::uint32_t passed_over_in_a_row = 64;
   /// So many datagrams suffice if the first and the last are so far apart, and nothing new has come between
   /// them: fewer may be repairs that come late. A silence before them does not count: after it the first to
-  /// come may be what was sent before it.
+  /// come may be what was sent before it. One that others of the row have overtaken neither counts nor ends
+  /// it.
   static constexpr std::uint32_t doubted_by = 8;
   static constexpr std::chrono::milliseconds doubted_after{250};
   /// A repetition of the same ordinal confirms it if it comes so much later: the writer sent it twice.

@@ -402,6 +402,29 @@ TEST(ResyncOfOrdinals, GoBackAfterManyInARowAndNotBefore) {
   EXPECT_FALSE(watch.passed_over(201, false, now));
 }
 
+TEST(ResyncOfOrdinals, GoBackAlsoWhereEachSecondDatagramIsOvertaken) {
+  OrdinalWatch watch;
+  OrdinalWatch::Time now{1h};
+  const OrdinalWatch::Time end = now + OrdinalWatch::doubted_after;
+  EXPECT_FALSE(watch.passed_over(11, false, now));
+  std::uint64_t ordinal = 12;
+  for (; now < end; now += 20ms, ordinal += 2) {
+    EXPECT_FALSE(watch.passed_over(ordinal + 1, false, now));
+    EXPECT_FALSE(watch.passed_over(ordinal, false, now));
+  }
+  EXPECT_EQ(watch.passed_over(ordinal, false, end), 11U);
+}
+
+TEST(ResyncOfOrdinals, GoBackAlsoWhereOneWrongOrdinalFarAheadWasPassedOverAmongThem) {
+  OrdinalWatch watch;
+  OrdinalWatch::Time now{1h};
+  EXPECT_FALSE(watch.passed_over(11, false, now));
+  EXPECT_FALSE(watch.passed_over(5000, false, now));
+  for (std::uint64_t ordinal = 12; ordinal < 12 + OrdinalWatch::doubted_by - 1; ++ordinal)
+    EXPECT_FALSE(watch.passed_over(ordinal, false, now));
+  EXPECT_EQ(watch.passed_over(30, false, now + OrdinalWatch::doubted_after), 12U);
+}
+
 TEST(ResyncOfOrdinals, RememberWhatCameOnlyAsFarAsTheyCan) {
   OrdinalWatch watch;
   watch.came(1);
