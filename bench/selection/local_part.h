@@ -19,11 +19,11 @@ class LocalPart {
   LocalPart(const LocalPart&) = delete;
   LocalPart& operator=(const LocalPart&) = delete;
 
-  /// What take() does, and what the end of the sample does.
+  /// Does what take() does, and what the end of the sample does.
   void take_and_release();
-  /// What a reader on another host would get, as a copy.
+  /// Returns a copy of what a reader on another host would get.
   core::SampleHandle copied() const { return copies_->of(sample_, *asked_->plan); }
-  /// One sample that stays taken.
+  /// The sample that stays taken.
   const detail::SampleState& state() const { return state_; }
 
  private:

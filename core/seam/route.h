@@ -26,7 +26,7 @@ struct Route {
   bool fallback = false;
   bool reliable = false;  ///< what gets lost on the way is sent again
 
-  /// Not every sample that the rate lets pass is for the reader.
+  /// True if the reader does not want every sample that its rate lets pass.
   bool has_conditions() const { return gate != nullptr && gate->id() != 0; }
   friend bool operator==(const Route&, const Route&) = default;
 };

@@ -133,7 +133,7 @@ class MovingWindow {
   /// A sample of best effort may be overtaken by one under another selection.
   std::uint64_t in_flight() const { return stage_.medium->traits().reliable ? 8 : 0; }
 
-  /// Not many samples are sent between two changes.
+  /// The writer sends few samples between two changes.
   void publish() {
     while (published_ >= still_since_ + 4 && done_ < changes) std::this_thread::yield();
     Span span{.first = done_};

@@ -46,7 +46,7 @@ T value_at(const sensor_msgs::msg::PointCloud2& cloud, std::size_t offset) {
   return value;
 }
 
-/// What a result that is an error says.
+/// The message of a result that is an error.
 std::string message_of(const auto& result) { return result ? "no error" : result.error().message; }
 
 /// A sample of message type T, of which the index is found as for a sample that came by UDP.

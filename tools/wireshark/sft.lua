@@ -19,11 +19,11 @@ local sft = Proto("sft", "Selective Field Transmission")
 local wire_version = 1
 local common_bytes = 16
 
--- What the control samples of the capture have told. `names` has what subscribers asked for, by the number that stands
--- for it in datagrams, and by their topic and that number. `topics` has the topics of publishers and subscribers by
--- their ids, and `writers` those of publishers by their short ids. `types` has the types of publishers and subscribers
--- by their ids, and `leaves` how many leaves the type of a publisher has, by its short id. Publishers with one short id
--- and different topics or types have `false`.
+-- The facts that the control samples of the capture have told. `names` has what subscribers asked for, by the number
+-- that stands for it in datagrams, and by their topic and that number. `topics` has the topics of publishers and
+-- subscribers by their ids, and `writers` those of publishers by their short ids. `types` has the types of publishers
+-- and subscribers by their ids, and `leaves` how many leaves the type of a publisher has, by its short id. Publishers
+-- with one short id and different topics or types have `false`.
 local known = { names = {}, types = {}, leaves = {}, topics = {}, writers = {} }
 
 function sft.init() known.names, known.types, known.leaves, known.topics, known.writers = {}, {}, {}, {}, {} end
@@ -253,8 +253,9 @@ local function is_hash_by_type(mask, writer)
   return nil
 end
 
--- What a mask is that is a hash without words and is in no request of the capture. Without a gate, only parts of fields
--- make a selection that has a hash. Retained samples come without conditions, but under the name of a whole request.
+-- Says what a mask is that is a hash without words, and that no request of the capture has. Without a gate, only parts
+-- of fields make a selection that has a hash. Retained samples come without conditions, but under the name of a whole
+-- request.
 local function hash_text(c, set, writer)
   if has_conditions(c, set) then return "hash of a selection with conditions" end
   if (known.leaves[writer] or 0) > 2048 then return "hash of a long mask, or of a selection" end
@@ -890,7 +891,8 @@ local function has_all(set, node)
   return true
 end
 
--- What was asked for, without conditions. `asked.parts` has the texts of the parts by their leaves.
+-- Returns the fields of a request as text, without conditions. `asked.parts` has the texts of the parts by their
+-- leaves.
 local function fields_text(asked, type)
   local whole, texts, covered = {}, {}, 0
   for leaf in pairs(asked.set) do whole[leaf] = asked.parts[leaf] == nil or nil end
@@ -1187,7 +1189,7 @@ local function read_wants(c, asked, type)
   end)
 end
 
--- What was asked for as text, with its conditions and its rate.
+-- Returns a request as text, with its conditions and its rate.
 local function asked_text(asked, type)
   local gate = asked.conditions .. (asked.conditions ~= "" and asked.rate ~= "" and " " or "") .. asked.rate
   return fields_text(asked, type) .. (gate ~= "" and " @ " .. gate or "")

@@ -64,7 +64,7 @@ std::map<core::EndpointId, Wish> ReaderHost::wishes_known() const {
   return known;
 }
 
-/// Where readers come and go, one often wants what another one wants: then they may be served by a group.
+/// A reader that joins often wants what another one wants: then a group may serve both.
 Wish ReaderHost::any_wish() {
   const bool as_another = scenario_.asking.churn != 0 && happens(random_, 0.5);
   if (as_another) return readers_[from_to(random_, 0, readers_.size() - 1)].asked;
@@ -85,7 +85,7 @@ void ReaderHost::change_a_wish(Time now) {
   announce(reader, now);
 }
 
-/// What the reader asks for is on the way to the writer from now on.
+/// The reader's request is on the way to the writer from now on.
 void ReaderHost::announce(Reader& reader, Time now) {
   const Time after = reader.under_way.empty() ? now : reader.under_way.back().first;
   const auto delay = std::chrono::microseconds(log_uniform(random_, 50'000));

@@ -69,7 +69,7 @@ void Scenario::beset(Random& random) {
   samples = 1300;  // enough for readers to whom conditions let every third one pass
 }
 
-/// Nothing but loss keeps a sample from coming, and what a reader waits for comes before it has asked for so
+/// A sample stays away only because of loss, and what a reader waits for comes before it has asked for so
 /// much else that its request is forgotten.
 void Scenario::churn() {
   weather.loss = std::min(weather.loss, 0.1);

@@ -22,7 +22,7 @@ struct Asking {
   std::size_t quiet = 0;  ///< nothing of that happens from the last so many samples on
 };
 
-/// What a run is about.
+/// The kinds of runs.
 enum class Plan : std::uint8_t {
   usual,
   beset,     ///< datagrams are forged, too, in the beginning

@@ -164,7 +164,7 @@ HEARTBEAT = submessage(0x07, 0x01, struct.pack(">II", 0, 0x302) + struct.pack("<
 
 
 def announcement(topic):
-    """What Cyclone tells of a writer, which is where Wireshark has the topic and its type from."""
+    """The announcement that Cyclone makes of a writer. Wireshark learns the topic and its type from it."""
     text = [struct.pack("<I", len(name) + 1) + name.encode() + b"\0"
             for name in (topic, ANNOUNCED.get(topic, "std::String"))]
     parameters = (parameter(0x05, text[0]) + parameter(0x07, text[1]) +
@@ -198,7 +198,7 @@ def hash_of(data):
 
 
 def name_of(mask, parts=b"", conditions=b""):
-    """What stands for a request in datagrams."""
+    """The number that stands for a request in datagrams."""
     if parts:
         mask = fnv(struct.pack("<QQ", mask, hash_of(parts)))
     return fnv(struct.pack("<QQ", mask, hash_of(conditions))) if conditions else mask

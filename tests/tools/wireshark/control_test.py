@@ -35,7 +35,7 @@ class ControlTest(unittest.TestCase):
         return rows
 
     def read_requests(self, wants, fields, before=(), leaves=(0, 1, 8), more=()):
-        """What is shown of a request for each of these wants."""
+        """Returns how the dissector shows a request with each of these wants."""
         samples = [request(READER, leaves, wants=bytes_of) for bytes_of in wants]
         rows = self.read([announcement("sft_reader"), *before, *(sample("sft_reader", one) for one in samples), *more],
                          ["sft_control.malformed", *fields])
@@ -294,10 +294,10 @@ class ControlTest(unittest.TestCase):
         self.assertEqual(version_in("tools/wireshark/sft.lua", r"control_version = (\d+)\n"), version)
         self.assertEqual(str(VERSION), version)
 
-    # What datagrams say, with and without requests in the capture.
+    # These tests are about datagrams, with and without requests in the capture.
 
     def read_mask(self, datagram, before=()):
-        """What the mask means, its leaves, the request, and the frame of that."""
+        """Returns the meaning of the mask, its leaves, the request, and the frame of the request."""
         fields = ["sft.mask.meaning", "sft.leaves", "sft.selection", "sft.asked_in"]
         row = self.read([announcement("sft_reader"), announcement("sft_writer"), *before, datagram],
                         [*fields, "sft.malformed"])[-1]

@@ -13,7 +13,7 @@ import captures
 SFT = sys.argv.pop()
 MESSAGE = "{ranges: [1, 2, 3, 4, 5, 6, 7, 8, 9, 10], range_max: 2.5}"
 SHAPE = "angle_min, angle_max, angle_increment, time_increment, "
-# What is asked for, and how that is shown: fields that say what a part is of are sent with it.
+# The texts that subscribers ask for, and how the dissector shows them: with the fields that describe a part.
 SELECTIONS = {
     "range_max": "range_max",
     "ranges[::4]": SHAPE + "ranges[::4]",

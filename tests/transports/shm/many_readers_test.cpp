@@ -17,7 +17,7 @@ using core::SendStatus;
 
 class ServedReaders : public ManyReaders {
  protected:
-  /// From none of the readers to nearly all are not served.
+  /// The number of readers that are not served goes from none to nearly all.
   static Services random_services(Random& random) {
     Services services(readers);
     const std::uint64_t share = random() % 16;
@@ -65,7 +65,7 @@ TEST_F(ServedReaders, ShareTheOneSampleThatWasSent) {
   EXPECT_EQ(shared, readers - 6);
 }
 
-/// As where one reader after the other is attached, or goes back to the network.
+/// One reader after the other is attached, or goes back to the network.
 TEST_F(ServedReaders, GetNoSampleOfTheTimeWhenTheyWereNotServed) {
   SCOPED_TRACE(how_to_repeat());
   Random random{test_seed()};

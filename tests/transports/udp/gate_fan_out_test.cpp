@@ -182,7 +182,7 @@ class GatedReader {
 
   std::uint64_t lost() const { return lost_; }
   std::uint64_t withheld() const { return withheld_; }
-  /// What has not come between the first and the last one that have.
+  /// Returns the samples that are missing between the first and the last one that have come.
   std::uint64_t kept_from_it() const { return owed_.back() - owed_.front() + 1 - received_; }
 
  private:

@@ -100,7 +100,7 @@ std::vector<Stamped<T>> read_messages(const std::filesystem::path& file) {
 
 class ConditionsCorpus : public ::testing::Test {
  protected:
-  /// Which samples pass the gate, the first one included; each has to be one that the references name.
+  /// Returns the samples that pass the gate, also the first one. The references have to name the same ones.
   template <class T>
   std::vector<std::size_t> passing(std::string_view text, const std::vector<Stamped<T>>& stream) {
     const TypeSupport& type = type_support<T>();
@@ -243,7 +243,7 @@ TEST_F(ConditionsCorpus, ARobotPassesWhenItHasMoved) {
 
 // ---- battery states of autopilots ----
 
-/// What an autopilot of PX4 wrote of its battery, or of both of its batteries, which `location` tells apart.
+/// The records of an autopilot of PX4 about one battery or two, which `location` tells apart.
 std::vector<Stamped<BatteryState>> read_px4(const std::filesystem::path& file) {
   constexpr std::size_t instance = 1, voltage = 2, current = 4, remaining = 8, temperature = 10,
                         capacity = 12;

@@ -24,7 +24,7 @@ using layout_msgs::msg::HeightMap;
 using layout_msgs::msg::Spectrum;
 using nav_msgs::msg::OccupancyGrid;
 
-/// Where the cells of a map are.
+/// The places of the cells of a map.
 struct Placement {
   double scale;
   std::array<double, 3> at;
@@ -198,7 +198,7 @@ class UserMapsOfMaps : public PartOfPartTest {
     return has_cells(of_one) && !both.is_whole();
   }
 
-  /// For maps that `make_map` makes of grids.
+  /// Checks the law for maps that `make_map` makes of grids.
   template <class T, class MakeMap>
   void expect_law(const std::vector<std::uint32_t>& leaves, const Rounding& rounding, MakeMap make_map) {
     int with_cells = 0;

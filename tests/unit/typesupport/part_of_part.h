@@ -40,7 +40,7 @@ class Taken {
   Taken(const T& message, const FieldMask& mask)
       : mask_(mask), bytes_(test::Encoded(detail::TypeTable<T>::type, &message, mask).bytes()) {}
 
-  /// What the selection takes of this. The test fails if that is refused.
+  /// Returns the part that the selection takes of this message. The test fails if it is refused.
   Taken part(const Selection& selection) const {
     const TypeSupport& type = type_support<T>();
     const detail::ProjectionPlan plan(type, type.closed(selection));
@@ -185,7 +185,7 @@ class PartOfPartTest : public test::RandomTest {
     const Selection asked = selection(values.mask(type.leaves()), second);
     const Selection before = selection(type.closed(asked).mask() | values.mask(type.leaves()), first);
     const std::vector<Part> parts = make_both(before, asked);
-    // What one of the selections needs beside its part, the others have, too.
+    // The fields that one of the selections needs beside its part are in the others, too.
     const FieldMask mask = type.closed(asked).mask() | type.closed(selection(asked.mask(), parts)).mask();
     return {selection(before.mask() | mask, first), selection(mask, second), selection(mask, parts)};
   }

@@ -192,12 +192,12 @@ TEST_F(CloudsOfClouds, ThatContradictThemselvesAreEmptyInOneStepAndInTwo) {
 
 // ---- scans ----
 
-/// What a number that was rounded to a float can be from what it was, as a part of it.
+/// The largest relative error of a number that was rounded to a float.
 constexpr double half_ulp = 0x1p-24;
 
 class ScansOfScans : public PartOfPartTest {
  protected:
-  /// Of one list or of both, and now and then with different ranges.
+  /// Returns a selection of one list or of both, now and then with different ranges.
   std::vector<Part> parts_of_lists(const Range& range, std::uint32_t beams) {
     const Part of_ranges{.leaf = lists[0], .columns = range};
     Part of_intensities{.leaf = lists[1], .columns = range};

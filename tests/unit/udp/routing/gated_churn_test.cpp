@@ -175,7 +175,7 @@ TEST_F(GatedChurnTest, ReadersShareAGroupOnlyIfTheyWantTheSameSamplesHoweverOfte
   EXPECT_GT(groups, 100U) << "there were some to look at";
 }
 
-/// What is told to members of former groups, and what is counted of former gates, goes in the end.
+/// The farewells of former groups and the counts of former gates are let go of in the end.
 TEST_F(GatedChurnTest, NoGroupAndNoGateIsKeptThatNobodyNeedsAnyMore) {
   SCOPED_TRACE(sft::test::how_to_repeat());
   for (std::uint32_t host = 0; host < 64; ++host) join(wishes[host / 4], host);

@@ -13,7 +13,7 @@
 // another host sent. (The getter without a type returns a span, for which it copies the bytes of a part
 // together if they do not lie so.)
 //
-// Where the time of a loop matters, go row by row: `pixels->row(i)` is a span wherever the cells lie
+// A loop that has to be fast goes row by row: `pixels->row(i)` is a span wherever the cells lie
 // together. A loop over all cells looks at each of them whether its row ends.
 //
 // How a field is made of rows and columns says its layout (typesupport/runtime/selection.md, "Parts"). A

@@ -164,7 +164,7 @@ class DynamicView {
   bool is_as_published(std::size_t leaf, std::size_t count) const {
     return state_->log == nullptr || state_->log->is_as_published(leaf, count);
   }
-  /// Of a member of a struct; nothing if it has none of that name, or is no struct.
+  /// The number of a member of a struct. Nothing if there is none of that name, or if this is no struct.
   std::optional<std::size_t> number_of(std::string_view member) const;
   DynamicView element(std::size_t i) const;
   DynamicView member_at(const StructType::Member& m, const Place& place) const;

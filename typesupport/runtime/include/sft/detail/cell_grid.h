@@ -1,4 +1,4 @@
-// Where the cells of a field lie in a sample, in rows and columns, and how they are found there. The bytes
+// The places of the cells of a field in a sample, in rows and columns, and the search for them. The bytes
 // may be hostile, and in shared memory they may change while they are read. So each number of the header is
 // read once, checked, and kept here.
 #pragma once
