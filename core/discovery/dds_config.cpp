@@ -163,7 +163,7 @@ class Composition {
   /// A peer is asked at every port that a node of it may have, each time: that has to be rare, and they few.
   std::string discovery() const {
     if (!asks_seldom())
-      return element("SPDPInterval", "10 s") +
+      return element("SPDPInterval", "16 s") +
              element("LeaseDuration", std::to_string(usual_lease.count()) + " s");
     return element("SPDPInterval", "120 s") +
            element("LeaseDuration", std::to_string(lease_if_asked_seldom.count()) + " s") +

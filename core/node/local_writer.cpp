@@ -9,6 +9,7 @@ namespace sft::core {
 
 namespace {
 constexpr std::chrono::milliseconds reach_again_after{1000};
+constexpr std::chrono::milliseconds paused_after{500};
 }  // namespace
 
 LocalWriter::LocalWriter(NodeContext& node, const Endpoint& endpoint, std::shared_ptr<PublisherCore> core)
@@ -18,9 +19,8 @@ LocalWriter::LocalWriter(NodeContext& node, const Endpoint& endpoint, std::share
       watch_(endpoint.qos, std::chrono::steady_clock::now()) {}
 
 void LocalWriter::reconcile() {
-  Serving wanted = node_.negotiation.serving(id_);
-  open_memory(wanted.memory_port);
-  wanted = reachable(std::move(wanted));
+  open_memory(node_.negotiation.serving(id_).memory_port);
+  const Serving wanted = reachable(node_.negotiation.serving(id_));
   if (in_force_ == wanted) return;
   const bool as_before = in_force_ && in_force_->serves_like(wanted);
   in_force_ = wanted;
@@ -39,6 +39,7 @@ void LocalWriter::open_memory(bool wanted) {
     if (!port) return tl::unexpected(port.error());
     memory_ = std::move(*port);
     in_force_.reset();
+    reach_all_again();
     return {};
   });
 }
@@ -46,11 +47,10 @@ void LocalWriter::open_memory(bool wanted) {
 /// A reader is served in shared memory only if it can be told of samples there. Returns what can be served.
 Serving LocalWriter::reachable(Serving wanted) {
   forget_unreached_but(wanted);
-  if (memory_ == nullptr) return wanted;
   bool changed = false;
   for (const Route& route : wanted.memory) {
     if (is_served_already(route)) continue;
-    const std::string why_not = memory_->why_unreachable(route);
+    const std::string why_not = memory_ == nullptr ? why_not_open() : memory_->why_unreachable(route);
     if (why_not.empty()) {
       reaching_.erase(route.reader);
     } else {
@@ -59,6 +59,11 @@ Serving LocalWriter::reachable(Serving wanted) {
     }
   }
   return changed ? node_.negotiation.serving(id_) : wanted;
+}
+
+/// A reader can be attached to a port that is not open here: the daemon made it, and answered too late.
+std::string LocalWriter::why_not_open() const {
+  return "the publisher's port in shared memory is not open: " + opening_memory_.reason();
 }
 
 /// Readers that are not attached any more may be reached when they are attached again.
@@ -80,6 +85,7 @@ bool LocalWriter::is_served_already(const Route& route) const {
 
 void LocalWriter::cannot_reach(const Route& route, const std::string& why_not) {
   if (!reaching_[route.reader].failed(why_not, std::chrono::steady_clock::now(), reach_again_after)) return;
+  if (memory_ == nullptr) return;  // whoever tried to open the port has told it
   const Endpoint* reader = node_.negotiation.table().known(route.reader);
   node_.log.write(LogLevel::warning, core_->spec().topic + ": the subscriber of node '" +
                                          (reader == nullptr ? "" : reader->node) +
@@ -87,6 +93,7 @@ void LocalWriter::cannot_reach(const Route& route, const std::string& why_not) {
 }
 
 bool LocalWriter::look_after_reach(Time now) {
+  if (memory_ == nullptr) return false;  // once the port is open
   bool changed = false;
   for (const auto& [reader, retry] : reaching_) {
     if (retry.due_again(now)) changed |= node_.negotiation.reach_changed(id_, reader, {});
@@ -108,11 +115,17 @@ bool LocalWriter::look_after_history() {
   return changed;
 }
 
-bool LocalWriter::drop_memory() {
-  opening_memory_ = {};
+/// Returns true if some reader was unreached.
+bool LocalWriter::reach_all_again() {
   bool changed = false;
   for (const auto& [reader, retry] : std::exchange(reaching_, {}))
     changed |= node_.negotiation.reach_changed(id_, reader, {});
+  return changed;
+}
+
+bool LocalWriter::drop_memory() {
+  opening_memory_ = {};
+  const bool changed = reach_all_again();
   if (memory_ == nullptr) return changed;
   memory_.reset();
   in_force_.reset();
@@ -128,11 +141,17 @@ bool LocalWriter::watch_promises(Time now) {
 }
 
 std::optional<Progress> LocalWriter::take_progress() {
-  if (!in_force_ || (in_force_->memory.empty() && in_force_->network.empty())) return std::nullopt;
+  if (!has_readers()) return std::nullopt;
   const std::uint64_t published = core_->signs().published;
   if (published == progress_told_) return std::nullopt;
   progress_told_ = published;
   return core_->progress();
+}
+
+bool LocalWriter::has_paused(Time now) {
+  const std::uint64_t published = core_->signs().published;
+  if (std::exchange(published_, published) != published) published_at_ = now;
+  return has_readers() && published != progress_told_ && now - published_at_ >= paused_after;
 }
 
 /// States are copied and compared only if something can have happened.

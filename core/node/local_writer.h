@@ -37,9 +37,9 @@ class LocalWriter {
   bool look_after_history();
   /// The memory of the port is gone, or another daemon's.
   bool drop_memory();
-  /// True if the port could not be opened and may be tried again.
   /// True if some reader is served in shared memory.
   bool uses_memory() const { return in_force_ && !in_force_->memory.empty(); }
+  /// True if the port could not be opened and may be tried again.
   bool may_try_again(Time now) const { return node_.attempts.may_retry_in_memory(opening_memory_, now); }
 
   /// Looks at what the publisher has promised. True if its readers have to be told now that it lives.
@@ -48,6 +48,9 @@ class LocalWriter {
   std::optional<std::chrono::nanoseconds> pace() const { return watch_.pace(); }
   /// How far the writer is; nothing if it has no readers, or has sent nothing since this was last asked.
   std::optional<Progress> take_progress();
+  /// True if the writer has paused since it sent something of which no progress was taken. While samples
+  /// follow one another, each tells readers of those before it; after the last one only the progress does.
+  bool has_paused(Time now);
 
   /// Tells the user what has happened.
   void tell_events();
@@ -59,8 +62,13 @@ class LocalWriter {
  private:
   void open_memory(bool wanted);
   Serving reachable(Serving wanted);
+  std::string why_not_open() const;
+  bool reach_all_again();
   void forget_unreached_but(const Serving& wanted);
   bool is_served_already(const Route& route) const;
+  bool has_readers() const {
+    return in_force_ && (!in_force_->memory.empty() || !in_force_->network.empty());
+  }
   void cannot_reach(const Route& route, const std::string& why_not);
 
   NodeContext& node_;
@@ -72,6 +80,8 @@ class LocalWriter {
   OfferWatch watch_;
   std::set<EndpointId> history_sent_;     ///< late readers that had been sent everything at the last tick
   std::uint64_t progress_told_ = 0;       ///< samples published when others were told of the progress last
+  std::uint64_t published_ = 0;           ///< at the last look of has_paused()
+  Time published_at_{};                   ///< when that number was seen first
   PublisherStatus told_;                  ///< the state up to which events were told
   bool has_news_ = false;                 ///< the state may differ from told_
   std::map<EndpointId, Retry> reaching_;  ///< readers in memory that could not be told of samples

@@ -19,7 +19,9 @@ Assertion OwnLife::next_sign(std::vector<EndpointId> living, LocalEndpoints& our
   if (now < told_more_at_ + told_more_pause) return sign;
   sign.progress = take_progress(ours);
   accounts.fill_in(sign, now);
-  if (!sign.progress.empty() || !sign.asked_about.empty() || !sign.accounts.empty()) told_more_at_ = now;
+  const bool tells_accounts = !sign.asked_about.empty() || !sign.accounts.empty();
+  if (tells_accounts) accounts_told_at_ = now;
+  if (tells_accounts || !sign.progress.empty()) told_more_at_ = now;
   return sign;
 }
 

@@ -18,11 +18,10 @@ class OwnLife {
  public:
   OwnLife(NodeId id, const LifeSigns& signs) : id_(id), signs_(signs) {}
 
-  /// True if the last sign of life is a pause ago. In calm the pause is longer, unless signs tell of more
-  /// than life.
+  /// True if the last sign of life is a pause ago. In calm the pause is longer, unless signs tell of accounts.
   bool is_sign_due(bool is_calm, Time now) const {
     if (has_newcomer_ && now - newcomers_told_at_ >= newcomers_pause) return true;
-    const bool is_long = is_calm && now - told_more_at_ >= tells_more_for;
+    const bool is_long = is_calm && now - accounts_told_at_ >= tells_accounts_for;
     return now - told_at_ >= (is_long ? signs_.pause_in_calm : signs_.pause);
   }
   /// The time until the next sign in calm. It is not a tick later: a node that says nothing for a little
@@ -38,7 +37,7 @@ class OwnLife {
   Assertion next_sign(std::vector<EndpointId> living, LocalEndpoints& ours, AccountDesk& accounts, Time now);
 
  private:
-  static constexpr std::chrono::seconds tells_more_for{3};
+  static constexpr std::chrono::seconds tells_accounts_for{3};
   static constexpr std::chrono::milliseconds newcomers_pause{500};
 
   std::vector<Progress> take_progress(LocalEndpoints& ours);
@@ -49,6 +48,7 @@ class OwnLife {
   bool has_newcomer_ = false;  ///< no sign was given since it came
   Time newcomers_told_at_{};
   Time told_more_at_{};  ///< when something else than life was told last
+  Time accounts_told_at_{};
   Turns<EndpointId> progress_turns_;
 };
 

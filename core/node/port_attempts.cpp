@@ -18,7 +18,11 @@ bool PortAttempts::over_network(Retry& retry, const Open& open) {
 
 bool PortAttempts::in_memory(Retry& retry, const Open& open) {
   const Time now = std::chrono::steady_clock::now();
-  if (!retry.due(now) || !asking_daemon_.due(now)) return false;
+  if (!retry.due(now)) return false;
+  if (!asking_daemon_.due(now)) {
+    retry.hold_with(asking_daemon_);  // else nobody would try this one again
+    return false;
+  }
   const Result<void> opened = open();
   const bool answered = opened || opened.error().code != Errc::unavailable;
   const bool is_news = is_new_failure(retry, opened);

@@ -203,10 +203,12 @@ bool Reconciler::look_after_connections() {
 
 void Reconciler::watch_promises(Time now) {
   std::vector<EndpointId> living;
+  bool has_paused = false;
   for (auto& [id, writer] : ours_.writers) {
     if (writer.watch_promises(now)) living.push_back(id);
+    has_paused |= writer.has_paused(now);
   }
-  const bool is_calm = discovery_.is_calm(now) && !accounts_.has_to_tell(now);
+  const bool is_calm = discovery_.is_calm(now) && !accounts_.has_to_tell(now) && !has_paused;
   if (!living.empty() || life_.is_sign_due(is_calm, now)) tell_of_life(std::move(living), now);
   for (auto& [id, reader] : ours_.readers) reader.watch_promises(now);
 }

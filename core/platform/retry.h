@@ -38,6 +38,11 @@ class Retry {
     next_ = until;
     pause_ = std::max(pause_, std::chrono::milliseconds(1));
   }
+  /// Pauses it for as long as the other one pauses, and for the same reason.
+  void hold_with(const Retry& other) {
+    hold(other.next_);
+    why_ = other.why_;
+  }
 
  private:
   Time next_{};

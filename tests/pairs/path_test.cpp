@@ -136,6 +136,23 @@ TEST_F(Paths, ThatOneSideWantsAndTheOtherRulesOutAreNone) {
   EXPECT_TRUE(reader.status()["taken"].empty());
 }
 
+TEST_F(Paths, LeadThroughSharedMemoryOnceADaemonThatDidNotAnswerAnswersAgain) {
+  const Daemon daemon(here());
+  Peer publisher(here(), "publisher");
+  Peer reader(here(), "reader");
+  for (Peer* each : {&publisher, &reader})
+    ASSERT_TRUE(comes_true([&] { return each->status()["node"]["shm_ready"].get<bool>(); }));
+  daemon.signal(SIGSTOP);
+  publisher.advertise({{"transport", "shm"}});
+  reader.subscribe("data", {{"transport", "shm"}});
+  ASSERT_TRUE(is_refused_for(publisher, reader, "shared memory is being attached"));
+  daemon.signal(SIGCONT);
+  ASSERT_TRUE(goes_by(publisher, reader, "shm"));
+  publisher.publish(10);
+  EXPECT_TRUE(accounts_for_all(publisher, reader));
+  EXPECT_EQ(writer_of(publisher, reader)["lost"], 0);
+}
+
 TEST_F(Paths, AReaderThatIsKilledInSharedMemoryIsServedNoMoreAndCostsOthersNothing) {
   const Daemon daemon(here());
   Peer publisher(here(), "publisher");

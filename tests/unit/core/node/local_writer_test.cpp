@@ -64,6 +64,45 @@ TEST_F(LocalWriterTest, APortThatCannotBeOpenedIsNotTriedAgainAtOnceButAfterAPau
   EXPECT_TRUE(writer->may_try_again(soon()));
 }
 
+// The daemon has made the port, so that the reader was attached to it, and answered too late.
+TEST_F(LocalWriterTest, AReaderThatIsAttachedIsNotServedInMemoryBeforeThePortIsOpen) {
+  memory.is_full = true;
+  open_in_memory();
+  reader_attaches(200);
+  ASSERT_EQ(core->status().readers.size(), 1U);
+  EXPECT_FALSE(core->status().readers[0].served);
+  EXPECT_EQ(core->status().readers[0].reason,
+            "UDP is ruled out, and the publisher's port in shared memory is not open: no port is left");
+  EXPECT_FALSE(writer->look_after_reach(soon())) << "it is in vain before the port is open";
+  memory.is_full = false;
+  attempts.forget_daemon();
+  writer->drop_memory();  // as it happens when a daemon is there again
+  writer->reconcile();
+  EXPECT_TRUE(core->status().readers[0].served);
+  EXPECT_THAT(served_in_memory(), ElementsAre(200));
+}
+
+TEST_F(LocalWriterTest, AReaderThatAlsoListensIsServedByUdpUntilThePortIsOpen) {
+  memory.is_full = true;
+  Endpoint endpoint = over_network(Role::writer, 7);
+  endpoint.may_use_memory = true;
+  endpoint.host = memory.host_token();
+  open(endpoint);
+  Endpoint reader = endpoint;
+  reader.id = 200;
+  reader.role = Role::reader;
+  reader.request.attached = {7};
+  reader.request.listening = {7};
+  negotiation.endpoint_seen(reader);
+  writer->reconcile();
+  EXPECT_EQ(core->status().readers.at(0).transport, TransportKind::udp);
+  memory.is_full = false;
+  attempts.forget_daemon();
+  writer->drop_memory();
+  writer->reconcile();
+  EXPECT_EQ(core->status().readers.at(0).transport, TransportKind::shm);
+}
+
 TEST_F(LocalWriterTest, AfterItsPortWasDroppedItIsServedAnewWithTheSameReaders) {
   open_in_memory();
   reader_attaches(200);

@@ -69,6 +69,14 @@ TEST_F(PortAttemptsTest, ADaemonThatDoesNotAnswerIsAskedNothingForAWhile) {
   EXPECT_TRUE(attempts.may_retry_in_memory(one, later()));
 }
 
+TEST_F(PortAttemptsTest, WhatWasNotAskedMeanwhileMayBeTriedAgainAfterwards) {
+  attempts.in_memory(one, failing(Errc::unavailable, "no answer"));
+  attempts.in_memory(other, working());
+  EXPECT_EQ(other.reason(), "no answer");
+  EXPECT_FALSE(attempts.may_retry_in_memory(other, std::chrono::steady_clock::now()));
+  EXPECT_TRUE(attempts.may_retry_in_memory(other, later()));
+}
+
 TEST_F(PortAttemptsTest, AnotherDaemonIsAskedAtOnce) {
   attempts.in_memory(one, failing(Errc::unavailable, "no answer"));
   attempts.forget_daemon();
