@@ -18,7 +18,8 @@ class OwnLife {
  public:
   OwnLife(NodeId id, const LifeSigns& signs) : id_(id), signs_(signs) {}
 
-  /// True if the last sign of life is a pause ago. In calm the pause is longer, unless signs tell of accounts.
+  /// True if the last sign of life is a pause ago. In calm the pause is longer, unless signs tell of
+  /// accounts.
   bool is_sign_due(bool is_calm, Time now) const {
     if (has_newcomer_ && now - newcomers_told_at_ >= newcomers_pause) return true;
     const bool is_long = is_calm && now - accounts_told_at_ >= tells_accounts_for;
