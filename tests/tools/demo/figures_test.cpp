@@ -277,6 +277,9 @@ TEST(Text, NamesFieldsTheShorterWayAndARateBehindThem) {
   s.other_fields = {"data"};
   s.max_rate_hz = 0.5;
   EXPECT_EQ(format_request(s), "all but data, 0.5 Hz");
+  s.fields = {"header", "data{x,y,z}[::2]"};
+  s.other_fields = {"is_dense"};
+  EXPECT_EQ(format_request(s), "header, data{x,y,z}[::2], 0.5 Hz") << "a part is not the whole field";
 }
 
 TEST(Text, BreaksAtSpacesSoThatNoLineIsTooLong) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -33,8 +34,13 @@ nlohmann::ordered_json to_json(const SubscriberFigures& s) {
   };
 }
 
+bool is_part(const std::string& field) { return field.find_first_of("{[") != std::string::npos; }
+
+/// Parts are named, since neither "all" nor "all but" tells of them.
 std::string format_fields(const SubscriberFigures& subscriber) {
   if (subscriber.fields.empty()) return "none";
+  if (std::ranges::any_of(subscriber.fields, is_part))
+    return fmt::format("{}", fmt::join(subscriber.fields, ", "));
   if (subscriber.other_fields.empty()) return "all";
   if (subscriber.fields.size() <= subscriber.other_fields.size())
     return fmt::format("{}", fmt::join(subscriber.fields, ", "));
