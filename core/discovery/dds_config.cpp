@@ -160,7 +160,9 @@ class Composition {
 
   bool asks_seldom() const { return finds_by_peers_only() || has_peers(); }
 
-  /// A peer is asked at every port that a node of it may have, each time: that has to be rare, and they few.
+  /// A newcomer is answered at once, and greetings repeat what may have got lost (greetings.h): Cyclone's own
+  /// announcements, which are much of what idle nodes send, may be rare. A peer is asked at every port that a
+  /// node of it may have, each time: that has to be rarer still, and they few.
   std::string discovery() const {
     if (!asks_seldom())
       return element("SPDPInterval", "16 s") +

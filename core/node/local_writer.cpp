@@ -19,8 +19,9 @@ LocalWriter::LocalWriter(NodeContext& node, const Endpoint& endpoint, std::share
       watch_(endpoint.qos, std::chrono::steady_clock::now()) {}
 
 void LocalWriter::reconcile() {
-  open_memory(node_.negotiation.serving(id_).memory_port);
-  const Serving wanted = reachable(node_.negotiation.serving(id_));
+  Serving wanted = node_.negotiation.serving(id_);
+  if (opens_memory(wanted.memory_port)) wanted = node_.negotiation.serving(id_);
+  wanted = reachable(std::move(wanted));
   if (in_force_ == wanted) return;
   const bool as_before = in_force_ && in_force_->serves_like(wanted);
   in_force_ = wanted;
@@ -28,20 +29,21 @@ void LocalWriter::reconcile() {
   as_before ? core_->show(wanted.readers) : core_->serve(wanted, memory_);
 }
 
-void LocalWriter::open_memory(bool wanted) {
+/// Returns true if the port has been opened, and readers that were unreached without it are no more.
+bool LocalWriter::opens_memory(bool wanted) {
   if (!wanted || memory_ != nullptr) {
     opening_memory_ = {};
-    return;
+    return false;
   }
-  node_.attempts.in_memory(opening_memory_, [this]() -> Result<void> {
+  const bool opened = node_.attempts.in_memory(opening_memory_, [this]() -> Result<void> {
     auto port =
         node_.memory->open_writer({id_, &core_->type(), core_->retains(), core_->spec().max_blocking});
     if (!port) return tl::unexpected(port.error());
     memory_ = std::move(*port);
     in_force_.reset();
-    reach_all_again();
     return {};
   });
+  return opened && reach_all_again();
 }
 
 /// A reader is served in shared memory only if it can be told of samples there. Returns what can be served.
