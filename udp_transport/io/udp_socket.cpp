@@ -20,8 +20,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using core::IpAddress;
 
-// The kernel frees the sockets of a killed process, or of a closed ring, a little later.
-constexpr std::chrono::milliseconds bind_patience{200};
+// The kernel frees the sockets of a killed process, or of a closed ring, a little later: on a busy machine
+// that took more than 200 ms.
+constexpr std::chrono::milliseconds bind_patience{1000};
 constexpr std::chrono::milliseconds bind_interval{10};
 
 std::string message_of(int error) { return std::system_category().message(error); }
