@@ -20,7 +20,7 @@ LocalWriter::LocalWriter(NodeContext& node, const Endpoint& endpoint, std::share
 
 void LocalWriter::reconcile() {
   Serving wanted = node_.negotiation.serving(id_);
-  if (opens_memory(wanted.memory_port)) wanted = node_.negotiation.serving(id_);
+  if (open_memory(wanted.memory_port)) wanted = node_.negotiation.serving(id_);
   wanted = reachable(std::move(wanted));
   if (in_force_ == wanted) return;
   const bool as_before = in_force_ && in_force_->serves_like(wanted);
@@ -29,8 +29,8 @@ void LocalWriter::reconcile() {
   as_before ? core_->show(wanted.readers) : core_->serve(wanted, memory_);
 }
 
-/// Returns true if the port has been opened, and readers that were unreached without it are no more.
-bool LocalWriter::opens_memory(bool wanted) {
+/// Returns true if the desired state has changed: readers that were unreached without the port are no more.
+bool LocalWriter::open_memory(bool wanted) {
   if (!wanted || memory_ != nullptr) {
     opening_memory_ = {};
     return false;

@@ -60,7 +60,7 @@ class LocalWriter {
   Account::OfWriter account_of(EndpointId reader) const;
 
  private:
-  bool opens_memory(bool wanted);
+  bool open_memory(bool wanted);
   Serving reachable(Serving wanted);
   std::string why_not_open() const;
   bool reach_all_again();
