@@ -83,6 +83,20 @@ constexpr std::string_view own_domain_number = "Discovery/ExternalDomainId";
 // ports of the other links, which would otherwise take the first ones, of which there are few.
 constexpr int loopback_port_offset = 120;
 
+// Ports of multicasts on the loopback. Linux gives a multicast datagram to each socket that is bound to its
+// port, whatever the interface (IP_MULTICAST_ALL, ip(7)). With the ports of the other links, each sign of
+// life would wake the threads of all links of each process. DDS itself leaves these two ports unused.
+constexpr int loopback_multicast_offset = 2;
+
+std::string loopback_ports(bool finds_by_unicast) {
+  const auto offsets = [](const std::string& cast, int first) {
+    return element(cast + "MetaOffset", std::to_string(first)) +
+           element(cast + "DataOffset", std::to_string(first + 1));
+  };
+  return offsets("Multicast", loopback_multicast_offset) +
+         (finds_by_unicast ? offsets("Unicast", loopback_port_offset) : "");
+}
+
 constexpr Demand predictable_port{
     "Discovery", "ParticipantIndex", [](const std::string& v) { return equals(v, "none"); }, "auto",
     "without multicast, nodes are looked for at the ports that DDS derives from the index"};
@@ -290,10 +304,7 @@ std::string DdsConfig::text_for(const LinkSpec& link) const {
     for (const std::string& peer : peers) asked += "<Peer Address=\"" + peer + "\"/>";
   }
   if (!asked.empty()) discovery += element("Peers", asked);
-  if (link.loopback && (!found_by_multicast || rules().peers)) {
-    discovery += element("Ports", element("UnicastMetaOffset", std::to_string(loopback_port_offset)) +
-                                      element("UnicastDataOffset", std::to_string(loopback_port_offset + 1)));
-  }
+  if (link.loopback) discovery += element("Ports", loopback_ports(!found_by_multicast || rules().peers));
   return text + "," + document(element("General", general) + element("Discovery", discovery));
 }
 

@@ -7,6 +7,7 @@ namespace sft::core {
 namespace {
 constexpr std::chrono::milliseconds pause_first{50};
 constexpr std::chrono::milliseconds pause_max{3200};  // the pause doubles up to this
+constexpr std::chrono::milliseconds pause_long{1000};
 constexpr std::chrono::seconds pause_while_missing{1};
 constexpr std::chrono::milliseconds after_newcomer{100};
 constexpr std::chrono::seconds pause_between_newcomers{1};
@@ -33,5 +34,7 @@ bool Greetings::due(Time now, bool somebody_is_missing) {
       now + (somebody_is_missing ? std::min<std::chrono::milliseconds>(pause_, pause_while_missing) : pause_);
   return true;
 }
+
+bool Greetings::are_frequent() const { return pause_ < pause_long; }
 
 }  // namespace sft::core

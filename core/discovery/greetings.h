@@ -20,6 +20,8 @@ class Greetings {
   void newcomer(Time now);
   /// True if a greeting is due now, which then counts as sent. Asked often.
   bool due(Time now, bool somebody_is_missing);
+  /// True while greetings have begun lately.
+  bool are_frequent() const;
 
  private:
   Time next_{};

@@ -53,8 +53,8 @@ class SharedDiscovery final : public Discovery {
   void withdraw(EndpointId id) override { joint_->withdraw(id); }
   Result<void> send(const Request& request) override { return joint_->send(request); }
   void assert_liveliness(const Assertion& assertion) override { joint_->assert_liveliness(seat_, assertion); }
-  void look_after(Time now, bool somebody_is_missing) override {
-    joint_->look_after(seat_, now, somebody_is_missing);
+  bool look_after(Time now, bool somebody_is_missing) override {
+    return joint_->look_after(seat_, now, somebody_is_missing);
   }
 
  private:
@@ -224,8 +224,9 @@ void JointDiscovery::write(Assertion assertion) {
   links_.each([&](DiscoveryLink& link) { link.write(assertion); });
 }
 
-void JointDiscovery::look_after(Seat& seat, Time now, bool somebody_is_missing) {
+bool JointDiscovery::look_after(Seat& seat, Time now, bool somebody_is_missing) {
   std::vector<Report> reports;
+  bool looks_often = false;
   {
     const Lock lock(mutex_);
     seat.misses_somebody = somebody_is_missing;
@@ -234,10 +235,12 @@ void JointDiscovery::look_after(Seat& seat, Time now, bool somebody_is_missing) 
       look_after_links(now);
     }
     reports = std::exchange(seat.reports, {});
+    looks_often = greetings_.are_frequent();
   }
   ear_.pass_on();
   for (const Report& report : reports)
     seat.member->tell([&](DiscoveryListener& listener) { (listener.*report.tell)(report.text); });
+  return looks_often;
 }
 
 void JointDiscovery::look_after_links(Time now) {
@@ -268,10 +271,17 @@ void JointDiscovery::report(const Report& report) {
   for (Seat& seat : seats_) seat.reports.push_back(report);
 }
 
-/// The program's own configuration of the domain holds, and its choice of interfaces.
+/// The program's own configuration of the domain holds, and its choice of interfaces. Nodes of other
+/// processes of this host are met on the loopback all the same.
 Result<void> JointDiscovery::join_the_program(std::uint32_t domain) {
   watches_ = false;
   if (Result<void> joined = links_.join(domain); !joined) return joined;
+  std::vector<LinkSpec> links = links_.specs();
+  std::ranges::copy_if(
+      desired_links(interfaces_of_interest().value_or(std::vector<HostInterface>()), config_.rules(), {})
+          .links,
+      std::back_inserter(links), &LinkSpec::loopback);
+  (void)links_.use(links, std::chrono::steady_clock::now());
   const Lock lock(configuration_mutex_);
   configuration_.summary = "as the program itself configured DDS domain " + std::to_string(domain);
   configuration_.warnings = {

@@ -63,7 +63,7 @@ class JointDiscovery {
   void withdraw(EndpointId id);
   Result<void> send(const Request& request);
   void assert_liveliness(Seat& seat, const Assertion& assertion);
-  void look_after(Seat& seat, Time now, bool somebody_is_missing);
+  bool look_after(Seat& seat, Time now, bool somebody_is_missing);
 
  private:
   Result<void> join_the_program(std::uint32_t domain) SFT_REQUIRES(mutex_);

@@ -8,7 +8,8 @@
 
 namespace sft::core {
 
-/// Takes all that a reader has, in batches, and calls `use(sample, info)`.
+/// Takes all that a reader has, in batches, and calls `use(sample, info)`. Cyclone reports once more what
+/// comes after the last batch.
 template <class Sample, class Use>
 void take_all(dds_entity_t reader, Use use) {
   constexpr std::size_t batch = 16;
@@ -21,6 +22,7 @@ void take_all(dds_entity_t reader, Use use) {
       use(*static_cast<const Sample*>(samples[i]), infos[i]);
     }
     dds_return_loan(reader, samples.data(), n);
+    if (static_cast<std::size_t>(n) < batch) return;
     samples[0] = nullptr;
   }
 }

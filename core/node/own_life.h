@@ -22,13 +22,12 @@ class OwnLife {
   /// accounts.
   bool is_sign_due(bool is_calm, Time now) const {
     if (has_newcomer_ && now - newcomers_told_at_ >= newcomers_pause) return true;
-    const bool is_long = is_calm && now - accounts_told_at_ >= tells_accounts_for;
-    return now - told_at_ >= (is_long ? signs_.pause_in_calm : signs_.pause);
+    return now - told_at_ >= pause(is_calm, now);
   }
-  /// The time until the next sign in calm. It is not a tick later: a node that says nothing for a little
-  /// longer counts as silent.
-  std::chrono::milliseconds until_next_in_calm(Time now) const {
-    return std::chrono::ceil<std::chrono::milliseconds>(told_at_ + signs_.pause_in_calm - now);
+  /// The time until the next sign. It is not a tick later: a node that says nothing for a little longer than
+  /// the pause in calm counts as silent.
+  std::chrono::milliseconds until_next(bool is_calm, Time now) const {
+    return std::chrono::ceil<std::chrono::milliseconds>(told_at_ + pause(is_calm, now) - now);
   }
   /// A sign of life is due at once, or soon if another newcomer has just been given one: where many nodes
   /// start, one sign serves several. Without it a newcomer would not notice the end of this node.
@@ -41,6 +40,10 @@ class OwnLife {
   static constexpr std::chrono::seconds tells_accounts_for{3};
   static constexpr std::chrono::milliseconds newcomers_pause{500};
 
+  std::chrono::milliseconds pause(bool is_calm, Time now) const {
+    const bool is_long = is_calm && now - accounts_told_at_ >= tells_accounts_for;
+    return is_long ? signs_.pause_in_calm : signs_.pause;
+  }
   std::vector<Progress> take_progress(LocalEndpoints& ours);
 
   const NodeId id_;

@@ -137,8 +137,8 @@ std::chrono::milliseconds Reconciler::tick(Time now) {
   settle();
   hurried_ticks_ = look_after_connections() ? hurried_ticks_ + 1 : 0;
   watch_promises(now);
-  discovery_.look_after(now, negotiation_.table().misses_somebody());
-  if (!departing_.empty() || !discovery_.is_calm(now) || has_to_be_watched(negotiation_, ours_))
+  const bool discovery_is_busy = discovery_.look_after(now, negotiation_.table().misses_somebody());
+  if (discovery_is_busy || !departing_.empty() || has_to_be_watched(negotiation_, ours_))
     tick_pace_.stirred(now);
   reconcile();
   log_.tick(now);
@@ -221,7 +221,8 @@ void Reconciler::tell_of_life(std::vector<EndpointId> living, Time now) {
 
 /// The time until the next tick: not longer than a deadline, a lease or the network can wait.
 std::chrono::milliseconds Reconciler::pace(Time now) const {
-  std::chrono::nanoseconds pace = std::min(tick_pace_.next(now), life_.until_next_in_calm(now));
+  const bool is_calm = discovery_.is_calm(now);
+  std::chrono::nanoseconds pace = std::min(tick_pace_.next(is_calm, now), life_.until_next(is_calm, now));
   if (const Time next = transports_.next_look_at_network(); next - now < pace)
     pace = std::chrono::ceil<std::chrono::milliseconds>(next - now);
   for (const auto& [id, writer] : ours_.writers) pace = std::min(pace, writer.pace().value_or(pace));

@@ -38,6 +38,10 @@ Qos passing() {
   return qos;
 }
 
+/// Multicasts of the loopback have ports of their own.
+constexpr const char* loopback_ports =
+    "<Ports><MulticastMetaOffset>2</MulticastMetaOffset><MulticastDataOffset>3</MulticastDataOffset></Ports>";
+
 dds_entity_t sound(dds_entity_t entity) {
   if (entity < 0) throw std::runtime_error(std::string("Cyclone DDS: ") + dds_strretcode(entity));
   return entity;
@@ -63,7 +67,8 @@ class ControlVoice::Link {
     const std::string config =
         "<CycloneDDS><Domain id=\"any\"><General><Interfaces><NetworkInterface name=\"" + interface +
         "\" multicast=\"true\"/></Interfaces></General><Discovery>"
-        "<ExternalDomainId>0</ExternalDomainId></Discovery></Domain></CycloneDDS>";
+        "<ExternalDomainId>0</ExternalDomainId>" +
+        (interface == "lo" ? loopback_ports : "") + "</Discovery></Domain></CycloneDDS>";
     domain_ = sound(dds_create_domain(domain, config.c_str()));
     const dds_entity_t participant = sound(dds_create_participant(domain, nullptr, nullptr));
     const Qos control = lasting();

@@ -1,6 +1,7 @@
 // What one node hears of the control topics, without the rest of the node.
 #pragma once
 
+#include <dds/dds.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/discovery/dds_config.h"
+#include "core/discovery/desired_links.h"
 #include "core/discovery/discovery.h"
 #include "core/discovery/domain_id.h"
 #include "core/sync/mutex.h"
@@ -21,6 +24,31 @@ namespace sft::test {
 
 /// The DDS domain of the host that the test runs on.
 inline std::uint32_t control_domain() { return core::domain_id({}, std::getenv("ROS_DOMAIN_ID")).value(); }
+
+/// A participant of plain Cyclone DDS that hears and reaches the nodes of this host.
+class LoopbackParticipant {
+ public:
+  LoopbackParticipant() {
+    const core::LinkSpec loopback{.interface = "lo",
+                                  .ip = core::loopback_ipv4,
+                                  .prefix_bits = 8,
+                                  .loopback = true,
+                                  .reaches_own_host = true};
+    const std::string config = core::dds_config(control_domain(), {}, "").value().text_for(loopback);
+    domain_ = dds_create_domain(number, config.c_str());
+    participant_ = dds_create_participant(number, nullptr, nullptr);
+  }
+  ~LoopbackParticipant() { dds_delete(domain_); }
+  LoopbackParticipant(const LoopbackParticipant&) = delete;
+  LoopbackParticipant& operator=(const LoopbackParticipant&) = delete;
+
+  dds_entity_t entity() const { return participant_; }
+
+ private:
+  static constexpr dds_domainid_t number = 200;  ///< of the domain, in this process
+
+  dds_entity_t domain_ = 0, participant_ = 0;
+};
 
 inline core::Endpoint control_endpoint(core::Role role, core::EndpointId id) {
   core::Endpoint e;

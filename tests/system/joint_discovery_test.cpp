@@ -2,8 +2,11 @@
 #include <dds/dds.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <chrono>
+#include <csignal>
 #include <memory>
 #include <set>
 #include <string>
@@ -20,18 +23,13 @@ namespace {
 using core::Role;
 using ::testing::ElementsAre;
 
-/// The readers and writers of a control topic on this host, as Cyclone tells of them. To be made after the
-/// first node, which would use the domain that this opens, and share nothing.
+/// The readers and writers of a control topic on this host, as Cyclone tells of them.
 class TopicWatch {
  public:
   explicit TopicWatch(std::string topic) : topic_(std::move(topic)) {
-    participant_ = dds_create_participant(control_domain(), nullptr, nullptr);
-    readers_ = dds_create_reader(participant_, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION, nullptr, nullptr);
-    writers_ = dds_create_reader(participant_, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr);
+    readers_ = dds_create_reader(participant_.entity(), DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION, nullptr, nullptr);
+    writers_ = dds_create_reader(participant_.entity(), DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr);
   }
-  ~TopicWatch() { dds_delete(participant_); }
-  TopicWatch(const TopicWatch&) = delete;
-  TopicWatch& operator=(const TopicWatch&) = delete;
 
   bool readers_become(std::size_t wanted) const { return become(readers_, wanted); }
   bool writers_become(std::size_t wanted) const { return become(writers_, wanted); }
@@ -58,7 +56,8 @@ class TopicWatch {
   }
 
   const std::string topic_;
-  dds_entity_t participant_ = 0, readers_ = 0, writers_ = 0;
+  const LoopbackParticipant participant_;
+  dds_entity_t readers_ = 0, writers_ = 0;
 };
 
 class JointDiscoveryTest : public ::testing::Test {
@@ -150,6 +149,21 @@ TEST_F(JointDiscoveryTest, IsNotSharedByNodesWhoseUserGivesTheDomainAnotherNumbe
   EXPECT_TRUE(also_here.hears(1) && here.hears(3));
   EXPECT_THAT(here.heard(), ElementsAre(3));
   EXPECT_TRUE(elsewhere.heard().empty());
+}
+
+TEST_F(JointDiscoveryTest, OfAProgramThatOpenedTheDomainItselfMeetsTheOtherProcessesOfItsHost) {
+  const pid_t program = fork();
+  if (program == 0) {
+    dds_create_participant(control_domain(), nullptr, nullptr);
+    ControlEar writer;
+    writer.announce(Role::writer, 1);
+    for (;;) pause();
+  }
+  ControlEar reader;
+  reader.announce(Role::reader, 2);
+  EXPECT_TRUE(reader.hears(1));
+  kill(program, SIGKILL);
+  waitpid(program, nullptr, 0);
 }
 
 TEST_F(JointDiscoveryTest, CarriesTwoHundredNodesInOneProcess) {

@@ -79,13 +79,13 @@ TEST_P(RolesTest, AWriterThatComesLateHearsTheLatestRequestOfEachReader) {
 TEST_P(RolesTest, AnEndpointOnTheTopicOfTheOtherRoleIsRefusedAndToldOf) {
   ControlEar reader(process("a"));
   reader.announce(Role::reader, 1);
-  const dds_entity_t participant = dds_create_participant(control_domain(), nullptr, nullptr);
+  const LoopbackParticipant participant;
   dds_qos_t* const qos = dds_create_qos();
   dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
   dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
   const dds_entity_t topic =
-      dds_create_topic(participant, &sft_control_Endpoint_desc, "sft_writer", qos, nullptr);
-  const dds_entity_t writer = dds_create_writer(participant, topic, qos, nullptr);
+      dds_create_topic(participant.entity(), &sft_control_Endpoint_desc, "sft_writer", qos, nullptr);
+  const dds_entity_t writer = dds_create_writer(participant.entity(), topic, qos, nullptr);
   dds_delete_qos(qos);
   core::ControlStorage storage;
   const core::Endpoint made_up = control_endpoint(Role::reader, 5);
@@ -94,7 +94,6 @@ TEST_P(RolesTest, AnEndpointOnTheTopicOfTheOtherRoleIsRefusedAndToldOf) {
   EXPECT_TRUE(eventually([&] { return !reader.refused().empty(); }));
   EXPECT_THAT(reader.refused(), ElementsAre(HasSubstr("the topic of the other role")));
   EXPECT_THAT(reader.heard(), ElementsAre());
-  dds_delete(participant);
 }
 
 }  // namespace

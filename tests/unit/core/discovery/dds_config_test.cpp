@@ -107,6 +107,15 @@ TEST(DdsConfig, ThatWouldSilenceTheControlTopicsIsAnError) {
   }
 }
 
+/// Linux gives a multicast datagram to all sockets that are bound to its port, whatever the interface.
+TEST(DdsConfig, GivesMulticastsOfTheLoopbackPortsOfTheirOwnSoThatTheyDoNotWakeTheOtherLinks) {
+  const auto c = config("");
+  EXPECT_THAT(in_force(c, "Discovery/Ports/MulticastMetaOffset", loopback), is("2"));
+  EXPECT_THAT(in_force(c, "Discovery/Ports/MulticastDataOffset", loopback), is("3"));
+  EXPECT_EQ(in_force(c, "Discovery/Ports/MulticastMetaOffset", card), std::nullopt);
+  EXPECT_EQ(in_force(c, "Discovery/Ports/MulticastDataOffset", card), std::nullopt);
+}
+
 TEST(DdsConfig, WithPeersPutsNodesAtPortsThatCanBeGuessed) {
   const auto c = config("", {.peers = {"10.0.0.7", "robot.local"}});
   EXPECT_THAT(in_force(c, "Discovery/ParticipantIndex"), is("auto"));

@@ -30,6 +30,16 @@ TEST_F(GreetingsTest, AreManyAtFirstAndNoneLater) {
   EXPECT_THAT(within(100s), ElementsAre(50, 150, 350, 750, 1550, 3150));
 }
 
+TEST_F(GreetingsTest, AreFrequentForASecondAfterTheyHaveBegun) {
+  EXPECT_TRUE(greetings.are_frequent());
+  within(700ms);
+  EXPECT_TRUE(greetings.are_frequent());
+  within(900ms);
+  EXPECT_FALSE(greetings.are_frequent());
+  greetings.begin(now);
+  EXPECT_TRUE(greetings.are_frequent());
+}
+
 TEST_F(GreetingsTest, GoOnEachSecondWhileSomebodyIsMissing) {
   within(100s);
   EXPECT_EQ(within(32s, true).size(), 32U);

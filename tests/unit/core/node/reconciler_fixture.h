@@ -80,7 +80,7 @@ class TestDiscovery final : public Discovery {
     return {};
   }
   void assert_liveliness(const Assertion& assertion) override { asserted.push_back(assertion); }
-  void look_after(std::chrono::steady_clock::time_point, bool) override {}
+  bool look_after(std::chrono::steady_clock::time_point, bool) override { return false; }
   std::vector<Endpoint> announced;
   std::vector<Request> sent;
   std::vector<Assertion> asserted;
