@@ -160,6 +160,11 @@ void make_plausible(std::uint8_t action, std::vector<std::byte>& d, const std::v
   const bool whole = byte(14) % 2 == 0 && d.size() >= head;
   if (byte(15) % 4 == 0) return make_packed(header, mask, d);
   header.total = whole ? static_cast<std::uint32_t>(d.size() - head) : number;
+  if (whole && byte(13) % 2 == 0 && udp::fits_in_single(header)) {
+    udp::encode_in_single(header, d.data());
+    d.resize(d.size() - (udp::first_header_bytes - udp::single_header_bytes));  // the total is as before
+    return;
+  }
   const bool in_short = byte(13) % 2 == 0 && udp::fits_in_short(header);
   const std::size_t at_words = in_short ? udp::first_header_bytes : header.bytes();
   in_short ? udp::encode_in_short(header, d.data()) : udp::encode(header, d.data());

@@ -50,7 +50,7 @@ bool looks_like_sft(std::span<const std::byte> payload) {
   if (payload.size() < 16) return false;
   const auto version = std::to_integer<unsigned>(payload[0]) >> 4;
   const auto kind = std::to_integer<unsigned>(payload[0]) & 15;
-  return version == 1 && kind >= 1 && kind <= 10;
+  return version == 1 && kind >= 1 && kind <= 12;
 }
 
 /// Empty if the frame is not of interest.

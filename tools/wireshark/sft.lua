@@ -353,6 +353,17 @@ local function read_whole(c, set, _, writer)
   return string.format("seq=%u %u bytes ordinal=%u", sequence, bytes, ordinal)
 end
 
+local function read_single(c, set, _, writer)
+  local sequence = c:number(f.sequence, 4)
+  read_mask(c, set, writer)
+  c:stamp(f.stamp)
+  if c.failed then return "" end
+  local bytes = c:left()
+  c.tree:add(f.total, bytes):set_generated()
+  c:rest(f.payload)
+  return string.format("seq=%u %u bytes", sequence, bytes)
+end
+
 local function read_following(c)
   local sequence = c:number(f.sequence, 4)
   local offset = c:number(f.offset, 4)
@@ -519,6 +530,7 @@ local kinds = {
   [9] = { name = "report", at_2 = f.reserved_short, at_4 = f.flow, flags = 0, bytes = 40, read = read_report },
   [10] = { name = "whole", from_1 = read_short_place, flags = 0xff, bytes = 32, read = read_whole },
   [11] = { name = "group probe", at_2 = f.reserved_short, flags = 0, bytes = 24, read = read_group_probe },
+  [12] = { name = "single", at_2 = f.variant, flags = 0x80, bytes = 28, read = read_single },
 }
 
 local function add_flags(c, kind)
@@ -567,8 +579,10 @@ local function plausible_flags(set, bytes)
   if has(set, 0x40) then return bytes >= 48 and not (has(set, 0x04) or has(set, 0x08)) end
   return bytes >= 48 or not has(set, 0x08)
 end
--- True if a whole datagram has an ordinal, and a stamp from 1970 to 2100. Any flags are possible.
-local function plausible_whole(buffer) return buffer(12, 4):le_uint() ~= 0 and buffer(28, 4):le_uint() < 0x39000000 end
+-- True if these are the upper bytes of a stamp from 1970 to 2100.
+local function plausible_stamp(range) return range:le_uint() < 0x39000000 end
+-- True if a whole datagram has an ordinal and a plausible stamp. Any flags are possible.
+local function plausible_whole(buffer) return buffer(12, 4):le_uint() ~= 0 and plausible_stamp(buffer(28, 4)) end
 local function plausible_address(address) return address == 0 or math.floor(address / 65536) == 0xefff end
 
 -- True if a datagram whose first bytes look like SFT is plausible in the other bytes, too.
@@ -581,6 +595,7 @@ local function plausible(buffer, number)
   if number == 7 then return buffer:len() == 24 end
   if number == 8 or number == 9 then return buffer:len() == 40 end
   if number == 10 then return plausible_whole(buffer) end
+  if number == 12 then return plausible_stamp(buffer(24, 4)) end
   return true
 end
 

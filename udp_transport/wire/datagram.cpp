@@ -14,6 +14,7 @@ constexpr std::size_t at_total = 12, at_mask = 16, at_stamp = 24;
 constexpr std::size_t at_offset = 12;
 constexpr std::size_t at_samples = 12, at_bytes_each = 14;
 constexpr std::size_t at_short_ordinal = 12;
+constexpr std::size_t at_single_mask = 12, at_single_stamp = 20;
 // The bits in the first 32 bits of a whole datagram.
 constexpr unsigned words_bit = 8, merged_bit = 9, short_variant_bit = 10, short_channel_bit = 21;
 static_assert(whole_numbers_end == 1U << (short_channel_bit - short_variant_bit) &&
@@ -51,7 +52,7 @@ std::optional<DatagramKind> claimed_kind(std::span<const std::byte> bytes) noexc
   const auto version_and_kind = load<std::uint8_t>(&bytes[at_kind]);
   if (version_and_kind >> 4 != wire_version) return {};
   const auto kind = static_cast<DatagramKind>(version_and_kind & 0xf);
-  if (kind < DatagramKind::first || kind > DatagramKind::group_probe) return {};
+  if (kind < DatagramKind::first || kind > DatagramKind::single) return {};
   return kind;
 }
 
@@ -142,6 +143,22 @@ std::optional<Datagram> read_whole(std::span<const std::byte> bytes) noexcept {
   return d.first.channel.ordinal == 0 ? std::nullopt : std::optional(d);
 }
 
+/// Reads a single datagram as the first one of a sample that has no other. Its length tells the total.
+std::optional<Datagram> read_single(std::span<const std::byte> bytes) noexcept {
+  if (bytes.size() < single_header_bytes) return {};
+  const auto flags = load<std::uint8_t>(&bytes[at_flags]);
+  if ((flags & ~merged_masks) != 0) return {};
+  Datagram d;
+  d.kind = DatagramKind::first;
+  d.first = {.label = load_label(bytes.data()),
+             .flags = flags,
+             .total = static_cast<std::uint32_t>(bytes.size() - single_header_bytes),
+             .mask = load<std::uint64_t>(&bytes[at_single_mask]),
+             .stamp_ns = static_cast<std::int64_t>(load<std::uint64_t>(&bytes[at_single_stamp]))};
+  d.payload = bytes.subspan(single_header_bytes);
+  return d;
+}
+
 void store_mask_and_stamp(const FirstHeader& header, std::byte* out) noexcept {
   store(header.mask, out + at_mask);
   store(static_cast<std::uint64_t>(header.stamp_ns), out + at_stamp);
@@ -191,6 +208,12 @@ void encode_in_short(const FirstHeader& header, std::byte* out) noexcept {
         out);
   store(static_cast<std::uint32_t>(header.channel.ordinal), out + at_short_ordinal);
   store_mask_and_stamp(header, out);
+}
+
+void encode_in_single(const FirstHeader& header, std::byte* out) noexcept {
+  store_common(DatagramKind::single, header.flags, header.label, out);
+  store(header.mask, out + at_single_mask);
+  store(static_cast<std::uint64_t>(header.stamp_ns), out + at_single_stamp);
 }
 
 void encode(const FollowingHeader& header, std::byte* out) noexcept {
@@ -429,6 +452,8 @@ AnyDatagram decode(std::span<const std::byte> bytes) noexcept {
       return as(sample, read_packed(bytes));
     case DatagramKind::whole:
       return as(sample, read_whole(bytes));
+    case DatagramKind::single:
+      return as(sample, read_single(bytes));
     case DatagramKind::heartbeat:
       return as(std::in_place_type<Heartbeat>, read_heartbeat(bytes));
     case DatagramKind::mark:

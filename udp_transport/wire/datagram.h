@@ -13,6 +13,7 @@ namespace sft::udp {
 inline constexpr std::uint8_t wire_version = 1;
 inline constexpr std::size_t first_header_bytes = 32;
 inline constexpr std::size_t following_header_bytes = 16;
+inline constexpr std::size_t single_header_bytes = 28;
 inline constexpr std::size_t datagram_bytes_max = 65507;  ///< the longest UDP payload over IPv4
 inline constexpr std::size_t datagram_bytes_min = 548;    ///< every IPv4 path takes payloads of this length
 
@@ -28,6 +29,7 @@ enum class DatagramKind : std::uint8_t {
   report = 9,        ///< the receiver answers a mark, and tells how much may be under way
   whole = 10,        ///< a sample in a channel that fits into this datagram, with a short header
   group_probe = 11,  ///< sent to a multicast group between samples: members report that it came
+  single = 12,       ///< a sample without any mark that fits into this datagram; is read as a first datagram
 };
 
 /// Acks and reports answer what this process has sent. All other kinds come from a writer.
@@ -161,6 +163,10 @@ void encode(const PackedHeader& header, std::byte* out) noexcept;     ///< write
 /// True if a whole datagram can say all that this header says. The datagram must also hold the whole body.
 bool fits_in_short(const FirstHeader& header) noexcept;
 void encode_in_short(const FirstHeader& header, std::byte* out) noexcept;  ///< writes first_header_bytes
+
+/// True if a single datagram can say all that this header says. The datagram must also hold the whole body.
+constexpr bool fits_in_single(const FirstHeader& header) { return (header.flags & ~merged_masks) == 0; }
+void encode_in_single(const FirstHeader& header, std::byte* out) noexcept;  ///< writes single_header_bytes
 
 /// The header of a later sample, `samples` behind the first one. Sequences and ordinals follow one another.
 FirstHeader header_behind(const FirstHeader& first, std::uint32_t samples, std::uint32_t total) noexcept;

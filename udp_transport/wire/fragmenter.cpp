@@ -92,6 +92,8 @@ void Fragmenter::append_header(Batch& batch) {
   const std::size_t in_short = first_header_bytes + body_.mask_words.size_bytes() + body_.first.total;
   if (in_short <= datagram_bytes_ && fits_in_short(body_.first)) {
     encode_in_short(body_.first, batch.stage(first_header_bytes));
+  } else if (single_header_bytes + body_.first.total <= datagram_bytes_ && fits_in_single(body_.first)) {
+    encode_in_single(body_.first, batch.stage(single_header_bytes));
   } else {
     encode(body_.first, batch.stage(body_.first.bytes()));
   }

@@ -48,6 +48,10 @@ def whole(body=b"body", flags=0, variant=3, channel=5, ordinal=12, stamp=1_500_0
     return struct.pack("<IIIIQq", place, 0x04030201, 9, ordinal, mask, stamp) + body
 
 
+def single(body=b"body", flags=0, mask=0x87, stamp=1_500_000_000_000_000_001):
+    return header(12, flags=flags) + struct.pack("<Qq", mask, stamp) + body
+
+
 def following(body=b"more", offset=1440):
     return header(2) + struct.pack("<I", offset) + body
 

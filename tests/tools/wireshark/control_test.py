@@ -7,7 +7,7 @@ import tempfile
 import unittest
 
 import captures
-from captures import first, rate, whole
+from captures import first, rate, single, whole
 from control_samples import (NOTHING, VERSION, announcement, condition, description, every, fnv, fragments, joined, leb,
                              member, name_of, part, period, publisher, real, request, sample, selection, short_text,
                              subscriber, want)
@@ -309,7 +309,7 @@ class ControlTest(unittest.TestCase):
         asks = [sample("sft_reader", subscriber(READER, [0], description=KNOWN_TYPE)),
                 sample("sft_reader", request(READER, [0, 5], wants=want(2, selection([0, 5], [one_part]))))]
         name = name_of(0x21, parts=b"\x01" + one_part)
-        for datagram in (first(mask=name), whole(mask=name)):
+        for datagram in (first(mask=name), single(mask=name), whole(mask=name)):
             self.assertEqual(self.read_mask(datagram, asks),
                              ("hash of a selection with parts", "", "header.sec, ranges[::4]", "4"))
 

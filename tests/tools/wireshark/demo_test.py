@@ -74,7 +74,8 @@ class DemoTest(unittest.TestCase):
         self.assertGreater(kinds["2"], 100)
         self.assertGreater(kinds["8"], 0)
         self.assertGreater(kinds["9"], 0)
-        self.assertTrue(any(row["sft.kind"] == "1" and re.match(r"\d", row["sft.leaves"]) for row in rows))
+        self.assertGreater(kinds["12"], 0)
+        self.assertTrue(any(row["sft.kind"] in ("1", "12") and re.match(r"\d", row["sft.leaves"]) for row in rows))
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ import unittest
 
 import captures
 from captures import (ack, channel, first, following, group, group_offer, group_probe, group_report, header, heartbeat,
-                      history, mark, packed, rate, report, whole)
+                      history, mark, packed, rate, report, single, whole)
 
 
 class DissectorTest(unittest.TestCase):
@@ -72,6 +72,10 @@ class DissectorTest(unittest.TestCase):
              {"sft.flags.merged": "1", "sft.flags.mask_words": "0", "sft.variant": "2047", "sft.channel": "2047",
               "sft.ordinal": str(0xFFFFFFFF), "sft.total": "0"}),
             (whole(flags=1), {"sft.flags.mask_words": "1", "sft.flags.merged": "0", "sft.leaves": "", "sft.total": ""}),
+            (single(flags=0x80),
+             {"sft.kind": "12", "sft.writer": "0x04030201", "sft.variant": "3", "sft.sequence": "9", "sft.total": "4",
+              "sft.leaves": "0-2, 7", "sft.flags.merged": "1", "sft.payload": b"body".hex()}),
+            (single(body=b""), {"sft.kind": "12", "sft.total": "0", "sft.flags": "0x00"}),
             (packed([b"abc", b"", b"d"], each=0, flags=0x10, padding=bytes(5)),
              {"sft.packed.samples": "3", "sft.sample.bytes": "3,0,1", "sft.padding": "0000000000"}),
         ]
@@ -93,6 +97,8 @@ class DissectorTest(unittest.TestCase):
             b"\x2a" + whole()[1:],
             whole(ordinal=0),
             whole()[:31],
+            single()[:27],
+            single(flags=0x08),
             first(flags=0x10),
             first(total=2),
             first(flags=0x08, marks=channel(ordinal=0)),
@@ -129,6 +135,7 @@ class DissectorTest(unittest.TestCase):
         strangers = [rng.randbytes(rng.randrange(0, 300)) for _ in range(200)]
         strangers += [b"\x21" + first()[1:], first(flags=0x10), heartbeat() + b"?", packed([], each=4)]
         strangers += [whole(ordinal=0), whole()[:31], whole(stamp=-1), whole(stamp=5_000_000_000_000_000_000)]
+        strangers += [single()[:27], single(flags=0x01), single(stamp=-1)]
         strangers += [group_offer(address=0xE0000001), group_report() + b"?",
                       first(flags=0x48, marks=channel() + group())]
         rows = self.read(strangers, ["sft.kind"])

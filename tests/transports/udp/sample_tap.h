@@ -63,6 +63,7 @@ class SampleTap {
       case DatagramKind::following:
       case DatagramKind::packed:
       case DatagramKind::whole:
+      case DatagramKind::single:
         return datagrams.size();
       default:
         return 0;

@@ -35,11 +35,11 @@ const SocketAddress stranger{core::IpAddress(0x0A630109), 7000};
 constexpr std::array all_kinds{
     DatagramKind::first,  DatagramKind::following,   DatagramKind::heartbeat,    DatagramKind::ack,
     DatagramKind::packed, DatagramKind::group_offer, DatagramKind::group_report, DatagramKind::mark,
-    DatagramKind::report, DatagramKind::whole,       DatagramKind::group_probe};
+    DatagramKind::report, DatagramKind::whole,       DatagramKind::group_probe,  DatagramKind::single};
 std::string name_of(DatagramKind kind) { return "kind " + std::to_string(static_cast<int>(kind)); }
 bool is_of_sample(DatagramKind kind) {
   return kind == DatagramKind::first || kind == DatagramKind::following || kind == DatagramKind::packed ||
-         kind == DatagramKind::whole;
+         kind == DatagramKind::whole || kind == DatagramKind::single;
 }
 
 template <class Control>
@@ -72,6 +72,8 @@ class DemultiplexerTest : public sft::test::RandomTest {
         return packed_of(of_writer);
       case DatagramKind::whole:
         return sample_of(of_writer, 100, true).front();
+      case DatagramKind::single:
+        return sample_of(of_writer, 100, false).front();
       case DatagramKind::heartbeat:
         return encoded(Heartbeat{of_writer, heard_channel, 4000, 1, 2}, heartbeat_bytes);
       case DatagramKind::ack: {
@@ -231,7 +233,7 @@ TEST_F(DemultiplexerTest, ReportsHowManyDatagramsOfSamplesAndHeartbeatsCame) {
   }
   receive(encoded(FlowMark{77, 4000, 3000, 100, 56}, mark_bytes));
   ASSERT_EQ(handed_.reports.size(), 2U);
-  const std::uint32_t sound = 5, unreadable = 1, malformed_samples_and_heartbeat = 5;
+  const std::uint32_t sound = 6, unreadable = 1, malformed_samples_and_heartbeat = 6;
   EXPECT_EQ(handed_.reports[1].second.came, sound + unreadable + malformed_samples_and_heartbeat);
 }
 
@@ -277,7 +279,7 @@ TEST_F(DemultiplexerTest, CountsDatagramsOfOtherVersionsAndKindsAsMalformed) {
   std::uint64_t expected = 0;
   for (unsigned first_byte = 0; first_byte < 256; ++first_byte) {
     const unsigned version = first_byte >> 4, kind = first_byte & 0xf;
-    if (version == wire_version && kind >= 1 && kind <= 10) continue;
+    if (version == wire_version && kind >= 1 && kind <= 12) continue;
     Bytes datagram = datagram_of(DatagramKind::whole);
     datagram[0] = static_cast<std::byte>(first_byte);
     receive(datagram);

@@ -384,7 +384,7 @@ TEST_F(ReassemblyTest, CountsBytesThatAreNoDatagram) {
 
 TEST_F(ReassemblyTest, RefusesABodyThatIsNotWhatItClaimsToBe) {
   auto datagrams = sent(1, make_image(10));
-  datagrams[0][first_header_bytes + 11] = std::byte{0xff};  // the length of the name
+  datagrams[0][single_header_bytes + 11] = std::byte{0xff};  // the length of the name
   receive(datagrams);
   EXPECT_EQ(taken(), Sequences{});
   EXPECT_EQ(counted().malformed, 1U);
@@ -461,9 +461,9 @@ TEST_F(ReassemblyTest, KnowsALongMaskByItsHashAlone) {
 }
 
 TEST_F(ReassemblyTest, RefusesMaskWordsThatAreNotThereOrNotNeeded) {
-  auto datagrams = sent(1, make_image(10));
+  auto datagrams = sent(1, make_image(2000));
   datagrams[0][1] = std::byte{mask_words_follow};
-  receive(datagrams);
+  receive(datagrams[0]);
   EXPECT_EQ(counted().malformed, 1U);
 
   const FieldMask all = fields<Wide>("*");

@@ -80,10 +80,10 @@ TEST_F(WholeCutTest, HasTheWordsOfALongMaskToo) {
   EXPECT_EQ(kind(cut(in_channel(1, 1), path - 32 - 15)[0]), DatagramKind::first) << "it does not fit";
 }
 
-TEST_F(WholeCutTest, SaysAtLengthWhatIsOfNoChannelOrHasMarks) {
+TEST_F(WholeCutTest, IsNotUsedForWhatIsOfNoChannelOrHasMarks) {
   FirstHeader none = in_channel(1, 1);
   none.flags = 0;
-  EXPECT_EQ(kind(cut(none, 100)[0]), DatagramKind::first);
+  EXPECT_EQ(kind(cut(none, 100)[0]), DatagramKind::single);
   FirstHeader rated = in_channel(1, 1);
   rated.flags |= rate_follows;
   EXPECT_EQ(kind(cut(rated, 100)[0]), DatagramKind::first);

@@ -40,6 +40,47 @@ TEST(Datagram, LaysOutTheFollowingHeaderAsDocumented) {
                                                    0x13, 0x14, 0x21, 0x22, 0x23, 0x24}));
 }
 
+TEST(SingleDatagram, IsLaidOutAsDocumented) {
+  std::array<std::byte, single_header_bytes> bytes;
+  encode_in_single(
+      FirstHeader{
+          .label = label, .flags = 128, .total = 0x24232221, .mask = 0x3837363534333231, .stamp_ns = -2},
+      bytes.data());
+  EXPECT_EQ(numbers(bytes), (std::vector<unsigned>{0x1c, 128,  0x05, 0x06, 0x01, 0x02, 0x03, 0x04, 0x11, 0x12,
+                                                   0x13, 0x14, 0x31, 0x32, 0x33, 0x34, 0x35, 0x36, 0x37, 0x38,
+                                                   0xfe, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff}));
+}
+
+TEST(SingleDatagram, IsReadAsTheFirstOneOfASampleThatHasNoOther) {
+  for (const std::uint8_t flags : {std::uint8_t{0}, merged_masks}) {
+    const FirstHeader sent{.label = label, .flags = flags, .total = 3, .mask = 5, .stamp_ns = -2};
+    ASSERT_TRUE(fits_in_single(sent));
+    std::array<std::byte, single_header_bytes + 3> bytes{};
+    encode_in_single(sent, bytes.data());
+    const auto d = parse(bytes);
+    ASSERT_TRUE(d);
+    EXPECT_EQ(d->kind, DatagramKind::first);
+    EXPECT_EQ(d->label(), label);
+    EXPECT_EQ(d->first.flags, flags);
+    EXPECT_EQ(d->first.total, 3U);
+    EXPECT_EQ(d->first.mask, 5U);
+    EXPECT_EQ(d->first.stamp_ns, -2);
+    EXPECT_EQ(d->payload.data(), &bytes[single_header_bytes]);
+    EXPECT_EQ(d->payload.size(), 3U);
+  }
+}
+
+TEST(SingleDatagram, HasNoMarksAndIsRefusedIfItClaimsToHaveSomeOrIsTooShort) {
+  std::array<std::byte, single_header_bytes + 64> bytes{};
+  encode_in_single(FirstHeader{.label = label, .mask = 5}, bytes.data());
+  for (std::size_t n = 0; n < single_header_bytes; ++n) EXPECT_FALSE(parse(std::span(bytes).first(n))) << n;
+  for (unsigned flag = 1; flag < merged_masks; flag *= 2) {
+    EXPECT_FALSE(fits_in_single({.label = label, .flags = static_cast<std::uint8_t>(flag)})) << flag;
+    bytes[1] = static_cast<std::byte>(flag);
+    EXPECT_FALSE(parse(bytes)) << flag;
+  }
+}
+
 TEST(Datagram, ReadsWhatItWrote) {
   std::array<std::byte, first_header_bytes + 3> bytes{};
   encode(FirstHeader{.label = label, .flags = 0, .total = 9, .mask = 5, .stamp_ns = -2}, bytes.data());
@@ -329,7 +370,7 @@ TEST_F(BrokenDatagram, IsRefusedWhenOfAnotherVersionOrKind) {
   for (unsigned byte = 0; byte < 256; ++byte) {
     auto bytes = first();
     bytes[0] = static_cast<std::byte>(byte);
-    EXPECT_EQ(parse(bytes).has_value(), byte == 0x11 || byte == 0x12) << byte;
+    EXPECT_EQ(parse(bytes).has_value(), byte == 0x11 || byte == 0x12 || byte == 0x1c) << byte;
   }
 }
 

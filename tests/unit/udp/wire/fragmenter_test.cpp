@@ -64,7 +64,7 @@ TEST_F(FragmenterTest, PutsASmallBodyIntoOneDatagramAndOnePart) {
   Fragmenter fragments(body(), 1472);
   fragments.next(batch);
   EXPECT_TRUE(fragments.done());
-  EXPECT_EQ(batch.bytes(), first_header_bytes + 64);
+  EXPECT_EQ(batch.bytes(), single_header_bytes + 64);
   EXPECT_EQ(batch.parts().size(), 1U);
   EXPECT_EQ(batch.segment_bytes(), 0U);
 }
@@ -73,7 +73,16 @@ TEST_F(FragmenterTest, SendsAnEmptyBodyAsAHeader) {
   body_of_runs({});
   const auto datagrams = test::cut(body(), 1472);
   ASSERT_EQ(datagrams.size(), 1U);
-  EXPECT_EQ(datagrams[0].size(), first_header_bytes);
+  EXPECT_EQ(datagrams[0].size(), single_header_bytes);
+}
+
+TEST_F(FragmenterTest, PutsABodyIntoASingleDatagramAsLongAsItFits) {
+  body_of_runs({1472 - single_header_bytes});
+  EXPECT_EQ(test::cut(body(), 1472).size(), 1U);
+  body_of_runs({1472 - single_header_bytes + 1});
+  const auto datagrams = test::cut(body(), 1472);
+  EXPECT_EQ(datagrams.size(), 2U);
+  expect_the_body_in(datagrams);
 }
 
 TEST_F(FragmenterTest, MakesAllDatagramsButTheLastEquallyLong) {
@@ -90,7 +99,7 @@ TEST_F(FragmenterTest, ReferencesLongRunsAndCopiesShortOnes) {
   Fragmenter fragments(body(), 9000);
   fragments.next(batch);
   ASSERT_EQ(batch.parts().size(), 3U);
-  EXPECT_EQ(batch.parts()[0].iov_len, first_header_bytes + 10);
+  EXPECT_EQ(batch.parts()[0].iov_len, single_header_bytes + 10);
   EXPECT_EQ(batch.parts()[1].iov_base, bytes_.data() + 10);
   EXPECT_EQ(batch.parts()[2].iov_len, 20U);
 }
