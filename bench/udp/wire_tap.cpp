@@ -87,6 +87,7 @@ std::optional<Packet::Kind> kind_of(const std::uint8_t* bytes, std::uint32_t cap
     case udp::DatagramKind::following:
     case udp::DatagramKind::packed:
     case udp::DatagramKind::whole:
+    case udp::DatagramKind::single:
       return Packet::Kind::data;
     default:
       return Packet::Kind::answer;

@@ -35,6 +35,6 @@ bool Greetings::due(Time now, bool somebody_is_missing) {
   return true;
 }
 
-bool Greetings::are_frequent() const { return pause_ < pause_long; }
+bool Greetings::are_frequent() const { return pause_ < pause_long || for_newcomer_.has_value(); }
 
 }  // namespace sft::core

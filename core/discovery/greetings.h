@@ -20,7 +20,7 @@ class Greetings {
   void newcomer(Time now);
   /// True if a greeting is due now, which then counts as sent. Asked often.
   bool due(Time now, bool somebody_is_missing);
-  /// True while greetings have begun lately.
+  /// True while greetings have begun lately, or a newcomer is to be greeted.
   bool are_frequent() const;
 
  private:

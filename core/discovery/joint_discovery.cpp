@@ -272,7 +272,7 @@ void JointDiscovery::report(const Report& report) {
 }
 
 /// The program's own configuration of the domain holds, and its choice of interfaces. Nodes of other
-/// processes of this host are met on the loopback all the same.
+/// processes of this host are met on the loopback all the same. If that fails, the warnings say so.
 Result<void> JointDiscovery::join_the_program(std::uint32_t domain) {
   watches_ = false;
   if (Result<void> joined = links_.join(domain); !joined) return joined;
@@ -281,12 +281,14 @@ Result<void> JointDiscovery::join_the_program(std::uint32_t domain) {
       desired_links(interfaces_of_interest().value_or(std::vector<HostInterface>()), config_.rules(), {})
           .links,
       std::back_inserter(links), &LinkSpec::loopback);
-  (void)links_.use(links, std::chrono::steady_clock::now());
+  const Result<void> has_loopback = links_.use(links, std::chrono::steady_clock::now());
   const Lock lock(configuration_mutex_);
   configuration_.summary = "as the program itself configured DDS domain " + std::to_string(domain);
   configuration_.warnings = {
       "the program opened DDS domain " + std::to_string(domain) +
       " before its first node: neither discovery settings nor CYCLONEDDS_URI are applied by SFT"};
+  if (!has_loopback)
+    configuration_.warnings.push_back("nodes of this host may not be found: " + has_loopback.error().message);
   return {};
 }
 

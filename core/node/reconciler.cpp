@@ -222,7 +222,7 @@ void Reconciler::tell_of_life(std::vector<EndpointId> living, Time now) {
 /// The time until the next tick: not longer than a deadline, a lease or the network can wait.
 std::chrono::milliseconds Reconciler::pace(Time now) const {
   const bool is_calm = discovery_.is_calm(now);
-  std::chrono::nanoseconds pace = std::min(tick_pace_.next(is_calm, now), life_.until_next(is_calm, now));
+  std::chrono::nanoseconds pace = std::min(tick_pace_.next(now), life_.until_next(is_calm, now));
   if (const Time next = transports_.next_look_at_network(); next - now < pace)
     pace = std::chrono::ceil<std::chrono::milliseconds>(next - now);
   for (const auto& [id, writer] : ours_.writers) pace = std::min(pace, writer.pace().value_or(pace));

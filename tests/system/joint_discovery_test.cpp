@@ -2,6 +2,7 @@
 #include <dds/dds.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -153,7 +154,9 @@ TEST_F(JointDiscoveryTest, IsNotSharedByNodesWhoseUserGivesTheDomainAnotherNumbe
 
 TEST_F(JointDiscoveryTest, OfAProgramThatOpenedTheDomainItselfMeetsTheOtherProcessesOfItsHost) {
   const pid_t program = fork();
+  ASSERT_GE(program, 0);
   if (program == 0) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
     dds_create_participant(control_domain(), nullptr, nullptr);
     ControlEar writer;
     writer.announce(Role::writer, 1);

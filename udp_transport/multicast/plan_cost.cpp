@@ -15,7 +15,8 @@ double wire_bytes(double body_bytes, std::size_t datagram_bytes, PlaceMark place
   const bool is_whole = body_bytes + first_header_bytes <= static_cast<double>(datagram_bytes);
   const bool has_mark = place == PlaceMark::in_group || (place == PlaceMark::in_channel && !is_whole);
   const double mark = has_mark ? group_bytes : 0;
-  const bool is_single = is_whole && place == PlaceMark::none;
+  const bool is_single =
+      place == PlaceMark::none && body_bytes + single_header_bytes <= static_cast<double>(datagram_bytes);
   const std::size_t header = is_single ? single_header_bytes : first_header_bytes;
   const double all = body_bytes + static_cast<double>(header - following_header_bytes) + mark;
   const auto room = static_cast<double>(datagram_bytes - following_header_bytes);

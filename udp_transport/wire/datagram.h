@@ -291,7 +291,7 @@ struct Malformed {
 /// Any answer to what this process has sent.
 using Answer = std::variant<Ack, FlowReport, GroupReport>;
 
-/// A datagram of any kind. A Datagram here is a first, packed or whole one.
+/// A datagram of any kind. A Datagram here is a first, single, packed or whole one.
 using AnyDatagram =
     std::variant<Malformed, Following, Datagram, Heartbeat, FlowMark, GroupOffer, GroupProbe, Answer>;
 

@@ -114,7 +114,7 @@ struct NodeOptions {
     /// Call back for samples in shared memory, and make file descriptors readable.
     ThreadSettings callbacks{};
     /// The threads of Cyclone DDS. Nodes of one process share them only if their settings here are equal. The
-    /// settings have no effect if the program itself opened the DDS domain.
+    /// settings hold only for the link of the loopback if the program itself opened the DDS domain.
     ThreadSettings discovery{};
   };
 

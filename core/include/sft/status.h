@@ -186,7 +186,8 @@ struct NodeStatus {
   /// Parts of `discovery`: settings of the user that have no effect, and other warnings of the log.
   std::vector<std::string> discovery_warnings{};
   bool waits_for_network = false;  ///< only the loopback is in use, although other interfaces are wanted
-  /// The names of the interfaces by which nodes are found; empty if the program itself opened the DDS domain.
+  /// The names of the interfaces by which nodes are found; empty if the program itself opened the DDS domain,
+  /// though nodes of the host are then found by the loopback, too.
   std::vector<std::string> discovery_interfaces{};
   std::string udp;  ///< how UDP works here, or why it does not
   /// False: plain sockets; `udp` says why.

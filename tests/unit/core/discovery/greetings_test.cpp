@@ -40,6 +40,14 @@ TEST_F(GreetingsTest, AreFrequentForASecondAfterTheyHaveBegun) {
   EXPECT_TRUE(greetings.are_frequent());
 }
 
+TEST_F(GreetingsTest, AreFrequentUntilANewcomerHasBeenGreeted) {
+  within(100s);
+  greetings.newcomer(now);
+  EXPECT_TRUE(greetings.are_frequent());
+  within(200ms);
+  EXPECT_FALSE(greetings.are_frequent());
+}
+
 TEST_F(GreetingsTest, GoOnEachSecondWhileSomebodyIsMissing) {
   within(100s);
   EXPECT_EQ(within(32s, true).size(), 32U);

@@ -10,29 +10,22 @@ using namespace std::chrono_literals;
 constexpr Time begin{1h};
 
 TEST(TickPaceTest, LooksAreSeldomWhereNothingHasHappened) {
-  EXPECT_EQ(TickPace().next(true, begin), TickPace::pause_in_calm);
+  EXPECT_EQ(TickPace().next(begin), TickPace::pause_in_calm);
 }
 
 TEST(TickPaceTest, LooksAreFrequentForAWhileAfterSomethingHasHappened) {
   TickPace pace;
   pace.stirred(begin);
-  EXPECT_EQ(pace.next(true, begin), TickPace::pause);
-  EXPECT_EQ(pace.next(true, begin + TickPace::calm_after - 1ms), TickPace::pause);
-  EXPECT_EQ(pace.next(true, begin + TickPace::calm_after), TickPace::pause_in_calm);
-}
-
-TEST(TickPaceTest, LooksAreLessFrequentWhereOnlyDiscoveryNeedsThem) {
-  TickPace pace;
-  EXPECT_EQ(pace.next(false, begin), TickPace::pause_for_discovery);
-  pace.stirred(begin);
-  EXPECT_EQ(pace.next(false, begin), TickPace::pause);
+  EXPECT_EQ(pace.next(begin), TickPace::pause);
+  EXPECT_EQ(pace.next(begin + TickPace::calm_after - 1ms), TickPace::pause);
+  EXPECT_EQ(pace.next(begin + TickPace::calm_after), TickPace::pause_in_calm);
 }
 
 TEST(TickPaceTest, TheWhileBeginsAnewWithEachEvent) {
   TickPace pace;
   pace.stirred(begin);
   pace.stirred(begin + 1s);
-  EXPECT_EQ(pace.next(true, begin + TickPace::calm_after + 500ms), TickPace::pause);
+  EXPECT_EQ(pace.next(begin + TickPace::calm_after + 500ms), TickPace::pause);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // The thread that clears the pages of the daemon's segments.
 #include "shm_transport/sftd/page_clearer.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
