@@ -101,10 +101,21 @@ Daemon::Started Daemon::start(const DaemonSettings& settings, const Log& log, En
   auto failure = daemon->host(*plan);
   daemon->errors_.end_process_with({});
   if (failure) {
+    daemon->end_hosting();
     daemon->remove_files(false);
     return tl::unexpected(*failure);
   }
   return daemon;
+}
+
+/// Another daemon may start once the files are gone. If iceoryx were ended only then, it would remove the
+/// socket and the memory of that one, which it knows by the names that both have. No program knows this
+/// daemon yet.
+void Daemon::end_hosting() {
+  roudi_.reset();
+  ports_.reset();
+  memory_.reset();
+  roudi_lock_.reset();
 }
 
 std::optional<StartFailure> Daemon::host(const PoolPlan& plan) {

@@ -54,6 +54,7 @@ class Daemon {
  private:
   Daemon(const DaemonSettings& settings, const Log& log, OwnFiles files, Groups groups);
   std::optional<StartFailure> host(const PoolPlan& plan);
+  void end_hosting();
   bool announce();
   Result<void> admit_readers();
   void write_status();
