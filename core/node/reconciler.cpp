@@ -138,7 +138,9 @@ std::chrono::milliseconds Reconciler::tick(Time now) {
   hurried_ticks_ = look_after_connections() ? hurried_ticks_ + 1 : 0;
   watch_promises(now);
   const bool discovery_is_busy = discovery_.look_after(now, negotiation_.table().misses_somebody());
-  if (discovery_is_busy || !departing_.empty() || has_to_be_watched(negotiation_, ours_))
+  const bool misses_memory = context_.memory != nullptr && !transports_.memory_ready();
+  if (discovery_is_busy || (misses_memory && !discovery_.is_calm(now)) || !departing_.empty() ||
+      has_to_be_watched(negotiation_, ours_))
     tick_pace_.stirred(now);
   reconcile();
   log_.tick(now);
