@@ -59,7 +59,7 @@ class Discovery {
   virtual void assert_liveliness(const Assertion& assertion) = 0;
   /// To be called often: takes interfaces into use and out of use, and lets nodes that have not heard of us,
   /// or have lost us, find us. Cyclone does that by itself every now and then. Returns true while more is to
-  /// be done soon: a link was just made, or made anew.
+  /// be done soon: a link was just made, or made anew, or a newcomer is to be greeted.
   virtual bool look_after(Time now, bool somebody_is_missing) = 0;
 };
 

@@ -7,7 +7,7 @@ namespace sft::core {
 namespace {
 constexpr std::chrono::milliseconds pause_first{50};
 constexpr std::chrono::milliseconds pause_max{3200};  // the pause doubles up to this
-constexpr std::chrono::milliseconds pause_long{1000};
+constexpr std::chrono::milliseconds soon{1000};
 constexpr std::chrono::seconds pause_while_missing{1};
 constexpr std::chrono::milliseconds after_newcomer{100};
 constexpr std::chrono::seconds pause_between_newcomers{1};
@@ -35,6 +35,6 @@ bool Greetings::due(Time now, bool somebody_is_missing) {
   return true;
 }
 
-bool Greetings::are_frequent() const { return pause_ < pause_long || for_newcomer_.has_value(); }
+bool Greetings::is_next_soon() const { return pause_ < soon || for_newcomer_.has_value(); }
 
 }  // namespace sft::core

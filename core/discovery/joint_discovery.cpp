@@ -235,7 +235,7 @@ bool JointDiscovery::look_after(Seat& seat, Time now, bool somebody_is_missing) 
       look_after_links(now);
     }
     reports = std::exchange(seat.reports, {});
-    looks_often = greetings_.are_frequent();
+    looks_often = greetings_.is_next_soon();
   }
   ear_.pass_on();
   for (const Report& report : reports)
@@ -286,7 +286,7 @@ Result<void> JointDiscovery::join_the_program(std::uint32_t domain) {
   configuration_.summary = "as the program itself configured DDS domain " + std::to_string(domain);
   configuration_.warnings = {
       "the program opened DDS domain " + std::to_string(domain) +
-      " before its first node: neither discovery settings nor CYCLONEDDS_URI are applied by SFT"};
+      " before its first node: discovery settings and CYCLONEDDS_URI hold only for the loopback beside it"};
   if (!has_loopback)
     configuration_.warnings.push_back("nodes of this host may not be found: " + has_loopback.error().message);
   return {};

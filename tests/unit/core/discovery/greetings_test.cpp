@@ -30,22 +30,22 @@ TEST_F(GreetingsTest, AreManyAtFirstAndNoneLater) {
   EXPECT_THAT(within(100s), ElementsAre(50, 150, 350, 750, 1550, 3150));
 }
 
-TEST_F(GreetingsTest, AreFrequentForASecondAfterTheyHaveBegun) {
-  EXPECT_TRUE(greetings.are_frequent());
+TEST_F(GreetingsTest, ComeSoonForASecondAfterTheyHaveBegun) {
+  EXPECT_TRUE(greetings.is_next_soon());
   within(700ms);
-  EXPECT_TRUE(greetings.are_frequent());
+  EXPECT_TRUE(greetings.is_next_soon());
   within(900ms);
-  EXPECT_FALSE(greetings.are_frequent());
+  EXPECT_FALSE(greetings.is_next_soon());
   greetings.begin(now);
-  EXPECT_TRUE(greetings.are_frequent());
+  EXPECT_TRUE(greetings.is_next_soon());
 }
 
-TEST_F(GreetingsTest, AreFrequentUntilANewcomerHasBeenGreeted) {
+TEST_F(GreetingsTest, ComeSoonUntilANewcomerHasBeenGreeted) {
   within(100s);
   greetings.newcomer(now);
-  EXPECT_TRUE(greetings.are_frequent());
+  EXPECT_TRUE(greetings.is_next_soon());
   within(200ms);
-  EXPECT_FALSE(greetings.are_frequent());
+  EXPECT_FALSE(greetings.is_next_soon());
 }
 
 TEST_F(GreetingsTest, GoOnEachSecondWhileSomebodyIsMissing) {
