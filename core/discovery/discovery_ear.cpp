@@ -188,9 +188,11 @@ void DiscoveryEar::node_unheard(LinkId link, NodeId id) {
 }
 
 void DiscoveryEar::participant_came(const Speaker& speaker) {
+  const Time now = time_();
   newcomer_ = true;
+  newcomer_at_.store(now, std::memory_order_relaxed);
   const Lock lock(mutex_);
-  hearing_.participant_came(speaker, time_());
+  hearing_.participant_came(speaker, now);
 }
 
 void DiscoveryEar::participant_speaks(const Speaker& speaker) {

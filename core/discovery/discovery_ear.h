@@ -47,6 +47,8 @@ class DiscoveryEar final : public LinkListener {
   void hears(Role role, Time now);
   /// True if a participant was heard for the first time since this was called last.
   bool take_newcomer() { return newcomer_.exchange(false); }
+  /// When a participant was heard for the first time last; Time{} if none was. Any thread.
+  Time newcomer_at() const { return newcomer_at_.load(std::memory_order_relaxed); }
   struct AfterTick {
     SignPace signs;                     ///< whether signs of life have to be frequent
     std::chrono::milliseconds pause{};  ///< until the next tick
@@ -100,6 +102,7 @@ class DiscoveryEar final : public LinkListener {
   void pass_on_news(Lock& lock) SFT_REQUIRES(mutex_);
 
   std::atomic<bool> newcomer_{false};
+  std::atomic<Time> newcomer_at_{};
 
   const ReadTime time_;
   mutable Mutex mutex_;

@@ -6,8 +6,7 @@ namespace sft::core {
 
 namespace {
 constexpr std::chrono::milliseconds pause_first{50};
-constexpr std::chrono::milliseconds pause_max{3200};  // the pause doubles up to this
-constexpr std::chrono::milliseconds soon{1000};
+constexpr std::chrono::milliseconds pause_max{12'800};
 constexpr std::chrono::seconds pause_while_missing{1};
 constexpr std::chrono::milliseconds after_newcomer{100};
 constexpr std::chrono::seconds pause_between_newcomers{1};
@@ -29,12 +28,14 @@ bool Greetings::due(Time now, bool somebody_is_missing) {
   for_newcomer_.reset();
   last_ = now;
   if (!in_turn) return true;
-  pause_ = std::min(2 * pause_, pause_max);
+  pause_ = std::min(4 * pause_, pause_max);
   next_ =
       now + (somebody_is_missing ? std::min<std::chrono::milliseconds>(pause_, pause_while_missing) : pause_);
   return true;
 }
 
-bool Greetings::is_next_soon() const { return pause_ < soon || for_newcomer_.has_value(); }
+Time Greetings::next() const {
+  return std::min(pause_ == pause_max ? Time::max() : next_, for_newcomer_.value_or(Time::max()));
+}
 
 }  // namespace sft::core

@@ -20,8 +20,8 @@ class Greetings {
   void newcomer(Time now);
   /// True if a greeting is due now, which then counts as sent. Asked often.
   bool due(Time now, bool somebody_is_missing);
-  /// True if the next greeting comes soon: they have begun lately, or a newcomer is to be greeted.
-  bool is_next_soon() const;
+  /// When the next greeting is due if nobody is missing; Time::max() if none is.
+  Time next() const;
 
  private:
   Time next_{};

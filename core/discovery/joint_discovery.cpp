@@ -34,7 +34,7 @@ constexpr std::chrono::seconds look_at_interfaces_every{10};  // although netlin
 /// What the system refused: a link, or the list of interfaces.
 constexpr std::chrono::seconds try_again_after{1};
 /// Others believe a link that was made anew with the first sign of life that comes by it.
-constexpr std::chrono::milliseconds assert_often_for{700};
+constexpr std::chrono::milliseconds assert_often_for{700}, assert_pause{50};
 /// All nodes of the process look after discovery; in that time one of them will do.
 constexpr std::chrono::milliseconds one_looks_for{25};
 
@@ -53,7 +53,8 @@ class SharedDiscovery final : public Discovery {
   void withdraw(EndpointId id) override { joint_->withdraw(id); }
   Result<void> send(const Request& request) override { return joint_->send(request); }
   void assert_liveliness(const Assertion& assertion) override { joint_->assert_liveliness(seat_, assertion); }
-  bool look_after(Time now, bool somebody_is_missing) override {
+  Time newcomer_at() const override { return joint_->newcomer_at(); }
+  Time look_after(Time now, bool somebody_is_missing) override {
     return joint_->look_after(seat_, now, somebody_is_missing);
   }
 
@@ -224,23 +225,23 @@ void JointDiscovery::write(Assertion assertion) {
   links_.each([&](DiscoveryLink& link) { link.write(assertion); });
 }
 
-bool JointDiscovery::look_after(Seat& seat, Time now, bool somebody_is_missing) {
+Time JointDiscovery::look_after(Seat& seat, Time now, bool somebody_is_missing) {
   std::vector<Report> reports;
-  bool looks_often = false;
+  Time next = Time::max();
   {
     const Lock lock(mutex_);
     seat.misses_somebody = somebody_is_missing;
     if (last_look_.by == &seat || now >= last_look_.at + one_looks_for) {
       last_look_ = {&seat, now};
       look_after_links(now);
+      next = now < asserts_often_until_ ? now + assert_pause : greetings_.next();
     }
     reports = std::exchange(seat.reports, {});
-    looks_often = greetings_.is_next_soon();
   }
   ear_.pass_on();
   for (const Report& report : reports)
     seat.member->tell([&](DiscoveryListener& listener) { (listener.*report.tell)(report.text); });
-  return looks_often;
+  return next;
 }
 
 void JointDiscovery::look_after_links(Time now) {

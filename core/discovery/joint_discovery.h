@@ -63,7 +63,8 @@ class JointDiscovery {
   void withdraw(EndpointId id);
   Result<void> send(const Request& request);
   void assert_liveliness(Seat& seat, const Assertion& assertion);
-  bool look_after(Seat& seat, Time now, bool somebody_is_missing);
+  Time newcomer_at() const { return ear_.newcomer_at(); }
+  Time look_after(Seat& seat, Time now, bool somebody_is_missing);
 
  private:
   Result<void> join_the_program(std::uint32_t domain) SFT_REQUIRES(mutex_);

@@ -6,6 +6,7 @@
 
 #include "core/control/names.h"
 #include "core/node/topics.h"
+#include "core/node/type_search.h"
 #include "core/platform/clock.h"
 #include "core/platform/network_id.h"
 #include "core/platform/random_id.h"
@@ -17,9 +18,6 @@ using namespace std::chrono_literals;
 
 namespace {
 constexpr std::chrono::seconds complaint_pause{1};
-/// A type is looked for so long among publishers only: all nodes that ask for types would have to tell each
-/// other of their subscribers else.
-constexpr std::chrono::seconds publishers_first{1};
 }  // namespace
 
 Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Parts parts) {
@@ -240,19 +238,19 @@ void NodeCore::hear_everybody() {
 
 Result<DynamicType> NodeCore::find_type(std::string_view topic, std::chrono::nanoseconds timeout) {
   topic = without_slash(topic);
-  const auto deadline = deadline_after(timeout);
-  const auto first_deadline = deadline_after(publishers_first);
-  bool hears_all = timeout <= publishers_first || agent_.is_current_thread();
+  // The agent cannot wait for what it would itself bring about.
+  const bool may_wait = !agent_.is_current_thread();
+  const Time begun = std::chrono::steady_clock::now();
+  TypeSearch search(begun, may_wait ? deadline_after(timeout) : begun);
   for (;;) {
     const std::uint64_t seen = endpoints_changed_.value();
-    ask_agent([&] { hears_all ? hear_everybody() : hear(Role::writer); });
+    ask_agent([&] { search.hears_readers() ? hear_everybody() : hear(Role::writer); });
     // Everything that discovery knows already has come to the agent meanwhile.
     Result<DynamicType> type = ask_agent([&] { return type_of(topic, reconciler_->endpoints()); });
-    // The agent cannot wait for what it would itself bring about.
-    const bool may_come = !type && type.error().code == Errc::unavailable && !agent_.is_current_thread();
+    const bool may_come = !type && type.error().code == Errc::unavailable && may_wait;
     if (!may_come) return type;
-    if (endpoints_changed_.wait_beyond(seen, hears_all ? deadline : first_deadline)) continue;
-    if (std::exchange(hears_all, true)) return type;
+    if (endpoints_changed_.wait_beyond(seen, search.waits_until())) continue;
+    if (!search.goes_on(std::chrono::steady_clock::now(), discovery_->newcomer_at())) return type;
   }
 }
 

@@ -137,9 +137,9 @@ std::chrono::milliseconds Reconciler::tick(Time now) {
   settle();
   hurried_ticks_ = look_after_connections() ? hurried_ticks_ + 1 : 0;
   watch_promises(now);
-  const bool discovery_is_busy = discovery_.look_after(now, negotiation_.table().misses_somebody());
+  discovery_looks_at_ = discovery_.look_after(now, negotiation_.table().misses_somebody());
   const bool misses_memory = context_.memory != nullptr && !transports_.memory_ready();
-  if (discovery_is_busy || (misses_memory && !discovery_.is_calm(now)) || !departing_.empty() ||
+  if ((misses_memory && !discovery_.is_calm(now)) || !departing_.empty() ||
       has_to_be_watched(negotiation_, ours_))
     tick_pace_.stirred(now);
   reconcile();
@@ -225,8 +225,9 @@ void Reconciler::tell_of_life(std::vector<EndpointId> living, Time now) {
 std::chrono::milliseconds Reconciler::pace(Time now) const {
   const bool is_calm = discovery_.is_calm(now);
   std::chrono::nanoseconds pace = std::min(tick_pace_.next(now), life_.until_next(is_calm, now));
-  if (const Time next = transports_.next_look_at_network(); next - now < pace)
-    pace = std::chrono::ceil<std::chrono::milliseconds>(next - now);
+  for (const Time next : {transports_.next_look_at_network(), discovery_looks_at_}) {
+    if (next - now < pace) pace = std::chrono::ceil<std::chrono::milliseconds>(next - now);
+  }
   for (const auto& [id, writer] : ours_.writers) pace = std::min(pace, writer.pace().value_or(pace));
   for (const auto& [id, reader] : ours_.readers) pace = reader.pace(pace);
   return std::max(std::chrono::duration_cast<std::chrono::milliseconds>(pace), tick_shortest);

@@ -97,9 +97,10 @@ class Reconciler {
   AccountDesk accounts_;
   OwnLife life_;
   TickPace tick_pace_;
-  Time held_up_at_{};      ///< when a callback that takes long was seen last
-  bool dirty_ = false;     ///< something changed that reconcile() has not seen
-  int hurried_ticks_ = 0;  ///< in a row, because some reader waits for its connection
+  Time discovery_looks_at_{};  ///< the next time, at the latest
+  Time held_up_at_{};          ///< when a callback that takes long was seen last
+  bool dirty_ = false;         ///< something changed that reconcile() has not seen
+  int hurried_ticks_ = 0;      ///< in a row, because some reader waits for its connection
   std::atomic<std::uint64_t> control_ignored_{0};
 };
 

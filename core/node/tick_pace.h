@@ -1,10 +1,10 @@
 // Decides how often a node looks after what does not tell of itself, like connections in shared memory and
 // calls that were tried in vain. A look costs a wake-up and some calls of the system, which is most of what
-// an idle node costs. So looks are frequent while something happens that they may be needed for, and for a
-// while afterwards, and seldom otherwise: also where discovery is not calm, since what it waits for comes
-// once or twice in a second. Pure.
+// an idle node costs. So looks are frequent while something happens that they may be needed for, and become
+// rarer afterwards: also where discovery is not calm, which says itself when it has to be looked after. Pure.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <optional>
 
@@ -16,13 +16,14 @@ class TickPace {
  public:
   static constexpr std::chrono::milliseconds pause{50};
   static constexpr std::chrono::milliseconds pause_in_calm{200};
-  static constexpr std::chrono::seconds calm_after{2};
 
   /// Something happens that has to be looked after.
   void stirred(Time now) { stirred_ = now; }
-  /// Returns the time until the next look.
+  /// Returns the time until the next look, which grows with the time for which nothing has happened.
   std::chrono::milliseconds next(Time now) const {
-    return stirred_ && now - *stirred_ < calm_after ? pause : pause_in_calm;
+    if (!stirred_) return pause_in_calm;
+    const auto half = std::chrono::duration_cast<std::chrono::milliseconds>((now - *stirred_) / 2);
+    return std::clamp(half, pause, pause_in_calm);
   }
 
  private:

@@ -94,8 +94,9 @@ class Node {
   // For programs that were not compiled with the type of a topic (dynamic.h).
 
   /// Waits until a publisher of the topic has announced the type, or a subscriber if no publisher comes
-  /// within a second. The error says what was seen instead. Not for callbacks, because it would block the
-  /// node (in on_readers_changed it does not wait).
+  /// within a second, or longer while other processes are still being discovered. The error says what was
+  /// seen instead. Not for callbacks, because it would block the node (in on_readers_changed it does not
+  /// wait).
   Result<DynamicType> find_type(std::string_view topic, std::chrono::nanoseconds timeout);
   /// All topics that are known at present, also those of this node.
   ///

@@ -80,11 +80,13 @@ class TestDiscovery final : public Discovery {
     return {};
   }
   void assert_liveliness(const Assertion& assertion) override { asserted.push_back(assertion); }
-  bool look_after(std::chrono::steady_clock::time_point, bool) override { return false; }
+  Time newcomer_at() const override { return {}; }
+  Time look_after(Time, bool) override { return next_look; }
   std::vector<Endpoint> announced;
   std::vector<Request> sent;
   std::vector<Assertion> asserted;
-  int failures = 0;  ///< to come
+  int failures = 0;              ///< to come
+  Time next_look = Time::max();  ///< as look_after() says
   bool calm = false;
 
  private:

@@ -13,19 +13,21 @@ TEST(TickPaceTest, LooksAreSeldomWhereNothingHasHappened) {
   EXPECT_EQ(TickPace().next(begin), TickPace::pause_in_calm);
 }
 
-TEST(TickPaceTest, LooksAreFrequentForAWhileAfterSomethingHasHappened) {
+TEST(TickPaceTest, LooksAreFrequentAfterSomethingHasHappenedAndBecomeRarer) {
   TickPace pace;
   pace.stirred(begin);
   EXPECT_EQ(pace.next(begin), TickPace::pause);
-  EXPECT_EQ(pace.next(begin + TickPace::calm_after - 1ms), TickPace::pause);
-  EXPECT_EQ(pace.next(begin + TickPace::calm_after), TickPace::pause_in_calm);
+  EXPECT_EQ(pace.next(begin + 100ms), TickPace::pause);
+  EXPECT_EQ(pace.next(begin + 240ms), 120ms);
+  EXPECT_EQ(pace.next(begin + 400ms), TickPace::pause_in_calm);
+  EXPECT_EQ(pace.next(begin + 1h), TickPace::pause_in_calm);
 }
 
-TEST(TickPaceTest, TheWhileBeginsAnewWithEachEvent) {
+TEST(TickPaceTest, LooksAreFrequentAnewAfterEachEvent) {
   TickPace pace;
   pace.stirred(begin);
   pace.stirred(begin + 1s);
-  EXPECT_EQ(pace.next(begin + TickPace::calm_after + 500ms), TickPace::pause);
+  EXPECT_EQ(pace.next(begin + 1s), TickPace::pause);
 }
 
 }  // namespace
