@@ -54,7 +54,8 @@ int main(int argc, char** argv) {
        {"str_response", [&] { return response(scale); }},
        {"publish_to_64",
         [&] { return publish_to_64(scale); },
-        {"publish_returns", "publish_returns_asynchronous", "masks_64_allocations"}}});
+        {"publish_returns", "publish_returns_asynchronous", "publish_returns_others_wait",
+         "masks_64_allocations"}}});
   program.options().add_flag_callback(
       "--quick", [&] { shorten(scale); }, "one short round of each contender");
   if (const auto code = program.parse(argc, argv)) return *code;

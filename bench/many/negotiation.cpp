@@ -33,9 +33,11 @@ std::vector<Figure> publish_to_64(const ManyScale& scale) {
   returns.bound = 1.5;
   Figure asynchronous = found(figures, "publish_64_asynchronous");
   asynchronous.name = "publish_returns_asynchronous";
+  Figure others_wait = found(figures, "publish_64_others_wait");
+  others_wait.name = "publish_returns_others_wait";
   Figure allocations = found(figures, "publish_64_masks_allocations");
   allocations.name = "masks_64_allocations";
-  return {returns, asynchronous, allocations};
+  return {returns, asynchronous, others_wait, allocations};
 }
 
 }  // namespace sft::bench

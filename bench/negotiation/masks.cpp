@@ -102,13 +102,17 @@ void publish(Exchange& exchange, std::uint64_t samples, bool asynchronous, Costs
   exchange.sent = 1;
 }
 
-void subscribe(Exchange& exchange, Fields fields) {
-  Node node = Node::open(udp_node_options("subscriber")).value();
-  const DynamicType type = node.find_type("points", std::chrono::seconds(5)).value();
+/// Each of the nodes, which are served separately, has as many of the readers.
+void subscribe(Exchange& exchange, Fields fields, std::size_t nodes_asking) {
   const auto count = [&](const DynamicSample&) { exchange.received.fetch_add(1); };
+  std::vector<Node> nodes;
   std::vector<DynamicSubscriber> subscribers;
-  for (std::size_t i = 0; i < readers_asking; ++i)
-    subscribers.push_back(node.subscriber("points", type, fields(i), {}, count).value());
+  for (std::size_t i = 0; i < readers_asking; ++i) {
+    if (nodes.size() * readers_asking <= i * nodes_asking)
+      nodes.push_back(Node::open(udp_node_options("subscriber")).value());
+    const DynamicType type = nodes.back().find_type("points", std::chrono::seconds(5)).value();
+    subscribers.push_back(nodes.back().subscriber("points", type, fields(i), {}, count).value());
+  }
   while (exchange.sent.load() == 0 && !exchange.failed.load()) sleep_us(10'000);
 }
 
@@ -116,6 +120,7 @@ struct Contender {
   Fields fields;
   std::uint64_t samples;
   bool asynchronous = false;
+  std::size_t nodes = 1;  ///< of the readers
   Rounds times{};
   double allocations = 0;  ///< per sample, in the worst round
   std::vector<double> copies_us{};
@@ -124,7 +129,7 @@ struct Contender {
     const Shared<Costs> costs;
     const std::uint64_t n = samples;
     times.add(run_pair(hosts.sides([&, n](Exchange& e) { publish(e, n, asynchronous, *costs); },
-                                   [this](Exchange& e) { subscribe(e, fields); }),
+                                   [this](Exchange& e) { subscribe(e, fields, nodes); }),
                        n));
     allocations = std::max(allocations, costs->allocations);
     copies_us.push_back(costs->copy_us);
@@ -136,14 +141,17 @@ struct Contender {
 std::vector<Figure> publish_64_masks(const Scale& scale) {
   const TwoHosts hosts;
   Contender one{equal_fields_and_data, 60}, handed_over{equal_fields_and_data, 60, true};
+  Contender others_wait{equal_fields_and_data, 60, false, 2};
   Contender all{own_fields_and_data, 20}, most{mostly_small_fields, 60};
   for (int round = 0; round < scale.rounds; ++round) {
-    for (Contender* contender : {&one, &handed_over, &all, &most}) contender->run(hosts);
+    for (Contender* contender : {&one, &handed_over, &others_wait, &all, &most}) contender->run(hosts);
   }
   const char* reference = "the same readers, one mask";
   return {{"publish_64_masks", all.times.p50(), "us", one.times.p50(), reference, 2},
           {"publish_64_one_mask", one.times.p50(), "us", median(one.copies_us), "memcpy of the data", {}},
           {"publish_64_asynchronous", handed_over.times.p50(), "us", median(handed_over.copies_us),
+           "memcpy of the data", 1.5},
+          {"publish_64_others_wait", others_wait.times.p50(), "us", median(others_wait.copies_us),
            "memcpy of the data", 1.5},
           {"publish_64_mixed", most.times.p50(), "us", one.times.p50(), reference, 2},
           {"publish_64_masks_allocations", all.allocations, "", {}, "per sample, in all threads", 0},
