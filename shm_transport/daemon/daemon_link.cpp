@@ -19,8 +19,8 @@ using core::Availability;
 // The pause after a successful start of a daemon. The daemon may be killed, or end by itself, as soon as it
 // is ready. This pause does not grow, because nothing was in the way of the start.
 constexpr std::chrono::milliseconds pause_after_a_start{500};
-// From the beginning of a failed start to that of the next one, if an obstacle is gone. It limits the
-// attempts that a process can cause which makes and removes such files again and again.
+// The pause after a failed start if an obstacle is gone. It limits the attempts that a process can cause
+// which makes and removes such files again and again.
 constexpr std::chrono::milliseconds shortest_pause_of_launches{200};
 
 /// Returns sft_<prefix>_<pid>_<random>. The name must be unique among the processes that a daemon serves.
@@ -121,15 +121,14 @@ void DaemonLink::await_host_file(const ShmOptions& options, Clock::time_point no
 /// attempt is gone.
 bool DaemonLink::may_launch(Clock::time_point now) const {
   if (launching_.due(now)) return true;
-  return failed_launch_begun_at_ && now >= *failed_launch_begun_at_ + shortest_pause_of_launches &&
+  return launch_failed_at_ && now >= *launch_failed_at_ + shortest_pause_of_launches &&
          LaunchObstacles::look(files_of_daemon_).have_eased_since(obstacles_);
 }
 
 void DaemonLink::launch(const ShmOptions& options, Clock::time_point now) {
   if (files_of_daemon_.empty()) files_of_daemon_ = files_of_own_daemon();
   obstacles_ = LaunchObstacles::look(files_of_daemon_);
-  failed_launch_begun_at_.reset();
-  launch_begun_at_ = now;
+  launch_failed_at_.reset();
   auto launched = DaemonLaunch::begin(options);
   if (!launched) return give_up(launching_, launched.error().message, now);
   launch_.emplace(std::move(*launched));
@@ -158,7 +157,7 @@ void DaemonLink::await_launch(const ShmOptions& options, Clock::time_point now) 
 /// What came in the way while sftd started counts as an obstacle, too, because it may have stopped sftd.
 void DaemonLink::give_up_launch(const std::string& reason, Clock::time_point now) {
   obstacles_.add(LaunchObstacles::look(files_of_daemon_));
-  failed_launch_begun_at_ = launch_begun_at_;
+  launch_failed_at_ = now;
   give_up(launching_, reason, now);
 }
 

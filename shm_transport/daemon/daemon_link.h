@@ -68,9 +68,8 @@ class DaemonLink {
   core::Retry launching_;
   std::vector<std::string> files_of_daemon_;  ///< set before the first attempt to start a daemon
   LaunchObstacles obstacles_;                 ///< obstacles to the last attempt to start a daemon
-  Clock::time_point launch_begun_at_{};
-  /// When the last attempt began; set if it failed, perhaps because of obstacles.
-  std::optional<Clock::time_point> failed_launch_begun_at_;
+  /// The time of the last failed attempt; set if obstacles may be the reason of the failure.
+  std::optional<Clock::time_point> launch_failed_at_;
   core::Retry registering_;  ///< attempts to register with the daemon of registered_with_; a new daemon is
                              ///< tried at once
   std::array<std::uint8_t, 16> registered_with_{};  ///< the token of that daemon
