@@ -1,6 +1,6 @@
-// Measures how much 64 readers on another host cost the publishing thread if each asks for other fields: the
-// time until publish() of a large sample returns while no other sample is being sent, and the number of
-// allocations.
+// Measures how much 64 readers on another host cost the publishing thread if each asks for other fields, and
+// if all ask for the same, in one node or in two: the time until publish() of a large sample returns while no
+// other sample is being sent, and the number of allocations.
 #include <sft/sft.h>
 #include <cstring>
 #include <numeric>

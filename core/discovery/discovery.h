@@ -57,8 +57,8 @@ class Discovery {
   /// Tells that this node lives, and which of our writers do. The message may get lost; to be called at least
   /// after each pause of the life signs, which is longer in calm.
   virtual void assert_liveliness(const Assertion& assertion) = 0;
-  /// When another process was heard for the first time last; Time{} if none was. What it announces may be yet
-  /// to come. Any thread.
+  /// When the latest newcomer among other processes was heard first; Time{} if there was none. What it
+  /// announces may be yet to come. Any thread.
   virtual Time newcomer_at() const = 0;
   /// To be called often: takes interfaces into use and out of use, and lets nodes that have not heard of us,
   /// or have lost us, find us. Cyclone does that by itself every now and then. Returns when this node has to

@@ -120,8 +120,10 @@ DiscoveryEar::Deafness DiscoveryEar::look_for_deafness(std::chrono::milliseconds
   const Lock lock(mutex_);
   for (const Speaker& by : std::exchange(complaints_, {}))
     deafness.complaints_about_us.emplace(by.link, called(merge_.node_name(hearing_.node_of(by))));
-  if (!hearing_.wants_look(now)) return deafness;
-  for (const HearingWatch::Deaf& deaf : hearing_.look(merge_.digests(), participant_lease, now)) {
+  std::vector<HearingWatch::Deaf> found;
+  if (hearing_.wants_look(now)) found = hearing_.look(merge_.digests(), participant_lease, now);
+  deafness.next_look = hearing_.next_look_in_doubt();
+  for (const HearingWatch::Deaf& deaf : found) {
     switch (deaf.remedy) {
       case HearingWatch::Remedy::complaint:
         if (deafness.complaints[deaf.link].size() < complaints_max)
@@ -188,16 +190,15 @@ void DiscoveryEar::node_unheard(LinkId link, NodeId id) {
 }
 
 void DiscoveryEar::participant_came(const Speaker& speaker) {
-  const Time now = time_();
   newcomer_ = true;
-  newcomer_at_.store(now, std::memory_order_relaxed);
   const Lock lock(mutex_);
-  hearing_.participant_came(speaker, now);
+  hearing_.participant_came(speaker, time_());
 }
 
 void DiscoveryEar::participant_speaks(const Speaker& speaker) {
   const Lock lock(mutex_);
-  hearing_.participant_speaks(speaker, time_());
+  const Time now = time_();
+  if (hearing_.participant_speaks(speaker, now)) newcomer_at_.store(now, std::memory_order_relaxed);
 }
 
 void DiscoveryEar::other_release_seen(const Speaker& speaker, std::uint32_t version) {

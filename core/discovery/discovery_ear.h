@@ -47,7 +47,7 @@ class DiscoveryEar final : public LinkListener {
   void hears(Role role, Time now);
   /// True if a participant was heard for the first time since this was called last.
   bool take_newcomer() { return newcomer_.exchange(false); }
-  /// When a participant was heard for the first time last; Time{} if none was. Any thread.
+  /// When the latest newcomer with our mark was heard first; Time{} if there was none. Any thread.
   Time newcomer_at() const { return newcomer_at_.load(std::memory_order_relaxed); }
   struct AfterTick {
     SignPace signs;                     ///< whether signs of life have to be frequent
@@ -76,6 +76,7 @@ class DiscoveryEar final : public LinkListener {
     std::map<LinkId, std::string> complaints_about_us;
     std::map<LinkId, std::vector<AnnouncerId>> complaints;  ///< to be made, about these participants
     std::vector<DeafLink> renewals;                         ///< links that have to be made anew
+    Time next_look = Time::max();  ///< at the latest; Time::max() if it need not be soon
   };
   /// Looks for participants that are there but not heard. `participant_lease`: as of HearingWatch::look().
   Deafness look_for_deafness(std::chrono::milliseconds participant_lease, Time now);

@@ -6,7 +6,8 @@ namespace sft::core {
 
 namespace {
 constexpr std::chrono::milliseconds pause_first{50};
-constexpr std::chrono::milliseconds pause_max{12'800};
+constexpr int growth = 4;
+constexpr std::chrono::milliseconds pause_end{10'000};  // a longer pause is the end
 constexpr std::chrono::seconds pause_while_missing{1};
 constexpr std::chrono::milliseconds after_newcomer{100};
 constexpr std::chrono::seconds pause_between_newcomers{1};
@@ -15,6 +16,7 @@ constexpr std::chrono::seconds pause_between_newcomers{1};
 void Greetings::begin(Time now) {
   pause_ = pause_first;
   next_ = now + pause_;
+  last_ = now;
 }
 
 void Greetings::newcomer(Time now) {
@@ -22,20 +24,16 @@ void Greetings::newcomer(Time now) {
 }
 
 bool Greetings::due(Time now, bool somebody_is_missing) {
-  const bool at_the_end = pause_ == pause_max;
-  const bool in_turn = now >= next_ && (!at_the_end || somebody_is_missing);
-  if (!in_turn && (!for_newcomer_ || now < *for_newcomer_)) return false;
+  const bool missed_for_long = somebody_is_missing && now >= last_ + pause_while_missing;
+  if (now < next() && !missed_for_long) return false;
   for_newcomer_.reset();
   last_ = now;
-  if (!in_turn) return true;
-  pause_ = std::min(4 * pause_, pause_max);
-  next_ =
-      now + (somebody_is_missing ? std::min<std::chrono::milliseconds>(pause_, pause_while_missing) : pause_);
+  if (now < next_) return true;
+  pause_ *= growth;
+  next_ = pause_ < pause_end ? now + pause_ : Time::max();
   return true;
 }
 
-Time Greetings::next() const {
-  return std::min(pause_ == pause_max ? Time::max() : next_, for_newcomer_.value_or(Time::max()));
-}
+Time Greetings::next() const { return std::min(next_, for_newcomer_.value_or(Time::max())); }
 
 }  // namespace sft::core

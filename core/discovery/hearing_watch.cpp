@@ -41,7 +41,7 @@ constexpr milliseconds complaint_patience{1500}, complaint_pause{400};
 constexpr milliseconds complaint_spread{2};
 /// A participant whose node has come anew is gone by then.
 constexpr std::chrono::seconds goes_within{60};
-constexpr milliseconds look_pause{500}, look_pause_in_doubt{100};
+constexpr milliseconds look_pause_in_doubt{100};
 /// A look in doubt costs more where there are more participants, and is as much rarer there.
 constexpr milliseconds look_pause_for_each{5};
 /// A speaker counts as heard on a link for so long after it was. Signs of life come more often.
@@ -206,10 +206,8 @@ bool HearingWatch::is_hopeless(AnnouncerId participant) const {
   return known != participants_.end() && !known->second.has_agreed && known->second.tries >= tries_max;
 }
 
-bool HearingWatch::wants_look(Time now) const {
-  const milliseconds in_doubt =
-      std::clamp<milliseconds>(look_pause_for_each * ears_.size(), look_pause_in_doubt, look_pause);
-  return now - looked_ >= (looks_often_ ? in_doubt : look_pause);
+milliseconds HearingWatch::pause_in_doubt() const {
+  return std::clamp<milliseconds>(look_pause_for_each * ears_.size(), look_pause_in_doubt, look_pause);
 }
 
 /// True if a node of the speaker is heard as it should be by another participant on the link, since its

@@ -54,7 +54,10 @@ class HearingWatch {
   bool is_replaced_by(LinkId before, LinkId after, Time now) const;
   void participant_came(const Speaker& speaker, Time now);
   /// The participant has the mark of nodes that understand each other, and is expected to say something.
-  void participant_speaks(const Speaker& speaker, Time now) { (void)ear_of(speaker, now); }
+  /// Returns false if that was known.
+  bool participant_speaks(const Speaker& speaker, Time now) {
+    return !ears_.contains(speaker) && ear_of(speaker, now) != nullptr;
+  }
   void participant_departed(const Speaker& speaker);
   /// A reader or writer of the participant's control topics is there from now on, or is not any more.
   void endpoint_matched(const Speaker& speaker);
@@ -85,7 +88,9 @@ class HearingWatch {
   /// of life said something else than was known before it.
   bool may_miss_something() const { return may_miss_something_; }
   /// True if look() is due: twice a second, and more often while something may be missing.
-  bool wants_look(Time now) const;
+  bool wants_look(Time now) const { return now >= looked_ + (looks_often_ ? pause_in_doubt() : look_pause); }
+  /// When look() is due while something may be missing; Time::max() if nothing is.
+  Time next_look_in_doubt() const { return looks_often_ ? looked_ + pause_in_doubt() : Time::max(); }
   /// Finds what is missing. `known`: digests of what is known of each speaker. `participant_lease`: Cyclone
   /// forgets a participant of which nothing comes for so long. A renewal is told until something changes, for
   /// each link once.
@@ -93,6 +98,7 @@ class HearingWatch {
                          std::chrono::milliseconds participant_lease, Time now);
 
  private:
+  static constexpr std::chrono::milliseconds look_pause{500};
   struct Link {
     Time newcomer{};  ///< when somebody came to the link
     std::optional<LinkId> replaced_by{};
@@ -129,6 +135,7 @@ class HearingWatch {
   static constexpr std::size_t nodes_max = 1024;  ///< of a speaker; more may be made up
 
   Ear* ear_of(const Speaker& speaker, Time now);
+  std::chrono::milliseconds pause_in_doubt() const;
   bool is_told_of_more(const Speaker& speaker, const Ear& ear) const;
   bool is_hopeless(AnnouncerId participant) const;
   bool is_behind(const Ear& ear, Time newcomer, Time now) const;

@@ -233,8 +233,7 @@ Time JointDiscovery::look_after(Seat& seat, Time now, bool somebody_is_missing) 
     seat.misses_somebody = somebody_is_missing;
     if (last_look_.by == &seat || now >= last_look_.at + one_looks_for) {
       last_look_ = {&seat, now};
-      look_after_links(now);
-      next = now < asserts_often_until_ ? now + assert_pause : greetings_.next();
+      next = look_after_links(now);
     }
     reports = std::exchange(seat.reports, {});
   }
@@ -244,28 +243,33 @@ Time JointDiscovery::look_after(Seat& seat, Time now, bool somebody_is_missing) 
   return next;
 }
 
-void JointDiscovery::look_after_links(Time now) {
+/// Returns when it has to be called again at the latest.
+Time JointDiscovery::look_after_links(Time now) {
   if (watches_ && (watch_.changed() || now >= next_look_)) look_at_interfaces(now);
   if (ear_.take_newcomer()) greetings_.newcomer(now);
   if (greetings_.due(now, std::ranges::any_of(seats_, &Seat::misses_somebody)))
     links_.each([](DiscoveryLink& link) { link.greet(); });
   links_.retire(now);
-  if (now < asserts_often_until_) {
+  if (now < after_renewal_.until && now >= after_renewal_.next) {
+    after_renewal_.next = now + assert_pause;
     const auto living = [&](const ProcessNodes& nodes, const auto&) {
       return nodes.living(now - life_signs_.pause_in_calm);
     };
     for (const NodeId node : ear_.with_nodes(living)) write({.node = node, .writers = {}});
   }
-  if (watches_) mend_links(now);
+  Time next = watches_ ? mend_links(now) : Time::max();
   for (std::string& renewal : links_.take_renewals())
     report({&DiscoveryListener::link_was_deaf, std::move(renewal)});
   if (std::optional<std::string> releases = ear_.take_other_releases(now))
     report({&DiscoveryListener::other_release_found, std::move(*releases)});
-  if (now < next_merge_) return;
-  const DiscoveryEar::AfterTick after = ear_.tick(now);
-  pace_ = after.signs;
-  calm_from_ = std::max(own_pace_.calm_from(), pace_.calm_from());
-  next_merge_ = now + after.pause;
+  if (now >= next_merge_) {
+    const DiscoveryEar::AfterTick after = ear_.tick(now);
+    pace_ = after.signs;
+    calm_from_ = std::max(own_pace_.calm_from(), pace_.calm_from());
+    next_merge_ = now + after.pause;
+  }
+  if (now < after_renewal_.until) next = std::min(next, after_renewal_.next);
+  return std::min(next, greetings_.next());
 }
 
 void JointDiscovery::report(const Report& report) {
@@ -344,8 +348,9 @@ void JointDiscovery::describe(const DesiredLinks& desired) {
   configuration_ = std::move(present);
 }
 
-/// Nothing of what others complain about holds for a link that is made anew.
-void JointDiscovery::mend_links(Time now) {
+/// Returns when it has to be called again at the latest. Nothing of what others complain about holds for a
+/// link that is made anew.
+Time JointDiscovery::mend_links(Time now) {
   const DiscoveryEar::Deafness deafness = ear_.look_for_deafness(config_.participant_lease, now);
   for (const auto& [id, by] : deafness.complaints_about_us)
     renew(id, by + " reports announcements in our name that we did not make", now);
@@ -353,12 +358,13 @@ void JointDiscovery::mend_links(Time now) {
   for (const auto& [deaf, why] : deafness.renewals) {
     if (renew(deaf.link, why, now)) ear_.was_renewed_for(deaf);
   }
+  return deafness.next_look;
 }
 
 bool JointDiscovery::renew(LinkId id, const std::string& why, Time now) {
   if (!links_.renew(id, why, now)) return false;
   greetings_.begin(now);
-  asserts_often_until_ = now + assert_often_for;
+  after_renewal_ = {.until = now + assert_often_for, .next = now};
   return true;
 }
 

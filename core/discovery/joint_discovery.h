@@ -78,8 +78,8 @@ class JointDiscovery {
   void withdraw_from_links(EndpointId id) SFT_REQUIRES(mutex_);
   void told_news() SFT_REQUIRES(mutex_);
   void write(Assertion assertion) SFT_REQUIRES(mutex_);
-  void look_after_links(Time now) SFT_REQUIRES(mutex_);
-  void mend_links(Time now) SFT_REQUIRES(mutex_);
+  Time look_after_links(Time now) SFT_REQUIRES(mutex_);
+  Time mend_links(Time now) SFT_REQUIRES(mutex_);
   bool renew(LinkId id, const std::string& why, Time now) SFT_REQUIRES(mutex_);
 
   const DdsConfig config_;
@@ -100,7 +100,10 @@ class JointDiscovery {
   Time next_look_ SFT_GUARDED_BY(mutex_){};
   Time next_merge_ SFT_GUARDED_BY(mutex_){};
   std::vector<HostInterface> interfaces_ SFT_GUARDED_BY(mutex_);
-  Time asserts_often_until_ SFT_GUARDED_BY(mutex_){};
+  struct FrequentSigns {
+    Time until{}, next{};
+  };
+  FrequentSigns after_renewal_ SFT_GUARDED_BY(mutex_);
   std::list<Seat> seats_ SFT_GUARDED_BY(mutex_);
   OwnAnnouncements own_ SFT_GUARDED_BY(mutex_);
   SignPace own_pace_ SFT_GUARDED_BY(mutex_);  ///< after what the nodes of this process have told

@@ -106,7 +106,7 @@ bool LocalWriter::look_after_reach(Time now) {
 bool LocalWriter::look_after_history() {
   core_->expire_history();
   core_->give_history();
-  if (!in_force_ || !in_force_->history_owed) return false;
+  if (!owes_history()) return false;
   bool changed = false;
   const std::set<EndpointId> before = std::exchange(history_sent_, {});
   for (const Route& route : in_force_->network) {

@@ -39,6 +39,8 @@ class LocalWriter {
   bool drop_memory();
   /// True if some reader is served in shared memory.
   bool uses_memory() const { return in_force_ && !in_force_->memory.empty(); }
+  /// True if some reader is still being given retained samples.
+  bool owes_history() const { return in_force_ && in_force_->history_owed; }
   /// True if the port could not be opened and may be tried again.
   bool may_try_again(Time now) const { return node_.attempts.may_retry_in_memory(opening_memory_, now); }
 

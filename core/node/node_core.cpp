@@ -249,8 +249,10 @@ Result<DynamicType> NodeCore::find_type(std::string_view topic, std::chrono::nan
     Result<DynamicType> type = ask_agent([&] { return type_of(topic, reconciler_->endpoints()); });
     const bool may_come = !type && type.error().code == Errc::unavailable && may_wait;
     if (!may_come) return type;
-    if (endpoints_changed_.wait_beyond(seen, search.waits_until())) continue;
-    if (!search.goes_on(std::chrono::steady_clock::now(), discovery_->newcomer_at())) return type;
+    const bool has_news = endpoints_changed_.wait_beyond(seen, search.waits_until());
+    const Time now = std::chrono::steady_clock::now();
+    if (has_news && now < search.waits_until()) continue;
+    if (!search.goes_on(now, discovery_->newcomer_at())) return type;
   }
 }
 

@@ -20,14 +20,11 @@ class OwnLife {
 
   /// True if the last sign of life is a pause ago. In calm the pause is longer, unless signs tell of
   /// accounts.
-  bool is_sign_due(bool is_calm, Time now) const {
-    if (has_newcomer_ && now - newcomers_told_at_ >= newcomers_pause) return true;
-    return now - told_at_ >= pause(is_calm, now);
-  }
+  bool is_sign_due(bool is_calm, Time now) const { return now >= next(is_calm, now); }
   /// The time until the next sign. It is not a tick later: a node that says nothing for a little longer than
   /// the pause in calm counts as silent.
   std::chrono::milliseconds until_next(bool is_calm, Time now) const {
-    return std::chrono::ceil<std::chrono::milliseconds>(told_at_ + pause(is_calm, now) - now);
+    return std::chrono::ceil<std::chrono::milliseconds>(next(is_calm, now) - now);
   }
   /// A sign of life is due at once, or soon if another newcomer has just been given one: where many nodes
   /// start, one sign serves several. Without it a newcomer would not notice the end of this node.
@@ -40,6 +37,10 @@ class OwnLife {
   static constexpr std::chrono::seconds tells_accounts_for{3};
   static constexpr std::chrono::milliseconds newcomers_pause{500};
 
+  Time next(bool is_calm, Time now) const {
+    const Time in_turn = told_at_ + pause(is_calm, now);
+    return has_newcomer_ ? std::min(in_turn, newcomers_told_at_ + newcomers_pause) : in_turn;
+  }
   std::chrono::milliseconds pause(bool is_calm, Time now) const {
     const bool is_long = is_calm && now - accounts_told_at_ >= tells_accounts_for;
     return is_long ? signs_.pause_in_calm : signs_.pause;

@@ -16,7 +16,9 @@ constexpr int hurried_ticks_max = 1000;  // a connection that takes longer is no
 /// or a callback may take long.
 bool has_to_be_watched(const Negotiation& negotiation, const LocalEndpoints& ours) {
   return negotiation.table().misses_somebody() ||
-         std::ranges::any_of(ours.writers, [](const auto& item) { return item.second.uses_memory(); }) ||
+         std::ranges::any_of(
+             ours.writers,
+             [](const auto& item) { return item.second.uses_memory() || item.second.owes_history(); }) ||
          std::ranges::any_of(ours.readers, [&](const auto& item) {
            return item.second.core().is_called_back() ||
                   !negotiation.local(item.first)->request.attached.empty();

@@ -1,6 +1,6 @@
 // Decides from when on a node that looks for the type of a topic listens to readers, too. Publishers tell the
-// type as well, and who has begun to hear the readers of the domain always does: if all nodes that look for
-// types did so, they would have to tell each other of all their subscribers. Pure.
+// type as well, and a node that has begun to hear all readers never stops: if all nodes that look for types
+// did so, they would have to tell each other of all their subscribers. Pure.
 #pragma once
 
 #include <algorithm>
@@ -14,12 +14,15 @@ class TypeSearch {
  public:
   /// A publisher that is there has been heard by then.
   static constexpr std::chrono::seconds publishers_first{1};
+  /// However many processes start, readers are heard after this time, or half of the time that there is.
+  static constexpr std::chrono::seconds readers_after{5};
 
   TypeSearch(Time now, Time deadline)
       : deadline_(deadline),
         hears_readers_(deadline - now <= publishers_first),
         readers_at_(now + publishers_first),
-        readers_at_last_(std::max(readers_at_, deadline - publishers_first)) {}
+        readers_at_last_(
+            std::max(readers_at_, now + std::min<Time::duration>(readers_after, (deadline - now) / 2))) {}
 
   bool hears_readers() const { return hears_readers_; }
   /// The time until which the next news are waited for.

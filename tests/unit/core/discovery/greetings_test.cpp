@@ -49,6 +49,13 @@ TEST_F(GreetingsTest, SayThatANewcomerIsToBeGreeted) {
   EXPECT_EQ(greetings.next(), Time::max());
 }
 
+TEST_F(GreetingsTest, ComeWithinASecondOfWhenSomebodyIsMissedHoweverLongThePauseIs) {
+  within(2s);  // the next one comes at 4250 ms
+  EXPECT_THAT(within(500ms, true), ElementsAre(2050));
+  within(3s);
+  EXPECT_THAT(within(2s, true), ElementsAre(5500, 6500));
+}
+
 TEST_F(GreetingsTest, GoOnEachSecondWhileSomebodyIsMissing) {
   within(100s);
   EXPECT_EQ(within(32s, true).size(), 32U);

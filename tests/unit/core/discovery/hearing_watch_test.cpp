@@ -232,9 +232,11 @@ TEST_F(HearingWatchTest, LooksMoreOftenWhileSomethingMayBeMissing) {
   passes(10s);
   EXPECT_FALSE(watch.wants_look(now + 400ms));
   EXPECT_TRUE(watch.wants_look(now + 500ms));
+  EXPECT_EQ(watch.next_look_in_doubt(), Time::max());
   watch.heard(its_peer, now);
   EXPECT_TRUE(watch.wants_look(now + 100ms));
   EXPECT_FALSE(watch.wants_look(now + 90ms));
+  EXPECT_EQ(watch.next_look_in_doubt(), now + 100ms);
   look();
   EXPECT_FALSE(watch.wants_look(now + 100ms));
   is_forged();
