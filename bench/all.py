@@ -46,7 +46,7 @@ def parse(words):
     parser.add_argument("--json", metavar="FILE", help="also write the figures or the comparison to this file")
     parser.add_argument("--report", metavar="FILE",
                         help="also write a page of HTML with figures and plots to this file; not with --against")
-    parser.add_argument("--data", metavar="DIR",
+    parser.add_argument("--keep", metavar="DIR",
                         help="also keep what pages and plots are made of in this folder, beside what earlier runs of "
                              "other benchmarks left there; not with --against")
     parser.add_argument("--time-limit", type=float, metavar="SECONDS",
@@ -64,8 +64,8 @@ def parse(words):
         for option in ("rounds", "fail_above"):
             if getattr(arguments, option) is not None:
                 parser.error(f"--{option.replace('_', '-')} needs --against")
-    elif arguments.report or arguments.data:
-        parser.error("--report and --data are for the figures of this tree; a comparison has none")
+    elif arguments.report or arguments.keep:
+        parser.error("--report and --keep are for the figures of this tree; a comparison has none")
     if arguments.rounds is None:
         arguments.rounds = benchmarks.QUICK_ROUNDS if arguments.quick else benchmarks.ROUNDS
     if arguments.rounds < 1:
@@ -255,6 +255,14 @@ def check_writable(path):
         raise trees.Refusal(f"cannot write {path}")  # before hours of measuring
 
 
+def check_kept(folder):
+    """Nothing is written among files of another kind, such as the recorded messages that a benchmark reads."""
+    check_writable(folder)
+    if folder and os.path.isdir(folder) and os.listdir(folder) and \
+            not os.path.isfile(os.path.join(folder, records.ABOUT)):
+        raise trees.Refusal(f"{folder} has other files than benchmarks keep; name another folder for --keep")
+
+
 def main(words, root=ROOT):
     arguments = parse(words)
     processes.adopt_orphans()
@@ -262,11 +270,11 @@ def main(words, root=ROOT):
     this = trees.Tree(root, "this tree")
     check_writable(arguments.json)
     check_writable(arguments.report)
-    check_writable(arguments.data)
+    check_kept(arguments.keep)
     regressions = []
     if arguments.against is None:
         with tempfile.TemporaryDirectory(prefix="sft_bench_") as folder:
-            kept = run_all(session, this, arguments.data or folder)
+            kept = run_all(session, this, arguments.keep or folder)
         result = kept.figures
     else:
         that = trees.check_out(root, arguments.against)

@@ -12,6 +12,8 @@ from dataclasses import dataclass, field
 
 import benchmarks
 
+ABOUT = "about.json"
+
 
 @dataclass
 class Records:
@@ -35,8 +37,8 @@ def keep(folder, name, figures, about, written):
     """`written`: the folder of options_for_files()."""
     os.makedirs(folder, exist_ok=True)
     write_json(os.path.join(folder, name + ".json"), figures)
-    all_about = read_json(os.path.join(folder, "about.json"), {})
-    write_json(os.path.join(folder, "about.json"), {**all_about, name: about})
+    all_about = read_json(os.path.join(folder, ABOUT), {})
+    write_json(os.path.join(folder, ABOUT), {**all_about, name: about})
     _, path, files = benchmarks.FILES.get(name, (None, "", []))
     for file in files:
         found = next((one for one in (os.path.join(written, path, file), os.path.join(written, file))
@@ -50,7 +52,7 @@ def keep(folder, name, figures, about, written):
 def load(folder, names=None):
     """`names`: of these benchmarks only."""
     names = [benchmark.name for benchmark in benchmarks.ALL] if names is None else names
-    records = Records(about=read_json(os.path.join(folder, "about.json"), {}))
+    records = Records(about=read_json(os.path.join(folder, ABOUT), {}))
     for name in names:
         figures = read_json(os.path.join(folder, name + ".json"), None)
         if figures is not None:

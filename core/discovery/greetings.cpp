@@ -5,9 +5,9 @@
 namespace sft::core {
 
 namespace {
-constexpr std::chrono::milliseconds pause_first{50};
+constexpr std::chrono::milliseconds pause_first{37};  // so the last of four comes after 3.1 s
 constexpr int growth = 4;
-constexpr std::chrono::milliseconds pause_end{10'000};  // a longer pause is the end
+constexpr std::chrono::milliseconds pause_end{5000};  // a longer pause is the end
 constexpr std::chrono::seconds pause_while_missing{1};
 constexpr std::chrono::milliseconds after_newcomer{100};
 constexpr std::chrono::seconds pause_between_newcomers{1};

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Draws the plots of docs/performance.md from the figures in docs/plots/data.
 
-    ./run bench all --only NAME,NAME --data docs/plots/data    # measures anew
+    ./run bench all --only NAME,NAME --keep docs/plots/data    # measures anew
     docs/plots/draw.py                                         # draws all files
     docs/plots/draw.py --check                                 # only says whether the files show the figures
 """

@@ -316,8 +316,8 @@ echo '[]' >"$2"
 [[ $3 == --csv ]] && echo bytes,p50_us >"$4"
 """)
         data = os.path.join(self.root, "data")
-        self.assertEqual(self.run_all("--only", "udp", "--data", data), 0)
-        self.assertEqual(self.run_all("--only", "peers", "--data", data), 0)
+        self.assertEqual(self.run_all("--only", "udp", "--keep", data), 0)
+        self.assertEqual(self.run_all("--only", "peers", "--keep", data), 0)
         self.assertEqual(sorted(os.listdir(data)), ["about.json", "peers.csv", "peers.json", "udp.json"])
         with open(os.path.join(data, "about.json"), encoding="utf-8") as file:
             about = json.load(file)
@@ -326,6 +326,14 @@ echo '[]' >"$2"
         self.assertEqual(self.run_all("--only", "peers", "--", "--csv", own), 0)
         self.assertTrue(os.path.isfile(own))
         self.assertRegex(about["udp"]["date"], r"^\d{4}-\d\d-\d\d$")
+
+    def test_nothing_is_kept_among_files_of_another_kind(self):
+        self.bench("this", "udp", WRITES.format(value=10))
+        sources = os.path.join(self.root, "bench")
+        before = sorted(os.listdir(sources))
+        with self.assertRaisesRegex(trees.Refusal, "has other files than benchmarks keep"):
+            self.run_all("--only", "udp", "--keep", sources)
+        self.assertEqual(sorted(os.listdir(sources)), before)
 
 
 class ProcessesTest(unittest.TestCase):
