@@ -121,7 +121,10 @@ DiscoveryEar::Deafness DiscoveryEar::look_for_deafness(std::chrono::milliseconds
   for (const Speaker& by : std::exchange(complaints_, {}))
     deafness.complaints_about_us.emplace(by.link, called(merge_.node_name(hearing_.node_of(by))));
   std::vector<HearingWatch::Deaf> found;
-  if (hearing_.wants_look(now)) found = hearing_.look(merge_.digests(), participant_lease, now);
+  if (hearing_.wants_look(now)) {
+    found = hearing_.look(merge_.digests(), participant_lease, now);
+    merge_.end_what_was_lost_of(hearing_.nodes_known_whole(now));
+  }
   deafness.next_look = hearing_.next_look_in_doubt();
   for (const HearingWatch::Deaf& deaf : found) {
     switch (deaf.remedy) {

@@ -20,8 +20,6 @@ constexpr milliseconds look_pause_max{1200};
 constexpr milliseconds behind_after{1000}, behind_at_first_after{5000};
 /// A replaced link lags if it has not heard for so long what the link in its place has heard.
 constexpr milliseconds lags_after{300};
-/// Announcements and signs of life overtake each other by less than that.
-constexpr milliseconds overtaking{100};
 /// While nodes start, which takes so long, they may overtake each other by more.
 constexpr milliseconds start_takes{2000};
 /// What has to be waited for before somebody counts as behind is longer where there are many participants.
@@ -44,8 +42,6 @@ constexpr std::chrono::seconds goes_within{60};
 constexpr milliseconds look_pause_in_doubt{100};
 /// A look in doubt costs more where there are more participants, and is as much rarer there.
 constexpr milliseconds look_pause_for_each{5};
-/// A speaker counts as heard on a link for so long after it was. Signs of life come more often.
-constexpr milliseconds heard_lately{2500};
 
 }  // namespace
 
@@ -61,7 +57,7 @@ void HearingWatch::link_dropped(LinkId link) {
 bool HearingWatch::is_replaced_by(LinkId before, LinkId after, Time now) const {
   return std::ranges::all_of(ears_, [&](const auto& entry) {
     const auto& [speaker, ear] = entry;
-    if (speaker.link != before || !ear.has_spoken || now - ear.last > heard_lately) return true;
+    if (speaker.link != before || !ear.has_spoken || now - ear.last > Ear::heard_lately) return true;
     const auto there = ears_.find({after, speaker.participant});
     return there != ears_.end() && there->second.has_spoken;
   });
@@ -79,7 +75,7 @@ void HearingWatch::endpoint_unmatched(const Speaker& speaker, Time now) {
   ear->second.unmatched_at = now;
 }
 
-HearingWatch::Ear* HearingWatch::ear_of(const Speaker& speaker, Time now) {
+Ear* HearingWatch::ear_of(const Speaker& speaker, Time now) {
   if (!links_.contains(speaker.link)) return nullptr;
   const auto known = ears_.find(speaker);
   if (known != ears_.end()) return &known->second;
@@ -132,8 +128,8 @@ void HearingWatch::heard_life(const Speaker& speaker, NodeId node, std::uint32_t
     if (ear->nodes.size() < nodes_max) ear->nodes.insert(node);
     participants_[speaker.participant] = {.has_agreed = true, .tries = 0};
   }
-  ear->is_contradicted =
-      ear->has_agreed && digest == ear->shared && digest != ear->known && now - ear->changed > overtaking;
+  ear->is_contradicted = ear->has_agreed && digest == ear->shared && digest != ear->known &&
+                         now - ear->changed > Ear::overtaking;
   ear->overdue_since.reset();
 }
 
@@ -152,7 +148,7 @@ std::vector<HearingWatch::Deaf> HearingWatch::look(const std::map<Speaker, std::
   std::vector<Deaf> deaf;
   for (auto& [speaker, ear] : ears_) {
     looks_often_ |= ear.lives && ear.known != ear.told && now - ear.agreed < behind_at_first_after;
-    may_miss_something_ |= is_told_of_more(speaker, ear);
+    may_miss_something_ |= ear.is_told_of_more() && !is_hopeless(speaker.participant);
     const auto what = missing(speaker, ear, participant_lease, now);
     if (!what) {
       ear.missed_since.reset();
@@ -166,6 +162,14 @@ std::vector<HearingWatch::Deaf> HearingWatch::look(const std::map<Speaker, std::
     if (how && !is_told) deaf.push_back({speaker.link, speaker.participant, ear.node, *what, *how});
   }
   return deaf;
+}
+
+std::set<NodeId> HearingWatch::nodes_known_whole(Time now) const {
+  std::set<NodeId> nodes;
+  for (const auto& [speaker, ear] : ears_) {
+    if (ear.is_well(now)) nodes.insert(ear.nodes.begin(), ear.nodes.end());
+  }
+  return nodes;
 }
 
 void HearingWatch::note_known(const std::map<Speaker, std::uint32_t>& known, Time now) {
@@ -193,13 +197,6 @@ bool HearingWatch::is_a_sign_late(Time now) const {
   });
 }
 
-/// What came after the last sign is confirmed by the next one: if each change of a mask made signs frequent
-/// everywhere, they would hardly ever be seldom.
-bool HearingWatch::is_told_of_more(const Speaker& speaker, const Ear& ear) const {
-  return ear.lives && ear.told != ear.known && ear.last_life - ear.agreed > overtaking &&
-         !is_hopeless(speaker.participant);
-}
-
 /// Something else is wrong with the participant than the links by which it is heard.
 bool HearingWatch::is_hopeless(AnnouncerId participant) const {
   const auto known = participants_.find(participant);
@@ -216,10 +213,8 @@ bool HearingWatch::speaks_otherwise(const Speaker& speaker, const Ear& ear, Time
   const LinkId link = links_.at(speaker.link).replaced_by.value_or(speaker.link);
   return std::ranges::any_of(ears_, [&](const auto& entry) {
     const auto& [other, of_other] = entry;
-    const bool is_well = other.link == link && other != speaker && of_other.lives &&
-                         of_other.told == of_other.known && now - of_other.last_life < heard_lately;
     const auto has_too = [&](NodeId node) { return of_other.nodes.contains(node); };
-    return is_well &&
+    return other.link == link && other != speaker && of_other.is_well(now) &&
            ((ear.node != 0 && ear.node == of_other.node) || std::ranges::any_of(ear.nodes, has_too));
   });
 }

@@ -15,6 +15,7 @@
 #include <set>
 #include <vector>
 
+#include "core/discovery/ear.h"
 #include "core/discovery/speakers.h"
 #include "core/platform/clock.h"
 
@@ -96,6 +97,8 @@ class HearingWatch {
   /// each link once.
   std::vector<Deaf> look(const std::map<Speaker, std::uint32_t>& known,
                          std::chrono::milliseconds participant_lease, Time now);
+  /// The nodes that live, and whose announcements were all known at the last look: their signs say so.
+  std::set<NodeId> nodes_known_whole(Time now) const;
 
  private:
   static constexpr std::chrono::milliseconds look_pause{500};
@@ -107,36 +110,11 @@ class HearingWatch {
     bool has_agreed = false;  ///< everything that the participant had announced was known once
     unsigned tries = 0;
   };
-  struct Ear {
-    Time last;  ///< when anything of the participant, or the participant itself, came last
-    bool has_spoken = false;
-    bool has_agreed = false;
-    int unmatched = 0;  ///< endpoints that were withdrawn and did not come back
-    Time unmatched_at{};
-    NodeId node = 0;           ///< the one of the speaker that was heard last; it may be made up
-    std::set<NodeId> nodes{};  ///< those that were heard while both digests were equal, and live
-    bool lives = false;        ///< signs of life came, and Cyclone did not tell that they ended
-    Time last_life{};
-    std::chrono::milliseconds lease{};
-    std::uint32_t told = 0;    ///< the digest that the signs of life tell
-    std::uint32_t known = 0;   ///< the digest of what was known at the last look
-    std::uint32_t shared = 0;  ///< both digests, when they were equal last
-    Time agreed{};             ///< when both were equal, or what is known changed
-    Time changed{};            ///< when what is known changed
-    /// True if the signs of life still carry the digest from before the change: somebody else than the
-    /// speaker made the change.
-    bool is_contradicted = false;
-    std::optional<Time> overdue_since{};
-    std::optional<Time> missed_since{};
-    Time complain_at{};
-    std::optional<Time> disbelieved_since{};
-  };
   static constexpr std::size_t speakers_max = 4096;
   static constexpr std::size_t nodes_max = 1024;  ///< of a speaker; more may be made up
 
   Ear* ear_of(const Speaker& speaker, Time now);
   std::chrono::milliseconds pause_in_doubt() const;
-  bool is_told_of_more(const Speaker& speaker, const Ear& ear) const;
   bool is_hopeless(AnnouncerId participant) const;
   bool is_behind(const Ear& ear, Time newcomer, Time now) const;
   std::optional<Missing> missing(const Speaker& speaker, Ear& ear,

@@ -173,6 +173,18 @@ void LinkMerge::tick(Time now) {
   forget_old(now);
 }
 
+void LinkMerge::end_what_was_lost_of(const std::set<NodeId>& nodes_known_whole) {
+  std::vector<EndpointId> departed;
+  std::as_const(endpoints_).each([&](EndpointId id, const EndpointClaims& claims) {
+    const ToldEndpoint& told = claims.told();
+    if (told.is_lost() && nodes_known_whole.contains(told.endpoint()->node_id)) departed.push_back(id);
+  });
+  for (const EndpointId id : departed) {
+    endpoints_.erase(id);
+    news_.emplace_back(EndpointDeparted{id});
+  }
+}
+
 /// A request that comes before its announcement waits for it. If another participant has announced the
 /// reader, nobody has to wait long.
 void LinkMerge::refuse_old_requests(Time now) {

@@ -63,6 +63,9 @@ class LinkMerge {
   /// what came by the dropped link may be newer. That may have been somebody else's word.
   void replaced_link_dropped(LinkId link, Time now);
   void tick(Time now);
+  /// All that these nodes announce is known. What was lost of them has departed: its withdrawal was not
+  /// heard.
+  void end_what_was_lost_of(const std::set<NodeId>& nodes_known_whole);
   /// The time until tick() is worth its cost again, which grows with the number of endpoints.
   std::chrono::milliseconds pause_between_ticks() const;
 

@@ -39,6 +39,7 @@ class ToldEndpoint {
   void lose(Time heard, Time now);
   /// Adds to the news what was told and still holds.
   void repeat(std::vector<News>& news) const;
+  bool is_lost() const { return lost_; }
   bool is_lost_before(Time before) const { return lost_ && *lost_at_ <= before; }
 
   /// Notes that the announcement may be somebody else's word.

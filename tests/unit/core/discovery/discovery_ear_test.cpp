@@ -1,6 +1,7 @@
 // The ear compares what others say of themselves with what it knows, as far as it listens to them.
 #include "core/discovery/discovery_ear.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -12,6 +13,10 @@
 
 namespace sft::core {
 namespace {
+
+using ::testing::Contains;
+using ::testing::IsSupersetOf;
+using ::testing::Not;
 
 constexpr Speaker peer{1, 11};
 constexpr NodeId its_node = 77;
@@ -63,12 +68,12 @@ class DiscoveryEarTest : public ::testing::Test {
     return ear.tick(now()).signs.is_calm(now());
   }
   static Time now() { return at; }
+  static inline Time at{std::chrono::seconds(1000)};
 
   DiscoveryEar ear{life_signs_to_all, &DiscoveryEarTest::now};
 
  private:
   OwnAnnouncements own;  ///< of the peer
-  static inline Time at{std::chrono::seconds(1000)};
 };
 
 TEST_F(DiscoveryEarTest, MissesNothingOfARoleThatItDoesNotListenTo) {
@@ -112,7 +117,7 @@ TEST_F(DiscoveryEarTest, FollowsTheWishOfAnotherProcess) {
 struct Log final : DiscoveryListener {
   void endpoint_seen(Endpoint endpoint) override { told.push_back("seen " + std::to_string(endpoint.id)); }
   void endpoint_departed(EndpointId id) override { told.push_back("departed " + std::to_string(id)); }
-  void endpoint_lost(EndpointId) override {}
+  void endpoint_lost(EndpointId id) override { told.push_back("lost " + std::to_string(id)); }
   void request_received(Request) override {}
   void liveliness_asserted(Assertion sign) override { told.push_back("lives " + std::to_string(sign.node)); }
   void node_lost(NodeId id) override { told.push_back("node lost " + std::to_string(id)); }
@@ -178,6 +183,26 @@ TEST_F(NodesOfOneProcess, DoNotTakeBackWhatOneOfThemHasWithdrawn) {
   second_log.told.clear();
   ear.endpoint_came(peer, endpoint(Role::writer, 10, 1));
   EXPECT_EQ(second_log.told, std::vector<std::string>{}) << "somebody repeats it";
+}
+
+TEST_F(NodesOfOneProcess, AreToldThatALostEndpointHasDepartedOnceItsNodeSpeaksOfNoneByAnotherParticipant) {
+  constexpr Speaker its_next{peer.link, 12};
+  ear.participant_speaks(its_next);
+  const auto a_second_passes = [&] {
+    at += std::chrono::seconds(1);
+    ear.assertion_came(its_next, {.node = its_node, .writers = {}}, lease_default);
+    (void)ear.tick(now());
+    (void)ear.look_for_deafness(std::chrono::seconds(20), now());
+    ear.pass_on();
+  };
+  hears(Role::writer);
+  ear.endpoint_came(peer, endpoint(Role::writer, 30, its_node));
+  ear.participant_departed(peer);
+  second_log.told.clear();
+  for (int seconds = 0; seconds < 4; ++seconds) a_second_passes();
+  EXPECT_THAT(second_log.told, Not(Contains("departed 30"))) << "it may return";
+  for (int seconds = 4; seconds < 6; ++seconds) a_second_passes();
+  EXPECT_THAT(second_log.told, IsSupersetOf({"lost 30", "departed 30"}));
 }
 
 }  // namespace

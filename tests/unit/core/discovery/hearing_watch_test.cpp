@@ -10,6 +10,7 @@ namespace sft::core {
 namespace {
 
 using namespace test;
+using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using Missing = HearingWatch::Missing;
 using Remedy = HearingWatch::Remedy;
@@ -17,6 +18,18 @@ using Remedy = HearingWatch::Remedy;
 TEST_F(HearingWatchTest, IsContentAsLongAsSignsOfLifeComeThatSayWhatIsKnown) {
   passes(100s);
   EXPECT_FALSE(deaf);
+}
+
+TEST_F(HearingWatchTest, KnowsANodeWholeAsLongAsItsSignsOfLifeSaySo) {
+  EXPECT_THAT(watch.nodes_known_whole(now), IsEmpty()) << "nothing was heard of it";
+  passes(1s);
+  EXPECT_THAT(watch.nodes_known_whole(now), ElementsAre(heard_node));
+  passes(500ms, all_said + 1);
+  EXPECT_THAT(watch.nodes_known_whole(now), IsEmpty()) << "it tells of more";
+  passes(500ms);
+  EXPECT_THAT(watch.nodes_known_whole(now), ElementsAre(heard_node));
+  passes(3s, 0);
+  EXPECT_THAT(watch.nodes_known_whole(now), IsEmpty()) << "it is silent";
 }
 
 TEST_F(HearingWatchTest, MissesSignsOfLifeThatCycloneSaysCome) {

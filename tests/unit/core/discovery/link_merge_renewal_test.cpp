@@ -97,6 +97,24 @@ TEST_F(LinkMergeTest, DoesNotReturnToADisbelievedSpeakerAsLongAsItGoesOnToSpeakF
   EXPECT_THAT(told(), IsEmpty());
 }
 
+// A deaf link did not hear the withdrawal. Then the node made its link anew, and does not speak of it any
+// more.
+TEST_F(LinkMergeTest, EndsALostEndpointOnceAllThatItsLivingNodeAnnouncesIsKnown) {
+  announces(by_lan, 3);
+  told();
+  merge.participant_departed(by_lan, now);
+  merge.end_what_was_lost_of({node});
+  EXPECT_THAT(told(), IsEmpty()) << "it may return until it is lost";
+  passes(6s, {stranger});  // here its node's own
+  EXPECT_THAT(told(), ElementsAre("lost"));
+  merge.end_what_was_lost_of({other_node});
+  EXPECT_THAT(told(), IsEmpty());
+  merge.end_what_was_lost_of({node});
+  EXPECT_THAT(told(), ElementsAre("departed"));
+  announces(stranger, 3);
+  EXPECT_THAT(told(), ElementsAre("honest 3 by 13")) << "nobody has withdrawn it";
+}
+
 TEST_F(LinkMergeTest, DoesNotTakeBackWhatANewLinkSaysOnceMore) {
   announces(by_lan, 3);
   asks(by_lan, 7);
