@@ -101,7 +101,7 @@ class HearingWatch {
   std::set<NodeId> nodes_known_whole(Time now) const;
 
  private:
-  static constexpr std::chrono::milliseconds look_pause{500};
+  static constexpr std::chrono::milliseconds look_pause{450};  ///< with each tick in calm (tick_pace.h)
   struct Link {
     Time newcomer{};  ///< when somebody came to the link
     std::optional<LinkId> replaced_by{};

@@ -227,7 +227,7 @@ void Reconciler::tell_of_life(std::vector<EndpointId> living, Time now) {
 std::chrono::milliseconds Reconciler::pace(Time now) const {
   const bool is_calm = discovery_.is_calm(now);
   std::chrono::nanoseconds pace = std::min(tick_pace_.next(now), life_.until_next(is_calm, now));
-  for (const Time next : {transports_.next_look_at_network(), discovery_looks_at_}) {
+  for (const Time next : {transports_.next_look(now), discovery_looks_at_}) {
     if (next - now < pace) pace = std::chrono::ceil<std::chrono::milliseconds>(next - now);
   }
   for (const auto& [id, writer] : ours_.writers) pace = std::min(pace, writer.pace().value_or(pace));

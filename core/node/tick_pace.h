@@ -1,7 +1,8 @@
 // Decides how often a node looks after what does not tell of itself, like connections in shared memory and
 // calls that were tried in vain. A look costs a wake-up and some calls of the system, which is most of what
 // an idle node costs. So looks are frequent while something happens that they may be needed for, and become
-// rarer afterwards: also where discovery is not calm, which says itself when it has to be looked after. Pure.
+// rarer afterwards: also where discovery is not calm. Discovery and transports say themselves when they have
+// to be looked after earlier. Pure.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +16,8 @@ namespace sft::core {
 class TickPace {
  public:
   static constexpr std::chrono::milliseconds pause{50};
-  static constexpr std::chrono::milliseconds pause_in_calm{200};
+  /// Three of these are the pause between two signs of life in calm: each third look gives the sign, too.
+  static constexpr std::chrono::milliseconds pause_in_calm{466};
 
   /// Something happens that has to be looked after.
   void stirred(Time now) { stirred_ = now; }

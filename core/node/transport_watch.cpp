@@ -1,5 +1,6 @@
 #include "core/node/transport_watch.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace sft::core {
@@ -7,6 +8,8 @@ namespace sft::core {
 namespace {
 constexpr const char* ruled_out = "the node rules it out";
 constexpr std::chrono::milliseconds look_at_addresses_every{200};  // costs one call while nothing changes
+/// While shared memory may come: something that is in its way may go at any time.
+constexpr std::chrono::milliseconds look_for_memory_every{200};
 }  // namespace
 
 TransportWatch::TransportWatch(SharedMemory* memory, Network* network, std::uint64_t network_id, NodeLog& log)
@@ -57,8 +60,10 @@ TransportWatch::NetworkChange TransportWatch::look_at_network(Time now) {
   return NetworkChange::none;
 }
 
-Time TransportWatch::next_look_at_network() const {
-  return network_ == nullptr || network_failed_ ? Time::max() : network_->next_poll();
+Time TransportWatch::next_look(Time now) const {
+  const Time at_network = network_ == nullptr || network_failed_ ? Time::max() : network_->next_poll();
+  const bool may_come = memory_ != nullptr && !memory_ready() && !memory_->lacks_daemon();
+  return may_come ? std::min(at_network, now + look_for_memory_every) : at_network;
 }
 
 TransportWatch::NetworkChange TransportWatch::look_at_addresses(Time now) {

@@ -40,8 +40,8 @@ class TransportWatch {
   };
   /// Writes to the log if the transport has failed.
   NetworkChange look_at_network(Time now);
-  /// Returns when the network wants look_at_network() to be called again.
-  Time next_look_at_network() const;
+  /// Returns when a transport wants to be looked at again. Asked after both were looked at.
+  Time next_look(Time now) const;
 
   // Any thread.
   bool memory_ready() const { return memory_ready_.load(); }

@@ -19,7 +19,7 @@ TEST(TickPaceTest, LooksAreFrequentAfterSomethingHasHappenedAndBecomeRarer) {
   EXPECT_EQ(pace.next(begin), TickPace::pause);
   EXPECT_EQ(pace.next(begin + 100ms), TickPace::pause);
   EXPECT_EQ(pace.next(begin + 240ms), 120ms);
-  EXPECT_EQ(pace.next(begin + 400ms), TickPace::pause_in_calm);
+  EXPECT_EQ(pace.next(begin + 2 * TickPace::pause_in_calm), TickPace::pause_in_calm);
   EXPECT_EQ(pace.next(begin + 1h), TickPace::pause_in_calm);
 }
 

@@ -22,9 +22,12 @@ class FakeMemory final : public IdleSharedMemory {
     return token;
   }
 
+  bool lacks_daemon() const override { return lacks; }
+
   Availability availability = Availability::ready;
   std::string state = "works";
   std::uint8_t daemon = 1;
+  bool lacks = false;
 };
 
 class FakeNetwork final : public IdleNetwork {
@@ -151,6 +154,19 @@ TEST_F(TransportWatchTest, UdpThatFailsIsAnErrorThatIsLoggedOnce) {
   look_at_network();
   look_at_network();
   EXPECT_THAT(lines, ElementsAre("louder node: UDP: the system has stopped io_uring"));
+}
+
+TEST_F(TransportWatchTest, LooksForSharedMemoryOftenAsLongAsItMayCome) {
+  const auto next_with = [&](Availability availability, bool lacks_daemon) {
+    memory.availability = availability;
+    memory.lacks = lacks_daemon;
+    look_at_memory();
+    return watch.next_look(now);
+  };
+  EXPECT_EQ(next_with(Availability::starting, false), now + std::chrono::milliseconds(200));
+  EXPECT_EQ(next_with(Availability::unavailable, false), now + std::chrono::milliseconds(200));
+  EXPECT_EQ(next_with(Availability::unavailable, true), Time::max()) << "nobody is about to start a daemon";
+  EXPECT_EQ(next_with(Availability::ready, false), Time::max());
 }
 
 }  // namespace
