@@ -159,6 +159,7 @@ LocalReader::Connections LocalReader::look_after_connections() {
     if (attached && awaits_history && !hearing.network)
       request_changed |= look_after_history(*memory_, writer, connections);
     connections.waiting |= hearing.memory && !attached;
+    if (attached) connections.arrivals += memory_->arrivals(writer);
   }
   if (request_changed) send_request();
   connections.changed |= request_changed;

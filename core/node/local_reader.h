@@ -43,8 +43,9 @@ class LocalReader {
   /// Connections of this reader in shared memory whose writers have not shown up there.
   std::size_t unattached() const;
   struct Connections {
-    bool changed = false;  ///< the desired states are to be asked for again
-    bool waiting = false;  ///< some connection in shared memory is not complete yet
+    bool changed = false;        ///< the desired states are to be asked for again
+    bool waiting = false;        ///< some connection in shared memory is not complete yet
+    std::uint64_t arrivals = 0;  ///< differs from what it was if samples have come by shared memory meanwhile
   };
   /// Sends the writers a request that says which of them the reader hears by now.
   Connections look_after_connections();

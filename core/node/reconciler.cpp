@@ -12,17 +12,13 @@ constexpr std::chrono::milliseconds asks_last_least{3000};
 constexpr std::chrono::seconds held_up_for{1};
 constexpr int hurried_ticks_max = 1000;  // a connection that takes longer is not worth the looking
 
-/// True if only looks show what comes of it: a connection in shared memory may break, an endpoint is missing,
-/// or a callback may take long.
+/// True if only looks show what comes of it: an endpoint is missing, a late reader still gets retained
+/// samples, or a callback may take long.
 bool has_to_be_watched(const Negotiation& negotiation, const LocalEndpoints& ours) {
   return negotiation.table().misses_somebody() ||
-         std::ranges::any_of(
-             ours.writers,
-             [](const auto& item) { return item.second.uses_memory() || item.second.owes_history(); }) ||
-         std::ranges::any_of(ours.readers, [&](const auto& item) {
-           return item.second.core().is_called_back() ||
-                  !negotiation.local(item.first)->request.attached.empty();
-         });
+         std::ranges::any_of(ours.writers, [](const auto& item) { return item.second.owes_history(); }) ||
+         std::ranges::any_of(ours.readers,
+                             [](const auto& item) { return item.second.core().is_called_back(); });
 }
 }  // namespace
 
@@ -137,7 +133,7 @@ std::chrono::milliseconds Reconciler::tick(Time now) {
   outbox_.look(now);
   look_after_endpoints(now);
   settle();
-  hurried_ticks_ = look_after_connections() ? hurried_ticks_ + 1 : 0;
+  hurried_ticks_ = look_after_connections(now) ? hurried_ticks_ + 1 : 0;
   watch_promises(now);
   discovery_looks_at_ = discovery_.look_after(now, negotiation_.table().misses_somebody());
   const bool misses_memory = context_.memory != nullptr && !transports_.memory_ready();
@@ -194,14 +190,18 @@ void Reconciler::look_after_endpoints(Time now) {
   }
 }
 
-/// True if some reader still waits for its connection in shared memory.
-bool Reconciler::look_after_connections() {
+/// True if some reader still waits for its connection in shared memory. Notes whether samples go there.
+bool Reconciler::look_after_connections(Time now) {
   bool waiting = false;
+  std::uint64_t samples = 0;
   for (auto& [id, reader] : ours_.readers) {
     const LocalReader::Connections connections = reader.look_after_connections();
     dirty_ |= connections.changed;
     waiting |= connections.waiting;
+    samples += connections.arrivals;
   }
+  for (const auto& [id, writer] : ours_.writers) samples += writer.sent_in_memory();
+  tick_pace_.note_traffic(samples, now);
   return waiting;
 }
 
@@ -256,7 +256,7 @@ void Reconciler::settle() {
     for (const auto& [id, reader] : ours_.readers) unattached += reader.unattached();
     for (auto& [id, writer] : ours_.writers) writer.reconcile();
     for (auto& [id, reader] : ours_.readers) reader.reconcile(unattached);
-    look_after_connections();
+    look_after_connections(std::chrono::steady_clock::now());
   }
 }
 

@@ -77,7 +77,7 @@ class Reconciler {
   void look_after_memory(Time now);
   void look_after_addresses(Time now);
   void look_after_endpoints(Time now);
-  bool look_after_connections();
+  bool look_after_connections(Time now);
   void announce_all();
   void settle();
   std::chrono::milliseconds pace(Time now) const;

@@ -7,7 +7,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <optional>
+#include <utility>
 
 #include "core/platform/clock.h"
 
@@ -21,6 +23,11 @@ class TickPace {
 
   /// Something happens that has to be looked after.
   void stirred(Time now) { stirred_ = now; }
+  /// `samples` differs from what it was if samples have gone by shared memory meanwhile. Nothing else tells
+  /// that a daemon has ended, or that a sample is held back for another one that was sent by UDP.
+  void note_traffic(std::uint64_t samples, Time now) {
+    if (std::exchange(samples_, samples) != samples) stirred(now);
+  }
   /// Returns the time until the next look, which grows with the time for which nothing has happened.
   std::chrono::milliseconds next(Time now) const {
     if (!stirred_) return pause_in_calm;
@@ -30,6 +37,7 @@ class TickPace {
 
  private:
   std::optional<Time> stirred_{};
+  std::uint64_t samples_ = 0;
 };
 
 }  // namespace sft::core

@@ -162,6 +162,24 @@ TEST_F(ReconcilerInMemoryTest, AReaderSaysThatTheHistoryHasBegunOnceItComesThrou
   EXPECT_THAT(discovery.sent.back().begun, ElementsAre(7));
 }
 
+TEST_F(ReconcilerInMemoryTest, ConnectionsAreLookedAfterOftenAsLongAsSamplesComeByThem) {
+  discovery.calm = true;
+  open_reader(200);
+  const Endpoint writer = here(Role::writer, 7);
+  node.endpoint_seen(writer);
+  node.liveliness_asserted({.node = writer.node_id, .writers = {}});  // it is not lost
+  memory.progress = HistoryProgress::came;
+  Time now = std::chrono::steady_clock::now();
+  node.tick(now += std::chrono::seconds(10));
+  ASSERT_THAT(discovery.sent.back().attached, ElementsAre(7));
+  EXPECT_EQ(node.tick(now += std::chrono::seconds(2)), TickPace::pause_in_calm) << "everybody is asleep";
+  for (int i = 0; i < 3; ++i) {
+    ++memory.arrivals;
+    EXPECT_EQ(node.tick(now += std::chrono::milliseconds(50)), TickPace::pause);
+  }
+  EXPECT_EQ(node.tick(now += std::chrono::seconds(2)), TickPace::pause_in_calm);
+}
+
 TEST_F(ReconcilerInMemoryTest, AWriterLetsGoOfItsPortWhenTheDaemonIsAnotherOne) {
   memory.attaches = false;
   node.tick();

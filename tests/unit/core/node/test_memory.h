@@ -41,6 +41,7 @@ class TestMemory final : public IdleSharedMemory {
     }
     bool connected(EndpointId) const noexcept override { return memory_.attaches; }
     HistoryProgress history(EndpointId) const noexcept override { return memory_.progress; }
+    std::uint64_t arrivals(EndpointId) noexcept override { return memory_.arrivals; }
     void disconnect(EndpointId writer) noexcept override { memory_.connections.erase(writer); }
 
    private:
@@ -68,6 +69,7 @@ class TestMemory final : public IdleSharedMemory {
   int writers = 0;
   int readers = 0;
   bool samples_wait = false;          ///< in each reader
+  std::uint64_t arrivals = 0;         ///< of each writer
   int openings = 0;                   ///< of writers, attempts counted
   std::vector<Route> routes;          ///< of the writer that got its own last
   std::string why_unreachable;        ///< what writers say of each reader

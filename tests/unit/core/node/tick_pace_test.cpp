@@ -30,5 +30,15 @@ TEST(TickPaceTest, LooksAreFrequentAnewAfterEachEvent) {
   EXPECT_EQ(pace.next(begin + 1s), TickPace::pause);
 }
 
+TEST(TickPaceTest, LooksAreFrequentWhileSamplesGoBySharedMemory) {
+  TickPace pace;
+  pace.note_traffic(0, begin);
+  EXPECT_EQ(pace.next(begin), TickPace::pause_in_calm);
+  pace.note_traffic(1, begin);
+  EXPECT_EQ(pace.next(begin), TickPace::pause);
+  pace.note_traffic(1, begin + 1s);
+  EXPECT_EQ(pace.next(begin + 1s), TickPace::pause_in_calm);
+}
+
 }  // namespace
 }  // namespace sft::core
