@@ -150,6 +150,10 @@ std::optional<Progress> LocalWriter::take_progress() {
   return core_->progress();
 }
 
+std::uint64_t LocalWriter::sent_in_memory() const {
+  return in_force_ && !in_force_->memory.empty() ? core_->signs().published : 0;
+}
+
 bool LocalWriter::has_paused(Time now) {
   const std::uint64_t published = core_->signs().published;
   if (std::exchange(published_, published) != published) published_at_ = now;

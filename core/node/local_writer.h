@@ -37,8 +37,8 @@ class LocalWriter {
   bool look_after_history();
   /// The memory of the port is gone, or another daemon's.
   bool drop_memory();
-  /// Differs from what it was if samples went by shared memory before the last look of has_paused().
-  std::uint64_t sent_in_memory() const { return in_force_ && !in_force_->memory.empty() ? published_ : 0; }
+  /// Differs from what it was if samples have gone by shared memory meanwhile.
+  std::uint64_t sent_in_memory() const;
   /// True if some reader is still being given retained samples.
   bool owes_history() const { return in_force_ && in_force_->history_owed; }
   /// True if the port could not be opened and may be tried again.

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "core/platform/clock.h"
+#include "core/seam/transport.h"
 
 namespace sft::core {
 
@@ -20,6 +21,7 @@ class TickPace {
   static constexpr std::chrono::milliseconds pause{50};
   /// Three of these are the pause between two signs of life in calm: each third look gives the sign, too.
   static constexpr std::chrono::milliseconds pause_in_calm{466};
+  static_assert(pause_in_calm <= Transport::poll_pause_max);
 
   /// Something happens that has to be looked after.
   void stirred(Time now) { stirred_ = now; }

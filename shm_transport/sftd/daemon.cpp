@@ -11,6 +11,7 @@
 #include "core/platform/clock.h"
 #include "core/platform/doorbell.h"
 #include "core/platform/process_limits.h"
+#include "core/seam/transport.h"
 #include "shm_transport/daemon/launch_obstacles.h"
 #include "shm_transport/host/access.h"
 #include "shm_transport/host/host_file.h"
@@ -35,9 +36,8 @@ constexpr auto sweep_interval = 10s;
 constexpr auto renewal_delay = 2s;
 // A daemon that is younger than this does not start afresh.
 constexpr auto youngest_to_renew = 1s;
-// Nodes look for their daemon every 50 ms, in calm twice in a second, and release its memory when it is gone.
-// This time is enough for that.
-constexpr auto time_to_release = 700ms;
+// Nodes look for their daemon, and release its memory when it is gone. This time is enough for that.
+constexpr auto time_to_release = core::Transport::poll_pause_max + 200ms;
 
 /// The memory for samples is a file to the system. The program that starts the daemon may have set a limit
 /// for the size of its own files, which the daemon inherits.

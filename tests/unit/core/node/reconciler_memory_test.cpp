@@ -41,11 +41,12 @@ class ReconcilerInMemoryTest : public ReconcilerTest {
     node.add_reader(reader, {our_core(id), nullptr});
     node.tick();
   }
-  void open_writer(EndpointId id) {
+  std::shared_ptr<PublisherCore> open_writer(EndpointId id) {
     auto core = std::make_shared<PublisherCore>(PublisherCore::Spec{id, "points", &type, 1 << 16},
                                                 BufferPool::make(1 << 20), nullptr);
     node.add_writer(here(Role::writer, id), core);
     node.tick();
+    return core;
   }
 
   TestMemory memory;
@@ -178,6 +179,23 @@ TEST_F(ReconcilerInMemoryTest, ConnectionsAreLookedAfterOftenAsLongAsSamplesCome
     EXPECT_EQ(node.tick(now += std::chrono::milliseconds(50)), TickPace::pause);
   }
   EXPECT_EQ(node.tick(now += std::chrono::seconds(2)), TickPace::pause_in_calm);
+}
+
+TEST_F(ReconcilerInMemoryTest, ConnectionsAreLookedAfterOftenAsSoonAsALookFindsThatSamplesWent) {
+  discovery.calm = true;
+  const auto publisher = open_writer(7);
+  Endpoint reader = here(Role::reader, 200);
+  reader.qos.durability = Durability::volatile_;
+  reader.request.attached = {7};
+  node.endpoint_seen(reader);
+  node.liveliness_asserted({.node = reader.node_id, .writers = {}});  // it is not lost
+  Time now = std::chrono::steady_clock::now();
+  node.tick(now += std::chrono::seconds(10));
+  ASSERT_FALSE(memory.routes.empty());
+  EXPECT_EQ(node.tick(now += std::chrono::seconds(2)), TickPace::pause_in_calm) << "everybody is asleep";
+  const PointCloud2 cloud;
+  publisher->publish(&cloud);
+  EXPECT_EQ(node.tick(now += std::chrono::milliseconds(100)), TickPace::pause);
 }
 
 TEST_F(ReconcilerInMemoryTest, AWriterLetsGoOfItsPortWhenTheDaemonIsAnotherOne) {

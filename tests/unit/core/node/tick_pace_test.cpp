@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "core/discovery/hearing_watch.h"
+#include "core/discovery/life_signs.h"
+
 namespace sft::core {
 namespace {
 
@@ -19,8 +22,17 @@ TEST(TickPaceTest, LooksAreFrequentAfterSomethingHasHappenedAndBecomeRarer) {
   EXPECT_EQ(pace.next(begin), TickPace::pause);
   EXPECT_EQ(pace.next(begin + 100ms), TickPace::pause);
   EXPECT_EQ(pace.next(begin + 240ms), 120ms);
-  EXPECT_EQ(pace.next(begin + 2 * TickPace::pause_in_calm), TickPace::pause_in_calm);
+  EXPECT_EQ(pace.next(begin + 400ms), 200ms);
+  EXPECT_EQ(pace.next(begin + 932ms), 466ms);
   EXPECT_EQ(pace.next(begin + 1h), TickPace::pause_in_calm);
+}
+
+TEST(TickPaceTest, EachLookInCalmIsOneForDeafLinksAndEachThirdOneCanGiveASignOfLife) {
+  HearingWatch watch;
+  (void)watch.look({}, 20s, begin);
+  EXPECT_TRUE(watch.wants_look(begin + TickPace::pause_in_calm));
+  EXPECT_LE(3 * TickPace::pause_in_calm, life_signs_to_all.pause_in_calm);
+  EXPECT_GT(3 * TickPace::pause_in_calm + 10ms, life_signs_to_all.pause_in_calm);
 }
 
 TEST(TickPaceTest, LooksAreFrequentAnewAfterEachEvent) {
