@@ -11,6 +11,7 @@
 
 #include "tools/hosts/network.h"
 #include "tools/hosts/packet_filter.h"
+#include "udp_transport/wire/datagram.h"
 
 namespace sft::bench {
 
@@ -21,30 +22,37 @@ constexpr int buffer_bytes = 16 << 20;  // nothing is read before the end
 using namespace hosts;  // offsets in a frame
 
 // The first byte of a datagram has its version and kind (udp_transport/wire/datagram.h).
-constexpr std::uint32_t version_1 = 0x10;
+constexpr std::uint32_t version = udp::wire_version << 4;
 constexpr std::uint32_t version_bits = 0xf0;
-constexpr std::uint32_t first = version_1 | 1;
-constexpr std::uint32_t following = version_1 | 2;
-constexpr std::uint32_t packed = version_1 | 5;
-constexpr std::uint32_t whole = version_1 | 10;
+constexpr std::uint32_t first_byte(udp::DatagramKind kind) {
+  return version | static_cast<std::uint32_t>(kind);
+}
+constexpr std::uint32_t first = first_byte(udp::DatagramKind::first);
+constexpr std::uint32_t following = first_byte(udp::DatagramKind::following);
+constexpr std::uint32_t far = first_byte(udp::DatagramKind::far);
+constexpr std::uint32_t packed = first_byte(udp::DatagramKind::packed);
+constexpr std::uint32_t whole = first_byte(udp::DatagramKind::whole);
+constexpr std::uint32_t single = first_byte(udp::DatagramKind::single);
 
 /// Accepts datagrams of SFT that carry no part of a sample. The last two numbers of a jump tell how many
 /// lines to skip if the condition holds, and if it does not.
 constexpr std::array control_only{
     sock_filter BPF_STMT(BPF_LD | BPF_H | BPF_ABS, ether_type),
-    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, ETH_P_IP, 0, 13),
+    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, ETH_P_IP, 0, 15),
     sock_filter BPF_STMT(BPF_LD | BPF_B | BPF_ABS, ip_protocol),
-    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, IPPROTO_UDP, 0, 11),
+    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, IPPROTO_UDP, 0, 13),
     sock_filter BPF_STMT(BPF_LD | BPF_H | BPF_ABS, ip_fragment),
-    sock_filter BPF_JUMP(BPF_JMP | BPF_JSET | BPF_K, 0x1fff, 9, 0),
+    sock_filter BPF_JUMP(BPF_JMP | BPF_JSET | BPF_K, 0x1fff, 11, 0),
     sock_filter BPF_STMT(BPF_LDX | BPF_B | BPF_MSH, ip_header),  // X = length of the IP header
     sock_filter BPF_STMT(BPF_LD | BPF_B | BPF_IND, udp_payload),
-    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, first, 6, 0),
-    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, following, 5, 0),
-    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, packed, 4, 0),
-    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, whole, 3, 0),
+    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, first, 8, 0),
+    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, following, 7, 0),
+    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, packed, 6, 0),
+    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, whole, 5, 0),
+    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, single, 4, 0),
+    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, far, 3, 0),
     sock_filter BPF_STMT(BPF_ALU | BPF_AND | BPF_K, version_bits),
-    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, version_1, 0, 1),
+    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, version, 0, 1),
     sock_filter BPF_STMT(BPF_RET | BPF_K, 0xffffffff),
     sock_filter BPF_STMT(BPF_RET | BPF_K, 0),
 };

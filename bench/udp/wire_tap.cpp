@@ -82,16 +82,8 @@ std::optional<Packet::Kind> kind_of(const std::uint8_t* bytes, std::uint32_t cap
   if (captured >= headers + 4 && std::memcmp(bytes + headers, "RTPS", 4) == 0)
     return length <= rtps_answer_bytes_max ? Packet::Kind::answer : Packet::Kind::data;
   if (version_and_kind >> 4 != udp::wire_version) return std::nullopt;
-  switch (static_cast<udp::DatagramKind>(version_and_kind & 0xf)) {
-    case udp::DatagramKind::first:
-    case udp::DatagramKind::following:
-    case udp::DatagramKind::packed:
-    case udp::DatagramKind::whole:
-    case udp::DatagramKind::single:
-      return Packet::Kind::data;
-    default:
-      return Packet::Kind::answer;
-  }
+  const auto kind = static_cast<udp::DatagramKind>(version_and_kind & 0xf);
+  return udp::is_of_sample(kind) ? Packet::Kind::data : Packet::Kind::answer;
 }
 
 }  // namespace

@@ -137,7 +137,7 @@ void make_plausible(std::uint8_t action, std::vector<std::byte>& d, const std::v
   const auto byte = [&](std::size_t i) { return std::to_integer<std::uint8_t>(d[i]); };
   const udp::Stream& stream = wanted[(action & of_wide_writer) != 0 ? 1 : 0];
   const udp::SampleLabel label{static_cast<std::uint32_t>(stream.writer), byte(8) % 8U,
-                               static_cast<std::uint16_t>(byte(2) % 2)};
+                               static_cast<std::uint16_t>(byte(2) % 2 * udp::near_variants_end)};
   const std::uint32_t number = (byte(12) | byte(13) << 8) % 1024U;
   if ((action & first) != 0 && make_plausible_control(label.writer, d)) return;
   if ((action & first) == 0 ||
@@ -162,11 +162,11 @@ void make_plausible(std::uint8_t action, std::vector<std::byte>& d, const std::v
   header.total = whole ? static_cast<std::uint32_t>(d.size() - head) : number;
   if (whole && byte(13) % 2 == 0 && udp::fits_in_single(header)) {
     udp::encode_in_single(header, d.data());
-    d.resize(d.size() - (udp::first_header_bytes - udp::single_header_bytes));  // the total is as before
+    d.resize(d.size() - (header.bytes() - header.bytes_in_single()));  // the total is as before
     return;
   }
   const bool in_short = byte(13) % 2 == 0 && udp::fits_in_short(header);
-  const std::size_t at_words = in_short ? udp::first_header_bytes : header.bytes();
+  const std::size_t at_words = in_short ? header.bytes_in_short() : header.bytes();
   in_short ? udp::encode_in_short(header, d.data()) : udp::encode(header, d.data());
   for (std::size_t i = 0; words && i < mask.words() && at_words + 8 * i + 8 <= d.size(); ++i) {
     udp::store_word(mask.word(i), &d[at_words + 8 * i]);
@@ -282,8 +282,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     reassembly.expire(now);
     std::vector<std::byte> datagram = to_bytes(input.subspan(3, bytes));
-    if ((action & plausible) != 0 && bytes >= udp::following_header_bytes)
-      make_plausible(action, datagram, wanted);
+    if ((action & plausible) != 0 && bytes >= udp::far_header_bytes) make_plausible(action, datagram, wanted);
     if (is_followed) all.push_back(datagram);
     static_cast<void>(udp::parse_as<udp::Ack>(datagram));
     flow.meet(datagram, now);

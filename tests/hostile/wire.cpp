@@ -47,10 +47,10 @@ int bound_socket() {
 }
 
 bool looks_like_sft(std::span<const std::byte> payload) {
-  if (payload.size() < 16) return false;
+  if (payload.size() < udp::following_header_bytes) return false;
   const auto version = std::to_integer<unsigned>(payload[0]) >> 4;
   const auto kind = std::to_integer<unsigned>(payload[0]) & 15;
-  return version == 1 && kind >= 1 && kind <= 12;
+  return version == udp::wire_version && kind >= 1 && kind <= static_cast<unsigned>(udp::DatagramKind::far);
 }
 
 /// Empty if the frame is not of interest.

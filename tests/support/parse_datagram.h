@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <variant>
+#include <vector>
 
 #include "udp_transport/wire/datagram.h"
 
@@ -43,5 +44,16 @@ inline std::optional<DatagramKind> kind_of(std::span<const std::byte> bytes) {
   if (const auto* malformed = std::get_if<Malformed>(&any)) return malformed->kind;
   return static_cast<DatagramKind>(std::to_integer<unsigned>(bytes[0]) & 0xf);
 }
+
+namespace test {
+
+/// The bytes as numbers, which a failed comparison prints.
+inline std::vector<unsigned> numbers_of(std::span<const std::byte> bytes) {
+  std::vector<unsigned> numbers;
+  for (const std::byte one : bytes) numbers.push_back(std::to_integer<unsigned>(one));
+  return numbers;
+}
+
+}  // namespace test
 
 }  // namespace sft::udp

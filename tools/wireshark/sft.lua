@@ -16,17 +16,20 @@
 
 local sft = Proto("sft", "Selective Field Transmission")
 
-local wire_version = 1
-local common_bytes = 16
+local wire_version = 2
+local common_bytes = 13
 
 -- The facts that the control samples of the capture have told. `names` has what subscribers asked for, by the number
 -- that stands for it in datagrams, and by their topic and that number. `topics` has the topics of publishers and
 -- subscribers by their ids, and `writers` those of publishers by their short ids. `types` has the types of publishers
 -- and subscribers by their ids, and `leaves` how many leaves the type of a publisher has, by its short id. Publishers
--- with one short id and different topics or types have `false`.
-local known = { names = {}, types = {}, leaves = {}, topics = {}, writers = {} }
+-- with one short id and different topics or types have `false`. `heard` has the short ids of the publishers by which
+-- datagrams came whose headers say enough to recognize them.
+local known = { names = {}, types = {}, leaves = {}, topics = {}, writers = {}, heard = {} }
 
-function sft.init() known.names, known.types, known.leaves, known.topics, known.writers = {}, {}, {}, {}, {} end
+function sft.init()
+  known.names, known.types, known.leaves, known.topics, known.writers, known.heard = {}, {}, {}, {}, {}, {}
+end
 
 local f = {
   version = ProtoField.uint8("sft.version", "Version", base.DEC, nil, 0xf0),
@@ -91,6 +94,7 @@ local flags = {
   { bit = 0x04, name = "history", text = "A history mark follows" },
   { bit = 0x08, name = "channel", text = "A position in a channel follows" },
   { bit = 0x10, name = "lengths", text = "Each sample has its own length" },
+  { bit = 0x20, name = "narrow_mask", text = "The mask has two bytes" },
   { bit = 0x40, name = "group", text = "A position in a multicast group follows" },
   { bit = 0x80, name = "merged", text = "The mask is the union of several masks" },
 }
@@ -228,8 +232,8 @@ end
 
 -- Tells whether the sample passed a gate that has conditions and no period. `c` stands behind the mask.
 local function has_conditions(c, set)
-  local rate_follows = has(set, 0x02) and c:left() >= 12
-  return rate_follows and c.buffer(c.at + 8, 4):le_uint() == 0
+  local rate_follows = has(set, 0x02) and c:left() >= 4
+  return rate_follows and c.buffer(c.at, 4):le_uint() == 0
 end
 
 -- Tells whether a mask without words is more likely a hash than a list of leaves. A hash has about half of its bits
@@ -295,9 +299,11 @@ local function explain_mask(c, set, writer, mask, range)
 end
 
 local function read_mask(c, set, writer)
-  local mask, item = c:number(f.mask, 8)
-  if mask == nil then return end
-  local range = c.buffer(c.at - 8, 8)
+  local range = c:take(has(set, 0x20) and 2 or 8)
+  if range == nil then return end
+  local mask = range:le_uint64()
+  local item = c.tree:add_le(f.mask, range)
+  if range:len() == 8 and mask < UInt64(65536) then c:fail("A mask that needs two bytes must not have eight") end
   local meaning = explain_mask(c, set, writer, mask, range)
   item:append_text(" (" .. meaning .. ")")
   item:add(f.meaning, range, meaning):set_generated()
@@ -313,8 +319,8 @@ end
 local function read_first(c, set, _, writer)
   local sequence = c:number(f.sequence, 4)
   local total = c:number(f.total, 4)
-  read_mask(c, set, writer)
   c:stamp(f.stamp)
+  read_mask(c, set, writer)
   local place = read_marks(c, set)
   if c.failed then return "" end
   if has(set, 0x01) and c:left() >= total then read_mask_words(c, total) end
@@ -328,10 +334,10 @@ end
 local function read_short_place(c)
   local range = c:take(3)
   local bits = range:le_uint()
-  local set = (has(bits, 0x1) and 0x01 or 0) + (has(bits, 0x2) and 0x80 or 0)
+  local set = (has(bits, 0x1) and 0x01 or 0) + (has(bits, 0x2) and 0x80 or 0) + (has(bits, 0x4) and 0x20 or 0)
   local item = c.tree:add(f.flags, range, set)
   for _, flag in ipairs(flags) do item:add(flag.field, range, set) end
-  c.tree:add(f.variant, range, math.floor(bits / 4) % 2048)
+  c.tree:add(f.variant, range, math.floor(bits / 8) % 1024)
   c.tree:add(f.channel, range, math.floor(bits / 8192)):append_text(" (the low 11 bits of its number)")
   return set
 end
@@ -340,8 +346,8 @@ local function read_whole(c, set, _, writer)
   local sequence = c:number(f.sequence, 4)
   local ordinal = c:number(f.ordinal, 4)
   if ordinal == 0 then c:fail("Ordinals count from 1") end
-  read_mask(c, set, writer)
   c:stamp(f.stamp)
+  read_mask(c, set, writer)
   if c.failed then return "" end
   local bytes = c:left()
   if has(set, 0x01) then
@@ -355,8 +361,8 @@ end
 
 local function read_single(c, set, _, writer)
   local sequence = c:number(f.sequence, 4)
-  read_mask(c, set, writer)
   c:stamp(f.stamp)
+  read_mask(c, set, writer)
   if c.failed then return "" end
   local bytes = c:left()
   c.tree:add(f.total, bytes):set_generated()
@@ -364,15 +370,23 @@ local function read_single(c, set, _, writer)
   return string.format("seq=%u %u bytes", sequence, bytes)
 end
 
-local function read_following(c)
+-- Reads the variant of a following datagram, which has no flags.
+local function read_near_variant(c)
+  c:number(f.variant, 1)
+  return 0
+end
+
+local function read_part(c, offset_bytes)
   local sequence = c:number(f.sequence, 4)
-  local offset = c:number(f.offset, 4)
+  local offset = c:number(f.offset, offset_bytes)
   if not c.failed and c:left() == 0 then c:fail("A following datagram has at least one byte of payload") end
   if c.failed then return "" end
   local bytes = c:left()
   c:rest(f.payload)
   return string.format("seq=%u bytes %u to %.0f", sequence, offset, offset + bytes)
 end
+local function read_following(c) return read_part(c, 3) end
+local function read_far(c) return read_part(c, 4) end
 
 local function read_heartbeat(c)
   local channel = c:number(f.channel, 4)
@@ -433,8 +447,8 @@ local function read_packed(c, set, _, writer)
   local sequence = c:number(f.sequence, 4)
   local samples = c:number(f.samples, 2)
   local each = c:number(f.bytes_each, 2)
-  read_mask(c, set, writer)
   c:stamp(f.stamp)
+  read_mask(c, set, writer)
   local place = read_marks(c, set)
   if c.failed then return "" end
   local lengths = has(set, 0x10)
@@ -515,22 +529,23 @@ local function read_group_probe(c)
   return string.format("group=%u ordinal=%s", group, tostring(ordinal))
 end
 
--- The kinds of datagrams by number: the field at offset 2 (or the function that reads the 3 bytes at offset 1), the
--- field at offset 4 if it is not the writer, the flags that may be set, the least number of bytes, and the function
--- that reads the rest.
+-- The kinds of datagrams by number: the field at offset 2 (or the function that reads what stands between the kind and
+-- the writer, and returns the flags), the field at offset 4 if it is not the writer, the flags that may be set, the
+-- least number of bytes, and the function that reads the rest.
 local kinds = {
-  [1] = { name = "first", at_2 = f.variant, flags = 0xcf, bytes = 32, read = read_first },
-  [2] = { name = "following", at_2 = f.variant, flags = 0, bytes = 17, read = read_following },
+  [1] = { name = "first", at_2 = f.variant, flags = 0xef, bytes = 26, read = read_first },
+  [2] = { name = "following", from_1 = read_near_variant, flags = 0xff, bytes = 14, read = read_following },
   [3] = { name = "heartbeat", at_2 = f.port, flags = 0, bytes = 32, read = read_heartbeat },
   [4] = { name = "ack", at_2 = f.parts, flags = 0, bytes = 24, read = read_ack },
-  [5] = { name = "packed", at_2 = f.variant, flags = 0x19, bytes = 33, read = read_packed },
+  [5] = { name = "packed", at_2 = f.variant, flags = 0x39, bytes = 27, read = read_packed },
   [6] = { name = "group offer", at_2 = f.group_port, flags = 0, bytes = 32, read = read_group_offer },
   [7] = { name = "group report", at_2 = f.reserved_short, flags = 0, bytes = 24, read = read_group_report },
   [8] = { name = "mark", at_2 = f.port, at_4 = f.flow, flags = 0, bytes = 40, read = read_mark },
   [9] = { name = "report", at_2 = f.reserved_short, at_4 = f.flow, flags = 0, bytes = 40, read = read_report },
-  [10] = { name = "whole", from_1 = read_short_place, flags = 0xff, bytes = 32, read = read_whole },
+  [10] = { name = "whole", from_1 = read_short_place, flags = 0xff, bytes = 26, read = read_whole },
   [11] = { name = "group probe", at_2 = f.reserved_short, flags = 0, bytes = 24, read = read_group_probe },
-  [12] = { name = "single", at_2 = f.variant, flags = 0x80, bytes = 28, read = read_single },
+  [12] = { name = "single", at_2 = f.variant, flags = 0xa0, bytes = 22, read = read_single },
+  [13] = { name = "far", at_2 = f.variant, flags = 0, bytes = 17, read = read_far },
 }
 
 local function add_flags(c, kind)
@@ -569,6 +584,7 @@ function sft.dissector(buffer, pinfo, root)
   local what = kind.read(c, set, at_2, writer)
   local text = string.format("%s %s=%08x %s", kind.name, kind.at_4 and "flow" or "writer", writer, what)
   if c.failed then text = text .. " [malformed]" end
+  if not c.failed and not kind.at_4 and number ~= 2 then known.heard[writer] = true end
   pinfo.cols.info = text
   tree:append_text(": " .. text)
   return buffer:len()
@@ -576,18 +592,19 @@ end
 
 -- True if a first datagram may have these flags and this length.
 local function plausible_flags(set, bytes)
-  if has(set, 0x40) then return bytes >= 48 and not (has(set, 0x04) or has(set, 0x08)) end
-  return bytes >= 48 or not has(set, 0x08)
+  if has(set, 0x40) then return bytes >= 42 and not (has(set, 0x04) or has(set, 0x08)) end
+  return bytes >= 42 or not has(set, 0x08)
 end
 -- True if these are the upper bytes of a stamp from 1970 to 2100.
 local function plausible_stamp(range) return range:le_uint() < 0x39000000 end
 -- True if a whole datagram has an ordinal and a plausible stamp. Any flags are possible.
-local function plausible_whole(buffer) return buffer(12, 4):le_uint() ~= 0 and plausible_stamp(buffer(28, 4)) end
+local function plausible_whole(buffer) return buffer(12, 4):le_uint() ~= 0 and plausible_stamp(buffer(20, 4)) end
 local function plausible_address(address) return address == 0 or math.floor(address / 65536) == 0xefff end
 
 -- True if a datagram whose first bytes look like SFT is plausible in the other bytes, too.
 local function plausible(buffer, number)
   if number == 1 then return plausible_flags(buffer(1, 1):uint(), buffer:len()) end
+  if number == 2 then return known.heard[buffer(2, 4):le_uint()] == true end  -- only its kind is certain
   if number == 3 then return buffer:len() == 32 and buffer(12, 4):le_uint() == 0 end
   if number == 4 then return buffer:len() == 24 + 12 * buffer(2, 2):le_uint() end
   if number == 5 then return buffer(12, 2):le_uint() >= 1 and buffer(12, 2):le_uint() <= 256 end
@@ -595,7 +612,7 @@ local function plausible(buffer, number)
   if number == 7 then return buffer:len() == 24 end
   if number == 8 or number == 9 then return buffer:len() == 40 end
   if number == 10 then return plausible_whole(buffer) end
-  if number == 12 then return plausible_stamp(buffer(24, 4)) end
+  if number == 12 then return plausible_stamp(buffer(16, 4)) end
   return true
 end
 

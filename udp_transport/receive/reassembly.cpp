@@ -98,10 +98,7 @@ IncomingWriter* Reassembly::writer_of(const Following& d, const core::IpAddress&
 }
 
 void Reassembly::refuse(const Malformed& d) {
-  const bool is_of_sample = !d.kind || *d.kind == DatagramKind::first || *d.kind == DatagramKind::following ||
-                            *d.kind == DatagramKind::packed || *d.kind == DatagramKind::whole ||
-                            *d.kind == DatagramKind::single;
-  if (is_of_sample) begin_datagram();
+  if (!d.kind || is_of_sample(*d.kind)) begin_datagram();
   ++shared_.counters.malformed;
 }
 

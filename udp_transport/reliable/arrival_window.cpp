@@ -58,7 +58,7 @@ void ArrivalWindow::go_back_to(std::uint64_t ordinal) {
 
 ArrivalWindow::Met ArrivalWindow::meet(const ChannelMark& mark, Time now, bool same_datagram) {
   using State = ArrivedSamples::State;
-  const auto channel = mark.in_short ? channels_.widen(mark.channel, whole_numbers_end) : mark.channel;
+  const auto channel = mark.in_short ? channels_.widen(mark.channel, whole_channels_end) : mark.channel;
   if (!channel) return {Standing::beyond, 0};  // a heartbeat will say which one it is
   if (!turn_to({*channel, mark.ordinal, mark.ordinal, same_datagram}, now)) return {Standing::beyond, 0};
   samples_.schedule().heard(now);

@@ -69,7 +69,7 @@ class ChannelWatch {
   const Former* former(std::uint32_t channel) const;
   bool precedes(std::uint32_t channel) const { return *present_ - channel <= just_before; }
   bool is_like_present(std::uint32_t channel) const {
-    return channel % whole_numbers_end == *present_ % whole_numbers_end;
+    return channel % whole_channels_end == *present_ % whole_channels_end;
   }
 
   std::optional<std::uint32_t> present_;

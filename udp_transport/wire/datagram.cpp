@@ -10,16 +10,17 @@ namespace {
 
 // The offsets of the fields that all kinds of samples share, and of the fields behind them.
 constexpr std::size_t at_kind = 0, at_flags = 1, at_variant = 2, at_writer = 4, at_sequence = 8;
-constexpr std::size_t at_total = 12, at_mask = 16, at_stamp = 24;
-constexpr std::size_t at_offset = 12;
+constexpr std::size_t at_total = 12, at_stamp = 16, at_mask = 24;
+constexpr std::size_t at_near_variant = 1, at_near_writer = 2, at_near_sequence = 6, at_near_offset = 10;
+constexpr std::size_t at_far_offset = 12;
 constexpr std::size_t at_samples = 12, at_bytes_each = 14;
 constexpr std::size_t at_short_ordinal = 12;
-constexpr std::size_t at_single_mask = 12, at_single_stamp = 20;
+constexpr std::size_t at_single_stamp = 12, at_single_mask = 20;
 // The bits in the first 32 bits of a whole datagram.
-constexpr unsigned words_bit = 8, merged_bit = 9, short_variant_bit = 10, short_channel_bit = 21;
-static_assert(whole_numbers_end == 1U << (short_channel_bit - short_variant_bit) &&
-              whole_numbers_end == 1U << (32 - short_channel_bit));
-constexpr std::size_t at_period = first_header_bytes, at_ordinal = at_period + 4;
+constexpr unsigned words_bit = 8, merged_bit = 9, narrow_bit = 10, short_variant_bit = 11;
+constexpr unsigned short_channel_bit = 21;
+static_assert(whole_variants_end == 1U << (short_channel_bit - short_variant_bit) &&
+              whole_channels_end == 1U << (32 - short_channel_bit));
 constexpr std::size_t at_count = 2;  // in acks
 
 template <std::unsigned_integral T>
@@ -52,7 +53,7 @@ std::optional<DatagramKind> claimed_kind(std::span<const std::byte> bytes) noexc
   const auto version_and_kind = load<std::uint8_t>(&bytes[at_kind]);
   if (version_and_kind >> 4 != wire_version) return {};
   const auto kind = static_cast<DatagramKind>(version_and_kind & 0xf);
-  if (kind < DatagramKind::first || kind > DatagramKind::single) return {};
+  if (kind < DatagramKind::first || kind > DatagramKind::far) return {};
   return kind;
 }
 
@@ -62,22 +63,41 @@ SampleLabel load_label(const std::byte* from) noexcept {
           .variant = load<std::uint16_t>(from + at_variant)};
 }
 
+/// Stores the mask, which has as many bytes as it needs.
+void store_mask(std::uint64_t mask, std::byte* out) noexcept {
+  if (is_narrow(mask)) return store(static_cast<std::uint16_t>(mask), out);
+  store(mask, out);
+}
+
+std::uint8_t width_flag(std::uint64_t mask) noexcept { return is_narrow(mask) ? narrow_mask : 0; }
+
+/// Empty if the datagram ends before the mask does, or if a mask that needs two bytes has eight.
+std::optional<std::uint64_t> load_mask(std::span<const std::byte> bytes, std::size_t at,
+                                       bool narrow) noexcept {
+  if (bytes.size() < at + (narrow ? narrow_mask_bytes : wide_mask_bytes)) return {};
+  if (narrow) return load<std::uint16_t>(&bytes[at]);
+  const auto mask = load<std::uint64_t>(&bytes[at]);
+  return is_narrow(mask) ? std::nullopt : std::optional(mask);
+}
+
 /// Reads the header of a first or packed datagram, with the marks behind it that this kind may have.
 std::optional<Datagram> read_described(DatagramKind kind, std::uint8_t allowed,
                                        std::span<const std::byte> bytes) noexcept {
-  if (bytes.size() < first_header_bytes) return {};
-  const auto flags = load<std::uint8_t>(&bytes[at_flags]);
-  if ((flags & ~allowed) != 0) return {};
+  const auto sent_flags = load<std::uint8_t>(&bytes[at_flags]);
+  const auto mask = load_mask(bytes, at_mask, (sent_flags & narrow_mask) != 0);
+  const auto flags = static_cast<std::uint8_t>(sent_flags & ~narrow_mask);
+  if (!mask || (flags & ~allowed) != 0) return {};
   Datagram d;
   d.kind = kind;
   d.first = {.label = load_label(bytes.data()),
              .flags = flags,
              .total = load<std::uint32_t>(&bytes[at_total]),
-             .mask = load<std::uint64_t>(&bytes[at_mask]),
+             .mask = *mask,
              .stamp_ns = static_cast<std::int64_t>(load<std::uint64_t>(&bytes[at_stamp]))};
   if (bytes.size() < d.first.bytes()) return {};
   if ((flags & rate_follows) != 0) {
-    d.first.rate = {load<std::uint32_t>(&bytes[at_period]), load<std::uint32_t>(&bytes[at_ordinal])};
+    const std::size_t at = d.first.at_rate();
+    d.first.rate = {load<std::uint32_t>(&bytes[at]), load<std::uint32_t>(&bytes[at + 4])};
   }
   if ((flags & history_follows) != 0) {
     const std::size_t at = d.first.at_history();
@@ -124,55 +144,56 @@ std::optional<Datagram> read_packed(std::span<const std::byte> bytes) noexcept {
 /// Reads the short header of a whole datagram. Fields that this header leaves out are 0, and the length of
 /// the datagram tells the total.
 std::optional<Datagram> read_whole(std::span<const std::byte> bytes) noexcept {
-  if (bytes.size() < first_header_bytes) return {};
   const auto bits = load<std::uint32_t>(bytes.data());
+  const auto mask = load_mask(bytes, at_mask, (bits >> narrow_bit & 1) != 0);
+  if (!mask) return {};
   const auto flag = [bits](unsigned bit, std::uint8_t meant) { return (bits >> bit & 1) != 0 ? meant : 0; };
   Datagram d;
   d.kind = DatagramKind::whole;
   d.first = {.label = load_label(bytes.data()),
              .flags = static_cast<std::uint8_t>(channel_follows | flag(words_bit, mask_words_follow) |
                                                 flag(merged_bit, merged_masks)),
-             .total = static_cast<std::uint32_t>(bytes.size() - first_header_bytes),
-             .mask = load<std::uint64_t>(&bytes[at_mask]),
+             .mask = *mask,
              .stamp_ns = static_cast<std::int64_t>(load<std::uint64_t>(&bytes[at_stamp])),
              .channel = {.channel = bits >> short_channel_bit,
                          .ordinal = load<std::uint32_t>(&bytes[at_short_ordinal]),
                          .in_short = true}};
-  d.first.label.variant = static_cast<std::uint16_t>(bits >> short_variant_bit) % whole_numbers_end;
-  d.payload = bytes.subspan(first_header_bytes);
+  d.first.label.variant = static_cast<std::uint16_t>(bits >> short_variant_bit) % whole_variants_end;
+  d.payload = bytes.subspan(d.first.bytes_in_short());
+  d.first.total = static_cast<std::uint32_t>(d.payload.size());
   return d.first.channel.ordinal == 0 ? std::nullopt : std::optional(d);
 }
 
 /// Reads a single datagram as the first one of a sample that has no other. Its length tells the total.
 std::optional<Datagram> read_single(std::span<const std::byte> bytes) noexcept {
-  if (bytes.size() < single_header_bytes) return {};
   const auto flags = load<std::uint8_t>(&bytes[at_flags]);
-  if ((flags & ~merged_masks) != 0) return {};
+  const auto mask = load_mask(bytes, at_single_mask, (flags & narrow_mask) != 0);
+  if (!mask || (flags & ~(merged_masks | narrow_mask)) != 0) return {};
   Datagram d;
   d.kind = DatagramKind::first;
   d.first = {.label = load_label(bytes.data()),
-             .flags = flags,
-             .total = static_cast<std::uint32_t>(bytes.size() - single_header_bytes),
-             .mask = load<std::uint64_t>(&bytes[at_single_mask]),
+             .flags = static_cast<std::uint8_t>(flags & merged_masks),
+             .mask = *mask,
              .stamp_ns = static_cast<std::int64_t>(load<std::uint64_t>(&bytes[at_single_stamp]))};
-  d.payload = bytes.subspan(single_header_bytes);
+  d.payload = bytes.subspan(d.first.bytes_in_single());
+  d.first.total = static_cast<std::uint32_t>(d.payload.size());
   return d;
 }
 
 void store_mask_and_stamp(const FirstHeader& header, std::byte* out) noexcept {
-  store(header.mask, out + at_mask);
   store(static_cast<std::uint64_t>(header.stamp_ns), out + at_stamp);
+  store_mask(header.mask, out + at_mask);
 }
 
 }  // namespace
 
 void encode(const FirstHeader& header, std::byte* out) noexcept {
-  store_common(DatagramKind::first, header.flags, header.label, out);
+  store_common(DatagramKind::first, header.flags | width_flag(header.mask), header.label, out);
   store(header.total, out + at_total);
   store_mask_and_stamp(header, out);
   if ((header.flags & rate_follows) != 0) {
-    store(header.rate.min_period_us, out + at_period);
-    store(header.rate.ordinal, out + at_ordinal);
+    store(header.rate.min_period_us, out + header.at_rate());
+    store(header.rate.ordinal, out + header.at_rate() + 4);
   }
   if ((header.flags & history_follows) != 0) {
     store(header.history.reader, out + header.at_history());
@@ -194,7 +215,7 @@ bool fits_in_short(const FirstHeader& header) noexcept {
   const unsigned others = header.flags & ~unsigned{mask_words_follow | merged_masks};
   return others == channel_follows && header.channel.sequence_high == 0 &&
          header.channel.ordinal <= UINT32_MAX && header.channel.in_short &&
-         header.label.variant < whole_numbers_end;
+         header.label.variant < whole_variants_end;
 }
 
 void encode_in_short(const FirstHeader& header, std::byte* out) noexcept {
@@ -203,27 +224,35 @@ void encode_in_short(const FirstHeader& header, std::byte* out) noexcept {
   };
   store_common(DatagramKind::whole, 0, header.label, out);
   store(load<std::uint8_t>(out) | bit_of(mask_words_follow, words_bit) | bit_of(merged_masks, merged_bit) |
+            (is_narrow(header.mask) ? 1U << narrow_bit : 0U) |
             std::uint32_t{header.label.variant} << short_variant_bit |
-            header.channel.channel % whole_numbers_end << short_channel_bit,
+            header.channel.channel % whole_channels_end << short_channel_bit,
         out);
   store(static_cast<std::uint32_t>(header.channel.ordinal), out + at_short_ordinal);
   store_mask_and_stamp(header, out);
 }
 
 void encode_in_single(const FirstHeader& header, std::byte* out) noexcept {
-  store_common(DatagramKind::single, header.flags, header.label, out);
-  store(header.mask, out + at_single_mask);
+  store_common(DatagramKind::single, header.flags | width_flag(header.mask), header.label, out);
   store(static_cast<std::uint64_t>(header.stamp_ns), out + at_single_stamp);
+  store_mask(header.mask, out + at_single_mask);
 }
 
 void encode(const FollowingHeader& header, std::byte* out) noexcept {
-  store_common(DatagramKind::following, 0, header.label, out);
-  store(header.offset, out + at_offset);
+  if (!header.is_near()) {
+    store_common(DatagramKind::far, 0, header.label, out);
+    return store(header.offset, out + at_far_offset);
+  }
+  store_kind(DatagramKind::following, static_cast<std::uint8_t>(header.label.variant), out);
+  store(header.label.writer, out + at_near_writer);
+  store(header.label.sequence, out + at_near_sequence);
+  store(static_cast<std::uint16_t>(header.offset), out + at_near_offset);
+  store(static_cast<std::uint8_t>(header.offset >> 16), out + at_near_offset + 2);
 }
 
 void encode(const PackedHeader& header, std::byte* out) noexcept {
   encode(header.first, out);
-  store_kind(DatagramKind::packed, header.first.flags, out);
+  store_kind(DatagramKind::packed, header.first.flags | width_flag(header.first.mask), out);
   store(header.samples, out + at_samples);
   store(header.bytes_each, out + at_bytes_each);
 }
@@ -425,14 +454,26 @@ void encode(const GroupProbe& probe, std::byte* out) noexcept {
   encode(DatagramKind::group_probe, probe, group_probe_bytes, out);
 }
 
-/// A datagram without payload says nothing and is refused, like one that ends beyond what a total can be.
+/// A datagram without payload says nothing and is refused.
 static std::optional<Following> read_following(std::span<const std::byte> bytes) noexcept {
-  if (bytes.size() <= following_header_bytes || load<std::uint8_t>(&bytes[at_flags]) != 0) return {};
-  const Following following{.label = load_label(bytes.data()),
-                            .offset = load<std::uint32_t>(&bytes[at_offset]),
-                            .payload = bytes.subspan(following_header_bytes)};
-  if (following.payload.size() > UINT32_MAX - following.offset) return {};
-  return following;
+  if (bytes.size() <= following_header_bytes) return {};
+  const auto offset = load<std::uint16_t>(&bytes[at_near_offset]) |
+                      std::uint32_t{load<std::uint8_t>(&bytes[at_near_offset + 2])} << 16;
+  return Following{.label = {.writer = load<std::uint32_t>(&bytes[at_near_writer]),
+                             .sequence = load<std::uint32_t>(&bytes[at_near_sequence]),
+                             .variant = load<std::uint8_t>(&bytes[at_near_variant])},
+                   .offset = offset,
+                   .payload = bytes.subspan(following_header_bytes)};
+}
+
+/// One that ends beyond what a total can be is refused as well.
+static std::optional<Following> read_far(std::span<const std::byte> bytes) noexcept {
+  if (bytes.size() <= far_header_bytes || load<std::uint8_t>(&bytes[at_flags]) != 0) return {};
+  const Following far{.label = load_label(bytes.data()),
+                      .offset = load<std::uint32_t>(&bytes[at_far_offset]),
+                      .payload = bytes.subspan(far_header_bytes)};
+  if (far.payload.size() > UINT32_MAX - far.offset) return {};
+  return far;
 }
 
 AnyDatagram decode(std::span<const std::byte> bytes) noexcept {
@@ -446,6 +487,8 @@ AnyDatagram decode(std::span<const std::byte> bytes) noexcept {
   switch (*kind) {
     case DatagramKind::following:
       return as(std::in_place_type<Following>, read_following(bytes));
+    case DatagramKind::far:
+      return as(std::in_place_type<Following>, read_far(bytes));
     case DatagramKind::first:
       return as(sample, read_first(bytes));
     case DatagramKind::packed:

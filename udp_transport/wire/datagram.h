@@ -10,16 +10,29 @@
 
 namespace sft::udp {
 
-inline constexpr std::uint8_t wire_version = 1;
+inline constexpr std::uint8_t wire_version = 2;
+// Headers of samples end with the mask. A mask below 2^16 has two bytes there, which is enough for all masks
+// of most message types, and any other has eight. These are the lengths with eight.
 inline constexpr std::size_t first_header_bytes = 32;
-inline constexpr std::size_t following_header_bytes = 16;
 inline constexpr std::size_t single_header_bytes = 28;
+inline constexpr std::size_t wide_mask_bytes = 8;
+inline constexpr std::size_t narrow_mask_bytes = 2;
+constexpr bool is_narrow(std::uint64_t mask) { return mask < std::uint64_t{1} << (8 * narrow_mask_bytes); }
+/// So many bytes less than with a wide mask has a header with this mask.
+constexpr std::size_t mask_bytes_saved(std::uint64_t mask) {
+  return is_narrow(mask) ? wide_mask_bytes - narrow_mask_bytes : 0;
+}
+inline constexpr std::size_t following_header_bytes = 13;
+inline constexpr std::size_t far_header_bytes = 16;
+/// A following datagram has room for variants and offsets below these. Others need a far one.
+inline constexpr std::uint32_t near_variants_end = 1 << 8;
+inline constexpr std::uint32_t near_offsets_end = 1 << 24;
 inline constexpr std::size_t datagram_bytes_max = 65507;  ///< the longest UDP payload over IPv4
 inline constexpr std::size_t datagram_bytes_min = 548;    ///< every IPv4 path takes payloads of this length
 
 enum class DatagramKind : std::uint8_t {
   first = 1,         ///< begins a sample
-  following = 2,     ///< a later part of its body
+  following = 2,     ///< a later part of its body, within reach of a short header
   heartbeat = 3,     ///< a writer tells what it has sent in a channel, and what it still has
   ack = 4,           ///< a reader tells what has come in a channel, and what is missing
   packed = 5,        ///< whole small samples, whose sequences and ordinals follow one another
@@ -30,11 +43,18 @@ enum class DatagramKind : std::uint8_t {
   whole = 10,        ///< a sample in a channel that fits into this datagram, with a short header
   group_probe = 11,  ///< sent to a multicast group between samples: members report that it came
   single = 12,       ///< a sample without any mark that fits into this datagram; is read as a first datagram
+  far = 13,          ///< any later part of a body; is read as a following datagram
 };
 
 /// Acks and reports answer what this process has sent. All other kinds come from a writer.
 constexpr bool is_answer(DatagramKind kind) {
   return kind == DatagramKind::ack || kind == DatagramKind::report || kind == DatagramKind::group_report;
+}
+
+/// Datagrams that carry samples, or parts of them.
+constexpr bool is_of_sample(DatagramKind kind) {
+  return kind == DatagramKind::first || kind == DatagramKind::following || kind == DatagramKind::far ||
+         kind == DatagramKind::packed || kind == DatagramKind::whole || kind == DatagramKind::single;
 }
 
 /// Flags of a first datagram. Its mask field is a hash, and the mask's words stand right before the payload.
@@ -50,7 +70,8 @@ inline constexpr std::uint8_t channel_follows = 8;
 inline constexpr std::size_t channel_bytes = 16;
 /// A whole datagram has room for variants below this, for a channel's number modulo this, and for 32 bits of
 /// sequence and ordinal.
-inline constexpr std::uint32_t whole_numbers_end = 2048;
+inline constexpr std::uint32_t whole_variants_end = 1 << 10;
+inline constexpr std::uint32_t whole_channels_end = 1 << 11;
 /// The sample is sent to a multicast group: `group` stands behind the channel.
 inline constexpr std::uint8_t group_follows = 64;
 inline constexpr std::size_t group_bytes = 16;
@@ -66,6 +87,8 @@ inline constexpr std::size_t group_report_bytes = 24;
 inline constexpr std::size_t group_probe_bytes = 24;
 /// In a packed datagram the length of each sample stands before it. Without this flag all are equally long.
 inline constexpr std::uint8_t lengths_follow = 16;
+/// The mask has two bytes. This flag is on the wire only, since the mask itself tells it.
+inline constexpr std::uint8_t narrow_mask = 32;
 inline constexpr std::size_t length_bytes = 2;
 inline constexpr std::size_t packed_samples_max = 256;
 inline constexpr std::size_t heartbeat_bytes = 32;
@@ -136,17 +159,22 @@ struct FirstHeader {
   /// The header's length with all marks that the flags announce, without the mask's words.
   std::size_t bytes() const { return at_group() + ((flags & group_follows) != 0 ? group_bytes : 0); }
   std::size_t at_group() const { return at_channel() + ((flags & channel_follows) != 0 ? channel_bytes : 0); }
-  std::size_t at_history() const {
-    return first_header_bytes + ((flags & rate_follows) != 0 ? rate_bytes : 0);
-  }
   std::size_t at_channel() const {
     return at_history() + ((flags & history_follows) != 0 ? history_bytes : 0);
   }
+  std::size_t at_history() const { return at_rate() + ((flags & rate_follows) != 0 ? rate_bytes : 0); }
+  std::size_t at_rate() const { return first_header_bytes - mask_bytes_saved(mask); }
+  /// The lengths of the headers of a whole and of a single datagram, without the mask's words.
+  std::size_t bytes_in_short() const { return at_rate(); }
+  std::size_t bytes_in_single() const { return single_header_bytes - mask_bytes_saved(mask); }
 };
 
 struct FollowingHeader {
   SampleLabel label;
   std::uint32_t offset = 0;  ///< of the payload in the body
+
+  bool is_near() const { return label.variant < near_variants_end && offset < near_offsets_end; }
+  std::size_t bytes() const { return is_near() ? following_header_bytes : far_header_bytes; }
 };
 
 /// The facts that the samples of a packed datagram share.
@@ -157,16 +185,16 @@ struct PackedHeader {
 };
 
 void encode(const FirstHeader& header, std::byte* out) noexcept;      ///< writes header.bytes()
-void encode(const FollowingHeader& header, std::byte* out) noexcept;  ///< writes following_header_bytes
+void encode(const FollowingHeader& header, std::byte* out) noexcept;  ///< writes header.bytes()
 void encode(const PackedHeader& header, std::byte* out) noexcept;     ///< writes header.first.bytes()
 
 /// True if a whole datagram can say all that this header says. The datagram must also hold the whole body.
 bool fits_in_short(const FirstHeader& header) noexcept;
-void encode_in_short(const FirstHeader& header, std::byte* out) noexcept;  ///< writes first_header_bytes
+void encode_in_short(const FirstHeader& header, std::byte* out) noexcept;  ///< writes bytes_in_short()
 
 /// True if a single datagram can say all that this header says. The datagram must also hold the whole body.
 constexpr bool fits_in_single(const FirstHeader& header) { return (header.flags & ~merged_masks) == 0; }
-void encode_in_single(const FirstHeader& header, std::byte* out) noexcept;  ///< writes single_header_bytes
+void encode_in_single(const FirstHeader& header, std::byte* out) noexcept;  ///< writes bytes_in_single()
 
 /// The header of a later sample, `samples` behind the first one. Sequences and ordinals follow one another.
 FirstHeader header_behind(const FirstHeader& first, std::uint32_t samples, std::uint32_t total) noexcept;
@@ -276,7 +304,7 @@ struct Datagram {
   const SampleLabel& label() const { return first.label; }
 };
 
-/// A following datagram, the most frequent kind by far.
+/// A following datagram, near or far. It is the most frequent kind by far.
 struct Following {
   SampleLabel label;
   std::uint32_t offset = 0;  ///< of the payload in the body

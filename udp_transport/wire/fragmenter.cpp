@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cstring>
+#include <utility>
 
 namespace sft::udp {
 
@@ -71,7 +72,8 @@ void Fragmenter::next(Batch& batch, std::size_t bytes_max, std::size_t datagrams
 /// The length of the batch with another datagram.
 std::size_t Fragmenter::bytes_with_next(const Batch& batch) const {
   if (body_.packed) return batch.datagrams_ * batch.segment_bytes_ + next_pack().bytes;
-  return batch.bytes_ + std::min<std::size_t>(datagram_bytes_, following_header_bytes + end_ - offset_);
+  const std::size_t header = FollowingHeader{body_.first.label, offset_}.bytes();
+  return batch.bytes_ + std::min<std::size_t>(datagram_bytes_, header + end_ - offset_);
 }
 
 void Fragmenter::append_datagram(Batch& batch) {
@@ -84,18 +86,18 @@ void Fragmenter::append_datagram(Batch& batch) {
 }
 
 void Fragmenter::append_header(Batch& batch) {
-  if (begun_) {
-    encode(FollowingHeader{body_.first.label, offset_}, batch.stage(following_header_bytes));
-    return;
+  const FirstHeader& first = body_.first;
+  if (std::exchange(begun_, true)) {
+    const FollowingHeader following{first.label, offset_};
+    return encode(following, batch.stage(following.bytes()));
   }
-  begun_ = true;
-  const std::size_t in_short = first_header_bytes + body_.mask_words.size_bytes() + body_.first.total;
-  if (in_short <= datagram_bytes_ && fits_in_short(body_.first)) {
-    encode_in_short(body_.first, batch.stage(first_header_bytes));
-  } else if (single_header_bytes + body_.first.total <= datagram_bytes_ && fits_in_single(body_.first)) {
-    encode_in_single(body_.first, batch.stage(single_header_bytes));
+  const std::size_t words = body_.mask_words.size_bytes();
+  if (first.bytes_in_short() + words + first.total <= datagram_bytes_ && fits_in_short(first)) {
+    encode_in_short(first, batch.stage(first.bytes_in_short()));
+  } else if (first.bytes_in_single() + first.total <= datagram_bytes_ && fits_in_single(first)) {
+    encode_in_single(first, batch.stage(first.bytes_in_single()));
   } else {
-    encode(body_.first, batch.stage(body_.first.bytes()));
+    encode(first, batch.stage(first.bytes()));
   }
   append_mask_words(batch);
 }

@@ -5,6 +5,8 @@ import subprocess
 
 SCRIPT = pathlib.Path(__file__).resolve().parents[3] / "tools/wireshark/sft.lua"
 SFT_PORT = 7777
+VERSION = 2 << 4
+STAMP = 1_500_000_000_000_000_001
 
 
 def write_pcap(path, payloads):
@@ -35,25 +37,41 @@ def dissect(path, fields, decode_as=False, preferences=()):
 
 
 def header(kind, at_2=3, flags=0, writer=0x04030201, at_8=9):
-    return struct.pack("<BBHII", 0x10 | kind, flags, at_2, writer, at_8)
+    return struct.pack("<BBHII", VERSION | kind, flags, at_2, writer, at_8)
+
+
+NARROW_MASK = 0x20
+
+
+def mask_bytes(mask):
+    """A mask as it stands in a header, and the flag that says how long it is there."""
+    return (struct.pack("<H", mask), NARROW_MASK) if mask < 1 << 16 else (struct.pack("<Q", mask), 0)
 
 
 def first(body=b"body", flags=0, total=None, mask=0x87, marks=b""):
     total = len(body) if total is None else total
-    return header(1, flags=flags) + struct.pack("<IQq", total, mask, 1_500_000_000_000_000_001) + marks + body
+    packed_mask, width = mask_bytes(mask)
+    return header(1, flags=flags | width) + struct.pack("<Iq", total, STAMP) + packed_mask + marks + body
 
 
-def whole(body=b"body", flags=0, variant=3, channel=5, ordinal=12, stamp=1_500_000_000_000_000_001, mask=0x87):
-    place = 0x1A | flags << 8 | variant << 10 | channel << 21
-    return struct.pack("<IIIIQq", place, 0x04030201, 9, ordinal, mask, stamp) + body
+def whole(body=b"body", flags=0, variant=3, channel=5, ordinal=12, stamp=STAMP, mask=0x87):
+    """`flags` are the two lower bits of the place."""
+    packed_mask, width = mask_bytes(mask)
+    place = VERSION | 10 | flags << 8 | bool(width) << 10 | variant << 11 | channel << 21
+    return struct.pack("<IIIIq", place, 0x04030201, 9, ordinal, stamp) + packed_mask + body
 
 
-def single(body=b"body", flags=0, mask=0x87, stamp=1_500_000_000_000_000_001):
-    return header(12, flags=flags) + struct.pack("<Qq", mask, stamp) + body
+def single(body=b"body", flags=0, mask=0x87, stamp=STAMP):
+    packed_mask, width = mask_bytes(mask)
+    return header(12, flags=flags | width) + struct.pack("<q", stamp) + packed_mask + body
 
 
-def following(body=b"more", offset=1440):
-    return header(2) + struct.pack("<I", offset) + body
+def following(body=b"more", offset=1440, variant=3, writer=0x04030201):
+    return struct.pack("<BBII", VERSION | 2, variant, writer, 9) + struct.pack("<I", offset)[:3] + body
+
+
+def far(body=b"more", offset=1 << 24):
+    return header(13) + struct.pack("<I", offset) + body
 
 
 def heartbeat(begin=4, end=9):
@@ -75,8 +93,9 @@ def report(position=1 << 33, window=1 << 20):
 
 def packed(bodies, each, flags=0, marks=b"", padding=b""):
     data = b"".join((b"" if each else struct.pack("<H", len(body))) + body for body in bodies)
-    return (header(5, flags=flags) + struct.pack("<HHQq", len(bodies), each, 0x3, 1_500_000_000_000_000_001) + marks +
-            data + padding)
+    packed_mask, width = mask_bytes(0x3)
+    counts = struct.pack("<HHq", len(bodies), each, STAMP)
+    return header(5, flags=flags | width) + counts + packed_mask + marks + data + padding
 
 
 def group_offer(address=0xEFFF1002, ahead=-5):

@@ -6,8 +6,8 @@ import tempfile
 import unittest
 
 import captures
-from captures import (ack, channel, first, following, group, group_offer, group_probe, group_report, header, heartbeat,
-                      history, mark, packed, rate, report, single, whole)
+from captures import (ack, channel, far, first, following, group, group_offer, group_probe, group_report, header,
+                      heartbeat, history, mark, packed, rate, report, single, whole)
 
 
 class DissectorTest(unittest.TestCase):
@@ -25,9 +25,11 @@ class DissectorTest(unittest.TestCase):
     def test_reads_each_field_of_each_kind(self):
         words = struct.pack("<QQ", 0x5, 0x1)
         cases = [
-            (first(), {"sft.version": "1", "sft.kind": "1", "sft.writer": "0x04030201", "sft.variant": "3",
+            (first(), {"sft.version": "2", "sft.kind": "1", "sft.writer": "0x04030201", "sft.variant": "3",
                        "sft.sequence": "9", "sft.total": "4", "sft.mask": "0x0000000000000087",
                        "sft.leaves": "0-2, 7", "sft.payload": b"body".hex()}),
+            (first(mask=0x1_0087), {"sft.mask": "0x0000000000010087", "sft.leaves": "0-2, 7, 16",
+                                    "sft.flags.narrow_mask": "0", "sft.payload": b"body".hex()}),
             (first(flags=0x0E, marks=rate() + history() + channel()),
              {"sft.rate.period_us": "100000", "sft.rate.ordinal": "7", "sft.history.reader": "0x0000000100000002",
               "sft.history.oldest": "5", "sft.channel": "1", "sft.ordinal": "12", "sft.payload": b"body".hex()}),
@@ -51,7 +53,11 @@ class DissectorTest(unittest.TestCase):
             (group_report(), {"sft.kind": "7", "sft.group": "2", "sft.group.member": "1", "sft.group.heard": "70"}),
             (group_report(heard=0), {"sft.kind": "7", "sft.group.heard": "0", "sft.malformed": ""}),
             (group_probe(), {"sft.kind": "11", "sft.group": "2", "sft.group.ordinal": "70"}),
-            (following(), {"sft.kind": "2", "sft.offset": "1440", "sft.sequence": "9", "sft.payload": b"more".hex()}),
+            (following(), {"sft.kind": "2", "sft.writer": "0x04030201", "sft.variant": "3", "sft.offset": "1440",
+                           "sft.sequence": "9", "sft.payload": b"more".hex()}),
+            (following(variant=255, offset=0xFF_FFFF), {"sft.variant": "255", "sft.offset": str(0xFF_FFFF)}),
+            (far(), {"sft.kind": "13", "sft.variant": "3", "sft.offset": str(1 << 24), "sft.sequence": "9",
+                     "sft.payload": b"more".hex()}),
             (heartbeat(), {"sft.kind": "3", "sft.heartbeat.port": "5000", "sft.channel": "9",
                            "sft.heartbeat.first": "4", "sft.heartbeat.end": "9"}),
             (ack([(6, 0, 0), (8, 100, 200)]),
@@ -66,16 +72,18 @@ class DissectorTest(unittest.TestCase):
               "sft.ordinal": "12,12,13"}),
             (whole(variant=0x155, channel=0x2AA),
              {"sft.kind": "10", "sft.writer": "0x04030201", "sft.variant": str(0x155), "sft.channel": str(0x2AA),
-              "sft.sequence": "9", "sft.ordinal": "12", "sft.total": "4", "sft.leaves": "0-2, 7", "sft.flags": "0x00",
+              "sft.sequence": "9", "sft.ordinal": "12", "sft.total": "4", "sft.leaves": "0-2, 7", "sft.flags": "0x20",
               "sft.payload": b"body".hex()}),
-            (whole(body=b"", flags=2, variant=2047, channel=2047, ordinal=0xFFFFFFFF),
-             {"sft.flags.merged": "1", "sft.flags.mask_words": "0", "sft.variant": "2047", "sft.channel": "2047",
+            (whole(body=b"", flags=2, variant=1023, channel=2047, ordinal=0xFFFFFFFF),
+             {"sft.flags.merged": "1", "sft.flags.mask_words": "0", "sft.variant": "1023", "sft.channel": "2047",
               "sft.ordinal": str(0xFFFFFFFF), "sft.total": "0"}),
             (whole(flags=1), {"sft.flags.mask_words": "1", "sft.flags.merged": "0", "sft.leaves": "", "sft.total": ""}),
             (single(flags=0x80),
              {"sft.kind": "12", "sft.writer": "0x04030201", "sft.variant": "3", "sft.sequence": "9", "sft.total": "4",
               "sft.leaves": "0-2, 7", "sft.flags.merged": "1", "sft.payload": b"body".hex()}),
-            (single(body=b""), {"sft.kind": "12", "sft.total": "0", "sft.flags": "0x00"}),
+            (single(body=b""), {"sft.kind": "12", "sft.total": "0", "sft.flags": "0x20"}),
+            (single(mask=0x1_0087), {"sft.leaves": "0-2, 7, 16", "sft.flags": "0x00", "sft.payload": b"body".hex()}),
+            (whole(mask=0x1_0087), {"sft.leaves": "0-2, 7, 16", "sft.flags": "0x00", "sft.payload": b"body".hex()}),
             (packed([b"abc", b"", b"d"], each=0, flags=0x10, padding=bytes(5)),
              {"sft.packed.samples": "3", "sft.sample.bytes": "3,0,1", "sft.padding": "0000000000"}),
         ]
@@ -89,23 +97,25 @@ class DissectorTest(unittest.TestCase):
 
     def test_says_what_is_wrong(self):
         wrong = [
-            b"\x11" + bytes(10),
+            b"\x21" + bytes(10),
             header(1)[:12] + bytes(10),
-            b"\x21" + first()[1:],
+            b"\x11" + first()[1:],
             header(9) + bytes(20),
             header(11) + bytes(20),
-            b"\x2a" + whole()[1:],
+            b"\x1a" + whole()[1:],
             whole(ordinal=0),
-            whole()[:31],
-            single()[:27],
+            whole()[:25],
+            single()[:21],
             single(flags=0x08),
+            b"\x2c\x00" + single(mask=0x1_0087)[2:22] + b"\x00" + single(mask=0x1_0087)[23:],
             first(flags=0x10),
             first(total=2),
             first(flags=0x08, marks=channel(ordinal=0)),
             first(flags=0x40, marks=group(ordinal=0)),
             first(flags=0x48, marks=channel() + group()),
-            first(flags=0x40)[:32],
+            first(flags=0x40)[:26],
             following(body=b""),
+            far(body=b""),
             heartbeat(begin=9, end=4),
             heartbeat() + b"?",
             ack([(6, 5, 1)]),
@@ -133,9 +143,9 @@ class DissectorTest(unittest.TestCase):
     def test_leaves_the_datagrams_of_others_alone(self):
         rng = random.Random(1)
         strangers = [rng.randbytes(rng.randrange(0, 300)) for _ in range(200)]
-        strangers += [b"\x21" + first()[1:], first(flags=0x10), heartbeat() + b"?", packed([], each=4)]
-        strangers += [whole(ordinal=0), whole()[:31], whole(stamp=-1), whole(stamp=5_000_000_000_000_000_000)]
-        strangers += [single()[:27], single(flags=0x01), single(stamp=-1)]
+        strangers += [b"\x11" + first()[1:], first(flags=0x10), heartbeat() + b"?", packed([], each=4)]
+        strangers += [whole(ordinal=0), whole()[:25], whole(stamp=-1), whole(stamp=5_000_000_000_000_000_000)]
+        strangers += [following(writer=7), single()[:21], single(flags=0x01), single(stamp=-1)]
         strangers += [group_offer(address=0xE0000001), group_report() + b"?",
                       first(flags=0x48, marks=channel() + group())]
         rows = self.read(strangers, ["sft.kind"])

@@ -58,16 +58,7 @@ class SampleTap {
     const std::size_t headers_bytes = ip.ihl * std::size_t{4} + sizeof(udphdr);
     if (ip.protocol != IPPROTO_UDP || frame.size() <= headers_bytes) return 0;
     const auto datagrams = frame.subspan(headers_bytes);  // offloads join several of a kind
-    switch (kind_of(datagrams).value_or(DatagramKind::heartbeat)) {
-      case DatagramKind::first:
-      case DatagramKind::following:
-      case DatagramKind::packed:
-      case DatagramKind::whole:
-      case DatagramKind::single:
-        return datagrams.size();
-      default:
-        return 0;
-    }
+    return is_of_sample(kind_of(datagrams).value_or(DatagramKind::heartbeat)) ? datagrams.size() : 0;
   }
 
   core::FileDescriptor socket_;

@@ -120,7 +120,7 @@ TEST_P(TransportTest, SendsReadersOfOneProcessOneCopy) {
   publisher.publish(make_image(1000));
   EXPECT_EQ(one.await(1).size(), 1U);
   EXPECT_EQ(other.await(1).size(), 1U);
-  EXPECT_EQ(publisher.port().counters().bytes_sent, single_header_bytes + 4 + 1000);
+  EXPECT_EQ(publisher.port().counters().bytes_sent, FirstHeader{}.bytes_in_single() + 4 + 1000);
 }
 
 /// The first sample is measured. All others go out once for all 16 masks, of which half have the data.

@@ -267,7 +267,7 @@ TEST_P(TransportTest, HandsASingleSampleToTheSystemBeforeItReturns) {
   for (std::size_t n = 2; n <= 101; ++n) {
     const std::uint64_t before = publisher.port().counters().bytes_sent;
     publisher.publish(make_image(10));
-    ASSERT_GE(publisher.port().counters().bytes_sent - before, single_header_bytes + body) << n;
+    ASSERT_GE(publisher.port().counters().bytes_sent - before, FirstHeader{}.bytes_in_single() + body) << n;
     ASSERT_EQ(subscriber.await(n).size(), n);
   }
 }

@@ -73,8 +73,8 @@ TEST_F(PackTest, LaysOutItsHeaderAsDocumented) {
          bytes.data());
   Bytes expected;
   for (const unsigned byte :
-       {0x15, 0,    0x05, 0x06, 0x01, 0x02, 0x03, 0x04, 0x11, 0x12, 0x13, 0x14, 0x21, 0x22, 0x23, 0x24,
-        0x31, 0x32, 0x33, 0x34, 0x35, 0x36, 0x37, 0x38, 0xfe, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff})
+       {0x25, 0,    0x05, 0x06, 0x01, 0x02, 0x03, 0x04, 0x11, 0x12, 0x13, 0x14, 0x21, 0x22, 0x23, 0x24,
+        0xfe, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0x31, 0x32, 0x33, 0x34, 0x35, 0x36, 0x37, 0x38})
     expected.push_back(static_cast<std::byte>(byte));
   EXPECT_EQ(Bytes(bytes.begin(), bytes.end()), expected);
 }
@@ -83,8 +83,8 @@ TEST_F(PackTest, HasNothingButBodiesWhereTheseAreEquallyLong) {
   pack(Lengths(50, 64));
   const auto datagrams = test::cut(job_->body(), 1472);
   ASSERT_EQ(datagrams.size(), 3U);
-  EXPECT_EQ(datagrams[0].size(), first_header_bytes + 22 * 64);
-  EXPECT_EQ(datagrams[2].size(), first_header_bytes + 6 * 64);
+  EXPECT_EQ(datagrams[0].size(), job_->first.bytes() + 22 * 64);
+  EXPECT_EQ(datagrams[2].size(), job_->first.bytes() + 6 * 64);
   EXPECT_EQ(taken(1472), Lengths(50, 64));
 }
 
@@ -132,8 +132,9 @@ TEST_F(PackTest, IsRefusedWhereItIsNotWhatItSays) {
   for (const unsigned samples : {0U, 2U, 4U}) EXPECT_FALSE(with(12, samples));
   EXPECT_FALSE(with(13, 2)) << "too many";
   for (const unsigned each : {0U, 7U, 9U}) EXPECT_FALSE(with(14, each));
-  for (const unsigned flags : {rate_follows, history_follows, lengths_follow, std::uint8_t{32}})
-    EXPECT_FALSE(with(1, flags));
+  EXPECT_TRUE(with(1, narrow_mask));
+  for (const unsigned flag : {rate_follows, history_follows, lengths_follow, group_follows, merged_masks})
+    EXPECT_FALSE(with(1, flag | narrow_mask)) << flag;
 }
 
 TEST_F(PackTest, IsKeptAndRepairedSampleBySample) {

@@ -35,12 +35,9 @@ const SocketAddress stranger{core::IpAddress(0x0A630109), 7000};
 constexpr std::array all_kinds{
     DatagramKind::first,  DatagramKind::following,   DatagramKind::heartbeat,    DatagramKind::ack,
     DatagramKind::packed, DatagramKind::group_offer, DatagramKind::group_report, DatagramKind::mark,
-    DatagramKind::report, DatagramKind::whole,       DatagramKind::group_probe,  DatagramKind::single};
+    DatagramKind::report, DatagramKind::whole,       DatagramKind::group_probe,  DatagramKind::single,
+    DatagramKind::far};
 std::string name_of(DatagramKind kind) { return "kind " + std::to_string(static_cast<int>(kind)); }
-bool is_of_sample(DatagramKind kind) {
-  return kind == DatagramKind::first || kind == DatagramKind::following || kind == DatagramKind::packed ||
-         kind == DatagramKind::whole || kind == DatagramKind::single;
-}
 
 template <class Control>
 Bytes encoded(const Control& control, std::size_t bytes) {
@@ -68,6 +65,8 @@ class DemultiplexerTest : public sft::test::RandomTest {
         return sample_of(of_writer).front();
       case DatagramKind::following:
         return sample_of(of_writer).back();
+      case DatagramKind::far:
+        return far_of(of_writer);
       case DatagramKind::packed:
         return packed_of(of_writer);
       case DatagramKind::whole:
@@ -145,6 +144,11 @@ class DemultiplexerTest : public sft::test::RandomTest {
     first.stamp_ns = 5;
     first.channel = {heard_channel, 0, 1, in_short};
     return test::cut({first, {}, {&segment, 1}}, 1472);
+  }
+  static Bytes far_of(std::uint32_t of_writer) {
+    Bytes datagram = encoded(FollowingHeader{{of_writer, 1, near_variants_end}, 1000}, far_header_bytes);
+    datagram.resize(far_header_bytes + 500);
+    return datagram;
   }
   static Bytes packed_of(std::uint32_t of_writer) {
     const Bytes body = test::encoded_body(make_image(20), fields<Image>("*"));
@@ -228,12 +232,12 @@ TEST_F(DemultiplexerTest, ReportsHowManyDatagramsOfSamplesAndHeartbeatsCame) {
   receive(Bytes(20));  // counts as a datagram of a sample, since it may have been one
   for (const DatagramKind kind : all_kinds) {
     Bytes malformed = datagram_of(kind);
-    malformed.resize(following_header_bytes);
+    malformed.resize(following_header_bytes);  // no kind has a datagram that is so short
     receive(malformed);
   }
   receive(encoded(FlowMark{77, 4000, 3000, 100, 56}, mark_bytes));
   ASSERT_EQ(handed_.reports.size(), 2U);
-  const std::uint32_t sound = 6, unreadable = 1, malformed_samples_and_heartbeat = 6;
+  const std::uint32_t sound = 7, unreadable = 1, malformed_samples_and_heartbeat = 7;
   EXPECT_EQ(handed_.reports[1].second.came, sound + unreadable + malformed_samples_and_heartbeat);
 }
 
@@ -269,7 +273,8 @@ TEST_F(DemultiplexerTest, HandsNothingOfATruncatedDatagramToAnybody) {
       receive(Bytes(datagram.begin(), datagram.begin() + static_cast<std::ptrdiff_t>(bytes)));
       ASSERT_TRUE(handed_.is_nothing()) << name_of(kind) << ", " << bytes << " bytes";
       // The end of a sample's payload may come in another datagram.
-      const bool is_malformed = !is_of_sample(kind) || bytes < following_header_bytes;
+      const std::size_t header = kind == DatagramKind::far ? far_header_bytes : following_header_bytes;
+      const bool is_malformed = !is_of_sample(kind) || bytes < header;
       ASSERT_GE(malformed(), before + (is_malformed ? 1 : 0)) << name_of(kind) << ", " << bytes << " bytes";
     }
   }
@@ -279,7 +284,7 @@ TEST_F(DemultiplexerTest, CountsDatagramsOfOtherVersionsAndKindsAsMalformed) {
   std::uint64_t expected = 0;
   for (unsigned first_byte = 0; first_byte < 256; ++first_byte) {
     const unsigned version = first_byte >> 4, kind = first_byte & 0xf;
-    if (version == wire_version && kind >= 1 && kind <= 12) continue;
+    if (version == wire_version && kind >= 1 && kind <= 13) continue;
     Bytes datagram = datagram_of(DatagramKind::whole);
     datagram[0] = static_cast<std::byte>(first_byte);
     receive(datagram);

@@ -384,7 +384,8 @@ TEST_F(ReassemblyTest, CountsBytesThatAreNoDatagram) {
 
 TEST_F(ReassemblyTest, RefusesABodyThatIsNotWhatItClaimsToBe) {
   auto datagrams = sent(1, make_image(10));
-  datagrams[0][single_header_bytes + 11] = std::byte{0xff};  // the length of the name
+  datagrams[0][parse(datagrams[0])->first.bytes_in_single() + 11] =
+      std::byte{0xff};  // the length of the name
   receive(datagrams);
   EXPECT_EQ(taken(), Sequences{});
   EXPECT_EQ(counted().malformed, 1U);

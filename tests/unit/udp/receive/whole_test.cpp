@@ -52,32 +52,32 @@ class WholeCutTest : public testing::Test {
   std::vector<std::uint64_t> words_;
 };
 
-TEST_F(WholeCutTest, HasExactly32BytesOfHeader) {
-  for (const std::size_t bytes : {std::size_t{0}, std::size_t{1}, std::size_t{1025}, path - 32}) {
+TEST_F(WholeCutTest, Has26BytesOfHeader) {
+  for (const std::size_t bytes : {std::size_t{0}, std::size_t{1}, std::size_t{1025}, path - 26}) {
     const auto datagrams = cut(in_channel(1, 1), bytes);
     ASSERT_EQ(datagrams.size(), 1U) << bytes;
     EXPECT_EQ(kind(datagrams[0]), DatagramKind::whole);
-    EXPECT_EQ(datagrams[0].size(), bytes + 32);
+    EXPECT_EQ(datagrams[0].size(), bytes + 26);
   }
 }
 
 TEST_F(WholeCutTest, IsCutAsAFirstAndAFollowingOneWhereThePathIsTooNarrow) {
-  const auto datagrams = cut(in_channel(1, 1), path - 31);
+  const auto datagrams = cut(in_channel(1, 1), path - 25);
   ASSERT_EQ(datagrams.size(), 2U);
   EXPECT_EQ(kind(datagrams[0]), DatagramKind::first);
   EXPECT_EQ(kind(datagrams[1]), DatagramKind::following);
   EXPECT_EQ(parse(datagrams[0])->label(), parse(datagrams[1])->label());
-  EXPECT_EQ(kind(cut(in_channel(1, 1), path - 31, path + 1)[0]), DatagramKind::whole);
+  EXPECT_EQ(kind(cut(in_channel(1, 1), path - 25, path + 1)[0]), DatagramKind::whole);
 }
 
 TEST_F(WholeCutTest, HasTheWordsOfALongMaskToo) {
   words_ = {0x0102030405060708, 0x42};
-  const auto datagrams = cut(in_channel(1, 1), path - 32 - 16);
+  const auto datagrams = cut(in_channel(1, 1), path - 26 - 16);
   ASSERT_EQ(datagrams.size(), 1U);
   EXPECT_EQ(kind(datagrams[0]), DatagramKind::whole);
   EXPECT_EQ(datagrams[0].size(), path);
-  EXPECT_EQ(load_word(&datagrams[0][32]), 0x0102030405060708U);
-  EXPECT_EQ(kind(cut(in_channel(1, 1), path - 32 - 15)[0]), DatagramKind::first) << "it does not fit";
+  EXPECT_EQ(load_word(&datagrams[0][26]), 0x0102030405060708U);
+  EXPECT_EQ(kind(cut(in_channel(1, 1), path - 26 - 15)[0]), DatagramKind::first) << "it does not fit";
 }
 
 TEST_F(WholeCutTest, IsNotUsedForWhatIsOfNoChannelOrHasMarks) {
@@ -119,7 +119,7 @@ TEST_F(WholeCutTest, SaysOnlyTheLowBitsOfAChannelThatTheOtherEndKnows) {
   const auto whole = parse(cut(sent, 100).at(0));
   ASSERT_TRUE(whole);
   EXPECT_EQ(whole->kind, DatagramKind::whole);
-  EXPECT_EQ(whole->first.channel.channel, 0xfedc'ba98 % whole_numbers_end);
+  EXPECT_EQ(whole->first.channel.channel, 0xfedc'ba98 % whole_channels_end);
   sent.channel.in_short = false;
   const auto first = parse(cut(sent, 100).at(0));
   ASSERT_TRUE(first);
@@ -349,7 +349,7 @@ TEST_F(WholeTest, NamesAMaskOfMoreThan64Leaves) {
   EXPECT_EQ(test::body_of(*taken_[0]), test::encoded_body(wide, both));
   auto cut_short = sent(in_channel(2, 2), wide, both);
   ASSERT_EQ(kind_of(cut_short.at(0)), DatagramKind::whole);
-  cut_short[0].resize(first_header_bytes + 15);
+  cut_short[0].resize(parse(cut_short[0])->first.bytes_in_short() + 15);
   receive(cut_short[0]);
   EXPECT_EQ(reassembly_.counters().malformed, 1U);
 }

@@ -33,7 +33,7 @@ class FragmenterTest : public testing::Test {
     FirstHeader first{.label = {.writer = 1, .sequence = 2, .variant = 3},
                       .flags = 0,
                       .total = 0,
-                      .mask = 0xff,
+                      .mask = mask_,
                       .stamp_ns = 4};
     first.total = static_cast<std::uint32_t>(bytes_.size());
     first.flags = words_.empty() ? std::uint8_t{0} : mask_words_follow;
@@ -56,6 +56,7 @@ class FragmenterTest : public testing::Test {
   std::vector<std::byte> bytes_;
   std::vector<Segment> segments_;
   std::vector<std::uint64_t> words_;
+  std::uint64_t mask_ = UINT64_MAX;
 };
 
 TEST_F(FragmenterTest, PutsASmallBodyIntoOneDatagramAndOnePart) {
@@ -83,6 +84,30 @@ TEST_F(FragmenterTest, PutsABodyIntoASingleDatagramAsLongAsItFits) {
   const auto datagrams = test::cut(body(), 1472);
   EXPECT_EQ(datagrams.size(), 2U);
   expect_the_body_in(datagrams);
+}
+
+TEST_F(FragmenterTest, GivesTheRoomThatANarrowMaskLeavesToTheBody) {
+  mask_ = 0xff;
+  body_of_runs({1472 - single_header_bytes + 6});
+  EXPECT_EQ(test::cut(body(), 1472).size(), 1U);
+  body_of_runs({1472 - single_header_bytes + 7});
+  const auto datagrams = test::cut(body(), 1472);
+  EXPECT_EQ(datagrams.size(), 2U);
+  EXPECT_EQ(datagrams[0].size(), 1472U);
+  expect_the_body_in(datagrams);
+}
+
+TEST_F(FragmenterTest, FollowsInShortUpToSixteenMegabytesAndKeepsTheLengthBehindThem) {
+  body_of_runs({near_offsets_end + 100'000});
+  const auto datagrams = test::cut(body(), 8972);
+  expect_the_body_in(datagrams);
+  const auto is_far = [](const test::Bytes& bytes) { return kind_of(bytes) == DatagramKind::far; };
+  const auto first_far = std::ranges::find_if(datagrams, is_far);
+  ASSERT_NE(first_far, datagrams.end());
+  EXPECT_GE(parse(*first_far)->offset, near_offsets_end);
+  EXPECT_LT(parse(*(first_far - 1))->offset, near_offsets_end);
+  EXPECT_TRUE(std::all_of(first_far, datagrams.end(), is_far));
+  for (std::size_t i = 0; i + 1 < datagrams.size(); ++i) ASSERT_EQ(datagrams[i].size(), 8972U);
 }
 
 TEST_F(FragmenterTest, MakesAllDatagramsButTheLastEquallyLong) {
