@@ -29,6 +29,8 @@ class UdpWriter final : public core::NetworkWriter, private Tended {
   void be_patient(std::chrono::nanoseconds at_most) noexcept override { patience_max_ = at_most; }
   void set_routes(std::vector<core::Route> routes) override;
   bool takes_postponed() const noexcept override { return true; }
+  void begin_local_turn() noexcept override { side_->sender.local_turns().begin(); }
+  void end_local_turn() noexcept override { side_->sender.local_turns().end(); }
   void send_history(const core::Route& to, std::vector<core::SampleHandle> samples) override;
   bool history_sent(core::EndpointId reader) noexcept override;
   Counters counters() const noexcept override;

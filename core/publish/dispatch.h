@@ -44,13 +44,22 @@ class Dispatch {
    public:
     explicit Call(Dispatch& dispatch) : reading_(dispatch.outlets_), dispatch_(dispatch) {
       dispatch.look_at_outlets();
+      if (!outlets().to_memory || dispatch.network_ == nullptr) return;
+      turn_of_ = dispatch.network_.get();
+      turn_of_->begin_local_turn();
     }
+    ~Call() {
+      if (turn_of_ != nullptr) turn_of_->end_local_turn();
+    }
+    Call(const Call&) = delete;
+    Call& operator=(const Call&) = delete;
     /// The outlets in force. Sending a sample may replace them.
     const Outlets& outlets() const noexcept { return *dispatch_.in_force_; }
 
    private:
     Published<Outlets>::Reading reading_;
     const Dispatch& dispatch_;
+    NetworkWriter* turn_of_ = nullptr;  ///< it makes way for readers in shared memory
   };
 
   /// The verdict of the gates on one sample.

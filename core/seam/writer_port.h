@@ -148,6 +148,11 @@ class SFT_CAPABILITY("batch") NetworkWriter : public WriterPort {
   /// of no use to others. Always the same answer. May be called by any thread.
   virtual bool takes_postponed() const noexcept = 0;
 
+  // A sample goes to readers on this host meanwhile, by another port. Threads of this port that are busy with
+  // something large make way for them. Called by the publisher's thread.
+  virtual void begin_local_turn() noexcept {}
+  virtual void end_local_turn() noexcept {}
+
   // History. A route with `history` is served apart: what is sent to it names its reader, and waits until
   // send_history() was called for it. The route may become one without.
 

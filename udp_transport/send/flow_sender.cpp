@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <span>
+#include <thread>
 
 #include "udp_transport/send/allowance.h"
 
@@ -11,6 +12,8 @@ namespace sft::udp {
 FlowSender::Progress FlowSender::send_some(SendFlow& flow) {
   Progress progress = Progress::some;
   for (int calls = 0; progress == Progress::some && calls < calls_per_turn; ++calls) {
+    if (flow.size == SendFlow::Size::large && local_turns_.is_due(std::chrono::steady_clock::now()))
+      std::this_thread::yield();
     if (calls > 0) ear_.listen();
     progress = send_a_few(flow, std::chrono::steady_clock::now());
   }

@@ -11,6 +11,7 @@
 #include "udp_transport/flow/rate_limit.h"
 #include "udp_transport/io/datagram_io.h"
 #include "udp_transport/send/answer_ear.h"
+#include "udp_transport/send/local_turns.h"
 #include "udp_transport/send/next_round.h"
 #include "udp_transport/send/send_flow.h"
 
@@ -33,10 +34,11 @@ class FlowSender {
   /// and a receiver that had a part of the sample has given up.
   static constexpr std::chrono::seconds patience{2};
 
-  /// `limit` is that of all writers. All three outlive this object.
-  FlowSender(RateLimit& limit, AnswerEar& ear, NextRound& round) : limit_(limit), ear_(ear), round_(round) {}
+  /// `limit` is that of all writers. All of these outlive this object.
+  FlowSender(RateLimit& limit, LocalTurns& local_turns, AnswerEar& ear, NextRound& round)
+      : limit_(limit), local_turns_(local_turns), ear_(ear), round_(round) {}
 
-  /// Sends what may go in one turn, and hears answers meanwhile.
+  /// Sends what may go in one turn, hears answers meanwhile, and makes way for readers on this host.
   Progress send_some(SendFlow& flow);
   /// Sends what may go in one call.
   Progress send_a_few(SendFlow& flow, Time now);
@@ -54,6 +56,7 @@ class FlowSender {
   static constexpr std::size_t bytes_per_call = batch_bytes_max;
 
   RateLimit& limit_;
+  LocalTurns& local_turns_;
   AnswerEar& ear_;
   NextRound& round_;
   // The batches of the present call.

@@ -13,7 +13,7 @@ Sender::Sender(std::unique_ptr<DatagramSender> io, std::uint64_t max_bytes_per_s
       limit_(max_bytes_per_s),
       scheduled_(*io_),
       ear_(*io_, round_),
-      flow_sender_(limit_, ear_, round_),
+      flow_sender_(limit_, local_turns_, ear_, round_),
       lanes_(flow_sender_, scheduled_, round_),
       channels_(flow_sender_, round_) {}
 

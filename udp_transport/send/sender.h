@@ -19,6 +19,7 @@
 #include "udp_transport/send/channel_flows.h"
 #include "udp_transport/send/flow_sender.h"
 #include "udp_transport/send/lane_flows.h"
+#include "udp_transport/send/local_turns.h"
 #include "udp_transport/send/next_round.h"
 #include "udp_transport/send/scheduled_work.h"
 
@@ -48,6 +49,7 @@ class Sender {
   }
   /// The limit of all writers.
   RateLimit& limit() { return limit_; }
+  LocalTurns& local_turns() { return local_turns_; }
   /// 0: there is none.
   std::uint16_t answer_port() const { return io_->answer_port(); }
   std::unique_ptr<Connection> connect_group(const SocketAddress& group, const SocketAddress& own) {
@@ -79,6 +81,7 @@ class Sender {
 
   const std::unique_ptr<DatagramSender> io_;
   RateLimit limit_;
+  LocalTurns local_turns_;
   ScheduledWork scheduled_;
   std::thread thread_;
   std::atomic<bool> stopped_{false};

@@ -19,7 +19,9 @@ class DispatchTest : public ::testing::Test {
  protected:
   void serve(Serving serving, std::shared_ptr<LendingWriter> lending = nullptr) {
     dispatch.serve(serving, std::move(lending));
-    const Dispatch::Call call(dispatch);  // the first one by these outlets
+    {
+      const Dispatch::Call call(dispatch);  // the first one by these outlets
+    }
     network->take();
   }
   void serve_one_by_network() {
@@ -96,7 +98,8 @@ TEST_F(DispatchTest, CopiesASampleThatWasMadeElsewhereIntoSharedMemory) {
   ASSERT_EQ(memory->sent.size(), 1U);
   EXPECT_TRUE(memory->owns(*memory->sent[0]));
   EXPECT_EQ(memory->sent[0]->sequence, 1U);
-  EXPECT_EQ(network->take(), (Calls{"begin"})) << "nothing goes by a fallback route";
+  EXPECT_EQ(network->take(), (Calls{"local turn", "begin", "local turn over"}))
+      << "nothing goes by a fallback route";
   EXPECT_EQ(book->of(1), (Delivered{.sent = 1}));
 }
 
@@ -104,9 +107,27 @@ TEST_F(DispatchTest, SendsByFallbackRoutesWhatSharedMemoryDoesNotTakeAndOthersMi
   serve_two_in_memory();
   memory->is_full = true;
   EXPECT_EQ(send(), PublishStatus::dropped);
-  EXPECT_EQ(network->take(), (Calls{"begin", "send begun, by fallbacks too"}));
+  EXPECT_EQ(network->take(),
+            (Calls{"local turn", "begin", "send begun, by fallbacks too", "local turn over"}));
   EXPECT_EQ(book->of(1), Delivered{}) << "the port to the network counts that";
   EXPECT_EQ(book->of(2), (Delivered{.dropped = 1}));
+}
+
+TEST_F(DispatchTest, TellsTheNetworkWhenReadersInSharedMemoryHaveTheirTurn) {
+  serve_one_by_network();
+  send();
+  EXPECT_EQ(network->take(), (Calls{"begin", "send begun"})) << "there are none";
+  Serving serving;
+  serving.network = {network_route(1, type)};
+  serving.memory = {memory_route(2, type)};
+  serve(serving, memory);
+  {
+    const Dispatch::Call call(dispatch);
+    EXPECT_EQ(network->take(), Calls{"local turn"}) << "before anything is encoded";
+  }
+  EXPECT_EQ(network->take(), Calls{"local turn over"}) << "also if nothing was sent";
+  send();
+  EXPECT_EQ(network->take(), (Calls{"local turn", "begin", "send begun", "local turn over"}));
 }
 
 TEST_F(DispatchTest, CountsWhySharedMemoryDidNotTakeASample) {

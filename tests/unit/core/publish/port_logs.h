@@ -24,6 +24,8 @@ class NetworkLog final : public IdleNetworkWriter {
     note("history of " + std::to_string(samples.size()) + " to " + std::to_string(to.reader), 0);
   }
   bool history_sent(EndpointId) noexcept override { return all_left; }
+  void begin_local_turn() noexcept override { note("local turn", 0); }
+  void end_local_turn() noexcept override { note("local turn over", 0); }
 
   std::vector<std::string> take() { return std::exchange(calls_, {}); }
 

@@ -43,7 +43,8 @@ struct Sending {
   RateLimit limit{0};
   NextRound round;
   AnswerEar ear{io, round};
-  FlowSender sender{limit, ear, round};
+  LocalTurns local_turns;
+  FlowSender sender{limit, local_turns, ear, round};
   ScheduledWork scheduled{io};
 };
 
