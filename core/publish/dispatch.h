@@ -45,11 +45,11 @@ class Dispatch {
     explicit Call(Dispatch& dispatch) : reading_(dispatch.outlets_), dispatch_(dispatch) {
       dispatch.look_at_outlets();
       if (!outlets().to_memory || dispatch.network_ == nullptr) return;
-      turn_of_ = dispatch.network_.get();
-      turn_of_->begin_local_turn();
+      yielding_ = dispatch.network_.get();
+      yielding_->begin_local_turn();
     }
     ~Call() {
-      if (turn_of_ != nullptr) turn_of_->end_local_turn();
+      if (yielding_ != nullptr) yielding_->end_local_turn();
     }
     Call(const Call&) = delete;
     Call& operator=(const Call&) = delete;
@@ -59,7 +59,7 @@ class Dispatch {
    private:
     Published<Outlets>::Reading reading_;
     const Dispatch& dispatch_;
-    NetworkWriter* turn_of_ = nullptr;  ///< it makes way for readers in shared memory
+    NetworkWriter* yielding_ = nullptr;  ///< the port that makes way meanwhile; null: none
   };
 
   /// The verdict of the gates on one sample.

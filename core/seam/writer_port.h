@@ -148,8 +148,9 @@ class SFT_CAPABILITY("batch") NetworkWriter : public WriterPort {
   /// of no use to others. Always the same answer. May be called by any thread.
   virtual bool takes_postponed() const noexcept = 0;
 
-  // A sample goes to readers on this host meanwhile, by another port. Threads of this port that are busy with
-  // something large make way for them. Called by the publisher's thread.
+  // In between the publisher is inside a call that serves readers on this host by another port: it makes a
+  // sample, sends it, or waits for them. Threads of this port that are busy with something large leave the
+  // processor to it and to these readers. Called by the publisher's thread.
   virtual void begin_local_turn() noexcept {}
   virtual void end_local_turn() noexcept {}
 

@@ -125,7 +125,7 @@ void put_in_place(udp::FirstHeader& header, const std::vector<std::byte>& d) {
   const auto byte = [&](std::size_t i) { return std::to_integer<std::uint8_t>(d[i]); };
   if (byte(1) >= 128) {
     header.flags |= udp::channel_follows;
-    header.channel = {1U + byte(3) % channels, 0, ordinal_of(byte(9), byte(10))};
+    header.channel = {1U + byte(3) % channels, 0, ordinal_of(byte(9), byte(10)), byte(11) % 2 == 0};
   } else if (byte(1) >= 64) {
     header.flags |= udp::group_follows;
     header.group = {1U + byte(3) % 3U, 0, ordinal_of(byte(9), byte(10))};
@@ -137,7 +137,7 @@ void make_plausible(std::uint8_t action, std::vector<std::byte>& d, const std::v
   const auto byte = [&](std::size_t i) { return std::to_integer<std::uint8_t>(d[i]); };
   const udp::Stream& stream = wanted[(action & of_wide_writer) != 0 ? 1 : 0];
   const udp::SampleLabel label{static_cast<std::uint32_t>(stream.writer), byte(8) % 8U,
-                               static_cast<std::uint16_t>(byte(2) % 2 * udp::near_variants_end)};
+                               static_cast<std::uint16_t>(byte(2) % 2 * udp::near_variants_end)};  // far
   const std::uint32_t number = (byte(12) | byte(13) << 8) % 1024U;
   if ((action & first) != 0 && make_plausible_control(label.writer, d)) return;
   if ((action & first) == 0 ||
@@ -168,6 +168,7 @@ void make_plausible(std::uint8_t action, std::vector<std::byte>& d, const std::v
   const bool in_short = byte(13) % 2 == 0 && udp::fits_in_short(header);
   const std::size_t at_words = in_short ? header.bytes_in_short() : header.bytes();
   in_short ? udp::encode_in_short(header, d.data()) : udp::encode(header, d.data());
+  if (whole) d.resize(d.size() - (header.bytes() - (in_short ? header.bytes_in_short() : header.bytes())));
   for (std::size_t i = 0; words && i < mask.words() && at_words + 8 * i + 8 <= d.size(); ++i) {
     udp::store_word(mask.word(i), &d[at_words + 8 * i]);
   }

@@ -15,6 +15,7 @@
 
 #include "tests/system/fixture.h"
 #include "tests/system/opened_by_child.h"
+#include "udp_transport/wire/datagram.h"
 
 namespace sft::test {
 namespace {
@@ -196,7 +197,7 @@ TEST_F(BadInputTest, DatagramsOfNoOneAreCountedAndHurtNobody) {
   std::array<std::uint8_t, 64> bytes{};
   for (int i = 0; i < 200; ++i) {
     for (auto& byte : bytes) byte = static_cast<std::uint8_t>(rand());
-    if (i % 2 == 0) bytes[0] = 0x10;
+    if (i % 2 == 0) bytes[0] = static_cast<std::uint8_t>(udp::wire_version << 4 | i / 2 % 16);
     ASSERT_GT(sendto(hostile, bytes.data(), static_cast<std::size_t>(1 + i % 64), 0,
                      reinterpret_cast<sockaddr*>(&to), sizeof to),
               0);

@@ -584,7 +584,7 @@ function sft.dissector(buffer, pinfo, root)
   local what = kind.read(c, set, at_2, writer)
   local text = string.format("%s %s=%08x %s", kind.name, kind.at_4 and "flow" or "writer", writer, what)
   if c.failed then text = text .. " [malformed]" end
-  if not c.failed and not kind.at_4 and number ~= 2 then known.heard[writer] = true end
+  if not c.failed and not kind.at_4 and number ~= 2 and number ~= 13 then known.heard[writer] = true end
   pinfo.cols.info = text
   tree:append_text(": " .. text)
   return buffer:len()
@@ -604,7 +604,9 @@ local function plausible_address(address) return address == 0 or math.floor(addr
 -- True if a datagram whose first bytes look like SFT is plausible in the other bytes, too.
 local function plausible(buffer, number)
   if number == 1 then return plausible_flags(buffer(1, 1):uint(), buffer:len()) end
-  if number == 2 then return known.heard[buffer(2, 4):le_uint()] == true end  -- only its kind is certain
+  -- Of these only the kind is certain.
+  if number == 2 then return known.heard[buffer(2, 4):le_uint()] == true end
+  if number == 13 then return known.heard[buffer(4, 4):le_uint()] == true end
   if number == 3 then return buffer:len() == 32 and buffer(12, 4):le_uint() == 0 end
   if number == 4 then return buffer:len() == 24 + 12 * buffer(2, 2):le_uint() end
   if number == 5 then return buffer(12, 2):le_uint() >= 1 and buffer(12, 2):le_uint() <= 256 end

@@ -13,7 +13,8 @@ namespace sft::udp {
 class LocalTurns {
  public:
   using Time = std::chrono::steady_clock::time_point;
-  /// Readers are woken by way of another thread of their process, one after another.
+  /// From when the sending thread sees that a turn is over. Readers are woken by way of another thread of
+  /// their process, one after another.
   static constexpr std::chrono::milliseconds time_to_wake{1};
 
   // Publishers: a sample is being published to readers on this host. Any thread.
@@ -37,7 +38,7 @@ class LocalTurns {
 
   /// The turns that are under way in the lower half, and in the upper half how many are over.
   std::atomic<std::uint64_t> state_{0};
-  std::uint32_t over_ = 0;  ///< as the sending thread saw it last
+  alignas(64) std::uint32_t over_ = 0;  ///< as the sending thread saw it last; apart from what others write
   Time until_{};
 };
 

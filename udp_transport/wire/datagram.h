@@ -18,7 +18,7 @@ inline constexpr std::size_t single_header_bytes = 28;
 inline constexpr std::size_t wide_mask_bytes = 8;
 inline constexpr std::size_t narrow_mask_bytes = 2;
 constexpr bool is_narrow(std::uint64_t mask) { return mask < std::uint64_t{1} << (8 * narrow_mask_bytes); }
-/// So many bytes less than with a wide mask has a header with this mask.
+/// A header with this mask is shorter by so many bytes than one with a wide mask.
 constexpr std::size_t mask_bytes_saved(std::uint64_t mask) {
   return is_narrow(mask) ? wide_mask_bytes - narrow_mask_bytes : 0;
 }
@@ -68,8 +68,8 @@ inline constexpr std::size_t history_bytes = 16;
 /// The sample travels in a channel, reliably: `channel` stands behind the history.
 inline constexpr std::uint8_t channel_follows = 8;
 inline constexpr std::size_t channel_bytes = 16;
-/// A whole datagram has room for variants below this, for a channel's number modulo this, and for 32 bits of
-/// sequence and ordinal.
+/// A whole datagram has room for variants below the first number, for a channel's number modulo the second,
+/// and for 32 bits of sequence and ordinal.
 inline constexpr std::uint32_t whole_variants_end = 1 << 10;
 inline constexpr std::uint32_t whole_channels_end = 1 << 11;
 /// The sample is sent to a multicast group: `group` stands behind the channel.
@@ -87,10 +87,10 @@ inline constexpr std::size_t group_report_bytes = 24;
 inline constexpr std::size_t group_probe_bytes = 24;
 /// In a packed datagram the length of each sample stands before it. Without this flag all are equally long.
 inline constexpr std::uint8_t lengths_follow = 16;
-/// The mask has two bytes. This flag is on the wire only, since the mask itself tells it.
-inline constexpr std::uint8_t narrow_mask = 32;
 inline constexpr std::size_t length_bytes = 2;
 inline constexpr std::size_t packed_samples_max = 256;
+/// The mask has two bytes. This flag is on the wire only, since the mask itself tells it.
+inline constexpr std::uint8_t narrow_mask = 32;
 inline constexpr std::size_t heartbeat_bytes = 32;
 inline constexpr std::size_t ack_header_bytes = 24;
 inline constexpr std::size_t missing_bytes = 12;

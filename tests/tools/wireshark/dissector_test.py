@@ -150,7 +150,7 @@ class DissectorTest(unittest.TestCase):
                       first(flags=0x48, marks=channel() + group())]
         rows = self.read(strangers, ["sft.kind"])
         taken = [row for row in rows if row["sft.kind"]]
-        self.assertLessEqual(len(taken), 2)  # of which the first 16 bytes happen to be right
+        self.assertLessEqual(len(taken), 2)  # of which the first bytes happen to be right
 
 
 if __name__ == "__main__":

@@ -37,7 +37,8 @@ void mutate_once(std::vector<std::byte>& datagram, Random& random) {
                                         UINT64_MAX};
     const std::uint64_t value = values[below(std::size(values))];
     const std::size_t width = std::size_t{1} << below(4);
-    const std::size_t at = below(header) / width * width;
+    const std::size_t step = below(2) == 0 ? 1 : width;  // numbers stand at multiples in most headers
+    const std::size_t at = below(header) / step * step;
     for (std::size_t i = 0; i < width && at + i < datagram.size(); ++i)
       datagram[at + i] = static_cast<std::byte>(value >> (8 * i));
   } else {

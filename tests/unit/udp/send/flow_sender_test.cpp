@@ -39,6 +39,20 @@ TEST_F(FlowSenderTest, SendsASmallSampleInOneCall) {
   EXPECT_EQ(tally->bytes_sent, bytes_left());
 }
 
+TEST_F(FlowSenderTest, LooksWhetherReadersOnThisHostHaveTheirTurnWhereASampleIsLarge) {
+  const auto much_later = std::chrono::steady_clock::now() + 1h;
+  local_turns.begin();
+  local_turns.end();
+  SendFlow small = flow(small_bytes);
+  sender.send_some(small);
+  SendFlow large = flow(large_bytes);
+  EXPECT_TRUE(local_turns.is_due(much_later)) << "nobody has looked yet";
+  local_turns.begin();
+  local_turns.end();
+  sender.send_some(large);
+  EXPECT_FALSE(local_turns.is_due(much_later + 1h)) << "the sender has seen the turn, and it has passed";
+}
+
 TEST_F(FlowSenderTest, SendsALargeSampleInSeveralCalls) {
   SendFlow one = flow(large_bytes);
   EXPECT_EQ(sender.send_a_few(one, now), Progress::some);
