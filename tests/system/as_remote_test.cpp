@@ -20,7 +20,6 @@ struct Got {
   std::optional<Selection> selection;
   std::vector<std::string> missing;
   std::vector<std::byte> cdr;
-  friend bool operator==(const Got&, const Got&) = default;
 };
 
 class SameCopyTest : public ::testing::TestWithParam<const char*> {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/parse_datagram.h"
 #include "tests/support/test_seed.h"
 #include "tests/unit/udp/arrivals.h"
 #include "tests/unit/udp/datagrams.h"
