@@ -94,6 +94,11 @@ class DemultiplexerTest : public sft::test::RandomTest {
     return {};
   }
 
+  /// Of a datagram of a sample: what stands before its payload.
+  static std::size_t header_bytes(const Bytes& datagram) {
+    return static_cast<std::size_t>(parse(datagram)->payload.data() - datagram.data());
+  }
+
   void receive(const Bytes& datagram, const SocketAddress& from = writers_node) {
     const Arrival arrival = demultiplexer_.accept(datagram, from, {now_, 1});
     handed_.samples += (arrival.sample ? 1 : 0) + arrival.packed.size();
@@ -273,8 +278,7 @@ TEST_F(DemultiplexerTest, HandsNothingOfATruncatedDatagramToAnybody) {
       receive(Bytes(datagram.begin(), datagram.begin() + static_cast<std::ptrdiff_t>(bytes)));
       ASSERT_TRUE(handed_.is_nothing()) << name_of(kind) << ", " << bytes << " bytes";
       // The end of a sample's payload may come in another datagram.
-      const std::size_t header = kind == DatagramKind::far ? far_header_bytes : following_header_bytes;
-      const bool is_malformed = !is_of_sample(kind) || bytes < header;
+      const bool is_malformed = !is_of_sample(kind) || bytes < header_bytes(datagram);
       ASSERT_GE(malformed(), before + (is_malformed ? 1 : 0)) << name_of(kind) << ", " << bytes << " bytes";
     }
   }
