@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <layout_msgs/msg/HeightMap.hpp>
@@ -175,6 +176,18 @@ TEST_F(UserLayoutTest, APartOfAMapInIdlHasItsSizeAndPlaceInAStructOfTheirOwn) {
                   corner_of(whole.raster.corner, 0.1 * wanted.columns.begin, 0.1 * wanted.rows.begin));
     if (HasFailure()) FAIL() << text_of(wanted) << " in round " << round;
   }
+}
+
+TEST_F(UserLayoutTest, AListIsWholeIfAKeyBelongsToItThatIsSentWhole) {
+  StructType keyed = type_support<layouts::Spectrum>().type();
+  std::vector<detail::Member> members(keyed.members.begin(), keyed.members.end());
+  std::ranges::find(members, "phase", &detail::Member::name)->key = true;
+  keyed.members = members;
+  const TypeSupport type(keyed);
+  const auto closed = [&](std::string_view text) { return type.closed(type.parse_selection(text).value()); };
+  EXPECT_EQ(type.format_selection(closed("power[::2]")), "power, phase");
+  EXPECT_EQ(type.closed(closed("power[::2]")), closed("power[::2]")) << "and stays so";
+  EXPECT_EQ(closed("power[::2], phase[::2]").parts().size(), 2u);
 }
 
 TEST_F(UserLayoutTest, TheRuleHoldsWhereItsTypeIsAMemberOfAnotherOne) {

@@ -121,17 +121,17 @@ FieldMask TypeSupport::closed(FieldMask mask) const {
 }
 
 Selection TypeSupport::closed(const Selection& selection) const {
-  FieldMask mask = selection.mask();
-  std::vector<Selection::Part> parts = closed_parts(selection);
-  for (const Selection::Part& part : parts) {
-    const Layout* const layout = layout_of(part.leaf);
-    if (layout == nullptr) continue;
-    for (const Layout::Field& field : layout->fields) {
-      if (!field) continue;
-      for (std::size_t i = 0; i < leaf_count(*field.member); ++i) mask.insert(field.leaf + i);
-    }
+  std::vector<Selection::Part> parts(selection.parts().begin(), selection.parts().end());
+  FieldMask fields = closed(selection.mask());
+  // A field that is added can make the parts of fields that belong to it whole. Parts only become fewer, and
+  // fields only more, so this ends.
+  for (bool is_changed = !parts.empty(); is_changed;) {
+    std::vector<Selection::Part> suited = suited_parts(parts, fields);
+    FieldMask with_layouts = closed(with_fields_of_layouts(suited, fields));
+    is_changed = suited != parts || with_layouts != fields;
+    parts = std::move(suited);
+    fields = std::move(with_layouts);
   }
-  const FieldMask fields = closed(std::move(mask));
   // A longer mask may leave too little room for the rest.
   return Selection::make(fields, std::move(parts), selection.gate())
       .or_else([&](const Error&) { return Selection::make(fields, {}, selection.gate()); })
@@ -139,9 +139,10 @@ Selection TypeSupport::closed(const Selection& selection) const {
 }
 
 /// The parts without what the fields do not have. An array has a fixed length, and is always whole.
-std::vector<Selection::Part> TypeSupport::closed_parts(const Selection& selection) const {
-  std::vector<Selection::Part> parts;
-  for (Selection::Part part : selection.parts()) {
+std::vector<Selection::Part> TypeSupport::suited_parts(const std::vector<Selection::Part>& parts,
+                                                       const FieldMask& fields) const {
+  std::vector<Selection::Part> suited;
+  for (Selection::Part part : parts) {
     const Layout::Field field = field_at(*type_, part.leaf);
     const Layout* const layout = layout_of(part.leaf);
     if (!field || field.member->shape != Shape::sequence || field.member->kind == Kind::structure) continue;
@@ -149,14 +150,28 @@ std::vector<Selection::Part> TypeSupport::closed_parts(const Selection& selectio
     if (layout == nullptr || !layout->has_channels()) part.channels.clear();
     part.rule = layout == nullptr ? 0 : layout->rule;
     for (const Layout::Field& other : layout == nullptr ? std::vector<Layout::Field>() : layout->data) {
-      if (!selection.mask().contains(other.leaf)) continue;
-      const Selection::Part* const its = selection.part(other.leaf);
-      const bool has_same_rows = its != nullptr && (!layout->has_rows() || its->rows == part.rows);
+      if (!fields.contains(other.leaf)) continue;
+      const auto its = std::ranges::find(parts, other.leaf, &Selection::Part::leaf);
+      const bool has_same_rows = its != parts.end() && (!layout->has_rows() || its->rows == part.rows);
       if (!has_same_rows || its->columns != part.columns) part.rows = part.columns = {};
     }
-    if (!part.is_whole()) parts.push_back(std::move(part));
+    if (!part.is_whole()) suited.push_back(std::move(part));
   }
-  return parts;
+  return suited;
+}
+
+/// The fields that a part changes, or that it cannot be understood without, beside `fields`.
+FieldMask TypeSupport::with_fields_of_layouts(const std::vector<Selection::Part>& parts,
+                                              FieldMask fields) const {
+  for (const Selection::Part& part : parts) {
+    const Layout* const layout = layout_of(part.leaf);
+    if (layout == nullptr) continue;
+    for (const Layout::Field& field : layout->fields) {
+      if (!field) continue;
+      for (std::size_t i = 0; i < leaf_count(*field.member); ++i) fields.insert(field.leaf + i);
+    }
+  }
+  return fields;
 }
 
 const Layout* TypeSupport::layout_of(std::size_t leaf) const {

@@ -82,7 +82,9 @@ class TypeSupport {
   void add_keys(const StructType& type, std::size_t leaf, FieldMask& mask) const;
   void add_lengths(const StructType& type, std::size_t leaf, FieldMask& mask) const;
 
-  std::vector<Selection::Part> closed_parts(const Selection& selection) const;
+  std::vector<Selection::Part> suited_parts(const std::vector<Selection::Part>& parts,
+                                            const FieldMask& fields) const;
+  FieldMask with_fields_of_layouts(const std::vector<Selection::Part>& parts, FieldMask fields) const;
 
   const StructType* type_;
   std::vector<detail::Layout> layouts_;
