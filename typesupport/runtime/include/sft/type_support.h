@@ -61,7 +61,8 @@ class TypeSupport {
   /// key members are always sent. A closed mask stays the same if it is closed again.
   FieldMask closed(FieldMask mask) const;
   /// What is sent for the selection: its fields as above, the fields that a part changes or that it cannot be
-  /// understood without, and the same part of fields that belong together (selection.md, "Parts").
+  /// understood without, and the same part of fields that belong together (selection.md, "Parts"). A closed
+  /// selection stays the same if it is closed again.
   Selection closed(const Selection& selection) const;
   /// For SFT's own code: how the field is made of rows and columns; null: it is not, or nobody said so.
   const detail::Layout* layout_of(std::size_t leaf) const;
