@@ -15,11 +15,11 @@ DdsQos control_qos() {
   return qos;
 }
 
-DdsQos assertion_qos(const LifeSigns& signs) {
+DdsQos assertion_qos(std::chrono::milliseconds lease) {
   DdsQos qos(dds_create_qos());
   dds_qset_reliability(qos.get(), DDS_RELIABILITY_BEST_EFFORT, 0);
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 16);
-  dds_qset_liveliness(qos.get(), DDS_LIVELINESS_MANUAL_BY_TOPIC, DDS_MSECS(signs.lease.count()));
+  dds_qset_liveliness(qos.get(), DDS_LIVELINESS_MANUAL_BY_TOPIC, DDS_MSECS(lease.count()));
   dds_qset_writer_data_lifecycle(qos.get(), false);
   return qos;
 }

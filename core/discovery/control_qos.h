@@ -7,7 +7,6 @@
 #include <memory>
 #include <string>
 
-#include "core/discovery/life_signs.h"
 #include "core/discovery/participant_mark.h"
 
 namespace sft::core {
@@ -20,7 +19,7 @@ using DdsQos = std::unique_ptr<dds_qos_t, QosDeleter>;
 /// For endpoints and requests: reliable, and kept for participants that come later.
 DdsQos control_qos();
 /// For signs of life, which are repeated. Their lease is Cyclone's to watch, and covers all that is written.
-DdsQos assertion_qos(const LifeSigns& signs);
+DdsQos assertion_qos(std::chrono::milliseconds lease);
 DdsQos copy_of(const dds_qos_t* qos);
 /// The policies of readers of a topic that is written with `written`. Readers do not hear their own
 /// participant. They request no lease, or they would not hear others whose own lease is longer: Cyclone

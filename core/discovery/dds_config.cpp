@@ -88,6 +88,13 @@ constexpr int loopback_port_offset = 120;
 // life would wake the threads of all links of each process. DDS itself leaves these two ports unused.
 constexpr int loopback_multicast_offset = 2;
 
+// Ports of a domain, as DDS prescribes them (RTPS 2.3, 9.6.1), and the port of pulses among those that it
+// leaves unused.
+constexpr unsigned first_port = 7400, ports_of_domain = 250, pulse_offset = 4;
+constexpr std::array<std::string_view, 5> changes_of_multicasts{
+    "General/DontRoute", "General/MulticastRecvNetworkInterfaceAddresses", "General/MulticastTimeToLive",
+    "Discovery/Ports", "Discovery/SPDPMulticastAddress"};
+
 std::string loopback_ports(bool finds_by_unicast) {
   const auto offsets = [](const std::string& cast, int first) {
     return element(cast + "MetaOffset", std::to_string(first)) +
@@ -124,6 +131,7 @@ class Composition {
     config.found_by_multicast = !finds_by_peers_only();
     config.participant_lease = asks_seldom() ? lease_if_asked_seldom : usual_lease;
     config.is_secured = user_.sets("Security");
+    config.pulse_port = pulse_port(config);
     config.peers = settings_.peers;
     config.user_peers = user_.values("Discovery/Peers/Peer/@Address");
     std::string insisted;
@@ -137,6 +145,19 @@ class Composition {
   }
 
  private:
+  /// What the user has changed of how multicasts go may matter to pulses, too, which Cyclone does not send.
+  std::optional<std::uint16_t> pulse_port(const DdsConfig& config) const {
+    const bool is_as_usual =
+        std::ranges::none_of(changes_of_multicasts, [&](std::string_view path) { return user_.sets(path); });
+    unsigned number = 0;
+    const std::string& domain = config.domain_on_wire;
+    const auto read = std::from_chars(domain.data(), domain.data() + domain.size(), number);
+    const bool has_ports = read.ec == std::errc{} && number <= NodeOptions::domain_max;
+    const bool has_multicast = config.multicast && !equals(multicast_, "ssm");
+    if (!is_as_usual || !has_ports || !has_multicast || config.is_secured) return std::nullopt;
+    return static_cast<std::uint16_t>(first_port + ports_of_domain * number + pulse_offset);
+  }
+
   /// To peers that it does not reach, nothing must go by it once they are found.
   std::string multicast_by_ours() const {
     if (!settings_.multicast) return "false";

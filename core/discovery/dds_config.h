@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,6 +22,9 @@ struct DdsConfig {
   bool found_by_multicast = true;  ///< else nodes elsewhere are found by peers only
   std::chrono::seconds participant_lease{};  ///< after which nodes forget who is silent
   bool is_secured = false;                   ///< the user's configuration has DDS Security
+  /// The port of pulses (pulse.h). Nothing where there are none: where nodes have certificates, which pulses
+  /// have not, or where the user's configuration or the lack of multicast may keep them from arriving.
+  std::optional<std::uint16_t> pulse_port{};
   std::vector<std::string> peers;  ///< hosts that are looked for nodes, besides those that multicast reaches
   std::vector<std::string> user_peers;  ///< the same, where `text` names them
   std::vector<std::string> interfaces;  ///< that are chosen; empty: all

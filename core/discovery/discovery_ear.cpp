@@ -18,9 +18,10 @@ bool has_silent_links(const AddressedNews& one) {
 }
 
 /// Nobody can compare what it does not listen to.
-std::uint32_t digest_heard(const Assertion& assertion, const std::set<Role>& roles) {
-  return add_to_digest(roles.contains(Role::writer) ? assertion.digest_of_writers : 0,
-                       roles.contains(Role::reader) ? assertion.digest_of_readers : 0);
+template <class Sign>
+std::uint32_t digest_heard(const Sign& sign, const std::set<Role>& roles) {
+  return add_to_digest(roles.contains(Role::writer) ? sign.digest_of_writers : 0,
+                       roles.contains(Role::reader) ? sign.digest_of_readers : 0);
 }
 
 std::string called(const std::string& node) { return node.empty() ? "a node" : "node '" + node + "'"; }
@@ -74,6 +75,14 @@ DiscoveryEar::AfterTick DiscoveryEar::tick(Time now) {
   if (hearing_.is_a_sign_late(now)) sign_pace_.want_after_late_sign(now);
   if (hearing_.may_miss_something() || merge_.has_rivals()) sign_pace_.want_after_doubt(now);
   return {sign_pace_, merge_.pause_between_ticks()};
+}
+
+void DiscoveryEar::pulse_came(const Speaker& speaker, const Pulse& pulse, Time since) {
+  const Lock lock(mutex_);
+  if (nodes_here_.has(pulse.node)) return;  // nobody else says that our node lives
+  const Time now = time_();
+  if (hearing_.heard_pulse(speaker, pulse, digest_heard(pulse, roles_), since, now))
+    merge_.pulse_came(speaker, pulse.node, now);
 }
 
 void DiscoveryEar::link_expected(LinkId link) {
@@ -214,14 +223,9 @@ void DiscoveryEar::complaint_came(const Speaker& speaker) {
   if (complaints_.size() < complaints_max) complaints_.push_back(speaker);
 }
 
-void DiscoveryEar::endpoint_matched(const Speaker& speaker) {
+void DiscoveryEar::endpoint_matched(const Speaker& speaker, bool is_there) {
   const Lock lock(mutex_);
-  hearing_.endpoint_matched(speaker);
-}
-
-void DiscoveryEar::endpoint_unmatched(const Speaker& speaker) {
-  const Lock lock(mutex_);
-  hearing_.endpoint_unmatched(speaker, time_());
+  hearing_.endpoint_matched(speaker, is_there, time_());
 }
 
 void DiscoveryEar::participant_departed(const Speaker& speaker) {

@@ -54,6 +54,7 @@ class DiscoveryEar final : public LinkListener {
     std::chrono::milliseconds pause{};  ///< until the next tick
   };
   AfterTick tick(Time now);
+  void pulse_came(const Speaker& speaker, const Pulse& pulse, Time since) override;
 
   void link_expected(LinkId link);  ///< before it is opened
   void link_opened(LinkId link, const LinkSpec& spec);
@@ -94,8 +95,7 @@ class DiscoveryEar final : public LinkListener {
   void participant_speaks(const Speaker& speaker) override;
   void other_release_seen(const Speaker& speaker, std::uint32_t version) override;
   void complaint_came(const Speaker& speaker) override;
-  void endpoint_matched(const Speaker& speaker) override;
-  void endpoint_unmatched(const Speaker& speaker) override;
+  void endpoint_matched(const Speaker& speaker, bool is_there) override;
   void participant_departed(const Speaker& speaker) override;
   void sample_malformed(std::string why) override;
 

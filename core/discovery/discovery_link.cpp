@@ -37,6 +37,7 @@ class CycloneLink final : public DiscoveryLink {
   }
 
   Result<void> open(const LifeSigns& signs) {
+    if (place_.pulses) pulses_ = PulseSocket::open(*place_.pulses);
     const CycloneMessages messages;
     participant_ = dds_create_participant(domain(), participant_qos(mark_).get(), nullptr);
     dds_guid_t guid{};
@@ -51,7 +52,7 @@ class CycloneLink final : public DiscoveryLink {
     };
     topic(writers_, kind_of_writers, control_qos());
     topic(readers_, kind_of_readers, control_qos());
-    topic(lives_, kind_of_lives, assertion_qos(signs));
+    topic(lives_, kind_of_lives, assertion_qos(pulses_ ? full_sign_lease : signs.lease));
     Result<void> opened = lives_->hear();
     if (opened) opened = lives_->writer().map([](dds_entity_t) {});
     if (opened) opened = watch_participants();
@@ -72,10 +73,26 @@ class CycloneLink final : public DiscoveryLink {
     const sft_control_ReaderWord word = in_word(sample);
     return write_to(*readers_, &word);
   }
-  void write(const Assertion& assertion) override {
+  void write(const Assertion& assertion, bool is_full) override {
+    if (pulses_) {
+      pulses_->send({.node = assertion.node,
+                     .participant = Participants::tag_of(guid_),
+                     .digest_of_writers = assertion.digest_of_writers,
+                     .digest_of_readers = assertion.digest_of_readers,
+                     .full_signs = full_signs_});
+      if (!is_full) return;
+      ++full_signs_;  // the next pulse says so: this one may be heard before the full sign
+    }
     ControlStorage storage;
     const sft_control_Assertion sample = to_dds(assertion, storage);
     dds_write(lives_->known_writer(), &sample);
+  }
+  void hear_pulses(Time since) override {
+    if (!pulses_) return;
+    pulses_->take([&](const Pulse& pulse) {
+      const auto number = participants_.tagged(pulse.participant);
+      if (number) listener_.pulse_came({place_.link, *number}, pulse, since);
+    });
   }
   void dispose(EndpointId id, Role role) override {
     const dds_entity_t writer = topic_of(role).known_writer();
@@ -163,8 +180,8 @@ class CycloneLink final : public DiscoveryLink {
     listener_.assertion_came(speaker, sign.assertion, sign.lease);
   }
   void told(const Speaker&, const NodeUnheard& unheard) { listener_.node_unheard(place_.link, unheard.id); }
-  void told(const Speaker& speaker, const EndpointMet&) { listener_.endpoint_matched(speaker); }
-  void told(const Speaker& speaker, const EndpointGone&) { listener_.endpoint_unmatched(speaker); }
+  void told(const Speaker& speaker, const EndpointMet&) { listener_.endpoint_matched(speaker, true); }
+  void told(const Speaker& speaker, const EndpointGone&) { listener_.endpoint_matched(speaker, false); }
   void told(const Speaker&, const SampleMalformed& malformed) { listener_.sample_malformed(malformed.why); }
 
   static void on_participants(dds_entity_t reader, void* self) {
@@ -200,6 +217,8 @@ class CycloneLink final : public DiscoveryLink {
   LinkListener& listener_;
   ParticipantMark mark_;
   Participants::Guid guid_{};  ///< of the participant
+  std::optional<PulseSocket> pulses_;
+  std::uint8_t full_signs_ = 0;
   dds_entity_t participant_ = 0;
   /// All of them are there once the link is open.
   std::optional<ControlTopic> writers_, readers_, lives_;

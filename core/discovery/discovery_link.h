@@ -6,13 +6,17 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/control/control.h"
 #include "core/discovery/life_signs.h"
 #include "core/discovery/participants.h"
+#include "core/discovery/pulse.h"
+#include "core/discovery/pulse_socket.h"
 #include "core/discovery/speakers.h"
+#include "core/platform/clock.h"
 #include "sft/result.h"
 
 namespace sft::core {
@@ -31,6 +35,8 @@ class LinkListener {
   virtual void assertion_came(const Speaker& speaker, Assertion assertion,
                               std::chrono::milliseconds lease) = 0;
   virtual void node_unheard(LinkId link, NodeId id) = 0;
+  /// A pulse of a participant that is known came after `since`. It is told within hear_pulses().
+  virtual void pulse_came(const Speaker& speaker, const Pulse& pulse, Time since) = 0;
   virtual void participant_came(const Speaker& speaker) = 0;
   /// The participant belongs to a node that speaks with us: one with this version of the control topics, and
   /// secured if we are. May be told more than once.
@@ -42,8 +48,7 @@ class LinkListener {
   virtual void complaint_came(const Speaker& speaker) = 0;
   virtual void participant_departed(const Speaker& speaker) = 0;
   /// A reader or writer of the participant's control topics is there, or is not any more.
-  virtual void endpoint_matched(const Speaker& speaker) = 0;
-  virtual void endpoint_unmatched(const Speaker& speaker) = 0;
+  virtual void endpoint_matched(const Speaker& speaker, bool is_there) = 0;
   virtual void sample_malformed(std::string why) = 0;
 
  protected:
@@ -53,12 +58,13 @@ class LinkListener {
 class DiscoveryLink {
  public:
   /// `domain` is kept as long as the link lives; null: the domain `number` of the program itself.
-  /// `is_secured`: by DDS Security.
+  /// `is_secured`: by DDS Security. `pulses`: nothing if there are none on the link.
   struct Place {
     LinkId link = 0;
     std::shared_ptr<const CycloneDomain> domain;
     std::uint32_t number = 0;
     bool is_secured = false;
+    std::optional<PulseSocket::Place> pulses{};
   };
   /// Participants and listener outlive the link.
   static Result<std::unique_ptr<DiscoveryLink>> open(const Place& place, const LifeSigns& signs,
@@ -72,7 +78,10 @@ class DiscoveryLink {
   virtual Result<void> hear(Role role) = 0;
   virtual Result<void> write(const Endpoint& endpoint) = 0;
   virtual Result<void> write(const Request& request) = 0;
-  virtual void write(const Assertion& assertion) = 0;
+  /// Gives a sign of life as a pulse, and by Cyclone if it has to be a full one, or if there are no pulses.
+  virtual void write(const Assertion& assertion, bool is_full) = 0;
+  /// Tells the listener of the pulses that have come since the last call, which was at `since`.
+  virtual void hear_pulses(Time since) = 0;
   virtual void dispose(EndpointId id, Role role) = 0;
   /// The node does not live any more, though its process does.
   virtual void end_life(NodeId node) = 0;

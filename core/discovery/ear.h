@@ -21,8 +21,14 @@ struct Ear {
   std::set<NodeId> nodes{};  ///< those that were heard while both digests were equal, and live
   bool lives = false;        ///< signs of life came, and Cyclone did not tell that they ended
   Time last_life{};
+  Time last_full{};  ///< when the last sign of life came by Cyclone
+  std::optional<Time> last_pulse{};
+  /// The number of full signs that the speaker had given when the last one came. Nothing until a pulse tells.
+  std::optional<std::uint8_t> full_signs{};
+  std::uint8_t full_signs_missed = 0;  ///< so many have been given since, by the last pulse
   std::chrono::milliseconds lease{};
   std::uint32_t told = 0;    ///< the digest that the signs of life tell
+  Time told_at{};            ///< that was so at that time, or later
   std::uint32_t known = 0;   ///< the digest of what was known at the last look
   std::uint32_t shared = 0;  ///< both digests, when they were equal last
   Time agreed{};             ///< when both were equal, or what is known changed

@@ -14,6 +14,10 @@ using std::chrono::milliseconds;
 /// Cyclone notices the end of a lease by itself, but on a thread that may have to wait for a processor.
 constexpr milliseconds slack_of_leases{300};
 constexpr milliseconds confirmed_after{400};
+/// A pulse that somebody else has sent is corrected by the next one before that time.
+constexpr milliseconds confirmed_by_pulses_after{1500};
+/// Full signs of life may get lost, but so many in a row hardly do.
+constexpr std::uint8_t full_signs_missed_max = 8;
 /// If two looks are further apart, then this process itself was held up.
 constexpr milliseconds look_pause_max{1200};
 /// Announcements are repeated until they are acknowledged, but while many nodes start they take their time.
@@ -63,16 +67,16 @@ bool HearingWatch::is_replaced_by(LinkId before, LinkId after, Time now) const {
   });
 }
 
-void HearingWatch::endpoint_matched(const Speaker& speaker) {
-  const auto ear = ears_.find(speaker);
-  if (ear != ears_.end() && ear->second.unmatched > 0) --ear->second.unmatched;
-}
-
-void HearingWatch::endpoint_unmatched(const Speaker& speaker, Time now) {
+void HearingWatch::endpoint_matched(const Speaker& speaker, bool is_there, Time now) {
   const auto ear = ears_.find(speaker);
   if (ear == ears_.end()) return;
-  ++ear->second.unmatched;
-  ear->second.unmatched_at = now;
+  int& unmatched = ear->second.unmatched;
+  if (is_there) {
+    unmatched = std::max(unmatched - 1, 0);
+  } else {
+    ++unmatched;
+    ear->second.unmatched_at = now;
+  }
 }
 
 Ear* HearingWatch::ear_of(const Speaker& speaker, Time now) {
@@ -114,23 +118,48 @@ void HearingWatch::heard_life(const Speaker& speaker, NodeId node, std::uint32_t
                               Time now) {
   Ear* const ear = ear_of(speaker, now);
   if (ear == nullptr) return;
-  ear->last = now;
   ear->has_spoken = true;
   ear->node = node;
   ear->lives = true;
-  ear->last_life = now;
+  ear->last_full = now;
+  ear->full_signs.reset();
+  ear->full_signs_missed = 0;
   ear->lease = lease;
-  ear->told = digest;
-  if (ear->told == ear->known) {
-    ear->agreed = now;
-    ear->has_agreed = true;
-    ear->shared = digest;
-    if (ear->nodes.size() < nodes_max) ear->nodes.insert(node);
+  if (gives_pulses(lease) && !ear->last_pulse) ear->last_pulse = now;  // they are expected from now on
+  ear->overdue_since.reset();
+  lives(speaker, *ear, node, digest, now, now);
+}
+
+bool HearingWatch::heard_pulse(const Speaker& speaker, const Pulse& pulse, std::uint32_t digest, Time since,
+                               Time now) {
+  const auto known = ears_.find(speaker);
+  if (known == ears_.end()) return false;
+  Ear& ear = known->second;
+  if (!ear.lives || (ear.node != pulse.node && !ear.nodes.contains(pulse.node))) return false;
+  ear.last_pulse = now;
+  if (!ear.full_signs && since > ear.last_full) ear.full_signs = pulse.full_signs;
+  if (ear.full_signs) ear.full_signs_missed = static_cast<std::uint8_t>(pulse.full_signs - *ear.full_signs);
+  lives(speaker, ear, pulse.node, digest, since, now);
+  return true;
+}
+
+/// A sign of life was given after `since`. A pulse may have waited, and then tells what was so before the
+/// latest full sign.
+void HearingWatch::lives(const Speaker& speaker, Ear& ear, NodeId node, std::uint32_t digest, Time since,
+                         Time now) {
+  ear.last = ear.last_life = now;
+  if (since < ear.told_at) return;
+  ear.told_at = since;
+  ear.told = digest;
+  if (ear.told == ear.known) {
+    ear.agreed = now;
+    ear.has_agreed = true;
+    ear.shared = digest;
+    if (ear.nodes.size() < nodes_max) ear.nodes.insert(node);
     participants_[speaker.participant] = {.has_agreed = true, .tries = 0};
   }
-  ear->is_contradicted = ear->has_agreed && digest == ear->shared && digest != ear->known &&
-                         now - ear->changed > Ear::overtaking;
-  ear->overdue_since.reset();
+  ear.is_contradicted =
+      ear.has_agreed && digest == ear.shared && digest != ear.known && since - ear.changed > Ear::overtaking;
 }
 
 void HearingWatch::life_ended(LinkId link, NodeId node) {
@@ -148,7 +177,8 @@ std::vector<HearingWatch::Deaf> HearingWatch::look(const std::map<Speaker, std::
   std::vector<Deaf> deaf;
   for (auto& [speaker, ear] : ears_) {
     looks_often_ |= ear.lives && ear.known != ear.told && now - ear.agreed < behind_at_first_after;
-    may_miss_something_ |= ear.is_told_of_more() && !is_hopeless(speaker.participant);
+    may_miss_something_ |=
+        (ear.is_told_of_more() || ear.full_signs_missed > 0) && !is_hopeless(speaker.participant);
     const auto what = missing(speaker, ear, participant_lease, now);
     if (!what) {
       ear.missed_since.reset();
@@ -193,7 +223,9 @@ void HearingWatch::note_known(const std::map<Speaker, std::uint32_t>& known, Tim
 bool HearingWatch::is_a_sign_late(Time now) const {
   return std::ranges::any_of(ears_, [now](const auto& entry) {
     const Ear& ear = entry.second;
-    return ear.lives && now - ear.last_life > silence_in(ear.lease) + slack_of_leases;
+    const bool is_pulse_late =
+        ear.last_pulse && now - *ear.last_pulse > silence_in(lease_default) + slack_of_leases;
+    return ear.lives && (is_pulse_late || now - ear.last_life > silence_in(ear.lease) + slack_of_leases);
   });
 }
 
@@ -262,11 +294,14 @@ std::optional<HearingWatch::Missing> HearingWatch::missing(const Speaker& speake
   const bool is_mute = !ear.has_spoken && now - std::max(ear.last, link.newcomer) > first_word_after;
   if (is_mute || now - ear.last > participant_lease * 3 / 2) return Missing::everything;
   if (ear.unmatched > 0 && now - ear.unmatched_at > departing) return Missing::endpoints;
-  if (ear.lives && now - ear.last_life > ear.lease + slack_of_leases) {
+  const bool is_over = now - ear.last_full > ear.lease + slack_of_leases;
+  if (ear.lives && (is_over || ear.full_signs_missed >= full_signs_missed_max)) {
     if (!ear.overdue_since) ear.overdue_since = now;
-    if (now - *ear.overdue_since >= confirmed_after) return Missing::signs_of_life;
+    if (now - *ear.overdue_since >= (is_over ? confirmed_after : confirmed_by_pulses_after))
+      return Missing::signs_of_life;
     return {};
   }
+  ear.overdue_since.reset();
   return is_behind(ear, link.newcomer, now) ? std::optional(Missing::announcements) : std::nullopt;
 }
 

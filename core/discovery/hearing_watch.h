@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "core/discovery/ear.h"
+#include "core/discovery/pulse.h"
 #include "core/discovery/speakers.h"
 #include "core/platform/clock.h"
 
@@ -61,8 +62,7 @@ class HearingWatch {
   }
   void participant_departed(const Speaker& speaker);
   /// A reader or writer of the participant's control topics is there from now on, or is not any more.
-  void endpoint_matched(const Speaker& speaker);
-  void endpoint_unmatched(const Speaker& speaker, Time now);
+  void endpoint_matched(const Speaker& speaker, bool is_there, Time now);
   /// More is listened to from now on than before: announcements of writers, or of readers. What everybody has
   /// said of these is yet to come.
   void hears_more(Time now);
@@ -72,6 +72,9 @@ class HearingWatch {
   /// `lease`: of its signs of life.
   void heard_life(const Speaker& speaker, NodeId node, std::uint32_t digest, std::chrono::milliseconds lease,
                   Time now);
+  /// A pulse of the speaker has come after `since`. It does not count, and this returns false, unless a sign
+  /// of life has come by Cyclone in which the speaker named the same node. `digest`: as above.
+  bool heard_pulse(const Speaker& speaker, const Pulse& pulse, std::uint32_t digest, Time since, Time now);
   /// A node of that speaker; 0 if the speaker has not said that any lives.
   NodeId node_of(const Speaker& speaker) const {
     const auto ear = ears_.find(speaker);
@@ -115,6 +118,7 @@ class HearingWatch {
 
   Ear* ear_of(const Speaker& speaker, Time now);
   std::chrono::milliseconds pause_in_doubt() const;
+  void lives(const Speaker& speaker, Ear& ear, NodeId node, std::uint32_t digest, Time since, Time now);
   bool is_hopeless(AnnouncerId participant) const;
   bool is_behind(const Ear& ear, Time newcomer, Time now) const;
   std::optional<Missing> missing(const Speaker& speaker, Ear& ear,

@@ -38,6 +38,11 @@ constexpr std::chrono::milliseconds assert_often_for{700}, assert_pause{50};
 /// All nodes of the process look after discovery; in that time one of them will do.
 constexpr std::chrono::milliseconds one_looks_for{25};
 
+LifeSigns life_signs_of(const DdsConfig& config) {
+  if (config.pulse_port) return life_signs_by_pulses;
+  return config.multicast ? life_signs_to_all : life_signs_to_each;
+}
+
 /// A node's part in the discovery that it shares.
 class SharedDiscovery final : public Discovery {
  public:
@@ -87,7 +92,7 @@ Result<std::shared_ptr<JointDiscovery>> JointDiscovery::of(const DiscoveryOption
 
 JointDiscovery::JointDiscovery(DdsConfig config, const ThreadSettings& threads)
     : config_(std::move(config)),
-      life_signs_(config_.multicast ? life_signs_to_all : life_signs_to_each),
+      life_signs_(life_signs_of(config_)),
       ear_(life_signs_),
       links_({config_, threads, life_signs_}, own_, ear_) {}
 
@@ -130,7 +135,7 @@ void JointDiscovery::leave(Seat& seat) {
     for (const EndpointId id : endpoints) withdraw_from_links(id);
     const NodeId node =
         ear_.with_nodes([&](ProcessNodes& nodes, const auto&) { return nodes.leave(member); });
-    if (node != 0) links_.each([node](DiscoveryLink& link) { link.end_life(node); });
+    if (node != 0) links_.end_life(node);
     if (last_look_.by == &seat) last_look_.by = nullptr;
     seats_.remove_if([&](const Seat& one) { return &one == &seat; });
   }
@@ -209,20 +214,19 @@ Result<void> JointDiscovery::send(const Request& request) {
 void JointDiscovery::assert_liveliness(Seat& seat, const Assertion& assertion) {
   {
     const Lock lock(mutex_);
-    ear_.with_nodes([&](ProcessNodes& nodes, const auto&) {
-      nodes.asserted(seat.member, assertion, std::chrono::steady_clock::now());
-    });
-    write(assertion);
+    const Time now = std::chrono::steady_clock::now();
+    ear_.with_nodes([&](ProcessNodes& nodes, const auto&) { nodes.asserted(seat.member, assertion, now); });
+    write(assertion, is_calm(now), now);
   }
   ear_.pass_on();
 }
 
 /// The digests are those of all that came of our participants: of what all nodes of the process have said.
-void JointDiscovery::write(Assertion assertion) {
+void JointDiscovery::write(Assertion assertion, bool is_calm, Time now) {
   assertion.digest_of_writers = own_.digest(Role::writer);
   assertion.digest_of_readers = own_.digest(Role::reader);
-  assertion.wants_signs = pace_.wants(std::chrono::steady_clock::now());
-  links_.each([&](DiscoveryLink& link) { link.write(assertion); });
+  assertion.wants_signs = pace_.wants(now);
+  links_.write(assertion, is_calm, now);
 }
 
 Time JointDiscovery::look_after(Seat& seat, Time now, bool somebody_is_missing) {
@@ -246,6 +250,7 @@ Time JointDiscovery::look_after(Seat& seat, Time now, bool somebody_is_missing) 
 /// Returns when it has to be called again at the latest.
 Time JointDiscovery::look_after_links(Time now) {
   if (watches_ && (watch_.changed() || now >= next_look_)) look_at_interfaces(now);
+  links_.hear_pulses(now);
   if (ear_.take_newcomer()) greetings_.newcomer(now);
   if (greetings_.due(now, std::ranges::any_of(seats_, &Seat::misses_somebody)))
     links_.each([](DiscoveryLink& link) { link.greet(); });
@@ -255,7 +260,7 @@ Time JointDiscovery::look_after_links(Time now) {
     const auto living = [&](const ProcessNodes& nodes, const auto&) {
       return nodes.living(now - life_signs_.pause_in_calm);
     };
-    for (const NodeId node : ear_.with_nodes(living)) write({.node = node, .writers = {}});
+    for (const NodeId node : ear_.with_nodes(living)) write({.node = node, .writers = {}}, false, now);
   }
   Time next = watches_ ? mend_links(now) : Time::max();
   for (std::string& renewal : links_.take_renewals())

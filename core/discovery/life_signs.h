@@ -16,6 +16,17 @@ struct LifeSigns {
   std::chrono::milliseconds pause_in_calm;  ///< shorter than silence_in(lease)
   std::chrono::milliseconds lease;
 };
+/// Where signs in calm are pulses (pulse.h), which are heard at the next look. The pause and a look
+/// (tick_pace.h) are together shorter than silence_in(lease).
+inline constexpr LifeSigns life_signs_by_pulses{std::chrono::milliseconds(650),
+                                                std::chrono::milliseconds(932), lease_default};
+/// So often at least a sign goes by Cyclone, too. Cyclone's lease covers four of them, and tells others that
+/// there are pulses.
+inline constexpr std::chrono::milliseconds full_sign_pause{7456}, full_sign_lease{30'000};
+constexpr bool gives_pulses(std::chrono::milliseconds lease_of_signs) {
+  return lease_of_signs == full_sign_lease;
+}
+/// Where there are no pulses.
 inline constexpr LifeSigns life_signs_to_all{std::chrono::milliseconds(650), std::chrono::milliseconds(1400),
                                              lease_default};
 /// Without multicast, where each node has to be told by itself.

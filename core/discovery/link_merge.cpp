@@ -134,6 +134,11 @@ void LinkMerge::assertion_came(const Speaker& speaker, Assertion assertion, Time
   if (nodes_.asserted(assertion.node, speaker, silence, now)) news_.emplace_back(std::move(assertion));
 }
 
+void LinkMerge::pulse_came(const Speaker& speaker, NodeId node, Time now) {
+  assertion_came(speaker, {.node = node, .writers = {}}, now);
+  nodes_.pulsed(node, speaker);
+}
+
 void LinkMerge::node_unheard(LinkId link, NodeId id, Time now) {
   const auto lease = [this](NodeId node) { return lease_of(node); };
   if (nodes_.unheard(id, link, lease, now)) news_.emplace_back(NodeLost{id});

@@ -56,6 +56,8 @@ class LinkMerge {
   void endpoint_unheard(LinkId link, EndpointId id, Time now);
   void request_came(const Speaker& speaker, Request request, Time now);
   void assertion_came(const Speaker& speaker, Assertion assertion, Time now);
+  /// The speaker has said by a pulse that the node lives.
+  void pulse_came(const Speaker& speaker, NodeId node, Time now);
   void node_unheard(LinkId link, NodeId id, Time now);
   void participant_departed(const Speaker& speaker, Time now);
   void link_dropped(LinkId link, Time now);

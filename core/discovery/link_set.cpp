@@ -1,6 +1,7 @@
 #include "core/discovery/link_set.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 namespace sft::core {
@@ -10,6 +11,14 @@ namespace {
 constexpr std::chrono::seconds retire_after{2}, retire_at_last_after{60};
 constexpr std::size_t retiring_links_max = 2;
 constexpr std::chrono::seconds farewell_max{1};
+
+std::optional<PulseSocket::Place> pulses_on(const LinkSpec& link, const DdsConfig& config) {
+  if (!config.pulse_port || !link.ip.is_ipv4()) return std::nullopt;
+  return PulseSocket::Place{.ip = link.ip,
+                            .index = link.index,
+                            .port = *config.pulse_port,
+                            .reaches_own_host = link.loopback || link.reaches_own_host};
+}
 }  // namespace
 
 LinkSet::~LinkSet() {
@@ -67,8 +76,9 @@ Result<LinkSet::OpenLink> LinkSet::make(const LinkSpec& spec, const CycloneDomai
   if (!domain) return tl::unexpected(domain.error());
   const LinkId id = ++links_made_;
   ear_.link_expected(id);
-  auto link = DiscoveryLink::open({.link = id, .domain = *domain, .is_secured = config.is_secured},
-                                  settings_.life_signs, participants_, ear_);
+  auto link = DiscoveryLink::open(
+      {.link = id, .domain = *domain, .is_secured = config.is_secured, .pulses = pulses_on(spec, config)},
+      settings_.life_signs, participants_, ear_);
   Result<void> opened = link.map([](const auto&) {});
   for (const Role role : heard_) {
     if (opened) opened = (*link)->hear(role);
@@ -118,6 +128,21 @@ Result<void> LinkSet::hear(Role role) {
 
 std::map<LinkSpec, LinkSet::OpenLink>::iterator LinkSet::find(LinkId id) {
   return std::ranges::find(links_, id, [](const auto& entry) { return entry.second.id; });
+}
+
+void LinkSet::write(const Assertion& sign, bool is_calm, Time now) {
+  const bool is_full = full_signs_.is_due(sign, is_calm, ear_.newcomer_at(), now);
+  each([&](DiscoveryLink& link) { link.write(sign, is_full); });
+}
+
+void LinkSet::end_life(NodeId node) {
+  each([node](DiscoveryLink& link) { link.end_life(node); });
+  full_signs_.forget(node);
+}
+
+void LinkSet::hear_pulses(Time now) {
+  const Time since = std::exchange(heard_pulses_at_, now);
+  each([since](DiscoveryLink& link) { link.hear_pulses(since); });
 }
 
 /// A replaced link is closed once the new link hears everybody whom the old one hears, or if there are too

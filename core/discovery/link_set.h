@@ -15,6 +15,7 @@
 #include "core/discovery/desired_links.h"
 #include "core/discovery/discovery_ear.h"
 #include "core/discovery/discovery_link.h"
+#include "core/discovery/full_signs.h"
 #include "core/discovery/own_announcements.h"
 #include "core/discovery/participants.h"
 #include "core/discovery/renewal_pace.h"
@@ -51,6 +52,12 @@ class LinkSet {
   /// Listens to announcements of that role on all links, also on those that are opened later. To be called
   /// again after an error.
   Result<void> hear(Role role);
+  /// Gives a sign of life on all links: a full one where a pulse will not do.
+  void write(const Assertion& sign, bool is_calm, Time now);
+  /// The node does not live any more, though its process does.
+  void end_life(NodeId node);
+  /// Hears the pulses that have come since the last call.
+  void hear_pulses(Time now);
   /// Closes replaced links that are not needed any more.
   void retire(Time now);
   /// Complains on one link about these participants.
@@ -100,6 +107,8 @@ class LinkSet {
   DiscoveryEar& ear_;
   Participants participants_;
   std::set<Role> heard_;
+  FullSigns full_signs_;
+  Time heard_pulses_at_{};
   LinkId links_made_ = 0;
   std::vector<std::string> failures_;
   std::vector<std::string> warnings_;

@@ -25,6 +25,13 @@ bool NodeClaims::asserted(NodeId id, const Speaker& speaker, std::chrono::millis
   return true;
 }
 
+void NodeClaims::pulsed(NodeId id, const Speaker& speaker) {
+  const auto node = nodes_.find(id);
+  if (node == nodes_.end()) return;
+  const auto own = std::ranges::find(node->second.claims, speaker, &Claim::speaker);
+  if (own != node->second.claims.end()) own->pulses = true;
+}
+
 bool NodeClaims::unheard(NodeId id, LinkId link, const LeaseOf& lease_of, Time now) {
   const auto node = nodes_.find(id);
   if (node == nodes_.end()) return false;
@@ -93,9 +100,10 @@ Time NodeClaims::last_heard(const Node& node) {
 void NodeClaims::end_silent(const LeaseOf& lease_of, Time now) {
   for (auto& [id, node] : nodes_) {
     for (Claim& claim : node.claims) {
-      const auto silent_for = now - claim.heard;
-      if (claim.alive && silent_for > lease_default + slack && silent_for > lease_of(id) + slack)
-        claim.alive = false;
+      if (!claim.alive) continue;
+      const std::chrono::milliseconds lease = lease_of(id);
+      const auto patience = claim.pulses ? lease : std::max(lease, lease_default) + slack;
+      if (now - claim.heard > patience) claim.alive = false;
     }
   }
 }

@@ -23,8 +23,21 @@ class Participants {
   AnnouncerId number_of(const Guid& guid) {
     const Lock lock(mutex_);
     const auto [entry, is_new] = numbers_.try_emplace(guid, last_ + 1);
-    if (is_new) ++last_;
+    if (is_new) by_tag_.try_emplace(tag_of(guid), ++last_);
     return entry->second;
+  }
+  /// A short name that pulses have room for. Two participants may have the same one, but hardly do.
+  static std::uint32_t tag_of(const Guid& guid) {
+    std::uint32_t tag = 2'166'136'261;  // FNV-1a
+    for (const std::uint8_t octet : guid) tag = (tag ^ octet) * 16'777'619;
+    return tag;
+  }
+  /// The number of the participant of others that has that tag; of two of them, of the one that was known
+  /// first.
+  std::optional<AnnouncerId> tagged(std::uint32_t tag) const {
+    const Lock lock(mutex_);
+    const auto entry = by_tag_.find(tag);
+    return entry == by_tag_.end() ? std::nullopt : std::optional(entry->second);
   }
   /// The participant that has that number. Nothing if it is forgotten.
   std::optional<Guid> guid_of(AnnouncerId number) const {
@@ -36,8 +49,11 @@ class Participants {
     const Lock lock(mutex_);
     gone_.push_back(guid);
     if (gone_.size() <= gone_max) return;
-    numbers_.erase(gone_.front());
+    const auto forgotten = numbers_.extract(gone_.front());
     gone_.pop_front();
+    if (!forgotten) return;
+    const auto tag = by_tag_.find(tag_of(forgotten.key()));
+    if (tag != by_tag_.end() && tag->second == forgotten.mapped()) by_tag_.erase(tag);
   }
   /// A participant of this process, on any link.
   void add_own(const Guid& guid) {
@@ -54,6 +70,7 @@ class Participants {
 
   mutable Mutex mutex_;
   std::map<Guid, AnnouncerId> numbers_ SFT_GUARDED_BY(mutex_);
+  std::map<std::uint32_t, AnnouncerId> by_tag_ SFT_GUARDED_BY(mutex_);
   std::deque<Guid> gone_ SFT_GUARDED_BY(mutex_);
   std::set<Guid> own_ SFT_GUARDED_BY(mutex_);
   AnnouncerId last_ SFT_GUARDED_BY(mutex_) = 0;

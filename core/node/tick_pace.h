@@ -19,7 +19,8 @@ namespace sft::core {
 class TickPace {
  public:
   static constexpr std::chrono::milliseconds pause{50};
-  /// Three of these are the pause between two signs of life in calm: each third look gives the sign, too.
+  /// Two of these are the pause between two signs of life in calm, or three where there are no pulses: such a
+  /// look gives the sign, too.
   static constexpr std::chrono::milliseconds pause_in_calm{466};
   static_assert(pause_in_calm <= Transport::poll_pause_max);
 

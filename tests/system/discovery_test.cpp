@@ -7,9 +7,13 @@
 #include <sft/sft.h>
 #include <algorithm>
 #include <atomic>
+#include <cstdlib>
 #include <memory>
 #include <sensor_msgs/msg/PointCloud2.hpp>
+#include <string>
 
+#include "core/discovery/dds_config.h"
+#include "core/discovery/domain_id.h"
 #include "tests/support/eventually.h"
 #include "tests/support/isolated_host.h"
 #include "tests/system/node_process.h"
@@ -307,6 +311,22 @@ TEST_F(DiscoveryTest, AKilledNodeIsNoticedWithinSeconds) {
   subscriber.kill_now();
   EXPECT_FALSE(publisher.matches(0, 3s)) << "that would be a short silence";
   EXPECT_TRUE(publisher.matches(0, 4s));
+}
+
+/// As a firewall may do that knows the ports of DDS only.
+TEST_F(DiscoveryTest, NodesWhosePulsesAreDroppedHearOfEachOtherAllTheSame) {
+  const std::uint32_t domain = core::domain_id({}, std::getenv("ROS_DOMAIN_ID")).value();
+  const std::string port = std::to_string(core::dds_config(domain, {}, "").value().pulse_port.value());
+  // ldh the port that the datagram goes to; jeq drop, pass
+  for (const std::size_t number : {0U, 1U}) {
+    if (!filter_what_is_sent(number, "4,40 0 0 36,21 1 0 " + port + ",6 0 0 0,6 0 0 2")) return;
+  }
+  const NodeProcess publisher(host(0), options(), publish);
+  NodeProcess subscriber(host(1), options(), subscribe);
+  ASSERT_TRUE(publisher.matches(1));
+  EXPECT_FALSE(publisher.matches(0, 10s)) << "longer than the lease";
+  subscriber.kill_now();
+  EXPECT_TRUE(publisher.matches(0, 12s)) << "the lease, and what the signs of life of others may take longer";
 }
 
 /// Discovery holds on meanwhile: nothing has to be found again.

@@ -116,6 +116,25 @@ TEST(DdsConfig, GivesMulticastsOfTheLoopbackPortsOfTheirOwnSoThatTheyDoNotWakeTh
   EXPECT_EQ(in_force(c, "Discovery/Ports/MulticastDataOffset", card), std::nullopt);
 }
 
+TEST(DdsConfig, GivesPulsesAPortThatDdsLeavesUnused) {
+  EXPECT_EQ(config("").pulse_port, 7404);
+  EXPECT_EQ(config("<Discovery><ExternalDomainId>3</></>").pulse_port, 8154)
+      << "that of the domain on the wire";
+  EXPECT_EQ(dds_config(232, {}, "").value().pulse_port, 65'404);
+  EXPECT_EQ(config("<General><AllowMulticast>true</></>").pulse_port, 7404);
+}
+
+TEST(DdsConfig, HasNoPulsesWhereTheyMightNotArriveOrWhereEachNodeHasToProveWhoItIs) {
+  for (const char* user :
+       {"<General><AllowMulticast>false</></>", "<General><AllowMulticast>spdp</></>",
+        "<General><AllowMulticast>ssm</></>", "<General><MulticastTimeToLive>1</></>",
+        "<Discovery><SPDPMulticastAddress>239.255.0.7</></>", "<Discovery><Ports><Base>7500</></></>",
+        "<Security><Authentication><IdentityCertificate>file:a</></></>"})
+    EXPECT_EQ(config(user).pulse_port, std::nullopt) << user;
+  EXPECT_EQ(config("", {.multicast = false}).pulse_port, std::nullopt);
+  EXPECT_EQ(config("", {.peers = {"10.0.0.7"}}).pulse_port, std::nullopt);
+}
+
 TEST(DdsConfig, WithPeersPutsNodesAtPortsThatCanBeGuessed) {
   const auto c = config("", {.peers = {"10.0.0.7", "robot.local"}});
   EXPECT_THAT(in_force(c, "Discovery/ParticipantIndex"), is("auto"));

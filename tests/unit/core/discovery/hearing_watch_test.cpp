@@ -447,15 +447,15 @@ TEST_F(HearingWatchTest, TriesAgainAndAgainForOneWithWhichAllWasWellOnce) {
 }
 
 TEST_F(HearingWatchTest, MissesEndpointsThatGoWithoutTheirParticipant) {
-  watch.endpoint_matched(its_peer);
+  watch.endpoint_matched(its_peer, true, now);
   passes(3s);
-  watch.endpoint_unmatched(its_peer, now);
+  watch.endpoint_matched(its_peer, false, now);
   watch.life_ended(lan, heard_node);
   passes(1s, 0);
   EXPECT_FALSE(deaf) << "it may be leaving";
   passes(1s, 0);
   EXPECT_EQ(deaf, Missing::endpoints);
-  watch.endpoint_matched(its_peer);
+  watch.endpoint_matched(its_peer, true, now);
   passes(1s, 0);
   EXPECT_FALSE(deaf);
 }

@@ -88,6 +88,21 @@ TEST_F(NodeClaimsTest, ASpeakerThatIsSilentForTooLongDoesNotKeepItsNodeAlive) {
   EXPECT_THAT(lost(), ElementsAre(77));
 }
 
+TEST_F(NodeClaimsTest, ANodeThatGivesPulsesIsLostAfterItsLease) {
+  says_that_it_lives(by_lan);
+  claims.pulsed(77, by_lan);
+  now += 1000ms;
+  claims.end_silent(lease, now);
+  EXPECT_THAT(lost(), IsEmpty());
+  now += 1ms;
+  claims.end_silent(lease, now);
+  EXPECT_THAT(lost(), ElementsAre(77)) << "Cyclone's lease goes on";
+  EXPECT_TRUE(says_that_it_lives(by_lan));
+  claims.pulsed(88, by_lan);
+  claims.pulsed(77, stranger);
+  EXPECT_THAT(lost(), IsEmpty()) << "pulses of nodes and by speakers that are not known change nothing";
+}
+
 TEST_F(NodeClaimsTest, MoreNodesThanThereIsRoomForAreNotTaken) {
   speakers.heard(by_lan, silence, now);
   EXPECT_TRUE(claims.asserted(1, by_lan, silence, now));

@@ -23,7 +23,8 @@ class WrittenLink final : public DiscoveryLink {
     written.push_back("request " + std::to_string(request.sequence));
     return {};
   }
-  void write(const Assertion&) override {}
+  void write(const Assertion&, bool) override {}
+  void hear_pulses(Time) override {}
   void dispose(EndpointId, Role) override {}
   void end_life(NodeId) override {}
   void greet() override {}

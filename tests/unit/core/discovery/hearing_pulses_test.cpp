@@ -1,0 +1,169 @@
+// Pulses count as signs of life of a speaker whose full signs have been heard, and show whether these come.
+#include <gtest/gtest.h>
+
+#include "core/discovery/life_signs.h"
+#include "tests/unit/core/discovery/hearing_watch_fixture.h"
+
+namespace sft::core {
+namespace {
+
+using namespace test;
+using Missing = HearingWatch::Missing;
+
+class HearingPulses : public HearingWatchTest {
+ protected:
+  bool full_sign_comes(std::uint32_t said = all_said) {
+    ++full_signs;
+    watch.heard_life(its_peer, heard_node, said, full_sign_lease, now);
+    return true;
+  }
+  bool pulse_comes(std::uint32_t said = all_said) {
+    return watch.heard_pulse(its_peer, {.node = heard_node, .full_signs = full_signs}, said, last_look, now);
+  }
+  void looks() {
+    look();
+    last_look = now;
+  }
+  /// Pulses come, and nothing else.
+  void pulses_come_for(std::chrono::milliseconds duration, std::uint32_t said = all_said) {
+    for (const auto end = now + duration; now < end;) {
+      now += 466ms;
+      pulse_comes(said);
+      looks();
+    }
+  }
+
+  std::uint8_t full_signs = 0;
+  Time last_look = now;
+};
+
+TEST_F(HearingPulses, DoNotCountBeforeAFullSignOfTheSpeakerHasNamedTheNode) {
+  EXPECT_FALSE(pulse_comes());
+  full_sign_comes();
+  EXPECT_TRUE(pulse_comes());
+  EXPECT_FALSE(watch.heard_pulse(its_peer, {.node = heard_node + 1}, all_said, now, now)) << "another node";
+  EXPECT_FALSE(watch.heard_pulse(other_peer, {.node = heard_node}, all_said, now, now)) << "another speaker";
+  watch.life_ended(lan, heard_node);
+  EXPECT_FALSE(pulse_comes()) << "Cyclone has told of its end";
+}
+
+TEST_F(HearingPulses, KeepSeldomFullSignsFromBeingMissed) {
+  full_sign_comes();
+  pulses_come_for(full_sign_pause);
+  EXPECT_FALSE(watch.is_a_sign_late(now));
+  EXPECT_FALSE(watch.may_miss_something());
+  EXPECT_FALSE(deaf);
+}
+
+TEST_F(HearingPulses, AreLateThoughFullSignsCome) {
+  for (int i = 0; i < 3; ++i) {
+    full_sign_comes();
+    EXPECT_FALSE(watch.is_a_sign_late(now));
+    now += 600ms;
+  }
+  full_sign_comes();
+  now += 100ms;
+  EXPECT_TRUE(watch.is_a_sign_late(now)) << "a firewall may drop pulses: full signs have to be frequent";
+  pulse_comes();
+  EXPECT_FALSE(watch.is_a_sign_late(now));
+}
+
+TEST_F(HearingPulses, AreNotExpectedOfASpeakerWhoseLeaseSaysThatItGivesNone) {
+  passes(10s);
+  EXPECT_FALSE(watch.is_a_sign_late(now));
+}
+
+TEST_F(HearingPulses, TellOfAnnouncementsThatAreMissing) {
+  full_sign_comes();
+  pulses_come_for(2s);
+  pulses_come_for(1s, all_said + 7);
+  EXPECT_TRUE(watch.may_miss_something());
+  pulses_come_for(2s, all_said + 7);
+  EXPECT_EQ(deaf, Missing::announcements);
+}
+
+TEST_F(HearingPulses, ThatHaveWaitedDoNotTakeBackWhatAFullSignHasSaidMeanwhile) {
+  full_sign_comes();
+  pulses_come_for(2s);
+  now += 300ms;
+  known[its_peer] = all_said + 7;
+  full_sign_comes(all_said + 7);
+  now += 166ms;
+  EXPECT_TRUE(pulse_comes(all_said)) << "it came before the full sign";
+  looks();
+  now += 466ms;
+  looks();
+  EXPECT_FALSE(watch.may_miss_something());
+}
+
+TEST_F(HearingPulses, ContradictWhatSomebodyElseHasSaid) {
+  full_sign_comes();
+  pulses_come_for(3s);
+  known[its_peer] = all_said + 7;
+  pulses_come_for(1s);
+  EXPECT_EQ(deaf, Missing::announcements);
+}
+
+TEST_F(HearingPulses, AskForFrequentSignsWhenAFullOneIsMissing) {
+  full_sign_comes();
+  pulses_come_for(1s);
+  ++full_signs;  // it gets lost
+  pulses_come_for(466ms);
+  EXPECT_TRUE(watch.may_miss_something());
+  EXPECT_FALSE(deaf);
+  full_sign_comes();
+  pulses_come_for(1s);
+  EXPECT_FALSE(watch.may_miss_something());
+}
+
+TEST_F(HearingPulses, OfAFullSignThatIsStillOnItsWayAskForNothing) {
+  full_sign_comes();
+  pulses_come_for(1s);
+  // The speaker counts a full sign after the pulse that goes with it.
+  pulse_comes();
+  looks();
+  EXPECT_FALSE(watch.may_miss_something());
+  full_sign_comes();
+  pulses_come_for(1s);
+  EXPECT_FALSE(watch.may_miss_something());
+}
+
+TEST_F(HearingPulses, ShowThatCycloneDiscardsFullSigns) {
+  full_sign_comes();
+  pulses_come_for(1s);
+  for (int lost = 0; lost < 7; ++lost) {
+    ++full_signs;
+    pulses_come_for(466ms);
+    EXPECT_FALSE(deaf) << "so many may get lost";
+  }
+  full_signs += 1;
+  pulses_come_for(1s);
+  EXPECT_FALSE(deaf) << "one pulse may be somebody else's";
+  pulses_come_for(1s);
+  EXPECT_EQ(deaf, Missing::signs_of_life);
+  full_sign_comes();
+  pulses_come_for(1s);
+  EXPECT_FALSE(deaf);
+}
+
+TEST_F(HearingPulses, ThatSomebodyElseHasSentAreCorrectedByTheNextOne) {
+  full_sign_comes();
+  pulses_come_for(1s);
+  for (int i = 0; i < 20; ++i) {
+    watch.heard_pulse(its_peer, {.node = heard_node, .full_signs = 100}, all_said, last_look, now);
+    looks();
+    pulses_come_for(932ms);
+    EXPECT_FALSE(deaf) << i;
+  }
+}
+
+TEST_F(HearingPulses, DoNotEndTheWatchOverFullSigns) {
+  full_sign_comes();
+  pulses_come_for(full_sign_lease);
+  EXPECT_FALSE(deaf);
+  pulses_come_for(1s);
+  EXPECT_EQ(deaf, Missing::signs_of_life) << "Cyclone says that they come";
+}
+
+}  // namespace
+}  // namespace sft::core
