@@ -19,6 +19,7 @@ struct Ear {
   Time unmatched_at{};
   NodeId node = 0;           ///< the one of the speaker that was heard last; it may be made up
   std::set<NodeId> nodes{};  ///< those that were heard while both digests were equal, and live
+  std::set<NodeId> named{};  ///< those that full signs of life have named, and live; some may be made up
   bool lives = false;        ///< signs of life came, and Cyclone did not tell that they ended
   Time last_life{};
   Time last_full{};  ///< when the last sign of life came by Cyclone

@@ -120,6 +120,7 @@ void HearingWatch::heard_life(const Speaker& speaker, NodeId node, std::uint32_t
   if (ear == nullptr) return;
   ear->has_spoken = true;
   ear->node = node;
+  if (ear->named.size() < nodes_max) ear->named.insert(node);
   ear->lives = true;
   ear->last_full = now;
   ear->full_signs.reset();
@@ -135,7 +136,7 @@ bool HearingWatch::heard_pulse(const Speaker& speaker, const Pulse& pulse, std::
   const auto known = ears_.find(speaker);
   if (known == ears_.end()) return false;
   Ear& ear = known->second;
-  if (!ear.lives || (ear.node != pulse.node && !ear.nodes.contains(pulse.node))) return false;
+  if (!ear.lives || !ear.named.contains(pulse.node)) return false;
   ear.last_pulse = now;
   if (!ear.full_signs && since > ear.last_full) ear.full_signs = pulse.full_signs;
   if (ear.full_signs) ear.full_signs_missed = static_cast<std::uint8_t>(pulse.full_signs - *ear.full_signs);
@@ -165,6 +166,7 @@ void HearingWatch::lives(const Speaker& speaker, Ear& ear, NodeId node, std::uin
 void HearingWatch::life_ended(LinkId link, NodeId node) {
   for (auto& [speaker, ear] : ears_) {
     if (speaker.link != link) continue;
+    ear.named.erase(node);
     const bool is_its_node = ear.nodes.erase(node) > 0 || ear.node == node;
     if (is_its_node && ear.nodes.empty()) ear.lives = false;
   }

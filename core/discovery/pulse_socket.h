@@ -1,5 +1,5 @@
-// The socket by which pulses (pulse.h) go and come on one link. It is read when discovery is looked after, and
-// wakes nobody meanwhile.
+// The socket by which pulses (pulse.h) go and come on one link. It is read when discovery is looked after,
+// and wakes nobody meanwhile.
 #pragma once
 
 #include <array>

@@ -634,6 +634,39 @@ end
 sft:register_heuristic("udp", looks_like_sft)
 DissectorTable.get("udp.port"):add_for_decode_as(sft)
 
+-- Pulses: signs of life beside Cyclone (core/discovery/pulse.h). Their numbers are little-endian.
+local pulse = Proto("sft_pulse", "SFT pulse")
+local pulse_bytes = 22
+local p = {
+  version = ProtoField.uint8("sft_pulse.version", "Version"),
+  full_signs = ProtoField.uint8("sft_pulse.full_signs", "Full signs of life that were given, modulo 256"),
+  writers = ProtoField.uint24("sft_pulse.digest_of_writers", "Digest of publishers", base.HEX),
+  readers = ProtoField.uint24("sft_pulse.digest_of_readers", "Digest of subscribers", base.HEX),
+  participant = ProtoField.uint32("sft_pulse.participant", "Tag of the participant", base.HEX),
+  node = ProtoField.uint64("sft_pulse.node", "Node", base.HEX),
+}
+pulse.fields = p
+
+function pulse.dissector(buffer, pinfo, tree)
+  pinfo.cols.protocol = "SFT pulse"
+  pinfo.cols.info = "Node 0x" .. buffer(14, 8):le_uint64():tohex() .. " lives"
+  local item = tree:add(pulse, buffer(0, pulse_bytes))
+  item:add(p.version, buffer(2, 1))
+  item:add(p.full_signs, buffer(3, 1))
+  item:add_le(p.writers, buffer(4, 3))
+  item:add_le(p.readers, buffer(7, 3))
+  item:add_le(p.participant, buffer(10, 4))
+  item:add_le(p.node, buffer(14, 8))
+end
+
+local function looks_like_pulse(buffer, pinfo, tree)
+  if buffer:len() ~= pulse_bytes or buffer(0, 2):string() ~= "SP" then return false end
+  pulse.dissector(buffer, pinfo, tree)
+  return true
+end
+
+pulse:register_heuristic("udp", looks_like_pulse)
+
 -- Control samples from here on: what publishers announce on the topic sft_writer, and what subscribers announce and ask
 -- for on the topic sft_reader. Their bytes are little-endian CDR (XCDR1).
 local control = Proto("sft_control", "SFT control sample")

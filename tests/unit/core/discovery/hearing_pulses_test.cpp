@@ -47,6 +47,14 @@ TEST_F(HearingPulses, DoNotCountBeforeAFullSignOfTheSpeakerHasNamedTheNode) {
   EXPECT_FALSE(pulse_comes()) << "Cyclone has told of its end";
 }
 
+TEST_F(HearingPulses, CountThoughSomebodyElseHasNamedAnotherNodeInTheNameOfTheSpeaker) {
+  known[its_peer] = all_said + 7;
+  look();
+  full_sign_comes();
+  watch.heard_life(its_peer, 1, 0, full_sign_lease, now);
+  EXPECT_TRUE(pulse_comes());
+}
+
 TEST_F(HearingPulses, KeepSeldomFullSignsFromBeingMissed) {
   full_sign_comes();
   pulses_come_for(full_sign_pause);

@@ -20,8 +20,7 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
 constexpr std::uint16_t port = 47'404;
-const PulseSocket::Place loopback{
-    .ip = loopback_ipv4, .index = 1, .port = port, .reaches_own_host = true};
+const PulseSocket::Place loopback{.ip = loopback_ipv4, .index = 1, .port = port, .reaches_own_host = true};
 
 std::vector<Pulse> taken(PulseSocket& socket) {
   std::vector<Pulse> pulses;

@@ -22,8 +22,9 @@ TEST(PulseTest, ComesAsItWasSent) { EXPECT_THAT(decode_pulse(encode(some)), Opti
 
 TEST(PulseTest, HasTheFormThatIsDocumented) {
   const auto version = static_cast<std::uint8_t>(control_protocol_version());
-  const std::vector<std::uint8_t> expected = {'S',  'P',  version, 0x41, 0x23, 0x22, 0x21, 0x33, 0x32, 0x31, 0x14,
-                                              0x13, 0x12, 0x11,    8,    7,    6,    5,    4,    3,    2,    1};
+  const std::vector<std::uint8_t> expected = {'S',  'P',  version, 0x41, 0x23, 0x22, 0x21, 0x33,
+                                              0x32, 0x31, 0x14,    0x13, 0x12, 0x11, 8,    7,
+                                              6,    5,    4,       3,    2,    1};
   std::vector<std::uint8_t> written;
   for (const std::byte octet : encode(some)) written.push_back(static_cast<std::uint8_t>(octet));
   EXPECT_EQ(written, expected);
