@@ -2,14 +2,32 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <set>
 
 #include "core/control/control.h"
+#include "core/discovery/pulse.h"
 #include "core/platform/clock.h"
 
 namespace sft::core {
+
+/// The signs of life of a speaker: the full ones, which come by Cyclone, and pulses.
+struct SignsHeard {
+  std::chrono::milliseconds lease{};  ///< of full signs: Cyclone's
+  std::set<NodeId> named{};           ///< by full signs, and live; some may be made up
+  Time last_full{};
+  std::optional<Time> last_pulse{};
+  /// The number of full signs that the speaker had given when the last one came. Nothing until a pulse tells.
+  std::optional<std::uint8_t> full_given{};
+  std::uint8_t full_missed = 0;  ///< so many have been given since, by the last pulse
+  Time told_at{};                ///< what the last sign tells was so at that time, or later
+
+  void full_sign_came(NodeId node, std::chrono::milliseconds its_lease, Time now);
+  /// The pulse has come after `since`.
+  void pulse_came(const Pulse& pulse, Time since, Time now);
+};
 
 struct Ear {
   Time last;  ///< when anything of the participant, or the participant itself, came last
@@ -19,17 +37,10 @@ struct Ear {
   Time unmatched_at{};
   NodeId node = 0;           ///< the one of the speaker that was heard last; it may be made up
   std::set<NodeId> nodes{};  ///< those that were heard while both digests were equal, and live
-  std::set<NodeId> named{};  ///< those that full signs of life have named, and live; some may be made up
   bool lives = false;        ///< signs of life came, and Cyclone did not tell that they ended
   Time last_life{};
-  Time last_full{};  ///< when the last sign of life came by Cyclone
-  std::optional<Time> last_pulse{};
-  /// The number of full signs that the speaker had given when the last one came. Nothing until a pulse tells.
-  std::optional<std::uint8_t> full_signs{};
-  std::uint8_t full_signs_missed = 0;  ///< so many have been given since, by the last pulse
-  std::chrono::milliseconds lease{};
+  SignsHeard signs{};
   std::uint32_t told = 0;    ///< the digest that the signs of life tell
-  Time told_at{};            ///< that was so at that time, or later
   std::uint32_t known = 0;   ///< the digest of what was known at the last look
   std::uint32_t shared = 0;  ///< both digests, when they were equal last
   Time agreed{};             ///< when both were equal, or what is known changed
@@ -46,6 +57,11 @@ struct Ear {
   static constexpr std::chrono::milliseconds heard_lately{2500};
   /// Announcements and signs of life overtake each other by less than that.
   static constexpr std::chrono::milliseconds overtaking{100};
+  /// The nodes of a speaker that are remembered; more may be made up.
+  static constexpr std::size_t nodes_max = 1024;
+  /// A sign of life was given after `since`. A pulse may have waited, and then tells what was so before the
+  /// latest full sign. Returns true if the digests are equal.
+  bool lives_by(NodeId node_of_sign, std::uint32_t digest, Time since, Time now);
   /// True if a sign of life came lately, and told of nothing else than what is known.
   bool is_well(Time now) const { return lives && told == known && now - last_life < heard_lately; }
   /// True if the last sign of life told of something else than what was known before it. What came after it

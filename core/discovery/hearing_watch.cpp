@@ -120,15 +120,11 @@ void HearingWatch::heard_life(const Speaker& speaker, NodeId node, std::uint32_t
   if (ear == nullptr) return;
   ear->has_spoken = true;
   ear->node = node;
-  if (ear->named.size() < nodes_max) ear->named.insert(node);
   ear->lives = true;
-  ear->last_full = now;
-  ear->full_signs.reset();
-  ear->full_signs_missed = 0;
-  ear->lease = lease;
-  if (gives_pulses(lease) && !ear->last_pulse) ear->last_pulse = now;  // they are expected from now on
+  ear->signs.full_sign_came(node, lease, now);
   ear->overdue_since.reset();
-  lives(speaker, *ear, node, digest, now, now);
+  if (ear->lives_by(node, digest, now, now))
+    participants_[speaker.participant] = {.has_agreed = true, .tries = 0};
 }
 
 bool HearingWatch::heard_pulse(const Speaker& speaker, const Pulse& pulse, std::uint32_t digest, Time since,
@@ -136,37 +132,17 @@ bool HearingWatch::heard_pulse(const Speaker& speaker, const Pulse& pulse, std::
   const auto known = ears_.find(speaker);
   if (known == ears_.end()) return false;
   Ear& ear = known->second;
-  if (!ear.lives || !ear.named.contains(pulse.node)) return false;
-  ear.last_pulse = now;
-  if (!ear.full_signs && since > ear.last_full) ear.full_signs = pulse.full_signs;
-  if (ear.full_signs) ear.full_signs_missed = static_cast<std::uint8_t>(pulse.full_signs - *ear.full_signs);
-  lives(speaker, ear, pulse.node, digest, since, now);
-  return true;
-}
-
-/// A sign of life was given after `since`. A pulse may have waited, and then tells what was so before the
-/// latest full sign.
-void HearingWatch::lives(const Speaker& speaker, Ear& ear, NodeId node, std::uint32_t digest, Time since,
-                         Time now) {
-  ear.last = ear.last_life = now;
-  if (since < ear.told_at) return;
-  ear.told_at = since;
-  ear.told = digest;
-  if (ear.told == ear.known) {
-    ear.agreed = now;
-    ear.has_agreed = true;
-    ear.shared = digest;
-    if (ear.nodes.size() < nodes_max) ear.nodes.insert(node);
+  if (!ear.lives || !ear.signs.named.contains(pulse.node)) return false;
+  ear.signs.pulse_came(pulse, since, now);
+  if (ear.lives_by(pulse.node, digest, since, now))
     participants_[speaker.participant] = {.has_agreed = true, .tries = 0};
-  }
-  ear.is_contradicted =
-      ear.has_agreed && digest == ear.shared && digest != ear.known && since - ear.changed > Ear::overtaking;
+  return true;
 }
 
 void HearingWatch::life_ended(LinkId link, NodeId node) {
   for (auto& [speaker, ear] : ears_) {
     if (speaker.link != link) continue;
-    ear.named.erase(node);
+    ear.signs.named.erase(node);
     const bool is_its_node = ear.nodes.erase(node) > 0 || ear.node == node;
     if (is_its_node && ear.nodes.empty()) ear.lives = false;
   }
@@ -180,7 +156,7 @@ std::vector<HearingWatch::Deaf> HearingWatch::look(const std::map<Speaker, std::
   for (auto& [speaker, ear] : ears_) {
     looks_often_ |= ear.lives && ear.known != ear.told && now - ear.agreed < behind_at_first_after;
     may_miss_something_ |=
-        (ear.is_told_of_more() || ear.full_signs_missed > 0) && !is_hopeless(speaker.participant);
+        (ear.is_told_of_more() || ear.signs.full_missed > 0) && !is_hopeless(speaker.participant);
     const auto what = missing(speaker, ear, participant_lease, now);
     if (!what) {
       ear.missed_since.reset();
@@ -226,8 +202,9 @@ bool HearingWatch::is_a_sign_late(Time now) const {
   return std::ranges::any_of(ears_, [now](const auto& entry) {
     const Ear& ear = entry.second;
     const bool is_pulse_late =
-        ear.last_pulse && now - *ear.last_pulse > silence_in(lease_default) + slack_of_leases;
-    return ear.lives && (is_pulse_late || now - ear.last_life > silence_in(ear.lease) + slack_of_leases);
+        ear.signs.last_pulse && now - *ear.signs.last_pulse > silence_in(lease_default) + slack_of_leases;
+    return ear.lives &&
+           (is_pulse_late || now - ear.last_life > silence_in(ear.signs.lease) + slack_of_leases);
   });
 }
 
@@ -296,8 +273,8 @@ std::optional<HearingWatch::Missing> HearingWatch::missing(const Speaker& speake
   const bool is_mute = !ear.has_spoken && now - std::max(ear.last, link.newcomer) > first_word_after;
   if (is_mute || now - ear.last > participant_lease * 3 / 2) return Missing::everything;
   if (ear.unmatched > 0 && now - ear.unmatched_at > departing) return Missing::endpoints;
-  const bool is_over = now - ear.last_full > ear.lease + slack_of_leases;
-  if (ear.lives && (is_over || ear.full_signs_missed >= full_signs_missed_max)) {
+  const bool is_over = now - ear.signs.last_full > ear.signs.lease + slack_of_leases;
+  if (ear.lives && (is_over || ear.signs.full_missed >= full_signs_missed_max)) {
     if (!ear.overdue_since) ear.overdue_since = now;
     if (now - *ear.overdue_since >= (is_over ? confirmed_after : confirmed_by_pulses_after))
       return Missing::signs_of_life;

@@ -114,11 +114,9 @@ class HearingWatch {
     unsigned tries = 0;
   };
   static constexpr std::size_t speakers_max = 4096;
-  static constexpr std::size_t nodes_max = 1024;  ///< of a speaker; more may be made up
 
   Ear* ear_of(const Speaker& speaker, Time now);
   std::chrono::milliseconds pause_in_doubt() const;
-  void lives(const Speaker& speaker, Ear& ear, NodeId node, std::uint32_t digest, Time since, Time now);
   bool is_hopeless(AnnouncerId participant) const;
   bool is_behind(const Ear& ear, Time newcomer, Time now) const;
   std::optional<Missing> missing(const Speaker& speaker, Ear& ear,

@@ -5,15 +5,13 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
-#include <map>
-#include <utility>
 
 namespace sft::core {
 namespace {
 
 using ::testing::Optional;
 
-Participants::Guid guid(std::uint64_t number) {
+Participants::Guid participant(std::uint64_t number) {
   Participants::Guid guid{};
   std::memcpy(guid.data(), &number, sizeof number);
   return guid;
@@ -21,35 +19,33 @@ Participants::Guid guid(std::uint64_t number) {
 
 TEST(ParticipantsTest, AParticipantIsFoundByItsTagOnceItIsKnown) {
   Participants participants;
-  EXPECT_FALSE(participants.tagged(Participants::tag_of(guid(1))));
-  const AnnouncerId number = participants.number_of(guid(1));
-  EXPECT_THAT(participants.tagged(Participants::tag_of(guid(1))), Optional(number));
-  EXPECT_FALSE(participants.tagged(Participants::tag_of(guid(2))));
+  EXPECT_FALSE(participants.tagged(Participants::tag_of(participant(1))));
+  const AnnouncerId number = participants.number_of(participant(1));
+  EXPECT_THAT(participants.tagged(Participants::tag_of(participant(1))), Optional(number));
+  EXPECT_FALSE(participants.tagged(Participants::tag_of(participant(2))));
 }
 
 TEST(ParticipantsTest, OfTwoParticipantsWithOneTagTheFirstIsFound) {
-  std::map<std::uint32_t, std::uint64_t> by_tag;
-  std::uint64_t second = 0;
-  while (by_tag.try_emplace(Participants::tag_of(guid(second)), second).second) ++second;
-  const std::uint64_t first = by_tag.at(Participants::tag_of(guid(second)));
+  constexpr std::uint64_t first = 56948505, second = 67108869;
+  ASSERT_EQ(Participants::tag_of(participant(first)), Participants::tag_of(participant(second)));
   Participants participants;
-  const AnnouncerId number = participants.number_of(guid(first));
-  EXPECT_NE(participants.number_of(guid(second)), number);
-  EXPECT_THAT(participants.tagged(Participants::tag_of(guid(second))), Optional(number));
+  const AnnouncerId number = participants.number_of(participant(first));
+  EXPECT_NE(participants.number_of(participant(second)), number);
+  EXPECT_THAT(participants.tagged(Participants::tag_of(participant(second))), Optional(number));
 }
 
 TEST(ParticipantsTest, AParticipantThatIsLongGoneIsForgotten) {
   Participants participants;
-  const AnnouncerId number = participants.number_of(guid(0));
-  participants.gone(guid(0));
-  EXPECT_EQ(participants.number_of(guid(0)), number) << "it may come back";
+  const AnnouncerId number = participants.number_of(participant(0));
+  participants.gone(participant(0));
+  EXPECT_EQ(participants.number_of(participant(0)), number) << "it may come back";
   for (std::uint64_t other = 1; other <= 1024; ++other) {
-    participants.number_of(guid(other));
-    participants.gone(guid(other));
+    participants.number_of(participant(other));
+    participants.gone(participant(other));
   }
   EXPECT_FALSE(participants.guid_of(number));
-  EXPECT_FALSE(participants.tagged(Participants::tag_of(guid(0))));
-  EXPECT_TRUE(participants.tagged(Participants::tag_of(guid(1))));
+  EXPECT_FALSE(participants.tagged(Participants::tag_of(participant(0))));
+  EXPECT_TRUE(participants.tagged(Participants::tag_of(participant(1))));
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
 constexpr std::uint16_t port = 47'404;
-const PulseSocket::Place loopback{.ip = loopback_ipv4, .index = 1, .port = port, .reaches_own_host = true};
+const PulseSocket::Place on_loopback{.ip = loopback_ipv4, .index = 1, .port = port, .reaches_own_host = true};
 
 std::vector<Pulse> taken(PulseSocket& socket) {
   std::vector<Pulse> pulses;
@@ -47,7 +47,7 @@ class PulseSocketTest : public ::testing::Test {
     if (!one || !other) GTEST_SKIP() << "the loopback has no multicast here";
   }
 
-  std::optional<PulseSocket> one = PulseSocket::open(loopback), other = PulseSocket::open(loopback);
+  std::optional<PulseSocket> one = PulseSocket::open(on_loopback), other = PulseSocket::open(on_loopback);
   const Pulse pulse{.node = 77, .participant = 5};
 };
 
