@@ -85,8 +85,9 @@ class JointDiscovery {
   const DdsConfig config_;
   const LifeSigns life_signs_;
 
-  /// Held while control samples are written, so that all links get them in one order, and while links are
-  /// made and closed. Agents take it, and who opens or closes a node; nobody who holds another lock.
+  /// Held while control samples are written, so that all links get them in one order, while pulses are given
+  /// and taken, which waits for nothing, and while links are made and closed. Agents take it, and who opens
+  /// or closes a node; nobody who holds another lock.
   Mutex mutex_;
   /// Interfaces, and deaf links, unless the domain is the program's own.
   bool watches_ SFT_GUARDED_BY(mutex_) = true;

@@ -252,6 +252,25 @@ void Forger::outdate_signs_of_life() {
   for (const dds_guid_t& writer : writers_of("sft_liveliness")) send_data_far_ahead(writer);
 }
 
+void Forger::forge_pulses() {
+  if (!pulses_) {
+    const std::uint16_t port_of_domain_0 = 7404;
+    pulses_ = core::PulseSocket::open(
+        {.ip = {}, .index = if_nametoindex("eth0"), .port = port_of_domain_0, .reaches_own_host = false});
+    if (!pulses_) throw std::runtime_error("forger: no socket for pulses");
+  }
+  std::vector<core::Pulse> overheard;
+  pulses_->take([&](const core::Pulse& pulse) { overheard.push_back(pulse); });
+  for (core::Pulse pulse : overheard) {
+    pulse.digest_of_writers ^= 1;
+    pulse.digest_of_readers ^= 1;
+    pulse.full_signs += 100;
+    pulses_->send(pulse);
+    ++pulse.node;
+    pulses_->send(pulse);
+  }
+}
+
 void Forger::outdate_announcements() {
   for (const char* topic : {"sft_writer", "sft_reader"}) {
     for (const dds_guid_t& writer : writers_of(topic)) send_heartbeat_far_ahead(writer);

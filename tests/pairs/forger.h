@@ -6,9 +6,11 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/discovery/pulse_socket.h"
 #include "sft_control.h"
 
 namespace sft::test {
@@ -33,6 +35,10 @@ class Forger {
   void ask_for_nothing();
   /// Complains of all participants: that something else came in their names than what they say.
   void complain_of_all();
+  /// Answers each pulse that has come on eth0 since the last call with others in the name of the same node
+  /// and of one that is made up, which tell of other announcements and of full signs of life that nobody
+  /// gave.
+  void forge_pulses();
   /// Says that it is a node's participant whose control topics are of that version.
   void claim_version(unsigned version);
 
@@ -54,6 +60,7 @@ class Forger {
       known_;  ///< the sequence of the newest request by endpoint; 0: a writer
   std::map<std::uint64_t, dds_guid_t> asks_by_;  ///< the writer of a reader's requests
   unsigned complaints_ = 0;
+  std::optional<core::PulseSocket> pulses_;
 };
 
 }  // namespace sft::test

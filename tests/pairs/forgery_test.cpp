@@ -101,6 +101,19 @@ TEST_F(Forgeries, AParticipantOfAnotherReleaseIsNamedOnceInTheLogOfEachNode) {
   EXPECT_EQ(lines(publisher()), 1);
 }
 
+TEST_F(Forgeries, PulsesThatSomebodyMakesUpCostNoSampleAndFewLinks) {
+  begin("height, width");
+  const auto end = std::chrono::steady_clock::now() + 10s;
+  while (std::chrono::steady_clock::now() < end) {
+    forger().forge("pulses");
+    ASSERT_TRUE(flows(reader()));
+  }
+  for (Peer* peer : {&publisher(), &reader()}) {
+    EXPECT_LT(links_renewed(*peer), 12U) << "ever more seldom, on each of two links";
+    EXPECT_FALSE(missed_somebody(peer->status())) << peer->status();
+  }
+}
+
 TEST_F(Forgeries, AComplaintThatSomebodyMakesUpCostsNoSampleAndFewLinks) {
   begin("height, width");
   const auto end = std::chrono::steady_clock::now() + 8s;

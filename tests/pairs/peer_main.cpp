@@ -172,6 +172,7 @@ class Peer {
     if (what == "withdraw") forger_->withdraw_all();
     if (what == "mute") forger_->mute_all(command.at("ahead"));
     if (what == "outdate signs of life") forger_->outdate_signs_of_life();
+    if (what == "pulses") forger_->forge_pulses();
     if (what == "outdate announcements") forger_->outdate_announcements();
     if (what == "ask for nothing") forger_->ask_for_nothing();
     if (what == "complain") forger_->complain_of_all();

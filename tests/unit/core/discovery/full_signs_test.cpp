@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include "core/discovery/leases.h"
+#include "core/node/tick_pace.h"
+
 namespace sft::core {
 namespace {
 
@@ -18,6 +21,10 @@ class FullSignsTest : public ::testing::Test {
   Assertion life{.node = 77, .writers = {}};
   Time now{1000s};
 };
+
+TEST(LifeSignsByPulses, APulseThatWaitsForALookIsHeardBeforeItsSpeakerCountsAsSilent) {
+  EXPECT_LT(life_signs_by_pulses.pause_in_calm + TickPace::pause_in_calm, silence_in(lease_default));
+}
 
 TEST_F(FullSignsTest, TheFirstSignOfANodeIsFull) {
   EXPECT_TRUE(is_full());

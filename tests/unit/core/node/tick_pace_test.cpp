@@ -33,6 +33,7 @@ TEST(TickPaceTest, EachLookInCalmIsOneForDeafLinksAndEachThirdOneCanGiveASignOfL
   EXPECT_TRUE(watch.wants_look(begin + TickPace::pause_in_calm));
   EXPECT_LE(3 * TickPace::pause_in_calm, life_signs_to_all.pause_in_calm);
   EXPECT_GT(3 * TickPace::pause_in_calm + 10ms, life_signs_to_all.pause_in_calm);
+  EXPECT_EQ(2 * TickPace::pause_in_calm, life_signs_by_pulses.pause_in_calm);
 }
 
 TEST(TickPaceTest, LooksAreFrequentAnewAfterEachEvent) {
