@@ -1,13 +1,14 @@
 # What the compiler would do again for each source, it does once for many: the sources that a target has in one folder
 # are compiled as one, and headers that nearly every source includes are precompiled. A build with a compiler cache does
-# without: the cache is faster, does not support precompiled headers, and shows that each source includes what it uses.
+# without, unless SFT_COMBINE is ON: after a small change the cache is faster, and it shows that each source includes what
+# it uses.
 #
 # A folder is compiled in a few seconds. Whole targets would not be much faster to compile, and a program takes of a
 # library the objects that it uses: sftd would depend on Cyclone DDS.
 #
 # Sources that are compiled as one share their anonymous namespaces. A source with compile options or definitions of its
 # own stays apart; so do sources with SKIP_UNITY_BUILD_INCLUSION, and those of targets that turn UNITY_BUILD off.
-if(CMAKE_CXX_COMPILER_LAUNCHER)
+if(NOT SFT_COMBINE)
   return()
 endif()
 
@@ -74,6 +75,8 @@ function(sft_precompile kind first)
     set(header ${PROJECT_SOURCE_DIR}/cmake/precompiled_tests.h)
   endif()
   target_link_libraries(${headers} PRIVATE sft_warnings)
+  # A compiler cache cannot tell what differs by its time only.
+  target_compile_options(${headers} PRIVATE "$<$<CXX_COMPILER_ID:Clang>:SHELL:-Xclang -fno-pch-timestamp>")
   target_include_directories(${headers} PRIVATE ${PROJECT_SOURCE_DIR} ${TL_EXPECTED_INCLUDE_DIR})
   target_precompile_headers(${headers} PRIVATE
     $<$<COMPILE_LANGUAGE:CXX>:${header}> $<$<COMPILE_LANGUAGE:C>:<stddef.h$<ANGLE-R>>)
