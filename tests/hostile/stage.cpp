@@ -25,7 +25,7 @@ namespace {
 
 constexpr uid_t honest_user = 1;  // "daemon" in every /etc/group: sftd needs the name of its group
 constexpr uid_t stranger_user = 65534;
-constexpr const char* programs = "/mnt";  // where accounts find them that may not enter the checkout
+constexpr const char* programs = "/srv";  // where accounts find them that may not enter the checkout
 constexpr std::chrono::microseconds publishing_period = 5ms;
 constexpr Ms patience_at_start = 15s;
 constexpr Ms patience_while_setting_up = 2s;

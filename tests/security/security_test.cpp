@@ -11,13 +11,13 @@ namespace sft::test {
 namespace {
 
 /// Beside /tmp, of which each host has its own.
-constexpr const char* certificates = "/mnt/certificates";
+constexpr const char* certificates = "/srv/certificates";
 
 class Security : public NegotiationTest {
  protected:
   void SetUp() override {
     if (isolation_refusal().empty()) {
-      ASSERT_EQ(mount("tmpfs", "/mnt", "tmpfs", 0, "size=4m"), 0);
+      ASSERT_EQ(mount("tmpfs", "/srv", "tmpfs", 0, "size=4m"), 0);
       const std::string command =
           program_directory() + "/make_certificates.sh " + certificates + " publisher subscriber";
       ASSERT_EQ(std::system(command.c_str()), 0);
