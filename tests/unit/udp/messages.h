@@ -161,16 +161,11 @@ inline std::vector<std::byte> body_of(const core::SampleBuffer& sample) {
 
 /// The bytes tell how far they are from the beginning.
 inline void fill_with_distances(std::vector<std::uint8_t>& data, std::uint32_t seed) {
-  constexpr std::size_t period = 1 << 16;  // of i * 31 + (i >> 8); i + 256 * seed has seed more
-  // A table is copied, since these loops are not optimised.
-  static const std::vector<std::uint8_t> table = [] {
-    std::vector<std::uint8_t> distances(2 * period);
-    for (std::size_t i = 0; i < distances.size(); ++i)
-      distances[i] = static_cast<std::uint8_t>(i * 31 + (i >> 8));
-    return distances;
-  }();
-  for (std::size_t at = 0; at < data.size(); at += period)
-    std::memcpy(&data[at], &table[std::size_t{256} * (seed % 256)], std::min(data.size() - at, period));
+  constexpr std::size_t period = 1 << 16;  // copied, since these loops are not optimised
+  for (std::size_t i = 0; i < std::min(data.size(), period); ++i)
+    data[i] = static_cast<std::uint8_t>(i * 31 + (i >> 8) + seed);
+  for (std::size_t at = period; at < data.size(); at += period)
+    std::memcpy(&data[at], data.data(), std::min(data.size() - at, period));
 }
 
 /// An image whose data is filled with distances.
