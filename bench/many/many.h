@@ -17,7 +17,8 @@ struct ManyScale {
   int rounds = 3;         ///< of each contender, in turns; the median counts
   double calm_s = 30;     ///< how long nodes have been idle before they are measured
   double joining_s = 60;  ///< how long nodes may take to find each other
-  double window_s = 30;   ///< how long idle nodes are measured in a round
+  /// How long idle nodes are measured in a round: longer than the pause between any two things that they say.
+  double window_s = 45;
 };
 
 /// 16 readers of a cloud of 16 kB on eight hosts, each with a mask of its own: the bytes that leave the

@@ -113,7 +113,7 @@ std::string path_of(const Demand& demand) {
 }
 
 // Our settings of the lease after which Cyclone forgets a participant of which nothing comes.
-constexpr std::chrono::seconds usual_lease{20}, lease_if_asked_seldom{150};
+constexpr std::chrono::seconds usual_lease{40}, lease_if_asked_seldom{150};
 
 /// The settings of a domain, put together.
 class Composition {
@@ -200,7 +200,7 @@ class Composition {
   /// node of it may have, each time: that has to be rarer still, and they few.
   std::string discovery() const {
     if (!asks_seldom())
-      return element("SPDPInterval", "16 s") +
+      return element("SPDPInterval", "30 s") +
              element("LeaseDuration", std::to_string(usual_lease.count()) + " s");
     return element("SPDPInterval", "120 s") +
            element("LeaseDuration", std::to_string(lease_if_asked_seldom.count()) + " s") +

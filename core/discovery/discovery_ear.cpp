@@ -77,12 +77,13 @@ DiscoveryEar::AfterTick DiscoveryEar::tick(Time now) {
   return {sign_pace_, merge_.pause_between_ticks()};
 }
 
-void DiscoveryEar::pulse_came(const Speaker& speaker, const Pulse& pulse, Time since) {
+bool DiscoveryEar::pulse_came(const Speaker& speaker, const Pulse& pulse, Time since) {
   const Lock lock(mutex_);
-  if (nodes_here_.has(pulse.node)) return;  // nobody else says that our node lives
+  if (nodes_here_.has(pulse.node)) return true;  // our own one; nobody else says that our node lives
   const Time now = time_();
-  if (hearing_.heard_pulse(speaker, pulse, digest_heard(pulse, roles_), since, now))
-    merge_.pulse_came(speaker, pulse.node, now);
+  if (!hearing_.heard_pulse(speaker, pulse, digest_heard(pulse, roles_), since, now)) return false;
+  merge_.pulse_came(speaker, pulse.node, now);
+  return true;
 }
 
 void DiscoveryEar::link_expected(LinkId link) {

@@ -54,7 +54,7 @@ class DiscoveryEar final : public LinkListener {
     std::chrono::milliseconds pause{};  ///< until the next tick
   };
   AfterTick tick(Time now);
-  void pulse_came(const Speaker& speaker, const Pulse& pulse, Time since) override;
+  bool pulse_came(const Speaker& speaker, const Pulse& pulse, Time since) override;
 
   void link_expected(LinkId link);  ///< before it is opened
   void link_opened(LinkId link, const LinkSpec& spec);

@@ -87,12 +87,14 @@ class CycloneLink final : public DiscoveryLink {
     const sft_control_Assertion sample = to_dds(assertion, storage);
     dds_write(lives_->known_writer(), &sample);
   }
-  void hear_pulses(Time since) override {
-    if (!pulses_) return;
+  bool hear_pulses(Time since) override {
+    bool all_count = true;
+    if (!pulses_) return all_count;
     pulses_->take([&](const Pulse& pulse) {
-      const auto number = participants_.tagged(pulse.participant);
-      if (number) listener_.pulse_came({place_.link, *number}, pulse, since);
+      const AnnouncerId number = participants_.tagged(pulse.participant).value_or(0);
+      all_count &= listener_.pulse_came({place_.link, number}, pulse, since);
     });
+    return all_count;
   }
   void dispose(EndpointId id, Role role) override {
     const dds_entity_t writer = topic_of(role).known_writer();

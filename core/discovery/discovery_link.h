@@ -35,8 +35,9 @@ class LinkListener {
   virtual void assertion_came(const Speaker& speaker, Assertion assertion,
                               std::chrono::milliseconds lease) = 0;
   virtual void node_unheard(LinkId link, NodeId id) = 0;
-  /// A pulse of a participant that is known came after `since`. It is told within hear_pulses().
-  virtual void pulse_came(const Speaker& speaker, const Pulse& pulse, Time since) = 0;
+  /// A pulse came after `since`. It is told within hear_pulses(). The number of a participant that is not known
+  /// is 0. Returns false if the pulse counts for nothing.
+  virtual bool pulse_came(const Speaker& speaker, const Pulse& pulse, Time since) = 0;
   virtual void participant_came(const Speaker& speaker) = 0;
   /// The participant belongs to a node that speaks with us: one with this version of the control topics, and
   /// secured if we are. May be told more than once.
@@ -80,8 +81,9 @@ class DiscoveryLink {
   virtual Result<void> write(const Request& request) = 0;
   /// Gives a sign of life as a pulse, and by Cyclone if it has to be a full one, or if there are no pulses.
   virtual void write(const Assertion& assertion, bool is_full) = 0;
-  /// Tells the listener of the pulses that have come since the last call, which was at `since`.
-  virtual void hear_pulses(Time since) = 0;
+  /// Tells the listener of the pulses that have come since the last call, which was at `since`. Returns false
+  /// if one of them counts for nothing.
+  virtual bool hear_pulses(Time since) = 0;
   virtual void dispose(EndpointId id, Role role) = 0;
   /// The node does not live any more, though its process does.
   virtual void end_life(NodeId node) = 0;

@@ -9,6 +9,9 @@ namespace sft::core {
 
 using std::chrono::milliseconds;
 
+/// Longer than the pause between two signs of life in calm.
+constexpr milliseconds doubted_for{1500};
+
 EndpointClaims::~EndpointClaims() {
   drop([](const Claim&) { return true; });
 }
@@ -125,7 +128,7 @@ void EndpointClaims::refuse_contested(Time now) {
 }
 
 /// The first speaker may have been quicker than the endpoint's own node. A node says all the time that it
-/// lives: a claim whose speaker does not say that gives way to one whose speaker does.
+/// lives: a claim whose speaker does not say that gives way, `doubted_for` later, to one whose speaker does.
 /// A participant that only alters what others announce has no node that it could speak for.
 void EndpointClaims::prefer_vouched(Time now) {
   const auto is_vouched_for = [this](const Claim& claim) {
@@ -139,7 +142,7 @@ void EndpointClaims::prefer_vouched(Time now) {
   });
   if (leader == nullptr || is_vouched_for(*leader) || other == claims_.end()) return doubted_since_.reset();
   if (!doubted_since_) doubted_since_ = now;
-  if (now - *doubted_since_ < silence) return;
+  if (now - *doubted_since_ < doubted_for) return;
   doubted_since_.reset();
   other->refused = false;
   other->contested_since.reset();

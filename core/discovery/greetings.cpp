@@ -11,6 +11,11 @@ constexpr std::chrono::milliseconds pause_end{5000};  // a longer pause is the e
 constexpr std::chrono::seconds pause_while_missing{1};
 constexpr std::chrono::milliseconds after_newcomer{100};
 constexpr std::chrono::seconds pause_between_newcomers{1};
+/// Newcomers are strangers for a moment.
+constexpr std::chrono::milliseconds patience_with_strangers{3000};
+constexpr std::chrono::milliseconds pause_between_strangers_max{60'000};
+/// In calm pulses are further apart than a second (life_signs.h), or two of them if a look just misses one.
+constexpr std::chrono::milliseconds strangers_gone_after{2000};
 }  // namespace
 
 void Greetings::begin(Time now) {
@@ -23,9 +28,23 @@ void Greetings::newcomer(Time now) {
   if (!for_newcomer_) for_newcomer_ = std::max(now + after_newcomer, last_ + pause_between_newcomers);
 }
 
+void Greetings::stranger(Time now) {
+  if (!strangers_ || now - strangers_->heard >= strangers_gone_after)
+    strangers_ = {now, now + patience_with_strangers, patience_with_strangers};
+  strangers_->heard = now;
+}
+
+bool Greetings::due_for_strangers(Time now) {
+  if (!strangers_ || now < strangers_->next || now - strangers_->heard >= strangers_gone_after) return false;
+  strangers_->pause = std::min(2 * strangers_->pause, pause_between_strangers_max);
+  strangers_->next = now + strangers_->pause;
+  return true;
+}
+
 bool Greetings::due(Time now, bool somebody_is_missing) {
   const bool missed_for_long = somebody_is_missing && now >= last_ + pause_while_missing;
-  if (now < next() && !missed_for_long) return false;
+  const bool for_strangers = due_for_strangers(now);
+  if (now < next() && !missed_for_long && !for_strangers) return false;
   for_newcomer_.reset();
   last_ = now;
   if (now < next_) return true;

@@ -14,6 +14,11 @@ using std::chrono::milliseconds;
 /// Cyclone notices the end of a lease by itself, but on a thread that may have to wait for a processor.
 constexpr milliseconds slack_of_leases{300};
 constexpr milliseconds confirmed_after{400};
+/// A sign is late after the pause in calm, and a while in which its node may have waited for a processor. In
+/// calm this is more than a look and less than two: of pulses two have got lost then.
+constexpr milliseconds late_after(milliseconds lease) {
+  return std::clamp<milliseconds>(lease * 3 / 10, milliseconds(300), milliseconds(4500)) + slack_of_leases;
+}
 /// A pulse that somebody else has sent is corrected by the next one before that time.
 constexpr milliseconds confirmed_by_pulses_after{1500};
 /// Full signs of life may get lost, but so many in a row hardly do.
@@ -43,7 +48,7 @@ constexpr milliseconds complaint_patience{1500}, complaint_pause{400};
 constexpr milliseconds complaint_spread{2};
 /// A participant whose node has come anew is gone by then.
 constexpr std::chrono::seconds goes_within{60};
-constexpr milliseconds look_pause_in_doubt{100};
+constexpr milliseconds look_pause_in_doubt{100}, look_pause_in_doubt_max{450};
 /// A look in doubt costs more where there are more participants, and is as much rarer there.
 constexpr milliseconds look_pause_for_each{5};
 
@@ -197,14 +202,11 @@ void HearingWatch::note_known(const std::map<Speaker, std::uint32_t>& known, Tim
   }
 }
 
-/// A sign is late after the pause in calm, and a while in which its node may have waited for a processor.
 bool HearingWatch::is_a_sign_late(Time now) const {
   return std::ranges::any_of(ears_, [now](const auto& entry) {
     const Ear& ear = entry.second;
-    const bool is_pulse_late =
-        ear.signs.last_pulse && now - *ear.signs.last_pulse > silence_in(lease_default) + slack_of_leases;
-    return ear.lives &&
-           (is_pulse_late || now - ear.last_life > silence_in(ear.signs.lease) + slack_of_leases);
+    const bool is_pulse_late = ear.signs.last_pulse && now - *ear.signs.last_pulse > late_after(lease_default);
+    return ear.lives && (is_pulse_late || now - ear.last_life > late_after(ear.signs.lease));
   });
 }
 
@@ -215,7 +217,8 @@ bool HearingWatch::is_hopeless(AnnouncerId participant) const {
 }
 
 milliseconds HearingWatch::pause_in_doubt() const {
-  return std::clamp<milliseconds>(look_pause_for_each * ears_.size(), look_pause_in_doubt, look_pause);
+  return std::clamp<milliseconds>(look_pause_for_each * ears_.size(), look_pause_in_doubt,
+                                  look_pause_in_doubt_max);
 }
 
 /// True if a node of the speaker is heard as it should be by another participant on the link, since its

@@ -91,7 +91,7 @@ class HearingWatch {
   /// True if frequent signs would help to find out what is missing: at the last look something was, or a sign
   /// of life said something else than was known before it.
   bool may_miss_something() const { return may_miss_something_; }
-  /// True if look() is due: twice a second, and more often while something may be missing.
+  /// True if look() is due: once a second, and more often while something may be missing.
   bool wants_look(Time now) const { return now >= looked_ + (looks_often_ ? pause_in_doubt() : look_pause); }
   /// When look() is due while something may be missing; Time::max() if nothing is.
   Time next_look_in_doubt() const { return looks_often_ ? looked_ + pause_in_doubt() : Time::max(); }
@@ -104,7 +104,7 @@ class HearingWatch {
   std::set<NodeId> nodes_known_whole(Time now) const;
 
  private:
-  static constexpr std::chrono::milliseconds look_pause{450};  ///< with each tick in calm (tick_pace.h)
+  static constexpr std::chrono::milliseconds look_pause{920};  ///< with each tick in calm (tick_pace.h)
   struct Link {
     Time newcomer{};  ///< when somebody came to the link
     std::optional<LinkId> replaced_by{};

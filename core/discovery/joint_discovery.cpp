@@ -250,7 +250,7 @@ Time JointDiscovery::look_after(Seat& seat, Time now, bool somebody_is_missing) 
 /// Returns when it has to be called again at the latest.
 Time JointDiscovery::look_after_links(Time now) {
   if (watches_ && (watch_.changed() || now >= next_look_)) look_at_interfaces(now);
-  links_.hear_pulses(now);
+  if (!links_.hear_pulses(now)) greetings_.stranger(now);
   if (ear_.take_newcomer()) greetings_.newcomer(now);
   if (greetings_.due(now, std::ranges::any_of(seats_, &Seat::misses_somebody)))
     links_.each([](DiscoveryLink& link) { link.greet(); });

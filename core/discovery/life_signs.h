@@ -10,7 +10,7 @@ namespace sft::core {
 /// The pace at which a node says that it lives, and the time without such a sign after which it is lost: six
 /// in a row may get lost. If ten nodes lose a fifth of all packets, one is then lost falsely every ten
 /// minutes or so, and returns with the next sign. Where all is calm (sign_pace.h) twice the pause will do, or
-/// a little more: a single sign that gets lost ends the calm.
+/// a little more: two signs in a row that get lost end the calm.
 struct LifeSigns {
   std::chrono::milliseconds pause;
   std::chrono::milliseconds pause_in_calm;  ///< shorter than silence_in(lease)
@@ -22,7 +22,7 @@ inline constexpr LifeSigns life_signs_by_pulses{std::chrono::milliseconds(650),
                                                 std::chrono::milliseconds(932), lease_default};
 /// So often at least a sign goes by Cyclone, too. Cyclone's lease covers four of them, and tells others that
 /// there are pulses.
-inline constexpr std::chrono::milliseconds full_sign_pause{7456}, full_sign_lease{30'000};
+inline constexpr std::chrono::milliseconds full_sign_pause{14'912}, full_sign_lease{60'000};
 constexpr bool gives_pulses(std::chrono::milliseconds lease_of_signs) {
   return lease_of_signs == full_sign_lease;
 }

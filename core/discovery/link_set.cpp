@@ -140,9 +140,11 @@ void LinkSet::end_life(NodeId node) {
   full_signs_.forget(node);
 }
 
-void LinkSet::hear_pulses(Time now) {
+bool LinkSet::hear_pulses(Time now) {
   const Time since = std::exchange(heard_pulses_at_, now);
-  each([since](DiscoveryLink& link) { link.hear_pulses(since); });
+  bool all_count = true;
+  each([&](DiscoveryLink& link) { all_count &= link.hear_pulses(since); });
+  return all_count;
 }
 
 /// A replaced link is closed once the new link hears everybody whom the old one hears, or if there are too

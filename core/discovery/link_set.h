@@ -56,8 +56,8 @@ class LinkSet {
   void write(const Assertion& sign, bool is_calm, Time now);
   /// The node does not live any more, though its process does.
   void end_life(NodeId node);
-  /// Hears the pulses that have come since the last call.
-  void hear_pulses(Time now);
+  /// Hears the pulses that have come since the last call. Returns false if one of them counts for nothing.
+  bool hear_pulses(Time now);
   /// Closes replaced links that are not needed any more.
   void retire(Time now);
   /// Complains on one link about these participants.

@@ -19,9 +19,8 @@ namespace sft::core {
 class TickPace {
  public:
   static constexpr std::chrono::milliseconds pause{50};
-  /// Two of these are the pause between two signs of life in calm, or three where there are no pulses: such a
-  /// look gives the sign, too.
-  static constexpr std::chrono::milliseconds pause_in_calm{466};
+  /// A look in calm gives a sign of life, too, where there are pulses.
+  static constexpr std::chrono::milliseconds pause_in_calm{932};
   static_assert(pause_in_calm <= Transport::poll_pause_max);
 
   /// Something happens that has to be looked after.

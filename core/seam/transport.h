@@ -42,7 +42,7 @@ class Transport {
   virtual ~Transport() = default;
 
   /// poll() is called at least as often, also while nothing happens.
-  static constexpr std::chrono::milliseconds poll_pause_max{500};
+  static constexpr std::chrono::milliseconds poll_pause_max{1000};
   /// Looks after the transport (starts or finds its daemon, notices its death) and tells its state; called
   /// often, and returns at once. When the answer leaves `ready`, ports of before are dead: destroy them and
   /// open others. What had come by a BorrowingReader can still be taken until it is destroyed, which should

@@ -32,7 +32,7 @@ class PreparedChunks {
   /// on.
   void prepare() noexcept;
 
-  /// A publisher at 20 Hz takes so many between two calls of a node in calm (TickPace).
+  /// A publisher at 100 Hz takes so many between two calls of a node while samples flow (TickPace).
   static constexpr std::size_t chunks_ahead = 5;
   static constexpr std::size_t large_bytes = 256 * 1024;                ///< smaller samples have few pages
   static constexpr std::size_t mapped_at_once = std::size_t{32} << 20;  ///< takes a few milliseconds

@@ -76,6 +76,27 @@ TEST_F(GreetingsTest, FollowANewcomerSoonAndACrowdOfThemOnceASecond) {
   EXPECT_LE(greeted, 6U);
 }
 
+TEST_F(GreetingsTest, FollowPulsesOfStrangersAndBecomeRarerAsLongAsTheseAreHeard) {
+  within(100s);
+  std::vector<int> times;
+  for (int i = 0; i < 400; ++i) {
+    greetings.stranger(now);
+    const std::vector<int> greeted = within(1s);
+    for (const int at : greeted) times.push_back(at / 1000 - 100);
+  }
+  EXPECT_THAT(times, ElementsAre(3, 9, 21, 45, 93, 153, 213, 273, 333, 393));
+}
+
+TEST_F(GreetingsTest, AreNotDueToAStrangerWhoIsKnownSoonOrHeardOnce) {
+  within(100s);
+  greetings.stranger(now);
+  within(1s);
+  greetings.stranger(now);
+  EXPECT_TRUE(within(100s).empty());
+  greetings.stranger(now);
+  EXPECT_TRUE(within(100s).empty()) << "the stranger before is forgotten";
+}
+
 TEST_F(GreetingsTest, BeginAnewWhenOthersMayBeReached) {
   within(100s);
   greetings.begin(now);

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "core/discovery/life_signs.h"
+#include "core/node/tick_pace.h"
 #include "tests/unit/core/discovery/hearing_watch_fixture.h"
 
 namespace sft::core {
@@ -61,6 +62,35 @@ TEST_F(HearingPulses, KeepSeldomFullSignsFromBeingMissed) {
   EXPECT_FALSE(watch.is_a_sign_late(now));
   EXPECT_FALSE(watch.may_miss_something());
   EXPECT_FALSE(deaf);
+}
+
+TEST_F(HearingPulses, InCalmAreNotLateHoweverLooksAndPulsesMeet) {
+  constexpr auto pulse_pause = life_signs_by_pulses.pause_in_calm;
+  for (auto look_pause = TickPace::pause_in_calm - 3ms; look_pause < TickPace::pause_in_calm + 20ms;
+       look_pause += 1ms) {
+    full_sign_comes();
+    pulse_comes();
+    looks();
+    Time next_pulse = now + pulse_pause;
+    for (int i = 0; i < 1000; ++i) {
+      now += look_pause;
+      for (; next_pulse <= now; next_pulse += pulse_pause) pulse_comes();
+      if (i % 10 == 0) full_sign_comes();
+      ASSERT_FALSE(watch.is_a_sign_late(now)) << look_pause.count() << " ms, look " << i;
+      looks();
+    }
+  }
+}
+
+TEST_F(HearingPulses, InCalmAreLateAfterTwoLooksWithoutAny) {
+  full_sign_comes();
+  pulse_comes();
+  looks();
+  now += TickPace::pause_in_calm;
+  EXPECT_FALSE(watch.is_a_sign_late(now));
+  looks();
+  now += TickPace::pause_in_calm;
+  EXPECT_TRUE(watch.is_a_sign_late(now));
 }
 
 TEST_F(HearingPulses, AreLateThoughFullSignsCome) {

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "core/node/tick_pace.h"
 #include "tests/unit/core/discovery/hearing_watch_fixture.h"
 
 namespace sft::core {
@@ -243,8 +244,8 @@ TEST_F(HearingWatchTest, ManyWhoMissTheSameDoNotAllComplainAtOnce) {
 
 TEST_F(HearingWatchTest, LooksMoreOftenWhileSomethingMayBeMissing) {
   passes(10s);
-  EXPECT_FALSE(watch.wants_look(now + 400ms));
-  EXPECT_TRUE(watch.wants_look(now + 500ms));
+  EXPECT_FALSE(watch.wants_look(now + 900ms));
+  EXPECT_TRUE(watch.wants_look(now + TickPace::pause_in_calm));
   EXPECT_EQ(watch.next_look_in_doubt(), Time::max());
   watch.heard(its_peer, now);
   EXPECT_TRUE(watch.wants_look(now + 100ms));

@@ -122,7 +122,7 @@ TEST_F(LinkMergeTest, BelievesANewParticipantOnceTheOldOneIsSilent) {
   announces(anew, 2);
   asks(anew, 7);
   EXPECT_THAT(told(), IsEmpty());
-  passes(1700ms, {anew});
+  passes(2200ms, {anew});
   EXPECT_THAT(told(), ElementsAre("honest 2 by 20", "request 7 by 20"));
   announces(anew, 3);
   EXPECT_THAT(told(), ElementsAre("honest 3 by 20"));
@@ -136,7 +136,7 @@ TEST_F(LinkMergeTest, FollowsTheOtherLinkWhereTheFirstOneFallsSilentAndReturnsTo
   told();
   announces(by_radio, 2);
   asks(by_radio, 5);
-  passes(1700ms, {by_radio});
+  passes(2200ms, {by_radio});
   EXPECT_THAT(told(), ElementsAre("honest 2 by 12, silent on 1", "request 5 by 12"));
   passes(700ms, {by_lan, by_radio});
   EXPECT_THAT(told(), ElementsAre("honest 2 by 12")) << "the first link is heard, but is behind yet";
@@ -164,7 +164,7 @@ TEST_F(LinkMergeTest, TellsOfEachSilentLinkOnceAndInOrder) {
   announces(by_lan, 1);
   announces(by_radio, 1);
   told();
-  passes(2s, {by_radio});
+  passes(2500ms, {by_radio});
   ASSERT_THAT(told(), ElementsAre("honest 1 by 12, silent on 1, silent on 3"));
 }
 
@@ -180,10 +180,10 @@ TEST_F(LinkMergeTest, LetsTheFirstOneWithdrawAnEndpointAlsoWhileAnotherIsBelieve
 /// A stranger that used the silence of the honest one is not believed any longer when that one speaks again.
 TEST_F(LinkMergeTest, ReturnsToTheFirstOneWhateverWasSaidWhileItWasSilent) {
   announces(by_lan, 1);
-  passes(2s);
+  passes(2500ms);
   announces(stranger, 1'000'000, "forged");
   told();
-  passes(2s, {by_lan, stranger});
+  passes(2500ms, {by_lan, stranger});
   EXPECT_THAT(told(), testing::Contains("honest 1 by 11"));
 }
 

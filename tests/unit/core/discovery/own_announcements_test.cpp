@@ -24,7 +24,7 @@ class WrittenLink final : public DiscoveryLink {
     return {};
   }
   void write(const Assertion&, bool) override {}
-  void hear_pulses(Time) override {}
+  bool hear_pulses(Time) override { return true; }
   void dispose(EndpointId, Role) override {}
   void end_life(NodeId) override {}
   void greet() override {}
