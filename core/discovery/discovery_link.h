@@ -35,8 +35,8 @@ class LinkListener {
   virtual void assertion_came(const Speaker& speaker, Assertion assertion,
                               std::chrono::milliseconds lease) = 0;
   virtual void node_unheard(LinkId link, NodeId id) = 0;
-  /// A pulse came after `since`. It is told within hear_pulses(). The number of a participant that is not known
-  /// is 0. Returns false if the pulse counts for nothing.
+  /// A pulse came after `since`. It is told within hear_pulses(). The number of a participant that is not
+  /// known is 0. Returns false if the pulse counts for nothing.
   virtual bool pulse_came(const Speaker& speaker, const Pulse& pulse, Time since) = 0;
   virtual void participant_came(const Speaker& speaker) = 0;
   /// The participant belongs to a node that speaks with us: one with this version of the control topics, and

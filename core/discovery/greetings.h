@@ -18,9 +18,9 @@ class Greetings {
   /// Somebody is heard for the first time, and may not have received our answer: after a change of network it
   /// may not know yet where we are. One greeting serves a whole crowd of newcomers.
   void newcomer(Time now);
-  /// A pulse has come that counts for nothing, since its participant is not known, or not yet. After a cable was
-  /// pulled for long, that is all that shows that others are there again. Anybody can send such pulses, so
-  /// greetings for strangers become rarer as long as some are heard.
+  /// A pulse has come that counts for nothing, since its participant is not known, or not yet. After a cable
+  /// was pulled for long, that is all that shows that others are there again. Anybody can send such pulses,
+  /// so greetings for strangers become rarer as long as some are heard.
   void stranger(Time now);
   /// True if a greeting is due now, which then counts as sent. Asked often.
   bool due(Time now, bool somebody_is_missing);

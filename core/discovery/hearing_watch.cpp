@@ -205,7 +205,8 @@ void HearingWatch::note_known(const std::map<Speaker, std::uint32_t>& known, Tim
 bool HearingWatch::is_a_sign_late(Time now) const {
   return std::ranges::any_of(ears_, [now](const auto& entry) {
     const Ear& ear = entry.second;
-    const bool is_pulse_late = ear.signs.last_pulse && now - *ear.signs.last_pulse > late_after(lease_default);
+    const bool is_pulse_late =
+        ear.signs.last_pulse && now - *ear.signs.last_pulse > late_after(lease_default);
     return ear.lives && (is_pulse_late || now - ear.last_life > late_after(ear.signs.lease));
   });
 }

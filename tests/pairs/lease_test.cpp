@@ -146,8 +146,8 @@ TEST_F(Leases, ALinkThatIsDownForAMomentCostsTheSamplesOfThatMomentAndNoRequest)
   expect_a_good_end("height, width");
 }
 
-/// Negotiation::Limits: 60 s after it was lost. The longest of all tests, and it mostly waits. No host notices
-/// that the network between them drops everything.
+/// Negotiation::Limits: 60 s after it was lost. The longest of all tests, and it mostly waits. No host
+/// notices that the network between them drops everything.
 TEST_F(Leases, APairThatIsCutOffForMoreThanAMinuteForgetsEachOtherAndBeginsAnewWhenItReturns) {
   const std::uint64_t requests = reader().status()["subscriber"]["requests"];
   network().set_faults({.lost = 1});

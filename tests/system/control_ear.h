@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
@@ -82,6 +83,8 @@ class ControlEar final : private core::DiscoveryListener {
     ASSERT_TRUE(discovery_->send(request));
   }
   void hear(core::Role role) { ASSERT_TRUE(discovery_->hear(role)); }
+  /// As its agent does now and then.
+  void look() { (void)discovery_->look_after(std::chrono::steady_clock::now(), false); }
 
   std::set<core::EndpointId> heard() const {
     const core::Lock lock(mutex_);

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "core/discovery/pulse_socket.h"
 #include "core/sync/mutex.h"
 #include "tests/support/eventually.h"
 #include "tests/support/isolated_host.h"
@@ -59,6 +60,29 @@ class TopicWatch {
   const std::string topic_;
   const LoopbackParticipant participant_;
   dds_entity_t readers_ = 0, writers_ = 0;
+};
+
+/// How often participants of this host have said who they are, as Cyclone tells of them.
+class ParticipantWatch {
+ public:
+  ParticipantWatch()
+      : reader_(
+            dds_create_reader(participant_.entity(), DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr)) {}
+
+  int words() {
+    void* sample = nullptr;
+    dds_sample_info_t info;
+    while (dds_take(reader_, &sample, &info, 1, 1) == 1) {
+      ++words_;
+      dds_return_loan(reader_, &sample, 1);
+    }
+    return words_;
+  }
+
+ private:
+  const LoopbackParticipant participant_;
+  const dds_entity_t reader_;
+  int words_ = 0;
 };
 
 class JointDiscoveryTest : public ::testing::Test {
@@ -113,6 +137,31 @@ TEST_F(JointDiscoveryTest, LetsNodesOfTheProcessHearEachOther) {
   EXPECT_TRUE(newcomer.hears(1) && writer.hears(3));
   writer.withdraw(1);
   EXPECT_TRUE(eventually([&] { return reader.heard().empty() && newcomer.heard().empty(); }));
+}
+
+TEST_F(JointDiscoveryTest, GreetsAStrangerOfWhomOnlyPulsesCome) {
+  using namespace std::chrono_literals;
+  ControlEar ear("one-");
+  ParticipantWatch participants;
+  const auto is_greeted_within = [&](std::chrono::milliseconds duration, const auto& meanwhile) {
+    const int words = participants.words();
+    const auto is_greeted = [&] {
+      meanwhile();
+      ear.look();
+      return participants.words() > words;
+    };
+    return eventually(is_greeted, duration);
+  };
+  const auto is_quiet = [&] { return !is_greeted_within(2500ms, [] {}); };  // the last pause is shorter
+  ASSERT_TRUE(eventually(is_quiet, 30s)) << "the greetings at the start end";
+
+  const auto stranger =
+      core::PulseSocket::open({.ip = core::loopback_ipv4,
+                               .index = 1,
+                               .port = *core::dds_config(control_domain(), {}, "")->pulse_port,
+                               .reaches_own_host = true});
+  ASSERT_TRUE(stranger);
+  EXPECT_TRUE(is_greeted_within(10s, [&] { stranger->send({.node = 77, .participant = 5}); }));
 }
 
 TEST_F(JointDiscoveryTest, StaysWithTheOtherNodesWhenTheFirstOneGoes) {
