@@ -14,7 +14,7 @@ constexpr std::chrono::seconds pause_between_newcomers{1};
 /// Newcomers are strangers for a moment.
 constexpr std::chrono::milliseconds patience_with_strangers{3000};
 constexpr std::chrono::milliseconds pause_between_strangers_max{60'000};
-/// In calm pulses are further apart than a second (life_signs.h), or two of them if a look just misses one.
+/// A look in calm (tick_pace.h) may just miss a pulse.
 constexpr std::chrono::milliseconds strangers_gone_after{2000};
 }  // namespace
 
