@@ -5,8 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
+#include <string>
+
+#include "tests/support/temporary_directory.h"
 
 namespace sft::core {
 namespace {
@@ -20,11 +21,16 @@ constexpr std::uint32_t our_domain = 5;
 
 CycloneSettings read(const std::string& config) { return CycloneSettings::read(config, our_domain).value(); }
 
-std::string in_file(const std::string& text) {
-  const std::string name = testing::TempDir() + "cyclone_settings_test.xml";
-  std::ofstream(name) << text;
-  return name;
-}
+/// A file with a configuration, which goes with this object.
+class ConfigFile {
+ public:
+  explicit ConfigFile(const std::string& text) : name_(directory_.write("config_of_a_test.xml", text)) {}
+  const std::string& name() const { return name_; }
+
+ private:
+  const test::TemporaryDirectory directory_;
+  const std::string name_;
+};
 
 TEST(CycloneSettings, AreFoundByTheirPathBelowTheDomain) {
   const auto settings = read(
@@ -69,10 +75,10 @@ TEST(CycloneSettings, OfOtherDomainsAreSkipped) {
 }
 
 TEST(CycloneSettings, OfFilesAndTextsAreReadInOrder) {
-  const std::string file = in_file(
+  const ConfigFile file(
       "<CycloneDDS><Domain><General><FragmentSize>3 B</FragmentSize></General></Domain></CycloneDDS>");
   const std::string text = "<General><FragmentSize>4 B</></>";
-  for (const std::string& name : {file, "file://" + file}) {
+  for (const std::string& name : {file.name(), "file://" + file.name()}) {
     EXPECT_THAT(read(name + "," + text).value("General/FragmentSize"), Optional(std::string("4 B")));
     EXPECT_THAT(read(" " + text + ", " + name).value("General/FragmentSize"), Optional(std::string("3 B")));
   }
@@ -90,14 +96,14 @@ TEST(CycloneSettings, ThatAreMalformedAreAnErrorThatSaysWhere) {
   ASSERT_FALSE(text);
   EXPECT_THAT(text.error().message, HasSubstr("CYCLONEDDS_URI"));
   EXPECT_THAT(text.error().message, HasSubstr("line 2"));
-  const auto file = CycloneSettings::read(in_file("<CycloneDDS><Domain></CycloneDDS>"), our_domain);
+  const auto file = CycloneSettings::read(ConfigFile("<CycloneDDS><Domain></CycloneDDS>").name(), our_domain);
   ASSERT_FALSE(file);
-  EXPECT_THAT(file.error().message, HasSubstr("cyclone_settings_test.xml"));
+  EXPECT_THAT(file.error().message, HasSubstr("config_of_a_test.xml"));
 }
 
 TEST(CycloneSettings, InFilesHaveTheirWholeNames) {
   const auto settings =
-      read(in_file("<CycloneDDS><Domain><Gen><Frag>3 B</Frag></Gen></Domain></CycloneDDS>"));
+      read(ConfigFile("<CycloneDDS><Domain><Gen><Frag>3 B</Frag></Gen></Domain></CycloneDDS>").name());
   EXPECT_THAT(settings.values("General/FragmentSize"), IsEmpty());
 }
 
