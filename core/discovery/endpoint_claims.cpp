@@ -9,9 +9,6 @@ namespace sft::core {
 
 using std::chrono::milliseconds;
 
-/// Longer than the pause between two signs of life in calm.
-constexpr milliseconds doubted_for{1500};
-
 EndpointClaims::~EndpointClaims() {
   drop([](const Claim&) { return true; });
 }
@@ -128,7 +125,7 @@ void EndpointClaims::refuse_contested(Time now) {
 }
 
 /// The first speaker may have been quicker than the endpoint's own node. A node says all the time that it
-/// lives: a claim whose speaker does not say that gives way, `doubted_for` later, to one whose speaker does.
+/// lives: a claim whose speaker does not say that gives way to one whose speaker does.
 /// A participant that only alters what others announce has no node that it could speak for.
 void EndpointClaims::prefer_vouched(Time now) {
   const auto is_vouched_for = [this](const Claim& claim) {
@@ -142,7 +139,7 @@ void EndpointClaims::prefer_vouched(Time now) {
   });
   if (leader == nullptr || is_vouched_for(*leader) || other == claims_.end()) return doubted_since_.reset();
   if (!doubted_since_) doubted_since_ = now;
-  if (now - *doubted_since_ < doubted_for) return;
+  if (now - *doubted_since_ < silence) return;
   doubted_since_.reset();
   other->refused = false;
   other->contested_since.reset();
@@ -226,7 +223,8 @@ void EndpointClaims::tick(Time now) {
 void EndpointClaims::settle(Time now) {
   if (const Claim* const claim = believed(now)) return told_.believe(*claim, silent_links(*claim, now), now);
   Time heard{};
-  for (const Claim& claim : claims_) heard = std::max(heard, context_.speakers.last_heard(claim.speaker));
+  for (const Claim& claim : claims_)
+    heard = std::max(heard, context_.speakers.last_heard(claim.speaker, now));
   told_.lose(heard, now);
 }
 

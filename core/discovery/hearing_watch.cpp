@@ -14,11 +14,6 @@ using std::chrono::milliseconds;
 /// Cyclone notices the end of a lease by itself, but on a thread that may have to wait for a processor.
 constexpr milliseconds slack_of_leases{300};
 constexpr milliseconds confirmed_after{400};
-/// A sign is late after the pause in calm, and a while in which its node may have waited for a processor. In
-/// calm this is more than a look and less than two: of pulses two have got lost then.
-constexpr milliseconds late_after(milliseconds lease) {
-  return std::clamp<milliseconds>(lease * 3 / 10, milliseconds(300), milliseconds(4500)) + slack_of_leases;
-}
 /// A pulse that somebody else has sent is corrected by the next one before that time.
 constexpr milliseconds confirmed_by_pulses_after{1500};
 /// Full signs of life may get lost, but so many in a row hardly do.
@@ -202,12 +197,15 @@ void HearingWatch::note_known(const std::map<Speaker, std::uint32_t>& known, Tim
   }
 }
 
+/// A sign is late after the pause in calm, and a while in which its node may have waited for a processor. In
+/// calm this is more than a look and less than two: of pulses two have got lost then.
 bool HearingWatch::is_a_sign_late(Time now) const {
   return std::ranges::any_of(ears_, [now](const auto& entry) {
     const Ear& ear = entry.second;
     const bool is_pulse_late =
-        ear.signs.last_pulse && now - *ear.signs.last_pulse > late_after(lease_default);
-    return ear.lives && (is_pulse_late || now - ear.last_life > late_after(ear.signs.lease));
+        ear.signs.last_pulse && now - *ear.signs.last_pulse > silence_in(lease_default) + slack_of_leases;
+    return ear.lives &&
+           (is_pulse_late || now - ear.last_life > silence_in(ear.signs.lease) + slack_of_leases);
   });
 }
 

@@ -251,6 +251,7 @@ Time JointDiscovery::look_after(Seat& seat, Time now, bool somebody_is_missing) 
 Time JointDiscovery::look_after_links(Time now) {
   if (watches_ && (watch_.changed() || now >= next_look_)) look_at_interfaces(now);
   if (!links_.hear_pulses(now)) greetings_.stranger(now);
+  ear_.with_nodes([now](const auto&, LinkMerge& merge) { merge.pulses_heard(now); });
   if (ear_.take_newcomer()) greetings_.newcomer(now);
   if (greetings_.due(now, std::ranges::any_of(seats_, &Seat::misses_somebody)))
     links_.each([](DiscoveryLink& link) { link.greet(); });

@@ -12,7 +12,7 @@ inline constexpr std::chrono::milliseconds lease_max{60'000};
 /// The silence after which a speaker does not count as speaking any more. Frequent signs of life come seven
 /// times in a lease: two of them may get lost.
 constexpr std::chrono::milliseconds silence_in(std::chrono::milliseconds lease) {
-  return std::clamp(lease * 4 / 10, std::chrono::milliseconds(300), std::chrono::milliseconds(4500));
+  return std::clamp(lease * 3 / 10, std::chrono::milliseconds(300), std::chrono::milliseconds(4500));
 }
 
 }  // namespace sft::core

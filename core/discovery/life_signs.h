@@ -16,8 +16,7 @@ struct LifeSigns {
   std::chrono::milliseconds pause_in_calm;  ///< shorter than silence_in(lease)
   std::chrono::milliseconds lease;
 };
-/// Where signs in calm are pulses (pulse.h), which are heard at the next look. The pause and a look
-/// (tick_pace.h) are together shorter than silence_in(lease).
+/// Where signs in calm are pulses (pulse.h), which are heard at the next look (tick_pace.h).
 inline constexpr LifeSigns life_signs_by_pulses{std::chrono::milliseconds(650),
                                                 std::chrono::milliseconds(932), lease_default};
 /// So often at least a sign goes by Cyclone, too. Cyclone's lease covers four of them, and tells others that

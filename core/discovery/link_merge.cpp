@@ -136,6 +136,7 @@ void LinkMerge::assertion_came(const Speaker& speaker, Assertion assertion, Time
 
 void LinkMerge::pulse_came(const Speaker& speaker, NodeId node, Time now) {
   assertion_came(speaker, {.node = node, .writers = {}}, now);
+  speakers_.gives_pulses(speaker);
   nodes_.pulsed(node, speaker);
 }
 

@@ -58,6 +58,8 @@ class LinkMerge {
   void assertion_came(const Speaker& speaker, Assertion assertion, Time now);
   /// The speaker has said by a pulse that the node lives.
   void pulse_came(const Speaker& speaker, NodeId node, Time now);
+  /// All pulses that had come until then have been told.
+  void pulses_heard(Time now) { speakers_.pulses_heard(now); }
   void node_unheard(LinkId link, NodeId id, Time now);
   void participant_departed(const Speaker& speaker, Time now);
   void link_dropped(LinkId link, Time now);

@@ -1,6 +1,7 @@
 // Remembers when each speaker was heard last. A speaker is one DDS participant on one link. Pure.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <compare>
 #include <cstdint>
@@ -27,19 +28,28 @@ class Speakers {
     if (!is_new && now - entry->second.last > silence) entry->second.since = now;
     entry->second.last = now;
   }
+  /// The speaker gives pulses. These wait until they are looked for: how long the speaker has been silent is
+  /// judged as of the last time when that was done.
+  void gives_pulses(const Speaker& speaker) {
+    const auto entry = heard_.find(speaker);
+    if (entry != heard_.end()) entry->second.by_pulses = true;
+  }
+  /// All pulses that had come until then have been heard.
+  void pulses_heard(Time now) { pulses_heard_ = now; }
   bool speaks(const Speaker& speaker, std::chrono::milliseconds silence, Time now) const {
     const auto entry = heard_.find(speaker);
-    return entry != heard_.end() && now - entry->second.last <= silence;
+    return entry != heard_.end() && silent_for(entry->second, now) <= silence;
   }
   /// True if the speaker has been heard for so long without a pause.
   bool has_spoken_for(const Speaker& speaker, std::chrono::milliseconds duration, Time now) const {
     const auto entry = heard_.find(speaker);
     return entry != heard_.end() && now - entry->second.since >= duration;
   }
-  /// The beginning of time if the speaker was never heard.
-  Time last_heard(const Speaker& speaker) const {
+  /// When the speaker may have spoken last, as far as can be known. The beginning of time if the speaker was
+  /// never heard.
+  Time last_heard(const Speaker& speaker, Time now) const {
     const auto entry = heard_.find(speaker);
-    return entry == heard_.end() ? Time{} : entry->second.last;
+    return entry == heard_.end() ? Time{} : now - silent_for(entry->second, now);
   }
   void forget(const Speaker& speaker) { heard_.erase(speaker); }
   void forget_link(LinkId link) {
@@ -53,8 +63,14 @@ class Speakers {
   struct Heard {
     Time last;
     Time since;
+    bool by_pulses = false;
   };
+  Time::duration silent_for(const Heard& heard, Time now) const {
+    return (heard.by_pulses ? std::max(heard.last, std::min(now, pulses_heard_)) : now) - heard.last;
+  }
+
   std::map<Speaker, Heard> heard_;
+  Time pulses_heard_{};
 };
 
 }  // namespace sft::core

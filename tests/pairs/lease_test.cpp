@@ -146,17 +146,16 @@ TEST_F(Leases, ALinkThatIsDownForAMomentCostsTheSamplesOfThatMomentAndNoRequest)
   expect_a_good_end("height, width");
 }
 
-/// Negotiation::Limits: 60 s after it was lost. The longest of all tests, and it mostly waits. No host
-/// notices that the network between them drops everything.
+/// Negotiation::Limits: 60 s after it was lost. The longest of all tests, and it mostly waits.
 TEST_F(Leases, APairThatIsCutOffForMoreThanAMinuteForgetsEachOtherAndBeginsAnewWhenItReturns) {
   const std::uint64_t requests = reader().status()["subscriber"]["requests"];
-  network().set_faults({.lost = 1});
+  there().set_plugged(false);
   publisher().stop_publishing();
   EXPECT_TRUE(publisher_misses_reader());
   EXPECT_TRUE(eventually([&] { return reader_of(publisher(), reader()).is_null(); }, 75s, 100ms));
   EXPECT_TRUE(comes_true([&] { return writer_of(publisher(), reader()).is_null(); }));
   EXPECT_GT(reader().status()["subscriber"]["requests"], requests) << "it listens to the publisher no more";
-  network().set_faults({});
+  there().set_plugged(true);
   ASSERT_TRUE(agree(publisher(), reader()));
   publisher().publish(100);
   expect_a_good_end("height");

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/node/tick_pace.h"
 #include "tests/unit/core/discovery/link_merge_fixture.h"
 
 namespace sft::core {
@@ -122,7 +123,7 @@ TEST_F(LinkMergeTest, BelievesANewParticipantOnceTheOldOneIsSilent) {
   announces(anew, 2);
   asks(anew, 7);
   EXPECT_THAT(told(), IsEmpty());
-  passes(2200ms, {anew});
+  passes(1700ms, {anew});
   EXPECT_THAT(told(), ElementsAre("honest 2 by 20", "request 7 by 20"));
   announces(anew, 3);
   EXPECT_THAT(told(), ElementsAre("honest 3 by 20"));
@@ -136,7 +137,7 @@ TEST_F(LinkMergeTest, FollowsTheOtherLinkWhereTheFirstOneFallsSilentAndReturnsTo
   told();
   announces(by_radio, 2);
   asks(by_radio, 5);
-  passes(2200ms, {by_radio});
+  passes(1700ms, {by_radio});
   EXPECT_THAT(told(), ElementsAre("honest 2 by 12, silent on 1", "request 5 by 12"));
   passes(700ms, {by_lan, by_radio});
   EXPECT_THAT(told(), ElementsAre("honest 2 by 12")) << "the first link is heard, but is behind yet";
@@ -164,7 +165,7 @@ TEST_F(LinkMergeTest, TellsOfEachSilentLinkOnceAndInOrder) {
   announces(by_lan, 1);
   announces(by_radio, 1);
   told();
-  passes(2500ms, {by_radio});
+  passes(2s, {by_radio});
   ASSERT_THAT(told(), ElementsAre("honest 1 by 12, silent on 1, silent on 3"));
 }
 
@@ -177,13 +178,47 @@ TEST_F(LinkMergeTest, LetsTheFirstOneWithdrawAnEndpointAlsoWhileAnotherIsBelieve
   EXPECT_THAT(told(), ElementsAre("departed"));
 }
 
+/// A look that just misses a pulse hears none: until the next one the last pulse is nearly two looks old.
+TEST_F(LinkMergeTest, DoesNotTakeASpeakerForSilentWhosePulseWaitsForALook) {
+  constexpr auto look_pause = TickPace::pause_in_calm;
+  announces(by_lan, 1);
+  merge.pulse_came(by_lan, node, now);
+  merge.pulses_heard(now);
+  told();
+  now += look_pause;
+  merge.pulses_heard(now);
+  now += look_pause - 1ms;
+  announces(stranger, 1'000'000, "forged");
+  merge.assertion_came(stranger, {.node = node, .writers = {}}, now);
+  EXPECT_THAT(told(), IsEmpty());
+  now += 1ms;
+  merge.pulse_came(by_lan, node, now);
+  merge.pulses_heard(now);
+  EXPECT_THAT(told(), IsEmpty());
+}
+
+TEST_F(LinkMergeTest, TakesASpeakerForSilentOfWhomTwoLooksHaveHeardNoPulse) {
+  announces(by_lan, 1);
+  announces(by_radio, 1);
+  merge.pulse_came(by_lan, node, now);
+  told();
+  for (int look = 0; look < 2; ++look) {
+    EXPECT_THAT(told(), IsEmpty());
+    now += TickPace::pause_in_calm;
+    merge.pulse_came(by_radio, node, now);
+    merge.pulses_heard(now);
+    merge.tick(now);
+  }
+  EXPECT_THAT(told(), ElementsAre("honest 1 by 12, silent on 1"));
+}
+
 /// A stranger that used the silence of the honest one is not believed any longer when that one speaks again.
 TEST_F(LinkMergeTest, ReturnsToTheFirstOneWhateverWasSaidWhileItWasSilent) {
   announces(by_lan, 1);
-  passes(2500ms);
+  passes(2s);
   announces(stranger, 1'000'000, "forged");
   told();
-  passes(2500ms, {by_lan, stranger});
+  passes(2s, {by_lan, stranger});
   EXPECT_THAT(told(), testing::Contains("honest 1 by 11"));
 }
 

@@ -26,7 +26,7 @@ TEST_F(LinkMergeTest, TakesSignsOfLifeOfTheFirstOneOnEachLink) {
   EXPECT_EQ(signs_of_life(), 2U);
   merge.assertion_came(stranger, {.node = node, .writers = {}}, now);
   EXPECT_EQ(signs_of_life(), 0U);
-  now += 2500ms;
+  now += 2s;
   merge.assertion_came(stranger, {.node = node, .writers = {}}, now);
   EXPECT_EQ(signs_of_life(), 1U) << "the first one is silent";
 }
