@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <span>
 #include <utility>
 
 #include "core/seam/gate.h"
-#include "tests/support/parse_datagram.h"
 
 namespace sft::simulation {
 namespace {
@@ -45,9 +45,10 @@ void Laws::asks(core::EndpointId reader, const Selection& wish) {
   const std::uint64_t gate = core::gate_id(wish.gate_hash(), 0);
   account.names.insert(wish.hash());
   account.gates.insert(gate);
+  if (!account.later_gates.empty()) account.later_gates.insert(gate);
   account.gate = gate;
   account.known_from = 0;
-  account.is_settled = account.was_settled = false;
+  account.is_settled = false;
   account.asked.ask(gate);
 }
 
@@ -58,13 +59,10 @@ void Laws::came(const core::SampleBuffer& sample) {
     fail(which + " comes twice");
 }
 
-void Laws::refused(std::span<const std::byte> bytes) {
+void Laws::refused(const udp::FirstHeader& first, std::uint64_t behind) {
   if (scenario_.forgers) return;
-  const auto datagram = udp::parse(bytes);
-  if (!datagram) return fail("what makes no sense is taken for unwanted");
-  const std::uint64_t sequence = udp::widen_sequence(next_sequence_, datagram->label().sequence);
-  for (std::uint64_t i = 0; i < std::max<std::uint64_t>(datagram->samples, 1); ++i)
-    ledger_.refused({sequence + i, datagram->first.mask});
+  const std::uint64_t sequence = udp::widen_sequence(next_sequence_, first.label.sequence);
+  ledger_.refused({sequence + behind, first.mask});
 }
 
 void Laws::taken(core::EndpointId reader, const core::SampleBuffer& sample, bool changes) {
@@ -85,10 +83,11 @@ void Laws::taken(core::EndpointId reader, const core::SampleBuffer& sample, bool
   }
   if (sample.sequence < account.last) return fail(which + " comes after " + std::to_string(account.last));
   check_missing(account, sample, which);
-  account.was_settled = account.is_settled;
+  if (!account.later_gates.empty()) account.gates = std::exchange(account.later_gates, {});
   if (account.known_from != 0 && sample.sequence >= account.known_from) {
     account.asked.settle(account.asked.latest());
     account.is_settled = true;
+    account.later_gates = {account.gate};
   }
   account.last = sample.sequence;
   account.last_gate = sample.gate;
@@ -99,7 +98,7 @@ void Laws::taken(core::EndpointId reader, const core::SampleBuffer& sample, bool
 
 /// What was withheld never counts as lost. Between two samples of one gate, each one that has passed the gate
 /// and did not come counts as lost, if no other conditions can have been in force, and if the gate did not
-/// begin anew. Without conditions each one does that did not come.
+/// begin anew. Each one does that did not come, if the reader asks for all.
 void Laws::check_missing(Account& account, const core::SampleBuffer& sample, const std::string& which) {
   const std::uint64_t before = account.last;
   const std::uint64_t lost = account.numbers.enter(sample, core::RateKeeper::writer, account.asked).lost;
@@ -110,12 +109,12 @@ void Laws::check_missing(Account& account, const core::SampleBuffer& sample, con
         std::distance(sequences.upper_bound(before), sequences.lower_bound(sample.sequence)));
   };
   const auto suits = [&](std::uint64_t gate) { return gate == 0 || gate == sample.gate; };
-  const bool is_known = account.was_settled ? sample.gate == account.gate  // else it was sent to others
-                                            : std::ranges::all_of(account.gates, suits);
+  const bool asks_for_all = account.gates == std::set<std::uint64_t>{0};
   const auto& begun = begun_[sample.gate];
-  const bool is_certain = is_known && begun.upper_bound(before) == begun.upper_bound(sample.sequence);
-  if (sample.gate == account.last_gate && is_certain) {
-    const std::uint64_t missing = sample.gate == 0 ? gap : between(passed_[sample.gate]);
+  const bool is_numbered = sample.gate == account.last_gate && std::ranges::all_of(account.gates, suits) &&
+                           begun.upper_bound(before) == begun.upper_bound(sample.sequence);
+  if (asks_for_all || is_numbered) {
+    const std::uint64_t missing = asks_for_all ? gap : between(passed_[sample.gate]);
     if (lost != missing)
       fail(which + ": " + std::to_string(lost) + " before it count as lost, and " + std::to_string(missing) +
            " that have passed did not come");

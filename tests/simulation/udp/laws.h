@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <map>
 #include <set>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -15,6 +14,7 @@
 #include "tests/simulation/udp/scenario.h"
 #include "tests/simulation/udp/topic.h"
 #include "udp_transport/reliable/resend_window.h"
+#include "udp_transport/wire/datagram.h"
 
 namespace sft::simulation {
 
@@ -65,8 +65,9 @@ class Laws {
   void is_heard(core::EndpointId reader) { readers_[reader].known_from = next_sequence_; }
   /// A whole sample came. Best-effort readers would take it at once.
   void came(const core::SampleBuffer& sample);
-  /// The datagram came, and nobody in the process had asked for its samples.
-  void refused(std::span<const std::byte> datagram);
+  /// The sample that is so many `behind` the first one of a datagram came, and was passed over: nobody in the
+  /// process had asked for it.
+  void refused(const udp::FirstHeader& first, std::uint64_t behind);
   /// The reader was given a sample. `changes`: the reader is changing from one wish to another.
   void taken(core::EndpointId reader, const core::SampleBuffer& sample, bool changes);
 
@@ -89,14 +90,14 @@ class Laws {
     std::set<std::uint64_t> last_names{};  ///< the selections under which this sequence came
     bool changed = false;                  ///< the reader was changing its wish when it got that
     std::set<std::uint64_t> names{};       ///< of all its wishes
-    std::set<std::uint64_t> gates{};       ///< of all its wishes; 0: the one without conditions
-    std::uint64_t gate = 0;                ///< of its latest wish
-    std::uint64_t known_from = 0;          ///< the first sample under that wish; 0: there is none yet
-    bool is_settled = false;               ///< it has got a sample that was sent under its latest wish
-    bool was_settled = false;              ///< also before the sample that it got last
-    std::set<std::uint64_t> withheld{};    ///< sequences
-    core::SequenceAccount numbers{};       ///< as a subscriber counts what is missing
-    core::AskedGates asked{};              ///< likewise
+    std::set<std::uint64_t> gates{};       ///< possible for samples after the last one; 0: without conditions
+    std::set<std::uint64_t> later_gates{};  ///< those behind the next sample; empty: the same
+    std::uint64_t gate = 0;                 ///< of its latest wish
+    std::uint64_t known_from = 0;           ///< the first sample under that wish; 0: there is none yet
+    bool is_settled = false;                ///< it has got a sample that was sent under its latest wish
+    std::set<std::uint64_t> withheld{};     ///< sequences
+    core::SequenceAccount numbers{};        ///< as a subscriber counts what is missing
+    core::AskedGates asked{};               ///< likewise
   };
 
   bool is_sound(const core::SampleBuffer& sample, const std::string& which);

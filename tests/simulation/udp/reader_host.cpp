@@ -156,13 +156,45 @@ void ReaderHost::receive(const Bytes& bytes, Time now) {
 
 void ReaderHost::accept(const Bytes& bytes, Time now) {
   const auto before = arrivals()->mark();
+  const std::optional<udp::Datagram> samples = udp::parse(bytes);
+  const std::set<std::uint64_t> awaited = awaited_of(samples);
   const std::uint64_t refused_before = reassembly_->counters().unknown;
   const udp::Arrival arrival = udp::test::accept(*reassembly_, bytes, {now, 1});
   const std::optional<udp::Heartbeat> heartbeat = udp::parse_as<udp::Heartbeat>(bytes);
-  if (!heartbeat && reassembly_->counters().unknown > refused_before) laws_.refused(bytes);
+  if (!heartbeat && reassembly_->counters().unknown > refused_before) refuse(samples, awaited);
   if (arrival.sample) laws_.came(*arrival.sample);
   for (const core::SampleHandle& sample : arrival.packed) laws_.came(*sample);
   laws_.ledger().heard(before, arrivals()->mark(), heartbeat);
+}
+
+/// Returns which samples of the datagram the window has not decided about, by their numbers in the datagram.
+std::set<std::uint64_t> ReaderHost::awaited_of(const std::optional<udp::Datagram>& datagram) {
+  std::set<std::uint64_t> awaited;
+  const std::uint64_t samples = datagram ? std::max<std::uint64_t>(datagram->samples, 1) : 0;
+  for (std::uint64_t i = 0; i < samples; ++i) {
+    if (!has_decided(datagram->first.channel, i)) awaited.insert(i);
+  }
+  return awaited;
+}
+
+/// Nobody has asked for the selection of the datagram. The window has passed over those of its samples for
+/// which it had room; the others will come again.
+void ReaderHost::refuse(const std::optional<udp::Datagram>& datagram,
+                        const std::set<std::uint64_t>& awaited) {
+  if (!datagram) return laws_.fail_unless_forged("what makes no sense is taken for unwanted");
+  const bool is_pack = datagram->samples > 1;
+  for (const std::uint64_t i : awaited) {
+    if (!is_pack || has_decided(datagram->first.channel, i)) laws_.refused(datagram->first, i);
+  }
+}
+
+/// True if the sample that is `behind` that one in its channel has come, was passed over, or is lost.
+bool ReaderHost::has_decided(const udp::ChannelMark& mark, std::uint64_t behind) {
+  const auto known = arrivals()->mark();
+  if (!known || known->channel != mark.channel) return false;
+  const std::uint64_t place = mark.ordinal + behind - arrivals()->ordinal_of(0);
+  const auto& slots = arrivals()->samples().slots();
+  return place < slots.begin() || (slots.contains(place) && slots[place].settled());
 }
 
 void ReaderHost::report(const Bytes& bytes, Time now) {

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -19,6 +20,7 @@
 #include "udp_transport/flow/receive_shares.h"
 #include "udp_transport/receive/reassembly.h"
 #include "udp_transport/receive/subscriptions.h"
+#include "udp_transport/wire/datagram.h"
 
 namespace sft::simulation {
 
@@ -78,6 +80,9 @@ class ReaderHost {
   void announce(Reader& reader, Time now);
   void follow();
   void accept(const Bytes& bytes, Time now);
+  std::set<std::uint64_t> awaited_of(const std::optional<udp::Datagram>& datagram);
+  void refuse(const std::optional<udp::Datagram>& datagram, const std::set<std::uint64_t>& awaited);
+  bool has_decided(const udp::ChannelMark& mark, std::uint64_t behind);
   void report(const Bytes& bytes, Time now);
   void hand_over(Time now);
   std::size_t room_now();
