@@ -56,4 +56,11 @@ std::optional<std::uint64_t> AskedGates::only_gate_since(Number first) const {
   return only;
 }
 
+bool AskedGates::asks_for_all_since(Number first) const {
+  if (first < oldest_) return false;
+  for (Number request = first; request < end(); ++request)
+    if (at(request) != Request{}) return false;
+  return true;
+}
+
 }  // namespace sft::core

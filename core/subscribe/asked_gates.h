@@ -37,6 +37,9 @@ class AskedGates {
   /// The only gate with conditions of the requests from that one on; 0 if none has conditions. Nothing if
   /// there are several, or others can have withheld what has passed it, or not all are known any more.
   std::optional<std::uint64_t> only_gate_since(Number first) const;
+  /// True if the requests from that one on ask for all samples: none has conditions, and none a maximum rate.
+  /// False if not all of them are known any more.
+  bool asks_for_all_since(Number first) const;
   /// The gates with conditions that samples in shared memory may name: the latest is the first.
   std::span<const std::uint64_t> nameable() const { return nameable_; }
 

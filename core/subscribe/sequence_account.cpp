@@ -31,7 +31,7 @@ SequenceAccount::Missing SequenceAccount::enter(const SampleOrigin& sample, Rate
   if (keeper == RateKeeper::writer && is_numbered) ordinal_ = sample.ordinal;
   gate_ = sample.gate;
   request_ = std::max(request_, asked.settled());
-  if (keeper == RateKeeper::reader) request_ = asked.open_since(request_);
+  if (keeper == RateKeeper::reader && sample.gate == 0) request_ = asked.open_since(request_);
   last_ = sample.sequence;
   far_behind_ = 0;
   numbering_ = std::max(numbering_, sample.numbering);
@@ -51,7 +51,8 @@ std::uint64_t SequenceAccount::gap_before(const SampleOrigin& sample) const {
 }
 
 /// The lost ones among the `gap` samples between the last one and this. If the limit has changed, the slower
-/// one counts.
+/// one counts. A reader that asks for all can also get samples that passed the gates of others: from one of
+/// these to the next, nothing was withheld from it.
 std::uint64_t SequenceAccount::lost_before(const SampleOrigin& sample, RateKeeper keeper,
                                            const AskedGates& asked, std::uint64_t gap) const {
   const std::uint32_t limit = limit_of(sample, keeper);
@@ -59,6 +60,7 @@ std::uint64_t SequenceAccount::lost_before(const SampleOrigin& sample, RateKeepe
   if (last_ == 0) return gap;
   const bool both_retained = sample.oldest_retained != 0 && sample.ordinal == 0 && !ordinal_;
   if (both_retained) return gap;
+  if (limit == 0 && before == 0 && asked.asks_for_all_since(request_)) return gap;
   const std::optional<std::uint64_t> gate = asked.only_gate_since(request_);
   if (sample.gate != 0 || gate_ != 0 || gate != 0)
     return gate == sample.gate && is_of_same_gate(sample) ? passed_between(*ordinal_, sample.ordinal) : 0;

@@ -93,6 +93,20 @@ TEST(AskedGatesTest, AMaximumRateBetweenConditionsCanHaveWithheldWhatPassedThem)
   EXPECT_EQ(gates.only_gate_since(2), near);
 }
 
+TEST(AskedGatesTest, AsksForAllWhereNoRequestHasConditionsOrAMaximumRate) {
+  EXPECT_TRUE(AskedGates().asks_for_all_since(0)) << "before anything is asked for";
+  AskedGates gates = asked({near, 0});
+  EXPECT_FALSE(gates.asks_for_all_since(0));
+  EXPECT_TRUE(gates.asks_for_all_since(1));
+  gates.ask(0, true);
+  EXPECT_FALSE(gates.asks_for_all_since(1));
+  gates.ask(0);
+  EXPECT_FALSE(gates.asks_for_all_since(2));
+  EXPECT_TRUE(gates.asks_for_all_since(3));
+  for (std::uint64_t gate = 1; gate < 100; ++gate) gates.ask(gate % 2);
+  EXPECT_FALSE(gates.asks_for_all_since(3)) << "this one was forgotten";
+}
+
 TEST(AskedGatesTest, NamesTheLatestFirstAndNoneTwice) {
   AskedGates gates = asked({near, 0, far, near});
   EXPECT_THAT(gates.nameable(), ElementsAre(near, far));

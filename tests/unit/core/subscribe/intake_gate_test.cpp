@@ -154,6 +154,34 @@ TEST_F(GatedIntakeTest, WhatHasPassedTheFirstConditionsIsLostWhetherTheyWereInFo
   EXPECT_EQ(status().withheld, 2U);
 }
 
+// What its former conditions let pass comes to it also where it is sent for another reader of the process.
+TEST_F(GatedIntakeTest, WhoAsksForAllLosesWhatIsMissingBetweenSamplesThatPassedTheConditionsOfOthers) {
+  ask(conditions);
+  ask(0);
+  settle();
+  const auto for_another = [&](std::uint64_t sequence, std::uint32_t ordinal) {
+    over_network({.sequence = sequence});
+    network.back()->gate = gate_id(conditions, 0);
+    network.back()->ordinal = ordinal;
+  };
+  for_another(9, 2);
+  for_another(39, 17);
+  over_network({.sequence = 42});
+  EXPECT_THAT(taken(), ElementsAre(9, 39, 42));
+  EXPECT_EQ(status().lost, 29U + 2U);
+  EXPECT_EQ(status().withheld, 0U);
+}
+
+TEST_F(GatedIntakeTest, ASampleInSharedMemoryThatNamesAGateDoesNotEndItsConditions) {
+  ask(conditions);
+  ask(0);
+  memory.push_back(passed({.sequence = 1}, 1));
+  memory.push_back(passed({.sequence = 5}, 3));
+  EXPECT_THAT(taken(), ElementsAre(1, 5));
+  EXPECT_EQ(status().lost, 1U) << "number 2";
+  EXPECT_EQ(status().withheld, 2U);
+}
+
 TEST_F(GatedIntakeTest, FormerConditionsAreForgottenOnceNoSampleOfThemIsUnderWay) {
   ask(conditions);
   memory.push_back(passed({.sequence = 1}, 1));
