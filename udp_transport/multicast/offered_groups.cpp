@@ -30,20 +30,29 @@ bool OfferedGroups::hear(const GroupOffer& offer, const SocketAddress& from, Tim
     known->alive_at = now;
     return true;
   }
-  if (groups_.size() == groups_max) {
-    const auto unused =
-        std::ranges::find_if(groups_, [&](const Offered& group) { return !in_use(group, now); });
-    if (unused == groups_.end()) return false;
-    groups_.erase(unused);
-  }
-  groups_.push_back({offer, report_to, now});
+  if (groups_.size() < groups_max || make_room(now)) groups_.push_back({offer, report_to, now});
   return false;
 }
 
+/// Forgets a group that is not in use, or that is over. False if there is none.
+bool OfferedGroups::make_room(Time now) {
+  const auto unneeded = std::ranges::find_if(
+      groups_, [&](const Offered& group) { return !in_use(group, now) || is_over(group, now); });
+  if (unneeded == groups_.end()) return false;
+  if (in_use(*unneeded, now)) part_from(*unneeded);
+  groups_.erase(unneeded);
+  return true;
+}
+
+/// True if a later group was heard since, and nothing of this one has come for a while.
+bool OfferedGroups::is_over(const Offered& group, Time now) const {
+  return now - group.alive_at >= under_way_for && std::ranges::any_of(groups_, [&](const Offered& other) {
+           return other.heard != 0 && other.alive_at > group.alive_at && is_before(group.offer, other.offer);
+         });
+}
+
 void OfferedGroups::take_back(const GroupOffer& offer, Time now) {
-  const auto is_meant = [&](const Offered& group) {
-    return static_cast<std::int32_t>(group.offer.group - offer.group) <= 0;
-  };
+  const auto is_meant = [&](const Offered& group) { return !is_before(offer, group.offer); };
   const auto is_lost = [&](const Offered& group) { return is_meant(group) && in_use(group, now); };
   if (std::ranges::any_of(groups_, is_lost) && !comes_again(offer)) return;
   for (const Offered& group : groups_) {

@@ -72,6 +72,12 @@ class OfferedGroups {
   bool in_use(const Offered& group, Time now) const {
     return group.heard != 0 && now - group.alive_at < used_for;
   }
+  bool is_over(const Offered& group, Time now) const;
+  bool make_room(Time now);
+  /// The numbers of a writer's groups turn over.
+  static bool is_before(const GroupOffer& a, const GroupOffer& b) {
+    return static_cast<std::int32_t>(a.group - b.group) < 0;
+  }
   void part_from(const Offered& group);
   void came(Offered& group, std::uint64_t ordinal, Time now);
   void note(Offered& group, bool misplaced);
@@ -91,8 +97,11 @@ class OfferedGroups {
   static constexpr std::size_t groups_max = 4;
   /// A switch knows of who joins sooner.
   static constexpr std::chrono::milliseconds silence_max{250};
-  /// A group that was heard within that time does not make room for another one.
+  /// A group that was heard within that time does not make room for another one, unless it is over.
   static constexpr std::chrono::milliseconds used_for{500};
+  /// A writer whose readers come one after another makes several groups in that time. Each is over when the
+  /// next one is heard, but something of it may still be under way for so long.
+  static constexpr std::chrono::milliseconds under_way_for{100};
   /// A group that is in use was replaced or taken back, and its writer is told so. The writer knows whether
   /// it has said that. If not, it offers the group again at once.
   struct Parting {

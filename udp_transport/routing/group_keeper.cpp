@@ -269,21 +269,21 @@ bool GroupKeeper::may_plan(Time now) const {
   return sizes_ != nullptr && sizes_->samples() > 0 && now >= replan_at_ && possible(now) > 1;
 }
 
-/// False if a plan was made for the same destinations, and for about the same bytes.
+/// False if a plan was made for the same destinations, and for about the same bytes and rates.
 bool GroupKeeper::is_news(std::span<const Destination* const> places,
                           std::span<const PlanDestination> all) const {
   const auto differ = [](double before, double now, double least = 0.01) {
     return std::abs(now - before) > least * before;
   };
-  constexpr double of_what_passes = 0.25;  // which differs much from second to second
+  constexpr double of_rates = 0.25;  // which differ from second to second
   const auto& before = planned_for_.destinations;
   if (planned_for_.someone_left || places.size() != before.size()) return true;
-  if (differ(planned_for_.samples_per_s, measured_.rate->per_s())) return true;
+  if (differ(planned_for_.samples_per_s, measured_.rate->per_s(), of_rates)) return true;
   for (std::size_t i = 0; i < places.size(); ++i) {
     const auto known = before.find(places[i]);
     if (known == before.end() || known->second.fields != all[i].fields ||
         known->second.division != all[i].division || differ(known->second.alone_bytes, all[i].alone_bytes) ||
-        differ(known->second.passing_per_s.value_or(0), all[i].passing_per_s.value_or(0), of_what_passes))
+        differ(known->second.passing_per_s.value_or(0), all[i].passing_per_s.value_or(0), of_rates))
       return true;
   }
   return false;

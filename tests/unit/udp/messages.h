@@ -159,13 +159,18 @@ inline std::vector<std::byte> body_of(const core::SampleBuffer& sample) {
   return {body, body + sample.header().body_bytes};
 }
 
-/// The bytes tell how far they are from the beginning.
+/// Byte i is i * 31 + i / 256 + seed, so that it tells how far it is from the beginning.
 inline void fill_with_distances(std::vector<std::uint8_t>& data, std::uint32_t seed) {
-  constexpr std::size_t period = 1 << 16;  // copied, since these loops are not optimised
-  for (std::size_t i = 0; i < std::min(data.size(), period); ++i)
-    data[i] = static_cast<std::uint8_t>(i * 31 + (i >> 8) + seed);
-  for (std::size_t at = period; at < data.size(); at += period)
-    std::memcpy(&data[at], data.data(), std::min(data.size() - at, period));
+  // Copies, since loops are not optimised here. 31 * 223 is 1 modulo 256: each 256 bytes are the multiples of
+  // 31, from 223 further on than those before.
+  constexpr std::size_t row = 256, step = 223;
+  constexpr auto multiples = [] {
+    std::array<std::uint8_t, 2 * row> twice{};
+    for (std::size_t i = 0; i < twice.size(); ++i) twice[i] = static_cast<std::uint8_t>(i * 31);
+    return twice;
+  }();
+  for (std::size_t at = 0; at < data.size(); at += row)
+    std::memcpy(&data[at], &multiples[step * (at / row + seed) % row], std::min(data.size() - at, row));
 }
 
 /// An image whose data is filled with distances.

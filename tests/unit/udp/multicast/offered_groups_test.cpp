@@ -200,6 +200,53 @@ TEST_F(OfferedGroupsTest, MakeNoRoomForOthersWhileTheyAreHeard) {
   EXPECT_FALSE(place(1, 2, test_start + 500ms));
 }
 
+/// As where readers come one after another, and the writer changes its groups for each.
+TEST_F(OfferedGroupsTest, MakeRoomOnceLaterOnesAreHeard) {
+  Time now = test_start;
+  constexpr std::uint32_t numbers_turn_over = UINT32_MAX - 3;
+  for (std::uint32_t change = 0; change < 20; ++change, now += 50ms) {
+    offer(numbers_turn_over + change, 0, 0, now);
+    EXPECT_TRUE(place(numbers_turn_over + change, 1, now + 20ms)) << "change " << change;
+  }
+}
+
+TEST_F(OfferedGroupsTest, StayWhileSomethingOfThemMayBeUnderWayAlthoughALaterOneIsHeard) {
+  for (std::uint32_t group = 1; group <= 4; ++group) {
+    offer(group);
+    place(group, 1, test_start + std::chrono::milliseconds(group));
+  }
+  offer(5, 0, 0, test_start + 100ms);
+  EXPECT_FALSE(place(5, 1, test_start + 100ms));
+  EXPECT_TRUE(place(1, 2, test_start + 100ms));
+  offer(5, 0, 0, test_start + 102ms);
+  EXPECT_TRUE(place(5, 1, test_start + 102ms));
+  EXPECT_FALSE(place(2, 2, test_start + 102ms)) << "it was the oldest one then";
+  EXPECT_TRUE(place(1, 3, test_start + 102ms));
+}
+
+TEST_F(OfferedGroupsTest, MakeNoRoomForOthersBecauseEarlierOnesAreHeard) {
+  for (std::uint32_t group = 1; group <= 4; ++group) offer(group);
+  place(4, 1);
+  for (std::uint32_t group = 1; group <= 3; ++group) place(group, 1, test_start + 100ms);
+  offer(5, 0, 0, test_start + 200ms);
+  EXPECT_FALSE(place(5, 1, test_start + 200ms));
+  EXPECT_TRUE(place(4, 2, test_start + 200ms));
+}
+
+/// Somebody offers groups under later numbers, and sends to them.
+TEST_F(OfferedGroupsTest, AreToBeOfferedAgainAtOnceWhereForgedOnesThatAreHeardTookTheirRoom) {
+  offer(1);
+  place(1, 1);
+  for (std::uint32_t forged = 2; forged <= 4; ++forged) {
+    offer(forged);
+    place(forged, 1, test_start + 50ms);
+  }
+  reports();
+  offer(5, 0, 0, test_start + 100ms);
+  EXPECT_FALSE(place(1, 2, test_start + 100ms));
+  EXPECT_EQ(reports(), (std::vector<GroupReport>{{1, 1, 3, 0}}));
+}
+
 TEST_F(OfferedGroupsTest, EndAsThoseBeforeAlsoWhereTheirNumbersTurnOver) {
   offer(0xFFFF'FFFF);
   offer(1);

@@ -124,6 +124,13 @@ class GroupKeeperTest : public testing::Test {
     }
     return times;
   }
+  /// Publishes small samples so often, and makes routes anew whenever the keeper wants that.
+  void go_on_every(std::chrono::milliseconds period, std::chrono::milliseconds time) {
+    for (const auto end = now_ + time; now_ < end; now_ += period) {
+      publish(0);
+      if (keeper_->replan(now_)) serve();
+    }
+  }
   /// Goes on until the next plan. Returns for how long the keeper did not plan.
   std::chrono::milliseconds time_until_plan() {
     const auto since = now_;

@@ -188,6 +188,15 @@ TEST_F(GroupKeeperTest, LeavesAGroupAtItsAddressWhenAnotherOneComes) {
   }
 }
 
+TEST_F(GroupKeeperTest, MakesAGroupOnceSamplesAreSentMoreOften) {
+  readers(2);
+  serve();
+  go_on_every(33ms, 5s);
+  ASSERT_EQ(members(), 0U) << "there is too little to gain";
+  go_on_every(19ms, 3s);
+  EXPECT_EQ(members(), 2U);
+}
+
 TEST_F(GroupKeeperTest, MakesNoGroupForAMaximumRateThatLetsHardlyAnythingPass) {
   for (const std::uint32_t period_us : {10'000, 1'000'000}) {
     restart(Multicast::automatic);
