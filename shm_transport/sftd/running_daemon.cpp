@@ -7,8 +7,9 @@
 
 #include <filesystem>
 #include <fstream>
-#include <iterator>
+#include <sstream>
 #include <system_error>
+#include <utility>
 
 namespace sft::shm {
 
@@ -16,9 +17,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Throws nothing if the process that the file tells of ends meanwhile, as an iterator over the buffer would.
 std::string text_of(const fs::path& file) {
-  std::ifstream stream(file);
-  return {std::istreambuf_iterator<char>(stream), {}};
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return std::move(text).str();
 }
 
 bool is_file(const fs::path& open_file, const char* path) {

@@ -5,19 +5,15 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
+
+#include "tests/support/text_of.h"
 
 namespace sft::hostile {
 
 namespace fs = std::filesystem;
+using test::text_of;
 
 namespace {
-
-std::string text_of(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 std::string group_name(gid_t group) {
   const struct group* entry = getgrgid(group);

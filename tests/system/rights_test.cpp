@@ -10,11 +10,11 @@
 #include <sft/sft.h>
 #include <cstdio>
 #include <fstream>
-#include <iterator>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
 #include "tests/support/eventually.h"
 #include "tests/support/isolated_host.h"
+#include "tests/support/text_of.h"
 
 namespace sft::test {
 namespace {
@@ -26,11 +26,6 @@ using namespace std::chrono_literals;
 constexpr gid_t writers_group = 70'100;
 constexpr gid_t readers_group = 70'101;
 constexpr uid_t reader = 70'002;
-
-std::string text_of(const char* file) {
-  std::ifstream stream(file);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 bool other_users_exist() {
   unsigned first = 0;

@@ -9,10 +9,10 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <string>
 #include <vector>
 
+#include "tests/support/text_of.h"
 #include "tests/transports/shm/shm_fixture.h"
 
 namespace sft::test {
@@ -25,11 +25,6 @@ inline const Identity a_writer{70'001, 70'001, {writers_group}};
 inline const Identity a_reader{70'002, 70'002, {readers_group}};
 inline const Identity a_stranger{70'003, 70'003, {}};
 inline const Identity nobody{65'534, 65'534, {}};
-
-inline std::string text_of(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 /// A /run of the test's own, in which the directory /run/sft belongs to the user.
 class RunDirectory {

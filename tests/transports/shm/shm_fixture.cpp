@@ -11,10 +11,10 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <stdexcept>
 
 #include "shm_transport/host/host_file.h"
+#include "tests/support/text_of.h"
 
 namespace sft::test {
 
@@ -138,8 +138,7 @@ bool is_alive(pid_t pid) { return pid > 0 && ::kill(pid, 0) == 0; }
 bool is_stopped(pid_t pid) {
   const std::filesystem::path threads = "/proc/" + std::to_string(pid) + "/task";
   for (const auto& thread : std::filesystem::directory_iterator(threads)) {
-    std::ifstream stat(thread.path() / "stat");
-    const std::string text{std::istreambuf_iterator<char>(stat), {}};
+    const std::string text = test::text_of(thread.path() / "stat");
     const auto behind_name = text.rfind(") ");  // the state follows the name, which may have any characters
     if (behind_name == std::string::npos || text[behind_name + 2] != 'T') return false;
   }
