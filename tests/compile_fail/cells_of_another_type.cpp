@@ -1,6 +1,4 @@
 // expect: the field has cells of another type, which is that of its elements
-#include <sensor_msgs/msg/LaserScan.hpp>
-
 #include "tests/compile_fail/cloud.h"
 
 auto misuse(const sft::Sample<sensor_msgs::msg::LaserScan>& sample) {

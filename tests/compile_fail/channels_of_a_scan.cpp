@@ -1,6 +1,4 @@
 // expect: only the data of a PointCloud2 has channels
-#include <sensor_msgs/msg/LaserScan.hpp>
-
 #include "tests/compile_fail/cloud.h"
 
 constexpr sft::Req<sensor_msgs::msg::LaserScan> declared =

@@ -4,7 +4,9 @@
 #include <sft/sft.h>
 
 #include <sensor_msgs/msg/Image.hpp>
+#include <sensor_msgs/msg/LaserScan.hpp>
 #include <sensor_msgs/msg/PointCloud2.hpp>
+#include <tuple>
 
 using sensor_msgs::msg::Image;
 using sensor_msgs::msg::PointCloud2;

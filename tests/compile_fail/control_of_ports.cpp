@@ -1,7 +1,5 @@
 // Compiles: what the snippets about transmissions and batches do wrong, done right.
-#include <utility>
-
-#include "core/seam/writer_port.h"
+#include "tests/compile_fail/ports.h"
 
 using namespace sft::core;
 

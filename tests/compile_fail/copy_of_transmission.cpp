@@ -1,7 +1,5 @@
 // expect: (use of deleted function .*Transmission|call to (implicitly-deleted|deleted)? ?copy constructor)
-#include <utility>
-
-#include "core/seam/writer_port.h"
+#include "tests/compile_fail/ports.h"
 
 auto misuse(sft::core::NetworkWriter& port, const sft::core::SampleHandle& sample) {
   auto transmission = port.begin();

@@ -1,5 +1,5 @@
 // expect: (as 'this' argument discards qualifiers|'flush' is an lvalue)
-#include "core/seam/writer_port.h"
+#include "tests/compile_fail/ports.h"
 
 auto misuse(sft::core::NetworkWriter& port) {
   auto batch = port.batch(sft::core::BatchPatience::fresh);

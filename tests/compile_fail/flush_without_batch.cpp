@@ -1,4 +1,4 @@
 // expect: (flush.* is private within this context|'flush' is a private member)
-#include "core/seam/writer_port.h"
+#include "tests/compile_fail/ports.h"
 
 auto misuse(sft::core::NetworkWriter& port) { return port.flush(); }

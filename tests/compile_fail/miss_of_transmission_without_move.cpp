@@ -1,5 +1,5 @@
 // expect: (as 'this' argument discards qualifiers|'miss' is an lvalue)
-#include "core/seam/writer_port.h"
+#include "tests/compile_fail/ports.h"
 
 void misuse(sft::core::NetworkWriter& port) {
   auto transmission = port.begin();

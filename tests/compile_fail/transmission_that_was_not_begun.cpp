@@ -1,5 +1,5 @@
 // expect: (Transmission.* is private within|calling a private constructor of) .*
-#include "core/seam/writer_port.h"
+#include "tests/compile_fail/ports.h"
 
 auto misuse(sft::core::NetworkWriter& port, const sft::core::SampleHandle& sample) {
   return sft::core::Transmission(port).send(sample);

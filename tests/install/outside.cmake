@@ -16,7 +16,7 @@ expect("${output}" MATCHES "^sft [0-9.]+")
 
 run(${CMAKE_COMMAND} -S ${SOURCE}/examples/outside -B ${WORK}/build -G ${GENERATOR} -D CMAKE_PREFIX_PATH=${prefix}
     -D CMAKE_CXX_COMPILER=${CXX} "-D CMAKE_CXX_FLAGS=-Wall -Wextra -Wpedantic -Werror")
-run(${CMAKE_COMMAND} --build ${WORK}/build --parallel 2)
+run(${CMAKE_COMMAND} --build ${WORK}/build)
 
 file(GLOB package_folder ${prefix}/lib*/pkgconfig ${prefix}/lib/*/pkgconfig)
 find_program(PKG_CONFIG NAMES pkg-config pkgconf REQUIRED)

@@ -4,16 +4,20 @@ import functools
 import re
 from typing import NamedTuple
 
+# What is frequent comes first, for speed.
 _PIECES = re.compile(
-    r'(?P<raw>\b(?:u8|u|U|L)?R"(?P<mark>[^()\\ \n]*)\((?:.|\n)*?\)(?P=mark)")'
+    r"""(?P<word>(?!(?:u8|u|U|L)?R")[A-Za-z_]\w*)"""
+    r"|(?P<line_end>\n)"
+    r"|(?P<symbol>::|->|\[\[|\]\]|==|<=|>=|!=|&&|\|\||[-+*%^&|]=|<<|[^\s\w/#\"'])"
     r"|(?P<comment>//(?:\\\n|[^\n])*|/\*(?:.|\n)*?\*/)"
-    r'|(?P<string>"(?:\\(?:.|\n)|[^"\\\n])*")'
+    r'|(?P<string>"(?:[^"\\\n]|\\(?:.|\n))*")'
     r"|(?P<number>\b\d(?:'?[\w.])*)"
+    r'|(?P<raw>\b(?:u8|u|U|L)?R"(?P<mark>[^()\\ \n]*)\((?:.|\n)*?\)(?P=mark)")'
     r"|(?P<character>'(?:\\.|[^'\\\n])+')"
     r"|(?P<preprocessor>^[ \t]*\#(?:\\\n|/\*(?:.|\n)*?\*/|(?!//|/\*)[^\n])*)"
-    r"|(?P<word>[A-Za-z_]\w*)"
-    r"|(?P<symbol>::|->|\[\[|\]\]|==|<=|>=|!=|&&|\|\||[-+*/%^&|]=|<<|[^\s\w])",
+    r"|(?P<other>/=|[^\s\w])",
     re.MULTILINE)
+_KINDS = {"raw": "string", "mark": "string", "other": "symbol"}
 
 
 class Token(NamedTuple):
@@ -37,17 +41,21 @@ class Source(NamedTuple):
 @functools.lru_cache(maxsize=None)
 def read(text):
     tokens, comments = [], []
-    line, last = 1, 0
+    line = 1
     for piece in _PIECES.finditer(text):
-        line += text.count("\n", last, piece.start())
-        last = piece.start()
-        kind = piece.lastgroup if piece.lastgroup != "mark" else "raw"
-        if kind == "comment":
-            begin = text.rfind("\n", 0, piece.start()) + 1
-            before = text[begin:piece.start()]
-            comments.append(Comment(piece.group(), line, len(before), not before.strip()))
-        elif kind != "preprocessor":
-            tokens.append(Token("string" if kind == "raw" else kind, piece.group(), line))
+        kind, found = piece.lastgroup, piece[0]
+        if kind in ("word", "symbol"):
+            tokens.append(Token(kind, found, line))
+        elif kind == "line_end":
+            line += 1
+        else:
+            if kind == "comment":
+                begin = text.rfind("\n", 0, piece.start()) + 1
+                before = text[begin:piece.start()]
+                comments.append(Comment(found, line, len(before), not before.strip()))
+            elif kind != "preprocessor":
+                tokens.append(Token(_KINDS.get(kind, kind), found, line))
+            line += found.count("\n")
     return Source(tokens, comments)
 
 
@@ -62,6 +70,8 @@ def count_lines(text):
     lines = text.splitlines()
     with_code, with_comment = set(), set()
     for piece in _PIECES.finditer(text):
+        if piece.lastgroup == "line_end":
+            continue
         first = text.count("\n", 0, piece.start()) + 1
         last = first + piece.group().count("\n")
         (with_comment if piece.lastgroup == "comment" else with_code).update(range(first, last + 1))

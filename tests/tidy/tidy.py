@@ -8,6 +8,7 @@ tidy.py types [--root DIR]              prints the types that each public header
 """
 
 import argparse
+import gc
 import os
 import signal
 import sys
@@ -23,6 +24,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 
 
 def main():
+    gc.disable()  # millions of tokens are kept until the end, and none refers to itself
     signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # the reader of the output may leave, as `head` does
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("command", choices=["figures", "check", "list", "types"])

@@ -1,9 +1,5 @@
 // Compiles: what the snippets of this folder do wrong, done right.
-#include <utility>
-
-#include "core/seam/writer_port.h"
-#include "core/sync/lock_order.h"
-#include "core/sync/mutex.h"
+#include "tests/compile_fail/ports.h"
 
 using namespace sft::core;
 

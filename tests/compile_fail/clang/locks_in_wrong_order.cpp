@@ -1,6 +1,5 @@
 // expect: mutex 'mutex_' must be acquired before 'queue_mutex_'
-#include "core/sync/lock_order.h"
-#include "core/sync/mutex.h"
+#include "tests/compile_fail/ports.h"
 
 using namespace sft::core;
 

@@ -1,6 +1,5 @@
 // expect: [Cc]ycle in acquired_before/after dependencies
-#include "core/sync/lock_order.h"
-#include "core/sync/mutex.h"
+#include "tests/compile_fail/ports.h"
 
 using namespace sft::core;
 

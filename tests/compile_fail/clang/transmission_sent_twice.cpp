@@ -1,7 +1,5 @@
 // expect: invalid invocation of method 'send' .*'consumed' state
-#include <utility>
-
-#include "core/seam/writer_port.h"
+#include "tests/compile_fail/ports.h"
 
 auto misuse(sft::core::NetworkWriter& port, const sft::core::SampleHandle& sample) {
   sft::core::Transmission transmission = port.begin();

@@ -1,5 +1,5 @@
 // expect: acquiring batch 'port' that is already held
-#include "core/seam/writer_port.h"
+#include "tests/compile_fail/ports.h"
 
 void misuse(sft::core::NetworkWriter& port) {
   sft::core::Batch batch = port.batch(sft::core::BatchPatience::fresh);

@@ -55,7 +55,7 @@ add_dependencies(unit_tests every_type_law_test)
 sft_add_shards(every_type_law_test 2)
 
 # What they are as text.
-sft_unit_test(every_type_text_test
+sft_unit_test(every_type_text_test SEARCH
   SOURCES json_law_test.cpp msg_text_test.cpp
   LIBRARIES sft_every_type)
 target_compile_definitions(every_type_text_test PRIVATE SFT_INTERFACES="${PROJECT_SOURCE_DIR}/typesupport/interfaces")

@@ -1,0 +1,8 @@
+// The snippets about ports and locks use these declarations.
+#pragma once
+
+#include <utility>
+
+#include "core/seam/writer_port.h"
+#include "core/sync/lock_order.h"
+#include "core/sync/mutex.h"
