@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <csignal>
 #include <fstream>
-#include <iterator>
 #include <numeric>
+#include <sstream>
 #include <string>
 #include <utility>
 
@@ -17,9 +17,11 @@ namespace sft::bench {
 
 namespace {
 
+/// Throws nothing if the process ends meanwhile, as an iterator over the buffer would.
 std::string text_of(pid_t process, const char* file) {
-  std::ifstream stream(fmt::format("/proc/{}/{}", process, file));
-  return {std::istreambuf_iterator<char>(stream), {}};
+  std::ostringstream text;
+  text << std::ifstream(fmt::format("/proc/{}/{}", process, file)).rdbuf();
+  return std::move(text).str();
 }
 
 /// The bytes that a line of one of the files of /proc has in kB.

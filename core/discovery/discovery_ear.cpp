@@ -1,5 +1,6 @@
 #include "core/discovery/discovery_ear.h"
 
+#include <optional>
 #include <random>
 #include <utility>
 #include <variant>
@@ -81,9 +82,10 @@ bool DiscoveryEar::pulse_came(const Speaker& speaker, const Pulse& pulse, Time s
   const Lock lock(mutex_);
   if (nodes_here_.has(pulse.node)) return true;  // our own one; nobody else says that our node lives
   const Time now = time_();
-  if (!hearing_.heard_pulse(speaker, pulse, digest_heard(pulse, roles_), since, now)) return false;
-  merge_.pulse_came(speaker, pulse.node, now);
-  return true;
+  const bool counts = hearing_.heard_pulse(speaker, pulse, digest_heard(pulse, roles_), since, now);
+  if (speaker.participant != 0)
+    merge_.pulse_came(speaker, counts ? std::optional(pulse.node) : std::nullopt, now);
+  return counts;
 }
 
 void DiscoveryEar::link_expected(LinkId link) {

@@ -19,14 +19,41 @@ struct SignsHeard {
   std::set<NodeId> named{};           ///< by full signs, and live; some may be made up
   Time last_full{};
   std::optional<Time> last_pulse{};
+  /// Pulses that have come one after another since the last full sign, whose node no full sign has named.
+  struct Unnamed {
+    Time first, last;
+    std::uint8_t full_given = 0;   ///< the number of full signs that the first of them tells
+    std::uint8_t full_missed = 0;  ///< so many have been given since, by the last one
+  };
+  std::optional<Unnamed> unnamed{};
   /// The number of full signs that the speaker had given when the last one came. Nothing until a pulse tells.
   std::optional<std::uint8_t> full_given{};
   std::uint8_t full_missed = 0;  ///< so many have been given since, by the last pulse
   Time told_at{};                ///< what the last sign tells was so at that time, or later
+  std::optional<Time> overdue_since{};
 
   void full_sign_came(NodeId node, std::chrono::milliseconds its_lease, Time now);
   /// The pulse has come after `since`.
   void pulse_came(const Pulse& pulse, Time since, Time now);
+  void unnamed_pulse_came(const Pulse& pulse, Time now);
+  /// True if full signs were given that did not come, as pulses show: frequent ones would help.
+  /// `longer`: what newcomers are given takes so much longer in a crowd.
+  bool misses_full_sign(std::chrono::milliseconds longer, Time now) const {
+    return full_missed > 0 || none_comes_for(full_sign_comes_within + longer, now);
+  }
+  /// True if none has come although frequent ones were wanted for a while: Cyclone discards them.
+  bool hears_no_full_sign(std::chrono::milliseconds longer, Time now) const {
+    return none_comes_for(frequent_ones_come_within + longer, now) &&
+           unnamed->full_missed >= first_missed_max;
+  }
+
+ private:
+  /// A newcomer hears a full sign of everybody within that time, unless several have got lost in a row.
+  static constexpr std::chrono::milliseconds full_sign_comes_within{2000}, frequent_ones_come_within{4000};
+  static constexpr std::uint8_t first_missed_max = 4;
+
+  /// True if pulses have come for longer than that, and still come, without any full sign.
+  bool none_comes_for(std::chrono::milliseconds duration, Time now) const;
 };
 
 struct Ear {
@@ -48,7 +75,7 @@ struct Ear {
   /// True if the signs of life still carry the digest from before the change: somebody else than the
   /// speaker made the change.
   bool is_contradicted = false;
-  std::optional<Time> overdue_since{};
+  std::optional<Time> doubtful_since{};
   std::optional<Time> missed_since{};
   Time complain_at{};
   std::optional<Time> disbelieved_since{};
@@ -68,6 +95,8 @@ struct Ear {
   /// is confirmed by the next one: if each change of a mask made signs frequent everywhere, they would hardly
   /// ever be seldom.
   bool is_told_of_more() const { return lives && told != known && last_life - agreed > overtaking; }
+  /// Notes at a look whether the ear is doubtful. Returns true if it has been so for `duration`.
+  bool is_doubtful_for(std::chrono::milliseconds duration, bool is_doubtful, Time now);
 };
 
 }  // namespace sft::core

@@ -12,20 +12,28 @@ namespace sft::core {
 
 class FullSigns {
  public:
-  /// True if a pulse will not do: where discovery is not calm, where the sign tells more than life, for a
-  /// while after a newcomer came, which believes no pulse of a node before it has heard a full sign, and if
-  /// the last full sign is so long ago that Cyclone has to hear of the node again. The sign is then given.
-  bool is_due(const Assertion& sign, bool is_calm, Time newcomer_at, Time now) {
+  /// True if a pulse will not do: where somebody wants frequent signs, since pulses may not arrive; where the
+  /// sign tells more than life; now and then for a while after a newcomer came, which believes no pulse of a
+  /// node before it has heard a full sign; and if the last full sign is so long ago that Cyclone has to hear
+  /// of the node again. The sign is then given. News of this process are no reason: pulses tell the digests,
+  /// too.
+  bool is_due(const Assertion& sign, bool is_wanted, Time newcomer_at, Time now) {
     Time& given_at = given_at_[sign.node];
-    const bool may_be_pulse = is_calm && !sign.tells_more_than_life() && now - newcomer_at > newcomers_last &&
-                              now - given_at < full_sign_pause;
-    if (!may_be_pulse) given_at = now;
-    return !may_be_pulse;
+    const bool is_full =
+        is_wanted || sign.tells_more_than_life() || now - given_at >= pause(now - newcomer_at);
+    if (is_full) given_at = now;
+    return is_full;
   }
   void forget(NodeId node) { given_at_.erase(node); }
 
  private:
-  static constexpr std::chrono::seconds newcomers_last{3};
+  /// Each of these signs wakes everybody, and a crowd of newcomers is busy with finding each other: some are
+  /// not heard, and one is given after that. Who has missed all of them asks for more (HearingWatch).
+  static constexpr std::chrono::milliseconds pause(Time::duration since_newcomer) {
+    using namespace std::chrono_literals;
+    if (since_newcomer <= 3s) return 1200ms;
+    return since_newcomer <= 8s ? 3000ms : full_sign_pause;
+  }
 
   std::map<NodeId, Time> given_at_;
 };

@@ -26,7 +26,8 @@ constexpr milliseconds behind_after{1000}, behind_at_first_after{5000};
 constexpr milliseconds lags_after{300};
 /// While nodes start, which takes so long, they may overtake each other by more.
 constexpr milliseconds start_takes{2000};
-/// What has to be waited for before somebody counts as behind is longer where there are many participants.
+/// What has to be waited for before somebody is doubted, or counts as behind, is longer where there are many
+/// participants: what many announce at once takes its time, and would take more if all gave frequent signs.
 /// Those that were never equal are still told everything, by many at a time.
 constexpr milliseconds longer_for_each{20}, longer_at_first_for_each{60};
 constexpr std::size_t crowd_max = 200;  // more may be made up
@@ -46,6 +47,10 @@ constexpr std::chrono::seconds goes_within{60};
 constexpr milliseconds look_pause_in_doubt{100}, look_pause_in_doubt_max{450};
 /// A look in doubt costs more where there are more participants, and is as much rarer there.
 constexpr milliseconds look_pause_for_each{5};
+
+milliseconds for_others(milliseconds each, std::size_t participants) {
+  return each * (std::clamp<std::size_t>(participants, 1, crowd_max) - 1);
+}
 
 }  // namespace
 
@@ -122,7 +127,6 @@ void HearingWatch::heard_life(const Speaker& speaker, NodeId node, std::uint32_t
   ear->node = node;
   ear->lives = true;
   ear->signs.full_sign_came(node, lease, now);
-  ear->overdue_since.reset();
   if (ear->lives_by(node, digest, now, now))
     participants_[speaker.participant] = {.has_agreed = true, .tries = 0};
 }
@@ -132,7 +136,10 @@ bool HearingWatch::heard_pulse(const Speaker& speaker, const Pulse& pulse, std::
   const auto known = ears_.find(speaker);
   if (known == ears_.end()) return false;
   Ear& ear = known->second;
-  if (!ear.lives || !ear.signs.named.contains(pulse.node)) return false;
+  if (!ear.lives || !ear.signs.named.contains(pulse.node)) {
+    ear.signs.unnamed_pulse_came(pulse, now);
+    return false;
+  }
   ear.signs.pulse_came(pulse, since, now);
   if (ear.lives_by(pulse.node, digest, since, now))
     participants_[speaker.participant] = {.has_agreed = true, .tries = 0};
@@ -152,11 +159,15 @@ std::vector<HearingWatch::Deaf> HearingWatch::look(const std::map<Speaker, std::
                                                    milliseconds participant_lease, Time now) {
   note_known(known, now);
   looks_often_ = may_miss_something_ = false;
+  const milliseconds longer = for_others(longer_for_each, ears_.size());
+  const milliseconds longer_at_first = for_others(longer_at_first_for_each, ears_.size());
   std::vector<Deaf> deaf;
   for (auto& [speaker, ear] : ears_) {
     looks_often_ |= ear.lives && ear.known != ear.told && now - ear.agreed < behind_at_first_after;
-    may_miss_something_ |=
-        (ear.is_told_of_more() || ear.signs.full_missed > 0) && !is_hopeless(speaker.participant);
+    const bool is_doubtful = (ear.is_told_of_more() || ear.signs.misses_full_sign(longer_at_first, now)) &&
+                             !is_hopeless(speaker.participant);
+    looks_often_ |= is_doubtful;
+    may_miss_something_ |= ear.is_doubtful_for(ear.has_agreed ? longer : longer_at_first, is_doubtful, now);
     const auto what = missing(speaker, ear, participant_lease, now);
     if (!what) {
       ear.missed_since.reset();
@@ -185,7 +196,7 @@ void HearingWatch::note_known(const std::map<Speaker, std::uint32_t>& known, Tim
   looked_ = now;
   for (auto& [speaker, ear] : ears_) {
     if (was_held_up) {
-      ear.overdue_since.reset();
+      ear.signs.overdue_since.reset();
       ear.is_contradicted = false;
     }
     const auto digest = known.find(speaker);
@@ -242,7 +253,7 @@ std::optional<HearingWatch::Remedy> HearingWatch::remedy(const Speaker& speaker,
   }
   if (links_.at(speaker.link).replaced_by) return {};
   if (missing == Missing::everything) return Remedy::renewal;
-  const milliseconds spread = complaint_spread * (std::min(ears_.size(), crowd_max) - 1);
+  const milliseconds spread = for_others(complaint_spread, ears_.size());
   if (!ear.missed_since) {
     ear.missed_since = now;
     ear.complain_at = now + milliseconds(random_() % static_cast<std::uint64_t>(2 * spread.count() + 1));
@@ -275,14 +286,16 @@ std::optional<HearingWatch::Missing> HearingWatch::missing(const Speaker& speake
   const bool is_mute = !ear.has_spoken && now - std::max(ear.last, link.newcomer) > first_word_after;
   if (is_mute || now - ear.last > participant_lease * 3 / 2) return Missing::everything;
   if (ear.unmatched > 0 && now - ear.unmatched_at > departing) return Missing::endpoints;
+  if (ear.signs.hears_no_full_sign(for_others(longer_at_first_for_each, ears_.size()), now))
+    return Missing::signs_of_life;
   const bool is_over = now - ear.signs.last_full > ear.signs.lease + slack_of_leases;
   if (ear.lives && (is_over || ear.signs.full_missed >= full_signs_missed_max)) {
-    if (!ear.overdue_since) ear.overdue_since = now;
-    if (now - *ear.overdue_since >= (is_over ? confirmed_after : confirmed_by_pulses_after))
+    if (!ear.signs.overdue_since) ear.signs.overdue_since = now;
+    if (now - *ear.signs.overdue_since >= (is_over ? confirmed_after : confirmed_by_pulses_after))
       return Missing::signs_of_life;
     return {};
   }
-  ear.overdue_since.reset();
+  ear.signs.overdue_since.reset();
   return is_behind(ear, link.newcomer, now) ? std::optional(Missing::announcements) : std::nullopt;
 }
 

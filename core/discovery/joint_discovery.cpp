@@ -216,17 +216,17 @@ void JointDiscovery::assert_liveliness(Seat& seat, const Assertion& assertion) {
     const Lock lock(mutex_);
     const Time now = std::chrono::steady_clock::now();
     ear_.with_nodes([&](ProcessNodes& nodes, const auto&) { nodes.asserted(seat.member, assertion, now); });
-    write(assertion, is_calm(now), now);
+    write(assertion, pace_.are_wanted(now), now);
   }
   ear_.pass_on();
 }
 
 /// The digests are those of all that came of our participants: of what all nodes of the process have said.
-void JointDiscovery::write(Assertion assertion, bool is_calm, Time now) {
+void JointDiscovery::write(Assertion assertion, bool is_wanted, Time now) {
   assertion.digest_of_writers = own_.digest(Role::writer);
   assertion.digest_of_readers = own_.digest(Role::reader);
   assertion.wants_signs = pace_.wants(now);
-  links_.write(assertion, is_calm, now);
+  links_.write(assertion, is_wanted, now);
 }
 
 Time JointDiscovery::look_after(Seat& seat, Time now, bool somebody_is_missing) {
@@ -261,7 +261,7 @@ Time JointDiscovery::look_after_links(Time now) {
     const auto living = [&](const ProcessNodes& nodes, const auto&) {
       return nodes.living(now - life_signs_.pause_in_calm);
     };
-    for (const NodeId node : ear_.with_nodes(living)) write({.node = node, .writers = {}}, false, now);
+    for (const NodeId node : ear_.with_nodes(living)) write({.node = node, .writers = {}}, true, now);
   }
   Time next = watches_ ? mend_links(now) : Time::max();
   for (std::string& renewal : links_.take_renewals())

@@ -77,7 +77,7 @@ class JointDiscovery {
   Result<void> hear_on_links(Role role) SFT_REQUIRES(mutex_);
   void withdraw_from_links(EndpointId id) SFT_REQUIRES(mutex_);
   void told_news() SFT_REQUIRES(mutex_);
-  void write(Assertion assertion, bool is_calm, Time now) SFT_REQUIRES(mutex_);
+  void write(Assertion assertion, bool is_wanted, Time now) SFT_REQUIRES(mutex_);
   Time look_after_links(Time now) SFT_REQUIRES(mutex_);
   Time mend_links(Time now) SFT_REQUIRES(mutex_);
   bool renew(LinkId id, const std::string& why, Time now) SFT_REQUIRES(mutex_);

@@ -134,10 +134,9 @@ void LinkMerge::assertion_came(const Speaker& speaker, Assertion assertion, Time
   if (nodes_.asserted(assertion.node, speaker, silence, now)) news_.emplace_back(std::move(assertion));
 }
 
-void LinkMerge::pulse_came(const Speaker& speaker, NodeId node, Time now) {
-  assertion_came(speaker, {.node = node, .writers = {}}, now);
-  speakers_.gives_pulses(speaker);
-  nodes_.pulsed(node, speaker);
+void LinkMerge::pulse_came(const Speaker& speaker, std::optional<NodeId> living, Time now) {
+  speakers_.pulse_came(speaker, now);
+  if (living) assertion_came(speaker, {.node = *living, .writers = {}}, now);
 }
 
 void LinkMerge::node_unheard(LinkId link, NodeId id, Time now) {

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -56,8 +57,8 @@ class LinkMerge {
   void endpoint_unheard(LinkId link, EndpointId id, Time now);
   void request_came(const Speaker& speaker, Request request, Time now);
   void assertion_came(const Speaker& speaker, Assertion assertion, Time now);
-  /// The speaker has said by a pulse that the node lives.
-  void pulse_came(const Speaker& speaker, NodeId node, Time now);
+  /// The speaker has said by a pulse that this node lives; none if the pulse does not count.
+  void pulse_came(const Speaker& speaker, std::optional<NodeId> living, Time now);
   /// All pulses that had come until then have been told.
   void pulses_heard(Time now) { speakers_.pulses_heard(now); }
   void node_unheard(LinkId link, NodeId id, Time now);

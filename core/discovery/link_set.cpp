@@ -130,8 +130,8 @@ std::map<LinkSpec, LinkSet::OpenLink>::iterator LinkSet::find(LinkId id) {
   return std::ranges::find(links_, id, [](const auto& entry) { return entry.second.id; });
 }
 
-void LinkSet::write(const Assertion& sign, bool is_calm, Time now) {
-  const bool is_full = full_signs_.is_due(sign, is_calm, ear_.newcomer_at(), now);
+void LinkSet::write(const Assertion& sign, bool is_wanted, Time now) {
+  const bool is_full = full_signs_.is_due(sign, is_wanted, ear_.newcomer_at(), now);
   each([&](DiscoveryLink& link) { link.write(sign, is_full); });
 }
 

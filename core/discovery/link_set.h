@@ -52,8 +52,8 @@ class LinkSet {
   /// Listens to announcements of that role on all links, also on those that are opened later. To be called
   /// again after an error.
   Result<void> hear(Role role);
-  /// Gives a sign of life on all links: a full one where a pulse will not do.
-  void write(const Assertion& sign, bool is_calm, Time now);
+  /// Gives a sign of life on all links: a full one where a pulse will not do. `is_wanted`: frequent ones are.
+  void write(const Assertion& sign, bool is_wanted, Time now);
   /// The node does not live any more, though its process does.
   void end_life(NodeId node);
   /// Hears the pulses that have come since the last call. Returns false if one of them counts for nothing.

@@ -25,13 +25,6 @@ bool NodeClaims::asserted(NodeId id, const Speaker& speaker, std::chrono::millis
   return true;
 }
 
-void NodeClaims::pulsed(NodeId id, const Speaker& speaker) {
-  const auto node = nodes_.find(id);
-  if (node == nodes_.end()) return;
-  const auto own = std::ranges::find(node->second.claims, speaker, &Claim::speaker);
-  if (own != node->second.claims.end()) own->pulses = true;
-}
-
 bool NodeClaims::unheard(NodeId id, LinkId link, const LeaseOf& lease_of, Time now) {
   const auto node = nodes_.find(id);
   if (node == nodes_.end()) return false;
@@ -102,7 +95,8 @@ void NodeClaims::end_silent(const LeaseOf& lease_of, Time now) {
     for (Claim& claim : node.claims) {
       if (!claim.alive) continue;
       const std::chrono::milliseconds lease = lease_of(id);
-      const auto patience = claim.pulses ? lease : std::max(lease, lease_default) + slack;
+      const bool tells_soon = speakers_.gives_pulses(claim.speaker);
+      const auto patience = tells_soon ? lease : std::max(lease, lease_default) + slack;
       if (now - claim.heard > patience) claim.alive = false;
     }
   }

@@ -23,9 +23,6 @@ class NodeClaims {
   /// The speaker says that the node lives; returns true if it is believed. `silence`: after that nobody
   /// speaks.
   bool asserted(NodeId node, const Speaker& speaker, std::chrono::milliseconds silence, Time now);
-  /// The speaker has said so by a pulse, and will do so again. Cyclone's lease is longer than the node's
-  /// then.
-  void pulsed(NodeId node, const Speaker& speaker);
   using LeaseOf = std::function<std::chrono::milliseconds(NodeId)>;
   /// Cyclone has heard nothing of the node on that link for its lease. Returns true if the node is lost now.
   bool unheard(NodeId node, LinkId link, const LeaseOf& lease_of, Time now);
@@ -42,8 +39,9 @@ class NodeClaims {
   /// The nodes that are lost by now, each told once. A node whose speakers all fell silent is lost at once.
   /// Else a link was dropped or made anew: then the node has its lease to return by another one.
   std::vector<NodeId> take_lost(const LeaseOf& lease_of, Time now);
-  /// Ends what silent speakers say. Of those that give pulses nobody else tells that the lease is over. Of
-  /// others Cyclone does, but not if somebody else has disposed of the signs of life.
+  /// Ends what silent speakers say. Of those that give pulses nobody else tells that the lease is over, since
+  /// Cyclone's lease is longer. Of others Cyclone does, but not if somebody else has disposed of the signs of
+  /// life.
   void end_silent(const LeaseOf& lease_of, Time now);
   void forget_before(Time before);
 
@@ -55,7 +53,6 @@ class NodeClaims {
     Speaker speaker;
     Time heard{};  ///< when the speaker said last that this node lives; it may speak for others, too
     bool alive = true;
-    bool pulses = false;
   };
   struct Node {
     std::vector<Claim> claims;

@@ -38,6 +38,8 @@ class SignPace {
   void want_after_late_sign(Time now) { want_until(now + after_late_sign); }
 
   bool wants(Time now) const { return now < wants_until_; }
+  /// Somebody wants them: this process or another.
+  bool are_wanted(Time now) const { return wants(now) || now < heard_wish_until_; }
   Time calm_from() const { return std::max({wants_until_, heard_wish_until_, news_until_}); }
   bool is_calm(Time now) const { return now >= calm_from(); }
   /// The time for which a wish lasts that is not repeated.

@@ -6,6 +6,7 @@
 #include <compare>
 #include <cstdint>
 #include <map>
+#include <utility>
 
 #include "core/control/control.h"
 #include "core/platform/clock.h"
@@ -28,17 +29,15 @@ class Speakers {
     if (!is_new && now - entry->second.last > silence) entry->second.since = now;
     entry->second.last = now;
   }
-  /// The speaker gives pulses. These wait until they are looked for: how long the speaker has been silent is
-  /// judged as of the last time when that was done.
-  void gives_pulses(const Speaker& speaker) {
-    const auto entry = heard_.find(speaker);
-    if (entry != heard_.end()) entry->second.by_pulses = true;
-  }
+  /// The speaker gives pulses, whatever they count for. These wait until they are looked for: how long the
+  /// speaker has been silent is judged as of the last time when that was done.
+  void pulse_came(const Speaker& speaker, Time now) { pulsed_[speaker] = now; }
+  bool gives_pulses(const Speaker& speaker) const { return pulsed_.contains(speaker); }
   /// All pulses that had come until then have been heard.
   void pulses_heard(Time now) { pulses_heard_ = now; }
   bool speaks(const Speaker& speaker, std::chrono::milliseconds silence, Time now) const {
     const auto entry = heard_.find(speaker);
-    return entry != heard_.end() && silent_for(entry->second, now) <= silence;
+    return entry != heard_.end() && silent_for(*entry, now) <= silence;
   }
   /// True if the speaker has been heard for so long without a pause.
   bool has_spoken_for(const Speaker& speaker, std::chrono::milliseconds duration, Time now) const {
@@ -49,27 +48,30 @@ class Speakers {
   /// never heard.
   Time last_heard(const Speaker& speaker, Time now) const {
     const auto entry = heard_.find(speaker);
-    return entry == heard_.end() ? Time{} : now - silent_for(entry->second, now);
+    return entry == heard_.end() ? Time{} : now - silent_for(*entry, now);
   }
-  void forget(const Speaker& speaker) { heard_.erase(speaker); }
   void forget_link(LinkId link) {
-    std::erase_if(heard_, [&](const auto& entry) { return entry.first.link == link; });
+    const auto is_of_link = [&](const auto& entry) { return entry.first.link == link; };
+    std::erase_if(heard_, is_of_link);
+    std::erase_if(pulsed_, is_of_link);
   }
   void forget_before(Time time) {
     std::erase_if(heard_, [&](const auto& entry) { return entry.second.last < time; });
+    std::erase_if(pulsed_, [&](const auto& entry) { return entry.second < time; });
   }
 
  private:
   struct Heard {
     Time last;
     Time since;
-    bool by_pulses = false;
   };
-  Time::duration silent_for(const Heard& heard, Time now) const {
-    return (heard.by_pulses ? std::max(heard.last, std::min(now, pulses_heard_)) : now) - heard.last;
+  Time::duration silent_for(const std::pair<const Speaker, Heard>& entry, Time now) const {
+    const Time last = entry.second.last;
+    return (gives_pulses(entry.first) ? std::max(last, std::min(now, pulses_heard_)) : now) - last;
   }
 
   std::map<Speaker, Heard> heard_;
+  std::map<Speaker, Time> pulsed_;  // when last
   Time pulses_heard_{};
 };
 

@@ -49,6 +49,12 @@ TEST(DdsConfig, WhoHasToldThatNothingIsMissingWaitsBeforeItTellsSoAgain) {
   EXPECT_THAT(in_force(config("<Internal><AckDelay>10 ms</></>"), "Internal/AckDelay"), is("10 ms"));
 }
 
+TEST(DdsConfig, ReceiveBuffersAreSmallUnlessTheUserWantsOthers) {
+  EXPECT_THAT(in_force(config(""), "Sizing/ReceiveBufferSize"), is("256 KiB"));
+  EXPECT_THAT(in_force(config("<Sizing><ReceiveBufferSize>2 MiB</></>"), "Sizing/ReceiveBufferSize"),
+              is("2 MiB"));
+}
+
 struct Breakage {
   const char* user;
   const char* path;

@@ -13,8 +13,8 @@ using namespace std::chrono_literals;
 
 class FullSignsTest : public ::testing::Test {
  protected:
-  bool is_full(bool is_calm = true, Time newcomer_at = {}) {
-    return signs.is_due(life, is_calm, newcomer_at, now);
+  bool is_full(bool is_wanted = false, Time newcomer_at = {}) {
+    return signs.is_due(life, is_wanted, newcomer_at, now);
   }
 
   FullSigns signs;
@@ -42,10 +42,10 @@ TEST_F(FullSignsTest, InCalmOneOfManySignsIsFullBeforeCyclonesLeaseEnds) {
   EXPECT_LE(full, all / 7);
 }
 
-TEST_F(FullSignsTest, WhereDiscoveryIsNotCalmEachSignIsFull) {
+TEST_F(FullSignsTest, WhereFrequentSignsAreWantedEachIsFull) {
   EXPECT_TRUE(is_full());
-  EXPECT_TRUE(is_full(false));
-  EXPECT_TRUE(is_full(false));
+  EXPECT_TRUE(is_full(true));
+  EXPECT_TRUE(is_full(true));
   EXPECT_FALSE(is_full());
 }
 
@@ -55,11 +55,47 @@ TEST_F(FullSignsTest, ASignThatTellsMoreThanLifeIsFull) {
   EXPECT_TRUE(is_full());
 }
 
-TEST_F(FullSignsTest, ANewcomerHearsFullSignsForAWhile) {
-  is_full();
+TEST_F(FullSignsTest, ANewcomerHearsAFullSignAtOnceAndSeveralMore) {
+  constexpr auto between = 1200ms;
+  for (const auto pause : {500ms, life_signs_by_pulses.pause, life_signs_by_pulses.pause_in_calm}) {
+    now += 100s;
+    is_full();
+    now += 10s;
+    const Time newcomer_at = now;
+    EXPECT_TRUE(is_full(false, newcomer_at));
+    Time last = now;
+    int full = 1;
+    for (now += pause; now <= newcomer_at + 3s; now += pause) {
+      if (!is_full(false, newcomer_at)) continue;
+      EXPECT_LT(now - last, between + pause) << "one of them may get lost";
+      last = now;
+      ++full;
+    }
+    EXPECT_LT(now - last, between + 2 * pause);
+    EXPECT_GE(full, 2) << pause.count() << " ms";
+    EXPECT_LE(full, 3) << "each wakes everybody, and there may be a crowd of newcomers";
+    EXPECT_FALSE(is_full(false, newcomer_at));
+  }
+}
+
+TEST_F(FullSignsTest, ANewcomerThatWasBusyHearsOneMoreLater) {
   const Time newcomer_at = now;
-  for (; now <= newcomer_at + 3s; now += 500ms) EXPECT_TRUE(is_full(true, newcomer_at));
-  EXPECT_FALSE(is_full(true, newcomer_at));
+  for (; now <= newcomer_at + 3s; now += life_signs_by_pulses.pause_in_calm) is_full(false, newcomer_at);
+  int full = 0;
+  for (; now <= newcomer_at + 30s; now += life_signs_by_pulses.pause_in_calm)
+    if (is_full(false, newcomer_at) && now <= newcomer_at + 8s) ++full;
+  EXPECT_GE(full, 1);
+  EXPECT_LE(full, 2);
+}
+
+TEST_F(FullSignsTest, ANewcomerHearsOneAtOnceUnlessOneWasGivenJustBefore) {
+  is_full();
+  now += life_signs_by_pulses.pause;
+  EXPECT_FALSE(is_full(false, now)) << "the newcomer may have heard that one, or hears the next one";
+  now += life_signs_by_pulses.pause;
+  EXPECT_TRUE(is_full(false, now));
+  now += 10s;
+  EXPECT_TRUE(is_full(false, now));
 }
 
 TEST_F(FullSignsTest, ANodeThatIsForgottenBeginsAnew) {

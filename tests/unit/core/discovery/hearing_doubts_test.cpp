@@ -37,6 +37,43 @@ TEST_F(HearingDoubts, MayMissSomethingWhileSignsTellSomethingElseThanIsKnown) {
   EXPECT_FALSE(watch.may_miss_something());
 }
 
+/// Announcements of 64 nodes that begin at once overtake their signs of life by more than those of one.
+TEST_F(HearingDoubts, InACrowdCountOnceTheyHaveLasted) {
+  constexpr AnnouncerId others = 62;
+  for (AnnouncerId i = 0; i < others; ++i) comes({lan, 100 + i}, 1000 + i);
+  passes(2s);
+  passes(1s, all_said + 7);
+  EXPECT_FALSE(watch.may_miss_something());
+  passes(1s, all_said + 7);
+  EXPECT_TRUE(watch.may_miss_something());
+  known[its_peer] = all_said + 7;
+  look();
+  EXPECT_FALSE(watch.may_miss_something());
+  passes(500ms, all_said + 9);
+  EXPECT_FALSE(watch.may_miss_something()) << "the former doubt is over";
+}
+
+TEST_F(HearingDoubts, OfANewcomerInACrowdHaveToLastLonger) {
+  constexpr AnnouncerId others = 62;
+  for (AnnouncerId i = 0; i < others; ++i) comes({lan, 100 + i}, 1000 + i);
+  passes(3s, all_said + 7);
+  EXPECT_FALSE(watch.may_miss_something()) << "it is still told what all have announced";
+  passes(2s, all_said + 7);
+  EXPECT_TRUE(watch.may_miss_something());
+}
+
+TEST_F(HearingDoubts, AreLookedAtOftenUntilTheyCount) {
+  comes(other_peer, heard_node + 1);
+  passes(2s);
+  passes(500ms, all_said + 7);
+  EXPECT_FALSE(watch.may_miss_something());
+  const Time next = watch.next_look_in_doubt();
+  EXPECT_LE(next, now + 100ms);
+  now = next;
+  look();
+  EXPECT_TRUE(watch.may_miss_something());
+}
+
 TEST_F(HearingDoubts, LetsTheNextSignConfirmWhatCameAfterTheLastOne) {
   passes(2s);
   known[its_peer] = all_said + 7;

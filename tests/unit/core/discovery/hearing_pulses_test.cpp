@@ -154,6 +154,57 @@ TEST_F(HearingPulses, AskForFrequentSignsWhenAFullOneIsMissing) {
   EXPECT_FALSE(watch.may_miss_something());
 }
 
+TEST_F(HearingPulses, OfANodeThatNoFullSignHasNamedAskForFrequentOnesAfterAWhile) {
+  pulses_come_for(2s);
+  EXPECT_FALSE(watch.may_miss_something()) << "full signs for newcomers are yet to come";
+  pulses_come_for(1s);
+  EXPECT_TRUE(watch.may_miss_something());
+  full_sign_comes();
+  pulses_come_for(1s);
+  EXPECT_FALSE(watch.may_miss_something());
+}
+
+TEST_F(HearingPulses, ShowThatCycloneHasDiscardedTheFirstFullSigns) {
+  for (int lost = 0; lost < 4; ++lost, ++full_signs) {
+    pulses_come_for(932ms);
+    EXPECT_FALSE(deaf) << "so many may get lost";
+  }
+  pulses_come_for(1s);
+  EXPECT_EQ(deaf, Missing::signs_of_life);
+  full_sign_comes();
+  looks();
+  EXPECT_FALSE(deaf);
+}
+
+TEST_F(HearingPulses, ShowThatASignOfSomebodyElseHasMadeTheFirstFullSignsOld) {
+  constexpr NodeId made_up = 1;
+  watch.heard_life(its_peer, made_up, all_said, full_sign_lease, now);
+  for (int lost = 0; lost < 4; ++lost, ++full_signs) {
+    pulses_come_for(932ms);
+    EXPECT_FALSE(deaf) << "so many may get lost";
+  }
+  pulses_come_for(1s);
+  EXPECT_EQ(deaf, Missing::signs_of_life);
+}
+
+TEST_F(HearingPulses, OfASpeakerThatGivesNoFullSignsShowNothing) {
+  pulses_come_for(7s);
+  EXPECT_FALSE(deaf);
+}
+
+TEST_F(HearingPulses, ThatCameAfterTheEndOfTheirNodeAskForNothing) {
+  full_sign_comes();
+  pulses_come_for(1s);
+  watch.life_ended(lan, heard_node);
+  for (int i = 0; i < 5; ++i) {
+    pulse_comes();
+    for (const auto end = now + 3s; now < end; now += 466ms) {
+      looks();
+      EXPECT_FALSE(watch.may_miss_something());
+    }
+  }
+}
+
 TEST_F(HearingPulses, OfAFullSignThatIsStillOnItsWayAskForNothing) {
   full_sign_comes();
   pulses_come_for(1s);

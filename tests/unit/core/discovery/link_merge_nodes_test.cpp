@@ -50,6 +50,24 @@ TEST_F(LinkMergeTest, LosesASilentNodeAlsoIfNobodyTellsOfItsEnd) {
   EXPECT_THAT(told(), ElementsAre("node lost"));
 }
 
+/// It may be killed before it gives the next one.
+TEST_F(LinkMergeTest, LosesANodeAfterItsLeaseWhosePulsesCameBeforeItsFirstSign) {
+  merge.pulse_came(by_lan, std::nullopt, now);
+  merge.assertion_came(by_lan, {.node = node, .writers = {}}, now);
+  told();
+  passes(lease_default);
+  EXPECT_THAT(told(), IsEmpty());
+  passes(100ms);
+  EXPECT_THAT(told(), ElementsAre("node lost"));
+}
+
+TEST_F(LinkMergeTest, KnowsNoNodeByAPulseThatDoesNotCount) {
+  merge.pulse_came(by_lan, std::nullopt, now);
+  passes(10s);
+  EXPECT_EQ(signs_of_life(), 0U);
+  EXPECT_THAT(told(), IsEmpty());
+}
+
 TEST_F(LinkMergeTest, LosesANodeAgainThatHadComeBack) {
   passes(2s, {by_lan});
   passes(10s);

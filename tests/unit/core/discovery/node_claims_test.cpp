@@ -90,7 +90,7 @@ TEST_F(NodeClaimsTest, ASpeakerThatIsSilentForTooLongDoesNotKeepItsNodeAlive) {
 
 TEST_F(NodeClaimsTest, ANodeThatGivesPulsesIsLostAfterItsLease) {
   says_that_it_lives(by_lan);
-  claims.pulsed(77, by_lan);
+  speakers.pulse_came(by_lan, now);
   now += 1000ms;
   claims.end_silent(lease, now);
   EXPECT_THAT(lost(), IsEmpty());
@@ -98,9 +98,8 @@ TEST_F(NodeClaimsTest, ANodeThatGivesPulsesIsLostAfterItsLease) {
   claims.end_silent(lease, now);
   EXPECT_THAT(lost(), ElementsAre(77)) << "Cyclone's lease goes on";
   EXPECT_TRUE(says_that_it_lives(by_lan));
-  claims.pulsed(88, by_lan);
-  claims.pulsed(77, stranger);
-  EXPECT_THAT(lost(), IsEmpty()) << "pulses of nodes and by speakers that are not known change nothing";
+  speakers.pulse_came(stranger, now);
+  EXPECT_THAT(lost(), IsEmpty()) << "pulses by speakers that are not known change nothing";
 }
 
 TEST_F(NodeClaimsTest, MoreNodesThanThereIsRoomForAreNotTaken) {

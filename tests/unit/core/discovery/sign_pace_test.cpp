@@ -35,6 +35,16 @@ TEST_F(SignPaceTest, WhoeverIsAskedForFrequentSignsDoesNotAskTheNextOne) {
   EXPECT_TRUE(pace.is_calm(now + 3s));
 }
 
+TEST_F(SignPaceTest, FullSignsAreWantedWhileSomebodyAsksForFrequentOnesAndNotBecauseOfNews) {
+  pace.told_news(now);
+  EXPECT_FALSE(pace.are_wanted(now));
+  pace.others_want(now);
+  EXPECT_TRUE(pace.are_wanted(now + 2999ms));
+  EXPECT_FALSE(pace.are_wanted(now + 3s));
+  pace.want_after_doubt(now + 10s);
+  EXPECT_TRUE(pace.are_wanted(now + 10s));
+}
+
 /// Signs are given at the first tick after each pause.
 TEST_F(SignPaceTest, WhereASignWasLateOthersAreNotCalmForAsLongThoughThreeSignsInARowGetLost) {
   for (const LifeSigns& signs : {life_signs_to_all, life_signs_to_each}) {
