@@ -4,6 +4,7 @@
 
 #include "shm_transport/daemon/accepted_daemons.h"
 #include "shm_transport/daemon/process_daemon.h"
+#include "shm_transport/host/queue_places.h"
 #include "shm_transport/host/statistics.h"
 #include "shm_transport/ports/reader_port.h"
 #include "shm_transport/ports/writer_port.h"
@@ -12,7 +13,7 @@
 namespace sft::shm {
 
 static_assert(ShmOptions::samples_max == iox::MAX_CHUNKS_HELD_PER_SUBSCRIBER_SIMULTANEOUSLY &&
-              ShmOptions::samples_max == iox::MAX_SUBSCRIBER_QUEUE_CAPACITY);
+              ShmOptions::samples_max == QueuePlaces::depth_max);
 
 namespace {
 

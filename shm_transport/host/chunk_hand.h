@@ -23,6 +23,11 @@ inline std::atomic<std::uint32_t>& in_hand_count(const iox::popo::BasePortData& 
   return *reinterpret_cast<std::atomic<std::uint32_t>*>(const_cast<char*>(port.m_nodeName.c_str()) + offset);
 }
 
+/// Returns whether the owner of the port has a chunk in hand, or was killed while it had one.
+inline bool is_in_hand(const iox::popo::BasePortData& port) noexcept {
+  return in_hand_count(port).load(std::memory_order_acquire) % 2 != 0;
+}
+
 /// Marks the port for as long as this object exists. A port can have one such object at a time, so the caller
 /// holds the mutex of the port.
 class ChunkInHand {

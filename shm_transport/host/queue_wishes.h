@@ -14,6 +14,7 @@ struct QueueWishes {
   core::EndpointId reader = 0;  ///< the reader of the queue; 0: unknown
   bool late = false;            ///< the writer puts its retained samples into the queue before all others
   bool awaited = false;         ///< the writer waits for room in the queue, as long as it may
+  bool deepest = false;         ///< as many samples wait as the queue has places (queue_places.h)
 };
 
 /// Returns what stands behind the label of the port; empty if the reader is unknown.

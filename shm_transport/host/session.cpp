@@ -11,6 +11,7 @@
 #include "shm_transport/host/access.h"
 #include "shm_transport/host/iceoryx_runtime.h"
 #include "shm_transport/host/port_lock.h"
+#include "shm_transport/host/queue_places.h"
 
 namespace sft::shm {
 
@@ -154,7 +155,7 @@ Result<SubscriberPortData*> Session::create_subscriber(core::EndpointId writer, 
                                                        Clock::time_point deadline,
                                                        const QueueWishes& wishes) {
   iox::popo::SubscriberOptions options;
-  options.queueCapacity = std::max(depth, 1U);
+  options.queueCapacity = QueuePlaces::capacity_for(depth);
   options.historyRequest = 0;
   options.subscribeOnCreate = depth != 0;
   options.queueFullPolicy = iox::popo::QueueFullPolicy::DISCARD_OLDEST_DATA;

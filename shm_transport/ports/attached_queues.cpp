@@ -24,8 +24,12 @@ AttachedQueues::Listener AttachedQueues::listener_at(const Queue& queue, const S
   const auto* port = session.port_of(queue);
   if (port == nullptr) return {queue.m_uniqueId};
   const QueueWishes wishes = parse_wishes({port->m_nodeName.c_str(), port->m_nodeName.size()});
-  return {queue.m_uniqueId, wishes.late ? wishes.reader : 0, wishes.awaited ? wishes.reader : 0, port,
-          wishes.reader};
+  return {queue.m_uniqueId,
+          wishes.late ? wishes.reader : 0,
+          wishes.awaited ? wishes.reader : 0,
+          port,
+          wishes.reader,
+          wishes.deepest};
 }
 
 void AttachedQueues::serve(Listener& listener) const {
@@ -49,9 +53,19 @@ const AttachedQueues::Listener* AttachedQueues::without_room() const {
   return found == listeners_.end() ? nullptr : &*found;
 }
 
-bool AttachedQueues::has_room(const Listener& listener) {
-  auto& queue = const_cast<iox::popo::SubscriberPortData*>(listener.port)->m_chunkReceiverData.m_queue;
-  return queue.size() < queue.capacity();
+bool AttachedQueues::has_room(const Listener& listener) { return places_of(listener).has_room(); }
+
+void AttachedQueues::make_room() {
+  for (Listener& listener : listeners_) make_room(listener);
+}
+
+void AttachedQueues::make_room(Listener& listener) {
+  if (listener.free_places == 0) listener.free_places = places_of(listener).make_room();
+  --listener.free_places;
+}
+
+QueuePlaces AttachedQueues::places_of(const Listener& listener) {
+  return QueuePlaces(const_cast<iox::popo::SubscriberPortData&>(*listener.port), listener.is_deepest);
 }
 
 bool AttachedQueues::is_unchanged(const Queues& queues) const {
@@ -77,9 +91,10 @@ void AttachedQueues::owe_nothing(std::set<core::EndpointId> readers) {
   owed_nothing_ = std::move(readers);
 }
 
-void AttachedQueues::deliver(Port& port, const Listener& listener, iox::mepoo::SharedChunk chunk) const {
+void AttachedQueues::deliver(Port& port, const Listener& listener, iox::mepoo::SharedChunk chunk) {
   const auto index =
       static_cast<std::uint32_t>(&listener - listeners_.data());  // where it is looked for first
+  make_room(listeners_[index]);
   iox::popo::ChunkDistributor<iox::popo::PublisherPortData::ChunkDistributorData_t> distributor(&port);
   std::ignore = distributor.deliverToQueue(listener.queue, index, std::move(chunk));
 }

@@ -28,6 +28,7 @@
 
 #include "core/seam/transport.h"
 #include "shm_transport/host/iceoryx.h"
+#include "shm_transport/host/queue_places.h"
 
 namespace sft::shm {
 
@@ -44,8 +45,10 @@ class AttachedQueues {
     core::EndpointId awaited = 0;   ///< the reader that asks the writer to wait for room; 0: none does
     const iox::popo::SubscriberPortData* port = nullptr;  ///< the port that has the queue
     core::EndpointId reader = 0;                          ///< whose queue it is; 0: unknown
-    bool is_served = false;                               ///< the writer serves the reader here
-    std::shared_ptr<const core::Gate> gate{};             ///< the reader's, if that has conditions
+    bool is_deepest = false;                              ///< the queue has no place to spare
+    std::uint64_t free_places = 0;             ///< chunks that can be pushed before room has to be made
+    bool is_served = false;                    ///< the writer serves the reader here
+    std::shared_ptr<const core::Gate> gate{};  ///< the reader's, if that has conditions
 
     /// The present sample is to be put into the queue.
     bool wants_sample() const { return is_served && waits_as == 0 && (gate == nullptr || gate->passes()); }
@@ -79,14 +82,19 @@ class AttachedQueues {
   const Listener* without_room() const;
   static bool has_room(const Listener& listener);
 
-  /// Puts the chunk into the queue of this listener, which is one of listeners(), unless the queue is gone.
-  void deliver(Port& port, const Listener& listener, iox::mepoo::SharedChunk chunk) const;
+  /// Makes room for one more chunk in each queue (queue_places.h). All listeners are served.
+  void make_room();
+  /// Makes room in the queue of this listener, and puts the chunk into the queue of this listener, which is
+  /// one of listeners(), unless the queue is gone.
+  void deliver(Port& port, const Listener& listener, iox::mepoo::SharedChunk chunk);
   /// Counts a sample that is held back from the late readers that wait.
   void hold_back() { ++held_back_; }
   std::uint64_t held_back() const { return held_back_; }
 
  private:
   static Listener listener_at(const Queue& queue, const Session& session);
+  static QueuePlaces places_of(const Listener& listener);
+  static void make_room(Listener& listener);
   void serve(Listener& listener) const;
   bool is_unchanged(const Queues& queues) const;
   void count();

@@ -22,11 +22,10 @@ class LossAccount {
   /// Returns true if the next sample is the first one of all that the writer has sent to this reader.
   bool nothing_came_before() const noexcept { return last_sequence_ == 0 && !overflowed_; }
 
-  /// A sample was taken. `popped`: so many chunks were taken out of the queue so far. `capacity()` tells how
-  /// many the queue has room for. Returns how many samples turned out to be lost in the queue before this
-  /// one.
-  template <class Capacity>
-  std::uint64_t enter(std::uint64_t sequence, std::uint64_t popped, Capacity capacity) noexcept {
+  /// A sample was taken. `popped`: so many chunks were taken out of the queue so far. `depth()` tells how
+  /// many can wait in the queue. Returns how many samples turned out to be lost in the queue before this one.
+  template <class Depth>
+  std::uint64_t enter(std::uint64_t sequence, std::uint64_t popped, Depth depth) noexcept {
     const bool overflowed = std::exchange(overflowed_, false);
     std::uint64_t lost = 0;
     if (last_sequence_ == 0) {
@@ -34,7 +33,7 @@ class LossAccount {
       lost = 1;  // the first sequence number is not known, so neither is the gap
     } else if (sequence > last_sequence_ + 1) {
       unexplained_gap_ += sequence - last_sequence_ - 1;
-      explicable_ = popped + capacity() + 2;
+      explicable_ = popped + depth() + 2;
     }
     lost += unexplained_gap_;
     if (overflowed || popped >= explicable_) unexplained_gap_ = 0;

@@ -31,6 +31,7 @@ ChunkBorrower::ChunkBorrower(std::shared_ptr<Session> session, iox::popo::Subscr
       statistics_(std::move(statistics)),
       retained_first_(wishes.late),
       is_awaited_(wishes.awaited),
+      is_deepest_(wishes.deepest),
       queue_(port, held_limit, type.full()) {}
 
 /// All samples are back when this runs. The session gives the port back as soon as no writer delivers to it
@@ -95,7 +96,7 @@ bool ChunkBorrower::check(ChunkSlot& slot, std::uint64_t popped) noexcept {
   buffer.capacity = sample->bytes;
   buffer.origin() = sample->origin;
   buffer.oldest_retained = retained_first_ && losses_.nothing_came_before() ? buffer.sequence : 0;
-  const std::uint64_t lost = losses_.enter(buffer.sequence, popped, [this] { return queue_.capacity(); });
+  const std::uint64_t lost = losses_.enter(buffer.sequence, popped, [this] { return depth(); });
   if (lost != 0) discarded_.fetch_add(lost, std::memory_order_relaxed);
   return true;
 }
@@ -194,8 +195,10 @@ ShmReaderPort::Writers ShmReaderPort::forget_drained() noexcept {
 
 Result<void> ShmReaderPort::connect(const core::Source& source) {
   if (find(source.writer) != nullptr) return {};
-  const QueueWishes wishes{
-      .reader = spec_.id, .late = source.history_first, .awaited = source.reliable && source.waits};
+  const QueueWishes wishes{.reader = spec_.id,
+                           .late = source.history_first,
+                           .awaited = source.reliable && source.waits,
+                           .deepest = depth() == QueuePlaces::depth_max};
   auto port =
       session_->create_subscriber(source.writer, depth(), Clock::now() + options_.port_deadline, wishes);
   if (!port) return tl::unexpected(port.error());

@@ -16,6 +16,7 @@
 #include "core/seam/transport.h"
 #include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
+#include "shm_transport/host/queue_places.h"
 #include "shm_transport/host/sample_check.h"
 #include "shm_transport/host/session.h"
 #include "shm_transport/host/shm_options.h"
@@ -75,6 +76,7 @@ class ChunkBorrower final : public core::BufferOwner,
                 std::uint32_t held_limit, const QueueWishes& wishes);
   void count_held_too_many() noexcept;
   bool check(ChunkSlot& slot, std::uint64_t popped) noexcept;
+  std::uint64_t depth() const noexcept { return QueuePlaces(queue_.port(), is_deepest_).depth(); }
 
   const std::shared_ptr<Session> session_;
   const core::EndpointId writer_;
@@ -82,6 +84,7 @@ class ChunkBorrower final : public core::BufferOwner,
   const std::shared_ptr<Statistics> statistics_;
   const bool retained_first_;
   const bool is_awaited_;  ///< the writer waits for room in the queue
+  const bool is_deepest_;  ///< the queue has no place to spare
   std::atomic<bool> owes_wake_{false};
   std::atomic<std::uint64_t> discarded_{0};
   std::atomic<std::uint64_t> held_too_many_{0};

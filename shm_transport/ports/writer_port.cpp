@@ -148,6 +148,7 @@ void ChunkLender::deliver(ChunkSlot& slot) noexcept {
     // The chunk goes back into iceoryx's own list of loans, because only a chunk in this list can be sent.
     port.m_chunksInUse.insert(slot.name.cloneToSharedChunk());
     before_chunk_leaves();
+    attached_.make_room();
     port_.sendChunk(slot.chunk);
     return;
   }

@@ -16,6 +16,7 @@
 #include "tests/support/pace.h"
 #include "tests/support/shm_frame.h"
 #include "tests/transports/shm/shm_fixture.h"
+#include "tests/transports/shm/stepped_peer.h"
 
 namespace {
 
@@ -86,6 +87,30 @@ void subscribe(Node& node, sft::core::EndpointId id, std::uint32_t) {
 void subscribe_paced(Node& node, sft::core::EndpointId id, std::uint32_t) {
   Taker taker(node, id);
   for (sft::test::Pace pace(pause);; pace.await_turn()) taker.take();
+}
+
+/// Takes one sample after the other whenever the parent lets it, and gives it back.
+void take_by_steps(Node& node, sft::core::EndpointId id, std::uint32_t depth) {
+  Reader reader(node, depth);
+  if (!reader.connects_to(id)) say("cannot connect");
+  sft::test::let_parent_step();
+  say("subscribed");
+  for (sft::test::mark();; sft::test::mark()) {
+    sft::test::mark();
+    reader.take();
+  }
+}
+
+/// Sends one sample after the other whenever the parent lets it.
+void send_by_steps(Node& node, sft::core::EndpointId id, std::uint32_t data) {
+  Writer writer(node, id);
+  sft::test::let_parent_step();
+  say("publishing");
+  for (sft::test::mark();; sft::test::mark()) {
+    const SampleHandle sample = writer.loan(data);
+    sft::test::mark();
+    writer.send(sample, data);
+  }
 }
 
 long minor_faults() {
@@ -183,6 +208,8 @@ int main(int argc, char** argv) {
       {"hoard", hoard},
       {"subscribe", subscribe},
       {"subscribe-paced", subscribe_paced},
+      {"take-by-steps", take_by_steps},
+      {"send-by-steps", send_by_steps},
       {"count-faults", count_faults},
       {"try-to-write", try_to_write},
       {"offer", offer},

@@ -10,6 +10,9 @@
 #include <memory>
 #include <vector>
 
+#include "shm_transport/host/chunk_hand.h"
+#include "shm_transport/host/queue_places.h"
+
 namespace sft::shm {
 namespace {
 
@@ -174,6 +177,41 @@ TEST_F(ChunkQueueTest, AnOverflowBeforeTheSessionWasLostIsToldWithTheFirstChunkT
   queue_->lose(SessionMember::Loss::now);
   EXPECT_TRUE(queue_->take().overflowed);
   EXPECT_FALSE(queue_->take().overflowed);
+}
+
+TEST_F(ChunkQueueTest, AWriterGivesBackTheOldestChunkBeforeItTakesTheLastPlace) {
+  QueuePlaces places(*port_, false);
+  places.make_room();
+  EXPECT_EQ(places.depth(), queue_capacity - 1);
+  arrive(1);
+  EXPECT_FALSE(places.has_room());
+  places.make_room();
+  EXPECT_TRUE(places.has_room());
+  EXPECT_EQ(in_use(), 0U);
+  arrive(1);
+  EXPECT_TRUE(queue_->take().overflowed);
+}
+
+TEST_F(ChunkQueueTest, ToMakeRoomWhereThereIsSomeIsNoOverflow) {
+  QueuePlaces(*port_, false).make_room();
+  arrive(1);
+  EXPECT_FALSE(queue_->take().overflowed);
+}
+
+TEST_F(ChunkQueueTest, TheLastPlaceOfADeepestQueueIsUsedUnlessItsReaderHasAChunkInHand) {
+  QueuePlaces places(*port_, true);
+  EXPECT_EQ(places.depth(), queue_capacity);
+  arrive(1);
+  EXPECT_TRUE(places.has_room());
+  {
+    const ChunkInHand hand(*port_);
+    EXPECT_FALSE(places.has_room()) << "the place may be that of the chunk";
+  }
+  EXPECT_TRUE(places.has_room());
+  arrive(1);
+  EXPECT_FALSE(places.has_room());
+  places.make_room();
+  EXPECT_EQ(in_use(), 1U);
 }
 
 /// Nobody could give so much memory as these capacities claim to need.

@@ -1,0 +1,72 @@
+// The places of a queue between a writer and a reader.
+//
+// A queue of iceoryx hands out its places by number. A reader that takes a chunk has the number of its place
+// in hand for some instructions. If it stands still there, or is killed, the queue has one place less. A push
+// into a full queue is then never done: it waits for a free place, or until all places have a chunk, and
+// neither comes. So a queue has one place more than samples may wait in it, and a writer makes room itself
+// before it pushes into a queue in which so many wait. At most one place is in the hand of the reader, which
+// takes one chunk at a time, and none in that of another writer, because each queue has one writer.
+//
+// The deepest queue has no place to spare: iceoryx has no larger one. The last place is used in it only while
+// the reader has no chunk in hand (chunk_hand.h).
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "shm_transport/host/chunk_hand.h"
+#include "shm_transport/host/iceoryx.h"
+#include "shm_transport/host/queue_room.h"
+
+namespace sft::shm {
+
+class QueuePlaces {
+ public:
+  using Queue = iox::popo::SubscriberPortData::ChunkQueueData_t;
+
+  /// The most samples that can wait in a queue. A queue in which so many can wait is a deepest one.
+  static constexpr std::uint32_t depth_max = iox::MAX_SUBSCRIBER_QUEUE_CAPACITY;
+  /// Returns the capacity of a queue in which so many samples can wait.
+  static constexpr std::uint64_t capacity_for(std::uint32_t depth) noexcept {
+    return std::clamp(depth, 1U, depth_max - 1) + 1;
+  }
+
+  /// `port` has the queue, and outlives this object. `is_deepest`: its reader says so (QueueWishes).
+  QueuePlaces(iox::popo::SubscriberPortData& port, bool is_deepest) noexcept
+      : port_(port), queue_(port.m_chunkReceiverData), is_deepest_(is_deepest) {}
+
+  /// Returns how many samples can wait. Other programs can write the number that iceoryx keeps.
+  std::uint64_t depth() const noexcept {
+    const std::uint64_t capacity = queue_.m_queue.capacity();
+    return is_deepest_ || capacity < 2 ? capacity : capacity - 1;
+  }
+
+  /// The writer asks whether another sample can wait without one being lost.
+  bool has_room() const noexcept {
+    const std::uint64_t waiting = queue_.m_queue.size();
+    if (waiting + 1 < queue_.m_queue.capacity()) return true;
+    if (!is_deepest_ || waiting >= depth()) return false;
+    full_fence();  // who had nothing in hand after `waiting` was counted has left a place free
+    return !is_in_hand(port_);
+  }
+
+  /// The writer calls it before it pushes. Gives back the oldest chunk if the queue has no room; the reader
+  /// sees then that its queue has overflowed. Returns how many chunks can be pushed before the next call, at
+  /// least one: the reader only takes chunks, so what is free now stays so. To look at each push would have
+  /// the words of the queue cross from the reader's processor once more.
+  std::uint64_t make_room() noexcept {
+    const std::uint64_t waiting = queue_.m_queue.size();
+    const std::uint64_t places = std::min<std::uint64_t>(queue_.m_queue.capacity(), depth_max);
+    if (waiting + 1 < places) return places - 1 - waiting;
+    if (!has_room() && iox::popo::ChunkQueuePopper<Queue>(&queue_).tryPop())
+      iox::popo::ChunkQueuePusher<Queue>(&queue_).lostAChunk();
+    return 1;
+  }
+
+ private:
+  const iox::popo::SubscriberPortData& port_;
+  Queue& queue_;
+  bool is_deepest_;
+};
+
+}  // namespace sft::shm

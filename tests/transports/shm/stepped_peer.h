@@ -1,0 +1,49 @@
+// A peer whose main thread goes on only as far as the test wants, instruction by instruction. Its other
+// threads run on. A peer that stands still between two instructions has left the shared memory as it would if
+// it had been killed there.
+#pragma once
+
+#include <signal.h>
+#include <sys/ptrace.h>
+#include <sys/wait.h>
+
+#include "tests/transports/shm/shm_fixture.h"
+
+namespace sft::test {
+
+/// The peer calls it once, before its first mark.
+inline void let_parent_step() { ptrace(PTRACE_TRACEME, 0, nullptr, nullptr); }
+/// The peer calls it at the beginning and at the end of what is to be stepped through.
+inline void mark() { raise(SIGTRAP); }
+
+/// Only the thread that has started the process may call these functions.
+class SteppedPeer {
+ public:
+  explicit SteppedPeer(const Process& process) : pid_(process.pid()) {}
+
+  /// Waits until the peer has come to its first mark. Returns false if it has ended.
+  [[nodiscard]] bool comes_to_mark() const { return stands_still() && is_at_mark(); }
+  /// Lets the peer run until its next mark. Returns false if it has ended.
+  [[nodiscard]] bool goes_to_mark() const { return resume(PTRACE_CONT) && is_at_mark(); }
+  /// Lets the peer execute one instruction. Returns false if that has brought it to its next mark.
+  [[nodiscard]] bool steps() const { return resume(PTRACE_SINGLESTEP) && !is_at_mark(); }
+
+ private:
+  bool resume(__ptrace_request how) const {
+    if (ptrace(how, pid_, nullptr, nullptr) != 0) return false;
+    return stands_still();
+  }
+  bool stands_still() const {
+    int status = 0;
+    return waitpid(pid_, &status, 0) == pid_ && WIFSTOPPED(status);
+  }
+  /// A step ends with the same signal as a mark, but that was not sent by a thread.
+  bool is_at_mark() const {
+    siginfo_t signal{};
+    return ptrace(PTRACE_GETSIGINFO, pid_, nullptr, &signal) == 0 && signal.si_code == SI_TKILL;
+  }
+
+  pid_t pid_;
+};
+
+}  // namespace sft::test
