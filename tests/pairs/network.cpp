@@ -96,6 +96,7 @@ void Network::receive(std::size_t from) {
   for (;;) {
     const ssize_t bytes = read(ports_[from].tap, frame.data(), frame_bytes_max);
     if (bytes <= 0) return;
+    ++frames_;
     judge(from, Frame(frame.begin(), frame.begin() + bytes));
   }
 }

@@ -37,6 +37,8 @@ class Network {
   /// A cable that is not plugged carries nothing, and both ends of it know.
   void set_plugged(std::size_t port, bool plugged);
   void set_faults(const Faults& faults);
+  /// Returns how many frames the hosts have sent so far.
+  std::uint64_t frames() const { return frames_; }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -65,6 +67,7 @@ class Network {
   Faults faults_;
   std::mt19937_64 random_;
   std::multimap<Clock::time_point, Passing> delayed_;
+  std::atomic<std::uint64_t> frames_{0};
   std::atomic<bool> ended_{false};
   std::thread thread_;
 };

@@ -1,0 +1,136 @@
+// Rows "Join", "Leave" and "Leases" with many nodes at once, each on a host of its own.
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "tests/pairs/fixture.h"
+#include "tests/support/text_of.h"
+
+namespace sft::test {
+namespace {
+
+/// Returns how often the threads of a process have slept so far.
+std::uint64_t wakes_of(pid_t process) {
+  std::uint64_t wakes = 0;
+  const std::string threads = "/proc/" + std::to_string(process) + "/task";
+  for (const auto& thread : std::filesystem::directory_iterator(threads)) {
+    static constexpr std::string_view label = "\nvoluntary_ctxt_switches:";
+    const std::string status = text_of(thread.path() / "status");
+    if (const auto at = status.find(label); at != std::string::npos)
+      wakes += std::strtoull(status.c_str() + at + label.size(), nullptr, 10);
+  }
+  return wakes;
+}
+
+class Crowd : public NegotiationTest {
+ protected:
+  static constexpr std::size_t size = 12;
+  static constexpr std::chrono::milliseconds patience = 60s;
+
+  void SetUp() override {
+    NegotiationTest::SetUp();
+    if (IsSkipped()) return;
+    publisher_ = std::make_unique<Peer>(here(), "publisher");
+    publisher_->advertise();
+    for (std::size_t i = 0; i < size; ++i) hosts_.push_back(std::make_unique<Host>(network()));
+    readers_.resize(size);
+  }
+
+  Peer& publisher() { return *publisher_; }
+  Peer& reader(std::size_t i) { return *readers_[i]; }
+
+  /// All at once: no reader waits for another.
+  void start(std::size_t from, std::size_t to) {
+    static constexpr std::array masks{"data", "height, width", "*"};
+    for (std::size_t i = from; i < to; ++i)
+      readers_[i] = std::make_unique<Peer>(*hosts_[i], "reader " + std::to_string(++started_));
+    for (std::size_t i = from; i < to; ++i) reader(i).subscribe(masks[i % masks.size()]);
+  }
+  testing::AssertionResult are_served() {
+    for (const auto& reader : readers_) {
+      if (!comes_true([&] { return is_served(publisher(), *reader); }, patience))
+        return testing::AssertionFailure() << reader->name() << ": " << reader_of(publisher(), *reader);
+    }
+    return testing::AssertionSuccess();
+  }
+  void expect_all_accounted() {
+    for (const auto& reader : readers_) {
+      EXPECT_TRUE(agree(publisher(), *reader));
+      EXPECT_TRUE(accounts_for_all(publisher(), *reader));
+    }
+  }
+  std::size_t served() {
+    const json readers = publisher().status()["publisher"]["readers"];
+    return static_cast<std::size_t>(
+        std::ranges::count_if(readers, [](const json& reader) { return reader["served"].get<bool>(); }));
+  }
+  /// Waits for a second in which the network carries no more frames than that, and no more of them wake a
+  /// thread of the publisher's process.
+  testing::AssertionResult has_a_quiet_second(std::uint64_t frames_most, std::uint64_t wakes_most) {
+    auto begin = std::chrono::steady_clock::now();
+    std::uint64_t frames = network().frames(), wakes = wakes_of(publisher().pid());
+    std::uint64_t new_frames = 0, new_wakes = 0;
+    const auto is_quiet = [&] {
+      const auto now = std::chrono::steady_clock::now();
+      if (now < begin + 1s) return false;
+      begin = now;
+      new_frames = network().frames() - frames;
+      new_wakes = wakes_of(publisher().pid()) - wakes;
+      frames += new_frames;
+      wakes += new_wakes;
+      return new_frames <= frames_most && new_wakes <= wakes_most;
+    };
+    const bool quiet = comes_true(is_quiet, patience);
+    return (quiet ? testing::AssertionSuccess() : testing::AssertionFailure())
+           << new_frames << " frames and " << new_wakes << " wakes in the last second";
+  }
+
+ private:
+  std::unique_ptr<Peer> publisher_;
+  std::vector<std::unique_ptr<Host>> hosts_;
+  std::vector<std::unique_ptr<Peer>> readers_;
+  std::size_t started_ = 0;
+};
+
+TEST_F(Crowd, ThatJoinsAtOnceOverABadNetworkIsServedAndMissesNothingUnnoticed) {
+  SCOPED_TRACE(how_to_repeat());
+  network().set_faults({.lost = 0.1, .repeated = 0.05, .delayed = 0.1});
+  publisher().start_publishing(5ms);
+  start(0, size);
+  EXPECT_TRUE(are_served());
+  network().set_faults({});
+  publisher().stop_publishing();
+  expect_all_accounted();
+}
+
+TEST_F(Crowd, OfWhichAThirdIsKilledAgainAndAgainWhileOthersComeCostsTheRestNothing) {
+  start(0, size);
+  ASSERT_TRUE(are_served());
+  publisher().start_publishing(5ms);
+  constexpr std::size_t survivors = size - size / 3;
+  for (int round = 0; round < 3; ++round) {
+    for (std::size_t i = survivors; i < size; ++i) reader(i).kill_now();
+    start(survivors, size);
+    ASSERT_TRUE(are_served());
+  }
+  publisher().stop_publishing();
+  expect_all_accounted();
+  for (std::size_t i = 0; i < survivors; ++i)
+    EXPECT_EQ(writer_of(publisher(), reader(i))["lost"], 0) << reader(i).name();
+  EXPECT_TRUE(comes_true([&] { return served() == size; }, patience)) << "the killed ones are still served";
+}
+
+/// Each node gives one sign of life a second. The signs of the others wake no thread of a node.
+TEST_F(Crowd, ThatIsAsleepSaysLittleAndWakesNobody) {
+  start(0, size);
+  ASSERT_TRUE(are_served());
+  constexpr std::size_t nodes = size + 1;
+  EXPECT_TRUE(has_a_quiet_second(nodes * 3 / 2, nodes / 2));
+}
+
+}  // namespace
+}  // namespace sft::test
