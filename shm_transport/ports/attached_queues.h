@@ -84,8 +84,8 @@ class AttachedQueues {
 
   /// Makes room for one more chunk in each queue (queue_places.h). All listeners are served.
   void make_room();
-  /// Makes room in the queue of this listener, which is one of listeners(), and puts the chunk into it, unless
-  /// the queue is gone.
+  /// Makes room in the queue of this listener, which is one of listeners(), and puts the chunk into it,
+  /// unless the queue is gone.
   void deliver(Port& port, const Listener& listener, iox::mepoo::SharedChunk chunk);
   /// Counts a sample that is held back from the late readers that wait.
   void hold_back() { ++held_back_; }
