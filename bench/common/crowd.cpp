@@ -4,24 +4,20 @@
 
 #include <algorithm>
 #include <csignal>
-#include <fstream>
 #include <numeric>
-#include <sstream>
 #include <string>
 #include <utility>
 
 #include "bench/common/process.h"
+#include "core/platform/text_of.h"
 #include "tools/hosts/interface_counters.h"
 
 namespace sft::bench {
 
 namespace {
 
-/// Throws nothing if the process ends meanwhile, as an iterator over the buffer would.
 std::string text_of(pid_t process, const char* file) {
-  std::ostringstream text;
-  text << std::ifstream(fmt::format("/proc/{}/{}", process, file)).rdbuf();
-  return std::move(text).str();
+  return core::text_of(fmt::format("/proc/{}/{}", process, file));
 }
 
 /// The bytes that a line of one of the files of /proc has in kB.

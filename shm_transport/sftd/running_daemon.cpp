@@ -6,23 +6,15 @@
 #include <unistd.h>
 
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <system_error>
-#include <utility>
+
+#include "core/platform/text_of.h"
 
 namespace sft::shm {
 
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Throws nothing if the process that the file tells of ends meanwhile, as an iterator over the buffer would.
-std::string text_of(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return std::move(text).str();
-}
 
 bool is_file(const fs::path& open_file, const char* path) {
   struct stat opened {};
@@ -38,7 +30,7 @@ bool has_locked(pid_t pid, const char* path) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(process / "fd", error)) {
     if (is_file(entry.path(), path) &&
-        text_of(process / "fdinfo" / entry.path().filename()).find("OFDLCK") != std::string::npos)
+        core::text_of(process / "fdinfo" / entry.path().filename()).find("OFDLCK") != std::string::npos)
       return true;
   }
   return false;
@@ -81,7 +73,7 @@ Result<Descriptor> RunningDaemon::process() const {
 }
 
 bool RunningDaemon::is_stopped() const {
-  const std::string stat = text_of("/proc/" + std::to_string(pid()) + "/stat");
+  const std::string stat = core::text_of("/proc/" + std::to_string(pid()) + "/stat");
   const auto behind_name = stat.rfind(") ");
   if (behind_name == std::string::npos || behind_name + 2 >= stat.size()) return false;
   const char state = stat[behind_name + 2];

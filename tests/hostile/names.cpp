@@ -1,4 +1,5 @@
 #include "tests/hostile/names.h"
+#include "core/platform/text_of.h"
 
 #include <grp.h>
 #include <unistd.h>
@@ -6,12 +7,10 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "tests/support/text_of.h"
-
 namespace sft::hostile {
 
 namespace fs = std::filesystem;
-using test::text_of;
+using core::text_of;
 
 namespace {
 

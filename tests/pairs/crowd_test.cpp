@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/platform/text_of.h"
 #include "tests/pairs/fixture.h"
-#include "tests/support/text_of.h"
 
 namespace sft::test {
 namespace {
@@ -19,7 +19,7 @@ std::uint64_t wakes_of(pid_t process) {
   const std::string threads = "/proc/" + std::to_string(process) + "/task";
   for (const auto& thread : std::filesystem::directory_iterator(threads)) {
     static constexpr std::string_view label = "\nvoluntary_ctxt_switches:";
-    const std::string status = text_of(thread.path() / "status");
+    const std::string status = core::text_of(thread.path() / "status");
     if (const auto at = status.find(label); at != std::string::npos)
       wakes += std::strtoull(status.c_str() + at + label.size(), nullptr, 10);
   }

@@ -12,9 +12,9 @@
 #include <fstream>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
+#include "core/platform/text_of.h"
 #include "tests/support/eventually.h"
 #include "tests/support/isolated_host.h"
-#include "tests/support/text_of.h"
 
 namespace sft::test {
 namespace {
@@ -32,7 +32,8 @@ bool other_users_exist() {
   unsigned outside = 0;
   unsigned long count = 0;
   return geteuid() == 0 &&
-         std::sscanf(text_of("/proc/self/uid_map").c_str(), "%u %u %lu", &first, &outside, &count) == 3 &&
+         std::sscanf(core::text_of("/proc/self/uid_map").c_str(), "%u %u %lu", &first, &outside, &count) ==
+             3 &&
          count > reader;
 }
 
@@ -67,7 +68,7 @@ class Child {
 };
 
 pid_t start_sftd() {
-  std::ofstream("/tmp/group") << text_of("/etc/group") << "sft_writers:x:" << writers_group << ":root\n"
+  std::ofstream("/tmp/group") << core::text_of("/etc/group") << "sft_writers:x:" << writers_group << ":root\n"
                               << "sft_readers:x:" << readers_group << ":\n";
   EXPECT_EQ(mount("/tmp/group", "/etc/group", nullptr, MS_BIND, nullptr), 0);
   std::ofstream("/tmp/sftd.toml") << "[access]\nwriters = 'sft_writers'\nreaders = 'sft_readers'\n";

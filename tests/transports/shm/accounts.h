@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/support/text_of.h"
+#include "core/platform/text_of.h"
 #include "tests/transports/shm/shm_fixture.h"
 
 namespace sft::test {
@@ -57,7 +57,8 @@ inline bool other_users_exist() {
   unsigned first = 0;
   unsigned outside = 0;
   unsigned long count = 0;
-  return std::sscanf(text_of("/proc/self/uid_map").c_str(), "%u %u %lu", &first, &outside, &count) == 3 &&
+  return std::sscanf(core::text_of("/proc/self/uid_map").c_str(), "%u %u %lu", &first, &outside, &count) ==
+             3 &&
          count > a_stranger.user;
 }
 
@@ -68,7 +69,8 @@ class AccountsTest : public ShmTest {
     ShmTest::SetUp();
     if (IsSkipped()) return;
     if (!other_users_exist()) GTEST_SKIP() << "needs root, to start processes of other users";
-    std::ofstream("/tmp/group") << text_of("/etc/group") << "sft_writers:x:" << writers_group << ":root\n"
+    std::ofstream("/tmp/group") << core::text_of("/etc/group") << "sft_writers:x:" << writers_group
+                                << ":root\n"
                                 << "sft_readers:x:" << readers_group << ":\n";
     ASSERT_EQ(mount("/tmp/group", "/etc/group", nullptr, MS_BIND, nullptr), 0);
     std::ofstream("/tmp/sftd.toml") << "total_mib = 16\nlog_level = 'error'\n"

@@ -77,7 +77,7 @@ class OtherAccounts : public AccountsTest {
   std::string reason_for(const Identity& user) const { return start(user, {"knock"}).line(); }
 };
 
-bool maps_a_segment() { return contains(text_of("/proc/self/maps"), "/dev/shm/"); }
+bool maps_a_segment() { return contains(core::text_of("/proc/self/maps"), "/dev/shm/"); }
 
 TEST_F(OtherAccounts, PutAFifoInThePlaceOfTheHostFileAndNobodyHangs) {
   shell(nobody, std::string("mkfifo -m 666 ") + shm::host_file_path);

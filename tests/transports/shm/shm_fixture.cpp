@@ -1,4 +1,5 @@
 #include "tests/transports/shm/shm_fixture.h"
+#include "core/platform/text_of.h"
 
 #include <fcntl.h>
 #include <grp.h>
@@ -14,7 +15,6 @@
 #include <stdexcept>
 
 #include "shm_transport/host/host_file.h"
-#include "tests/support/text_of.h"
 
 namespace sft::test {
 
@@ -138,7 +138,7 @@ bool is_alive(pid_t pid) { return pid > 0 && ::kill(pid, 0) == 0; }
 bool is_stopped(pid_t pid) {
   const std::filesystem::path threads = "/proc/" + std::to_string(pid) + "/task";
   for (const auto& thread : std::filesystem::directory_iterator(threads)) {
-    const std::string text = test::text_of(thread.path() / "stat");
+    const std::string text = core::text_of(thread.path() / "stat");
     const auto behind_name = text.rfind(") ");  // the state follows the name, which may have any characters
     if (behind_name == std::string::npos || text[behind_name + 2] != 'T') return false;
   }

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-namespace sft::test {
+namespace sft::core {
 
 /// Returns as much of the file as could be read: nothing if the file is not there. Where a process ends
 /// meanwhile, an iterator over the buffer of the stream would throw.
@@ -17,4 +17,4 @@ inline std::string text_of(const std::filesystem::path& file) {
   return std::move(text).str();
 }
 
-}  // namespace sft::test
+}  // namespace sft::core
