@@ -60,6 +60,9 @@ class Discovery {
   /// When the latest newcomer among other processes was heard first; Time{} if there was none. What it
   /// announces may be yet to come. Any thread.
   virtual Time newcomer_at() const = 0;
+  /// When another process last began to hear what we say on one more topic, or we what it says; Time{} if
+  /// none did. What was told in a sign of life before that may not have reached it. Any thread.
+  virtual Time met_at() const = 0;
   /// To be called often: takes interfaces into use and out of use, and lets nodes that have not heard of us,
   /// or have lost us, find us. Cyclone does that by itself every now and then. Returns when this node has to
   /// call it again at the latest; Time::max() if it need not hurry.

@@ -88,9 +88,9 @@ bool DiscoveryEar::pulse_came(const Speaker& speaker, const Pulse& pulse, Time s
   return counts;
 }
 
-void DiscoveryEar::link_expected(LinkId link) {
+void DiscoveryEar::link_expected(LinkId link, bool hears_full_signs) {
   const Lock lock(mutex_);
-  hearing_.link_made(link);
+  hearing_.link_made(link, hears_full_signs);
 }
 
 void DiscoveryEar::link_opened(LinkId link, const LinkSpec& spec) {
@@ -163,7 +163,7 @@ void DiscoveryEar::was_renewed_for(const HearingWatch::Deaf& deaf) {
 
 void DiscoveryEar::endpoint_came(const Speaker& speaker, Endpoint endpoint) {
   Lock lock(mutex_);
-  hearing_.heard(speaker, time_());
+  hearing_.heard(speaker, time_(), endpoint.node_id);
   merge_.endpoint_came(speaker, std::move(endpoint), time_());
   pass_on_news(lock);
 }
@@ -212,8 +212,7 @@ void DiscoveryEar::participant_came(const Speaker& speaker) {
 
 void DiscoveryEar::participant_speaks(const Speaker& speaker) {
   const Lock lock(mutex_);
-  const Time now = time_();
-  if (hearing_.participant_speaks(speaker, now)) newcomer_at_.store(now, std::memory_order_relaxed);
+  hearing_.participant_speaks(speaker, time_());
 }
 
 void DiscoveryEar::other_release_seen(const Speaker& speaker, std::uint32_t version) {

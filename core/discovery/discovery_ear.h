@@ -47,8 +47,11 @@ class DiscoveryEar final : public LinkListener {
   void hears(Role role, Time now);
   /// True if a participant was heard for the first time since this was called last.
   bool take_newcomer() { return newcomer_.exchange(false); }
-  /// When the latest newcomer with our mark was heard first; Time{} if there was none. Any thread.
-  Time newcomer_at() const { return newcomer_at_.load(std::memory_order_relaxed); }
+  /// Any thread.
+  HearingWatch::Newcomers newcomers() const {
+    const Lock lock(mutex_);
+    return hearing_.newcomers();
+  }
   struct AfterTick {
     SignPace signs;                     ///< whether signs of life have to be frequent
     std::chrono::milliseconds pause{};  ///< until the next tick
@@ -56,7 +59,8 @@ class DiscoveryEar final : public LinkListener {
   AfterTick tick(Time now);
   bool pulse_came(const Speaker& speaker, const Pulse& pulse, Time since) override;
 
-  void link_expected(LinkId link);  ///< before it is opened
+  /// Before it is opened; otherwise as HearingWatch::link_made().
+  void link_expected(LinkId link, bool hears_full_signs);
   void link_opened(LinkId link, const LinkSpec& spec);
   /// The link is closed, or could not be opened. `is_replaced`: another link was made in its place before.
   void link_dropped(LinkId link, bool is_replaced, Time now);
@@ -103,7 +107,6 @@ class DiscoveryEar final : public LinkListener {
   void pass_on_news(Lock& lock) SFT_REQUIRES(mutex_);
 
   std::atomic<bool> newcomer_{false};
-  std::atomic<Time> newcomer_at_{};
 
   const ReadTime time_;
   mutable Mutex mutex_;

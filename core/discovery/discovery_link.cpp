@@ -53,13 +53,13 @@ class CycloneLink final : public DiscoveryLink {
     topic(writers_, kind_of_writers, control_qos());
     topic(readers_, kind_of_readers, control_qos());
     topic(lives_, kind_of_lives, assertion_qos(pulses_ ? full_sign_lease : signs.lease));
-    Result<void> opened = lives_->hear();
-    if (opened) opened = lives_->writer().map([](dds_entity_t) {});
-    if (opened) opened = watch_participants();
-    return opened;
+    return watch_participants();
   }
 
   Result<void> hear(Role role) override { return topic_of(role).hear(); }
+  Result<void> exchange_full_signs() override {
+    return lives_->hear().and_then([this] { return lives_->writer().map([](dds_entity_t) {}); });
+  }
   Result<void> write(const Endpoint& endpoint) override {
     ControlStorage storage;
     sft_control_Endpoint sample = to_dds(endpoint, storage);
@@ -80,7 +80,7 @@ class CycloneLink final : public DiscoveryLink {
                      .digest_of_writers = assertion.digest_of_writers,
                      .digest_of_readers = assertion.digest_of_readers,
                      .full_signs = full_signs_});
-      if (!is_full) return;
+      if (!is_full || lives_->known_writer() == 0) return;
       ++full_signs_;  // the next pulse says so: this one may be heard before the full sign
     }
     ControlStorage storage;
@@ -117,7 +117,7 @@ class CycloneLink final : public DiscoveryLink {
   void end_life(NodeId node) override {
     sft_control_Assertion key{};
     key.node = node;
-    dds_unregister_instance(lives_->known_writer(), &key);
+    if (lives_->known_writer() != 0) dds_unregister_instance(lives_->known_writer(), &key);
   }
   void greet() override {
     ++mark_.greeting;

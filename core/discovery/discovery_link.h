@@ -79,7 +79,10 @@ class DiscoveryLink {
   virtual Result<void> hear(Role role) = 0;
   virtual Result<void> write(const Endpoint& endpoint) = 0;
   virtual Result<void> write(const Request& request) = 0;
+  /// Lets full signs of life go and come, which costs everybody two endpoints of this participant.
+  virtual Result<void> exchange_full_signs() = 0;
   /// Gives a sign of life as a pulse, and by Cyclone if it has to be a full one, or if there are no pulses.
+  /// Before exchange_full_signs() it is a pulse only.
   virtual void write(const Assertion& assertion, bool is_full) = 0;
   /// Tells the listener of the pulses that have come since the last call, which was at `since`. Returns false
   /// if one of them counts for nothing.

@@ -17,6 +17,7 @@ namespace sft::core {
 struct SignsHeard {
   std::chrono::milliseconds lease{};  ///< of full signs: Cyclone's
   std::set<NodeId> named{};           ///< by full signs, and live; some may be made up
+  std::set<NodeId> announced{};       ///< by endpoints; some may be made up, or not live any more
   Time last_full{};
   std::optional<Time> last_pulse{};
   /// Pulses that have come one after another since the last full sign, whose node no full sign has named.
@@ -32,6 +33,9 @@ struct SignsHeard {
   Time told_at{};                ///< what the last sign tells was so at that time, or later
   std::optional<Time> overdue_since{};
 
+  bool has_full_come() const { return last_full != Time{}; }
+  /// True if a pulse of that node counts as a sign of life.
+  bool may_live(NodeId node) const { return named.contains(node) || announced.contains(node); }
   void full_sign_came(NodeId node, std::chrono::milliseconds its_lease, Time now);
   /// The pulse has come after `since`.
   void pulse_came(const Pulse& pulse, Time since, Time now);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/discovery/crowd.h"
+
 namespace sft::core {
 
 namespace {
@@ -16,6 +18,7 @@ constexpr std::chrono::milliseconds patience_with_strangers{3000};
 constexpr std::chrono::milliseconds pause_between_strangers_max{60'000};
 /// A look in calm (tick_pace.h) may just miss a pulse.
 constexpr std::chrono::milliseconds strangers_gone_after{2000};
+constexpr std::chrono::milliseconds pause_for_each{40};
 }  // namespace
 
 void Greetings::begin(Time now) {
@@ -32,6 +35,10 @@ void Greetings::stranger(Time now) {
   if (!strangers_ || now - strangers_->heard >= strangers_gone_after)
     strangers_ = {now, now + patience_with_strangers, patience_with_strangers};
   strangers_->heard = now;
+}
+
+void Greetings::others(std::size_t participants) {
+  pause_in_crowd_ = for_others(pause_for_each, participants);
 }
 
 bool Greetings::due_for_strangers(Time now) {
@@ -53,6 +60,10 @@ bool Greetings::due(Time now, bool somebody_is_missing) {
   return true;
 }
 
-Time Greetings::next() const { return std::min(next_, for_newcomer_.value_or(Time::max())); }
+Time Greetings::next() const {
+  const Time next = std::min(next_, for_newcomer_.value_or(Time::max()));
+  const bool is_first = pause_ == pause_first;  // others may have forgotten us
+  return is_first ? next : std::max(next, last_ + pause_in_crowd_);
+}
 
 }  // namespace sft::core

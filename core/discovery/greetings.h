@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <optional>
 
 #include "core/platform/clock.h"
@@ -22,6 +23,9 @@ class Greetings {
   /// was pulled for long, that is all that shows that others are there again. Anybody can send such pulses,
   /// so greetings for strangers become rarer as long as some are heard.
   void stranger(Time now);
+  /// There are so many other participants, of which some may be made up. Everybody has to read each greeting,
+  /// so those of a crowd are rarer: while many nodes start, they would take the time in which these meet.
+  void others(std::size_t participants);
   /// True if a greeting is due now, which then counts as sent. Asked often.
   bool due(Time now, bool somebody_is_missing);
   /// When the next greeting is due if nobody is missing; Time::max() if none is.
@@ -40,6 +44,7 @@ class Greetings {
 
   std::optional<Strangers> strangers_{};
   std::chrono::milliseconds pause_{};
+  std::chrono::milliseconds pause_in_crowd_{};  ///< at least
 };
 
 }  // namespace sft::core

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/discovery/crowd.h"
 #include "core/discovery/leases.h"
 
 namespace sft::core {
@@ -30,7 +31,6 @@ constexpr milliseconds start_takes{2000};
 /// participants: what many announce at once takes its time, and would take more if all gave frequent signs.
 /// Those that were never equal are still told everything, by many at a time.
 constexpr milliseconds longer_for_each{20}, longer_at_first_for_each{60};
-constexpr std::size_t crowd_max = 200;  // more may be made up
 /// The number of links that are tried for a participant whose digest never agreed: something else may be
 /// wrong with it.
 constexpr unsigned tries_max = 3;
@@ -44,12 +44,14 @@ constexpr milliseconds complaint_patience{1500}, complaint_pause{400};
 constexpr milliseconds complaint_spread{2};
 /// A participant whose node has come anew is gone by then.
 constexpr std::chrono::seconds goes_within{60};
+constexpr milliseconds look_pause{920};  // with each tick in calm (tick_pace.h)
 constexpr milliseconds look_pause_in_doubt{100}, look_pause_in_doubt_max{450};
 /// A look in doubt costs more where there are more participants, and is as much rarer there.
 constexpr milliseconds look_pause_for_each{5};
 
-milliseconds for_others(milliseconds each, std::size_t participants) {
-  return each * (std::clamp<std::size_t>(participants, 1, crowd_max) - 1);
+milliseconds pause_in_doubt(std::size_t participants) {
+  return std::clamp<milliseconds>(look_pause_for_each * participants, look_pause_in_doubt,
+                                  look_pause_in_doubt_max);
 }
 
 }  // namespace
@@ -73,6 +75,7 @@ bool HearingWatch::is_replaced_by(LinkId before, LinkId after, Time now) const {
 }
 
 void HearingWatch::endpoint_matched(const Speaker& speaker, bool is_there, Time now) {
+  if (is_there) met_at_ = now;
   const auto ear = ears_.find(speaker);
   if (ear == ears_.end()) return;
   int& unmatched = ear->second.unmatched;
@@ -111,11 +114,13 @@ void HearingWatch::hears_more(Time now) {
   }
 }
 
-void HearingWatch::heard(const Speaker& speaker, Time now) {
+void HearingWatch::heard(const Speaker& speaker, Time now, std::optional<NodeId> announced) {
   Ear* const ear = ear_of(speaker, now);
   if (ear == nullptr) return;
   ear->last = now;
   ear->has_spoken = true;
+  std::set<NodeId>& nodes = ear->signs.announced;
+  if (announced && nodes.size() < Ear::nodes_max) nodes.insert(*announced);
   looks_often_ = true;
 }
 
@@ -136,11 +141,13 @@ bool HearingWatch::heard_pulse(const Speaker& speaker, const Pulse& pulse, std::
   const auto known = ears_.find(speaker);
   if (known == ears_.end()) return false;
   Ear& ear = known->second;
-  if (!ear.lives || !ear.signs.named.contains(pulse.node)) {
-    ear.signs.unnamed_pulse_came(pulse, now);
-    return false;
+  if (ear.lives && ear.signs.named.contains(pulse.node)) {
+    ear.signs.pulse_came(pulse, since, now);
+  } else {
+    if (links_.at(speaker.link).hears_full_signs) ear.signs.unnamed_pulse_came(pulse, now);
+    if (!ear.signs.may_live(pulse.node)) return false;
+    ear.lives = true;
   }
-  ear.signs.pulse_came(pulse, since, now);
   if (ear.lives_by(pulse.node, digest, since, now))
     participants_[speaker.participant] = {.has_agreed = true, .tries = 0};
   return true;
@@ -150,9 +157,18 @@ void HearingWatch::life_ended(LinkId link, NodeId node) {
   for (auto& [speaker, ear] : ears_) {
     if (speaker.link != link) continue;
     ear.signs.named.erase(node);
+    ear.signs.announced.erase(node);
     const bool is_its_node = ear.nodes.erase(node) > 0 || ear.node == node;
     if (is_its_node && ear.nodes.empty()) ear.lives = false;
   }
+}
+
+bool HearingWatch::wants_look(Time now) const {
+  return now >= looked_ + (looks_often_ ? pause_in_doubt(ears_.size()) : look_pause);
+}
+
+Time HearingWatch::next_look_in_doubt() const {
+  return looks_often_ ? looked_ + pause_in_doubt(ears_.size()) : Time::max();
 }
 
 std::vector<HearingWatch::Deaf> HearingWatch::look(const std::map<Speaker, std::uint32_t>& known,
@@ -215,8 +231,8 @@ bool HearingWatch::is_a_sign_late(Time now) const {
     const Ear& ear = entry.second;
     const bool is_pulse_late =
         ear.signs.last_pulse && now - *ear.signs.last_pulse > silence_in(lease_default) + slack_of_leases;
-    return ear.lives &&
-           (is_pulse_late || now - ear.last_life > silence_in(ear.signs.lease) + slack_of_leases);
+    const milliseconds lease = ear.signs.has_full_come() ? ear.signs.lease : lease_default;
+    return ear.lives && (is_pulse_late || now - ear.last_life > silence_in(lease) + slack_of_leases);
   });
 }
 
@@ -224,11 +240,6 @@ bool HearingWatch::is_a_sign_late(Time now) const {
 bool HearingWatch::is_hopeless(AnnouncerId participant) const {
   const auto known = participants_.find(participant);
   return known != participants_.end() && !known->second.has_agreed && known->second.tries >= tries_max;
-}
-
-milliseconds HearingWatch::pause_in_doubt() const {
-  return std::clamp<milliseconds>(look_pause_for_each * ears_.size(), look_pause_in_doubt,
-                                  look_pause_in_doubt_max);
 }
 
 /// True if a node of the speaker is heard as it should be by another participant on the link, since its
@@ -288,7 +299,8 @@ std::optional<HearingWatch::Missing> HearingWatch::missing(const Speaker& speake
   if (ear.unmatched > 0 && now - ear.unmatched_at > departing) return Missing::endpoints;
   if (ear.signs.hears_no_full_sign(for_others(longer_at_first_for_each, ears_.size()), now))
     return Missing::signs_of_life;
-  const bool is_over = now - ear.signs.last_full > ear.signs.lease + slack_of_leases;
+  const bool is_over =
+      ear.signs.has_full_come() && now - ear.signs.last_full > ear.signs.lease + slack_of_leases;
   if (ear.lives && (is_over || ear.signs.full_missed >= full_signs_missed_max)) {
     if (!ear.signs.overdue_since) ear.signs.overdue_since = now;
     if (now - *ear.signs.overdue_since >= (is_over ? confirmed_after : confirmed_by_pulses_after))

@@ -47,7 +47,11 @@ class HearingWatch {
   explicit HearingWatch(std::uint64_t seed = 0) : random_(seed) {}
 
   /// Events on a link count from link_made() until link_dropped().
-  void link_made(LinkId link) { links_.emplace(link, Link{}); }
+  /// `hears_full_signs`: full signs of life of others arrive there. If not from the beginning, this is called
+  /// again when they do.
+  void link_made(LinkId link, bool hears_full_signs = true) {
+    links_[link].hears_full_signs = hears_full_signs;
+  }
   void link_dropped(LinkId link);
   /// Another link was made in its place. The old one is listened to for a while, and does not count as deaf.
   /// But what comes by it may be somebody else's word as well.
@@ -56,9 +60,8 @@ class HearingWatch {
   bool is_replaced_by(LinkId before, LinkId after, Time now) const;
   void participant_came(const Speaker& speaker, Time now);
   /// The participant has the mark of nodes that understand each other, and is expected to say something.
-  /// Returns false if that was known.
-  bool participant_speaks(const Speaker& speaker, Time now) {
-    return !ears_.contains(speaker) && ear_of(speaker, now) != nullptr;
+  void participant_speaks(const Speaker& speaker, Time now) {
+    if (!ears_.contains(speaker) && ear_of(speaker, now) != nullptr) came_at_ = now;
   }
   void participant_departed(const Speaker& speaker);
   /// A reader or writer of the participant's control topics is there from now on, or is not any more.
@@ -66,15 +69,21 @@ class HearingWatch {
   /// More is listened to from now on than before: announcements of writers, or of readers. What everybody has
   /// said of these is yet to come.
   void hears_more(Time now);
-  /// An announcement or a request of the speaker came.
-  void heard(const Speaker& speaker, Time now);
+  /// An announcement or a request of the speaker came. `announced`: the node that has the endpoint.
+  void heard(const Speaker& speaker, Time now, std::optional<NodeId> announced = {});
   /// A sign of life of the speaker came. `digest`: of all that it has announced and that is listened to;
   /// `lease`: of its signs of life.
   void heard_life(const Speaker& speaker, NodeId node, std::uint32_t digest, std::chrono::milliseconds lease,
                   Time now);
-  /// A pulse of the speaker has come after `since`. It does not count, and this returns false, unless a sign
-  /// of life has come by Cyclone in which the speaker named the same node. `digest`: as above.
+  /// A pulse of the speaker has come after `since`. It does not count, and this returns false, unless the
+  /// speaker has named the same node by Cyclone, in a sign of life or an announcement. `digest`: as above.
   bool heard_pulse(const Speaker& speaker, const Pulse& pulse, std::uint32_t digest, Time since, Time now);
+  struct Newcomers {
+    Time came_at{};                ///< when a participant that is expected to say something came last
+    Time met_at{};                 ///< when control endpoints met last, ours and somebody else's
+    std::size_t participants = 0;  ///< that are expected to say something, on all links; some may be made up
+  };
+  Newcomers newcomers() const { return {came_at_, met_at_, ears_.size()}; }
   /// A node of that speaker; 0 if the speaker has not said that any lives.
   NodeId node_of(const Speaker& speaker) const {
     const auto ear = ears_.find(speaker);
@@ -92,9 +101,9 @@ class HearingWatch {
   /// of life said something else than was known before it.
   bool may_miss_something() const { return may_miss_something_; }
   /// True if look() is due: once a second, and more often while something may be missing.
-  bool wants_look(Time now) const { return now >= looked_ + (looks_often_ ? pause_in_doubt() : look_pause); }
+  bool wants_look(Time now) const;
   /// When look() is due while something may be missing; Time::max() if nothing is.
-  Time next_look_in_doubt() const { return looks_often_ ? looked_ + pause_in_doubt() : Time::max(); }
+  Time next_look_in_doubt() const;
   /// Finds what is missing. `known`: digests of what is known of each speaker. `participant_lease`: Cyclone
   /// forgets a participant of which nothing comes for so long. A renewal is told until something changes, for
   /// each link once.
@@ -104,10 +113,10 @@ class HearingWatch {
   std::set<NodeId> nodes_known_whole(Time now) const;
 
  private:
-  static constexpr std::chrono::milliseconds look_pause{920};  ///< with each tick in calm (tick_pace.h)
   struct Link {
     Time newcomer{};  ///< when somebody came to the link
     std::optional<LinkId> replaced_by{};
+    bool hears_full_signs = true;
   };
   struct Participant {
     bool has_agreed = false;  ///< everything that the participant had announced was known once
@@ -116,7 +125,6 @@ class HearingWatch {
   static constexpr std::size_t speakers_max = 4096;
 
   Ear* ear_of(const Speaker& speaker, Time now);
-  std::chrono::milliseconds pause_in_doubt() const;
   bool is_hopeless(AnnouncerId participant) const;
   bool is_behind(const Ear& ear, Time newcomer, Time now) const;
   std::optional<Missing> missing(const Speaker& speaker, Ear& ear,
@@ -129,6 +137,7 @@ class HearingWatch {
   std::map<Speaker, Ear> ears_;
   std::map<AnnouncerId, Participant> participants_;
   std::minstd_rand random_;
+  Time came_at_{}, met_at_{};
   Time looked_{};
   bool looks_often_ = false;
   bool may_miss_something_ = false;

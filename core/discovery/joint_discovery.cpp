@@ -59,6 +59,7 @@ class SharedDiscovery final : public Discovery {
   Result<void> send(const Request& request) override { return joint_->send(request); }
   void assert_liveliness(const Assertion& assertion) override { joint_->assert_liveliness(seat_, assertion); }
   Time newcomer_at() const override { return joint_->newcomer_at(); }
+  Time met_at() const override { return joint_->met_at(); }
   Time look_after(Time now, bool somebody_is_missing) override {
     return joint_->look_after(seat_, now, somebody_is_missing);
   }
@@ -168,6 +169,8 @@ Result<void> JointDiscovery::announce(Seat& seat, const Endpoint& endpoint) {
     if (Result<void> heard = hear_on_links(other(endpoint.role)); !heard) return heard;
     const Endpoint& own = own_.announce(endpoint);
     told_news();
+    if (endpoint.qos.liveliness_lease.count() != 0)
+      links_.exchange_full_signs(std::chrono::steady_clock::now());
     ear_.with_nodes([&](ProcessNodes& nodes, LinkMerge& merge) {
       merge.owns(own.id);
       nodes.announced(seat.member, own, merge.endpoints());
@@ -252,6 +255,8 @@ Time JointDiscovery::look_after_links(Time now) {
   if (watches_ && (watch_.changed() || now >= next_look_)) look_at_interfaces(now);
   if (!links_.hear_pulses(now)) greetings_.stranger(now);
   ear_.with_nodes([now](const auto&, LinkMerge& merge) { merge.pulses_heard(now); });
+  const HearingWatch::Newcomers newcomers = ear_.newcomers();
+  greetings_.others(newcomers.participants);
   if (ear_.take_newcomer()) greetings_.newcomer(now);
   if (greetings_.due(now, std::ranges::any_of(seats_, &Seat::misses_somebody)))
     links_.each([](DiscoveryLink& link) { link.greet(); });
@@ -275,6 +280,7 @@ Time JointDiscovery::look_after_links(Time now) {
     next_merge_ = now + after.pause;
   }
   if (now < after_renewal_.until) next = std::min(next, after_renewal_.next);
+  next = std::min(next, links_.exchange_due_full_signs(newcomers, now));
   return std::min(next, greetings_.next());
 }
 

@@ -63,7 +63,8 @@ class JointDiscovery {
   void withdraw(EndpointId id);
   Result<void> send(const Request& request);
   void assert_liveliness(Seat& seat, const Assertion& assertion);
-  Time newcomer_at() const { return ear_.newcomer_at(); }
+  Time newcomer_at() const { return ear_.newcomers().came_at; }
+  Time met_at() const { return ear_.newcomers().met_at; }
   Time look_after(Seat& seat, Time now, bool somebody_is_missing);
 
  private:

@@ -11,6 +11,8 @@ namespace {
 constexpr std::chrono::seconds retire_after{2}, retire_at_last_after{60};
 constexpr std::size_t retiring_links_max = 2;
 constexpr std::chrono::seconds farewell_max{1};
+/// If full signs of life cannot be exchanged, and the link cannot be made anew yet.
+constexpr std::chrono::seconds exchange_again_after{1};
 
 std::optional<PulseSocket::Place> pulses_on(const LinkSpec& link, const DdsConfig& config) {
   if (!config.pulse_port || !link.ip.is_ipv4()) return std::nullopt;
@@ -31,6 +33,7 @@ Result<void> LinkSet::join(std::uint32_t domain) {
   auto link = DiscoveryLink::open({.link = ++links_made_, .domain = nullptr, .number = domain},
                                   settings_.life_signs, participants_, ear_);
   if (!link) return tl::unexpected(link.error());
+  if (Result<void> exchanged = (*link)->exchange_full_signs(); !exchanged) return exchanged;
   links_[LinkSpec{}] = {links_made_, nullptr, std::move(*link)};
   return {};
 }
@@ -75,11 +78,15 @@ Result<LinkSet::OpenLink> LinkSet::make(const LinkSpec& spec, const CycloneDomai
       cyclone_domain({config.text_for(spec), config.is_secured, settings_.threads}, instead_of, complaints);
   if (!domain) return tl::unexpected(domain.error());
   const LinkId id = ++links_made_;
-  ear_.link_expected(id);
-  auto link = DiscoveryLink::open(
-      {.link = id, .domain = *domain, .is_secured = config.is_secured, .pulses = pulses_on(spec, config)},
-      settings_.life_signs, participants_, ear_);
+  const auto pulses = pulses_on(spec, config);
+  // Others believe a link in place of another one by the first full sign that comes by it.
+  const bool waits = pulses && instead_of == nullptr;
+  ear_.link_expected(id, !waits);
+  auto link =
+      DiscoveryLink::open({.link = id, .domain = *domain, .is_secured = config.is_secured, .pulses = pulses},
+                          settings_.life_signs, participants_, ear_);
   Result<void> opened = link.map([](const auto&) {});
+  if (opened && !waits) opened = (*link)->exchange_full_signs();
   for (const Role role : heard_) {
     if (opened) opened = (*link)->hear(role);
   }
@@ -97,7 +104,9 @@ Result<LinkSet::OpenLink> LinkSet::make(const LinkSpec& spec, const CycloneDomai
       warnings_.push_back(std::move(complaint));
   }
   own_.write_to(**link);
-  return OpenLink{id, std::move(*domain), std::move(*link)};
+  OpenLink made{id, std::move(*domain), std::move(*link)};
+  if (waits) made.waits_since = std::chrono::steady_clock::now();
+  return made;
 }
 
 /// The new link comes before the old one goes, so that nobody is lost in between.
@@ -130,8 +139,46 @@ std::map<LinkSpec, LinkSet::OpenLink>::iterator LinkSet::find(LinkId id) {
   return std::ranges::find(links_, id, [](const auto& entry) { return entry.second.id; });
 }
 
+template <class IsDue>
+void LinkSet::exchange_full_signs_if(IsDue is_due, Time now) {
+  std::map<LinkId, std::string> failed;
+  for (auto& [spec, link] : links_) {
+    if (!link.waits_since || !is_due(*link.waits_since)) continue;
+    if (const Result<void> done = link.link->exchange_full_signs(); !done) {
+      failed.emplace(link.id, "signs of life cannot be exchanged: " + done.error().message);
+      continue;
+    }
+    link.waits_since.reset();
+    ear_.link_expected(link.id, true);
+    full_signs_.begin_anew();
+  }
+  for (const auto& [link, why] : failed) renew(link, why, now);
+}
+
+void LinkSet::exchange_full_signs(Time now) {
+  exchange_full_signs_if([](Time) { return true; }, now);
+}
+
+Time LinkSet::exchange_due_full_signs(const HearingWatch::Newcomers& newcomers, Time now) {
+  const auto waits = [](const auto& entry) { return entry.second.waits_since.has_value(); };
+  if (std::ranges::none_of(links_, waits)) return Time::max();
+  const auto due_at = [&](Time waits_since) {
+    return full_signs_begin_at(waits_since, std::max(newcomers.came_at, newcomers.met_at),
+                               newcomers.participants);
+  };
+  exchange_full_signs_if([&](Time waits_since) { return now >= due_at(waits_since); }, now);
+  Time next = Time::max();
+  for (const auto& [spec, link] : links_) {
+    if (!link.waits_since) continue;
+    const Time due = due_at(*link.waits_since);
+    next = std::min(next, due > now ? due : now + exchange_again_after);
+  }
+  return next;
+}
+
 void LinkSet::write(const Assertion& sign, bool is_wanted, Time now) {
-  const bool is_full = full_signs_.is_due(sign, is_wanted, ear_.newcomer_at(), now);
+  if (sign.tells_more_than_life()) exchange_full_signs(now);
+  const bool is_full = full_signs_.is_due(sign, is_wanted, ear_.newcomers().met_at, now);
   each([&](DiscoveryLink& link) { link.write(sign, is_full); });
 }
 

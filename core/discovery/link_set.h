@@ -5,6 +5,7 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -52,6 +53,11 @@ class LinkSet {
   /// Listens to announcements of that role on all links, also on those that are opened later. To be called
   /// again after an error.
   Result<void> hear(Role role);
+  /// Lets full signs of life go and come on all links, and not only where they have waited for long enough.
+  void exchange_full_signs(Time now);
+  /// Lets them do so where that is due. Returns when this has to be
+  /// called again; Time::max() if it need not.
+  Time exchange_due_full_signs(const HearingWatch::Newcomers& newcomers, Time now);
   /// Gives a sign of life on all links: a full one where a pulse will not do. `is_wanted`: frequent ones are.
   void write(const Assertion& sign, bool is_wanted, Time now);
   /// The node does not live any more, though its process does.
@@ -90,6 +96,7 @@ class LinkSet {
     LinkId id = 0;
     std::shared_ptr<const CycloneDomain> domain;
     std::unique_ptr<DiscoveryLink> link;
+    std::optional<Time> waits_since{};  ///< with full signs of life; nothing once they go and come
   };
   struct RetiringLink {
     OpenLink link;
@@ -99,6 +106,8 @@ class LinkSet {
 
   Result<OpenLink> make(const LinkSpec& spec, const CycloneDomain* instead_of);
   void open_missing(const std::vector<LinkSpec>& wanted, Result<void>& result);
+  template <class IsDue>
+  void exchange_full_signs_if(IsDue is_due, Time now);
   void drop(OpenLink dropped, bool is_replaced, Time now);
   std::map<LinkSpec, OpenLink>::iterator find(LinkId id);
 

@@ -142,10 +142,10 @@ bool LocalWriter::watch_promises(Time now) {
   return in_force_ && in_force_->lease_requested && watch_.assertion_due(signs, in_force_->samples_tell, now);
 }
 
-std::optional<Progress> LocalWriter::take_progress() {
+std::optional<Progress> LocalWriter::take_progress(bool again) {
   if (!has_readers()) return std::nullopt;
   const std::uint64_t published = core_->signs().published;
-  if (published == progress_told_) return std::nullopt;
+  if (published == (again ? 0 : progress_told_)) return std::nullopt;
   progress_told_ = published;
   return core_->progress();
 }

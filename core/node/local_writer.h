@@ -49,7 +49,8 @@ class LocalWriter {
   /// How long the next look can wait; nothing if there is nothing to look at.
   std::optional<std::chrono::nanoseconds> pace() const { return watch_.pace(); }
   /// How far the writer is; nothing if it has no readers, or has sent nothing since this was last asked.
-  std::optional<Progress> take_progress();
+  /// `again`: since ever.
+  std::optional<Progress> take_progress(bool again);
   /// True if the writer has paused since it sent something of which no progress was taken. While samples
   /// follow one another, each tells readers of those before it; after the last one only the progress does.
   bool has_paused(Time now);

@@ -31,7 +31,9 @@ class OwnLife {
   void newcomer_seen() { has_newcomer_ = true; }
 
   /// The next sign of life, which then counts as told. `living`: writers whose readers wait for that.
-  Assertion next_sign(std::vector<EndpointId> living, LocalEndpoints& ours, AccountDesk& accounts, Time now);
+  /// `met_at`: as of Discovery. Progress is told again to who may not have heard it.
+  Assertion next_sign(std::vector<EndpointId> living, LocalEndpoints& ours, AccountDesk& accounts,
+                      Time met_at, Time now);
 
  private:
   static constexpr std::chrono::seconds tells_accounts_for{3};
@@ -45,7 +47,7 @@ class OwnLife {
     const bool is_long = is_calm && now - accounts_told_at_ >= tells_accounts_for;
     return is_long ? signs_.pause_in_calm : signs_.pause;
   }
-  std::vector<Progress> take_progress(LocalEndpoints& ours);
+  std::vector<Progress> take_progress(LocalEndpoints& ours, bool again);
 
   const NodeId id_;
   const LifeSigns signs_;

@@ -218,7 +218,7 @@ void Reconciler::watch_promises(Time now) {
 }
 
 void Reconciler::tell_of_life(std::vector<EndpointId> living, Time now) {
-  const Assertion sign = life_.next_sign(std::move(living), ours_, accounts_, now);
+  const Assertion sign = life_.next_sign(std::move(living), ours_, accounts_, discovery_.met_at(), now);
   discovery_.assert_liveliness(sign);
   liveliness_asserted(sign);  // our own readers
 }

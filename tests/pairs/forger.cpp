@@ -15,6 +15,7 @@
 
 #include "core/control/control_codec.h"
 #include "core/discovery/participant_mark.h"
+#include "tests/support/eventually.h"
 
 namespace sft::test {
 
@@ -248,8 +249,11 @@ std::vector<dds_guid_t> Forger::writers_of(const std::string& topic) {
   return writers;
 }
 
+/// Nodes make these writers when they have met.
 void Forger::outdate_signs_of_life() {
-  for (const dds_guid_t& writer : writers_of("sft_liveliness")) send_data_far_ahead(writer);
+  std::vector<dds_guid_t> writers;
+  test::eventually([&] { return !(writers = writers_of("sft_liveliness")).empty(); });
+  for (const dds_guid_t& writer : writers) send_data_far_ahead(writer);
 }
 
 void Forger::forge_pulses() {

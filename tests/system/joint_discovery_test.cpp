@@ -8,6 +8,7 @@
 
 #include <chrono>
 #include <csignal>
+#include <functional>
 #include <memory>
 #include <set>
 #include <string>
@@ -33,14 +34,25 @@ class TopicWatch {
     writers_ = dds_create_reader(participant_.entity(), DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr);
   }
 
-  bool readers_become(std::size_t wanted) const { return become(readers_, wanted); }
-  bool writers_become(std::size_t wanted) const { return become(writers_, wanted); }
+  /// `meanwhile` is called again and again until then.
+  bool readers_become(
+      std::size_t wanted, const std::function<void()>& meanwhile = [] {}) const {
+    return become(readers_, wanted, meanwhile);
+  }
+  bool writers_become(
+      std::size_t wanted, const std::function<void()>& meanwhile = [] {}) const {
+    return become(writers_, wanted, meanwhile);
+  }
 
  private:
   /// The watch hears of one after the other, so that it has to see for a while that there are no more.
-  bool become(dds_entity_t builtin, std::size_t wanted) const {
-    return eventually([&] { return count(builtin) == wanted; }) &&
-           !eventually([&] { return count(builtin) > wanted; }, std::chrono::milliseconds(200));
+  bool become(dds_entity_t builtin, std::size_t wanted, const std::function<void()>& meanwhile) const {
+    const auto counted = [&] {
+      meanwhile();
+      return count(builtin);
+    };
+    return eventually([&] { return counted() == wanted; }) &&
+           !eventually([&] { return counted() > wanted; }, std::chrono::milliseconds(200));
   }
   std::size_t count(dds_entity_t builtin) const {
     std::size_t endpoints = 0;
@@ -102,9 +114,13 @@ TEST_F(JointDiscoveryTest, HasOneReaderAndOneWriterOfATopicHoweverManyNodesShare
   other.announce(Role::writer, 100);
   other.announce(Role::reader, 101);
   for (const auto& node : nodes) EXPECT_TRUE(node->hears(100));
+  const auto look = [&] {
+    other.look();
+    for (const auto& node : nodes) node->look();
+  };
   const TopicWatch lives("sft_liveliness");
-  EXPECT_TRUE(lives.writers_become(2));
-  EXPECT_TRUE(lives.readers_become(2));
+  EXPECT_TRUE(lives.writers_become(2, look));
+  EXPECT_TRUE(lives.readers_become(2, look));
   EXPECT_TRUE(TopicWatch("sft_writer").readers_become(2));
 }
 
@@ -234,7 +250,10 @@ TEST_F(JointDiscoveryTest, CarriesTwoHundredNodesInOneProcess) {
     const auto& others = id % 2 == 0 ? readers : writers;
     EXPECT_TRUE(eventually([&] { return nodes[id - 1]->heard() == others; })) << id;
   }
-  EXPECT_TRUE(TopicWatch("sft_liveliness").writers_become(2));
+  EXPECT_TRUE(TopicWatch("sft_liveliness").writers_become(2, [&] {
+    other.look();
+    for (const auto& node : nodes) node->look();
+  }));
   nodes.clear();
   EXPECT_TRUE(eventually([&] { return other.heard().empty(); })) << other.heard().size();
 }

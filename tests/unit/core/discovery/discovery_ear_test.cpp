@@ -24,7 +24,7 @@ constexpr NodeId its_node = 77;
 class DiscoveryEarTest : public ::testing::Test {
  protected:
   DiscoveryEarTest() {
-    ear.link_expected(peer.link);
+    ear.link_expected(peer.link, true);
     ear.participant_speaks(peer);
     for (const auto& [role, id] : {std::pair(Role::writer, 5), std::pair(Role::reader, 6)}) {
       Endpoint endpoint;

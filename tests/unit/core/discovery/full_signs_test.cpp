@@ -98,6 +98,35 @@ TEST_F(FullSignsTest, ANewcomerHearsOneAtOnceUnlessOneWasGivenJustBefore) {
   EXPECT_TRUE(is_full(false, now));
 }
 
+TEST_F(FullSignsTest, AllNodesBeginAnewWhereALinkHasHadNoneYet) {
+  is_full();
+  signs.begin_anew();
+  EXPECT_TRUE(is_full());
+}
+
+class FullSignsBegin : public ::testing::Test {
+ protected:
+  const Time opened{1000s};
+};
+
+TEST_F(FullSignsBegin, AtOnceWhereNodesAreFew) {
+  EXPECT_LE(full_signs_begin_at(opened, {}, 0), opened + 100ms);
+  EXPECT_LE(full_signs_begin_at(opened, opened + 20ms, 1), opened + 200ms);
+}
+
+TEST_F(FullSignsBegin, WhenACrowdHasMetEverybody) {
+  constexpr std::size_t others = 64;
+  for (auto met = opened; met < opened + 3s; met += 100ms)
+    EXPECT_GT(full_signs_begin_at(opened, met, others), met + 1s) << "more may be on their way";
+  EXPECT_LE(full_signs_begin_at(opened, opened + 1s, others), opened + 4s);
+}
+
+TEST_F(FullSignsBegin, InTheEndThoughNodesComeAndGoWithoutEnd) {
+  EXPECT_LE(full_signs_begin_at(opened, opened + 1h, 1), opened + 3s);
+  EXPECT_LE(full_signs_begin_at(opened, opened + 1h, 64), opened + 6s);
+  EXPECT_LE(full_signs_begin_at(opened, opened + 1h, 1'000'000), opened + 14s) << "most are made up";
+}
+
 TEST_F(FullSignsTest, ANodeThatIsForgottenBeginsAnew) {
   is_full();
   signs.forget(77);

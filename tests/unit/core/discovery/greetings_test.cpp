@@ -76,6 +76,21 @@ TEST_F(GreetingsTest, FollowANewcomerSoonAndACrowdOfThemOnceASecond) {
   EXPECT_LE(greeted, 6U);
 }
 
+TEST_F(GreetingsTest, OfACrowdAreRareWhileItMeetsButForTheFirst) {
+  greetings.others(64);
+  greetings.newcomer(now);
+  EXPECT_THAT(within(4s), ElementsAre(40, 2560));
+  greetings.newcomer(now);
+  EXPECT_THAT(within(10s), ElementsAre(5080, 7600)) << "none is left out";
+  greetings.begin(now);
+  EXPECT_EQ(within(50ms).size(), 1U) << "others may have forgotten us";
+}
+
+TEST_F(GreetingsTest, OfACrowdThatIsMadeUpStillCome) {
+  greetings.others(1'000'000);
+  EXPECT_EQ(within(10s).size(), 2U);
+}
+
 TEST_F(GreetingsTest, FollowPulsesOfStrangersAndBecomeRarerAsLongAsTheseAreHeard) {
   within(100s);
   std::vector<int> times;

@@ -21,6 +21,7 @@ class HearingPulses : public HearingWatchTest {
   bool pulse_comes(std::uint32_t said = all_said) {
     return watch.heard_pulse(its_peer, {.node = heard_node, .full_signs = full_signs}, said, last_look, now);
   }
+  void is_announced(NodeId node = heard_node) { watch.heard(its_peer, now, node); }
   void looks() {
     look();
     last_look = now;
@@ -37,6 +38,64 @@ class HearingPulses : public HearingWatchTest {
   std::uint8_t full_signs = 0;
   Time last_look = now;
 };
+
+TEST_F(HearingPulses, CountOnceTheSpeakerHasAnnouncedAnEndpointOfTheNode) {
+  EXPECT_FALSE(pulse_comes());
+  is_announced();
+  EXPECT_TRUE(pulse_comes());
+  EXPECT_FALSE(watch.heard_pulse(its_peer, {.node = heard_node + 1}, all_said, now, now)) << "another node";
+  EXPECT_FALSE(watch.heard_pulse(other_peer, {.node = heard_node}, all_said, now, now)) << "another speaker";
+  watch.life_ended(lan, heard_node);
+  EXPECT_FALSE(pulse_comes()) << "Cyclone has told of its end";
+}
+
+TEST_F(HearingPulses, OfAnAnnouncedNodeAreNotLateAndTellOfAnnouncementsThatAreMissing) {
+  is_announced();
+  pulses_come_for(1s);
+  EXPECT_FALSE(watch.is_a_sign_late(now));
+  EXPECT_FALSE(watch.may_miss_something());
+  pulses_come_for(1s, all_said + 7);
+  EXPECT_TRUE(watch.may_miss_something());
+  now += 3s;
+  EXPECT_TRUE(watch.is_a_sign_late(now));
+}
+
+TEST_F(HearingPulses, OfAnAnnouncedNodeAskForFullSignsAfterAWhile) {
+  is_announced();
+  pulses_come_for(2s);
+  EXPECT_FALSE(watch.may_miss_something()) << "full signs for newcomers are yet to come";
+  pulses_come_for(1s);
+  EXPECT_TRUE(watch.may_miss_something());
+  full_sign_comes();
+  pulses_come_for(1s);
+  EXPECT_FALSE(watch.may_miss_something());
+}
+
+TEST_F(HearingPulses, AskForNoFullSignsWhereThoseDoNotArriveYet) {
+  constexpr LinkId new_link = 5;
+  constexpr Speaker there{new_link, 11};
+  watch.link_made(new_link, false);
+  watch.participant_speaks(there, now);
+  watch.heard(there, now, heard_node);
+  known[there] = all_said;
+  const auto pulses_come_there_for = [&](std::chrono::milliseconds duration) {
+    for (const auto end = now + duration; now < end;) {
+      now += 466ms;
+      watch.heard_life(its_peer, heard_node, all_said, its_lease, now);
+      EXPECT_TRUE(watch.heard_pulse(there, {.node = heard_node, .full_signs = ++full_signs}, all_said,
+                                    last_look, now));
+      looks();
+    }
+  };
+  pulses_come_there_for(10s);
+  EXPECT_FALSE(watch.may_miss_something());
+  EXPECT_FALSE(deaf);
+  watch.link_made(new_link);
+  pulses_come_there_for(1s);
+  EXPECT_FALSE(watch.may_miss_something()) << "they are yet to come";
+  pulses_come_there_for(10s);
+  EXPECT_EQ(deaf, Missing::signs_of_life);
+}
 
 TEST_F(HearingPulses, DoNotCountBeforeAFullSignOfTheSpeakerHasNamedTheNode) {
   EXPECT_FALSE(pulse_comes());

@@ -136,14 +136,28 @@ TEST_F(LocalWriterTest, ItsProgressIsTakenOnceForAllThatWasSentAndOnlyIfSomebody
   writer->reconcile();
   const PointCloud2 cloud;
   core->publish(&cloud);
-  EXPECT_FALSE(writer->take_progress());
+  EXPECT_FALSE(writer->take_progress(false));
   reader_listens(200);
   core->publish(&cloud);
-  const std::optional<Progress> progress = writer->take_progress();
+  const std::optional<Progress> progress = writer->take_progress(false);
   ASSERT_TRUE(progress);
   EXPECT_EQ(progress->writer, 7U);
   EXPECT_EQ(progress->samples, 2U);
-  EXPECT_FALSE(writer->take_progress());
+  EXPECT_FALSE(writer->take_progress(false));
+}
+
+TEST_F(LocalWriterTest, ItsProgressIsTakenAgainForThoseWhoMayNotHaveHeardIt) {
+  open(over_network(Role::writer, 7));
+  writer->reconcile();
+  reader_listens(200);
+  EXPECT_FALSE(writer->take_progress(true)) << "nothing was sent";
+  const PointCloud2 cloud;
+  core->publish(&cloud);
+  ASSERT_TRUE(writer->take_progress(false));
+  const std::optional<Progress> again = writer->take_progress(true);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->samples, 1U);
+  EXPECT_FALSE(writer->take_progress(false));
 }
 
 TEST_F(LocalWriterTest, HasAnAccountOfEachReaderThatMatches) {

@@ -81,6 +81,7 @@ class TestDiscovery final : public Discovery {
   }
   void assert_liveliness(const Assertion& assertion) override { asserted.push_back(assertion); }
   Time newcomer_at() const override { return {}; }
+  Time met_at() const override { return met; }
   Time look_after(Time, bool) override { return next_look; }
   std::vector<Endpoint> announced;
   std::vector<Request> sent;
@@ -88,6 +89,7 @@ class TestDiscovery final : public Discovery {
   int failures = 0;              ///< to come
   Time next_look = Time::max();  ///< as look_after() says
   bool calm = false;
+  Time met{};
 
  private:
   bool fails() { return failures > 0 && failures-- > 0; }

@@ -435,6 +435,12 @@ TEST_F(ReconcilerTest, ProgressIsToldOfWritersThatSentSomethingAndHaveReaders) {
   reconciler.tick(now += std::chrono::seconds(1));
   ASSERT_GT(discovery.asserted.size(), told);
   EXPECT_THAT(discovery.asserted.back().progress, IsEmpty()) << "nothing more was sent";
+  discovery.met = now;
+  reconciler.tick(now += std::chrono::seconds(1));
+  EXPECT_EQ(discovery.asserted.back().progress.size(), 1U)
+      << "somebody has met us, and may not have heard it";
+  reconciler.tick(now += std::chrono::seconds(1));
+  EXPECT_THAT(discovery.asserted.back().progress, IsEmpty()) << "that has heard it";
 }
 
 /// One of our publishers has a reader of another node, and one of our own.
