@@ -75,7 +75,9 @@ class ControlEar final : private core::DiscoveryListener {
   void announce(core::Role role, core::EndpointId id) {
     ASSERT_TRUE(discovery_->announce(control_endpoint(role, id)));
   }
+  void announce(const core::Endpoint& endpoint) { ASSERT_TRUE(discovery_->announce(endpoint)); }
   void withdraw(core::EndpointId id) { discovery_->withdraw(id); }
+  void tell(const core::Assertion& sign) { discovery_->assert_liveliness(sign); }
   void ask(core::EndpointId reader, std::uint64_t sequence) {
     core::Request request;
     request.reader = reader;

@@ -124,6 +124,32 @@ TEST_F(JointDiscoveryTest, HasOneReaderAndOneWriterOfATopicHoweverManyNodesShare
   EXPECT_TRUE(TopicWatch("sft_writer").readers_become(2));
 }
 
+TEST_F(JointDiscoveryTest, BeginsWithFullSignsOfLifeOnceNodesHaveMet) {
+  ControlEar writer("one-"), reader("two-");
+  writer.announce(Role::writer, 1);
+  reader.announce(Role::reader, 2);
+  EXPECT_TRUE(reader.hears(1) && writer.hears(2));
+  const TopicWatch lives("sft_liveliness");
+  writer.tell({.node = 1, .writers = {}});
+  EXPECT_TRUE(lives.writers_become(0)) << "a pulse will do";
+  EXPECT_TRUE(lives.writers_become(2, [&] {
+    writer.look();
+    reader.look();
+  }));
+}
+
+TEST_F(JointDiscoveryTest, BeginsWithThemAtOnceWhereANodeHasMoreToTell) {
+  ControlEar writer("one-"), reader("two-");
+  const TopicWatch lives("sft_liveliness");
+  writer.announce(Role::writer, 1);
+  writer.tell({.node = 1, .writers = {1}});
+  EXPECT_TRUE(lives.writers_become(1));
+  core::Endpoint with_lease = control_endpoint(Role::reader, 2);
+  with_lease.qos.liveliness_lease = std::chrono::milliseconds(100);
+  reader.announce(with_lease);
+  EXPECT_TRUE(lives.readers_become(2)) << "who waits for signs of a writer has to hear them";
+}
+
 TEST_F(JointDiscoveryTest, TellsANewcomerOfTheProcessWhatIsInForce) {
   ControlEar first("one-"), other("two-");
   first.announce(Role::writer, 1);
