@@ -21,7 +21,8 @@ from dataclasses import dataclass
 
 LOWER, HIGHER = "lower", "higher"
 
-# Which values are better, for each unit of the benchmarks. A figure with another unit is not judged.
+# Which values are better, for each unit of the benchmarks. A figure with another unit is not judged, and the reason is
+# told.
 UNITS = {
     "ns": LOWER,
     "us": LOWER,
@@ -37,6 +38,8 @@ UNITS = {
     "GB/s": HIGHER,
     "k/s": HIGHER,  # thousands of samples
 }
+
+UNITS_NOT_JUDGED = {"exponent": "it follows from the figures of four sizes, which are judged"}
 
 # Figures of the machine, which no change of SFT makes worse or better.
 NOISE = ("noise_other_programs", "noise_other_machines")
@@ -175,7 +178,8 @@ def judge(bench, name, this, that):
     if len(units) > 1:
         verdict.notes.append(f"it has several units: {', '.join(units)}")
     elif units[0] not in UNITS:
-        verdict.notes.append(f"the unit '{units[0]}' is unknown to the table in bench/comparison.py")
+        unknown = f"the unit '{units[0]}' is unknown to the table in bench/comparison.py"
+        verdict.notes.append(UNITS_NOT_JUDGED.get(units[0], unknown))
     elif change is None:
         verdict.notes.append(f"rounds with a value on both sides: {len(verdict.this)}; noise needs two")
     elif not change.differs():

@@ -65,6 +65,11 @@ class VerdictTest(unittest.TestCase):
         self.assertEqual(verdict.verdict, comparison.UNJUDGED)
         self.assertIn("furlongs", comparison.row(verdict))
 
+    def test_an_exponent_is_not_judged_since_its_figures_are(self):
+        verdict = judged([2, 2, 2], [1, 1, 1], "exponent")
+        self.assertEqual(verdict.verdict, comparison.UNJUDGED)
+        self.assertIn("which are judged", verdict.notes[-1])
+
     def test_rounds_without_a_value_do_not_count(self):
         verdict = judged([None, 20, 20], [10, 10, None])
         self.assertEqual(verdict.verdict, comparison.UNJUDGED)
