@@ -252,7 +252,8 @@ std::vector<dds_guid_t> Forger::writers_of(const std::string& topic) {
 /// Nodes make these writers when they have met.
 void Forger::outdate_signs_of_life() {
   std::vector<dds_guid_t> writers;
-  test::eventually([&] { return !(writers = writers_of("sft_liveliness")).empty(); });
+  const auto are_there = [&] { return !(writers = writers_of("sft_liveliness")).empty(); };
+  if (!test::eventually(are_there)) throw std::runtime_error("forger: nobody gives full signs of life");
   for (const dds_guid_t& writer : writers) send_data_far_ahead(writer);
 }
 

@@ -21,7 +21,7 @@ class HearingPulses : public HearingWatchTest {
   bool pulse_comes(std::uint32_t said = all_said) {
     return watch.heard_pulse(its_peer, {.node = heard_node, .full_signs = full_signs}, said, last_look, now);
   }
-  void is_announced(NodeId node = heard_node) { watch.heard(its_peer, now, node); }
+  void is_announced() { watch.heard(its_peer, now, heard_node); }
   void looks() {
     look();
     last_look = now;
@@ -34,6 +34,32 @@ class HearingPulses : public HearingWatchTest {
       looks();
     }
   }
+  /// And nobody else's.
+  void expect_that_its_pulses_count_until_its_end() {
+    EXPECT_TRUE(pulse_comes());
+    EXPECT_FALSE(watch.heard_pulse(its_peer, {.node = heard_node + 1}, all_said, now, now)) << "another node";
+    EXPECT_FALSE(watch.heard_pulse(other_peer, {.node = heard_node}, all_said, now, now))
+        << "another speaker";
+    watch.life_ended(lan, heard_node);
+    EXPECT_FALSE(pulse_comes()) << "Cyclone has told of its end";
+  }
+  void expect_that_full_signs_are_wanted_after_a_while() {
+    pulses_come_for(2s);
+    EXPECT_FALSE(watch.may_miss_something()) << "full signs for newcomers are yet to come";
+    pulses_come_for(1s);
+    EXPECT_TRUE(watch.may_miss_something());
+    full_sign_comes();
+    pulses_come_for(1s);
+    EXPECT_FALSE(watch.may_miss_something());
+  }
+  void expect_that_first_full_signs_are_missed() {
+    for (int lost = 0; lost < 4; ++lost, ++full_signs) {
+      pulses_come_for(932ms);
+      EXPECT_FALSE(deaf) << "so many may get lost";
+    }
+    pulses_come_for(1s);
+    EXPECT_EQ(deaf, Missing::signs_of_life);
+  }
 
   std::uint8_t full_signs = 0;
   Time last_look = now;
@@ -42,11 +68,7 @@ class HearingPulses : public HearingWatchTest {
 TEST_F(HearingPulses, CountOnceTheSpeakerHasAnnouncedAnEndpointOfTheNode) {
   EXPECT_FALSE(pulse_comes());
   is_announced();
-  EXPECT_TRUE(pulse_comes());
-  EXPECT_FALSE(watch.heard_pulse(its_peer, {.node = heard_node + 1}, all_said, now, now)) << "another node";
-  EXPECT_FALSE(watch.heard_pulse(other_peer, {.node = heard_node}, all_said, now, now)) << "another speaker";
-  watch.life_ended(lan, heard_node);
-  EXPECT_FALSE(pulse_comes()) << "Cyclone has told of its end";
+  expect_that_its_pulses_count_until_its_end();
 }
 
 TEST_F(HearingPulses, OfAnAnnouncedNodeAreNotLateAndTellOfAnnouncementsThatAreMissing) {
@@ -62,13 +84,7 @@ TEST_F(HearingPulses, OfAnAnnouncedNodeAreNotLateAndTellOfAnnouncementsThatAreMi
 
 TEST_F(HearingPulses, OfAnAnnouncedNodeAskForFullSignsAfterAWhile) {
   is_announced();
-  pulses_come_for(2s);
-  EXPECT_FALSE(watch.may_miss_something()) << "full signs for newcomers are yet to come";
-  pulses_come_for(1s);
-  EXPECT_TRUE(watch.may_miss_something());
-  full_sign_comes();
-  pulses_come_for(1s);
-  EXPECT_FALSE(watch.may_miss_something());
+  expect_that_full_signs_are_wanted_after_a_while();
 }
 
 TEST_F(HearingPulses, AskForNoFullSignsWhereThoseDoNotArriveYet) {
@@ -100,11 +116,7 @@ TEST_F(HearingPulses, AskForNoFullSignsWhereThoseDoNotArriveYet) {
 TEST_F(HearingPulses, DoNotCountBeforeAFullSignOfTheSpeakerHasNamedTheNode) {
   EXPECT_FALSE(pulse_comes());
   full_sign_comes();
-  EXPECT_TRUE(pulse_comes());
-  EXPECT_FALSE(watch.heard_pulse(its_peer, {.node = heard_node + 1}, all_said, now, now)) << "another node";
-  EXPECT_FALSE(watch.heard_pulse(other_peer, {.node = heard_node}, all_said, now, now)) << "another speaker";
-  watch.life_ended(lan, heard_node);
-  EXPECT_FALSE(pulse_comes()) << "Cyclone has told of its end";
+  expect_that_its_pulses_count_until_its_end();
 }
 
 TEST_F(HearingPulses, CountThoughSomebodyElseHasNamedAnotherNodeInTheNameOfTheSpeaker) {
@@ -214,22 +226,16 @@ TEST_F(HearingPulses, AskForFrequentSignsWhenAFullOneIsMissing) {
 }
 
 TEST_F(HearingPulses, OfANodeThatNoFullSignHasNamedAskForFrequentOnesAfterAWhile) {
-  pulses_come_for(2s);
-  EXPECT_FALSE(watch.may_miss_something()) << "full signs for newcomers are yet to come";
-  pulses_come_for(1s);
-  EXPECT_TRUE(watch.may_miss_something());
-  full_sign_comes();
-  pulses_come_for(1s);
-  EXPECT_FALSE(watch.may_miss_something());
+  expect_that_full_signs_are_wanted_after_a_while();
+}
+
+TEST_F(HearingPulses, ShowThatCycloneHasDiscardedTheFirstFullSignsOfAnAnnouncedNode) {
+  is_announced();
+  expect_that_first_full_signs_are_missed();
 }
 
 TEST_F(HearingPulses, ShowThatCycloneHasDiscardedTheFirstFullSigns) {
-  for (int lost = 0; lost < 4; ++lost, ++full_signs) {
-    pulses_come_for(932ms);
-    EXPECT_FALSE(deaf) << "so many may get lost";
-  }
-  pulses_come_for(1s);
-  EXPECT_EQ(deaf, Missing::signs_of_life);
+  expect_that_first_full_signs_are_missed();
   full_sign_comes();
   looks();
   EXPECT_FALSE(deaf);
@@ -238,12 +244,7 @@ TEST_F(HearingPulses, ShowThatCycloneHasDiscardedTheFirstFullSigns) {
 TEST_F(HearingPulses, ShowThatASignOfSomebodyElseHasMadeTheFirstFullSignsOld) {
   constexpr NodeId made_up = 1;
   watch.heard_life(its_peer, made_up, all_said, full_sign_lease, now);
-  for (int lost = 0; lost < 4; ++lost, ++full_signs) {
-    pulses_come_for(932ms);
-    EXPECT_FALSE(deaf) << "so many may get lost";
-  }
-  pulses_come_for(1s);
-  EXPECT_EQ(deaf, Missing::signs_of_life);
+  expect_that_first_full_signs_are_missed();
 }
 
 TEST_F(HearingPulses, OfASpeakerThatGivesNoFullSignsShowNothing) {
