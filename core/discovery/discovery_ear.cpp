@@ -25,6 +25,11 @@ std::uint32_t digest_heard(const Sign& sign, const std::set<Role>& roles) {
                        roles.contains(Role::reader) ? sign.digest_of_readers : 0);
 }
 
+std::string name_of_node(const ClaimedEndpoints& endpoints, NodeId node) {
+  const Endpoint* const endpoint = endpoints.some_told_of(node);
+  return endpoint == nullptr ? std::string() : endpoint->node;
+}
+
 std::string called(const std::string& node) { return node.empty() ? "a node" : "node '" + node + "'"; }
 
 std::string describe(HearingWatch::Missing missing, const std::string& node) {
@@ -66,30 +71,59 @@ void DiscoveryEar::pass_on() {
 
 void DiscoveryEar::hears(Role role, Time now) {
   const Lock lock(mutex_);
+  pulses_.end(hearing_, merge_);
   if (roles_.insert(role).second) hearing_.hears_more(now);
 }
 
 DiscoveryEar::AfterTick DiscoveryEar::tick(Time now) {
   const Lock lock(mutex_);
-  merge_.tick(now);
   nodes_here_.tick(now);
-  if (hearing_.is_a_sign_late(now)) sign_pace_.want_after_late_sign(now);
-  if (hearing_.may_miss_something() || merge_.has_rivals()) sign_pace_.want_after_doubt(now);
+  if (!pulses_.need_no_look(now)) {
+    pulses_.tell(hearing_, merge_);
+    merge_.tick(now);
+    if (hearing_.is_a_sign_late(now)) sign_pace_.want_after_late_sign(now);
+    if (hearing_.may_miss_something() || merge_.unrest().has_rivals) sign_pace_.want_after_doubt(now);
+    pulses_.looked(now);
+  }
   return {sign_pace_, merge_.pause_between_ticks()};
 }
 
-bool DiscoveryEar::pulse_came(const Speaker& speaker, const Pulse& pulse, Time since) {
+void DiscoveryEar::own_sign_given(const std::shared_ptr<NodeListener>& by, const Assertion& sign, Time now) {
+  const Lock lock(mutex_);
+  nodes_here_.asserted(by, sign, now);
+}
+
+bool DiscoveryEar::pulse_came(LinkId link, const Pulse& pulse, const Participants& participants, Time since) {
   const Lock lock(mutex_);
   if (nodes_here_.has(pulse.node)) return true;  // our own one; nobody else says that our node lives
   const Time now = time_();
-  const bool counts = hearing_.heard_pulse(speaker, pulse, digest_heard(pulse, roles_), since, now);
+  if (pulses_.waits(link, pulse, since, now)) return true;
+  if (pulses_.is_as_before(link, pulse)) {
+    pulses_.tell(pulse.node, hearing_, merge_);
+  } else if (pulses_.is_steady()) {
+    pulses_.end(hearing_, merge_);
+  }
+  const Speaker speaker{link, participants.tagged(pulse.participant).value_or(0)};
+  const std::uint32_t digest = digest_heard(pulse, roles_);
+  const bool counts = hearing_.heard_pulse(speaker, pulse, digest, since, now);
   if (speaker.participant != 0)
     merge_.pulse_came(speaker, counts ? std::optional(pulse.node) : std::nullopt, now);
+  if (pulses_.is_steady() && !hearing_.is_steady(speaker)) pulses_.end(hearing_, merge_);
+  if (counts) {
+    const bool is_news = nodes_here_.are_news_from(pulse.node, merge_.endpoints());
+    pulses_.told({speaker, pulse, digest, is_news}, since, now);
+  }
   return counts;
+}
+
+void DiscoveryEar::pulses_heard(Time now) {
+  const Lock lock(mutex_);
+  merge_.pulses_heard(now);
 }
 
 void DiscoveryEar::link_expected(LinkId link, bool hears_full_signs) {
   const Lock lock(mutex_);
+  pulses_.end(hearing_, merge_);
   hearing_.link_made(link, hears_full_signs);
 }
 
@@ -100,6 +134,7 @@ void DiscoveryEar::link_opened(LinkId link, const LinkSpec& spec) {
 
 void DiscoveryEar::link_dropped(LinkId link, bool is_replaced, Time now) {
   const Lock lock(mutex_);
+  pulses_.end(hearing_, merge_);
   specs_.erase(link);
   hearing_.link_dropped(link);
   is_replaced ? merge_.replaced_link_dropped(link, now) : merge_.link_dropped(link, now);
@@ -107,6 +142,7 @@ void DiscoveryEar::link_dropped(LinkId link, bool is_replaced, Time now) {
 
 void DiscoveryEar::link_replaced(LinkId link, LinkId by) {
   const Lock lock(mutex_);
+  pulses_.end(hearing_, merge_);
   specs_.erase(link);
   hearing_.link_replaced(link, by);
   merge_.doubt_departures();
@@ -130,12 +166,24 @@ DiscoveryEar::Deafness DiscoveryEar::look_for_deafness(std::chrono::milliseconds
                                                        Time now) {
   Deafness deafness;
   const Lock lock(mutex_);
+  if (pulses_.need_no_look(now)) {
+    if (hearing_.wants_look(now)) hearing_.need_no_look(now);
+    return deafness;
+  }
+  pulses_.tell(hearing_, merge_);
   for (const Speaker& by : std::exchange(complaints_, {}))
-    deafness.complaints_about_us.emplace(by.link, called(merge_.node_name(hearing_.node_of(by))));
+    deafness.complaints_about_us.emplace(by.link,
+                                         called(name_of_node(merge_.endpoints(), hearing_.node_of(by))));
   std::vector<HearingWatch::Deaf> found;
   if (hearing_.wants_look(now)) {
     found = hearing_.look(merge_.digests(), participant_lease, now);
     merge_.end_what_was_lost_of(hearing_.nodes_known_whole(now));
+    const LinkMerge::Unrest unrest = merge_.unrest();
+    if (hearing_.is_steady() && !hearing_.is_a_sign_late(now) && !unrest.is_any) {
+      pulses_.begin(unrest.living, hearing_.newcomers().participants, now);
+    } else {
+      pulses_.end(hearing_, merge_);
+    }
   }
   deafness.next_look = hearing_.next_look_in_doubt();
   for (const HearingWatch::Deaf& deaf : found) {
@@ -149,7 +197,8 @@ DiscoveryEar::Deafness DiscoveryEar::look_for_deafness(std::chrono::milliseconds
         merge_.disbelieve({deaf.link, deaf.participant}, now);
         break;
       case HearingWatch::Remedy::renewal:
-        deafness.renewals.push_back({deaf, describe(deaf.missing, called(merge_.node_name(deaf.node)))});
+        deafness.renewals.push_back(
+            {deaf, describe(deaf.missing, called(name_of_node(merge_.endpoints(), deaf.node)))});
     }
   }
   return deafness;
@@ -157,12 +206,14 @@ DiscoveryEar::Deafness DiscoveryEar::look_for_deafness(std::chrono::milliseconds
 
 void DiscoveryEar::was_renewed_for(const HearingWatch::Deaf& deaf) {
   const Lock lock(mutex_);
+  pulses_.end(hearing_, merge_);
   hearing_.tried(deaf.participant);
   merge_.begin_anew({deaf.link, deaf.participant});
 }
 
 void DiscoveryEar::endpoint_came(const Speaker& speaker, Endpoint endpoint) {
   Lock lock(mutex_);
+  pulses_.end(hearing_, merge_);
   hearing_.heard(speaker, time_(), endpoint.node_id);
   merge_.endpoint_came(speaker, std::move(endpoint), time_());
   pass_on_news(lock);
@@ -170,18 +221,21 @@ void DiscoveryEar::endpoint_came(const Speaker& speaker, Endpoint endpoint) {
 
 void DiscoveryEar::endpoint_withdrawn(const Speaker& speaker, EndpointId id) {
   Lock lock(mutex_);
+  pulses_.end(hearing_, merge_);
   merge_.endpoint_withdrawn(speaker, id, time_());
   pass_on_news(lock);
 }
 
 void DiscoveryEar::endpoint_unheard(LinkId link, EndpointId id) {
   Lock lock(mutex_);
+  pulses_.end(hearing_, merge_);
   merge_.endpoint_unheard(link, id, time_());
   pass_on_news(lock);
 }
 
 void DiscoveryEar::request_came(const Speaker& speaker, Request request) {
   Lock lock(mutex_);
+  pulses_.end(hearing_, merge_);
   hearing_.heard(speaker, time_());
   merge_.request_came(speaker, std::move(request), time_());
   pass_on_news(lock);
@@ -190,7 +244,13 @@ void DiscoveryEar::request_came(const Speaker& speaker, Request request) {
 void DiscoveryEar::assertion_came(const Speaker& speaker, Assertion assertion,
                                   std::chrono::milliseconds lease) {
   Lock lock(mutex_);
-  hearing_.heard_life(speaker, assertion.node, digest_heard(assertion, roles_), lease, time_());
+  const std::uint32_t digest = digest_heard(assertion, roles_);
+  if (pulses_.full_sign_is_as_before(speaker, assertion.node, digest)) {
+    pulses_.tell(assertion.node, hearing_, merge_);
+  } else if (pulses_.is_steady()) {
+    pulses_.end(hearing_, merge_);
+  }
+  hearing_.heard_life(speaker, assertion.node, digest, lease, time_());
   if (assertion.wants_signs) sign_pace_.others_want(time_());
   if (nodes_here_.has(assertion.node)) return;  // nobody else says that our node lives
   merge_.assertion_came(speaker, std::move(assertion), time_());
@@ -199,6 +259,7 @@ void DiscoveryEar::assertion_came(const Speaker& speaker, Assertion assertion,
 
 void DiscoveryEar::node_unheard(LinkId link, NodeId id) {
   Lock lock(mutex_);
+  pulses_.end(hearing_, merge_);
   hearing_.life_ended(link, id);
   merge_.node_unheard(link, id, time_());
   pass_on_news(lock);
@@ -207,11 +268,13 @@ void DiscoveryEar::node_unheard(LinkId link, NodeId id) {
 void DiscoveryEar::participant_came(const Speaker& speaker) {
   newcomer_ = true;
   const Lock lock(mutex_);
+  pulses_.end(hearing_, merge_);
   hearing_.participant_came(speaker, time_());
 }
 
 void DiscoveryEar::participant_speaks(const Speaker& speaker) {
   const Lock lock(mutex_);
+  pulses_.end(hearing_, merge_);
   hearing_.participant_speaks(speaker, time_());
 }
 
@@ -222,16 +285,19 @@ void DiscoveryEar::other_release_seen(const Speaker& speaker, std::uint32_t vers
 
 void DiscoveryEar::complaint_came(const Speaker& speaker) {
   const Lock lock(mutex_);
+  pulses_.end(hearing_, merge_);
   if (complaints_.size() < complaints_max) complaints_.push_back(speaker);
 }
 
 void DiscoveryEar::endpoint_matched(const Speaker& speaker, bool is_there) {
   const Lock lock(mutex_);
+  pulses_.end(hearing_, merge_);
   hearing_.endpoint_matched(speaker, is_there, time_());
 }
 
 void DiscoveryEar::participant_departed(const Speaker& speaker) {
   Lock lock(mutex_);
+  pulses_.end(hearing_, merge_);
   hearing_.participant_departed(speaker);
   other_releases_.departed(speaker);
   merge_.participant_departed(speaker, time_());

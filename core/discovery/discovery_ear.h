@@ -22,12 +22,14 @@
 #include "core/discovery/ordered_delivery.h"
 #include "core/discovery/other_releases.h"
 #include "core/discovery/process_nodes.h"
+#include "core/discovery/repeated_pulses.h"
 #include "core/discovery/sign_pace.h"
 #include "core/platform/clock.h"
 #include "core/sync/mutex.h"
 
 namespace sft::core {
 
+/// Larger than usual: it has a function for each event that a listener is told of.
 class DiscoveryEar final : public LinkListener {
  public:
   /// `signs`: those of our nodes.
@@ -40,9 +42,12 @@ class DiscoveryEar final : public LinkListener {
   template <class Act>
   auto with_nodes(Act act) {
     const Lock lock(mutex_);
+    pulses_.end(hearing_, merge_);
     return act(nodes_here_, merge_);
   }
   void pass_on();
+  /// A node of this process says that it lives.
+  void own_sign_given(const std::shared_ptr<NodeListener>& by, const Assertion& sign, Time now);
   /// Announcements of that role are listened to from now on, on all links.
   void hears(Role role, Time now);
   /// True if a participant was heard for the first time since this was called last.
@@ -57,7 +62,9 @@ class DiscoveryEar final : public LinkListener {
     std::chrono::milliseconds pause{};  ///< until the next tick
   };
   AfterTick tick(Time now);
-  bool pulse_came(const Speaker& speaker, const Pulse& pulse, Time since) override;
+  bool pulse_came(LinkId link, const Pulse& pulse, const Participants& participants, Time since) override;
+  /// All pulses that had come until then have been told.
+  void pulses_heard(Time now);
 
   /// Before it is opened; otherwise as HearingWatch::link_made().
   void link_expected(LinkId link, bool hears_full_signs);
@@ -112,6 +119,7 @@ class DiscoveryEar final : public LinkListener {
   mutable Mutex mutex_;
   LinkMerge merge_ SFT_GUARDED_BY(mutex_);
   HearingWatch hearing_ SFT_GUARDED_BY(mutex_);
+  RepeatedPulses pulses_ SFT_GUARDED_BY(mutex_);
   ProcessNodes nodes_here_ SFT_GUARDED_BY(mutex_);
   std::set<Role> roles_ SFT_GUARDED_BY(mutex_);  ///< announcements of these are listened to
   SignPace sign_pace_ SFT_GUARDED_BY(mutex_);

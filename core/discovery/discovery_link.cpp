@@ -91,8 +91,7 @@ class CycloneLink final : public DiscoveryLink {
     bool all_count = true;
     if (!pulses_) return all_count;
     pulses_->take([&](const Pulse& pulse) {
-      const AnnouncerId number = participants_.tagged(pulse.participant).value_or(0);
-      all_count &= listener_.pulse_came({place_.link, number}, pulse, since);
+      all_count &= listener_.pulse_came(place_.link, pulse, participants_, since);
     });
     return all_count;
   }

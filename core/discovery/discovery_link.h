@@ -35,9 +35,9 @@ class LinkListener {
   virtual void assertion_came(const Speaker& speaker, Assertion assertion,
                               std::chrono::milliseconds lease) = 0;
   virtual void node_unheard(LinkId link, NodeId id) = 0;
-  /// A pulse came after `since`. It is told within hear_pulses(). The number of a participant that is not
-  /// known is 0. Returns false if the pulse counts for nothing.
-  virtual bool pulse_came(const Speaker& speaker, const Pulse& pulse, Time since) = 0;
+  /// A pulse came after `since`, of one of the participants if it is known. It is told within hear_pulses().
+  /// Returns false if the pulse counts for nothing.
+  virtual bool pulse_came(LinkId link, const Pulse& pulse, const Participants& participants, Time since) = 0;
   virtual void participant_came(const Speaker& speaker) = 0;
   /// The participant belongs to a node that speaks with us: one with this version of the control topics, and
   /// secured if we are. May be told more than once.

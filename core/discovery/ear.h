@@ -99,6 +99,12 @@ struct Ear {
   /// is confirmed by the next one: if each change of a mask made signs frequent everywhere, they would hardly
   /// ever be seldom.
   bool is_told_of_more() const { return lives && told != known && last_life - agreed > overtaking; }
+  /// True if nothing is missing of the speaker, and only its silence could change that.
+  bool is_steady() const {
+    return lives && told == known && has_agreed && unmatched == 0 && !is_contradicted && !doubtful_since &&
+           !missed_since && !disbelieved_since && signs.last_pulse && signs.full_missed == 0 &&
+           !signs.unnamed && !signs.overdue_since;
+  }
   /// Notes at a look whether the ear is doubtful. Returns true if it has been so for `duration`.
   bool is_doubtful_for(std::chrono::milliseconds duration, bool is_doubtful, Time now);
 };

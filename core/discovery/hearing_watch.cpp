@@ -54,6 +54,35 @@ milliseconds pause_in_doubt(std::size_t participants) {
                                   look_pause_in_doubt_max);
 }
 
+/// Something else is wrong with the participant than the links by which it is heard.
+template <class Participants>
+bool is_hopeless(const Participants& participants, AnnouncerId participant) {
+  const auto known = participants.find(participant);
+  return known != participants.end() && !known->second.has_agreed && known->second.tries >= tries_max;
+}
+
+/// True if a node of the speaker is heard as it should be by another participant on the link, since its
+/// process has made its link anew, or we have.
+bool speaks_otherwise(const std::map<Speaker, Ear>& ears, LinkId link, const Speaker& speaker, const Ear& ear,
+                      Time now) {
+  return std::ranges::any_of(ears, [&](const auto& entry) {
+    const auto& [other, of_other] = entry;
+    const auto has_too = [&](NodeId node) { return of_other.nodes.contains(node); };
+    return other.link == link && other != speaker && of_other.is_well(now) &&
+           ((ear.node != 0 && ear.node == of_other.node) || std::ranges::any_of(ear.nodes, has_too));
+  });
+}
+
+bool is_behind(const Ear& ear, std::size_t ears, Time newcomer, Time now) {
+  const milliseconds in_a_crowd =
+      (ear.has_agreed ? longer_for_each : longer_at_first_for_each) * std::min(ears, crowd_max);
+  if (!ear.lives || ear.known == ear.told) return false;
+  if (ear.missed_since) return true;  // newcomers make no difference any more
+  if (ear.is_contradicted && now - newcomer > start_takes + in_a_crowd) return true;
+  const milliseconds patience = (ear.has_agreed ? behind_after : behind_at_first_after) + in_a_crowd;
+  return ear.last_life - std::max(ear.agreed, newcomer) > patience;  // its signs of life still tell that
+}
+
 }  // namespace
 
 void HearingWatch::link_dropped(LinkId link) {
@@ -181,7 +210,7 @@ std::vector<HearingWatch::Deaf> HearingWatch::look(const std::map<Speaker, std::
   for (auto& [speaker, ear] : ears_) {
     looks_often_ |= ear.lives && ear.known != ear.told && now - ear.agreed < behind_at_first_after;
     const bool is_doubtful = (ear.is_told_of_more() || ear.signs.misses_full_sign(longer_at_first, now)) &&
-                             !is_hopeless(speaker.participant);
+                             !is_hopeless(participants_, speaker.participant);
     looks_often_ |= is_doubtful;
     may_miss_something_ |= ear.is_doubtful_for(ear.has_agreed ? longer : longer_at_first, is_doubtful, now);
     const auto what = missing(speaker, ear, participant_lease, now);
@@ -197,6 +226,14 @@ std::vector<HearingWatch::Deaf> HearingWatch::look(const std::map<Speaker, std::
     if (how && !is_told) deaf.push_back({speaker.link, speaker.participant, ear.node, *what, *how});
   }
   return deaf;
+}
+
+bool HearingWatch::is_steady() const {
+  const auto is_link_steady = [](const auto& entry) {
+    return entry.second.hears_full_signs && !entry.second.replaced_by;
+  };
+  return !looks_often_ && !may_miss_something_ && std::ranges::all_of(links_, is_link_steady) &&
+         std::ranges::all_of(ears_, [](const auto& entry) { return entry.second.is_steady(); });
 }
 
 std::set<NodeId> HearingWatch::nodes_known_whole(Time now) const {
@@ -236,29 +273,12 @@ bool HearingWatch::is_a_sign_late(Time now) const {
   });
 }
 
-/// Something else is wrong with the participant than the links by which it is heard.
-bool HearingWatch::is_hopeless(AnnouncerId participant) const {
-  const auto known = participants_.find(participant);
-  return known != participants_.end() && !known->second.has_agreed && known->second.tries >= tries_max;
-}
-
-/// True if a node of the speaker is heard as it should be by another participant on the link, since its
-/// process has made its link anew, or we have.
-bool HearingWatch::speaks_otherwise(const Speaker& speaker, const Ear& ear, Time now) const {
-  const LinkId link = links_.at(speaker.link).replaced_by.value_or(speaker.link);
-  return std::ranges::any_of(ears_, [&](const auto& entry) {
-    const auto& [other, of_other] = entry;
-    const auto has_too = [&](NodeId node) { return of_other.nodes.contains(node); };
-    return other.link == link && other != speaker && of_other.is_well(now) &&
-           ((ear.node != 0 && ear.node == of_other.node) || std::ranges::any_of(ear.nodes, has_too));
-  });
-}
-
 /// A participant that is not heard at all hears no complaint, either.
 std::optional<HearingWatch::Remedy> HearingWatch::remedy(const Speaker& speaker, Ear& ear, Missing missing,
                                                          Time now) {
   if (ear.disbelieved_since && now - *ear.disbelieved_since < goes_within) return {};
-  if (speaks_otherwise(speaker, ear, now)) {
+  const LinkId link = links_.at(speaker.link).replaced_by.value_or(speaker.link);
+  if (speaks_otherwise(ears_, link, speaker, ear, now)) {
     ear.disbelieved_since = now;
     return Remedy::disbelief;
   }
@@ -275,19 +295,9 @@ std::optional<HearingWatch::Remedy> HearingWatch::remedy(const Speaker& speaker,
   return Remedy::complaint;
 }
 
-bool HearingWatch::is_behind(const Ear& ear, Time newcomer, Time now) const {
-  const milliseconds in_a_crowd =
-      (ear.has_agreed ? longer_for_each : longer_at_first_for_each) * std::min(ears_.size(), crowd_max);
-  if (!ear.lives || ear.known == ear.told) return false;
-  if (ear.missed_since) return true;  // newcomers make no difference any more
-  if (ear.is_contradicted && now - newcomer > start_takes + in_a_crowd) return true;
-  const milliseconds patience = (ear.has_agreed ? behind_after : behind_at_first_after) + in_a_crowd;
-  return ear.last_life - std::max(ear.agreed, newcomer) > patience;  // its signs of life still tell that
-}
-
 std::optional<HearingWatch::Missing> HearingWatch::missing(const Speaker& speaker, Ear& ear,
                                                            milliseconds participant_lease, Time now) const {
-  if (is_hopeless(speaker.participant)) return {};
+  if (is_hopeless(participants_, speaker.participant)) return {};
   const Link& link = links_.at(speaker.link);
   if (link.replaced_by) {
     const bool lags =
@@ -308,7 +318,8 @@ std::optional<HearingWatch::Missing> HearingWatch::missing(const Speaker& speake
     return {};
   }
   ear.signs.overdue_since.reset();
-  return is_behind(ear, link.newcomer, now) ? std::optional(Missing::announcements) : std::nullopt;
+  return is_behind(ear, ears_.size(), link.newcomer, now) ? std::optional(Missing::announcements)
+                                                          : std::nullopt;
 }
 
 }  // namespace sft::core

@@ -100,6 +100,15 @@ class HearingWatch {
   /// True if frequent signs would help to find out what is missing: at the last look something was, or a sign
   /// of life said something else than was known before it.
   bool may_miss_something() const { return may_miss_something_; }
+  /// True if nothing is missing of that speaker, and only its silence could change that.
+  bool is_steady(const Speaker& speaker) const {
+    const auto ear = ears_.find(speaker);
+    return ear != ears_.end() && ear->second.is_steady();
+  }
+  /// True if the last look has found that of everybody, on all links.
+  bool is_steady() const;
+  /// There was no need to look.
+  void need_no_look(Time now) { looked_ = now; }
   /// True if look() is due: once a second, and more often while something may be missing.
   bool wants_look(Time now) const;
   /// When look() is due while something may be missing; Time::max() if nothing is.
@@ -125,12 +134,9 @@ class HearingWatch {
   static constexpr std::size_t speakers_max = 4096;
 
   Ear* ear_of(const Speaker& speaker, Time now);
-  bool is_hopeless(AnnouncerId participant) const;
-  bool is_behind(const Ear& ear, Time newcomer, Time now) const;
   std::optional<Missing> missing(const Speaker& speaker, Ear& ear,
                                  std::chrono::milliseconds participant_lease, Time now) const;
   void note_known(const std::map<Speaker, std::uint32_t>& known, Time now);
-  bool speaks_otherwise(const Speaker& speaker, const Ear& ear, Time now) const;
   std::optional<Remedy> remedy(const Speaker& speaker, Ear& ear, Missing missing, Time now);
 
   std::map<LinkId, Link> links_;

@@ -218,7 +218,7 @@ void JointDiscovery::assert_liveliness(Seat& seat, const Assertion& assertion) {
   {
     const Lock lock(mutex_);
     const Time now = std::chrono::steady_clock::now();
-    ear_.with_nodes([&](ProcessNodes& nodes, const auto&) { nodes.asserted(seat.member, assertion, now); });
+    ear_.own_sign_given(seat.member, assertion, now);
     write(assertion, pace_.are_wanted(now), now);
   }
   ear_.pass_on();
@@ -254,7 +254,7 @@ Time JointDiscovery::look_after(Seat& seat, Time now, bool somebody_is_missing) 
 Time JointDiscovery::look_after_links(Time now) {
   if (watches_ && (watch_.changed() || now >= next_look_)) look_at_interfaces(now);
   if (!links_.hear_pulses(now)) greetings_.stranger(now);
-  ear_.with_nodes([now](const auto&, LinkMerge& merge) { merge.pulses_heard(now); });
+  ear_.pulses_heard(now);
   const HearingWatch::Newcomers newcomers = ear_.newcomers();
   greetings_.others(newcomers.participants);
   if (ear_.take_newcomer()) greetings_.newcomer(now);

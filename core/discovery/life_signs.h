@@ -19,9 +19,9 @@ struct LifeSigns {
 /// Where signs in calm are pulses (pulse.h), which are heard at the next look (tick_pace.h).
 inline constexpr LifeSigns life_signs_by_pulses{std::chrono::milliseconds(650),
                                                 std::chrono::milliseconds(932), lease_default};
-/// So often at least a sign goes by Cyclone, too. Cyclone's lease covers four of them, and tells others that
+/// So often at least a sign goes by Cyclone, too. Cyclone's lease covers three of them, and tells others that
 /// there are pulses.
-inline constexpr std::chrono::milliseconds full_sign_pause{14'912}, full_sign_lease{60'000};
+inline constexpr std::chrono::milliseconds full_sign_pause{18'640}, full_sign_lease{60'000};
 constexpr bool gives_pulses(std::chrono::milliseconds lease_of_signs) {
   return lease_of_signs == full_sign_lease;
 }

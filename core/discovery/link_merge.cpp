@@ -27,19 +27,23 @@ milliseconds LinkMerge::lease_of(NodeId node) const {
   return endpoint == nullptr ? lease_default : std::min(endpoint->life_lease, lease_max);
 }
 
-std::string LinkMerge::node_name(NodeId node) const {
-  const Endpoint* const endpoint = endpoints_.some_told_of(node);
-  return endpoint == nullptr ? std::string() : endpoint->node;
-}
-
-bool LinkMerge::has_rivals() const {
-  bool has_rivals = nodes_.has_rivals();
+LinkMerge::Unrest LinkMerge::unrest() const {
+  const NodeClaims::Lives lives = nodes_.lives();
+  Unrest unrest{.has_rivals = lives.has_rivals,
+                .is_any = lives.awaits_loss || !early_requests_.empty(),
+                .living = lives.living};
   endpoints_.each([&](EndpointId, const EndpointClaims& claims) {
     int speakers = 0;
-    claims.each_alive([&speakers](const Claim&) { ++speakers; });
-    has_rivals |= speakers > 1;
+    claims.each_alive([&](const Claim& claim) {
+      ++speakers;
+      unrest.is_any |= claim.contested_since.has_value() || claim.refused || claim.untrue;
+    });
+    const ToldEndpoint& told = claims.told();
+    unrest.has_rivals |= speakers > 1;
+    unrest.is_any |= told.is_in_doubt() || told.lease() < lease_default || (speakers == 0 && !told.is_lost());
   });
-  return has_rivals;
+  unrest.is_any |= unrest.has_rivals;
+  return unrest;
 }
 
 std::map<Speaker, std::uint32_t> LinkMerge::digests() const {
@@ -137,6 +141,11 @@ void LinkMerge::assertion_came(const Speaker& speaker, Assertion assertion, Time
 void LinkMerge::pulse_came(const Speaker& speaker, std::optional<NodeId> living, Time now) {
   speakers_.pulse_came(speaker, now);
   if (living) assertion_came(speaker, {.node = *living, .writers = {}}, now);
+}
+
+void LinkMerge::pulses_came_until(const Speaker& speaker, NodeId node, Time last) {
+  speakers_.pulses_came_until(speaker, last);
+  nodes_.asserted(node, speaker, silence_in(lease_of(node)), last);
 }
 
 void LinkMerge::node_unheard(LinkId link, NodeId id, Time now) {

@@ -8,7 +8,6 @@
 #include <map>
 #include <optional>
 #include <set>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -59,6 +58,8 @@ class LinkMerge {
   void assertion_came(const Speaker& speaker, Assertion assertion, Time now);
   /// The speaker has said by a pulse that this node lives; none if the pulse does not count.
   void pulse_came(const Speaker& speaker, std::optional<NodeId> living, Time now);
+  /// That node has gone on to live until then, as pulses of the speaker have said. Nobody needs to be told.
+  void pulses_came_until(const Speaker& speaker, NodeId node, Time last);
   /// All pulses that had come until then have been told.
   void pulses_heard(Time now) { speakers_.pulses_heard(now); }
   void node_unheard(LinkId link, NodeId id, Time now);
@@ -74,12 +75,16 @@ class LinkMerge {
   /// The time until tick() is worth its cost again, which grows with the number of endpoints.
   std::chrono::milliseconds pause_between_ticks() const;
 
-  /// True if more than one speaker is heard for some endpoint or node: their silence decides between them.
-  bool has_rivals() const;
+  struct Unrest {
+    /// More than one speaker is heard for some endpoint or node: their silence decides between them.
+    bool has_rivals = false;
+    /// Time alone may change something, although all go on to say that they live.
+    bool is_any = false;
+    std::size_t living = 0;  ///< nodes
+  };
+  Unrest unrest() const;
   /// The digests (control_digest.h) of all that is known here of each speaker's announcements.
   std::map<Speaker, std::uint32_t> digests() const;
-  /// The name of that node, for people. Empty if no endpoint of it is known.
-  std::string node_name(NodeId node) const;
   /// The claims of that speaker are not what its node says. They do not count any more once another speaker
   /// of the node, or the same one on another link, is heard. And endpoints that were withdrawn may be there.
   void begin_anew(const Speaker& speaker);

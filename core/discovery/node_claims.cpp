@@ -58,10 +58,15 @@ bool NodeClaims::is_vouched_for(NodeId id, const Speaker& speaker) const {
   return first != node->second.claims.end() && first->speaker == speaker;
 }
 
-bool NodeClaims::has_rivals() const {
-  return std::ranges::any_of(nodes_, [](const auto& entry) {
-    return std::ranges::count_if(entry.second.claims, &Claim::alive) > 1;
-  });
+NodeClaims::Lives NodeClaims::lives() const {
+  Lives lives;
+  for (const auto& [id, node] : nodes_) {
+    const auto speakers = std::ranges::count_if(node.claims, &Claim::alive);
+    lives.living += speakers > 0 ? 1 : 0;
+    lives.has_rivals |= speakers > 1;
+    lives.awaits_loss |= speakers == 0 && !node.lost;
+  }
+  return lives;
 }
 
 std::vector<NodeId> NodeClaims::take_lost(const LeaseOf& lease_of, Time now) {

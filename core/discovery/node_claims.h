@@ -31,8 +31,12 @@ class NodeClaims {
   void link_dropped(LinkId link);
   void forget_link(LinkId link);
 
-  /// True if several speakers are heard that say that the same node lives.
-  bool has_rivals() const;
+  struct Lives {
+    std::size_t living = 0;    ///< nodes of which somebody says that they live
+    bool has_rivals = false;   ///< several speakers say that the same node lives
+    bool awaits_loss = false;  ///< some node has its lease to return, and is lost then
+  };
+  Lives lives() const;
   /// True if this speaker is the one that is believed on its link to say that the node lives.
   bool is_vouched_for(NodeId node, const Speaker& speaker) const;
 

@@ -104,6 +104,7 @@ void ProcessNodes::asserted(const std::shared_ptr<NodeListener>& member, Asserti
   hearer.asserted = now;
   assertion.announcer = hearer.number;
   const bool was_lost = std::exchange(hearer.is_lost, false);
+  if (hearers_.size() == 1) return;  // nobody else is there to be told
   std::vector<const Endpoint*> endpoints;
   for (const EndpointId id : hearer.endpoints) {
     const Own& own = own_.at(id);
@@ -130,6 +131,10 @@ std::vector<NodeId> ProcessNodes::living(Time since) const {
 
 bool ProcessNodes::has(NodeId node) const {
   return std::ranges::find(hearers_, node, &Hearer::node) != hearers_.end();
+}
+
+bool ProcessNodes::are_news_from(NodeId node, const ClaimedEndpoints& known) const {
+  return !concerned_by(Assertion{.node = node, .writers = {}}, known)->empty();
 }
 
 const Endpoint* ProcessNodes::find(EndpointId id) const {

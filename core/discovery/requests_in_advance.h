@@ -22,6 +22,7 @@ class RequestsInAdvance {
   void keep(const Speaker& speaker, Request request, Time now);
   /// The request of a reader that the speaker announces now, if there is one.
   std::optional<Request> take(const Speaker& speaker, EndpointId reader);
+  bool empty() const { return requests_.empty(); }
   void forget_link(LinkId link);
   /// Forgets each request for which forgets(reader, age) is true.
   template <class Forgets>

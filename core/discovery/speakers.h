@@ -33,6 +33,12 @@ class Speakers {
   /// speaker has been silent is judged as of the last time when that was done.
   void pulse_came(const Speaker& speaker, Time now) { pulsed_[speaker] = now; }
   bool gives_pulses(const Speaker& speaker) const { return pulsed_.contains(speaker); }
+  /// Pulses of the speaker have come until then without a pause.
+  void pulses_came_until(const Speaker& speaker, Time last) {
+    pulse_came(speaker, last);
+    if (const auto entry = heard_.find(speaker); entry != heard_.end())
+      entry->second.last = std::max(entry->second.last, last);
+  }
   /// All pulses that had come until then have been heard.
   void pulses_heard(Time now) { pulses_heard_ = now; }
   bool speaks(const Speaker& speaker, std::chrono::milliseconds silence, Time now) const {

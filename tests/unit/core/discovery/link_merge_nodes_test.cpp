@@ -105,18 +105,18 @@ TEST_F(LinkMergeTest, KnowsSoManyNodesAndNoMore) {
 }
 
 TEST_F(LinkMergeTest, HasRivalsWhileTwoSpeakForOneNodeOrOneEndpoint) {
-  EXPECT_FALSE(merge.has_rivals());
+  EXPECT_FALSE(merge.unrest().has_rivals);
   merge.assertion_came(by_lan, {.node = node, .writers = {}}, now);
   announces(by_lan, 1);
-  EXPECT_FALSE(merge.has_rivals());
+  EXPECT_FALSE(merge.unrest().has_rivals);
   announces(by_radio, 1);
-  EXPECT_TRUE(merge.has_rivals());
+  EXPECT_TRUE(merge.unrest().has_rivals);
   merge.participant_departed(by_radio, now);
-  EXPECT_FALSE(merge.has_rivals());
+  EXPECT_FALSE(merge.unrest().has_rivals);
   merge.assertion_came(by_radio, {.node = node, .writers = {}}, now);
-  EXPECT_TRUE(merge.has_rivals());
+  EXPECT_TRUE(merge.unrest().has_rivals);
   merge.node_unheard(radio, node, now);
-  EXPECT_FALSE(merge.has_rivals());
+  EXPECT_FALSE(merge.unrest().has_rivals);
 }
 
 }  // namespace
