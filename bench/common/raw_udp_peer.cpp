@@ -174,8 +174,8 @@ class RawUdpReader : public Reader {
     for (; filled_ - at >= bytes_; at += bytes_) {
       std::uint64_t number = 0;
       std::memcpy(&number, memory_.data() + at, sizeof number);
-      sendto(socket_, &number, sizeof number, 0, reinterpret_cast<const sockaddr*>(&peer), length);
       arrived_(number);
+      sendto(socket_, &number, sizeof number, 0, reinterpret_cast<const sockaddr*>(&peer), length);
     }
     if (at > 0) std::memmove(memory_.data(), memory_.data() + at, filled_ - at);
     filled_ -= at;

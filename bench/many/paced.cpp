@@ -77,14 +77,15 @@ std::vector<Figure> paced(const ManyScale& scale) {
   const Paced at_10_hz{small, 50 / shortened, 100'000};
   const Paced at_100_hz{small, 300 / shortened, 10'000};
   const Paced at_1_khz{small, 2000 / shortened, 1000};
-  std::array contests{
-      Contest{"paced_64B_10Hz", at_10_hz, raw_udp_peer, "raw UDP", 1.3},
-      Contest{"paced_64B_10Hz_vs_cyclone", at_10_hz, cyclone_peer, "Cyclone DDS"},
-      Contest{"paced_64B_100Hz", at_100_hz, raw_udp_peer, "raw UDP", 1.3},
-      Contest{"paced_64B_100Hz_vs_cyclone", at_100_hz, cyclone_peer, "Cyclone DDS"},
-      Contest{"paced_64B_1kHz", at_1_khz, raw_udp_peer, "raw UDP", 1.3},
-      Contest{"paced_64B_1kHz_vs_cyclone", at_1_khz, cyclone_peer, "Cyclone DDS"},
-      Contest{"paced_16kB", {{.bulk_bytes = 16'000}, 300 / shortened, 10'000}, raw_tcp_peer, "TCP", 1.15}};
+  const Paced of_16_kb{{.bulk_bytes = 16'000}, 300 / shortened, 10'000};
+  std::array contests{Contest{"paced_64B_10Hz", at_10_hz, raw_udp_peer, "raw UDP", 1.3},
+                      Contest{"paced_64B_10Hz_vs_cyclone", at_10_hz, cyclone_peer, "Cyclone DDS"},
+                      Contest{"paced_64B_100Hz", at_100_hz, raw_udp_peer, "raw UDP", 1.3},
+                      Contest{"paced_64B_100Hz_vs_cyclone", at_100_hz, cyclone_peer, "Cyclone DDS"},
+                      Contest{"paced_64B_1kHz", at_1_khz, raw_udp_peer, "raw UDP", 1.3},
+                      Contest{"paced_64B_1kHz_vs_cyclone", at_1_khz, cyclone_peer, "Cyclone DDS"},
+                      Contest{"paced_16kB", of_16_kb, raw_tcp_peer, "TCP", 1.15},
+                      Contest{"paced_16kB_vs_raw_udp", of_16_kb, raw_udp_peer, "raw UDP, GSO and GRO"}};
   std::array cpu_contests{CpuContest{"10Hz", at_10_hz}, CpuContest{"100Hz", at_100_hz},
                           CpuContest{"1kHz", at_1_khz}};
   for (int round = 0; round < scale.rounds; ++round) {
