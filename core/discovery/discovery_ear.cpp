@@ -178,8 +178,9 @@ DiscoveryEar::Deafness DiscoveryEar::look_for_deafness(std::chrono::milliseconds
   if (hearing_.wants_look(now)) {
     found = hearing_.look(merge_.digests(), participant_lease, now);
     merge_.end_what_was_lost_of(hearing_.nodes_known_whole(now));
-    const LinkMerge::Unrest unrest = merge_.unrest();
-    if (hearing_.is_steady() && !hearing_.is_a_sign_late(now) && !unrest.is_any) {
+    const bool hears_all = hearing_.is_steady() && !hearing_.is_a_sign_late(now);
+    const auto unrest = hears_all ? merge_.unrest() : LinkMerge::Unrest{.is_any = true};
+    if (!unrest.is_any) {
       pulses_.begin(unrest.living, hearing_.newcomers().participants, now);
     } else {
       pulses_.end(hearing_, merge_);

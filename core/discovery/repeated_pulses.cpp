@@ -52,8 +52,10 @@ void tell_one(Known& known, HearingWatch& hearing, LinkMerge& merge) {
 void RepeatedPulses::told(const Voice& voice, Time since, Time now) {
   const auto key = key_of(voice.speaker.link, voice.pulse);
   auto place = place_of(voices_, key);
-  if (place == voices_.end() || key_of(place->voice.speaker.link, place->voice.pulse) != key)
+  if (place == voices_.end() || key_of(place->voice.speaker.link, place->voice.pulse) != key) {
+    if (voices_.size() >= voices_max) return;
     place = voices_.emplace(place);
+  }
   *place = {.voice = voice, .since = since, .last = now};
 }
 

@@ -1,7 +1,7 @@
 // Pulses that say what their speakers have said before, while all is steady. There a pulse tells nothing but
 // when it came, so it waits here, in one place of memory for all, until somebody has to know. In calm most
-// pulses are such ones, and to tell each of them to all who keep account of its speaker was most of what an
-// idle node in a crowd took. discovery.md says when all is steady. Pure.
+// pulses are such ones, and to tell each of them to all who keep account of its speaker was a third of what
+// an idle node in a crowd took. discovery.md says when all is steady. Pure.
 #pragma once
 
 #include <chrono>
@@ -30,6 +30,9 @@ class RepeatedPulses {
 
   /// A pulse waits for so long at most until it is told.
   static constexpr std::chrono::seconds waits_max{9};
+
+  /// More may be made up. Then it is not steady.
+  static constexpr std::size_t voices_max = 4096;
 
   /// Notes a pulse that was told, and came after `since`.
   void told(const Voice& voice, Time since, Time now);
@@ -64,8 +67,7 @@ class RepeatedPulses {
     bool waits = false;
     bool full_sign_came = false;  ///< since the last pulse
   };
-  /// In the order of nodes, links and participants. All are looked at one after the other, and most of them
-  /// are found where they are looked for.
+  /// In the order of nodes, links and participants. It is one piece of memory, of which a look needs all.
   std::vector<Known> voices_;
   bool is_steady_ = false;
   Time looked_at_{};  ///< nothing waits since before

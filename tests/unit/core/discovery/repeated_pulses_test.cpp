@@ -183,6 +183,16 @@ TEST_F(RepeatedPulsesTest, OfOneNodeAreToldAlone) {
   EXPECT_EQ(lost(), std::vector<NodeId>{second_node}) << "that was not told";
 }
 
+TEST_F(RepeatedPulsesTest, AreNotNotedWithoutEnd) {
+  std::size_t told = 2;
+  for (; told < RepeatedPulses::voices_max + 1; ++told)
+    pulses.told({.speaker = first_speaker, .pulse = pulse(first_speaker, 1000 + told)}, now, now);
+  pulses.begin(told, 2, now);
+  EXPECT_FALSE(waits(pulse(first_speaker, first_node))) << "one is not known";
+  pulses.begin(told - 1, 2, now);
+  EXPECT_TRUE(waits(pulse(first_speaker, first_node)));
+}
+
 TEST_F(RepeatedPulsesTest, AreAllToldAndForgottenInTheEnd) {
   pulses.begin(2, 2, now);
   now += 3s;
