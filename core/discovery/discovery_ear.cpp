@@ -98,11 +98,7 @@ bool DiscoveryEar::pulse_came(LinkId link, const Pulse& pulse, const Participant
   if (nodes_here_.has(pulse.node)) return true;  // our own one; nobody else says that our node lives
   const Time now = time_();
   if (pulses_.waits(link, pulse, since, now)) return true;
-  if (pulses_.is_as_before(link, pulse)) {
-    pulses_.tell(pulse.node, hearing_, merge_);
-  } else if (pulses_.is_steady()) {
-    pulses_.end(hearing_, merge_);
-  }
+  pulses_.make_way(pulse.node, pulses_.is_as_before(link, pulse), hearing_, merge_);
   const Speaker speaker{link, participants.tagged(pulse.participant).value_or(0)};
   const std::uint32_t digest = digest_heard(pulse, roles_);
   const bool counts = hearing_.heard_pulse(speaker, pulse, digest, since, now);
@@ -246,11 +242,8 @@ void DiscoveryEar::assertion_came(const Speaker& speaker, Assertion assertion,
                                   std::chrono::milliseconds lease) {
   Lock lock(mutex_);
   const std::uint32_t digest = digest_heard(assertion, roles_);
-  if (pulses_.full_sign_is_as_before(speaker, assertion.node, digest)) {
-    pulses_.tell(assertion.node, hearing_, merge_);
-  } else if (pulses_.is_steady()) {
-    pulses_.end(hearing_, merge_);
-  }
+  const bool is_as_before = pulses_.full_sign_is_as_before(speaker, assertion.node, digest);
+  pulses_.make_way(assertion.node, is_as_before, hearing_, merge_);
   hearing_.heard_life(speaker, assertion.node, digest, lease, time_());
   if (assertion.wants_signs) sign_pace_.others_want(time_());
   if (nodes_here_.has(assertion.node)) return;  // nobody else says that our node lives

@@ -102,7 +102,9 @@ void RepeatedPulses::tell(HearingWatch& hearing, LinkMerge& merge) {
   for (Known& known : voices_) tell_one(known, hearing, merge);
 }
 
-void RepeatedPulses::tell(NodeId node, HearingWatch& hearing, LinkMerge& merge) {
+void RepeatedPulses::make_way(NodeId node, bool is_as_before, HearingWatch& hearing, LinkMerge& merge) {
+  if (!is_steady_) return;
+  if (!is_as_before) return end(hearing, merge);
   for (auto known = place_of(voices_, std::tuple(node, LinkId{0}, std::uint32_t{0}));
        known != voices_.end() && known->voice.pulse.node == node; ++known)
     tell_one(*known, hearing, merge);

@@ -55,8 +55,9 @@ class RepeatedPulses {
 
   /// Tells all that waits.
   void tell(HearingWatch& hearing, LinkMerge& merge);
-  /// Tells what waits of that node.
-  void tell(NodeId node, HearingWatch& hearing, LinkMerge& merge);
+  /// Tells what waits of that node, of which something else is told next. If that is not as before, and all
+  /// was steady, this is the end.
+  void make_way(NodeId node, bool is_as_before, HearingWatch& hearing, LinkMerge& merge);
   /// Something else happens than that nodes say that they live: tells all that waits, and forgets all.
   void end(HearingWatch& hearing, LinkMerge& merge);
 

@@ -178,7 +178,7 @@ TEST_F(RepeatedPulsesTest, OfOneNodeAreToldAlone) {
   const Time begin = now;
   now += 3s;
   EXPECT_TRUE(waits(pulse(first_speaker, first_node)) && waits(pulse(second_speaker, second_node)));
-  pulses.tell(first_node, hearing, merge);
+  pulses.make_way(first_node, true, hearing, merge);
   now = begin + lease_default + 1ms;
   EXPECT_EQ(lost(), std::vector<NodeId>{second_node}) << "that was not told";
 }
