@@ -63,10 +63,15 @@ class Discovery {
   /// When another process last began to hear what we say on one more topic, or we what it says; Time{} if
   /// none did. What was told in a sign of life before that may not have reached it. Any thread.
   virtual Time met_at() const = 0;
+  /// What the node waits for at present.
+  struct Awaited {
+    bool somebody = false;    ///< an endpoint is missing that has to be somewhere
+    bool every_sign = false;  ///< it counts who lives; else, in calm, repeated signs of life may be left out
+  };
   /// To be called often: takes interfaces into use and out of use, and lets nodes that have not heard of us,
   /// or have lost us, find us. Cyclone does that by itself every now and then. Returns when this node has to
   /// call it again at the latest; Time::max() if it need not hurry.
-  virtual Time look_after(Time now, bool somebody_is_missing) = 0;
+  virtual Time look_after(Time now, const Awaited& awaited) = 0;
 };
 
 }  // namespace sft::core

@@ -105,11 +105,13 @@ bool DiscoveryEar::pulse_came(LinkId link, const Pulse& pulse, const Participant
   if (speaker.participant != 0)
     merge_.pulse_came(speaker, counts ? std::optional(pulse.node) : std::nullopt, now);
   if (pulses_.is_steady() && !hearing_.is_steady(speaker)) pulses_.end(hearing_, merge_);
-  if (counts) {
-    const bool is_news = nodes_here_.are_news_from(pulse.node, merge_.endpoints());
-    pulses_.told({speaker, pulse, digest, is_news}, since, now);
-  }
+  if (counts) pulses_.told({speaker, pulse, digest}, since, now);
   return counts;
+}
+
+void DiscoveryEar::tell_every_pulse() {
+  const Lock lock(mutex_);
+  pulses_.end(hearing_, merge_);
 }
 
 void DiscoveryEar::pulses_heard(Time now) {

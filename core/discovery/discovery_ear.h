@@ -63,6 +63,8 @@ class DiscoveryEar final : public LinkListener {
   };
   AfterTick tick(Time now);
   bool pulse_came(LinkId link, const Pulse& pulse, const Participants& participants, Time since) override;
+  /// Pulses that come until the next look do not wait.
+  void tell_every_pulse();
   /// All pulses that had come until then have been told.
   void pulses_heard(Time now);
 

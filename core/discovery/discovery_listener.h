@@ -17,7 +17,8 @@ class DiscoveryListener {
   /// The endpoint's node stopped answering; if it returns, the endpoint is seen again.
   virtual void endpoint_lost(EndpointId id) = 0;
   virtual void request_received(Request request) = 0;
-  /// A node says every now and then that it lives, and which of its writers do.
+  /// A node says every now and then that it lives, and which of its writers do. In calm, signs that tell
+  /// nothing new may be left out, see Discovery::Awaited.
   virtual void liveliness_asserted(Assertion assertion) = 0;
   /// The node has not said for its whole lease that it lives.
   virtual void node_lost(NodeId id) = 0;

@@ -43,6 +43,11 @@ LifeSigns life_signs_of(const DdsConfig& config) {
   return config.multicast ? life_signs_to_all : life_signs_to_each;
 }
 
+/// By any node.
+bool is_awaited(bool Discovery::Awaited::*what, const std::list<JointDiscovery::Seat>& seats) {
+  return std::ranges::any_of(seats, [what](const auto& seat) { return seat.awaits.*what; });
+}
+
 /// A node's part in the discovery that it shares.
 class SharedDiscovery final : public Discovery {
  public:
@@ -60,8 +65,8 @@ class SharedDiscovery final : public Discovery {
   void assert_liveliness(const Assertion& assertion) override { joint_->assert_liveliness(seat_, assertion); }
   Time newcomer_at() const override { return joint_->newcomer_at(); }
   Time met_at() const override { return joint_->met_at(); }
-  Time look_after(Time now, bool somebody_is_missing) override {
-    return joint_->look_after(seat_, now, somebody_is_missing);
+  Time look_after(Time now, const Awaited& awaited) override {
+    return joint_->look_after(seat_, now, awaited);
   }
 
  private:
@@ -232,12 +237,12 @@ void JointDiscovery::write(Assertion assertion, bool is_wanted, Time now) {
   links_.write(assertion, is_wanted, now);
 }
 
-Time JointDiscovery::look_after(Seat& seat, Time now, bool somebody_is_missing) {
+Time JointDiscovery::look_after(Seat& seat, Time now, const Discovery::Awaited& awaited) {
   std::vector<Report> reports;
   Time next = Time::max();
   {
     const Lock lock(mutex_);
-    seat.misses_somebody = somebody_is_missing;
+    seat.awaits = awaited;
     if (last_look_.by == &seat || now >= last_look_.at + one_looks_for) {
       last_look_ = {&seat, now};
       next = look_after_links(now);
@@ -253,12 +258,13 @@ Time JointDiscovery::look_after(Seat& seat, Time now, bool somebody_is_missing) 
 /// Returns when it has to be called again at the latest.
 Time JointDiscovery::look_after_links(Time now) {
   if (watches_ && (watch_.changed() || now >= next_look_)) look_at_interfaces(now);
+  if (is_awaited(&Discovery::Awaited::every_sign, seats_)) ear_.tell_every_pulse();
   if (!links_.hear_pulses(now)) greetings_.stranger(now);
   ear_.pulses_heard(now);
   const HearingWatch::Newcomers newcomers = ear_.newcomers();
   greetings_.others(newcomers.participants);
   if (ear_.take_newcomer()) greetings_.newcomer(now);
-  if (greetings_.due(now, std::ranges::any_of(seats_, &Seat::misses_somebody)))
+  if (greetings_.due(now, is_awaited(&Discovery::Awaited::somebody, seats_)))
     links_.each([](DiscoveryLink& link) { link.greet(); });
   links_.retire(now);
   if (now < after_renewal_.until && now >= after_renewal_.next) {

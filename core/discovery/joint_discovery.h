@@ -49,7 +49,7 @@ class JointDiscovery {
     explicit Seat(DiscoveryListener& listener) : member(std::make_shared<NodeListener>(listener)) {}
     const std::shared_ptr<NodeListener> member;
     // The rest is the discovery's, under its lock.
-    bool misses_somebody = false;
+    Discovery::Awaited awaits;
     std::vector<Report> reports{};  ///< that the node is told when it looks after discovery next
   };
   /// Seats are used by one thread at a time, and until leave().
@@ -65,7 +65,7 @@ class JointDiscovery {
   void assert_liveliness(Seat& seat, const Assertion& assertion);
   Time newcomer_at() const { return ear_.newcomers().came_at; }
   Time met_at() const { return ear_.newcomers().met_at; }
-  Time look_after(Seat& seat, Time now, bool somebody_is_missing);
+  Time look_after(Seat& seat, Time now, const Discovery::Awaited& awaited);
 
  private:
   Result<void> join_the_program(std::uint32_t domain) SFT_REQUIRES(mutex_);

@@ -133,10 +133,6 @@ bool ProcessNodes::has(NodeId node) const {
   return std::ranges::find(hearers_, node, &Hearer::node) != hearers_.end();
 }
 
-bool ProcessNodes::are_news_from(NodeId node, const ClaimedEndpoints& known) const {
-  return !concerned_by(Assertion{.node = node, .writers = {}}, known)->empty();
-}
-
 const Endpoint* ProcessNodes::find(EndpointId id) const {
   const auto own = own_.find(id);
   return own == own_.end() ? nullptr : own->second.endpoint.get();

@@ -77,8 +77,6 @@ class ProcessNodes {
   /// The nodes that have said since then that they live.
   std::vector<NodeId> living(Time since) const;
   bool has(NodeId node) const;
-  /// True if signs of life of that node of another process are news to some member.
-  bool are_news_from(NodeId node, const ClaimedEndpoints& known) const;
   /// An endpoint of a member. Null if there is none of that id.
   const Endpoint* find(EndpointId id) const;
 

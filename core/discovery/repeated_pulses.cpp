@@ -42,7 +42,7 @@ auto find(Voices& voices, LinkId link, const Pulse& pulse) -> decltype(voices.da
 template <class Known>
 void tell_one(Known& known, HearingWatch& hearing, LinkMerge& merge) {
   if (!std::exchange(known.waits, false)) return;
-  const auto& [speaker, pulse, digest, is_news] = known.voice;
+  const auto& [speaker, pulse, digest] = known.voice;
   hearing.heard_pulse(speaker, pulse, digest, known.since, known.last);
   merge.pulses_came_until(speaker, pulse.node, known.last);
 }
@@ -69,13 +69,13 @@ void RepeatedPulses::begin(std::size_t living, std::size_t speakers, Time now) {
 bool RepeatedPulses::waits(LinkId link, const Pulse& pulse, Time since, Time now) {
   if (!is_steady_) return false;
   Known* const known = find(voices_, link, pulse);
-  if (known == nullptr || known->voice.is_news || !says_the_same(known->voice.pulse, pulse)) return false;
-  if (known->voice.pulse.full_signs != pulse.full_signs && !known->full_sign_came) return false;
+  if (known == nullptr || !says_the_same(known->voice.pulse, pulse)) return false;
+  const bool tells_of_full_sign = known->voice.pulse.full_signs != pulse.full_signs;
+  if (tells_of_full_sign && !std::exchange(known->full_sign_came, false)) return false;
   known->voice.pulse = pulse;
   known->since = since;
   known->last = now;
   known->waits = true;
-  known->full_sign_came = false;
   return true;
 }
 

@@ -25,7 +25,6 @@ class RepeatedPulses {
     Speaker speaker;
     Pulse pulse;
     std::uint32_t digest = 0;  ///< of what the speaker has announced and is listened to
-    bool is_news = false;      ///< each pulse is news to a node of this process
   };
 
   /// A pulse waits for so long at most until it is told.
@@ -41,7 +40,8 @@ class RepeatedPulses {
   void begin(std::size_t living, std::size_t speakers, Time now);
   bool is_steady() const { return is_steady_; }
   /// True if all is steady, and the pulse, which has come after `since`, is a repetition: it waits. It may
-  /// tell of more full signs than before if one of them has come.
+  /// tell of more full signs than before if one of them has come, maybe before pulses that were sent earlier:
+  /// pulses wait for a look to be heard, and full signs do not.
   bool waits(LinkId link, const Pulse& pulse, Time since, Time now);
   /// True if all is steady, and nothing has changed but the number of full signs.
   bool is_as_before(LinkId link, const Pulse& pulse) const;
@@ -66,7 +66,7 @@ class RepeatedPulses {
     Voice voice;
     Time since{}, last{};  ///< the last pulse came between these
     bool waits = false;
-    bool full_sign_came = false;  ///< since the last pulse
+    bool full_sign_came = false;  ///< of which no pulse has told yet
   };
   /// In the order of nodes, links and participants. It is one piece of memory, of which a look needs all.
   std::vector<Known> voices_;

@@ -45,6 +45,7 @@ class ArrivalWatchdog {
   /// There is no connection, or something else explains why nothing arrives: counting begins again.
   void excuse();
 
+  bool misses_samples() const { return missed_since_.has_value(); }
   std::uint64_t restarts() const { return restarts_; }
 
  private:

@@ -195,11 +195,6 @@ bool LocalReader::requirement_changed() {
   const bool is_other = node_.negotiation.requirement_changed(id_, wanted.selection);
   const bool has_other_rate = node_.negotiation.rate_changed(id_, wanted.min_period_us);
   if (!is_other && !has_other_rate) return false;
-  ask(wanted);
-  return true;
-}
-
-void LocalReader::ask(const Wanted& wanted) {
   const Time now = std::chrono::steady_clock::now();
   const Wanted& before = accepted_.latest();
   const bool of_the_same_samples = wanted.min_period_us == before.min_period_us &&
@@ -208,6 +203,7 @@ void LocalReader::ask(const Wanted& wanted) {
   accepted_.asks_for(wanted, now);
   accept();
   send_request();
+  return true;
 }
 
 void LocalReader::accept() {
@@ -283,6 +279,10 @@ bool LocalReader::restart_deaf(const Assertion& assertion, bool held_up, Time no
     restarted = true;
   }
   return restarted;
+}
+
+bool LocalReader::misses_samples() const {
+  return std::ranges::any_of(watchdogs_, [](const auto& item) { return item.second.misses_samples(); });
 }
 
 bool LocalReader::is_deaf(const Hearing& hearing, const Assertion& assertion, bool held_up, Time now) {

@@ -76,6 +76,8 @@ class LocalReader {
   /// Sets connections up anew by which nothing arrives, although their writer sends, as its node says.
   /// `held_up`: a callback of this node may hold up what arrives. True if any was.
   bool restart_deaf(const Assertion& assertion, bool held_up, Time now);
+  /// True if samples are missing that some writer has sent: each sign that its node lives counts then.
+  bool misses_samples() const;
 
   /// Tells the user what has happened.
   void tell_events();
@@ -95,7 +97,6 @@ class LocalReader {
   Result<void> connect_in_memory(const Source& source);
   void disconnect_departed(const std::map<EndpointId, Hearing>& heard);
   bool look_after_history(const ReaderPort& port, EndpointId writer, Connections& connections);
-  void ask(const Wanted& wanted);
   void accept();
   void watch_matching();
   bool is_deaf(const Hearing& hearing, const Assertion& assertion, bool held_up, Time now);

@@ -135,7 +135,11 @@ std::chrono::milliseconds Reconciler::tick(Time now) {
   settle();
   hurried_ticks_ = look_after_connections(now) ? hurried_ticks_ + 1 : 0;
   watch_promises(now);
-  discovery_looks_at_ = discovery_.look_after(now, negotiation_.table().misses_somebody());
+  const Discovery::Awaited awaited{.somebody = negotiation_.table().misses_somebody(),
+                                   .every_sign = std::ranges::any_of(ours_.readers, [](const auto& item) {
+                                     return item.second.misses_samples();
+                                   })};
+  discovery_looks_at_ = discovery_.look_after(now, awaited);
   const bool misses_memory = context_.memory != nullptr && !transports_.memory_ready();
   if ((misses_memory && !discovery_.is_calm(now)) || !departing_.empty() ||
       has_to_be_watched(negotiation_, ours_))

@@ -86,7 +86,9 @@ class ControlEar final : private core::DiscoveryListener {
   }
   void hear(core::Role role) { ASSERT_TRUE(discovery_->hear(role)); }
   /// As its agent does now and then.
-  void look() { (void)discovery_->look_after(std::chrono::steady_clock::now(), false); }
+  void look(const core::Discovery::Awaited& awaited = {}) {
+    (void)discovery_->look_after(std::chrono::steady_clock::now(), awaited);
+  }
 
   std::set<core::EndpointId> heard() const {
     const core::Lock lock(mutex_);
@@ -103,6 +105,11 @@ class ControlEar final : private core::DiscoveryListener {
   std::uint64_t asked() const {
     const core::Lock lock(mutex_);
     return asked_;
+  }
+  /// How often it was told that another node lives.
+  std::size_t signs() const {
+    const core::Lock lock(mutex_);
+    return signs_;
   }
   std::vector<std::string> refused() const {
     const core::Lock lock(mutex_);
@@ -128,7 +135,10 @@ class ControlEar final : private core::DiscoveryListener {
     const core::Lock lock(mutex_);
     asked_ = std::max(asked_, request.sequence);
   }
-  void liveliness_asserted(core::Assertion) override {}
+  void liveliness_asserted(core::Assertion) override {
+    const core::Lock lock(mutex_);
+    ++signs_;
+  }
   void node_lost(core::NodeId) override {}
   void control_malformed(std::string why) override {
     const core::Lock lock(mutex_);
@@ -139,6 +149,7 @@ class ControlEar final : private core::DiscoveryListener {
   std::set<core::EndpointId> heard_ SFT_GUARDED_BY(mutex_);
   std::size_t gone_ SFT_GUARDED_BY(mutex_) = 0;
   std::uint64_t asked_ SFT_GUARDED_BY(mutex_) = 0;
+  std::size_t signs_ SFT_GUARDED_BY(mutex_) = 0;
   std::vector<std::string> refused_ SFT_GUARDED_BY(mutex_);
   std::unique_ptr<core::Discovery> discovery_;
 };

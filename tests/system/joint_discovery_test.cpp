@@ -150,6 +150,26 @@ TEST_F(JointDiscoveryTest, BeginsWithThemAtOnceWhereANodeHasMoreToTell) {
   EXPECT_TRUE(lives.readers_become(2)) << "who waits for signs of a writer has to hear them";
 }
 
+TEST_F(JointDiscoveryTest, LeavesOutSignsOfLifeThatTellNothingNewUnlessTheyAreAwaited) {
+  ControlEar writer("one-"), reader("two-");
+  writer.announce(Role::writer, 1);
+  reader.announce(Role::reader, 2);
+  EXPECT_TRUE(reader.hears(1) && writer.hears(2));
+  constexpr std::size_t turns = 10;
+  const auto signs_in_turns = [&](const core::Discovery::Awaited& awaited) {
+    const std::size_t before = reader.signs();
+    for (std::size_t i = 0; i < turns; ++i) {
+      writer.tell({.node = 1, .writers = {}});
+      reader.tell({.node = 2, .writers = {}});
+      writer.look();
+      reader.look(awaited);
+    }
+    return reader.signs() - before;
+  };
+  EXPECT_TRUE(eventually([&] { return signs_in_turns({}) == 0; }, std::chrono::seconds(30)));
+  EXPECT_GE(signs_in_turns({.every_sign = true}), turns);
+}
+
 TEST_F(JointDiscoveryTest, TellsANewcomerOfTheProcessWhatIsInForce) {
   ControlEar first("one-"), other("two-");
   first.announce(Role::writer, 1);

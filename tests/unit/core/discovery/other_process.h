@@ -15,6 +15,9 @@ using namespace std::chrono_literals;
 
 inline constexpr LinkId lan_of_others = 1;
 
+/// The number of a node and that of its writer tell each other.
+constexpr NodeId node_of_writer(EndpointId writer) { return writer - 1000; }
+
 /// A process with one node, which has a writer.
 struct OtherProcess {
   OtherProcess(Participants& participants, std::uint8_t number) : guid{number}, node(1000u + number) {
@@ -42,6 +45,7 @@ struct OtherProcess {
   Speaker speaker;
   NodeId node;
   Endpoint writer;
+  Pulse sent{};  ///< the last one
   std::uint8_t full_signs = 0;
   unsigned signs = 0;
   bool is_dead = false;

@@ -38,11 +38,11 @@ class RepeatedPulsesTest : public ::testing::Test {
   static Pulse pulse(const Speaker& speaker, NodeId node) {
     return {.node = node, .participant = static_cast<std::uint32_t>(speaker.participant + 1000)};
   }
-  void is_told(const Speaker& speaker, NodeId node, bool is_news = false) {
+  void is_told(const Speaker& speaker, NodeId node) {
     const Pulse told = pulse(speaker, node);
     EXPECT_TRUE(hearing.heard_pulse(speaker, told, 0, now - 1s, now));
     merge.pulse_came(speaker, node, now);
-    pulses.told({.speaker = speaker, .pulse = told, .digest = 0, .is_news = is_news}, now - 1s, now);
+    pulses.told({.speaker = speaker, .pulse = told, .digest = 0}, now - 1s, now);
   }
   bool waits(const Pulse& pulse) { return pulses.waits(1, pulse, now - 1s, now); }
   void looks() {
@@ -125,11 +125,16 @@ TEST_F(RepeatedPulsesTest, AreNotWhatAFullSignSaysOtherwise) {
   EXPECT_FALSE(pulses.full_sign_is_as_before(first_speaker, first_node + 100, 0)) << "another node";
 }
 
-TEST_F(RepeatedPulsesTest, AreToldAtOnceIfTheyAreNews) {
-  is_told(first_speaker, first_node, true);
+// Pulses wait at the socket for a look, while full signs are heard as they come.
+TEST_F(RepeatedPulsesTest, MayHaveBeenSentBeforeAFullSignThatCame) {
   pulses.begin(2, 2, now);
-  EXPECT_FALSE(waits(pulse(first_speaker, first_node)));
-  EXPECT_TRUE(pulses.is_as_before(1, pulse(first_speaker, first_node)));
+  EXPECT_TRUE(pulses.full_sign_is_as_before(first_speaker, first_node, 0));
+  Pulse next = pulse(first_speaker, first_node);
+  EXPECT_TRUE(waits(next)) << "it does not tell of the full sign yet";
+  next.full_signs = 1;
+  EXPECT_TRUE(waits(next)) << "the full sign came before";
+  next.full_signs = 2;
+  EXPECT_FALSE(waits(next)) << "only one has come";
 }
 
 TEST_F(RepeatedPulsesTest, NeedALookIfSomebodyIsSilent) {

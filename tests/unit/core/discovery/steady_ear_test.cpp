@@ -1,10 +1,11 @@
 // Two ears hear the same of a crowd. One of them lets pulses wait that say nothing new; the other one never
-// does. Both tell the same at the same time.
+// does. Both tell the same at the same time, apart from signs of life that others have given before.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <memory>
 #include <random>
+#include <set>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -23,17 +24,24 @@ using std::chrono::milliseconds;
 
 constexpr unsigned signs_for_each_full_one = full_sign_pause / life_signs_by_pulses.pause_in_calm;
 
+/// What a node is told. That another node lives counts again once anything else was told of it.
 struct Told final : DiscoveryListener {
-  void endpoint_seen(Endpoint endpoint) override { add("seen", endpoint.id); }
-  void endpoint_departed(EndpointId id) override { add("departed", id); }
-  void endpoint_lost(EndpointId id) override { add("lost", id); }
+  void endpoint_seen(Endpoint endpoint) override { add("seen", node_of_writer(endpoint.id)); }
+  void endpoint_departed(EndpointId id) override { add("departed", node_of_writer(id)); }
+  void endpoint_lost(EndpointId id) override { add("lost", node_of_writer(id)); }
   void request_received(Request request) override { add("request", request.reader); }
-  void liveliness_asserted(Assertion sign) override { add("lives", sign.node); }
+  void liveliness_asserted(Assertion sign) override {
+    if (living.insert(sign.node).second) log.push_back("lives " + std::to_string(sign.node));
+  }
   void node_lost(NodeId id) override { add("node lost", id); }
   void control_malformed(std::string why) override { log.push_back(std::move(why)); }
-  void add(const char* what, std::uint64_t id) { log.push_back(what + (" " + std::to_string(id))); }
+  void add(const char* what, NodeId node) {
+    log.push_back(what + (" " + std::to_string(node)));
+    living.erase(node);
+  }
 
   std::vector<std::string> log;
+  std::set<NodeId> living;
 };
 
 Time now_of_crowd{1000s};
@@ -78,13 +86,16 @@ class EarsOfACrowd : public ::sft::test::RandomTest {
     both([&](DiscoveryEar& ear) { ear.participant_came(other.speaker); });
     both([&](DiscoveryEar& ear) { ear.participant_speaks(other.speaker); });
     announces(other);
-    gives_full_sign(other);
+    gives_sign(other, true);
   }
   void announces(OtherProcess& other) {
     ++other.writer.revision;
     both([&](DiscoveryEar& ear) { ear.endpoint_came(other.speaker, other.writer); });
   }
-  void gives_full_sign(OtherProcess& other) {
+  /// A pulse, which is heard at the next look, and maybe a full sign, which is heard before.
+  void gives_sign(OtherProcess& other, bool is_full) {
+    other.sent = other.pulse();
+    if (!is_full) return;
     const Assertion sign = other.full_sign();
     if (happens(lost_share)) return;
     both([&](DiscoveryEar& ear) { ear.assertion_came(other.speaker, sign, full_sign_lease); });
@@ -100,7 +111,7 @@ class EarsOfACrowd : public ::sft::test::RandomTest {
     const Time since = std::exchange(looked, now_of_crowd);
     for (const OtherProcess& other : others) {
       if (other.is_dead || happens(lost_share)) continue;
-      both([&](DiscoveryEar& ear) { ear.pulse_came(lan_of_others, other.pulse(), participants, since); });
+      both([&](DiscoveryEar& ear) { ear.pulse_came(lan_of_others, other.sent, participants, since); });
     }
     std::vector<std::tuple<bool, bool, std::size_t>> found;
     both([&](DiscoveryEar& ear) {
@@ -118,7 +129,7 @@ class EarsOfACrowd : public ::sft::test::RandomTest {
     for (OtherProcess& other : others) {
       if (other.is_dead) continue;
       now_of_crowd += milliseconds(random() % 10);
-      if (++other.signs % signs_for_each_full_one == 0) gives_full_sign(other);
+      gives_sign(other, ++other.signs % signs_for_each_full_one == 0);
       if (happens(share_of_events)) announces(other);
       if (happens(share_of_events / 4)) departs(other);
       if (happens(share_of_events / 4)) other.is_dead = true;  // killed
@@ -139,6 +150,25 @@ TEST_F(EarsOfACrowd, TellTheSameInCalm) {
     live(0);
     look();
   }
+}
+
+TEST_F(EarsOfACrowd, TellRepeatedSignsOnlyWhereEachOneIsAwaited) {
+  for (int second = 0; second < 30 && !HasFatalFailure(); ++second) {
+    live(0);
+    look();
+  }
+  const auto signs_told = [&] {
+    letting_wait.told.log.clear();
+    letting_wait.told.living.clear();
+    for (const OtherProcess& other : others)
+      letting_wait.ear.pulse_came(lan_of_others, other.sent, participants, looked);
+    letting_wait.ear.pass_on();
+    return letting_wait.told.log.size();
+  };
+  EXPECT_EQ(signs_told(), 0U);
+  letting_wait.ear.tell_every_pulse();
+  const auto has_wanted_writer = [](const OtherProcess& other) { return other.writer.topic == "wanted"; };
+  EXPECT_EQ(signs_told(), static_cast<std::size_t>(std::ranges::count_if(others, has_wanted_writer)));
 }
 
 TEST_F(EarsOfACrowd, TellTheSameWhereNodesComeGoAndAreKilled) {

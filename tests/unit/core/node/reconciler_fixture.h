@@ -82,12 +82,16 @@ class TestDiscovery final : public Discovery {
   void assert_liveliness(const Assertion& assertion) override { asserted.push_back(assertion); }
   Time newcomer_at() const override { return {}; }
   Time met_at() const override { return met; }
-  Time look_after(Time, bool) override { return next_look; }
+  Time look_after(Time, const Awaited& awaited) override {
+    awaits = awaited;
+    return next_look;
+  }
   std::vector<Endpoint> announced;
   std::vector<Request> sent;
   std::vector<Assertion> asserted;
   int failures = 0;              ///< to come
   Time next_look = Time::max();  ///< as look_after() says
+  Awaited awaits;                ///< as it was told last
   bool calm = false;
   Time met{};
 

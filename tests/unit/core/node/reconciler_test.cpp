@@ -415,6 +415,27 @@ TEST_F(ReconcilerTest, AConnectionByWhichNothingArrivesIsSetUpAnewAndCounted) {
   EXPECT_THAT(discovery.sent.back().listening, ElementsAre(7));
 }
 
+TEST_F(ReconcilerTest, EverySignOfLifeIsAwaitedWhileSamplesAreMissing) {
+  const auto core = our_reader(200);
+  Endpoint writer = endpoint(Role::writer, 7);
+  writer.node_id = 66;
+  reconciler.endpoint_seen(writer);
+  reconciler.reconcile();
+  Time now = std::chrono::steady_clock::now() - std::chrono::minutes(1);
+  reconciler.liveliness_asserted({66, {}, {{7, 100, 0}}}, now);
+  reconciler.tick(now);
+  EXPECT_FALSE(discovery.awaits.every_sign) << "samples that were sent before do not count";
+  reconciler.liveliness_asserted({66, {}, {{7, 200, 0}}}, now += std::chrono::milliseconds(650));
+  reconciler.tick(now);
+  EXPECT_TRUE(discovery.awaits.every_sign);
+  for (int i = 0; i < 4; ++i) {  // they tell nothing but that the node lives
+    reconciler.liveliness_asserted({66, {}, {}}, now += std::chrono::milliseconds(930));
+    reconciler.tick(now);
+  }
+  EXPECT_EQ(core->feed().status().restarts, 1U);
+  EXPECT_FALSE(discovery.awaits.every_sign) << "a new connection counts its arrivals anew";
+}
+
 TEST_F(ReconcilerTest, ProgressIsToldOfWritersThatSentSomethingAndHaveReaders) {
   const auto core = our_writer(7, std::make_shared<TestWriterPort>());
   const auto alone = our_writer(8, std::make_shared<TestWriterPort>());
