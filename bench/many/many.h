@@ -24,7 +24,8 @@ struct ManyScale {
 /// 16 readers of a cloud of 16 kB on eight hosts, each with a mask of its own: the bytes that leave the
 /// publisher's host.
 std::vector<Figure> masks_16(const ManyScale& scale);
-/// The same with 64 readers, the time until these bytes have settled, and the processor time of a sample.
+/// The same with 64 readers, the time until these bytes have settled, and the processor time of a sample,
+/// also over what raw UDP takes.
 std::vector<Figure> masks_64(const ManyScale& scale);
 /// Three readers with three masks, two of which have the data of the cloud: bytes from the first sample on.
 std::vector<Figure> three_masks(const ManyScale& scale);

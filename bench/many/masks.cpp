@@ -1,6 +1,7 @@
 // Measures what readers with different masks cost.
 #include "bench/common/cloud_masks.h"
 #include "bench/many/many.h"
+#include "bench/many/raw_multicast.h"
 #include "bench/many/sample_costs.h"
 #include "bench/many/tally.h"
 
@@ -13,12 +14,6 @@ constexpr std::size_t data_bytes = 16'000;
 struct Tallies {
   Tally bytes, publisher_cpu, subscriber_cpu, settled;
 
-  void run(const Case& of, int rounds) {
-    for (int round = 0; round < rounds; ++round) {
-      note(SampleCosts<SftMember>(of).wait().front(), &Tally::add_ours);
-      note(SampleCosts<CycloneMember>(of).wait().front(), &Tally::add_reference);
-    }
-  }
   /// Runs both contenders at the same time, which bytes do not depend on.
   void run_for_bytes(const Case& of, int rounds) {
     for (int round = 0; round < rounds; ++round) {
@@ -29,7 +24,6 @@ struct Tallies {
     }
   }
 
- private:
   void note(const Costs& costs, void (Tally::*add)(double)) {
     (bytes.*add)(costs.bytes);
     (publisher_cpu.*add)(costs.publisher_cpu_us);
@@ -62,6 +56,7 @@ std::string fields_of_three(std::size_t number) {
 }
 
 constexpr const char* multicast = "Cyclone DDS, multicast";
+constexpr const char* raw_multicast = "raw UDP, multicast";
 
 }  // namespace
 
@@ -72,12 +67,21 @@ std::vector<Figure> masks_16(const ManyScale& scale) {
 }
 
 std::vector<Figure> masks_64(const ManyScale& scale) {
-  Tallies tallies;
-  tallies.run(many_masks(64, scale, samples_of_a_period), scale.rounds);
+  const Case case_of_64 = many_masks(64, scale, samples_of_a_period);
+  Tallies tallies, floor;
+  for (int round = 0; round < scale.rounds; ++round) {
+    const Costs ours = SampleCosts<SftMember>(case_of_64).wait().front();
+    tallies.note(ours, &Tally::add_ours);
+    floor.note(ours, &Tally::add_ours);
+    tallies.note(SampleCosts<CycloneMember>(case_of_64).wait().front(), &Tally::add_reference);
+    floor.note(SampleCosts<RawMulticastMember>(case_of_64).wait().front(), &Tally::add_reference);
+  }
   return {tallies.bytes.figure("bytes_masks_64", "B", multicast, 1.05),
           tallies.settled.figure_with_bound_of_value("settled_ms", "ms", multicast, 100),
           tallies.publisher_cpu.figure("publisher_cpu_masks_64", "us", multicast, 1),
-          tallies.subscriber_cpu.figure("subscriber_cpu_64", "us", multicast, 1.1)};
+          tallies.subscriber_cpu.figure("subscriber_cpu_64", "us", multicast, 1.1),
+          floor.publisher_cpu.figure("publisher_cpu_masks_64_vs_raw_udp", "us", raw_multicast, {}),
+          floor.subscriber_cpu.figure("subscriber_cpu_64_vs_raw_udp", "us", raw_multicast, {})};
 }
 
 std::vector<Figure> three_masks(const ManyScale& scale) {

@@ -44,7 +44,8 @@ Payload payload_of(Make make, const dds_topic_descriptor_t& type, std::size_t da
           .cyclone = [=]() -> std::shared_ptr<void> {
             const auto held = std::make_shared<CycloneMessage>(data_bytes);
             return {held, &held->message()};
-          }};
+          },
+          .sample_bytes = data_bytes};
 }
 
 }  // namespace

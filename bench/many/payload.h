@@ -24,6 +24,7 @@ struct Payload {
   std::function<Sender(Node& node, const std::string& topic, const PublisherOptions& options)> sft;
   const dds_topic_descriptor_t* cyclone_type;
   std::function<std::shared_ptr<void>()> cyclone;
+  std::size_t sample_bytes;  ///< in CDR, within a hundredth of a large one
   bool reliable = false;
   std::size_t sample_bytes_max = PublisherOptions{}.max_sample_bytes;
 };
@@ -48,7 +49,8 @@ Payload zeros_payload(const dds_topic_descriptor_t& type) {
   return {.sft = [](Node& node, const std::string& topic,
                     const PublisherOptions& options) { return sender_of(Message{}, node, topic, options); },
           .cyclone_type = &type,
-          .cyclone = [] { return std::make_shared<CycloneMessage>(); }};
+          .cyclone = [] { return std::make_shared<CycloneMessage>(); },
+          .sample_bytes = sizeof(CycloneMessage)};
 }
 
 }  // namespace sft::bench
