@@ -37,6 +37,7 @@ struct OtherProcess {
     ++full_signs;
     Assertion sign{.node = node, .writers = {}};
     sign.digest_of_writers = digest();
+    sign.progress = {{writer.id, ++samples, 0}};
     return sign;
   }
   std::uint32_t digest() const { return add_to_digest(0, digest_part(writer.id, writer.revision, 0)); }
@@ -47,6 +48,7 @@ struct OtherProcess {
   Endpoint writer;
   Pulse sent{};  ///< the last one
   std::uint8_t full_signs = 0;
+  std::uint64_t samples = 0;  ///< that it says to have published
   unsigned signs = 0;
   bool is_dead = false;
 };

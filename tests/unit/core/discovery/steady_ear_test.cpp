@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <random>
 #include <set>
@@ -24,14 +25,18 @@ using std::chrono::milliseconds;
 
 constexpr unsigned signs_for_each_full_one = full_sign_pause / life_signs_by_pulses.pause_in_calm;
 
-/// What a node is told. That another node lives counts again once anything else was told of it.
+/// What a node is told. That another node lives counts again once anything else was told of it; a full sign,
+/// which tells more than life, always counts.
 struct Told final : DiscoveryListener {
   void endpoint_seen(Endpoint endpoint) override { add("seen", node_of_writer(endpoint.id)); }
   void endpoint_departed(EndpointId id) override { add("departed", node_of_writer(id)); }
   void endpoint_lost(EndpointId id) override { add("lost", node_of_writer(id)); }
   void request_received(Request request) override { add("request", request.reader); }
   void liveliness_asserted(Assertion sign) override {
-    if (living.insert(sign.node).second) log.push_back("lives " + std::to_string(sign.node));
+    ++signs[sign.node];
+    const bool is_first = living.insert(sign.node).second;
+    if (!sign.progress.empty()) log.push_back("progress " + std::to_string(sign.progress.front().samples));
+    if (is_first) log.push_back("lives " + std::to_string(sign.node));
   }
   void node_lost(NodeId id) override { add("node lost", id); }
   void control_malformed(std::string why) override { log.push_back(std::move(why)); }
@@ -42,6 +47,7 @@ struct Told final : DiscoveryListener {
 
   std::vector<std::string> log;
   std::set<NodeId> living;
+  std::map<NodeId, std::size_t> signs;  ///< how many were told
 };
 
 Time now_of_crowd{1000s};
@@ -51,15 +57,20 @@ struct Listening {
   Listening() {
     ear.link_expected(lan_of_others, true);
     ear.hears(Role::writer, now_of_crowd);
+    ear.with_nodes([&](ProcessNodes& nodes, const auto&) { nodes.join(member); });
+    announces_reader(1, "wanted");
+  }
+
+  void announces_reader(EndpointId id, const std::string& topic) {
     ear.with_nodes([&](ProcessNodes& nodes, LinkMerge& merge) {
-      nodes.join(member);
       Endpoint reader;
-      reader.id = 1;
+      reader.id = id;
       reader.role = Role::reader;
-      reader.topic = "wanted";
+      reader.topic = topic;
       merge.owns(reader.id);
       nodes.announced(member, reader, merge.endpoints());
     });
+    ear.pass_on();
   }
 
   Told told;
@@ -123,6 +134,8 @@ class EarsOfACrowd : public ::sft::test::RandomTest {
     });
     ASSERT_EQ(found[0], found[1]) << "what is wanted and calm, and the links that are deaf";
     ASSERT_EQ(letting_wait.told.log, never_waiting.told.log);
+    for (const auto& [node, signs] : letting_wait.told.signs)
+      ASSERT_LE(signs, never_waiting.told.signs[node]) << "no sign of node " << node << " is made up";
   }
   /// All that may happen between two looks.
   void live(double share_of_events) {
@@ -169,6 +182,18 @@ TEST_F(EarsOfACrowd, TellRepeatedSignsOnlyWhereEachOneIsAwaited) {
   letting_wait.ear.tell_every_pulse();
   const auto has_wanted_writer = [](const OtherProcess& other) { return other.writer.topic == "wanted"; };
   EXPECT_EQ(signs_told(), static_cast<std::size_t>(std::ranges::count_if(others, has_wanted_writer)));
+}
+
+TEST_F(EarsOfACrowd, TellANodeThatBeginsToHearATopicWhoLives) {
+  for (int second = 0; second < 30 && !HasFatalFailure(); ++second) {
+    live(0);
+    look();
+  }
+  for (Listening* const listening : {&letting_wait, &never_waiting})
+    listening->announces_reader(2, "unwanted");
+  live(0);
+  look();
+  for (const OtherProcess& other : others) EXPECT_TRUE(letting_wait.told.living.contains(other.node));
 }
 
 TEST_F(EarsOfACrowd, TellTheSameWhereNodesComeGoAndAreKilled) {
