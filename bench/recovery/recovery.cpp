@@ -26,13 +26,18 @@ class Lives {
  public:
   explicit Lives(unsigned long seed) : seed_(seed) {}
 
-  /// The time of recovery in milliseconds; not a number if not all pairs were served again.
-  double recovery(const Entry& entry, std::chrono::milliseconds length) {
-    const hostile::Outcome outcome = stage().perform(entry, Moment::after_they_started, length);
+  /// The time in milliseconds until all pairs were served again and, where it is asked, `sftd status` answered;
+  /// not a number if that did not come true.
+  double recovery(const Entry& entry, Moment moment, std::chrono::milliseconds length) {
+    if (moment != Moment::after_they_started) stage_.reset();
+    const hostile::Outcome outcome = stage().perform(entry, moment, length);
     for (const std::string& complaint : outcome.complaints)
       std::fprintf(stderr, "%s: %s\n", std::string(entry.name).c_str(), complaint.c_str());
-    if (!outcome.recovery || !outcome.complaints.empty()) stage_.reset();
-    return outcome.recovery ? static_cast<double>(outcome.recovery->count()) : never;
+    if (!outcome.recovery || !outcome.complaints.empty()) {
+      stage_.reset();
+      return never;
+    }
+    return static_cast<double>(std::max(*outcome.recovery, outcome.command_line.value_or(hostile::Ms{})).count());
   }
 
   double restart() {
@@ -86,7 +91,8 @@ std::vector<Figure> recovery_after_each_act(const RecoveryScale& scale) {
   for (const Entry& entry : hostile::acts()) {
     if (!is_wanted(entry, scale)) continue;
     Times times;
-    for (int round = 0; round < scale.rounds; ++round) times.push_back(lives.recovery(entry, scale.length));
+    for (int round = 0; round < scale.rounds; ++round)
+      times.push_back(lives.recovery(entry, hostile::moments[static_cast<std::size_t>(round) % 3], scale.length));
     report(figures, "recovery_ms_" + std::string(entry.name), times, floor);
   }
   return figures;

@@ -23,12 +23,11 @@
 namespace sft::conformance {
 
 using test::eventually;
+using test::patience;
 using udp::test::encoded_body;
 using udp::test::fields;
 using udp::test::Image;
 using udp::test::make_image;
-
-inline constexpr std::chrono::seconds patience{60};  ///< for what must happen
 
 /// Two nodes on one medium.
 struct Stage {

@@ -1,8 +1,6 @@
-// An act costs honest programs no more than the act's own time. The test tries each act of the table, begun
-// before, while, or after the programs start.
+// After an act all honest programs work as before. The test tries each act of the table, begun before, while, or after
+// the programs start. How soon all work again is measured by `./run bench recovery`, which has the bound.
 #include <gtest/gtest.h>
-
-#include <array>
 
 #include "tests/hostile/stage.h"
 #include "tests/support/test_seed.h"
@@ -29,19 +27,9 @@ class Hostile : public test::RandomTest, public ::testing::WithParamInterface<En
     Stage stage(random());
     const Outcome outcome = stage.perform(GetParam(), moment, length_of_an_act);
     for (const std::string& complaint : outcome.complaints) ADD_FAILURE() << complaint;
-    if (outcome.recovery) {
-      EXPECT_LE(*outcome.recovery, recovery_max)
-          << "ms until all pairs were served as before; late were:" << outcome.state_when_late;
-    }
-    if (outcome.command_line) {
-      EXPECT_LE(*outcome.command_line, recovery_max)
-          << "ms until `sftd status` answered, and all pairs were served";
-    }
     for (const std::string& complaint : stage.end()) ADD_FAILURE() << complaint;
   }
 };
-
-constexpr std::array moments{Moment::before_they_start, Moment::while_they_start, Moment::after_they_started};
 
 /// At one of the three moments; or, with SFT_TEST_TIMES=3 or more, at all of them in turns.
 TEST_P(Hostile, ActsCostNoMoreThanTheirTime) {

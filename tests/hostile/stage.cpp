@@ -27,11 +27,8 @@ constexpr uid_t honest_user = 1;  // "daemon" in every /etc/group: sftd needs th
 constexpr uid_t stranger_user = 65534;
 constexpr const char* programs = "/srv";  // where accounts find them that may not enter the checkout
 constexpr std::chrono::microseconds publishing_period = 5ms;
-constexpr Ms patience_at_start = 15s;
+constexpr Ms patience = test::patience;
 constexpr Ms patience_while_setting_up = 2s;
-constexpr Ms patience_in_an_act = 5s;
-constexpr Ms patience_after_an_act = 20s;
-constexpr int patience_with_an_actor_ms = 20'000;
 
 /// In this process's own mount namespace, which all hosts are copies of.
 test::Account account(uid_t user) {
@@ -157,7 +154,7 @@ class Stage::Actor {
   std::string hear() {
     pollfd readable{.fd = socket_, .events = POLLIN, .revents = 0};
     char text[1000];
-    if (poll(&readable, 1, patience_with_an_actor_ms) <= 0) return {};
+    if (poll(&readable, 1, static_cast<int>(patience.count())) <= 0) return {};
     const ssize_t bytes = recv(socket_, text, sizeof text, 0);
     return {text, static_cast<std::size_t>(std::max<ssize_t>(bytes, 0))};
   }
@@ -251,7 +248,7 @@ bool Stage::start() {
       [&] {
         return all_served() && std::ranges::all_of(pairs_, [](const auto& p) { return p->received_by > 2; });
       },
-      patience_at_start, 10ms);
+      patience, 10ms);
 }
 
 /// Waits until the subscriber that the act stops has come to a halt: a signal takes effect a little later.
@@ -260,7 +257,7 @@ void Stage::note_stopped(const Entry& entry, Outcome& outcome) {
   for (const auto& pair : pairs_) {
     if (pair->transport != "shm") continue;
     pair->is_stopped =
-        test::eventually([&] { return is_stopped(pair->subscriber->pid()); }, patience_in_an_act);
+        test::eventually([&] { return is_stopped(pair->subscriber->pid()); }, patience);
     if (!pair->is_stopped) outcome.complaints.push_back("The act does not stop '" + pair->name + "'");
   }
 }
@@ -274,7 +271,7 @@ void Stage::expect_samples(Outcome& outcome) {
     return pairs_[i]->is_stopped || (look(*pairs_[i]), pairs_[i]->received > noted[i].received + 2);
   };
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
-    if (!test::eventually([&] { return comes(i); }, patience_in_an_act, 10ms))
+    if (!test::eventually([&] { return comes(i); }, patience, 10ms))
       outcome.complaints.push_back("While the act lasts nothing comes: " + pairs_[i]->state);
   }
 }
@@ -290,11 +287,9 @@ void Stage::await_recovery(const Entry& entry, Clock::time_point ended, Outcome&
       all = all && (pairs_[i]->received_by > noted[i].received_by + 2 ||
                     (entry.harm == Harm::leaves_files && pairs_[i]->received > noted[i].received + 2));
     }
-    if (!all && outcome.state_when_late.empty() && Clock::now() > ended + recovery_max)
-      outcome.state_when_late = state();
     return all;
   };
-  if (test::eventually(recovered, patience_after_an_act, 5ms)) {
+  if (test::eventually(recovered, patience, 5ms)) {
     outcome.recovery = std::chrono::duration_cast<Ms>(Clock::now() - ended);
   } else {
     outcome.complaints.push_back("After the act not all are served again:" + state());
@@ -312,7 +307,7 @@ void Stage::await_command_line(const Entry& entry, Clock::time_point ended, Outc
     if (code == shm::ExitCode::not_running || code == shm::ExitCode::no_answer) return false;
     return code != shm::ExitCode::done || all_served(entry.harm);
   };
-  if (test::eventually(is_over, patience_after_an_act, 5ms) && code == shm::ExitCode::done) {
+  if (test::eventually(is_over, patience, 5ms) && code == shm::ExitCode::done) {
     outcome.command_line = std::chrono::duration_cast<Ms>(Clock::now() - ended);
   } else {
     outcome.complaints.push_back("After the act `sftd status` ends with " +

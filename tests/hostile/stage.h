@@ -3,6 +3,7 @@
 // after.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <memory>
 #include <optional>
@@ -19,11 +20,10 @@ namespace sft::hostile {
 using Clock = std::chrono::steady_clock;
 using Ms = std::chrono::milliseconds;
 
-/// All pairs should be served as before this long after the end of an act.
-constexpr Ms recovery_max{1000};
-
 /// When the act begins, seen from the honest programs.
 enum class Moment : std::uint8_t { before_they_start, while_they_start, after_they_started };
+inline constexpr std::array moments{Moment::after_they_started, Moment::while_they_start,
+                                    Moment::before_they_start};
 std::string_view to_string(Moment moment);
 
 /// The result of an act for the honest programs.
@@ -31,7 +31,6 @@ struct Outcome {
   std::vector<std::string> complaints{};  ///< sentences; empty if all was well
   /// The time from the end of the act until each pair was served as before; empty if that did not come true.
   std::optional<Ms> recovery{};
-  std::string state_when_late{};  ///< of all pairs, if recovery took longer than `recovery_max`
   /// The time from the end of the act until `sftd status` answered and each pair was served; empty if it was
   /// not asked, or that did not come true.
   std::optional<Ms> command_line{};

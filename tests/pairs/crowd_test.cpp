@@ -29,7 +29,6 @@ std::uint64_t wakes_of(pid_t process) {
 class Crowd : public NegotiationTest {
  protected:
   static constexpr std::size_t size = 12;
-  static constexpr std::chrono::milliseconds patience = 60s;
 
   void SetUp() override {
     NegotiationTest::SetUp();
@@ -52,7 +51,7 @@ class Crowd : public NegotiationTest {
   }
   testing::AssertionResult are_served() {
     for (const auto& reader : readers_) {
-      if (!comes_true([&] { return is_served(publisher(), *reader); }, patience))
+      if (!comes_true([&] { return is_served(publisher(), *reader); }))
         return testing::AssertionFailure() << reader->name() << ": " << reader_of(publisher(), *reader);
     }
     return testing::AssertionSuccess();
@@ -84,7 +83,7 @@ class Crowd : public NegotiationTest {
       wakes += new_wakes;
       return new_frames <= frames_most && new_wakes <= wakes_most;
     };
-    const bool quiet = comes_true(is_quiet, patience);
+    const bool quiet = comes_true(is_quiet);
     return (quiet ? testing::AssertionSuccess() : testing::AssertionFailure())
            << new_frames << " frames and " << new_wakes << " wakes in the last second";
   }
@@ -121,7 +120,7 @@ TEST_F(Crowd, OfWhichAThirdIsKilledAgainAndAgainWhileOthersComeCostsTheRestNothi
   expect_all_accounted();
   for (std::size_t i = 0; i < survivors; ++i)
     EXPECT_EQ(writer_of(publisher(), reader(i))["lost"], 0) << reader(i).name();
-  EXPECT_TRUE(comes_true([&] { return served() == size; }, patience)) << "the killed ones are still served";
+  EXPECT_TRUE(comes_true([&] { return served() == size; })) << "the killed ones are still served";
 }
 
 /// Each node gives one sign of life a second. The signs of the others wake no thread of a node.

@@ -194,7 +194,7 @@ TEST_F(OutdatedByForgery, AnnouncementsAndRequestsAreHeardAgain) {
         << reader_of(publisher(), late);
     return links_renewed(late) > 0;
   };
-  EXPECT_TRUE(comes_true(is_heard_by_a_new_link, 60s));
+  EXPECT_TRUE(comes_true(is_heard_by_a_new_link));
   EXPECT_TRUE(flows(late));
   EXPECT_TRUE(flows(reader()));
   EXPECT_TRUE(agree(publisher(), late));

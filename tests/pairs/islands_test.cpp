@@ -64,7 +64,7 @@ class Islands : public NegotiationTest, public testing::WithParamInterface<Host:
   }
 
   static testing::AssertionResult settle(Peer& publisher, Peer& reader) {
-    if (comes_true([&] { return are_settled(publisher, reader); }, 30s)) return agree(publisher, reader);
+    if (comes_true([&] { return are_settled(publisher, reader); })) return agree(publisher, reader);
     return testing::AssertionFailure()
            << daemons().size() << " daemons; " << publisher.status() << reader.status();
   }

@@ -74,13 +74,13 @@ void Network::wake() const {
 void Network::run() {
   while (!ended_) {
     std::vector<pollfd> watched{{.fd = wake_, .events = POLLIN, .revents = 0}};
-    int patience = -1;
+    int timeout_ms = -1;
     {
       const std::scoped_lock lock(mutex_);
       for (const Port& port : ports_) watched.push_back({.fd = port.tap, .events = POLLIN, .revents = 0});
-      patience = patience_ms();
+      timeout_ms = until_next_delayed_ms();
     }
-    if (poll(watched.data(), watched.size(), patience) < 0) continue;
+    if (poll(watched.data(), watched.size(), timeout_ms) < 0) continue;
     const std::scoped_lock lock(mutex_);
     std::uint64_t woken = 0;
     (void)!read(wake_, &woken, sizeof woken);
@@ -128,7 +128,7 @@ void Network::deliver_delayed() {
   delayed_.erase(delayed_.begin(), due);
 }
 
-int Network::patience_ms() const {
+int Network::until_next_delayed_ms() const {
   if (delayed_.empty()) return -1;
   const auto left = std::chrono::ceil<std::chrono::milliseconds>(delayed_.begin()->first - Clock::now());
   return std::max(0, static_cast<int>(left.count()));

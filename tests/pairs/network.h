@@ -57,7 +57,7 @@ class Network {
   void judge(std::size_t from, const Frame& frame);
   void deliver(std::size_t from, const Frame& frame);
   void deliver_delayed();
-  int patience_ms() const;
+  int until_next_delayed_ms() const;
   bool happens(double probability);
   void wake() const;
 

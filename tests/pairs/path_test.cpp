@@ -8,7 +8,7 @@ namespace {
 class Paths : public NegotiationTest {
  protected:
   static bool goes_by(Peer& publisher, Peer& reader, const std::string& transport) {
-    return comes_true([&] { return is_served_by(publisher, reader, transport); }, 30s);
+    return comes_true([&] { return is_served_by(publisher, reader, transport); });
   }
   static bool is_told(Peer& publisher, Peer& reader, const std::string& reason) {
     return reader_of(publisher, reader)["reason"].get<std::string>().starts_with(reason);

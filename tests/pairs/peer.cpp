@@ -10,10 +10,12 @@
 #include <utility>
 #include <vector>
 
+#include "tests/support/eventually.h"
+
 namespace sft::test {
 
 namespace {
-constexpr int patience_ms = 20'000;
+constexpr int patience_ms = static_cast<int>(std::chrono::milliseconds(patience).count());
 constexpr std::size_t answer_bytes_max = 256 * 1024;
 }  // namespace
 

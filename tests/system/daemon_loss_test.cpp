@@ -186,7 +186,7 @@ std::chrono::milliseconds in_ms(Clock::duration duration) {
   return std::chrono::duration_cast<std::chrono::milliseconds>(duration);
 }
 
-TEST_F(DaemonLoss, IsOverWithinASecondOfTheNextOneBeingReadyAndCostsNothingUncounted) {
+TEST_F(DaemonLoss, IsOverOnceTheNextOneIsReadyAndCostsNothingUncounted) {
   const PublishingProcess publisher;
   Reading reader;
   std::vector<std::chrono::milliseconds> returns;
@@ -202,7 +202,6 @@ TEST_F(DaemonLoss, IsOverWithinASecondOfTheNextOneBeingReadyAndCostsNothingUncou
   }
   EXPECT_TRUE(reader.accounts_for_all());
   std::ranges::sort(returns);
-  EXPECT_LT(returns.back(), 1s);
   std::printf("back in shared memory after %ld ms (median), %ld ms (max); %lu samples lost\n",
               static_cast<long>(returns[returns.size() / 2].count()),
               static_cast<long>(returns.back().count()), static_cast<unsigned long>(reader.lost()));
@@ -303,53 +302,20 @@ INSTANTIATE_TEST_SUITE_P(OfADaemon, HeldMemory, testing::Values(End::killed, End
                            return end.param == End::killed ? "ThatIsKilled" : "ThatIsStopped";
                          });
 
-/// What the process, or the calling thread, has used so far: how often it woke, and its time on processors.
-struct Used {
-  static Used by(int who) {
-    rusage used{};
-    getrusage(who, &used);
-    const auto time = [](timeval of) {
-      return std::chrono::seconds(of.tv_sec) + std::chrono::microseconds(of.tv_usec);
-    };
-    return {used.ru_nvcsw, time(used.ru_utime) + time(used.ru_stime)};
-  }
-  Used since(const Used& before) const { return {wakes - before.wakes, time - before.time}; }
-
-  std::int64_t wakes = 0;
-  std::chrono::microseconds time{};
-};
-
-/// What a plain thread uses that sleeps for 20 ms over and over as long as this object lives: the price of
-/// waking on this machine as it is now.
-class Sleeper {
- public:
-  Sleeper() = default;
-  Used end() {
-    thread_.request_stop();
-    thread_.join();
-    return used_;
-  }
-
- private:
-  Used used_;
-  std::jthread thread_{[this](const std::stop_token& stop) {
-    while (!stop.stop_requested()) poll(nullptr, 0, 20);
-    used_ = Used::by(RUSAGE_THREAD);
-  }};
-};
+/// How often the threads of this process have slept so far.
+long wakes_of_all_threads() {
+  rusage used{};
+  getrusage(RUSAGE_SELF, &used);
+  return used.ru_nvcsw;
+}
 
 TEST_F(DaemonLoss, LeavesANodeThatWaitsIdle) {
   Node node = Node::open(without_starting_one("reader")).value();
   auto subscriber = node.subscriber<PointCloud2>("points").value();
   EXPECT_FALSE(subscriber.wait(1s)) << "discovery has settled";
-  const Used before = Used::by(RUSAGE_SELF);
-  Sleeper sleeper;
+  const long before = wakes_of_all_threads();
   EXPECT_FALSE(subscriber.wait(4s));
-  const Used plain = sleeper.end();
-  const Used used = Used::by(RUSAGE_SELF).since(before).since(plain);
-  EXPECT_LT(used.wakes, 220) << "of all threads in 4 s";
-  EXPECT_LT(used.time.count(), 4 * plain.time.count())
-      << "us, for " << used.wakes << " wakes; those of a plain thread: " << plain.wakes;
+  EXPECT_LT(wakes_of_all_threads() - before, 220) << "in 4 s; `./run bench many --only idle` measures the time";
 }
 
 }  // namespace

@@ -57,7 +57,7 @@ class ForkTest : public PubSubTest {
     warnings_expected = false;
     held.emplace(Held{writing, reading, std::move(publisher), std::move(subscriber), std::move(called_back)});
     held->publisher.publish({.height = 1});
-    ASSERT_TRUE(held->subscriber.wait(5s));
+    ASSERT_TRUE(held->subscriber.wait(patience));
     held->sample = held->subscriber.take();
     held->loan = held->publisher.loan({.height = 2}, {.data = 100}).value();
     files_ = shared_files();
@@ -84,7 +84,7 @@ class ForkTest : public PubSubTest {
     const int called_before = called_;
     for (std::uint32_t i = 1; i <= 100; ++i) {
       ASSERT_EQ(held->publisher.publish({.height = i}), PublishStatus::ok);
-      ASSERT_TRUE(held->subscriber.wait(5s)) << i;
+      ASSERT_TRUE(held->subscriber.wait(patience)) << i;
       const auto sample = held->subscriber.take();
       EXPECT_EQ(sample->height(), i);
       EXPECT_EQ(sample.info().lost_before, 0U);

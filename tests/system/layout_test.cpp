@@ -23,7 +23,7 @@ class LayoutNodesTest : public PubSubTest {
  protected:
   static constexpr std::uint32_t rows = 5, columns = 6;
 
-  DynamicType type() { return b.find_type("map", 15s).value(); }
+  DynamicType type() { return b.find_type("map", patience).value(); }
 
   /// The height of a cell is 100 times its row, and its column; but for the number of the map.
   static HeightMap map(std::uint32_t number = 0) {
@@ -50,7 +50,7 @@ class LayoutNodesTest : public PubSubTest {
     return sample.view().find(field).as<std::uint32_t>().value();
   }
   DynamicSample next(auto& sub) {
-    EXPECT_TRUE(sub.wait(5s));
+    EXPECT_TRUE(sub.wait(patience));
     return sub.take();
   }
 
@@ -64,7 +64,7 @@ const SubscriberOptions reliable{.reliability = Reliability::reliable, .depth = 
 TEST_P(LayoutNodesTest, ADynamicSubscriberGetsTheRowsAndColumnsThatItNames) {
   auto cells = a.publisher<Cells>("cells", {.reliability = Reliability::reliable}).value();
   auto sub =
-      b.subscriber("cells", b.find_type("cells", 15s).value(), "cells[rows 2:4, columns ::2]", reliable)
+      b.subscriber("cells", b.find_type("cells", patience).value(), "cells[rows 2:4, columns ::2]", reliable)
           .value();
   expect_served(cells, 1);
   Cells whole;
@@ -103,7 +103,7 @@ TEST_P(LayoutNodesTest, ACompiledSubscriberAsksForAPartInItsOptions) {
   auto sub = b.subscriber<HeightMap, HeightMap::Field::heights>("map", options).value();
   expect_served(pub, 1);
   ASSERT_EQ(pub.publish(map()), PublishStatus::ok);
-  ASSERT_TRUE(sub.wait(5s));
+  ASSERT_TRUE(sub.wait(patience));
   const auto sample = sub.take();
   EXPECT_THAT(sample->heights(), ElementsAre(405));
 }

@@ -23,8 +23,6 @@ using sensor_msgs::msg::PointCloud2;
 using F = PointCloud2::Field;
 using namespace std::chrono_literals;
 
-constexpr std::chrono::seconds patience{15};  // the machine may be slow; 2 s are promised, and printed
-
 /// The things that a process tells of itself while it runs.
 struct Report {
   std::atomic<bool> failed{false};

@@ -1,6 +1,7 @@
 // Usage: check_figures FILE SAMPLES FULL_BYTES declared|recorded
 // Checks the file that sft_demo --json has written for a run in which SAMPLES messages of FULL_BYTES bytes
-// were published. If a figure is wrong, the program says so, and returns 1.
+// were published. If a figure is wrong, the program says so, and returns 1. A best-effort reader on a busy machine
+// may lose samples; then it has to have counted them.
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -42,10 +43,11 @@ void check_common(const json& s, std::uint64_t samples, double full_bytes, const
   const std::string name = s.at("name");
   const std::uint64_t received = s.at("received");
   const std::uint64_t withheld = s.at("withheld");
-  expect(received > 0 && received + withheld == samples,
-         name + " received " + s.at("received").dump() + ", withheld " + s.at("withheld").dump());
+  const std::uint64_t lost = s.at("lost");
+  expect(received > 0 && received + withheld + lost == samples,
+         name + " received " + s.at("received").dump() + ", withheld " + s.at("withheld").dump() + ", lost " +
+             s.at("lost").dump());
   expect((withheld > 0) == (name == "localiser"), name + ": withheld " + s.at("withheld").dump());
-  expect(s.at("lost") == 0, name + " lost " + s.at("lost").dump());
   expect(s.at("full_bytes_per_sample") == full_bytes,
          name + ": full_bytes_per_sample " + s.at("full_bytes_per_sample").dump());
   expect(s.at("requirement") == requirement, name + ": requirement " + s.at("requirement").dump());
@@ -86,9 +88,12 @@ void check_wire(const json& run, double full_bytes, bool recorded) {
     expect(recorded ? learning > full_bytes : learning == 0,
            std::string("learning_bytes of ") + small + ": " + std::to_string(learning));
   }
-  const double large = subscriber(run, "localiser").at("wire_bytes_per_sample");
+  const json& localiser = subscriber(run, "localiser");
+  const double large = localiser.at("wire_bytes_per_sample");
   const double part = recorded ? 1 : localiser_share;  // if it is recorded, it still learns
-  expect(large > 0.98 * part * full_bytes && large < (1 + header_share_max) * part * full_bytes,
+  // Bytes of lost samples were carried, too.
+  const double carried = 1 + localiser.at("lost").get<double>() / localiser.at("received").get<double>();
+  expect(large > 0.98 * part * full_bytes && large < (1 + header_share_max) * carried * part * full_bytes,
          "wire_bytes_per_sample of localiser: " + std::to_string(large));
   expect(subscriber(run, "detector").at("wire_bytes_per_sample") == 0, "something was sent to detector");
   const double idle = run.at("idle_bytes_per_s");

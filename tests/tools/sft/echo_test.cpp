@@ -174,7 +174,7 @@ TEST_F(EchoTest, ItEndsWhenNobodyReadsItsOutput) {
   ASSERT_TRUE(echo.prints("width: 1024"));
   echo.close_output();
   EXPECT_EQ(echo.end().code, 0);
-  EXPECT_TRUE(eventually([&] { return points.status().readers.empty(); }, 2s));
+  EXPECT_TRUE(eventually([&] { return points.status().readers.empty(); }));
 }
 
 }  // namespace

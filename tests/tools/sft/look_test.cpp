@@ -122,7 +122,7 @@ TEST_F(LookTest, WhyTellsWhatTwoFieldsOfALargeCloudHaveSaved) {
   constexpr int samples = 10;
   for (int i = 0; i < samples; ++i) {
     points.publish(large);
-    ASSERT_TRUE(all.wait(5s));
+    ASSERT_TRUE(all.wait(patience));
     while (all.take()) continue;
   }
   Json told;

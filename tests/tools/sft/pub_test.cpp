@@ -206,7 +206,7 @@ TEST_F(PubTest, CtrlCEndsItAndSubscribersSeeItGo) {
   const Ended ended = pub.end();
   EXPECT_EQ(ended.code, 0);
   EXPECT_THAT(ended.out, StartsWith("numbers: "));
-  EXPECT_TRUE(eventually([&] { return numbers.status().writers.empty(); }, 2s));
+  EXPECT_TRUE(eventually([&] { return numbers.status().writers.empty(); }));
 }
 
 TEST_F(PubTest, CtrlCEndsItWhileItWaits) {

@@ -20,10 +20,6 @@
 
 namespace {
 
-/// This is longer than a daemon may take to start (ShmOptions::start_deadline), because the disk with the
-/// programs may stand still for a while.
-constexpr std::chrono::seconds usual_patience{60};
-
 using namespace sft::test;
 using sft::core::Availability;
 using sft::core::SampleHandle;
@@ -222,8 +218,8 @@ int main(int argc, char** argv) {
   Node node;
   if (wanted == "knock") return knock(node);
   const bool own = wanted == "attend" && argc > 2;
-  const auto patience = own ? std::chrono::seconds(std::strtol(argv[2], nullptr, 10)) : usual_patience;
-  if (!node.becomes(Availability::ready, patience)) {
+  const auto longest = own ? std::chrono::seconds(std::strtol(argv[2], nullptr, 10)) : patience;
+  if (!node.becomes(Availability::ready, longest)) {
     say("not ready: " + node->description());
     return 1;
   }

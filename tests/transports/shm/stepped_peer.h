@@ -5,7 +5,11 @@
 
 #include <signal.h>
 #include <sys/ptrace.h>
+#include <sys/user.h>
 #include <sys/wait.h>
+
+#include <cstddef>
+#include <cstdint>
 
 #include "tests/transports/shm/shm_fixture.h"
 
@@ -27,6 +31,28 @@ class SteppedPeer {
   [[nodiscard]] bool goes_to_mark() const { return resume(PTRACE_CONT) && is_at_mark(); }
   /// Lets the peer execute one instruction. Returns false if that has brought it to its next mark.
   [[nodiscard]] bool steps() const { return resume(PTRACE_SINGLESTEP) && !is_at_mark(); }
+  /// Lets the peer run until it is about to execute its breakpoint. Returns false if it comes to its next mark
+  /// before.
+  [[nodiscard]] bool goes_to_breakpoint() const { return resume(PTRACE_CONT) && !is_at_mark(); }
+
+#ifdef __x86_64__
+  static constexpr bool has_breakpoints = true;
+  /// The address of the instruction that the peer executes next.
+  std::uintptr_t instruction() const {
+    return static_cast<std::uintptr_t>(ptrace(PTRACE_PEEKUSER, pid_, offsetof(user, regs.rip), nullptr));
+  }
+  /// A breakpoint of the processor, which other threads of the peer do not have.
+  void set_breakpoint(std::uintptr_t instruction) const {
+    ptrace(PTRACE_POKEUSER, pid_, offsetof(user, u_debugreg[0]), instruction);
+    ptrace(PTRACE_POKEUSER, pid_, offsetof(user, u_debugreg[7]), 1UL);
+  }
+  void clear_breakpoint() const { ptrace(PTRACE_POKEUSER, pid_, offsetof(user, u_debugreg[7]), 0UL); }
+#else
+  static constexpr bool has_breakpoints = false;
+  std::uintptr_t instruction() const { return 0; }
+  void set_breakpoint(std::uintptr_t) const {}
+  void clear_breakpoint() const {}
+#endif
 
  private:
   bool resume(__ptrace_request how) const {

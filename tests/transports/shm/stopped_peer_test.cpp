@@ -2,10 +2,10 @@
 // stands still in the midst of a send: at no instruction. The other one may have been killed there, or be
 // stopped by a debugger, or be of a lower priority.
 #include <gtest/gtest.h>
-#include <sched.h>
 
 #include <functional>
 #include <future>
+#include <set>
 
 #include "tests/transports/shm/shm_fixture.h"
 #include "tests/transports/shm/stepped_peer.h"
@@ -17,45 +17,65 @@ using core::SampleHandle;
 using core::SendStatus;
 
 constexpr std::uint32_t frame = 100;
-constexpr std::chrono::seconds longest_call{10};
 
-/// The peer stands still at each so many instructions of its work. The first one is another one each time, so
-/// that each instruction has its turn. A peer that was disturbed more often would not get on: the lists of
-/// free chunks of iceoryx make it try again whenever another process has used them meanwhile.
+/// A peer that is disturbed more often does not get on: the lists of free chunks of iceoryx make it try again
+/// whenever another process has used them meanwhile.
 constexpr int steps_between_stops = 128;
+constexpr int stops_at_an_instruction = 3;  // of a loop
 
 class StoppedPeer : public ShmNodeTest {
  protected:
-  /// A step costs four times as much if the two processes have to wake each other on different processors.
-  StoppedPeer() {
-    sched_getaffinity(0, sizeof before_, &before_);
-    cpu_set_t one{};
-    CPU_SET(static_cast<std::size_t>(sched_getcpu()), &one);
-    sched_setaffinity(0, sizeof one, &one);
+  void SetUp() override {
+    ShmNodeTest::SetUp();
+    if (!SteppedPeer::has_breakpoints) GTEST_SKIP() << "needs breakpoints of an x86 processor";
   }
-  ~StoppedPeer() override { sched_setaffinity(0, sizeof before_, &before_); }
 
   /// Lets the peer do its work again and again. Calls `act` wherever the peer stands still, in another
-  /// thread. Expects that each call returns before the peer goes on. Returns how often it was called.
-  static int at_each_instruction(const Process& process, const std::function<void()>& act) {
+  /// thread. Expects that each call returns before the peer goes on. Returns at how many instructions the peer
+  /// stood still.
+  static std::size_t at_each_instruction(const Process& process, const std::function<void()>& act) {
     const SteppedPeer peer(process);
-    int stops = 0;
-    for (int first = 0; first < steps_between_stops && peer.goes_to_mark(); ++first) {
-      for (int step = 0; peer.steps(); ++step) {
-        if (step % steps_between_stops != first) continue;
-        ++stops;
-        const auto done = std::async(std::launch::async, act);
-        if (done.wait_for(longest_call) == std::future_status::ready) continue;
-        ADD_FAILURE() << "blocked by a peer that stands still at instruction " << step;
-        if (!peer.goes_to_mark()) ADD_FAILURE() << "the peer has ended";
-        return 0;  // the future waits for the end of the call
+    std::size_t stopped_at = 0;
+    for (const std::uintptr_t instruction : instructions_of_its_work(peer, act)) {
+      act();
+      if (!peer.goes_to_mark()) break;
+      peer.set_breakpoint(instruction);
+      int stops = 0;
+      for (; stops < stops_at_an_instruction && peer.goes_to_breakpoint(); ++stops) {
+        if (!returns_while_the_peer_stands_still(peer, act)) return 0;
       }
+      peer.clear_breakpoint();
+      if (stops == stops_at_an_instruction && !peer.goes_to_mark()) break;
+      stopped_at += stops > 0;
     }
-    return stops;
+    return stopped_at;
   }
 
  private:
-  cpu_set_t before_{};
+  /// Steps through the peer's work: once undisturbed, once with a call of `act` now and then, which takes the
+  /// peer to places where it tries again.
+  static std::set<std::uintptr_t> instructions_of_its_work(const SteppedPeer& peer,
+                                                           const std::function<void()>& act) {
+    std::set<std::uintptr_t> instructions;
+    for (const bool disturbed : {false, true}) {
+      if (!peer.goes_to_mark()) return {};
+      for (int step = 1; peer.steps(); ++step) {
+        instructions.insert(peer.instruction());
+        if (disturbed && step % steps_between_stops == 0 && !returns_while_the_peer_stands_still(peer, act))
+          return {};
+      }
+    }
+    return instructions;
+  }
+
+  static bool returns_while_the_peer_stands_still(const SteppedPeer& peer, const std::function<void()>& act) {
+    const auto done = std::async(std::launch::async, act);
+    if (done.wait_for(patience) == std::future_status::ready) return true;
+    ADD_FAILURE() << "blocked by a peer that stands still at instruction " << peer.instruction();
+    peer.clear_breakpoint();
+    if (!peer.goes_to_mark()) ADD_FAILURE() << "the peer has ended";
+    return false;  // the future waits for the end of the call
+  }
 };
 
 class StoppedReader : public StoppedPeer {
@@ -66,10 +86,10 @@ class StoppedReader : public StoppedPeer {
     ASSERT_EQ(process.line(), "subscribed");
     ASSERT_TRUE(SteppedPeer(process).comes_to_mark());
     for (int i = 0; i < depth; ++i) ASSERT_EQ(writer.send_frame(frame), SendStatus::sent);
-    const int stops = at_each_instruction(process, [&] {
+    const std::size_t stops = at_each_instruction(process, [&] {
       for (int i = 0; i < 4; ++i) ASSERT_EQ(writer.send_frame(frame), SendStatus::sent);
     });
-    EXPECT_GT(stops, 100);
+    EXPECT_GT(stops, 100U);
   }
 };
 
@@ -84,10 +104,10 @@ TEST_F(StoppedWriter, BlocksNoReaderAtAnyInstructionOfASend) {
   ASSERT_TRUE(SteppedPeer(process).comes_to_mark());
   ASSERT_TRUE(reader.connects_to(1));
   std::uint64_t taken = 0;
-  const int stops = at_each_instruction(process, [&] {
+  const std::size_t stops = at_each_instruction(process, [&] {
     while (reader.take()) ++taken;
   });
-  EXPECT_GT(stops, 100);
+  EXPECT_GT(stops, 100U);
   EXPECT_GT(taken, 100U);
 }
 

@@ -22,7 +22,7 @@
 
 namespace sft::udp::test {
 
-inline constexpr std::chrono::seconds patience{20};  // for what must happen
+using sft::test::patience;
 
 inline core::UdpAddress loopback_address(const core::Network& transport) {
   core::UdpAddress address = transport.addresses().at(0);

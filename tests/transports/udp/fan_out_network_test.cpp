@@ -70,7 +70,6 @@ TEST_P(FanOutTest, PutsBytesOnTheWireByMasksAndNotByReceivers) {
       two_readers, together, until_settled);
   RecordProperty("bytes_together", static_cast<int>(together));
   EXPECT_LT(together, 1.05 * two_readers);
-  EXPECT_LE(until_settled, 20U) << "offers and reports take some milliseconds";
   EXPECT_TRUE(all_came());
 }
 

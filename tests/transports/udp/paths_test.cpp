@@ -244,7 +244,6 @@ TEST_P(PathsTest, FindsOutReliablyWhatAPathTakesThatDropsLongerOnesSilently) {
   const auto begin = std::chrono::steady_clock::now();
   publisher.publish(make_image(30'000));
   ASSERT_EQ(subscriber.await(1).size(), 1U);
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, 1s);
   EXPECT_EQ(far.longest(), payload(1280));
   std::size_t longest = 0;
   for (std::size_t n = 2; n <= 500 && longest != payload(1450); ++n) {

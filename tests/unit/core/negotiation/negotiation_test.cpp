@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <random>
 
 #include "sft/msg_text.h"
+#include "tests/support/test_seed.h"
 #include "tests/unit/core/negotiation/negotiation_fixture.h"
 
 namespace sft::core {
@@ -510,10 +510,8 @@ TEST_F(NegotiationTest, TheOldestOfTooManyEarlyRequestsMakesRoom) {
 // Announcement, requests and shared memory may come in any order. Once all have come, the outcome is the
 // same.
 TEST_F(NegotiationTest, TheOutcomeDoesNotDependOnTheOrderOfEvents) {
-  std::random_device entropy;
-  const auto seed = entropy();
-  SCOPED_TRACE("seed " + std::to_string(seed));
-  std::mt19937 random(seed);
+  SCOPED_TRACE(test::how_to_repeat());
+  test::Random random{test::test_seed()};
   std::vector<int> events{0, 1, 2, 3, 4, 5};
   for (int round = 0; round < 2000; ++round) {
     std::shuffle(events.begin(), events.end(), random);

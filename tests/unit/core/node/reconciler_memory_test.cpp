@@ -69,12 +69,10 @@ TEST_F(ReconcilerInMemoryTest, PublishersThatAreMadeUpTakeFewPortsAndGiveThemBac
   EXPECT_FALSE(memory.connections.contains(7)) << "none is left";
   for (EndpointId id = 1000; id < 1200; ++id) node.endpoint_lost(id);
   node.reconcile();
-  const Time soon = std::chrono::steady_clock::now() + std::chrono::seconds(1);
   EXPECT_TRUE(test::eventually([&] {
     node.tick();
     return memory.connections == std::set<EndpointId>{7};
   }));
-  EXPECT_LT(std::chrono::steady_clock::now(), soon);
 }
 
 TEST_F(ReconcilerInMemoryTest, ConnectionsThatAreMadeTogetherAreLimitedUntilTheirPublishersShowUp) {

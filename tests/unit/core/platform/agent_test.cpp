@@ -5,6 +5,8 @@
 #include <atomic>
 #include <future>
 
+#include "tests/support/eventually.h"
+
 namespace sft::core {
 namespace {
 
@@ -50,8 +52,8 @@ TEST(AgentTest, IdleComesAfterABatchAndTicksKeepComing) {
                                  }};
   ASSERT_TRUE(agent.start("test", duties));
   agent.post([] {});
-  EXPECT_EQ(idle.get_future().wait_for(10s), std::future_status::ready);
-  EXPECT_EQ(third_tick.get_future().wait_for(10s), std::future_status::ready);
+  EXPECT_EQ(idle.get_future().wait_for(test::patience), std::future_status::ready);
+  EXPECT_EQ(third_tick.get_future().wait_for(test::patience), std::future_status::ready);
 }
 
 TEST(AgentTest, ABatchCanHastenTheNextTick) {
@@ -67,9 +69,9 @@ TEST(AgentTest, ABatchCanHastenTheNextTick) {
                                  },
                              .idle = [] { return 1ms; }};
   ASSERT_TRUE(agent.start("test", duties));
-  ASSERT_EQ(first_tick.get_future().wait_for(10s), std::future_status::ready);
+  ASSERT_EQ(first_tick.get_future().wait_for(test::patience), std::future_status::ready);
   agent.post([] {});
-  EXPECT_EQ(second_tick.get_future().wait_for(10s), std::future_status::ready);
+  EXPECT_EQ(second_tick.get_future().wait_for(test::patience), std::future_status::ready);
 }
 
 TEST(AgentTest, ATaskThatHasTimeRunsWithTheNextTickAndInItsOrder) {
@@ -87,9 +89,9 @@ TEST(AgentTest, ATaskThatHasTimeRunsWithTheNextTickAndInItsOrder) {
                                  },
                              .idle = [] { return 1h; }};
   ASSERT_TRUE(agent.start("test", duties));
-  ASSERT_EQ(first_tick.get_future().wait_for(10s), std::future_status::ready);
+  ASSERT_EQ(first_tick.get_future().wait_for(test::patience), std::future_status::ready);
   agent.post_for_next_tick([&] { order.push_back(1); });
-  ASSERT_EQ(second_tick.get_future().wait_for(10s), std::future_status::ready);
+  ASSERT_EQ(second_tick.get_future().wait_for(test::patience), std::future_status::ready);
   agent.post_for_next_tick([&] { order.push_back(2); });
   agent.post([&] { order.push_back(3); });
   agent.stop();
@@ -110,13 +112,13 @@ TEST(AgentTest, ManyTasksThatHaveTimeWakeTheAgent) {
                                  },
                              .idle = [] { return 1h; }};
   ASSERT_TRUE(agent.start("test", duties));
-  ASSERT_EQ(first_tick.get_future().wait_for(10s), std::future_status::ready);
+  ASSERT_EQ(first_tick.get_future().wait_for(test::patience), std::future_status::ready);
   for (std::size_t i = 0; i < Agent::waiting_max; ++i) {
     agent.post_for_next_tick([&] {
       if (++ran == Agent::waiting_max) all_ran.set_value();
     });
   }
-  EXPECT_EQ(all_ran.get_future().wait_for(10s), std::future_status::ready);
+  EXPECT_EQ(all_ran.get_future().wait_for(test::patience), std::future_status::ready);
 }
 
 TEST(AgentTest, ManyThreadsMayPost) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/seam/buffer_pool.h"
+#include "tests/support/eventually.h"
 #include "tests/unit/udp/connections.h"
 #include "tests/unit/udp/jobs.h"
 #include "udp_transport/flow/destination_directory.h"
@@ -314,7 +315,7 @@ struct Onlooker final : LaneListener {
   void departed(const Job& job, bool lost) noexcept override {
     lost_ones.push_back(lost ? job.first.label.sequence : 0);
     uses.push_back(std::async(std::launch::async, [this] { return lane.has_room(); }));
-    was_free = uses.back().wait_for(std::chrono::seconds(5)) == std::future_status::ready && was_free;
+    was_free = uses.back().wait_for(sft::test::patience) == std::future_status::ready && was_free;
   }
   std::span<const Destination* const> receivers() const noexcept override { return {}; }
   Lane& lane;

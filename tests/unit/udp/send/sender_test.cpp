@@ -8,6 +8,7 @@
 #include <set>
 #include <vector>
 
+#include "tests/support/eventually.h"
 #include "tests/unit/udp/jobs.h"
 #include "udp_transport/flow/destination_directory.h"
 
@@ -92,7 +93,7 @@ TEST(SenderTest, WaitsForNoConnectionOfAChannelThatIsAtRest) {
   channel->post(job, job->first, false);
   sender.schedule(std::move(channel));
   ASSERT_TRUE(sender.start("sender"));
-  EXPECT_EQ(seen.one_closed.get_future().wait_for(10s), std::future_status::ready);
+  EXPECT_EQ(seen.one_closed.get_future().wait_for(sft::test::patience), std::future_status::ready);
   sender.stop();
   EXPECT_EQ(seen.awaited_closed, 0U);
 }

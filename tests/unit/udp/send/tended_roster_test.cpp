@@ -5,6 +5,7 @@
 #include <future>
 #include <thread>
 
+#include "tests/support/eventually.h"
 #include "udp_transport/send/send_side.h"
 
 namespace sft::udp {
@@ -34,7 +35,7 @@ TEST_F(TendedRosterTest, KeepsNobodyOutWhileOneIsBusy) {
   std::future<void> added;
   one.meanwhile = [&] {
     added = std::async(std::launch::async, [&] { roster.add(other); });
-    EXPECT_EQ(added.wait_for(5s), std::future_status::ready);
+    EXPECT_EQ(added.wait_for(sft::test::patience), std::future_status::ready);
   };
   roster.tend({});
   one.meanwhile = {};
@@ -80,7 +81,7 @@ TEST_F(TendedRosterTest, LetsOneGoOnlyWhenItIsNotBusyAnyMore) {
 
 TEST_F(TendedRosterTest, SkipsWhoGoesWhileAnotherIsBusy) {
   roster.add(other);
-  one.meanwhile = [&] { std::async(std::launch::async, [&] { roster.remove(other); }).wait_for(5s); };
+  one.meanwhile = [&] { std::async(std::launch::async, [&] { roster.remove(other); }).wait_for(sft::test::patience); };
   roster.tend({});
   EXPECT_EQ(one.times, 1);
   EXPECT_EQ(other.times, 0);
