@@ -1,5 +1,4 @@
 # Lists of generated types, and the one of all types that there are.
-find_program(SFT_PYTHON python3 PATHS /usr/bin NO_DEFAULT_PATH REQUIRED DOC "The one that has rosidl_adapter")
 
 # sft_list_types(VARIABLE NAME PARTS n INTERFACES target... [OPTIONS option...] [DEPENDS file...])
 # Makes C++ files that list all types that sft_generate makes for INTERFACES, in parts, and names them in VARIABLE.

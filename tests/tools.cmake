@@ -1,0 +1,53 @@
+# What tests take in addition to a compiler and libraries. Where one of these programs is missing, its tests are skipped
+# by name.
+find_program(SFT_PYTHON python3 HINTS /usr/bin)  # that one knows Debian's rosidl
+find_program(SFT_TSHARK tshark)
+find_program(SFT_SPIN spin)
+find_program(SFT_DOXYGEN doxygen)
+
+# ROS 2's own compiler of messages, and the messages that ROS 2 tests it with: types of tests and benchmarks are made
+# with them.
+set(SFT_ROSIDL OFF)
+if(SFT_PYTHON AND EXISTS /usr/share/test_interface_files/msg)
+  execute_process(COMMAND ${SFT_PYTHON} -c "import rosidl_adapter.parser, em"
+    RESULT_VARIABLE imported OUTPUT_QUIET ERROR_QUIET)
+  if(imported EQUAL 0)
+    set(SFT_ROSIDL ON)
+  endif()
+endif()
+if(SFT_BUILD_BENCH AND NOT SFT_ROSIDL)
+  message(STATUS "The benchmarks are left out: they need python3-rosidl and ros2-test-interface-files")
+  set(SFT_BUILD_BENCH OFF)
+endif()
+
+# sft_tool_test(NAME NEEDS program... COMMAND word... [WORKING_DIRECTORY folder]): a test that takes programs which may
+# be missing.
+function(sft_tool_test name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "WORKING_DIRECTORY" "NEEDS;COMMAND")
+  foreach(program IN LISTS arg_NEEDS)
+    string(TOUPPER ${program} variable)
+    string(REPLACE "PYTHON3" "PYTHON" variable ${variable})
+    if(NOT SFT_${variable})
+      sft_skipped_test(${name} ${program})
+      return()
+    endif()
+  endforeach()
+  if(NOT arg_WORKING_DIRECTORY)
+    set(arg_WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
+  endif()
+  add_test(NAME ${name} COMMAND ${arg_COMMAND} WORKING_DIRECTORY ${arg_WORKING_DIRECTORY})
+endfunction()
+
+# sft_skipped_test(NAME WORD...): stands for a test, or for those of a program, that needs what WORD... says.
+function(sft_skipped_test name)
+  list(JOIN ARGN " " needs)
+  add_test(NAME ${name} COMMAND sh -c "echo 'skipped: needs ${needs}'; exit 77")
+  set_tests_properties(${name} PROPERTIES SKIP_RETURN_CODE 77)
+endfunction()
+
+# sft_skip_without_rosidl(PROGRAM...): stands for the tests of programs that are not built without SFT_ROSIDL.
+function(sft_skip_without_rosidl)
+  foreach(program IN LISTS ARGN)
+    sft_skipped_test(${program} python3-rosidl and ros2-test-interface-files)
+  endforeach()
+endfunction()
