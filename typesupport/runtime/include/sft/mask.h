@@ -204,7 +204,7 @@ struct Declared {
     }
     return all;
   }
-  consteval void add(const DeclaredPart& part) {
+  constexpr void add(const DeclaredPart& part) {
     if (part.is_whole() || whole.contains(part.leaf)) return;
     for (DeclaredPart& place : parts) {
       if (place.is_whole()) {
@@ -225,25 +225,25 @@ struct FieldPart {
   DeclaredPart part{};
 
   /// Each n-th element, or point or pixel of a row, of a range that was given before. n >= 1.
-  consteval FieldPart every(std::uint32_t n) const {
+  constexpr FieldPart every(std::uint32_t n) const {
     FieldPart other = *this;
     if (other.part.columns.step != 0) a_range_is_given_twice();
     other.part.columns.step = declared_range(0, 0, n).step;
     return other;
   }
   /// The elements [begin, end), or these points or pixels of each row; end 0: up to the last one.
-  consteval FieldPart range(std::uint32_t begin, std::uint32_t end, std::uint32_t step = 1) const {
+  constexpr FieldPart range(std::uint32_t begin, std::uint32_t end, std::uint32_t step = 1) const {
     return columns(begin, end, step);
   }
   /// The rows [begin, end).
-  consteval FieldPart rows(std::uint32_t begin, std::uint32_t end, std::uint32_t step = 1) const {
+  constexpr FieldPart rows(std::uint32_t begin, std::uint32_t end, std::uint32_t step = 1) const {
     FieldPart other = *this;
     if (other.part.rows != DeclaredRange{}) a_range_is_given_twice();
     other.part.rows = declared_range(begin, end, step);
     return other;
   }
   /// The columns [begin, end).
-  consteval FieldPart columns(std::uint32_t begin, std::uint32_t end, std::uint32_t step = 1) const {
+  constexpr FieldPart columns(std::uint32_t begin, std::uint32_t end, std::uint32_t step = 1) const {
     FieldPart other = *this;
     if (other.part.columns != DeclaredRange{}) a_range_is_given_twice();
     other.part.columns = declared_range(begin, end, step);
@@ -252,18 +252,18 @@ struct FieldPart {
 };
 
 template <class T>
-consteval Declared<T> to_declared(const Declared<T>& declared) {
+constexpr Declared<T> to_declared(const Declared<T>& declared) {
   return declared;
 }
 template <class T>
-consteval Declared<T> to_declared(const FieldPart<T>& part) {
+constexpr Declared<T> to_declared(const FieldPart<T>& part) {
   Declared<T> declared{.whole = part.beside};
   if (part.part.is_whole()) declared.whole = declared.whole | Mask<T>::range(part.part.leaf, 1);
   declared.add(part.part);
   return declared;
 }
 template <FieldSet F>
-consteval Declared<TypeOfFields<F>> to_declared(const F& fields) {
+constexpr Declared<TypeOfFields<F>> to_declared(const F& fields) {
   return {.whole = fields};
 }
 
@@ -278,7 +278,7 @@ concept PartSet = requires(const P& parts) {
 };
 
 template <class A, class B>
-requires((PartSet<A> && (PartSet<B> || FieldSet<B>)) || (FieldSet<A> && PartSet<B>)) consteval auto operator|(
+requires((PartSet<A> && (PartSet<B> || FieldSet<B>)) || (FieldSet<A> && PartSet<B>)) constexpr auto operator|(
     const A& a, const B& b) {
   auto joined = to_declared(a);
   const decltype(joined) other = to_declared(b);  // fields of one message type
@@ -332,7 +332,7 @@ struct Req {
   /// Parts of fields, and other fields: `F::width | F::data.channels<"x">`.
   template <detail::PartSet P>
   requires std::same_as<T, decltype(detail::type_of_parts(std::declval<const P&>()))>
-  consteval Req(const P& declared)  // NOLINT(google-explicit-constructor)
+  constexpr Req(const P& declared)  // NOLINT(google-explicit-constructor)
       : mask(detail::to_declared(declared).mask()), parts(detail::to_declared(declared).parts) {}
   /// Recording finds out which fields are needed.
   constexpr Req(detail::Recorded) : mask(all<T>), is_recorded(true) {}  // NOLINT(google-explicit-constructor)

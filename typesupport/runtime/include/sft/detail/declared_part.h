@@ -7,15 +7,16 @@
 //
 // A mistake that can be seen in the declaration does not compile: the name of the function that is not
 // constant says what is wrong. Others are errors of Node::subscriber().
+//
+// Two compilers limit how that is written. g++ 14 refuses concepts of ranges and iterators in what it
+// computes here, if a program has included certain headers before: there are loops in place of algorithms.
+// Clang 14 and 15 refuse a consteval function that passes its parameters to another one: all functions are
+// constexpr, since a template argument makes them constant anyway.
 #pragma once
 
-#include <algorithm>
 #include <array>
-#include <concepts>
 #include <cstddef>
 #include <cstdint>
-#include <string_view>
-#include <utility>
 
 namespace sft::detail {
 
@@ -51,10 +52,10 @@ using DeclaredParts = std::array<DeclaredPart, declared_parts_max>;
 template <std::size_t Bytes>
 struct NameText {
   std::array<char, Bytes> bytes{};
-  consteval NameText(const char (&text)[Bytes]) {  // NOLINT(google-explicit-constructor)
-    std::copy_n(text, Bytes, bytes.begin());
+  constexpr NameText(const char (&text)[Bytes]) {  // NOLINT(google-explicit-constructor)
+    for (std::size_t i = 0; i < Bytes; ++i) bytes[i] = text[i];
   }
-  constexpr std::string_view view() const { return {bytes.data(), Bytes - 1}; }
+  static constexpr std::size_t size() { return Bytes - 1; }  // without the NUL at the end
 };
 
 // Names of mistakes. They are no constant expressions.
@@ -65,23 +66,35 @@ inline void a_range_is_given_twice() {}
 inline void a_field_has_two_parts() {}
 inline void there_are_too_many_parts() {}
 
-consteval DeclaredRange declared_range(std::uint32_t begin, std::uint32_t end, std::uint32_t step) {
+constexpr DeclaredRange declared_range(std::uint32_t begin, std::uint32_t end, std::uint32_t step) {
   if (step == 0 || (end != 0 && end <= begin)) a_range_has_an_index_and_a_step();
   return {begin, end, step == 1 ? 0 : step};
 }
 
-template <NameText... Names>
-consteval std::array<char, DeclaredPart::channel_bytes_max> declared_channels() {
+/// The names of channels, one behind the other.
+struct ChannelNames {
   std::array<char, DeclaredPart::channel_bytes_max> text{};
   std::size_t end = 0;
-  for (const std::string_view name : {Names.view()...}) {
-    if (name.empty() || name.find_first_of(std::string_view(",{}\0", 4)) != name.npos)
-      a_name_of_a_channel_has_a_character_and_neither_comma_nor_brace();
+
+  template <std::size_t Bytes>
+  constexpr void add(const NameText<Bytes>& name) {
+    if (name.size() == 0) a_name_of_a_channel_has_a_character_and_neither_comma_nor_brace();
     if (end + name.size() + 1 >= text.size()) names_of_channels_are_too_long_together();
-    end = static_cast<std::size_t>(std::ranges::copy(name, text.begin() + end).out - text.begin());
+    for (std::size_t i = 0; i < name.size(); ++i) {
+      const char c = name.bytes[i];
+      if (c == ',' || c == '{' || c == '}' || c == 0)
+        a_name_of_a_channel_has_a_character_and_neither_comma_nor_brace();
+      text[end++] = c;
+    }
     text[end++] = ',';
   }
-  return text;
+};
+
+template <NameText... Names>
+constexpr std::array<char, DeclaredPart::channel_bytes_max> declared_channels() {
+  ChannelNames names;
+  (names.add(Names), ...);
+  return names.text;
 }
 
 }  // namespace sft::detail

@@ -40,7 +40,7 @@ constexpr bool is_in_no_collection(const StructType& type, std::size_t leaf) {
 /// (declared_part.h). Its leaf is First.
 template <class Root, std::size_t First, class S, std::size_t M>
 class SequenceNode : public FieldNode<Root, First, 1> {
-  static consteval FieldPart<Root> whole() {
+  static constexpr FieldPart<Root> whole() {
     static_assert(is_in_no_collection(TypeTable<Root>::type, First),
                   "a field of the elements of an array or a sequence has no parts");
     FieldPart<Root> all{.part = {.leaf = First}};
@@ -55,7 +55,7 @@ class SequenceNode : public FieldNode<Root, First, 1> {
     return all;
   }
   template <NameText... Names>
-  static consteval FieldPart<Root> part_with() {
+  static constexpr FieldPart<Root> part_with() {
     static_assert(has_points<S, M>(), "only the data of a PointCloud2 has channels");
     FieldPart<Root> some = whole();
     some.part.channels = declared_channels<Names...>();
@@ -63,14 +63,14 @@ class SequenceNode : public FieldNode<Root, First, 1> {
   }
 
  public:
-  static consteval FieldPart<Root> every(std::uint32_t n) { return whole().every(n); }
-  static consteval FieldPart<Root> range(std::uint32_t begin, std::uint32_t end, std::uint32_t step = 1) {
+  static constexpr FieldPart<Root> every(std::uint32_t n) { return whole().every(n); }
+  static constexpr FieldPart<Root> range(std::uint32_t begin, std::uint32_t end, std::uint32_t step = 1) {
     return whole().range(begin, end, step);
   }
-  static consteval FieldPart<Root> rows(std::uint32_t begin, std::uint32_t end, std::uint32_t step = 1) {
+  static constexpr FieldPart<Root> rows(std::uint32_t begin, std::uint32_t end, std::uint32_t step = 1) {
     return whole().rows(begin, end, step);
   }
-  static consteval FieldPart<Root> columns(std::uint32_t begin, std::uint32_t end, std::uint32_t step = 1) {
+  static constexpr FieldPart<Root> columns(std::uint32_t begin, std::uint32_t end, std::uint32_t step = 1) {
     return whole().columns(begin, end, step);
   }
   /// These channels of each point.

@@ -3,7 +3,6 @@
 // header is read once, checked, and kept here.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -37,11 +36,23 @@ struct CloudPlace {
   std::size_t data_leaf = 0;  ///< of the data
 };
 
+// What follows is computed by the compiler: declared_part.h says why it has loops in place of std::ranges.
+
 /// Tells whether a struct has just these single values.
 constexpr bool has_kinds(const StructType& type, std::initializer_list<Kind> kinds) {
-  return std::ranges::equal(type.members, kinds, [](const Member& member, Kind kind) {
-    return member.kind == kind && member.shape == Shape::single;
-  });
+  if (type.members.size() != kinds.size()) return false;
+  const Kind* kind = kinds.begin();
+  for (const Member& member : type.members) {
+    if (member.kind != *kind++ || member.shape != Shape::single) return false;
+  }
+  return true;
+}
+
+/// The number of the member of that name; members.size() if there is none.
+constexpr std::size_t number_of(std::span<const Member> members, std::string_view name) {
+  std::size_t number = 0;
+  while (number < members.size() && members[number].name != name) ++number;
+  return number;
 }
 
 /// Tells whether a member is what the cloud field of this number is in sensor_msgs.
@@ -61,9 +72,9 @@ constexpr std::optional<CloudMembers> cloud_members_of(const StructType& type) {
   if (type.name != "sensor_msgs::msg::PointCloud2") return {};
   CloudMembers members{};
   for (std::size_t field = 0; field < members.size(); ++field) {
-    const auto found = std::ranges::find(type.members, cloud_fields[field], &Member::name);
-    if (found == type.members.end() || !fits_cloud_field(*found, field)) return {};
-    members[field] = static_cast<std::size_t>(found - type.members.begin());
+    const std::size_t number = number_of(type.members, cloud_fields[field]);
+    if (number == type.members.size() || !fits_cloud_field(type.members[number], field)) return {};
+    members[field] = number;
   }
   return members;
 }
