@@ -67,14 +67,33 @@ class FastCdrStream {
  public:
   /// The body has at least the alignment of `memory`.
   explicit FastCdrStream(std::span<std::byte> memory)
-      : buffer_(reinterpret_cast<char*>(memory.data()), memory.size()), cdr_(buffer_) {}
+      : buffer_(reinterpret_cast<char*>(memory.data()), memory.size()), cdr_(make(buffer_)) {}
 
   /// The number of bytes of the body that were read or written so far.
-  std::size_t bytes() const { return cdr_.getSerializedDataLength(); }
+  std::size_t bytes() const { return bytes_of(cdr_); }
 
  protected:
   eprosima::fastcdr::FastBuffer buffer_;
   eprosima::fastcdr::Cdr cdr_;
+
+ private:
+  // Fast CDR 2 (Debian 13) has other names than Fast CDR 1 (Debian 12), and aligns numbers of 8 bytes to 4
+  // unless it is told not to.
+  static eprosima::fastcdr::Cdr make(eprosima::fastcdr::FastBuffer& buffer) {
+    using eprosima::fastcdr::Cdr;
+#if __has_include(<fastcdr/CdrSizeCalculator.hpp>)
+    return Cdr(buffer, Cdr::DEFAULT_ENDIAN, eprosima::fastcdr::CdrVersion::XCDRv1);
+#else
+    return Cdr(buffer);
+#endif
+  }
+  static std::size_t bytes_of(const eprosima::fastcdr::Cdr& cdr) {
+#if __has_include(<fastcdr/CdrSizeCalculator.hpp>)
+    return cdr.get_serialized_data_length();
+#else
+    return cdr.getSerializedDataLength();
+#endif
+  }
 };
 
 class FastCdrReader : public FastCdrStream {

@@ -7,26 +7,20 @@
 #include <cstring>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
-#include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/Publisher.hpp>
-#include <fastdds/dds/subscriber/DataReader.hpp>
 #include <fastdds/dds/subscriber/DataReaderListener.hpp>
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 #include <fastdds/dds/subscriber/Subscriber.hpp>
-#include <fastdds/dds/topic/TopicDataType.hpp>
 #include <fastdds/dds/topic/TypeSupport.hpp>
-#include <functional>
 #include <memory>
 #include <new>
 #include <span>
 
+#include "bench/common/fast_dds_version.h"
+
 namespace sft::bench {
 
 namespace fast {
-
-namespace dds = eprosima::fastdds::dds;
-namespace rtps = eprosima::fastrtps::rtps;
-using eprosima::fastrtps::types::ReturnCode_t;
 
 inline constexpr std::uint32_t encapsulation_bytes = 4;
 inline constexpr std::uint8_t little_endian[encapsulation_bytes] = {0, 1, 0, 0};
@@ -44,20 +38,14 @@ T& checked(T* entity, const char* what) {
 
 /// The type support of a message, which Fast DDS's generator would write.
 template <class T>
-class Type : public dds::TopicDataType {
+class Type : public AnyType {
  public:
-  Type(const char* name, std::uint32_t bytes) {
-    setName(name);
-    m_typeSize = encapsulation_bytes + bytes;
-    auto_fill_type_object(false);
-    auto_fill_type_information(false);
-  }
-
-  void* createData() override { return new T(); }
-  void deleteData(void* data) override { delete static_cast<T*>(data); }
-  bool getKey(void*, rtps::InstanceHandle_t*, bool) override { return false; }
+  Type(const char* name, std::uint32_t bytes) { set(name, encapsulation_bytes + bytes); }
 
  protected:
+  void* make() override { return new T(); }
+  void unmake(void* data) override { delete static_cast<T*>(data); }
+
   static std::span<std::byte> body(const rtps::SerializedPayload_t& payload, std::size_t end) {
     return {reinterpret_cast<std::byte*>(payload.data) + encapsulation_bytes, end - encapsulation_bytes};
   }
@@ -74,24 +62,23 @@ class PlainType : public Type<T> {
  public:
   explicit PlainType(const char* name) : Type<T>(name, sizeof(T)) {}
 
-  bool serialize(void* data, rtps::SerializedPayload_t* payload) override {
-    Type<T>::encapsulate(*payload, sizeof(T));
-    std::memcpy(payload->data + encapsulation_bytes, data, sizeof(T));
-    return true;
-  }
-  bool deserialize(rtps::SerializedPayload_t* payload, void* data) override {
-    std::memcpy(data, payload->data + encapsulation_bytes, sizeof(T));
-    return true;
-  }
-  std::function<std::uint32_t()> getSerializedSizeProvider(void*) override {
-    return [] { return std::uint32_t{encapsulation_bytes + sizeof(T)}; };
-  }
   bool is_bounded() const override { return true; }
-  bool is_plain() const override { return true; }
   bool construct_sample(void* memory) const override {
     new (memory) T;
     return true;
   }
+
+ protected:
+  void encode(const void* data, rtps::SerializedPayload_t& payload) override {
+    Type<T>::encapsulate(payload, sizeof(T));
+    std::memcpy(payload.data + encapsulation_bytes, data, sizeof(T));
+  }
+  bool decode(rtps::SerializedPayload_t& payload, void* data) override {
+    std::memcpy(data, payload.data + encapsulation_bytes, sizeof(T));
+    return true;
+  }
+  std::uint32_t encoded_bytes(const void*) override { return encapsulation_bytes + sizeof(T); }
+  bool is_same_in_memory() const override { return true; }
 };
 
 /// Makes the QoS of a writer or reader best effort, volatile and keep last 1. The memory of the sample grows
@@ -125,10 +112,10 @@ class Participant {
   Participant& operator=(const Participant&) = delete;
 
   /// Takes ownership of `type`.
-  dds::Topic& topic(const char* name, dds::TopicDataType* type) {
+  dds::Topic& topic(const char* name, AnyType* type) {
     const dds::TypeSupport support(type);
     support.register_type(participant_);
-    return checked(participant_->create_topic(name, type->getName(), dds::TOPIC_QOS_DEFAULT), "topic");
+    return checked(participant_->create_topic(name, type->name(), dds::TOPIC_QOS_DEFAULT), "topic");
   }
   dds::DataWriter& writer(dds::Topic& topic, const dds::DataWriterQos& qos) {
     auto& publisher = checked(participant_->create_publisher(dds::PUBLISHER_QOS_DEFAULT), "publisher");

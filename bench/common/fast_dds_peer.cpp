@@ -1,5 +1,3 @@
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
-#include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
 #include <string>
 #include <vector>
 
@@ -11,7 +9,6 @@ namespace sft::bench {
 namespace {
 
 namespace dds = fast::dds;
-using fast::ReturnCode_t;
 
 struct Small {
   std::uint64_t number = 0;
@@ -30,20 +27,20 @@ class BulkType : public fast::Type<Bulk> {
   explicit BulkType(std::uint32_t data_bytes)
       : Type(("sft_bench::Bulk" + std::to_string(data_bytes)).c_str(), fixed_bytes + data_bytes) {}
 
-  bool serialize(void* data, fast::rtps::SerializedPayload_t* payload) override {
+ protected:
+  void encode(const void* data, fast::rtps::SerializedPayload_t& payload) override {
     const auto& bulk = *static_cast<const Bulk*>(data);
     const auto length = static_cast<std::uint32_t>(bulk.data.size());
-    encapsulate(*payload, fixed_bytes + length);
-    std::byte* to = body(*payload, payload->length).data();
+    encapsulate(payload, fixed_bytes + length);
+    std::byte* to = body(payload, payload.length).data();
     std::memcpy(to, &bulk.number, sizeof bulk.number);
     std::memcpy(to + length_at - sizeof bulk.stamp_ns, &bulk.stamp_ns, sizeof bulk.stamp_ns);
     std::memcpy(to + length_at, &length, sizeof length);
     std::memcpy(to + fixed_bytes, bulk.data.data(), length);
-    return true;
   }
-  bool deserialize(fast::rtps::SerializedPayload_t* payload, void* data) override {
+  bool decode(fast::rtps::SerializedPayload_t& payload, void* data) override {
     auto& bulk = *static_cast<Bulk*>(data);
-    const std::span<const std::byte> from = body(*payload, payload->length);
+    const std::span<const std::byte> from = body(payload, payload.length);
     if (from.size() < fixed_bytes) return false;
     std::memcpy(&bulk.number, from.data(), sizeof bulk.number);
     std::memcpy(&bulk.stamp_ns, from.data() + length_at - sizeof bulk.stamp_ns, sizeof bulk.stamp_ns);
@@ -51,11 +48,9 @@ class BulkType : public fast::Type<Bulk> {
     std::memcpy(bulk.data.data(), from.data() + fixed_bytes, bulk.data.size());
     return true;
   }
-  std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
-    return [data] {
-      const auto length = static_cast<std::uint32_t>(static_cast<const Bulk*>(data)->data.size());
-      return fast::encapsulation_bytes + fixed_bytes + length;
-    };
+  std::uint32_t encoded_bytes(const void* data) override {
+    const auto length = static_cast<std::uint32_t>(static_cast<const Bulk*>(data)->data.size());
+    return fast::encapsulation_bytes + fixed_bytes + length;
   }
 
  private:
@@ -63,15 +58,15 @@ class BulkType : public fast::Type<Bulk> {
   static constexpr std::uint32_t fixed_bytes = length_at + sizeof(std::uint32_t);
 };
 
-dds::TopicDataType* type_of(const Topic& topic) {
+fast::AnyType* type_of(const Topic& topic) {
   if (topic.bulk_bytes > 0) return new BulkType(topic.bulk_bytes);
   return new fast::PlainType<Small>("sft_bench::Small");
 }
 
 /// The transport between hosts, with the largest datagrams, which IP fragments, and buffers for several
 /// samples.
-std::shared_ptr<eprosima::fastdds::rtps::UDPv4TransportDescriptor> udp() {
-  auto transport = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+std::shared_ptr<fast::transports::UDPv4TransportDescriptor> udp() {
+  auto transport = std::make_shared<fast::transports::UDPv4TransportDescriptor>();
   transport->maxMessageSize = 65'500;
   transport->sendBufferSize = 4 << 20;
   transport->receiveBufferSize = 16 << 20;
@@ -80,8 +75,8 @@ std::shared_ptr<eprosima::fastdds::rtps::UDPv4TransportDescriptor> udp() {
 
 /// The segment has room for several of the largest samples. Pieces of a megabyte are the fastest: Fast DDS
 /// writes a piece while the reader reads the one before.
-std::shared_ptr<eprosima::fastdds::rtps::SharedMemTransportDescriptor> shared_memory() {
-  auto transport = std::make_shared<eprosima::fastdds::rtps::SharedMemTransportDescriptor>();
+std::shared_ptr<fast::transports::SharedMemTransportDescriptor> shared_memory() {
+  auto transport = std::make_shared<fast::transports::SharedMemTransportDescriptor>();
   transport->segment_size(64 << 20);
   transport->max_message_size(1'000'000);
   return transport;
@@ -107,16 +102,14 @@ constexpr std::uint32_t in_one_datagram_bytes = 60'000;
 dds::DataWriterQos writer_qos(const Topic& topic) {
   dds::DataWriterQos qos = qos_of(topic, dds::DATAWRITER_QOS_DEFAULT);
   qos.reliability().max_blocking_time = {10, 0};
-  // By default, Fast DDS asks for missing fragments every 3 s only.
-  qos.reliable_writer_qos().times.heartbeatPeriod = eprosima::fastrtps::Duration_t(0.01);
-  qos.reliable_writer_qos().times.nackResponseDelay = {0, 0};
+  fast::answer_soon(qos);
   if (topic.bulk_bytes > in_one_datagram_bytes) qos.publish_mode().kind = dds::ASYNCHRONOUS_PUBLISH_MODE;
   return qos;
 }
 
 dds::DataReaderQos reader_qos(const Topic& topic) {
   dds::DataReaderQos qos = qos_of(topic, dds::DATAREADER_QOS_DEFAULT);
-  qos.reliable_reader_qos().times.heartbeatResponseDelay = {0, 0};
+  fast::ask_at_once(qos);
   return qos;
 }
 
@@ -132,7 +125,7 @@ class FastDdsWriter : public Writer {
   void write(std::uint64_t number) override {
     message_.number = number;
     // A write into a full history can fail without having waited; it then succeeds the next time.
-    while (!writer_.write(&message_)) {
+    while (!fast::write(writer_, &message_)) {
     }
   }
 
@@ -163,7 +156,7 @@ class FastDdsReader : public Reader, private dds::DataReaderListener {
   }
   std::uint64_t take_from(dds::DataReader& reader) {
     dds::SampleInfo info;
-    while (reader.take_next_sample(&message_, &info) == ReturnCode_t::RETCODE_OK) {
+    while (fast::is_ok(reader.take_next_sample(&message_, &info))) {
       if (info.valid_data) return message_.number;
     }
     return 0;

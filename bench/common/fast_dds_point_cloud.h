@@ -15,22 +15,21 @@ class PointCloudType : public Type<sensor_msgs::msg::PointCloud2> {
   /// message.
   explicit PointCloudType(const char* name = "sensor_msgs::msg::dds_::PointCloud2_") : Type(name, 1024) {}
 
-  bool serialize(void* data, rtps::SerializedPayload_t* payload) override {
-    FastCdrWriter writer(body(*payload, payload->max_size));
-    members(writer, *static_cast<Message*>(data));
-    encapsulate(*payload, writer.bytes());
-    return true;
+ protected:
+  void encode(const void* data, rtps::SerializedPayload_t& payload) override {
+    FastCdrWriter writer(body(payload, payload.max_size));
+    // The list of members is for both directions.
+    members(writer, *const_cast<Message*>(static_cast<const Message*>(data)));
+    encapsulate(payload, writer.bytes());
   }
-  bool deserialize(rtps::SerializedPayload_t* payload, void* data) override {
-    FastCdrReader reader(body(*payload, payload->length));
+  bool decode(rtps::SerializedPayload_t& payload, void* data) override {
+    FastCdrReader reader(body(payload, payload.length));
     members(reader, *static_cast<Message*>(data));
     return true;
   }
-  std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
+  std::uint32_t encoded_bytes(const void* data) override {
     constexpr std::size_t small_members_max = 1024;
-    return [data] {
-      return static_cast<std::uint32_t>(static_cast<Message*>(data)->data.size() + small_members_max);
-    };
+    return static_cast<std::uint32_t>(static_cast<const Message*>(data)->data.size() + small_members_max);
   }
 };
 

@@ -1,7 +1,4 @@
 // Fast DDS: shared memory within the host, UDP to the other one.
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
-#include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
-
 #include <algorithm>
 #include <string>
 #include <utility>
@@ -15,8 +12,7 @@ namespace sft::bench::isolation {
 namespace {
 
 namespace dds = fast::dds;
-namespace transports = eprosima::fastdds::rtps;
-using fast::ReturnCode_t;
+namespace transports = fast::transports;
 using Message = fast::PointCloudType::Message;
 
 /// Room for several messages. The default is less than a tenth of one, with which none arrives.
@@ -61,7 +57,7 @@ class FastDdsWriter : public Writer {
   }
   void write(std::uint64_t number) override {
     cloud_.width = static_cast<std::uint32_t>(number);
-    writers_[number % topics.size()]->write(&cloud_);
+    fast::write(*writers_[number % topics.size()], &cloud_);
   }
 
  private:
@@ -86,7 +82,7 @@ class TopicReader : private dds::DataReaderListener {
  private:
   void on_data_available(dds::DataReader* reader) override {
     dds::SampleInfo info;
-    while (reader->take_next_sample(&cloud_, &info) == ReturnCode_t::RETCODE_OK) {
+    while (fast::is_ok(reader->take_next_sample(&cloud_, &info))) {
       if (info.valid_data && cloud_.data.size() == sent_cloud_bytes) arrived_(cloud_.width);
     }
   }

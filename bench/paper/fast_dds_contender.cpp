@@ -1,8 +1,5 @@
 // Fast DDS. A message is its CDR, which is copied to the wire and from it: that takes less time than the code
 // that Fast DDS's own generator would write. Apart from multicast it has its default settings.
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
-#include <fastrtps/utils/IPLocator.h>
-
 #include <algorithm>
 #include <utility>
 #include <vector>
@@ -16,7 +13,6 @@ namespace sft::bench::paper {
 namespace {
 
 namespace dds = fast::dds;
-using fast::ReturnCode_t;
 
 using Body = std::vector<std::byte>;
 
@@ -34,21 +30,19 @@ class BodyType : public fast::Type<Body> {
       : Type((std::string(messages.type().name()) + "_" + topic).c_str(),
              static_cast<std::uint32_t>(largest(messages))) {}
 
-  bool serialize(void* data, fast::rtps::SerializedPayload_t* payload) override {
+ protected:
+  void encode(const void* data, fast::rtps::SerializedPayload_t& payload) override {
     const auto& from = *static_cast<const Body*>(data);
-    encapsulate(*payload, from.size());
-    std::memcpy(body(*payload, payload->length).data(), from.data(), from.size());
-    return true;
+    encapsulate(payload, from.size());
+    std::memcpy(body(payload, payload.length).data(), from.data(), from.size());
   }
-  bool deserialize(fast::rtps::SerializedPayload_t* payload, void* data) override {
-    const std::span<const std::byte> from = body(*payload, payload->length);
+  bool decode(fast::rtps::SerializedPayload_t& payload, void* data) override {
+    const std::span<const std::byte> from = body(payload, payload.length);
     static_cast<Body*>(data)->assign(from.begin(), from.end());
     return true;
   }
-  std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
-    return [data] {
-      return fast::encapsulation_bytes + static_cast<std::uint32_t>(static_cast<const Body*>(data)->size());
-    };
+  std::uint32_t encoded_bytes(const void* data) override {
+    return fast::encapsulation_bytes + static_cast<std::uint32_t>(static_cast<const Body*>(data)->size());
   }
 };
 
@@ -68,7 +62,7 @@ dds::DataReaderQos reader_qos(const Contender& contender) {
   dds::DataReaderQos qos = qos_of(contender, dds::DATAREADER_QOS_DEFAULT);
   if (contender.multicast) {
     fast::rtps::Locator_t group;
-    eprosima::fastrtps::rtps::IPLocator::setIPv4(group, 239, 255, 0, 42);
+    fast::IPLocator::setIPv4(group, 239, 255, 0, 42);
     group.port = port;
     qos.endpoint().multicast_locator_list.push_back(group);
   }
@@ -84,7 +78,7 @@ class FastDdsWriter : public Writer {
         bodies_(messages.bodies()) {}
 
   bool serves(std::size_t readers) const override { return fast::readers(writer_) == readers; }
-  void write(std::size_t number) override { writer_.write(&bodies_[number]); }
+  void write(std::size_t number) override { fast::write(writer_, &bodies_[number]); }
 
  private:
   static dds::DataWriterQos qos(const Contender& contender, const Messages& messages) {
@@ -114,7 +108,7 @@ class FastDdsReader : public Reader, private dds::DataReaderListener {
  private:
   void on_data_available(dds::DataReader* reader) override {
     dds::SampleInfo info;
-    while (reader->take_next_sample(&message_, &info) == ReturnCode_t::RETCODE_OK) {
+    while (fast::is_ok(reader->take_next_sample(&message_, &info))) {
       if (info.valid_data) arrived_();
     }
   }
@@ -138,7 +132,7 @@ class FastDdsPeer : public Peer {
 
  private:
   const Contender contender_;
-  fast::Participant participant_{std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>()};
+  fast::Participant participant_{std::make_shared<fast::transports::UDPv4TransportDescriptor>()};
 };
 
 }  // namespace

@@ -1,6 +1,5 @@
 #include "bench/shm/fast_dds_cloud.h"
 
-#include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
 #include <fastdds/dds/core/LoanableSequence.hpp>
 
 #include "bench/common/fast_dds_point_cloud.h"
@@ -10,7 +9,6 @@ namespace sft::bench {
 namespace {
 
 namespace dds = fast::dds;
-using fast::ReturnCode_t;
 using Standard = sensor_msgs::msg::PointCloud2;
 
 struct Fixed {
@@ -30,8 +28,8 @@ using FixedType = fast::PlainType<Fixed>;
 constexpr const char* topic = "points";
 constexpr const char* fixed_type = "sft_bench::FixedCloud";
 
-std::shared_ptr<eprosima::fastdds::rtps::SharedMemTransportDescriptor> shared_memory() {
-  auto transport = std::make_shared<eprosima::fastdds::rtps::SharedMemTransportDescriptor>();
+std::shared_ptr<fast::transports::SharedMemTransportDescriptor> shared_memory() {
+  auto transport = std::make_shared<fast::transports::SharedMemTransportDescriptor>();
   transport->segment_size(segment_bytes);
   transport->max_message_size(message_bytes_max);
   return transport;
@@ -39,7 +37,7 @@ std::shared_ptr<eprosima::fastdds::rtps::SharedMemTransportDescriptor> shared_me
 
 class Writer {
  public:
-  explicit Writer(dds::TopicDataType* type)
+  explicit Writer(fast::AnyType* type)
       : participant_(shared_memory()),
         writer_(participant_.writer(participant_.topic(topic, type),
                                     fast::best_effort(dds::DATAWRITER_QOS_DEFAULT))) {}
@@ -55,7 +53,7 @@ class StandardWriter : public Writer {
  public:
   StandardWriter() : Writer(new StandardType) {}
   void prepare(std::uint64_t number) { cloud_.width = static_cast<std::uint32_t>(number); }
-  void publish() { writer_.write(&cloud_); }
+  void publish() { fast::write(writer_, &cloud_); }
 
  private:
   Standard cloud_ = cloud(sent_cloud_bytes);
@@ -65,12 +63,12 @@ class FixedWriter : public Writer {
  public:
   FixedWriter() : Writer(new FixedType(fixed_type)) {}
   void prepare(std::uint64_t number) {
-    if (writer_.loan_sample(loan_) != ReturnCode_t::RETCODE_OK) fast::give_up("no loan");
+    if (!fast::is_ok(writer_.loan_sample(loan_))) fast::give_up("no loan");
     auto& cloud = *static_cast<Fixed*>(loan_);
     cloud.height = 1;
     cloud.width = static_cast<std::uint32_t>(number);
   }
-  void publish() { writer_.write(loan_); }
+  void publish() { fast::write(writer_, loan_); }
 
  private:
   void* loan_ = nullptr;
@@ -81,7 +79,7 @@ class Reader : private dds::DataReaderListener {
   std::size_t writers() const { return fast::writers(reader_); }
 
  protected:
-  Reader(dds::TopicDataType* type, Arrived arrived)
+  Reader(fast::AnyType* type, Arrived arrived)
       : arrived_(std::move(arrived)),
         participant_(shared_memory()),
         reader_(participant_.reader(participant_.topic(topic, type),
@@ -102,7 +100,7 @@ class StandardReader : public Reader {
  private:
   void on_data_available(dds::DataReader* reader) override {
     dds::SampleInfo info;
-    while (reader->take_next_sample(&cloud_, &info) == ReturnCode_t::RETCODE_OK) {
+    while (fast::is_ok(reader->take_next_sample(&cloud_, &info))) {
       if (info.valid_data) arrived_(std::uint64_t{cloud_.height} * cloud_.width);
     }
   }
@@ -119,7 +117,7 @@ class FixedReader : public Reader {
   void on_data_available(dds::DataReader* reader) override {
     dds::LoanableSequence<Fixed> clouds;
     dds::SampleInfoSeq infos;
-    while (reader->take(clouds, infos) == ReturnCode_t::RETCODE_OK) {
+    while (fast::is_ok(reader->take(clouds, infos))) {
       for (dds::LoanableCollection::size_type i = 0; i < infos.length(); ++i) {
         if (infos[i].valid_data) arrived_(std::uint64_t{clouds[i].height} * clouds[i].width);
       }
