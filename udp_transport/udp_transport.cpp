@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/platform/huge_pages.h"
 #include "core/sync/mutex.h"
 #include "udp_transport/io/interfaces.h"
 #include "udp_transport/io/socket_io.h"
@@ -33,8 +34,9 @@ std::string note_on_buffer(const UdpOptions& options, const UdpSocket& socket) {
 class UdpTransport final : public core::Network {
  public:
   UdpTransport(const UdpOptions& options, const UdpSocket& socket, std::string description,
-               bool uses_io_uring, std::shared_ptr<ReceiveLoop> receiver, std::shared_ptr<SendSide> send_side)
-      : uses_io_uring_(uses_io_uring),
+               std::vector<NodeStatus::QuickPath> quick_paths, std::shared_ptr<ReceiveLoop> receiver,
+               std::shared_ptr<SendSide> send_side)
+      : quick_paths_(std::move(quick_paths)),
         description_(std::move(description) + ", port " + std::to_string(socket.port) +
                      (socket.family == AF_INET && options.bind_address.is_any() ? ", IPv4 only" : "") +
                      note_on_buffer(options, socket)),
@@ -73,7 +75,10 @@ class UdpTransport final : public core::Network {
     return description_ + ": the system refused to go on receiving; open the transport again";
   }
 
-  void add_to(NodeStatus& status) const override { status.io_uring_in_use = uses_io_uring_; }
+  void add_to(NodeStatus& status) const override {
+    status.quick_paths = quick_paths_;
+    status.io_uring_in_use = quick_paths_.front().why_not.empty();
+  }
 
   std::vector<core::UdpAddress> addresses() const override {
     std::vector<core::IpAddress> hosts = advertised_;
@@ -123,7 +128,7 @@ class UdpTransport final : public core::Network {
   }
 
  private:
-  const bool uses_io_uring_;
+  const std::vector<NodeStatus::QuickPath> quick_paths_;  ///< io_uring is the first
   const std::string description_;
   const std::size_t max_sample_bytes_;
   const core::IpAddress bound_to_;
@@ -143,12 +148,27 @@ class UdpTransport final : public core::Network {
 };
 
 Result<DatagramIo> open_io(Backend backend, const std::shared_ptr<const UdpSocket>& socket) {
-  if (backend == Backend::sockets) return open_socket_io(socket);
-  Result<DatagramIo> ring = open_uring_io(socket);
-  if (ring || backend == Backend::io_uring) return ring;
+  std::string why_no_io_uring = "the node asks for plain sockets";
+  std::string remark;
+  if (backend != Backend::sockets) {
+    Result<DatagramIo> ring = open_uring_io(socket);
+    if (ring || backend == Backend::io_uring) return ring;
+    remark = " (" + ring.error().message + ")";
+    why_no_io_uring = std::move(ring.error().message);
+    if (why_no_io_uring.starts_with(no_io_uring)) why_no_io_uring.erase(0, no_io_uring.size());
+  }
   Result<DatagramIo> plain = open_socket_io(socket);
-  if (plain) plain->description += " (" + ring.error().message + ")";
+  if (!plain) return plain;
+  plain->description += remark;
+  plain->why_no_io_uring = std::move(why_no_io_uring);
   return plain;
+}
+
+std::vector<NodeStatus::QuickPath> quick_paths(const DatagramIo& io, const UdpSocket& socket) {
+  return {{"io_uring", io.why_no_io_uring},
+          {"GSO", socket.why_no_gso},
+          {"GRO", socket.why_no_gro},
+          {"huge pages", core::why_no_huge_pages()}};
 }
 
 std::shared_ptr<SendSide> make_send_side(const UdpOptions& options, const UdpSocket& socket,
@@ -212,10 +232,11 @@ Result<std::unique_ptr<core::Network>> open_udp_transport(const UdpOptions& opti
   if (!io) return forward(io.error());
   if (decorate) *io = decorate(std::move(*io));
 
+  std::vector<NodeStatus::QuickPath> paths = quick_paths(*io, **socket);
   const auto send_side = make_send_side(options, **socket, std::move(io->sender), pool);
   const auto receiver = make_receiver(options, *socket, std::move(pool), std::move(io->receiver), send_side);
   auto transport = std::make_unique<UdpTransport>(options, **socket, std::move(io->description),
-                                                  io->uses_io_uring, receiver, send_side);
+                                                  std::move(paths), receiver, send_side);
   if (Result<void> started = receiver->start(options.receive_thread); !started)
     return forward(started.error());
   SendSide& side = *send_side;  // whose sender that is

@@ -303,6 +303,7 @@ NodeStatus NodeCore::status() const {
   status.discovery_interfaces = std::move(discovery.interfaces);
   status.udp = network_ == nullptr ? "the node rules it out" : network_->description();
   if (network_ != nullptr) network_->add_to(status);
+  if (network_ == nullptr) status.quick_paths = no_quick_paths("the node rules UDP out");
   status.lacks_daemon = memory_ != nullptr && memory_->lacks_daemon();
   status.shm = reconciler_->transports().memory_state();
   status.shm_ready = reconciler_->transports().memory_ready();

@@ -127,8 +127,16 @@ Json shm(const NodeStatus& s) {
           {"refused", {{"malformed", s.shm_samples_malformed}, {"over_limit", s.shm_over_limit}}}};
 }
 
+Json quick_paths(const NodeStatus& s) {
+  Json paths = Json::object();
+  for (const NodeStatus::QuickPath& path : s.quick_paths)
+    paths[path.name] = path.why_not.empty() ? "used" : "not used: " + path.why_not;
+  return paths;
+}
+
 Json udp(const NodeStatus& s) {
   return {{"state", s.udp},
+          {"quick_paths", quick_paths(s)},
           {"refused",
            {{"malformed", s.datagrams_malformed},
             {"unknown", s.datagrams_unknown},

@@ -7,6 +7,8 @@
 #include <new>
 #include <utility>
 
+#include "core/platform/huge_pages.h"
+
 namespace sft::core {
 
 namespace {
@@ -31,8 +33,6 @@ constexpr std::size_t class_for(std::size_t bytes) {
 /// number of buffers: one may be taken while the other one is made.
 constexpr std::size_t stocked_bytes_min = 256 * 1024, stocked_part_max = 8, stocked = 2;
 constexpr std::size_t page_bytes = 4096;  // or more
-
-constexpr std::size_t huge_page_bytes = std::size_t{2} << 20;
 
 constexpr std::align_val_t alignment_of(std::size_t capacity) {
   return std::align_val_t{capacity < huge_page_bytes ? 64 : huge_page_bytes};

@@ -82,6 +82,11 @@ class SharedMemory : public Transport {
   virtual std::uint32_t max_depth() const noexcept = 0;
 };
 
+/// NodeStatus::quick_paths where none is used, for the same reason.
+inline std::vector<NodeStatus::QuickPath> no_quick_paths(const std::string& why_not) {
+  return {{"io_uring", why_not}, {"GSO", why_not}, {"GRO", why_not}, {"huge pages", why_not}};
+}
+
 class Network : public Transport {
  public:
   /// Any thread.

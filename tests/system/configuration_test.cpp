@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <sft/sft.h>
+#include <algorithm>
 #include <cstdlib>
 #include <mutex>
 #include <string>
@@ -96,6 +97,11 @@ TEST_F(ConfigurationTest, ThatForbidsToStartAnSftdLeavesTheStatusSayingThatNoneI
   EXPECT_TRUE(eventually([&] { return node.status().shm_ready && !node.status().lacks_daemon; }));
 }
 
+std::string why_not(const NodeStatus& status, const std::string& name) {
+  const auto found = std::ranges::find(status.quick_paths, name, &NodeStatus::QuickPath::name);
+  return found == status.quick_paths.end() ? "not told" : found->why_not;
+}
+
 TEST_F(ConfigurationTest, ThatWantsPlainSocketsGetsNoIoUringAndTheStatusSaysSo) {
   NodeOptions options = with("");
   const NodeStatus usual = Node::open(options).value().status();
@@ -103,6 +109,20 @@ TEST_F(ConfigurationTest, ThatWantsPlainSocketsGetsNoIoUringAndTheStatusSaysSo) 
   options.udp.use_io_uring = false;
   const NodeStatus plain = Node::open(options).value().status();
   EXPECT_FALSE(plain.io_uring_in_use) << plain.udp;
+  EXPECT_EQ(why_not(plain, "io_uring"), "the node asks for plain sockets");
+}
+
+TEST_F(ConfigurationTest, LeavesNoQuickPathOutOfTheStatus) {
+  NodeOptions options = with("");
+  for (const TransportChoice choice : {TransportChoice::automatic, TransportChoice::shm}) {
+    options.transport = choice;
+    const NodeStatus status = Node::open(options).value().status();
+    EXPECT_EQ(status.quick_paths.size(), 4U);
+    for (const char* name : {"io_uring", "GSO", "GRO", "huge pages"}) {
+      EXPECT_NE(why_not(status, name), "not told") << name;
+      if (choice == TransportChoice::shm) EXPECT_EQ(why_not(status, name), "the node rules UDP out") << name;
+    }
+  }
 }
 
 TEST_F(ConfigurationTest, OfTheEnvironmentIsReadUnlessTheProgramHasOne) {

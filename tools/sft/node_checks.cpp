@@ -2,9 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "tools/sft/session.h"
 #include "tools/terminal/units.h"
@@ -21,11 +25,11 @@ Finding interfaces_of(const NodeStatus& status) {
           is_well ? "" : "Check the interfaces (ip addr) and the settings that this names."};
 }
 
-/// The library says whether the node uses io_uring or plain sockets, and why.
-Finding udp_of(const NodeStatus& status) {
-  if (status.io_uring_in_use) return {"io_uring", Health::ok, status.udp};
-  return {"io_uring", Health::warning, status.udp,
-          "Plain sockets do the same work, but take more processor time."};
+/// The library says which of them the node uses, and why not.
+Finding quick_path_of(const NodeStatus::QuickPath& path) {
+  if (path.why_not.empty()) return {path.name, Health::ok, "used"};
+  return {path.name, Health::warning, "not used: " + path.why_not,
+          "All works without it, and takes more processor time."};
 }
 
 /// Other nodes start a daemon if none is running. This node does not, and so a missing daemon is no fault.
@@ -61,8 +65,11 @@ NodeFindings check_node(const CommonOptions& common, Stop& stop, Output& output)
   }
   const DomainSnapshot domain = session->look_around();
   const NodeSnapshot self = session->node().snapshot();
-  return {{interfaces_of(self.status), udp_of(self.status), daemon_of(self.status), domain_of(self, domain)},
-          self.status.discovery_interfaces};
+  std::vector<Finding> findings{interfaces_of(self.status), {"udp", Health::ok, self.status.udp}};
+  std::ranges::transform(self.status.quick_paths, std::back_inserter(findings), quick_path_of);
+  findings.push_back(daemon_of(self.status));
+  findings.push_back(domain_of(self, domain));
+  return {std::move(findings), self.status.discovery_interfaces};
 }
 
 }  // namespace sft::tool

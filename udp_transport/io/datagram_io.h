@@ -151,8 +151,8 @@ class DatagramSender {
 struct DatagramIo {
   std::unique_ptr<DatagramReceiver> receiver;
   std::unique_ptr<DatagramSender> sender;
-  std::string description;  ///< part of a sentence: "io_uring with GRO and GSO"
-  bool uses_io_uring = false;
+  std::string description;        ///< part of a sentence: "io_uring with GRO and GSO"
+  std::string why_no_io_uring{};  ///< empty: it is used
 };
 
 }  // namespace sft::udp

@@ -161,6 +161,11 @@ Result<std::shared_ptr<const UdpSocket>> open_udp_socket(const SocketOptions& op
   refuse_fragments(fd, open.family);
   socket->options = options;
   socket->receives_trains = set_int(fd, SOL_UDP, UDP_GRO, 1);
+  if (!socket->receives_trains) socket->why_no_gro = "the system refuses it: " + message_of(errno);
+  int segment = 0;
+  socklen_t room = sizeof segment;
+  if (::getsockopt(fd, SOL_UDP, UDP_SEGMENT, &segment, &room) != 0)
+    socket->why_no_gso = "the system refuses it: " + message_of(errno);
   socket->receive_buffer_bytes = static_cast<std::uint32_t>(get_int(fd, SOL_SOCKET, SO_RCVBUF));
   socket->port = bound_port(fd);
   if (options.hears_groups) socket->groups = open_group_socket(fd, options.receive_buffer_bytes);

@@ -39,6 +39,8 @@ struct UdpSocket {
   std::uint16_t port = 0;
   std::uint32_t receive_buffer_bytes = 0;      ///< granted, as the kernel counts
   bool receives_trains = false;                ///< UDP_GRO is on
+  std::string why_no_gro{};                    ///< unless it is
+  std::string why_no_gso{};                    ///< empty: the system has UDP_SEGMENT
   GroupSocket groups{};                        ///< invalid where there can be none
   mutable std::atomic<bool> in_groups{false};  ///< the group socket may receive something
 

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <fstream>
 #include <string>
 #include <system_error>
 
@@ -305,11 +306,18 @@ class UringReceiver final : public DatagramReceiver {
   bool broken_ = false;
 };
 
+std::string why_forbidden() {
+  int disabled = 0;  // 1: for those without a right, 2: for all; older kernels have no such file
+  std::ifstream("/proc/sys/kernel/io_uring_disabled") >> disabled;
+  if (disabled == 0) return "it is forbidden here (a seccomp profile, as containers have)";
+  return "it is forbidden here (sysctl kernel.io_uring_disabled is " + std::to_string(disabled) + ")";
+}
+
 std::string why_refused(int error) {
   switch (error) {
     case EPERM:
     case EACCES:
-      return "it is forbidden here (seccomp profile, or sysctl kernel.io_uring_disabled)";
+      return why_forbidden();
     case ENOSYS:
       return "the kernel has none";
     case EINVAL:
@@ -324,7 +332,7 @@ std::string why_refused(int error) {
 tl::unexpected<Error> refused(int error) {
   const bool forbidden = error == EPERM || error == EACCES;
   return fail(forbidden ? Errc::no_permission : Errc::unavailable,
-              "io_uring cannot be used: " + why_refused(error));
+              std::string(no_io_uring) + why_refused(error));
 }
 
 }  // namespace
@@ -338,7 +346,6 @@ Result<DatagramIo> open_uring_io(std::shared_ptr<const UdpSocket> socket) {
   if (!sender) return tl::unexpected<Error>(std::move(sender.error()));
   DatagramIo io;
   io.description = socket->receives_trains ? "io_uring with GRO and GSO" : "io_uring with GSO";
-  io.uses_io_uring = true;
   io.receiver = std::move(receiver);
   io.sender = std::move(*sender);
   return io;

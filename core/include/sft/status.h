@@ -192,6 +192,14 @@ struct NodeStatus {
   std::string udp;  ///< how UDP works here, or why it does not
   /// False: plain sockets; `udp` says why.
   bool io_uring_in_use = false;
+  /// A way of the system by which UDP takes less processor time.
+  struct QuickPath {
+    std::string name;
+    std::string why_not{};  ///< empty: it is used
+  };
+  /// All of them, used or not, on every system: "io_uring", "GSO" and "GRO" (several datagrams in one call,
+  /// sent and received), "huge pages" (of large samples).
+  std::vector<QuickPath> quick_paths{};
   std::string shm;  ///< how shared memory works here, or why it does not
   /// Samples can go by shared memory.
   bool shm_ready = false;

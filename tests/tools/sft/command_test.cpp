@@ -182,8 +182,8 @@ TEST_F(CommandTest, DoctorTellsOfEachPartAndItsExitCodeIsTheWorst) {
     EXPECT_EQ(check["to_do"] == "", health == "ok") << check.dump();
   }
   EXPECT_EQ(ended.code, worst);
-  for (const char* part : {"interfaces", "multicast", "io_uring", "memlock", "buffers", "/dev/shm", "sftd",
-                           "users", "clock", "kernel", "domain"}) {
+  for (const char* part : {"interfaces", "multicast", "udp", "io_uring", "GSO", "GRO", "huge pages",
+                           "memlock", "buffers", "/dev/shm", "sftd", "users", "clock", "kernel", "domain"}) {
     EXPECT_TRUE(parts.contains(part)) << part;
   }
   const Ended text = run_tool({"doctor"});
@@ -193,6 +193,19 @@ TEST_F(CommandTest, DoctorTellsOfEachPartAndItsExitCodeIsTheWorst) {
     EXPECT_TRUE(line.starts_with("ok ") || line.starts_with("warning ") || line.starts_with("error "))
         << line;
   }
+}
+
+TEST_F(CommandTest, DoctorSaysOfEachQuickPathThatItIsUsedOrWhyNot) {
+  const Json json = Json::parse(run_tool({"doctor", "--json"}).out);
+  std::size_t told = 0;
+  for (const Json& check : json["checks"]) {
+    if (!std::set<std::string>{"io_uring", "GSO", "GRO", "huge pages"}.contains(check["check"])) continue;
+    const std::string text = check["text"];
+    EXPECT_TRUE(text == "used" || text.starts_with("not used: ")) << check;
+    EXPECT_EQ(text == "used", check["health"] == "ok") << check;
+    ++told;
+  }
+  EXPECT_EQ(told, 4U);
 }
 
 TEST_F(CommandTest, DoctorWarnsOfAnInterfaceThatIsNotThereAndOfNoneThatIs) {

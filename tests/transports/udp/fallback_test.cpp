@@ -4,10 +4,12 @@
 #include <sys/prctl.h>
 #include <sys/syscall.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstddef>
 #include <functional>
 #include <optional>
+#include <string>
 #include <thread>
 
 #include "tests/transports/udp/backends.h"
@@ -49,6 +51,33 @@ TEST(Fallback, UsesPlainSocketsWhereIoUringIsForbiddenAndSaysWhy) {
     EXPECT_NE(transport->description().find("plain sockets"), std::string::npos);
     EXPECT_NE(transport->description().find("seccomp"), std::string::npos) << transport->description();
     EXPECT_EQ(transport->poll({}), core::Availability::ready);
+  });
+}
+
+std::string why_not(const core::Network& network, const std::string& name) {
+  NodeStatus status;
+  network.add_to(status);
+  const auto found = std::ranges::find(status.quick_paths, name, &NodeStatus::QuickPath::name);
+  return found == status.quick_paths.end() ? "not told" : found->why_not;
+}
+
+TEST(Fallback, NamesTheReasonForWhichIoUringIsNotUsed) {
+  const auto reason_for = [](int error) {
+    std::string reason;
+    without_io_uring(
+        error, [&] { reason = why_not(*open_udp_transport({}, test::make_pool()).value(), "io_uring"); });
+    return reason;
+  };
+  EXPECT_TRUE(reason_for(EPERM).starts_with("it is forbidden here (")) << reason_for(EPERM);
+  EXPECT_EQ(reason_for(ENOSYS), "the kernel has none");
+  EXPECT_EQ(reason_for(EINVAL), "the kernel is older than 6.1");
+  EXPECT_EQ(reason_for(ENOMEM), "too little memory may be locked (ulimit -l)");
+}
+
+TEST(Fallback, NamesTheReasonForWhichDatagramsLeaveOneByOne) {
+  without(SYS_getsockopt, {}, ENOPROTOOPT, [] {
+    const auto transport = open_udp_transport({}, test::make_pool()).value();
+    EXPECT_EQ(why_not(*transport, "GSO"), "the system refuses it: Protocol not available");
   });
 }
 
