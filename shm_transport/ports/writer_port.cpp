@@ -215,7 +215,6 @@ bool ChunkLender::begin(core::EndpointId reader, const std::vector<SampleHandle>
     for (const SampleHandle& sample : retained) {
       ChunkSlot& slot = ChunkSlot::of(*sample);
       attached_.deliver(port, *listener, slot.name.cloneToSharedChunk());
-      slot.sent = true;
     }
     attached_.begun(reader);
   }

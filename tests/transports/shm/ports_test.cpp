@@ -426,6 +426,24 @@ TEST_F(ShmPorts, DoNotBeginForALateReaderIfMoreSamplesWereHeldBackMeanwhile) {
   EXPECT_TRUE(writer.port().begin_with(late, {}, 0));
 }
 
+TEST_F(ShmPorts, SendTheSampleThatALateReaderWasGivenWithTheHistoryBeforeItWasSent) {
+  Writer writer(node(), 1);
+  Reader early(node());
+  ASSERT_TRUE(early.connects_to(1));
+  Reader late(node(), 8, 5);
+  ASSERT_TRUE(late.port().connect({.writer = 1, .max_sample_bytes = 1000, .history_first = true}));
+  ASSERT_TRUE(eventually([&] { return late.port().connected(1); }));
+  const core::Route route{.reader = 5, .destination = core::DoorbellAddress{}, .selection = {}, .history = 1};
+  const SampleHandle sample = writer.loan(100);  // a publisher adds it to its history before it sends it
+  write_frame(*sample, 1, 1, 100);
+  ASSERT_TRUE(writer.port().begin_with(route, {sample}, 0));
+  ASSERT_EQ(sequence_of(late.next()), 1U);
+  EXPECT_TRUE(writer.port().can_send(*sample));
+  EXPECT_EQ(writer.port().send(sample), SendStatus::sent);
+  EXPECT_TRUE(early.next());
+  EXPECT_FALSE(writer.port().can_send(*sample)) << "it has been sent";
+}
+
 TEST_F(ShmPorts, RingTheDoorbellOfALateReaderThatSleepsWhateverItsRate) {
   const auto page = core::DoorbellPage::create();
   core::Doorbell& bell = page->at(3);
