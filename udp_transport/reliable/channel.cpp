@@ -190,7 +190,8 @@ Channel::Care Channel::look_after() {
     life_.close();
     return {.heartbeat = addressed(window_.parting(), port_), .at_rest = true};
   }
-  if (to_->moves() != std::exchange(moves_, to_->moves())) window_.way_changed(time);
+  const std::uint32_t moves = to_->moves();  // once: a move between two readings would never be noticed
+  if (std::exchange(moves_, moves) != moves) window_.way_changed(time);
   Care care;
   if (const auto heartbeat = window_.heartbeat(time)) care.heartbeat = addressed(*heartbeat, port_);
   care.next_look = life_.next_look(window_.next_look(time));
