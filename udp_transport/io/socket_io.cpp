@@ -27,7 +27,7 @@ class SocketReceiver final : public DatagramReceiver {
       : socket_(socket), wake_event_(std::move(wake_event)), trains_(std::move(socket)) {}
 
   bool receive(DatagramSink& sink, Time deadline, std::chrono::nanoseconds spin) noexcept override {
-    const auto over = [&] { return trains_.read(sink) || woken_.load(std::memory_order_relaxed); };
+    const auto over = [&] { return trains_.read(sink) || was_woken(); };
     if (spin.count() > 0 && core::spin(std::min(deadline, Clock::now() + spin), over))
       deadline = {};  // once around, for what else there is
     std::array<pollfd, 2> ready{{{.fd = socket_->readable(), .events = POLLIN, .revents = 0},
@@ -53,6 +53,12 @@ class SocketReceiver final : public DatagramReceiver {
   Descriptors descriptors() const noexcept override { return {socket_->readable(), wake_event_.get()}; }
 
  private:
+  /// Takes the flag back. wake() may set it after its event was read: a flag that stayed would end each spin
+  /// from then on.
+  bool was_woken() noexcept {
+    return woken_.load(std::memory_order_relaxed) && woken_.exchange(false, std::memory_order_relaxed);
+  }
+
   const std::shared_ptr<const UdpSocket> socket_;
   const FileDescriptor wake_event_;
   TrainReader trains_;
