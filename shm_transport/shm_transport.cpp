@@ -56,7 +56,7 @@ class ShmTransport final : public core::SharedMemory {
     if (!publisher) return tl::unexpected(publisher.error());
     const auto keeper = session_->create_subscriber(spec.id, 0, deadline);
     if (!keeper) {
-      (*publisher)->m_toBeDestroyed.store(true, std::memory_order_relaxed);
+      (*publisher)->m_toBeDestroyed.store(true, std::memory_order_release);
       return tl::unexpected(keeper.error());
     }
     auto chunks = ChunkLender::make(session_, **publisher, **keeper, spec, options_.held_limit);

@@ -75,6 +75,8 @@ bool CallbackDispatch::call_back_for_arrivals(Caller caller, Samples& samples) {
       continue;
     }
     // A thread that looked while the count was not yet zero left a sample to this one, which had not seen it.
+    // The fence keeps the look at the samples behind the count, also where that look takes no lock.
+    std::atomic_thread_fence(std::memory_order_seq_cst);
     if (gate_.is_closed() || !samples.available() || pending_.fetch_add(1) != 0) return true;
     seen = 1;
   }

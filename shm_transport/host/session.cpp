@@ -123,7 +123,7 @@ RoudiChannel::Claim Session::claim() const {
     BasePortData* port = port_at(location, sizeof(BasePortData));
     if (port == nullptr) return false;
     if (port->m_nodeName == iox::NodeName_t(iox::cxx::TruncateToCapacity, label)) return true;
-    port->m_toBeDestroyed.store(true, std::memory_order_relaxed);
+    port->m_toBeDestroyed.store(true, std::memory_order_release);
     return false;
   };
 }
@@ -237,7 +237,7 @@ void Session::collect() {
     // A writer that was killed while it delivered leaves the queue locked until sftd has opened the lock.
     // sftd must not destroy the port before.
     if (!unsubscribed || feeder_of(*port) != nullptr || is_closed(port->m_chunkReceiverData)) return false;
-    port->m_toBeDestroyed.store(true, std::memory_order_relaxed);
+    port->m_toBeDestroyed.store(true, std::memory_order_release);
     return true;
   });
 }

@@ -64,7 +64,7 @@ ChunkLender::ChunkLender(std::shared_ptr<Session> session, iox::popo::PublisherP
 ChunkLender::~ChunkLender() {
   if (session_ == nullptr) return;
   port_.destroy();
-  keeper_.m_toBeDestroyed.store(true, std::memory_order_relaxed);
+  keeper_.m_toBeDestroyed.store(true, std::memory_order_release);
 }
 
 SampleHandle ChunkLender::lend(std::size_t bytes) noexcept {
