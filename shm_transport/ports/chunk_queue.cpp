@@ -24,6 +24,11 @@ ChunkQueue::Taken ChunkQueue::take() noexcept {
   return {.slot = slot, .overflowed = std::exchange(overflow_is_news_, false), .popped = ++popped_};
 }
 
+/// Returns how many samples wait. Other programs can write the number that iceoryx keeps.
+std::uint64_t ChunkQueue::waiting() const noexcept {
+  return std::min<std::uint64_t>(data_.m_chunkReceiverData.m_queue.size(), kept_.capacity());
+}
+
 /// Returns how many samples can be taken from a queue that is not open.
 std::uint64_t ChunkQueue::remaining() const noexcept { return lost_ ? kept_.size() - kept_taken_ : arrived_; }
 
@@ -63,7 +68,7 @@ std::uint64_t ChunkQueue::arrivals() noexcept {
     overflow_is_news_ = true;
     ++overflows_;
   }
-  return popped_ + overflows_ + data_.m_chunkReceiverData.m_queue.size();
+  return popped_ + overflows_ + waiting();
 }
 
 bool ChunkQueue::open() const noexcept {
@@ -81,7 +86,7 @@ void ChunkQueue::close() noexcept {
   if (!std::exchange(open_, false)) return;
   // The writer goes on delivering until the daemon has disconnected it, so only the samples of now are
   // counted.
-  arrived_ = data_.m_chunkReceiverData.m_queue.size();
+  arrived_ = waiting();
   port_.unsubscribe();
 }
 
@@ -109,8 +114,7 @@ void ChunkQueue::lose(SessionMember::Loss loss) noexcept {
   if (std::exchange(lost_, true)) return;
   const bool was_open = std::exchange(open_, false);
   if (loss == SessionMember::Loss::before) return;
-  std::uint64_t arrived = std::min<std::uint64_t>(
-      was_open ? data_.m_chunkReceiverData.m_queue.size() : arrived_, kept_.capacity());
+  std::uint64_t arrived = was_open ? waiting() : arrived_;
   overflow_is_news_ |= port_.hasLostChunksSinceLastCall();
   iox::popo::ChunkQueuePopper<iox::popo::SubscriberPortData::ChunkQueueData_t> popper(
       &data_.m_chunkReceiverData);

@@ -57,6 +57,7 @@ class ChunkQueue {
   void lose(SessionMember::Loss loss) noexcept;
 
  private:
+  std::uint64_t waiting() const noexcept SFT_REQUIRES(mutex_);
   std::uint64_t remaining() const noexcept SFT_REQUIRES(mutex_);
   iox::mepoo::ChunkHeader* pop() noexcept SFT_REQUIRES(mutex_);
 

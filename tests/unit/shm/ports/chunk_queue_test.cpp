@@ -247,6 +247,14 @@ TEST_F(ChunkQueueTest, AForgedSizeDoesNotKeepMoreThanHasArrived) {
   EXPECT_TRUE(queue_->drained());
 }
 
+TEST_F(ChunkQueueTest, AClosedQueueHasNoMoreThanItsPlacesWhateverItsSizeSays) {
+  arrive(1);
+  forge_size(UINT64_MAX);
+  queue_->close();
+  EXPECT_LE(queue_->left(), queue_->capacity());
+  EXPECT_LE(queue_->arrivals(), queue_->capacity());
+}
+
 TEST_F(ChunkQueueTest, AForgedSizeWhenItWasClosedDoesNotKeepMoreThanHasArrived) {
   arrive(2);
   forge_size(UINT64_MAX / 2);
