@@ -64,11 +64,11 @@ std::optional<std::uint32_t> PoolLayout::index_of(const void* address) const {
   return static_cast<std::uint32_t>(offset / chunk_bytes_);
 }
 
-std::vector<bool> PoolLayout::free_chunks() const {
+std::optional<std::vector<bool>> PoolLayout::free_chunks() const {
   std::vector<bool> free(chunk_count_, false);
   for (std::uint32_t i = layout_of(pool_).free.head.load(std::memory_order_acquire).first; i != chunk_count_;
        i = __atomic_load_n(&next_free_[i], __ATOMIC_RELAXED)) {
-    if (i > chunk_count_ || free[i]) return {};
+    if (i > chunk_count_ || free[i]) return std::nullopt;
     free[i] = true;
   }
   return free;

@@ -27,9 +27,10 @@ class PoolLayout {
   bool is_within(std::span<const std::byte> samples, std::span<const std::byte> management) const;
   std::optional<std::uint32_t> index_of(const void* address) const;
 
-  /// Returns for each index whether the chunk is free. The result is only right if nobody takes or frees a
-  /// chunk meanwhile. It is empty if the list of free chunks is damaged.
-  std::vector<bool> free_chunks() const;
+  /// Returns for each index whether the chunk is free, or nothing if the list of free chunks is damaged: if
+  /// it leads to a chunk that is not there or taken, or twice to the same one. Both are only right if nobody
+  /// takes or frees a chunk meanwhile.
+  std::optional<std::vector<bool>> free_chunks() const;
   /// Writes the chunks that are lent next into `chunks`, the first one first, and returns how many there are.
   /// The result is only right if nobody takes or frees a chunk meanwhile; the chunks exist in any case.
   std::size_t next_free(std::span<std::uint32_t> chunks) const;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include <iceoryx_posh/internal/mepoo/chunk_management.hpp>
 #include <iceoryx_posh/roudi/port_pool.hpp>
@@ -41,23 +42,28 @@ void ChunkAuditor::note_ports() {
   });
 }
 
-std::optional<std::size_t> ChunkAuditor::audit() {
+ChunkAuditor::Audit ChunkAuditor::audit() {
   note_ports();
   for (int i = 0; i < looks_max; ++i) {
-    if (const auto lost = look()) return free(*lost);
+    const Look found = look();
+    if (found.finding == Finding::audited) return {Finding::audited, free(found.lost)};
+    if (found.finding == Finding::damaged) return {Finding::damaged};
   }
-  return std::nullopt;
+  return {Finding::busy};
 }
 
 /// Programs go on during a look. If one of them has had a chunk in hand meanwhile, the result means nothing.
-std::optional<ChunkAuditor::Lost> ChunkAuditor::look() const {
+ChunkAuditor::Look ChunkAuditor::look() const {
   const InHandCounts before = in_hand_counts();
-  if (std::ranges::any_of(before, is_odd)) return std::nullopt;
-  auto lost = find_lost();
-  return in_hand_counts() == before ? lost : std::nullopt;
+  if (std::ranges::any_of(before, is_odd)) return {Finding::busy};
+  Look found = find_lost();
+  return in_hand_counts() == before ? found : Look{Finding::busy};
 }
 
-/// Reads each count by adding zero to it. Unlike a load, this keeps earlier reads of the memory before it.
+/// Reads each count by adding zero to it. Unlike a load, this keeps earlier reads of the memory before it:
+/// the store that the addition makes is a release, and comes before the mark of a program that takes a chunk
+/// in hand after it. The processors that SFT runs on guarantee this, C++ does not, because that program
+/// acquires nothing.
 ChunkAuditor::InHandCounts ChunkAuditor::in_hand_counts() const {
   InHandCounts counts;
   const auto read = [&counts](const iox::popo::BasePortData* port) {
@@ -68,12 +74,13 @@ ChunkAuditor::InHandCounts ChunkAuditor::in_hand_counts() const {
   return counts;
 }
 
-std::optional<ChunkAuditor::Lost> ChunkAuditor::find_lost() const {
+ChunkAuditor::Look ChunkAuditor::find_lost() const {
   ChunkMarks accounted;
   Lost lost;
   for (const PoolLayout& pool : pools_) {
-    accounted.push_back(pool.free_chunks());
-    if (accounted.back().size() != pool.chunk_count()) return std::nullopt;
+    auto free = pool.free_chunks();
+    if (!free) return {Finding::damaged};
+    accounted.push_back(std::move(*free));
     lost.overcount.push_back(pool.overcount(accounted.back()));
   }
   mark_owned(accounted);
@@ -83,7 +90,7 @@ std::optional<ChunkAuditor::Lost> ChunkAuditor::find_lost() const {
       if (!of_pool[i]) lost_of_pool.push_back(i);
     }
   }
-  return lost;
+  return {Finding::audited, std::move(lost)};
 }
 
 /// Marks, besides the free chunks, each header that counts references together with its chunk, if a writer

@@ -32,9 +32,18 @@ class ChunkAuditor {
   /// Notes which writers exist. It must be called before any of them is gone.
   void note_ports();
 
-  /// Frees the chunks that are lost by now, and returns how many they were. Returns nothing if some program
-  /// had a chunk in hand at each look, or if the lists of free chunks are damaged.
-  std::optional<std::size_t> audit();
+  enum class Finding {
+    busy,     ///< some program had a chunk in hand at each look; nothing is known
+    damaged,  ///< a list of free chunks is damaged, so that it does not tell which chunks are lost
+    audited,
+  };
+  struct Audit {
+    Finding finding;
+    std::size_t freed = 0;  ///< so many chunks were lost
+    bool operator==(const Audit&) const = default;
+  };
+  /// Frees the chunks that are lost by now.
+  Audit audit();
 
  private:
   struct Lost {
@@ -43,8 +52,12 @@ class ChunkAuditor {
   };
   using InHandCounts = std::vector<std::uint32_t>;
   using ChunkMarks = std::vector<std::vector<bool>>;  ///< by pool and index
-  std::optional<Lost> look() const;
-  std::optional<Lost> find_lost() const;
+  struct Look {
+    Finding finding;
+    Lost lost{};
+  };
+  Look look() const;
+  Look find_lost() const;
   void mark_owned(ChunkMarks& accounted) const;
   InHandCounts in_hand_counts() const;
   bool is_owned(const std::byte* chunk) const;

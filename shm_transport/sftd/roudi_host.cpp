@@ -147,12 +147,23 @@ void RoudiHost::audit_chunks() {
   const auto now = std::chrono::steady_clock::now();
   if (deaths_ == 0 || (unaudited() == 0 && now < next_audit_)) return;
   const auto nobody_changes_ports = m_prcMgr.getScopeGuard();
-  const auto chunks = auditor_.audit();
-  if (!chunks) return;
+  const auto [finding, freed] = auditor_.audit();
+  if (finding == ChunkAuditor::Finding::damaged) return tell_of_damage();
+  if (finding == ChunkAuditor::Finding::busy) return;
   unaudited_ = 0;
   next_audit_ = now + audit_interval;
-  leaks_healed_ += *chunks;
-  if (*chunks > 0) log_.info("freed " + std::to_string(*chunks) + " chunks that killed programs had in hand");
+  leaks_healed_ += freed;
+  if (freed > 0) log_.info("freed " + std::to_string(freed) + " chunks that killed programs had in hand");
+}
+
+/// Nothing mends a damaged list. The daemon starts afresh once no program uses its memory, as after a death
+/// whose lost chunks it cannot find.
+void RoudiHost::tell_of_damage() {
+  if (std::exchange(damage_told_, true)) return;
+  if (unaudited() == 0) ++unaudited_;
+  log_.warning(
+      "a list of free chunks in shared memory is damaged: chunks are missing, and one may be lent twice; end "
+      "sftd (sftd stop), and start it again or let programs start it: they meet in new memory");
 }
 
 bool RoudiHost::remove_dead(const std::string& name) {

@@ -62,6 +62,7 @@ class RoudiHost final : private HookGate, public iox::roudi::RouDi {
   void register_client(const iox::runtime::IpcMessage& registration, const iox::RuntimeName_t& name);
   bool remove_dead(const std::string& name);
   void audit_chunks();
+  void tell_of_damage();
   void note_ports();
   void note_usage();
   void heal_until_stopped();
@@ -79,6 +80,7 @@ class RoudiHost final : private HookGate, public iox::roudi::RouDi {
   std::atomic<std::uint64_t> unaudited_{0};
   std::uint64_t leaks_healed_ = 0;
   std::chrono::steady_clock::time_point next_audit_{};
+  bool damage_told_ = false;
 
   mutable core::Mutex usage_mutex_;
   Usage usage_ SFT_GUARDED_BY(usage_mutex_);

@@ -20,6 +20,12 @@ using iox::mepoo::ChunkManagement;
 using iox::mepoo::SharedChunk;
 using iox::mepoo::ShmSafeUnmanagedChunk;
 
+using Audit = shm::ChunkAuditor::Audit;
+using Finding = shm::ChunkAuditor::Finding;
+constexpr Audit busy{Finding::busy};
+constexpr Audit damaged{Finding::damaged};
+constexpr Audit freed(std::size_t chunks) { return {Finding::audited, chunks}; }
+
 constexpr std::uint32_t chunk_bytes = 128;
 constexpr std::uint32_t chunks = 16;
 
@@ -74,17 +80,17 @@ class ChunkAuditorTest : public ::testing::Test {
 
 TEST_F(ChunkAuditorTest, LeavesTheChunksOfAWriterAlone) {
   allocate();
-  EXPECT_EQ(auditor_->audit(), 0U);
+  EXPECT_EQ(auditor_->audit(), freed(0));
   EXPECT_EQ(in_use(), 1U);
   end_writer();
-  EXPECT_EQ(auditor_->audit(), 0U);
+  EXPECT_EQ(auditor_->audit(), freed(0));
   EXPECT_TRUE(is_whole());
 }
 
 TEST_F(ChunkAuditorTest, FreesAChunkThatAProgramTookAndDidNotNote) {
   allocate();
   take_and_forget();
-  EXPECT_EQ(auditor_->audit(), 1U);
+  EXPECT_EQ(auditor_->audit(), freed(1));
   EXPECT_EQ(in_use(), 1U);
   end_writer();
   EXPECT_TRUE(is_whole());
@@ -93,10 +99,10 @@ TEST_F(ChunkAuditorTest, FreesAChunkThatAProgramTookAndDidNotNote) {
 TEST_F(ChunkAuditorTest, FreesAChunkWithTooManyCountedReferencesOnceItsWriterIsGone) {
   iox::popo::PublisherPortUser(port_).sendChunk(allocate());
   ShmSafeUnmanagedChunk(port_->m_chunkSenderData.m_lastChunkUnmanaged.cloneToSharedChunk());
-  EXPECT_EQ(auditor_->audit(), 0U);
+  EXPECT_EQ(auditor_->audit(), freed(0));
   end_writer();
   EXPECT_EQ(in_use(), 1U);
-  EXPECT_EQ(auditor_->audit(), 1U);
+  EXPECT_EQ(auditor_->audit(), freed(1));
   EXPECT_TRUE(is_whole());
 }
 
@@ -105,10 +111,10 @@ TEST_F(ChunkAuditorTest, WaitsForTheReadersOfAWriterThatIsGone) {
   iox::popo::PublisherPortUser(port_).sendChunk(allocate());
   ShmSafeUnmanagedChunk(port_->m_chunkSenderData.m_lastChunkUnmanaged.cloneToSharedChunk());
   end_writer();
-  EXPECT_EQ(auditor_->audit(), 0U);
+  EXPECT_EQ(auditor_->audit(), freed(0));
   EXPECT_EQ(in_use(), 1U);
   pool_.removeSubscriberPort(reader);
-  EXPECT_EQ(auditor_->audit(), 1U);
+  EXPECT_EQ(auditor_->audit(), freed(1));
   EXPECT_TRUE(is_whole());
 }
 
@@ -116,10 +122,10 @@ TEST_F(ChunkAuditorTest, FreesNothingWhileAProgramHasAChunkInHand) {
   take_and_forget();
   {
     const shm::ChunkInHand hand(*port_);
-    EXPECT_EQ(auditor_->audit(), std::nullopt);
+    EXPECT_EQ(auditor_->audit(), busy);
     EXPECT_EQ(in_use(), 1U);
   }
-  EXPECT_EQ(auditor_->audit(), 1U);
+  EXPECT_EQ(auditor_->audit(), freed(1));
   EXPECT_TRUE(is_whole());
 }
 
@@ -127,11 +133,11 @@ TEST_F(ChunkAuditorTest, FreesAChunkWithoutAHeaderAndAHeaderWithoutAChunk) {
   ChunkManagement* const without_header = take_and_forget();
   without_header->m_referenceCounter = 0;
   without_header->m_chunkManagementPool->freeChunk(without_header);
-  EXPECT_EQ(auditor_->audit(), 1U);
+  EXPECT_EQ(auditor_->audit(), freed(1));
   ChunkManagement* const without_chunk = take_and_forget();
   without_chunk->m_referenceCounter = 0;
   without_chunk->m_mempool->freeChunk(without_chunk->m_chunkHeader.get());
-  EXPECT_EQ(auditor_->audit(), 0U);
+  EXPECT_EQ(auditor_->audit(), freed(0));
   EXPECT_TRUE(is_whole());
 }
 
@@ -139,7 +145,7 @@ TEST_F(ChunkAuditorTest, CorrectsTheCountOfTakenChunks) {
   for (const int error : {1, -1}) {
     shm::pools_of(memory_)[0].correct_count(error);
     EXPECT_NE(in_use(), 0U);
-    EXPECT_EQ(auditor_->audit(), 0U);
+    EXPECT_EQ(auditor_->audit(), freed(0));
     EXPECT_EQ(in_use(), 0U);
   }
 }
@@ -150,7 +156,7 @@ TEST_F(ChunkAuditorTest, LeavesMemoryAloneIfTheListOfFreeChunksWasOverwritten) {
   ASSERT_EQ(next[3], 4U);
   for (const std::uint32_t nonsense : {2U, 3U, chunks + 1, 0xffffffffU}) {
     next[3] = nonsense;
-    EXPECT_EQ(auditor_->audit(), std::nullopt) << nonsense;
+    EXPECT_EQ(auditor_->audit(), damaged) << nonsense;
   }
 }
 
