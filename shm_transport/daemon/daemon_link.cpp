@@ -81,6 +81,7 @@ DaemonLink::State DaemonLink::advance(const ShmOptions& options,
 }
 
 void DaemonLink::look(const ShmOptions& options, Clock::time_point now) {
+  if (!functions_are_replaced_) return publish(Availability::unavailable, not_replaced);
   const core::TrustedAccounts accepted =
       accepted_daemons(user_ids(options.daemon_users).value_or(std::vector<uid_t>{}));
   HostWatch::Look found = HostWatch::look(accepted);

@@ -16,6 +16,7 @@
 #include "core/sync/mutex.h"
 #include "shm_transport/daemon/daemon_launch.h"
 #include "shm_transport/daemon/launch_obstacles.h"
+#include "shm_transport/host/replaced_functions.h"
 #include "shm_transport/host/session.h"
 #include "shm_transport/host/shm_options.h"
 
@@ -60,6 +61,7 @@ class DaemonLink {
 
   // The thread that has set this flag uses the members up to the mutex.
   std::atomic_flag advancing_ = ATOMIC_FLAG_INIT;
+  const bool functions_are_replaced_ = functions_are_replaced();  ///< as long as this process runs
   Phase phase_ = Phase::looking;
   std::optional<DaemonLaunch> launch_;
   std::optional<HostWatch> watch_;

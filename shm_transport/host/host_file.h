@@ -29,8 +29,9 @@ inline constexpr const char* roudi_socket_path = "/tmp/roudi";
 inline constexpr const char* runtime_name_stem = "sft_";  ///< the names of our sockets in /tmp begin with it
 
 /// The version of the host file, of the messages between programs and sftd, and of their data in shared
-/// memory. It is raised when an older program or daemon would misunderstand a newer one.
-inline constexpr std::uint32_t host_protocol = 3;
+/// memory, and of how they take chunks and places in queues. It is raised when an older program or daemon
+/// would misunderstand a newer one, or would damage what a newer one keeps whole (replaced_functions.h).
+inline constexpr std::uint32_t host_protocol = 4;
 /// The error with which sftd answers a registration when it serves as many processes as it may.
 inline constexpr const char* too_many_processes = "SFT_PROCESS_LIST_FULL";
 

@@ -26,9 +26,28 @@
 
 namespace sft::shm {
 
+/// The places of each queue between a writer and a reader.
+inline constexpr std::uint64_t queue_places_max = iox::MAX_SUBSCRIBER_QUEUE_CAPACITY;
+
 // The room that iceoryx has, as it was built.
 inline constexpr std::uint32_t processes_max = iox::MAX_PROCESS_NUMBER;
 inline constexpr std::uint32_t writers_max = iox::MAX_PUBLISHERS - iox::NUMBER_OF_INTERNAL_PUBLISHERS;
 inline constexpr std::uint32_t readers_max = iox::MAX_SUBSCRIBERS;
 
 }  // namespace sft::shm
+
+// These functions are defined in replaced_functions.cpp. Declared here, they are not made from iceoryx's
+// templates.
+namespace iox::concurrent {
+
+template <>
+void IndexQueue<sft::shm::queue_places_max, std::uint64_t>::push(std::uint64_t place) noexcept;
+template <>
+bool IndexQueue<sft::shm::queue_places_max, std::uint64_t>::pop(std::uint64_t& place) noexcept;
+template <>
+bool IndexQueue<sft::shm::queue_places_max, std::uint64_t>::popIfSizeIsAtLeast(std::uint64_t size,
+                                                                               std::uint64_t& place) noexcept;
+template <>  // This one is not replaced, since no queue of SFT calls it.
+bool IndexQueue<sft::shm::queue_places_max, std::uint64_t>::popIfFull(std::uint64_t& place) noexcept = delete;
+
+}  // namespace iox::concurrent

@@ -16,6 +16,7 @@
 #include "shm_transport/host/access.h"
 #include "shm_transport/host/host_file.h"
 #include "shm_transport/host/iceoryx.h"
+#include "shm_transport/host/replaced_functions.h"
 #include "shm_transport/sftd/other_daemons.h"
 #include "shm_transport/sftd/pool_choice.h"
 #include "shm_transport/sftd/stale_files.h"
@@ -66,6 +67,7 @@ Daemon::Daemon(const DaemonSettings& settings, const Log& log, OwnFiles files, G
 /// aborts if it finds another daemon. Only locks and sockets tell whether a daemon lives. All other files are
 /// leftovers.
 Daemon::Started Daemon::start(const DaemonSettings& settings, const Log& log, EndProcess end) {
+  if (!functions_are_replaced()) return refuse(ExitCode::failed, not_replaced);
   raise_file_size_limit();
   if (const auto large_enough = core::check_file_size(smallest_shm_bytes); !large_enough)
     return refuse(ExitCode::no_space, large_enough.error().message);
