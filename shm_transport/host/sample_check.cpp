@@ -10,9 +10,11 @@ std::optional<CheckedSample> check_sample(const std::byte* data, std::size_t siz
                                           core::EndpointId writer) noexcept {
   const std::size_t body_offset = detail::SampleLayout(type.slots()).body_offset;
   if (size < body_offset) return std::nullopt;
-  detail::SampleHeader
-      header;  // a copy, because the writer could change the header in the chunk after the check
+  // A copy, because the writer could change the header in the chunk after the check. The empty instruction
+  // keeps the compiler from reading the chunk in place of the copy.
+  detail::SampleHeader header;
   std::memcpy(&header, data, sizeof header);
+  asm("" : "+m"(header));
   const bool ours = header.magic == detail::sample_magic && header.slots == type.slots() &&
                     header.type_hash == type.hash() && header.writer == writer &&
                     header.body_offset == body_offset;

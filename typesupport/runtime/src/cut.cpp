@@ -1,9 +1,12 @@
 #include "sft/detail/cut.h"
 
 #include <algorithm>
+#include <bit>
+#include <concepts>
 #include <limits>
 #include <optional>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 
 #include "pixels.h"
@@ -22,9 +25,12 @@ template <class T>
 std::optional<T> read_at(const SampleState& s, std::uint64_t offset) {
   const std::uint32_t at = offset == no_offset ? no_offset : checked_block(s, offset, 1, sizeof(T));
   if (at == no_offset) return {};
-  T value;
-  std::memcpy(&value, s.body + at, sizeof value);
-  return value;
+  if constexpr (std::integral<T>) {
+    return read_once<T>(s.body + at);
+  } else {
+    using Bits = std::conditional_t<sizeof(T) == sizeof(float), std::uint32_t, std::uint64_t>;
+    return std::bit_cast<T>(read_once<Bits>(s.body + at));
+  }
 }
 
 /// The number of a field that the layout may lack.

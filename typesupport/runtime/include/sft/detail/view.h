@@ -58,6 +58,8 @@ V load(const SampleState& s, std::uint64_t offset) noexcept {
     s.flag_malformed();
   } else if constexpr (std::same_as<V, bool>) {
     value = s.body[at] != std::byte{0};
+  } else if constexpr (std::integral<V>) {
+    value = read_once<V>(s.body + at);
   } else {
     std::memcpy(&value, s.body + at, sizeof value);
   }

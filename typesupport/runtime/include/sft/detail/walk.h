@@ -3,6 +3,7 @@
 #pragma once
 
 #include <bit>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -57,6 +58,17 @@ inline std::uint32_t checked_block(const SampleState& s, std::uint64_t offset, s
   return checked_block(s, offset, count, element_bytes, element_bytes);
 }
 
+/// Reads a number of which a program decides something, as how far it may read. To a compiler these bytes do
+/// not change: it may read them again where the number is used, after it was checked. It takes this empty
+/// instruction for one that changes the number, so that what stands in memory is not the number any more.
+template <std::integral T>
+T read_once(const std::byte* at) noexcept {
+  T value;
+  std::memcpy(&value, at, sizeof value);
+  asm("" : "+r"(value));
+  return value;
+}
+
 struct Extent {
   std::uint32_t first = no_offset;  ///< offset of the first element
   std::uint32_t count = 0;
@@ -68,8 +80,7 @@ inline Extent checked_length(const SampleState& s, std::uint64_t offset,
                              std::endian byte_order = std::endian::little) noexcept {
   const std::uint32_t at = checked_block(s, offset, 1, 4);
   if (at == no_offset) return {};
-  std::uint32_t n;
-  std::memcpy(&n, s.body + at, sizeof n);
+  const auto n = read_once<std::uint32_t>(s.body + at);
   return {at + 4, byte_order == std::endian::native ? n : __builtin_bswap32(n)};
 }
 
