@@ -9,6 +9,7 @@
 #include <cstring>
 
 #include "core/platform/trusted_file.h"
+#include "shm_transport/host/membership.h"
 
 namespace sft::shm {
 
@@ -21,10 +22,11 @@ Result<Mapping> Mapping::open(const std::string& name, std::size_t bytes, bool w
   const std::string path = "/dev/shm/" + name;
   const auto file = core::open_trusted_file(path, writable ? O_RDWR : O_RDONLY, {.users = {owner}});
   if (!file) {
-    const bool forbidden = file.error().code == Errc::no_permission;
+    struct stat there {};
+    const bool is_forbidden = file.error().code == Errc::no_permission && lstat(path.c_str(), &there) == 0;
     return fail(file.error().code,
                 file.error().message +
-                    (forbidden ? "; run this program as a member of a group that sftd serves" : ""));
+                    (is_forbidden ? "; " + how_to_join(Membership::of_this_process(there.st_gid)) : ""));
   }
   struct stat status {};
   if (fstat(file->get(), &status) != 0 || static_cast<std::size_t>(status.st_size) < bytes)

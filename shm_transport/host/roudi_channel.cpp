@@ -16,6 +16,7 @@
 #include "core/platform/trusted_file.h"
 #include "shm_transport/host/access.h"
 #include "shm_transport/host/host_file.h"
+#include "shm_transport/host/membership.h"
 #include "shm_transport/host/socket_address.h"
 
 namespace sft::shm {
@@ -65,9 +66,8 @@ Result<Descriptor> connect_to(const char* path, uid_t daemon_user, struct stat& 
   const sockaddr_un address = socket_address("/proc/self/fd/" + std::to_string(resolved.get()));
   if (!socket || connect(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
     if (errno == EACCES) {
-      return fail(Errc::no_permission,
-                  std::string(path) +
-                      ": permission denied; run this program as a member of a group that sftd serves");
+      return fail(Errc::no_permission, std::string(path) + ": permission denied; " +
+                                           how_to_join(Membership::of_this_process(daemon.st_gid)));
     }
     return fail(Errc::unavailable, std::string(path) + ": " + std::strerror(errno) +
                                        "; does this program have another /tmp than sftd (a container)?");

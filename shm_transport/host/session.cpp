@@ -10,6 +10,7 @@
 #include "core/platform/random_id.h"
 #include "shm_transport/host/access.h"
 #include "shm_transport/host/iceoryx_runtime.h"
+#include "shm_transport/host/membership.h"
 #include "shm_transport/host/port_lock.h"
 #include "shm_transport/host/queue_places.h"
 
@@ -138,11 +139,9 @@ Result<PortData*> Session::answered_port(const Result<PortLocation>& location) c
 
 Result<PublisherPortData*> Session::create_publisher(core::EndpointId writer, Clock::time_point deadline) {
   if (!can_write_) {
-    return fail(
-        Errc::no_permission,
-        "this user may read samples in shared memory but not write them; run this program as a member of "
-        "the group that owns /dev/shm/" +
-            watch_.file().segment);
+    return fail(Errc::no_permission,
+                "this program may read samples in shared memory but not write them; " +
+                    how_to_join(Membership::of_this_process(segments_.front().mapping.group())));
   }
   iox::popo::PublisherOptions options;
   options.historyCapacity = 0;

@@ -47,6 +47,11 @@ std::optional<uid_t> member_of(const group& members) {
   return found;
 }
 
+std::string name_of_own_user() {
+  const passwd* user = getpwuid(geteuid());
+  return user == nullptr ? std::to_string(geteuid()) : user->pw_name;
+}
+
 }  // namespace
 
 Result<Groups> take_up_groups(const AccessSettings& settings) {
@@ -65,7 +70,9 @@ Result<Groups> take_up_groups(const AccessSettings& settings) {
   if (!member) {
     return fail(Errc::no_permission,
                 "group " + groups.writers +
-                    " has no members in /etc/group, and iceoryx needs one; add the user that sftd runs as");
+                    " has no members in /etc/group, and iceoryx needs one; add the user that sftd runs as: "
+                    "sudo adduser " +
+                    name_of_own_user() + " " + groups.writers);
   }
   groups.member = *member;
   if (settings.readers.empty() || settings.readers == groups.writers) return groups;

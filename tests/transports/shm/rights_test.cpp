@@ -35,8 +35,9 @@ TEST_F(Rights, AReaderCannotOpenTheMemoryOfSamplesForWriting) {
 
 TEST_F(Rights, AReaderIsToldThatItMayNotPublish) {
   const RunningSftd daemon = start_sftd_with_groups();
-  EXPECT_TRUE(
-      contains(start(a_reader, {"offer", "1"}).line(), "read samples in shared memory but not write them"));
+  const std::string said = start(a_reader, {"offer", "1"}).line();
+  EXPECT_TRUE(contains(said, "read samples in shared memory but not write them")) << said;
+  EXPECT_TRUE(contains(said, "group sft_writers")) << said;
   EXPECT_EQ(start(a_writer, {"offer", "1"}).line(), "may publish");
 }
 
@@ -49,7 +50,17 @@ TEST_F(Rights, AReadersDoorbellIsRungByAWriterOfAnotherUser) {
 
 TEST_F(Rights, AStrangerIsToldAtOnceThatPermissionIsDenied) {
   const RunningSftd daemon = start_sftd_with_groups();
-  EXPECT_TRUE(contains(start(a_stranger, {"knock"}).line(), "permission denied"));
+  const std::string said = start(a_stranger, {"knock"}).line();
+  EXPECT_TRUE(contains(said, "permission denied")) << said;
+  // This user has no name here.
+  EXPECT_TRUE(contains(said, "sftd serves the members of group sft_writers; give this program that group"))
+      << said;
+}
+
+TEST_F(Rights, AUserWhoIsNoMemberIsToldTheGroupAndTheCommand) {
+  const RunningSftd daemon = start_sftd_with_groups();
+  const std::string said = start(nobody, {"knock"}).line();
+  EXPECT_TRUE(contains(said, "run: sudo adduser nobody sft_writers, log out and in again")) << said;
 }
 
 TEST_F(Rights, AStrangerMayNotOpenTheMemory) {
@@ -90,6 +101,15 @@ TEST_F(Rights, AGroupThatDoesNotExistIsNamed) {
   Process daemon({programs_ + "sftd", "--config=/tmp/sftd.toml", "--foreground"});
   EXPECT_TRUE(contains(daemon.line(), "nobody_has_it"));
   EXPECT_EQ(daemon.exit_code(), static_cast<int>(ExitCode::bad_config));
+}
+
+TEST_F(Rights, AGroupWithoutMembersIsNamedWithTheCommandThatAddsOne) {
+  std::ofstream("/tmp/group", std::ios::app) << "sft_empty:x:70102:\n";
+  std::ofstream("/tmp/sftd.toml") << "[access]\nwriters = 'sft_empty'\n";
+  Process daemon({programs_ + "sftd", "--config=/tmp/sftd.toml", "--foreground"});
+  const std::string said = daemon.line();
+  EXPECT_TRUE(contains(said, "sudo adduser root sft_empty")) << said;
+  EXPECT_EQ(daemon.exit_code(), static_cast<int>(ExitCode::failed));
 }
 
 TEST_F(Rights, EverybodyMaySeeTheStatusAndOnlyTheDaemonsUserMayStopIt) {
