@@ -17,7 +17,7 @@ struct ShmOptions {
   std::string daemon_named_by = "NodeOptions::shm.daemon_path";
   bool start_daemon = true;  ///< start sftd if none runs
   /// An sftd that this node starts ends when it has had no clients for so long; 0: never.
-  std::chrono::seconds daemon_idle_exit{0};
+  std::chrono::seconds daemon_idle_exit = ShmSettings{}.daemon_idle_exit;
 
   /// Accounts, by name or number, whose daemon is used in addition to the daemons of root, of this account,
   /// and of the owner of /run/sft (accepted_daemons.h). If one node of a process accepts a daemon, all nodes

@@ -52,8 +52,9 @@ struct ShmSettings {
   /// the program, in ../libexec/sft from there, where SFT is installed, where it was built if it is a part of
   /// another project, and in PATH.
   std::string daemon_path{};
-  /// A daemon that this node starts ends after being without clients for so long; 0: never.
-  std::chrono::seconds daemon_idle_exit{0};
+  /// A daemon that this node starts ends after no program has used it for so long; 0: never. A daemon that
+  /// runs already, the one of a service for example, is not changed.
+  std::chrono::seconds daemon_idle_exit = std::chrono::minutes(5);
   /// Users whose sftd is used, by name ("robot") or number, besides root, this program's own user, and the
   /// owner of the directory /run/sft. Such a user can read all samples in shared memory and end this program.
   /// The daemon of any other user is not used: samples go by UDP, and NodeStatus::shm says why. A user that

@@ -330,6 +330,23 @@ TEST_F(Sftd, EndsAfterBeingIdleIfAskedTo) {
   EXPECT_EQ(daemon.exit_code(), 0);
 }
 
+TEST_F(Sftd, ThatANodeStartedEndsWhenNobodyHasUsedItForAsLongAsTheNodeSaid) {
+  shm::ShmOptions options = own_daemon();
+  options.daemon_idle_exit = 1s;
+  {
+    Node node(options);
+    ASSERT_TRUE(node.becomes_ready()) << node->description();
+  }
+  EXPECT_TRUE(eventually([] { return daemon_pid() == 0 && names_in("/dev/shm", "").empty(); }));
+}
+
+TEST_F(Sftd, ThatANodeStartedEndsAfterFiveMinutesWithoutProgramsIfNothingElseIsSaid) {
+  Node node;
+  ASSERT_TRUE(node.becomes_ready()) << node->description();
+  Process status({sftd_path(), "status"});
+  EXPECT_TRUE(contains(status.all_output(), "idle exit after 300 s"));
+}
+
 /// Registers a process with this name, as any program of sftd's group can.
 void register_with_sftd(const std::string& name) {
   const int socket = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
