@@ -1,12 +1,22 @@
 # cmake -D SOURCE=tree -D BUILD=tree -D WORK=folder -D GENERATOR=name -D CXX=compiler -D ISOLATE=program -P
 # outside.cmake
-# Installs SFT from its build into a folder, builds a project and a program of one file with what is there, and runs
-# them on a host of their own; so does "Five minutes" of docs/guide.md, as it is printed there.
+# Installs SFT from its build into a folder, moves that folder, builds a project and a program of one file with what is
+# there, and runs them on a host of their own; so does "Five minutes" of docs/guide.md, as it is printed there.
 cmake_minimum_required(VERSION 3.22)
 include(${CMAKE_CURRENT_LIST_DIR}/verbs.cmake)
 set(prefix ${WORK}/prefix)
 
-run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix} --strip)
+run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/installed --strip)
+file(RENAME ${WORK}/installed ${prefix})
+# Of text files. The programs have the places of sources in their messages, and the daemon's place as one of many.
+foreach(place IN ITEMS ${WORK}/installed ${BUILD} ${SOURCE})
+  execute_process(COMMAND grep --recursive --files-with-matches --binary-files=without-match --fixed-strings
+      ${place} ${prefix} OUTPUT_VARIABLE output)
+  expect("${output}" STREQUAL "")
+endforeach()
+file(READ_SYMLINK ${prefix}/bin/sftd daemon_in_path)
+expect("${daemon_in_path}" STREQUAL ../libexec/sft/sftd)
+run(${prefix}/bin/sftd --help)
 file(GLOB_RECURSE headers RELATIVE ${prefix}/include ${prefix}/include/*.h)
 list(FILTER headers EXCLUDE REGEX "^sft/(detail/)?[a-z0-9_]+[.]h$")
 expect("${headers}" STREQUAL "")
