@@ -87,7 +87,7 @@ set(CPACK_DEBIAN_SFTD_PACKAGE_NAME sft-tools)
 set(CPACK_DEBIAN_SFTD_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_SFTD_PACKAGE_SECTION net)
 set(CPACK_DEBIAN_SFTD_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_SFTD_PACKAGE_DEPENDS "init-system-helpers (>= 1.54~)")
+set(CPACK_DEBIAN_SFTD_PACKAGE_DEPENDS "adduser, init-system-helpers (>= 1.54~)")
 set(CPACK_DEBIAN_SFTD_PACKAGE_CONTROL_EXTRA
   ${made}/sftd/conffiles ${made}/sftd/postinst ${made}/sftd/prerm ${made}/sftd/postrm)
 set(CPACK_COMPONENT_SFTD_DESCRIPTION "publish-subscribe transport for robots: the daemon of shared memory
@@ -95,6 +95,7 @@ SFT sends messages between the programs of robots and vehicles. A subscriber
 gets the fields that it reads.
 .
 This package has the daemon sftd, which hosts the memory that the programs of a
-host share, and a unit that starts it with the system.")
+host share, and a unit that starts it with the system. Members of the group sft
+use that memory.")
 
 include(CPack)
