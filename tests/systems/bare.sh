@@ -26,7 +26,8 @@ make_bare_system() {
   mkdir -p "$new/etc/apt/apt.conf.d" "$new/etc/dpkg/dpkg.cfg.d"
   echo force-unsafe-io >"$new/etc/dpkg/dpkg.cfg.d/unsafe-io" # nothing of it outlives a crash of the machine
   cp /etc/apt/apt.conf.d/*proxy* "$new/etc/apt/apt.conf.d/" 2>/dev/null || true
-  chroot "$new" env DEBIAN_FRONTEND=noninteractive apt-get -q install --yes --no-install-recommends "$@" >"$new.log" ||
+  chroot "$new" env DEBIAN_FRONTEND=noninteractive \
+    apt-get -q install --yes --no-install-recommends "$@" >"$new.log" 2>&1 ||
     { tail -5 "$new.log"; die "the packages could not be installed"; }
   chroot "$new" apt-get clean
   mkdir -p "$(dirname -- "$archive")"
@@ -35,15 +36,18 @@ make_bare_system() {
   rm -rf --one-file-system "$new" "$new.log"
 }
 
+# FILE...: prints the packages that these lists of .ci name.
+packages_of() { (cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../../.ci" && sed 's/#.*//; s/[[:space:]]//g; /^$/d' "$@"); }
+
 # Unpacks the archive and mounts what programs need. Sets system, the folder. It is taken away when this shell exits.
 # REQUIRES: a mount and a process namespace of its own (see in_own_namespaces), so that nothing of them is left.
 open_bare_system() {
   system=$(mktemp -d)
-  trap 'umount -R "$system" 2>/dev/null; rm -rf --one-file-system "$system"' EXIT
+  mount --bind "$system" "$system" # tests make namespaces, which want / to be a mount
+  trap close_bare_system EXIT
   say "unpacking $(basename -- "$archive")"
   tar -C "$system" -xf "$archive"
   chmod 755 "$system"
-  mount --bind "$system" "$system" # tests make namespaces, which want / to be a mount
   mount -t tmpfs -o mode=1777 tmpfs "$system/tmp"
   mount -t proc proc "$system/proc"
   mount --rbind --make-rslave /sys "$system/sys"
@@ -62,5 +66,80 @@ copy_checkout() {
 in_own_namespaces() {
   ((EUID == 0)) || die "needs root, to make a system of its own"
   [[ -z ${SFT_OWN_NAMESPACES:-} ]] || return 0
-  exec env SFT_OWN_NAMESPACES=1 unshare --mount --pid --fork --kill-child --propagation private "$0" "$@"
+  exec env SFT_OWN_NAMESPACES=1 unshare --mount --mount-proc --pid --fork --kill-child --propagation private \
+    "$0" "$@"
 }
+
+# All that is mounted below the folder leaves it first, so that nothing else is removed with it.
+close_bare_system() {
+  if [[ -n ${launcher:-} ]]; then
+    kill -KILL "$launcher" 2>/dev/null || true # all processes of the system end with it
+    wait "$launcher" 2>/dev/null || true
+    until find "$control_group" -depth -type d -exec rmdir {} + 2>/dev/null; do sleep 0.1; done
+    umount "$groups" && rmdir "$groups"
+  fi
+  umount --recursive --lazy "$system" && rm -rf --one-file-system "$system" "$system.log"
+}
+
+# Starts the system that is open with its own systemd as first process, in namespaces of its own and without
+# a network but its loopback. Sets init, the number of that process here. The system ends with this shell.
+boot_bare_system() {
+  local log=$system.log started=$SECONDS
+  echo bare >"$system/etc/hostname"
+  echo 127.0.0.1 localhost bare >"$system/etc/hosts"
+  say "booting $(basename -- "$archive" .tar)"
+  groups=$(mktemp -d)
+  mount -t cgroup2 cgroup2 "$groups"
+  control_group=$(mktemp -d "$groups/sft-bare-XXXXXX")
+  (
+    echo "$BASHPID" >"$control_group/cgroup.procs"
+    exec unshare --cgroup --mount --pid --net --ipc --uts --fork --kill-child --propagation private \
+      bash -euc "$(declare -f become_init); become_init \"\$1\"" bash "$system" >"$log" 2>&1
+  ) &
+  launcher=$!
+  until is_booted; do
+    if ! kill -0 "$launcher" 2>/dev/null || ((SECONDS - started > 300)); then
+      tail -20 "$log"
+      die "systemd did not start"
+    fi
+    sleep 0.2
+  done
+}
+
+# Sets init. A system is degraded if something failed that a container does without, modules of the kernel for example.
+is_booted() {
+  local state
+  init=$(cat "/proc/$launcher/task/$launcher/children" 2>/dev/null) && init=${init%% *} && [[ -n $init ]] || return 1
+  state=$(in_booted_system systemctl is-system-running 2>/dev/null) || true
+  [[ $state == running || $state == degraded ]]
+}
+
+# SYSTEM: what the first process of the system does before it becomes systemd.
+become_init() {
+  local device
+  cd -- "$1" || return
+  ip link set lo up multicast on
+  umount -R dev sys proc tmp
+  mount -t proc proc proc
+  mount -o bind,ro proc/sys proc/sys # the settings of the kernel are those of this host
+  mount -t sysfs -o ro sysfs sys
+  mount -t cgroup2 cgroup2 sys/fs/cgroup
+  mount -t tmpfs -o mode=755 tmpfs dev
+  mount -t tmpfs -o mode=755 tmpfs run
+  mkdir dev/pts dev/shm
+  mount -t devpts -o newinstance,ptmxmode=0666,mode=620,gid=5 devpts dev/pts
+  mount -t tmpfs -o mode=1777 tmpfs dev/shm
+  ln -s pts/ptmx dev/ptmx
+  ln -s /proc/self/fd dev/fd
+  for device in null zero full random urandom tty; do
+    touch "dev/$device"
+    mount --bind "/dev/$device" "dev/$device"
+  done
+  mount -t tmpfs -o mode=1777 tmpfs tmp
+  pivot_root . .
+  umount --lazy .
+  exec env -i container=sft PATH=/usr/sbin:/usr/bin:/sbin:/bin /lib/systemd/systemd --log-target=journal
+}
+
+# COMMAND...: runs it in the system that was booted.
+in_booted_system() { nsenter --target "$init" --all env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root "$@"; }
