@@ -16,20 +16,41 @@
 # Definitions that FILES nest or include, directly or not, are searched below the roots (first .msg, then .idl) and
 # generated, too. If a LINK target generates a definition, that one is used, even if FILES lists the definition. IDL
 # files include a message as "my_pkg/msg/Status.idl", which sft_generate() makes of the .msg file.
+#
+# When you build for another architecture, the compilers of messages are programs of that architecture, too. They run if
+# this machine runs such programs (with Debian's package qemu-user-static, for example), or if
+# CMAKE_CROSSCOMPILING_EMULATOR says how. Or name the compilers of an SFT of the same release for this machine:
+#   -D SFT_MSGC=/usr/bin/sft_msgc -D SFT_IDL_PLUGIN=/usr/lib/x86_64-linux-gnu/sft/libcycloneddsidlsft.so
 include_guard(GLOBAL)
 include(${CMAKE_CURRENT_LIST_DIR}/SftNested.cmake)
 
 # Only projects with .idl files need idlc.
 find_program(SFT_IDLC idlc DOC "The IDL compiler of Cyclone DDS (Debian package cyclonedds-tools)")
+set(SFT_MSGC "" CACHE FILEPATH "The sft_msgc that runs here, when building for another architecture")
+set(SFT_IDL_PLUGIN "" CACHE FILEPATH "The libcycloneddsidlsft.so for the idlc that runs here, likewise")
+
+# Sets `command` to the words that run sft_msgc, and `file` to the file that it is.
+function(sft_find_msgc command file)
+  set(found $<TARGET_FILE:sft::sft_msgc>)
+  set(emulator)
+  if(SFT_MSGC)
+    set(found ${SFT_MSGC})
+  elseif(CMAKE_CROSSCOMPILING)
+    set(emulator ${CMAKE_CROSSCOMPILING_EMULATOR})
+  endif()
+  set(${command} ${emulator} ${found} PARENT_SCOPE)
+  set(${file} ${found} PARENT_SCOPE)
+endfunction()
 
 # Adds the custom command for one .msg file.
 function(sft_generate_from_msg name file root output_dir idl_dir roots)
   list(TRANSFORM roots PREPEND -I OUTPUT_VARIABLE include_options)
   set(header ${output_dir}/${name}.hpp)
+  sft_find_msgc(msgc msgc_file)
   add_custom_command(
     OUTPUT ${header} ${idl_dir}/${name}.idl
-    COMMAND sft::sft_msgc ${file} -b ${root} ${include_options} -o ${output_dir} -i ${idl_dir} -d ${header}.d
-    DEPENDS ${file} $<TARGET_FILE:sft::sft_msgc>
+    COMMAND ${msgc} ${file} -b ${root} ${include_options} -o ${output_dir} -i ${idl_dir} -d ${header}.d
+    DEPENDS ${file} ${msgc_file}
     DEPFILE ${header}.d
     COMMENT "Generating ${name}.hpp"
     VERBATIM)
@@ -44,14 +65,18 @@ function(sft_generate_from_idl name file root output_dir roots from_msg)
   set(header ${output_dir}/${name}.hpp)
   set(script_dir ${CMAKE_CURRENT_FUNCTION_LIST_DIR})
   set(script ${script_dir}/run_idlc.sh)
+  set(plugin $<TARGET_FILE:sft::cycloneddsidlsft>)
+  if(SFT_IDL_PLUGIN)
+    set(plugin ${SFT_IDL_PLUGIN})
+  endif()
   list(TRANSFORM roots PREPEND -I OUTPUT_VARIABLE include_options)
   list(JOIN roots : root_list)
   add_custom_command(
     OUTPUT ${header}
-    COMMAND sh ${script} ${header} ${SFT_IDLC} -l $<TARGET_FILE:sft::cycloneddsidlsft>
+    COMMAND sh ${script} ${header} ${SFT_IDLC} -l ${plugin}
             -f case-sensitive -Wno-unsupported-annotations -Wno-implicit-extensibility
             ${include_options} -r ${root_list} -b ${root} -o ${output_dir} -d ${header}.d ${file}
-    DEPENDS ${file} ${from_msg} $<TARGET_FILE:sft::cycloneddsidlsft>
+    DEPENDS ${file} ${from_msg} ${plugin}
             ${script} ${script_dir}/idlc_copy.awk ${script_dir}/idlc_messages.awk
     DEPFILE ${header}.d
     COMMENT "Generating ${name}.hpp"

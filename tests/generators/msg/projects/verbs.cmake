@@ -34,7 +34,7 @@ macro(run)
 endmacro()
 
 macro(configure)
-  run(${CMAKE_COMMAND} -S ${source} -B ${build} -G ${GENERATOR})
+  run(${CMAKE_COMMAND} -S ${source} -B ${build} -G ${GENERATOR} ${ARGN})
 endmacro()
 
 macro(build_headers target)

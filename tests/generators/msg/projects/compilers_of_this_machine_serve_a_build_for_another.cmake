@@ -1,0 +1,32 @@
+include(${CMAKE_CURRENT_LIST_DIR}/verbs.cmake)
+write(a/msg/A.msg "float64 x\n")
+write(b/msg/B.idl "module b { module msg { struct B { double y; }; }; };")
+
+# The SFT in use is one whose compilers do not run here.
+set(msgc ${SFT_MSGC})
+set(plugin ${SFT_IDL_PLUGIN})
+file(WRITE ${WORK}/foreign_msgc "no program of this machine")
+file(WRITE ${WORK}/foreign_plugin "no library of this machine")
+set(SFT_MSGC ${WORK}/foreign_msgc)
+set(SFT_IDL_PLUGIN ${WORK}/foreign_plugin)
+write_project("sft_generate(TARGET t FILES a/msg/A.msg b/msg/B.idl)")
+configure(-D CMAKE_SYSTEM_NAME=Linux)
+expect_success()
+build_headers(t)
+expect_error("foreign_msgc")
+
+configure(-D SFT_MSGC=${msgc} -D SFT_IDL_PLUGIN=${plugin})
+expect_success()
+build_headers(t)
+expect_success()
+expect_headers(t a/msg/A b/msg/B)
+
+# An emulator is told which program to run: this one runs another.
+file(REMOVE_RECURSE ${build})
+file(WRITE ${WORK}/emulator "#!/bin/sh\nshift\nexec '${msgc}' \"$@\"\n")
+file(CHMOD ${WORK}/emulator PERMISSIONS OWNER_READ OWNER_EXECUTE)
+configure(-D CMAKE_SYSTEM_NAME=Linux -D CMAKE_CROSSCOMPILING_EMULATOR=${WORK}/emulator -D SFT_IDL_PLUGIN=${plugin})
+expect_success()
+build_headers(t)
+expect_success()
+expect_headers(t a/msg/A b/msg/B)
