@@ -34,6 +34,21 @@ TEST_P(Conformance, GivesEachReaderItsFields) {
   }
 }
 
+TEST_P(Conformance, GivesBodiesInWhichEachPrimitiveIsAligned) {
+  test::Random random{test::test_seed()};
+  Writer writer(stage);
+  Reader reader(stage);
+  writer.serve(reader);
+  for (int i = 0; i < 100; ++i) {
+    const std::size_t bytes = random() % 100'000;
+    ASSERT_EQ(writer.publish(bytes), SendStatus::sent) << test::how_to_repeat();
+    const SampleHandle sample = reader.next();
+    ASSERT_TRUE(is_image(sample, bytes)) << test::how_to_repeat();
+    const std::byte* const body = sample->data + sample->header().body_offset;
+    EXPECT_EQ(reinterpret_cast<std::uintptr_t>(body) % sizeof(double), 0U) << test::how_to_repeat();
+  }
+}
+
 TEST_P(Conformance, CarriesSamplesWithNoRequestedField) {
   Writer writer(stage);
   Reader reader(stage, {.masks = {""}});
