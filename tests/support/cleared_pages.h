@@ -2,6 +2,7 @@
 #pragma once
 
 #include <sys/mman.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -10,14 +11,16 @@
 
 namespace sft::test {
 
+/// 4, 16 or 64 KiB on arm64.
+inline std::size_t page_bytes() { return static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)); }
+
 /// Counts the bytes of pages that somebody has cleared or written. mincore() counts no page that is only set
 /// aside. Returns 0 if the system refuses to tell.
 inline std::size_t cleared_bytes(std::span<const std::byte> mapping) {
-  constexpr std::size_t page_bytes = 4096;
-  std::vector<unsigned char> pages((mapping.size() + page_bytes - 1) / page_bytes);
+  std::vector<unsigned char> pages((mapping.size() + page_bytes() - 1) / page_bytes());
   if (mincore(const_cast<std::byte*>(mapping.data()), mapping.size(), pages.data()) != 0) return 0;
   const auto cleared = std::ranges::count_if(pages, [](unsigned char page) { return (page & 1U) != 0; });
-  return page_bytes * static_cast<std::size_t>(cleared);
+  return page_bytes() * static_cast<std::size_t>(cleared);
 }
 
 }  // namespace sft::test

@@ -10,6 +10,8 @@
 #include <memory>
 #include <vector>
 
+#include "tests/support/cleared_pages.h"
+
 namespace sft::core {
 namespace {
 
@@ -36,7 +38,7 @@ constexpr std::size_t large_bytes = 4'000'000;
 
 /// True if the system has given memory for all of it.
 bool is_resident(const SampleHandle& buffer) {
-  constexpr std::size_t page_bytes = 4096;
+  const std::size_t page_bytes = test::page_bytes();
   const auto begin = reinterpret_cast<std::uintptr_t>(buffer->data) / page_bytes * page_bytes;
   std::vector<unsigned char> pages(buffer->capacity / page_bytes);
   EXPECT_EQ(mincore(reinterpret_cast<void*>(begin), pages.size() * page_bytes, pages.data()), 0);

@@ -49,11 +49,11 @@ std::vector<SegmentFile> files_of(const auto&... segments) {
 }
 
 TEST(PageClearerTest, ClearsAllPagesOfEachSegment) {
-  const Segment first(mebibyte + 4096), second(3 * mebibyte);
+  const Segment first(mebibyte + test::page_bytes()), second(3 * mebibyte);
   EXPECT_EQ(first.cleared_bytes() + second.cleared_bytes(), 0U);
   PageClearer clearer;
   ASSERT_TRUE(clearer.start(files_of(first, second)));
-  EXPECT_TRUE(test::eventually([&] { return first.cleared_bytes() == mebibyte + 4096; }));
+  EXPECT_TRUE(test::eventually([&] { return first.cleared_bytes() == mebibyte + test::page_bytes(); }));
   EXPECT_TRUE(test::eventually([&] { return second.cleared_bytes() == 3 * mebibyte; }));
 }
 
@@ -78,16 +78,17 @@ TEST(PageClearerTest, StopsWhereItIs) {
 
 // Somebody of the same account may have made the file shorter.
 TEST(PageClearerTest, DoesNotMakeAFileLongerThatWasMadeShorter) {
+  const auto page = static_cast<off_t>(test::page_bytes());
   const Segment segment(mebibyte);
-  ASSERT_EQ(ftruncate(segment.fd(), 4096), 0);
+  ASSERT_EQ(ftruncate(segment.fd(), page), 0);
   {
     PageClearer clearer;
     ASSERT_TRUE(clearer.start(files_of(segment)));
   }
   struct stat after {};
   ASSERT_EQ(fstat(segment.fd(), &after), 0);
-  EXPECT_EQ(after.st_size, 4096);
-  EXPECT_LE(after.st_blocks * 512, 4096) << "nothing is set aside behind the end";
+  EXPECT_EQ(after.st_size, page);
+  EXPECT_LE(after.st_blocks * 512, page) << "nothing is set aside behind the end";
 }
 
 }  // namespace
