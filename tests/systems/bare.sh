@@ -9,10 +9,10 @@ say() { printf '== %s\n' "$*"; }
 die() { printf '%s: %s\n' "$(basename -- "$0")" "$*" >&2; exit 1; }
 
 # SUITE NAME PACKAGE...: makes the archive of a bare system of that suite with these packages, unless it is there. NAME
-# says what the packages are for; another list of packages makes another archive. A package of another architecture is
-# written as in NAME:arm64. Sets archive.
+# says what the packages are for; another list of packages makes another archive. A package may be
+# of another architecture, as in NAME:arm64, or of another suite, as in NAME/bookworm-backports. Sets archive.
 make_bare_system() {
-  local suite=$1 name=$2 new list architecture
+  local suite=$1 name=$2 new list
   shift 2
   list=$(printf '%s\n' "$@" | md5sum)
   archive=${XDG_CACHE_HOME:-$HOME/.cache}/sft/debian-$suite-$name-${list:0:8}.tar
@@ -27,10 +27,9 @@ make_bare_system() {
   mkdir -p "$new/etc/apt/apt.conf.d" "$new/etc/dpkg/dpkg.cfg.d"
   echo force-unsafe-io >"$new/etc/dpkg/dpkg.cfg.d/unsafe-io" # nothing of it outlives a crash of the machine
   cp /etc/apt/apt.conf.d/*proxy* "$new/etc/apt/apt.conf.d/" 2>/dev/null || true
-  for architecture in $(grep -o ':[^:]*$' <<<"$(printf '%s\n' "$@")" | sort -u); do
-    chroot "$new" dpkg --add-architecture "${architecture#:}"
-    chroot "$new" apt-get -q update >"$new.log" || { tail -5 "$new.log"; die "apt-get update failed"; }
-  done
+  printf '%s\n' "$@" | sed -n 's,.*:,,p' | sort -u | xargs -rn 1 chroot "$new" dpkg --add-architecture
+  printf '%s\n' "$@" | sed -n "s,.*/\(.*\),deb $mirror \1 main,p" | sort -u >"$new/etc/apt/sources.list.d/other.list"
+  chroot "$new" apt-get -q update >"$new.log" || { tail -5 "$new.log"; die "apt-get update failed"; }
   chroot "$new" env DEBIAN_FRONTEND=noninteractive \
     apt-get -q install --yes --no-install-recommends "$@" >"$new.log" 2>&1 ||
     { tail -5 "$new.log"; die "the packages could not be installed"; }
