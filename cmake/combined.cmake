@@ -1,6 +1,6 @@
 # What the compiler would do again for each source, it does once for many: the sources that a target has in one folder
-# are compiled as one, and headers that nearly every source includes are precompiled. So a first build takes a quarter of
-# the time. A build with SFT_COMBINE=OFF does without, and shows that each source includes what it uses.
+# are compiled as one, and headers that nearly every source includes are precompiled. So a first build takes a quarter
+# of the time. A build with SFT_COMBINE=OFF does without, and shows that each source includes what it uses.
 #
 # A folder is compiled in a few seconds. Whole targets would not be much faster to compile, and a program takes of a
 # library the objects that it uses: sftd would depend on Cyclone DDS.

@@ -26,8 +26,8 @@ class Lives {
  public:
   explicit Lives(unsigned long seed) : seed_(seed) {}
 
-  /// The time in milliseconds until all pairs were served again and, where it is asked, `sftd status` answered;
-  /// not a number if that did not come true.
+  /// The time in milliseconds until all pairs were served again and, where it is asked, `sftd status`
+  /// answered; not a number if that did not come true.
   double recovery(const Entry& entry, Moment moment, std::chrono::milliseconds length) {
     if (moment != Moment::after_they_started) stage_.reset();
     const hostile::Outcome outcome = stage().perform(entry, moment, length);
@@ -37,7 +37,8 @@ class Lives {
       stage_.reset();
       return never;
     }
-    return static_cast<double>(std::max(*outcome.recovery, outcome.command_line.value_or(hostile::Ms{})).count());
+    return static_cast<double>(
+        std::max(*outcome.recovery, outcome.command_line.value_or(hostile::Ms{})).count());
   }
 
   double restart() {
@@ -92,7 +93,8 @@ std::vector<Figure> recovery_after_each_act(const RecoveryScale& scale) {
     if (!is_wanted(entry, scale)) continue;
     Times times;
     for (int round = 0; round < scale.rounds; ++round)
-      times.push_back(lives.recovery(entry, hostile::moments[static_cast<std::size_t>(round) % 3], scale.length));
+      times.push_back(
+          lives.recovery(entry, hostile::moments[static_cast<std::size_t>(round) % 3], scale.length));
     report(figures, "recovery_ms_" + std::string(entry.name), times, floor);
   }
   return figures;

@@ -1,5 +1,6 @@
-// After an act all honest programs work as before. The test tries each act of the table, begun before, while, or after
-// the programs start. How soon all work again is measured by `./run bench recovery`, which has the bound.
+// After an act all honest programs work as before. The test tries each act of the table, begun before, while,
+// or after the programs start. How soon all work again is measured by `./run bench recovery`, which has the
+// bound.
 #include <gtest/gtest.h>
 
 #include "tests/hostile/stage.h"

@@ -256,8 +256,7 @@ void Stage::note_stopped(const Entry& entry, Outcome& outcome) {
   if (entry.harm != Harm::stops_near) return;
   for (const auto& pair : pairs_) {
     if (pair->transport != "shm") continue;
-    pair->is_stopped =
-        test::eventually([&] { return is_stopped(pair->subscriber->pid()); }, patience);
+    pair->is_stopped = test::eventually([&] { return is_stopped(pair->subscriber->pid()); }, patience);
     if (!pair->is_stopped) outcome.complaints.push_back("The act does not stop '" + pair->name + "'");
   }
 }

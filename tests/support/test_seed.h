@@ -11,8 +11,9 @@ namespace sft::test {
 
 using Random = std::mt19937_64;
 
-/// $SFT_TEST_SEED; or else the same one each time if $SFT_TEST_FIXED_SEEDS is set, as it is in CI, so that chance
-/// fails no landing; or else a new one for each process. Its first call prints it to the standard error.
+/// $SFT_TEST_SEED; or else the same one each time if $SFT_TEST_FIXED_SEEDS is set, as it is in CI, so that
+/// chance fails no landing; or else a new one for each process. Its first call prints it to the standard
+/// error.
 std::uint64_t test_seed();
 
 /// `usual`, or $SFT_TEST_TIMES as many: how often a random test does what it does, in longer runs of the

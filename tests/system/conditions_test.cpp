@@ -112,7 +112,8 @@ TEST_P(ConditionsTest, AReaderBehindAClosedGateIsNotWokenByAThousandSamples) {
   const DynamicType type = this->type();
   auto quiet = b.subscriber("points", type, "header.stamp @ row_step > 1000", all_kept).value();
   Node c = open("c");
-  auto other = c.subscriber("points", c.find_type("points", patience).value(), "header.stamp", all_kept).value();
+  auto other =
+      c.subscriber("points", c.find_type("points", patience).value(), "header.stamp", all_kept).value();
   expect_served(pub, 2);
   publish({0});
   EXPECT_EQ(until(quiet, 0), Places{0});

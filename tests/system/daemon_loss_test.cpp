@@ -315,7 +315,8 @@ TEST_F(DaemonLoss, LeavesANodeThatWaitsIdle) {
   EXPECT_FALSE(subscriber.wait(1s)) << "discovery has settled";
   const long before = wakes_of_all_threads();
   EXPECT_FALSE(subscriber.wait(4s));
-  EXPECT_LT(wakes_of_all_threads() - before, 220) << "in 4 s; `./run bench many --only idle` measures the time";
+  EXPECT_LT(wakes_of_all_threads() - before, 220)
+      << "in 4 s; `./run bench many --only idle` measures the time";
 }
 
 }  // namespace

@@ -224,8 +224,7 @@ class PartHostsTest : public testing::Test {
   }
   /// At least so many.
   bool publish_until_in_groups(std::size_t readers) {
-    return eventually([&] { return cast().in_groups >= readers || (publish_more(5), false); },
-                      patience);
+    return eventually([&] { return cast().in_groups >= readers || (publish_more(5), false); }, patience);
   }
   /// Everybody has each sample before the next one is published, so nobody falls behind its group.
   double bytes_of_a_sample() {
@@ -296,8 +295,7 @@ TEST_F(PartHostsTest, ASubscriberThatChangesItsPartLosesNothingAndNeitherDoOther
   for (std::uint32_t round = 1; round <= 15; ++round) {
     const auto next = static_cast<std::uint32_t>(round % in_turn.size());
     received(0).selection = next;
-    ASSERT_TRUE(
-        eventually([&] { return received(0).named == next || (publish_more(2), false); }, patience))
+    ASSERT_TRUE(eventually([&] { return received(0).named == next || (publish_more(2), false); }, patience))
         << "round " << round;
   }
   EXPECT_TRUE(publish_until_in_groups(4)) << "it has become calm";

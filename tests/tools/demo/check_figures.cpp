@@ -1,7 +1,7 @@
 // Usage: check_figures FILE SAMPLES FULL_BYTES declared|recorded
 // Checks the file that sft_demo --json has written for a run in which SAMPLES messages of FULL_BYTES bytes
-// were published. If a figure is wrong, the program says so, and returns 1. A best-effort reader on a busy machine
-// may lose samples; then it has to have counted them.
+// were published. If a figure is wrong, the program says so, and returns 1. A best-effort reader on a busy
+// machine may lose samples; then it has to have counted them.
 #include <cmath>
 #include <cstdint>
 #include <cstdio>

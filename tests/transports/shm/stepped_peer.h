@@ -31,8 +31,8 @@ class SteppedPeer {
   [[nodiscard]] bool goes_to_mark() const { return resume(PTRACE_CONT) && is_at_mark(); }
   /// Lets the peer execute one instruction. Returns false if that has brought it to its next mark.
   [[nodiscard]] bool steps() const { return resume(PTRACE_SINGLESTEP) && !is_at_mark(); }
-  /// Lets the peer run until it is about to execute its breakpoint. Returns false if it comes to its next mark
-  /// before.
+  /// Lets the peer run until it is about to execute its breakpoint. Returns false if it comes to its next
+  /// mark before.
   [[nodiscard]] bool goes_to_breakpoint() const { return resume(PTRACE_CONT) && !is_at_mark(); }
 
 #ifdef __x86_64__

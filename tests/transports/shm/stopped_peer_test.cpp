@@ -31,8 +31,8 @@ class StoppedPeer : public ShmNodeTest {
   }
 
   /// Lets the peer do its work again and again. Calls `act` wherever the peer stands still, in another
-  /// thread. Expects that each call returns before the peer goes on. Returns at how many instructions the peer
-  /// stood still.
+  /// thread. Expects that each call returns before the peer goes on. Returns at how many instructions the
+  /// peer stood still.
   static std::size_t at_each_instruction(const Process& process, const std::function<void()>& act) {
     const SteppedPeer peer(process);
     std::size_t stopped_at = 0;

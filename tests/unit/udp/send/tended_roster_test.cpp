@@ -81,7 +81,9 @@ TEST_F(TendedRosterTest, LetsOneGoOnlyWhenItIsNotBusyAnyMore) {
 
 TEST_F(TendedRosterTest, SkipsWhoGoesWhileAnotherIsBusy) {
   roster.add(other);
-  one.meanwhile = [&] { std::async(std::launch::async, [&] { roster.remove(other); }).wait_for(sft::test::patience); };
+  one.meanwhile = [&] {
+    std::async(std::launch::async, [&] { roster.remove(other); }).wait_for(sft::test::patience);
+  };
   roster.tend({});
   EXPECT_EQ(one.times, 1);
   EXPECT_EQ(other.times, 0);
