@@ -18,8 +18,19 @@ namespace sft::test {
 namespace {
 
 constexpr const char* tap_control = "/dev/net/tun";
-constexpr std::size_t frame_bytes_max = 2048;
+constexpr std::size_t frame_bytes_max = 2048, frame_header_bytes = 14;
 constexpr std::chrono::microseconds delay_max{20'000};
+
+/// A frame begins with the address that it goes to, and the one that it comes from.
+std::array<char, 6> address_at(std::size_t place, const std::vector<char>& frame) {
+  std::array<char, 6> address{};
+  std::copy_n(frame.begin() + static_cast<std::ptrdiff_t>(place * address.size()), address.size(),
+              address.begin());
+  return address;
+}
+std::array<char, 6> destination_of(const std::vector<char>& frame) { return address_at(0, frame); }
+std::array<char, 6> source_of(const std::vector<char>& frame) { return address_at(1, frame); }
+bool is_multicast(const std::vector<char>& frame) { return (frame[0] & 1) != 0; }
 
 }  // namespace
 
@@ -97,6 +108,8 @@ void Network::receive(std::size_t from) {
     const ssize_t bytes = read(ports_[from].tap, frame.data(), frame_bytes_max);
     if (bytes <= 0) return;
     ++frames_;
+    if (static_cast<std::size_t>(bytes) < frame_header_bytes) continue;
+    port_of_[source_of(frame)] = from;
     judge(from, Frame(frame.begin(), frame.begin() + bytes));
   }
 }
@@ -114,11 +127,20 @@ void Network::judge(std::size_t from, const Frame& frame) {
   }
 }
 
-/// Delivers the frame to all other ports: a host that is not meant does not listen.
+/// A frame for one host goes to all hosts while nobody knows where that host is. A thread that passed each
+/// frame on to a crowd of hosts would be slower than a publisher, and frames would be lost before they get
+/// here.
+bool Network::is_for(std::size_t port, const Frame& frame) const {
+  if (is_multicast(frame)) return true;
+  const auto known = port_of_.find(destination_of(frame));
+  return known == port_of_.end() || known->second == port;
+}
+
 void Network::deliver(std::size_t from, const Frame& frame) {
   if (!ports_[from].plugged) return;
   for (std::size_t to = 0; to < ports_.size(); ++to) {
-    if (to != from && ports_[to].plugged) (void)!write(ports_[to].tap, frame.data(), frame.size());
+    if (to != from && ports_[to].plugged && is_for(to, frame))
+      (void)!write(ports_[to].tap, frame.data(), frame.size());
   }
 }
 

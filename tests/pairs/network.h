@@ -1,7 +1,8 @@
 // A network in user space: each host's eth0 is a tap device, and a thread passes frames on between them, as
-// badly as it is told to.
+// badly as it is told to. Like a switch, it passes a frame for one host on to that host alone.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstddef>
@@ -54,6 +55,7 @@ class Network {
 
   void run();
   void receive(std::size_t from);
+  bool is_for(std::size_t port, const Frame& frame) const;
   void judge(std::size_t from, const Frame& frame);
   void deliver(std::size_t from, const Frame& frame);
   void deliver_delayed();
@@ -64,6 +66,7 @@ class Network {
   const int wake_;
   std::mutex mutex_;
   std::vector<Port> ports_;
+  std::map<std::array<char, 6>, std::size_t> port_of_;  ///< of those that have sent a frame
   Faults faults_;
   std::mt19937_64 random_;
   std::multimap<Clock::time_point, Passing> delayed_;
