@@ -76,8 +76,8 @@ class Crowd : public NegotiationTest {
     }
     return testing::AssertionSuccess();
   }
-  /// Publishes until none of the readers behind the first `survivors` takes any more. The publisher has
-  /// samples for them that cannot leave, and the survivors get all samples meanwhile.
+  /// Publishes until the queues to all readers behind the first `survivors`, which were killed, have become
+  /// full. The survivors get all samples meanwhile.
   testing::AssertionResult get_all_while_others_hang(std::size_t survivors) {
     testing::AssertionResult got = testing::AssertionSuccess();
     const auto is_stuck = [&](const auto& killed) {
@@ -90,7 +90,7 @@ class Crowd : public NegotiationTest {
              std::all_of(readers_.begin() + static_cast<std::ptrdiff_t>(survivors), readers_.end(), is_stuck);
     });
     if (!got || stuck) return got;
-    return testing::AssertionFailure() << "the survivors got nothing until the killed ones were given up";
+    return testing::AssertionFailure() << "the publisher was never seen to hold samples back for the killed";
   }
   void expect_all_accounted() {
     for (const auto& reader : readers_) {
