@@ -45,7 +45,7 @@ file(COPY ${ISOLATE} ${CMAKE_CURRENT_LIST_DIR}/run_outside.sh DESTINATION ${WORK
 cmake_path(GET ISOLATE FILENAME isolate)
 run(${CMAKE_COMMAND} -E env CXX=${CXX} CMAKE_GENERATOR=${GENERATOR}
     ${WORK}/${isolate} /bin/sh ${WORK}/run_outside.sh ${prefix} ${WORK}/build ${WORK}/one_file ${five_minutes})
-file(GLOB_RECURSE daemon ${prefix}/sftd)
+set(daemon ${prefix}/libexec/sft/sftd)
 set(sent "monitor is sent {serial, charge} by")
 set(printed "battery B-17: [0-9.]+ %")
 expect("${output}" MATCHES "it says: hello")

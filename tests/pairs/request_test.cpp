@@ -100,13 +100,18 @@ TEST_F(Requests, OldOnesAndOldAnnouncementsThatComeOnceMoreTakeNothingBack) {
     reader.read(fields);
     ASSERT_TRUE(comes_true([&] { return is_served_with(publisher, reader, fields); }));
   }
-  const json before = reader_of(publisher, reader);
+  const auto negotiated = [&] {
+    json entry = reader_of(publisher, reader);
+    entry.erase("dropped");  // samples go on, and a busy machine may not keep up
+    return entry;
+  };
+  const json before = negotiated();
   echo.repeat_control();
   ASSERT_TRUE(comes_true([&] {
     const json marker = reader_of(publisher, echo);
     return !marker.is_null() && marker["request"] == 2;
   }));
-  EXPECT_EQ(reader_of(publisher, reader), before);
+  EXPECT_EQ(negotiated(), before);
   publisher.stop_publishing();
   EXPECT_TRUE(agree(publisher, reader));
   EXPECT_TRUE(accounts_for_all(publisher, reader));

@@ -26,7 +26,6 @@ json to_json(const PublisherStatus::Reader& reader) {
   json entry = peer_json(reader);
   entry.update({{"served", reader.served},
                 {"mask", to_string<PointCloud2>(reader.mask)},
-                {"sent", reader.sent},
                 {"dropped", reader.dropped},
                 {"max_rate_hz", reader.max_rate_hz},
                 {"request", reader.request_sequence}});

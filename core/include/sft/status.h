@@ -194,7 +194,7 @@ struct NodeStatus {
   bool io_uring_in_use = false;
   /// A way of the system by which UDP takes less processor time.
   struct QuickPath {
-    std::string name;
+    std::string name{};     ///< one of those below
     std::string why_not{};  ///< empty: it is used
   };
   /// All of them, used or not, on every system: "io_uring", "GSO" and "GRO" (several datagrams in one call,
