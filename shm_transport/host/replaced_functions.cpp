@@ -58,13 +58,13 @@ void Places::push(const std::uint64_t place) noexcept {
       break;
     if (former.getCycle() != at.getCycle()) {
       at = m_writePosition.load(std::memory_order_relaxed);
-    } else if (const Index next = at + 1;  // somebody has filled the cell and not moved the position yet
+    } else if (const Index next = at + 1;  // the cell is filled, and the position not moved yet
                m_writePosition.compare_exchange_strong(at, next, std::memory_order_release,
                                                        std::memory_order_relaxed)) {
       at = next;
     }
   }
-  // If this fails, somebody else has moved the position.
+  // If this fails, another thread has moved the position.
   m_writePosition.compare_exchange_strong(at, at + 1, std::memory_order_release, std::memory_order_relaxed);
 }
 

@@ -39,7 +39,7 @@ class ChunkAuditor {
   };
   struct Audit {
     Finding finding;
-    std::size_t freed = 0;  ///< so many chunks were lost
+    std::size_t freed = 0;  ///< chunks that were lost
     bool operator==(const Audit&) const = default;
   };
   /// Frees the chunks that are lost by now.

@@ -85,6 +85,7 @@ TEST_F(JoinAndLeave, AProcessThatEndsTakesItsEndpointsWithIt) {
   ASSERT_TRUE(agree(publisher, other));
   EXPECT_EQ(reader.quit(), 0);
   EXPECT_TRUE(comes_true([&] { return reader_of(publisher, reader).is_null(); }));
+  EXPECT_TRUE(was_told(publisher.status()["offered"], "unmatched", "the other side has left"));
   EXPECT_TRUE(accounts_for_all(publisher, other));
   EXPECT_EQ(publisher.quit(), 0);
   EXPECT_TRUE(comes_true([&] { return writer_of(publisher, other).is_null(); }));

@@ -128,7 +128,7 @@ void Network::judge(std::size_t from, const Frame& frame) {
 }
 
 /// A frame for one host goes to all hosts while nobody knows where that host is. A thread that passed each
-/// frame on to a crowd of hosts would be slower than a publisher, and frames would be lost before they get
+/// frame on to many hosts would be slower than a publisher, and frames would be lost before they get
 /// here.
 bool Network::is_for(std::size_t port, const Frame& frame) const {
   if (is_multicast(frame)) return true;

@@ -59,9 +59,13 @@ constexpr std::uint32_t cloud_bytes = 1'000'000;
   }
 }
 
-/// Publishes nothing, and offers to be alive all the time.
+/// Publishes nothing, and offers to be alive all the time. The lease of its node is so long that only the
+/// lease of its publisher can end while a test waits.
 [[noreturn]] void live_forever() {
-  Node node = Node::open({.name = "living"}).value();
+  NodeOptions options{.name = "living"};
+  options.cyclonedds_config =
+      "<CycloneDDS><Domain><Discovery><LeaseDuration>600 s</LeaseDuration></Discovery></Domain></CycloneDDS>";
+  Node node = Node::open(options).value();
   auto publisher = node.publisher<PointCloud2>("points", {.liveliness_lease = 500ms}).value();
   for (;;) pause();
 }

@@ -49,7 +49,7 @@ class FreeListTest : public RandomTest {
 
   FreeListTest() { list_.init(next_.data(), chunks); }
 
-  /// Takes a chunk and gives it back, so many times. Whoever has a chunk is its only owner.
+  /// Takes a chunk and gives it back, `times` over. A thread that has a chunk is its only owner.
   void take_and_give_back(std::uint64_t times, std::uint64_t seed) {
     Random dice(seed);
     const auto maybe_wait = [&dice] {
