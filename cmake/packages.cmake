@@ -41,7 +41,7 @@ foreach(script IN ITEMS postinst prerm postrm)
 endforeach()
 
 set(CPACK_GENERATOR DEB)
-set(CPACK_SET_DESTDIR ON)  # files in /etc and /lib/systemd have absolute paths
+set(CPACK_SET_DESTDIR ON)  # files in /etc and /usr/lib/systemd have absolute paths
 set(CPACK_INSTALL_PREFIX ${CMAKE_INSTALL_PREFIX})
 set(CPACK_STRIP_FILES ON)
 set(CPACK_PACKAGE_NAME sft)

@@ -77,11 +77,7 @@ Result<void> add_further(detail::untyped::Requirement& requirement, const Subscr
 }  // namespace
 
 Result<Node> Node::open(const NodeOptions& options) {
-  if (core::is_forked_copy())
-    return fail(
-        Errc::unavailable,
-        "this process was forked from one that has a node: open nodes only after fork(), or begin another "
-        "program in the new process (exec)");
+  if (core::is_forked_copy()) return fail(Errc::unavailable, core::refuses_forked_copies);
   const Result<std::uint32_t> domain = core::domain_id(options.domain, std::getenv("ROS_DOMAIN_ID"));
   if (!domain) return tl::unexpected(domain.error());
   if (const Result<void> room = core::check_room_for(descriptors_of_a_node, threads_of_a_node); !room)
@@ -167,6 +163,7 @@ Result<DynamicSubscriber> Node::subscriber(std::string_view topic, const Dynamic
 
 Result<DynamicPublisher> Node::publisher(std::string_view topic, const DynamicType& type,
                                          const PublisherOptions& options) {
+  if (core::is_forked_copy()) return fail(Errc::unavailable, core::refuses_forked_copies);
   return core_->open_publisher(core_, topic, core_->kept(type), options)
       .map([&](detail::untyped::Publisher&& p) {
         return DynamicPublisher(type, std::move(p), options.max_sample_bytes);

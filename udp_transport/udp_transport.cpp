@@ -71,13 +71,19 @@ class UdpTransport final : public core::Network {
   std::chrono::steady_clock::time_point next_poll() const override { return send_side_->writers.next(); }
 
   std::string description() const override {
-    if (!receiver_->broken()) return description_;
-    return description_ + ": the system refused to go on receiving; open the transport again";
+    if (receiver_->broken())
+      return description_ + ": the system refused to go on receiving; open the transport again";
+    const std::string fell_back = receiver_->fell_back();
+    if (fell_back.empty()) return description_;
+    return description_ +
+           ", which receives by plain sockets since io_uring cannot be used any more: " + fell_back;
   }
 
   void add_to(NodeStatus& status) const override {
     status.quick_paths = quick_paths_;
-    status.io_uring_in_use = quick_paths_.front().why_not.empty();
+    NodeStatus::QuickPath& io_uring = status.quick_paths.front();
+    if (io_uring.why_not.empty()) io_uring.why_not = receiver_->fell_back();
+    status.io_uring_in_use = io_uring.why_not.empty();
   }
 
   std::vector<core::UdpAddress> addresses() const override {

@@ -71,7 +71,8 @@ std::string_view fault_of_name(std::string_view name) {
 }
 
 std::string_view fault_of_topic(std::string_view topic) {
-  if (const std::string_view fault = fault_of_name(topic); !fault.empty()) return fault;
+  if (topic == "/") return "ends with a slash";
+  if (const std::string_view fault = fault_of_name(without_slash(topic)); !fault.empty()) return fault;
   if (topic.back() == ' ' || without_slash(topic).starts_with(' ')) return "begins or ends with a blank";
   if (topic.find('~') != std::string_view::npos) return "has a '~' in it, which stands for nothing here";
   if (topic.find("//") != std::string_view::npos) return "has nothing between two slashes";

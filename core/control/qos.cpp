@@ -1,7 +1,8 @@
 #include "core/control/qos.h"
 
 #include <cmath>
-#include <cstdio>
+
+#include "core/platform/in_digits.h"
 
 namespace sft::core {
 
@@ -121,10 +122,9 @@ Result<std::uint32_t> min_period_us_of(double max_rate_hz) {
   if (max_rate_hz >= slowest_rate_hz && max_rate_hz <= fastest_rate_hz) {
     return static_cast<std::uint32_t>(std::lround(1e6 / max_rate_hz));
   }
-  char text[100];
-  std::snprintf(text, sizeof text, "max_rate_hz %g: rates are %g to %g Hz, or 0 for any", max_rate_hz,
-                slowest_rate_hz, fastest_rate_hz);
-  return fail(Errc::invalid_argument, text);
+  return fail(Errc::invalid_argument, "max_rate_hz " + in_digits(max_rate_hz) + ": rates are " +
+                                          in_digits(slowest_rate_hz) + " to " + in_digits(fastest_rate_hz) +
+                                          " Hz, or 0 for any");
 }
 
 QosConflict conflict_between(const Qos& offered, const Qos& requested) {

@@ -104,6 +104,9 @@ Result<EndpointOpening::Writer> EndpointOpening::open_writer(std::string_view to
   endpoint.max_sample_bytes = options.max_sample_bytes;
   endpoint.waits = options.max_blocking.count() > 0;
   if (auto fits = keep_ways_for_largest_sample(endpoint); !fits) return tl::unexpected(fits.error());
+  if (options.on_event || options.on_readers_changed) {
+    if (auto started = node_.callbacks.start(); !started) return tl::unexpected(started.error());
+  }
   const auto book = std::make_shared<DeliveryBook>();
   auto network = open_network(endpoint, type, options, book);
   if (!network) return tl::unexpected(network.error());
@@ -112,7 +115,7 @@ Result<EndpointOpening::Writer> EndpointOpening::open_writer(std::string_view to
     asserted = [tell = news_.asserted, id = endpoint.id] { tell(id); };
   auto core = std::make_shared<PublisherCore>(
       PublisherCore::Spec{endpoint.id, endpoint.topic, &type, options.max_sample_bytes, *qos,
-                          options.on_readers_changed, options.on_event, std::move(asserted),
+                          options.on_readers_changed, options.on_event, &node_.callbacks, std::move(asserted),
                           options.max_blocking, book},
       node_.heap, std::move(*network));
   return Writer{std::move(endpoint), std::move(core)};
@@ -139,6 +142,9 @@ Result<EndpointOpening::Reader> EndpointOpening::open_reader(ReaderOrder order) 
   const Result<Qos> qos = qos_of(order.options);
   if (!qos) return tl::unexpected(qos.error());
   if (auto ok = check(order.options); !ok) return tl::unexpected(ok.error());
+  if (order.options.on_event) {
+    if (auto started = node_.callbacks.start(); !started) return tl::unexpected(started.error());
+  }
   Result<std::unique_ptr<PollHandle>> poll_handle;
   if (order.options.pollable) poll_handle = PollHandle::create();
   if (!poll_handle) return tl::unexpected(poll_handle.error());
@@ -256,6 +262,7 @@ std::shared_ptr<SubscriberCore> EndpointOpening::make_core(const std::vector<End
                            .options = order.options,
                            .limits_samples = order.requirement.limits_samples,
                            .callback = std::move(order.callback),
+                           .event_callbacks = &node_.callbacks,
                            .type_owner = std::move(order.type_owner),
                            .copies = node_.heap,
                            .poll_handle = std::move(poll_handle),

@@ -16,6 +16,7 @@
 #include "core/node/local_reader.h"
 #include "core/node/wake_slots.h"
 #include "core/publish/publisher_core.h"
+#include "core/report/callback_thread.h"
 #include "core/seam/buffer_pool.h"
 #include "core/seam/transport.h"
 #include "core/subscribe/dispatcher.h"
@@ -37,6 +38,7 @@ class EndpointOpening {
     WakeSlots& slots;
     Dispatcher& dispatcher;
     Dispatcher& poller;
+    CallbackThread& callbacks;
   };
   /// Called by any thread with the id of an endpoint; each posts to the agent, and returns.
   struct News {

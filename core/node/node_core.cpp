@@ -27,6 +27,9 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
                 "the node's name " + in_quotes(options.name) + " " + std::string(fault));
   const std::shared_ptr<BufferPool> heap = parts.heap;
   std::shared_ptr<NodeCore> node(new NodeCore(options, std::move(parts)), &NodeCore::dispose);
+  if (options.log) {
+    if (Result<void> started = node->callbacks_.start(); !started) return tl::unexpected(started.error());
+  }
   const DiscoveryOptions discovery{.domain = options.domain.value_or(0),
                                    .settings = options.discovery,
                                    .user_config = options.cyclonedds_config.value_or(""),
@@ -49,10 +52,15 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
                                                .heap = heap,
                                                .slots = node->wake_slots_,
                                                .dispatcher = node->dispatcher_,
-                                               .poller = node->poller_},
+                                               .poller = node->poller_,
+                                               .callbacks = node->callbacks_},
                          node->news_of_endpoints());
   Reconciler* const reconciler = node->reconciler_.get();
-  const Agent::Duties duties{.tick = [reconciler] { return reconciler->tick(); },
+  const Agent::Duties duties{.tick =
+                                 [node = node.get(), reconciler] {
+                                   node->tell_of_calls_left_out();
+                                   return reconciler->tick();
+                                 },
                              .idle = [reconciler] { return reconciler->reconcile(); }};
   const Result<void> started = node->agent_.start({"agent " + options.name, options.threads.agent}, duties);
   if (!started) return tl::unexpected(started.error());
@@ -65,20 +73,31 @@ NodeCore::NodeCore(const NodeOptions& options, Parts parts)
       network_id_(network_id()),
       memory_(std::move(parts.memory)),
       network_(std::move(parts.network)),
-      log_(options.name, options.log_level, options.log),
+      callbacks_({"event " + options.name, options.threads.callbacks}),
+      log_(options.name, options.log_level, posted(options.log)),
       dispatcher_(wake_slots_.at(WakeSlots::dispatcher), {"call " + options.name, options.threads.callbacks}),
       poller_(wake_slots_.at(WakeSlots::poller), {"poll " + options.name, options.threads.callbacks}) {}
 
 NodeCore::~NodeCore() {
   agent_.stop();  // runs the endpoints' withdrawals first, which were posted before the last handle went
   discovery_.reset();
+  callbacks_.stop();
+}
+
+/// A callback is not the agent's work: it may take long, or wait for the agent.
+NodeOptions::LogSink NodeCore::posted(const NodeOptions::LogSink& sink) {
+  if (!sink) return {};
+  return [this, sink](LogLevel level, std::string_view line) {
+    callbacks_.post([sink, level, line = std::string(line)] { sink(level, line); });
+  };
 }
 
 /// The last handle may go within a callback, on a thread that the destructor would wait for.
 void NodeCore::dispose(NodeCore* node) {
   if (is_forked_copy()) return;  // its threads are not there, and its sockets and files are the parent's
   const bool own_thread = SubscriberCore::in_callback() || node->agent_.is_current_thread() ||
-                          node->dispatcher_.is_current_thread() || node->poller_.is_current_thread();
+                          node->callbacks_.is_current_thread() || node->dispatcher_.is_current_thread() ||
+                          node->poller_.is_current_thread();
   if (!own_thread) {
     delete node;
   } else if (auto thread = start_thread("sft-close", [node] { delete node; })) {
@@ -104,6 +123,7 @@ EndpointOpening::News NodeCore::news_of_endpoints() {
 Result<detail::untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCore>& self,
                                                             std::string_view topic, const TypeSupport& type,
                                                             const PublisherOptions& options) {
+  if (is_forked_copy()) return fail(Errc::unavailable, refuses_forked_copies);
   Result<EndpointOpening::Writer> writer = opening_->open_writer(topic, type, options);
   if (!writer) return tl::unexpected(writer.error());
   const std::shared_ptr<PublisherCore> core = writer->core;
@@ -125,6 +145,7 @@ Result<detail::untyped::Publisher> NodeCore::open_publisher(const std::shared_pt
 
 Result<detail::untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<NodeCore>& self,
                                                               EndpointOpening::ReaderOrder order) {
+  if (is_forked_copy()) return fail(Errc::unavailable, refuses_forked_copies);
   const bool pollable = order.options.pollable;
   Result<EndpointOpening::Reader> reader = opening_->open_reader(std::move(order));
   if (!reader) return tl::unexpected(reader.error());
@@ -210,6 +231,14 @@ void NodeCore::control_malformed(std::string why) {
   });
 }
 
+void NodeCore::tell_of_calls_left_out() {
+  const std::uint64_t left_out = callbacks_.take_left_out();
+  if (left_out == 0) return;
+  log_.write(LogLevel::warning, std::to_string(left_out) +
+                                    " calls for events, readers and log lines were left out, because a "
+                                    "callback of this program took long");
+}
+
 template <class Question>
 auto NodeCore::ask_agent(Question question) -> decltype(question()) {
   if (agent_.is_current_thread()) return question();
@@ -237,6 +266,7 @@ void NodeCore::hear_everybody() {
 }
 
 Result<DynamicType> NodeCore::find_type(std::string_view topic, std::chrono::nanoseconds timeout) {
+  if (is_forked_copy()) return fail(Errc::unavailable, refuses_forked_copies);
   topic = without_slash(topic);
   // The agent cannot wait for what it would itself bring about.
   const bool may_wait = !agent_.is_current_thread();
@@ -257,6 +287,7 @@ Result<DynamicType> NodeCore::find_type(std::string_view topic, std::chrono::nan
 }
 
 std::vector<TopicInfo> NodeCore::topics() {
+  if (is_forked_copy()) return {};
   ask_agent([this] { hear_everybody(); });
   return topics_of(ask_agent([&] {
     std::vector<Endpoint> copies;
@@ -266,6 +297,7 @@ std::vector<TopicInfo> NodeCore::topics() {
 }
 
 DomainSnapshot NodeCore::domain() {
+  if (is_forked_copy()) return {};
   struct Known {
     std::vector<KnownEndpoint> endpoints;
     PairAccounts accounts;
@@ -278,6 +310,7 @@ DomainSnapshot NodeCore::domain() {
 }
 
 Result<AccountInquiry> NodeCore::ask_accounts(const std::shared_ptr<NodeCore>& self, std::string_view topic) {
+  if (is_forked_copy()) return fail(Errc::unavailable, refuses_forked_copies);
   if (const Result<void> sound = EndpointOpening::check_topic(topic); !sound)
     return tl::unexpected(sound.error());
   const std::string name(without_slash(topic));
@@ -294,6 +327,10 @@ Result<AccountInquiry> NodeCore::ask_accounts(const std::shared_ptr<NodeCore>& s
 
 NodeStatus NodeCore::status() const {
   NodeStatus status;
+  if (is_forked_copy()) {
+    status.udp = status.shm = status.discovery = refuses_forked_copies;
+    return status;
+  }
   Discovery::Configuration discovery = discovery_->configuration();
   status.discovery = std::move(discovery.summary);
   for (const std::string& warning : discovery.warnings) status.discovery += "; " + warning;
@@ -335,7 +372,7 @@ NodeSnapshot NodeCore::snapshot() const {
       .status = status(),
       .publishers = {},
       .subscribers = {}};
-  roster_.describe(snapshot);
+  if (!is_forked_copy()) roster_.describe(snapshot);
   return snapshot;
 }
 

@@ -63,6 +63,8 @@ class NodeCore final : private DiscoveryListener {
   NodeCore(const NodeOptions& options, Parts parts);
   static void dispose(NodeCore* node);
   EndpointOpening::News news_of_endpoints();
+  NodeOptions::LogSink posted(const NodeOptions::LogSink& sink);
+  void tell_of_calls_left_out();
 
   // DiscoveryListener: each call is posted to the agent, except where the agent calls itself.
   void endpoint_seen(Endpoint endpoint) override;
@@ -96,7 +98,8 @@ class NodeCore final : private DiscoveryListener {
   std::atomic<std::uint64_t> control_malformed_{0};
   std::atomic<std::uint64_t> links_renewed_{0};
   std::atomic<Time> next_complaint_{};  ///< about malformed control traffic; not before
-  NodeLog log_;                         ///< the agent's
+  CallbackThread callbacks_;            ///< for events, readers and the log
+  NodeLog log_;                         ///< the agent's; it posts to the thread for callbacks
   EventCount endpoints_changed_;
   mutable EndpointRoster roster_;
 

@@ -28,6 +28,8 @@ const char* to_string(PublishStatus status) {
       return "no chunk or buffer is free";
     case PublishStatus::dropped:
       return "not handed to every reader";
+    case PublishStatus::forked:
+      return core::refuses_forked_copies;
   }
   return "unknown";
 }
@@ -180,21 +182,32 @@ ShrinkStatus Loan::shrink(const Reservation& reserved, std::uint32_t length) noe
 
 PublishStatus Loan::publish() && {
   if (buffer_ == nullptr) return PublishStatus::no_loan;
+  if (core::is_forked_copy()) return PublishStatus::forked;
   return publisher_->commit(SampleHandle::adopt(std::exchange(buffer_, nullptr)), has_gaps_);
 }
 
-PublishStatus Publisher::publish(const void* value) { return core_->publish(value); }
+// A forked copy of a process may not even look at what other threads held at that time: no function waits for
+// a lock there.
+
+PublishStatus Publisher::publish(const void* value) {
+  if (core::is_forked_copy()) [[unlikely]]
+    return PublishStatus::forked;
+  return core_->publish(value);
+}
 
 PublishedSpan Publisher::publish(const void* values, std::size_t count, std::size_t stride) {
+  if (core::is_forked_copy()) return {.status = PublishStatus::forked};
   return core_->publish(values, count, stride);
 }
 
 Result<PublishStatus> Publisher::publish_cdr(std::span<const std::byte> payload) {
+  if (core::is_forked_copy()) return PublishStatus::forked;
   return core_->publish_cdr(payload);
 }
 
 Result<Loan> Publisher::loan(const void* prototype, std::span<const Reservation> reservations,
                              ReservedMemory memory) {
+  if (core::is_forked_copy()) return fail(Errc::unavailable, core::refuses_forked_copies);
   return core_->loan(prototype, reservations, memory).map([this](SampleHandle&& sample) {
     return Loan(core_, sample.release());
   });
@@ -203,40 +216,58 @@ Result<Loan> Publisher::loan(const void* prototype, std::span<const Reservation>
 const std::string& Publisher::why_invalid() const { return core_->why_invalid(); }
 
 bool Publisher::wait_for_subscribers(std::size_t count, std::chrono::nanoseconds timeout) const {
-  return core_->wait_for_readers(count, timeout);
+  return !core::is_forked_copy() && core_->wait_for_readers(count, timeout);
 }
 
-void Publisher::assert_liveliness() { core_->assert_liveliness(); }
+void Publisher::assert_liveliness() {
+  if (!core::is_forked_copy()) core_->assert_liveliness();
+}
 
-PublisherStatus Publisher::status() const { return core_->status(); }
+PublisherStatus Publisher::status() const {
+  return core::is_forked_copy() ? PublisherStatus{} : core_->status();
+}
 
 const TypeSupport& Publisher::type() const { return core_->type(); }
 
-Sample Subscriber::take() { return core_->take(); }
+Sample Subscriber::take() { return core::is_forked_copy() ? Sample() : core_->take(); }
 
-Sample Subscriber::take_latest() { return core_->take_latest(); }
+Sample Subscriber::take_latest() { return core::is_forked_copy() ? Sample() : core_->take_latest(); }
 
-bool Subscriber::wait(std::chrono::nanoseconds timeout) { return core_->wait(timeout); }
+/// The thread that calls back for samples may be the one that receives: while it waited, none would come.
+bool Subscriber::wait(std::chrono::nanoseconds timeout) {
+  if (core::is_forked_copy()) return false;
+  return core_->wait(core::SubscriberCore::in_callback() ? std::chrono::nanoseconds(0) : timeout);
+}
 
 int Subscriber::file_descriptor() const { return core_->file_descriptor(); }
 
+namespace {
+/// The part of the subscriber that delivers one selection.
+Result<core::Feed*> feed_of(core::SubscriberCore& subscriber, std::size_t selection) {
+  if (core::is_forked_copy()) return fail(Errc::unavailable, core::refuses_forked_copies);
+  return subscriber.find(selection);
+}
+}  // namespace
+
 Result<void> Subscriber::set_max_rate_hz(double max_rate_hz, std::size_t which) {
-  return core_->find(which).and_then([&](core::Feed* feed) { return feed->set_max_rate_hz(max_rate_hz); });
+  return feed_of(*core_, which).and_then([&](core::Feed* feed) {
+    return feed->set_max_rate_hz(max_rate_hz);
+  });
 }
 
 Result<void> Subscriber::set_selection(const Selection& selection, std::size_t which) {
-  return core_->find(which).and_then([&](core::Feed* feed) { return feed->set_selection(selection); });
+  return feed_of(*core_, which).and_then([&](core::Feed* feed) { return feed->set_selection(selection); });
 }
 
 std::size_t Subscriber::selections() const { return core_->selections(); }
 
 SubscriberStatus Subscriber::status(std::size_t which) const {
-  const Result<core::Feed*> feed = core_->find(which);
+  const Result<core::Feed*> feed = feed_of(*core_, which);
   return feed ? (*feed)->status() : SubscriberStatus{};
 }
 
 Requirements Subscriber::requirements(std::size_t which) const {
-  const Result<core::Feed*> feed = core_->find(which);
+  const Result<core::Feed*> feed = feed_of(*core_, which);
   return feed ? (*feed)->requirements() : Requirements{};
 }
 

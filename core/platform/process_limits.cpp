@@ -130,6 +130,28 @@ Result<void> check_room_for(std::size_t descriptors, std::size_t threads) {
   return check_threads(threads);
 }
 
+Result<void> raise_inherited_limits(std::size_t descriptors) {
+  for (const auto resource :
+       {RLIMIT_NOFILE, RLIMIT_CPU, RLIMIT_FSIZE, RLIMIT_AS, RLIMIT_DATA, RLIMIT_RTTIME}) {
+    rlimit limit{};
+    if (::getrlimit(resource, &limit) != 0) continue;
+    limit.rlim_cur = limit.rlim_max;
+    ::setrlimit(resource, &limit);
+  }
+  if (::getpriority(PRIO_PROCESS, 0) > 0) ::setpriority(PRIO_PROCESS, 0, 0);
+  rlimit files{}, time{};
+  if (::getrlimit(RLIMIT_NOFILE, &files) == 0 && files.rlim_cur < descriptors)
+    return fail(Errc::limit_exceeded,
+                "it may have " + limit_of(RLIMIT_NOFILE) + " file descriptors, and needs " +
+                    std::to_string(descriptors) +
+                    ": raise the hard limit RLIMIT_NOFILE (ulimit -H -n, or LimitNOFILE= of a service)");
+  if (::getrlimit(RLIMIT_CPU, &time) == 0 && time.rlim_cur != RLIM_INFINITY)
+    return fail(Errc::limit_exceeded, "the system would end it after " + limit_of(RLIMIT_CPU) +
+                                          " s of processor time: raise the hard limit RLIMIT_CPU (ulimit -H "
+                                          "-t, or LimitCPU= of a service)");
+  return {};
+}
+
 Result<void> check_file_size(std::size_t bytes) {
   rlimit limit{};
   if (::getrlimit(RLIMIT_FSIZE, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY || limit.rlim_cur >= bytes)

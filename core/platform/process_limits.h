@@ -12,6 +12,11 @@ namespace sft::core {
 /// addresses that so many threads need, and starts so many unless all limits are far, and gives all back.
 Result<void> check_room_for(std::size_t descriptors, std::size_t threads);
 
+/// Raises the limits of this process, each as far as an ordinary account can, and takes its priority back to
+/// the usual one. For a service that a program has started, whose limits it inherits. Errc::limit_exceeded if
+/// it then has fewer file descriptors, or if the system would end it after some processor time.
+Result<void> raise_inherited_limits(std::size_t descriptors);
+
 /// Errc::limit_exceeded where this process may not write files of that size (RLIMIT_FSIZE): the system would
 /// end it by a signal.
 Result<void> check_file_size(std::size_t bytes);

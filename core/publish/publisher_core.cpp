@@ -31,8 +31,8 @@ PublisherCore::PublisherCore(Spec spec, std::shared_ptr<BufferPool> heap,
       maker_({spec_.id, spec_.topic, spec_.type, spec_.max_sample_bytes}, std::move(heap)),
       dispatch_({spec_.type, network_, spec_.book, history_.get(), spec_.max_blocking.count() > 0}),
       late_readers_(*spec_.type, network_, spec_.book, history_.get()),
-      events_(spec_.on_event),
-      readers_changed_(spec_.on_readers_changed),
+      events_(spec_.on_event, spec_.callbacks),
+      readers_changed_(spec_.on_readers_changed, spec_.callbacks),
       encoded_(spec_.type->none()) {}
 
 void PublisherCore::serve(Serving serving, std::shared_ptr<LendingWriter> memory) {

@@ -22,10 +22,10 @@
 #include "core/publish/history.h"
 #include "core/publish/late_readers.h"
 #include "core/publish/sample_maker.h"
+#include "core/report/posted_call.h"
 #include "core/seam/buffer_pool.h"
 #include "core/seam/delivery.h"
 #include "core/seam/writer_port.h"
-#include "core/sync/guarded_call.h"
 #include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
 #include "sft/detail/untyped.h"
@@ -42,6 +42,8 @@ class PublisherCore {
     Qos qos{};
     std::function<void(const PublisherStatus&)> on_readers_changed{};
     Event::Callback on_event{};
+    /// Where these two are called; null: where they are due.
+    CallbackThread* callbacks = nullptr;
     /// Called where the program asserts its liveliness: any thread, posts and returns.
     std::function<void()> asserted{};
     std::chrono::nanoseconds max_blocking{0};
@@ -77,7 +79,7 @@ class PublisherCore {
   const TypeSupport& type() const { return *spec_.type; }
   EndpointId id() const { return spec_.id; }
   const Spec& spec() const { return spec_; }
-  GuardedCall<const Event&>& events() { return events_; }
+  PostedCall<Event>& events() { return events_; }
 
   // The agent's thread.
 
@@ -126,8 +128,8 @@ class PublisherCore {
   std::atomic<bool> assertion_told_{false};
   std::atomic<std::uint64_t> deadlines_missed_{0};
   std::atomic<bool> alive_{true};
-  GuardedCall<const Event&> events_;
-  GuardedCall<const PublisherStatus&> readers_changed_;
+  PostedCall<Event> events_;
+  PostedCall<PublisherStatus> readers_changed_;
 
   mutable Mutex status_mutex_ SFT_ACQUIRED_AFTER(lock_order::endpoints)
       SFT_ACQUIRED_BEFORE(lock_order::endpoint);

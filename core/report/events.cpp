@@ -1,7 +1,8 @@
 #include "core/report/events.h"
 
 #include <algorithm>
-#include <cstdio>
+
+#include "core/platform/in_digits.h"
 
 namespace sft {
 
@@ -92,9 +93,7 @@ void add_changes(const Peer& before, const Peer& after, std::vector<Event>& even
 std::string request_text(const FieldMask& mask, double max_rate_hz, const TypeSupport& type) {
   std::string text = mask.empty() ? "no fields" : type.format_mask(mask);
   if (max_rate_hz == 0) return text;
-  char rate[40];
-  std::snprintf(rate, sizeof rate, ", at most %g Hz", max_rate_hz);
-  return text + rate;
+  return text + ", at most " + in_digits(max_rate_hz) + " Hz";
 }
 
 /// Both may be a reader as its publisher serves it, or a subscriber; where nothing is asked for yet there is

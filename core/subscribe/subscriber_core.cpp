@@ -35,7 +35,7 @@ SubscriberCore::SubscriberCore(Spec spec, Doorbell& bell, std::shared_ptr<Record
       bell_(bell),
       recorder_(std::move(recorder)),
       remote_(spec_.copies == nullptr ? nullptr : RemoteCopy::make(type(), spec_.copies)),
-      events_(spec_.options.on_event),
+      events_(spec_.options.on_event, spec_.event_callbacks),
       feeds_(make_feeds(spec_, recorder_.get())),
       waiter_(ports_of(feeds_), bell, spec_.poll_handle.get(), spec_.options.spin),
       callbacks_(spec_.callback, spec_.callback_clock) {}

@@ -19,6 +19,7 @@
 #include "core/negotiation/negotiation.h"
 #include "core/platform/doorbell.h"
 #include "core/platform/poll_handle.h"
+#include "core/report/posted_call.h"
 #include "core/seam/transport.h"
 #include "core/subscribe/callback_dispatch.h"
 #include "core/subscribe/feed.h"
@@ -26,7 +27,6 @@
 #include "core/subscribe/remote_copy.h"
 #include "core/subscribe/subscriber_ports.h"
 #include "core/subscribe/waiter.h"
-#include "core/sync/guarded_call.h"
 #include "sft/detail/untyped.h"
 
 namespace sft::core {
@@ -38,9 +38,10 @@ class SubscriberCore final : public ArrivalListener {
     const TypeSupport* type = nullptr;
     std::vector<Feed::Spec> feeds;  ///< one for each selection; one only if fields are recorded
     SubscriberOptions options;
-    bool limits_samples = false;               ///< see detail::untyped::Requirement
-    detail::untyped::Callback callback;        ///< empty: samples are taken
-    std::shared_ptr<const void> type_owner{};  ///< keeps the type alive; null where it is static
+    bool limits_samples = false;                ///< see detail::untyped::Requirement
+    detail::untyped::Callback callback;         ///< empty: samples are taken
+    CallbackThread* event_callbacks = nullptr;  ///< where options.on_event is called; null: where it is due
+    std::shared_ptr<const void> type_owner{};   ///< keeps the type alive; null where it is static
     /// The memory of copies that have only what was asked for: of samples with parts of fields, and of all
     /// samples from shared memory if the options say `as_remote`. Null: there are no such copies.
     std::shared_ptr<BufferPool> copies{};
@@ -86,7 +87,7 @@ class SubscriberCore final : public ArrivalListener {
   const Spec& spec() const { return spec_; }
   bool is_recorded() const { return recorder_ != nullptr; }
   bool has_callback() const { return static_cast<bool>(spec_.callback); }
-  GuardedCall<const Event&>& events() { return events_; }
+  PostedCall<Event>& events() { return events_; }
   std::size_t selections() const { return feeds_.size(); }
   Feed& feed(std::size_t selection = 0) { return feeds_[selection]; }
   /// An error if the program names a selection that there is not.
@@ -114,7 +115,7 @@ class SubscriberCore final : public ArrivalListener {
   Doorbell& bell_;
   const std::shared_ptr<Recorder> recorder_;
   const std::shared_ptr<RemoteCopy> remote_;  ///< null: no sample is reduced
-  GuardedCall<const Event&> events_;
+  PostedCall<Event> events_;
   std::deque<Feed> feeds_;  ///< by the number of the selection
   Waiter waiter_;
   CallbackDispatch callbacks_;

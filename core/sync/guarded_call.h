@@ -10,6 +10,8 @@
 #include <functional>
 #include <utility>
 
+#include "core/sync/mutex.h"
+
 namespace sft::core {
 
 /// Lets calls in until it is closed. Any number of threads may be inside at once, and each of them more than
@@ -28,20 +30,11 @@ class CallGate {
 
   bool is_closed() const noexcept { return (state_.load() & closed) != 0; }
 
-  /// When it returns, no call is inside any more. A call that closes the gate itself waits for all others,
-  /// but neither for itself nor for those that are closing the gate, too: these would wait for it.
+  /// When it returns, no call is inside any more. Neither the calls of this thread are waited for, nor those
+  /// that wait in close() for this thread: callbacks that close each other's gates would wait without end.
   void close() noexcept {
-    const std::uint32_t own = Call::of_this_thread(*this);
-    std::uint32_t state = state_.fetch_or(closed) | closed;
-    if (own > 0) {
-      state = state_.fetch_add(own * one_closing) + own * one_closing;
-      state_.notify_all();
-    }
-    while (inside(state) > (own > 0 ? closing(state) : 0)) {
-      state_.wait(state);
-      state = state_.load();
-    }
-    if (own > 0) state_.fetch_sub(own * one_closing);
+    const std::uint32_t own = Call::of(*this, Call::innermost());
+    if (inside(state_.fetch_or(closed)) > own) wait_for_others();
   }
 
  private:
@@ -55,16 +48,18 @@ class CallGate {
     }
     ~Call() {
       innermost_ = outer_;
-      if ((gate_.state_.fetch_sub(1) & closed) != 0) gate_.state_.notify_all();
+      if ((gate_.state_.fetch_sub(1) & closed) != 0) Closing::tell_of_change();
     }
     Call(const Call&) = delete;
     Call& operator=(const Call&) = delete;
 
     bool is_refused() const noexcept { return is_refused_; }
 
-    static std::uint32_t of_this_thread(const CallGate& gate) noexcept {
+    static const Call* innermost() noexcept { return innermost_; }
+    /// How many of the calls of the thread with this innermost one are inside the gate.
+    static std::uint32_t of(const CallGate& gate, const Call* innermost) noexcept {
       std::uint32_t calls = 0;
-      for (const Call* call = innermost_; call != nullptr; call = call->outer_) {
+      for (const Call* call = innermost; call != nullptr; call = call->outer_) {
         if (&call->gate_ == &gate) ++calls;
       }
       return calls;
@@ -78,13 +73,61 @@ class CallGate {
     const bool is_refused_;
   };
 
-  // The parts of the state: 1 for each call inside, one_closing for each of these that is within close(), and
-  // one bit for the gate itself. It is one word, so that a call either sees that the gate is closed or is
-  // seen by close().
-  static constexpr std::uint32_t one_closing = std::uint32_t{1} << 16;
+  /// A thread that waits in close(). Such threads know of each other, which takes one lock for all of the
+  /// process; nobody needs it who does not wait.
+  struct Closing {
+    const CallGate* gate;
+    const Call* innermost;
+    Closing* next = nullptr;
+    bool depends = false;  ///< it waits for the thread that looks at present, directly or not
+
+    static inline Mutex mutex;
+    static inline Condition changed;
+    static inline Closing* first SFT_GUARDED_BY(mutex) = nullptr;
+
+    static void tell_of_change() noexcept {
+      const Lock lock(mutex);
+      changed.notify_all();
+    }
+    /// Returns how many calls inside the gate of this thread are those of threads that wait for this one.
+    std::uint32_t calls_of_dependents() SFT_REQUIRES(mutex) {
+      for (Closing* other = first; other != nullptr; other = other->next) other->depends = other == this;
+      std::uint32_t calls = 0;
+      for (bool found = true; found;) {
+        found = false;
+        for (Closing* other = first; other != nullptr; other = other->next) {
+          if (other->depends || !other->waits_for_a_dependent()) continue;
+          found = other->depends = true;
+          calls += Call::of(*gate, other->innermost);
+        }
+      }
+      return calls;
+    }
+    bool waits_for_a_dependent() const SFT_REQUIRES(mutex) {
+      for (const Closing* other = first; other != nullptr; other = other->next) {
+        if (other->depends && Call::of(*gate, other->innermost) > 0) return true;
+      }
+      return false;
+    }
+  };
+
+  void wait_for_others() noexcept {
+    Closing own{.gate = this, .innermost = Call::innermost()};
+    const std::uint32_t own_calls = Call::of(*this, own.innermost);
+    Lock lock(Closing::mutex);
+    own.next = std::exchange(Closing::first, &own);
+    Closing::changed.notify_all();
+    while (inside(state_.load()) > own_calls + own.calls_of_dependents()) Closing::changed.wait(lock);
+    Closing** place = &Closing::first;
+    while (*place != &own) place = &(*place)->next;
+    *place = own.next;
+    Closing::changed.notify_all();
+  }
+
+  // The parts of the state: 1 for each call inside, and one bit for the gate itself. It is one word, so that
+  // a call either sees that the gate is closed or is seen by close().
   static constexpr std::uint32_t closed = std::uint32_t{1} << 31;
-  static constexpr std::uint32_t inside(std::uint32_t state) { return state % one_closing; }
-  static constexpr std::uint32_t closing(std::uint32_t state) { return (state & ~closed) / one_closing; }
+  static constexpr std::uint32_t inside(std::uint32_t state) { return state & ~closed; }
 
   std::atomic<std::uint32_t> state_{0};
 };

@@ -12,7 +12,6 @@
 #include <string>
 
 #include "core/platform/thread.h"
-#include "shm_transport/daemon/daemon_search.h"
 
 extern char** environ;
 
@@ -58,7 +57,7 @@ Errc errc_of(int error) { return error == ENOENT ? Errc::unavailable : Errc::sys
 
 }  // namespace
 
-Result<DaemonLaunch> DaemonLaunch::begin(const ShmOptions& options) {
+Result<DaemonLaunch> DaemonLaunch::begin(const ShmOptions& options, const DaemonPlaces& places) {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) return fail(Errc::system, std::string("pipe: ") + std::strerror(errno));
   Descriptor read_end(ends[0]);
@@ -66,8 +65,7 @@ Result<DaemonLaunch> DaemonLaunch::begin(const ShmOptions& options) {
   fcntl(read_end.get(), F_SETFL, O_NONBLOCK);
 
   const bool is_named = !options.daemon_path.empty();
-  const FoundDaemon found =
-      is_named ? FoundDaemon{options.daemon_path} : find_daemon(DaemonPlaces::of_this_process());
+  const FoundDaemon found = is_named ? FoundDaemon{options.daemon_path} : find_daemon(places);
   const std::string& path = found.path;
   std::string idle_exit = "--idle-exit=" + std::to_string(options.daemon_idle_exit.count());
   std::array<char*, 3> arguments{const_cast<char*>(path.c_str()), idle_exit.data(), nullptr};

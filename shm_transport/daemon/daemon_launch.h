@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "shm_transport/daemon/daemon_search.h"
 #include "shm_transport/host/file_lock.h"
 #include "shm_transport/host/shm_options.h"
 
@@ -16,7 +17,8 @@ namespace sft::shm {
 
 class DaemonLaunch {
  public:
-  static Result<DaemonLaunch> begin(const ShmOptions& options);
+  /// `places`: where the file of sftd may be, if the options do not name it.
+  static Result<DaemonLaunch> begin(const ShmOptions& options, const DaemonPlaces& places);
   DaemonLaunch(DaemonLaunch&& other) noexcept
       : child_(std::exchange(other.child_, 0)),
         error_output_(std::move(other.error_output_)),

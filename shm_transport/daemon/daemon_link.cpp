@@ -22,15 +22,19 @@ constexpr std::chrono::milliseconds pause_after_a_start{500};
 // The pause after a failed start if an obstacle is gone. It limits the attempts that a process can cause
 // which makes and removes such files again and again.
 constexpr std::chrono::milliseconds shortest_pause_of_launches{200};
+// The longest pause between attempts to register. They cost little, and a daemon that was stopped may go on
+// at any moment.
+constexpr std::chrono::milliseconds longest_pause_of_registrations{1'000};
 
-/// Returns sft_<prefix>_<pid>_<random>. The name must be unique among the processes that a daemon serves.
+/// Returns sft_<prefix>_<pid>_<random>_<pid namespace>. The name must be unique among the processes that a
+/// daemon serves.
 std::string make_runtime_name(const std::string& prefix) {
   std::string name = runtime_name_stem;
   for (const char c : prefix.substr(0, 32)) name += std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
   char rest[40];
   std::snprintf(rest, sizeof rest, "_%d_%08x", static_cast<int>(getpid()),
                 static_cast<unsigned>(core::random_id()));
-  return name + rest;
+  return name + rest + pid_namespace_mark();
 }
 
 /// Returns whether a daemon serves programs of iceoryx in this /tmp, or has locked the daemon's lock there.
@@ -130,7 +134,7 @@ void DaemonLink::launch(const ShmOptions& options, Clock::time_point now) {
   if (files_of_daemon_.empty()) files_of_daemon_ = files_of_own_daemon();
   obstacles_ = LaunchObstacles::look(files_of_daemon_);
   launch_failed_at_.reset();
-  auto launched = DaemonLaunch::begin(options);
+  auto launched = DaemonLaunch::begin(options, places_);
   if (!launched) return give_up(launching_, launched.error().message, now);
   launch_.emplace(std::move(*launched));
   deadline_ = now + options.start_deadline;
@@ -192,10 +196,12 @@ std::shared_ptr<Session> DaemonLink::await_registration(const std::shared_ptr<Ic
   } else if (!watch_->daemon_lives()) {
     give_up(registering_, name + " ended while this process registered", now);
   } else if (!*answer && now >= *deadline_) {
-    give_up(registering_,
-            name + " does not answer; is it stopped, does it already serve " + std::to_string(processes_max) +
-                " processes, or is it built with another iceoryx than " ICEORYX_LATEST_RELEASE_VERSION "?",
-            now);
+    // A daemon that was stopped answers the request when it goes on.
+    deadline_ = Clock::time_point::max();
+    publish(Availability::unavailable,
+            name +
+                " does not answer; is it stopped, or is it built with another iceoryx "
+                "than " ICEORYX_LATEST_RELEASE_VERSION "?");
   } else if (*answer) {
     auto session = Session::open(runtime, std::move(*watch_), std::move(channel_), **answer);
     watch_.reset();
@@ -231,7 +237,8 @@ void DaemonLink::give_up(core::Retry& attempt, const std::string& reason, Clock:
   watch_.reset();
   deadline_.reset();
   phase_ = Phase::looking;
-  attempt.failed(reason, now);
+  attempt.failed(reason, now,
+                 &attempt == &registering_ ? longest_pause_of_registrations : core::Retry::pause_max);
   publish(Availability::unavailable, reason);
 }
 

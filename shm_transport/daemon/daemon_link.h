@@ -15,6 +15,7 @@
 #include "core/seam/transport.h"
 #include "core/sync/mutex.h"
 #include "shm_transport/daemon/daemon_launch.h"
+#include "shm_transport/daemon/daemon_search.h"
 #include "shm_transport/daemon/launch_obstacles.h"
 #include "shm_transport/host/replaced_functions.h"
 #include "shm_transport/host/session.h"
@@ -61,6 +62,8 @@ class DaemonLink {
 
   // The thread that has set this flag uses the members up to the mutex.
   std::atomic_flag advancing_ = ATOMIC_FLAG_INIT;
+  // Found when the first node opens: the loader may hold its lock for long while the link is advanced.
+  const DaemonPlaces places_ = DaemonPlaces::of_this_process();
   const bool functions_are_replaced_ = functions_are_replaced();  ///< as long as this process runs
   Phase phase_ = Phase::looking;
   std::optional<DaemonLaunch> launch_;

@@ -61,6 +61,11 @@ bool is_runtime_name(std::string_view name) noexcept {
   return name.starts_with(runtime_name_stem) && name.find('/') == std::string_view::npos;
 }
 
+std::string pid_namespace_mark() {
+  struct stat own {};
+  return stat("/proc/self/ns/pid", &own) == 0 ? "_" + std::to_string(own.st_ino) : "";
+}
+
 std::string format(const HostFile& file) {
   std::string text = "token ";
   for (const std::uint8_t byte : file.token) {

@@ -38,6 +38,9 @@ inline constexpr const char* too_many_processes = "SFT_PROCESS_LIST_FULL";
 /// Returns whether a process may have this name. The name is also that of a socket: it must lie in /tmp
 /// itself, and must not be that of a file of the daemon.
 bool is_runtime_name(std::string_view name) noexcept;
+/// The end of the names of all processes in this pid namespace, whose ids mean the same to each other. Empty
+/// if the system does not tell the namespace.
+std::string pid_namespace_mark();
 
 struct HostFile {
   std::array<std::uint8_t, 16> token{};

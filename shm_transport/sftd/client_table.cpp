@@ -7,8 +7,6 @@
 
 #include <cerrno>
 
-#include "shm_transport/host/host_file.h"
-
 namespace sft::shm {
 
 namespace {
@@ -23,6 +21,7 @@ bool has_exited(const Descriptor& process) {
 }  // namespace
 
 bool ClientTable::is_dead(const std::string& name, const Process& process, bool exited) {
+  if (exited && process.has_own_pids) return true;
   const std::string path = "/tmp/" + name;
   const SocketState state = socket_state_at(path.c_str());
   if (state != SocketState::gone) return state == SocketState::unknown && exited;
@@ -35,8 +34,9 @@ bool ClientTable::is_dead(const std::string& name, const Process& process, bool 
 
 void ClientTable::add(const std::string& name, pid_t pid) {
   auto life = std::make_shared<const Descriptor>(static_cast<int>(syscall(SYS_pidfd_open, pid, 0)));
+  const bool has_own_pids = !own_mark_.empty() && name.ends_with(own_mark_);
   const core::Lock lock(mutex_);
-  clients_.insert_or_assign(name, Process{pid, std::move(life)});
+  clients_.insert_or_assign(name, Process{pid, has_own_pids, std::move(life)});
 }
 
 void ClientTable::remove(const std::string& name) {

@@ -1,9 +1,10 @@
 // The processes that have registered with the daemon, and which of them are dead.
 //
-// A process is known by its runtime name, which is also the name of its socket in /tmp. It is dead when no
-// process listens on this socket any more. Its pid only tells when to look at the socket, because the pid of
-// a process in another container can belong to another process here. The pid decides only if this user may
-// not ask the socket, or if somebody has removed the socket.
+// A process is known by its runtime name, which is also the name of its socket in /tmp. If the name tells that
+// the process has the daemon's pid namespace, it is dead when its pid is: a forked copy of it may still have
+// the socket. The pid of a process in another container can belong to another process here, and only tells
+// when to look at the socket: that process is dead when no process listens there any more. The pid decides
+// then only if this user may not ask the socket, or if another process has removed the socket.
 #pragma once
 
 #include <chrono>
@@ -14,6 +15,7 @@
 
 #include "core/sync/mutex.h"
 #include "shm_transport/host/file_lock.h"
+#include "shm_transport/host/host_file.h"
 
 namespace sft::shm {
 
@@ -41,14 +43,16 @@ class ClientTable {
   bool is_gone(const std::string& name) const;
 
  private:
-  /// `life`: a pidfd, which becomes readable when the process is gone. There is none for a pid of another
-  /// namespace.
+  /// `life`: a pidfd, which becomes readable when the process is gone, unless no process here has that pid.
+  /// `has_own_pids`: its pid is one of the daemon's pid namespace.
   struct Process {
     pid_t pid = 0;
+    bool has_own_pids = false;
     std::shared_ptr<const Descriptor> life{};
   };
   static bool is_dead(const std::string& name, const Process& process, bool exited);
 
+  const std::string own_mark_ = pid_namespace_mark();
   mutable core::Mutex mutex_;
   std::map<std::string, Process> clients_ SFT_GUARDED_BY(mutex_);
   Clock::time_point next_round_{};  ///< when find_dead() looks at all sockets again; only find_dead() uses it

@@ -2,7 +2,6 @@
 
 #include <signal.h>
 #include <sys/random.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <thread>
@@ -40,14 +39,8 @@ constexpr auto youngest_to_renew = 1s;
 // Nodes look for their daemon, and release its memory when it is gone. This time is enough for that.
 constexpr auto time_to_release = core::Transport::poll_pause_max + 200ms;
 
-/// The memory for samples is a file to the system. The program that starts the daemon may have set a limit
-/// for the size of its own files, which the daemon inherits.
-void raise_file_size_limit() {
-  rlimit limit{};
-  if (getrlimit(RLIMIT_FSIZE, &limit) != 0) return;
-  limit.rlim_cur = limit.rlim_max;
-  std::ignore = setrlimit(RLIMIT_FSIZE, &limit);
-}
+/// sftd watches a process by one descriptor, and answers it by another one; its own are fewer than these.
+constexpr std::size_t descriptors_per_process = 2, own_descriptors = 40;
 
 ExitCode exit_code_of_start(const Error& error) {
   return error.code == Errc::invalid_argument ? ExitCode::bad_config : ExitCode::failed;
@@ -68,7 +61,11 @@ Daemon::Daemon(const DaemonSettings& settings, const Log& log, OwnFiles files, G
 /// leftovers.
 Daemon::Started Daemon::start(const DaemonSettings& settings, const Log& log, EndProcess end) {
   if (!functions_are_replaced()) return refuse(ExitCode::failed, not_replaced);
-  raise_file_size_limit();
+  const std::size_t descriptors = own_descriptors + descriptors_per_process * settings.limits.processes;
+  if (const auto enough = core::raise_inherited_limits(descriptors); !enough)
+    return refuse(ExitCode::failed,
+                  "sftd takes the limits over from what starts it: " + enough.error().message +
+                      "; or start sftd by itself, before this program");
   if (const auto large_enough = core::check_file_size(smallest_shm_bytes); !large_enough)
     return refuse(ExitCode::no_space, large_enough.error().message);
   auto groups = take_up_groups(settings.access);

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
+#include <string>
 
 namespace sft::shm {
 
@@ -67,13 +67,9 @@ PoolPlan plan_pools(std::size_t budget_bytes) {
 }
 
 std::string format_bytes(std::size_t bytes) {
-  char text[32];
-  if (bytes < MiB) {
-    std::snprintf(text, sizeof text, "%zu KiB", bytes / KiB);
-  } else {
-    std::snprintf(text, sizeof text, "%.1f MiB", static_cast<double>(bytes) / static_cast<double>(MiB));
-  }
-  return text;
+  if (bytes < MiB) return std::to_string(bytes / KiB) + " KiB";
+  const std::size_t tenths = (bytes * 10 + MiB / 2) / MiB;
+  return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " MiB";
 }
 
 }  // namespace sft::shm

@@ -143,6 +143,43 @@ TEST_P(ForkTest, AProcessThatOpensANodeIsToldWhyItCannot) {
   expect_undisturbed();
 }
 
+/// daemon(3) forks, and the program goes on in the copy.
+TEST_P(ForkTest, AProcessThatGoesOnWithWhatItFindsIsToldWhyNothingWorks) {
+  EXPECT_EQ(forked([] {
+              const auto refuses = [](const auto& result) {
+                return !result && result.error().message.starts_with("this process was forked");
+              };
+              Held& h = *held;
+              const std::vector<bool> as_told{
+                  h.publisher.publish({.height = 3}) == PublishStatus::forked,
+                  h.publisher.publish(std::vector<PointCloud2>(2)).status == PublishStatus::forked,
+                  std::move(*h.loan).publish() == PublishStatus::forked,
+                  refuses(h.publisher.loan({})),
+                  !h.publisher.wait_for_subscribers(1, patience),
+                  h.publisher.status().readers.empty(),
+                  !h.subscriber.wait(patience),
+                  !h.subscriber.take(),
+                  !h.subscriber.take_latest(),
+                  refuses(h.subscriber.set_max_rate_hz(1)),
+                  h.subscriber.status().writers.empty(),
+                  refuses(h.writing.publisher<PointCloud2>("more")),
+                  refuses(h.writing.subscriber<PointCloud2>("more")),
+                  refuses(h.writing.find_type("points", patience)),
+                  refuses(h.writing.ask_accounts("points")),
+                  h.writing.topics().empty(),
+                  h.writing.domain().publishers.empty(),
+                  h.writing.status().udp.starts_with("this process was forked"),
+                  h.writing.snapshot().publishers.empty(),
+              };
+              for (std::size_t i = 0; i < as_told.size(); ++i) {
+                if (!as_told[i]) _exit(static_cast<int>(i) + 1);
+              }
+            }),
+            0)
+      << "the number of what was not as told, from 1 on";
+  expect_undisturbed();
+}
+
 TEST_P(ForkTest, ManyProcessesThatComeAndGoWhileSamplesAreSentDisturbNobody) {
   std::atomic<bool> stop{false};
   Publisher<PointCloud2> another = held->writing.publisher<PointCloud2>("others").value();

@@ -136,7 +136,7 @@ TEST_F(ThreadsTest, OfANodeThatAPinnedRealTimeThreadOpensAreNormalAndRunWhereThe
   opener.join();
   if (!real_time) GTEST_SKIP() << "needs CAP_SYS_NICE";
   EXPECT_THAT(names(found), IsSupersetOf({"sft-udp-recv", "sft-udp-send", "sft-agent a", "sft-call a",
-                                          "sft-poll a", "sft-wake"}));
+                                          "sft-poll a", "sft-event a", "sft-wake"}));
   EXPECT_GE(found.size(), 10U) << "Cyclone's are among them";
   for (const auto& [number, thread] : found) {
     EXPECT_EQ(thread.policy, SCHED_OTHER) << thread.name;
@@ -162,7 +162,8 @@ TEST_F(ThreadsTest, HaveWhatTheOptionsSayAndNamesThatBeginAsTheySay) {
   const std::map<std::string, Thread> expected{
       {"r-udp-recv", {"", SCHED_FIFO, 5, {cpu}}}, {"s-udp-send", {"", SCHED_RR, 4, all}},
       {"s-wake", {"", SCHED_RR, 4, all}},         {"a-agent a", {"", SCHED_OTHER, 0, {cpu}}},
-      {"c-call a", {"", SCHED_FIFO, 3, all}},     {"c-poll a", {"", SCHED_FIFO, 3, all}}};
+      {"c-call a", {"", SCHED_FIFO, 3, all}},     {"c-poll a", {"", SCHED_FIFO, 3, all}},
+      {"c-event a", {"", SCHED_FIFO, 3, all}}};
   std::size_t of_cyclone = 0;
   for (const auto& [number, thread] : found) {
     const bool is_cyclones = !expected.contains(thread.name);

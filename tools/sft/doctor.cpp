@@ -44,7 +44,7 @@ Json json_of(const Finding& finding) {
 }  // namespace
 
 ExitCode run(const DoctorOptions& options, const CommonOptions& common, Stop& stop, Output& output) {
-  std::vector<Finding> findings{check_kernel()};
+  std::vector<Finding> findings{check_kernel(), check_loopback()};
   const auto append = [&](const std::vector<Finding>& more) {
     findings.insert(findings.end(), more.begin(), more.end());
   };

@@ -1,8 +1,10 @@
 #include "tools/sft/system_checks.h"
 
 #include <fmt/format.h>
+#include <net/if.h>
 #include <pwd.h>
 #include <sft/options.h>
+#include <sys/ioctl.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -14,6 +16,7 @@
 #include <cctype>
 #include <cstdint>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -66,6 +69,17 @@ Finding check_kernel() {
   const std::string text = fmt::format("Linux {}", system.release);
   if (major > 6 || (major == 6 && minor >= 1)) return {"kernel", Health::ok, text};
   return {"kernel", Health::error, text, "SFT needs Linux 6.1 or newer: update the kernel."};
+}
+
+Finding check_loopback() {
+  ifreq loopback{};
+  std::strcpy(loopback.ifr_name, "lo");
+  const int probe = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  const bool is_there = ioctl(probe, SIOCGIFFLAGS, &loopback) == 0;
+  close(probe);
+  if (is_there && (loopback.ifr_flags & IFF_UP) != 0) return {"loopback", Health::ok, "it is up"};
+  return {"loopback", Health::error, is_there ? "the interface lo is down" : "there is no interface lo",
+          "Nodes of this host do not find each other: ip link set lo up."};
 }
 
 Finding check_memlock() {

@@ -6,6 +6,7 @@
 namespace sft::tool {
 
 Finding check_kernel();
+Finding check_loopback();
 Finding check_memlock();
 Finding check_receive_buffers();
 Finding check_open_files();

@@ -65,6 +65,10 @@ class DatagramReceiver {
     int wake;
   };
   virtual Descriptors descriptors() const noexcept = 0;
+
+  /// The system has taken the quicker way back with which this was opened, and plain calls take its place:
+  /// the reason. Empty otherwise. Any thread.
+  virtual std::string fell_back() const { return {}; }
 };
 
 /// Datagrams for one address, laid end to end in `parts`; all of `segment_bytes` but the last.

@@ -7,14 +7,15 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <fstream>
 #include <string>
 #include <system_error>
 
 #include "core/sync/spin.h"
+#include "udp_transport/io/socket_receiver.h"
 #include "udp_transport/io/socket_sender.h"
-#include "udp_transport/io/train_reader.h"
 #include "udp_transport/io/wake_event.h"
 
 namespace sft::udp {
@@ -55,12 +56,14 @@ class Ring {
     return -io_uring_register_files(&ring_, files.data(), n);
   }
 
-  bool enable() noexcept {
-    if (enabled_) return true;
+  /// 0 or a positive errno.
+  int enable() noexcept {
+    if (enabled_) return 0;
     // The function for it is declared by liburing 2.3, but not exported.
-    enabled_ = io_uring_register(ring_.ring_fd, IORING_REGISTER_ENABLE_RINGS, nullptr, 0) == 0;
+    const int result = io_uring_register(ring_.ring_fd, IORING_REGISTER_ENABLE_RINGS, nullptr, 0);
+    enabled_ = result == 0;
     if (enabled_) io_uring_register_ring_fd(&ring_);  // only saves time: where it is refused, all goes on
-    return enabled_;
+    return -result;
   }
   bool enabled() const { return enabled_; }
 
@@ -80,8 +83,9 @@ class Ring {
     return submission;
   }
 
-  /// Submits, then waits for that many completions or the deadline. False if the ring is broken.
-  bool wait(unsigned completions, Clock::time_point deadline) noexcept {
+  /// Submits, then waits for that many completions or the deadline. Returns 0, or the errno with which the
+  /// kernel refused that.
+  int wait(unsigned completions, Clock::time_point deadline) noexcept {
     int result = 0;
     if (deadline == Clock::time_point::max()) {
       result = io_uring_submit_and_wait(&ring_, completions);
@@ -90,7 +94,9 @@ class Ring {
       io_uring_cqe* ignored = nullptr;
       result = io_uring_submit_and_wait_timeout(&ring_, &ignored, completions, &timeout, nullptr);
     }
-    return result >= 0 || result == -ETIME || result == -EINTR || result == -EAGAIN || result == -EBUSY;
+    const bool waited =
+        result >= 0 || result == -ETIME || result == -EINTR || result == -EAGAIN || result == -EBUSY;
+    return waited ? 0 : -result;
   }
 
   /// Returns true if wait() would return at once. It costs no system call: completions are put together only
@@ -177,10 +183,33 @@ class BufferRing {
   Pages memory_;
 };
 
+std::string why_forbidden() {
+  int disabled = 0;  // 1: for those without a right, 2: for all; older kernels have no such file
+  std::ifstream("/proc/sys/kernel/io_uring_disabled") >> disabled;
+  if (disabled == 0) return "it is forbidden here (a seccomp profile, as containers have)";
+  return "it is forbidden here (sysctl kernel.io_uring_disabled is " + std::to_string(disabled) + ")";
+}
+
+std::string why_refused(int error) {
+  switch (error) {
+    case EPERM:
+    case EACCES:
+      return why_forbidden();
+    case ENOSYS:
+      return "the kernel has none";
+    case EINVAL:
+      return "the kernel is older than 6.1";
+    case ENOMEM:
+      return "too little memory may be locked (ulimit -l)";
+    default:
+      return std::system_category().message(error);
+  }
+}
+
 class UringReceiver final : public DatagramReceiver {
  public:
   UringReceiver(std::shared_ptr<const UdpSocket> socket, FileDescriptor wake_event)
-      : socket_(socket), wake_event_(std::move(wake_event)), trains_(std::move(socket)) {
+      : socket_(socket), plain_(std::move(socket), std::move(wake_event)) {
     layout_.msg_namelen = sender_address_bytes;
     layout_.msg_controllen = train_control_bytes;
   }
@@ -192,21 +221,28 @@ class UringReceiver final : public DatagramReceiver {
   }
 
   bool receive(DatagramSink& sink, Time deadline, std::chrono::nanoseconds spin) noexcept override {
-    if (broken_ || !ring_.enable()) return false;
-    arm();
-    if (spin.count() > 0 && !ring_.has_submissions())
-      core::spin(std::min(deadline, Clock::now() + spin), [this] { return ring_.has_news(); });
-    if (!ring_.wait(1, deadline)) return false;
-    ring_.for_each_completion([&](const io_uring_cqe& completion) { complete(completion, &sink); });
-    return !broken_;
+    if (refusal_.load(std::memory_order_relaxed) == 0) {
+      const int error = receive_by_ring(sink, deadline, spin);
+      if (error == 0) return true;
+      // Memory may be short for a moment only. Else the program, or whoever runs it, has forbidden the call.
+      if (error != ENOMEM) refusal_.store(error, std::memory_order_relaxed);
+    }
+    return plain_.receive(sink, deadline, spin);
   }
 
-  void wake() noexcept override { ::eventfd_write(wake_event_.get(), 1); }
+  void wake() noexcept override { plain_.wake(); }
 
   /// Armed receives stay armed: a ring whose thread is elsewhere takes nothing from the socket.
-  bool receive_now(DatagramSink& sink) noexcept override { return trains_.read(sink); }
-  bool receive_from_groups(DatagramSink& sink) noexcept override { return trains_.read_from_groups(sink); }
-  Descriptors descriptors() const noexcept override { return {socket_->readable(), wake_event_.get()}; }
+  bool receive_now(DatagramSink& sink) noexcept override { return plain_.receive_now(sink); }
+  bool receive_from_groups(DatagramSink& sink) noexcept override { return plain_.receive_from_groups(sink); }
+  Descriptors descriptors() const noexcept override { return plain_.descriptors(); }
+
+  std::string fell_back() const override {
+    const int error = refusal_.load(std::memory_order_relaxed);
+    if (error == EPERM || error == EACCES || error == ENOSYS)
+      return "it was forbidden while it was in use (a seccomp filter of this program or of its container)";
+    return error == 0 ? "" : std::system_category().message(error);
+  }
 
   /// Closing an armed ring would keep the port in use for some time.
   void finish() noexcept override {
@@ -214,7 +250,7 @@ class UringReceiver final : public DatagramReceiver {
       io_uring_sqe* s = ring_.next_submission();
       io_uring_prep_cancel64(s, 0, IORING_ASYNC_CANCEL_ANY | IORING_ASYNC_CANCEL_ALL);
       s->user_data = 0;
-      while (armed() && ring_.wait(1, Clock::time_point::max())) {
+      while (armed() && ring_.wait(1, Clock::time_point::max()) == 0) {
         ring_.for_each_completion([this](const io_uring_cqe& completion) { complete(completion, nullptr); });
       }
     }
@@ -236,9 +272,23 @@ class UringReceiver final : public DatagramReceiver {
   static constexpr std::uint64_t group_tag = 3;
 
   int register_files() noexcept {
-    const int datagrams = socket_->fd.get(), wake = wake_event_.get();
+    const int datagrams = socket_->fd.get(), wake = descriptors().wake;
     if (!socket_->groups.group_fd) return ring_.register_files(std::array{datagrams, wake});
     return ring_.register_files(std::array{datagrams, wake, socket_->groups.group_fd.get()});
+  }
+
+  /// Returns 0, or the errno with which the kernel refused it.
+  int receive_by_ring(DatagramSink& sink, Time deadline, std::chrono::nanoseconds spin) noexcept {
+    if (const int error = ring_.enable(); error != 0) return error;
+    arm();
+    if (spin.count() > 0 && !ring_.has_submissions())
+      core::spin(std::min(deadline, Clock::now() + spin), [this] { return ring_.has_news(); });
+    if (const int error = ring_.wait(1, deadline); error != 0) return error;
+    int refused = 0;
+    ring_.for_each_completion([&](const io_uring_cqe& completion) {
+      if (const int error = complete(completion, &sink); error != 0) refused = error;
+    });
+    return refused;
   }
 
   bool armed() const { return receive_armed_ || group_armed_ || wake_armed_; }
@@ -265,23 +315,25 @@ class UringReceiver final : public DatagramReceiver {
     is_armed = true;
   }
 
-  /// Hands the train to the sink; without a sink the train is thrown away.
-  void complete(const io_uring_cqe& completion, DatagramSink* sink) noexcept {
+  /// Hands the train to the sink; without a sink the train is thrown away. Returns the errno if the kernel
+  /// will receive no more by the ring, or 0.
+  int complete(const io_uring_cqe& completion, DatagramSink* sink) noexcept {
     if (completion.user_data == wake_tag) {
       eventfd_t ignored = 0;
-      ::eventfd_read(wake_event_.get(), &ignored);
+      ::eventfd_read(descriptors().wake, &ignored);
       wake_armed_ = false;
     }
-    if (completion.user_data != receive_tag && completion.user_data != group_tag) return;
+    if (completion.user_data != receive_tag && completion.user_data != group_tag) return 0;
     if ((completion.flags & IORING_CQE_F_MORE) == 0)
       (completion.user_data == group_tag ? group_armed_ : receive_armed_) = false;
     // Other errors are of single datagrams (an ICMP answer) or pass (no free buffer).
-    if (completion.res == -EINVAL || completion.res == -EOPNOTSUPP || completion.res == -EBADF)
-      broken_ = true;
-    if ((completion.flags & IORING_CQE_F_BUFFER) == 0) return;
+    const bool ends = completion.res == -EINVAL || completion.res == -EOPNOTSUPP || completion.res == -EBADF;
+    const int error = ends ? -completion.res : 0;
+    if ((completion.flags & IORING_CQE_F_BUFFER) == 0) return error;
     const unsigned id = completion.flags >> IORING_CQE_BUFFER_SHIFT;
     if (sink != nullptr) hand_over_buffer(buffers_.at(id), completion.res, *sink);
     buffers_.give_back(id);
+    return error;
   }
 
   void hand_over_buffer(std::byte* buffer, int bytes, DatagramSink& sink) noexcept {
@@ -295,39 +347,15 @@ class UringReceiver final : public DatagramReceiver {
   }
 
   const std::shared_ptr<const UdpSocket> socket_;
-  const FileDescriptor wake_event_;
-  TrainReader trains_;
+  SocketReceiver plain_;
   msghdr layout_{};  ///< how much room each buffer leaves before the train
   BufferRing buffers_;
   Ring ring_;  // closed before the buffers go
   bool receive_armed_ = false;
   bool group_armed_ = false;
   bool wake_armed_ = false;
-  bool broken_ = false;
+  std::atomic<int> refusal_{0};  ///< the errno for which the ring is not used any more, or 0
 };
-
-std::string why_forbidden() {
-  int disabled = 0;  // 1: for those without a right, 2: for all; older kernels have no such file
-  std::ifstream("/proc/sys/kernel/io_uring_disabled") >> disabled;
-  if (disabled == 0) return "it is forbidden here (a seccomp profile, as containers have)";
-  return "it is forbidden here (sysctl kernel.io_uring_disabled is " + std::to_string(disabled) + ")";
-}
-
-std::string why_refused(int error) {
-  switch (error) {
-    case EPERM:
-    case EACCES:
-      return why_forbidden();
-    case ENOSYS:
-      return "the kernel has none";
-    case EINVAL:
-      return "the kernel is older than 6.1";
-    case ENOMEM:
-      return "too little memory may be locked (ulimit -l)";
-    default:
-      return std::system_category().message(error);
-  }
-}
 
 tl::unexpected<Error> refused(int error) {
   const bool forbidden = error == EPERM || error == EACCES;

@@ -59,6 +59,8 @@ class ReceiveLoop final : private DatagramSink, public std::enable_shared_from_t
   core::Transport::Counters counters() const noexcept { return published_.load(); }
   /// The system gave up on the socket.
   bool broken() const noexcept { return broken_.load(std::memory_order_relaxed); }
+  /// See DatagramReceiver::fell_back().
+  std::string fell_back() const { return io_->fell_back(); }
 
  private:
   using Time = std::chrono::steady_clock::time_point;

@@ -30,13 +30,13 @@ struct Event {
     request_changed,
   };
 
-  /// A callback for events. It runs on the node's agent thread, which does nothing else meanwhile, so it must
-  /// be short. If it blocks that thread for a few seconds (5, or 14 with peers or without multicast), other
-  /// nodes take this node for dead and do not serve it until it goes on. No lock is held during the call: the
-  /// callback may call any function of SFT and destroy any object of it. The node's log gets the same events,
-  /// whether there is a callback or not. An event and its opposite within one batch of news may both be left
-  /// out. After the destructor of the publisher or subscriber the callback is not called any more (unless the
-  /// destructor runs within the callback itself).
+  /// A callback for events. It runs on a thread of the node for just that and for the log: while it runs,
+  /// other events and log lines of the node wait, and nothing else does. If 10,000 of them wait, more are
+  /// left out, and the log says how many. No lock is held during the call: the callback may call any function
+  /// of SFT and destroy any object of it. The node's log gets the same events, whether there is a callback or
+  /// not. An event and its opposite within one batch of news may both be left out. After the destructor of
+  /// the publisher or subscriber the callback is not called any more (unless the destructor runs within the
+  /// callback itself).
   using Callback = std::function<void(const Event&)>;
 
   /// The kind of news.

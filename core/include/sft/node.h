@@ -95,8 +95,7 @@ class Node {
 
   /// Waits until a publisher of the topic has announced the type, or a subscriber if no publisher comes
   /// within a second, or longer while other processes are still being discovered. The error says what was
-  /// seen instead. Not for callbacks, because it would block the node (in on_readers_changed it does not
-  /// wait).
+  /// seen instead. In a callback it makes the other callbacks of the node wait.
   Result<DynamicType> find_type(std::string_view topic, std::chrono::nanoseconds timeout);
   /// All topics that are known at present, also those of this node.
   ///

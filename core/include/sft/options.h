@@ -110,20 +110,18 @@ struct NodeOptions {
     ThreadSettings receiver{};
     /// Sends by UDP what publish() did not send itself, and wakes the readers of this host if several sleep.
     ThreadSettings sender{};
-    /// Negotiates, and calls back for events and the log.
+    /// Negotiates.
     ThreadSettings agent{};
-    /// Call back for samples in shared memory, and make file descriptors readable.
+    /// Call back for samples in shared memory, for events and the log, and make file descriptors readable.
     ThreadSettings callbacks{};
     /// The threads of Cyclone DDS. Nodes of one process share them only if their settings here are equal. The
     /// settings hold only for the link of the loopback if the program itself opened the DDS domain.
     ThreadSettings discovery{};
   };
 
-  /// A callback for lines of the log. It runs on the node's agent thread, as event callbacks do (event.h), so
-  /// it must be short. No lock is held during the call: it may call any function of SFT. If it blocks for 5 s
-  /// (14 s with peers or without multicast), other nodes take this node for dead and do not serve it until it
-  /// goes on. If several nodes have the same sink, a thread of each node calls it. Of lines that repeat, ten
-  /// of a kind are written and then one in 5 s, which says how many were left out.
+  /// A callback for lines of the log. It runs on a thread of the node for just that and for events (event.h),
+  /// and may call any function of SFT. If several nodes have the same sink, a thread of each node calls it.
+  /// Of lines that repeat, ten of a kind are written and then one in 5 s, which says how many were left out.
   using LogSink = std::function<void(LogLevel, std::string_view)>;
 
   /// DDS derives port numbers from the domain, and has none for a greater one.
@@ -193,9 +191,9 @@ struct PublisherOptions {
   /// it arrives earlier. The option changes nothing where max_blocking is not 0.
   bool asynchronous = false;
   /// Called after readers came, left or changed what they ask for, once that is in force, with the status of
-  /// all of them. (on_event tells what happened to each.) It runs on the node's agent thread and must be
-  /// short. Like any callback it may be called before the function that opens the publisher has returned. It
-  /// may publish, if no other thread does so at the same time.
+  /// all of them. (on_event tells what happened to each.) It runs on the thread for events (event.h). Like
+  /// any callback it may be called before the function that opens the publisher has returned. It may publish,
+  /// if no other thread does so at the same time.
   std::function<void(const PublisherStatus&)> on_readers_changed{};
   Event::Callback
       on_event{};  ///< called with what happens to its pairs, on the node's agent thread: be short

@@ -46,6 +46,9 @@ enum class PublishStatus : std::uint8_t {
   /// A queue was full or no chunk was free, so that at least one reader misses this sample, and counts it.
   /// With PublisherOptions::max_blocking that time was over, and the reader may miss an older sample instead.
   dropped,
+  /// Nothing was sent: this process is a copy (fork()) of the one that opened the publisher, which has none
+  /// of its threads.
+  forked,
 };
 /// A sentence about the status; lives as long as the program.
 const char* to_string(PublishStatus status);

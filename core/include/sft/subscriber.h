@@ -52,7 +52,8 @@ class Subscriber {
   /// Returns true as soon as there is a sample to take, or false when the time is over. It spins for
   /// SubscriberOptions::spin, and then sleeps. If all subscribers of the node are used by wait(), and none of
   /// them has a publisher in shared memory, the calling thread receives for the node meanwhile, so that no
-  /// other thread has to wake it.
+  /// other thread has to wake it. In a callback for samples it does not wait: that may run on the thread that
+  /// receives.
   bool wait(std::chrono::nanoseconds timeout) { return subscriber_.wait(timeout); }
   /// A file descriptor for an event loop (epoll, poll, asio), in any trigger mode. It is readable while there
   /// is a sample to take. It can also be readable without a sample, if another thread took it or it expired;

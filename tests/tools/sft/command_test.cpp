@@ -1,6 +1,12 @@
 // The command as such: what it is typed, how it ends, what it does with a terminal; doctor and top.
+#include <net/if.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <memory>
 #include <regex>
@@ -183,7 +189,7 @@ TEST_F(CommandTest, DoctorTellsOfEachPartAndItsExitCodeIsTheWorst) {
   }
   EXPECT_EQ(ended.code, worst);
   for (const char* part : {"interfaces", "multicast", "udp", "io_uring", "GSO", "GRO", "huge pages",
-                           "memlock", "buffers", "/dev/shm", "sftd", "users", "clock", "kernel", "domain"}) {
+                           "memlock", "buffers", "/dev/shm", "sftd", "users", "clock", "kernel", "loopback", "domain"}) {
     EXPECT_TRUE(parts.contains(part)) << part;
   }
   const Ended text = run_tool({"doctor"});
@@ -216,6 +222,20 @@ TEST_F(CommandTest, DoctorWarnsOfAnInterfaceThatIsNotThereAndOfNoneThatIs) {
     ASSERT_NE(found, json["checks"].end());
     EXPECT_EQ((*found)["health"], health) << *found;
   }
+}
+
+TEST_F(CommandTest, DoctorFindsThatTheLoopbackIsDown) {
+  if (!isolation_refusal().empty()) GTEST_SKIP() << isolation_refusal();
+  ifreq loopback{};
+  std::strcpy(loopback.ifr_name, "lo");
+  const int control = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  ASSERT_EQ(ioctl(control, SIOCGIFFLAGS, &loopback), 0);
+  loopback.ifr_flags = static_cast<short>(loopback.ifr_flags & ~IFF_UP);
+  ASSERT_EQ(ioctl(control, SIOCSIFFLAGS, &loopback), 0);
+  close(control);
+  const Ended ended = run_tool({"doctor"});
+  EXPECT_EQ(ended.code, 2);
+  EXPECT_THAT(ended.out, HasSubstr("error   loopback    the interface lo is down"));
 }
 
 TEST_F(CommandTest, DoctorFindsTooLittleSharedMemory) {

@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include "shm_transport/host/host_file.h"
 #include "shm_transport/host/iceoryx.h"
@@ -85,6 +86,36 @@ TEST_F(Sftd, InheritsNothingFromTheProgramThatStartsIt) {
   EXPECT_FALSE(has(open_files(daemon_pid()), "/tmp/of_the_program"));
   EXPECT_NE(getsid(daemon_pid()), getsid(0));
   close(leaky);
+}
+
+/// Runs a program by the shell, with these limits.
+Process with_limits(const std::string& limits, const std::vector<std::string>& command) {
+  std::vector<std::string> words{"/bin/sh", "-c", limits + R"(; exec "$@")", "sh"};
+  words.insert(words.end(), command.begin(), command.end());
+  return Process(words);
+}
+
+TEST_F(Sftd, HasItsOwnLimitsWhateverThoseOfTheProgramThatStartsItAre) {
+  Process daemon = with_limits("ulimit -S -n 64; ulimit -S -t 100",
+                               {sftd_path(), "--foreground", "--log-level=error", "--pool-mib=16"});
+  ASSERT_EQ(daemon.line(), "sftd: ready");
+  std::ifstream limits("/proc/" + std::to_string(daemon_pid()) + "/limits");
+  for (std::string line; std::getline(limits, line);) {
+    std::istringstream words(line);
+    std::string max, name, what, soft, hard;
+    words >> max >> name >> what >> soft >> hard;
+    if (name != "open" && name != "cpu")
+      continue;  // "Max open files 64 1024 files", "Max cpu time 9 9 seconds"
+    EXPECT_EQ(soft, hard) << line;
+  }
+}
+
+TEST_F(Sftd, RefusesLimitsWithWhichItCouldNotServeAllProgramsAndNamesThem) {
+  Process few = with_limits("ulimit -n 64", {sftd_path(), "--foreground", "--pool-mib=16"});
+  EXPECT_TRUE(contains(few.all_output(), "64 file descriptors"));
+  EXPECT_NE(few.exit_code(), 0);
+  Process briefly = with_limits("ulimit -t 100", {sftd_path(), "--foreground", "--pool-mib=16"});
+  EXPECT_TRUE(contains(briefly.all_output(), "100 s of processor time"));
 }
 
 TEST_F(Sftd, OfConcurrentStartsExactlyOneSurvives) {
@@ -507,6 +538,20 @@ TEST_F(NodeWithoutDaemon, FindsADaemonAtOnceHoweverOftenItHasFailedToStartOne) {
   for (int i = 0; i < 10; ++i) EXPECT_EQ(node->poll(now += 20s), Availability::unavailable);
   Process daemon({sftd_path(), "--foreground", "--log-level=error", "--pool-mib=16"});
   ASSERT_EQ(daemon.line(), "sftd: ready");
+  EXPECT_TRUE(eventually([&] { return node->poll(now) == Availability::ready; })) << node->description();
+}
+
+TEST_F(NodeWithoutDaemon, IsServedAsSoonAsADaemonGoesOnThatWasStopped) {
+  Process daemon({sftd_path(), "--foreground", "--log-level=error", "--pool-mib=16"});
+  ASSERT_EQ(daemon.line(), "sftd: ready");
+  daemon.signal(SIGSTOP);
+  ASSERT_TRUE(eventually([&] { return is_stopped(daemon.pid()); }));
+  Node node(no_daemon());
+  auto now = Clock::now();
+  EXPECT_EQ(node->poll(now), Availability::starting);
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(node->poll(now += 5s), Availability::unavailable);
+  EXPECT_TRUE(contains(node->description(), "does not answer")) << node->description();
+  daemon.signal(SIGCONT);
   EXPECT_TRUE(eventually([&] { return node->poll(now) == Availability::ready; })) << node->description();
 }
 

@@ -74,6 +74,17 @@ TEST_F(Kill, OfAWriterReturnsItsLoansAndItsHistory) {
   EXPECT_TRUE(chunks.comes_to(before));
 }
 
+TEST_F(Kill, OfAWriterReturnsItsChunksThoughAForkedCopyOfItLivesOn) {
+  ChunkCounter chunks(node(), megabyte);
+  const std::size_t before = chunks.free();
+  Process peer = start_peer({"hoard-with-a-worker", "1", std::to_string(megabyte)});
+  EXPECT_EQ(peer.line(), "hoarded");
+  EXPECT_LE(chunks.free(), before - 16);
+  peer.kill();
+  EXPECT_TRUE(chunks.comes_to(before));
+  EXPECT_TRUE(eventually([] { return names_in("/tmp", "sft_node").size() == 1; }));
+}
+
 TEST_F(Kill, OfAWriterLeavesItsSamplesToTheReadersThatHoldThem) {
   Reader reader(node());
   Process peer = start_peer({"publish", "1"});

@@ -59,6 +59,15 @@ void hoard(Node& node, sft::core::EndpointId id, std::uint32_t data) {
   stay();
 }
 
+/// A forked copy that executes nothing else keeps all sockets and memory of this process.
+void hoard_with_a_worker(Node& node, sft::core::EndpointId id, std::uint32_t data) {
+  if (fork() == 0) {
+    alarm(60);
+    stay();
+  }
+  hoard(node, id, data);
+}
+
 /// Takes samples, and always holds the last few.
 class Taker {
  public:
@@ -202,6 +211,7 @@ int main(int argc, char** argv) {
       {"publish", publish},
       {"publish-paced", publish_paced},
       {"hoard", hoard},
+      {"hoard-with-a-worker", hoard_with_a_worker},
       {"subscribe", subscribe},
       {"subscribe-paced", subscribe_paced},
       {"take-by-steps", take_by_steps},

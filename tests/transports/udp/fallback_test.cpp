@@ -3,10 +3,14 @@
 #include <linux/seccomp.h>
 #include <sys/prctl.h>
 #include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstddef>
+#include <cstdio>
+#include <cstdlib>
 #include <functional>
 #include <optional>
 #include <string>
@@ -19,23 +23,29 @@
 namespace sft::udp {
 namespace {
 
+/// Makes that system call fail from now on, with any first argument or that one, on this thread and those
+/// that it starts. `flags`: those of seccomp(2).
+void forbid(unsigned call, std::optional<unsigned> argument, int error, unsigned flags = 0) {
+  const sock_filter any_argument = BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr));
+  const sock_filter first_argument = BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, args));
+  sock_filter filter[] = {
+      BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)),
+      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, call, 0, 3),
+      argument ? first_argument : any_argument,
+      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, argument.value_or(call), 0, 1),
+      BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | static_cast<unsigned>(error)),
+      BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW),
+  };
+  const sock_fprog program{std::size(filter), filter};
+  ASSERT_EQ(::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0), 0);
+  ASSERT_EQ(::syscall(SYS_seccomp, SECCOMP_SET_MODE_FILTER, flags, &program), 0);
+}
+
 /// Runs the action on a thread whom that system call fails, with any first argument or that one.
 void without(unsigned call, std::optional<unsigned> argument, int error,
              const std::function<void()>& action) {
   std::thread([&] {
-    const sock_filter any_argument = BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr));
-    const sock_filter first_argument = BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, args));
-    sock_filter filter[] = {
-        BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)),
-        BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, call, 0, 3),
-        argument ? first_argument : any_argument,
-        BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, argument.value_or(call), 0, 1),
-        BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | static_cast<unsigned>(error)),
-        BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW),
-    };
-    const sock_fprog program{std::size(filter), filter};
-    ASSERT_EQ(::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0), 0);
-    ASSERT_EQ(::prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program), 0);
+    forbid(call, argument, error);
     action();
   }).join();
 }
@@ -93,6 +103,43 @@ TEST(Fallback, UsesPlainSocketsForEveryOtherRefusal) {
       EXPECT_NE(open_udp_transport({}, test::make_pool()).value()->description().find("plain sockets"),
                 std::string::npos);
     });
+  }
+}
+
+/// Programs confine themselves once they have opened what they need.
+void expect_plain_sockets_after(int error) {
+  const auto here = open_udp_transport({}, test::make_pool()).value();
+  const auto there = open_udp_transport({}, test::make_pool()).value();
+  test::Subscriber subscriber(*here, {"*"});
+  test::Publisher publisher(*there);
+  subscriber.listen_reliably_to(publisher.id());
+  publisher.serve({{test::loopback_address(*here), "*", true}});
+  publisher.publish(test::make_image(10));
+  EXPECT_EQ(subscriber.await_new(1).size(), 1U);
+  EXPECT_EQ(why_not(*here, "io_uring"), "");
+  forbid(SYS_io_uring_enter, {}, error, SECCOMP_FILTER_FLAG_TSYNC);
+  for (int i = 0; i < 10; ++i) {
+    publisher.publish(test::make_image(300'000));
+    EXPECT_EQ(subscriber.await_new(1).size(), 1U) << i;
+  }
+  EXPECT_EQ(here->poll({}), core::Availability::ready);
+  // The thread that receives may still sleep in the call that it began before.
+  EXPECT_TRUE(eventually([&] { return here->description().find("plain sockets") != std::string::npos; }));
+  EXPECT_TRUE(why_not(*here, "io_uring").starts_with("it was forbidden while it was in use"));
+}
+
+TEST(Fallback, ReceivesByPlainSocketsOnceIoUringIsForbiddenToARunningProgram) {
+  if (const std::string why = test::refusal_of(Backend::io_uring); !why.empty()) GTEST_SKIP() << why;
+  for (const int error : {EPERM, ENOSYS, EACCES}) {
+    const pid_t child = ::fork();  // what is forbidden stays so
+    if (child == 0) {
+      expect_plain_sockets_after(error);
+      std::fflush(stdout);
+      std::_Exit(testing::Test::HasFailure() ? 1 : 0);
+    }
+    int status = -1;
+    ::waitpid(child, &status, 0);
+    EXPECT_EQ(status, 0) << "errno " << error;
   }
 }
 

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <geometry_msgs/msg/Point.hpp>
+#include <locale>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 #include <std_msgs/msg/Bool.hpp>
 #include <std_msgs/msg/String.hpp>
@@ -72,6 +73,39 @@ TEST(FromYamlTest, AScalarIsWhatItsFieldNeeds) {
   EXPECT_TRUE(means("data: 18446744073709551615", std_msgs::msg::UInt64{.data = 18446744073709551615U}));
   const geometry_msgs::msg::Point point{.x = 1, .y = -.5, .z = -HUGE_VAL};
   EXPECT_TRUE(means("{x: 1, y: -.5, z: -.inf}", point));
+}
+
+/// Numbers are written as in much of Europe: 1.000.000,5.
+class Punctuation : public std::numpunct<char> {
+  char do_decimal_point() const override { return ','; }
+  char do_thousands_sep() const override { return '.'; }
+  std::string do_grouping() const override { return "\3"; }
+};
+
+TEST(FromYamlTest, NumbersAreTheSameWhateverLocaleTheProgramHasChosen) {
+  const std::locale before = std::locale::global(std::locale(std::locale::classic(), new Punctuation));
+  const geometry_msgs::msg::Point point{.x = 1.5, .y = -1'000'000.25, .z = 2e-3};
+  EXPECT_TRUE(means("{x: 1.5, y: -1000000.25, z: 2e-3}", point));
+  const Encoded encoded(point);
+  const DynamicView view(encoded.state(), TypeTable<geometry_msgs::msg::Point>::type);
+  EXPECT_TRUE(means(to_yaml(view).value(), point));
+  EXPECT_TRUE(means(to_json(view).value(), point));
+  EXPECT_TRUE(means("data: 1000000", std_msgs::msg::UInt64{.data = 1'000'000}));
+  EXPECT_EQ(yaml_fault<std_msgs::msg::UInt64>("data: 1.5"),
+            "'data' is 1.5; an integer from 0 to 18446744073709551615 was expected");
+  std::locale::global(before);
+}
+
+TEST(FromYamlTest, NumbersHaveTheFormsOfYaml) {
+  const auto is_number = [](const char* text, std::uint64_t value) {
+    return means(std::string("data: ") + text, std_msgs::msg::UInt64{.data = value});
+  };
+  EXPECT_TRUE(is_number("+7", 7));
+  EXPECT_TRUE(is_number("0xFf", 255));
+  EXPECT_TRUE(is_number("010", 8));
+  EXPECT_TRUE(is_number("0", 0));
+  for (const char* text : {"0x", "+-7", "--7", "7-", "0x-7", "1e400", "+", "-"})
+    EXPECT_NE(yaml_fault<std_msgs::msg::UInt64>(std::string("data: ") + text), "") << text;
 }
 
 TEST(FromYamlTest, WhatIsNotOfTheTypeIsNamedByItsPath) {

@@ -5,9 +5,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
+#include <locale>
 #include <optional>
+#include <sstream>
 
 #include "from_msg/lines.h"
 #include "from_msg/string_literal.h"
@@ -123,8 +124,11 @@ Result parse_real(sft_kind kind, std::string_view text) {
                     "cannot be written",
                     shown(text)));
   }
-  if (error == std::errc::result_out_of_range)
-    value = std::strtod(plain->c_str(), nullptr);  // tells 0 from infinity
+  if (error == std::errc::result_out_of_range) {
+    std::istringstream again(*plain);  // tells 0 from infinity
+    again.imbue(std::locale::classic());
+    if (!(again >> value)) value = std::numeric_limits<double>::infinity();
+  }
   const bool is_float = kind == SFT_FLOAT32;
   if (std::isinf(is_float ? static_cast<float>(value) : value)) {
     return Error(

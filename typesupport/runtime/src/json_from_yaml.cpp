@@ -2,10 +2,15 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <initializer_list>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "sft/detail/type_table.h"
@@ -51,6 +56,50 @@ bool has_more_than_one(const std::string& text) {
   Nothing nothing;
   parser.HandleNextDocument(nothing);
   return static_cast<bool>(parser);
+}
+
+// The numbers of YAML. yaml-cpp reads them with streams, which obey the global locale of the program: where
+// that has a decimal comma, 1.5 would be 15.
+
+/// A decimal number, or one that begins with 0x or, if it is octal, with 0. Nothing if that is not the whole
+/// text, or if the type cannot hold it.
+template <class Integer>
+std::optional<Integer> integer_of(std::string_view text) {
+  const bool is_negative = text.starts_with('-');
+  if (is_negative || text.starts_with('+')) text.remove_prefix(1);
+  int base = 10;
+  if (text.starts_with("0x") || text.starts_with("0X")) {
+    base = 16;
+    text.remove_prefix(2);
+  } else if (text.size() > 1 && text.front() == '0') {
+    base = 8;
+    text.remove_prefix(1);
+  }
+  // A sign, or none, stands before the digits only.
+  std::string digits = is_negative ? "-" : "";
+  if (text.empty() || text.front() == '-') return {};
+  digits += text;
+  Integer value = 0;
+  const char* const end = digits.data() + digits.size();
+  const auto [stop, error] = std::from_chars(digits.data(), end, value, base);
+  if (stop != end || error != std::errc{}) return {};
+  return value;
+}
+
+std::optional<double> real_of(std::string_view text) {
+  const bool is_negative = text.starts_with('-');
+  if (is_negative || text.starts_with('+')) text.remove_prefix(1);
+  const auto is_one_of = [text](std::initializer_list<std::string_view> words) {
+    return std::ranges::find(words, text) != words.end();
+  };
+  if (is_one_of({".inf", ".Inf", ".INF"}))
+    return std::copysign(std::numeric_limits<double>::infinity(), is_negative ? -1 : 1);
+  if (is_one_of({".nan", ".NaN", ".NAN"})) return std::numeric_limits<double>::quiet_NaN();
+  if (text.find_first_not_of("0123456789.eE+-") != text.npos || text.starts_with('-')) return {};
+  double value = 0;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (stop != text.data() + text.size() || error != std::errc{}) return {};
+  return is_negative ? -value : value;
 }
 
 /// Translates YAML to JSON, as deep as the type and no deeper. A value that does not fit the type becomes one
@@ -106,12 +155,12 @@ class JsonMaker {
     const bool is_text = node.Tag() == "!" || node.Tag() == "tag:yaml.org,2002:str";
     if (m.kind == Kind::string || m.kind == Kind::character || is_text) return node.Scalar();
     if (bool b = false; m.kind == Kind::boolean && YAML::convert<bool>::decode(node, b)) return b;
-    if (std::int64_t i = 0; YAML::convert<std::int64_t>::decode(node, i)) return i;
-    if (std::uint64_t u = 0; YAML::convert<std::uint64_t>::decode(node, u)) return u;
-    if (double d = 0; YAML::convert<double>::decode(node, d)) {
-      if (std::isnan(d)) return "NaN";
-      if (std::isinf(d)) return d < 0 ? "-Infinity" : "Infinity";
-      return d;
+    if (const auto i = integer_of<std::int64_t>(node.Scalar())) return *i;
+    if (const auto u = integer_of<std::uint64_t>(node.Scalar())) return *u;
+    if (const auto d = real_of(node.Scalar())) {
+      if (std::isnan(*d)) return "NaN";
+      if (std::isinf(*d)) return *d < 0 ? "-Infinity" : "Infinity";
+      return *d;
     }
     return node.Scalar();
   }

@@ -20,6 +20,11 @@ TEST(NamesTest, ANameHasOneTo255Bytes) {
   EXPECT_EQ(fault_of_name(std::string(256, 'n')), "has more than 255 bytes");
 }
 
+TEST(NamesTest, ASlashBeforeATopicDoesNotCount) {
+  EXPECT_EQ(fault_of_topic("/" + std::string(255, 'n')), "");
+  EXPECT_EQ(fault_of_topic("/" + std::string(256, 'n')), "has more than 255 bytes");
+}
+
 TEST(NamesTest, ControlCharactersAreInNoName) {
   for (const std::string& name :
        {"a\0b"s, "a\nb"s, "a\x1b[2Jb"s, "a\x7f"s, "a\tb"s, "\xc2\x9b"s /* C1: CSI */,

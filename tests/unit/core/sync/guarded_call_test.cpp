@@ -143,6 +143,41 @@ TEST(GuardedCallTest, TwoThatClearItFromWithinDoNotWaitForEachOther) {
   }
 }
 
+TEST(GuardedCallTest, FunctionsThatClearEachOthersCallsDoNotWaitForEachOther) {
+  for (const std::size_t threads : {2U, 3U, 5U}) {
+    for (int round = 0; round < 50; ++round) {
+      std::latch all_inside(static_cast<std::ptrdiff_t>(threads));
+      std::vector<std::unique_ptr<GuardedCall<>>> calls(threads);
+      for (std::size_t i = 0; i < threads; ++i) {
+        calls[i] = std::make_unique<GuardedCall<>>([&, i] {
+          all_inside.arrive_and_wait();
+          calls[(i + 1) % threads]->clear();
+        });
+      }
+      std::vector<std::thread> running;
+      for (const auto& call : calls) running.emplace_back([&] { (*call)(); });
+      for (std::thread& thread : running) thread.join();
+    }
+  }
+}
+
+TEST_F(GuardedCallOfAnotherThread, IsWaitedForFromOutsideThoughOthersWaitForEachOther) {
+  std::latch both_inside(2);
+  std::array<std::unique_ptr<GuardedCall<>>, 2> pair;
+  for (std::size_t i = 0; i < 2; ++i) {
+    pair[i] = std::make_unique<GuardedCall<>>([&, i] {
+      both_inside.arrive_and_wait();
+      pair[1 - i]->clear();
+    });
+  }
+  std::thread one([&] { (*pair[0])(); }), other([&] { (*pair[1])(); });
+  release();
+  call.clear();
+  EXPECT_TRUE(ended);
+  one.join();
+  other.join();
+}
+
 TEST_F(GuardedCallOfAnotherThread, KeepsOneThatClearsItFromWithinAndThatOneIsWaitedForFromOutside) {
   bool ended_here = false;
   std::thread outside;

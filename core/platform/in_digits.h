@@ -1,0 +1,16 @@
+// A number for people, the same whatever locale the program has chosen.
+#pragma once
+
+#include <charconv>
+#include <string>
+
+namespace sft::core {
+
+/// With six digits at most, as in "0.0001" or "1e+06".
+inline std::string in_digits(double value) {
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::general, 6).ptr;
+  return {text, end};
+}
+
+}  // namespace sft::core
