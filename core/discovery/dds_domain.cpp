@@ -161,6 +161,8 @@ Result<std::shared_ptr<const CycloneDomain>> cyclone_domain(const DomainPlan& pl
   // Cyclone does not survive a lack of them while it makes a domain.
   if (Result<void> enough = check_room_for(descriptors_of_a_domain, threads_of_a_domain); !enough)
     return tl::unexpected(enough.error());
+  if (Result<void> enough = check_room_for_select(descriptors_of_a_domain); !enough)
+    return tl::unexpected(enough.error());
   Result<MadeDomain> made = make_in_a_thread_with(plan, first_domain + open_domains.made++);
   if (!made) return tl::unexpected(made.error());
   if (made->entity < 0)

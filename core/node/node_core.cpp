@@ -25,7 +25,6 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
   if (!fault.empty())
     return fail(Errc::invalid_argument,
                 "the node's name " + in_quotes(options.name) + " " + std::string(fault));
-  const std::shared_ptr<BufferPool> heap = parts.heap;
   std::shared_ptr<NodeCore> node(new NodeCore(options, std::move(parts)), &NodeCore::dispose);
   if (options.log) {
     if (Result<void> started = node->callbacks_.start(); !started) return tl::unexpected(started.error());
@@ -49,7 +48,7 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
                                                .life_lease = node->discovery_->life_signs().lease,
                                                .memory = node->memory_.get(),
                                                .network = node->network_.get(),
-                                               .heap = heap,
+                                               .heap = node->heap_,
                                                .slots = node->wake_slots_,
                                                .dispatcher = node->dispatcher_,
                                                .poller = node->poller_,
@@ -59,6 +58,7 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
   const Agent::Duties duties{.tick =
                                  [node = node.get(), reconciler] {
                                    node->tell_of_calls_left_out();
+                                   node->heap_->give_back(std::chrono::steady_clock::now());
                                    return reconciler->tick();
                                  },
                              .idle = [reconciler] { return reconciler->reconcile(); }};
@@ -69,6 +69,7 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
 
 NodeCore::NodeCore(const NodeOptions& options, Parts parts)
     : options_(options),
+      heap_(std::move(parts.heap)),
       id_(random_id()),
       network_id_(network_id()),
       memory_(std::move(parts.memory)),

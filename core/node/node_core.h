@@ -90,6 +90,7 @@ class NodeCore final : private DiscoveryListener {
   KeptTypes kept_types_;  ///< outlive everything below
 
   const NodeOptions options_;
+  const std::shared_ptr<BufferPool> heap_;
   const NodeId id_;
   const std::uint64_t network_id_;
   const std::unique_ptr<SharedMemory> memory_;

@@ -5,6 +5,7 @@
 #include <pthread.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
+#include <sys/select.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -30,13 +31,19 @@ std::string limit_of(Resource resource) {
   return std::to_string(limit.rlim_cur);
 }
 
+/// So many free descriptors, those with the lowest numbers. Fewer if there are no more: errno says why.
+std::vector<FileDescriptor> take_descriptors(std::size_t count) {
+  std::vector<FileDescriptor> taken;
+  taken.reserve(count);
+  taken.emplace_back(::open("/dev/null", O_RDONLY | O_CLOEXEC));
+  while (taken.back() && taken.size() < count)
+    taken.emplace_back(::fcntl(taken.front().get(), F_DUPFD_CLOEXEC, 0));
+  if (!taken.back()) taken.pop_back();
+  return taken;
+}
+
 Result<void> check_descriptors(std::size_t count) {
-  const FileDescriptor first(::open("/dev/null", O_RDONLY | O_CLOEXEC));
-  std::vector<FileDescriptor> spare;
-  spare.reserve(count);
-  while (first && spare.size() + 1 < count && (spare.empty() || spare.back()))
-    spare.emplace_back(::fcntl(first.get(), F_DUPFD_CLOEXEC, 0));
-  if (first && (spare.empty() || spare.back())) return {};
+  if (take_descriptors(count).size() == count) return {};
   return fail(Errc::limit_exceeded,
               std::string("there are too few file descriptors (") + std::strerror(errno) +
                   "); this process may have " + limit_of(RLIMIT_NOFILE) +
@@ -128,6 +135,16 @@ Result<void> check_room_for(std::size_t descriptors, std::size_t threads) {
   if (Result<void> enough = check_descriptors(descriptors); !enough) return enough;
   if (Result<void> enough = check_addresses(threads); !enough) return enough;
   return check_threads(threads);
+}
+
+Result<void> check_room_for_select(std::size_t descriptors) {
+  const std::vector<FileDescriptor> lowest = take_descriptors(descriptors);
+  const bool fits = lowest.size() == descriptors && lowest.back().get() < FD_SETSIZE;
+  if (fits) return {};
+  return fail(Errc::limit_exceeded,
+              "Cyclone DDS needs " + std::to_string(descriptors) + " file descriptors with numbers below " +
+                  std::to_string(FD_SETSIZE) +
+                  ", and this program has others open there: open nodes before so many files, or close some");
 }
 
 Result<void> raise_inherited_limits(std::size_t descriptors) {

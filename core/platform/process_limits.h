@@ -12,6 +12,10 @@ namespace sft::core {
 /// addresses that so many threads need, and starts so many unless all limits are far, and gives all back.
 Result<void> check_room_for(std::size_t descriptors, std::size_t threads);
 
+/// Errc::limit_exceeded if this process does not have so many free file descriptors with numbers that
+/// select(2) can take: a program that calls it with a greater one is ended by the C library.
+Result<void> check_room_for_select(std::size_t descriptors);
+
 /// Raises the limits of this process, each as far as an ordinary account can, and takes its priority back to
 /// the usual one. For a service that a program has started, whose limits it inherits. Errc::limit_exceeded if
 /// it then has fewer file descriptors, or if the system would end it after some processor time.

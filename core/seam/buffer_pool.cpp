@@ -50,7 +50,10 @@ void release(std::byte* data, std::size_t capacity) noexcept {
   ::operator delete(data, alignment_of(capacity));
 }
 
+/// The allocator may keep a large block for the program; the system gets its pages all the same.
 void destroy(SampleBuffer* buffer) noexcept {
+  if (buffer->capacity >= huge_page_bytes)
+    ::madvise(buffer->data, buffer->capacity / page_bytes * page_bytes, MADV_DONTNEED);
   release(buffer->data, buffer->capacity);
   delete buffer;
 }
@@ -74,11 +77,7 @@ SampleHandle BufferPool::take(std::size_t bytes, std::size_t leave_bytes) noexce
     const Lock lock(mutex_);
     if (lent_bytes_ + capacity + leave_bytes > limit_bytes_) return {};
     lent_bytes_ += capacity;
-    auto& list = free_[size_class];
-    if (!list.empty()) {
-      buffer = list.back();
-      list.pop_back();
-    }
+    buffer = pick(size_class);
   }
   if (buffer == nullptr) buffer = make_buffer(capacity);
   if (buffer == nullptr) {
@@ -105,13 +104,21 @@ void BufferPool::take_kept(std::size_t bytes, std::size_t leave_bytes, std::size
   const std::shared_ptr<BufferOwner> self = shared_from_this();
   buffers.reserve(buffers.size() + count);
   const Lock lock(mutex_);
-  auto& list = free_[size_class];
-  for (; count > 0 && !list.empty(); --count) {
+  for (; count > 0 && !free_[size_class].empty(); --count) {
     if (lent_bytes_ + capacity + leave_bytes > limit_bytes_) return;
     lent_bytes_ += capacity;
-    buffers.push_back(hand_out(*list.back(), self));
-    list.pop_back();
+    buffers.push_back(hand_out(*pick(size_class), self));
   }
+}
+
+/// The one that was used last, which is the likeliest to be in a cache; null if none is kept.
+SampleBuffer* BufferPool::pick(std::size_t size_class) noexcept {
+  auto& list = free_[size_class];
+  if (list.empty()) return nullptr;
+  SampleBuffer* const buffer = list.back();
+  list.pop_back();
+  unneeded_[size_class] = std::min(unneeded_[size_class], list.size());
+  return buffer;
 }
 
 SampleBuffer* BufferPool::make_buffer(std::size_t capacity) noexcept {
@@ -174,6 +181,33 @@ bool BufferPool::stock_one(std::size_t size_class) noexcept {
   const Lock lock(mutex_);
   keep(*buffer);
   return true;
+}
+
+/// Those that have not been used for longest are the first of their list.
+void BufferPool::give_back(Time now) noexcept {
+  if (now < period_ends_) return;
+  const bool is_first_look = period_ends_ == Time{};
+  period_ends_ = now + period;
+  for (std::size_t size_class = 0; size_class < classes; ++size_class) {
+    for (bool goes_on = true; goes_on;) {
+      SampleBuffer* unneeded = nullptr;
+      {
+        const Lock lock(mutex_);
+        auto& list = free_[size_class];
+        std::size_t& count = unneeded_[size_class];
+        goes_on = !is_first_look && count > 0 && !list.empty();
+        if (goes_on) {
+          unneeded = list.front();
+          list.erase(list.begin());
+          held_bytes_ -= unneeded->capacity;
+          --count;
+        } else {
+          count = list.size();
+        }
+      }
+      if (unneeded != nullptr) destroy(unneeded);
+    }
+  }
 }
 
 /// Frees kept buffers of other sizes until `needed` bytes fit within the limit.

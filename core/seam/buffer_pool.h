@@ -6,10 +6,12 @@
 
 #include <array>
 #include <bitset>
+#include <chrono>
 #include <cstddef>
 #include <memory>
 #include <vector>
 
+#include "core/platform/clock.h"
 #include "core/seam/sample_buffer.h"
 #include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
@@ -38,6 +40,11 @@ class BufferPool final : public BufferOwner, public std::enable_shared_from_this
   /// many times. To be called now and then, by a thread for which nobody waits.
   void stock() noexcept;
 
+  /// Gives the system back what was kept and not needed at any moment of the last period, as after a peak of
+  /// load. To be called now and then, by a thread for which nobody waits.
+  void give_back(Time now) noexcept;
+  static constexpr std::chrono::seconds period{30};
+
   std::size_t limit_bytes() const { return limit_bytes_; }
 
   void recycle(SampleBuffer& buffer) noexcept override;
@@ -51,11 +58,15 @@ class BufferPool final : public BufferOwner, public std::enable_shared_from_this
   bool reserve(std::size_t capacity) noexcept;
   SampleBuffer* make_reserved(std::size_t capacity) noexcept;
   bool stock_one(std::size_t size_class) noexcept;
+  SampleBuffer* pick(std::size_t size_class) noexcept SFT_REQUIRES(mutex_);
   void keep(SampleBuffer& buffer) noexcept SFT_REQUIRES(mutex_);
   void shrink(std::size_t needed) noexcept;
 
   Mutex mutex_ SFT_ACQUIRED_AFTER(lock_order::jobs);  // held for a few instructions, never over an allocation
   std::array<std::vector<SampleBuffer*>, classes> free_ SFT_GUARDED_BY(mutex_);
+  /// The fewest buffers of a size that were kept at any moment of the period.
+  std::array<std::size_t, classes> unneeded_ SFT_GUARDED_BY(mutex_){};
+  Time period_ends_{};                                    ///< for give_back() alone
   std::bitset<classes> expected_ SFT_GUARDED_BY(mutex_);  ///< sizes that stock() has to look at
   std::size_t held_bytes_ SFT_GUARDED_BY(mutex_) = 0;     ///< lent and kept
   std::size_t lent_bytes_ SFT_GUARDED_BY(mutex_) = 0;

@@ -79,6 +79,25 @@ TEST_F(BadInputTest, AProgramWithTooFewDescriptorsGetsAnErrorThatSaysSo) {
   EXPECT_EQ(opened_with(200), Opened::node);
 }
 
+/// Services often have a higher limit than select(2), by which Cyclone DDS waits, can handle.
+TEST_F(BadInputTest, AProgramWithMoreOpenFilesThanSelectCanTakeGetsAnErrorThatSaysSo) {
+  rlimit usual{};
+  getrlimit(RLIMIT_NOFILE, &usual);
+  if (usual.rlim_max < 4096) GTEST_SKIP() << "the limit on open files cannot be raised";
+  const auto opened_beside = [&](int files) {
+    return opened_by_child(
+        [&] {
+          const rlimit limit{4096, usual.rlim_max};
+          setrlimit(RLIMIT_NOFILE, &limit);
+          for (int i = 0; i < files; ++i) static_cast<void>(::open("/dev/null", O_RDONLY));
+        },
+        "with numbers below 1024");
+  };
+  for (const int files : {1000, 1006, 1015, 1021, 2000, 3000})
+    EXPECT_EQ(opened_beside(files), Opened::limit_exceeded) << files;
+  EXPECT_EQ(opened_beside(800), Opened::node);
+}
+
 TEST_F(BadInputTest, WhoMayNotWriteFilesHasANodeForUdp) {
   for (const rlim_t bytes : {0, 1000, 65'535, 65'536, 10'000'000}) {
     EXPECT_EQ(opened_by_child(

@@ -1,16 +1,22 @@
 // Nodes on robots: network interfaces come late, change their addresses, lose their cables, are replaced; and
 // users list them rightly, wrongly, or not at all.
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/select.h>
 #include <unistd.h>
 
 #include <sft/sft.h>
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstdio>
 #include <cstring>
 #include <memory>
 #include <sensor_msgs/msg/PointCloud2.hpp>
+#include <vector>
 
+#include "core/platform/file_descriptor.h"
 #include "tests/support/eventually.h"
 #include "tests/support/isolated_host.h"
 #include "tests/system/node_process.h"
@@ -27,6 +33,7 @@ using namespace std::chrono_literals;
 struct Report {
   std::atomic<bool> failed{false};
   std::atomic<bool> opened{false};
+  std::atomic<bool> may_close_files{false};
   std::atomic<std::size_t> matched{0};
   std::atomic<std::uint64_t> taken{0};
   std::array<std::atomic<char>, 400> discovery{};  ///< the text of its status
@@ -313,6 +320,34 @@ TEST_F(LinksTest, NodesOfOneHostFindEachOtherWhateverItsNetworkDoes) {
   EXPECT_TRUE(publisher.says("huc is not there"));
   EXPECT_TRUE(comes_soon(subscriber));
   EXPECT_EQ(publisher.report().matched, 1U);
+}
+
+/// Files take all descriptors that select(2) can name, until the test lets the program close them.
+void publish_beside_many_files(Node& node, Report& report) {
+  rlimit limit{};
+  getrlimit(RLIMIT_NOFILE, &limit);
+  limit.rlim_cur = std::min<rlim_t>(limit.rlim_max, 4096);
+  setrlimit(RLIMIT_NOFILE, &limit);
+  std::vector<core::FileDescriptor> files;
+  while (files.empty() || files.back().get() < 2 * FD_SETSIZE)
+    files.emplace_back(open("/dev/null", O_RDONLY));
+  while (!report.may_close_files) {
+    report.tell(node.status().discovery);
+    poll(nullptr, 0, 5);
+  }
+  files.clear();
+  publish(node, report);
+}
+
+TEST_F(LinksTest, AnInterfaceThatComesWhileAProgramHasManyFilesIsUsedOnceItHasFewer) {
+  const NodeProcess publisher(host(robot), options(), publish_beside_many_files);
+  ASSERT_TRUE(publisher.is_open());
+  plug_in(desk, "huc", "10.0.0.2");
+  const NodeProcess subscriber(host(desk), options(), subscribe);
+  plug_in(robot, "huc", "10.0.0.1");
+  EXPECT_TRUE(publisher.says("file descriptors with numbers below 1024")) << publisher.report().told();
+  publisher.report().may_close_files = true;
+  EXPECT_TRUE(comes_soon(subscriber));
 }
 
 TEST_F(LinksTest, WithoutAnyInterfaceANodeSaysSo) {

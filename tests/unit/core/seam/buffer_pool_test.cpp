@@ -63,6 +63,42 @@ std::size_t kept_by(BufferPool& pool, std::size_t bytes) {
   return kept.size();
 }
 
+/// All of the size that are taken at once.
+std::vector<SampleHandle> take(BufferPool& pool, std::size_t count, std::size_t bytes = large_bytes) {
+  std::vector<SampleHandle> taken(count);
+  for (SampleHandle& one : taken) one = pool.take(bytes);
+  return taken;
+}
+
+TEST(BufferPoolTest, WhatWasNotNeededForAWholePeriodGoesBackToTheSystem) {
+  const auto pool = BufferPool::make(256 << 20);
+  const Time begin = std::chrono::steady_clock::now();
+  constexpr auto period = BufferPool::period;
+  pool->give_back(begin);
+  take(*pool, 10);  // a peak
+  EXPECT_EQ(kept_by(*pool, large_bytes), 10U);
+  pool->give_back(begin + period);
+  EXPECT_EQ(kept_by(*pool, large_bytes), 10U) << "they were needed in this period";
+  for (int i = 0; i < 100; ++i) take(*pool, 3);
+  pool->give_back(begin + 2 * period - std::chrono::milliseconds(1));
+  EXPECT_EQ(kept_by(*pool, large_bytes), 10U) << "the period is not over";
+}
+
+TEST(BufferPoolTest, WhatIsInUseAgainAndAgainIsKept) {
+  const auto pool = BufferPool::make(256 << 20);
+  Time now = std::chrono::steady_clock::now();
+  pool->give_back(now);
+  take(*pool, 10);
+  for (int i = 0; i < 5; ++i) {
+    pool->give_back(now += BufferPool::period);
+    take(*pool, 3);
+  }
+  EXPECT_EQ(kept_by(*pool, large_bytes), 3U);
+  pool->give_back(now += BufferPool::period);
+  pool->give_back(now += BufferPool::period);
+  EXPECT_EQ(kept_by(*pool, large_bytes), 0U) << "nobody sends any more";
+}
+
 TEST(BufferPoolTest, StocksNothingThatIsSmallOrWasNotExpectedOrIsStillKept) {
   const auto pool = BufferPool::make(256 << 20);
   const SampleHandle taken = pool->take(large_bytes);
