@@ -65,15 +65,14 @@ class UdpTransport final : public core::Network {
       send_side_->destinations.look_after(now, anew);
     }
     if (send_side_->pool != nullptr) send_side_->pool->stock();
-    return receiver_->broken() ? core::Availability::unavailable : core::Availability::ready;
+    return receiver_->health().is_broken ? core::Availability::unavailable : core::Availability::ready;
   }
 
   std::chrono::steady_clock::time_point next_poll() const override { return send_side_->writers.next(); }
 
   std::string description() const override {
-    if (receiver_->broken())
-      return description_ + ": the system refused to go on receiving; open the transport again";
-    const std::string fell_back = receiver_->fell_back();
+    const auto [is_broken, fell_back] = receiver_->health();
+    if (is_broken) return description_ + ": the system refused to go on receiving; open the transport again";
     if (fell_back.empty()) return description_;
     return description_ +
            ", which receives by plain sockets since io_uring cannot be used any more: " + fell_back;
@@ -82,7 +81,7 @@ class UdpTransport final : public core::Network {
   void add_to(NodeStatus& status) const override {
     status.quick_paths = quick_paths_;
     NodeStatus::QuickPath& io_uring = status.quick_paths.front();
-    if (io_uring.why_not.empty()) io_uring.why_not = receiver_->fell_back();
+    if (io_uring.why_not.empty()) io_uring.why_not = receiver_->health().fell_back;
     status.io_uring_in_use = io_uring.why_not.empty();
   }
 

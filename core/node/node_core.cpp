@@ -25,6 +25,7 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
   if (!fault.empty())
     return fail(Errc::invalid_argument,
                 "the node's name " + in_quotes(options.name) + " " + std::string(fault));
+  const std::shared_ptr<BufferPool> heap = parts.heap;
   std::shared_ptr<NodeCore> node(new NodeCore(options, std::move(parts)), &NodeCore::dispose);
   if (options.log) {
     if (Result<void> started = node->callbacks_.start(); !started) return tl::unexpected(started.error());
@@ -48,7 +49,7 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
                                                .life_lease = node->discovery_->life_signs().lease,
                                                .memory = node->memory_.get(),
                                                .network = node->network_.get(),
-                                               .heap = node->heap_,
+                                               .heap = heap,
                                                .slots = node->wake_slots_,
                                                .dispatcher = node->dispatcher_,
                                                .poller = node->poller_,
@@ -56,9 +57,9 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
                          node->news_of_endpoints());
   Reconciler* const reconciler = node->reconciler_.get();
   const Agent::Duties duties{.tick =
-                                 [node = node.get(), reconciler] {
+                                 [node = node.get(), reconciler, heap] {
                                    node->tell_of_calls_left_out();
-                                   node->heap_->give_back(std::chrono::steady_clock::now());
+                                   heap->give_back(std::chrono::steady_clock::now());
                                    return reconciler->tick();
                                  },
                              .idle = [reconciler] { return reconciler->reconcile(); }};
@@ -69,7 +70,6 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
 
 NodeCore::NodeCore(const NodeOptions& options, Parts parts)
     : options_(options),
-      heap_(std::move(parts.heap)),
       id_(random_id()),
       network_id_(network_id()),
       memory_(std::move(parts.memory)),
@@ -213,7 +213,7 @@ void NodeCore::links_changed(const std::string& summary) {
 }
 
 void NodeCore::link_was_deaf(const std::string& what) {
-  links_renewed_.fetch_add(1, std::memory_order_relaxed);
+  counts_.links_renewed.fetch_add(1, std::memory_order_relaxed);
   log_.write(LogLevel::warning, "discovery: " + what);
 }
 
@@ -222,7 +222,7 @@ void NodeCore::other_release_found(const std::string& what) {
 }
 
 void NodeCore::control_malformed(std::string why) {
-  const std::uint64_t refused = control_malformed_.fetch_add(1, std::memory_order_relaxed) + 1;
+  const std::uint64_t refused = counts_.malformed.fetch_add(1, std::memory_order_relaxed) + 1;
   // Whoever floods us must not fill the agent's queue: one complaint in a while is enough.
   const auto now = std::chrono::steady_clock::now();
   if (!log_.wants(LogLevel::warning) || now < next_complaint_.load(std::memory_order_relaxed)) return;
@@ -357,8 +357,8 @@ NodeStatus NodeCore::status() const {
     status.shm_samples_malformed = counters.malformed;
     status.shm_over_limit = counters.over_limit;
   }
-  status.control_malformed = control_malformed_.load(std::memory_order_relaxed);
-  status.links_renewed = links_renewed_.load(std::memory_order_relaxed);
+  status.control_malformed = counts_.malformed.load(std::memory_order_relaxed);
+  status.links_renewed = counts_.links_renewed.load(std::memory_order_relaxed);
   status.control_ignored = reconciler_->control_ignored();
   return status;
 }

@@ -90,14 +90,15 @@ class NodeCore final : private DiscoveryListener {
   KeptTypes kept_types_;  ///< outlive everything below
 
   const NodeOptions options_;
-  const std::shared_ptr<BufferPool> heap_;
   const NodeId id_;
   const std::uint64_t network_id_;
   const std::unique_ptr<SharedMemory> memory_;
   const std::unique_ptr<Network> network_;
   WakeSlots wake_slots_;
-  std::atomic<std::uint64_t> control_malformed_{0};
-  std::atomic<std::uint64_t> links_renewed_{0};
+  struct DiscoveryCounts {
+    std::atomic<std::uint64_t> malformed{0}, links_renewed{0};
+  };
+  DiscoveryCounts counts_;
   std::atomic<Time> next_complaint_{};  ///< about malformed control traffic; not before
   CallbackThread callbacks_;            ///< for events, readers and the log
   NodeLog log_;                         ///< the agent's; it posts to the thread for callbacks

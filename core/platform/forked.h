@@ -21,7 +21,7 @@ bool is_forked_copy() noexcept;
 
 /// What everything that a copy asks for is answered with.
 inline constexpr const char* refuses_forked_copies =
-    "this process was forked from one that has a node: open nodes only after fork(), or begin another program "
-    "in the new process (exec)";
+    "this process was forked from one that has a node: open nodes only after fork(), or begin another "
+    "program in the new process (exec)";
 
 }  // namespace sft::core

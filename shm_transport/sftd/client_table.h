@@ -1,10 +1,10 @@
 // The processes that have registered with the daemon, and which of them are dead.
 //
-// A process is known by its runtime name, which is also the name of its socket in /tmp. If the name tells that
-// the process has the daemon's pid namespace, it is dead when its pid is: a forked copy of it may still have
-// the socket. The pid of a process in another container can belong to another process here, and only tells
-// when to look at the socket: that process is dead when no process listens there any more. The pid decides
-// then only if this user may not ask the socket, or if another process has removed the socket.
+// A process is known by its runtime name, which is also the name of its socket in /tmp. If the name tells
+// that the process has the daemon's pid namespace, it is dead when its pid is: a forked copy of it may still
+// have the socket. The pid of a process in another container can belong to another process here, and only
+// tells when to look at the socket: that process is dead when no process listens there any more. The pid
+// decides then only if this user may not ask the socket, or if another process has removed the socket.
 #pragma once
 
 #include <chrono>

@@ -57,10 +57,11 @@ class ReceiveLoop final : private DatagramSink, public std::enable_shared_from_t
 
   SubscriptionDirectory& subscriptions() { return delivery_.subscriptions(); }
   core::Transport::Counters counters() const noexcept { return published_.load(); }
-  /// The system gave up on the socket.
-  bool broken() const noexcept { return broken_.load(std::memory_order_relaxed); }
-  /// See DatagramReceiver::fell_back().
-  std::string fell_back() const { return io_->fell_back(); }
+  struct Health {
+    bool is_broken = false;   ///< the system gave up on the socket
+    std::string fell_back{};  ///< see DatagramReceiver::fell_back()
+  };
+  Health health() const { return {broken_.load(std::memory_order_relaxed), io_->fell_back()}; }
 
  private:
   using Time = std::chrono::steady_clock::time_point;

@@ -188,8 +188,9 @@ TEST_F(CommandTest, DoctorTellsOfEachPartAndItsExitCodeIsTheWorst) {
     EXPECT_EQ(check["to_do"] == "", health == "ok") << check.dump();
   }
   EXPECT_EQ(ended.code, worst);
-  for (const char* part : {"interfaces", "multicast", "udp", "io_uring", "GSO", "GRO", "huge pages",
-                           "memlock", "buffers", "/dev/shm", "sftd", "users", "clock", "kernel", "loopback", "domain"}) {
+  for (const char* part :
+       {"interfaces", "multicast", "udp", "io_uring", "GSO", "GRO", "huge pages", "memlock", "buffers",
+        "/dev/shm", "sftd", "users", "clock", "kernel", "loopback", "domain"}) {
     EXPECT_TRUE(parts.contains(part)) << part;
   }
   const Ended text = run_tool({"doctor"});
