@@ -326,11 +326,10 @@ TEST_F(LinksTest, NodesOfOneHostFindEachOtherWhateverItsNetworkDoes) {
 void publish_beside_many_files(Node& node, Report& report) {
   rlimit limit{};
   getrlimit(RLIMIT_NOFILE, &limit);
-  limit.rlim_cur = std::min<rlim_t>(limit.rlim_max, 4096);
+  limit = {.rlim_cur = 4096, .rlim_max = std::max<rlim_t>(limit.rlim_max, 4096)};
   setrlimit(RLIMIT_NOFILE, &limit);
   std::vector<core::FileDescriptor> files;
-  while (files.empty() || files.back().get() < 2 * FD_SETSIZE)
-    files.emplace_back(open("/dev/null", O_RDONLY));
+  while (files.size() < 2 * FD_SETSIZE) files.emplace_back(open("/dev/null", O_RDONLY));
   while (!report.may_close_files) {
     report.tell(node.status().discovery);
     poll(nullptr, 0, 5);
