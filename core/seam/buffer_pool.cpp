@@ -183,31 +183,31 @@ bool BufferPool::stock_one(std::size_t size_class) noexcept {
   return true;
 }
 
-/// Those that have not been used for longest are the first of their list.
+/// Those that have not been used for longest are the first of their list. There may be very many small ones:
+/// what one call leaves, the next one gives back.
 void BufferPool::give_back(Time now) noexcept {
   if (now < period_ends_) return;
-  const bool is_first_look = period_ends_ == Time{};
-  period_ends_ = now + period;
-  for (std::size_t size_class = 0; size_class < classes; ++size_class) {
-    for (bool goes_on = true; goes_on;) {
-      SampleBuffer* unneeded = nullptr;
-      {
-        const Lock lock(mutex_);
-        auto& list = free_[size_class];
-        std::size_t& count = unneeded_[size_class];
-        goes_on = !is_first_look && count > 0 && !list.empty();
-        if (goes_on) {
-          unneeded = list.front();
-          list.erase(list.begin());
-          held_bytes_ -= unneeded->capacity;
-          --count;
-        } else {
-          count = list.size();
-        }
-      }
-      if (unneeded != nullptr) destroy(unneeded);
+  std::array<SampleBuffer*, 1024> unneeded{};
+  std::size_t found = 0;
+  {
+    const Lock lock(mutex_);
+    for (std::size_t size_class = 0; size_class < classes; ++size_class) {
+      auto& list = free_[size_class];
+      const std::size_t count = std::min({unneeded_[size_class], list.size(), unneeded.size() - found});
+      const auto end = list.begin() + static_cast<std::ptrdiff_t>(count);
+      std::copy(list.begin(), end, unneeded.begin() + static_cast<std::ptrdiff_t>(found));
+      list.erase(list.begin(), end);
+      unneeded_[size_class] -= count;
+      held_bytes_ -= count * capacity_of(size_class);
+      found += count;
+    }
+    if (found < unneeded.size()) {
+      period_ends_ = now + period;
+      for (std::size_t size_class = 0; size_class < classes; ++size_class)
+        unneeded_[size_class] = free_[size_class].size();
     }
   }
+  std::for_each(unneeded.begin(), unneeded.begin() + static_cast<std::ptrdiff_t>(found), destroy);
 }
 
 /// Frees kept buffers of other sizes until `needed` bytes fit within the limit.

@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <thread>
-#include <tuple>
 
 #include "core/platform/clock.h"
 #include "core/platform/doorbell.h"

@@ -195,8 +195,7 @@ struct PublisherOptions {
   /// any callback it may be called before the function that opens the publisher has returned. It may publish,
   /// if no other thread does so at the same time.
   std::function<void(const PublisherStatus&)> on_readers_changed{};
-  Event::Callback
-      on_event{};  ///< called with what happens to its pairs, on the node's agent thread: be short
+  Event::Callback on_event{};  ///< called with what happens to its pairs, on the node's thread for events
 };
 
 /// One subscriber. A duration of 0 means none: any deadline and any liveliness fit. Others are at least 1 ms.
@@ -272,9 +271,8 @@ struct SubscriberOptions {
   /// True: the subscriber has a Subscriber::file_descriptor(), and its node a thread that makes it readable
   /// for samples in shared memory. Not together with a callback.
   bool pollable = false;
-  Recording recording{};  ///< how fields are found out where they are recorded
-  Event::Callback
-      on_event{};  ///< called with what happens to its pairs, on the node's agent thread: be short
+  Recording recording{};       ///< how fields are found out where they are recorded
+  Event::Callback on_event{};  ///< called with what happens to its pairs, on the node's thread for events
 };
 
 }  // namespace sft

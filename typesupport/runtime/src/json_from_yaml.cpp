@@ -2,15 +2,15 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <initializer_list>
 #include <limits>
+#include <locale>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 
 #include "sft/detail/type_table.h"
@@ -58,48 +58,26 @@ bool has_more_than_one(const std::string& text) {
   return static_cast<bool>(parser);
 }
 
-// The numbers of YAML. yaml-cpp reads them with streams, which obey the global locale of the program: where
-// that has a decimal comma, 1.5 would be 15.
-
-/// A decimal number, or one that begins with 0x or, if it is octal, with 0. Nothing if that is not the whole
-/// text, or if the type cannot hold it.
-template <class Integer>
-std::optional<Integer> integer_of(std::string_view text) {
-  const bool is_negative = text.starts_with('-');
-  if (is_negative || text.starts_with('+')) text.remove_prefix(1);
-  int base = 10;
-  if (text.starts_with("0x") || text.starts_with("0X")) {
-    base = 16;
-    text.remove_prefix(2);
-  } else if (text.size() > 1 && text.front() == '0') {
-    base = 8;
-    text.remove_prefix(1);
-  }
-  // A sign, or none, stands before the digits only.
-  std::string digits = is_negative ? "-" : "";
-  if (text.empty() || text.front() == '-') return {};
-  digits += text;
-  Integer value = 0;
-  const char* const end = digits.data() + digits.size();
-  const auto [stop, error] = std::from_chars(digits.data(), end, value, base);
-  if (stop != end || error != std::errc{}) return {};
+/// Reads a number as yaml-cpp does, but for the global locale of the program, which that obeys: where it has
+/// a decimal comma, 1.5 would be 15. Nothing if that is not the whole text, or if the type cannot hold it.
+template <class Number>
+std::optional<Number> number_of(const std::string& text) {
+  std::istringstream in(text);
+  in.imbue(std::locale::classic());
+  in.unsetf(std::ios::dec);  // 0x is hexadecimal, and 0 octal
+  if (std::is_unsigned_v<Number> && in.peek() == '-') return {};
+  Number value{};
+  if (!(in >> std::noskipws >> value) || in.peek() != std::istringstream::traits_type::eof()) return {};
   return value;
 }
 
-std::optional<double> real_of(std::string_view text) {
-  const bool is_negative = text.starts_with('-');
-  if (is_negative || text.starts_with('+')) text.remove_prefix(1);
-  const auto is_one_of = [text](std::initializer_list<std::string_view> words) {
-    return std::ranges::find(words, text) != words.end();
-  };
-  if (is_one_of({".inf", ".Inf", ".INF"}))
-    return std::copysign(std::numeric_limits<double>::infinity(), is_negative ? -1 : 1);
-  if (is_one_of({".nan", ".NaN", ".NAN"})) return std::numeric_limits<double>::quiet_NaN();
-  if (text.find_first_not_of("0123456789.eE+-") != text.npos || text.starts_with('-')) return {};
-  double value = 0;
-  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (stop != text.data() + text.size() || error != std::errc{}) return {};
-  return is_negative ? -value : value;
+std::optional<double> real_of(const std::string& text) {
+  const bool has_sign = text.starts_with('-') || text.starts_with('+');
+  const std::string_view digits = std::string_view(text).substr(has_sign ? 1 : 0);
+  if (digits == ".inf" || digits == ".Inf" || digits == ".INF")
+    return text.starts_with('-') ? -HUGE_VAL : HUGE_VAL;
+  if (text == ".nan" || text == ".NaN" || text == ".NAN") return std::numeric_limits<double>::quiet_NaN();
+  return number_of<double>(text);
 }
 
 /// Translates YAML to JSON, as deep as the type and no deeper. A value that does not fit the type becomes one
@@ -155,8 +133,8 @@ class JsonMaker {
     const bool is_text = node.Tag() == "!" || node.Tag() == "tag:yaml.org,2002:str";
     if (m.kind == Kind::string || m.kind == Kind::character || is_text) return node.Scalar();
     if (bool b = false; m.kind == Kind::boolean && YAML::convert<bool>::decode(node, b)) return b;
-    if (const auto i = integer_of<std::int64_t>(node.Scalar())) return *i;
-    if (const auto u = integer_of<std::uint64_t>(node.Scalar())) return *u;
+    if (const auto i = number_of<std::int64_t>(node.Scalar())) return *i;
+    if (const auto u = number_of<std::uint64_t>(node.Scalar())) return *u;
     if (const auto d = real_of(node.Scalar())) {
       if (std::isnan(*d)) return "NaN";
       if (std::isinf(*d)) return *d < 0 ? "-Infinity" : "Infinity";

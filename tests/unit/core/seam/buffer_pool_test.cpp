@@ -84,6 +84,23 @@ TEST(BufferPoolTest, WhatWasNotNeededForAWholePeriodGoesBackToTheSystem) {
   EXPECT_EQ(kept_by(*pool, large_bytes), 10U) << "the period is not over";
 }
 
+TEST(BufferPoolTest, VeryManyBuffersGoBackInParts) {
+  const auto pool = BufferPool::make(256 << 20);
+  Time now = std::chrono::steady_clock::now();
+  constexpr std::size_t many = 5'000, bytes = 500;
+  take(*pool, many, bytes);
+  pool->give_back(now);
+  pool->give_back(now += BufferPool::period);
+  {
+    std::vector<SampleHandle> kept;
+    pool->take_kept(bytes, 0, many, kept);
+    EXPECT_GT(kept.size(), 0U) << "one call would hold up its thread";
+    EXPECT_LT(kept.size(), many);
+  }
+  for (int calls = 0; calls < 10; ++calls) pool->give_back(now += BufferPool::period);
+  EXPECT_EQ(kept_by(*pool, bytes), 0U);
+}
+
 TEST(BufferPoolTest, WhatIsInUseAgainAndAgainIsKept) {
   const auto pool = BufferPool::make(256 << 20);
   Time now = std::chrono::steady_clock::now();
