@@ -2,6 +2,7 @@
 // tell of changes; status() and snapshot() tell how things stand.
 #include <sft/sft.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <iostream>
@@ -11,9 +12,12 @@
 using namespace std::chrono_literals;
 using std_msgs::msg::Float64;
 
+std::atomic<int> deadlines_missed{0};
+
 /// Events come on a thread of the node, which does nothing else meanwhile: they are to be handled quickly.
 sft::Event::Callback print_events_of(const char* whose) {
   return [whose](const sft::Event& event) {
+    if (event.kind == sft::Event::Kind::deadline_missed) ++deadlines_missed;
     std::printf("%s: %s (%s)\n", whose, to_string(event.kind), event.text.c_str());
   };
 }
@@ -40,7 +44,8 @@ int main(int argc, char**) {
     speed->publish({.data = 0.1 * i});
     std::this_thread::sleep_for(50ms);
   }
-  std::this_thread::sleep_for(500ms);  // too long for the deadline
+  // Now nothing is published for longer than the deadline, and both sides are told so.
+  for (int i = 0; i < 500 && deadlines_missed < 2; ++i) std::this_thread::sleep_for(10ms);
 
   for (const sft::PublisherStatus::Reader& reader : speed->status().readers) {
     std::printf("reader: %s, %lu sent: %s\n", reader.served ? to_string(reader.transport) : "not served",
