@@ -252,15 +252,15 @@ sft_control_Endpoint to_dds(const Endpoint& endpoint, ControlStorage& storage) {
 
 sft_control_ReaderWord in_word(sft_control_Endpoint& announcement) {
   sft_control_ReaderWord word{};
-  word.reader = announcement.id;
+  word.instance = announcement.instance;
   word.part = static_cast<std::uint8_t>(ReaderPart::announcement);
   word.announcement = {1, 1, &announcement, false};
   return word;
 }
 
-sft_control_ReaderWord in_word(sft_control_Request& request) {
+sft_control_ReaderWord in_word(sft_control_Request& request, std::uint64_t key) {
   sft_control_ReaderWord word{};
-  word.reader = request.reader;
+  word.instance = key;
   word.part = static_cast<std::uint8_t>(ReaderPart::request);
   word.request = {1, 1, &request, false};
   return word;
@@ -354,14 +354,13 @@ Result<std::variant<Endpoint, Request>> from_dds(const sft_control_ReaderWord& w
   const std::uint32_t requests = word.request._length;
   const bool announces = word.part == static_cast<std::uint8_t>(ReaderPart::announcement) &&
                          announcements == 1 && requests == 0 &&
-                         word.announcement._buffer[0].id == word.reader;
-  const bool asks = word.part == static_cast<std::uint8_t>(ReaderPart::request) && announcements == 0 &&
-                    requests == 1 && word.request._buffer[0].reader == word.reader;
+                         word.announcement._buffer[0].instance == word.instance;
+  const bool asks =
+      word.part == static_cast<std::uint8_t>(ReaderPart::request) && announcements == 0 && requests == 1;
   if (announces)
     return from_dds(word.announcement._buffer[0]).map([](Endpoint&& e) { return Either(std::move(e)); });
   if (asks) return from_dds(word.request._buffer[0]).map([](Request&& r) { return Either(std::move(r)); });
-  return fail(Errc::malformed,
-              "neither one announcement nor one request of the reader that it is said to be of");
+  return fail(Errc::malformed, "neither one announcement under its key nor one request");
 }
 
 std::uint32_t control_protocol_version() { return sft_control_protocol_version; }

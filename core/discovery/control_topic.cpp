@@ -34,7 +34,7 @@ void ControlTopic::take(dds_entity_t reader) {
   ControlWords words;
   {
     const Lock lock(mutex_);
-    words = kind_.take(reader, remote_writers_);
+    words = kind_.take(reader, heard_);
   }
   for (const ControlWord& word : words) hear_(word);
 }

@@ -11,7 +11,6 @@
 #include "core/discovery/control_word.h"
 #include "core/discovery/control_words.h"
 #include "core/discovery/matches.h"
-#include "core/discovery/remote_writers.h"
 #include "core/discovery/topic_endpoint.h"
 #include "core/sync/mutex.h"
 #include "sft/result.h"
@@ -22,7 +21,7 @@ class ControlTopic {
  public:
   struct Kind {
     TopicName name;
-    ControlWords (*take)(dds_entity_t reader, RemoteWriters& writers) = nullptr;
+    ControlWords (*take)(dds_entity_t reader, Heard& heard) = nullptr;
   };
   /// Gets what others say, in their order and one word at a time. It is called on Cyclone's threads.
   using Hear = std::function<void(const ControlWord&)>;
@@ -45,7 +44,8 @@ class ControlTopic {
   /// The participant is not there any more. Any thread.
   void forget(const Participants::Guid& participant) {
     const Lock lock(mutex_);
-    remote_writers_.forget(participant);
+    heard_.writers.forget(participant);
+    heard_.keys.forget(participant);
   }
 
  private:
@@ -66,7 +66,7 @@ class ControlTopic {
   /// that neither waits for anything nor speaks.
   Mutex telling_ SFT_ACQUIRED_BEFORE(mutex_);
   Mutex mutex_;
-  RemoteWriters remote_writers_ SFT_GUARDED_BY(mutex_);
+  Heard heard_ SFT_GUARDED_BY(mutex_);
   Matches matches_ SFT_GUARDED_BY(mutex_);  ///< readers and writers of others that ours have met
 };
 

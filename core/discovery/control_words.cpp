@@ -60,46 +60,56 @@ ControlWord said(const RemoteWriters::Writer& by, const sft_control_Assertion& s
   return {by.participant, SignOfLife{std::move(*assertion), by.lease}};
 }
 
-/// The endpoint that ends with the instance of that sample, if any does.
-std::optional<EndpointId> endpoint_of(const sft_control_Endpoint& sample) { return sample.id; }
-std::optional<EndpointId> endpoint_of(const sft_control_ReaderWord& sample) {
-  if (sample.part != static_cast<std::uint8_t>(ReaderPart::announcement)) return std::nullopt;
-  return sample.reader;
+/// True if an endpoint ends with the instance of that sample.
+bool is_announcement(const sft_control_Endpoint&) { return true; }
+bool is_announcement(const sft_control_ReaderWord& sample) {
+  return sample.part == static_cast<std::uint8_t>(ReaderPart::announcement);
 }
 
 template <class Sample>
-ControlWords take_endpoints(dds_entity_t reader, RemoteWriters& writers) {
+ControlWords take_endpoints(dds_entity_t reader, Heard& heard) {
   ControlWords words;
   take_all<Sample>(reader, [&](const Sample& sample, const dds_sample_info_t& info) {
-    const std::optional<RemoteWriters::Writer> writer = writer_of(reader, info, writers);
+    const std::optional<RemoteWriters::Writer> writer = writer_of(reader, info, heard.writers);
     const auto speaker = writer ? std::optional(writer->participant) : std::nullopt;
-    if (writer && info.valid_data) words.push_back(said(*writer, sample));
-    const std::optional<EndpointId> id = endpoint_of(sample);
-    if (!id) return;
+    if (writer && info.valid_data) {
+      ControlWord word = said(*writer, sample);
+      if (const auto* const endpoint = std::get_if<Endpoint>(&word.what)) {
+        if (const auto ended = heard.keys.announced(*speaker, sample.instance, endpoint->id))
+          words.push_back({speaker, EndpointWithdrawn{*ended}});
+      }
+      words.push_back(std::move(word));
+    }
+    if (!is_announcement(sample)) return;
     // The state of the instance may have changed since the sample came.
-    if (speaker && info.instance_state == DDS_IST_NOT_ALIVE_DISPOSED)
-      words.push_back({speaker, EndpointWithdrawn{*id}});
-    if (info.instance_state == DDS_IST_NOT_ALIVE_NO_WRITERS) words.push_back({speaker, EndpointUnheard{*id}});
+    if (speaker && info.instance_state == DDS_IST_NOT_ALIVE_DISPOSED) {
+      if (const auto ended = heard.keys.withdrawn(*speaker, sample.instance))
+        words.push_back({speaker, EndpointWithdrawn{*ended}});
+    }
+    if (info.instance_state == DDS_IST_NOT_ALIVE_NO_WRITERS) {
+      for (const EndpointId ended : heard.keys.unheard(sample.instance))
+        words.push_back({speaker, EndpointUnheard{ended}});
+    }
   });
   return words;
 }
 
 }  // namespace
 
-ControlWords take_writers(dds_entity_t reader, RemoteWriters& writers) {
-  return take_endpoints<sft_control_Endpoint>(reader, writers);
+ControlWords take_writers(dds_entity_t reader, Heard& heard) {
+  return take_endpoints<sft_control_Endpoint>(reader, heard);
 }
 
-ControlWords take_readers(dds_entity_t reader, RemoteWriters& writers) {
-  return take_endpoints<sft_control_ReaderWord>(reader, writers);
+ControlWords take_readers(dds_entity_t reader, Heard& heard) {
+  return take_endpoints<sft_control_ReaderWord>(reader, heard);
 }
 
 /// Nodes unregister their signs of life, if they can. Somebody who disposes of them is not the node.
-ControlWords take_assertions(dds_entity_t reader, RemoteWriters& writers) {
+ControlWords take_assertions(dds_entity_t reader, Heard& heard) {
   ControlWords words;
   take_all<sft_control_Assertion>(
       reader, [&](const sft_control_Assertion& sample, const dds_sample_info_t& info) {
-        const std::optional<RemoteWriters::Writer> writer = writer_of(reader, info, writers);
+        const std::optional<RemoteWriters::Writer> writer = writer_of(reader, info, heard.writers);
         if (writer && info.valid_data) words.push_back(said(*writer, sample));
         if (info.instance_state == DDS_IST_NOT_ALIVE_NO_WRITERS)
           words.push_back({std::nullopt, NodeUnheard{sample.node}});

@@ -7,16 +7,23 @@
 #include <optional>
 
 #include "core/discovery/control_word.h"
+#include "core/discovery/heard_keys.h"
 #include "core/discovery/participants.h"
 #include "core/discovery/remote_writers.h"
 
 namespace sft::core {
 
-// Each takes all that its reader has. `writers`: those behind the samples; new ones are entered.
+/// What is remembered of the samples that a reader has had.
+struct Heard {
+  RemoteWriters writers;
+  HeardKeys keys;
+};
 
-ControlWords take_writers(dds_entity_t reader, RemoteWriters& writers);
-ControlWords take_readers(dds_entity_t reader, RemoteWriters& writers);
-ControlWords take_assertions(dds_entity_t reader, RemoteWriters& writers);
+// Each takes all that its reader has.
+
+ControlWords take_writers(dds_entity_t reader, Heard& heard);
+ControlWords take_readers(dds_entity_t reader, Heard& heard);
+ControlWords take_assertions(dds_entity_t reader, Heard& heard);
 
 /// Empty if the writer, or reader, is not matched any more.
 std::optional<Participants::Guid> publishing_participant(dds_entity_t reader, dds_instance_handle_t writer);

@@ -12,6 +12,7 @@
 #include "core/discovery/control_qos.h"
 #include "core/discovery/control_topic.h"
 #include "core/discovery/dds_domain.h"
+#include "core/discovery/own_keys.h"
 #include "core/discovery/participant_mark.h"
 #include "core/discovery/take_all.h"
 #include "core/discovery/topic_endpoint.h"
@@ -63,6 +64,7 @@ class CycloneLink final : public DiscoveryLink {
   Result<void> write(const Endpoint& endpoint) override {
     ControlStorage storage;
     sft_control_Endpoint sample = to_dds(endpoint, storage);
+    sample.instance = keys_.key_of(endpoint.id);
     if (endpoint.role == Role::writer) return write_to(*writers_, &sample);
     const sft_control_ReaderWord word = in_word(sample);
     return write_to(*readers_, &word);
@@ -70,7 +72,7 @@ class CycloneLink final : public DiscoveryLink {
   Result<void> write(const Request& request) override {
     ControlStorage storage;
     sft_control_Request sample = to_dds(request, storage);
-    const sft_control_ReaderWord word = in_word(sample);
+    const sft_control_ReaderWord word = in_word(sample, keys_.key_of(request.reader));
     return write_to(*readers_, &word);
   }
   void write(const Assertion& assertion, bool is_full) override {
@@ -97,16 +99,17 @@ class CycloneLink final : public DiscoveryLink {
   }
   void dispose(EndpointId id, Role role) override {
     const dds_entity_t writer = topic_of(role).known_writer();
-    if (writer == 0) return;
+    const std::optional<std::uint64_t> number = keys_.release(id);
+    if (writer == 0 || !number) return;
     if (role == Role::writer) {
       sft_control_Endpoint key{};
-      key.id = id;
+      key.instance = *number;
       dds_dispose(writer, &key);
       dds_unregister_instance(writer, &key);
       return;
     }
     sft_control_ReaderWord key{};
-    key.reader = id;
+    key.instance = *number;
     key.part = static_cast<std::uint8_t>(ReaderPart::announcement);
     dds_dispose(writer, &key);
     dds_unregister_instance(writer, &key);
@@ -217,6 +220,7 @@ class CycloneLink final : public DiscoveryLink {
   Participants& participants_;
   LinkListener& listener_;
   ParticipantMark mark_;
+  OwnKeys keys_;
   Participants::Guid guid_{};  ///< of the participant
   std::optional<PulseSocket> pulses_;
   std::uint8_t full_signs_ = 0;

@@ -89,10 +89,11 @@ class ControlVoice::Link {
   Link(const Link&) = delete;
   Link& operator=(const Link&) = delete;
 
-  void listen(std::map<core::EndpointId, core::Endpoint>& heard) const {
+  void listen(std::map<core::EndpointId, core::Endpoint>& heard) {
     take_all<sft_control_Endpoint>(hears_writers,
                                    [&](const sft_control_Endpoint& sample, const dds_sample_info_t& info) {
                                      if (!info.valid_data) return;
+                                     keys_[sample.id] = sample.instance;
                                      if (auto endpoint = core::from_dds(sample))
                                        heard[sample.id] = std::move(*endpoint);
                                    });
@@ -102,11 +103,21 @@ class ControlVoice::Link {
           auto said = core::from_dds(word);
           if (!said) return;
           if (auto* const announced = std::get_if<core::Endpoint>(&*said)) {
-            heard[word.reader] = std::move(*announced);
-          } else if (const auto reader = heard.find(word.reader); reader != heard.end()) {
-            reader->second.request = std::move(std::get<core::Request>(*said));
+            keys_[announced->id] = word.instance;
+            heard[announced->id] = std::move(*announced);
+            return;
           }
+          auto& request = std::get<core::Request>(*said);
+          keys_[request.reader] = word.instance;
+          if (const auto reader = heard.find(request.reader); reader != heard.end())
+            reader->second.request = std::move(request);
         });
+  }
+
+  /// The key that the endpoint has on this link. That of one's own is its id.
+  std::uint64_t key_of(core::EndpointId id) const {
+    const auto heard = keys_.find(id);
+    return heard == keys_.end() ? id : heard->second;
   }
 
   dds_entity_t hears_writers = 0, hears_readers = 0;
@@ -115,6 +126,7 @@ class ControlVoice::Link {
 
  private:
   dds_entity_t domain_ = 0;
+  std::map<core::EndpointId, std::uint64_t> keys_;
 };
 
 ControlVoice::ControlVoice() {
@@ -145,35 +157,37 @@ void ControlVoice::announce(const core::Endpoint& endpoint) {
 void ControlVoice::announce_raw(const sft_control_Endpoint& endpoint) {
   const bool is_writer = endpoint.role == static_cast<std::uint8_t>(core::Role::writer);
   sft_control_Endpoint copy = endpoint;
-  const sft_control_ReaderWord word = core::in_word(copy);
-  for (const auto& link : links_)
-    is_writer ? dds_write(link->tells_of_writers, &endpoint) : dds_write(link->tells_of_readers, &word);
+  for (const auto& link : links_) {
+    copy.instance = link->key_of(endpoint.id);
+    const sft_control_ReaderWord word = core::in_word(copy);
+    is_writer ? dds_write(link->tells_of_writers, &copy) : dds_write(link->tells_of_readers, &word);
+  }
 }
 
 void ControlVoice::request(const core::Request& request) {
   core::ControlStorage storage;
   sft_control_Request sample = core::to_dds(request, storage);
-  const sft_control_ReaderWord word = core::in_word(sample);
-  for (const auto& link : links_) dds_write(link->tells_of_readers, &word);
+  for (const auto& link : links_) {
+    const sft_control_ReaderWord word = core::in_word(sample, link->key_of(request.reader));
+    dds_write(link->tells_of_readers, &word);
+  }
 }
 
 void ControlVoice::dispose(core::EndpointId endpoint) {
-  sft_control_Endpoint key{};
-  key.id = endpoint;
-  sft_control_ReaderWord reader_key{};
-  reader_key.reader = endpoint;
   for (const auto& link : links_) {
+    sft_control_Endpoint key{};
+    sft_control_ReaderWord reader_key{};
+    key.instance = reader_key.instance = link->key_of(endpoint);
     dds_dispose(link->tells_of_writers, &key);
     dds_dispose(link->tells_of_readers, &reader_key);
   }
 }
 
 void ControlVoice::unregister(core::EndpointId endpoint) {
-  sft_control_Endpoint key{};
-  key.id = endpoint;
-  sft_control_ReaderWord reader_key{};
-  reader_key.reader = endpoint;
   for (const auto& link : links_) {
+    sft_control_Endpoint key{};
+    sft_control_ReaderWord reader_key{};
+    key.instance = reader_key.instance = link->key_of(endpoint);
     dds_unregister_instance(link->tells_of_writers, &key);
     dds_unregister_instance(link->tells_of_readers, &reader_key);
   }

@@ -134,10 +134,11 @@ void send_heartbeat_far_ahead(const dds_guid_t& writer) {
 }
 
 /// Says in the writer's name that the reader listens to nobody.
-void send_empty_request(const dds_guid_t& writer, std::uint64_t reader, std::uint64_t sequence) {
+void send_empty_request(const dds_guid_t& writer, std::uint64_t key, std::uint64_t reader,
+                        std::uint64_t sequence) {
   constexpr std::size_t request_begins = 24, request_bytes = 44;
   std::string sample(request_begins + request_bytes, '\0');
-  std::memcpy(sample.data(), &reader, sizeof reader);
+  std::memcpy(sample.data(), &key, sizeof key);
   sample[8] = static_cast<char>(core::ReaderPart::request);
   sample[16] = 1;  // so many requests, in little endian
   std::memcpy(sample.data() + request_begins, &reader, sizeof reader);
@@ -176,21 +177,27 @@ Forger::Forger() : participant_(checked(dds_create_participant(0, nullptr, nullp
 }
 
 void Forger::look() {
-  const auto note = [this](std::uint64_t id, std::uint64_t sequence) {
+  const auto note = [this](std::uint64_t id, std::uint64_t key, std::uint64_t sequence) {
     known_[id] = std::max(known_[id], sequence);
+    keys_[id] = key;
   };
-  take_all<sft_control_Endpoint>(of_writers_.reader, [&](const sft_control_Endpoint& endpoint,
-                                                         const dds_sample_info_t&) { note(endpoint.id, 0); });
+  take_all<sft_control_Endpoint>(of_writers_.reader,
+                                 [&](const sft_control_Endpoint& endpoint, const dds_sample_info_t& info) {
+                                   if (info.valid_data) note(endpoint.id, endpoint.instance, 0);
+                                 });
   take_all<sft_control_ReaderWord>(
       of_readers_.reader, [&](const sft_control_ReaderWord& word, const dds_sample_info_t& info) {
-        if (word.announcement._length == 1)
-          note(word.reader, word.announcement._buffer->request.request_sequence);
+        if (word.announcement._length == 1) {
+          const sft_control_Endpoint& reader = *word.announcement._buffer;
+          note(reader.id, word.instance, reader.request.request_sequence);
+        }
         if (word.request._length == 0) return;
-        note(word.reader, word.request._buffer->request_sequence);
+        const sft_control_Request& request = *word.request._buffer;
+        note(request.reader, word.instance, request.request_sequence);
         dds_builtintopic_endpoint_t* const writer =
             dds_get_matched_publication_data(of_readers_.reader, info.publication_handle);
         if (writer == nullptr) return;
-        asks_by_[word.reader] = writer->key;
+        asks_by_[request.reader] = writer->key;
         dds_builtintopic_free_endpoint(writer);
       });
 }
@@ -199,9 +206,9 @@ void Forger::withdraw_all() {
   look();
   for (const auto& [id, sequence] : known_) {
     sft_control_Endpoint writer{};
-    writer.id = id;
+    writer.instance = keys_[id];
     sft_control_ReaderWord reader{};
-    reader.reader = id;
+    reader.instance = keys_[id];
     checked(sequence == 0 ? dds_dispose(of_writers_.writer, &writer)
                           : dds_dispose(of_readers_.writer, &reader));
   }
@@ -215,7 +222,7 @@ void Forger::mute_all(std::uint64_t ahead) {
     request.reader = id;
     request.version = sft_control_protocol_version;
     request.request_sequence = sequence + ahead;
-    const sft_control_ReaderWord word = core::in_word(request);
+    const sft_control_ReaderWord word = core::in_word(request, keys_[id]);
     checked(dds_write(of_readers_.writer, &word));
   }
 }
@@ -284,7 +291,8 @@ void Forger::outdate_announcements() {
 
 void Forger::ask_for_nothing() {
   look();
-  for (const auto& [reader, writer] : asks_by_) send_empty_request(writer, reader, known_[reader] + 1000);
+  for (const auto& [reader, writer] : asks_by_)
+    send_empty_request(writer, keys_[reader], reader, known_[reader] + 1000);
 }
 
 void Forger::complain_of_all() {

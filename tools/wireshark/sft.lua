@@ -671,7 +671,7 @@ pulse:register_heuristic("udp", looks_like_pulse)
 -- for on the topic sft_reader. Their bytes are little-endian CDR (XCDR1).
 local control = Proto("sft_control", "SFT control sample")
 
-local control_version = 12
+local control_version = 13
 local struct_depth_max = 64
 local conditions_max, condition_depth_max = 32, 8
 local parts_max = 16
@@ -679,6 +679,7 @@ local leaves_max = 4096
 
 local roles = { [0] = "publisher", [1] = "subscriber" }
 local g = {
+  key = ProtoField.uint64("sft_control.key", "Key", base.HEX),
   reader = ProtoField.uint64("sft_control.reader", "Subscriber", base.HEX),
   part = ProtoField.uint8("sft_control.part", "Part", base.DEC, { [0] = "announcement", [1] = "request" }),
   endpoint = ProtoField.none("sft_control.endpoint", "Announcement"),
@@ -1370,9 +1371,10 @@ end
 -- Reads what a publisher or a subscriber announces. Returns its text.
 local function read_endpoint(c, pinfo)
   check_version(c, 8)
-  local id = c:aligned(g.id, 8)
+  c:aligned(g.key, 8)
   c:number(g.version, 1)
   local role = c:number(g.role, 1)
+  local id = c:aligned(g.id, 8)
   c:aligned(g.node, 8)
   c:aligned(g.lease, 4)
   c:text(g.node_name)
@@ -1403,7 +1405,7 @@ end
 
 -- Reads a sample of the topic sft_reader. Of its two sequences one has an element.
 local function read_reader_word(c, pinfo)
-  c:aligned(g.reader, 8)
+  c:aligned(g.key, 8)
   c:number(g.part, 1)
   local text
   for _ = 1, c:count(1) do
@@ -1426,9 +1428,9 @@ end
 -- Reads the key of samples, which is all that the end of a publisher or a subscriber has. That of a subscriber has a
 -- part.
 local function read_key(c)
-  local id = c:aligned(g.id, 8)
+  local key = c:aligned(g.key, 8)
   if c:left() > 0 then c:number(g.part, 1) end
-  return id and string.format("key %s", id:tohex())
+  return key and string.format("key %s", key:tohex())
 end
 
 -- Reads a control sample, whose topic its bytes tell: a sample of the topic sft_writer has its version where one of
@@ -1454,9 +1456,9 @@ local function is_text(buffer, at)
 end
 
 local function looks_like_endpoint(buffer, at, role)
-  if buffer:len() < at + 32 then return false end
+  if buffer:len() < at + 40 then return false end
   if buffer(at + 8, 1):uint() ~= control_version or buffer(at + 9, 1):uint() ~= role then return false end
-  at = at + 28
+  at = at + 36
   for _ = 1, 3 do
     local is_one, behind = is_text(buffer, at)
     if not is_one then return false end
@@ -1465,17 +1467,16 @@ local function looks_like_endpoint(buffer, at, role)
   return true
 end
 
--- True if bytes of an unknown topic are a control sample: ids are repeated, texts end, and the version is right.
+-- True if bytes of an unknown topic are a control sample: the key is repeated, texts end, and the version is right.
 local function looks_like_control(buffer)
   if buffer:len() < 40 then return false end
   if looks_like_endpoint(buffer, 0, 0) then return true end
-  local announcements, reader = buffer(12, 4):le_uint(), buffer(0, 8):le_uint64()
+  local announcements = buffer(12, 4):le_uint()
   if buffer(8, 1):uint() ~= 1 - announcements then return false end
   if announcements == 1 then
-    return buffer(16, 8):le_uint64() == reader and looks_like_endpoint(buffer, 16, 1)
+    return buffer(16, 8):le_uint64() == buffer(0, 8):le_uint64() and looks_like_endpoint(buffer, 16, 1)
   end
-  return buffer(16, 4):le_uint() == 1 and buffer(24, 8):le_uint64() == reader and
-         buffer(32, 1):uint() == control_version
+  return buffer(16, 4):le_uint() == 1 and buffer(32, 1):uint() == control_version
 end
 
 -- Wireshark's dissector of RTPS gives on what is in a sample if the type of the topic was announced in the capture. It

@@ -1,7 +1,8 @@
 """Control samples made by hand, as bytes, and the datagrams of RTPS that bring them."""
 import struct
 
-VERSION = 12
+VERSION = 13
+KEY = 0x778899  # of each announcement
 ANNOUNCED = {"sft_writer": "sft_control::Endpoint", "sft_reader": "sft_control::ReaderWord"}
 ENTITIES = {"sft_writer": 0x202, "sft_reader": 0x302, "chatter": 0x402}
 PREFIX = bytes(range(1, 13))
@@ -102,7 +103,7 @@ def put_request(cdr, reader, leaves, wants=b"", words=1, listening=(), version=V
 
 
 def put_endpoint(cdr, endpoint_id, role, description=b"", topic="scan", **request):
-    cdr.put("Q", endpoint_id).put("B", VERSION, role).put("Q", 0x77).put("I", 5000)
+    cdr.put("Q", KEY).put("B", VERSION, role).put("Q", endpoint_id, 0x77).put("I", 5000)
     cdr.text("arm").text(topic).text("pkg::msg::Scan").put("Q", 0x99).octets(description)
     cdr.raw(bytes(32)).put("Q", 5).raw(b"\1\1")
     cdr.put("I", 1).raw(b"\4\0").raw(bytes(10) + b"\xff\xff" + bytes([10, 0, 0, 1])).put("H", 7000).put("I", 4096)
@@ -111,12 +112,12 @@ def put_endpoint(cdr, endpoint_id, role, description=b"", topic="scan", **reques
 
 
 def request(reader=0x1122, leaves=(0,), **more):
-    cdr = Cdr().put("Q", reader).put("B", 1).put("I", 0, 1)
+    cdr = Cdr().put("Q", KEY).put("B", 1).put("I", 0, 1)
     return put_request(cdr.put("Q"), reader, leaves, **more).bytes
 
 
 def subscriber(reader=0x1122, leaves=(0,), **more):
-    cdr = Cdr().put("Q", reader).put("B", 0).put("I", 1)
+    cdr = Cdr().put("Q", KEY).put("B", 0).put("I", 1)
     return put_endpoint(cdr, reader, 1, reader=reader, leaves=leaves, **{"words": 1, **more}).put("I", 0).bytes
 
 

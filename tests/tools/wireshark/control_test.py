@@ -158,8 +158,8 @@ class ControlTest(unittest.TestCase):
 
     def test_shows_the_key_of_what_has_ended(self):
         rows = self.read([announcement("sft_reader"), sample("sft_reader", struct.pack("<QB", READER, 0), flags=0x09)],
-                         ["sft_control.id", "sft_control.part", "sft_control.malformed"])
-        self.assertEqual((rows[1]["sft_control.id"], rows[1]["sft_control.part"]), (f"0x{READER:016x}", "0"))
+                         ["sft_control.key", "sft_control.part", "sft_control.malformed"])
+        self.assertEqual((rows[1]["sft_control.key"], rows[1]["sft_control.part"]), (f"0x{READER:016x}", "0"))
         self.assertEqual(rows[1]["sft_control.malformed"], "")
 
     def test_shows_each_of_several_samples_in_a_datagram(self):
@@ -274,7 +274,7 @@ class ControlTest(unittest.TestCase):
         rng = random.Random(1)
         strangers = [rng.randbytes(rng.randrange(0, 300)) for _ in range(200)]
         strangers += [request(READER, [1], version=VERSION + 1), struct.pack("<QB", READER, 0), bytes(100),
-                      b"\x01" + request(READER, [1])[1:]]
+                      b"\x01" + subscriber(READER)[1:]]
         rows = self.read([sample("chatter", one) for one in strangers], ["sft_control.version", "sft_control.reader"])
         self.assertEqual([row for row in rows if row["sft_control.version"] or row["sft_control.reader"]], [])
         rows = self.read([announcement("chatter"), *(sample("chatter", one) for one in strangers)], ["sft_control.id"])
