@@ -123,10 +123,7 @@ void Lane::lose_current() {
 }
 
 void Lane::count_lost(const Job& job) const {
-  const std::uint32_t whole_bytes = job.is_pack() ? job.whole_bytes
-                                    : job.sample  ? job.sample->whole_bytes
-                                                  : 0;
-  losses_->lost(job.first.total, whole_bytes, job.samples());
+  losses_->lost(job.first.total, job.whole_bytes, job.samples());
 }
 
 void Lane::mark(Job& job) {
