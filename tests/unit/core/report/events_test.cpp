@@ -145,6 +145,27 @@ TEST(EventsTest, WhatASubscriberAsksForIsToldOnBothSidesWhenItChanges) {
   EXPECT_EQ(own[0].text, "no fields");
 }
 
+TEST(EventsTest, ARequestThatChangesInOneThingAloneIsToldOnBothSidesAndAnEqualOneIsNot) {
+  const auto& type = type_support<PointCloud2>();
+  const FieldMask height = type.parse_mask("height").value(), width = type.parse_mask("width").value();
+  const auto told = [](const FieldMask& mask_before, double rate_before, const FieldMask& mask, double rate) {
+    PublisherStatus::Reader before = reader(true), after = before;
+    before.mask = mask_before, before.max_rate_hz = rate_before, after.mask = mask, after.max_rate_hz = rate;
+    SubscriberStatus own_before, own;
+    own_before.mask = mask_before, own_before.max_rate_hz = rate_before, own.mask = mask,
+    own.max_rate_hz = rate;
+    const auto at_publisher = between(serving(before), serving(after)),
+               at_subscriber = between(own_before, own);
+    EXPECT_EQ(kinds(at_publisher), kinds(at_subscriber));
+    return at_publisher.empty() ? std::string("nothing") : at_publisher[0].text;
+  };
+  EXPECT_EQ(told(height, 10, height, 10), "nothing");
+  EXPECT_EQ(told(height, 10, width, 10), "width, at most 10 Hz");
+  EXPECT_EQ(told(height, 10, height, 20), "height, at most 20 Hz");
+  EXPECT_EQ(told(height, 10, height, 0), "height");
+  EXPECT_EQ(told(height, 0, height, 10), "height, at most 10 Hz");
+}
+
 TEST(EventsTest, DeadlinesAndLivelinessAreToldOnBothSides) {
   PublisherStatus good;
   PublisherStatus late = good;
