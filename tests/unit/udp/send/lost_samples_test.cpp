@@ -24,7 +24,8 @@ class LostSamplesTest : public testing::Test {
   static constexpr core::EndpointId reader = 1;
 
   enum class Delivery : std::uint8_t { best_effort, reliable };
-  void serve(Delivery delivery, std::string_view asked, std::size_t data_bytes = 10) {
+  void serve(Delivery delivery, std::string_view asked, std::size_t data_bytes = 10,
+             Lane::Start start = Lane::Start::open) {
     side_->max_sample_bytes = std::size_t{1} << 20;
     side_->pool = memory_;
     connections_.take_batches(0);
@@ -33,7 +34,7 @@ class LostSamplesTest : public testing::Test {
     audience_.emplace(detail::ProjectionPlan(type_, selection), nullptr, 0, false,
                       std::make_shared<WireMask>(WireMask{5, selection.hash(), {}}));
     audience_->packs = true;
-    lane_ = std::make_shared<Lane>(to_, lane_depth, tally_);
+    lane_ = std::make_shared<Lane>(to_, lane_depth, tally_, start);
     audience_->lanes.push_back(lane_);
     const bool reliable = delivery == Delivery::reliable;
     audience_->channels.push_back(reliable ? std::make_shared<Channel>(7, 1, to_, tally_, 9) : nullptr);
@@ -102,6 +103,18 @@ TEST_F(LostSamplesTest, PartsThatAFullQueueDrops) {
   serve(Delivery::best_effort, "data[::2]", 50'000);
   publish(10);
   EXPECT_EQ(counted(), counts(lane_depth, 10 - lane_depth, 4 + 25'000));
+}
+
+TEST_F(LostSamplesTest, SeveralThatHaveToGoForOneLargeOne) {
+  serve(Delivery::best_effort, "data", 5'000, Lane::Start::held);  // 1 MiB may wait for the history
+  publish(100);
+  EXPECT_EQ(counted().dropped, 0U);
+  image_ = test::make_image(900'000);
+  publish(1);
+  EXPECT_GT(counted().dropped, 1U);
+  EXPECT_EQ(counted().sent + counted().dropped, 101U);
+  EXPECT_EQ(counted().bytes, (counted().sent - 1) * (4 + 5'000) + 4 + 900'000);
+  EXPECT_EQ(side_->over_limit, counted().dropped);
 }
 
 TEST_F(LostSamplesTest, ThoseThatTheSendingThreadLoses) {
