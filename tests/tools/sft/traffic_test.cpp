@@ -19,7 +19,8 @@ class TrafficTest : public testing::Test {
   /// The node of the publisher tells how far it is, and what others told holds on.
   void tell(std::uint64_t publisher, std::uint64_t samples, std::uint64_t bytes) {
     const auto known = std::ranges::find(domain.publishers, publisher, &DomainSnapshot::Endpoint::id);
-    DomainSnapshot::Endpoint& told = known == domain.publishers.end() ? domain.publishers.emplace_back() : *known;
+    DomainSnapshot::Endpoint& told =
+        known == domain.publishers.end() ? domain.publishers.emplace_back() : *known;
     told.id = publisher;
     told.progress = DomainSnapshot::Progress{samples, bytes};
   }

@@ -1,7 +1,9 @@
 // Tests what a publisher's status says of samples that did not reach everybody.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <sensor_msgs/msg/PointCloud2.hpp>
+#include <vector>
 
 #include "core/publish/publisher_core.h"
 #include "tests/unit/core/seam/idle_ports.h"
@@ -19,9 +21,11 @@ class CountingPort final : public IdleNetworkWriter {
 
   SendStatus answer = SendStatus::sent;
   std::uint64_t dropped_later = 0;
+  std::size_t missed = 0;  ///< of those that are sent together
   int sent = 0;
 
  private:
+  std::size_t flush() noexcept override { return missed; }
   SendStatus send_begun(const SampleHandle&, Reach) noexcept override {
     ++sent;
     return answer;
@@ -74,6 +78,30 @@ TEST(PublisherStatusTest, AMessageThatIsRefusedIsNotPublishedAndTakesNoSlotOfARe
     EXPECT_EQ(network->sent, sent);
   }
   EXPECT_EQ(publisher.status().published, 2U);
+}
+
+TEST(PublisherStatusTest,
+     OfSamplesThatArePublishedTogetherThoseThatDoNotLeaveAreDroppedAndTheOthersPublished) {
+  const TypeSupport type{TypeTable<PointCloud2>::type};
+  const auto network = std::make_shared<CountingPort>();
+  PublisherCore::Spec spec;
+  spec.type = &type;
+  spec.max_sample_bytes = 1000;
+  PublisherCore publisher(spec, BufferPool::make(1 << 20), network);
+  Serving serving;
+  serving.network = {{2, UdpAddress{0x7f000001, 5000}, type.full()}};
+  publisher.serve(serving, nullptr);
+  const std::vector<PointCloud2> clouds(5);
+  std::uint64_t published = 0, dropped = 0;
+  for (const std::size_t missed : {0, 2, 9}) {
+    network->missed = missed;
+    const PublishedSpan done = publisher.publish(clouds.data(), clouds.size(), sizeof(PointCloud2));
+    const std::size_t lost = std::min(missed, clouds.size());
+    EXPECT_EQ(done.published, clouds.size() - lost);
+    EXPECT_EQ(done.status, lost == 0 ? PublishStatus::ok : PublishStatus::dropped);
+    EXPECT_EQ(publisher.status().published, published += clouds.size());
+    EXPECT_EQ(publisher.status().dropped, dropped += lost);
+  }
 }
 
 }  // namespace
