@@ -454,6 +454,14 @@ TEST_F(ReassemblyTest, RefusesASequenceOfZero) {
   EXPECT_EQ(counted().malformed, 1U);
 }
 
+TEST_F(ReassemblyTest, CountsASampleWhoseNumberNobodyBelieves) {
+  receive(sent(100, make_image(10)));
+  receive(sent(1'000'000'000, make_image(10)));
+  receive(sent(101, make_image(10)));
+  EXPECT_EQ(taken(), (Sequences{100, 101}));
+  EXPECT_EQ(counted().malformed, 1U);
+}
+
 TEST_F(ReassemblyTest, WidensSequencesBeyond32Bits) {
   for (std::uint64_t sequence = 0x7000'0000; sequence < 0x3'0000'0000; sequence += 0x4000'0001) {
     receive(sent(static_cast<std::uint32_t>(sequence - 1), make_image(10)));

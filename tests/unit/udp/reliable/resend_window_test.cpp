@@ -574,6 +574,11 @@ TEST(BorrowedMemory, IsHeldOfAFewSamplesOnly) {
   held.clear();
   EXPECT_TRUE(borrow(std::size_t{30} << 20)) << "one, however large";
   EXPECT_FALSE(borrow(100'000));
+  for (int round = 0; round < 100; ++round) {
+    held.clear();
+    for (int i = 0; i < 5; ++i)
+      ASSERT_TRUE(borrow(std::size_t{3} << 20)) << "what came back can be borrowed again";
+  }
 }
 
 TEST(BorrowedMemory, IsNotNeededForACopy) {
