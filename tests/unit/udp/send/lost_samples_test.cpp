@@ -93,6 +93,22 @@ TEST_F(LostSamplesTest, SmallOnesThatAFullQueueDrops) {
   EXPECT_EQ(side_->over_limit, 10 - lane_depth);
 }
 
+TEST_F(LostSamplesTest, ThoseThatTheSystemRefuses) {
+  serve(Delivery::best_effort, "height");
+  connections_.take_batches(2, SendOutcome::failed);
+  publish(5);
+  EXPECT_EQ(counted(), counts(2, 3, height_bytes));
+  EXPECT_EQ(side_->over_limit, 0U);
+}
+
+TEST_F(LostSamplesTest, ThoseThatAreTooLarge) {
+  serve(Delivery::best_effort, "data", 50'000);
+  side_->max_sample_bytes = 20'000;
+  publish(5);
+  EXPECT_EQ(counted(), counts(0, 5, 0));
+  EXPECT_EQ(side_->over_limit, 5U);
+}
+
 TEST_F(LostSamplesTest, LargeOnesThatAFullQueueDrops) {
   serve(Delivery::best_effort, "data", 50'000);
   publish(10);
