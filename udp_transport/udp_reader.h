@@ -25,8 +25,7 @@ class UdpReader final : public core::NetworkReader {
   std::uint64_t arrivals(core::EndpointId writer) noexcept override { return inbox_->arrivals(writer); }
   void announced(const core::Source& source) override;
   void disconnect(core::EndpointId writer) noexcept override;
-  bool receive(const core::Waiting& waiting) noexcept override { return receiver_->receive(this, waiting); }
-  void interrupt() noexcept override { receiver_->interrupt(this); }
+  bool receive(const core::Waiting& waiting) noexcept override { return receiver_->receive(waiting); }
   void share_reader() override;
   void accept(std::vector<core::Accepted> accepted) override;
   Counters counters() const noexcept override { return {inbox_->discarded(), inbox_->lost_unnoticed()}; }

@@ -245,8 +245,8 @@ bool UdpWriter::leave(const core::SampleHandle& sample, std::size_t first, std::
   sample->complete();
   const FanOut::Posted posted = left_->post({sample, routes_.loaded(), first, end});
   side_->sender.wake(posted.wake, left_);
-  if (posted.dropped_oldest) side_->over_limit.fetch_add(1, std::memory_order_relaxed);
-  return !posted.dropped_oldest;
+  if (posted.dropped > 0) side_->over_limit.fetch_add(posted.dropped, std::memory_order_relaxed);
+  return posted.dropped == 0;
 }
 
 }  // namespace sft::udp

@@ -71,9 +71,9 @@ RequestWatch::RequestWatch(const Qos& offered, const Qos& requested, std::uint64
   lease_.emplace(may_be_kept ? offered.liveliness_lease : requested.liveliness_lease, arrived, now);
 }
 
-void RequestWatch::look(std::uint64_t arrived, Time now) {
-  if (deadline_) deadlines_missed_ += deadline_->look(arrived, now);
+std::uint64_t RequestWatch::look(std::uint64_t arrived, Time now) {
   if (lease_) lease_->look(arrived + assertions_, now);
+  return deadline_ ? deadline_->look(arrived, now) : 0;
 }
 
 std::optional<nanoseconds> RequestWatch::pace() const { return shorter(pace_of(deadline_), pace_of(lease_)); }

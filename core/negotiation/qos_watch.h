@@ -74,16 +74,15 @@ class RequestWatch {
   /// `arrived` changes with each sample that arrives.
   RequestWatch(const Qos& offered, const Qos& requested, std::uint64_t arrived, Time now);
 
-  void look(std::uint64_t arrived, Time now);
+  /// Returns how many deadlines were missed since the look before.
+  std::uint64_t look(std::uint64_t arrived, Time now);
   void asserted() { ++assertions_; }
-  std::uint64_t deadlines_missed() const { return deadlines_missed_; }
   bool alive() const { return !lease_ || !lease_->quiet(); }
   std::optional<std::chrono::nanoseconds> pace() const;
 
  private:
   std::optional<ActivityMonitor> deadline_;
   std::optional<ActivityMonitor> lease_;
-  std::uint64_t deadlines_missed_ = 0;
   std::uint64_t assertions_ = 0;
 };
 

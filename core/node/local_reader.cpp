@@ -248,8 +248,8 @@ void LocalReader::watch_matching() {
 
 void LocalReader::watch_promises(Time now) {
   for (auto& [writer, watch] : watched_) {
-    watch.look(ports().arrivals(writer), now);
-    has_news_ |= ports().keeps_promises(writer, watch.deadlines_missed(), watch.alive());
+    const std::uint64_t missed = watch.look(ports().arrivals(writer), now);
+    has_news_ |= ports().keeps_promises(writer, missed, watch.alive());
   }
 }
 

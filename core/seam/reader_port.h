@@ -126,11 +126,9 @@ class NetworkReader : public ReaderPort {
   /// possible. Returns false at once if this is not possible: the transport has a thread of its own for it,
   /// and the bell will be rung. Any thread.
   virtual bool receive(const Waiting& waiting) noexcept = 0;
-  /// Makes whoever is in receive() look at the bell. Called after somebody else than the transport rang it.
-  /// Any thread.
-  virtual void interrupt() noexcept = 0;
   /// Tells that the reader has samples by another transport from now on, too, which those of this transport
-  /// must not fall behind: the transport's own thread receives from now on.
+  /// must not fall behind: the transport's own thread receives from now on. So only this transport rings the
+  /// bell of whoever is in receive().
   virtual void share_reader() = 0;
 
   /// Tells that a connected writer has announced something else than before, or that its node answers, or

@@ -192,9 +192,9 @@ void SubscriberPorts::forget_former_conditions() {
   in_force_ = intake_.accounts().asked_gates().latest();
 }
 
-bool SubscriberPorts::keeps_promises(EndpointId writer, std::uint64_t deadlines_missed, bool alive) {
+bool SubscriberPorts::keeps_promises(EndpointId writer, std::uint64_t more_missed, bool alive) {
   const Lock lock(mutex_);
-  return intake_.accounts().keeps_promises(writer, deadlines_missed, alive);
+  return intake_.accounts().keeps_promises(writer, more_missed, alive);
 }
 
 void SubscriberPorts::restarted(EndpointId writer) {

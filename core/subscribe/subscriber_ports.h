@@ -67,7 +67,7 @@ class SubscriberPorts {
   /// No sample under an earlier request is under way any more. Some may wait to be taken.
   void forget_former_conditions();
   /// Returns true if status() differs by it.
-  bool keeps_promises(EndpointId writer, std::uint64_t deadlines_missed, bool alive);
+  bool keeps_promises(EndpointId writer, std::uint64_t more_missed, bool alive);
   /// The connection to that writer was set up anew, because nothing arrived by it.
   void restarted(EndpointId writer);
   /// True if a sample was held back since this was called last.

@@ -45,11 +45,6 @@ void Waiter::sleep_until(Time deadline) {
   }
 }
 
-void Waiter::wake() {
-  bell_.ring();
-  if (const std::shared_ptr<NetworkReader> network = receiver()) network->interrupt();
-}
-
 void Waiter::sample_arrived() { handle_ != nullptr ? handle_->raise() : bell_.ring(); }
 
 void Waiter::tell_if_available() {

@@ -30,8 +30,9 @@ class Waiter {
 
   /// Returns true once there is a sample, and false at the deadline.
   bool wait_until(Time deadline);
-  /// Wakes every thread that waits, wherever it does.
-  void wake();
+  /// Wakes every thread that sleeps. A thread that receives for its node does not sleep: it has samples by
+  /// UDP alone, and finds them itself.
+  void wake() { bell_.ring(); }
   /// A sample has arrived: wakes a thread that sleeps.
   void sample_arrived();
 

@@ -28,6 +28,7 @@ class WriterAccounts {
     std::uint64_t deadlines_missed = 0;
     std::uint64_t restarts = 0;
     bool alive = true;
+    bool is_gone = false;  ///< not heard any more; its last samples may still be taken
   };
 
   explicit WriterAccounts(std::uint32_t min_period_us) : min_period_us_(min_period_us) {}
@@ -70,8 +71,8 @@ class WriterAccounts {
   /// A sample that was entered could not be delivered after all.
   void lose_entered(EndpointId writer, std::uint64_t lost_before);
 
-  /// Returns true if status() differs by it.
-  bool keeps_promises(EndpointId writer, std::uint64_t deadlines_missed, bool alive);
+  /// The writer has missed so many more deadlines. Returns true if status() differs by it.
+  bool keeps_promises(EndpointId writer, std::uint64_t more_missed, bool alive);
 
   /// Samples that were lost so far, of all writers.
   std::uint64_t losses() const { return losses_; }
@@ -81,6 +82,8 @@ class WriterAccounts {
  private:
   Writer& open(EndpointId writer);
   void ask_all();
+  bool is_heard(const Writer& writer) const;
+  void begin_anew(Writer& writer);
   void forget_departed();
   template <class Sum>
   static void add(Sum& sum, const Writer& writer);

@@ -10,6 +10,7 @@
 #include "core/node/node_core.h"
 #include "tests/conformance/fake_transport.h"
 #include "tests/support/eventually.h"
+#include "tests/unit/core/seam/idle_ports.h"
 
 namespace sft::test {
 namespace {
@@ -97,6 +98,45 @@ TEST_F(FakeNodes, GiveALateSubscriberTheRetainedSamplesFirst) {
     ASSERT_TRUE(sample);
     EXPECT_EQ(sample->height(), height);
   }
+}
+
+/// A transport as far as it has counted something.
+template <class Idle>
+class Counting final : public Idle {
+ public:
+  using Counters = core::Transport::Counters;
+  explicit Counting(const Counters& counted) : counted_(counted) {}
+  Counters counters() const noexcept override { return counted_; }
+
+ private:
+  const Counters counted_;
+};
+
+TEST(NodeCounts, AreThoseOfTheTransportThatTheyNameAndOfNoOther) {
+  const NodeOptions options{.name = "counts",
+                            .domain = core::domain_id({}, std::getenv("ROS_DOMAIN_ID")).value()};
+  const auto status_of = [&](std::unique_ptr<core::SharedMemory> memory,
+                             std::unique_ptr<core::Network> network) {
+    return core::NodeCore::open(options, {.memory = std::move(memory),
+                                          .network = std::move(network),
+                                          .heap = core::BufferPool::make(std::size_t{1} << 20)})
+        .value()
+        ->status();
+  };
+  const auto counted = [](const NodeStatus& s) {
+    return std::vector{s.datagrams_malformed, s.datagrams_unknown,     s.samples_incomplete,
+                       s.over_limit,          s.shm_samples_malformed, s.shm_over_limit,
+                       s.control_malformed,   s.control_ignored,       s.links_renewed};
+  };
+  using Counts = std::vector<std::uint64_t>;
+  const core::Transport::Counters by_network{
+      .malformed = 1, .unknown = 2, .incomplete = 4, .over_limit = 8, .disbelieved = 16};
+  const core::Transport::Counters by_memory{.malformed = 32, .over_limit = 64};
+  auto network = [&] { return std::make_unique<Counting<core::IdleNetwork>>(by_network); };
+  auto memory = [&] { return std::make_unique<Counting<core::IdleSharedMemory>>(by_memory); };
+  EXPECT_EQ(counted(status_of(memory(), network())), (Counts{1, 2 + 16, 4, 8, 32, 64, 0, 0, 0}));
+  EXPECT_EQ(counted(status_of(nullptr, network())), (Counts{1, 2 + 16, 4, 8, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(counted(status_of(memory(), nullptr)), (Counts{0, 0, 0, 0, 32, 64, 0, 0, 0}));
 }
 
 }  // namespace

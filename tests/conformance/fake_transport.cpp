@@ -271,9 +271,8 @@ class FakeReader final : public core::NetworkReader {
   void accept(std::vector<core::Accepted> accepted) override { inbox_->accept(std::move(accepted)); }
   void announced(const Source&) override {}
 
-  // Samples come on the thread that sends: there is nothing to receive, and nobody to interrupt.
+  // Samples come on the thread that sends: there is nothing to receive.
   bool receive(const core::Waiting&) noexcept override { return false; }
-  void interrupt() noexcept override {}
   void share_reader() override {}
 
  private:

@@ -1,6 +1,5 @@
 // Selections as arbitrary bytes: u8 leaves of the type, u16 bytes of a selection (little-endian), this
-// selection, and another one. What is accepted is written as the same bytes, and obeys the laws of joining
-// and containing.
+// selection, and another one. What is accepted is written as the same bytes, and obeys the laws of joining.
 #include <algorithm>
 #include <cstdint>
 #include <span>
@@ -35,41 +34,17 @@ Result<Selection> checked(std::span<const std::byte> bytes, std::size_t leaves) 
 
 void check_alone(const Selection& one) {
   require(one.joined(one) == one, "joining with itself changes nothing");
-  require(one.contains(one) && one.residual(one).empty(), "it has all of itself");
   require(one.without_gate().what_hash() == one.what_hash(), "the gate is no field");
   require((one.gate_hash() == 0) == one.gate().is_open(), "an open gate has no hash");
   require(one.with_gate(one.gate()).value() == one, "its gate is a gate");
 }
 
-/// The residual of what all of `wanted` is in leads to the part that is wanted.
-void check_residual(const Selection& wanted, const Selection& have) {
-  for (const Selection::Part& rest : wanted.residual(have)) {
-    const Selection::Part* part = wanted.part(rest.leaf);
-    const Selection::Part* there = have.part(rest.leaf);
-    require(part != nullptr && !rest.is_whole(), "only of a part something remains to be taken");
-    require(rest.rows == part->rows || (there != nullptr && rest.rows.is_all() && there->rows == part->rows),
-            "the rows are taken, or there");
-    require(rest.columns == part->columns ||
-                (there != nullptr && rest.columns.is_all() && there->columns == part->columns),
-            "the columns are taken, or there");
-    require(rest.channels == part->channels ||
-                (there != nullptr && rest.channels.empty() && there->channels == part->channels),
-            "the channels are taken, or there");
-  }
-}
-
 void check_pair(const Selection& a, const Selection& b) {
   const Selection both = a.joined(b);
   require(both == b.joined(a), "the order of joining does not matter");
-  require(both.contains(a) && both.contains(b), "both are in what is joined");
   require(Selection::from_bytes(both.to_bytes(), both.mask().leaves()).has_value(), "it can be sent");
   require((a.joined(both).without_gate() == both.without_gate()), "what is in it adds nothing");
-  require(a.contains(b) == (a.without_gate().joined(b.without_gate()) == a.without_gate()),
-          "what is contained adds nothing");
-  require((a.contains(b) && b.contains(a)) == (a.without_gate() == b.without_gate()), "they are the same");
   if (a == b) require(a.what_hash() == b.what_hash() && a.gate_hash() == b.gate_hash(), "hashes are equal");
-  check_residual(a, both);
-  check_residual(b, both);
 }
 
 void check(std::span<const std::byte> input) {

@@ -69,6 +69,14 @@ struct Job {
     return is_pack() ? static_cast<std::uint32_t>(packed_[part].bytes) : first.total;
   }
 
+  /// Its share of `whole_bytes`: of a pack an equal one, and all shares together are the whole.
+  std::uint32_t whole_bytes_of(std::size_t part) const {
+    const auto before = [&](std::size_t shares) {
+      return static_cast<std::uint32_t>(std::uint64_t{whole_bytes} * shares / samples());
+    };
+    return before(part + 1) - before(part);
+  }
+
   /// Makes the job independent of the sample that it was encoded from.
   void copy_body();
   /// The same, with memory of the caller for the copy. That memory is at least as large as the body.

@@ -151,7 +151,7 @@ bool ReceiveLoop::readable() const noexcept {
   return poll_until(socket, {});
 }
 
-bool ReceiveLoop::receive(const void* who, const core::Waiting& waiting) noexcept {
+bool ReceiveLoop::receive(const core::Waiting& waiting) noexcept {
   switch (role_.enter(Clock::now())) {
     case ReceivingRole::Entry::refused:
       return false;
@@ -164,15 +164,9 @@ bool ReceiveLoop::receive(const void* who, const core::Waiting& waiting) noexcep
     case ReceivingRole::Entry::taken:
       break;
   }
-  waiter_.store(who, std::memory_order_seq_cst);
   wait_in_role(waiting);
-  waiter_.store(nullptr, std::memory_order_relaxed);
   leave_role();
   return true;
-}
-
-void ReceiveLoop::interrupt(const void* who) noexcept {
-  if (waiter_.load(std::memory_order_seq_cst) == who) ::eventfd_write(waiter_event_.get(), 1);
 }
 
 /// Waits while another thread receives, and delivers to this one's reader.

@@ -51,9 +51,8 @@ class ReceiveLoop final : private DatagramSink, public std::enable_shared_from_t
   void add(const core::ReaderSpec& reader);
   void remove(const core::ReaderSpec& reader);
 
-  /// See ReaderPort::receive(); `who` is the reader.
-  bool receive(const void* who, const core::Waiting& waiting) noexcept;
-  void interrupt(const void* who) noexcept;
+  /// See NetworkReader::receive().
+  bool receive(const core::Waiting& waiting) noexcept;
 
   SubscriptionDirectory& subscriptions() { return delivery_.subscriptions(); }
   core::Transport::Counters counters() const noexcept { return published_.load(); }
@@ -102,7 +101,6 @@ class ReceiveLoop final : private DatagramSink, public std::enable_shared_from_t
   ReceivingRole role_;
   FileDescriptor alarm_;         ///< a timerfd: wakes the own thread when a vacancy is over
   FileDescriptor waiter_event_;  ///< wakes the waiting thread that has the role, or is promised it
-  std::atomic<const void*> waiter_{nullptr};  ///< the reader of that waiting thread
   SpinLimits spins_;
   std::atomic<bool> broken_{false};
   PublishedCounters published_;

@@ -71,7 +71,7 @@ void KeptSamples::make_room(Kept& kept, std::size_t added) {
     } else {
       ++kept.dropped;
       kept.dropped_bytes += oldest.first.total;
-      kept.dropped_whole_bytes += oldest.job->whole_bytes;
+      kept.dropped_whole_bytes += oldest.job->whole_bytes_of(oldest.part);
     }
     release_oldest();
   }

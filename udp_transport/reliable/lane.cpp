@@ -33,13 +33,13 @@ Lane::Lane(std::shared_ptr<Destination> to, std::size_t depth, std::shared_ptr<W
 
 Lane::Posted Lane::post(JobHandle job) {
   std::optional<Posted> posted;
-  for (bool dropped = false; !posted;) {
+  for (std::size_t dropped = 0; !posted;) {
     JobHandle oldest;
     posted = queue_up(job, oldest);
-    dropped = dropped || oldest;
     if (oldest) count_lost(*oldest);
+    if (oldest) dropped += oldest->samples();
     end_.departed(oldest, true);
-    if (posted) posted->dropped_oldest = dropped;
+    if (posted) posted->dropped = dropped;
   }
   end_.departed(job, true);
   return *posted;
@@ -123,10 +123,7 @@ void Lane::lose_current() {
 }
 
 void Lane::count_lost(const Job& job) const {
-  const std::uint32_t whole_bytes = job.is_pack() ? job.whole_bytes
-                                    : job.sample  ? job.sample->whole_bytes
-                                                  : 0;
-  losses_->lost(job.first.total, whole_bytes, job.samples());
+  losses_->lost(job.first.total, job.whole_bytes, job.samples());
 }
 
 void Lane::mark(Job& job) {

@@ -64,7 +64,7 @@ class Lane {
 
   struct Posted {
     Wake wake = Wake::none;
-    bool dropped_oldest = false;  ///< the queue was full
+    std::size_t dropped = 0;  ///< older samples that had to go, since the queue was full
   };
   Posted post(JobHandle job);
   /// One more can be queued and nothing has to go for it.

@@ -17,8 +17,8 @@ std::size_t BestEffortDelivery::send(const std::shared_ptr<Lane>& lane, const co
 std::size_t BestEffortDelivery::enqueue(const std::shared_ptr<Lane>& lane) {
   const Lane::Posted posted = lane->post(draft_.handle());
   side_->sender.wake(posted.wake, lane);
-  if (posted.dropped_oldest) side_->over_limit.fetch_add(1, std::memory_order_relaxed);
-  return posted.dropped_oldest ? 1 : 0;
+  if (posted.dropped > 0) side_->over_limit.fetch_add(posted.dropped, std::memory_order_relaxed);
+  return posted.dropped > 0 ? 1 : 0;
 }
 
 }  // namespace sft::udp

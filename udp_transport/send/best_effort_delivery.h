@@ -19,7 +19,7 @@ class BestEffortDelivery {
 
   /// Returns how many samples do not get there: the present ones, or older ones that had to go.
   std::size_t send(const std::shared_ptr<Lane>& lane, const core::SampleHandle& sample);
-  /// Leaves the job to the lane. Returns how many older jobs had to go for it.
+  /// Leaves the job to the lane. Returns 1 if older jobs had to go for it.
   std::size_t enqueue(const std::shared_ptr<Lane>& lane);
 
  private:

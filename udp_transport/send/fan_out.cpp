@@ -28,7 +28,7 @@ FanOut::Posted FanOut::post(Remainder remainder) noexcept try {
   Posted posted;
   while (const std::optional<Remainder> surplus = take_surplus_before(remainder)) {
     count_dropped(*surplus);
-    posted.dropped_oldest = true;
+    ++posted.dropped;
   }
   const core::Lock lock(mutex_);
   const std::size_t bytes = remainder.sample->capacity;
@@ -38,7 +38,7 @@ FanOut::Posted FanOut::post(Remainder remainder) noexcept try {
   return posted;
 } catch (const std::bad_alloc&) {
   count_dropped(remainder);
-  return {.dropped_oldest = true};
+  return {.dropped = 1};
 }
 
 /// Takes out what has to go for another one: the oldest, or the oldest large one if there are too many of

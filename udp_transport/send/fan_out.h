@@ -41,7 +41,7 @@ class FanOut final : public DeferredWork {
 
   struct Posted {
     Wake wake = Wake::none;
-    bool dropped_oldest = false;  ///< there were too many
+    std::size_t dropped = 0;  ///< older samples that had to go, since there were too many
   };
   Posted post(Remainder remainder) noexcept;
 

@@ -65,7 +65,7 @@ bool LaneFlows::pass_on(SendFlow& flow) {
     lane.passed_on(posted.kept.ordinal);
     if (posted.wake == Wake::schedule) scheduled_.add(lane.shared_channel());
     round_.at_once();
-    for (std::size_t i = 0; i < posted.kept.dropped; ++i) lane.losses()->lost(0, 0);
+    lane.losses()->lost(posted.kept.dropped_bytes, posted.kept.dropped_whole_bytes, posted.kept.dropped);
   }
   return false;
 }

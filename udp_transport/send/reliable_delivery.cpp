@@ -35,8 +35,7 @@ std::size_t ReliableDelivery::settle(const Channel::Posted& posted, const std::s
                                      Lane& lane, std::size_t job_samples) {
   side_->sender.wake(posted.wake, channel);
   const ResendWindow::Kept& kept = posted.kept;
-  for (std::size_t i = 0; i < kept.dropped; ++i)
-    lane.losses()->lost(i == 0 ? kept.dropped_bytes : 0, i == 0 ? kept.dropped_whole_bytes : 0);
+  lane.losses()->lost(kept.dropped_bytes, kept.dropped_whole_bytes, kept.dropped);
   side_->over_limit.fetch_add(kept.dropped, std::memory_order_relaxed);
   // A publisher that waited for room in vain is told of samples that may have arrived, too: nobody
   // acknowledged them in all that time.

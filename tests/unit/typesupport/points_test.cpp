@@ -337,11 +337,17 @@ struct ChannelListener final : detail::AccessLog::Listener {
   }
 };
 
-TEST_F(PointsTest, ChannelsThatOverlapAreReadAsWholePoints) {
-  for (const bool overlap : {false, true}) {
+TEST_F(PointsTest, ChannelsThatOverlapAreReadAsWholePointsInWhateverOrderTheyAre) {
+  using Channels = std::vector<sensor_msgs::msg::PointField>;
+  const sensor_msgs::msg::PointField x{"x", 0, 7, 1}, y{"y", 4, 7, 1}, rgb{"rgb", 12, 7, 1},
+      argb{"argb", 14, 6, 1};
+  const std::vector<std::pair<Channels, bool>> clouds{
+      {{x, y, rgb}, false},   {{rgb, y, x}, false},   {{y, rgb, x}, false},
+      {{x, rgb, argb}, true}, {{argb, rgb, x}, true}, {{argb, x, rgb}, true},
+  };
+  for (const auto& [channels, overlap] : clouds) {
     PointCloud2 message = cloud(2, 3);
-    message.fields = {{"x", 0, 7, 1}, {"rgb", 12, 7, 1}};
-    if (overlap) message.fields.push_back({"argb", 14, 6, 1});
+    message.fields = channels;
     const Arrived sample(message);
     ChannelListener listener;
     std::vector<detail::AccessWord> words(1);

@@ -42,8 +42,11 @@ class Connections {
             .came = last->datagrams,
             .sent_at_ns = last->sent_at_ns};
   }
-  /// After so many batches the send buffers are full.
-  void take_batches(std::size_t count) { batches_left_ = count; }
+  /// After so many batches the send buffers are full, or that happens to each batch.
+  void take_batches(std::size_t count, SendOutcome then = SendOutcome::would_wait) {
+    batches_left_ = count;
+    then_ = then;
+  }
   /// Sets what is done once a batch has left.
   void behind_each(std::function<void()> act) { behind_each_ = std::move(act); }
 
@@ -56,7 +59,7 @@ class Connections {
     Sent try_send(std::span<const OutgoingBatch> batches) noexcept override {
       Sent sent;
       for (; sent.batches < batches.size(); ++sent.batches) {
-        if (all_.batches_left_ == 0) return {sent.batches, SendOutcome::would_wait};
+        if (all_.batches_left_ == 0) return {sent.batches, all_.then_};
         --all_.batches_left_;
         append_datagrams(batches[sent.batches].parts, batches[sent.batches].segment_bytes, all_.sent_);
         if (all_.behind_each_) all_.behind_each_();
@@ -74,6 +77,7 @@ class Connections {
   std::function<void()> behind_each_;
   std::vector<Bytes> sent_;
   std::size_t batches_left_ = SIZE_MAX;
+  SendOutcome then_ = SendOutcome::would_wait;
   std::size_t open_ = 0;
   std::size_t reconnected_ = 0;
   std::size_t woken_ = 0;

@@ -210,7 +210,6 @@ std::uint64_t hash_of(std::span<const std::byte> bytes) {
   return hash.value();
 }
 
-bool has_all_cells(const Part& part) { return part.rows.is_all() && part.columns.is_all(); }
 bool has_same_cells(const Part& a, const Part& b) { return a.rows == b.rows && a.columns == b.columns; }
 
 /// The part that whoever wants either of both needs of a leaf.
@@ -344,32 +343,6 @@ Selection Selection::joined(const Selection& other) const {
   if (Result<Selection> result = make(fields, std::move(both), common)) return std::move(*result);
   if (Result<Selection> result = make(fields, {}, common)) return std::move(*result);
   return fields;
-}
-
-bool Selection::contains(const Selection& other) const {
-  if (!mask_.contains(other.mask_)) return false;
-  return std::ranges::all_of(parts(), [&](const Part& part) {
-    if (!other.mask_.contains(part.leaf)) return true;
-    const Part* theirs = other.part(part.leaf);
-    if (theirs == nullptr || part.rule != theirs->rule ||
-        !(has_all_cells(part) || has_same_cells(part, *theirs)))
-      return false;
-    if (part.channels.empty()) return true;
-    return !theirs->channels.empty() && std::ranges::includes(part.channels, theirs->channels);
-  });
-}
-
-std::vector<Part> Selection::residual(const Selection& have) const {
-  std::vector<Part> rest;
-  for (const Part& part : parts()) {
-    const Part* there = have.part(part.leaf);
-    if (there != nullptr && there->rule != part.rule) there = nullptr;
-    Part missing = part;
-    if (there != nullptr && has_same_cells(*there, part)) missing.rows = missing.columns = {};
-    if (there != nullptr && there->channels == part.channels) missing.channels.clear();
-    if (!missing.is_whole()) rest.push_back(std::move(missing));
-  }
-  return rest;
 }
 
 bool operator==(const Selection& a, const Selection& b) {

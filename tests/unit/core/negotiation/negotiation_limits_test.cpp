@@ -140,6 +140,13 @@ TEST_F(Comparisons, TheOldestIsForgottenFirstAndTheOthersAreKept) {
   EXPECT_FALSE(compare(1));
 }
 
+// All together have far more bytes than may be kept at a time.
+TEST_F(Comparisons, WhatWasForgottenLeavesRoomForOthers) {
+  constexpr std::uint64_t made = 20'000, known = 256;
+  for (std::uint64_t n = 1; n <= made; ++n) compare(n);
+  for (std::uint64_t n = made - known + 1; n <= made; ++n) ASSERT_TRUE(compare(n)) << n;
+}
+
 TEST_F(Comparisons, NoMoreThanAFewAreMadeBetweenTwoRefills) {
   for (std::uint64_t n = 1; n <= 100; ++n) EXPECT_NE(comparisons.compare(type, definition(n)), nullptr);
   EXPECT_EQ(comparisons.compared(), 16U);

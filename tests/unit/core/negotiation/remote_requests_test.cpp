@@ -54,6 +54,21 @@ TEST_F(RemoteRequestsTest, AKeptRequestIsAdoptedOnceTheReaderIsThere) {
   EXPECT_EQ(reader.request.sequence, 12U);
 }
 
+TEST_F(RemoteRequestsTest, RequestsThatWereAdoptedReplacedOrForgottenLeaveRoomForOthers) {
+  for (EndpointId id = 1; id <= 100; ++id) {
+    Endpoint newcomer = reader;
+    newcomer.id = id;
+    requests.keep(request(11, its_own, id));
+    requests.keep(request(12, its_own, id));
+    requests.adopt_early(newcomer);
+    EXPECT_EQ(newcomer.request.sequence, 12U);
+    requests.keep(request(13, its_own, id));
+    requests.keep(request(13, another, id));
+    requests.forget(id);
+  }
+  EXPECT_EQ(requests.dropped(), 0U);
+}
+
 TEST_F(RemoteRequestsTest, ARequestThatGivesWayToAnotherOneIsCounted) {
   for (EndpointId id = 1; id <= 3; ++id) requests.keep(request(1, its_own, id));
   EXPECT_EQ(requests.dropped(), 1U);

@@ -171,6 +171,32 @@ TEST_F(LocalReaderTest, WhileACallbackHoldsUpWhatArrivesNoConnectionCountsAsDeaf
   EXPECT_THAT(connections.writers, ElementsAre(7));
 }
 
+TEST_F(LocalReaderTest, DeadlinesOfAWriterAreWatchedOnlyAsLongAsItMatches) {
+  Endpoint ours = over_network(Role::reader, 200);
+  ours.qos.deadline = std::chrono::milliseconds(100);
+  open(ours);
+  Endpoint fits = over_network(Role::writer, 7);
+  fits.qos.deadline = ours.qos.deadline;
+  const auto missed = [&] { return core->feed().status().writers.at(0).deadlines_missed; };
+  constexpr std::chrono::hours calm{1};
+  seen(fits);
+  EXPECT_EQ(reader->pace(calm), ours.qos.deadline / 2);
+  reader->watch_promises(soon());
+  const std::uint64_t first = missed();
+  EXPECT_GE(first, 599U);
+  Endpoint promises_nothing = fits;
+  promises_nothing.qos.deadline = {};
+  seen(promises_nothing);
+  EXPECT_EQ(reader->pace(calm), calm);
+  reader->watch_promises(soon() + calm);
+  EXPECT_EQ(missed(), first);
+  seen(fits);
+  reader->watch_promises(std::chrono::steady_clock::now());
+  EXPECT_EQ(missed(), first) << "it begins anew";
+  reader->watch_promises(soon());
+  EXPECT_GT(missed(), first);
+}
+
 TEST_F(LocalReaderTest, HasAnAccountOfEachWriterThatMatches) {
   open_by_network();
   seen(over_network(Role::writer, 7));

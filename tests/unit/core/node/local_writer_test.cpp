@@ -13,6 +13,7 @@ class LocalWriterTest : public LocalEndpointTest {
     PublisherCore::Spec spec{endpoint.id, "points", &type, 1 << 16};
     spec.qos = endpoint.qos;
     spec.on_event = [this](const Event& event) { events.push_back(event); };
+    spec.asserted = [this] { ++assertions_told; };
     core = std::make_shared<PublisherCore>(std::move(spec), BufferPool::make(1 << 20),
                                            endpoint.may_use_network ? network_port : nullptr);
     writer.emplace(node, endpoint, core);
@@ -48,6 +49,7 @@ class LocalWriterTest : public LocalEndpointTest {
 
   const std::shared_ptr<TestWriterPort> network_port = std::make_shared<TestWriterPort>();
   std::vector<Event> events;
+  int assertions_told = 0;  ///< to the node's agent, at once
   std::shared_ptr<PublisherCore> core;
   std::optional<LocalWriter> writer;
 };
@@ -187,6 +189,33 @@ TEST_F(LocalWriterTest, ItsReadersAreToldThatItLivesOnlyIfTheyAskForALease) {
   reader_listens(200);
   EXPECT_FALSE(writer->watch_promises(soon()));
   EXPECT_FALSE(writer->pace());
+}
+
+TEST_F(LocalWriterTest, EachAssertionOfTheProgramIsToldAtOnceUnlessOneWasJustTold) {
+  const auto lease = std::chrono::minutes(3);
+  Endpoint endpoint = over_network(Role::writer, 7);
+  endpoint.qos.liveliness = manual_by_topic;
+  endpoint.qos.liveliness_lease = lease;
+  open(endpoint);
+  Endpoint asking = over_network(Role::reader, 200);
+  asking.qos.liveliness_lease = lease;
+  asking.request.listening = {7};
+  negotiation.endpoint_seen(asking);
+  writer->reconcile();
+  Time now = std::chrono::steady_clock::now();
+  for (int round = 0; round < 3; ++round, now += lease) {
+    const int before = assertions_told;
+    core->assert_liveliness();
+    EXPECT_EQ(assertions_told, before + 1) << "the agent is told at once";
+    EXPECT_TRUE(writer->watch_promises(now)) << "and tells the readers";
+    for (int i = 0; i < 10; ++i) {
+      core->assert_liveliness();
+      EXPECT_FALSE(writer->watch_promises(now)) << "one was just told";
+    }
+    EXPECT_LE(assertions_told, before + 2);
+    EXPECT_TRUE(writer->watch_promises(now + lease / 2)) << "the last one is not forgotten";
+    EXPECT_FALSE(writer->watch_promises(now + lease)) << "nothing new was asserted";
+  }
 }
 
 }  // namespace

@@ -16,6 +16,50 @@ TEST_F(ReconcilerTest, ANodeLooksAroundAgainWhenDiscoveryHasToAndSeldomOtherwise
   EXPECT_EQ(reconciler.tick(now), TickPace::pause_in_calm);
 }
 
+/// Looks in calm are so seldom that a short deadline or lease would be noticed late.
+TEST_F(ReconcilerTest, ANodeLooksTwiceInADeadlineAndSixTimesInALeaseThatItKeepsAlsoInCalm) {
+  using std::chrono::milliseconds;
+  constexpr milliseconds deadline{80}, lease{240}, requested{60};  // need more looks than anything else
+  const auto calm = [&](std::chrono::seconds after) {
+    return std::chrono::steady_clock::now() + std::chrono::seconds(10) + after;
+  };
+  discovery.calm = true;
+  reconciler.tick(calm(std::chrono::seconds(0)));  // tells that it lives
+  ASSERT_EQ(reconciler.tick(calm(std::chrono::seconds(0))), TickPace::pause_in_calm);
+  const auto open = [&](EndpointId id, const Qos& qos) {
+    PublisherCore::Spec spec{id, "points", &type, 1 << 16};
+    spec.qos = qos;
+    Endpoint ours = endpoint(Role::writer, id);
+    ours.qos = qos;
+    reconciler.add_writer(ours, std::make_shared<PublisherCore>(std::move(spec), BufferPool::make(1 << 20),
+                                                                std::make_shared<TestWriterPort>()));
+    return reconciler.reconcile();
+  };
+  EXPECT_EQ(open(7, {.deadline = deadline}), deadline / 2) << "at once";
+  EXPECT_EQ(reconciler.tick(calm(std::chrono::seconds(5))), deadline / 2);
+  reconciler.remove(7);
+  open(8, {.liveliness_lease = lease});
+  EXPECT_EQ(reconciler.tick(calm(std::chrono::seconds(10))), lease / 6);
+  reconciler.remove(8);
+  const auto port = std::make_shared<TestReaderPort>(connections);
+  auto core = std::make_shared<SubscriberCore>(SubscriberCore::Spec{.topic = "points",
+                                                                    .type = &type,
+                                                                    .feeds = {{.id = 200, .selection = mask}},
+                                                                    .options = {},
+                                                                    .callback = nullptr},
+                                               bells->at(1), nullptr);
+  core->ports().set_network(port);
+  Endpoint reader = endpoint(Role::reader, 200), writer = endpoint(Role::writer, 9);
+  reader.qos.deadline = writer.qos.deadline = requested;
+  reconciler.add_reader(reader, {core, port});
+  reconciler.tick(calm(std::chrono::seconds(15)));
+  EXPECT_EQ(reconciler.tick(calm(std::chrono::seconds(20))), TickPace::pause_in_calm) << "nobody keeps it";
+  reconciler.endpoint_seen(writer);
+  reconciler.reconcile();
+  reconciler.liveliness_asserted({.node = writer.node_id, .writers = {}});  // it is not lost
+  EXPECT_EQ(reconciler.tick(calm(std::chrono::seconds(30))), requested / 2);
+}
+
 TEST_F(ReconcilerTest, ANodeSaysLessOftenThatItLivesInCalmUnlessItTellsMoreThanThat) {
   const auto writer = our_writer(7, std::make_shared<TestWriterPort>());
   Time now = std::chrono::steady_clock::now() + std::chrono::seconds(10);

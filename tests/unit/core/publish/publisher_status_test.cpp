@@ -1,7 +1,9 @@
 // Tests what a publisher's status says of samples that did not reach everybody.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <sensor_msgs/msg/PointCloud2.hpp>
+#include <vector>
 
 #include "core/publish/publisher_core.h"
 #include "tests/unit/core/seam/idle_ports.h"
@@ -19,9 +21,15 @@ class CountingPort final : public IdleNetworkWriter {
 
   SendStatus answer = SendStatus::sent;
   std::uint64_t dropped_later = 0;
+  std::size_t missed = 0;  ///< of those that are sent together
+  int sent = 0;
 
  private:
-  SendStatus send_begun(const SampleHandle&, Reach) noexcept override { return answer; }
+  std::size_t flush() noexcept override { return missed; }
+  SendStatus send_begun(const SampleHandle&, Reach) noexcept override {
+    ++sent;
+    return answer;
+  }
 };
 
 TEST(PublisherStatusTest, CountsWhatWasRefusedAndWhatWasDroppedAfterItWasTaken) {
@@ -42,6 +50,58 @@ TEST(PublisherStatusTest, CountsWhatWasRefusedAndWhatWasDroppedAfterItWasTaken) 
   network->answer = SendStatus::dropped;
   EXPECT_EQ(publisher.publish(&cloud), PublishStatus::dropped);
   EXPECT_EQ(publisher.status().dropped, 3U);
+}
+
+/// A reader with a maximum rate gets one sample in each slot. The first one takes the slot of each.
+TEST(PublisherStatusTest, AMessageThatIsRefusedIsNotPublishedAndTakesNoSlotOfAReaderWithARate) {
+  const TypeSupport type{TypeTable<PointCloud2>::type};
+  const auto network = std::make_shared<CountingPort>();
+  PublisherCore::Spec spec;
+  spec.type = &type;
+  spec.max_sample_bytes = 1000;
+  PublisherCore publisher(spec, BufferPool::make(1 << 20), network);
+  Serving serving;
+  serving.network = {{2, UdpAddress{0x7f000001, 5000}, type.full()}};
+  constexpr std::uint32_t an_hour_us = 3'600'000'000;  // no slot begins in the course of the test
+  serving.network[0].min_period_us = an_hour_us;
+  publisher.serve(serving, nullptr);
+  PointCloud2 not_text, too_large;
+  not_text.header.frame_id = std::string("a\0b", 3);
+  too_large.data.resize(2000);
+  for (const PointCloud2* refused : {&not_text, &too_large})
+    EXPECT_EQ(publisher.publish(refused), PublishStatus::invalid);
+  EXPECT_EQ(publisher.status().published, 0U);
+  EXPECT_EQ(publisher.status().dropped, 0U);
+  const PointCloud2 cloud;
+  for (const int sent : {1, 1}) {
+    EXPECT_EQ(publisher.publish(&cloud), PublishStatus::ok);
+    EXPECT_EQ(network->sent, sent);
+  }
+  EXPECT_EQ(publisher.status().published, 2U);
+}
+
+TEST(PublisherStatusTest,
+     OfSamplesThatArePublishedTogetherThoseThatDoNotLeaveAreDroppedAndTheOthersPublished) {
+  const TypeSupport type{TypeTable<PointCloud2>::type};
+  const auto network = std::make_shared<CountingPort>();
+  PublisherCore::Spec spec;
+  spec.type = &type;
+  spec.max_sample_bytes = 1000;
+  PublisherCore publisher(spec, BufferPool::make(1 << 20), network);
+  Serving serving;
+  serving.network = {{2, UdpAddress{0x7f000001, 5000}, type.full()}};
+  publisher.serve(serving, nullptr);
+  const std::vector<PointCloud2> clouds(5);
+  std::uint64_t published = 0, dropped = 0;
+  for (const std::size_t missed : {0, 2, 9}) {
+    network->missed = missed;
+    const PublishedSpan done = publisher.publish(clouds.data(), clouds.size(), sizeof(PointCloud2));
+    const std::size_t lost = std::min(missed, clouds.size());
+    EXPECT_EQ(done.published, clouds.size() - lost);
+    EXPECT_EQ(done.status, lost == 0 ? PublishStatus::ok : PublishStatus::dropped);
+    EXPECT_EQ(publisher.status().published, published += clouds.size());
+    EXPECT_EQ(publisher.status().dropped, dropped += lost);
+  }
 }
 
 }  // namespace

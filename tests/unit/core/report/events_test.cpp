@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
 namespace sft::core {
@@ -145,6 +146,27 @@ TEST(EventsTest, WhatASubscriberAsksForIsToldOnBothSidesWhenItChanges) {
   EXPECT_EQ(own[0].text, "no fields");
 }
 
+TEST(EventsTest, ARequestThatChangesInOneThingAloneIsToldOnBothSidesAndAnEqualOneIsNot) {
+  const auto& type = type_support<PointCloud2>();
+  const FieldMask height = type.parse_mask("height").value(), width = type.parse_mask("width").value();
+  const auto told = [](const FieldMask& mask_before, double rate_before, const FieldMask& mask, double rate) {
+    PublisherStatus::Reader before = reader(true), after = before;
+    before.mask = mask_before, before.max_rate_hz = rate_before, after.mask = mask, after.max_rate_hz = rate;
+    SubscriberStatus own_before, own;
+    own_before.mask = mask_before, own_before.max_rate_hz = rate_before, own.mask = mask,
+    own.max_rate_hz = rate;
+    const auto at_publisher = between(serving(before), serving(after)),
+               at_subscriber = between(own_before, own);
+    EXPECT_EQ(kinds(at_publisher), kinds(at_subscriber));
+    return at_publisher.empty() ? std::string("nothing") : at_publisher[0].text;
+  };
+  EXPECT_EQ(told(height, 10, height, 10), "nothing");
+  EXPECT_EQ(told(height, 10, width, 10), "width, at most 10 Hz");
+  EXPECT_EQ(told(height, 10, height, 20), "height, at most 20 Hz");
+  EXPECT_EQ(told(height, 10, height, 0), "height");
+  EXPECT_EQ(told(height, 0, height, 10), "height, at most 10 Hz");
+}
+
 TEST(EventsTest, DeadlinesAndLivelinessAreToldOnBothSides) {
   PublisherStatus good;
   PublisherStatus late = good;
@@ -175,6 +197,85 @@ TEST(EventsTest, LossesAreToldWithTheirNumber) {
   const auto events = between(hearing(before), hearing(after));
   ASSERT_THAT(kinds(events), ElementsAre(Event::Kind::samples_lost));
   EXPECT_EQ(events[0].count, 3U);
+}
+
+/// A change of the status of an endpoint that has counted before, and the one event that it is worth.
+template <class Status>
+struct Change {
+  Event::Kind kind;
+  std::function<void(Status&)> before;
+  std::function<void(Status&)> after;
+  std::uint64_t count = 1;
+};
+
+template <class Status>
+void expect_one_event_for_each(const Status& base, const std::vector<Change<Status>>& changes) {
+  for (const Change<Status>& change : changes) {
+    SCOPED_TRACE(to_string(change.kind));
+    Status before = base;
+    change.before(before);
+    Status after = before;
+    change.after(after);
+    const std::vector<Event> events = between(before, after);
+    EXPECT_THAT(kinds(events), ElementsAre(change.kind));
+    EXPECT_EQ(events.empty() ? 0 : events[0].count, change.count);
+    EXPECT_THAT(between(before, before), IsEmpty()) << "not before";
+    EXPECT_THAT(between(after, after), IsEmpty()) << "and once only";
+  }
+}
+
+TEST(EventsTest, EachKindComesOnceToAPublisherWithWhatHasBeenAddedSinceThen) {
+  using S = PublisherStatus;
+  using Kind = Event::Kind;
+  S base = serving(reader(true));
+  base.readers[0].mask = type_support<PointCloud2>().full();
+  base.deadlines_missed = 3;
+  base.diverted = {.exhausted = 3, .too_large = 4, .unavailable = 5};
+  const auto nothing = [](S&) {};
+  const auto unserved = [](S& s) { s.readers[0].served = false; };
+  const auto silent = [](S& s) { s.alive = false; };
+  expect_one_event_for_each<S>(
+      base, {{Kind::matched, unserved, [](S& s) { s.readers[0].served = true; }},
+             {Kind::unmatched, nothing, unserved},
+             {Kind::path_changed, nothing, [](S& s) { s.readers[0].transport = TransportKind::shm; }},
+             {Kind::incompatible_qos, unserved,
+              [](S& s) { s.readers[0].incompatible_policy = QosPolicy::deadline; }},
+             {Kind::incompatible_type, unserved, [](S& s) { s.readers[0].incompatible_type = true; }},
+             {Kind::no_path, unserved, [](S& s) { s.readers[0].no_path = true; }},
+             {Kind::request_changed, nothing, [](S& s) { s.readers[0].max_rate_hz = 5; }},
+             {Kind::deadline_missed, nothing, [](S& s) { s.deadlines_missed += 2; }, 2},
+             {Kind::liveliness_lost, nothing, silent},
+             {Kind::liveliness_recovered, silent, [](S& s) { s.alive = true; }},
+             {Kind::samples_diverted, nothing, [](S& s) { s.diverted.exhausted += 2; }, 2},
+             {Kind::samples_diverted, nothing, [](S& s) { s.diverted.too_large += 3; }, 3},
+             {Kind::samples_diverted, nothing, [](S& s) { s.diverted.unavailable += 4; }, 4}});
+}
+
+TEST(EventsTest, EachKindComesOnceToASubscriberWithWhatHasBeenAddedSinceThen) {
+  using S = SubscriberStatus;
+  using Kind = Event::Kind;
+  S base = hearing(writer(true));
+  base.mask = type_support<PointCloud2>().full();
+  base.held_too_many = 3;
+  base.writers[0].deadlines_missed = 4;
+  base.writers[0].lost = 5;
+  const auto nothing = [](S&) {};
+  const auto unmatched = [](S& s) { s.writers[0].matched = false; };
+  const auto silent = [](S& s) { s.writers[0].alive = false; };
+  expect_one_event_for_each<S>(
+      base, {{Kind::matched, unmatched, [](S& s) { s.writers[0].matched = true; }},
+             {Kind::unmatched, nothing, unmatched},
+             {Kind::path_changed, nothing, [](S& s) { s.writers[0].transport = TransportKind::udp; }},
+             {Kind::incompatible_qos, unmatched,
+              [](S& s) { s.writers[0].incompatible_policy = QosPolicy::deadline; }},
+             {Kind::incompatible_type, unmatched, [](S& s) { s.writers[0].incompatible_type = true; }},
+             {Kind::no_path, unmatched, [](S& s) { s.writers[0].no_path = true; }},
+             {Kind::request_changed, nothing, [](S& s) { s.max_rate_hz = 5; }},
+             {Kind::deadline_missed, nothing, [](S& s) { s.writers[0].deadlines_missed += 2; }, 2},
+             {Kind::liveliness_lost, nothing, silent},
+             {Kind::liveliness_recovered, silent, [](S& s) { s.writers[0].alive = true; }},
+             {Kind::samples_lost, nothing, [](S& s) { s.writers[0].lost += 3; }, 3},
+             {Kind::held_too_many, nothing, [](S& s) { s.held_too_many += 4; }, 4}});
 }
 
 TEST(EventsTest, LossesOfAReliablePairNameThePathTheQueueAndWhatHelps) {

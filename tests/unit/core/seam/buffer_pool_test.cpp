@@ -101,6 +101,30 @@ TEST(BufferPoolTest, VeryManyBuffersGoBackInParts) {
   EXPECT_EQ(kept_by(*pool, bytes), 0U);
 }
 
+TEST(BufferPoolTest, WhatWasNeededIsKeptAlsoWhereTheOthersGoBackInParts) {
+  const auto pool = BufferPool::make(256 << 20);
+  Time now = std::chrono::steady_clock::now();
+  constexpr std::size_t many = 3'000, needed = 100, bytes = 500;
+  take(*pool, many, bytes);
+  pool->give_back(now);
+  take(*pool, needed, bytes);
+  now += BufferPool::period;
+  for (int calls = 0; calls < 10; ++calls) pool->give_back(now);
+  std::vector<SampleHandle> kept;
+  pool->take_kept(bytes, 0, many, kept);
+  EXPECT_EQ(kept.size(), needed);
+}
+
+TEST(BufferPoolTest, WhatWentBackToTheSystemLeavesRoomForAsMuch) {
+  const auto pool = BufferPool::make(12 * large_bytes);
+  Time now = std::chrono::steady_clock::now();
+  for (int peak = 0; peak < 100; ++peak) {
+    for (const SampleHandle& one : take(*pool, 4)) ASSERT_TRUE(one) << peak;
+    for (int calls = 0; calls < 3; ++calls) pool->give_back(now += BufferPool::period);
+    ASSERT_EQ(kept_by(*pool, large_bytes), 0U);
+  }
+}
+
 TEST(BufferPoolTest, WhatIsInUseAgainAndAgainIsKept) {
   const auto pool = BufferPool::make(256 << 20);
   Time now = std::chrono::steady_clock::now();

@@ -73,7 +73,6 @@ class IdleBorrowingReader : public IdleReader<BorrowingReader> {
 class IdleNetworkReader : public IdleReader<NetworkReader> {
  public:
   bool receive(const Waiting&) noexcept override { return false; }
-  void interrupt() noexcept override {}
   void share_reader() override {}
   void announced(const Source&) override {}
   void accept(std::vector<Accepted>) override {}

@@ -382,14 +382,41 @@ TEST_F(IntakeTest, CountsOfWritersThatDepartedRemainInTheSumsAfterTheWritersWere
   EXPECT_EQ(intake->accounts().find(100), nullptr);
 }
 
+// Its losses were told while it was heard first, and must not be told again.
+TEST_F(IntakeTest, AWriterThatIsHeardAgainAfterItWasGoneBeginsWithoutCountsAndTheSumsGoOn) {
+  hear(9);
+  for (const std::uint64_t sequence : {1, 4}) over_network({.sequence = sequence, .writer = 9});
+  EXPECT_EQ(taken().size(), 2U);
+  hear(9);
+  EXPECT_EQ(status().writers.at(0).lost, 2U) << "it was heard all the time";
+  intake->accounts().keeps_promises(9, 5, false);
+  hear(8);
+  over_network({.sequence = 5, .writer = 9});
+  EXPECT_EQ(taken().size(), 1U) << "its last samples can still be taken";
+  hear(9);
+  const SubscriberStatus again = status();
+  EXPECT_EQ(again.writers.at(0).received, 0U);
+  EXPECT_EQ(again.writers.at(0).lost, 0U);
+  EXPECT_EQ(again.writers.at(0).deadlines_missed, 0U);
+  EXPECT_TRUE(again.writers.at(0).alive);
+  EXPECT_EQ(again.received, 3U);
+  EXPECT_EQ(again.lost, 2U);
+  over_network({.sequence = 7, .writer = 9});
+  EXPECT_EQ(taken().size(), 1U);
+  EXPECT_EQ(status().writers.at(0).received, 1U);
+  EXPECT_EQ(status().writers.at(0).lost, 1U) << "what it sent meanwhile";
+  EXPECT_EQ(status().lost, 3U);
+}
+
 TEST_F(IntakeTest, ThatAWriterKeepsItsPromisesIsNewsOnlyIfSomethingDiffers) {
   hear(9);
   EXPECT_FALSE(intake->accounts().keeps_promises(9, 0, true));
   EXPECT_TRUE(intake->accounts().keeps_promises(9, 2, true));
-  EXPECT_FALSE(intake->accounts().keeps_promises(9, 2, true));
-  EXPECT_TRUE(intake->accounts().keeps_promises(9, 2, false));
+  EXPECT_FALSE(intake->accounts().keeps_promises(9, 0, true));
+  EXPECT_TRUE(intake->accounts().keeps_promises(9, 0, false));
+  EXPECT_TRUE(intake->accounts().keeps_promises(9, 1, false));
   const SubscriberStatus::Writer writer = status().writers.at(0);
-  EXPECT_EQ(writer.deadlines_missed, 2U);
+  EXPECT_EQ(writer.deadlines_missed, 3U);
   EXPECT_FALSE(writer.alive);
   EXPECT_EQ(writer.reason, "no sign of life within its lease");
 }

@@ -6,6 +6,7 @@
 #include <new>
 #include <vector>
 
+#include "core/seam/gate_table.h"
 #include "tests/support/shm_frame.h"
 
 namespace sft::test {
@@ -86,6 +87,23 @@ TEST_F(SampleCheck, AcceptsASampleWithoutFieldsWhichHasNoBody) {
   sample_.header().body_bytes = 0;
   EXPECT_TRUE(accepts(frame_layout.body_offset));
   EXPECT_FALSE(accepts(frame_layout.body_offset - 1));
+}
+
+TEST_F(SampleCheck, ATableOfGatesIsPartOfTheSampleOnlyIfItLiesWithinTheChunk) {
+  constexpr std::size_t bytes = frame_bytes(data);
+  const auto checked_bytes = [&](std::size_t gates, std::size_t chunk_bytes) {
+    sample_.header().gates = static_cast<std::uint16_t>(gates);
+    const auto checked = shm::check_sample(sample_.data, chunk_bytes, frame_type(), writer);
+    return checked ? checked->bytes : 0;
+  };
+  for (const std::size_t gates : {std::size_t{1}, std::size_t{2}, core::gates_in_table_max}) {
+    const std::size_t whole = core::bytes_with_gate_table(bytes, gates);
+    EXPECT_EQ(checked_bytes(gates, whole), whole) << gates;
+    EXPECT_EQ(checked_bytes(gates, whole - 1), bytes) << gates;
+    EXPECT_EQ(checked_bytes(gates, bytes), bytes) << gates;
+  }
+  for (const std::size_t gates : {core::gates_in_table_max + 1, std::size_t{65535}})
+    EXPECT_EQ(checked_bytes(gates, std::size_t{1} << 24), bytes) << gates << " are more than there can be";
 }
 
 TEST_F(SampleCheck, RefusesAChunkWithoutRoomForTheHeader) {

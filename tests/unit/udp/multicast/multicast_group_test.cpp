@@ -265,5 +265,24 @@ TEST_F(MulticastGroupTest, AnswersEachAloneOfALargeSample) {
   EXPECT_EQ(sent_again(), 0U);
 }
 
+TEST_F(MulticastGroupTest, WhatItLosesIsLostForTheMembersThatHearItAndAskForNothing) {
+  const auto lost = [&](std::size_t member) {
+    const core::DeliveryMeter::Reading counted =
+        core::DeliveryMeter{.losses = group->members()[member].lane->losses()}.read();
+    EXPECT_EQ(counted.lost_bytes, counted.lost * place()->first.total);
+    return counted.lost;
+  };
+  group->departed(*place(), true);
+  EXPECT_EQ(lost(3), 0U) << "it is sent the sample alone";
+  all_report();
+  group->departed(*place(), false);
+  EXPECT_EQ(lost(3), 0U);
+  for (std::uint64_t count = 1; count <= 3; ++count) {
+    group->departed(*place(), true);
+    EXPECT_EQ(lost(3), count);
+    for (std::size_t reliable = 0; reliable < 3; ++reliable) EXPECT_EQ(lost(reliable), 0U);
+  }
+}
+
 }  // namespace
 }  // namespace sft::udp

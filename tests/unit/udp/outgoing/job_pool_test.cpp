@@ -1,10 +1,13 @@
-// The memory of jobs that any mask may use next.
+// The memory of jobs that any mask may use next, and the memory that jobs borrow.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <memory>
+#include <span>
 #include <vector>
 
+#include "tests/unit/udp/messages.h"
 #include "udp_transport/outgoing/job.h"
 
 namespace sft::udp {
@@ -61,6 +64,48 @@ TEST(JobPoolTest, OneHugeSampleDoesNotMakeAllJobsHuge) {
   EXPECT_GE(last->projection.memory().staging_bytes, huge) << "it is needed again, perhaps";
   EXPECT_LT(first->projection.memory().staging_bytes, huge);
   EXPECT_LT(added->projection.memory().staging_bytes, huge);
+}
+
+TEST(BorrowedMemory, IsHeldOfAFewSamplesOnly) {
+  const auto jobs = JobPool::make();
+  const auto memory = core::BufferPool::make(std::size_t{256} << 20);
+  std::vector<JobHandle> held;
+  const auto borrow = [&](std::size_t bytes) {
+    if (!jobs->may_borrow(bytes)) return false;
+    held.push_back(jobs->take());
+    held.back()->sample = memory->take(bytes);
+    held.back()->borrow();
+    return true;
+  };
+  for (int i = 0; i < 8; ++i) EXPECT_TRUE(borrow(100'000));
+  EXPECT_FALSE(borrow(100'000));
+  held.clear();
+  EXPECT_TRUE(borrow(std::size_t{30} << 20)) << "one, however large";
+  EXPECT_FALSE(borrow(100'000));
+  for (int round = 0; round < 100; ++round) {
+    held.clear();
+    for (int i = 0; i < 5; ++i)
+      ASSERT_TRUE(borrow(std::size_t{3} << 20)) << "what came back can be borrowed again";
+  }
+}
+
+TEST(BorrowedMemory, IsNotNeededForACopy) {
+  const auto pool = core::BufferPool::make(std::size_t{1} << 20);
+  const JobHandle job = JobPool::make()->take();
+  const FieldMask all = test::fields<test::Image>("*");
+  const test::Image image = test::make_image(30'000);
+  core::SampleHandle sample = pool->take(test::sample_bytes(image, all));
+  test::fill(*sample, image, all, 7, 1);
+  const TypeSupport& type = test::type_support<test::Image>();
+  job->projection.project(core::state_of(*sample, type.slots()), type.type(), all);
+  job->mask = std::make_shared<WireMask>();
+  const std::size_t bytes = job->projection.bytes();
+  job->copy_body(pool->take(bytes));
+  std::fill_n(sample->data, sample->capacity, std::byte{0});
+  const auto body = job->body().segments;
+  ASSERT_EQ(body.size(), 1U);
+  const std::span<const std::byte> copied(body[0].data, body[0].bytes);
+  EXPECT_TRUE(std::ranges::equal(copied, test::encoded_body(image, all)));
 }
 
 }  // namespace

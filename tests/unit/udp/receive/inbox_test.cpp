@@ -15,13 +15,14 @@ class InboxTest : public testing::Test {
   using Taken = std::vector<std::pair<core::EndpointId, std::uint64_t>>;  ///< writers and sequences
 
   void deliver(core::EndpointId writer, std::uint64_t from, std::uint64_t to,
-               std::uint64_t oldest_retained = 0) {
+               std::uint64_t oldest_retained = 0, std::uint32_t numbering = 0) {
     for (std::uint64_t sequence = from; sequence <= to; ++sequence) {
       core::SampleHandle sample = memory_->take(1000);
       ASSERT_TRUE(sample);
       sample->header().writer = writer;
       sample->header().sequence = sequence;
       sample->oldest_retained = oldest_retained;
+      sample->numbering = numbering;
       sample->addressee = oldest_retained == 0 ? 0 : 1;
       inbox_.deliver(std::move(sample));
     }
@@ -108,6 +109,56 @@ TEST_F(InboxTest, CountsWhatWasPushedOutBeforeTheFirstSampleWasTaken) {
   deliver(1, 6, 10);
   EXPECT_EQ(take_all(), (Taken{{1, 8}, {1, 9}, {1, 10}}));
   EXPECT_EQ(inbox_.lost_unnoticed(), 2U) << "a gap tells of 6 and 7";
+}
+
+TEST_F(InboxTest, CountsEachSampleThatItThrowsAwayOnceAndNoOther) {
+  constexpr std::uint32_t anew = 1;
+  inbox_.connect({1});
+  const auto expect_discarded = [&](std::uint64_t count, const char* which) {
+    EXPECT_EQ(inbox_.discarded(), count) << which;
+  };
+  deliver(1, 2, 4);
+  expect_discarded(0, "there is room");
+  deliver(1, 5, 6);
+  expect_discarded(2, "2 and 3 are pushed out");
+  deliver(1, 5, 5);
+  deliver(9, 1, 1);
+  expect_discarded(2, "that is repeated, or of nobody who is heard");
+  deliver(1, 1, 1);
+  expect_discarded(3, "it comes too late");
+  EXPECT_EQ(take_all().size(), 3U);
+  deliver(1, 7, 8);
+  deliver(1, 7, 7, 0, anew);
+  expect_discarded(5, "7 and 8 had wrong numbers");
+  EXPECT_EQ(take_all(), (Taken{{1, 7}}));
+  inbox_.connect({2});
+  deliver(2, 7, 8);
+  deliver(2, 1, 1, 0, anew);
+  expect_discarded(7, "likewise");
+  EXPECT_EQ(take_all(), (Taken{{2, 1}}));
+  EXPECT_EQ(inbox_.lost_unnoticed(), 2U + 2U) << "nobody saw the first ones of either writer";
+}
+
+TEST_F(InboxTest, ForgetsAWriterThatWentOnceNothingOfItIsLeft) {
+  inbox_.connect({1});
+  deliver(1, 1, 1);
+  take_all();
+  EXPECT_EQ(inbox_.arrivals(1), 1U);
+  inbox_.disconnect(1);
+  EXPECT_EQ(inbox_.arrivals(1), 0U) << "all was taken before";
+  inbox_.connect({2});
+  deliver(2, 1, 2);
+  inbox_.disconnect(2);
+  EXPECT_EQ(inbox_.arrivals(2), 2U);
+  take_all();
+  EXPECT_EQ(inbox_.arrivals(2), 0U) << "all was taken afterwards";
+  inbox_.connect({3});
+  deliver(3, 1, 1);
+  inbox_.disconnect(3);
+  inbox_.connect({4});
+  deliver(4, 1, 3);
+  inbox_.disconnect(4);
+  EXPECT_EQ(inbox_.arrivals(3), 0U) << "what was left gave way";
 }
 
 TEST_F(InboxTest, CountsWhatWasPushedOutBeforeAllThatWasLeftBehind) {

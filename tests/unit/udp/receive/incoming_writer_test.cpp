@@ -339,6 +339,7 @@ TEST_F(IncomingWriterTest, GivesBackMemoryThatSomeSampleClaimedAndDoesNotUseWher
     receive(sent(7, 90'000, true));
   }
   EXPECT_EQ(taken(), (Sequences{1, 2, 3, 7, 4})) << "the others made no progress for 300 ms";
+  EXPECT_EQ(shared_->counters.incomplete, 1U);
 }
 
 TEST_F(IncomingWriterTest, TurnsToTheChannelOfSamplesAlsoWhereAnOfferNamesAnotherOneForTheirGroup) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <random>
 #include <string>
@@ -294,6 +295,50 @@ TEST_F(ReassemblyTest, FreesWhatWasParkedWithItsSample) {
   EXPECT_EQ(counted().over_limit, 0U);
 }
 
+// Far more samples end in each way than the memory and the parked bytes suffice for at a time.
+TEST_F(ReassemblyTest, GivesBackAllThatASampleHasTakenHoweverItEnds) {
+  constexpr std::size_t bytes = 6'000;
+  std::uint32_t sequence = 0;
+  std::vector<Bytes> datagrams;  // of the present sample
+  const auto begin_without_first = [&] { receive_without_first(datagrams); };
+  const auto begin_with_first = [&] { receive(datagrams.front()); };
+  const std::map<std::string, std::function<void()>> endings{
+      {"it becomes whole", [&] { receive(datagrams); }},
+      {"newer ones push it out", [] {}},
+      {"it makes no progress", [&] { pass(1s); }},
+      {"its first datagram says that it is shorter", [&] { receive(sent(sequence, make_image(100))); }},
+      {"its first datagram says that nobody asked for it", [&] { receive(sent(sequence, {}, "name")); }},
+      {"nobody reads its writer any more",
+       [&] {
+         reassembly_->set_streams({});
+         read_under({"*"});
+       }},
+  };
+  for (const auto& [why, end] : endings) {
+    for (const bool first_comes_first : {false, true}) {
+      SCOPED_TRACE(why + (first_comes_first ? ", behind its first datagram" : ", before its first datagram"));
+      restart({.unfinished_bytes = 10 * bytes, .parked_bytes = 10 * bytes}, 30 * bytes);
+      for (int round = 0; round < 100; ++round) {
+        datagrams = sent(++sequence, make_image(bytes));
+        first_comes_first ? begin_with_first() : begin_without_first();
+        end();
+        taken_.clear();
+      }
+      EXPECT_EQ(counted().over_limit, 0U);
+      const auto one = sent(++sequence, make_image(4 * bytes));
+      const auto other = sent(++sequence, make_image(4 * bytes));
+      for (const auto* both : {&one, &other}) receive(both->front());
+      for (const auto* both : {&one, &other}) receive_without_first(*both);
+      EXPECT_EQ(taken(), (Sequences{sequence - 1, sequence})) << "as many as at first have room";
+      taken_.clear();
+      reassembly_->set_streams({});
+      read_under({"*"});
+      receive_without_first(sent(++sequence, make_image(9 * bytes)));
+      EXPECT_EQ(counted().over_limit, 0U) << "as much as at first can be parked";
+    }
+  }
+}
+
 TEST_F(ReassemblyTest, DropsASampleWithTooManyGaps) {
   restart({.gaps = 10});
   const auto datagrams = sent(1, make_image(100'000));
@@ -406,6 +451,14 @@ TEST_F(ReassemblyTest, RefusesPayloadBeyondTheTotal) {
 
 TEST_F(ReassemblyTest, RefusesASequenceOfZero) {
   receive(sent(0, make_image(10)));
+  EXPECT_EQ(counted().malformed, 1U);
+}
+
+TEST_F(ReassemblyTest, CountsASampleWhoseNumberNobodyBelieves) {
+  receive(sent(100, make_image(10)));
+  receive(sent(1'000'000'000, make_image(10)));
+  receive(sent(101, make_image(10)));
+  EXPECT_EQ(taken(), (Sequences{100, 101}));
   EXPECT_EQ(counted().malformed, 1U);
 }
 

@@ -56,6 +56,19 @@ TEST_F(ArrivedSamplesTest, CountsTheBytesOfWholeSamplesUntilTheyAreReleased) {
   EXPECT_EQ(samples.held_bytes(), 0U);
 }
 
+/// Samples that nothing is missing before do not count as held back, as long as they are there.
+TEST_F(ArrivedSamplesTest, HoldsNoMoreBackForSamplesThatTurnedOutWrong) {
+  samples.reach(9, now);
+  samples.whole(1, sample(51));
+  samples.whole(2, sample(52));
+  samples.distrust_above(50);
+  samples.release_before(3);
+  for (ArrivedSamples::Place place = 4; place <= 6; ++place) samples.whole(place, sample(place));
+  EXPECT_EQ(samples.next(), 3U);
+  samples.hold_no_more_than_allowed();
+  EXPECT_EQ(samples.next(), 7U) << "two may be held back, and the third one was given up";
+}
+
 /// Otherwise the samples that the writer publishes there later would count as known.
 TEST_F(ArrivedSamplesTest, ForgetsWhatTheWriterInsistsThatItHasNotPublished) {
   samples.reach(6, now);

@@ -73,8 +73,8 @@ TEST_F(LaneTest, IsIdleUntilSomethingIsPostedAndOnceAllIsTaken) {
 }
 
 TEST_F(LaneTest, KeepsTheNewest) {
-  for (std::uint32_t n = 1; n <= 3; ++n) EXPECT_FALSE(one_.post(job(n)).dropped_oldest);
-  EXPECT_TRUE(one_.post(job(4)).dropped_oldest);
+  for (std::uint32_t n = 1; n <= 3; ++n) EXPECT_EQ(one_.post(job(n)).dropped, 0U);
+  EXPECT_EQ(one_.post(job(4)).dropped, 1U);
   EXPECT_EQ(take_all(one_), (Numbers{2, 3, 4}));
 }
 
@@ -83,10 +83,10 @@ TEST_F(LaneTest, KeepsABurstOfSmallSamplesForAReceiverThatHasNotReportedYet) {
   Lane lane(asking.find({.ip = 0x7F000001, .port = 1}), 3, tally_);
   Numbers posted;
   for (std::uint32_t n = 1; n <= 4096; ++n) {
-    EXPECT_FALSE(lane.post(test::make_job(*jobs_, n)).dropped_oldest) << n;
+    EXPECT_EQ(lane.post(test::make_job(*jobs_, n)).dropped, 0U) << n;
     posted.push_back(n + 1);
   }
-  EXPECT_TRUE(lane.post(test::make_job(*jobs_, 4097)).dropped_oldest);
+  EXPECT_EQ(lane.post(test::make_job(*jobs_, 4097)).dropped, 1U);
   EXPECT_EQ(take_all(lane), posted);
 }
 
@@ -94,12 +94,12 @@ TEST_F(LaneTest, KeepsThatBurstWhenTheReportCame) {
   DestinationDirectory asking({.report_port = 7}, connections_.connect());
   const auto to = asking.find({.ip = 0x7F000001, .port = 1});
   Lane lane(to, 3, tally_);
-  const auto post = [&](std::uint32_t n) { return lane.post(test::make_job(*jobs_, n)).dropped_oldest; };
-  for (std::uint32_t n = 1; n <= 10; ++n) EXPECT_FALSE(post(n)) << n;
+  const auto post = [&](std::uint32_t n) { return lane.post(test::make_job(*jobs_, n)).dropped; };
+  for (std::uint32_t n = 1; n <= 10; ++n) EXPECT_EQ(post(n), 0U) << n;
   const auto now = std::chrono::steady_clock::now();
   to->sent(to->connection(), 100, 1, now);
   ASSERT_TRUE(to->hear(connections_.answer_to_mark(), core::IpAddress{0x7F000001U}, now).believed);
-  for (std::uint32_t n = 11; n <= 20; ++n) EXPECT_FALSE(post(n)) << n;
+  for (std::uint32_t n = 11; n <= 20; ++n) EXPECT_EQ(post(n), 0U) << n;
   EXPECT_EQ(take_all(lane).size(), 20U);
 }
 
@@ -111,15 +111,15 @@ TEST_F(LaneTest, KeepsNoBurstIfOnlyLargeSamplesHaveWaitedForTheReport) {
   const auto now = std::chrono::steady_clock::now();
   to->sent(to->connection(), 100, 1, now);
   ASSERT_TRUE(to->hear(connections_.answer_to_mark(), core::IpAddress{0x7F000001U}, now).believed);
-  for (std::uint32_t n = 2; n <= 3; ++n) EXPECT_FALSE(lane.post(test::make_job(*jobs_, n)).dropped_oldest);
-  EXPECT_TRUE(lane.post(test::make_job(*jobs_, 4)).dropped_oldest);
+  for (std::uint32_t n = 2; n <= 3; ++n) EXPECT_EQ(lane.post(test::make_job(*jobs_, n)).dropped, 0U);
+  EXPECT_EQ(lane.post(test::make_job(*jobs_, 4)).dropped, 1U);
 }
 
 TEST_F(LaneTest, SkipsNothingForADestinationThatFallsBehind) {
   for (std::uint32_t n = 1; n <= 6; ++n) {
     const JobHandle shared = job(n);
-    EXPECT_FALSE(one_.post(shared).dropped_oldest);
-    EXPECT_EQ(other_.post(shared).dropped_oldest, n > 3);
+    EXPECT_EQ(one_.post(shared).dropped, 0U);
+    EXPECT_EQ(other_.post(shared).dropped, n > 3 ? 1U : 0U);
     EXPECT_EQ(take_all(one_), Numbers{n});
   }
   EXPECT_EQ(take_all(other_), (Numbers{4, 5, 6}));
@@ -150,7 +150,7 @@ TEST_F(LaneTest, DropsWhatIsQueuedWhenItIsClosedAndTakesNothingMore) {
   one_.next();
   one_.close();
   EXPECT_EQ(held(), 1U) << "what is being sent";
-  EXPECT_FALSE(one_.post(job(3)).dropped_oldest);
+  EXPECT_EQ(one_.post(job(3)).dropped, 0U);
   EXPECT_EQ(take_all(one_), Numbers{});
   EXPECT_EQ(held(), 0U);
 }
@@ -208,7 +208,7 @@ TEST_F(LaneTest, TellsWithEachSampleWhichWasTheFirst) {
 }
 
 TEST_F(LaneTest, LetsSmallSamplesWaitForTheHistoryBeyondItsDepth) {
-  for (std::uint32_t n = 4; n <= 8; ++n) EXPECT_FALSE(late_.post(for_late_reader(n)).dropped_oldest);
+  for (std::uint32_t n = 4; n <= 8; ++n) EXPECT_EQ(late_.post(for_late_reader(n)).dropped, 0U);
   EXPECT_EQ(late_.begin(retained({2, 3})), Wake::schedule);
   EXPECT_EQ(take_all(late_), (Numbers{2, 3, 4, 5, 6, 7, 8}));
 }

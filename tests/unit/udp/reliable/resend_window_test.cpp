@@ -558,42 +558,5 @@ TEST_F(SharedMemoryTest, LetsAPublisherWaitWhereSomethingWouldHaveToGo) {
   EXPECT_FALSE(one.window.can_keep(1, 3 * 66'000));
 }
 
-TEST(BorrowedMemory, IsHeldOfAFewSamplesOnly) {
-  const auto jobs = JobPool::make();
-  const auto memory = core::BufferPool::make(std::size_t{256} << 20);
-  std::vector<JobHandle> held;
-  const auto borrow = [&](std::size_t bytes) {
-    if (!jobs->may_borrow(bytes)) return false;
-    held.push_back(jobs->take());
-    held.back()->sample = memory->take(bytes);
-    held.back()->borrow();
-    return true;
-  };
-  for (int i = 0; i < 8; ++i) EXPECT_TRUE(borrow(100'000));
-  EXPECT_FALSE(borrow(100'000));
-  held.clear();
-  EXPECT_TRUE(borrow(std::size_t{30} << 20)) << "one, however large";
-  EXPECT_FALSE(borrow(100'000));
-}
-
-TEST(BorrowedMemory, IsNotNeededForACopy) {
-  const auto pool = core::BufferPool::make(std::size_t{1} << 20);
-  const JobHandle job = JobPool::make()->take();
-  const FieldMask all = test::fields<Image>("*");
-  const Image image = test::make_image(30'000);
-  core::SampleHandle sample = pool->take(test::sample_bytes(image, all));
-  test::fill(*sample, image, all, its_writer, 1);
-  const TypeSupport& type = test::type_support<Image>();
-  job->projection.project(core::state_of(*sample, type.slots()), type.type(), all);
-  job->mask = std::make_shared<WireMask>();
-  const std::size_t bytes = job->projection.bytes();
-  job->copy_body(pool->take(bytes));
-  std::fill_n(sample->data, sample->capacity, std::byte{0});
-  const auto body = job->body().segments;
-  ASSERT_EQ(body.size(), 1U);
-  const std::span<const std::byte> copied(body[0].data, body[0].bytes);
-  EXPECT_TRUE(std::ranges::equal(copied, test::encoded_body(image, all)));
-}
-
 }  // namespace
 }  // namespace sft::udp

@@ -44,7 +44,7 @@ class FanOutTest : public testing::Test {
     for (std::uint64_t sequence = 1; sequence <= samples; ++sequence) {
       core::SampleHandle sample = memory_->take(test::sample_bytes(image, all_));
       test::fill(*sample, image, all_, 7, sequence);
-      dropped += fan_out_.post({std::move(sample), routes, 0, 1}).dropped_oldest ? 1 : 0;
+      dropped += fan_out_.post({std::move(sample), routes, 0, 1}).dropped;
     }
     return dropped;
   }
@@ -103,6 +103,15 @@ TEST_F(FanOutTest, DropsTheOldestOfWhatIsReliableOnceItIsMoreThanChannelsKeep) {
   ASSERT_FALSE(sent.empty());
   for (std::size_t i = 0; i < sent.size(); ++i) EXPECT_EQ(sent[i], 101 - sent.size() + i);
   EXPECT_EQ(sent.size(), 100 - dropped);
+}
+
+TEST_F(FanOutTest, SaysHowManyHadToGoForOneThatIsLargerThanThese) {
+  const auto reliable = routes(true);
+  EXPECT_EQ(leave(60, 1'000'000, reliable), 0U);
+  const std::size_t dropped = leave(1, 20'000'000, reliable);
+  EXPECT_GT(dropped, 1U);
+  const core::DeliveryMeter counted{.tally = reliable->audiences.front().tally};
+  EXPECT_EQ(counted.read().dropped, dropped);
 }
 
 }  // namespace

@@ -71,6 +71,24 @@ TEST_F(LaneFlowsTest, LetsLargeSamplesOfAWriterGoToADestinationOneAfterAnother) 
   EXPECT_GT(bytes_left(), 2 * large_bytes);
 }
 
+TEST_F(LaneFlowsTest, LetSmallSamplesPassALargeOneThatIsUnderWayUnderAnotherMask) {
+  const auto large = lane(), small = lane();
+  large->post(job(large_bytes));
+  flows.add(large);
+  serve_small();
+  connections.take_batches(1);
+  flows.send_large(0);
+  connections.take_batches(SIZE_MAX);
+  const std::size_t begun = bytes_left();
+  EXPECT_GT(begun, 0U);
+  small->post(job(small_bytes));
+  flows.add(small);
+  serve_small();
+  EXPECT_GT(bytes_left(), begun);
+  EXPECT_TRUE(small->idle());
+  EXPECT_FALSE(large->idle());
+}
+
 /// The members of a group.
 struct GroupOf final : LaneListener {
   explicit GroupOf(std::vector<const Destination*> to) : members(std::move(to)) {}

@@ -48,6 +48,8 @@ class SendsAhead : public testing::Test {
     postponed_.clear();
     return missed;
   }
+  /// What counts as sent to the audience.
+  core::Delivered counted() const { return core::DeliveryMeter{.tally = audience_.tally}.read().delivered(); }
   bool is_copied() const { return test::body_of(*sample_) == expected_; }
   void acknowledge_all() {
     static_cast<void>(channel_->hear({.writer = 7, .channel = 1, .next = sequence_ + 1}));
@@ -91,6 +93,7 @@ TEST_F(SendsAhead, IsNotCopiedWhereAllOfItHasLeftAndNobodyAsksAgain) {
   EXPECT_EQ(sent_body(), expected_);
   EXPECT_TRUE(left_out_);
   EXPECT_TRUE(audience_.lanes.front()->idle());
+  EXPECT_EQ(counted(), (core::Delivered{.sent = 1, .bytes = expected_.size()}));
 }
 
 TEST_F(SendsAhead, LeavesNothingOutOfTheNextOneThatIsQueued) {

@@ -147,10 +147,6 @@ class Selection {
   /// The gate of both if they have the same, and none otherwise. Both are of the same type. Where that
   /// exceeds a limit, the fields are whole; if it still does, there is no gate.
   Selection joined(const Selection& other) const;
-  /// True if whoever has this has all of the other, gates aside. A part of another size is never contained.
-  bool contains(const Selection& other) const;
-  /// What has to be taken of each leaf of `have`, which contains this, to get this.
-  std::vector<Part> residual(const Selection& have) const;
 
   friend bool operator==(const Selection& a, const Selection& b);
 

@@ -1,0 +1,97 @@
+// The rates that `sft top` shows are those of what publishers told last.
+#include "tools/sft/traffic.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace sft::tool {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::uint64_t lidar = 7, camera = 8;
+
+class TrafficTest : public testing::Test {
+ protected:
+  /// The node of the publisher tells how far it is, and what others told holds on.
+  void tell(std::uint64_t publisher, std::uint64_t samples, std::uint64_t bytes) {
+    const auto known = std::ranges::find(domain.publishers, publisher, &DomainSnapshot::Endpoint::id);
+    DomainSnapshot::Endpoint& told =
+        known == domain.publishers.end() ? domain.publishers.emplace_back() : *known;
+    told.id = publisher;
+    told.progress = DomainSnapshot::Progress{samples, bytes};
+  }
+  /// The tool looks every 100 ms.
+  void pass(std::chrono::milliseconds time) {
+    for (const auto end = now + time; now < end;) traffic.note(domain, now += 100ms);
+  }
+  std::string rate(std::uint64_t publisher) const {
+    const auto rate = traffic.of(publisher, now);
+    return rate ? std::to_string(std::lround(rate->samples_per_s)) + " Hz, " +
+                      std::to_string(std::lround(rate->bytes_per_s)) + " B/s"
+                : "not known";
+  }
+
+  DomainSnapshot domain;
+  Traffic traffic;
+  Traffic::Clock::time_point now{1h};
+};
+
+TEST_F(TrafficTest, ARateIsKnownOnceAPublisherHasToldTwiceHowFarItIs) {
+  pass(1s);
+  EXPECT_EQ(rate(lidar), "not known");
+  tell(lidar, 100, 5000);
+  pass(500ms);
+  EXPECT_EQ(rate(lidar), "not known");
+  tell(lidar, 110, 5500);
+  pass(100ms);
+  EXPECT_EQ(rate(lidar), "20 Hz, 1000 B/s");
+  EXPECT_EQ(rate(camera), "not known");
+}
+
+TEST_F(TrafficTest, ARateIsThatOfTheTimeBetweenTheTwoLastReports) {
+  for (const std::uint64_t samples : {0, 10, 30}) {
+    tell(lidar, samples, 0);
+    pass(500ms);
+  }
+  EXPECT_EQ(rate(lidar), "40 Hz, 0 B/s");
+}
+
+TEST_F(TrafficTest, APublisherThatFellSilentHasNoRateAnyMoreAndOthersKeepTheirs) {
+  for (std::uint64_t told = 0; told < 3; ++told) {
+    tell(lidar, 100 * told, 0);
+    tell(camera, 10 * told, 0);
+    pass(1s);
+  }
+  EXPECT_EQ(rate(lidar), "100 Hz, 0 B/s");
+  for (std::uint64_t told = 3; told < 9; ++told) {
+    tell(camera, 10 * told, 0);
+    pass(1s);
+  }
+  EXPECT_EQ(rate(lidar), "0 Hz, 0 B/s");
+  EXPECT_EQ(rate(camera), "10 Hz, 0 B/s");
+  for (const std::uint64_t samples : {300, 400}) {
+    tell(lidar, samples, 0);
+    pass(1s);
+  }
+  EXPECT_EQ(rate(lidar), "100 Hz, 0 B/s") << "it sends again";
+}
+
+TEST_F(TrafficTest, APublisherThatHasLeftIsForgotten) {
+  for (const std::uint64_t samples : {0, 100}) {
+    tell(lidar, samples, 0);
+    pass(1s);
+  }
+  domain.publishers.clear();
+  pass(100ms);
+  EXPECT_EQ(rate(lidar), "not known");
+  tell(lidar, 200, 0);
+  pass(100ms);
+  EXPECT_EQ(rate(lidar), "not known");
+}
+
+}  // namespace
+}  // namespace sft::tool
