@@ -217,9 +217,7 @@ void NodeCore::link_was_deaf(const std::string& what) {
   log_.write(LogLevel::warning, "discovery: " + what);
 }
 
-void NodeCore::other_release_found(const std::string& what) {
-  log_.write(LogLevel::warning, "discovery: " + what);
-}
+void NodeCore::warned(const std::string& what) { log_.write(LogLevel::warning, "discovery: " + what); }
 
 void NodeCore::control_malformed(std::string why) {
   const std::uint64_t refused = counts_.malformed.fetch_add(1, std::memory_order_relaxed) + 1;

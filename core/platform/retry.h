@@ -31,6 +31,8 @@ class Retry {
     return is_news;
   }
   void succeeded() { *this = {}; }
+  /// When it may be tried; Time{} if it did not fail.
+  Time next() const { return next_; }
   /// The reason of the last failure.
   const std::string& reason() const { return why_; }
   /// Pauses it until then, although it did not fail.

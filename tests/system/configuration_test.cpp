@@ -15,6 +15,7 @@
 namespace sft::test {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 
@@ -162,7 +163,8 @@ TEST_F(ConfigurationTest, OfPeersThatHaveNoAddressIsSaidToNameNobody) {
   NodeOptions options = with("");
   options.discovery.peers = {"nobody.invalid"};
   const Node node = Node::open(options).value();
-  EXPECT_THAT(warnings(), HasSubstr("nobody.invalid"));
+  EXPECT_TRUE(eventually([&] { return warnings().find("the peer 'nobody.invalid'") != std::string::npos; }));
+  EXPECT_THAT(node.status().discovery_warnings, ElementsAre(HasSubstr("the peer 'nobody.invalid'")));
 }
 
 TEST_F(ConfigurationTest, MayBeAnotherOneForEachNodeOfAProcess) {
