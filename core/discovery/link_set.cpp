@@ -4,6 +4,8 @@
 #include <optional>
 #include <utility>
 
+#include "core/platform/hold_up_watch.h"
+
 namespace sft::core {
 
 namespace {
@@ -72,12 +74,14 @@ void LinkSet::open_missing(const std::vector<LinkSpec>& wanted, Result<void>& re
 }
 
 void LinkSet::drop(OpenLink dropped, bool is_replaced, Time now) {
+  next_piece_of_work();
   dropped.link.reset();
   ear_.link_dropped(dropped.id, is_replaced, now);
 }
 
 /// `instead_of`: a link whose domain must not be used again, or null.
 Result<LinkSet::OpenLink> LinkSet::make(const LinkSpec& spec, const OpenLink* instead_of) {
+  next_piece_of_work();
   const DdsConfig& config = settings_.config;
   std::string text = config.text_for(spec, hosts_);
   std::vector<std::string> complaints;

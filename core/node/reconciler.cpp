@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/platform/hold_up_watch.h"
+
 namespace sft::core {
 
 namespace {
@@ -123,15 +125,20 @@ void Reconciler::node_lost(NodeId id) {
 }
 
 std::chrono::milliseconds Reconciler::tick(Time now) {
+  next_piece_of_work();
   look_after_memory(now);
+  next_piece_of_work();
   look_after_addresses(now);
+  next_piece_of_work();
   for (auto& [id, reader] : ours_.readers) reader.forget_what_was_in_flight(now);
   dirty_ |= negotiation_.tick(now);
   for (const NodeId node : silence_.take_lost(now)) dirty_ |= negotiation_.node_lost(node);
   control_ignored_.store(negotiation_.ignored(), std::memory_order_relaxed);
   control_watch_.tell_of_refusals(now);
   outbox_.look(now);
+  next_piece_of_work();
   look_after_endpoints(now);
+  next_piece_of_work();
   settle();
   hurried_ticks_ = look_after_connections(now) ? hurried_ticks_ + 1 : 0;
   watch_promises(now);
@@ -139,7 +146,9 @@ std::chrono::milliseconds Reconciler::tick(Time now) {
                                    .every_sign = std::ranges::any_of(ours_.readers, [](const auto& item) {
                                      return item.second.misses_samples();
                                    })};
+  next_piece_of_work();
   discovery_looks_at_ = discovery_.look_after(now, awaited);
+  next_piece_of_work();
   const bool misses_memory = context_.memory != nullptr && !transports_.memory_ready();
   if ((misses_memory && !discovery_.is_calm(now)) || !departing_.empty() ||
       has_to_be_watched(negotiation_, ours_))
