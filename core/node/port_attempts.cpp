@@ -28,6 +28,10 @@ bool PortAttempts::in_memory(Retry& retry, const Open& open) {
   next_piece_of_work();
   const Result<void> opened = open();
   next_piece_of_work();
+  if (!opened && memory_ != nullptr && memory_->owes_answer()) {
+    retry.hold(now, opened.error().message);
+    return false;
+  }
   const bool answered = opened || opened.error().code != Errc::unavailable;
   const bool is_news = is_new_failure(retry, opened);
   if (answered) asking_daemon_.succeeded();

@@ -32,7 +32,7 @@ Reconciler::Reconciler(NodeId id, std::uint64_t network_id, SharedMemory* memory
       transports_(memory, network, network_id, log),
       outbox_(negotiation_, discovery, log),
       control_watch_(negotiation_, log),
-      attempts_(log),
+      attempts_(log, memory),
       context_{negotiation_, outbox_, attempts_, log, memory, network},
       accounts_(negotiation_, ours_, std::max(asks_last_least, 3 * discovery.life_signs().pause)),
       life_(id, discovery.life_signs()) {
@@ -140,7 +140,8 @@ std::chrono::milliseconds Reconciler::tick(Time now) {
   look_after_endpoints(now);
   next_piece_of_work();
   settle();
-  hurried_ticks_ = look_after_connections(now) ? hurried_ticks_ + 1 : 0;
+  const bool awaits_port = context_.memory != nullptr && context_.memory->owes_answer();
+  hurried_ticks_ = look_after_connections(now) || awaits_port ? hurried_ticks_ + 1 : 0;
   watch_promises(now);
   const Discovery::Awaited awaited{.somebody = negotiation_.table().misses_somebody(),
                                    .every_sign = std::ranges::any_of(ours_.readers, [](const auto& item) {

@@ -40,6 +40,10 @@ class Retry {
     next_ = until;
     pause_ = std::max(pause_, std::chrono::milliseconds(1));
   }
+  void hold(Time until, std::string why) {
+    hold(until);
+    why_ = std::move(why);
+  }
   /// Pauses it for as long as the other one pauses, and for the same reason.
   void hold_with(const Retry& other) {
     hold(other.next_);
