@@ -215,6 +215,13 @@ TEST_F(SftdCommands, StopDoesNotWaitForeverForAStoppedDaemon) {
   EXPECT_EQ(daemon.exit_code(), 0) << "the daemon has got the signal, and must end when it goes on";
 }
 
+TEST_F(SftdCommands, NoClockThatWasSetBackMakesATimeNegative) {
+  Status status;
+  status.since_ns = 2'000'000'000'000'000'000;
+  EXPECT_TRUE(contains(to_table(status, status.since_ns - 7'000'000'000), "(00:00:00)"));
+  EXPECT_TRUE(contains(to_table(status, status.since_ns + 7'000'000'000), "(00:00:07)"));
+}
+
 TEST_F(SftdCommands, AMalformedStatusIsRefused) {
   EXPECT_FALSE(shm::parse_status(""));
   EXPECT_FALSE(shm::parse_status("{\"pid\": \"many\"}"));
