@@ -35,6 +35,10 @@ constexpr std::chrono::seconds look_at_interfaces_every{10};  // although netlin
 constexpr std::chrono::seconds try_again_after{1};
 /// Others believe a link that was made anew with the first sign of life that comes by it.
 constexpr std::chrono::milliseconds assert_often_for{700}, assert_pause{50};
+constexpr const char* closed_by_the_program =
+    "the program has closed the sockets of its node (closefrom() or close() in a loop): the node finds "
+    "nobody "
+    "any more, and receives nothing by UDP; close descriptors before the first node opens";
 /// Names that are looked up within that time are known to the first links already. Others join later.
 constexpr std::chrono::milliseconds wait_for_names{200};
 /// All nodes of the process look after discovery; in that time one of them will do.
@@ -64,6 +68,27 @@ std::optional<std::vector<HostInterface>> interfaces_of_interest(const DdsConfig
 /// Each node of the process is told.
 void report(const JointDiscovery::Report& report, std::list<JointDiscovery::Seat>& to) {
   for (JointDiscovery::Seat& seat : to) seat.reports.push_back(report);
+}
+
+Discovery::Configuration described(const DdsConfig& config, const LinkSet& links, const PeerAddresses& peers,
+                                   const DesiredLinks& desired) {
+  std::vector<LinkSpec> specs = links.specs();
+  std::ranges::stable_partition(specs, &LinkSpec::loopback);
+  Discovery::Configuration present{.summary = config.summary(specs),
+                                   .warnings = config.warnings,
+                                   .remarks = desired.remarks,
+                                   .waits_for_network = desired.waits_for_network};
+  std::ranges::copy(links.warnings(), std::back_inserter(present.warnings));
+  std::ranges::copy(peers.warnings(), std::back_inserter(present.warnings));
+  for (const std::string& remark : desired.remarks) present.summary += "; " + remark;
+  for (const std::string& failure : links.failures()) present.summary += "; " + failure;
+  if (desired.waits_for_network)
+    present.summary += "; no network yet: other hosts are looked for as soon as an interface is up";
+  for (const LinkSpec& spec : specs) {
+    if (std::ranges::find(present.interfaces, spec.interface) == present.interfaces.end())
+      present.interfaces.push_back(spec.interface);
+  }
+  return present;
 }
 
 /// By any node.
@@ -341,7 +366,18 @@ Result<void> JointDiscovery::join_the_program(std::uint32_t domain) {
   return {};
 }
 
+/// Cyclone's threads would keep a core busy with sockets that are closed. The links go as long as their
+/// descriptors' numbers are free: afterwards they could be those of other files.
+void JointDiscovery::give_up(Time now) {
+  watches_ = false;
+  (void)links_.use({}, {}, now);
+  const Lock lock(configuration_mutex_);
+  configuration_ = {.summary = closed_by_the_program, .warnings = {closed_by_the_program}};
+  report({&DiscoveryListener::warned, closed_by_the_program}, seats_);
+}
+
 void JointDiscovery::look_at_interfaces(Time now) {
+  if (watch_.was_closed()) return give_up(now);
   std::optional<std::vector<HostInterface>> interfaces = interfaces_of_interest(config_);
   const bool is_known = interfaces.has_value();
   const bool changed = is_known && *interfaces != interfaces_;
@@ -374,29 +410,9 @@ Time JointDiscovery::look_at_peers(Time now) {
 Result<void> JointDiscovery::use(const DesiredLinks& desired, Time now) {
   peers_.used_on(config_.family_of_peers(desired.links));
   Result<void> used = links_.use(desired.links, peers_.known(), now);
-  describe(desired);
-  return used;
-}
-
-void JointDiscovery::describe(const DesiredLinks& desired) {
-  std::vector<LinkSpec> specs = links_.specs();
-  std::ranges::stable_partition(specs, &LinkSpec::loopback);
-  Discovery::Configuration present{.summary = config_.summary(specs),
-                                   .warnings = config_.warnings,
-                                   .remarks = desired.remarks,
-                                   .waits_for_network = desired.waits_for_network};
-  std::ranges::copy(links_.warnings(), std::back_inserter(present.warnings));
-  std::ranges::copy(peers_.warnings(), std::back_inserter(present.warnings));
-  for (const std::string& remark : desired.remarks) present.summary += "; " + remark;
-  for (const std::string& failure : links_.failures()) present.summary += "; " + failure;
-  if (desired.waits_for_network)
-    present.summary += "; no network yet: other hosts are looked for as soon as an interface is up";
-  for (const LinkSpec& spec : specs) {
-    if (std::ranges::find(present.interfaces, spec.interface) == present.interfaces.end())
-      present.interfaces.push_back(spec.interface);
-  }
   const Lock lock(configuration_mutex_);
-  configuration_ = std::move(present);
+  configuration_ = described(config_, links_, peers_, desired);
+  return used;
 }
 
 /// Returns when it has to be called again at the latest. Nothing of what others complain about holds for a

@@ -70,10 +70,10 @@ class JointDiscovery {
  private:
   Result<void> join_the_program(std::uint32_t domain) SFT_REQUIRES(mutex_);
   void look_at_interfaces(Time now) SFT_REQUIRES(mutex_);
+  void give_up(Time now) SFT_REQUIRES(mutex_);
   void use_interfaces(Time now) SFT_REQUIRES(mutex_);
   Time look_at_peers(Time now) SFT_REQUIRES(mutex_);
   Result<void> use(const DesiredLinks& desired, Time now) SFT_REQUIRES(mutex_);
-  void describe(const DesiredLinks& desired) SFT_REQUIRES(mutex_);
   Result<void> hear_on_links(Role role) SFT_REQUIRES(mutex_);
   void withdraw_from_links(EndpointId id) SFT_REQUIRES(mutex_);
   void told_news() SFT_REQUIRES(mutex_);
