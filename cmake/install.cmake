@@ -16,7 +16,8 @@ add_library(sft_shared SHARED ${objects})
 # For the libraries that the parts need. The code of the parts is in `objects`.
 target_link_libraries(sft_shared PRIVATE sft)
 target_link_options(sft_shared PRIVATE
-  LINKER:--version-script=${exported_names} LINKER:-Bsymbolic-functions LINKER:--as-needed LINKER:--no-undefined)
+  LINKER:--version-script=${exported_names} LINKER:-Bsymbolic-functions LINKER:--as-needed LINKER:--no-undefined
+  LINKER:-z,nodelete)  # threads for which nobody waits, those that look names up, return into its code
 set_target_properties(sft_shared PROPERTIES
   OUTPUT_NAME sft
   LINKER_LANGUAGE CXX

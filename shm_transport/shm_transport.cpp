@@ -1,6 +1,7 @@
 #include "shm_transport/shm_transport.h"
 
 #include <algorithm>
+#include <map>
 
 #include "shm_transport/daemon/accepted_daemons.h"
 #include "shm_transport/daemon/process_daemon.h"
@@ -19,6 +20,36 @@ namespace {
 
 using core::Availability;
 
+/// Ports of writers that have no second port yet, which lists what the writer holds.
+class FirstPorts {
+ public:
+  using Port = iox::popo::PublisherPortData*;
+
+  static void give_back(Port port) { port->m_toBeDestroyed.store(true, std::memory_order_release); }
+
+  Port take(core::EndpointId writer) {
+    const auto kept = ports_.extract(writer);
+    return kept ? kept.mapped().port : nullptr;
+  }
+  void keep(core::EndpointId writer, Port port) { ports_[writer] = {port, Clock::now()}; }
+  /// Those of writers that nobody opens any more.
+  void give_back_unclaimed(Clock::time_point now) {
+    std::erase_if(ports_, [now](const auto& item) {
+      if (now - item.second.since < kept_for) return false;
+      give_back(item.second.port);
+      return true;
+    });
+  }
+
+ private:
+  static constexpr std::chrono::seconds kept_for{2};
+  struct Kept {
+    Port port = nullptr;
+    Clock::time_point since{};
+  };
+  std::map<core::EndpointId, Kept> ports_;
+};
+
 /// The transport of one node, which uses the session of the process. When the daemon is lost and another one
 /// comes, the transport first reports that the old session is lost, and later that a new one is ready.
 class ShmTransport final : public core::SharedMemory {
@@ -32,10 +63,12 @@ class ShmTransport final : public core::SharedMemory {
   Availability poll(Clock::time_point now) override {
     DaemonLink::State state = daemon_->advance(options_, now);
     if (session_ != nullptr && session_ != state.session) {
+      first_ports_ = {};  // they are gone with the daemon's memory
       session_.reset();
       return Availability::starting;
     }
     session_ = std::move(state.session);
+    first_ports_.give_back_unclaimed(now);
     if (session_ != nullptr) session_->prepare_chunks();
     return state.availability;
   }
@@ -47,19 +80,29 @@ class ShmTransport final : public core::SharedMemory {
     return session_ != nullptr ? session_->token() : core::HostToken{};
   }
 
+  bool owes_answer() const override { return session_ != nullptr && session_->owes_answer(); }
+
   bool may_write() const override { return session_ == nullptr || session_->can_write(); }
 
   Result<std::unique_ptr<core::LendingWriter>> open_writer(const core::WriterSpec& spec) override {
     if (session_ == nullptr) return not_ready();
-    const auto deadline = Clock::now() + options_.port_deadline;
-    const auto publisher = session_->create_publisher(spec.id, deadline);
-    if (!publisher) return tl::unexpected(publisher.error());
-    const auto keeper = session_->create_subscriber(spec.id, 0, deadline);
+    const RoudiChannel::Patience patience{options_.port_wait, options_.port_deadline};
+    // The first port waits for the second one, which may be answered later.
+    iox::popo::PublisherPortData* publisher = first_ports_.take(spec.id);
+    if (publisher == nullptr) {
+      const auto made = session_->create_publisher(spec.id, patience);
+      if (!made) return tl::unexpected(made.error());
+      publisher = *made;
+    }
+    const auto keeper = session_->create_subscriber(spec.id, 0, patience);
     if (!keeper) {
-      (*publisher)->m_toBeDestroyed.store(true, std::memory_order_release);
+      if (session_->owes_answer())
+        first_ports_.keep(spec.id, publisher);
+      else
+        FirstPorts::give_back(publisher);
       return tl::unexpected(keeper.error());
     }
-    auto chunks = ChunkLender::make(session_, **publisher, **keeper, spec, options_.held_limit);
+    auto chunks = ChunkLender::make(session_, *publisher, **keeper, spec, options_.held_limit);
     return std::make_unique<ShmWriterPort>(std::move(chunks), pages_, statistics_, spec.max_blocking,
                                            session_->reader_accounts());
   }
@@ -87,6 +130,7 @@ class ShmTransport final : public core::SharedMemory {
   const std::shared_ptr<DoorbellPages> pages_ = std::make_shared<DoorbellPages>(options_.wake_thread);
   const std::shared_ptr<Statistics> statistics_ = std::make_shared<Statistics>();
   std::shared_ptr<Session> session_;
+  FirstPorts first_ports_;  ///< of the session
 };
 
 }  // namespace

@@ -133,7 +133,8 @@ class Composition {
     config.is_secured = user_.sets("Security");
     config.pulse_port = pulse_port(config);
     config.peers = settings_.peers;
-    config.user_peers = user_.values("Discovery/Peers/Peer/@Address");
+    config.user_peers = user_peers();
+    config.text_has_user_peers = !has_peer_by_name();
     std::string insisted;
     for (const Demand& demand : demands) insisted += insist_on(demand, config.warnings);
     if (finds_by_peers_only()) insisted += insist_on(predictable_port, config.warnings);
@@ -165,16 +166,31 @@ class Composition {
   }
   bool finds_by_peers_only() const { return equals(multicast_, "false"); }
   bool has_peers() const { return !settings_.peers.empty() || user_.sets("Discovery/Peers"); }
+  /// An address of Cyclone may be several, separated by commas.
+  std::vector<std::string> user_peers() const {
+    std::vector<std::string> peers;
+    for (const std::string& value : user_.values("Discovery/Peers/Peer/@Address")) {
+      for (const auto peer : std::views::split(value, ',')) peers.emplace_back(peer.begin(), peer.end());
+    }
+    return peers;
+  }
+  bool has_peer_by_name() const {
+    return std::ranges::any_of(user_peers(), [](const auto& peer) { return name_in(peer).has_value(); });
+  }
   bool user_chose_interfaces() const {
     return user_.sets("General/Interfaces") || user_.sets("General/NetworkInterfaceAddress");
   }
   /// Each link has its interface, and all have the domain number of the network: the user's choice of these
-  /// is applied to the links, and taken out here.
+  /// is applied to the links, and taken out here. So are peers, if Cyclone would look up names of them.
   std::string of_user(const std::string& user_config) const {
+    const bool by_name = has_peer_by_name();
     const bool as_it_is =
-        !user_chose_interfaces() && !user_.sets(own_domain_number) && !user_.depends_on_domain();
+        !user_chose_interfaces() && !user_.sets(own_domain_number) && !user_.depends_on_domain() && !by_name;
     if (as_it_is) return user_config;
-    return user_.for_any_domain({"General/Interfaces", "General/NetworkInterfaceAddress", own_domain_number});
+    std::vector<std::string_view> left_out{"General/Interfaces", "General/NetworkInterfaceAddress",
+                                           own_domain_number};
+    if (by_name) left_out.emplace_back("Discovery/Peers");
+    return user_.for_any_domain(left_out);
   }
 
   /// Acknowledgements that do not wait and heartbeats that come at once make a newcomer's first request
@@ -241,6 +257,8 @@ class Composition {
   const CycloneSettings& user_;
   const std::string multicast_;  ///< in force, of Cyclone's AllowMulticast
 };
+
+IpFamily family_on(const LinkSpec& link) { return link.ip.is_any() ? IpFamily::ipv6 : IpFamily::ipv4; }
 
 Result<void> check_names(const std::vector<std::string>& names, const char* what) {
   const auto is_plain = [](const std::string& name) {
@@ -311,10 +329,16 @@ std::string DdsConfig::summary(std::span<const LinkSpec> links) const {
                             : "on this host" + on_peers + ", by " + describe(links);
 }
 
+std::optional<IpFamily> DdsConfig::family_of_peers(std::span<const LinkSpec> links) const {
+  const auto asks = [&](const LinkSpec& link) { return !link.loopback || !text_has_user_peers; };
+  const auto link = std::ranges::find_if(links, asks);
+  return link == links.end() ? std::nullopt : std::optional(family_on(*link));
+}
+
 /// A datagram on a port of this host may come from any interface: without DontRoute each link would talk to
 /// addresses that are not of its network, too. Peers may be behind a router. Nodes of one host meet on the
 /// loopback, and would do so once more on every other link if its multicasts came back.
-std::string DdsConfig::text_for(const LinkSpec& link) const {
+std::string DdsConfig::text_for(const LinkSpec& link, const KnownHosts& hosts) const {
   const std::string which = link.ip.is_any() ? "name=\"" + link.interface : "address=\"" + format(link.ip);
   std::string general = element(
       "Interfaces", "<NetworkInterface " + which + (link.loopback ? "\" multicast=\"true\"/>" : "\"/>"));
@@ -323,10 +347,15 @@ std::string DdsConfig::text_for(const LinkSpec& link) const {
   if (!link.reaches_own_host) general += element("EnableMulticastLoopback", "false");
   std::string discovery = element("ExternalDomainId", domain_on_wire);
   std::string asked;
-  if (!found_by_multicast && link.reaches_own_host) asked += "<Peer Address=\"localhost\"/>";
-  if (!link.loopback) {
-    for (const std::string& peer : peers) asked += "<Peer Address=\"" + peer + "\"/>";
-  }
+  const auto ask = [&](const std::vector<std::string>& these) {
+    for (const std::string& peer : these) {
+      for (const std::string& number : in_numbers(peer, family_on(link), hosts))
+        asked += "<Peer Address=\"" + number + "\"/>";
+    }
+  };
+  if (!found_by_multicast && link.reaches_own_host) ask({format(loopback_ipv4), format(loopback_ipv6)});
+  if (!link.loopback) ask(peers);
+  if (!text_has_user_peers) ask(user_peers);
   if (!asked.empty()) discovery += element("Peers", asked);
   if (link.loopback) discovery += element("Ports", loopback_ports(!found_by_multicast || rules().peers));
   return text + "," + document(element("General", general) + element("Discovery", discovery));

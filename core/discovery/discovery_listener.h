@@ -29,8 +29,9 @@ class DiscoveryListener {
   /// Somebody was not heard any more on one link, although he is there: the link was made anew, or could not
   /// be. Called on the same thread.
   virtual void link_was_deaf(const std::string& /*what*/) {}
-  /// Somebody is there with whom this node cannot speak. Called on the same thread.
-  virtual void other_release_found(const std::string& /*what*/) {}
+  /// The user has to know: somebody is there with whom this node cannot speak, or a peer by name has no
+  /// address. Called on the same thread.
+  virtual void warned(const std::string& /*what*/) {}
 
  protected:
   ~DiscoveryListener() = default;

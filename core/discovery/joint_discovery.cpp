@@ -35,12 +35,60 @@ constexpr std::chrono::seconds look_at_interfaces_every{10};  // although netlin
 constexpr std::chrono::seconds try_again_after{1};
 /// Others believe a link that was made anew with the first sign of life that comes by it.
 constexpr std::chrono::milliseconds assert_often_for{700}, assert_pause{50};
+constexpr const char* closed_by_the_program =
+    "the program has closed the sockets of its node (closefrom() or close() in a loop): the node finds "
+    "nobody "
+    "any more, and receives nothing by UDP; close descriptors before the first node opens";
+/// Names that are looked up within that time are known to the first links already. Others join later.
+constexpr std::chrono::milliseconds wait_for_names{200};
 /// All nodes of the process look after discovery; in that time one of them will do.
 constexpr std::chrono::milliseconds one_looks_for{25};
 
 LifeSigns life_signs_of(const DdsConfig& config) {
   if (config.pulse_port) return life_signs_by_pulses;
   return config.multicast ? life_signs_to_all : life_signs_to_each;
+}
+
+/// Of which names have to be looked up.
+std::vector<std::string> peers_in(const DdsConfig& config) {
+  std::vector<std::string> peers = config.peers;
+  if (!config.text_has_user_peers)
+    peers.insert(peers.end(), config.user_peers.begin(), config.user_peers.end());
+  return peers;
+}
+
+/// Empty if the system cannot list them. Containers come and go: that is no reason to greet anybody.
+std::optional<std::vector<HostInterface>> interfaces_of_interest(const DdsConfig& config) {
+  std::optional<std::vector<HostInterface>> interfaces = host_interfaces();
+  if (interfaces && config.interfaces.empty())
+    std::erase_if(*interfaces, [](const HostInterface& i) { return belongs_to_containers(i.name); });
+  return interfaces;
+}
+
+/// Each node of the process is told.
+void report(const JointDiscovery::Report& report, std::list<JointDiscovery::Seat>& to) {
+  for (JointDiscovery::Seat& seat : to) seat.reports.push_back(report);
+}
+
+Discovery::Configuration described(const DdsConfig& config, const LinkSet& links, const PeerAddresses& peers,
+                                   const DesiredLinks& desired) {
+  std::vector<LinkSpec> specs = links.specs();
+  std::ranges::stable_partition(specs, &LinkSpec::loopback);
+  Discovery::Configuration present{.summary = config.summary(specs),
+                                   .warnings = config.warnings,
+                                   .remarks = desired.remarks,
+                                   .waits_for_network = desired.waits_for_network};
+  std::ranges::copy(links.warnings(), std::back_inserter(present.warnings));
+  std::ranges::copy(peers.warnings(), std::back_inserter(present.warnings));
+  for (const std::string& remark : desired.remarks) present.summary += "; " + remark;
+  for (const std::string& failure : links.failures()) present.summary += "; " + failure;
+  if (desired.waits_for_network)
+    present.summary += "; no network yet: other hosts are looked for as soon as an interface is up";
+  for (const LinkSpec& spec : specs) {
+    if (std::ranges::find(present.interfaces, spec.interface) == present.interfaces.end())
+      present.interfaces.push_back(spec.interface);
+  }
+  return present;
 }
 
 /// By any node.
@@ -99,15 +147,22 @@ Result<std::shared_ptr<JointDiscovery>> JointDiscovery::of(const DiscoveryOption
 JointDiscovery::JointDiscovery(DdsConfig config, const ThreadSettings& threads)
     : config_(std::move(config)),
       life_signs_(life_signs_of(config_)),
+      peers_(peers_in(config_), threads),
       ear_(life_signs_),
       links_({config_, threads, life_signs_}, own_, ear_) {}
 
 Result<void> JointDiscovery::open(std::uint32_t domain) {
   const Lock lock(mutex_);
   if (program_has_opened(domain)) return join_the_program(domain);
-  interfaces_ = interfaces_of_interest().value_or(std::vector<HostInterface>());
-  const Result<void> made =
-      use(desired_links(interfaces_, config_.rules(), {}), std::chrono::steady_clock::now());
+  interfaces_ = interfaces_of_interest(config_).value_or(std::vector<HostInterface>());
+  const DesiredLinks desired = desired_links(interfaces_, config_.rules(), {});
+  Time now = std::chrono::steady_clock::now();
+  peers_.used_on(config_.family_of_peers(desired.links));
+  peers_.look_after(now);
+  peers_.wait_for_answers(now + wait_for_names);
+  now = std::chrono::steady_clock::now();
+  peers_.look_after(now);
+  const Result<void> made = use(desired, now);
   if (!links_.empty()) return {};
   if (!made) return made;
   return fail(Errc::unavailable, "no network interface is up, not even the loopback (ip link set lo up)");
@@ -257,7 +312,7 @@ Time JointDiscovery::look_after(Seat& seat, Time now, const Discovery::Awaited& 
 
 /// Returns when it has to be called again at the latest.
 Time JointDiscovery::look_after_links(Time now) {
-  if (watches_ && (watch_.changed() || now >= next_look_)) look_at_interfaces(now);
+  if (watches_ && (watch_.changed() || now >= next_.look_at_interfaces)) look_at_interfaces(now);
   if (is_awaited(&Discovery::Awaited::every_sign, seats_)) ear_.tell_every_pulse();
   if (!links_.hear_pulses(now)) greetings_.stranger(now);
   ear_.pulses_heard(now);
@@ -274,24 +329,20 @@ Time JointDiscovery::look_after_links(Time now) {
     };
     for (const NodeId node : ear_.with_nodes(living)) write({.node = node, .writers = {}}, true, now);
   }
-  Time next = watches_ ? mend_links(now) : Time::max();
+  Time next = watches_ ? std::min(mend_links(now), look_at_peers(now)) : Time::max();
   for (std::string& renewal : links_.take_renewals())
-    report({&DiscoveryListener::link_was_deaf, std::move(renewal)});
+    report({&DiscoveryListener::link_was_deaf, std::move(renewal)}, seats_);
   if (std::optional<std::string> releases = ear_.take_other_releases(now))
-    report({&DiscoveryListener::other_release_found, std::move(*releases)});
-  if (now >= next_merge_) {
+    report({&DiscoveryListener::warned, std::move(*releases)}, seats_);
+  if (now >= next_.merge) {
     const DiscoveryEar::AfterTick after = ear_.tick(now);
     pace_ = after.signs;
     calm_from_ = std::max(own_pace_.calm_from(), pace_.calm_from());
-    next_merge_ = now + after.pause;
+    next_.merge = now + after.pause;
   }
   if (now < after_renewal_.until) next = std::min(next, after_renewal_.next);
   next = std::min(next, links_.exchange_due_full_signs(newcomers, now));
   return std::min(next, greetings_.next());
-}
-
-void JointDiscovery::report(const Report& report) {
-  for (Seat& seat : seats_) seat.reports.push_back(report);
 }
 
 /// The program's own configuration of the domain holds, and its choice of interfaces. Nodes of other
@@ -300,11 +351,11 @@ Result<void> JointDiscovery::join_the_program(std::uint32_t domain) {
   watches_ = false;
   if (Result<void> joined = links_.join(domain); !joined) return joined;
   std::vector<LinkSpec> links = links_.specs();
-  std::ranges::copy_if(
-      desired_links(interfaces_of_interest().value_or(std::vector<HostInterface>()), config_.rules(), {})
-          .links,
-      std::back_inserter(links), &LinkSpec::loopback);
-  const Result<void> has_loopback = links_.use(links, std::chrono::steady_clock::now());
+  std::ranges::copy_if(desired_links(interfaces_of_interest(config_).value_or(std::vector<HostInterface>()),
+                                     config_.rules(), {})
+                           .links,
+                       std::back_inserter(links), &LinkSpec::loopback);
+  const Result<void> has_loopback = links_.use(links, {}, std::chrono::steady_clock::now());
   const Lock lock(configuration_mutex_);
   configuration_.summary = "as the program itself configured DDS domain " + std::to_string(domain);
   configuration_.warnings = {
@@ -315,55 +366,53 @@ Result<void> JointDiscovery::join_the_program(std::uint32_t domain) {
   return {};
 }
 
-/// Empty if the system cannot list them. Containers come and go: that is no reason to greet anybody.
-std::optional<std::vector<HostInterface>> JointDiscovery::interfaces_of_interest() const {
-  std::optional<std::vector<HostInterface>> interfaces = host_interfaces();
-  if (interfaces && config_.interfaces.empty())
-    std::erase_if(*interfaces, [](const HostInterface& i) { return belongs_to_containers(i.name); });
-  return interfaces;
+/// Cyclone's threads would keep a core busy with sockets that are closed. The links go as long as their
+/// descriptors' numbers are free: afterwards they could be those of other files.
+void JointDiscovery::give_up(Time now) {
+  watches_ = false;
+  (void)links_.use({}, {}, now);
+  const Lock lock(configuration_mutex_);
+  configuration_ = {.summary = closed_by_the_program, .warnings = {closed_by_the_program}};
+  report({&DiscoveryListener::warned, closed_by_the_program}, seats_);
 }
 
 void JointDiscovery::look_at_interfaces(Time now) {
-  std::optional<std::vector<HostInterface>> interfaces = interfaces_of_interest();
+  if (watch_.was_closed()) return give_up(now);
+  std::optional<std::vector<HostInterface>> interfaces = interfaces_of_interest(config_);
   const bool is_known = interfaces.has_value();
   const bool changed = is_known && *interfaces != interfaces_;
   if (changed) interfaces_ = *std::move(interfaces);
   if (changed) greetings_.begin(now);
+  if (changed) peers_.network_changed();
   if (changed || !links_.failures().empty()) use_interfaces(now);
-  next_look_ = now + (is_known && links_.failures().empty() ? look_at_interfaces_every : try_again_after);
+  next_.look_at_interfaces =
+      now + (is_known && links_.failures().empty() ? look_at_interfaces_every : try_again_after);
 }
 
 void JointDiscovery::use_interfaces(Time now) {
   const std::string before = configuration().summary;
   (void)use(desired_links(interfaces_, config_.rules(), links_.specs()), now);
   if (const std::string after = configuration().summary; after != before)
-    report({&DiscoveryListener::links_changed, after});
+    report({&DiscoveryListener::links_changed, after}, seats_);
+}
+
+/// Returns when it has to be called again at the latest.
+Time JointDiscovery::look_at_peers(Time now) {
+  PeerAddresses::Look look = peers_.look_after(now);
+  if (look.is_changed || look.is_told) use_interfaces(now);
+  if (!links_.failures().empty())
+    next_.look_at_interfaces = std::min(next_.look_at_interfaces, now + try_again_after);
+  if (look.is_changed) greet_on_new_links(now);
+  for (std::string& text : look.news) report({&DiscoveryListener::warned, std::move(text)}, seats_);
+  return look.next;
 }
 
 Result<void> JointDiscovery::use(const DesiredLinks& desired, Time now) {
-  Result<void> used = links_.use(desired.links, now);
-  describe(desired);
-  return used;
-}
-
-void JointDiscovery::describe(const DesiredLinks& desired) {
-  std::vector<LinkSpec> specs = links_.specs();
-  std::ranges::stable_partition(specs, &LinkSpec::loopback);
-  Discovery::Configuration present{.summary = config_.summary(specs),
-                                   .warnings = config_.warnings,
-                                   .remarks = desired.remarks,
-                                   .waits_for_network = desired.waits_for_network};
-  std::ranges::copy(links_.warnings(), std::back_inserter(present.warnings));
-  for (const std::string& remark : desired.remarks) present.summary += "; " + remark;
-  for (const std::string& failure : links_.failures()) present.summary += "; " + failure;
-  if (desired.waits_for_network)
-    present.summary += "; no network yet: other hosts are looked for as soon as an interface is up";
-  for (const LinkSpec& spec : specs) {
-    if (std::ranges::find(present.interfaces, spec.interface) == present.interfaces.end())
-      present.interfaces.push_back(spec.interface);
-  }
+  peers_.used_on(config_.family_of_peers(desired.links));
+  Result<void> used = links_.use(desired.links, peers_.known(), now);
   const Lock lock(configuration_mutex_);
-  configuration_ = std::move(present);
+  configuration_ = described(config_, links_, peers_, desired);
+  return used;
 }
 
 /// Returns when it has to be called again at the latest. Nothing of what others complain about holds for a
@@ -381,9 +430,13 @@ Time JointDiscovery::mend_links(Time now) {
 
 bool JointDiscovery::renew(LinkId id, const std::string& why, Time now) {
   if (!links_.renew(id, why, now)) return false;
+  greet_on_new_links(now);
+  return true;
+}
+
+void JointDiscovery::greet_on_new_links(Time now) {
   greetings_.begin(now);
   after_renewal_ = {.until = now + assert_often_for, .next = now};
-  return true;
 }
 
 }  // namespace sft::core

@@ -69,12 +69,11 @@ class JointDiscovery {
 
  private:
   Result<void> join_the_program(std::uint32_t domain) SFT_REQUIRES(mutex_);
-  std::optional<std::vector<HostInterface>> interfaces_of_interest() const;
   void look_at_interfaces(Time now) SFT_REQUIRES(mutex_);
+  void give_up(Time now) SFT_REQUIRES(mutex_);
   void use_interfaces(Time now) SFT_REQUIRES(mutex_);
+  Time look_at_peers(Time now) SFT_REQUIRES(mutex_);
   Result<void> use(const DesiredLinks& desired, Time now) SFT_REQUIRES(mutex_);
-  void describe(const DesiredLinks& desired) SFT_REQUIRES(mutex_);
-  void report(const Report& report) SFT_REQUIRES(mutex_);
   Result<void> hear_on_links(Role role) SFT_REQUIRES(mutex_);
   void withdraw_from_links(EndpointId id) SFT_REQUIRES(mutex_);
   void told_news() SFT_REQUIRES(mutex_);
@@ -82,6 +81,7 @@ class JointDiscovery {
   Time look_after_links(Time now) SFT_REQUIRES(mutex_);
   Time mend_links(Time now) SFT_REQUIRES(mutex_);
   bool renew(LinkId id, const std::string& why, Time now) SFT_REQUIRES(mutex_);
+  void greet_on_new_links(Time now) SFT_REQUIRES(mutex_);
 
   const DdsConfig config_;
   const LifeSigns life_signs_;
@@ -99,9 +99,12 @@ class JointDiscovery {
     Time at{};
   };
   Look last_look_ SFT_GUARDED_BY(mutex_);
-  Time next_look_ SFT_GUARDED_BY(mutex_){};
-  Time next_merge_ SFT_GUARDED_BY(mutex_){};
+  struct Due {
+    Time look_at_interfaces{}, merge{};
+  };
+  Due next_ SFT_GUARDED_BY(mutex_);
   std::vector<HostInterface> interfaces_ SFT_GUARDED_BY(mutex_);
+  PeerAddresses peers_ SFT_GUARDED_BY(mutex_);
   struct FrequentSigns {
     Time until{}, next{};
   };

@@ -4,6 +4,8 @@
 #include <optional>
 #include <utility>
 
+#include "core/platform/hold_up_watch.h"
+
 namespace sft::core {
 
 namespace {
@@ -34,13 +36,14 @@ Result<void> LinkSet::join(std::uint32_t domain) {
                                   settings_.life_signs, participants_, ear_);
   if (!link) return tl::unexpected(link.error());
   if (Result<void> exchanged = (*link)->exchange_full_signs(); !exchanged) return exchanged;
-  links_[LinkSpec{}] = {links_made_, nullptr, std::move(*link)};
+  links_[LinkSpec{}] = {links_made_, {}, nullptr, std::move(*link)};
   return {};
 }
 
-Result<void> LinkSet::use(const std::vector<LinkSpec>& wanted, Time now) {
+Result<void> LinkSet::use(const std::vector<LinkSpec>& wanted, const KnownHosts& hosts, Time now) {
   Result<void> result;
-  open_missing(wanted, result);
+  hosts_ = hosts;
+  open_missing(wanted, result, now);
   for (auto link = links_.begin(); link != links_.end();) {
     if (std::ranges::find(wanted, link->first) == wanted.end()) {
       drop(std::exchange(link->second, {}), false, now);
@@ -52,12 +55,17 @@ Result<void> LinkSet::use(const std::vector<LinkSpec>& wanted, Time now) {
   return result;
 }
 
-void LinkSet::open_missing(const std::vector<LinkSpec>& wanted, Result<void>& result) {
+void LinkSet::open_missing(const std::vector<LinkSpec>& wanted, Result<void>& result, Time now) {
   failures_.clear();
   for (const LinkSpec& spec : wanted) {
-    if (links_.contains(spec)) continue;
-    if (auto made = make(spec, nullptr)) {
-      links_[spec] = std::move(*made);
+    const auto open = links_.find(spec);
+    OpenLink* const present = open == links_.end() ? nullptr : &open->second;
+    const bool is_the_programs = present != nullptr && present->domain == nullptr;
+    if (is_the_programs || (present != nullptr && present->config == settings_.config.text_for(spec, hosts_)))
+      continue;
+    if (auto made = make(spec, present)) {
+      present != nullptr ? replace(*present, std::move(*made), now)
+                         : static_cast<void>(links_.emplace(spec, std::move(*made)));
     } else {
       failures_.push_back(spec.interface + ": " + made.error().message);
       if (result) result = tl::unexpected(made.error());
@@ -66,16 +74,19 @@ void LinkSet::open_missing(const std::vector<LinkSpec>& wanted, Result<void>& re
 }
 
 void LinkSet::drop(OpenLink dropped, bool is_replaced, Time now) {
+  next_piece_of_work();
   dropped.link.reset();
   ear_.link_dropped(dropped.id, is_replaced, now);
 }
 
-/// `instead_of`: a domain that must not be used again, or null.
-Result<LinkSet::OpenLink> LinkSet::make(const LinkSpec& spec, const CycloneDomain* instead_of) {
+/// `instead_of`: a link whose domain must not be used again, or null.
+Result<LinkSet::OpenLink> LinkSet::make(const LinkSpec& spec, const OpenLink* instead_of) {
+  next_piece_of_work();
   const DdsConfig& config = settings_.config;
+  std::string text = config.text_for(spec, hosts_);
   std::vector<std::string> complaints;
-  auto domain =
-      cyclone_domain({config.text_for(spec), config.is_secured, settings_.threads}, instead_of, complaints);
+  auto domain = cyclone_domain({text, config.is_secured, settings_.threads},
+                               instead_of == nullptr ? nullptr : instead_of->domain.get(), complaints);
   if (!domain) return tl::unexpected(domain.error());
   const LinkId id = ++links_made_;
   const auto pulses = pulses_on(spec, config);
@@ -104,12 +115,18 @@ Result<LinkSet::OpenLink> LinkSet::make(const LinkSpec& spec, const CycloneDomai
       warnings_.push_back(std::move(complaint));
   }
   own_.write_to(**link);
-  OpenLink made{id, std::move(*domain), std::move(*link)};
+  OpenLink made{id, std::move(text), std::move(*domain), std::move(*link)};
   if (waits) made.waits_since = std::chrono::steady_clock::now();
   return made;
 }
 
 /// The new link comes before the old one goes, so that nobody is lost in between.
+void LinkSet::replace(OpenLink& link, OpenLink by, Time now) {
+  ear_.link_replaced(link.id, by.id);
+  const LinkId after = by.id;
+  retiring_.push_back({std::exchange(link, std::move(by)), after, now});
+}
+
 bool LinkSet::renew(LinkId id, const std::string& why, Time now) {
   const auto found = find(id);
   if (found == links_.end()) return false;
@@ -118,14 +135,12 @@ bool LinkSet::renew(LinkId id, const std::string& why, Time now) {
   if (!pace.is_needed(now)) return false;
   pace.renewed(now);
   const std::string what = "on " + spec.interface + " " + why;
-  auto made = make(spec, link.domain.get());
+  auto made = make(spec, &link);
   if (!made) {
     told_renewals_.push_back(what + "; the link cannot be made anew: " + made.error().message);
     return false;
   }
-  ear_.link_replaced(link.id, made->id);
-  const LinkId after = made->id;
-  retiring_.push_back({std::exchange(link, std::move(*made)), after, now});
+  replace(link, std::move(*made), now);
   told_renewals_.push_back(what + "; the link is made anew");
   return true;
 }

@@ -43,8 +43,9 @@ class LinkSet {
   /// Opens one link in a DDS domain that the program itself has configured.
   Result<void> join(std::uint32_t domain);
   /// Opens the links that are wanted, and closes others after that. The error is that of the first link that
-  /// could not be opened; such links are tried again by the next call.
-  Result<void> use(const std::vector<LinkSpec>& wanted, Time now);
+  /// could not be opened; such links are tried again by the next call. Links that have to ask others than
+  /// before, since other addresses of `hosts` are known, are made anew.
+  Result<void> use(const std::vector<LinkSpec>& wanted, const KnownHosts& hosts, Time now);
   /// Makes a link anew, for a reason that take_renewals() tells. Returns false if that is too early, or
   /// fails.
   bool renew(LinkId id, const std::string& why, Time now);
@@ -94,7 +95,8 @@ class LinkSet {
  private:
   struct OpenLink {
     LinkId id = 0;
-    std::shared_ptr<const CycloneDomain> domain;
+    std::string config;                           ///< what `domain` was made with
+    std::shared_ptr<const CycloneDomain> domain;  ///< null: the program's own
     std::unique_ptr<DiscoveryLink> link;
     std::optional<Time> waits_since{};  ///< with full signs of life; nothing once they go and come
   };
@@ -104,8 +106,9 @@ class LinkSet {
     Time since;
   };
 
-  Result<OpenLink> make(const LinkSpec& spec, const CycloneDomain* instead_of);
-  void open_missing(const std::vector<LinkSpec>& wanted, Result<void>& result);
+  Result<OpenLink> make(const LinkSpec& spec, const OpenLink* instead_of);
+  void open_missing(const std::vector<LinkSpec>& wanted, Result<void>& result, Time now);
+  void replace(OpenLink& link, OpenLink by, Time now);
   template <class IsDue>
   void exchange_full_signs_if(IsDue is_due, Time now);
   void drop(OpenLink dropped, bool is_replaced, Time now);
@@ -115,6 +118,7 @@ class LinkSet {
   const OwnAnnouncements& own_;
   DiscoveryEar& ear_;
   Participants participants_;
+  KnownHosts hosts_;
   std::set<Role> heard_;
   FullSigns full_signs_;
   Time heard_pulses_at_{};

@@ -15,8 +15,8 @@ constexpr std::size_t unattached_max = 128;
 constexpr std::chrono::milliseconds attach_again_after{500};
 constexpr int looks_in_callback_max = 4;                 // in a row
 constexpr std::chrono::milliseconds restart_pause{500};  // for the other side to see that nobody listens
-/// Lost memory is not free for the next daemon while samples in it can be taken. sftd waits half a second for
-/// that when it ends, of which a node may take 200 ms to notice.
+/// Lost memory is not free for the next daemon while samples in it can be taken. sftd waits for that when it
+/// starts afresh, for 1.2 s at most, of which a node may take 1 s to notice.
 constexpr std::chrono::milliseconds lost_memory_kept{200};
 constexpr std::chrono::seconds network_preferred_min{2}, network_preferred_max{60};
 

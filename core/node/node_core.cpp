@@ -18,6 +18,16 @@ using namespace std::chrono_literals;
 
 namespace {
 constexpr std::chrono::seconds complaint_pause{1};
+
+/// For those who look for what holds a node up: a user can do nothing about it, so nothing is measured where
+/// the log has no lines for debugging.
+HoldUpWatch::Tell told_of_hold_ups(NodeLog& log) {
+  if (!log.wants(LogLevel::debug)) return {};
+  return [&log](std::source_location what, std::chrono::milliseconds held_up) {
+    log.write(LogLevel::debug, "the agent was held up for " + std::to_string(held_up.count()) + " ms by " +
+                                   what.file_name() + ":" + std::to_string(what.line()));
+  };
+}
 }  // namespace
 
 Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Parts parts) {
@@ -62,7 +72,8 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
                                    heap->give_back(std::chrono::steady_clock::now());
                                    return reconciler->tick();
                                  },
-                             .idle = [reconciler] { return reconciler->reconcile(); }};
+                             .idle = [reconciler] { return reconciler->reconcile(); },
+                             .held_up = told_of_hold_ups(node->log_)};
   const Result<void> started = node->agent_.start({"agent " + options.name, options.threads.agent}, duties);
   if (!started) return tl::unexpected(started.error());
   return node;
@@ -217,9 +228,7 @@ void NodeCore::link_was_deaf(const std::string& what) {
   log_.write(LogLevel::warning, "discovery: " + what);
 }
 
-void NodeCore::other_release_found(const std::string& what) {
-  log_.write(LogLevel::warning, "discovery: " + what);
-}
+void NodeCore::warned(const std::string& what) { log_.write(LogLevel::warning, "discovery: " + what); }
 
 void NodeCore::control_malformed(std::string why) {
   const std::uint64_t refused = counts_.malformed.fetch_add(1, std::memory_order_relaxed) + 1;

@@ -76,7 +76,7 @@ class NodeCore final : private DiscoveryListener {
   void control_malformed(std::string why) override;
   void links_changed(const std::string& summary) override;  // called by the agent
   void link_was_deaf(const std::string& what) override;     // called by the agent
-  void other_release_found(const std::string& what) override;
+  void warned(const std::string& what) override;
 
   /// Publishers, or subscribers, of all nodes are known soon after that. To be called by the agent.
   void hear(Role role);

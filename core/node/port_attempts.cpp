@@ -1,5 +1,7 @@
 #include "core/node/port_attempts.h"
 
+#include "core/platform/hold_up_watch.h"
+
 namespace sft::core {
 
 /// True if it did not fail before, or failed for another reason.
@@ -23,7 +25,13 @@ bool PortAttempts::in_memory(Retry& retry, const Open& open) {
     retry.hold_with(asking_daemon_);  // else nobody would try this one again
     return false;
   }
+  next_piece_of_work();
   const Result<void> opened = open();
+  next_piece_of_work();
+  if (!opened && memory_ != nullptr && memory_->owes_answer()) {
+    retry.hold(now, opened.error().message);
+    return false;
+  }
   const bool answered = opened || opened.error().code != Errc::unavailable;
   const bool is_news = is_new_failure(retry, opened);
   if (answered) asking_daemon_.succeeded();

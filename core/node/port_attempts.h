@@ -7,6 +7,7 @@
 #include "core/platform/clock.h"
 #include "core/platform/retry.h"
 #include "core/report/node_log.h"
+#include "core/seam/transport.h"
 #include "sft/result.h"
 
 namespace sft::core {
@@ -15,14 +16,14 @@ class PortAttempts {
  public:
   using Open = std::function<Result<void>()>;
 
-  /// The log outlives this object.
-  explicit PortAttempts(NodeLog& log) : log_(log) {}
+  /// The log and the memory outlive this object. `memory` may be null.
+  explicit PortAttempts(NodeLog& log, const SharedMemory* memory = nullptr) : log_(log), memory_(memory) {}
 
   /// Returns true if open() was called and has succeeded. Does not call it while `retry` pauses.
   bool over_network(Retry& retry, const Open& open);
   /// The same where the daemon of shared memory is asked. A daemon that did not answer is not asked again for
-  /// a while, on behalf of any endpoint: each such request takes until its deadline, and the agent does
-  /// nothing else meanwhile.
+  /// a while, on behalf of any endpoint: the agent waits a moment for each answer. An answer that is still to
+  /// come is no failure, and open() is called again with the next look.
   bool in_memory(Retry& retry, const Open& open);
 
   /// True if something failed that was tried by in_memory(), and may be tried again.
@@ -36,6 +37,7 @@ class PortAttempts {
   static bool is_new_failure(Retry& retry, const Result<void>& outcome);
 
   NodeLog& log_;
+  const SharedMemory* const memory_;
   Retry asking_daemon_;
 };
 

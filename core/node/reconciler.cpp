@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/platform/hold_up_watch.h"
+
 namespace sft::core {
 
 namespace {
@@ -30,7 +32,7 @@ Reconciler::Reconciler(NodeId id, std::uint64_t network_id, SharedMemory* memory
       transports_(memory, network, network_id, log),
       outbox_(negotiation_, discovery, log),
       control_watch_(negotiation_, log),
-      attempts_(log),
+      attempts_(log, memory),
       context_{negotiation_, outbox_, attempts_, log, memory, network},
       accounts_(negotiation_, ours_, std::max(asks_last_least, 3 * discovery.life_signs().pause)),
       life_(id, discovery.life_signs()) {
@@ -123,23 +125,31 @@ void Reconciler::node_lost(NodeId id) {
 }
 
 std::chrono::milliseconds Reconciler::tick(Time now) {
+  next_piece_of_work();
   look_after_memory(now);
+  next_piece_of_work();
   look_after_addresses(now);
+  next_piece_of_work();
   for (auto& [id, reader] : ours_.readers) reader.forget_what_was_in_flight(now);
   dirty_ |= negotiation_.tick(now);
   for (const NodeId node : silence_.take_lost(now)) dirty_ |= negotiation_.node_lost(node);
   control_ignored_.store(negotiation_.ignored(), std::memory_order_relaxed);
   control_watch_.tell_of_refusals(now);
   outbox_.look(now);
+  next_piece_of_work();
   look_after_endpoints(now);
+  next_piece_of_work();
   settle();
-  hurried_ticks_ = look_after_connections(now) ? hurried_ticks_ + 1 : 0;
+  const bool awaits_port = context_.memory != nullptr && context_.memory->owes_answer();
+  hurried_ticks_ = look_after_connections(now) || awaits_port ? hurried_ticks_ + 1 : 0;
   watch_promises(now);
   const Discovery::Awaited awaited{.somebody = negotiation_.table().misses_somebody(),
                                    .every_sign = std::ranges::any_of(ours_.readers, [](const auto& item) {
                                      return item.second.misses_samples();
                                    })};
+  next_piece_of_work();
   discovery_looks_at_ = discovery_.look_after(now, awaited);
+  next_piece_of_work();
   const bool misses_memory = context_.memory != nullptr && !transports_.memory_ready();
   if ((misses_memory && !discovery_.is_calm(now)) || !departing_.empty() ||
       has_to_be_watched(negotiation_, ours_))

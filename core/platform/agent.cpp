@@ -20,19 +20,19 @@ void Agent::stop() {
   thread_.join();
 }
 
-void Agent::post(Task task) {
+void Agent::post(Task task, std::source_location by) {
   {
     const Lock lock(mutex_);
-    tasks_.push_back(std::move(task));
+    tasks_.push_back({std::move(task), by});
   }
   posted_.notify_one();
 }
 
-void Agent::post_for_next_tick(Task task) {
+void Agent::post_for_next_tick(Task task, std::source_location by) {
   bool is_crowded = false;
   {
     const Lock lock(mutex_);
-    tasks_.push_back(std::move(task));
+    tasks_.push_back({std::move(task), by});
     is_crowded = tasks_.size() >= waiting_max;
   }
   if (is_crowded) posted_.notify_one();
@@ -40,7 +40,8 @@ void Agent::post_for_next_tick(Task task) {
 
 void Agent::run() {
   thread_id_.store(std::this_thread::get_id());
-  std::vector<Task> batch;
+  HoldUpWatch watch(duties_.held_up, duties_.time);
+  std::vector<Posted> batch;
   auto next_tick = std::chrono::steady_clock::now();
   for (;;) {
     bool stopping = false;
@@ -50,8 +51,12 @@ void Agent::run() {
       batch.swap(tasks_);
       stopping = stopping_;
     }
-    for (Task& task : batch) task();
+    for (const Posted& posted : batch) {
+      watch.begin(posted.by);
+      posted.task();
+    }
     if (stopping && batch.empty()) return;
+    watch.begin(std::source_location::current());
     if (!batch.empty()) {
       const auto pause = duties_.idle();
       next_tick = std::min(next_tick, std::chrono::steady_clock::now() + pause);
@@ -60,6 +65,7 @@ void Agent::run() {
     if (const auto now = std::chrono::steady_clock::now(); now >= next_tick) {
       next_tick = now + duties_.tick();
     }
+    watch.end();
   }
 }
 

@@ -6,10 +6,12 @@
 #include <chrono>
 #include <cstddef>
 #include <functional>
+#include <source_location>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "core/platform/hold_up_watch.h"
 #include "core/platform/thread.h"
 #include "core/sync/mutex.h"
 #include "sft/result.h"
@@ -25,6 +27,9 @@ class Agent {
   struct Duties {
     std::function<std::chrono::milliseconds()> tick;
     std::function<std::chrono::milliseconds()> idle;
+    /// Told of tasks and other pieces of work that hold the thread up; empty: nobody measures them.
+    HoldUpWatch::Tell held_up{};
+    ReadTime time = &std::chrono::steady_clock::now;  ///< by which they are measured
   };
 
   Agent() = default;
@@ -35,21 +40,25 @@ class Agent {
   Result<void> start(const ThreadSpec& thread, Duties duties);
 
   /// Any thread, before start() too; returns at once. Tasks run in the order in which they were posted.
-  void post(Task task);
+  void post(Task task, std::source_location by = std::source_location::current());
   /// The same for a task that has time until the next tick. It wakes the agent only if so many wait.
-  void post_for_next_tick(Task task);
+  void post_for_next_tick(Task task, std::source_location by = std::source_location::current());
   static constexpr std::size_t waiting_max = 64;
   /// Runs what was posted before, then ends the thread; what is posted later is not run.
   void stop();
   bool is_current_thread() const { return std::this_thread::get_id() == thread_id_.load(); }
 
  private:
+  struct Posted {
+    Task task;
+    std::source_location by;
+  };
   void run();
 
   Duties duties_;
   Mutex mutex_;
   Condition posted_;
-  std::vector<Task> tasks_ SFT_GUARDED_BY(mutex_);
+  std::vector<Posted> tasks_ SFT_GUARDED_BY(mutex_);
   bool stopping_ SFT_GUARDED_BY(mutex_) = false;
   std::atomic<std::thread::id> thread_id_{};
   std::thread thread_;

@@ -22,6 +22,8 @@ bool NetworkWatch::changed() noexcept {
   for (bool any = false;; any = true) {
     char start_of_message = 0;
     const bool came = ::recv(netlink_.get(), &start_of_message, sizeof start_of_message, 0) >= 0;
+    was_closed_ = !came && errno == EBADF;
+    if (was_closed_) return true;
     if (!came && errno != ENOBUFS && errno != EINTR) return any;  // ENOBUFS: more than the socket holds
   }
 }

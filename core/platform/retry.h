@@ -31,12 +31,18 @@ class Retry {
     return is_news;
   }
   void succeeded() { *this = {}; }
+  /// When it may be tried; Time{} if it did not fail.
+  Time next() const { return next_; }
   /// The reason of the last failure.
   const std::string& reason() const { return why_; }
   /// Pauses it until then, although it did not fail.
   void hold(Time until) {
     next_ = until;
     pause_ = std::max(pause_, std::chrono::milliseconds(1));
+  }
+  void hold(Time until, std::string why) {
+    hold(until);
+    why_ = std::move(why);
   }
   /// Pauses it for as long as the other one pauses, and for the same reason.
   void hold_with(const Retry& other) {

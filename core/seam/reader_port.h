@@ -79,7 +79,7 @@ class ReaderPort {
   /// The oldest sample not yet taken, validated so far that every getter is safe; empty if there is none.
   virtual SampleHandle take() noexcept = 0;
 
-  /// Begins to accept a writer's samples. May ask a daemon, with a deadline of its own.
+  /// Begins to accept a writer's samples. May ask a daemon, as SharedMemory::open_writer() does.
   virtual Result<void> connect(const Source& source) = 0;
   /// True if samples that the writer sends from now on will arrive.
   virtual bool connected(EndpointId writer) const noexcept = 0;

@@ -131,7 +131,6 @@ bool DaemonLink::may_launch(Clock::time_point now) const {
 }
 
 void DaemonLink::launch(const ShmOptions& options, Clock::time_point now) {
-  if (files_of_daemon_.empty()) files_of_daemon_ = files_of_own_daemon();
   obstacles_ = LaunchObstacles::look(files_of_daemon_);
   launch_failed_at_.reset();
   auto launched = DaemonLaunch::begin(options, places_);

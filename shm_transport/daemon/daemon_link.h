@@ -71,8 +71,9 @@ class DaemonLink {
   std::unique_ptr<RoudiChannel> channel_;
   std::optional<Clock::time_point> deadline_;  ///< the end of the current phase
   core::Retry launching_;
-  std::vector<std::string> files_of_daemon_;  ///< set before the first attempt to start a daemon
-  LaunchObstacles obstacles_;                 ///< obstacles to the last attempt to start a daemon
+  // Found then, too: the name of a group may be asked for at a server that is silent.
+  const std::vector<std::string> files_of_daemon_ = files_of_own_daemon();
+  LaunchObstacles obstacles_;  ///< obstacles to the last attempt to start a daemon
   /// The time of the last failed attempt; set if obstacles may be the reason of the failure.
   std::optional<Clock::time_point> launch_failed_at_;
   core::Retry registering_;  ///< attempts to register with the daemon of registered_with_; a new daemon is

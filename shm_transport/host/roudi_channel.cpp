@@ -118,6 +118,11 @@ std::string reason_of(IpcMessageErrorType error) {
   }
 }
 
+/// An answer that came late is kept for the next call for so long.
+constexpr std::chrono::seconds kept_for{2};
+
+tl::unexpected<Error> not_yet() { return fail(Errc::unavailable, "sftd has not answered yet"); }
+
 tl::unexpected<Error> too_late() {
   return fail(Errc::unavailable, "sftd did not answer in time; is it stopped or is the machine overloaded?");
 }
@@ -217,52 +222,135 @@ Result<IpcMessage> RoudiChannel::receive(Clock::time_point deadline) {
   }
 }
 
-std::string RoudiChannel::next_label() {
-  const core::Lock lock(turn_mutex_);
-  return runtime_name_ + "#" + std::to_string(++requests_);
-}
-
 Result<PortLocation> RoudiChannel::create_publisher(const iox::capro::ServiceDescription& service,
                                                     iox::popo::PublisherOptions options, const Claim& claim,
-                                                    Clock::time_point deadline) {
-  const std::string label = next_label();
-  options.nodeName = iox::NodeName_t(iox::cxx::TruncateToCapacity, label);
-  IpcMessage request;
-  request << iox::runtime::IpcMessageTypeToString(IpcMessageType::CREATE_PUBLISHER) << runtime_name_
-          << serialized(service) << options.serialize().toString()
-          << serialized(iox::runtime::PortConfigInfo{});
-  return ask_for_port(std::move(request), IpcMessageType::CREATE_PUBLISHER_ACK, label, claim, deadline);
+                                                    const Patience& patience) {
+  const auto make = [&](const std::string& label) {
+    options.nodeName = iox::NodeName_t(iox::cxx::TruncateToCapacity, label);
+    IpcMessage request;
+    request << iox::runtime::IpcMessageTypeToString(IpcMessageType::CREATE_PUBLISHER) << runtime_name_
+            << serialized(service) << options.serialize().toString()
+            << serialized(iox::runtime::PortConfigInfo{});
+    return request;
+  };
+  return ask_for_port(
+      {.port = "publisher " + serialized(service), .wanted = IpcMessageType::CREATE_PUBLISHER_ACK}, make,
+      claim, patience);
 }
 
 Result<PortLocation> RoudiChannel::create_subscriber(const iox::capro::ServiceDescription& service,
                                                      iox::popo::SubscriberOptions options, const Claim& claim,
-                                                     Clock::time_point deadline, const std::string& remark) {
-  const std::string label = next_label() + remark;
-  options.nodeName = iox::NodeName_t(iox::cxx::TruncateToCapacity, label);
-  IpcMessage request;
-  request << iox::runtime::IpcMessageTypeToString(IpcMessageType::CREATE_SUBSCRIBER) << runtime_name_
-          << serialized(service) << options.serialize().toString()
-          << serialized(iox::runtime::PortConfigInfo{});
-  return ask_for_port(std::move(request), IpcMessageType::CREATE_SUBSCRIBER_ACK, label, claim, deadline);
+                                                     const Patience& patience, const std::string& remark) {
+  const auto make = [&](const std::string& label) {
+    options.nodeName = iox::NodeName_t(iox::cxx::TruncateToCapacity, label);
+    IpcMessage request;
+    request << iox::runtime::IpcMessageTypeToString(IpcMessageType::CREATE_SUBSCRIBER) << runtime_name_
+            << serialized(service) << options.serialize().toString()
+            << serialized(iox::runtime::PortConfigInfo{});
+    return request;
+  };
+  const std::string queue =
+      options.subscribeOnCreate ? " queue of " + std::to_string(options.queueCapacity) : "";
+  return ask_for_port({.port = "subscriber " + serialized(service) + queue,
+                       .label = remark,
+                       .wanted = IpcMessageType::CREATE_SUBSCRIBER_ACK},
+                      make, claim, patience);
 }
 
-Result<PortLocation> RoudiChannel::ask_for_port(IpcMessage request, IpcMessageType wanted,
-                                                const std::string& label, const Claim& claim,
-                                                Clock::time_point deadline) {
+/// The daemon is asked one question at a time, so that an error, which names no port, answers a known one.
+/// `next`: its label lacks the number of the request, which comes before the remark.
+Result<PortLocation> RoudiChannel::ask_for_port(Question next, const MakeRequest& make, const Claim& claim,
+                                                const Patience& patience) {
+  const auto begun = Clock::now();
+  const auto deadline = begun + patience.wait;
   const Turn turn(*this, deadline);
-  if (!turn) return too_late();
-  if (auto sent = send(request, deadline); !sent) return tl::unexpected(sent.error());
-  for (;;) {
-    const auto answer = receive(deadline);
-    if (!answer) return tl::unexpected(answer.error());
-    if (type_of(*answer) == IpcMessageType::ERROR) {
-      const auto error = iox::runtime::stringToIpcMessageErrorType(answer->getElementAtIndex(1).c_str());
-      return fail(Errc::limit_exceeded, reason_of(error));
-    }
-    if (answer->getNumberOfElements() != 3) continue;
-    const PortLocation location{number_at(*answer, 2), number_at(*answer, 1)};
-    if (claim(location, label) && type_of(*answer) == wanted) return location;
+  if (!turn) return not_yet();
+  if (auto taken = take_answers(claim, begun); !taken) return tl::unexpected(taken.error());
+  drop_unclaimed(claim, begun);
+  const std::string port = next.port += next.label;
+  if (!answers_.contains(port) && !question()) {
+    next.label.insert(0, runtime_name_ + "#" + std::to_string(++requests_));
+    if (auto sent = send(make(next.label), deadline); !sent) return tl::unexpected(sent.error());
+    next.overdue_at = begun + patience.overdue;
+    set_question(std::move(next));
+    ++unsettled_;
+    if (auto taken = take_answers(claim, deadline); !taken) return tl::unexpected(taken.error());
   }
+  if (auto answer = answers_.extract(port)) {
+    --unsettled_;
+    return answer.mapped().location;
+  }
+  const auto open = question();
+  if (!open || Clock::now() < open->overdue_at) return not_yet();
+  set_question(std::nullopt);  // the answer will be recognised by its label, and the port given back
+  return too_late();
+}
+
+/// Until the question is answered, or the deadline is over. What has come already is taken in any case.
+Result<void> RoudiChannel::take_answers(const Claim& claim, Clock::time_point deadline) {
+  for (;;) {
+    const auto message = receive(question() ? deadline : Clock::time_point{});
+    if (message) {
+      note(*message, claim);
+    } else if (message.error().code == Errc::unavailable) {
+      return {};
+    } else {
+      return tl::unexpected(message.error());
+    }
+  }
+}
+
+void RoudiChannel::note(const IpcMessage& message, const Claim& claim) {
+  const std::optional<Question> asked = question();
+  const auto answer = [&](Result<PortLocation> location) {
+    answers_.insert_or_assign(asked->port, Answer{std::move(location), Clock::now() + kept_for});
+    set_question(std::nullopt);
+  };
+  if (type_of(message) == IpcMessageType::ERROR) {
+    const auto error = iox::runtime::stringToIpcMessageErrorType(message.getElementAtIndex(1).c_str());
+    asked ? answer(fail(Errc::limit_exceeded, reason_of(error))) : late_answer_came();
+    return;
+  }
+  if (message.getNumberOfElements() != 3) return;
+  const PortLocation location{number_at(message, 2), number_at(message, 1)};
+  const bool is_ours = claim(location, asked ? asked->label : "") && asked;
+  is_ours&& type_of(message) == asked->wanted ? answer(location) : late_answer_came();
+}
+
+void RoudiChannel::late_answer_came() {
+  if (unsettled_ > 0) --unsettled_;
+}
+
+void RoudiChannel::drop_unclaimed(const Claim& claim, Clock::time_point now) {
+  std::erase_if(answers_, [&](const auto& item) {
+    const Answer& answer = item.second;
+    if (now < answer.kept_until) return false;
+    if (answer.location) claim(*answer.location, "");
+    --unsettled_;
+    return true;
+  });
+}
+
+void RoudiChannel::give_back_unclaimed(const Claim& claim) {
+  if (unsettled_ == 0) return;
+  const auto now = Clock::now();
+  const Turn turn(*this, now);
+  if (turn && take_answers(claim, now)) drop_unclaimed(claim, now);
+}
+
+bool RoudiChannel::owes_answer() const {
+  const core::Lock lock(turn_mutex_);
+  return turn_taken_ || (question_ && Clock::now() < question_->overdue_at);
+}
+
+std::optional<RoudiChannel::Question> RoudiChannel::question() const {
+  const core::Lock lock(turn_mutex_);
+  return question_;
+}
+
+void RoudiChannel::set_question(std::optional<Question> question) {
+  const core::Lock lock(turn_mutex_);
+  question_ = std::move(question);
 }
 
 void RoudiChannel::say_goodbye() noexcept {

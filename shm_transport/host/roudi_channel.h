@@ -1,13 +1,17 @@
 // Asks the daemon for ports, with the messages of iceoryx's own protocol.
 //
 // The client of iceoryx (PoshRuntimeImpl) waits for answers without end, and aborts the process if there is
-// an error. This class sends the same messages, but each call ends at its deadline. If an answer comes later,
-// a later call recognises it and gives the port back.
+// an error. This class sends the same messages, but each call waits for a moment only. An answer that comes
+// later is kept for the call that asks for the same port again. If it is overdue, or if nobody asks for the
+// port again, the port is given back.
 #pragma once
 
+#include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -48,36 +52,66 @@ class RoudiChannel {
   /// Returns the answer to the registration, or nothing if it has not come yet.
   Result<std::optional<Registration>> poll_registration();
 
-  /// `remark`: a text behind the label, which other processes can read. Any thread. Requests take turns; the
-  /// time until a request has its turn counts towards its deadline.
+  struct Patience {
+    std::chrono::milliseconds wait{};     ///< of a call
+    std::chrono::milliseconds overdue{};  ///< an answer that takes longer
+  };
+  /// `remark`: a text behind the label, which other processes can read. Any thread. Requests take turns.
+  /// Errc::unavailable: the daemon has not answered yet, see owes_answer().
   Result<PortLocation> create_publisher(const iox::capro::ServiceDescription& service,
                                         iox::popo::PublisherOptions options, const Claim& claim,
-                                        Clock::time_point deadline);
+                                        const Patience& patience);
   Result<PortLocation> create_subscriber(const iox::capro::ServiceDescription& service,
                                          iox::popo::SubscriberOptions options, const Claim& claim,
-                                         Clock::time_point deadline, const std::string& remark = {});
+                                         const Patience& patience, const std::string& remark = {});
+  /// Returns whether the daemon was asked for a port, and its answer is neither there nor overdue. A call
+  /// that has failed may succeed soon then. Any thread.
+  bool owes_answer() const;
+  /// Gives ports back that were answered late, and that nobody has asked for again. Any thread.
+  void give_back_unclaimed(const Claim& claim);
 
   /// Tells the daemon to remove everything that this process has there. Does not wait.
   void say_goodbye() noexcept;
 
  private:
   class Turn;
+  struct Question {
+    std::string port;     ///< distinguishes it from all others of this process
+    std::string label{};  ///< by which the answer is recognised
+    iox::runtime::IpcMessageType wanted{};
+    Clock::time_point overdue_at{};
+  };
+  struct Answer {
+    Result<PortLocation> location;
+    Clock::time_point kept_until{};
+  };
   RoudiChannel(std::string runtime_name, Descriptor from_daemon, Descriptor to_daemon);
   Result<void> send(const iox::runtime::IpcMessage& message, Clock::time_point deadline);
   Result<iox::runtime::IpcMessage> receive(Clock::time_point deadline);
-  Result<PortLocation> ask_for_port(iox::runtime::IpcMessage request, iox::runtime::IpcMessageType answer,
-                                    const std::string& label, const Claim& claim, Clock::time_point deadline);
-  std::string next_label();
+  using MakeRequest = std::function<iox::runtime::IpcMessage(const std::string& label)>;
+  Result<PortLocation> ask_for_port(Question next, const MakeRequest& make, const Claim& claim,
+                                    const Patience& patience);
+  Result<void> take_answers(const Claim& claim, Clock::time_point deadline);
+  void note(const iox::runtime::IpcMessage& message, const Claim& claim);
+  void late_answer_came();
+  void drop_unclaimed(const Claim& claim, Clock::time_point now);
+  std::optional<Question> question() const;
+  void set_question(std::optional<Question> question);
 
   std::string runtime_name_;
   Descriptor from_daemon_;  ///< bound to /tmp/<runtime name>, where the daemon answers
   Descriptor to_daemon_;    ///< connected, so that no message can reach a later daemon
   std::int64_t registration_stamp_ = 0;
 
-  core::Mutex turn_mutex_;
+  mutable core::Mutex turn_mutex_;
   core::Condition turn_ends_;
-  bool turn_taken_ SFT_GUARDED_BY(turn_mutex_) = false;  ///< a request is under way
-  std::uint64_t requests_ SFT_GUARDED_BY(turn_mutex_) = 0;
+  bool turn_taken_ SFT_GUARDED_BY(turn_mutex_) = false;           ///< a request is under way
+  std::optional<Question> question_ SFT_GUARDED_BY(turn_mutex_);  ///< that the daemon has not answered yet
+  // Whoever has the turn uses these.
+  std::uint64_t requests_ = 0;
+  std::map<std::string, Answer> answers_;  ///< by the port; late ones
+  /// The number of questions of which the port was neither taken nor given back. Any thread reads it.
+  std::atomic<std::size_t> unsettled_{0};
 };
 
 }  // namespace sft::shm

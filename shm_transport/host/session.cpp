@@ -137,7 +137,8 @@ Result<PortData*> Session::answered_port(const Result<PortLocation>& location) c
   return port;
 }
 
-Result<PublisherPortData*> Session::create_publisher(core::EndpointId writer, Clock::time_point deadline) {
+Result<PublisherPortData*> Session::create_publisher(core::EndpointId writer,
+                                                     const RoudiChannel::Patience& patience) {
   if (!can_write_) {
     return fail(Errc::no_permission,
                 "this program may read samples in shared memory but not write them; " +
@@ -147,11 +148,11 @@ Result<PublisherPortData*> Session::create_publisher(core::EndpointId writer, Cl
   options.historyCapacity = 0;
   options.subscriberTooSlowPolicy = iox::popo::ConsumerTooSlowPolicy::DISCARD_OLDEST_DATA;
   return answered_port<PublisherPortData>(
-      channel_->create_publisher(service_of(writer), options, claim(), deadline));
+      channel_->create_publisher(service_of(writer), options, claim(), patience));
 }
 
 Result<SubscriberPortData*> Session::create_subscriber(core::EndpointId writer, std::uint32_t depth,
-                                                       Clock::time_point deadline,
+                                                       const RoudiChannel::Patience& patience,
                                                        const QueueWishes& wishes) {
   iox::popo::SubscriberOptions options;
   options.queueCapacity = QueuePlaces::capacity_for(depth);
@@ -159,7 +160,7 @@ Result<SubscriberPortData*> Session::create_subscriber(core::EndpointId writer, 
   options.subscribeOnCreate = depth != 0;
   options.queueFullPolicy = iox::popo::QueueFullPolicy::DISCARD_OLDEST_DATA;
   return answered_port<SubscriberPortData>(
-      channel_->create_subscriber(service_of(writer), options, claim(), deadline, to_text(wishes)));
+      channel_->create_subscriber(service_of(writer), options, claim(), patience, to_text(wishes)));
 }
 
 const SubscriberPortData* Session::port_of(const QueueData& queue) const noexcept {
@@ -229,6 +230,7 @@ void Session::retire(SubscriberPortData* port) {
 }
 
 void Session::collect() {
+  channel_->give_back_unclaimed(claim());
   const core::Lock lock(mutex_);
   if (lost_) return;
   std::erase_if(retired_, [this](SubscriberPortData* port) {

@@ -199,8 +199,8 @@ Result<void> ShmReaderPort::connect(const core::Source& source) {
                            .late = source.history_first,
                            .awaited = source.reliable && source.waits,
                            .deepest = depth() == QueuePlaces::depth_max};
-  auto port =
-      session_->create_subscriber(source.writer, depth(), Clock::now() + options_.port_deadline, wishes);
+  auto port = session_->create_subscriber(source.writer, depth(),
+                                          {options_.port_wait, options_.port_deadline}, wishes);
   if (!port) return tl::unexpected(port.error());
   auto writer =
       ChunkBorrower::make(session_, **port, source.writer, *spec_.type, statistics_, max_held(), wishes);

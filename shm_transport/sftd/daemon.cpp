@@ -35,7 +35,8 @@ constexpr auto sweep_interval = 10s;
 constexpr auto renewal_delay = 2s;
 // A daemon that is younger than this does not start afresh.
 constexpr auto youngest_to_renew = 1s;
-// Nodes look for their daemon, and release its memory when it is gone. This time is enough for that.
+// Nodes look for their daemon, and release its memory when it is gone: at once while samples go that way.
+// This time is enough for all.
 constexpr auto time_to_release = core::Transport::poll_pause_max + 200ms;
 
 /// sftd watches a process by one descriptor, and answers it by another one; its own are fewer than these.
@@ -231,11 +232,21 @@ std::optional<Daemon::End> Daemon::check_idle(Clock::time_point now) {
 }
 
 /// Programs release the memory of this daemon when they notice that it is gone. Then the next daemon finds
-/// that memory free.
+/// that memory free. A program that has released it has closed the socket at which it heard this daemon. That
+/// tells nothing of sockets whose names somebody has removed.
 void Daemon::let_users_notice() {
-  const bool idle = roudi_->is_idle();
+  using enum SocketState;
+  std::vector<std::string> sockets;
+  for (const ClientTable::Client& client : roudi_->clients()) sockets.push_back("/tmp/" + client.name);
+  std::vector<std::string> silent = sockets;
+  const auto state_of = [](const std::string& path) { return socket_state_at(path.c_str()); };
+  std::erase_if(silent, [&](const std::string& path) { return state_of(path) == alive; });
   files_.unlock_host_file();
-  if (!idle) std::this_thread::sleep_for(time_to_release);
+  const auto released = [&] {
+    std::erase_if(sockets, [&](const std::string& path) { return state_of(path) == gone; });
+    return sockets.empty() && silent.empty();
+  };
+  wait_until(time_to_release, released, 10ms);
 }
 
 void Daemon::check_files() {

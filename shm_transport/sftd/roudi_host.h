@@ -45,6 +45,8 @@ class RoudiHost final : private HookGate, public iox::roudi::RouDi {
 
   /// Returns whether no process is registered.
   bool is_idle() const { return clients_.empty(); }
+  /// Returns the processes that are registered.
+  std::vector<ClientTable::Client> clients() const { return clients_.all(); }
 
   /// Returns how many processes died without a goodbye since the last audit of the chunks. Each of them may
   /// have lost a chunk that it had in hand.

@@ -6,13 +6,14 @@
 
 namespace sft::shm {
 
-/// Looks at the condition each millisecond. Returns whether it came true before `timeout`.
+/// Looks at the condition again after each pause. Returns whether it came true before `timeout`.
 template <class Condition>
-bool wait_until(std::chrono::milliseconds timeout, Condition condition) {
+bool wait_until(std::chrono::milliseconds timeout, Condition condition,
+                std::chrono::milliseconds pause = std::chrono::milliseconds(1)) {
   const auto deadline = std::chrono::steady_clock::now() + timeout;
   while (!condition()) {
     if (std::chrono::steady_clock::now() >= deadline) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    std::this_thread::sleep_for(pause);
   }
   return true;
 }

@@ -24,7 +24,8 @@ class ShmMedium final : public Medium {
   }
   AnyTransport open() override {
     shm::ShmOptions options = test::own_daemon();
-    options.port_deadline = patience;  // the daemon may have to wait for a processor; a node would ask again
+    options.port_wait = options.port_deadline =
+        patience;  // the daemon may have to wait for a processor; a node would ask again
     auto transport = shm::open_shm_transport(options).value();
     const auto ready = [&] {
       return transport->poll(std::chrono::steady_clock::now()) == core::Availability::ready;

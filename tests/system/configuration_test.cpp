@@ -1,13 +1,18 @@
 // Nodes report which parts of their configuration do not hold, and what is wrong with these.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <sft/sft.h>
 #include <algorithm>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "tests/support/eventually.h"
 #include "tests/support/isolated_host.h"
@@ -15,6 +20,7 @@
 namespace sft::test {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 
@@ -166,7 +172,51 @@ TEST_F(ConfigurationTest, OfPeersThatHaveNoAddressIsSaidToNameNobody) {
   NodeOptions options = with("");
   options.discovery.peers = {"nobody.invalid"};
   const Node node = Node::open(options).value();
-  EXPECT_TRUE(is_warned_of("nobody.invalid")) << warnings();
+  EXPECT_TRUE(is_warned_of("the peer 'nobody.invalid'")) << warnings();
+  EXPECT_THAT(node.status().discovery_warnings, ElementsAre(HasSubstr("the peer 'nobody.invalid'")));
+}
+
+/// The names of the threads of this process.
+std::vector<std::string> threads() {
+  std::vector<std::string> names;
+  for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task")) {
+    std::string name;
+    std::getline(std::ifstream(thread.path() / "comm"), name);
+    names.push_back(name);
+  }
+  return names;
+}
+
+/// A node whose descriptors are closed does not end: its threads cannot be woken any more.
+struct NodeForGood {
+  std::mutex mutex;
+  std::string warnings;
+  std::optional<Node> node;
+
+  explicit NodeForGood(NodeOptions options) {
+    options.log = [this](LogLevel level, std::string_view text) {
+      const std::scoped_lock lock(mutex);
+      if (level == LogLevel::warning) warnings += text;
+    };
+    node = Node::open(options).value();
+  }
+  std::string said() {
+    const std::scoped_lock lock(mutex);
+    return warnings;
+  }
+};
+
+TEST_F(ConfigurationTest, OfAProgramThatClosesAllDescriptorsIsSaidOnceAndKeepsNoThreadBusy) {
+  static NodeForGood* const kept = new NodeForGood(with(""));
+  const std::string text = "the program has closed the sockets of its node";
+  const auto receives = [] { return std::ranges::count(threads(), "recv") > 0; };
+  EXPECT_TRUE(receives());
+  closefrom(3);
+  EXPECT_TRUE(eventually([&] { return kept->said().find(text) != std::string::npos; }));
+  EXPECT_THAT(kept->node->status().discovery, HasSubstr(text));
+  EXPECT_TRUE(eventually([&] { return !receives(); }));
+  const std::string said = kept->said();
+  EXPECT_EQ(said.find(text), said.rfind(text));
 }
 
 TEST_F(ConfigurationTest, MayBeAnotherOneForEachNodeOfAProcess) {

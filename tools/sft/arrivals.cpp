@@ -18,7 +18,7 @@ Result<std::unique_ptr<Arrivals>> Arrivals::open(const FoundTopic& topic, Reques
 void Arrivals::note(const DynamicSample& sample) {
   const double value = measure_ ? measure_(sample) : 0;
   const std::scoped_lock lock(mutex_);
-  const Stamp when = sample.info().receive_stamp;
+  const Moment when = std::chrono::steady_clock::now();
   periods_.add(when);
   values_.add(when, value);
   ++samples_;
@@ -27,7 +27,7 @@ void Arrivals::note(const DynamicSample& sample) {
 Arrivals::Report Arrivals::report(double window_s) {
   const std::uint64_t lost = subscriber_->status().lost;
   const std::scoped_lock lock(mutex_);
-  const Stamp begin = std::chrono::system_clock::now() - seconds(window_s);
+  const Moment begin = std::chrono::steady_clock::now() - seconds(window_s);
   periods_.forget_before(begin);
   values_.forget_before(begin);
   return {.rate_hz = periods_.rate(),

@@ -22,6 +22,8 @@ std::string stamp_field(const TypeSupport& type) {
   return {};
 }
 
+using Stamp = std::chrono::sys_time<std::chrono::nanoseconds>;
+
 double since(Stamp stamp, const DynamicSample& sample) {
   return std::chrono::duration<double>(sample.info().receive_stamp - stamp).count();
 }

@@ -5,7 +5,7 @@
 
 namespace sft::tool {
 
-void Series::forget_before(Stamp when) {
+void Series::forget_before(Moment when) {
   while (!values_.empty() && values_.front().when < when) values_.pop_front();
 }
 
@@ -23,8 +23,8 @@ Spread Series::spread() const {
   return spread;
 }
 
-void Periods::add(Stamp when) {
-  if (latest_ != Stamp{}) series_.add(when, std::chrono::duration<double>(when - latest_).count());
+void Periods::add(Moment when) {
+  if (latest_ != Moment{}) series_.add(when, std::chrono::duration<double>(when - latest_).count());
   latest_ = when;
 }
 

@@ -7,7 +7,8 @@
 
 namespace sft::tool {
 
-using Stamp = std::chrono::sys_time<std::chrono::nanoseconds>;
+/// By a clock that nobody sets: no time between two events is negative.
+using Moment = std::chrono::steady_clock::time_point;
 
 struct Spread {
   std::size_t count = 0;
@@ -19,14 +20,14 @@ struct Spread {
 
 class Series {
  public:
-  void add(Stamp when, double value) { values_.push_back({when, value}); }
+  void add(Moment when, double value) { values_.push_back({when, value}); }
   /// Removes values that are older than `when`.
-  void forget_before(Stamp when);
+  void forget_before(Moment when);
   Spread spread() const;
 
  private:
   struct Value {
-    Stamp when;
+    Moment when;
     double value;
   };
   std::deque<Value> values_;
@@ -35,15 +36,15 @@ class Series {
 /// Times between events, in seconds.
 class Periods {
  public:
-  void add(Stamp when);
-  void forget_before(Stamp when) { series_.forget_before(when); }
+  void add(Moment when);
+  void forget_before(Moment when) { series_.forget_before(when); }
   Spread spread() const { return series_.spread(); }
   /// Events per second; 0 before the second event.
   double rate() const;
 
  private:
   Series series_;
-  Stamp latest_{};
+  Moment latest_{};
 };
 
 }  // namespace sft::tool

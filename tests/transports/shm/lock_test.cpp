@@ -17,8 +17,8 @@ class HeldLock : public ShmNodeTest {
     ShmNodeTest::SetUp();
     if (IsSkipped() || HasFatalFailure()) return;
     session_ = shm::ProcessDaemon::shared()->advance(own_daemon(), Clock::now()).session;
-    publisher_ = session_->create_publisher(1, Clock::now() + patience).value();
-    auto* keeper = session_->create_subscriber(1, 0, Clock::now() + patience).value();
+    publisher_ = session_->create_publisher(1, {patience, patience}).value();
+    auto* keeper = session_->create_subscriber(1, 0, {patience, patience}).value();
     port_ = std::make_unique<shm::ShmWriterPort>(
         shm::ChunkLender::make(session_, *publisher_, *keeper, {.id = 1, .type = &frame_type()}, 16),
         std::make_shared<shm::DoorbellPages>(), statistics_);
@@ -82,7 +82,7 @@ TEST_F(HeldLock, IsWaitedForWhileItIsHeldForMicroseconds) {
 
 // The writer of the queue lives, so the daemon does not open the lock.
 TEST_F(HeldLock, IsOnlyLookedAtByAReaderThatGivesItsPortBack) {
-  auto* port = session_->create_subscriber(1, 1, Clock::now() + patience).value();
+  auto* port = session_->create_subscriber(1, 1, {patience, patience}).value();
   ASSERT_TRUE(eventually([&] { return session_->feeder_of(*port) == publisher_; }));
   iox::popo::SubscriberPortUser(port).unsubscribe();
   ASSERT_TRUE(eventually([&] { return session_->feeder_of(*port) == nullptr; }));

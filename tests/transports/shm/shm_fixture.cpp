@@ -148,6 +148,7 @@ bool is_stopped(pid_t pid) {
 shm::ShmOptions own_daemon() {
   shm::ShmOptions options;
   options.daemon_path = sftd_path();
+  options.port_wait = options.port_deadline;  // a node would ask again
   return options;
 }
 

@@ -137,6 +137,61 @@ TEST_F(SftdCommands, ShowTheLastStateOfAStoppedDaemonAndSayThatItDoesNotAnswer) 
   EXPECT_TRUE(contains(answer.text, "0000000000000005")) << answer.text;
 }
 
+/// A daemon that is stopped, and a node that asks it for ports and does not wait for the answers.
+class PortsAnsweredLate : public SftdCommands {
+ protected:
+  PortsAnsweredLate() : daemon_(start_sftd()), node_(impatient()) {
+    EXPECT_TRUE(node_.becomes_ready()) << node_->description();
+    daemon_.signal(SIGSTOP);
+    EXPECT_TRUE(eventually([&] { return is_stopped(daemon_.pid()); }));
+  }
+  void goes_on() const { daemon_.signal(SIGCONT); }
+  auto asks_for(core::EndpointId writer) { return node_->open_writer({.id = writer, .type = &frame_type()}); }
+  auto comes(core::EndpointId writer) {
+    auto port = asks_for(writer);
+    EXPECT_TRUE(eventually([&] { return port || (port = asks_for(writer)); })) << port.error().message;
+    return port;
+  }
+  Node& node() { return node_; }
+  void TearDown() override {
+    daemon_.kill();
+    SftdCommands::TearDown();
+  }
+
+ private:
+  static shm::ShmOptions impatient() {
+    shm::ShmOptions options = no_daemon();
+    options.port_wait = 0ms;
+    options.port_deadline = patience;
+    return options;
+  }
+  Process daemon_;
+  Node node_;
+};
+
+TEST_F(PortsAnsweredLate, HoldUpNoCallAndAreThereWhenTheirAnswersHaveCome) {
+  EXPECT_FALSE(asks_for(1));
+  EXPECT_FALSE(asks_for(2));
+  EXPECT_TRUE(node()->owes_answer());
+  Reader reader(node());
+  EXPECT_FALSE(reader.port().connect({.writer = 9}));
+  goes_on();
+  const auto first = comes(1), second = comes(2);
+  EXPECT_TRUE(eventually([&] { return reader.port().connect({.writer = 9}).has_value(); }));
+  EXPECT_FALSE(node()->owes_answer());
+  EXPECT_TRUE(status_becomes([](const Status& status) { return status.usage.publishers.size() == 2; }));
+}
+
+TEST_F(PortsAnsweredLate, AreGivenBackIfNobodyAsksForThemAgain) {
+  EXPECT_FALSE(asks_for(1));
+  goes_on();
+  ASSERT_TRUE(status_becomes([](const Status& status) { return status.usage.publishers.size() == 1; }));
+  EXPECT_TRUE(status_becomes([&](const Status& status) {
+    node().poll();
+    return status.usage.publishers.empty();
+  }));
+}
+
 TEST_F(SftdCommands, StopEndsTheDaemonAndNamesTheProgramsThatUsedIt) {
   Process daemon = start_sftd();
   Process user = start_peer({"attend"});
@@ -158,6 +213,13 @@ TEST_F(SftdCommands, StopDoesNotWaitForeverForAStoppedDaemon) {
   EXPECT_TRUE(contains(answer.text, "kill -CONT")) << answer.text;
   daemon.signal(SIGCONT);
   EXPECT_EQ(daemon.exit_code(), 0) << "the daemon has got the signal, and must end when it goes on";
+}
+
+TEST_F(SftdCommands, NoClockThatWasSetBackMakesATimeNegative) {
+  Status status;
+  status.since_ns = 2'000'000'000'000'000'000;
+  EXPECT_TRUE(contains(to_table(status, status.since_ns - 7'000'000'000), "(00:00:00)"));
+  EXPECT_TRUE(contains(to_table(status, status.since_ns + 7'000'000'000), "(00:00:07)"));
 }
 
 TEST_F(SftdCommands, AMalformedStatusIsRefused) {

@@ -22,9 +22,11 @@ DdsConfig config(const std::string& user, const DiscoverySettings& settings = {}
 const LinkSpec loopback{"lo", loopback_ipv4, 8, true, true, 1};
 const LinkSpec card{"eth0", IpAddress(0x0A000005), 24, false, false, 2};
 
+const KnownHosts hosts{{"a", {IpAddress(0x0A000001)}}, {"robot.local", {IpAddress(0x0A000008)}}};
+
 /// Returns the settings that Cyclone gets in the end, for the loopback unless another link is given.
 CycloneSettings heard(const DdsConfig& config, const LinkSpec& link = loopback) {
-  return CycloneSettings::read(config.text_for(link), 0).value();
+  return CycloneSettings::read(config.text_for(link, hosts), 0).value();
 }
 std::optional<std::string> in_force(const DdsConfig& config, std::string_view path,
                                     const LinkSpec& link = loopback) {
@@ -144,7 +146,7 @@ TEST(DdsConfig, HasNoPulsesWhereTheyMightNotArriveOrWhereEachNodeHasToProveWhoIt
 TEST(DdsConfig, WithPeersPutsNodesAtPortsThatCanBeGuessed) {
   const auto c = config("", {.peers = {"10.0.0.7", "robot.local"}});
   EXPECT_THAT(in_force(c, "Discovery/ParticipantIndex"), is("auto"));
-  EXPECT_THAT(heard(c, card).values("Discovery/Peers/Peer/@Address"), ElementsAre("10.0.0.7", "robot.local"));
+  EXPECT_THAT(heard(c, card).values("Discovery/Peers/Peer/@Address"), ElementsAre("10.0.0.7", "10.0.0.8"));
   EXPECT_THAT(heard(c, loopback).values("Discovery/Peers/Peer/@Address"), IsEmpty())
       << "nobody is reached by it";
   EXPECT_EQ(in_force(c, "General/DontRoute", card), std::nullopt) << "they may be behind a router";
@@ -163,8 +165,8 @@ TEST(DdsConfig, WithoutMulticastFindsNodesOfThisHostAllTheSame) {
   for (const auto& c :
        {config("", {.peers = {"a"}, .multicast = false}),
         config("<General><AllowMulticast>false</></><Discovery><Peers><Peer Address='a'/></></>")}) {
-    EXPECT_THAT(heard(c, loopback).values("Discovery/Peers/Peer/@Address"), testing::Contains("localhost"));
-    EXPECT_THAT(heard(c, card).values("Discovery/Peers/Peer/@Address"), ElementsAre("a"));
+    EXPECT_THAT(heard(c, loopback).values("Discovery/Peers/Peer/@Address"), testing::Contains("127.0.0.1"));
+    EXPECT_THAT(heard(c, card).values("Discovery/Peers/Peer/@Address"), ElementsAre("10.0.0.1"));
     EXPECT_THAT(in_force(c, "General/AllowMulticast"), is("false"));
     EXPECT_FALSE(c.multicast);
     EXPECT_THAT(in_force(c, "Discovery/ParticipantIndex"), is("auto"));
@@ -172,6 +174,23 @@ TEST(DdsConfig, WithoutMulticastFindsNodesOfThisHostAllTheSame) {
     EXPECT_EQ(c.summary(std::vector{loopback}), "on this host, and on the peers a, by lo");
   }
   EXPECT_THAT(config("", {.multicast = false}).warnings, ElementsAre(HasSubstr("only nodes of this host")));
+}
+
+/// Cyclone would look a name up on the thread that makes a link.
+TEST(DdsConfig, HasNumbersOnlyForPeersByNameWhoeverNamesThem) {
+  const DiscoverySettings settings{.peers = {"robot.local:7410", "nobody.local"}};
+  const char* user =
+      "<Discovery><Peers><Peer Address='a,10.0.0.9'/></><LeaseDuration>77 s</></><Internal><NackDelay>6 s";
+  const auto c = config(user, settings);
+  EXPECT_THAT(heard(c, card).values("Discovery/Peers/Peer/@Address"),
+              ElementsAre("10.0.0.8:7410", "10.0.0.1", "10.0.0.9"));
+  EXPECT_THAT(heard(c, loopback).values("Discovery/Peers/Peer/@Address"), ElementsAre("10.0.0.1", "10.0.0.9"))
+      << "the user's hold for all links";
+  EXPECT_THAT(in_force(c, "Discovery/LeaseDuration"), is("77 s"));
+  EXPECT_THAT(in_force(c, "Internal/NackDelay"), is("6 s"));
+  EXPECT_EQ(c.family_of_peers(std::vector{loopback, card}), IpFamily::ipv4);
+  EXPECT_EQ(config("", settings).family_of_peers(std::vector{loopback}), std::nullopt) << "nobody is asked";
+  EXPECT_TRUE(config("<Discovery><Peers><Peer Address='10.0.0.9'/>").text_has_user_peers);
 }
 
 TEST(DdsConfig, GivesEachLinkItsAddressAndTheUsersOfThemNone) {

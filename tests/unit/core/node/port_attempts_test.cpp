@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/unit/core/seam/idle_ports.h"
+
 namespace sft::core {
 namespace {
 
@@ -75,6 +77,23 @@ TEST_F(PortAttemptsTest, WhatWasNotAskedMeanwhileMayBeTriedAgainAfterwards) {
   EXPECT_EQ(other.reason(), "no answer");
   EXPECT_FALSE(attempts.may_retry_in_memory(other, std::chrono::steady_clock::now()));
   EXPECT_TRUE(attempts.may_retry_in_memory(other, later()));
+}
+
+class SlowMemory : public IdleSharedMemory {
+ public:
+  bool owes_answer() const override { return true; }
+};
+
+TEST_F(PortAttemptsTest, ADaemonThatWillAnswerSoonIsAskedAgainWithTheNextLookAndNoFailureIsTold) {
+  const SlowMemory memory;
+  PortAttempts patient{log, &memory};
+  EXPECT_FALSE(patient.in_memory(one, failing(Errc::unavailable, "not yet")));
+  EXPECT_THAT(logged, IsEmpty());
+  EXPECT_EQ(one.reason(), "not yet");
+  EXPECT_TRUE(patient.may_retry_in_memory(one, std::chrono::steady_clock::now()));
+  EXPECT_TRUE(patient.in_memory(other, working())) << "it may have answered that";
+  EXPECT_TRUE(patient.in_memory(one, working()));
+  EXPECT_FALSE(one.due_again(later()));
 }
 
 TEST_F(PortAttemptsTest, AnotherDaemonIsAskedAtOnce) {

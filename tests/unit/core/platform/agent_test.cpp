@@ -4,6 +4,9 @@
 
 #include <atomic>
 #include <future>
+#include <source_location>
+#include <utility>
+#include <vector>
 
 #include "tests/support/eventually.h"
 
@@ -33,6 +36,69 @@ TEST(AgentTest, StoppingRunsWhatRunningTasksPost) {
   agent.post([&] { agent.post([&] { ran = true; }); });
   agent.stop();
   EXPECT_TRUE(ran);
+}
+
+/// The clock of a test, by which a task can last as long as it wants.
+Time told_time{};
+Time read_told_time() { return told_time; }
+
+struct HoldUps {
+  std::vector<std::pair<unsigned, std::chrono::milliseconds>> told{};
+  HoldUpWatch::Tell tell() {
+    return [this](std::source_location what, std::chrono::milliseconds held_up) {
+      told.emplace_back(what.line(), held_up);
+    };
+  }
+};
+using Told = std::vector<std::pair<unsigned, std::chrono::milliseconds>>;
+
+TEST(HoldUpWatchTest, NamesEachPieceOfWorkThatTookTooLong) {
+  HoldUps hold_ups;
+  HoldUpWatch watch(hold_ups.tell(), &read_told_time);
+  watch.begin(std::source_location::current());
+  told_time += HoldUpWatch::held_up_max;
+  const unsigned line = std::source_location::current().line() + 1;
+  next_piece_of_work();
+  told_time += HoldUpWatch::held_up_max + 1ms;
+  next_piece_of_work();
+  watch.end();
+  told_time += 1h;
+  watch.end();
+  EXPECT_EQ(hold_ups.told, (Told{{line, HoldUpWatch::held_up_max + 1ms}}))
+      << "waiting between pieces is no work";
+}
+
+TEST(AgentTest, ATaskThatHoldsItUpIsToldWithThePlaceThatPostedIt) {
+  HoldUps hold_ups;
+  Agent::Duties duties = no_duties();
+  duties.held_up = hold_ups.tell();
+  duties.time = &read_told_time;
+  Agent agent;
+  ASSERT_TRUE(agent.start("test", duties));
+  agent.post([] { told_time += HoldUpWatch::held_up_max; });
+  const unsigned line = std::source_location::current().line() + 1;
+  agent.post([] { told_time += 1min; });
+  agent.stop();
+  EXPECT_EQ(hold_ups.told, (Told{{line, 1min}}));
+}
+
+TEST(AgentTest, ATickThatHoldsItUpIsTold) {
+  HoldUps hold_ups;
+  std::promise<void> ticked;
+  Agent::Duties duties = no_duties();
+  duties.tick = [&] {
+    told_time += 1min;
+    ticked.set_value();
+    return 1h;
+  };
+  duties.held_up = hold_ups.tell();
+  duties.time = &read_told_time;
+  Agent agent;
+  ASSERT_TRUE(agent.start("test", duties));
+  ASSERT_EQ(ticked.get_future().wait_for(test::patience), std::future_status::ready);
+  agent.stop();
+  ASSERT_EQ(hold_ups.told.size(), 1U);
+  EXPECT_EQ(hold_ups.told[0].second, 1min);
 }
 
 TEST(AgentTest, IdleComesAfterABatchAndTicksKeepComing) {
