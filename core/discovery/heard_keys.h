@@ -27,7 +27,8 @@ class HeardKeys {
   std::optional<EndpointId> withdrawn(const Participants::Guid& by, std::uint64_t key) {
     if (const auto ended = endpoints_.extract({key, by})) return ended.mapped();
     const auto other = endpoints_.lower_bound({key, Participants::Guid{}});
-    return other != endpoints_.end() && other->first.first == key ? std::optional(other->second) : std::nullopt;
+    return other != endpoints_.end() && other->first.first == key ? std::optional(other->second)
+                                                                  : std::nullopt;
   }
   /// Returns the endpoints of all participants under a key that nobody writes any more.
   std::vector<EndpointId> unheard(std::uint64_t key) {

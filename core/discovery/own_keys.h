@@ -1,6 +1,7 @@
 // The keys under which a link writes what the endpoints of the process announce and ask for. Cyclone DDS 0.10
-// keeps 0.7 to 2 kB for each key that a reliable, transient-local writer was ever given, until the writer ends,
-// however the instance ended. So a key that is not in use any more is used again. Pure, one thread at a time.
+// keeps 0.7 to 2 kB for each key that a reliable, transient-local writer was ever given, until the writer
+// ends, however the instance ended. So a key that is not in use any more is used again. Pure, one thread at a
+// time.
 #pragma once
 
 #include <cstdint>

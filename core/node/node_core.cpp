@@ -136,6 +136,7 @@ Result<detail::untyped::Publisher> NodeCore::open_publisher(const std::shared_pt
                                                             std::string_view topic, const TypeSupport& type,
                                                             const PublisherOptions& options) {
   if (is_forked_copy()) return fail(Errc::unavailable, refuses_forked_copies);
+  if (agent_.is_behind()) ask_agent([] {});
   Result<EndpointOpening::Writer> writer = opening_->open_writer(topic, type, options);
   if (!writer) return tl::unexpected(writer.error());
   const std::shared_ptr<PublisherCore> core = writer->core;
@@ -158,6 +159,8 @@ Result<detail::untyped::Publisher> NodeCore::open_publisher(const std::shared_pt
 Result<detail::untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<NodeCore>& self,
                                                               EndpointOpening::ReaderOrder order) {
   if (is_forked_copy()) return fail(Errc::unavailable, refuses_forked_copies);
+  // Endpoints that others have closed give their doorbells back on the agent.
+  if (agent_.is_behind()) ask_agent([] {});
   const bool pollable = order.options.pollable;
   Result<EndpointOpening::Reader> reader = opening_->open_reader(std::move(order));
   if (!reader) return tl::unexpected(reader.error());

@@ -38,6 +38,11 @@ void Agent::post_for_next_tick(Task task, std::source_location by) {
   if (is_crowded) posted_.notify_one();
 }
 
+bool Agent::is_behind() {
+  const Lock lock(mutex_);
+  return tasks_.size() >= behind_from;
+}
+
 void Agent::run() {
   thread_id_.store(std::this_thread::get_id());
   HoldUpWatch watch(duties_.held_up, duties_.time);

@@ -44,6 +44,9 @@ class Agent {
   /// The same for a task that has time until the next tick. It wakes the agent only if so many wait.
   void post_for_next_tick(Task task, std::source_location by = std::source_location::current());
   static constexpr std::size_t waiting_max = 64;
+  /// So many tasks wait that threads which post without end should wait for the agent.
+  bool is_behind();
+  static constexpr std::size_t behind_from = 256;
   /// Runs what was posted before, then ends the thread; what is posted later is not run.
   void stop();
   bool is_current_thread() const { return std::this_thread::get_id() == thread_id_.load(); }
