@@ -27,6 +27,7 @@ TEST_F(ShmCounts, StayWhenTheirWriterGoes) {
     EXPECT_FALSE(reader.take()) << "no more than two may be held";
     const auto expect_counts = [&] {
       EXPECT_EQ(reader.port().held_too_many(), round);
+      EXPECT_EQ(other->counters().over_limit, round);
       EXPECT_EQ(reader.port().counters().discarded, 3 * round) << "four of seven are kept";
     };
     expect_counts();

@@ -65,6 +65,19 @@ class AnswersTest : public TransportTest {
     ASSERT_TRUE(eventually([&] { return seen_here_.port != 0; }));
   }
 
+  /// Sends so many acks to where the transport receives samples.
+  static void acknowledge_what_was_never_sent(const core::Network& there, int times) {
+    std::array<std::byte, 256> bytes{};
+    const Ack ack{.writer = 1, .channel = 1, .next = 1};
+    encode(ack, bytes.data());
+    const core::UdpAddress address = loopback_address(there);
+    const auto socket = open_udp_socket({.bind = {address.ip, 0}}).value();
+    const auto sender = open_socket_sender(socket).value();
+    const auto connection = sender->connect({address.ip, address.port});
+    for (int i = 0; i < times; ++i)
+      ASSERT_EQ(send_one(*connection, std::span(bytes).first(ack.bytes())), SendOutcome::sent);
+  }
+
   AnswerWatch::Seen seen_there_, seen_here_;
 };
 
@@ -98,15 +111,17 @@ TEST_P(AnswersTest, AreAskedForBeforeThereIsASample) {
 TEST_P(AnswersTest, AreCountedAndNotHeardAtThePortForSamples) {
   const auto there = open(seen_there_);
   const auto before = there->counters().malformed;
-  std::array<std::byte, 256> bytes{};
-  const Ack ack{.writer = 1, .channel = 1, .next = 1};
-  encode(ack, bytes.data());
-  const core::UdpAddress address = loopback_address(*there);
-  const auto socket = open_udp_socket({.bind = {address.ip, 0}}).value();
-  const auto sender = open_socket_sender(socket).value();
-  const auto connection = sender->connect({address.ip, address.port});
-  ASSERT_EQ(send_one(*connection, std::span(bytes).first(ack.bytes())), SendOutcome::sent);
+  acknowledge_what_was_never_sent(*there, 1);
   EXPECT_TRUE(eventually([&] { return there->counters().malformed == before + 1; }));
+  EXPECT_EQ(there->counters().disbelieved, 0U);
+}
+
+TEST_P(AnswersTest, AreCountedWhereNothingWasSentThatTheyAnswer) {
+  const std::uint16_t port = TransportTest::open()->addresses().at(0).port;  // is free again by now
+  const auto there = open(seen_there_, port);
+  acknowledge_what_was_never_sent(*there, 3);
+  EXPECT_TRUE(eventually([&] { return there->counters().disbelieved == 3; }));
+  EXPECT_EQ(there->counters().malformed, 0U);
 }
 
 TEST_P(AnswersTest, AreCountedWhereTheyMakeNoSense) {

@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 
+#include "core/seam/delivery.h"
 #include "core/seam/gate.h"
 #include "tests/support/test_seed.h"
 #include "tests/transports/udp/faulty_io.h"
@@ -42,7 +43,7 @@ class MulticastTest : public TransportTest {
     TransportTest::SetUp();
     if (IsSkipped()) return;
     writer_ = open(everywhere());
-    publisher_ = std::make_unique<Publisher>(*writer_, own_id());
+    publisher_ = std::make_unique<Publisher>(*writer_, own_id(), 0, book_);
   }
   /// Groups are the host's: another test that runs at the same time may have one at the same address.
   static core::EndpointId own_id() {
@@ -138,6 +139,7 @@ class MulticastTest : public TransportTest {
 
   test::Hold hold_;                ///< outlives the transport that looks at it
   std::atomic<bool> deaf_{false};  ///< likewise
+  const std::shared_ptr<core::DeliveryBook> book_ = std::make_shared<core::DeliveryBook>();
   std::unique_ptr<core::Network> writer_;
   std::unique_ptr<Publisher> publisher_;
   std::vector<Process> processes_;
@@ -153,6 +155,21 @@ TEST_P(MulticastTest, SendsOnceWhatSeveralAskFor) {
   ASSERT_TRUE(come_together()) << state_of(1);
   EXPECT_LT(bytes_of_one(), alone / 3);
   for (std::size_t i = 0; i < 4; ++i) expect_all_of(i);
+}
+
+TEST_P(MulticastTest, CountsForEachReaderWhatWasSentToAllOfThem) {
+  for (const bool reliable : {false, true, false}) add("name", reliable);
+  serve();
+  ASSERT_TRUE(come_together());
+  for (int i = 0; i < 10; ++i) publish_in_turn();
+  await_all();
+  const std::size_t body = test::encoded_body(make_image(0), test::fields<test::Image>("name")).size();
+  for (core::EndpointId reader = 1; reader <= processes_.size(); ++reader) {
+    const core::Delivered counted = book_->of(reader);
+    EXPECT_EQ(counted.sent, published_);
+    EXPECT_EQ(counted.bytes, published_ * body);
+    EXPECT_EQ(counted.dropped, 0U);
+  }
 }
 
 TEST_P(MulticastTest, SendsReliablyToo) {

@@ -21,6 +21,7 @@ struct Queue {
 
   bool is_connected = true;
   std::uint64_t unnoticed = 0;
+  std::uint64_t discarded = 0;
   std::deque<SampleHandle> samples;
 };
 
@@ -30,7 +31,9 @@ class QueueOf : public Idle, public Queue {
   SampleHandle take() noexcept override { return pop(); }
   bool connected(EndpointId) const noexcept override { return is_connected; }
   std::uint64_t arrivals(EndpointId) noexcept override { return samples.size(); }
-  ReaderPort::Counters counters() const noexcept override { return {.lost_unnoticed = unnoticed}; }
+  ReaderPort::Counters counters() const noexcept override {
+    return {.discarded = discarded, .lost_unnoticed = unnoticed};
+  }
 };
 
 using NetworkQueue = QueueOf<IdleNetworkReader>;
@@ -48,7 +51,10 @@ class MemoryQueue final : public QueueOf<IdleBorrowingReader> {
     return sample;
   }
 
-  bool is_at_limit = false;  ///< as many samples are held as may be
+  std::uint64_t held_too_many() const noexcept override { return at_limit; }
+
+  std::uint64_t at_limit = 0;  ///< how often that was so
+  bool is_at_limit = false;    ///< as many samples are held as may be
 };
 
 /// A port that another thread fills.

@@ -133,6 +133,32 @@ TEST_F(SubscriberCoreTest, WhatAPortLostUnseenIsCountedAlsoWhenThePortIsGone) {
   EXPECT_EQ(subscriber->feed().status().lost, 5U);
 }
 
+TEST_F(SubscriberCoreTest, CountsAreThoseOfAllPortsWhicheverComeAndGo) {
+  SubscriberPorts& ports = subscriber->ports();
+  const auto expect_counts = [&](std::uint64_t lost, std::uint64_t discarded, std::uint64_t held_too_many) {
+    const SubscriberStatus status = subscriber->feed().status();
+    EXPECT_EQ(status.lost, lost);
+    EXPECT_EQ(status.discarded, discarded);
+    EXPECT_EQ(status.held_too_many, held_too_many);
+    EXPECT_EQ(ports.held_too_many(), held_too_many) << "by which an event is told";
+  };
+  expect_counts(0, 0, 0);
+  memory->unnoticed = 1, memory->discarded = 2, memory->at_limit = 3;
+  network->unnoticed = 10, network->discarded = 20;
+  expect_counts(11, 22, 3);
+  ports.lose_memory();
+  expect_counts(11, 22, 3);
+  const auto next = std::make_shared<MemoryQueue>();
+  next->unnoticed = 100, next->discarded = 200, next->at_limit = 300;
+  ports.set_memory(next);
+  expect_counts(111, 222, 303);
+  ports.lose_memory();
+  expect_counts(111, 222, 303);
+  EXPECT_TRUE(ports.release_lost_memory(true));
+  ports.set_network(nullptr);
+  expect_counts(111, 222, 303);
+}
+
 TEST_F(SubscriberCoreTest, WhatCameBeforeTheMemoryWasLostIsTakenBeforeWhatComesByTheNextPort) {
   const auto next = std::make_shared<MemoryQueue>();
   arrives(*memory, 1);

@@ -176,6 +176,18 @@ TEST_F(DemultiplexerTest, BringsTheSamplesOfEachKindOfSampleDatagram) {
   EXPECT_EQ(handed_.in_channel, 1U);
 }
 
+TEST_F(DemultiplexerTest, CountsASharedDatagramOnceWhoseBodiesAreNotAsLongAsItSays) {
+  for (const int bytes : {-1, 1}) {
+    Bytes datagram = datagram_of(DatagramKind::packed);
+    datagram.resize(datagram.size() + static_cast<std::size_t>(bytes));
+    const std::uint64_t before = malformed();
+    receive(datagram);
+    EXPECT_EQ(malformed(), before + 1);
+  }
+  EXPECT_EQ(handed_.samples, 0U);
+  EXPECT_EQ(unknown(), 0U);
+}
+
 TEST_F(DemultiplexerTest, BringsASampleOnceItsFirstAndItsFollowingDatagramHaveCome) {
   receive(datagram_of(DatagramKind::first));
   EXPECT_EQ(handed_.samples, 0U);
