@@ -50,6 +50,8 @@ class ClaimedEndpoints {
       if (told != nullptr && told->node_id == node && !use(*told)) return;
     }
   }
+  /// True if the node does not say that it lives any more. What was told of its endpoints stays in force.
+  bool is_silent(NodeId node) const { return context_.nodes.is_lost(node); }
   /// Null if nothing was told for that node.
   const Endpoint* some_told_of(NodeId node) const;
 

@@ -12,6 +12,7 @@ namespace sft::core {
 /// news, and return. One call at a time.
 class DiscoveryListener {
  public:
+  /// Endpoint::life_lease 0: it was announced before, and its node has not said for its lease that it lives.
   virtual void endpoint_seen(Endpoint endpoint) = 0;
   virtual void endpoint_departed(EndpointId id) = 0;
   /// The endpoint's node stopped answering; if it returns, the endpoint is seen again.

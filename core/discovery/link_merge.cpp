@@ -221,7 +221,7 @@ void LinkMerge::forget_old(Time now) {
   const Time before = now - limits_.forget_after;
   endpoints_.forget_before(before);
   std::erase_if(departed_, [&](const auto& entry) { return entry.second.at <= before; });
-  nodes_.forget_before(before);
+  nodes_.forget_before(before, [this](NodeId id) { return endpoints_.some_told_of(id) != nullptr; });
   speakers_.forget_before(before - limits_.forget_after);
 }
 

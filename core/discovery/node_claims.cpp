@@ -107,9 +107,16 @@ void NodeClaims::end_silent(const LeaseOf& lease_of, Time now) {
   }
 }
 
-void NodeClaims::forget_before(Time before) {
-  std::erase_if(nodes_,
-                [&](const auto& entry) { return entry.second.lost && *entry.second.lost_at <= before; });
+bool NodeClaims::is_lost(NodeId id) const {
+  const auto node = nodes_.find(id);
+  return node != nodes_.end() && node->second.lost;
+}
+
+void NodeClaims::forget_before(Time before, const std::function<bool(NodeId)>& is_needed) {
+  std::erase_if(nodes_, [&](const auto& entry) {
+    const auto& [id, node] = entry;
+    return node.lost && *node.lost_at <= before && !is_needed(id);
+  });
 }
 
 }  // namespace sft::core

@@ -39,6 +39,8 @@ class NodeClaims {
   Lives lives() const;
   /// True if this speaker is the one that is believed on its link to say that the node lives.
   bool is_vouched_for(NodeId node, const Speaker& speaker) const;
+  /// True if take_lost() has told that the node is lost, and nobody has said since that it lives.
+  bool is_lost(NodeId node) const;
 
   /// The nodes that are lost by now, each told once. A node whose speakers all fell silent is lost at once.
   /// Else a link was dropped or made anew: then the node has its lease to return by another one.
@@ -47,7 +49,8 @@ class NodeClaims {
   /// Cyclone's lease is longer. Of others Cyclone does, but not if somebody else has disposed of the signs of
   /// life.
   void end_silent(const LeaseOf& lease_of, Time now);
-  void forget_before(Time before);
+  /// Forgets nodes that are lost since then, except those that `is_needed`.
+  void forget_before(Time before, const std::function<bool(NodeId)>& is_needed);
 
  private:
   /// Time for a link that does not hear the signs of life to be made anew (hearing_watch.h).

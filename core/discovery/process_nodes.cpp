@@ -203,6 +203,16 @@ void ProcessNodes::tell(std::shared_ptr<const NodeListeners> members, News news)
   if (!members->empty()) news_.push_back({std::move(news), std::move(members)});
 }
 
+namespace {
+/// An announcement that is repeated is no sign that its node lives.
+void mark_as_silent(News& announcement) {
+  EndpointSeen& seen = std::get<EndpointSeen>(announcement);
+  Endpoint silent = *seen.endpoint;
+  silent.life_lease = {};
+  seen.endpoint = std::make_shared<const Endpoint>(std::move(silent));
+}
+}  // namespace
+
 void ProcessNodes::tell_what_is_in_force(const Hearer& hearer,
                                          const std::function<bool(const Endpoint&)>& is_new,
                                          const ClaimedEndpoints& known) {
@@ -215,7 +225,10 @@ void ProcessNodes::tell_what_is_in_force(const Hearer& hearer,
   std::vector<News> in_force;
   known.each([&](EndpointId, const EndpointClaims& claims) {
     const Endpoint* const told = claims.told().endpoint();
-    if (told != nullptr && is_new(*told)) claims.told().repeat(in_force);
+    if (told == nullptr || !is_new(*told)) return;
+    const std::size_t before = in_force.size();
+    claims.told().repeat(in_force);
+    if (in_force.size() > before && known.is_silent(told->node_id)) mark_as_silent(in_force[before]);
   });
   for (News& one : in_force) tell(to, std::move(one));
 }

@@ -90,7 +90,12 @@ void Reconciler::program_asserts(EndpointId id) {
 void Reconciler::endpoint_seen(const Endpoint& endpoint) {
   if (!negotiation_.table().knows(endpoint.node_id)) life_.newcomer_seen();
   dirty_ |= negotiation_.endpoint_seen(endpoint);
-  if (negotiation_.table().knows(endpoint.node_id)) heard_of(endpoint);
+  if (!negotiation_.table().knows(endpoint.node_id)) return;
+  if (endpoint.life_lease.count() == 0) {
+    dirty_ |= negotiation_.node_lost(endpoint.node_id);
+  } else {
+    heard_of(endpoint);
+  }
 }
 
 /// The node of that endpoint has said something else than that it lives.

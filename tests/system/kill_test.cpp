@@ -295,6 +295,27 @@ TEST_F(KillTest, AKilledNodeIsNoticedAndNoLongerServed) {
       10s));
 }
 
+/// Cyclone DDS keeps the announcements of the killed node for 40 s more.
+TEST_F(KillTest, AKilledNodeIsNotListedByNodesThatOpenAfterwards) {
+  const auto lists_points = [](Node& node) {
+    const std::vector<TopicInfo> topics = node.topics();
+    const auto points = std::ranges::find(topics, "points", &TopicInfo::name);
+    return points != topics.end() && !points->types.empty() && !points->types[0].publishers.empty();
+  };
+  Node node = Node::open({.name = "looks"}).value();
+  const auto subscriber = node.subscriber<PointCloud2, F::height>("points").value();
+  Process publisher("publisher");
+  const auto has_given_a_sign_of_life = [&] {
+    const auto publishers = node.domain().publishers;
+    return publishers.size() == 1 && publishers[0].progress.has_value();
+  };
+  ASSERT_TRUE(eventually(has_given_a_sign_of_life));
+  publisher.kill_now();
+  EXPECT_TRUE(eventually([&] { return !lists_points(node); }));
+  Node newcomer = Node::open({.name = "looks later"}).value();
+  EXPECT_FALSE(lists_points(newcomer));
+}
+
 TEST_F(KillTest, AReaderThatIsWaitedForAndKilledIsSoonWaitedForNoMore) {
   Node node = Node::open({.name = "publisher"}).value();
   auto publisher =

@@ -54,7 +54,8 @@ Request request(EndpointId reader, std::uint64_t sequence) {
 
 std::string text_of(const News& news) {
   if (const auto* seen = std::get_if<EndpointSeen>(&news))
-    return "seen " + std::to_string(seen->endpoint->id);
+    return (seen->endpoint->life_lease.count() == 0 ? "silent " : "seen ") +
+           std::to_string(seen->endpoint->id);
   if (const auto* asked = std::get_if<Request>(&news))
     return "asked by " + std::to_string(asked->reader) + ": " + std::to_string(asked->sequence);
   if (const auto* departed = std::get_if<EndpointDeparted>(&news))
@@ -130,6 +131,19 @@ TEST_F(ProcessNodesTest, IsToldOfEverythingOfARoleThatItAsksFor) {
   EXPECT_THAT(told(second), IsEmpty()) << "it is told once";
   nodes.hears_all(first, Role::reader, known.endpoints());
   EXPECT_THAT(told(first), ElementsAre("seen 3")) << "it knows already what concerns its own endpoint";
+}
+
+TEST_F(ProcessNodesTest, IsToldOfEndpointsOfASilentNodeAsThoseOfASilentNode) {
+  const Assertion sign{.node = remote_node, .writers = {}};
+  remote_announces(Role::writer, 1);
+  known.assertion_came(remote, sign, now);
+  known.node_unheard(remote.link, remote_node, now += 1min);
+  known.tick(now += 2min);
+  nodes.hears_all(first, Role::writer, known.endpoints());
+  EXPECT_THAT(told(first), ElementsAre("silent 1"));
+  known.assertion_came(remote, sign, now);
+  nodes.hears_all(second, Role::writer, known.endpoints());
+  EXPECT_THAT(told(second), ElementsAre("seen 1")) << "it has returned";
 }
 
 TEST_F(ProcessNodesTest, IsToldWhatIsInForceOfATopicThatItHadNot) {

@@ -85,6 +85,20 @@ TEST_F(ReconcilerTest, WhatAWriterThatIsHeardAnnouncesAnewReachesItsConnection) 
   EXPECT_FALSE(connections.announced[1].alive);
 }
 
+TEST_F(ReconcilerTest, AnEndpointThatIsToldOfAfterItsNodeFellSilentIsThereOnceTheNodeLives) {
+  our_reader(200);
+  Endpoint silent = endpoint(Role::writer, 7);
+  silent.node_id = 66;
+  silent.life_lease = {};
+  const auto is_there = [&] {
+    return std::ranges::any_of(reconciler.endpoints(), [](const Endpoint* one) { return one->id == 7; });
+  };
+  reconciler.endpoint_seen(silent);
+  EXPECT_FALSE(is_there());
+  reconciler.liveliness_asserted({.node = 66, .writers = {}});
+  EXPECT_TRUE(is_there());
+}
+
 // Another writer may have the same short id, until it goes.
 TEST_F(ReconcilerTest, AWriterThatCannotBeConnectedToIsToldOfOnceAndTriedAgainByItself) {
   connections.refusal = "the same short id";
