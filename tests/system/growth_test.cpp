@@ -1,0 +1,300 @@
+// What a program opens and closes again and again leaves nothing: the memory, descriptors and threads of this
+// process and of the others that it meets, and the chunks that samples lie in, are as after the first rounds.
+// CI goes on for some hundred rounds, ./run soak for ten thousand of most acts.
+#include <gtest/gtest.h>
+#include <malloc.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <ostream>
+#include <std_srvs/msg/SetBool_Request.hpp>
+#include <std_srvs/msg/SetBool_Response.hpp>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/support/isolated_host.h"
+#include "tests/support/test_seed.h"
+#include "tests/system/fixture.h"
+#include "tests/system/node_process.h"
+#include "tools/hosts/network.h"
+
+namespace sft::test {
+namespace {
+
+using std_srvs::msg::SetBool_Request;
+using std_srvs::msg::SetBool_Response;
+
+std::int64_t entries_of(const char* directory) {
+  std::error_code error;
+  const auto entries = std::filesystem::directory_iterator(directory, error);
+  return error ? 0 : std::distance(begin(entries), end(entries));
+}
+
+/// What a process holds.
+struct Holdings {
+  std::int64_t bytes = 0;  ///< that its allocators have given out
+  std::int64_t descriptors = 0, threads = 0;
+
+  Holdings operator-(const Holdings& other) const {
+    return {bytes - other.bytes, descriptors - other.descriptors, threads - other.threads};
+  }
+  static Holdings of_this_process() {
+    const struct mallinfo2 heap = mallinfo2();
+    return {static_cast<std::int64_t>(heap.uordblks + heap.hblkhd), entries_of("/proc/self/fd"),
+            entries_of("/proc/self/task")};
+  }
+};
+
+/// Chunks of shared memory that samples lie in, as the daemon has written down last.
+std::int64_t chunks_in_use() {
+  const std::string command = program_directory() + "/sftd status --json";
+  const std::unique_ptr<FILE, int (*)(FILE*)> output(popen(command.c_str(), "r"), &pclose);
+  const nlohmann::json status = nlohmann::json::parse(output.get());
+  std::int64_t chunks = 0;
+  for (const nlohmann::json& pool : status.at("usage").at("pools"))
+    chunks += pool.at("in_use").get<std::int64_t>();
+  return chunks;
+}
+
+/// What another process holds, written by itself.
+struct HoldingsOfOther {
+  std::atomic<std::int64_t> bytes{0}, descriptors{0}, threads{0};
+  std::atomic<std::uint64_t> looks{0};
+  std::atomic<bool> failed{false};
+  /// Its shared memory is ready: nothing changes any more by itself.
+  std::atomic<bool> settled{false};
+};
+
+/// Reads and writes the topic of the acts, and serves, beside the node under test.
+void take_part(Node& node, HoldingsOfOther& holdings) {
+  auto clouds = node.subscriber<PointCloud2, F::height>("clouds", [](const auto&) {}).value();
+  auto source = node.publisher<PointCloud2>("source").value();
+  auto replies = node.publisher<SetBool_Response>("reply", {.reliability = reliable}).value();
+  const auto answer = [&](const auto& request) { replies.publish({.success = request->data()}); };
+  auto requests = node.subscriber<SetBool_Request>("request", answer, {.reliability = reliable}).value();
+  for (std::uint32_t number = 0;; ++number) {
+    source.publish({.height = number});
+    const Holdings now = Holdings::of_this_process();
+    holdings.bytes = now.bytes;
+    holdings.descriptors = now.descriptors;
+    holdings.threads = now.threads;
+    holdings.settled = node.status().shm_ready;
+    ++holdings.looks;
+    std::this_thread::sleep_for(2ms);
+  }
+}
+
+/// The node under test. Two other hosts, and another process of its own host, know its topics.
+struct Stage {
+  Node node;
+  Publisher<PointCloud2> publisher;
+  Subscriber<PointCloud2> subscriber;
+};
+
+struct Act {
+  const char* name;
+  std::uint64_t rounds;  ///< of those in CI
+  void (*do_once)(Stage& stage, std::uint64_t round);
+};
+void PrintTo(const Act& act, std::ostream* out) { *out << act.name; }
+
+constexpr std::size_t others = 3;
+
+template <class S>
+void expect_matched(const S& subscriber) {
+  ASSERT_TRUE(eventually([&] { return subscriber.status().writers.size() == others; }));
+}
+
+void open_subscriber(Stage& stage, std::uint64_t) {
+  expect_matched(stage.node.subscriber<PointCloud2, F::width>("source").value());
+}
+void open_subscriber_for_a_moment(Stage& stage, std::uint64_t round) {
+  (void)stage.node.subscriber<PointCloud2>("source " + std::to_string(round)).value();
+}
+void open_publisher(Stage& stage, std::uint64_t round) {
+  auto publisher = stage.node.publisher<PointCloud2>("clouds").value();
+  ASSERT_TRUE(publisher.wait_for_subscribers(others, patience));
+  publisher.publish({.height = static_cast<std::uint32_t>(round)});
+}
+void open_node(Stage&, std::uint64_t round) {
+  Node node = Node::open({.name = "node " + std::to_string(round)}).value();
+  expect_matched(node.subscriber<PointCloud2, F::width>("source").value());
+}
+void call_service(Stage& stage, std::uint64_t) {
+  auto replies = stage.node.subscriber<SetBool_Response>("reply", {.reliability = reliable}).value();
+  auto requests = stage.node.publisher<SetBool_Request>("request", {.reliability = reliable}).value();
+  ASSERT_TRUE(requests.wait_for_subscribers(others, patience));
+  ASSERT_TRUE(eventually([&] {
+    requests.publish({.data = true});
+    const auto reply = replies.wait(10ms) ? replies.take() : decltype(replies.take()){};
+    return reply && reply->success();
+  }));
+}
+void fail_to_open(Stage& stage, std::uint64_t round) {
+  EXPECT_FALSE(stage.node.subscriber<PointCloud2>("a\nb"));
+  EXPECT_FALSE(stage.node.subscriber<PointCloud2>("source", {.selection = "no_field"}));
+  EXPECT_FALSE(Node::open({.name = std::string(300, 'x')}));
+  NodeOptions unknown{.name = "node " + std::to_string(round)};
+  unknown.cyclonedds_config = "<General><Colour>red</></>";
+  EXPECT_FALSE(Node::open(unknown));
+}
+void refuse_sample(Stage& stage, std::uint64_t) {
+  PointCloud2 cloud;
+  cloud.header.frame_id = std::string("a\0b", 3);
+  EXPECT_EQ(stage.publisher.publish(cloud), PublishStatus::invalid) << "a string with a NUL";
+  cloud.header.frame_id.clear();
+  cloud.data.resize(2 << 20);
+  EXPECT_EQ(stage.publisher.publish(cloud), PublishStatus::invalid);
+}
+void loan(Stage& stage, std::uint64_t round) {
+  auto loan = stage.publisher.loan({.height = 1}, {.data = 1 + round % 100'000});
+  ASSERT_TRUE(loan);
+  if (round % 2 == 0) std::move(*loan).publish();
+}
+void take_sample(Stage& stage, std::uint64_t) {
+  ASSERT_TRUE(stage.subscriber.wait(patience));
+  ASSERT_TRUE(stage.subscriber.take());
+}
+void change_mask(Stage& stage, std::uint64_t round) {
+  const std::string end = std::to_string(1 + round);
+  ASSERT_TRUE(stage.subscriber.set_selection(round % 2 == 0 ? "height" : "width, data[:" + end + "]"));
+  take_sample(stage, round);
+}
+void change_rate(Stage& stage, std::uint64_t round) {
+  ASSERT_TRUE(stage.subscriber.set_max_rate_hz(static_cast<double>(100 + round % 100)));
+  take_sample(stage, round);
+}
+void ask(Stage& stage, std::uint64_t) {
+  EXPECT_FALSE(stage.node.topics().empty());
+  EXPECT_FALSE(stage.node.domain().publishers.empty());
+  EXPECT_TRUE(stage.node.find_type("source", patience));
+  EXPECT_FALSE(stage.node.find_type("no topic", 0s));
+  EXPECT_TRUE(stage.node.ask_accounts("source"));
+}
+void change_links(Stage& stage, std::uint64_t) {
+  const auto has_link = [&](bool is_there) {
+    return eventually(
+        [&] { return (stage.node.status().discovery.find("10.78.0.9") != std::string::npos) == is_there; });
+  };
+  ASSERT_EQ(std::system("ip address add 10.78.0.9/24 dev eth0"), 0);
+  ASSERT_TRUE(has_link(true));
+  ASSERT_EQ(std::system("ip address del 10.78.0.9/24 dev eth0"), 0);
+  ASSERT_TRUE(has_link(false));
+}
+
+constexpr Act acts[] = {
+    {"subscribers", 1000, open_subscriber},
+    {"subscribers_for_a_moment", 300, open_subscriber_for_a_moment},
+    {"publishers", 1000, open_publisher},
+    {"nodes", 300, open_node},
+    {"services", 300, call_service},
+    {"failed_opens", 300, fail_to_open},
+    {"refused_samples", 300, refuse_sample},
+    {"loans", 300, loan},
+    {"masks", 300, change_mask},
+    {"rates", 300, change_rate},
+    {"questions", 300, ask},
+    {"links", 10, change_links},
+};
+
+class Growth : public testing::TestWithParam<Act> {
+ protected:
+  void SetUp() override {
+    if (!isolation_refusal().empty()) GTEST_SKIP() << isolation_refusal();
+    auto network = hosts::EmulatedNetwork::create(3);
+    if (!network) GTEST_SKIP() << network.error().message;
+    network_.emplace(std::move(*network));
+    for (std::size_t i = 0; i < others; ++i)
+      others_.push_back(std::make_unique<Other>(network_->host(i), NodeOptions{.name = "other"}, take_part));
+    ASSERT_TRUE(network_->host(0).enter());
+    Node node = Node::open({.name = "here"}).value();
+    auto publisher = node.publisher<PointCloud2>("clouds", {.max_sample_bytes = 1 << 20}).value();
+    auto subscriber = node.subscriber<PointCloud2>("source").value();
+    stage_.emplace(Stage{std::move(node), std::move(publisher), std::move(subscriber)});
+    ASSERT_TRUE(stage_->publisher.wait_for_subscribers(others, patience));
+    expect_matched(stage_->subscriber);
+    ASSERT_TRUE(eventually([&] {
+      return stage_->node.status().shm_ready &&
+             std::ranges::all_of(others_, [](const auto& other) { return other->report().settled.load(); });
+    }));
+    ASSERT_TRUE(eventually([&] {
+      return std::ranges::any_of(
+          stage_->publisher.status().readers,
+          [](const PublisherStatus::Reader& reader) { return reader.transport == TransportKind::shm; });
+    }));
+  }
+  /// Of this process, and of the others.
+  std::vector<Holdings> holdings() const {
+    std::vector<Holdings> all{Holdings::of_this_process()};
+    for (const auto& other : others_) {
+      const HoldingsOfOther& told = other->report();
+      const std::uint64_t looks = told.looks;
+      eventually([&] { return told.looks > looks + 1; });
+      all.push_back({told.bytes, told.descriptors, told.threads});
+    }
+    return all;
+  }
+  void repeat(std::uint64_t rounds) {
+    for (std::uint64_t i = 0; i < rounds && !HasFatalFailure(); ++i)
+      GetParam().do_once(*stage_, next_round_++);
+  }
+
+ private:
+  using Other = NodeProcessWith<HoldingsOfOther>;
+
+  std::optional<hosts::EmulatedNetwork> network_;
+  std::vector<std::unique_ptr<Other>> others_;
+  std::optional<Stage> stage_;
+  std::uint64_t next_round_ = 0;
+};
+
+INSTANTIATE_TEST_SUITE_P(Of, Growth, testing::ValuesIn(acts),
+                         [](const auto& act) { return std::string(act.param.name); });
+
+/// Cyclone DDS keeps lists of memory that it uses again, which fill up within the first minutes.
+constexpr std::int64_t bytes_at_first = 1 << 20;
+constexpr std::int64_t bytes_each_round = 16;
+/// What the first samples begin, which may come after the first rounds.
+constexpr std::int64_t begun_later = 2;
+/// Samples of the other processes that are on the way, or that are not taken.
+constexpr std::int64_t chunks_on_the_way = 64;
+
+/// Says what has grown too much in so many rounds; empty if nothing has.
+std::string growth(const std::vector<Holdings>& before, const std::vector<Holdings>& after,
+                   std::uint64_t rounds) {
+  const auto most = bytes_at_first + bytes_each_round * static_cast<std::int64_t>(rounds);
+  std::string text;
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    const Holdings more = after[i] - before[i];
+    if (more.bytes <= most && more.descriptors <= begun_later && more.threads <= begun_later) continue;
+    text += "process " + std::to_string(i) + " holds " + std::to_string(more.bytes) + " bytes, " +
+            std::to_string(more.descriptors) + " descriptors and " + std::to_string(more.threads) +
+            " threads more\n";
+  }
+  return text;
+}
+
+TEST_P(Growth, EndsAfterTheFirstRounds) {
+  const std::uint64_t rounds = test_rounds(GetParam().rounds);
+  repeat(std::min<std::uint64_t>(rounds, 100));
+  const std::vector<Holdings> before = holdings();
+  const std::int64_t chunks_before = chunks_in_use();
+  repeat(rounds);
+  ASSERT_FALSE(HasFatalFailure());
+  // What was withdrawn is remembered for a minute, since a slower link may tell of it late.
+  std::string grown;
+  EXPECT_TRUE(eventually([&] { return (grown = growth(before, holdings(), rounds)).empty(); }, 100s))
+      << "after " << rounds << " rounds:\n"
+      << grown;
+  EXPECT_TRUE(eventually([&] { return chunks_in_use() - chunks_before <= chunks_on_the_way; }))
+      << chunks_in_use() << " chunks are in use, " << chunks_before << " were before";
+}
+
+}  // namespace
+}  // namespace sft::test
