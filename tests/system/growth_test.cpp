@@ -71,8 +71,8 @@ struct HoldingsOfOther {
   std::atomic<bool> settled{false};
 };
 
-/// Reads and writes the topic of the acts, and serves, beside the node under test.
-void take_part(Node& node, HoldingsOfOther& holdings) {
+/// Reads and writes the topics of the acts, and serves, beside the node under test.
+void take_part(Node& node, HoldingsOfOther& holdings, bool by_shm) {
   auto clouds = node.subscriber<PointCloud2, F::height>("clouds", [](const auto&) {}).value();
   auto source = node.publisher<PointCloud2>("source").value();
   auto replies = node.publisher<SetBool_Response>("reply", {.reliability = reliable}).value();
@@ -84,7 +84,7 @@ void take_part(Node& node, HoldingsOfOther& holdings) {
     holdings.bytes = now.bytes;
     holdings.descriptors = now.descriptors;
     holdings.threads = now.threads;
-    holdings.settled = node.status().shm_ready;
+    holdings.settled = node.status().shm_ready == by_shm;
     ++holdings.looks;
     std::this_thread::sleep_for(2ms);
   }
@@ -188,6 +188,18 @@ void change_links(Stage& stage, std::uint64_t) {
   ASSERT_TRUE(has_link(false));
 }
 
+void serve_group(Stage& stage, std::uint64_t) {
+  auto publisher = stage.node.publisher<PointCloud2>("clouds").value();
+  ASSERT_TRUE(publisher.wait_for_subscribers(others, patience));
+  const auto in_group = [](const PublisherStatus::Reader& reader) {
+    return reader.multicast.starts_with("group ");
+  };
+  ASSERT_TRUE(eventually([&] {
+    publisher.publish({.height = 1});
+    return std::ranges::count_if(publisher.status().readers, in_group) == 2;
+  }));
+}
+
 constexpr Act acts[] = {
     {"subscribers", 1000, open_subscriber},
     {"subscribers_for_a_moment", 300, open_subscriber_for_a_moment},
@@ -201,6 +213,7 @@ constexpr Act acts[] = {
     {"rates", 300, change_rate},
     {"questions", 300, ask},
     {"links", 10, change_links},
+    {"groups", 30, serve_group},
 };
 
 class Growth : public testing::TestWithParam<Act> {
@@ -210,8 +223,14 @@ class Growth : public testing::TestWithParam<Act> {
     auto network = hosts::EmulatedNetwork::create(3);
     if (!network) GTEST_SKIP() << network.error().message;
     network_.emplace(std::move(*network));
-    for (std::size_t i = 0; i < others; ++i)
-      others_.push_back(std::make_unique<Other>(network_->host(i), NodeOptions{.name = "other"}, take_part));
+    for (std::size_t i = 0; i < others; ++i) {
+      const bool by_shm = i == 0;  // the hosts have one /dev/shm
+      NodeOptions options{.name = "other"};
+      options.transport = by_shm ? TransportChoice::automatic : TransportChoice::udp;
+      others_.push_back(std::make_unique<Other>(
+          network_->host(i), options,
+          [by_shm](Node& other, HoldingsOfOther& told) { take_part(other, told, by_shm); }));
+    }
     ASSERT_TRUE(network_->host(0).enter());
     Node node = Node::open({.name = "here"}).value();
     auto publisher = node.publisher<PointCloud2>("clouds", {.max_sample_bytes = 1 << 20}).value();

@@ -38,6 +38,17 @@ TEST(AgentTest, StoppingRunsWhatRunningTasksPost) {
   EXPECT_TRUE(ran);
 }
 
+TEST(AgentTest, IsBehindWhileTooManyTasksWait) {
+  Agent agent;
+  for (std::size_t i = 1; i < Agent::behind_from; ++i) agent.post([] {});
+  EXPECT_FALSE(agent.is_behind());
+  agent.post([] {});
+  EXPECT_TRUE(agent.is_behind());
+  ASSERT_TRUE(agent.start("test", no_duties()));
+  agent.stop();
+  EXPECT_FALSE(agent.is_behind());
+}
+
 /// The clock of a test, by which a task can last as long as it wants.
 Time told_time{};
 Time read_told_time() { return told_time; }
