@@ -210,7 +210,7 @@ TEST_F(ConfigurationTest, OfAProgramThatClosesAllDescriptorsIsSaidOnceAndKeepsNo
   static NodeForGood* const kept = new NodeForGood(with(""));
   const std::string text = "the program has closed the sockets of its node";
   const auto receives = [] { return std::ranges::count(threads(), "recv") > 0; };
-  EXPECT_TRUE(receives());
+  EXPECT_TRUE(eventually(receives));
   closefrom(3);
   EXPECT_TRUE(eventually([&] { return kept->said().find(text) != std::string::npos; }));
   EXPECT_THAT(kept->node->status().discovery, HasSubstr(text));
