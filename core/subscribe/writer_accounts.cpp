@@ -42,27 +42,16 @@ void WriterAccounts::hears(const std::vector<Hearing>& hearing, std::int64_t now
   for (const Hearing& h : hearing) {
     heard_.push_back(h.status);
     Writer& writer = of(h.source.writer);
-    if (writer.is_gone) begin_anew(writer);
     if (writer.since_ns == 0) writer.since_ns = now_ns;
     writer.lifespan_ns = h.offered.lifespan.count();
     // If samples expire, nobody knows how many of the retained ones could still be had.
     if (writer.lifespan_ns == 0) writer.sequences.owe(h.owed);
   }
-  for (Writer& writer : writers_) writer.is_gone = !is_heard(writer);
   if (writers_.size() > heard_.size() + departed_writers_kept) forget_departed();
 }
 
 bool WriterAccounts::is_heard(const Writer& writer) const {
   return std::ranges::find(heard_, writer.id, &SubscriberStatus::Writer::id) != heard_.end();
-}
-
-/// A writer that was given up is heard again. What it cost was told before it was gone, and remains in the
-/// sums.
-void WriterAccounts::begin_anew(Writer& writer) {
-  add(forgotten_, writer);
-  writer.received = writer.lost = writer.withheld = writer.expired = 0;
-  writer.deadlines_missed = writer.restarts = 0;
-  writer.alive = true;
 }
 
 template <class Sum>
@@ -77,8 +66,9 @@ void WriterAccounts::add(Sum& sum, const Writer& writer) {
 /// The id of a writer is random for each incarnation: only one whose node was not heard for long returns.
 void WriterAccounts::forget_departed() {
   std::erase_if(writers_, [this](const Writer& writer) {
-    if (writer.is_gone) add(forgotten_, writer);
-    return writer.is_gone;
+    if (is_heard(writer)) return false;
+    add(forgotten_, writer);
+    return true;
   });
 }
 

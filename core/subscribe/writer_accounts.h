@@ -28,7 +28,6 @@ class WriterAccounts {
     std::uint64_t deadlines_missed = 0;
     std::uint64_t restarts = 0;
     bool alive = true;
-    bool is_gone = false;  ///< not heard any more; its last samples may still be taken
   };
 
   explicit WriterAccounts(std::uint32_t min_period_us) : min_period_us_(min_period_us) {}
@@ -83,7 +82,6 @@ class WriterAccounts {
   Writer& open(EndpointId writer);
   void ask_all();
   bool is_heard(const Writer& writer) const;
-  void begin_anew(Writer& writer);
   void forget_departed();
   template <class Sum>
   static void add(Sum& sum, const Writer& writer);
