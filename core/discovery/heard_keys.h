@@ -30,7 +30,7 @@ class HeardKeys {
     return other != endpoints_.end() && other->first.first == key ? std::optional(other->second)
                                                                   : std::nullopt;
   }
-  /// Returns the endpoints of all participants under a key that nobody writes any more.
+  /// Returns the endpoints of all participants under a key that no participant writes any more.
   std::vector<EndpointId> unheard(std::uint64_t key) {
     std::vector<EndpointId> ended;
     auto entry = endpoints_.lower_bound({key, Participants::Guid{}});

@@ -15,10 +15,10 @@
 #include <std_srvs/msg/SetBool_Request.hpp>
 #include <std_srvs/msg/SetBool_Response.hpp>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "tests/support/isolated_host.h"
+#include "tests/support/pace.h"
 #include "tests/support/test_seed.h"
 #include "tests/system/fixture.h"
 #include "tests/system/node_process.h"
@@ -78,15 +78,15 @@ void take_part(Node& node, HoldingsOfOther& holdings, bool by_shm) {
   auto replies = node.publisher<SetBool_Response>("reply", {.reliability = reliable}).value();
   const auto answer = [&](const auto& request) { replies.publish({.success = request->data()}); };
   auto requests = node.subscriber<SetBool_Request>("request", answer, {.reliability = reliable}).value();
-  for (std::uint32_t number = 0;; ++number) {
-    source.publish({.height = number});
+  std::uint32_t number = 0;
+  for (Pace pace(2ms);; pace.await_turn()) {
+    source.publish({.height = number++});
     const Holdings now = Holdings::of_this_process();
     holdings.bytes = now.bytes;
     holdings.descriptors = now.descriptors;
     holdings.threads = now.threads;
     holdings.settled = node.status().shm_ready == by_shm;
     ++holdings.looks;
-    std::this_thread::sleep_for(2ms);
   }
 }
 

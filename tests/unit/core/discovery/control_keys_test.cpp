@@ -65,7 +65,7 @@ TEST(HeardKeysTest, AWithdrawalByAParticipantThatHasAnnouncedNothingTellsWhoseEn
   EXPECT_EQ(keys.withdrawn(second_guid, 7), std::nullopt);
 }
 
-TEST(HeardKeysTest, AKeyThatNobodyWritesAnyMoreEndsTheEndpointsOfAllParticipants) {
+TEST(HeardKeysTest, AKeyThatNoParticipantWritesAnyMoreEndsTheEndpointsOfAll) {
   HeardKeys keys;
   keys.announced(first_guid, 7, 10);
   keys.announced(second_guid, 7, 66);
