@@ -110,13 +110,21 @@ class CycloneReader : public Reader {
   const dds_entity_t wait_set_;
 };
 
+/// Cyclone DDS 0.10.5 deprecates this function for a QoS that 0.10.2 does not have.
+void set_batching(bool is_on) {
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wdeprecated-declarations"
+  dds_write_set_batch(is_on);
+#pragma GCC diagnostic pop
+}
+
 class CyclonePeer : public Peer {
  public:
   explicit CyclonePeer(bool in_memory)
       : in_memory_(in_memory), participant_(in_memory ? memory_config : config) {}
 
   std::unique_ptr<Writer> writer(const Topic& topic) override {
-    dds_write_set_batch(topic.batching);
+    set_batching(topic.batching);
     return std::make_unique<CycloneWriter>(participant_, topic, in_memory_);
   }
   std::unique_ptr<Reader> reader(const Topic& topic, Arrived arrived) override {
