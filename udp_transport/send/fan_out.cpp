@@ -24,21 +24,23 @@ FanOut::FanOut(const core::WriterSpec& spec, std::shared_ptr<SendSide> side,
       takes_large_(spec.asynchronous),
       sender_(spec, std::move(side), std::move(tally), std::move(jobs)) {}
 
-FanOut::Posted FanOut::post(Remainder remainder) noexcept try {
+FanOut::Posted FanOut::post(Remainder remainder) noexcept {
   Posted posted;
   while (const std::optional<Remainder> surplus = take_surplus_before(remainder)) {
     count_dropped(*surplus);
     ++posted.dropped;
   }
-  const core::Lock lock(mutex_);
-  const std::size_t bytes = remainder.sample->capacity;
-  queue_.push_back(std::move(remainder));
-  queued_bytes_ += bytes;
-  if (done_.exchange(false, std::memory_order_relaxed)) posted.wake = Wake::schedule;
+  try {
+    const core::Lock lock(mutex_);
+    const std::size_t bytes = remainder.sample->capacity;
+    queue_.push_back(std::move(remainder));
+    queued_bytes_ += bytes;
+    if (done_.exchange(false, std::memory_order_relaxed)) posted.wake = Wake::schedule;
+  } catch (const std::bad_alloc&) {
+    count_dropped(remainder);
+    ++posted.dropped;
+  }
   return posted;
-} catch (const std::bad_alloc&) {
-  count_dropped(remainder);
-  return {.dropped = 1};
 }
 
 /// Takes out what has to go for another one: the oldest, or the oldest large one if there are too many of
