@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/discovery/dds_domain.h"
+#include "core/platform/process_limits.h"
 
 namespace sft::core {
 
@@ -366,11 +367,11 @@ Result<void> JointDiscovery::join_the_program(std::uint32_t domain) {
   return {};
 }
 
-/// Cyclone's threads would keep a core busy with sockets that are closed. The links go as long as their
-/// descriptors' numbers are free: afterwards they could be those of other files.
+/// Cyclone's threads would keep a core busy with sockets that are closed. The links only go while the numbers
+/// of their descriptors are free: else Cyclone might close files that the program has opened since.
 void JointDiscovery::give_up(Time now) {
   watches_ = false;
-  (void)links_.use({}, {}, now);
+  if (has_no_open_files()) (void)links_.use({}, {}, now);
   const Lock lock(configuration_mutex_);
   configuration_ = {.summary = closed_by_the_program, .warnings = {closed_by_the_program}};
   report({&DiscoveryListener::warned, closed_by_the_program}, seats_);

@@ -2,6 +2,7 @@
 
 #include <linux/rtnetlink.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 
 #include <cerrno>
 
@@ -14,16 +15,23 @@ NetworkWatch::NetworkWatch()
   groups.nl_groups =
       RTMGRP_LINK | RTMGRP_IPV4_IFADDR | RTMGRP_IPV4_ROUTE | RTMGRP_IPV6_IFADDR | RTMGRP_IPV6_ROUTE;
   if (::bind(netlink_.get(), reinterpret_cast<const sockaddr*>(&groups), sizeof groups) != 0) netlink_ = {};
+  struct stat file {};
+  if (netlink_ && ::fstat(netlink_.get(), &file) == 0) inode_ = file.st_ino;
+}
+
+bool NetworkWatch::is_another_file() const noexcept {
+  struct stat file {};
+  return ::fstat(netlink_.get(), &file) != 0 || file.st_ino != inode_;
 }
 
 /// This function only takes the messages out of the way. The callers ask elsewhere for what has changed.
 bool NetworkWatch::changed() noexcept {
   if (!netlink_) return true;
+  was_closed_ = is_another_file();
+  if (was_closed_) return true;
   for (bool any = false;; any = true) {
     char start_of_message = 0;
     const bool came = ::recv(netlink_.get(), &start_of_message, sizeof start_of_message, 0) >= 0;
-    was_closed_ = !came && errno == EBADF;
-    if (was_closed_) return true;
     if (!came && errno != ENOBUFS && errno != EINTR) return any;  // ENOBUFS: more than the socket holds
   }
 }

@@ -1,5 +1,6 @@
 #include "core/platform/process_limits.h"
 
+#include <dirent.h>
 #include <fcntl.h>
 #include <linux/futex.h>
 #include <pthread.h>
@@ -13,7 +14,9 @@
 #include <cerrno>
 #include <climits>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -145,6 +148,16 @@ Result<void> check_room_for_select(std::size_t descriptors) {
               "Cyclone DDS needs " + std::to_string(descriptors) + " file descriptors with numbers below " +
                   std::to_string(FD_SETSIZE) +
                   ", and this program has others open there: open nodes before so many files, or close some");
+}
+
+bool has_no_open_files() {
+  const std::unique_ptr<DIR, int (*)(DIR*)> files(::opendir("/proc/self/fd"), &::closedir);
+  if (!files) return false;
+  while (const dirent* const entry = ::readdir(files.get())) {
+    const int number = std::atoi(entry->d_name);  // 0 for "." and ".."
+    if (number > STDERR_FILENO && number != ::dirfd(files.get())) return false;
+  }
+  return true;
 }
 
 Result<void> raise_inherited_limits(std::size_t descriptors) {

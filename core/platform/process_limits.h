@@ -16,6 +16,9 @@ Result<void> check_room_for(std::size_t descriptors, std::size_t threads);
 /// select(2) can take: a program that calls it with a greater one is ended by the C library.
 Result<void> check_room_for_select(std::size_t descriptors);
 
+/// True if no number but those of the standard streams is that of an open file.
+bool has_no_open_files();
+
 /// Raises the limits of this process, each as far as an ordinary account can, and takes its priority back to
 /// the usual one. For a service that a program has started, whose limits it inherits. Errc::limit_exceeded if
 /// it then has fewer file descriptors, or if the system would end it after some processor time.

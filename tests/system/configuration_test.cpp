@@ -1,6 +1,8 @@
 // Nodes report which parts of their configuration do not hold, and what is wrong with these.
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <sft/sft.h>
@@ -10,12 +12,14 @@
 #include <fstream>
 #include <mutex>
 #include <optional>
+#include <sensor_msgs/msg/PointCloud2.hpp>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "tests/support/eventually.h"
 #include "tests/support/isolated_host.h"
+#include "tests/support/pace.h"
 
 namespace sft::test {
 namespace {
@@ -23,6 +27,9 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
+
+using sensor_msgs::msg::PointCloud2;
+using namespace std::chrono_literals;
 
 class ConfigurationTest : public ::testing::Test {
  protected:
@@ -206,8 +213,28 @@ struct NodeForGood {
   }
 };
 
+/// True if the threads of this process take less than a fifth of a core for some time.
+bool is_idle() {
+  const auto taken = [] {
+    timespec time{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+    return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
+  };
+  const auto before = taken();
+  Pace(300ms).await_turn();
+  return taken() - before < 60ms;
+}
+
 TEST_F(ConfigurationTest, OfAProgramThatClosesAllDescriptorsIsSaidOnceAndKeepsNoThreadBusy) {
   static NodeForGood* const kept = new NodeForGood(with(""));
+  // A reliable pair, for which threads of UDP have something to do.
+  static auto* const publisher = new Publisher<PointCloud2>(
+      kept->node->publisher<PointCloud2>("points", {.reliability = reliable}).value());
+  static auto* const subscriber = new Subscriber<PointCloud2>(
+      kept->node->subscriber<PointCloud2>("points", {.reliability = reliable}).value());
+  ASSERT_TRUE(publisher->wait_for_subscribers(1, 10s));
+  ASSERT_EQ(publisher->publish({.height = 1}), PublishStatus::ok);
+  ASSERT_TRUE(subscriber->wait(10s));
   const std::string text = "the program has closed the sockets of its node";
   const auto receives = [] { return std::ranges::count(threads(), "recv") > 0; };
   EXPECT_TRUE(eventually(receives));
@@ -217,6 +244,24 @@ TEST_F(ConfigurationTest, OfAProgramThatClosesAllDescriptorsIsSaidOnceAndKeepsNo
   EXPECT_TRUE(eventually([&] { return !receives(); }));
   const std::string said = kept->said();
   EXPECT_EQ(said.find(text), said.rfind(text));
+  EXPECT_TRUE(eventually(is_idle));
+}
+
+TEST_F(ConfigurationTest, FilesThatAProgramOpensAfterItClosedAllDescriptorsStayItsOwn) {
+  static NodeForGood* const kept = new NodeForGood(with(""));
+  const std::size_t descriptors = std::distance(std::filesystem::directory_iterator("/proc/self/fd"), {});
+  closefrom(3);
+  std::vector<int> own;
+  for (std::size_t i = 0; i < 2 * descriptors; ++i) own.push_back(open("/dev/null", O_RDONLY));
+  EXPECT_TRUE(eventually(
+      [&] { return kept->said().find("has closed the sockets of its node") != std::string::npos; }));
+  struct stat null_device {};
+  ASSERT_EQ(stat("/dev/null", &null_device), 0);
+  for (const int one : own) {
+    struct stat file {};
+    EXPECT_EQ(fstat(one, &file), 0) << one;
+    EXPECT_EQ(file.st_rdev, null_device.st_rdev) << one;
+  }
 }
 
 TEST_F(ConfigurationTest, MayBeAnotherOneForEachNodeOfAProcess) {

@@ -7,6 +7,8 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <chrono>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -184,11 +186,14 @@ class SocketSender final : public DatagramSender {
       if (polled_[0].revents != 0) ::eventfd_read(wake_event_.get(), &ignored);
     }
     waiting.clear();
+    if ((polled_[0].revents & POLLNVAL) != 0) std::this_thread::sleep_for(pause_without_descriptors);
   }
 
   void wake() noexcept override { ::eventfd_write(wake_event_.get(), 1); }
 
  private:
+  /// The program has closed all descriptors (closefrom(3)), so that nothing can be waited for any more.
+  static constexpr std::chrono::milliseconds pause_without_descriptors{100};
   /// So many connections may be full at a time before memory is taken for that.
   static constexpr std::size_t waiting_foreseen = 64;
 

@@ -110,7 +110,12 @@ void ReceiveLoop::receive_alone() {
   end_hand_over();
   look_after_time();
   if (role_.end_turn(next_deadline())) ::eventfd_write(waiter_event_.get(), 1);
-  if (works) return;
+  if (!works) give_up();
+}
+
+/// The program has closed the descriptors of this loop (closefrom(3)), so that nothing can be waited for any
+/// more.
+void ReceiveLoop::give_up() {
   broken_.store(true, std::memory_order_relaxed);
   role_.close();
 }
@@ -122,6 +127,7 @@ void ReceiveLoop::poll(Time until) {
                                {.fd = wake, .events = POLLIN, .revents = 0},
                                {.fd = alarm_.get(), .events = POLLIN, .revents = 0}}};
   poll_until(ready, until);
+  if (((ready[0].revents | ready[1].revents) & POLLNVAL) != 0) return give_up();
   if (ready[1].revents != 0) read_away(wake);
   if (ready[2].revents != 0) note_alarm();
   if (!role_.take_turn()) return;
@@ -137,6 +143,7 @@ void ReceiveLoop::stand_by(Time until) {
   std::array<pollfd, 2> ready{
       {{.fd = wake, .events = POLLIN, .revents = 0}, {.fd = alarm_.get(), .events = POLLIN, .revents = 0}}};
   if (!poll_until(ready, until)) return;
+  if ((ready[0].revents & POLLNVAL) != 0) return give_up();
   if (ready[0].revents != 0) read_away(wake);
   if (ready[1].revents != 0) note_alarm();
 }

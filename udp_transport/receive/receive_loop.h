@@ -79,6 +79,7 @@ class ReceiveLoop final : private DatagramSink, public std::enable_shared_from_t
   void receive_alone();
   void poll(Time until);
   void stand_by(Time until);
+  void give_up();
   void note_alarm();
   void wait_in_role(const core::Waiting& waiting) noexcept;
   void wait_behind(const core::Waiting& waiting) noexcept;
