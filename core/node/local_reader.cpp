@@ -269,6 +269,16 @@ bool LocalReader::is_in_long_callback() {
   return looks_in_callback_ >= looks_in_callback_max;
 }
 
+/// The callback is for all selections, and is watched for the first one.
+LocalReader::LongWaits LocalReader::look_for_long_waits(Time now) {
+  if (selection_ != 0 || !core_->has_callback()) return {};
+  const std::uint64_t turns = core_->turns();
+  const LongWaits waits{.of_sample = sample_waits_.look(core_->waits_for_dispatch(), turns, now),
+                        .of_receiver = receiver_waits_.look(core_->holds_up_receiver(), turns, now)};
+  if (waits.of_sample) feed_.waited_long();
+  return waits;
+}
+
 bool LocalReader::restart_deaf(const Assertion& assertion, bool held_up, Time now) {
   bool restarted = false;
   for (auto& [writer, hearing] : heard_) {

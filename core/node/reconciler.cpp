@@ -12,6 +12,8 @@ constexpr std::chrono::milliseconds tick_while_attaching{1};
 constexpr std::chrono::milliseconds tick_shortest{1};
 constexpr std::chrono::milliseconds asks_last_least{3000};
 constexpr std::chrono::seconds held_up_for{1};
+constexpr const char* remedy_of_long_callbacks =
+    "open a node of its own for a long callback, or give its work to another thread";
 constexpr int hurried_ticks_max = 1000;  // a connection that takes longer is not worth the looking
 
 /// True if only looks show what comes of it: an endpoint is missing, a late reader still gets retained
@@ -19,8 +21,9 @@ constexpr int hurried_ticks_max = 1000;  // a connection that takes longer is no
 bool has_to_be_watched(const Negotiation& negotiation, const LocalEndpoints& ours) {
   return negotiation.table().misses_somebody() ||
          std::ranges::any_of(ours.writers, [](const auto& item) { return item.second.owes_history(); }) ||
-         std::ranges::any_of(ours.readers,
-                             [](const auto& item) { return item.second.core().is_called_back(); });
+         std::ranges::any_of(ours.readers, [](const auto& item) {
+           return item.second.core().is_called_back() || item.second.waits_for_callback();
+         });
 }
 }  // namespace
 
@@ -206,7 +209,30 @@ void Reconciler::look_after_endpoints(Time now) {
     dirty_ |= reader.may_try_again(now);
     if (reader.ports().take_held_back()) reader.core().wake();
     if (reader.is_in_long_callback()) held_up_at_ = now;
+    tell_of_long_waits(reader, now);
   }
+}
+
+void Reconciler::tell_of_long_waits(LocalReader& reader, Time now) {
+  constexpr auto text_of = [](Time::duration time) {
+    return std::to_string(std::chrono::round<std::chrono::milliseconds>(time).count()) + " ms";
+  };
+  const auto topic_of = [](const LocalReader& one) { return text_of_topic(one.core().spec().topic, 0); };
+  const LocalReader::LongWaits waits = reader.look_for_long_waits(now);
+  if (waits.of_receiver) {
+    log_.write(LogLevel::warning, topic_of(reader) + ": its callback has run for " +
+                                      text_of(*waits.of_receiver) + " on the thread that receives by UDP, " +
+                                      "which receives nothing meanwhile; " + remedy_of_long_callbacks);
+  }
+  if (!waits.of_sample) return;
+  const auto in_turn = std::ranges::find_if(
+      ours_.readers, [this](const auto& item) { return dispatcher_.is_at(item.second.core()); });
+  const std::string whose =
+      in_turn == ours_.readers.end() ? "" : ", at present that of " + topic_of(in_turn->second);
+  log_.write(LogLevel::warning, topic_of(reader) + ": a sample has waited for its callback for " +
+                                    text_of(*waits.of_sample) +
+                                    ", since the callbacks of a node run one after the other" + whose + "; " +
+                                    remedy_of_long_callbacks);
 }
 
 /// True if some reader still waits for its connection in shared memory. Notes whether samples go there.

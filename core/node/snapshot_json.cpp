@@ -109,6 +109,7 @@ Json subscriber(const NodeSnapshot::Subscriber& s) {
           {"expired", s.expired},
           {"discarded", s.discarded},
           {"held_too_many", s.held_too_many},
+          {"long_waits", s.long_waits},
           {"restarts", s.restarts},
           {"writers", list(s.writers, writer)}};
 }

@@ -1,5 +1,6 @@
 // Calls one subscriber's callback: never two calls at once, on the thread that receives while callbacks are
-// quick, and on the dispatcher's thread while they take long. Any thread.
+// quick, and on the dispatcher's thread while they take long. Either thread calls back for other subscribers,
+// too, so that each subscriber has a turn and then has to wait for the next one. Any thread.
 #pragma once
 
 #include <atomic>
@@ -16,15 +17,18 @@ namespace sft::core {
 class CallbackDispatch {
  public:
   enum class Caller : std::uint8_t { dispatcher, transport };
+  /// A turn ends with the first callback that returns after this time. So a subscriber whose callbacks take
+  /// longer has one callback in a turn.
+  static constexpr std::chrono::milliseconds turn{1};
 
   /// The callback outlives this object.
   explicit CallbackDispatch(const detail::untyped::Callback& callback,
                             ReadTime now = &std::chrono::steady_clock::now)
       : callback_(callback), now_(now) {}
 
-  /// Calls back for all samples that `samples` has, with `samples.take()` and `samples.available()`. Returns
-  /// at once if a call is under way on another thread: that thread goes on. Returns false if the dispatcher
-  /// has to call back for the rest.
+  /// Calls back for the samples that `samples` has, with `samples.take()` and `samples.available()`, until
+  /// there is none or the turn is over. Returns at once if a call is under way on another thread: that thread
+  /// goes on. Returns false if the dispatcher has to call back for the rest in its next round.
   template <class Samples>
   bool dispatch(Caller caller, Samples& samples) {
     bool done = true;
@@ -43,12 +47,16 @@ class CallbackDispatch {
 
   /// True if this thread is within a callback of some subscriber.
   static bool in_callback() noexcept;
+  /// Differs from what it was if callbacks have run meanwhile.
+  std::uint64_t turns() const { return turns_.load(std::memory_order_relaxed); }
+  /// True while a callback may be running on a thread of the transport.
+  bool holds_up_transport() const { return is_called_back() && is_on_transport_.load(); }
 
  private:
   template <class Samples>
   bool call_back_for_arrivals(Caller caller, Samples& samples);
   template <class Samples>
-  bool call_back_for_all(Caller caller, Samples& samples);
+  bool call_back_in_turn(Caller caller, Samples& samples, Time& time, Time turn_ends);
   Time call_back(detail::untyped::Sample sample, Time before);
 
   const detail::untyped::Callback& callback_;
@@ -58,14 +66,20 @@ class CallbackDispatch {
   std::atomic<std::uint32_t> pending_{0};
   CallGate gate_;
   std::atomic<bool> is_slow_{false};
-  int quick_in_a_row_ = 0;  ///< written only by the thread that dispatches
+  std::atomic<std::uint64_t> turns_{0};
+  std::atomic<bool> is_on_transport_{false};  ///< the last turn
+  int quick_in_a_row_ = 0;                    ///< written only by the thread that dispatches
 };
 
 template <class Samples>
 bool CallbackDispatch::call_back_for_arrivals(Caller caller, Samples& samples) {
   if (pending_.fetch_add(1) != 0) return true;  // the thread that dispatches sees the count
+  turns_.fetch_add(1, std::memory_order_relaxed);
+  is_on_transport_.store(caller == Caller::transport);
+  Time time = now_();
+  const Time turn_ends = time + turn;
   for (std::uint32_t seen = 1;;) {
-    if (!call_back_for_all(caller, samples)) {
+    if (!call_back_in_turn(caller, samples, time, turn_ends)) {
       pending_.store(0);
       return false;
     }
@@ -82,17 +96,16 @@ bool CallbackDispatch::call_back_for_arrivals(Caller caller, Samples& samples) {
   }
 }
 
+/// Returns false if samples may be left. `time` is when the last callback was done.
 template <class Samples>
-bool CallbackDispatch::call_back_for_all(Caller caller, Samples& samples) {
-  bool goes_on = true;
-  Time time = now_();
-  while (goes_on && !gate_.is_closed()) {
+bool CallbackDispatch::call_back_in_turn(Caller caller, Samples& samples, Time& time, Time turn_ends) {
+  while (!gate_.is_closed()) {
     detail::untyped::Sample sample = samples.take();
-    if (!sample) break;
+    if (!sample) return true;
     time = call_back(std::move(sample), time);
-    goes_on = caller == Caller::dispatcher || !is_slow_.load();
+    if (time >= turn_ends || (caller == Caller::transport && is_slow_.load())) return false;
   }
-  return goes_on;
+  return true;
 }
 
 }  // namespace sft::core

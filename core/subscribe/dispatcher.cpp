@@ -47,7 +47,11 @@ void Dispatcher::run() {
   while (!stopping_.load()) {
     {
       const auto present = subscribers();
-      for (const auto& subscriber : *present) subscriber->dispatch();
+      for (const auto& subscriber : *present) {
+        in_turn_.store(subscriber.get());
+        subscriber->dispatch();
+      }
+      in_turn_.store(nullptr);
     }
     bell_.wait(forever, [this] {
       if (stopping_.load()) return true;

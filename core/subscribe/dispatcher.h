@@ -30,6 +30,8 @@ class Dispatcher {
   void add(std::shared_ptr<SubscriberCore> subscriber);
   void remove(const SubscriberCore& subscriber);
   bool is_current_thread() const { return std::this_thread::get_id() == thread_id_.load(); }
+  /// True while the subscriber has its turn. Any thread.
+  bool is_at(const SubscriberCore& subscriber) const { return in_turn_.load() == &subscriber; }
 
  private:
   using Subscribers = std::vector<std::shared_ptr<SubscriberCore>>;
@@ -42,6 +44,7 @@ class Dispatcher {
   std::shared_ptr<const Subscribers> subscribers_ SFT_GUARDED_BY(mutex_) = std::make_shared<Subscribers>();
   std::atomic<bool> stopping_{false};
   std::atomic<std::thread::id> thread_id_{};
+  std::atomic<const SubscriberCore*> in_turn_{nullptr};
   std::thread thread_ SFT_GUARDED_BY(mutex_);
 };
 

@@ -2,6 +2,7 @@
 // a request, ports, an order of its samples, and counts. Most subscribers have one selection.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -60,7 +61,10 @@ class Feed {
   SubscriberStatus status();
   Requirements requirements();
 
-  /// The agent's: the request that is in force from now on, and its number.
+  // The agent's.
+  /// A sample has waited long for the callback, while callbacks of other subscribers were running.
+  void waited_long() { long_waits_.fetch_add(1, std::memory_order_relaxed); }
+  /// The request that is in force from now on, and its number.
   void requests(Selection selection, std::uint64_t sequence);
 
  private:
@@ -73,6 +77,7 @@ class Feed {
   mutable Mutex mutex_;  // held for a copy of the selection
   Selection declared_ SFT_GUARDED_BY(mutex_);
   SubscriberPorts ports_;
+  std::atomic<std::uint64_t> long_waits_{0};
 };
 
 }  // namespace sft::core

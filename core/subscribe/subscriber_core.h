@@ -67,8 +67,8 @@ class SubscriberCore final : public ArrivalListener {
 
   /// True if a sample waits that no thread is dispatching, or that the file descriptor does not show.
   bool waits_for_dispatch();
-  /// Calls back for all samples, or makes the file descriptor readable. Returns at once if a call is under
-  /// way on another thread: that thread goes on.
+  /// Calls back for samples until the turn is over, or makes the file descriptor readable. Returns at once if
+  /// a call is under way on another thread: that thread goes on.
   void dispatch();
 
   /// Calls back at once, which is quickest, unless callbacks were seen to take long lately: then the
@@ -77,6 +77,9 @@ class SubscriberCore final : public ArrivalListener {
 
   /// True while a callback may be running. Once closed, and when this is false, none will run any more.
   bool is_called_back() const { return callbacks_.is_called_back(); }
+  /// See CallbackDispatch.
+  std::uint64_t turns() const { return callbacks_.turns(); }
+  bool holds_up_receiver() const { return callbacks_.holds_up_transport(); }
   /// After it returns no callback runs any more, except for one in which it is called itself.
   void close();
 

@@ -174,6 +174,9 @@ struct SubscriberStatus {
   std::uint64_t discarded = 0;
   /// How often it held SubscriberOptions::max_held samples of a publisher and could not take the next one.
   std::uint64_t held_too_many = 0;
+  /// How often a sample waited for more than a second for the callback, because callbacks of other
+  /// subscribers of the node were running. Of the first selection, for all.
+  std::uint64_t long_waits = 0;
   FieldMask mask;              ///< the fields that it asks for at present
   Selection selection{};       ///< these fields, with the parts and the conditions; the rate is below
   double max_rate_hz = 0;      ///< the rate that it asks for at present; 0: all samples

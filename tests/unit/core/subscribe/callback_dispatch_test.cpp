@@ -124,6 +124,42 @@ TEST_F(CallbackDispatchTest, AfterAHundredQuickCallbacksInARowTheyAreQuickAgain)
   EXPECT_EQ(calls, 101);
 }
 
+TEST_F(CallbackDispatchTest, ASubscriberWhoseCallbacksTakeLongHasOneInEachTurn) {
+  in_callback = take_long;
+  samples.count = 3;
+  EXPECT_FALSE(dispatch(Caller::dispatcher));
+  EXPECT_EQ(calls, 1);
+  EXPECT_FALSE(dispatch(Caller::dispatcher));
+  EXPECT_EQ(calls, 2);
+  EXPECT_TRUE(callbacks.is_idle()) << "the next turn is the dispatcher's business";
+}
+
+TEST_F(CallbackDispatchTest, QuickCallbacksEndTheirTurnTogetherEvenIfTheNextSampleIsAlwaysThere) {
+  in_callback = [&] {
+    now += CallbackDispatch::turn / 10;
+    ++samples.count;
+  };
+  samples.count = 1;
+  for (const auto caller : {Caller::transport, Caller::dispatcher}) {
+    calls = 0;
+    EXPECT_FALSE(dispatch(caller));
+    EXPECT_EQ(calls, 10);
+  }
+}
+
+TEST_F(CallbackDispatchTest, ItIsKnownWhetherTheThreadThatReceivesIsHeldUp) {
+  const auto held_up = [&](Caller caller) {
+    bool is_held_up = false;
+    in_callback = [&] { is_held_up = callbacks.holds_up_transport(); };
+    samples.count = 1;
+    dispatch(caller);
+    return is_held_up;
+  };
+  EXPECT_TRUE(held_up(Caller::transport));
+  EXPECT_FALSE(callbacks.holds_up_transport()) << "no callback runs";
+  EXPECT_FALSE(held_up(Caller::dispatcher));
+}
+
 TEST_F(CallbackDispatchTest, OnceItIsClosedNobodyIsCalledBack) {
   in_callback = [&] {
     callbacks.close();  // returns at once, since this is the callback

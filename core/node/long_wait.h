@@ -1,0 +1,38 @@
+// Notices that something waits long for a callback: a sample of one subscriber for its turn, or the thread
+// that receives for the callback that it runs. Pure: what looks have found and times go in, answers come out.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+#include "core/platform/clock.h"
+
+namespace sft::core {
+
+class LongWait {
+ public:
+  static constexpr std::chrono::seconds is_long{1};
+
+  /// `turns` differs from before if the subscriber was called back meanwhile, so that an earlier wait is
+  /// over. Returns how long this one has taken, once for each wait that is long.
+  std::optional<Time::duration> look(bool waits, std::uint64_t turns, Time now) {
+    const bool had_turn = std::exchange(turns_, turns) != turns;
+    if (!waits || had_turn || !since_) {
+      since_ = waits ? std::optional(now) : std::nullopt;
+      is_told_ = false;
+    }
+    if (!waits || is_told_ || now - *since_ < is_long) return std::nullopt;
+    is_told_ = true;
+    return now - *since_;
+  }
+  bool is_under_way() const { return since_.has_value(); }
+
+ private:
+  std::uint64_t turns_ = 0;
+  std::optional<Time> since_{};
+  bool is_told_ = false;
+};
+
+}  // namespace sft::core

@@ -1,0 +1,42 @@
+// A wait for a callback is told of once it is long.
+#include "core/node/long_wait.h"
+
+#include <gtest/gtest.h>
+
+namespace sft::core {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Time begin{};
+
+TEST(LongWaitTest, AWaitIsToldOfOnceWhenItHasBecomeLong) {
+  LongWait wait;
+  EXPECT_FALSE(wait.look(true, 1, begin));
+  EXPECT_FALSE(wait.look(true, 1, begin + 999ms));
+  EXPECT_EQ(wait.look(true, 1, begin + 1200ms), 1200ms);
+  EXPECT_FALSE(wait.look(true, 1, begin + 5s));
+  EXPECT_TRUE(wait.is_under_way());
+}
+
+TEST(LongWaitTest, AWaitEndsWithATurnOrWhenNothingWaits) {
+  LongWait wait;
+  EXPECT_FALSE(wait.look(true, 1, begin));
+  EXPECT_FALSE(wait.look(true, 2, begin + 900ms)) << "it had a turn, and waits for the next one";
+  EXPECT_FALSE(wait.look(true, 2, begin + 1800ms));
+  EXPECT_FALSE(wait.look(false, 2, begin + 1850ms));
+  EXPECT_FALSE(wait.is_under_way());
+  EXPECT_FALSE(wait.look(true, 2, begin + 2800ms));
+  EXPECT_TRUE(wait.look(true, 2, begin + 3800ms));
+}
+
+TEST(LongWaitTest, TheNextLongWaitIsToldOfAsWell) {
+  LongWait wait;
+  EXPECT_FALSE(wait.look(true, 1, begin));
+  EXPECT_TRUE(wait.look(true, 1, begin + 1s));
+  EXPECT_FALSE(wait.look(true, 2, begin + 2s));
+  EXPECT_TRUE(wait.look(true, 2, begin + 3s));
+}
+
+}  // namespace
+}  // namespace sft::core
