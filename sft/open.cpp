@@ -87,6 +87,7 @@ Result<Node> Node::open(const NodeOptions& options) {
   const NodeOptions resolved = with_defaults(options, *domain);
   core::NodeCore::Parts parts;
   parts.heap = core::BufferPool::make(options.udp.memory_limit_bytes);
+  parts.log = core::log_setting(options, std::getenv("SFT_LOG"));
   if (options.transport != TransportChoice::shm) {
     auto udp = open_udp(resolved, parts.heap);
     if (!udp) return tl::unexpected(udp.error());

@@ -36,6 +36,7 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
     return fail(Errc::invalid_argument,
                 "the node's name " + in_quotes(options.name) + " " + std::string(fault));
   const std::shared_ptr<BufferPool> heap = parts.heap;
+  const std::string complaint = parts.log.complaint;
   std::shared_ptr<NodeCore> node(new NodeCore(options, std::move(parts)), &NodeCore::dispose);
   if (options.log) {
     if (Result<void> started = node->callbacks_.start(); !started) return tl::unexpected(started.error());
@@ -47,6 +48,7 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
   auto opened = Discovery::open(discovery, *node);
   if (!opened) return tl::unexpected(opened.error());
   node->discovery_ = std::move(*opened);
+  if (!complaint.empty()) node->log_.write(LogLevel::warning, complaint);
   const Discovery::Configuration configuration = node->discovery_->configuration();
   for (const auto* texts : {&configuration.warnings, &configuration.remarks}) {
     for (const std::string& text : *texts) node->log_.write(LogLevel::warning, "discovery: " + text);
@@ -86,7 +88,7 @@ NodeCore::NodeCore(const NodeOptions& options, Parts parts)
       memory_(std::move(parts.memory)),
       network_(std::move(parts.network)),
       callbacks_({"event " + options.name, options.threads.callbacks}),
-      log_(options.name, options.log_level, posted(options.log)),
+      log_(options.name, parts.log.threshold, posted(parts.log.sink)),
       dispatcher_(wake_slots_.at(WakeSlots::dispatcher), {"call " + options.name, options.threads.callbacks}),
       poller_(wake_slots_.at(WakeSlots::poller), {"poll " + options.name, options.threads.callbacks}) {}
 
@@ -96,11 +98,12 @@ NodeCore::~NodeCore() {
   callbacks_.stop();
 }
 
-/// A callback is not the agent's work: it may take long, or wait for the agent.
+/// A callback is not the agent's work: it may take long, or wait for the agent. So may the standard error,
+/// whose reader may have stopped. The thread begins with the first line, where the program has no sink.
 NodeOptions::LogSink NodeCore::posted(const NodeOptions::LogSink& sink) {
   if (!sink) return {};
   return [this, sink](LogLevel level, std::string_view line) {
-    callbacks_.post([sink, level, line = std::string(line)] { sink(level, line); });
+    if (callbacks_.start()) callbacks_.post([sink, level, line = std::string(line)] { sink(level, line); });
   };
 }
 

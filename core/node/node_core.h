@@ -21,6 +21,7 @@
 #include "core/platform/agent.h"
 #include "core/platform/clock.h"
 #include "core/platform/forked.h"
+#include "core/report/log_setting.h"
 #include "core/report/node_log.h"
 #include "core/seam/buffer_pool.h"
 #include "core/seam/transport.h"
@@ -39,6 +40,7 @@ class NodeCore final : private DiscoveryListener {
     std::unique_ptr<SharedMemory> memory;  ///< null where the node must not use it
     std::unique_ptr<Network> network;
     std::shared_ptr<BufferPool> heap;  ///< all memory for samples outside of shared memory
+    LogSetting log{};
   };
 
   /// `options` with its defaults resolved (domain, configuration).

@@ -121,7 +121,9 @@ struct NodeOptions {
 
   /// A callback for lines of the log. It runs on a thread of the node for just that and for events (event.h),
   /// and may call any function of SFT. If several nodes have the same sink, a thread of each node calls it.
-  /// Of lines that repeat, ten of a kind are written and then one in 5 s, which says how many were left out.
+  /// A warning or an error that comes again is written after a pause, which grows from 5 s to 11 minutes. Of
+  /// different lines of a kind about a topic, ten are written at once and then one in 5 s. The next line says
+  /// how many were left out.
   using LogSink = std::function<void(LogLevel, std::string_view)>;
 
   /// DDS derives port numbers from the domain, and has none for a greater one.
@@ -143,11 +145,13 @@ struct NodeOptions {
   /// except for those without which SFT cannot work; the log and NodeStatus::discovery name the latter.
   /// Default: $CYCLONEDDS_URI.
   std::optional<std::string> cyclonedds_config{};
-  /// Gets the log; without it there is none. The library itself never prints, and neither does Cyclone DDS in
-  /// a process with a node: its messages have one destination in a process, and are kept for the errors that
-  /// they explain.
+  /// Gets the log. Without it the log goes to the standard error of the process, and the library prints
+  /// nothing else. Cyclone DDS prints nothing in a process with a node: its messages have one destination in a
+  /// process, and are kept for the errors that they explain.
   LogSink log{};
-  LogLevel log_level = LogLevel::info;  ///< lines below this level are not even made
+  /// Lines below this level are not even made. Default: info with `log`, warning without. Without `log` the
+  /// environment variable SFT_LOG takes precedence: off, error, warning, info or debug.
+  std::optional<LogLevel> log_level{};
 };
 
 struct PublisherStatus;

@@ -64,6 +64,10 @@ TEST_F(NodeLogTest, ABrokenPromiseIsAWarning) {
   EXPECT_EQ(NodeLog::level_of({.kind = Event::Kind::samples_lost}), LogLevel::info);
 }
 
+TEST_F(NodeLogTest, ASampleThatSharedMemoryCannotTakeIsAWarning) {
+  EXPECT_EQ(NodeLog::level_of({.kind = Event::Kind::samples_diverted}), LogLevel::warning);
+}
+
 TEST_F(NodeLogTest, OfAReliablePairThatLosesSamplesOneLineIsWrittenInASecondAndNoSampleLeftOut) {
   NodeLog log = log_from(LogLevel::warning);
   const Event lost{
@@ -83,6 +87,18 @@ TEST_F(NodeLogTest, OfAReliablePairThatLosesSamplesOneLineIsWrittenInASecondAndN
                            "node: topic 'points': samples lost: 3 lost (12 more were lost before that)"}}));
 }
 
+TEST_F(NodeLogTest, OfAReliablePairThatGoesOnLosingSamplesLinesBecomeRare) {
+  NodeLog log = log_from(LogLevel::warning);
+  const Event lost{
+      .kind = Event::Kind::samples_lost, .peer = 7, .count = 3, .reliable = true, .text = "3 lost"};
+  for (int i = 0; i < 6400; ++i) {
+    log.write("points", lost, now + i * 100ms);
+    log.tick(now + i * 100ms);
+  }
+  EXPECT_GE(lines.size(), 10U);
+  EXPECT_LE(lines.size(), 18U);
+}
+
 TEST_F(NodeLogTest, WhatAReliablePairLostBehindItsLastLineIsWrittenASecondAfterThat) {
   NodeLog log = log_from(LogLevel::warning);
   const Event lost{
@@ -98,13 +114,72 @@ TEST_F(NodeLogTest, WhatAReliablePairLostBehindItsLastLineIsWrittenASecondAfterT
 
 TEST_F(NodeLogTest, OfAFloodAFewLinesAreWrittenThenOneNowAndThenThatSaysHowManyWereNot) {
   NodeLog log = log_from(LogLevel::info);
-  for (int i = 0; i < 1000; ++i) log.write(LogLevel::warning, "again", now);
+  for (int i = 0; i < 1000; ++i) log.write(LogLevel::info, "again", now);
   ASSERT_EQ(lines.size(), std::size_t{LineBudget::burst});
-  log.write(LogLevel::warning, "again", now + LineBudget::period);
+  log.write(LogLevel::info, "again", now + LineBudget::period);
   ASSERT_EQ(lines.size(), LineBudget::burst + 1U);
   EXPECT_EQ(lines.back().second, "node: again (990 similar lines were left out)");
-  log.write(LogLevel::warning, "again", now + LineBudget::period);
+  log.write(LogLevel::info, "again", now + LineBudget::period);
   EXPECT_EQ(lines.size(), LineBudget::burst + 1U);
+}
+
+TEST_F(NodeLogTest, AWarningIsWrittenOnceAndAgainAfterAPauseThatGrows) {
+  NodeLog log = log_from(LogLevel::info);
+  std::vector<int> written_at;
+  for (int second = 0; second < 3600; ++second) {
+    lines.clear();
+    log.write(LogLevel::warning, "failed " + std::to_string(second) + " times", now + second * 1s);
+    if (!lines.empty()) written_at.push_back(second);
+  }
+  EXPECT_EQ(written_at, (std::vector{0, 5, 15, 35, 75, 155, 315, 635, 1275, 1915, 2555, 3195}));
+}
+
+TEST_F(NodeLogTest, AWarningThatDidNotComeForALongTimeIsWrittenAtOnce) {
+  NodeLog log = log_from(LogLevel::info);
+  const auto is_written = [&](Time at) {
+    lines.clear();
+    log.tick(at);
+    log.write(LogLevel::warning, "failed", at);
+    return !lines.empty();
+  };
+  EXPECT_TRUE(is_written(now));
+  EXPECT_TRUE(is_written(now + 5s));
+  EXPECT_FALSE(is_written(now + 14s)) << "the second pause is 10 s long";
+  EXPECT_TRUE(is_written(now + 1h));
+  EXPECT_TRUE(is_written(now + 1h + 5s)) << "the pauses begin anew";
+}
+
+TEST_F(NodeLogTest, WarningsAboutOtherNamesDoNotWaitForEachOther) {
+  NodeLog log = log_from(LogLevel::info);
+  for (const char* const text :
+       {"topic 'lidar 1': refused", "topic 'lidar 2': refused", "lidar_3 is refused"})
+    log.write(LogLevel::warning, text, now);
+  EXPECT_EQ(lines.size(), 3U);
+}
+
+TEST_F(NodeLogTest, NumbersAreLeftOutOfATextButNotThoseOfNames) {
+  EXPECT_EQ(without_numbers("the node's 3 topics 'lidar 1' and lidar2: 12.5 ms"),
+            "the node's  topics 'lidar 1' and lidar2: . ms");
+}
+
+TEST_F(NodeLogTest, AFloodOfOneTopicHoldsNoOtherTopicBack) {
+  NodeLog log = log_from(LogLevel::info);
+  for (int i = 0; i < 1000; ++i)
+    log.write("camera", {.kind = Event::Kind::samples_diverted, .text = "no chunk"}, now);
+  lines.clear();
+  log.write("lidar", {.kind = Event::Kind::samples_diverted, .text = "no chunk"}, now);
+  EXPECT_EQ(lines.size(), 1U);
+}
+
+TEST_F(NodeLogTest, MoreTopicsAndWarningsThanItRemembersAreWrittenAsRarely) {
+  NodeLog log = log_from(LogLevel::info);
+  const auto write = [&](int number, LogLevel level) {
+    const std::string name = "topic" + std::to_string(number);
+    log.write(name, {.kind = Event::Kind::matched, .text = "shm: same host"}, now);
+    log.write(level, name + " fails", now);
+  };
+  for (int i = 0; i < 10'000; ++i) write(i, LogLevel::warning);
+  EXPECT_LE(lines.size(), 256U + 2 * LineBudget::burst);
 }
 
 TEST_F(NodeLogTest, AFloodOfOneKindHoldsNoOtherBack) {
