@@ -160,7 +160,8 @@ class PeerNamesTest : public ::testing::TestWithParam<bool> {
     return poll(&waits, 1, static_cast<int>(std::chrono::milliseconds(patience).count())) == 1;
   }
 
-  static constexpr const char* unanswered = "'robot.example' is not looked for yet: nothing has answered";
+  static constexpr const char* unanswered =
+      "'robot.example' is not looked for yet: the lookup of its address has not been answered";
 };
 
 /// If a node waited for the answer, the lookup would have failed before the node goes on, and the warning

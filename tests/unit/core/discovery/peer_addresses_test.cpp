@@ -97,8 +97,8 @@ class PeerAddressesTest : public ::testing::Test {
 TEST_F(PeerAddressesTest, AreKnownOnceTheirNamesAreAnswered) {
   PeerAddresses addresses = of({"robot", "10.0.0.9"});
   server_->says("robot", std::vector{first});
-  EXPECT_FALSE(addresses.look_after(now_).is_changed);
-  EXPECT_TRUE(answered(addresses).is_changed);
+  EXPECT_FALSE(addresses.look_after(now_).addresses_changed);
+  EXPECT_TRUE(answered(addresses).addresses_changed);
   EXPECT_EQ(addresses.known(), (KnownHosts{{"robot", {first}}}));
   EXPECT_THAT(addresses.warnings(), IsEmpty());
   EXPECT_EQ(server_->asked("10.0.0.9"), 0);
@@ -108,7 +108,7 @@ TEST_F(PeerAddressesTest, OfOneNameDoNotWaitForThoseOfAnother) {
   PeerAddresses addresses = of({"other", "robot"});
   server_->says("robot", std::vector{first});
   addresses.look_after(now_);
-  EXPECT_TRUE(sft::test::eventually([&] { return addresses.look_after(now_).is_changed; }));
+  EXPECT_TRUE(sft::test::eventually([&] { return addresses.look_after(now_).addresses_changed; }));
   EXPECT_EQ(addresses.known(), (KnownHosts{{"robot", {first}}}));
 }
 
@@ -120,11 +120,11 @@ TEST_F(PeerAddressesTest, ThatNothingAnswersAreAWarningOnceAndStillLookedFor) {
   now_ += 1h;
   const PeerAddresses::Look look = addresses.look_after(now_);
   EXPECT_THAT(look.news, IsEmpty());
-  EXPECT_FALSE(look.is_told);
+  EXPECT_FALSE(look.warnings_changed);
   EXPECT_GT(look.next, now_);
-  EXPECT_THAT(addresses.warnings(), ElementsAre(HasSubstr("nothing has answered yet")));
+  EXPECT_THAT(addresses.warnings(), ElementsAre(HasSubstr("has not been answered yet")));
   server_->says("robot", std::vector{first});
-  EXPECT_TRUE(answered(addresses).is_told);
+  EXPECT_TRUE(answered(addresses).warnings_changed);
   EXPECT_THAT(addresses.warnings(), IsEmpty());
   EXPECT_EQ(server_->asked("robot"), 1);
 }
@@ -151,7 +151,7 @@ TEST_F(PeerAddressesTest, ThatDoNotExistAreLookedUpAgainAfterPauses) {
   now_ = look.next;
   server_->says("robot", std::vector{first});
   addresses.look_after(now_);
-  EXPECT_TRUE(answered(addresses).is_changed);
+  EXPECT_TRUE(answered(addresses).addresses_changed);
   EXPECT_THAT(addresses.warnings(), IsEmpty());
 }
 
@@ -159,12 +159,12 @@ TEST_F(PeerAddressesTest, AreKeptWhileTheNameServerFailsAndThatIsSaid) {
   PeerAddresses addresses = of({"robot"});
   server_->says("robot", std::vector{first});
   addresses.look_after(now_);
-  EXPECT_TRUE(answered(addresses).is_changed);
+  EXPECT_TRUE(answered(addresses).addresses_changed);
   server_->says("robot", fail(Errc::unavailable, "Temporary failure"));
   addresses.network_changed();
   addresses.look_after(now_);
   const PeerAddresses::Look look = answered(addresses);
-  EXPECT_FALSE(look.is_changed);
+  EXPECT_FALSE(look.addresses_changed);
   EXPECT_THAT(look.news, ElementsAre(HasSubstr("last known address: Temporary failure")));
   EXPECT_EQ(addresses.known(), (KnownHosts{{"robot", {first}}}));
 }
@@ -177,11 +177,11 @@ TEST_F(PeerAddressesTest, AreLookedUpAgainWhenTheNetworkChangesAndEveryNowAndThe
   EXPECT_EQ(look.next, now_ + PeerAddresses::ask_again_after);
   addresses.network_changed();
   addresses.look_after(now_);
-  EXPECT_FALSE(answered(addresses).is_changed) << "the same answer";
+  EXPECT_FALSE(answered(addresses).addresses_changed) << "the same answer";
   now_ += PeerAddresses::ask_again_after;
   server_->says("robot", std::vector{second});
   addresses.look_after(now_);
-  EXPECT_TRUE(answered(addresses).is_changed);
+  EXPECT_TRUE(answered(addresses).addresses_changed);
   EXPECT_EQ(addresses.known(), (KnownHosts{{"robot", {second}}}));
 }
 
