@@ -16,7 +16,7 @@ class NetworkWatch {
   /// Returns true if anything may have changed since the last call. Always returns true if the system refuses
   /// the socket.
   bool changed() noexcept;
-  /// True if somebody else has closed the socket, and with it probably all descriptors of this process.
+  /// True if the program has closed the socket, and with it probably all descriptors of this process.
   bool was_closed() const noexcept { return was_closed_; }
   /// For several who share a watch, and call nothing else: a number that has risen if anything may have
   /// changed.
