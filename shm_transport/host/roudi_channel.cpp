@@ -127,6 +127,18 @@ tl::unexpected<Error> too_late() {
   return fail(Errc::unavailable, "sftd did not answer in time; is it stopped or is the machine overloaded?");
 }
 
+/// The daemon writes the name of the node into the port, so the label of the request is that name.
+template <class Options>
+IpcMessage request_for_port(IpcMessageType type, const std::string& runtime_name,
+                            const iox::capro::ServiceDescription& service, Options options,
+                            const std::string& label) {
+  options.nodeName = iox::NodeName_t(iox::cxx::TruncateToCapacity, label);
+  IpcMessage request;
+  request << iox::runtime::IpcMessageTypeToString(type) << runtime_name << serialized(service)
+          << options.serialize().toString() << serialized(iox::runtime::PortConfigInfo{});
+  return request;
+}
+
 }  // namespace
 
 /// The right to have a request under way. It is not a mutex, because threads wait for it with a deadline and
@@ -223,15 +235,10 @@ Result<IpcMessage> RoudiChannel::receive(Clock::time_point deadline) {
 }
 
 Result<PortLocation> RoudiChannel::create_publisher(const iox::capro::ServiceDescription& service,
-                                                    iox::popo::PublisherOptions options, const Claim& claim,
-                                                    const Timeouts& timeouts) {
+                                                    const iox::popo::PublisherOptions& options,
+                                                    const Claim& claim, const Timeouts& timeouts) {
   const auto make = [&](const std::string& label) {
-    options.nodeName = iox::NodeName_t(iox::cxx::TruncateToCapacity, label);
-    IpcMessage request;
-    request << iox::runtime::IpcMessageTypeToString(IpcMessageType::CREATE_PUBLISHER) << runtime_name_
-            << serialized(service) << options.serialize().toString()
-            << serialized(iox::runtime::PortConfigInfo{});
-    return request;
+    return request_for_port(IpcMessageType::CREATE_PUBLISHER, runtime_name_, service, options, label);
   };
   return ask_for_port(
       {.port = "publisher " + serialized(service), .wanted = IpcMessageType::CREATE_PUBLISHER_ACK}, make,
@@ -239,15 +246,11 @@ Result<PortLocation> RoudiChannel::create_publisher(const iox::capro::ServiceDes
 }
 
 Result<PortLocation> RoudiChannel::create_subscriber(const iox::capro::ServiceDescription& service,
-                                                     iox::popo::SubscriberOptions options, const Claim& claim,
-                                                     const Timeouts& timeouts, const std::string& remark) {
+                                                     const iox::popo::SubscriberOptions& options,
+                                                     const Claim& claim, const Timeouts& timeouts,
+                                                     const std::string& remark) {
   const auto make = [&](const std::string& label) {
-    options.nodeName = iox::NodeName_t(iox::cxx::TruncateToCapacity, label);
-    IpcMessage request;
-    request << iox::runtime::IpcMessageTypeToString(IpcMessageType::CREATE_SUBSCRIBER) << runtime_name_
-            << serialized(service) << options.serialize().toString()
-            << serialized(iox::runtime::PortConfigInfo{});
-    return request;
+    return request_for_port(IpcMessageType::CREATE_SUBSCRIBER, runtime_name_, service, options, label);
   };
   const std::string queue =
       options.subscribeOnCreate ? " queue of " + std::to_string(options.queueCapacity) : "";

@@ -59,10 +59,10 @@ class RoudiChannel {
   /// `remark`: a text behind the label, which other processes can read. Any thread. Requests take turns.
   /// The error is Errc::unavailable if the daemon has not answered yet, see awaits_answer().
   Result<PortLocation> create_publisher(const iox::capro::ServiceDescription& service,
-                                        iox::popo::PublisherOptions options, const Claim& claim,
+                                        const iox::popo::PublisherOptions& options, const Claim& claim,
                                         const Timeouts& timeouts);
   Result<PortLocation> create_subscriber(const iox::capro::ServiceDescription& service,
-                                         iox::popo::SubscriberOptions options, const Claim& claim,
+                                         const iox::popo::SubscriberOptions& options, const Claim& claim,
                                          const Timeouts& timeouts, const std::string& remark = {});
   /// Returns whether the daemon was asked for a port, and its answer is neither there nor overdue. A call
   /// that has failed may succeed soon then. Any thread.
