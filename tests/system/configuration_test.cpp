@@ -176,7 +176,7 @@ TEST_F(ConfigurationTest, OfPeersThatHaveNoAddressIsSaidToNameNobody) {
   EXPECT_THAT(node.status().discovery_warnings, ElementsAre(HasSubstr("the peer 'nobody.invalid'")));
 }
 
-/// The names of the threads of this process.
+/// Returns the names of the threads of this process.
 std::vector<std::string> threads() {
   std::vector<std::string> names;
   for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task")) {
@@ -200,23 +200,23 @@ struct NodeForGood {
     };
     node = Node::open(options).value();
   }
-  std::string said() {
+  std::string logged() {
     const std::scoped_lock lock(mutex);
     return warnings;
   }
 };
 
-TEST_F(ConfigurationTest, OfAProgramThatClosesAllDescriptorsIsSaidOnceAndKeepsNoThreadBusy) {
+TEST_F(ConfigurationTest, WarnsOnceOfAProgramThatClosesAllDescriptorsAndKeepsNoThreadBusy) {
   static NodeForGood* const kept = new NodeForGood(with(""));
   const std::string text = "the program has closed the sockets of its node";
   const auto receives = [] { return std::ranges::count(threads(), "recv") > 0; };
   EXPECT_TRUE(eventually(receives));
   closefrom(3);
-  EXPECT_TRUE(eventually([&] { return kept->said().find(text) != std::string::npos; }));
+  EXPECT_TRUE(eventually([&] { return kept->logged().find(text) != std::string::npos; }));
   EXPECT_THAT(kept->node->status().discovery, HasSubstr(text));
   EXPECT_TRUE(eventually([&] { return !receives(); }));
-  const std::string said = kept->said();
-  EXPECT_EQ(said.find(text), said.rfind(text));
+  const std::string logged = kept->logged();
+  EXPECT_EQ(logged.find(text), logged.rfind(text));
 }
 
 TEST_F(ConfigurationTest, MayBeAnotherOneForEachNodeOfAProcess) {
