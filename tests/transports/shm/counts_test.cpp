@@ -1,4 +1,4 @@
-// What a reader in shared memory counts, while writers come and go.
+// A reader in shared memory keeps its counts while writers come and go.
 #include "tests/transports/shm/shm_fixture.h"
 
 namespace sft::test {
@@ -8,7 +8,7 @@ using core::SampleHandle;
 
 class ShmCounts : public ShmNodeTest {};
 
-// Counts that a subscriber shows only grow: otherwise the next event would not be told.
+// The counts of a subscriber must not shrink: the next event would be missing.
 TEST_F(ShmCounts, StayWhenTheirWriterGoes) {
   shm::ShmOptions options = no_daemon();
   options.held_limit = 2;
