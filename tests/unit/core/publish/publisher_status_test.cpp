@@ -21,7 +21,7 @@ class CountingPort final : public IdleNetworkWriter {
 
   SendStatus answer = SendStatus::sent;
   std::uint64_t dropped_later = 0;
-  std::size_t missed = 0;  ///< of those that are sent together
+  std::size_t missed = 0;  ///< samples of those that are sent together
   int sent = 0;
 
  private:
@@ -52,7 +52,7 @@ TEST(PublisherStatusTest, CountsWhatWasRefusedAndWhatWasDroppedAfterItWasTaken) 
   EXPECT_EQ(publisher.status().dropped, 3U);
 }
 
-/// A reader with a maximum rate gets one sample in each slot. The first one takes the slot of each.
+/// A reader with a maximum rate gets the first sample of each slot, which a refused message is not.
 TEST(PublisherStatusTest, AMessageThatIsRefusedIsNotPublishedAndTakesNoSlotOfAReaderWithARate) {
   const TypeSupport type{TypeTable<PointCloud2>::type};
   const auto network = std::make_shared<CountingPort>();
@@ -80,8 +80,7 @@ TEST(PublisherStatusTest, AMessageThatIsRefusedIsNotPublishedAndTakesNoSlotOfARe
   EXPECT_EQ(publisher.status().published, 2U);
 }
 
-TEST(PublisherStatusTest,
-     OfSamplesThatArePublishedTogetherThoseThatDoNotLeaveAreDroppedAndTheOthersPublished) {
+TEST(PublisherStatusTest, SamplesPublishedTogetherThatDoNotLeaveAreDroppedAndTheOthersArePublished) {
   const TypeSupport type{TypeTable<PointCloud2>::type};
   const auto network = std::make_shared<CountingPort>();
   PublisherCore::Spec spec;

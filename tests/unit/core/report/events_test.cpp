@@ -146,10 +146,11 @@ TEST(EventsTest, WhatASubscriberAsksForIsToldOnBothSidesWhenItChanges) {
   EXPECT_EQ(own[0].text, "no fields");
 }
 
-TEST(EventsTest, ARequestThatChangesInOneThingAloneIsToldOnBothSidesAndAnEqualOneIsNot) {
+TEST(EventsTest, ARequestThatChangesInOneThingAloneIsAnEventOnBothSidesAndAnEqualOneIsNone) {
   const auto& type = type_support<PointCloud2>();
   const FieldMask height = type.parse_mask("height").value(), width = type.parse_mask("width").value();
-  const auto told = [](const FieldMask& mask_before, double rate_before, const FieldMask& mask, double rate) {
+  const auto event = [](const FieldMask& mask_before, double rate_before, const FieldMask& mask,
+                        double rate) {
     PublisherStatus::Reader before = reader(true), after = before;
     before.mask = mask_before, before.max_rate_hz = rate_before, after.mask = mask, after.max_rate_hz = rate;
     SubscriberStatus own_before, own;
@@ -160,11 +161,11 @@ TEST(EventsTest, ARequestThatChangesInOneThingAloneIsToldOnBothSidesAndAnEqualOn
     EXPECT_EQ(kinds(at_publisher), kinds(at_subscriber));
     return at_publisher.empty() ? std::string("nothing") : at_publisher[0].text;
   };
-  EXPECT_EQ(told(height, 10, height, 10), "nothing");
-  EXPECT_EQ(told(height, 10, width, 10), "width, at most 10 Hz");
-  EXPECT_EQ(told(height, 10, height, 20), "height, at most 20 Hz");
-  EXPECT_EQ(told(height, 10, height, 0), "height");
-  EXPECT_EQ(told(height, 0, height, 10), "height, at most 10 Hz");
+  EXPECT_EQ(event(height, 10, height, 10), "nothing");
+  EXPECT_EQ(event(height, 10, width, 10), "width, at most 10 Hz");
+  EXPECT_EQ(event(height, 10, height, 20), "height, at most 20 Hz");
+  EXPECT_EQ(event(height, 10, height, 0), "height");
+  EXPECT_EQ(event(height, 0, height, 10), "height, at most 10 Hz");
 }
 
 TEST(EventsTest, DeadlinesAndLivelinessAreToldOnBothSides) {
@@ -199,7 +200,7 @@ TEST(EventsTest, LossesAreToldWithTheirNumber) {
   EXPECT_EQ(events[0].count, 3U);
 }
 
-/// A change of the status of an endpoint that has counted before, and the one event that it is worth.
+/// A change of a status that has counts already, and the one event that it causes.
 template <class Status>
 struct Change {
   Event::Kind kind;
@@ -219,8 +220,8 @@ void expect_one_event_for_each(const Status& base, const std::vector<Change<Stat
     const std::vector<Event> events = between(before, after);
     EXPECT_THAT(kinds(events), ElementsAre(change.kind));
     EXPECT_EQ(events.empty() ? 0 : events[0].count, change.count);
-    EXPECT_THAT(between(before, before), IsEmpty()) << "not before";
-    EXPECT_THAT(between(after, after), IsEmpty()) << "and once only";
+    EXPECT_THAT(between(before, before), IsEmpty()) << "the event does not come before the change";
+    EXPECT_THAT(between(after, after), IsEmpty()) << "the event comes only once";
   }
 }
 
