@@ -10,9 +10,7 @@ class ShmCounts : public ShmNodeTest {};
 
 // The counts of a subscriber must not shrink: the next event would be missing.
 TEST_F(ShmCounts, StayWhenTheirWriterGoes) {
-  shm::ShmOptions options = no_daemon();
-  options.held_limit = 2;
-  Node other(options);
+  Node other(no_daemon_and_held_at_most(2));
   ASSERT_TRUE(other.becomes_ready()) << other->description();
   Reader reader(other, 4);
   for (std::uint64_t round = 1; round <= 3; ++round) {
