@@ -225,6 +225,24 @@ void expect_one_event_for_each(const Status& base, const std::vector<Change<Stat
   }
 }
 
+/// Publishers and subscribers report these changes of a peer alike. `matches` is true while the peer matches.
+template <class Status, class Peer>
+std::vector<Change<Status>> changes_of_peer(std::vector<Peer> Status::*peers, bool Peer::*matches,
+                                            TransportKind other_path) {
+  using Kind = Event::Kind;
+  const auto set = [peers](auto member, auto value) {
+    return [=](Status& status) { (status.*peers)[0].*member = value; };
+  };
+  const auto nothing = [](Status&) {};
+  const auto unmatched = set(matches, false);
+  return {{Kind::matched, unmatched, set(matches, true)},
+          {Kind::unmatched, nothing, unmatched},
+          {Kind::path_changed, nothing, set(&Peer::transport, other_path)},
+          {Kind::incompatible_qos, unmatched, set(&Peer::incompatible_policy, QosPolicy::deadline)},
+          {Kind::incompatible_type, unmatched, set(&Peer::incompatible_type, true)},
+          {Kind::no_path, unmatched, set(&Peer::no_path, true)}};
+}
+
 TEST(EventsTest, EachKindComesOnceToAPublisherWithWhatHasBeenAddedSinceThen) {
   using S = PublisherStatus;
   using Kind = Event::Kind;
@@ -233,17 +251,10 @@ TEST(EventsTest, EachKindComesOnceToAPublisherWithWhatHasBeenAddedSinceThen) {
   base.deadlines_missed = 3;
   base.diverted = {.exhausted = 3, .too_large = 4, .unavailable = 5};
   const auto nothing = [](S&) {};
-  const auto unserved = [](S& s) { s.readers[0].served = false; };
   const auto silent = [](S& s) { s.alive = false; };
+  expect_one_event_for_each(base, changes_of_peer(&S::readers, &S::Reader::served, TransportKind::shm));
   expect_one_event_for_each<S>(
-      base, {{Kind::matched, unserved, [](S& s) { s.readers[0].served = true; }},
-             {Kind::unmatched, nothing, unserved},
-             {Kind::path_changed, nothing, [](S& s) { s.readers[0].transport = TransportKind::shm; }},
-             {Kind::incompatible_qos, unserved,
-              [](S& s) { s.readers[0].incompatible_policy = QosPolicy::deadline; }},
-             {Kind::incompatible_type, unserved, [](S& s) { s.readers[0].incompatible_type = true; }},
-             {Kind::no_path, unserved, [](S& s) { s.readers[0].no_path = true; }},
-             {Kind::request_changed, nothing, [](S& s) { s.readers[0].max_rate_hz = 5; }},
+      base, {{Kind::request_changed, nothing, [](S& s) { s.readers[0].max_rate_hz = 5; }},
              {Kind::deadline_missed, nothing, [](S& s) { s.deadlines_missed += 2; }, 2},
              {Kind::liveliness_lost, nothing, silent},
              {Kind::liveliness_recovered, silent, [](S& s) { s.alive = true; }},
@@ -261,17 +272,10 @@ TEST(EventsTest, EachKindComesOnceToASubscriberWithWhatHasBeenAddedSinceThen) {
   base.writers[0].deadlines_missed = 4;
   base.writers[0].lost = 5;
   const auto nothing = [](S&) {};
-  const auto unmatched = [](S& s) { s.writers[0].matched = false; };
   const auto silent = [](S& s) { s.writers[0].alive = false; };
+  expect_one_event_for_each(base, changes_of_peer(&S::writers, &S::Writer::matched, TransportKind::udp));
   expect_one_event_for_each<S>(
-      base, {{Kind::matched, unmatched, [](S& s) { s.writers[0].matched = true; }},
-             {Kind::unmatched, nothing, unmatched},
-             {Kind::path_changed, nothing, [](S& s) { s.writers[0].transport = TransportKind::udp; }},
-             {Kind::incompatible_qos, unmatched,
-              [](S& s) { s.writers[0].incompatible_policy = QosPolicy::deadline; }},
-             {Kind::incompatible_type, unmatched, [](S& s) { s.writers[0].incompatible_type = true; }},
-             {Kind::no_path, unmatched, [](S& s) { s.writers[0].no_path = true; }},
-             {Kind::request_changed, nothing, [](S& s) { s.max_rate_hz = 5; }},
+      base, {{Kind::request_changed, nothing, [](S& s) { s.max_rate_hz = 5; }},
              {Kind::deadline_missed, nothing, [](S& s) { s.writers[0].deadlines_missed += 2; }, 2},
              {Kind::liveliness_lost, nothing, silent},
              {Kind::liveliness_recovered, silent, [](S& s) { s.writers[0].alive = true; }},
