@@ -49,7 +49,7 @@ class LocalWriterTest : public LocalEndpointTest {
 
   const std::shared_ptr<TestWriterPort> network_port = std::make_shared<TestWriterPort>();
   std::vector<Event> events;
-  int notifications = 0;  ///< of the node's agent, that the program has asserted its liveliness
+  int notifications = 0;  ///< how often the node's agent was notified of an assertion
   std::shared_ptr<PublisherCore> core;
   std::optional<LocalWriter> writer;
 };

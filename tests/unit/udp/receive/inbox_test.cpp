@@ -158,7 +158,7 @@ TEST_F(InboxTest, ForgetsAWriterThatWentOnceNothingOfItIsLeft) {
   inbox_.connect({4});
   deliver(4, 1, 3);
   inbox_.disconnect(4);
-  EXPECT_EQ(inbox_.arrivals(3), 0U) << "what was left gave way";
+  EXPECT_EQ(inbox_.arrivals(3), 0U) << "the sample that was left gave way";
 }
 
 TEST_F(InboxTest, CountsWhatWasPushedOutBeforeAllThatWasLeftBehind) {

@@ -334,7 +334,7 @@ TEST_F(ReassemblyTest, GivesBackAllThatASampleHasTakenHoweverItEnds) {
       reassembly_->set_streams({});
       read_under({"*"});
       receive_without_first(sent(++sequence, make_image(9 * bytes)));
-      EXPECT_EQ(counted().over_limit, 0U) << "as much as at first can be parked";
+      EXPECT_EQ(counted().over_limit, 0U) << "as many bytes as at first can be parked";
     }
   }
 }
