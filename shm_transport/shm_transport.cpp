@@ -20,7 +20,7 @@ namespace {
 
 using core::Availability;
 
-/// Ports of writers that have no second port yet, which lists what the writer holds.
+/// The ports of writers that have no second port yet. The second port lists the chunks that a writer holds.
 class FirstPorts {
  public:
   using Port = iox::popo::PublisherPortData*;
@@ -32,7 +32,7 @@ class FirstPorts {
     return kept ? kept.mapped().port : nullptr;
   }
   void keep(core::EndpointId writer, Port port) { ports_[writer] = {port, Clock::now()}; }
-  /// Those of writers that nobody opens any more.
+  /// Gives back the ports of writers that the node does not open any more.
   void give_back_unclaimed(Clock::time_point now) {
     std::erase_if(ports_, [now](const auto& item) {
       if (now - item.second.since < kept_for) return false;
@@ -80,23 +80,23 @@ class ShmTransport final : public core::SharedMemory {
     return session_ != nullptr ? session_->token() : core::HostToken{};
   }
 
-  bool owes_answer() const override { return session_ != nullptr && session_->owes_answer(); }
+  bool awaits_answer() const override { return session_ != nullptr && session_->awaits_answer(); }
 
   bool may_write() const override { return session_ == nullptr || session_->can_write(); }
 
   Result<std::unique_ptr<core::LendingWriter>> open_writer(const core::WriterSpec& spec) override {
     if (session_ == nullptr) return not_ready();
-    const RoudiChannel::Patience patience{options_.port_wait, options_.port_deadline};
-    // The first port waits for the second one, which may be answered later.
+    const RoudiChannel::Timeouts timeouts{options_.port_wait, options_.port_deadline};
+    // The first port is kept while the daemon has not answered for the second one.
     iox::popo::PublisherPortData* publisher = first_ports_.take(spec.id);
     if (publisher == nullptr) {
-      const auto made = session_->create_publisher(spec.id, patience);
+      const auto made = session_->create_publisher(spec.id, timeouts);
       if (!made) return tl::unexpected(made.error());
       publisher = *made;
     }
-    const auto keeper = session_->create_subscriber(spec.id, 0, patience);
+    const auto keeper = session_->create_subscriber(spec.id, 0, timeouts);
     if (!keeper) {
-      if (session_->owes_answer())
+      if (session_->awaits_answer())
         first_ports_.keep(spec.id, publisher);
       else
         FirstPorts::give_back(publisher);
@@ -130,7 +130,7 @@ class ShmTransport final : public core::SharedMemory {
   const std::shared_ptr<DoorbellPages> pages_ = std::make_shared<DoorbellPages>(options_.wake_thread);
   const std::shared_ptr<Statistics> statistics_ = std::make_shared<Statistics>();
   std::shared_ptr<Session> session_;
-  FirstPorts first_ports_;  ///< of the session
+  FirstPorts first_ports_;  ///< ports of that session
 };
 
 }  // namespace

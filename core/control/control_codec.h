@@ -20,13 +20,13 @@ struct ControlStorage {
   std::vector<std::byte> wants;
 };
 sft_control_Request to_dds(const Request& request, ControlStorage& storage);
-/// Without a key.
+/// The sample has no key yet: the link that writes it sets its own.
 sft_control_Endpoint to_dds(const Endpoint& endpoint, ControlStorage& storage);
 
 /// The message of a reader's node on the topic sft_reader is one of these.
 enum class ReaderPart : std::uint8_t { announcement, request };
 sft_control_ReaderWord in_word(sft_control_Endpoint& announcement);
-/// `key`: that of the reader's announcement.
+/// `key` is the key under which the reader is announced.
 sft_control_ReaderWord in_word(sft_control_Request& request, std::uint64_t key);
 
 sft_control_Assertion to_dds(const Assertion& assertion, ControlStorage& storage);
@@ -34,7 +34,7 @@ sft_control_Assertion to_dds(const Assertion& assertion, ControlStorage& storage
 Result<Assertion> from_dds(const sft_control_Assertion& assertion);
 Result<Request> from_dds(const sft_control_Request& request);
 Result<Endpoint> from_dds(const sft_control_Endpoint& endpoint);
-/// Nothing but what the word's part says may be in it.
+/// Fails if the word contains anything else than its part names.
 Result<std::variant<Endpoint, Request>> from_dds(const sft_control_ReaderWord& word);
 
 }  // namespace sft::core

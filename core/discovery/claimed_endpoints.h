@@ -50,7 +50,7 @@ class ClaimedEndpoints {
       if (told != nullptr && told->node_id == node && !use(*told)) return;
     }
   }
-  /// True if the node does not say that it lives any more. What was told of its endpoints stays in force.
+  /// True if the node's signs of life have ended. The announcements of its endpoints stay in force.
   bool is_silent(NodeId node) const { return context_.nodes.is_lost(node); }
   /// Null if nothing was told for that node.
   const Endpoint* some_told_of(NodeId node) const;

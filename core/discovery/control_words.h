@@ -13,13 +13,13 @@
 
 namespace sft::core {
 
-/// What is remembered of the samples that a reader has had.
+/// A reader keeps this of the samples that it has taken, since later samples refer to it.
 struct Heard {
   RemoteWriters writers;
   HeardKeys keys;
 };
 
-// Each takes all that its reader has.
+// Each function takes all samples that its reader has.
 
 ControlWords take_writers(dds_entity_t reader, Heard& heard);
 ControlWords take_readers(dds_entity_t reader, Heard& heard);

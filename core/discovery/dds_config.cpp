@@ -166,7 +166,7 @@ class Composition {
   }
   bool finds_by_peers_only() const { return equals(multicast_, "false"); }
   bool has_peers() const { return !settings_.peers.empty() || user_.sets("Discovery/Peers"); }
-  /// An address of Cyclone may be several, separated by commas.
+  /// One `Address` of Cyclone's configuration may list several peers, separated by commas.
   std::vector<std::string> user_peers() const {
     std::vector<std::string> peers;
     for (const std::string& value : user_.values("Discovery/Peers/Peer/@Address")) {
@@ -181,7 +181,8 @@ class Composition {
     return user_.sets("General/Interfaces") || user_.sets("General/NetworkInterfaceAddress");
   }
   /// Each link has its interface, and all have the domain number of the network: the user's choice of these
-  /// is applied to the links, and taken out here. So are peers, if Cyclone would look up names of them.
+  /// is applied to the links, and taken out here. Peers are taken out, too, if one of them is a name: Cyclone
+  /// would look it up.
   std::string of_user(const std::string& user_config) const {
     const bool by_name = has_peer_by_name();
     const bool as_it_is =

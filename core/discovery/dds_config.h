@@ -28,8 +28,8 @@ struct DdsConfig {
   /// have not, or where the user's configuration or the lack of multicast may keep them from arriving.
   std::optional<std::uint16_t> pulse_port{};
   std::vector<std::string> peers;  ///< hosts that are looked for nodes, besides those that multicast reaches
-  std::vector<std::string> user_peers;  ///< the same, which the user's configuration names for all links
-  bool text_has_user_peers = true;      ///< false: one of them is a name, so text_for() puts their numbers in
+  std::vector<std::string> user_peers;  ///< peers that the user's configuration names for all links
+  bool text_has_user_peers = true;      ///< false: one of them is a name, so text_for() writes their numbers
   std::vector<std::string> interfaces;  ///< that are chosen; empty: all
   std::vector<std::string> warnings;    ///< what does not hold of the user's, and why; what to know of it
 
@@ -38,9 +38,9 @@ struct DdsConfig {
             .multicast = found_by_multicast,
             .peers = !peers.empty() || !user_peers.empty()};
   }
-  /// For dds_create_domain. It has the peers by name whose addresses are known.
+  /// The configuration for dds_create_domain. Peers by name are in it once their addresses are known.
   std::string text_for(const LinkSpec& link, const KnownHosts& hosts = {}) const;
-  /// The family of addresses by which peers are asked on these links; nothing: on none of them.
+  /// Returns the family of the addresses that these links ask. Returns nothing if no link asks peers.
   std::optional<IpFamily> family_of_peers(std::span<const LinkSpec> links) const;
   /// For people: how and where nodes are found.
   std::string summary(std::span<const LinkSpec> links) const;

@@ -12,7 +12,8 @@ namespace sft::core {
 /// news, and return. One call at a time.
 class DiscoveryListener {
  public:
-  /// Endpoint::life_lease 0: it was announced before, and its node has not said for its lease that it lives.
+  /// Endpoint::life_lease is 0 if the endpoint was announced before, and its node has given no sign of life
+  /// within its lease.
   virtual void endpoint_seen(Endpoint endpoint) = 0;
   virtual void endpoint_departed(EndpointId id) = 0;
   /// The endpoint's node stopped answering; if it returns, the endpoint is seen again.
@@ -30,8 +31,8 @@ class DiscoveryListener {
   /// Somebody was not heard any more on one link, although he is there: the link was made anew, or could not
   /// be. Called on the same thread.
   virtual void link_was_deaf(const std::string& /*what*/) {}
-  /// The user has to know: somebody is there with whom this node cannot speak, or a peer by name has no
-  /// address. Called on the same thread.
+  /// The user has to know that a participant has another release, that a peer by name has no address, or that
+  /// the program has closed the sockets. Called on the same thread.
   virtual void warned(const std::string& /*what*/) {}
 
  protected:

@@ -16,14 +16,14 @@ namespace sft::core {
 
 class HeardKeys {
  public:
-  /// Returns the endpoint that ends by this announcement: the one before under the key, if it is another one.
+  /// Returns the endpoint that this announcement ends: the participant had announced it under the same key.
   std::optional<EndpointId> announced(const Participants::Guid& by, std::uint64_t key, EndpointId id) {
     const auto [entry, is_new] = endpoints_.try_emplace({key, by}, id);
     const EndpointId before = std::exchange(entry->second, id);
     return before == id ? std::nullopt : std::optional(before);
   }
   /// Returns the endpoint that the participant withdraws, which may be one that only another participant has
-  /// announced under that key. Nothing if none has.
+  /// announced under that key. Returns nothing if no participant has announced one.
   std::optional<EndpointId> withdrawn(const Participants::Guid& by, std::uint64_t key) {
     if (const auto ended = endpoints_.extract({key, by})) return ended.mapped();
     const auto other = endpoints_.lower_bound({key, Participants::Guid{}});
@@ -38,7 +38,7 @@ class HeardKeys {
       ended.push_back(entry->second);
     return ended;
   }
-  /// The participant is not there any more.
+  /// Forgets the keys of a participant that is gone.
   void forget(const Participants::Guid& participant) {
     std::erase_if(endpoints_, [&](const auto& entry) { return entry.first.second == participant; });
   }

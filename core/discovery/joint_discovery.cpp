@@ -37,10 +37,9 @@ constexpr std::chrono::seconds try_again_after{1};
 /// Others believe a link that was made anew with the first sign of life that comes by it.
 constexpr std::chrono::milliseconds assert_often_for{700}, assert_pause{50};
 constexpr const char* closed_by_the_program =
-    "the program has closed the sockets of its node (closefrom() or close() in a loop): the node finds "
-    "nobody "
-    "any more, and receives nothing by UDP; close descriptors before the first node opens";
-/// Names that are looked up within that time are known to the first links already. Others join later.
+    "the program has closed the sockets of its node (closefrom() or close() in a loop): the node finds no "
+    "other nodes any more, and receives nothing by UDP; close descriptors before the first node opens";
+/// The first links ask the peers by name that are looked up within this time. Other peers join later.
 constexpr std::chrono::milliseconds wait_for_names{200};
 /// All nodes of the process look after discovery; in that time one of them will do.
 constexpr std::chrono::milliseconds one_looks_for{25};
@@ -50,7 +49,7 @@ LifeSigns life_signs_of(const DdsConfig& config) {
   return config.multicast ? life_signs_to_all : life_signs_to_each;
 }
 
-/// Of which names have to be looked up.
+/// Returns the peers that Cyclone is given in numbers, so that this process looks up their names.
 std::vector<std::string> peers_in(const DdsConfig& config) {
   std::vector<std::string> peers = config.peers;
   if (!config.text_has_user_peers)
@@ -58,7 +57,8 @@ std::vector<std::string> peers_in(const DdsConfig& config) {
   return peers;
 }
 
-/// Empty if the system cannot list them. Containers come and go: that is no reason to greet anybody.
+/// Returns nothing if the system cannot list the interfaces. Those of containers come and go, which is no
+/// reason for a greeting.
 std::optional<std::vector<HostInterface>> interfaces_of_interest(const DdsConfig& config) {
   std::optional<std::vector<HostInterface>> interfaces = host_interfaces();
   if (interfaces && config.interfaces.empty())
@@ -66,7 +66,7 @@ std::optional<std::vector<HostInterface>> interfaces_of_interest(const DdsConfig
   return interfaces;
 }
 
-/// Each node of the process is told.
+/// Hands the report to each node of the process.
 void report(const JointDiscovery::Report& report, std::list<JointDiscovery::Seat>& to) {
   for (JointDiscovery::Seat& seat : to) seat.reports.push_back(report);
 }
@@ -400,10 +400,10 @@ void JointDiscovery::use_interfaces(Time now) {
 /// Returns when it has to be called again at the latest.
 Time JointDiscovery::look_at_peers(Time now) {
   PeerAddresses::Look look = peers_.look_after(now);
-  if (look.is_changed || look.is_told) use_interfaces(now);
+  if (look.addresses_changed || look.warnings_changed) use_interfaces(now);
   if (!links_.failures().empty())
     next_.look_at_interfaces = std::min(next_.look_at_interfaces, now + try_again_after);
-  if (look.is_changed) greet_on_new_links(now);
+  if (look.addresses_changed) greet_on_new_links(now);
   for (std::string& text : look.news) report({&DiscoveryListener::warned, std::move(text)}, seats_);
   return look.next;
 }

@@ -79,7 +79,7 @@ void LinkSet::drop(OpenLink dropped, bool is_replaced, Time now) {
   ear_.link_dropped(dropped.id, is_replaced, now);
 }
 
-/// `instead_of`: a link whose domain must not be used again, or null.
+/// `instead_of` is the link that the new one replaces, or null. Its domain must not be used again.
 Result<LinkSet::OpenLink> LinkSet::make(const LinkSpec& spec, const OpenLink* instead_of) {
   next_piece_of_work();
   const DdsConfig& config = settings_.config;
@@ -121,10 +121,10 @@ Result<LinkSet::OpenLink> LinkSet::make(const LinkSpec& spec, const OpenLink* in
 }
 
 /// The new link comes before the old one goes, so that nobody is lost in between.
-void LinkSet::replace(OpenLink& link, OpenLink by, Time now) {
-  ear_.link_replaced(link.id, by.id);
-  const LinkId after = by.id;
-  retiring_.push_back({std::exchange(link, std::move(by)), after, now});
+void LinkSet::replace(OpenLink& link, OpenLink successor, Time now) {
+  ear_.link_replaced(link.id, successor.id);
+  const LinkId after = successor.id;
+  retiring_.push_back({std::exchange(link, std::move(successor)), after, now});
 }
 
 bool LinkSet::renew(LinkId id, const std::string& why, Time now) {

@@ -43,8 +43,8 @@ class LinkSet {
   /// Opens one link in a DDS domain that the program itself has configured.
   Result<void> join(std::uint32_t domain);
   /// Opens the links that are wanted, and closes others after that. The error is that of the first link that
-  /// could not be opened; such links are tried again by the next call. Links that have to ask others than
-  /// before, since other addresses of `hosts` are known, are made anew.
+  /// could not be opened; such links are tried again by the next call. A link is made anew if it has to
+  /// ask other addresses than before, as `hosts` has them.
   Result<void> use(const std::vector<LinkSpec>& wanted, const KnownHosts& hosts, Time now);
   /// Makes a link anew, for a reason that take_renewals() tells. Returns false if that is too early, or
   /// fails.
@@ -95,8 +95,8 @@ class LinkSet {
  private:
   struct OpenLink {
     LinkId id = 0;
-    std::string config;                           ///< what `domain` was made with
-    std::shared_ptr<const CycloneDomain> domain;  ///< null: the program's own
+    std::string config;                           ///< the text that `domain` was made with
+    std::shared_ptr<const CycloneDomain> domain;  ///< null if the program has made it
     std::unique_ptr<DiscoveryLink> link;
     std::optional<Time> waits_since{};  ///< with full signs of life; nothing once they go and come
   };
@@ -108,7 +108,7 @@ class LinkSet {
 
   Result<OpenLink> make(const LinkSpec& spec, const OpenLink* instead_of);
   void open_missing(const std::vector<LinkSpec>& wanted, Result<void>& result, Time now);
-  void replace(OpenLink& link, OpenLink by, Time now);
+  void replace(OpenLink& link, OpenLink successor, Time now);
   template <class IsDue>
   void exchange_full_signs_if(IsDue is_due, Time now);
   void drop(OpenLink dropped, bool is_replaced, Time now);

@@ -39,7 +39,7 @@ class NodeClaims {
   Lives lives() const;
   /// True if this speaker is the one that is believed on its link to say that the node lives.
   bool is_vouched_for(NodeId node, const Speaker& speaker) const;
-  /// True if take_lost() has told that the node is lost, and nobody has said since that it lives.
+  /// True if take_lost() has reported the node as lost, and the node has given no sign of life since then.
   bool is_lost(NodeId node) const;
 
   /// The nodes that are lost by now, each told once. A node whose speakers all fell silent is lost at once.
@@ -49,7 +49,7 @@ class NodeClaims {
   /// Cyclone's lease is longer. Of others Cyclone does, but not if somebody else has disposed of the signs of
   /// life.
   void end_silent(const LeaseOf& lease_of, Time now);
-  /// Forgets nodes that are lost since then, except those that `is_needed`.
+  /// Forgets nodes that were lost by that time, unless `is_needed` returns true for them.
   void forget_before(Time before, const std::function<bool(NodeId)>& is_needed);
 
  private:

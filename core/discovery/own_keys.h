@@ -16,7 +16,8 @@ namespace sft::core {
 
 class OwnKeys {
  public:
-  /// The key of the endpoint, until release(). No other process has it: a new one is a random number.
+  /// Returns the key that the endpoint has until release(). No other process has this key, since each new key
+  /// is a random number.
   std::uint64_t key_of(EndpointId id) {
     const auto [entry, is_new] = in_use_.try_emplace(id, 0);
     if (!is_new) return entry->second;
@@ -25,7 +26,7 @@ class OwnKeys {
     free_.pop_back();
     return entry->second;
   }
-  /// Returns the key of the endpoint, which the next one may have from now on. Nothing if it has none.
+  /// Frees the key of the endpoint for the next endpoint, and returns it. Returns nothing if there is none.
   std::optional<std::uint64_t> release(EndpointId id) {
     const auto released = in_use_.extract(id);
     if (!released) return std::nullopt;

@@ -10,12 +10,13 @@ namespace sft::core {
 
 namespace {
 
-/// Name servers that are there answer within that time.
+/// A name server that can be reached answers within this time.
 constexpr std::chrono::milliseconds usual_answer{200};
-/// Answers are looked for ever more seldom.
+/// The pauses between two looks for an answer grow with the time that the lookup takes.
 constexpr std::chrono::milliseconds answer_pause_min{20}, answer_pause_max{1'000};
 
-/// "udp/robot.local:7410" in parts: "udp/", "robot.local", ":7410". Colons of an IPv6 number are no port.
+/// "udp/robot.local:7410" has the parts "udp/", "robot.local" and ":7410". A colon in an IPv6 number begins
+/// no port.
 struct Parts {
   std::string transport;
   std::string host;
@@ -130,14 +131,14 @@ bool PeerAddresses::take_answers(Time now) {
 
 PeerAddresses::Look PeerAddresses::look_after(Time now) {
   Look look;
-  look.is_changed = take_answers(now);
+  look.addresses_changed = take_answers(now);
   for (auto& [name, host] : hosts_) {
     const bool is_due = host.is_due || (now >= host.next && host.retry.due(now));
     if (!host.asked_at && is_due && family_) begin(name, host, now);
     if (host.asked_at) {
       const auto asked_for = std::chrono::duration_cast<std::chrono::milliseconds>(now - *host.asked_at);
       if (asked_for >= usual_answer && host.why_not.empty() && !known_.contains(name))
-        host.why_not = "nothing has answered yet who it is";
+        host.why_not = "the lookup of its address has not been answered yet";
       look.next = std::min(look.next, now + std::clamp(asked_for / 2, answer_pause_min, answer_pause_max));
     } else if (family_) {
       look.next = std::min(look.next, std::max(host.next, host.retry.next()));
@@ -145,10 +146,10 @@ PeerAddresses::Look PeerAddresses::look_after(Time now) {
   }
   std::vector<std::string> warnings = this->warnings();
   std::ranges::copy_if(warnings, std::back_inserter(look.news), [&](const std::string& text) {
-    return std::ranges::find(told_, text) == told_.end();
+    return std::ranges::find(last_warnings_, text) == last_warnings_.end();
   });
-  look.is_told = warnings != told_;
-  told_ = std::move(warnings);
+  look.warnings_changed = warnings != last_warnings_;
+  last_warnings_ = std::move(warnings);
   return look;
 }
 

@@ -1,7 +1,8 @@
 // The addresses of the peers that users name. Cyclone DDS would look names up itself whenever a link is made,
-// and hold up whoever makes it for as long as a name server is silent. So Cyclone is given numbers only. Each
-// lookup has a thread for itself, for which nobody waits: the thread ends with the answer, even if nobody
-// wants that any more. The last good answer holds until there is another one.
+// and hold up the thread that makes the link for as long as a name server is silent. So Cyclone is given
+// numbers only. Each lookup has a thread of its own, so that no other thread depends on the answer. This
+// thread ends with the answer, even if the answer is not needed any more. The last good answer holds until
+// there is another one.
 #pragma once
 
 #include <chrono>
@@ -23,37 +24,39 @@
 
 namespace sft::core {
 
-/// Hosts by their names, as far as their addresses are known.
+/// The addresses of hosts by their names. A host is in it once its addresses are known.
 using KnownHosts = std::map<std::string, std::vector<IpAddress>>;
 
-/// Returns the host that a peer names, where the peer is not a number: of "robot.local:7410", "robot.local".
+/// Returns the name in a peer: "robot.local" of the peer "robot.local:7410". Returns nothing if the peer is a
+/// number.
 std::optional<std::string> name_in(const std::string& peer);
-/// Returns the peer in numbers, as Cyclone takes them on links of that family. Empty if there are none.
+/// Returns the peer in numbers, as Cyclone takes them on links of that family. The result is empty if no such
+/// number is known.
 std::vector<std::string> in_numbers(const std::string& peer, IpFamily family, const KnownHosts& hosts);
 
-/// One thread at a time.
+/// Used by one thread at a time.
 class PeerAddresses {
  public:
   using Ask = std::function<Result<std::vector<IpAddress>>(const std::string& name, IpFamily family)>;
 
-  /// More addresses of one name are not asked.
+  /// This number of addresses of one name is asked. Further ones are left out.
   static constexpr std::size_t addresses_max = 4;
-  /// An answer may have changed after that.
+  /// A name is looked up again after this time, since its address may have changed.
   static constexpr std::chrono::seconds ask_again_after{120};
 
   /// `ask` is called on threads with these settings, also when this object is gone.
   PeerAddresses(const std::vector<std::string>& peers, ThreadSettings threads, Ask ask = &addresses_of_host);
 
-  /// Links of that family ask the peers; nothing: none does, and no name is looked up.
+  /// Sets the family of the links that ask the peers. If there is none, no name is looked up.
   void used_on(std::optional<IpFamily> family);
   /// The network has changed: names may have other addresses, and another name server may answer.
   void network_changed();
 
   struct Look {
-    bool is_changed = false;        ///< other addresses are known
-    bool is_told = false;           ///< warnings() are others
-    std::vector<std::string> news;  ///< those warnings that are new
-    Time next = Time::max();        ///< when it has to be called again at the latest
+    bool addresses_changed = false;  ///< known() differs from before
+    bool warnings_changed = false;   ///< warnings() differ from before
+    std::vector<std::string> news;   ///< the warnings that are new
+    Time next = Time::max();         ///< the latest time for the next call
   };
   /// Begins the lookups that are due, and takes the answers that have come.
   Look look_after(Time now);
@@ -61,7 +64,7 @@ class PeerAddresses {
   void wait_for_answers(Time deadline);
 
   const KnownHosts& known() const { return known_; }
-  /// For people: which peers are not looked for, or where they may not be any more.
+  /// Tells people which peers are not looked for, or only at their last known addresses.
   std::vector<std::string> warnings() const;
 
  private:
@@ -70,18 +73,18 @@ class PeerAddresses {
     IpFamily family{};
     Result<std::vector<IpAddress>> addresses;
   };
-  /// Lookups write to it, and may outlive everything else.
+  /// The threads of lookups share the mailbox, since they may outlive the object that began them.
   struct Mailbox {
     Mutex mutex;
     Condition came;
     std::vector<Answer> answers SFT_GUARDED_BY(mutex);
   };
   struct Host {
-    std::optional<Time> asked_at{};  ///< if a lookup is under way
-    bool is_due = true;              ///< since the last lookup began
+    std::optional<Time> asked_at{};  ///< the begin of the lookup that is under way
+    bool is_due = true;              ///< a lookup has to begin, whatever `next` is
     Time next{};                     ///< the time of the next lookup
     Retry retry{};
-    std::string why_not{};  ///< the last lookup brought nothing, or has not brought anything yet
+    std::string why_not{};  ///< the reason why the last lookup has brought nothing so far
   };
 
   void begin(const std::string& name, Host& host, Time now);
@@ -92,11 +95,11 @@ class PeerAddresses {
   const ThreadSettings threads_;
   const Ask ask_;
   const std::shared_ptr<Mailbox> mailbox_ = std::make_shared<Mailbox>();
-  std::vector<std::string> numbers_;  ///< of peers that are none of names
+  std::vector<std::string> numbers_;  ///< the peers that are given as numbers
   std::map<std::string, Host> hosts_;
   KnownHosts known_;
   std::optional<IpFamily> family_;
-  std::vector<std::string> told_;
+  std::vector<std::string> last_warnings_;
 };
 
 }  // namespace sft::core

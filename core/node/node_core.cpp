@@ -19,9 +19,9 @@ using namespace std::chrono_literals;
 namespace {
 constexpr std::chrono::seconds complaint_pause{1};
 
-/// For those who look for what holds a node up: a user can do nothing about it, so nothing is measured where
-/// the log has no lines for debugging.
-HoldUpWatch::Tell told_of_hold_ups(NodeLog& log) {
+/// A user can do nothing about what holds an agent up. So nothing is measured unless the log has lines for
+/// debugging.
+HoldUpWatch::Report report_of_hold_ups(NodeLog& log) {
   if (!log.wants(LogLevel::debug)) return {};
   return [&log](std::source_location what, std::chrono::milliseconds held_up) {
     log.write(LogLevel::debug, "the agent was held up for " + std::to_string(held_up.count()) + " ms by " +
@@ -75,7 +75,7 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
                                    return reconciler->tick();
                                  },
                              .idle = [reconciler] { return reconciler->reconcile(); },
-                             .held_up = told_of_hold_ups(node->log_)};
+                             .held_up = report_of_hold_ups(node->log_)};
   const Result<void> started = node->agent_.start({"agent " + options.name, options.threads.agent}, duties);
   if (!started) return tl::unexpected(started.error());
   return node;
@@ -162,7 +162,7 @@ Result<detail::untyped::Publisher> NodeCore::open_publisher(const std::shared_pt
 Result<detail::untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<NodeCore>& self,
                                                               EndpointOpening::ReaderOrder order) {
   if (is_forked_copy()) return fail(Errc::unavailable, refuses_forked_copies);
-  // Endpoints that others have closed give their doorbells back on the agent.
+  // Endpoints that other threads have closed give their doorbells back on the agent.
   if (agent_.is_behind()) ask_agent([] {});
   const bool pollable = order.options.pollable;
   Result<EndpointOpening::Reader> reader = opening_->open_reader(std::move(order));

@@ -28,7 +28,7 @@ bool PortAttempts::in_memory(Retry& retry, const Open& open) {
   next_piece_of_work();
   const Result<void> opened = open();
   next_piece_of_work();
-  if (!opened && memory_ != nullptr && memory_->owes_answer()) {
+  if (!opened && memory_ != nullptr && memory_->awaits_answer()) {
     retry.hold(now, opened.error().message);
     return false;
   }

@@ -148,7 +148,7 @@ std::chrono::milliseconds Reconciler::tick(Time now) {
   look_after_endpoints(now);
   next_piece_of_work();
   settle();
-  const bool awaits_port = context_.memory != nullptr && context_.memory->owes_answer();
+  const bool awaits_port = context_.memory != nullptr && context_.memory->awaits_answer();
   hurried_ticks_ = look_after_connections(now) || awaits_port ? hurried_ticks_ + 1 : 0;
   watch_promises(now);
   const Discovery::Awaited awaited{.somebody = negotiation_.table().misses_somebody(),

@@ -27,9 +27,9 @@ class Agent {
   struct Duties {
     std::function<std::chrono::milliseconds()> tick;
     std::function<std::chrono::milliseconds()> idle;
-    /// Told of tasks and other pieces of work that hold the thread up; empty: nobody measures them.
-    HoldUpWatch::Tell held_up{};
-    ReadTime time = &std::chrono::steady_clock::now;  ///< by which they are measured
+    /// Called for each piece of work that held the thread up. If it is empty, nothing is measured.
+    HoldUpWatch::Report held_up{};
+    ReadTime time = &std::chrono::steady_clock::now;  ///< the clock that times the pieces
   };
 
   Agent() = default;
@@ -44,7 +44,7 @@ class Agent {
   /// The same for a task that has time until the next tick. It wakes the agent only if so many wait.
   void post_for_next_tick(Task task, std::source_location by = std::source_location::current());
   static constexpr std::size_t waiting_max = 64;
-  /// So many tasks wait that threads which post without end should wait for the agent.
+  /// True if at least `behind_from` tasks wait: threads that post without end should wait for the agent then.
   bool is_behind();
   static constexpr std::size_t behind_from = 256;
   /// Runs what was posted before, then ends the thread; what is posted later is not run.

@@ -8,16 +8,16 @@ namespace {
 thread_local HoldUpWatch* watch_of_this_thread = nullptr;
 }  // namespace
 
-HoldUpWatch::HoldUpWatch(Tell tell, ReadTime time) : tell_(std::move(tell)), time_(time) {
-  if (tell_) watch_of_this_thread = this;
+HoldUpWatch::HoldUpWatch(Report report, ReadTime time) : report_(std::move(report)), time_(time) {
+  if (report_) watch_of_this_thread = this;
 }
 
 HoldUpWatch::~HoldUpWatch() {
-  if (tell_) watch_of_this_thread = nullptr;
+  if (report_) watch_of_this_thread = nullptr;
 }
 
 void HoldUpWatch::begin(std::source_location what) {
-  if (!tell_) return;
+  if (!report_) return;
   end();
   piece_ = {what, time_()};
 }
@@ -26,7 +26,7 @@ void HoldUpWatch::end() {
   const auto piece = std::exchange(piece_, std::nullopt);
   if (!piece) return;
   const auto held_up = std::chrono::duration_cast<std::chrono::milliseconds>(time_() - piece->since);
-  if (held_up > held_up_max) tell_(piece->what, held_up);
+  if (held_up > held_up_max) report_(piece->what, held_up);
 }
 
 void next_piece_of_work(std::source_location what) {

@@ -1,6 +1,6 @@
-// Tells what holds a thread up that should wait for nothing but its own events. The thread says when it
-// begins another piece of its work, and each piece that took too long is told, with its place in the source.
-// A piece may also take long because the system gave the thread no processor meanwhile.
+// Reports what holds up a thread that should wait for nothing but its own events. The thread marks the begin
+// of each piece of its work. A piece that took too long is reported with its place in the source. A piece may
+// also take long because the system gave the thread no processor meanwhile.
 #pragma once
 
 #include <chrono>
@@ -15,21 +15,21 @@ namespace sft::core {
 /// Used by one thread.
 class HoldUpWatch {
  public:
-  using Tell = std::function<void(std::source_location what, std::chrono::milliseconds held_up)>;
+  using Report = std::function<void(std::source_location what, std::chrono::milliseconds held_up)>;
   static constexpr std::chrono::milliseconds held_up_max{50};
 
-  /// Without `tell` it does nothing.
-  explicit HoldUpWatch(Tell tell, ReadTime time = &std::chrono::steady_clock::now);
+  /// If `report` is empty, the watch does nothing.
+  explicit HoldUpWatch(Report report, ReadTime time = &std::chrono::steady_clock::now);
   ~HoldUpWatch();
   HoldUpWatch(const HoldUpWatch&) = delete;
   HoldUpWatch& operator=(const HoldUpWatch&) = delete;
 
-  /// Ends the piece before.
+  /// Begins a piece of work, which ends the one before.
   void begin(std::source_location what);
   void end();
 
  private:
-  const Tell tell_;
+  const Report report_;
   const ReadTime time_;
   struct Piece {
     std::source_location what;
@@ -38,8 +38,7 @@ class HoldUpWatch {
   std::optional<Piece> piece_;
 };
 
-/// From here on the calling thread does another piece of its work. Does nothing on threads that have no
-/// watch.
+/// Marks that the calling thread begins another piece of its work. Does nothing on threads without a watch.
 void next_piece_of_work(std::source_location what = std::source_location::current());
 
 }  // namespace sft::core

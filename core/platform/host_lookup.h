@@ -11,8 +11,8 @@ namespace sft::core {
 
 enum class IpFamily { ipv4, ipv6 };
 
-/// Addresses in their order, each once. The error says why there are none, in the words of the system. May
-/// take minutes where a name server is silent: not to be called on a thread that has anything else to do.
+/// Returns the addresses in ascending order, each once. The error has the system's reason why there are none.
+/// The call may take minutes if a name server is silent, so it needs a thread that has nothing else to do.
 Result<std::vector<IpAddress>> addresses_of_host(const std::string& name, IpFamily family);
 
 }  // namespace sft::core

@@ -31,7 +31,7 @@ class Retry {
     return is_news;
   }
   void succeeded() { *this = {}; }
-  /// When it may be tried; Time{} if it did not fail.
+  /// Returns the time from which on it may be tried again, or Time{} if it did not fail.
   Time next() const { return next_; }
   /// The reason of the last failure.
   const std::string& reason() const { return why_; }

@@ -128,7 +128,7 @@ class NetworkReader : public ReaderPort {
   virtual bool receive(const Waiting& waiting) noexcept = 0;
   /// Tells that the reader has samples by another transport from now on, too, which those of this transport
   /// must not fall behind: the transport's own thread receives from now on. So only this transport rings the
-  /// bell of whoever is in receive().
+  /// bell of a thread that is in receive().
   virtual void share_reader() = 0;
 
   /// Tells that a connected writer has announced something else than before, or that its node answers, or

@@ -69,16 +69,16 @@ class Transport {
 
 class SharedMemory : public Transport {
  public:
-  /// May ask a daemon, and wait for it for a moment. Fails with Errc::unavailable if it has not answered by
+  /// May ask a daemon, and wait for a moment. Fails with Errc::unavailable if the daemon has not answered by
   /// then.
   virtual Result<std::unique_ptr<LendingWriter>> open_writer(const WriterSpec& spec) = 0;
   virtual Result<std::unique_ptr<BorrowingReader>> open_reader(const ReaderSpec& spec) = 0;
 
   /// Processes with the same token see the same memory. Known while the transport is ready.
   virtual HostToken host_token() const = 0;
-  /// True if the daemon was asked for a port and has not answered yet, but will probably soon. A call that
-  /// has failed is repeated then, and has the port once it is answered.
-  virtual bool owes_answer() const { return false; }
+  /// True if the daemon was asked for a port, and will probably answer soon. The caller repeats a call that
+  /// has failed, which has the port once the daemon has answered.
+  virtual bool awaits_answer() const { return false; }
   /// False if this user may only read what others write: open_writer then fails.
   virtual bool may_write() const = 0;
   /// True if no daemon is running, and this node starts none. Any thread.

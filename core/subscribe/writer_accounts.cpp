@@ -63,7 +63,8 @@ void WriterAccounts::add(Sum& sum, const Writer& writer) {
   sum.restarts += writer.restarts;
 }
 
-/// The id of a writer is random for each incarnation: only one whose node was not heard for long returns.
+/// The id of a writer is random for each incarnation. So a writer returns only if its node was silent for
+/// long.
 void WriterAccounts::forget_departed() {
   std::erase_if(writers_, [this](const Writer& writer) {
     if (is_heard(writer)) return false;

@@ -70,7 +70,7 @@ class WriterAccounts {
   /// A sample that was entered could not be delivered after all.
   void lose_entered(EndpointId writer, std::uint64_t lost_before);
 
-  /// The writer has missed so many more deadlines. Returns true if status() differs by it.
+  /// Adds deadlines that the writer has missed. Returns true if status() differs by it.
   bool keeps_promises(EndpointId writer, std::uint64_t more_missed, bool alive);
 
   /// Samples that were lost so far, of all writers.

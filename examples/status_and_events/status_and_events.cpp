@@ -44,7 +44,7 @@ int main(int argc, char**) {
     speed->publish({.data = 0.1 * i});
     std::this_thread::sleep_for(50ms);
   }
-  // Now nothing is published for longer than the deadline, and both sides are told so.
+  // Now nothing is published for longer than the deadline, and both sides get an event.
   for (int i = 0; i < 500 && deadlines_missed < 2; ++i) std::this_thread::sleep_for(10ms);
 
   for (const sft::PublisherStatus::Reader& reader : speed->status().readers) {

@@ -71,7 +71,7 @@ class DaemonLink {
   std::unique_ptr<RoudiChannel> channel_;
   std::optional<Clock::time_point> deadline_;  ///< the end of the current phase
   core::Retry launching_;
-  // Found then, too: the name of a group may be asked for at a server that is silent.
+  // Found when the first node opens, too: a lookup of a group's name may take long if its server is silent.
   const std::vector<std::string> files_of_daemon_ = files_of_own_daemon();
   LaunchObstacles obstacles_;  ///< obstacles to the last attempt to start a daemon
   /// The time of the last failed attempt; set if obstacles may be the reason of the failure.

@@ -118,13 +118,25 @@ std::string reason_of(IpcMessageErrorType error) {
   }
 }
 
-/// An answer that came late is kept for the next call for so long.
+/// The time for which an answer that came late is kept for the next call.
 constexpr std::chrono::seconds kept_for{2};
 
 tl::unexpected<Error> not_yet() { return fail(Errc::unavailable, "sftd has not answered yet"); }
 
 tl::unexpected<Error> too_late() {
   return fail(Errc::unavailable, "sftd did not answer in time; is it stopped or is the machine overloaded?");
+}
+
+/// The daemon writes the name of the node into the port, so the label of the request is that name.
+template <class Options>
+IpcMessage request_for_port(IpcMessageType type, const std::string& runtime_name,
+                            const iox::capro::ServiceDescription& service, Options options,
+                            const std::string& label) {
+  options.nodeName = iox::NodeName_t(iox::cxx::TruncateToCapacity, label);
+  IpcMessage request;
+  request << iox::runtime::IpcMessageTypeToString(type) << runtime_name << serialized(service)
+          << options.serialize().toString() << serialized(iox::runtime::PortConfigInfo{});
+  return request;
 }
 
 }  // namespace
@@ -223,46 +235,37 @@ Result<IpcMessage> RoudiChannel::receive(Clock::time_point deadline) {
 }
 
 Result<PortLocation> RoudiChannel::create_publisher(const iox::capro::ServiceDescription& service,
-                                                    iox::popo::PublisherOptions options, const Claim& claim,
-                                                    const Patience& patience) {
+                                                    const iox::popo::PublisherOptions& options,
+                                                    const Claim& claim, const Timeouts& timeouts) {
   const auto make = [&](const std::string& label) {
-    options.nodeName = iox::NodeName_t(iox::cxx::TruncateToCapacity, label);
-    IpcMessage request;
-    request << iox::runtime::IpcMessageTypeToString(IpcMessageType::CREATE_PUBLISHER) << runtime_name_
-            << serialized(service) << options.serialize().toString()
-            << serialized(iox::runtime::PortConfigInfo{});
-    return request;
+    return request_for_port(IpcMessageType::CREATE_PUBLISHER, runtime_name_, service, options, label);
   };
   return ask_for_port(
       {.port = "publisher " + serialized(service), .wanted = IpcMessageType::CREATE_PUBLISHER_ACK}, make,
-      claim, patience);
+      claim, timeouts);
 }
 
 Result<PortLocation> RoudiChannel::create_subscriber(const iox::capro::ServiceDescription& service,
-                                                     iox::popo::SubscriberOptions options, const Claim& claim,
-                                                     const Patience& patience, const std::string& remark) {
+                                                     const iox::popo::SubscriberOptions& options,
+                                                     const Claim& claim, const Timeouts& timeouts,
+                                                     const std::string& remark) {
   const auto make = [&](const std::string& label) {
-    options.nodeName = iox::NodeName_t(iox::cxx::TruncateToCapacity, label);
-    IpcMessage request;
-    request << iox::runtime::IpcMessageTypeToString(IpcMessageType::CREATE_SUBSCRIBER) << runtime_name_
-            << serialized(service) << options.serialize().toString()
-            << serialized(iox::runtime::PortConfigInfo{});
-    return request;
+    return request_for_port(IpcMessageType::CREATE_SUBSCRIBER, runtime_name_, service, options, label);
   };
   const std::string queue =
       options.subscribeOnCreate ? " queue of " + std::to_string(options.queueCapacity) : "";
   return ask_for_port({.port = "subscriber " + serialized(service) + queue,
                        .label = remark,
                        .wanted = IpcMessageType::CREATE_SUBSCRIBER_ACK},
-                      make, claim, patience);
+                      make, claim, timeouts);
 }
 
-/// The daemon is asked one question at a time, so that an error, which names no port, answers a known one.
-/// `next`: its label lacks the number of the request, which comes before the remark.
+/// The daemon is asked one question at a time, since an error names no port: so it answers a known question.
+/// The label of `next` is a remark. The number of the request comes before it.
 Result<PortLocation> RoudiChannel::ask_for_port(Question next, const MakeRequest& make, const Claim& claim,
-                                                const Patience& patience) {
+                                                const Timeouts& timeouts) {
   const auto begun = Clock::now();
-  const auto deadline = begun + patience.wait;
+  const auto deadline = begun + timeouts.wait;
   const Turn turn(*this, deadline);
   if (!turn) return not_yet();
   if (auto taken = take_answers(claim, begun); !taken) return tl::unexpected(taken.error());
@@ -271,7 +274,7 @@ Result<PortLocation> RoudiChannel::ask_for_port(Question next, const MakeRequest
   if (!answers_.contains(port) && !question()) {
     next.label.insert(0, runtime_name_ + "#" + std::to_string(++requests_));
     if (auto sent = send(make(next.label), deadline); !sent) return tl::unexpected(sent.error());
-    next.overdue_at = begun + patience.overdue;
+    next.overdue_at = begun + timeouts.overdue;
     set_question(std::move(next));
     ++unsettled_;
     if (auto taken = take_answers(claim, deadline); !taken) return tl::unexpected(taken.error());
@@ -286,7 +289,8 @@ Result<PortLocation> RoudiChannel::ask_for_port(Question next, const MakeRequest
   return too_late();
 }
 
-/// Until the question is answered, or the deadline is over. What has come already is taken in any case.
+/// Takes messages until the question is answered, or the deadline is over. Messages that have come already
+/// are taken in any case.
 Result<void> RoudiChannel::take_answers(const Claim& claim, Clock::time_point deadline) {
   for (;;) {
     const auto message = receive(question() ? deadline : Clock::time_point{});
@@ -338,7 +342,7 @@ void RoudiChannel::give_back_unclaimed(const Claim& claim) {
   if (turn && take_answers(claim, now)) drop_unclaimed(claim, now);
 }
 
-bool RoudiChannel::owes_answer() const {
+bool RoudiChannel::awaits_answer() const {
   const core::Lock lock(turn_mutex_);
   return turn_taken_ || (question_ && Clock::now() < question_->overdue_at);
 }

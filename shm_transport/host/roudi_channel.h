@@ -2,8 +2,8 @@
 //
 // The client of iceoryx (PoshRuntimeImpl) waits for answers without end, and aborts the process if there is
 // an error. This class sends the same messages, but each call waits for a moment only. An answer that comes
-// later is kept for the call that asks for the same port again. If it is overdue, or if nobody asks for the
-// port again, the port is given back.
+// later is kept for the call that asks for the same port again. If the answer is overdue, or if no call asks
+// for the port again, the port is given back.
 #pragma once
 
 #include <atomic>
@@ -52,22 +52,22 @@ class RoudiChannel {
   /// Returns the answer to the registration, or nothing if it has not come yet.
   Result<std::optional<Registration>> poll_registration();
 
-  struct Patience {
-    std::chrono::milliseconds wait{};     ///< of a call
-    std::chrono::milliseconds overdue{};  ///< an answer that takes longer
+  struct Timeouts {
+    std::chrono::milliseconds wait{};     ///< a call waits for its answer at most this long
+    std::chrono::milliseconds overdue{};  ///< an answer that takes longer is overdue
   };
   /// `remark`: a text behind the label, which other processes can read. Any thread. Requests take turns.
-  /// Errc::unavailable: the daemon has not answered yet, see owes_answer().
+  /// The error is Errc::unavailable if the daemon has not answered yet, see awaits_answer().
   Result<PortLocation> create_publisher(const iox::capro::ServiceDescription& service,
-                                        iox::popo::PublisherOptions options, const Claim& claim,
-                                        const Patience& patience);
+                                        const iox::popo::PublisherOptions& options, const Claim& claim,
+                                        const Timeouts& timeouts);
   Result<PortLocation> create_subscriber(const iox::capro::ServiceDescription& service,
-                                         iox::popo::SubscriberOptions options, const Claim& claim,
-                                         const Patience& patience, const std::string& remark = {});
+                                         const iox::popo::SubscriberOptions& options, const Claim& claim,
+                                         const Timeouts& timeouts, const std::string& remark = {});
   /// Returns whether the daemon was asked for a port, and its answer is neither there nor overdue. A call
   /// that has failed may succeed soon then. Any thread.
-  bool owes_answer() const;
-  /// Gives ports back that were answered late, and that nobody has asked for again. Any thread.
+  bool awaits_answer() const;
+  /// Gives ports back that were answered late, and that no call has asked for again. Any thread.
   void give_back_unclaimed(const Claim& claim);
 
   /// Tells the daemon to remove everything that this process has there. Does not wait.
@@ -76,8 +76,8 @@ class RoudiChannel {
  private:
   class Turn;
   struct Question {
-    std::string port;     ///< distinguishes it from all others of this process
-    std::string label{};  ///< by which the answer is recognised
+    std::string port;     ///< distinguishes the port from all others of this process
+    std::string label{};  ///< identifies the answer
     iox::runtime::IpcMessageType wanted{};
     Clock::time_point overdue_at{};
   };
@@ -90,7 +90,7 @@ class RoudiChannel {
   Result<iox::runtime::IpcMessage> receive(Clock::time_point deadline);
   using MakeRequest = std::function<iox::runtime::IpcMessage(const std::string& label)>;
   Result<PortLocation> ask_for_port(Question next, const MakeRequest& make, const Claim& claim,
-                                    const Patience& patience);
+                                    const Timeouts& timeouts);
   Result<void> take_answers(const Claim& claim, Clock::time_point deadline);
   void note(const iox::runtime::IpcMessage& message, const Claim& claim);
   void late_answer_came();
@@ -106,10 +106,10 @@ class RoudiChannel {
   mutable core::Mutex turn_mutex_;
   core::Condition turn_ends_;
   bool turn_taken_ SFT_GUARDED_BY(turn_mutex_) = false;           ///< a request is under way
-  std::optional<Question> question_ SFT_GUARDED_BY(turn_mutex_);  ///< that the daemon has not answered yet
-  // Whoever has the turn uses these.
+  std::optional<Question> question_ SFT_GUARDED_BY(turn_mutex_);  ///< the question that is not answered yet
+  // Only the thread that has the turn uses these.
   std::uint64_t requests_ = 0;
-  std::map<std::string, Answer> answers_;  ///< by the port; late ones
+  std::map<std::string, Answer> answers_;  ///< the answers that no call has taken yet, by the port
   /// The number of questions of which the port was neither taken nor given back. Any thread reads it.
   std::atomic<std::size_t> unsettled_{0};
 };

@@ -138,7 +138,7 @@ Result<PortData*> Session::answered_port(const Result<PortLocation>& location) c
 }
 
 Result<PublisherPortData*> Session::create_publisher(core::EndpointId writer,
-                                                     const RoudiChannel::Patience& patience) {
+                                                     const RoudiChannel::Timeouts& timeouts) {
   if (!can_write_) {
     return fail(Errc::no_permission,
                 "this program may read samples in shared memory but not write them; " +
@@ -148,11 +148,11 @@ Result<PublisherPortData*> Session::create_publisher(core::EndpointId writer,
   options.historyCapacity = 0;
   options.subscriberTooSlowPolicy = iox::popo::ConsumerTooSlowPolicy::DISCARD_OLDEST_DATA;
   return answered_port<PublisherPortData>(
-      channel_->create_publisher(service_of(writer), options, claim(), patience));
+      channel_->create_publisher(service_of(writer), options, claim(), timeouts));
 }
 
 Result<SubscriberPortData*> Session::create_subscriber(core::EndpointId writer, std::uint32_t depth,
-                                                       const RoudiChannel::Patience& patience,
+                                                       const RoudiChannel::Timeouts& timeouts,
                                                        const QueueWishes& wishes) {
   iox::popo::SubscriberOptions options;
   options.queueCapacity = QueuePlaces::capacity_for(depth);
@@ -160,7 +160,7 @@ Result<SubscriberPortData*> Session::create_subscriber(core::EndpointId writer, 
   options.subscribeOnCreate = depth != 0;
   options.queueFullPolicy = iox::popo::QueueFullPolicy::DISCARD_OLDEST_DATA;
   return answered_port<SubscriberPortData>(
-      channel_->create_subscriber(service_of(writer), options, claim(), patience, to_text(wishes)));
+      channel_->create_subscriber(service_of(writer), options, claim(), timeouts, to_text(wishes)));
 }
 
 const SubscriberPortData* Session::port_of(const QueueData& queue) const noexcept {

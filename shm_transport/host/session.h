@@ -47,14 +47,14 @@ class Session : public std::enable_shared_from_this<Session> {
   bool daemon_lives() const noexcept { return watch_.daemon_lives(); }
 
   Result<iox::popo::PublisherPortData*> create_publisher(core::EndpointId writer,
-                                                         const RoudiChannel::Patience& patience);
+                                                         const RoudiChannel::Timeouts& timeouts);
   /// `depth` 0: the port is not subscribed. It is only a list of held chunks, which the daemon frees when
   /// this process dies. `wishes`: the requests of the reader to the writer.
   Result<iox::popo::SubscriberPortData*> create_subscriber(core::EndpointId writer, std::uint32_t depth,
-                                                           const RoudiChannel::Patience& patience,
+                                                           const RoudiChannel::Timeouts& timeouts,
                                                            const QueueWishes& wishes = {});
-  /// As RoudiChannel::owes_answer().
-  bool owes_answer() const { return channel_->owes_answer(); }
+  /// See RoudiChannel::awaits_answer().
+  bool awaits_answer() const { return channel_->awaits_answer(); }
   /// Returns the port that has this queue, or null. Looks at all queues of the host.
   const iox::popo::SubscriberPortData* port_of(
       const iox::popo::SubscriberPortData::ChunkQueueData_t& queue) const noexcept;

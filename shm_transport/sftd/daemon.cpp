@@ -35,8 +35,8 @@ constexpr auto sweep_interval = 10s;
 constexpr auto renewal_delay = 2s;
 // A daemon that is younger than this does not start afresh.
 constexpr auto youngest_to_renew = 1s;
-// Nodes look for their daemon, and release its memory when it is gone: at once while samples go that way.
-// This time is enough for all.
+// Nodes look for their daemon, and release its memory when it is gone. A node that gets samples from that
+// memory does so at once. This time is enough for all nodes.
 constexpr auto time_to_release = core::Transport::poll_pause_max + 200ms;
 
 /// sftd watches a process by one descriptor, and answers it by another one; its own are fewer than these.
@@ -232,8 +232,8 @@ std::optional<Daemon::End> Daemon::check_idle(Clock::time_point now) {
 }
 
 /// Programs release the memory of this daemon when they notice that it is gone. Then the next daemon finds
-/// that memory free. A program that has released it has closed the socket at which it heard this daemon. That
-/// tells nothing of sockets whose names somebody has removed.
+/// that memory free. A program that has released it has closed the socket for this daemon's answers. If the
+/// name of a socket was removed, that cannot be seen, and the daemon waits for the whole time.
 void Daemon::let_users_notice() {
   using enum SocketState;
   std::vector<std::string> sockets;

@@ -34,7 +34,7 @@ std::string idle_exit_of(const Status& status) {
 void write_head(Lines out, const Status& status, std::int64_t now_ns) {
   constexpr std::int64_t ns_per_s = 1'000'000'000;
   const std::time_t since = status.since_ns / ns_per_s;
-  // The clock may have been set back since.
+  // The clock may have been set back since the daemon began.
   const std::chrono::seconds up(std::max<std::int64_t>(now_ns - status.since_ns, 0) / ns_per_s);
   fmt::format_to(out, "sftd {} (pid {}), iceoryx {}, protocol {}\n", status.versions.sftd, status.pid,
                  status.versions.iceoryx, status.versions.protocol);

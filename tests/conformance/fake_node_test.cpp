@@ -100,7 +100,7 @@ TEST_F(FakeNodes, GiveALateSubscriberTheRetainedSamplesFirst) {
   }
 }
 
-/// A transport as far as it has counted something.
+/// A transport that does nothing, and has counts that the test chooses.
 template <class Idle>
 class Counting final : public Idle {
  public:

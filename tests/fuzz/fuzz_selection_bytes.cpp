@@ -1,5 +1,6 @@
 // Selections as arbitrary bytes: u8 leaves of the type, u16 bytes of a selection (little-endian), this
-// selection, and another one. What is accepted is written as the same bytes, and obeys the laws of joining.
+// selection, and another one. A selection that is accepted is written as the same bytes, and obeys the laws
+// of joining.
 #include <algorithm>
 #include <cstdint>
 #include <span>

@@ -114,7 +114,8 @@ class ControlVoice::Link {
         });
   }
 
-  /// The key that the endpoint has on this link. That of one's own is its id.
+  /// Returns the key that the endpoint has on this link. An endpoint that this test announces has its id as
+  /// key.
   std::uint64_t key_of(core::EndpointId id) const {
     const auto heard = keys_.find(id);
     return heard == keys_.end() ? id : heard->second;

@@ -117,11 +117,11 @@ bool was_told(const json& events, const std::string& kind, const std::string& te
   });
 }
 
-testing::AssertionResult is_told(Peer& peer, const std::string& side, const std::string& kind,
-                                 const std::string& text) {
+testing::AssertionResult gets_event(Peer& peer, const std::string& side, const std::string& kind,
+                                    const std::string& text) {
   if (comes_true([&] { return was_told(peer.status()[side], kind, text); }))
     return testing::AssertionSuccess();
-  return testing::AssertionFailure() << peer.name() << " was told: " << peer.status()[side];
+  return testing::AssertionFailure() << peer.name() << " has got: " << peer.status()[side];
 }
 
 }  // namespace sft::test

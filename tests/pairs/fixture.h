@@ -62,9 +62,9 @@ testing::AssertionResult accounts_for_all(Peer& publisher, Peer& subscriber);
 
 /// Returns true if an event of that kind came, and its text contains that text.
 bool was_told(const json& events, const std::string& kind, const std::string& text = "");
-/// Waits until the peer was told such an event: `side` is "offered" or "requested". Events come on a thread
-/// of their own, later than what they tell of.
-testing::AssertionResult is_told(Peer& peer, const std::string& side, const std::string& kind,
-                                 const std::string& text = "");
+/// Waits until the peer has got such an event. `side` is "offered" or "requested". Events come on a thread of
+/// their own, and so later than the changes that they report.
+testing::AssertionResult gets_event(Peer& peer, const std::string& side, const std::string& kind,
+                                    const std::string& text = "");
 
 }  // namespace sft::test

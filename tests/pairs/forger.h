@@ -58,7 +58,7 @@ class Forger {
   Words of_writers_, of_readers_;
   std::map<std::uint64_t, std::uint64_t>
       known_;  ///< the sequence of the newest request by endpoint; 0: a writer
-  std::map<std::uint64_t, std::uint64_t> keys_;  ///< of the announcements, by endpoint
+  std::map<std::uint64_t, std::uint64_t> keys_;  ///< the key of each endpoint's announcement
   std::map<std::uint64_t, dds_guid_t> asks_by_;  ///< the writer of a reader's requests
   unsigned complaints_ = 0;
   std::optional<core::PulseSocket> pulses_;

@@ -68,7 +68,7 @@ TEST_F(JoinAndLeave, AReaderThatIsDestroyedSaysSoAndIsUnknownWithoutALease) {
   ASSERT_TRUE(agree(publisher, reader));
   reader.leave();
   EXPECT_TRUE(comes_true([&] { return reader_of(publisher, reader).is_null(); }));
-  EXPECT_TRUE(is_told(publisher, "offered", "unmatched", "the other side has left"));
+  EXPECT_TRUE(gets_event(publisher, "offered", "unmatched", "the other side has left"));
   const json sent = publisher.status()["publisher"]["bytes_sent"];
   publisher.publish(10);
   EXPECT_EQ(publisher.status()["publisher"]["bytes_sent"], sent);
@@ -85,11 +85,11 @@ TEST_F(JoinAndLeave, AProcessThatEndsTakesItsEndpointsWithIt) {
   ASSERT_TRUE(agree(publisher, other));
   EXPECT_EQ(reader.quit(), 0);
   EXPECT_TRUE(comes_true([&] { return reader_of(publisher, reader).is_null(); }));
-  EXPECT_TRUE(is_told(publisher, "offered", "unmatched", "the other side has left"));
+  EXPECT_TRUE(gets_event(publisher, "offered", "unmatched", "the other side has left"));
   EXPECT_TRUE(accounts_for_all(publisher, other));
   EXPECT_EQ(publisher.quit(), 0);
   EXPECT_TRUE(comes_true([&] { return writer_of(publisher, other).is_null(); }));
-  EXPECT_TRUE(is_told(other, "requested", "unmatched", "the other side has left"));
+  EXPECT_TRUE(gets_event(other, "requested", "unmatched", "the other side has left"));
 }
 
 TEST_F(JoinAndLeave, WhatAPublisherSentJustBeforeItLeftIsTakenAndThenItIsAskedNoMore) {

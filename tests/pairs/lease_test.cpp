@@ -70,10 +70,10 @@ TEST_F(Leases, AReaderThatIsStoppedForLessThanItsLeaseIsServedAllTheTime) {
 TEST_F(Leases, APublisherThatIsStoppedLongerThanItsLeaseIsHeardOnWhenItContinues) {
   publisher().signal(SIGSTOP);
   EXPECT_TRUE(reader_misses_publisher());
-  EXPECT_TRUE(is_told(reader(), "requested", "liveliness lost", "its node does not answer"));
+  EXPECT_TRUE(gets_event(reader(), "requested", "liveliness lost", "its node does not answer"));
   publisher().signal(SIGCONT);
   expect_a_good_end("height");
-  EXPECT_TRUE(is_told(reader(), "requested", "liveliness recovered"));
+  EXPECT_TRUE(gets_event(reader(), "requested", "liveliness recovered"));
 }
 
 TEST_F(Leases, AReaderThatIsKilledIsServedNoMoreAndCostsOthersNothing) {
@@ -82,7 +82,7 @@ TEST_F(Leases, AReaderThatIsKilledIsServedNoMoreAndCostsOthersNothing) {
   ASSERT_TRUE(agree(publisher(), other));
   reader().kill_now();
   EXPECT_TRUE(publisher_misses_reader());
-  EXPECT_TRUE(is_told(publisher(), "offered", "unmatched", "its node does not answer"));
+  EXPECT_TRUE(gets_event(publisher(), "offered", "unmatched", "its node does not answer"));
   publisher().stop_publishing();
   EXPECT_TRUE(agree(publisher(), other));
   EXPECT_TRUE(accounts_for_all(publisher(), other));

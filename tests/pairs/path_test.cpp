@@ -48,8 +48,8 @@ TEST_F(Paths, ChangeWithTheDaemonAndNothingIsTakenTwiceOrUnderAnotherMask) {
   EXPECT_TRUE(accounts_for_all(publisher, reader));
   EXPECT_EQ(taken_of(publisher, reader)["last_mask"], "height");
   for (const char* path : {"shm: same host", "udp: "}) {
-    EXPECT_TRUE(is_told(publisher, "offered", "path changed", path));
-    EXPECT_TRUE(is_told(reader, "requested", "path changed", path));
+    EXPECT_TRUE(gets_event(publisher, "offered", "path changed", path));
+    EXPECT_TRUE(gets_event(reader, "requested", "path changed", path));
   }
 }
 

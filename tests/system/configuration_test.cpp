@@ -183,7 +183,7 @@ TEST_F(ConfigurationTest, OfPeersThatHaveNoAddressIsSaidToNameNobody) {
   EXPECT_THAT(node.status().discovery_warnings, ElementsAre(HasSubstr("the peer 'nobody.invalid'")));
 }
 
-/// The names of the threads of this process.
+/// Returns the names of the threads of this process.
 std::vector<std::string> threads() {
   std::vector<std::string> names;
   for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task")) {
@@ -207,7 +207,7 @@ struct NodeForGood {
     };
     node = Node::open(options).value();
   }
-  std::string said() {
+  std::string logged() {
     const std::scoped_lock lock(mutex);
     return warnings;
   }
@@ -225,7 +225,7 @@ bool is_idle() {
   return taken() - before < 60ms;
 }
 
-TEST_F(ConfigurationTest, OfAProgramThatClosesAllDescriptorsIsSaidOnceAndKeepsNoThreadBusy) {
+TEST_F(ConfigurationTest, WarnsOnceOfAProgramThatClosesAllDescriptorsAndKeepsNoThreadBusy) {
   static NodeForGood* const kept = new NodeForGood(with(""));
   // A reliable pair, for which threads of UDP have something to do.
   static auto* const publisher = new Publisher<PointCloud2>(
@@ -239,11 +239,11 @@ TEST_F(ConfigurationTest, OfAProgramThatClosesAllDescriptorsIsSaidOnceAndKeepsNo
   const auto receives = [] { return std::ranges::count(threads(), "recv") > 0; };
   EXPECT_TRUE(eventually(receives));
   closefrom(3);
-  EXPECT_TRUE(eventually([&] { return kept->said().find(text) != std::string::npos; }));
+  EXPECT_TRUE(eventually([&] { return kept->logged().find(text) != std::string::npos; }));
   EXPECT_THAT(kept->node->status().discovery, HasSubstr(text));
   EXPECT_TRUE(eventually([&] { return !receives(); }));
-  const std::string said = kept->said();
-  EXPECT_EQ(said.find(text), said.rfind(text));
+  const std::string logged = kept->logged();
+  EXPECT_EQ(logged.find(text), logged.rfind(text));
   EXPECT_TRUE(eventually(is_idle));
 }
 
@@ -254,7 +254,7 @@ TEST_F(ConfigurationTest, FilesThatAProgramOpensAfterItClosedAllDescriptorsStayI
   std::vector<int> own;
   for (std::size_t i = 0; i < 2 * descriptors; ++i) own.push_back(open("/dev/null", O_RDONLY));
   EXPECT_TRUE(eventually(
-      [&] { return kept->said().find("has closed the sockets of its node") != std::string::npos; }));
+      [&] { return kept->logged().find("has closed the sockets of its node") != std::string::npos; }));
   struct stat null_device {};
   ASSERT_EQ(stat("/dev/null", &null_device), 0);
   for (const int one : own) {

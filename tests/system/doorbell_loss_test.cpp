@@ -174,7 +174,7 @@ TEST_F(DoorbellLoss, ForWantOfDescriptorsIsServedByUdpUntilThereAreSome) {
     EXPECT_TRUE(eventually([&] { return warned_of("Too many open files") == 1; }));
   }
   EXPECT_TRUE(talking.is_heard(TransportKind::shm, 2));
-  EXPECT_EQ(warned_of("Too many open files"), 1U) << "it was said once";
+  EXPECT_EQ(warned_of("Too many open files"), 1U) << "the warning comes once";
 }
 
 TEST_F(DoorbellLoss, OfNamesThatSomebodyRemovedCostsRunningPairsAndNewcomersNothing) {

@@ -1,6 +1,6 @@
-// What a program opens and closes again and again leaves nothing: the memory, descriptors and threads of this
-// process and of the others that it meets, and the chunks that samples lie in, are as after the first rounds.
-// CI goes on for some hundred rounds, ./run soak for ten thousand of most acts.
+// A program that opens and closes something again and again leaves nothing behind: after the first rounds,
+// the memory, descriptors and threads of this process and of the others that it meets, and the chunks of
+// samples, do not grow. CI goes on for some hundred rounds, ./run soak for ten thousand of most acts.
 #include <gtest/gtest.h>
 #include <malloc.h>
 
@@ -36,9 +36,9 @@ std::int64_t entries_of(const char* directory) {
   return error ? 0 : std::distance(begin(entries), end(entries));
 }
 
-/// What a process holds.
+/// The resources that a process holds.
 struct Holdings {
-  std::int64_t bytes = 0;  ///< that its allocators have given out
+  std::int64_t bytes = 0;  ///< the memory that its allocators have given out
   std::int64_t descriptors = 0, threads = 0;
 
   Holdings operator-(const Holdings& other) const {
@@ -51,7 +51,7 @@ struct Holdings {
   }
 };
 
-/// Chunks of shared memory that samples lie in, as the daemon has written down last.
+/// Returns how many chunks of shared memory have samples, as the daemon has written last.
 std::int64_t chunks_in_use() {
   const std::string command = program_directory() + "/sftd status --json";
   const std::unique_ptr<FILE, int (*)(FILE*)> output(popen(command.c_str(), "r"), &pclose);
@@ -62,16 +62,16 @@ std::int64_t chunks_in_use() {
   return chunks;
 }
 
-/// What another process holds, written by itself.
+/// The resources that another process holds. That process writes them.
 struct HoldingsOfOther {
   std::atomic<std::int64_t> bytes{0}, descriptors{0}, threads{0};
   std::atomic<std::uint64_t> looks{0};
   std::atomic<bool> failed{false};
-  /// Its shared memory is ready: nothing changes any more by itself.
+  /// True once the process has its shared memory, if it uses any: nothing changes any more by itself.
   std::atomic<bool> settled{false};
 };
 
-/// Reads and writes the topics of the acts, and serves, beside the node under test.
+/// The node of another process reads and writes the topics of the acts, and answers requests.
 void take_part(Node& node, HoldingsOfOther& holdings, bool by_shm) {
   auto clouds = node.subscriber<PointCloud2, F::height>("clouds", [](const auto&) {}).value();
   auto source = node.publisher<PointCloud2>("source").value();
@@ -99,7 +99,7 @@ struct Stage {
 
 struct Act {
   const char* name;
-  std::uint64_t rounds;  ///< of those in CI
+  std::uint64_t rounds;  ///< the number of rounds in CI
   void (*do_once)(Stage& stage, std::uint64_t round);
 };
 void PrintTo(const Act& act, std::ostream* out) { *out << act.name; }
@@ -229,7 +229,7 @@ class Growth : public testing::TestWithParam<Act> {
       options.transport = by_shm ? TransportChoice::automatic : TransportChoice::udp;
       others_.push_back(std::make_unique<Other>(
           network_->host(i), options,
-          [by_shm](Node& other, HoldingsOfOther& told) { take_part(other, told, by_shm); }));
+          [by_shm](Node& other, HoldingsOfOther& held) { take_part(other, held, by_shm); }));
     }
     ASSERT_TRUE(network_->host(0).enter());
     Node node = Node::open({.name = "here"}).value();
@@ -248,14 +248,14 @@ class Growth : public testing::TestWithParam<Act> {
           [](const PublisherStatus::Reader& reader) { return reader.transport == TransportKind::shm; });
     }));
   }
-  /// Of this process, and of the others.
+  /// Returns what this process holds, and then what each other one holds.
   std::vector<Holdings> holdings() const {
     std::vector<Holdings> all{Holdings::of_this_process()};
     for (const auto& other : others_) {
-      const HoldingsOfOther& told = other->report();
-      const std::uint64_t looks = told.looks;
-      eventually([&] { return told.looks > looks + 1; });
-      all.push_back({told.bytes, told.descriptors, told.threads});
+      const HoldingsOfOther& held = other->report();
+      const std::uint64_t looks = held.looks;
+      eventually([&] { return held.looks > looks + 1; });
+      all.push_back({held.bytes, held.descriptors, held.threads});
     }
     return all;
   }
@@ -279,12 +279,13 @@ INSTANTIATE_TEST_SUITE_P(Of, Growth, testing::ValuesIn(acts),
 /// Cyclone DDS keeps lists of memory that it uses again, which fill up within the first minutes.
 constexpr std::int64_t bytes_at_first = 1 << 20;
 constexpr std::int64_t bytes_each_round = 16;
-/// What the first samples begin, which may come after the first rounds.
+/// The first samples, which may come after the first rounds, begin this number of threads and descriptors.
 constexpr std::int64_t begun_later = 2;
-/// Samples of the other processes that are on the way, or that are not taken.
+/// This number of chunks may have samples of the other processes that are on the way, or that no reader
+/// takes.
 constexpr std::int64_t chunks_on_the_way = 64;
 
-/// Says what has grown too much in so many rounds; empty if nothing has.
+/// Returns what has grown too much in that number of rounds. The text is empty if nothing has.
 std::string growth(const std::vector<Holdings>& before, const std::vector<Holdings>& after,
                    std::uint64_t rounds) {
   const auto most = bytes_at_first + bytes_each_round * static_cast<std::int64_t>(rounds);
@@ -306,7 +307,7 @@ TEST_P(Growth, EndsAfterTheFirstRounds) {
   const std::int64_t chunks_before = chunks_in_use();
   repeat(rounds);
   ASSERT_FALSE(HasFatalFailure());
-  // What was withdrawn is remembered for a minute, since a slower link may tell of it late.
+  // Nodes remember a withdrawn endpoint for a minute, since a slower link may still bring its announcement.
   std::string grown;
   EXPECT_TRUE(eventually([&] { return (grown = growth(before, holdings(), rounds)).empty(); }, 100s))
       << "after " << rounds << " rounds:\n"

@@ -1,5 +1,5 @@
-// Peers by name, and a name server that answers late, never, or otherwise than before. A node never waits for
-// it.
+// A node looks for peers by name, and its name server answers late, never, or otherwise than before. The node
+// never waits for the name server.
 #include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -48,7 +48,7 @@ core::FileDescriptor socket_at(const std::string& address, std::uint16_t port) {
   return made;
 }
 
-/// The name server of this host. It is silent until it is told an address.
+/// The name server of this host. It is silent until the test sets an address.
 class NameServer {
  public:
   NameServer() : socket_(socket_at("127.0.0.1", 53)), thread_([this] { serve(); }) {}
@@ -61,8 +61,8 @@ class NameServer {
   NameServer(const NameServer&) = delete;
   NameServer& operator=(const NameServer&) = delete;
 
-  /// What every name is from now on. Who has asked before is answered, too.
-  void says(const std::string& address) {
+  /// Sets the address of every name. Questions that have come before are answered, too.
+  void set_address(const std::string& address) {
     const std::scoped_lock lock(mutex_);
     address_ = at(address, 0).sin_addr.s_addr;
     for (const Question& question : std::exchange(unanswered_, {})) answer(question);
@@ -108,7 +108,7 @@ class NameServer {
   std::thread thread_;
 };
 
-/// Puts a file of this test in the place of one of the system's, for this host alone.
+/// Replaces a file of the system by a file of this test, for this host alone.
 void put(const std::string& file, const std::string& text) {
   const std::string own = "/tmp/" + file;
   std::ofstream(own) << text;
@@ -117,7 +117,8 @@ void put(const std::string& file, const std::string& text) {
 
 bool run(const std::string& command) { return std::system(command.c_str()) == 0; }
 
-/// Who names the peers: the node's settings, or the configuration of Cyclone DDS.
+/// The parameter is true if the configuration of Cyclone DDS names the peers, and false if the node's
+/// settings do.
 class PeerNamesTest : public ::testing::TestWithParam<bool> {
  protected:
   void SetUp() override {
@@ -153,18 +154,20 @@ class PeerNamesTest : public ::testing::TestWithParam<bool> {
     const auto subscriber = newcomer.subscriber<PointCloud2>("points").value();
     EXPECT_TRUE(eventually([&] { return publisher.status().readers.size() == 1; }));
   }
-  /// Some participant at that address would hear who looks for it. Nodes here have the first ports.
+  /// A participant at that address would get the datagrams of nodes that look for it. The nodes of this test
+  /// have the first ports.
   static core::FileDescriptor participant_at(const std::string& address) { return socket_at(address, 7440); }
   static bool is_asked(const core::FileDescriptor& participant) {
     pollfd waits{.fd = participant.get(), .events = POLLIN, .revents = 0};
     return poll(&waits, 1, static_cast<int>(std::chrono::milliseconds(patience).count())) == 1;
   }
 
-  static constexpr const char* unanswered = "'robot.example' is not looked for yet: nothing has answered";
+  static constexpr const char* unanswered =
+      "'robot.example' is not looked for yet: the lookup of its address has not been answered";
 };
 
 /// If a node waited for the answer, the lookup would have failed before the node goes on, and the warning
-/// would say so.
+/// would name that failure.
 TEST_P(PeerNamesTest, HoldNeitherANodeNorItsNewcomersUpWhileTheNameServerIsSilent) {
   const NameServer silent;
   Node node = Node::open(options()).value();
@@ -189,10 +192,10 @@ TEST_P(PeerNamesTest, AreAskedOnceTheirAddressIsKnownAndAtAnotherOneWhenItChange
   EXPECT_THAT(warnings_of(node), HasSubstr(unanswered));
   const core::FileDescriptor before = participant_at("10.9.0.7"), after = participant_at("10.9.0.8");
   ASSERT_TRUE(before && after);
-  server.says("10.9.0.7");
+  server.set_address("10.9.0.7");
   EXPECT_TRUE(is_asked(before));
   EXPECT_TRUE(eventually([&] { return warnings_of(node).empty(); }));
-  server.says("10.9.0.8");
+  server.set_address("10.9.0.8");
   ASSERT_TRUE(run("ip address add 10.8.0.1/24 dev near"));
   EXPECT_TRUE(is_asked(after));
   Node newcomer = Node::open(options()).value();

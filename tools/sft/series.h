@@ -7,7 +7,7 @@
 
 namespace sft::tool {
 
-/// By a clock that nobody sets: no time between two events is negative.
+/// A time by a clock that is never set, so that no time between two events is negative.
 using Moment = std::chrono::steady_clock::time_point;
 
 struct Spread {

@@ -69,7 +69,8 @@ struct Job {
     return is_pack() ? static_cast<std::uint32_t>(packed_[part].bytes) : first.total;
   }
 
-  /// Its share of `whole_bytes`: of a pack an equal one, and all shares together are the whole.
+  /// Returns the share of `part` in `whole_bytes`. The samples of a pack have equal shares, but for one byte,
+  /// so that all shares together are the whole.
   std::uint32_t whole_bytes_of(std::size_t part) const {
     const auto before = [&](std::size_t shares) {
       return static_cast<std::uint32_t>(std::uint64_t{whole_bytes} * shares / samples());

@@ -1,4 +1,4 @@
-// Statistics of the last few seconds.
+// The tool shows statistics of the last few seconds.
 #include "tools/sft/series.h"
 
 #include <gtest/gtest.h>

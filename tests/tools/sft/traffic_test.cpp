@@ -1,4 +1,4 @@
-// The rates that `sft top` shows are those of what publishers told last.
+// The rates that `sft top` shows are those between the two last reports of each publisher.
 #include "tools/sft/traffic.h"
 
 #include <gtest/gtest.h>
@@ -16,13 +16,13 @@ constexpr std::uint64_t lidar = 7, camera = 8;
 
 class TrafficTest : public testing::Test {
  protected:
-  /// The node of the publisher tells how far it is, and what others told holds on.
-  void tell(std::uint64_t publisher, std::uint64_t samples, std::uint64_t bytes) {
+  /// The node of the publisher reports its progress. The reports of other publishers stay as they are.
+  void report(std::uint64_t publisher, std::uint64_t samples, std::uint64_t bytes) {
     const auto known = std::ranges::find(domain.publishers, publisher, &DomainSnapshot::Endpoint::id);
-    DomainSnapshot::Endpoint& told =
+    DomainSnapshot::Endpoint& endpoint =
         known == domain.publishers.end() ? domain.publishers.emplace_back() : *known;
-    told.id = publisher;
-    told.progress = DomainSnapshot::Progress{samples, bytes};
+    endpoint.id = publisher;
+    endpoint.progress = DomainSnapshot::Progress{samples, bytes};
   }
   /// The tool looks every 100 ms.
   void pass(std::chrono::milliseconds time) {
@@ -40,13 +40,13 @@ class TrafficTest : public testing::Test {
   Traffic::Clock::time_point now{1h};
 };
 
-TEST_F(TrafficTest, ARateIsKnownOnceAPublisherHasToldTwiceHowFarItIs) {
+TEST_F(TrafficTest, ARateIsKnownOnceAPublisherHasReportedItsProgressTwice) {
   pass(1s);
   EXPECT_EQ(rate(lidar), "not known");
-  tell(lidar, 100, 5000);
+  report(lidar, 100, 5000);
   pass(500ms);
   EXPECT_EQ(rate(lidar), "not known");
-  tell(lidar, 110, 5500);
+  report(lidar, 110, 5500);
   pass(100ms);
   EXPECT_EQ(rate(lidar), "20 Hz, 1000 B/s");
   EXPECT_EQ(rate(camera), "not known");
@@ -54,27 +54,27 @@ TEST_F(TrafficTest, ARateIsKnownOnceAPublisherHasToldTwiceHowFarItIs) {
 
 TEST_F(TrafficTest, ARateIsThatOfTheTimeBetweenTheTwoLastReports) {
   for (const std::uint64_t samples : {0, 10, 30}) {
-    tell(lidar, samples, 0);
+    report(lidar, samples, 0);
     pass(500ms);
   }
   EXPECT_EQ(rate(lidar), "40 Hz, 0 B/s");
 }
 
 TEST_F(TrafficTest, APublisherThatFellSilentHasNoRateAnyMoreAndOthersKeepTheirs) {
-  for (std::uint64_t told = 0; told < 3; ++told) {
-    tell(lidar, 100 * told, 0);
-    tell(camera, 10 * told, 0);
+  for (std::uint64_t i = 0; i < 3; ++i) {
+    report(lidar, 100 * i, 0);
+    report(camera, 10 * i, 0);
     pass(1s);
   }
   EXPECT_EQ(rate(lidar), "100 Hz, 0 B/s");
-  for (std::uint64_t told = 3; told < 9; ++told) {
-    tell(camera, 10 * told, 0);
+  for (std::uint64_t i = 3; i < 9; ++i) {
+    report(camera, 10 * i, 0);
     pass(1s);
   }
   EXPECT_EQ(rate(lidar), "0 Hz, 0 B/s");
   EXPECT_EQ(rate(camera), "10 Hz, 0 B/s");
   for (const std::uint64_t samples : {300, 400}) {
-    tell(lidar, samples, 0);
+    report(lidar, samples, 0);
     pass(1s);
   }
   EXPECT_EQ(rate(lidar), "100 Hz, 0 B/s") << "it sends again";
@@ -82,13 +82,13 @@ TEST_F(TrafficTest, APublisherThatFellSilentHasNoRateAnyMoreAndOthersKeepTheirs)
 
 TEST_F(TrafficTest, APublisherThatHasLeftIsForgotten) {
   for (const std::uint64_t samples : {0, 100}) {
-    tell(lidar, samples, 0);
+    report(lidar, samples, 0);
     pass(1s);
   }
   domain.publishers.clear();
   pass(100ms);
   EXPECT_EQ(rate(lidar), "not known");
-  tell(lidar, 200, 0);
+  report(lidar, 200, 0);
   pass(100ms);
   EXPECT_EQ(rate(lidar), "not known");
 }

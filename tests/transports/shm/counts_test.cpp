@@ -1,4 +1,4 @@
-// What a reader in shared memory counts, while writers come and go.
+// A reader in shared memory keeps its counts while writers come and go.
 #include "tests/transports/shm/shm_fixture.h"
 
 namespace sft::test {
@@ -8,11 +8,9 @@ using core::SampleHandle;
 
 class ShmCounts : public ShmNodeTest {};
 
-// Counts that a subscriber shows only grow: otherwise the next event would not be told.
+// The counts of a subscriber must not shrink: the next event would be missing.
 TEST_F(ShmCounts, StayWhenTheirWriterGoes) {
-  shm::ShmOptions options = no_daemon();
-  options.held_limit = 2;
-  Node other(options);
+  Node other(no_daemon_and_held_at_most(2));
   ASSERT_TRUE(other.becomes_ready()) << other->description();
   Reader reader(other, 4);
   for (std::uint64_t round = 1; round <= 3; ++round) {

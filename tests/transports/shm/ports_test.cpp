@@ -247,9 +247,7 @@ TEST_F(ForgedChunk, WhoseSampleLiesAmongTheDaemonsOwnDataIsRefused) {
 }
 
 TEST_F(ShmPorts, RefuseALoanBeyondTheLimitAndCountIt) {
-  shm::ShmOptions options = no_daemon();
-  options.held_limit = 12;
-  Node other(options);
+  Node other(no_daemon_and_held_at_most(12));
   ASSERT_TRUE(other.becomes_ready()) << other->description();
   Writer writer(other, 1);
   std::vector<SampleHandle> loans;
@@ -334,9 +332,7 @@ TEST_F(ShmPorts, UseTheSameChunkAgainOnceNobodyHoldsIt) {
 }
 
 TEST_F(ShmPorts, HoldNoMoreThanTheLimitAndLeaveTheRestInTheQueue) {
-  shm::ShmOptions options = no_daemon();
-  options.held_limit = 2;
-  Node other(options);
+  Node other(no_daemon_and_held_at_most(2));
   ASSERT_TRUE(other.becomes_ready()) << other->description();
   Writer writer(node(), 1);
   Reader reader(other);

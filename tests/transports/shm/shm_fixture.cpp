@@ -158,6 +158,12 @@ shm::ShmOptions no_daemon() {
   return options;
 }
 
+shm::ShmOptions no_daemon_and_held_at_most(std::uint32_t samples) {
+  shm::ShmOptions options = no_daemon();
+  options.held_limit = samples;
+  return options;
+}
+
 Node::Node(const shm::ShmOptions& options) : transport_(shm::open_shm_transport(options).value()) {}
 
 bool Node::becomes(core::Availability wanted, std::chrono::milliseconds within) {

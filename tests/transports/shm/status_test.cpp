@@ -140,7 +140,7 @@ TEST_F(SftdCommands, ShowTheLastStateOfAStoppedDaemonAndSayThatItDoesNotAnswer) 
 /// A daemon that is stopped, and a node that asks it for ports and does not wait for the answers.
 class PortsAnsweredLate : public SftdCommands {
  protected:
-  PortsAnsweredLate() : daemon_(start_sftd()), node_(impatient()) {
+  PortsAnsweredLate() : daemon_(start_sftd()), node_(without_waiting()) {
     EXPECT_TRUE(node_.becomes_ready()) << node_->description();
     daemon_.signal(SIGSTOP);
     EXPECT_TRUE(eventually([&] { return is_stopped(daemon_.pid()); }));
@@ -159,7 +159,7 @@ class PortsAnsweredLate : public SftdCommands {
   }
 
  private:
-  static shm::ShmOptions impatient() {
+  static shm::ShmOptions without_waiting() {
     shm::ShmOptions options = no_daemon();
     options.port_wait = 0ms;
     options.port_deadline = patience;
@@ -172,17 +172,17 @@ class PortsAnsweredLate : public SftdCommands {
 TEST_F(PortsAnsweredLate, HoldUpNoCallAndAreThereWhenTheirAnswersHaveCome) {
   EXPECT_FALSE(asks_for(1));
   EXPECT_FALSE(asks_for(2));
-  EXPECT_TRUE(node()->owes_answer());
+  EXPECT_TRUE(node()->awaits_answer());
   Reader reader(node());
   EXPECT_FALSE(reader.port().connect({.writer = 9}));
   goes_on();
   const auto first = comes(1), second = comes(2);
   EXPECT_TRUE(eventually([&] { return reader.port().connect({.writer = 9}).has_value(); }));
-  EXPECT_FALSE(node()->owes_answer());
+  EXPECT_FALSE(node()->awaits_answer());
   EXPECT_TRUE(status_becomes([](const Status& status) { return status.usage.publishers.size() == 2; }));
 }
 
-TEST_F(PortsAnsweredLate, AreGivenBackIfNobodyAsksForThemAgain) {
+TEST_F(PortsAnsweredLate, AreGivenBackIfTheNodeDoesNotAskForThemAgain) {
   EXPECT_FALSE(asks_for(1));
   goes_on();
   ASSERT_TRUE(status_becomes([](const Status& status) { return status.usage.publishers.size() == 1; }));

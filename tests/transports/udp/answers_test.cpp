@@ -65,7 +65,7 @@ class AnswersTest : public TransportTest {
     ASSERT_TRUE(eventually([&] { return seen_here_.port != 0; }));
   }
 
-  /// Sends so many acks to where the transport receives samples.
+  /// Sends acks to the port at which the transport receives samples.
   static void acknowledge_what_was_never_sent(const core::Network& there, int times) {
     std::array<std::byte, 256> bytes{};
     const Ack ack{.writer = 1, .channel = 1, .next = 1};

@@ -42,7 +42,7 @@ class Connections {
             .came = last->datagrams,
             .sent_at_ns = last->sent_at_ns};
   }
-  /// After so many batches the send buffers are full, or that happens to each batch.
+  /// Takes that number of batches. Each later one has the outcome `then`: usually the send buffers are full.
   void take_batches(std::size_t count, SendOutcome then = SendOutcome::would_wait) {
     batches_left_ = count;
     then_ = then;

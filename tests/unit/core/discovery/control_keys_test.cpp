@@ -57,7 +57,7 @@ TEST(HeardKeysTest, AParticipantEndsNoEndpointOfAnotherByUsingItsKey) {
   EXPECT_EQ(keys.withdrawn(first_guid, 7), 10U);
 }
 
-TEST(HeardKeysTest, AWithdrawalByAParticipantThatHasAnnouncedNothingTellsWhoseEndpointItIsMeantFor) {
+TEST(HeardKeysTest, AWithdrawalByAParticipantThatHasAnnouncedNothingNamesTheEndpointOfAnotherParticipant) {
   HeardKeys keys;
   keys.announced(first_guid, 7, 10);
   EXPECT_EQ(keys.withdrawn(second_guid, 7), 10U);

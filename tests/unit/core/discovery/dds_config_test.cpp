@@ -176,8 +176,8 @@ TEST(DdsConfig, WithoutMulticastFindsNodesOfThisHostAllTheSame) {
   EXPECT_THAT(config("", {.multicast = false}).warnings, ElementsAre(HasSubstr("only nodes of this host")));
 }
 
-/// Cyclone would look a name up on the thread that makes a link.
-TEST(DdsConfig, HasNumbersOnlyForPeersByNameWhoeverNamesThem) {
+/// Cyclone would look names up on the thread that makes a link.
+TEST(DdsConfig, HasNumbersOnlyForPeersByNameOfTheSettingsAndOfTheUser) {
   const DiscoverySettings settings{.peers = {"robot.local:7410", "nobody.local"}};
   const char* user =
       "<Discovery><Peers><Peer Address='a,10.0.0.9'/></><LeaseDuration>77 s</></><Internal><NackDelay>6 s";
@@ -185,11 +185,11 @@ TEST(DdsConfig, HasNumbersOnlyForPeersByNameWhoeverNamesThem) {
   EXPECT_THAT(heard(c, card).values("Discovery/Peers/Peer/@Address"),
               ElementsAre("10.0.0.8:7410", "10.0.0.1", "10.0.0.9"));
   EXPECT_THAT(heard(c, loopback).values("Discovery/Peers/Peer/@Address"), ElementsAre("10.0.0.1", "10.0.0.9"))
-      << "the user's hold for all links";
+      << "the user's peers hold for all links";
   EXPECT_THAT(in_force(c, "Discovery/LeaseDuration"), is("77 s"));
   EXPECT_THAT(in_force(c, "Internal/NackDelay"), is("6 s"));
   EXPECT_EQ(c.family_of_peers(std::vector{loopback, card}), IpFamily::ipv4);
-  EXPECT_EQ(config("", settings).family_of_peers(std::vector{loopback}), std::nullopt) << "nobody is asked";
+  EXPECT_EQ(config("", settings).family_of_peers(std::vector{loopback}), std::nullopt) << "no peer is asked";
   EXPECT_TRUE(config("<Discovery><Peers><Peer Address='10.0.0.9'/>").text_has_user_peers);
 }
 

@@ -1,4 +1,5 @@
-// Peers by name are looked up beside everything else: nobody waits for a name server that is silent.
+// Peers by name are looked up on threads of their own: no other thread waits for a name server that is
+// silent.
 #include "core/discovery/peer_addresses.h"
 
 #include <gmock/gmock.h>
@@ -43,7 +44,7 @@ TEST(PeerInNumbers, HasThePortThatStandsBehindTheName) {
   EXPECT_THAT(in_numbers("other.local", IpFamily::ipv4, known), IsEmpty());
 }
 
-/// Answers when the test lets it.
+/// A name server that answers once the test has set the answer.
 class NameServer {
  public:
   Result<std::vector<IpAddress>> answer(const std::string& name) {
@@ -52,7 +53,7 @@ class NameServer {
     while (!answers_.contains(name)) changed_.wait(lock);
     return answers_.at(name);
   }
-  void says(const std::string& name, Result<std::vector<IpAddress>> answer) {
+  void set_answer(const std::string& name, Result<std::vector<IpAddress>> answer) {
     const Lock lock(mutex_);
     answers_.insert_or_assign(name, std::move(answer));
     changed_.notify_all();
@@ -76,7 +77,8 @@ class NameServer {
 class PeerAddressesTest : public ::testing::Test {
  protected:
   ~PeerAddressesTest() override {
-    for (const char* name : {"robot", "other"}) server_->says(name, fail(Errc::unavailable, "the test ends"));
+    for (const char* name : {"robot", "other"})
+      server_->set_answer(name, fail(Errc::unavailable, "the test ends"));
   }
   PeerAddresses of(const std::vector<std::string>& peers) {
     PeerAddresses addresses(
@@ -84,7 +86,7 @@ class PeerAddressesTest : public ::testing::Test {
     addresses.used_on(IpFamily::ipv4);
     return addresses;
   }
-  /// What comes of the lookups that are under way.
+  /// Waits for the lookups that are under way, and returns what their answers have changed.
   PeerAddresses::Look answered(PeerAddresses& addresses) {
     addresses.wait_for_answers(std::chrono::steady_clock::now() + sft::test::patience);
     return addresses.look_after(now_);
@@ -96,9 +98,9 @@ class PeerAddressesTest : public ::testing::Test {
 
 TEST_F(PeerAddressesTest, AreKnownOnceTheirNamesAreAnswered) {
   PeerAddresses addresses = of({"robot", "10.0.0.9"});
-  server_->says("robot", std::vector{first});
-  EXPECT_FALSE(addresses.look_after(now_).is_changed);
-  EXPECT_TRUE(answered(addresses).is_changed);
+  server_->set_answer("robot", std::vector{first});
+  EXPECT_FALSE(addresses.look_after(now_).addresses_changed);
+  EXPECT_TRUE(answered(addresses).addresses_changed);
   EXPECT_EQ(addresses.known(), (KnownHosts{{"robot", {first}}}));
   EXPECT_THAT(addresses.warnings(), IsEmpty());
   EXPECT_EQ(server_->asked("10.0.0.9"), 0);
@@ -106,9 +108,9 @@ TEST_F(PeerAddressesTest, AreKnownOnceTheirNamesAreAnswered) {
 
 TEST_F(PeerAddressesTest, OfOneNameDoNotWaitForThoseOfAnother) {
   PeerAddresses addresses = of({"other", "robot"});
-  server_->says("robot", std::vector{first});
+  server_->set_answer("robot", std::vector{first});
   addresses.look_after(now_);
-  EXPECT_TRUE(sft::test::eventually([&] { return addresses.look_after(now_).is_changed; }));
+  EXPECT_TRUE(sft::test::eventually([&] { return addresses.look_after(now_).addresses_changed; }));
   EXPECT_EQ(addresses.known(), (KnownHosts{{"robot", {first}}}));
 }
 
@@ -120,11 +122,11 @@ TEST_F(PeerAddressesTest, ThatNothingAnswersAreAWarningOnceAndStillLookedFor) {
   now_ += 1h;
   const PeerAddresses::Look look = addresses.look_after(now_);
   EXPECT_THAT(look.news, IsEmpty());
-  EXPECT_FALSE(look.is_told);
+  EXPECT_FALSE(look.warnings_changed);
   EXPECT_GT(look.next, now_);
-  EXPECT_THAT(addresses.warnings(), ElementsAre(HasSubstr("nothing has answered yet")));
-  server_->says("robot", std::vector{first});
-  EXPECT_TRUE(answered(addresses).is_told);
+  EXPECT_THAT(addresses.warnings(), ElementsAre(HasSubstr("has not been answered yet")));
+  server_->set_answer("robot", std::vector{first});
+  EXPECT_TRUE(answered(addresses).warnings_changed);
   EXPECT_THAT(addresses.warnings(), IsEmpty());
   EXPECT_EQ(server_->asked("robot"), 1);
 }
@@ -135,12 +137,12 @@ TEST_F(PeerAddressesTest, MayEndWhileALookupIsUnderWay) {
     addresses.look_after(now_);
     EXPECT_TRUE(sft::test::eventually([&] { return server_->asked("robot") == 1; }));
   }
-  server_->says("robot", std::vector{first});
+  server_->set_answer("robot", std::vector{first});
 }
 
 TEST_F(PeerAddressesTest, ThatDoNotExistAreLookedUpAgainAfterPauses) {
   PeerAddresses addresses = of({"robot"});
-  server_->says("robot", fail(Errc::unavailable, "Name or service not known"));
+  server_->set_answer("robot", fail(Errc::unavailable, "Name or service not known"));
   addresses.look_after(now_);
   const PeerAddresses::Look look = answered(addresses);
   EXPECT_THAT(look.news, ElementsAre(HasSubstr("'robot' is not looked for yet: Name or service not known")));
@@ -149,39 +151,39 @@ TEST_F(PeerAddressesTest, ThatDoNotExistAreLookedUpAgainAfterPauses) {
   addresses.look_after(now_);
   EXPECT_EQ(server_->asked("robot"), 1);
   now_ = look.next;
-  server_->says("robot", std::vector{first});
+  server_->set_answer("robot", std::vector{first});
   addresses.look_after(now_);
-  EXPECT_TRUE(answered(addresses).is_changed);
+  EXPECT_TRUE(answered(addresses).addresses_changed);
   EXPECT_THAT(addresses.warnings(), IsEmpty());
 }
 
-TEST_F(PeerAddressesTest, AreKeptWhileTheNameServerFailsAndThatIsSaid) {
+TEST_F(PeerAddressesTest, AreKeptWhileTheNameServerFailsWhichIsAWarning) {
   PeerAddresses addresses = of({"robot"});
-  server_->says("robot", std::vector{first});
+  server_->set_answer("robot", std::vector{first});
   addresses.look_after(now_);
-  EXPECT_TRUE(answered(addresses).is_changed);
-  server_->says("robot", fail(Errc::unavailable, "Temporary failure"));
+  EXPECT_TRUE(answered(addresses).addresses_changed);
+  server_->set_answer("robot", fail(Errc::unavailable, "Temporary failure"));
   addresses.network_changed();
   addresses.look_after(now_);
   const PeerAddresses::Look look = answered(addresses);
-  EXPECT_FALSE(look.is_changed);
+  EXPECT_FALSE(look.addresses_changed);
   EXPECT_THAT(look.news, ElementsAre(HasSubstr("last known address: Temporary failure")));
   EXPECT_EQ(addresses.known(), (KnownHosts{{"robot", {first}}}));
 }
 
 TEST_F(PeerAddressesTest, AreLookedUpAgainWhenTheNetworkChangesAndEveryNowAndThen) {
   PeerAddresses addresses = of({"robot"});
-  server_->says("robot", std::vector{first});
+  server_->set_answer("robot", std::vector{first});
   addresses.look_after(now_);
   const PeerAddresses::Look look = answered(addresses);
   EXPECT_EQ(look.next, now_ + PeerAddresses::ask_again_after);
   addresses.network_changed();
   addresses.look_after(now_);
-  EXPECT_FALSE(answered(addresses).is_changed) << "the same answer";
+  EXPECT_FALSE(answered(addresses).addresses_changed) << "the same answer";
   now_ += PeerAddresses::ask_again_after;
-  server_->says("robot", std::vector{second});
+  server_->set_answer("robot", std::vector{second});
   addresses.look_after(now_);
-  EXPECT_TRUE(answered(addresses).is_changed);
+  EXPECT_TRUE(answered(addresses).addresses_changed);
   EXPECT_EQ(addresses.known(), (KnownHosts{{"robot", {second}}}));
 }
 

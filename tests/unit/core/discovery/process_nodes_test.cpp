@@ -133,7 +133,7 @@ TEST_F(ProcessNodesTest, IsToldOfEverythingOfARoleThatItAsksFor) {
   EXPECT_THAT(told(first), ElementsAre("seen 3")) << "it knows already what concerns its own endpoint";
 }
 
-TEST_F(ProcessNodesTest, IsToldOfEndpointsOfASilentNodeAsThoseOfASilentNode) {
+TEST_F(ProcessNodesTest, IsToldThatTheNodeOfAnEndpointIsSilent) {
   const Assertion sign{.node = remote_node, .writers = {}};
   remote_announces(Role::writer, 1);
   known.assertion_came(remote, sign, now);

@@ -124,7 +124,7 @@ TEST_F(EndpointTableTest, OnlyTopicsOfOurEndpointsAreOurs) {
   EXPECT_FALSE(table.is_topic_of_ours("a topic of nobody"));
   table.enter(endpoint(Role::reader, other_reader));
   table.erase(our_writer);
-  EXPECT_FALSE(table.is_topic_of_ours("points")) << "only others are left there";
+  EXPECT_FALSE(table.is_topic_of_ours("points")) << "only endpoints of other nodes are left there";
 }
 
 TEST_F(EndpointTableTest, OnlyAWritersOwnNodeReportsItsProgress) {

@@ -140,7 +140,7 @@ TEST_F(Comparisons, TheOldestIsForgottenFirstAndTheOthersAreKept) {
   EXPECT_FALSE(compare(1));
 }
 
-// All together have far more bytes than may be kept at a time.
+// All comparisons together have far more bytes than may be kept at a time.
 TEST_F(Comparisons, WhatWasForgottenLeavesRoomForOthers) {
   constexpr std::uint64_t made = 20'000, known = 256;
   for (std::uint64_t n = 1; n <= made; ++n) compare(n);

@@ -13,7 +13,7 @@ class LocalWriterTest : public LocalEndpointTest {
     PublisherCore::Spec spec{endpoint.id, "points", &type, 1 << 16};
     spec.qos = endpoint.qos;
     spec.on_event = [this](const Event& event) { events.push_back(event); };
-    spec.asserted = [this] { ++assertions_told; };
+    spec.asserted = [this] { ++notifications; };
     core = std::make_shared<PublisherCore>(std::move(spec), BufferPool::make(1 << 20),
                                            endpoint.may_use_network ? network_port : nullptr);
     writer.emplace(node, endpoint, core);
@@ -49,7 +49,7 @@ class LocalWriterTest : public LocalEndpointTest {
 
   const std::shared_ptr<TestWriterPort> network_port = std::make_shared<TestWriterPort>();
   std::vector<Event> events;
-  int assertions_told = 0;  ///< to the node's agent, at once
+  int notifications = 0;  ///< how often the node's agent was notified of an assertion
   std::shared_ptr<PublisherCore> core;
   std::optional<LocalWriter> writer;
 };
@@ -191,7 +191,7 @@ TEST_F(LocalWriterTest, ItsReadersAreToldThatItLivesOnlyIfTheyAskForALease) {
   EXPECT_FALSE(writer->pace());
 }
 
-TEST_F(LocalWriterTest, EachAssertionOfTheProgramIsToldAtOnceUnlessOneWasJustTold) {
+TEST_F(LocalWriterTest, EachAssertionOfTheProgramIsSentAtOnceUnlessOneWasJustSent) {
   const auto lease = std::chrono::minutes(3);
   Endpoint endpoint = over_network(Role::writer, 7);
   endpoint.qos.liveliness = manual_by_topic;
@@ -204,15 +204,15 @@ TEST_F(LocalWriterTest, EachAssertionOfTheProgramIsToldAtOnceUnlessOneWasJustTol
   writer->reconcile();
   Time now = std::chrono::steady_clock::now();
   for (int round = 0; round < 3; ++round, now += lease) {
-    const int before = assertions_told;
+    const int before = notifications;
     core->assert_liveliness();
-    EXPECT_EQ(assertions_told, before + 1) << "the agent is told at once";
-    EXPECT_TRUE(writer->watch_promises(now)) << "and tells the readers";
+    EXPECT_EQ(notifications, before + 1) << "the agent is notified at once";
+    EXPECT_TRUE(writer->watch_promises(now)) << "and sends the assertion to the readers";
     for (int i = 0; i < 10; ++i) {
       core->assert_liveliness();
-      EXPECT_FALSE(writer->watch_promises(now)) << "one was just told";
+      EXPECT_FALSE(writer->watch_promises(now)) << "one was just sent";
     }
-    EXPECT_LE(assertions_told, before + 2);
+    EXPECT_LE(notifications, before + 2);
     EXPECT_TRUE(writer->watch_promises(now + lease / 2)) << "the last one is not forgotten";
     EXPECT_FALSE(writer->watch_promises(now + lease)) << "nothing new was asserted";
   }

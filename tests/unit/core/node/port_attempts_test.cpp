@@ -81,18 +81,18 @@ TEST_F(PortAttemptsTest, WhatWasNotAskedMeanwhileMayBeTriedAgainAfterwards) {
 
 class SlowMemory : public IdleSharedMemory {
  public:
-  bool owes_answer() const override { return true; }
+  bool awaits_answer() const override { return true; }
 };
 
-TEST_F(PortAttemptsTest, ADaemonThatWillAnswerSoonIsAskedAgainWithTheNextLookAndNoFailureIsTold) {
+TEST_F(PortAttemptsTest, ADaemonThatWillAnswerSoonIsAskedAgainWithTheNextLookAndNoFailureIsLogged) {
   const SlowMemory memory;
-  PortAttempts patient{log, &memory};
-  EXPECT_FALSE(patient.in_memory(one, failing(Errc::unavailable, "not yet")));
+  PortAttempts awaiting{log, &memory};
+  EXPECT_FALSE(awaiting.in_memory(one, failing(Errc::unavailable, "not yet")));
   EXPECT_THAT(logged, IsEmpty());
   EXPECT_EQ(one.reason(), "not yet");
-  EXPECT_TRUE(patient.may_retry_in_memory(one, std::chrono::steady_clock::now()));
-  EXPECT_TRUE(patient.in_memory(other, working())) << "it may have answered that";
-  EXPECT_TRUE(patient.in_memory(one, working()));
+  EXPECT_TRUE(awaiting.may_retry_in_memory(one, std::chrono::steady_clock::now()));
+  EXPECT_TRUE(awaiting.in_memory(other, working())) << "it may have answered that";
+  EXPECT_TRUE(awaiting.in_memory(one, working()));
   EXPECT_FALSE(one.due_again(later()));
 }
 

@@ -24,7 +24,7 @@ TEST_F(ReconcilerTest, ANodeLooksTwiceInADeadlineAndSixTimesInALeaseThatItKeepsA
     return std::chrono::steady_clock::now() + std::chrono::seconds(10) + after;
   };
   discovery.calm = true;
-  reconciler.tick(calm(std::chrono::seconds(0)));  // tells that it lives
+  reconciler.tick(calm(std::chrono::seconds(0)));  // sends a sign of life
   ASSERT_EQ(reconciler.tick(calm(std::chrono::seconds(0))), TickPace::pause_in_calm);
   const auto open = [&](EndpointId id, const Qos& qos) {
     PublisherCore::Spec spec{id, "points", &type, 1 << 16};
@@ -53,7 +53,8 @@ TEST_F(ReconcilerTest, ANodeLooksTwiceInADeadlineAndSixTimesInALeaseThatItKeepsA
   reader.qos.deadline = writer.qos.deadline = requested;
   reconciler.add_reader(reader, {core, port});
   reconciler.tick(calm(std::chrono::seconds(15)));
-  EXPECT_EQ(reconciler.tick(calm(std::chrono::seconds(20))), TickPace::pause_in_calm) << "nobody keeps it";
+  EXPECT_EQ(reconciler.tick(calm(std::chrono::seconds(20))), TickPace::pause_in_calm)
+      << "no writer keeps the deadline";
   reconciler.endpoint_seen(writer);
   reconciler.reconcile();
   reconciler.liveliness_asserted({.node = writer.node_id, .writers = {}});  // it is not lost

@@ -85,7 +85,7 @@ TEST_F(ReconcilerTest, WhatAWriterThatIsHeardAnnouncesAnewReachesItsConnection) 
   EXPECT_FALSE(connections.announced[1].alive);
 }
 
-TEST_F(ReconcilerTest, AnEndpointThatIsToldOfAfterItsNodeFellSilentIsThereOnceTheNodeLives) {
+TEST_F(ReconcilerTest, AnEndpointThatIsAnnouncedAfterItsNodeFellSilentIsThereOnceTheNodeLives) {
   our_reader(200);
   Endpoint silent = endpoint(Role::writer, 7);
   silent.node_id = 66;

@@ -49,67 +49,67 @@ TEST(AgentTest, IsBehindWhileTooManyTasksWait) {
   EXPECT_FALSE(agent.is_behind());
 }
 
-/// The clock of a test, by which a task can last as long as it wants.
-Time told_time{};
-Time read_told_time() { return told_time; }
+/// The clock of these tests. A task sets how long it takes.
+Time test_time{};
+Time read_test_time() { return test_time; }
 
 struct HoldUps {
-  std::vector<std::pair<unsigned, std::chrono::milliseconds>> told{};
-  HoldUpWatch::Tell tell() {
+  std::vector<std::pair<unsigned, std::chrono::milliseconds>> reported{};
+  HoldUpWatch::Report report() {
     return [this](std::source_location what, std::chrono::milliseconds held_up) {
-      told.emplace_back(what.line(), held_up);
+      reported.emplace_back(what.line(), held_up);
     };
   }
 };
-using Told = std::vector<std::pair<unsigned, std::chrono::milliseconds>>;
+using Reported = std::vector<std::pair<unsigned, std::chrono::milliseconds>>;
 
 TEST(HoldUpWatchTest, NamesEachPieceOfWorkThatTookTooLong) {
   HoldUps hold_ups;
-  HoldUpWatch watch(hold_ups.tell(), &read_told_time);
+  HoldUpWatch watch(hold_ups.report(), &read_test_time);
   watch.begin(std::source_location::current());
-  told_time += HoldUpWatch::held_up_max;
+  test_time += HoldUpWatch::held_up_max;
   const unsigned line = std::source_location::current().line() + 1;
   next_piece_of_work();
-  told_time += HoldUpWatch::held_up_max + 1ms;
+  test_time += HoldUpWatch::held_up_max + 1ms;
   next_piece_of_work();
   watch.end();
-  told_time += 1h;
+  test_time += 1h;
   watch.end();
-  EXPECT_EQ(hold_ups.told, (Told{{line, HoldUpWatch::held_up_max + 1ms}}))
+  EXPECT_EQ(hold_ups.reported, (Reported{{line, HoldUpWatch::held_up_max + 1ms}}))
       << "waiting between pieces is no work";
 }
 
-TEST(AgentTest, ATaskThatHoldsItUpIsToldWithThePlaceThatPostedIt) {
+TEST(AgentTest, ATaskThatHoldsItUpIsReportedWithThePlaceThatPostedIt) {
   HoldUps hold_ups;
   Agent::Duties duties = no_duties();
-  duties.held_up = hold_ups.tell();
-  duties.time = &read_told_time;
+  duties.held_up = hold_ups.report();
+  duties.time = &read_test_time;
   Agent agent;
   ASSERT_TRUE(agent.start("test", duties));
-  agent.post([] { told_time += HoldUpWatch::held_up_max; });
+  agent.post([] { test_time += HoldUpWatch::held_up_max; });
   const unsigned line = std::source_location::current().line() + 1;
-  agent.post([] { told_time += 1min; });
+  agent.post([] { test_time += 1min; });
   agent.stop();
-  EXPECT_EQ(hold_ups.told, (Told{{line, 1min}}));
+  EXPECT_EQ(hold_ups.reported, (Reported{{line, 1min}}));
 }
 
-TEST(AgentTest, ATickThatHoldsItUpIsTold) {
+TEST(AgentTest, ATickThatHoldsItUpIsReported) {
   HoldUps hold_ups;
   std::promise<void> ticked;
   Agent::Duties duties = no_duties();
   duties.tick = [&] {
-    told_time += 1min;
+    test_time += 1min;
     ticked.set_value();
     return 1h;
   };
-  duties.held_up = hold_ups.tell();
-  duties.time = &read_told_time;
+  duties.held_up = hold_ups.report();
+  duties.time = &read_test_time;
   Agent agent;
   ASSERT_TRUE(agent.start("test", duties));
   ASSERT_EQ(ticked.get_future().wait_for(test::patience), std::future_status::ready);
   agent.stop();
-  ASSERT_EQ(hold_ups.told.size(), 1U);
-  EXPECT_EQ(hold_ups.told[0].second, 1min);
+  ASSERT_EQ(hold_ups.reported.size(), 1U);
+  EXPECT_EQ(hold_ups.reported[0].second, 1min);
 }
 
 TEST(AgentTest, IdleComesAfterABatchAndTicksKeepComing) {

@@ -21,7 +21,7 @@ class CountingPort final : public IdleNetworkWriter {
 
   SendStatus answer = SendStatus::sent;
   std::uint64_t dropped_later = 0;
-  std::size_t missed = 0;  ///< of those that are sent together
+  std::size_t missed = 0;  ///< samples of those that are sent together
   int sent = 0;
 
  private:
@@ -32,16 +32,32 @@ class CountingPort final : public IdleNetworkWriter {
   }
 };
 
-TEST(PublisherStatusTest, CountsWhatWasRefusedAndWhatWasDroppedAfterItWasTaken) {
+/// A publisher with a port to the network.
+class PublisherStatusTest : public testing::Test {
+ protected:
+  /// Serves one reader, with a maximum rate if `min_period_us` is not 0.
+  void serve(std::uint32_t min_period_us = 0) {
+    Serving serving;
+    serving.network = {{2, UdpAddress{0x7f000001, 5000}, type.full()}};
+    serving.network[0].min_period_us = min_period_us;
+    publisher.serve(serving, nullptr);
+  }
+
   const TypeSupport type{TypeTable<PointCloud2>::type};
-  const auto network = std::make_shared<CountingPort>();
-  PublisherCore::Spec spec;
-  spec.type = &type;
-  spec.max_sample_bytes = 1000;
-  PublisherCore publisher(spec, BufferPool::make(1 << 20), network);
-  Serving serving;
-  serving.network = {{2, UdpAddress{0x7f000001, 5000}, type.full()}};
-  publisher.serve(serving, nullptr);
+  const std::shared_ptr<CountingPort> network = std::make_shared<CountingPort>();
+  PublisherCore publisher{spec_of(type), BufferPool::make(1 << 20), network};
+
+ private:
+  static PublisherCore::Spec spec_of(const TypeSupport& published) {
+    PublisherCore::Spec spec;
+    spec.type = &published;
+    spec.max_sample_bytes = 1000;
+    return spec;
+  }
+};
+
+TEST_F(PublisherStatusTest, CountsWhatWasRefusedAndWhatWasDroppedAfterItWasTaken) {
+  serve();
   const PointCloud2 cloud;
   EXPECT_EQ(publisher.publish(&cloud), PublishStatus::ok);
   EXPECT_EQ(publisher.status().dropped, 0U);
@@ -52,19 +68,10 @@ TEST(PublisherStatusTest, CountsWhatWasRefusedAndWhatWasDroppedAfterItWasTaken) 
   EXPECT_EQ(publisher.status().dropped, 3U);
 }
 
-/// A reader with a maximum rate gets one sample in each slot. The first one takes the slot of each.
-TEST(PublisherStatusTest, AMessageThatIsRefusedIsNotPublishedAndTakesNoSlotOfAReaderWithARate) {
-  const TypeSupport type{TypeTable<PointCloud2>::type};
-  const auto network = std::make_shared<CountingPort>();
-  PublisherCore::Spec spec;
-  spec.type = &type;
-  spec.max_sample_bytes = 1000;
-  PublisherCore publisher(spec, BufferPool::make(1 << 20), network);
-  Serving serving;
-  serving.network = {{2, UdpAddress{0x7f000001, 5000}, type.full()}};
+/// A reader with a maximum rate gets the first sample of each slot, which a refused message is not.
+TEST_F(PublisherStatusTest, AMessageThatIsRefusedIsNotPublishedAndTakesNoSlotOfAReaderWithARate) {
   constexpr std::uint32_t an_hour_us = 3'600'000'000;  // no slot begins in the course of the test
-  serving.network[0].min_period_us = an_hour_us;
-  publisher.serve(serving, nullptr);
+  serve(an_hour_us);
   PointCloud2 not_text, too_large;
   not_text.header.frame_id = std::string("a\0b", 3);
   too_large.data.resize(2000);
@@ -80,17 +87,8 @@ TEST(PublisherStatusTest, AMessageThatIsRefusedIsNotPublishedAndTakesNoSlotOfARe
   EXPECT_EQ(publisher.status().published, 2U);
 }
 
-TEST(PublisherStatusTest,
-     OfSamplesThatArePublishedTogetherThoseThatDoNotLeaveAreDroppedAndTheOthersPublished) {
-  const TypeSupport type{TypeTable<PointCloud2>::type};
-  const auto network = std::make_shared<CountingPort>();
-  PublisherCore::Spec spec;
-  spec.type = &type;
-  spec.max_sample_bytes = 1000;
-  PublisherCore publisher(spec, BufferPool::make(1 << 20), network);
-  Serving serving;
-  serving.network = {{2, UdpAddress{0x7f000001, 5000}, type.full()}};
-  publisher.serve(serving, nullptr);
+TEST_F(PublisherStatusTest, SamplesPublishedTogetherThatDoNotLeaveAreDroppedAndTheOthersArePublished) {
+  serve();
   const std::vector<PointCloud2> clouds(5);
   std::uint64_t published = 0, dropped = 0;
   for (const std::size_t missed : {0, 2, 9}) {

@@ -1,4 +1,4 @@
-// The thread for callbacks of events: how many calls may wait for it.
+// A limited number of calls may wait for the thread for callbacks of events.
 #include "core/report/callback_thread.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 namespace sft::core {
 namespace {
 
-TEST(CallbackThreadTest, LeavesOutWhatIsBeyondTenThousandThatWaitEachTimeThatACallbackDoesNotReturn) {
+TEST(CallbackThreadTest, LeavesOutTheCallsBeyondTenThousandEachTimeThatACallbackDoesNotReturn) {
   constexpr std::uint64_t waiting_max = 10'000, too_many = 7;
   CallbackThread thread({"test", {}});
   ASSERT_TRUE(thread.start());
@@ -24,11 +24,11 @@ TEST(CallbackThreadTest, LeavesOutWhatIsBeyondTenThousandThatWaitEachTimeThatACa
     });
     begun.get_future().wait();
     for (std::uint64_t i = 0; i < waiting_max + too_many; ++i) thread.post([&] { ++called; });
-    EXPECT_EQ(thread.take_left_out(), 0U) << "nobody could be told of it";
+    EXPECT_EQ(thread.take_left_out(), 0U) << "no callback can report it now";
     may_return.set_value();
     ASSERT_TRUE(test::eventually([&] { return called == round * waiting_max; })) << called;
     EXPECT_EQ(thread.take_left_out(), too_many);
-    EXPECT_EQ(thread.take_left_out(), 0U) << "it is told once";
+    EXPECT_EQ(thread.take_left_out(), 0U) << "the number is reported once";
   }
   thread.stop();
 }

@@ -53,7 +53,7 @@ class MemoryQueue final : public QueueOf<IdleBorrowingReader> {
 
   std::uint64_t held_too_many() const noexcept override { return at_limit; }
 
-  std::uint64_t at_limit = 0;  ///< how often that was so
+  std::uint64_t at_limit = 0;  ///< how often the limit was reached
   bool is_at_limit = false;    ///< as many samples are held as may be
 };
 

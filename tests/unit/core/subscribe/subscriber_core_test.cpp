@@ -140,7 +140,7 @@ TEST_F(SubscriberCoreTest, CountsAreThoseOfAllPortsWhicheverComeAndGo) {
     EXPECT_EQ(status.lost, lost);
     EXPECT_EQ(status.discarded, discarded);
     EXPECT_EQ(status.held_too_many, held_too_many);
-    EXPECT_EQ(ports.held_too_many(), held_too_many) << "by which an event is told";
+    EXPECT_EQ(ports.held_too_many(), held_too_many) << "events report this count";
   };
   expect_counts(0, 0, 0);
   memory->unnoticed = 1, memory->discarded = 2, memory->at_limit = 3;

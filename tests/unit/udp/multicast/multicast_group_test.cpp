@@ -265,7 +265,7 @@ TEST_F(MulticastGroupTest, AnswersEachAloneOfALargeSample) {
   EXPECT_EQ(sent_again(), 0U);
 }
 
-TEST_F(MulticastGroupTest, WhatItLosesIsLostForTheMembersThatHearItAndAskForNothing) {
+TEST_F(MulticastGroupTest, SamplesThatItLosesAreLostForMembersThatHearItAndDoNotAskForThemAgain) {
   const auto lost = [&](std::size_t member) {
     const core::DeliveryMeter::Reading counted =
         core::DeliveryMeter{.losses = group->members()[member].lane->losses()}.read();
@@ -273,7 +273,7 @@ TEST_F(MulticastGroupTest, WhatItLosesIsLostForTheMembersThatHearItAndAskForNoth
     return counted.lost;
   };
   group->departed(*place(), true);
-  EXPECT_EQ(lost(3), 0U) << "it is sent the sample alone";
+  EXPECT_EQ(lost(3), 0U) << "this member gets the sample alone";
   all_report();
   group->departed(*place(), false);
   EXPECT_EQ(lost(3), 0U);

@@ -85,7 +85,7 @@ TEST(BorrowedMemory, IsHeldOfAFewSamplesOnly) {
   for (int round = 0; round < 100; ++round) {
     held.clear();
     for (int i = 0; i < 5; ++i)
-      ASSERT_TRUE(borrow(std::size_t{3} << 20)) << "what came back can be borrowed again";
+      ASSERT_TRUE(borrow(std::size_t{3} << 20)) << "memory that came back can be borrowed again";
   }
 }
 

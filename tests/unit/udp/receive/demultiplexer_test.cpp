@@ -176,7 +176,7 @@ TEST_F(DemultiplexerTest, BringsTheSamplesOfEachKindOfSampleDatagram) {
   EXPECT_EQ(handed_.in_channel, 1U);
 }
 
-TEST_F(DemultiplexerTest, CountsASharedDatagramOnceWhoseBodiesAreNotAsLongAsItSays) {
+TEST_F(DemultiplexerTest, CountsASharedDatagramOnceIfItsLengthDiffersFromThatOfItsBodies) {
   for (const int bytes : {-1, 1}) {
     Bytes datagram = datagram_of(DatagramKind::packed);
     datagram.resize(datagram.size() + static_cast<std::size_t>(bytes));

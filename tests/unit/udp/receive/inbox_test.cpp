@@ -123,7 +123,7 @@ TEST_F(InboxTest, CountsEachSampleThatItThrowsAwayOnceAndNoOther) {
   expect_discarded(2, "2 and 3 are pushed out");
   deliver(1, 5, 5);
   deliver(9, 1, 1);
-  expect_discarded(2, "that is repeated, or of nobody who is heard");
+  expect_discarded(2, "one is repeated, and one is from a writer that is not connected");
   deliver(1, 1, 1);
   expect_discarded(3, "it comes too late");
   EXPECT_EQ(take_all().size(), 3U);
@@ -134,9 +134,9 @@ TEST_F(InboxTest, CountsEachSampleThatItThrowsAwayOnceAndNoOther) {
   inbox_.connect({2});
   deliver(2, 7, 8);
   deliver(2, 1, 1, 0, anew);
-  expect_discarded(7, "likewise");
+  expect_discarded(7, "7 and 8 of the second writer had wrong numbers, too");
   EXPECT_EQ(take_all(), (Taken{{2, 1}}));
-  EXPECT_EQ(inbox_.lost_unnoticed(), 2U + 2U) << "nobody saw the first ones of either writer";
+  EXPECT_EQ(inbox_.lost_unnoticed(), 2U + 2U) << "no gap shows the first samples of either writer";
 }
 
 TEST_F(InboxTest, ForgetsAWriterThatWentOnceNothingOfItIsLeft) {
@@ -158,7 +158,7 @@ TEST_F(InboxTest, ForgetsAWriterThatWentOnceNothingOfItIsLeft) {
   inbox_.connect({4});
   deliver(4, 1, 3);
   inbox_.disconnect(4);
-  EXPECT_EQ(inbox_.arrivals(3), 0U) << "what was left gave way";
+  EXPECT_EQ(inbox_.arrivals(3), 0U) << "the sample that was left gave way";
 }
 
 TEST_F(InboxTest, CountsWhatWasPushedOutBeforeAllThatWasLeftBehind) {

@@ -306,9 +306,9 @@ TEST_F(ReassemblyTest, GivesBackAllThatASampleHasTakenHoweverItEnds) {
       {"it becomes whole", [&] { receive(datagrams); }},
       {"newer ones push it out", [] {}},
       {"it makes no progress", [&] { pass(1s); }},
-      {"its first datagram says that it is shorter", [&] { receive(sent(sequence, make_image(100))); }},
-      {"its first datagram says that nobody asked for it", [&] { receive(sent(sequence, {}, "name")); }},
-      {"nobody reads its writer any more",
+      {"its first datagram has a smaller length", [&] { receive(sent(sequence, make_image(100))); }},
+      {"its first datagram has a mask that no reader asks for", [&] { receive(sent(sequence, {}, "name")); }},
+      {"its writer has no reader any more",
        [&] {
          reassembly_->set_streams({});
          read_under({"*"});
@@ -329,12 +329,12 @@ TEST_F(ReassemblyTest, GivesBackAllThatASampleHasTakenHoweverItEnds) {
       const auto other = sent(++sequence, make_image(4 * bytes));
       for (const auto* both : {&one, &other}) receive(both->front());
       for (const auto* both : {&one, &other}) receive_without_first(*both);
-      EXPECT_EQ(taken(), (Sequences{sequence - 1, sequence})) << "as many as at first have room";
+      EXPECT_EQ(taken(), (Sequences{sequence - 1, sequence})) << "there is room for as many as at first";
       taken_.clear();
       reassembly_->set_streams({});
       read_under({"*"});
       receive_without_first(sent(++sequence, make_image(9 * bytes)));
-      EXPECT_EQ(counted().over_limit, 0U) << "as much as at first can be parked";
+      EXPECT_EQ(counted().over_limit, 0U) << "as many bytes as at first can be parked";
     }
   }
 }
@@ -454,7 +454,7 @@ TEST_F(ReassemblyTest, RefusesASequenceOfZero) {
   EXPECT_EQ(counted().malformed, 1U);
 }
 
-TEST_F(ReassemblyTest, CountsASampleWhoseNumberNobodyBelieves) {
+TEST_F(ReassemblyTest, CountsASampleWithAnImplausibleNumberAsMalformed) {
   receive(sent(100, make_image(10)));
   receive(sent(1'000'000'000, make_image(10)));
   receive(sent(101, make_image(10)));

@@ -56,7 +56,7 @@ TEST_F(ArrivedSamplesTest, CountsTheBytesOfWholeSamplesUntilTheyAreReleased) {
   EXPECT_EQ(samples.held_bytes(), 0U);
 }
 
-/// Samples that nothing is missing before do not count as held back, as long as they are there.
+/// A sample counts as held back only while an earlier one is missing.
 TEST_F(ArrivedSamplesTest, HoldsNoMoreBackForSamplesThatTurnedOutWrong) {
   samples.reach(9, now);
   samples.whole(1, sample(51));

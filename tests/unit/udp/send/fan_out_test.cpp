@@ -105,7 +105,7 @@ TEST_F(FanOutTest, DropsTheOldestOfWhatIsReliableOnceItIsMoreThanChannelsKeep) {
   EXPECT_EQ(sent.size(), 100 - dropped);
 }
 
-TEST_F(FanOutTest, SaysHowManyHadToGoForOneThatIsLargerThanThese) {
+TEST_F(FanOutTest, ReturnsHowManyHaveToGoForOneThatIsLarger) {
   const auto reliable = routes(true);
   EXPECT_EQ(leave(60, 1'000'000, reliable), 0U);
   const std::size_t dropped = leave(1, 20'000'000, reliable);

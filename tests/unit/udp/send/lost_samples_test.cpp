@@ -17,7 +17,7 @@ using core::Delivered;
 using core::DeliveryBook;
 using test::Image;
 
-/// A publisher and one reader, to whom no datagram can be sent.
+/// A publisher and one reader. No datagram can be sent to that reader.
 class LostSamplesTest : public testing::Test {
  protected:
   static constexpr std::size_t lane_depth = 3;
@@ -45,7 +45,7 @@ class LostSamplesTest : public testing::Test {
   core::SampleHandle make() {
     core::SampleHandle sample = memory_->take(test::sample_bytes(image_, all_));
     test::fill(*sample, image_, all_, 7, ++sequence_);
-    sample->source_stamp_ns = 5;  // what is published together has one stamp
+    sample->source_stamp_ns = 5;  // samples that are published together have one stamp
     sample->whole_bytes = sample->header().body_bytes;
     whole_bytes_ = sample->whole_bytes;
     return sample;
@@ -58,7 +58,7 @@ class LostSamplesTest : public testing::Test {
       ASSERT_EQ(sender_.hold(*audience_, make()), VariantSender::Hold::held);
     sender_.flush();
   }
-  /// What the reader counts if so many samples wait and so many are lost, each with so many bytes.
+  /// Returns the counts of the reader. Samples that still wait count as sent.
   Delivered counts(std::uint64_t sent, std::uint64_t dropped, std::uint64_t body_bytes) const {
     return {.sent = sent,
             .dropped = dropped,
@@ -146,7 +146,7 @@ TEST_F(LostSamplesTest, ThoseThatTheSendingThreadLoses) {
 TEST_F(LostSamplesTest, ThoseThatAFullChannelDrops) {
   serve(Delivery::reliable, "height");
   constexpr std::size_t dropped = 20;
-  // The first one was begun: it may have arrived, and counts as sent.
+  // The first sample was begun. It may have arrived, so it counts as sent.
   publish(1 + dropped + ResendLimits{}.samples);
   EXPECT_EQ(counted(), counts(1 + ResendLimits{}.samples, dropped, height_bytes));
   EXPECT_EQ(side_->over_limit, dropped);

@@ -48,7 +48,7 @@ class SendsAhead : public testing::Test {
     postponed_.clear();
     return missed;
   }
-  /// What counts as sent to the audience.
+  /// Returns the counts of the audience.
   core::Delivered counted() const { return core::DeliveryMeter{.tally = audience_.tally}.read().delivered(); }
   bool is_copied() const { return test::body_of(*sample_) == expected_; }
   void acknowledge_all() {
