@@ -119,6 +119,81 @@ TEST(ViewTest, RecordedGettersAreOptionalAndNoteWhatWasRead) {
   EXPECT_EQ(told.leaves, (std::vector<std::size_t>{4, 1, 3, 5}));
 }
 
+TEST(ViewTest, ANestedStructIsCopiedByAssignment) {
+  const PointCloud2 whole = cloud();
+  const Encoded encoded(whole);
+  const auto view = view_of<PointCloud2, all<PointCloud2>>(encoded.state());
+  PointCloud2 out;
+  out.header = view.header();
+  out.header.stamp = view.header().stamp();
+  for (const auto field : view.fields()) out.fields.push_back(field);
+  EXPECT_EQ(out.header, whole.header);
+  EXPECT_EQ(out.fields, whole.fields);
+  EXPECT_EQ(view.fields()[1].to_owned(), whole.fields[1]);
+  EXPECT_EQ(view.to_owned(), whole);
+  EXPECT_FALSE(encoded.state().is_malformed());
+}
+
+template <class View>
+concept has_copy_of_header = requires(const View& v) {
+  v.header().to_owned();
+};
+template <class View>
+concept converts_header = requires(const View& v, std_msgs::msg::Header& header) {
+  header = v.header();
+};
+
+TEST(ViewTest, ANestedStructOfAMaskedSampleIsCopiedIfAllOfItWasDeclared) {
+  constexpr Req<PointCloud2> requirement = F::header | F::data;
+  const Encoded encoded(cloud(), F::header | F::data);
+  const auto view = view_of<PointCloud2, requirement>(encoded.state());
+  const std_msgs::msg::Header header = view.header();
+  EXPECT_EQ(header, cloud().header);
+  static_assert(converts_header<ViewOf<PointCloud2, requirement>>);
+  static_assert(!has_copy_of_header<ViewOf<PointCloud2, F::header.stamp>>);
+  static_assert(!converts_header<ViewOf<PointCloud2, F::header.stamp>>);
+  static_assert(has_copy_of_header<ViewOf<PointCloud2, recorded>>);
+  static_assert(!converts_header<ViewOf<PointCloud2, recorded>>);
+}
+
+TEST(ViewTest, ACopyOfARecordedStructNotesAllItsFieldsAndIsEmptyIfOneIsLacking) {
+  std::vector<AccessWord> words(1);
+  AccessLog log(words, nullptr);
+  const Encoded encoded(cloud(), F::header | F::width);
+  SampleState state = encoded.state();
+  state.log = &log;
+  const auto view = view_of<PointCloud2, recorded>(state);
+  EXPECT_EQ(view.header().to_owned().value(), cloud().header);
+  EXPECT_EQ(words[0].found.load(), FieldMask(F::header).word(0));
+  EXPECT_FALSE(view.to_owned());
+  EXPECT_EQ(words[0].missed.load(), FieldMask(~(F::header | F::width)).word(0));
+}
+
+TEST(ViewTest, DeepStructsAndTheirArraysAreCopied) {
+  nav_msgs::msg::Odometry odometry;
+  odometry.child_frame_id = "base";
+  odometry.pose.pose.orientation.w = 0.5;
+  odometry.pose.covariance[35] = 4;
+  odometry.twist.covariance[35] = 9;
+  const Encoded encoded(odometry);
+  const auto view = view_of<nav_msgs::msg::Odometry, all<nav_msgs::msg::Odometry>>(encoded.state());
+  EXPECT_EQ(view.pose().to_owned(), odometry.pose);
+  EXPECT_EQ(view.pose().pose().to_owned(), odometry.pose.pose);
+  EXPECT_EQ(view.twist().to_owned(), odometry.twist);
+}
+
+TEST(ViewTest, ACopyOfImpossibleBytesHasDefaultValuesAndFlagsTheSample) {
+  Encoded encoded(cloud());
+  for (const std::uint32_t offset :
+       {0xFFFF0000U, encoded.state().body_bytes, encoded.state().body_bytes - 1}) {
+    std::fill_n(encoded.index(), encoded.slots(), offset);
+    const SampleState& state = encoded.state();
+    const auto view = view_of<PointCloud2, all<PointCloud2>>(state);
+    EXPECT_EQ(view.header().to_owned(), std_msgs::msg::Header{});
+    EXPECT_TRUE(state.is_malformed());
+  }
+}
+
 TEST(ViewTest, ArraysAndAlignedScalarsOfDeepStructsAreFound) {
   nav_msgs::msg::Odometry odometry;
   odometry.child_frame_id = "base";

@@ -25,9 +25,9 @@ constexpr std::array keywords = std::to_array<std::string_view>(
      "using",       "virtual",  "void",       "volatile",  "wchar_t",   "while",        "xor",
      "xor_eq"});
 
-/// Names that every generated struct and its LoanView define besides the fields of the message.
-constexpr std::array class_names =
-    std::to_array<std::string_view>({"Field", "Fields", "LoanSizes", "LoanView", "View", "reservations"});
+/// Names that every generated struct, its View and its LoanView define besides the fields of the message.
+constexpr std::array class_names = std::to_array<std::string_view>(
+    {"Field", "Fields", "LoanSizes", "LoanView", "View", "reservations", "to_owned"});
 
 /// Template parameters and private members in generated classes (fields.cpp, views.cpp, owned.cpp).
 constexpr std::array private_names =

@@ -34,6 +34,16 @@ void emit_points(Code& code) {
   code.line("  }}");
 }
 
+/// A copy of the struct, and the conversion to it where it cannot lack anything.
+void emit_copies(Code& code, const Message& message) {
+  code.line("  auto to_owned() const requires sft::detail::has_whole_struct<Place_> {{");
+  code.line("    return sft::detail::owned_at<{}>(at_);", message.qualified);
+  code.line("  }}");
+  code.line(
+      "  operator {}() const requires sft::detail::has_declared_struct<Place_> {{ return to_owned(); }}",
+      message.qualified);
+}
+
 void emit_reservations(Code& code, const Message& message) {
   std::string parts;
   for (std::size_t i = 0; i < message.fields.size(); ++i) {
@@ -67,6 +77,7 @@ void emit_view(Code& code, const Message& message) {
     if (is_reservable(message.fields[i])) emit_cells(code, message.fields[i], i);
   }
   if (is_cloud(message)) emit_points(code);
+  emit_copies(code, message);
   code.line("}};");
   code.blank();
 }

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "noted_leaves.h"
 #include "sft/detail/cut.h"
 #include "sft/detail/parts_in_place.h"
 #include "sft/detail/type_shape.h"

@@ -8,7 +8,7 @@ namespace {
 
 class Decoder {
  public:
-  explicit Decoder(const SampleState& s) : s_(s) {}
+  explicit Decoder(const SampleState& s, std::uint64_t begin = 0) : s_(s), at_(begin) {}
 
   WalkStatus structure(const StructType& type, std::byte* object, std::size_t leaf) {
     for (const Member& m : type.members) {
@@ -116,13 +116,18 @@ class Decoder {
   }
 
   const SampleState& s_;
-  std::uint64_t at_ = 0;
+  std::uint64_t at_;
 };
 
 }  // namespace
 
 WalkStatus decode(const SampleState& s, const StructType& type, void* value) {
   return Decoder(s).structure(type, static_cast<std::byte*>(value), 0);
+}
+
+WalkStatus decode_struct(const SampleState& s, const StructType& type, StructPlace place, void* value) {
+  if (place.offset >= s.body_bytes) return WalkStatus::truncated;
+  return Decoder(s, place.offset).structure(type, static_cast<std::byte*>(value), place.leaf);
 }
 
 }  // namespace sft::detail

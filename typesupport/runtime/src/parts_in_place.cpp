@@ -10,6 +10,8 @@ std::optional<std::span<const std::byte>> bytes_in_place(const SampleState& s, s
   return bytes;
 }
 
+const SampleState& put_together(const SampleState& s) noexcept { return s.parts->put_together(); }
+
 std::optional<std::span<const std::byte>> PartInPlace::contiguous() const noexcept {
   if (cut->is_whole()) {
     const std::size_t element_bytes = size_of(data.member->kind);

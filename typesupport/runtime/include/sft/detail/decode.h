@@ -11,4 +11,12 @@ namespace sft::detail {
 /// which only the length was sent, at most max_empty_elements are made.
 WalkStatus decode(const SampleState& s, const StructType& type, void* value);
 
+/// Where a struct within a sample begins.
+struct StructPlace {
+  std::size_t leaf;      ///< its first one
+  std::uint64_t offset;  ///< in the body
+};
+/// The same for one struct within the sample.
+WalkStatus decode_struct(const SampleState& s, const StructType& type, StructPlace place, void* value);
+
 }  // namespace sft::detail

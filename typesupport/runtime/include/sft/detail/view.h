@@ -169,6 +169,10 @@ struct PlaceBase {
   /// The reader declared the mask. If it declared parts, the fields that belong to them are sent, too.
   static constexpr bool declares_mask = !R.may_lack() && R.parts == DeclaredParts{};
   static constexpr bool may_lack = R.may_lack();
+  static constexpr auto requirement = R;
+  static constexpr std::size_t first_leaf = Leaf;
+  /// True if the whole struct can be read.
+  static constexpr bool has_whole = may_lack || R.mask.contains(R.mask.range(Leaf, leaf_count_of<S>));
   template <std::size_t M>
   static constexpr std::size_t leaf_of = Leaf + leaf_offset(TypeTable<S>::type, M);
 
@@ -199,6 +203,12 @@ struct PlaceBase {
   }
 };
 
+/// A struct in a sample, and where it begins.
+struct WholeStruct {
+  const SampleState* sample;
+  std::uint64_t begin;
+};
+
 /// Members of struct S, of which the first leaf and slot in the root type are Leaf and Slot, found through
 /// the index.
 template <auto R, class S, std::size_t Leaf, std::size_t Slot>
@@ -227,6 +237,13 @@ class IndexedPlace : public PlaceBase<R, S, Leaf> {
   template <std::size_t M>
   std::uint64_t begin_of() const {
     return __atomic_load_n(s_->index + slot_of<M>, __ATOMIC_RELAXED);
+  }
+  /// The sample with the parts of its fields, and where the struct begins in it. Without memory for that the
+  /// sample has no body.
+  WholeStruct whole() const {
+    const SampleState* const sample = s_->parts == nullptr ? s_ : &put_together(*s_);
+    if (sample->body == nullptr) return {sample, no_offset};
+    return {sample, __atomic_load_n(sample->index + Slot, __ATOMIC_RELAXED)};
   }
 
  private:
@@ -263,6 +280,8 @@ class ElementPlace : public PlaceBase<R, S, Leaf> {
   std::uint64_t begin_of() const {
     return member_begin(*s_, TypeTable<S>::type, M, Leaf, offset_);
   }
+  /// Fields of elements have no parts.
+  WholeStruct whole() const { return {s_, offset_}; }
 
  private:
   const SampleState* s_;

@@ -96,6 +96,13 @@ inline Extent checked_sequence(const SampleState& s, std::uint64_t offset,
 /// REQUIRES: s.parts is not null.
 std::optional<std::span<const std::byte>> bytes_in_place(const SampleState& s, std::size_t leaf) noexcept;
 
+/// The sample with its parts: see PartsInPlace. REQUIRES: s.parts is not null.
+const SampleState& put_together(const SampleState& s) noexcept;
+
+/// Notes that these leaves are read, if reads are recorded, and tells whether the sample has all of them as
+/// they were published. For values that are found without the getters of their leaves.
+bool note_leaves(const SampleState& s, std::size_t first, std::size_t count);
+
 /// A string whose length (with its NUL) stands at `offset`; `count` is without the NUL. Length 0 reads as
 /// empty.
 inline Extent checked_string(const SampleState& s, std::uint64_t offset) noexcept {
