@@ -4,6 +4,8 @@
 
 #include <layout_msgs/msg/Cells.hpp>
 #include <layout_msgs/msg/HeightMap.hpp>
+#include <layout_msgs/msg/LargeArray.hpp>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -16,6 +18,7 @@ namespace {
 
 using layout_msgs::msg::Cells;
 using layout_msgs::msg::HeightMap;
+using layout_msgs::msg::LargeArray;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -58,6 +61,27 @@ class LayoutNodesTest : public PubSubTest {
   Node b = open("b");
   Publisher<HeightMap> pub = a.publisher<HeightMap>("map", {.reliability = Reliability::reliable}).value();
 };
+
+TEST_P(LayoutNodesTest, AStructThatIsTooLargeForTheStackIsCopiedToTheHeap) {
+  auto frames = a.publisher<LargeArray>("frames", {.reliability = Reliability::reliable}).value();
+  auto sub = b.subscriber<LargeArray>("frames", {.reliability = Reliability::reliable}).value();
+  expect_served(frames, 1);
+  const auto sent = std::make_unique<LargeArray>();
+  sent->seq = 7;
+  sent->data.back() = 9;
+  ASSERT_EQ(frames.publish(*sent), PublishStatus::ok);
+  ASSERT_TRUE(sub.wait(patience));
+  const auto sample = sub.take();
+  const auto copy = std::make_unique<LargeArray>();
+  copy->data.front() = 1;
+  EXPECT_TRUE(sample.to_owned(*copy));
+  EXPECT_TRUE(*copy == *sent);
+  const auto partial = std::make_unique<Partial<LargeArray>>();
+  EXPECT_TRUE(sample.to_partial(*partial));
+  EXPECT_TRUE(partial->value == *sent);
+  EXPECT_TRUE(partial->mask == sample.mask());
+  EXPECT_FALSE(Sample<LargeArray>().to_owned(*copy));
+}
 
 const SubscriberOptions reliable{.reliability = Reliability::reliable, .depth = 20};
 

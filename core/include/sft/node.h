@@ -40,11 +40,11 @@ class Node {
   /// Joins the control topics, opens the transports and starts the threads. An error if a setting is wrong,
   /// if the system refuses it, or if a limit of the process is too low. It is no error if the daemon of
   /// shared memory is missing: NodeStatus::shm says so, and samples use UDP.
-  static Result<Node> open(const NodeOptions& options = {});
+  [[nodiscard]] static Result<Node> open(const NodeOptions& options = {});
 
   /// Opens a publisher of messages of type T.
   template <class T>
-  Result<Publisher<T>> publisher(std::string_view topic, const PublisherOptions& options = {}) {
+  [[nodiscard]] Result<Publisher<T>> publisher(std::string_view topic, const PublisherOptions& options = {}) {
     return open_publisher(topic, type_support<T>(), options).map([](detail::untyped::Publisher&& p) {
       return Publisher<T>(std::move(p));
     });
@@ -59,7 +59,8 @@ class Node {
   /// (detail/declared_part.h, and selection.md for its meaning). With `<PointCloud2, sft::selected>`
   /// SubscriberOptions::selection names the fields when the program runs.
   template <class T, Req<T> R = Req<T>(all<T>)>
-  Result<Subscriber<T, R>> subscriber(std::string_view topic, const SubscriberOptions& options = {}) {
+  [[nodiscard]] Result<Subscriber<T, R>> subscriber(std::string_view topic,
+                                                    const SubscriberOptions& options = {}) {
     return open_subscriber(topic, type_support<T>(), requirement<T, R>(), options, {})
         .map([](detail::untyped::Subscriber&& s) { return Subscriber<T, R>(std::move(s)); });
   }
@@ -67,8 +68,8 @@ class Node {
   /// Opens a subscriber that calls `callback` with each sample. The callback takes a `const Sample<T, R>&`,
   /// or a `Sample<T, R>`, which it may keep.
   template <class T, Req<T> R = Req<T>(all<T>), detail::SampleCallback<Sample<T, R>> F>
-  Result<Subscriber<T, R>> subscriber(std::string_view topic, F&& callback,
-                                      const SubscriberOptions& options = {}) {
+  [[nodiscard]] Result<Subscriber<T, R>> subscriber(std::string_view topic, F&& callback,
+                                                    const SubscriberOptions& options = {}) {
     auto typed = [callback = std::forward<F>(callback)](detail::untyped::Sample&& untyped) mutable {
       Sample<T, R> sample(std::move(untyped));
       if constexpr (std::invocable<F&, const Sample<T, R>&>) {
@@ -113,18 +114,19 @@ class Node {
   /// all. It may name parts of fields, as TypeSupport::parse_selection() takes them: "data{x,y,z}[::4]".
   /// Other hosts send just the part; in shared memory it stays in the whole sample. Without a callback the
   /// subscriber is asked for its samples.
-  Result<DynamicSubscriber> subscriber(std::string_view topic, const DynamicType& type,
-                                       std::string_view fields, const SubscriberOptions& options = {},
-                                       DynamicSubscriber::Callback callback = {});
+  [[nodiscard]] Result<DynamicSubscriber> subscriber(std::string_view topic, const DynamicType& type,
+                                                     std::string_view fields,
+                                                     const SubscriberOptions& options = {},
+                                                     DynamicSubscriber::Callback callback = {});
   /// The same with recorded fields: `node.subscriber("points", type, sft::recorded)`.
-  Result<DynamicSubscriber> subscriber(std::string_view topic, const DynamicType& type, detail::Recorded,
-                                       const SubscriberOptions& options = {},
-                                       DynamicSubscriber::Callback callback = {});
+  [[nodiscard]] Result<DynamicSubscriber> subscriber(std::string_view topic, const DynamicType& type,
+                                                     detail::Recorded, const SubscriberOptions& options = {},
+                                                     DynamicSubscriber::Callback callback = {});
 
   /// Opens a publisher of messages that are encoded already, or are JSON or YAML. The node keeps the type
   /// until the node is closed, once for all publishers of it.
-  Result<DynamicPublisher> publisher(std::string_view topic, const DynamicType& type,
-                                     const PublisherOptions& options = {});
+  [[nodiscard]] Result<DynamicPublisher> publisher(std::string_view topic, const DynamicType& type,
+                                                   const PublisherOptions& options = {});
 
   /// How discovery, UDP and shared memory work, and what was refused (status.h).
   NodeStatus status() const;

@@ -13,6 +13,7 @@
 #pragma once
 
 #include <cassert>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -103,22 +104,39 @@ class Sample {
 
   /// Copies the whole message. Only for samples that have all fields. An error if the bytes are not what they
   /// claim to be, which a broken program on this host can cause.
-  Result<T> to_owned() const
+  [[nodiscard]] Result<T> to_owned() const
       requires(!R.may_lack() && R.mask == all<T> && R.parts == detail::DeclaredParts{}) {
-    if (!sample_) return empty_error();
+    static_assert(fits_the_stack,
+                  "the struct is too large for the stack: write sample.to_owned(*message), "
+                  "where message = std::make_unique<T>()");
     Result<T> value{};
-    if (const detail::WalkStatus status = decode_to(*value); status != detail::WalkStatus::ok)
-      value = malformed_error(status);
+    if (Result<void> copied = to_owned(*value); !copied) value = tl::unexpected(std::move(copied.error()));
     return value;
   }
-  /// Copies the fields that this sample has. Errors as of to_owned().
-  Result<Partial<T>> to_partial() const {
+  /// Copies the whole message to one of the program, whose memory is used again: for structs that are too
+  /// large for the stack, too. After an error the message may have some fields of the sample.
+  [[nodiscard]] Result<void> to_owned(T& message) const
+      requires(!R.may_lack() && R.mask == all<T> && R.parts == detail::DeclaredParts{}) {
     if (!sample_) return empty_error();
+    return decode_to(message);
+  }
+  /// Copies the fields that this sample has. Errors as of to_owned().
+  [[nodiscard]] Result<Partial<T>> to_partial() const {
+    static_assert(fits_the_stack,
+                  "the struct is too large for the stack: write sample.to_partial(*partial), "
+                  "where partial = std::make_unique<sft::Partial<T>>()");
     Result<Partial<T>> partial{};
-    partial->mask = mask();
-    if (const detail::WalkStatus status = decode_to(partial->value); status != detail::WalkStatus::ok)
-      partial = malformed_error(status);
+    if (Result<void> copied = to_partial(*partial); !copied)
+      partial = tl::unexpected(std::move(copied.error()));
     return partial;
+  }
+  /// The same to an object of the program, in which all is replaced.
+  [[nodiscard]] Result<void> to_partial(Partial<T>& partial) const {
+    if (!sample_) return empty_error();
+    std::destroy_at(&partial.value);
+    std::construct_at(&partial.value);
+    partial.mask = mask();
+    return decode_to(partial.value);
   }
 
   /// The encoded sample, valid as long as the sample: 4 bytes of encapsulation, and standard CDR of those
@@ -128,8 +146,13 @@ class Sample {
   void cdr() const&& = delete;
 
  private:
-  detail::WalkStatus decode_to(T& value) const {
-    return detail::decode(sample_.whole_state(), detail::TypeTable<T>::type, &value);
+  static constexpr bool fits_the_stack = sizeof(T) <= (1 << 20);
+
+  Result<void> decode_to(T& value) const {
+    const detail::WalkStatus status =
+        detail::decode(sample_.whole_state(), detail::TypeTable<T>::type, &value);
+    if (status != detail::WalkStatus::ok) return malformed_error(status);
+    return {};
   }
   static tl::unexpected<Error> empty_error() {
     return fail(Errc::unavailable, "the sample is empty: take() had nothing to give");
