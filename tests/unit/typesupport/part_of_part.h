@@ -44,7 +44,7 @@ class Taken {
   Taken part(const Selection& selection) const {
     const TypeSupport& type = type_support<T>();
     const detail::ProjectionPlan plan(type, type.closed(selection));
-    std::vector<std::uint32_t> index(type.slots());
+    std::vector<std::uint32_t> index(type.index_slots());
     const detail::SampleState state{.body = bytes_.data(),
                                     .body_bytes = static_cast<std::uint32_t>(bytes_.size()),
                                     .index = index.data(),
@@ -135,6 +135,7 @@ inline bool lacks_room(std::uint64_t rows, std::uint64_t columns, std::uint64_t 
   if (rows == 0 || columns == 0) return false;
   const std::uint64_t row_end = columns * cell_bytes;
   if (cell_bytes == 0 || row_end > data_bytes) return true;
+  if (data_bytes % rows == 0 && data_bytes / rows == row_end) return false;  // whatever row_bytes says
   return rows > 1 && (row_end > row_bytes || (rows - 1) * row_bytes > data_bytes - row_end);
 }
 

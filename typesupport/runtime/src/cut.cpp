@@ -152,6 +152,9 @@ bool Cut::place_rows(const SampleState& s, const Layout& layout, const Layout::F
   if (is_whole_) return true;
   const bool is_empty = *rows == 0 || *columns == 0;
   const std::uint64_t row_end = size.columns * size.cell_bytes;
+  // See grid_of() in points.cpp.
+  const bool is_joined = size.rows > 0 && data_bytes % size.rows == 0 && data_bytes / size.rows == row_end;
+  if (is_joined) size.row_bytes = row_end;
   const bool has_room =
       is_empty || (size.cell_bytes > 0 && row_end <= data_bytes &&
                    (size.rows == 1 ||

@@ -3,7 +3,6 @@
 #include <optional>
 #include <string>
 
-#include "noted_leaves.h"
 #include "sft/detail/parts_in_place.h"
 #include "sft/dynamic_view.h"
 #include "sft/selection.h"
@@ -100,6 +99,24 @@ std::string names_of_channels(const SampleState& s, std::uint64_t fields, std::u
   return names.empty() ? "none" : names;
 }
 
+/// Returns why the first channel of that name cannot be read, though the cloud has it.
+std::string fault_of_channel(const SampleState& s, std::uint64_t fields, std::uint32_t point_step,
+                             const std::string& name) {
+  const Extent all = checked_length(s, fields);
+  std::uint64_t offset = all.first;
+  for (std::uint32_t i = 0; i < all.count; ++i) {
+    const std::optional<Channel> channel = next_channel(s, offset);
+    if (!channel) break;
+    if (channel->name != name) continue;
+    if (channel->count == 0) return "channel '" + name + "' has a count of 0";
+    if (channel->end() == channel->offset)
+      return "channel '" + name + "' has the unknown type " + std::to_string(channel->type);
+    return "channel '" + name + "' ends " + std::to_string(channel->end() - point_step) +
+           " bytes behind the end of its point";
+  }
+  return "channel '" + name + "' has changed";  // another program writes to the sample
+}
+
 /// False if the bytes of the sample are not what they claim to be.
 bool find_channels(const SampleState& s, std::uint64_t fields, std::uint32_t point_step,
                    std::span<WantedChannel> wanted) {
@@ -122,8 +139,10 @@ bool find_channels(const SampleState& s, std::uint64_t fields, std::uint32_t poi
   return true;
 }
 
-/// The points, or none of them if they are not all within the data.
-CellGrid grid_of(const Header& header, std::span<const std::byte> data) {
+/// The points. An error if they are not all within the data. Drivers that organise a cloud often leave
+/// row_step as it was; if the data has just the bytes of all points, rows follow each other, whatever
+/// row_step says.
+Result<CellGrid> grid_of(const Header& header, std::span<const std::byte> data) {
   CellGrid grid{.first = data.data(),
                 .row_step = header.row_step,
                 .column_step = header.point_step,
@@ -131,12 +150,18 @@ CellGrid grid_of(const Header& header, std::span<const std::byte> data) {
                 .columns = header.columns,
                 .is_swapped = header.is_big_endian};
   const std::uint64_t row_end = std::uint64_t{grid.columns} * grid.column_step;
-  if (grid.rows <= 1 || row_end == 0) grid.row_step = std::max<std::uint64_t>(row_end, 1);
+  const bool is_joined = grid.rows > 0 && data.size() % grid.rows == 0 && data.size() / grid.rows == row_end;
+  if (grid.rows <= 1 || row_end == 0 || is_joined) grid.row_step = std::max<std::uint64_t>(row_end, 1);
   if (grid.rows == 0 || grid.columns == 0) return grid;
   const bool has_room = grid.column_step > 0 && row_end <= data.size() &&
                         (grid.rows == 1 || (row_end <= grid.row_step &&
                                             (grid.rows - 1) * grid.row_step <= data.size() - row_end));
-  return has_room ? grid : CellGrid{};
+  if (has_room) return grid;
+  const auto text = [](std::uint64_t number) { return std::to_string(number); };
+  return fail(Errc::malformed, "the cloud contradicts itself: " + text(header.rows) + " x " +
+                                   text(header.columns) + " points, point_step " + text(header.point_step) +
+                                   " and row_step " + text(header.row_step) + " do not fit the " +
+                                   text(data.size()) + " bytes of data");
 }
 
 /// False if the bytes of the sample are not what they claim to be.
@@ -216,6 +241,8 @@ Result<CellGrid> find_points(const CloudPlace& cloud, std::span<WantedChannel> w
   for (const WantedChannel& one : wanted) {
     if (one.found_type == one.type) continue;
     const std::string name(one.name);
+    if (one.found_type == 0 && one.is_found)
+      return fail(Errc::unknown_field, fault_of_channel(s, fields, header.point_step, name));
     if (one.found_type == 0) {
       return fail(Errc::unknown_field, "the cloud has no channel '" + name + "'; it has " +
                                            names_of_channels(s, fields, header.point_step));
