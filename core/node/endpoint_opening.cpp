@@ -114,9 +114,20 @@ Result<EndpointOpening::Writer> EndpointOpening::open_writer(std::string_view to
   if (qos->liveliness == Liveliness::manual_by_topic)
     asserted = [tell = news_.asserted, id = endpoint.id] { tell(id); };
   auto core = std::make_shared<PublisherCore>(
-      PublisherCore::Spec{endpoint.id, endpoint.topic, &type, options.max_sample_bytes, *qos,
-                          options.on_readers_changed, options.on_event, &node_.callbacks, std::move(asserted),
-                          options.max_blocking, book},
+      PublisherCore::Spec{
+          .id = endpoint.id,
+          .topic = endpoint.topic,
+          .type = &type,
+          .max_sample_bytes = options.max_sample_bytes,
+          .qos = *qos,
+          .on_readers_changed = options.on_readers_changed,
+          .on_event = options.on_event,
+          .callbacks = &node_.callbacks,
+          .asserted = std::move(asserted),
+          .refused = [log = news_.log](
+                         const std::string& why) { log(LogLevel::warning, "a message is not sent: " + why); },
+          .max_blocking = options.max_blocking,
+          .book = book},
       node_.heap, std::move(*network));
   return Writer{std::move(endpoint), std::move(core)};
 }

@@ -98,7 +98,7 @@ FieldMask Dispatch::serve(Serving& serving, std::shared_ptr<LendingWriter> memor
 
 Dispatch::Admission Dispatch::admit(const SampleHandle& sample, std::int64_t stamp_ns) noexcept {
   if (!sample) return admit(detail::FieldSource::of_nothing(), stamp_ns);
-  const detail::SampleState state = state_of(*sample, type_.slots());
+  const detail::SampleState state = state_of(*sample, type_.index_slots());
   const auto fields = detail::FieldSource::of_sample(state);
   Admission admission = admit(fields, stamp_ns);
   made(fields, stamp_ns);
@@ -123,7 +123,7 @@ PublishStatus Dispatch::miss(Admission&& admission, std::uint32_t body_bytes) no
 
 /// Counts the reason why shared memory has not lent memory for such a body.
 void Dispatch::count_refusal(std::uint32_t body_bytes) noexcept {
-  const std::size_t bytes = detail::SampleLayout(type_.slots()).bytes(body_bytes);
+  const std::size_t bytes = detail::SampleLayout(type_.index_slots()).bytes(body_bytes);
   (bytes > in_force_->memory->largest_loan_bytes() ? too_large_ : exhausted_)
       .fetch_add(1, std::memory_order_relaxed);
 }
@@ -176,7 +176,7 @@ SendStatus Dispatch::send_to_memory(const SampleHandle& sample, std::chrono::nan
     count_refusal(sample->header().body_bytes);
     return SendStatus::dropped;
   }
-  if (!gates.empty()) write_gate_table(*lent, type_.slots(), gates);
+  if (!gates.empty()) write_gate_table(*lent, type_.index_slots(), gates);
   if (waits_) memory.be_patient(patience);
   const SendStatus status = memory.send(lent);
   if (waits_) patience = memory.patience_left();

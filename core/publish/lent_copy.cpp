@@ -11,7 +11,7 @@ SampleHandle copy_into(LendingWriter& memory, const SampleBuffer& sample, const 
   if (!sample.mask.is_full()) return {};
   // The sample may lie in shared memory, too, of a port that is gone: there its header is not trusted.
   const std::size_t bytes =
-      detail::SampleLayout(type.slots()).bytes(state_of(sample, type.slots()).body_bytes);
+      detail::SampleLayout(type.index_slots()).bytes(state_of(sample, type.index_slots()).body_bytes);
   SampleHandle copy = memory.loan(bytes + more_bytes);
   if (!copy) return {};
   std::memcpy(copy->data, sample.data, bytes);

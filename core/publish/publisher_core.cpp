@@ -63,6 +63,7 @@ void PublisherCore::show(std::vector<PublisherStatus::Reader> readers) {
 
 PublishStatus PublisherCore::publish(const void* value) {
   const Dispatch::Call call(dispatch_);
+  if (!accepts(call, value)) return refuse();
   if (!call.outlets().is_wanted) return dispatch_.withhold();
   std::chrono::nanoseconds patience = spec_.max_blocking;
   return publish_one(call, value, realtime_ns(), patience);
@@ -79,12 +80,20 @@ PublishStatus PublisherCore::publish_one(const Dispatch::Call& call, const void*
     if (made.why_not == PublishStatus::no_memory)
       return dispatch_.miss(std::move(admission), made.body_bytes);
     dispatch_.refuse();
-    return made.why_not;
+    return refuse();
   }
   dispatch_.made(fields, stamp_ns);
   const PublishStatus status = dispatch_.send(made.sample, stamp_ns, std::move(admission), patience);
   maker_.sent(*made.sample);
   return status;
+}
+
+PublishStatus PublisherCore::refuse() {
+  if (const Time now = std::chrono::steady_clock::now(); now >= next_refusal_) {
+    next_refusal_ = now + refusals_pause;
+    spec_.refused(why_invalid());
+  }
+  return PublishStatus::invalid;
 }
 
 PublishedSpan PublisherCore::publish(const void* values, std::size_t count, std::size_t stride) {
@@ -108,12 +117,15 @@ PublishedSpan PublisherCore::publish(const void* values, std::size_t count, std:
 PublishedSpan PublisherCore::publish_some(const std::byte* values, std::size_t count, std::size_t stride,
                                           BatchPatience share, std::chrono::nanoseconds& patience) {
   const Dispatch::Call call(dispatch_);
-  if (!call.outlets().is_wanted) return {.published = count, .status = dispatch_.withhold(count)};
-  const std::int64_t stamp_ns = realtime_ns();
+  const bool is_wanted = call.outlets().is_wanted;
+  const std::int64_t stamp_ns = is_wanted ? realtime_ns() : 0;
   PublishedSpan done;
-  std::optional<Batch> batch = dispatch_.batch(share);
+  std::optional<Batch> batch = is_wanted ? dispatch_.batch(share) : std::nullopt;
   for (std::size_t i = 0; i < count; ++i) {
-    const PublishStatus status = publish_one(call, values + i * stride, stamp_ns, patience);
+    const std::byte* const value = values + i * stride;
+    const PublishStatus status = !accepts(call, value) ? refuse()
+                                 : is_wanted           ? publish_one(call, value, stamp_ns, patience)
+                                                       : dispatch_.withhold();
     done.published += status == PublishStatus::ok ? 1 : 0;
     if (done.status == PublishStatus::ok) done.status = status;
   }
@@ -128,9 +140,11 @@ Result<PublishStatus> PublisherCore::publish_cdr(std::span<const std::byte> byte
   const Result<detail::Payload> payload = detail::parse_payload(bytes);
   if (!payload) return tl::unexpected(payload.error());
   const Dispatch::Call call(dispatch_);
-  if (!call.outlets().is_wanted) return dispatch_.withhold();
+  const bool is_wanted = call.outlets().is_wanted;
+  if (!is_wanted && bytes.size() <= spec_.max_sample_bytes) return dispatch_.withhold();
   const Result<std::uint32_t> size = maker_.converted_bytes(*payload);
   if (!size) return tl::unexpected(size.error());
+  if (!is_wanted) return dispatch_.withhold();
   std::chrono::nanoseconds patience = spec_.max_blocking;
   const std::int64_t stamp_ns = realtime_ns();
   const Result<SampleMaker::Made> made = maker_.convert(call.outlets(), *payload, *size, patience);

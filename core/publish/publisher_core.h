@@ -46,6 +46,9 @@ class PublisherCore {
     CallbackThread* callbacks = nullptr;
     /// Called where the program asserts its liveliness: any thread, posts and returns.
     std::function<void()> asserted{};
+    /// Called with the fault of a message that was refused, now and then: the publisher's thread, posts and
+    /// returns.
+    std::function<void(const std::string& why)> refused = [](const std::string&) {};
     std::chrono::nanoseconds max_blocking{0};
     /// The publisher counts in this book what became of samples; so does its port to the network.
     std::shared_ptr<DeliveryBook> book = std::make_shared<DeliveryBook>();
@@ -110,6 +113,14 @@ class PublisherCore {
   void give_history() { late_readers_.give_history(); }
 
  private:
+  /// The pause between two refusals that are told. The log leaves out more of them.
+  static constexpr std::chrono::seconds refusals_pause{1};
+
+  /// Where an outlet gets all fields, encoding finds what is wrong with a message.
+  bool accepts(const Dispatch::Call& call, const void* value) {
+    return call.outlets().whole || maker_.accepts(value);
+  }
+  PublishStatus refuse();
   PublishStatus publish_one(const Dispatch::Call& call, const void* value, std::int64_t stamp_ns,
                             std::chrono::nanoseconds& patience);
   PublishedSpan publish_some(const std::byte* values, std::size_t count, std::size_t stride,
@@ -121,6 +132,7 @@ class PublisherCore {
   const std::shared_ptr<NetworkWriter> network_;  ///< null where the publisher rules it out
   const std::unique_ptr<History> history_;        ///< null unless durability asks for it
   SampleMaker maker_;                             ///< of the publisher's thread
+  Time next_refusal_{};                           ///< that is told; of the publisher's thread
   Dispatch dispatch_;
   LateReaders late_readers_;  ///< of the agent's thread
 

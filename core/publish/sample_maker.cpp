@@ -39,9 +39,17 @@ SampleMaker::SampleMaker(Product product, std::shared_ptr<BufferPool> heap)
     : product_(std::move(product)),
       type_(*product_.type),
       full_(type_.full()),
-      layout_(type_.slots()),
+      layout_(type_.index_slots()),
       heap_(std::move(heap)),
       onto_itself_(type_.type(), full_) {}
+
+bool SampleMaker::accepts(const void* message) {
+  const detail::EncodedSize size = detail::encoded_size(type_.type(), message, full_);
+  if (size.status == detail::EncodeStatus::ok && size.bytes <= product_.max_sample_bytes) [[likely]]
+    return true;
+  refuse(message, full_);
+  return false;
+}
 
 SampleMaker::Made SampleMaker::encode(const Outlets& outlets, const void* message, std::int64_t stamp_ns,
                                       bool may_postpone, std::chrono::nanoseconds& patience) {
@@ -58,7 +66,7 @@ SampleMaker::Made SampleMaker::encode(const Outlets& outlets, const void* messag
   fill_header(sample, outlets.mask, size.bytes);
   if (!outlets.whole) sample.whole_bytes = whole_bytes(message, size.bytes, stamp_ns);
   sft::detail::encode(type, message, outlets.mask, {sample.data + layout_.body_offset, size.bytes},
-                      {sample.index(), type_.slots()}, {}, may_postpone ? &postponed_ : nullptr);
+                      {sample.index(), type_.index_slots()}, {}, may_postpone ? &postponed_ : nullptr);
   if (!postponed_.empty()) sample.postponed = &postponed_;
   return made;
 }
@@ -110,7 +118,7 @@ Result<SampleMaker::Made> SampleMaker::convert(const Outlets& outlets, const det
   const detail::SampleState state{.body = body.data(), .body_bytes = body_bytes, .mask = &full_};
   detail::WalkStatus status = sft::detail::convert(payload, type_.type(), body);
   if (status == detail::WalkStatus::ok)
-    status = detail::build_index(state, type_.type(), {sample->index(), type_.slots()}, &body_bytes);
+    status = detail::build_index(state, type_.type(), {sample->index(), type_.index_slots()}, &body_bytes);
   if (status != detail::WalkStatus::ok) return malformed(status);
   fill_header(*sample, full_, body_bytes);
   return Made{std::move(sample), PublishStatus::ok, body_bytes};
@@ -133,7 +141,8 @@ Result<SampleHandle> SampleMaker::loan(const Outlets& outlets, const void* proto
   const auto is_reserved = [](const detail::Reservation& r) { return r.length.has_value(); };
   if (memory == detail::ReservedMemory::zeroed && std::ranges::any_of(reservations, is_reserved))
     std::memset(body.data(), 0, body.size());
-  sft::detail::encode(type_.type(), prototype, full_, body, {sample->index(), type_.slots()}, reservations);
+  sft::detail::encode(type_.type(), prototype, full_, body, {sample->index(), type_.index_slots()},
+                      reservations);
   return sample;
 }
 
@@ -152,7 +161,7 @@ PublishStatus SampleMaker::close_gaps(SampleBuffer& sample) noexcept try {
 /// same memory; what a segment is copied over was moved already.
 PublishStatus SampleMaker::move_together(SampleBuffer& sample) {
   std::byte* const body = sample.data + layout_.body_offset;
-  detail::SampleState state = state_of(sample, type_.slots());
+  detail::SampleState state = state_of(sample, type_.index_slots());
   // A broken program may have changed lengths and index in shared memory meanwhile.
   if (!closing_.project(state, onto_itself_) || closing_.bytes() > state.body_bytes)
     return PublishStatus::invalid;
@@ -163,7 +172,8 @@ PublishStatus SampleMaker::move_together(SampleBuffer& sample) {
   }
   const auto bytes = static_cast<std::uint32_t>(closing_.bytes());
   state.body_bytes = sample.header().body_bytes = sample.whole_bytes = bytes;
-  const detail::WalkStatus walked = detail::build_index(state, type_.type(), {sample.index(), type_.slots()});
+  const detail::WalkStatus walked =
+      detail::build_index(state, type_.type(), {sample.index(), type_.index_slots()});
   return walked == detail::WalkStatus::ok ? PublishStatus::ok : PublishStatus::invalid;
 }
 
@@ -186,7 +196,7 @@ void SampleMaker::fill_header(SampleBuffer& buffer, const FieldMask& mask,
                               std::uint32_t body_bytes) const noexcept {
   detail::SampleHeader& header = buffer.header();
   header = detail::SampleHeader{};
-  header.slots = static_cast<std::uint16_t>(type_.slots());
+  header.index_slots = static_cast<std::uint16_t>(type_.index_slots());
   header.writer = product_.writer;
   header.type_hash = type_.hash();
   header.body_offset = static_cast<std::uint32_t>(layout_.body_offset);
@@ -195,7 +205,7 @@ void SampleMaker::fill_header(SampleBuffer& buffer, const FieldMask& mask,
   buffer.whole_bytes = body_bytes;
   // Between index and encapsulation nothing may remain of what the memory held before.
   std::byte* const encapsulation = buffer.data + layout_.body_offset - detail::encapsulation_bytes;
-  auto* const index_end = reinterpret_cast<std::byte*>(buffer.index() + type_.slots());
+  auto* const index_end = reinterpret_cast<std::byte*>(buffer.index() + type_.index_slots());
   std::fill(index_end, encapsulation, std::byte{0});
   std::memcpy(encapsulation, detail::encapsulation_cdr_le.data(), detail::encapsulation_bytes);
 }

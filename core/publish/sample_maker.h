@@ -35,6 +35,8 @@ class SampleMaker {
   };
   SampleMaker(Product product, std::shared_ptr<BufferPool> heap);
 
+  /// False if the message could not be sent to a reader of all fields, which why_invalid() explains.
+  bool accepts(const void* message);
   /// A sample, or the reason why there is none: `invalid`, which why_invalid() explains, or `no_memory`.
   struct Made {
     SampleHandle sample;

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <mutex>
 #include <string>
 #include <utility>
 
@@ -44,6 +45,26 @@ TEST_F(BadInputTest, ABusyPortIsAnErrorThatNamesIt) {
   EXPECT_EQ(node.error().code, Errc::address_in_use);
   EXPECT_NE(node.error().message.find(std::to_string(options.udp.port)), std::string::npos)
       << node.error().message;
+}
+
+TEST_F(BadInputTest, AMessageThatIsNotSentIsNamedInTheLogThoughTheProgramDoesNotLook) {
+  std::mutex mutex;
+  std::string log;
+  NodeOptions options = node_options(Way::udp, "a");
+  options.log = [&](LogLevel level, std::string_view line) {
+    const std::scoped_lock lock(mutex);
+    if (level == LogLevel::warning) log.append(line) += '\n';
+  };
+  Node node = Node::open(options).value();
+  auto camera = node.publisher<PointCloud2>("camera", {.max_sample_bytes = 1000}).value();
+  PointCloud2 large;
+  large.data.resize(1000);
+  for (int i = 0; i < 100; ++i) camera.publish(large);
+  EXPECT_TRUE(eventually([&] {
+    const std::scoped_lock lock(mutex);
+    return log.find("a: a message is not sent: topic 'camera': ") == 0 &&
+           log.find("raise PublisherOptions::max_sample_bytes") != std::string::npos;
+  })) << log;
 }
 
 TEST_F(BadInputTest, AProgramWithTooFewThreadsGetsAnErrorThatSaysSo) {
@@ -156,6 +177,7 @@ TEST_F(BadInputTest, TwoTypesOnOneTopicNeverMatchAndBothSidesSayWhy) {
 }
 
 TEST_F(BadInputTest, AMessageThatCdrCannotCarryIsInvalid) {
+  warnings_expected = true;
   Node a = udp_node("a");
   auto pub = a.publisher<PointCloud2>("points").value();
   auto sub = a.subscriber<PointCloud2>("points").value();
@@ -171,6 +193,7 @@ TEST_F(BadInputTest, AMessageThatCdrCannotCarryIsInvalid) {
 }
 
 TEST_F(BadInputTest, TheErrorOfATooLargeMessageNamesItsLargestFieldAndTheLimit) {
+  warnings_expected = true;
   Node a = udp_node("a");
   auto pub = a.publisher<PointCloud2>("points", {.max_sample_bytes = 1000}).value();
   auto sub = a.subscriber<PointCloud2>("points").value();

@@ -50,12 +50,13 @@ class PublisherServingTest : public ::testing::Test {
     return serving;
   }
 
-  std::vector<std::byte> payload() const {
+  std::vector<std::byte> payload() const { return payload_of(cloud); }
+  std::vector<std::byte> payload_of(const PointCloud2& message) const {
     const FieldMask all = type.full();
-    std::vector<std::byte> bytes(encapsulation_bytes + encoded_size(type.type(), &cloud, all).bytes);
+    std::vector<std::byte> bytes(encapsulation_bytes + encoded_size(type.type(), &message, all).bytes);
     std::memcpy(bytes.data(), encapsulation_cdr_le.data(), encapsulation_bytes);
-    std::vector<std::uint32_t> index(type.slots());
-    encode(type.type(), &cloud, all, std::span(bytes).subspan(encapsulation_bytes), index);
+    std::vector<std::uint32_t> index(type.index_slots());
+    encode(type.type(), &message, all, std::span(bytes).subspan(encapsulation_bytes), index);
     return bytes;
   }
 
@@ -104,6 +105,45 @@ TEST_F(PublisherServingTest, APayloadIsWalkedOnlyIfSomebodyReads) {
   publisher.serve(to_one(type.full()), nullptr);
   EXPECT_EQ(publisher.publish_cdr(cut).error().code, Errc::malformed);
   EXPECT_EQ(publisher.status().published, 1U);
+}
+
+TEST_F(PublisherServingTest, AMessageThatIsTooLargeOrHasAFaultIsInvalidWhoeverListens) {
+  std::vector<std::string> told;
+  PublisherCore telling{{.id = 1,
+                         .topic = "points",
+                         .type = &type,
+                         .max_sample_bytes = 1 << 16,
+                         .refused = [&](const std::string& why) { told.push_back(why); }},
+                        BufferPool::make(1 << 20),
+                        std::make_shared<IdleNetworkWriter>()};
+  PointCloud2 large;
+  large.data.resize(1 << 16);
+  PointCloud2 faulty;
+  faulty.header.frame_id = std::string("a\0b", 3);
+  const auto expect_refused = [&] {
+    for (const PointCloud2* one : {&large, &faulty}) {
+      EXPECT_EQ(telling.publish(one), PublishStatus::invalid);
+      const std::vector<PointCloud2> two{cloud, *one};
+      const PublishedSpan span = telling.publish(two.data(), two.size(), sizeof(PointCloud2));
+      EXPECT_EQ(span.status, PublishStatus::invalid);
+      EXPECT_EQ(span.published, 1U);
+    }
+  };
+  expect_refused();  // nobody reads
+  telling.serve(to_one(FieldMask(F::height)), nullptr);
+  expect_refused();
+  telling.serve(to_one(type.full()), nullptr);
+  expect_refused();
+  ASSERT_FALSE(told.empty());
+  EXPECT_LT(told.size(), 12U) << "the log need not hear of each";
+  EXPECT_NE(told.front().find("topic 'points': "), std::string::npos) << told.front();
+  EXPECT_NE(told.front().find("raise PublisherOptions::max_sample_bytes"), std::string::npos) << told.front();
+}
+
+TEST_F(PublisherServingTest, APayloadThatIsTooLargeIsAnErrorWhoeverListens) {
+  PointCloud2 large;
+  large.data.resize(1 << 16);
+  EXPECT_EQ(publisher.publish_cdr(payload_of(large)).error().code, Errc::limit_exceeded);
 }
 
 TEST_F(PublisherServingTest, TheEncapsulationOfAnUnreadPayloadIsCheckedToo) {
