@@ -292,7 +292,8 @@ Result<DynamicType> NodeCore::find_type(std::string_view topic, std::chrono::nan
     const std::uint64_t seen = endpoints_changed_.value();
     ask_agent([&] { search.hears_readers() ? hear_everybody() : hear(Role::writer); });
     // Everything that discovery knows already has come to the agent meanwhile.
-    Result<DynamicType> type = ask_agent([&] { return type_of(topic, reconciler_->endpoints()); });
+    Result<DynamicType> type =
+        ask_agent([&] { return type_of(topic, reconciler_->endpoints(), options_.domain.value_or(0)); });
     const bool may_come = !type && type.error().code == Errc::unavailable && may_wait;
     if (!may_come) return type;
     const bool has_news = endpoints_changed_.wait_beyond(seen, search.waits_until());

@@ -16,11 +16,12 @@ namespace {
 
 constexpr std::size_t topics_named_max = 10;
 
-Error unknown_topic(std::string_view topic, const std::vector<const Endpoint*>& endpoints) {
+Error unknown_topic(std::string_view topic, const std::vector<const Endpoint*>& endpoints,
+                    std::uint32_t domain) {
   std::set<std::string_view> names;
   for (const Endpoint* e : endpoints) names.insert(e->topic);
-  std::string message = "nobody publishes or subscribes to " + in_quotes(topic) + "; ";
-  if (names.empty()) return {Errc::unavailable, message + "no other topics were seen either"};
+  std::string message = "nobody publishes or subscribes to " + in_quotes(topic) + " in domain " + std::to_string(domain) + "; ";
+  if (names.empty()) return {Errc::unavailable, message + "no other topics were seen there either"};
   message += "topics that were seen: ";
   std::size_t n = 0;
   for (const std::string_view name : names) {
@@ -58,7 +59,8 @@ Result<DynamicType> common_type(const std::vector<const Endpoint*>& endpoints) {
 
 }  // namespace
 
-Result<DynamicType> type_of(std::string_view topic, const std::vector<const Endpoint*>& endpoints) {
+Result<DynamicType> type_of(std::string_view topic, const std::vector<const Endpoint*>& endpoints,
+                            std::uint32_t domain) {
   std::vector<const Endpoint*> writers;
   std::vector<const Endpoint*> readers;
   for (const Endpoint* e : endpoints) {
@@ -66,7 +68,7 @@ Result<DynamicType> type_of(std::string_view topic, const std::vector<const Endp
   }
   if (!writers.empty()) return common_type(writers);
   if (!readers.empty()) return common_type(readers);
-  return tl::unexpected(unknown_topic(topic, endpoints));
+  return tl::unexpected(unknown_topic(topic, endpoints, domain));
 }
 
 std::vector<TopicInfo> topics_of(const std::vector<Endpoint>& endpoints) {

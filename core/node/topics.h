@@ -1,6 +1,7 @@
 // Finds topics and their types in a table of endpoints. Pure functions.
 #pragma once
 
+#include <cstdint>
 #include <string_view>
 #include <vector>
 
@@ -15,7 +16,9 @@ namespace sft::core {
 std::vector<TopicInfo> topics_of(const std::vector<Endpoint>& endpoints);
 
 /// The type that a topic is published with, or, without a publisher, subscribed with. Errc::unavailable,
-/// with what was seen, if it is not known (yet); Errc::type_mismatch if there are several definitions.
-Result<DynamicType> type_of(std::string_view topic, const std::vector<const Endpoint*>& endpoints);
+/// with what was seen in that domain, if it is not known (yet); Errc::type_mismatch if there are several
+/// definitions.
+Result<DynamicType> type_of(std::string_view topic, const std::vector<const Endpoint*>& endpoints,
+                            std::uint32_t domain);
 
 }  // namespace sft::core

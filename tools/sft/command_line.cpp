@@ -3,7 +3,13 @@
 #include <sft/options.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <iostream>
+#include <iterator>
 #include <memory>
+#include <span>
+#include <string>
+#include <string_view>
 
 #include "tools/sft/help_format.h"
 
@@ -217,6 +223,37 @@ void declare_doctor(CLI::App& app, Parsed& parsed) {
   command->callback([&parsed] { parsed.line.command = parsed.doctor; });
 }
 
+/// What people type who know the command line of ROS 2, and what does the same here.
+struct Counterpart {
+  std::string_view typed, command;
+};
+constexpr Counterpart counterparts[] = {{"topic list", "ls"},
+                                        {"topic echo", "echo"},
+                                        {"topic info", "info"},
+                                        {"topic hz", "hz"},
+                                        {"topic bw", "bw"},
+                                        {"topic delay", "delay"},
+                                        {"topic pub", "pub"},
+                                        {"topic type", "type --name"},
+                                        {"topic find", "ls types"},
+                                        {"node list", "ls nodes"},
+                                        {"node info", "ls endpoints"},
+                                        {"interface show", "type"},
+                                        {"interface list", "ls types"}};
+
+/// Returns what is wrong if the first word is no command; empty if it is one, or an option.
+std::string fault_of_command(const CLI::App& app, std::span<char* const> words) {
+  if (words.size() < 2 || words[1][0] == '-' || app.get_subcommand_no_throw(words[1]) != nullptr) return "";
+  const std::string two = words.size() < 3 ? "" : std::string(words[1]) + ' ' + words[2];
+  const auto* const counterpart = std::ranges::find(counterparts, two, &Counterpart::typed);
+  if (counterpart != std::end(counterparts))
+    return "there is no command '" + two + "'; 'sft " + std::string(counterpart->command) + "' does that";
+  std::string names;
+  for (const CLI::App* const command : app.get_subcommands([](const CLI::App*) { return true; }))
+    names += (names.empty() ? "" : ", ") + command->get_name();
+  return "there is no command '" + std::string(words[1]) + "'; there are " + names;
+}
+
 /// Prints a mistake that CLI11 found. CLI11 does not end the sentence.
 ExitCode tell_of_mistake(const CLI::App& app, const std::string& what) {
   const auto chosen = app.get_subcommands();
@@ -241,9 +278,13 @@ std::variant<CommandLine, ExitCode> parse_command_line(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
+    const std::string fault = fault_of_command(app, std::span(argv, static_cast<std::size_t>(argc)));
+    if (!fault.empty()) return tell_of_mistake(app, fault);
     if (error.get_exit_code() != 0) return tell_of_mistake(app, error.what());
     app.exit(error);  // prints the help that was asked for
-    return ExitCode::done;
+    if (std::cout.flush()) return ExitCode::done;
+    complain("the output cannot be written");
+    return ExitCode::failed;
   }
   parsed.line.name = app.get_subcommands().front()->get_name();
   return parsed.line;

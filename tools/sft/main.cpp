@@ -37,5 +37,8 @@ int main(int argc, char** argv) {
   signal(SIGPIPE, SIG_IGN);  // Output notices where it writes that nobody reads
   Stop stop;
   Output output(stop, line.common.no_color);
-  return static_cast<int>(run(line, stop, output));
+  const ExitCode code = run(line, stop, output);
+  if (output.failure().empty()) return static_cast<int>(code);
+  complain("the output cannot be written: " + output.failure());
+  return static_cast<int>(ExitCode::failed);
 }

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <system_error>
 
 namespace sft::tool {
 
@@ -16,6 +17,8 @@ std::string dumped(const Json& json, int indent) {
   return json.dump(indent, ' ', false, Json::error_handler_t::replace) + '\n';
 }
 
+std::string text_of(int error) { return std::generic_category().message(error); }
+
 }  // namespace
 
 Output::Output(Stop& stop, bool no_color) : Terminal(no_color), stop_(stop) {}
@@ -24,7 +27,10 @@ void Output::write(std::string_view text) {
   while (!text.empty()) {
     const ssize_t written = ::write(STDOUT_FILENO, text.data(), text.size());
     if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return stop_.request();
+    if (written < 0) {
+      if (errno != EPIPE) failure_ = text_of(errno);
+      return stop_.request();
+    }
     text.remove_prefix(static_cast<std::size_t>(written));
   }
 }

@@ -14,8 +14,11 @@ class Output : public Terminal {
  public:
   Output(Stop& stop, bool no_color);
 
-  /// Writes at once. If nobody reads the output any more, the command is told to stop.
+  /// Writes at once. If that fails, the command is told to stop.
   void write(std::string_view text);
+  /// Why the output could not be written. Empty if all was written, and if its reader has closed it, which is a
+  /// regular end.
+  const std::string& failure() const { return failure_; }
   void line(std::string_view text);
   /// Writes JSON in one line, for programs that read line by line.
   void record(const nlohmann::ordered_json& json);
@@ -24,6 +27,7 @@ class Output : public Terminal {
 
  private:
   Stop& stop_;
+  std::string failure_;
 };
 
 /// Writes one sentence to the standard error.

@@ -47,6 +47,38 @@ TEST_F(CommandTest, WrongUsageIsOneSentenceAndExitCodeTwo) {
   }
 }
 
+TEST_F(CommandTest, AnOutputThatCannotBeWrittenIsAnErrorWithItsReason) {
+  auto busy = robot.publisher<PointCloud2>("busy").value();
+  const Publishing publishing(busy, cloud());
+  const std::vector<std::vector<std::string>> commands{{"--help"},
+                                                       {"--version"},
+                                                       {"echo", "--help"},
+                                                       {"ls"},
+                                                       {"info", "points"},
+                                                       {"type", "points"},
+                                                       {"why", "points"},
+                                                       {"doctor"},
+                                                       {"echo", "busy", "--json"},
+                                                       {"hz", "busy"},
+                                                       {"bw", "busy"},
+                                                       {"top", "--json"}};
+  for (const auto& arguments : commands) {
+    SCOPED_TRACE(arguments.front());
+    const Ended ended = ToolProcess(arguments, ToolProcess::On::full_disk).end();
+    EXPECT_EQ(ended.code, 2);
+    EXPECT_THAT(ended.err, HasSubstr("sft: the output cannot be written"));
+  }
+}
+
+TEST_F(CommandTest, AWordThatIsNoCommandIsNamedAndACommandOfRos2LeadsToItsOwn) {
+  const Ended unknown = run_tool({"dance", "points"});
+  EXPECT_THAT(unknown.err, StartsWith("sft: there is no command 'dance'; there are ls, info, type, echo"));
+  const Ended of_ros2 = run_tool({"topic", "list", "-t"});
+  EXPECT_EQ(of_ros2.code, 2);
+  EXPECT_THAT(of_ros2.err, StartsWith("sft: there is no command 'topic list'; 'sft ls' does that;"));
+  EXPECT_THAT(run_tool({"interface", "show", "sensor_msgs/Image"}).err, HasSubstr("'sft type' does that"));
+}
+
 TEST_F(CommandTest, HelpTellsOfExitCodes) {
   for (const std::vector<std::string>& arguments :
        {std::vector<std::string>{"--help"}, std::vector<std::string>{"echo", "--help"}}) {

@@ -230,12 +230,15 @@ TEST_F(LookTest, WhyTellsOfSharedMemory) {
   EXPECT_EQ(pair["reason"], "same host");
 }
 
-TEST_F(LookTest, AnUnknownTopicIsOneSentenceThatNamesThoseThatAreThere) {
+TEST_F(LookTest, AnUnknownTopicIsOneSentenceThatNamesTheDomainAndTheTopicsThatAreThere) {
+  const char* const chosen = std::getenv("ROS_DOMAIN_ID");
+  const std::string domain = chosen == nullptr ? "0" : chosen;
   for (const char* command : {"info", "type", "echo", "hz", "bw", "delay", "why"}) {
     const Ended ended = run_tool({command, "pints", "--timeout", "0.5"});
     EXPECT_EQ(ended.code, 1) << command;
     EXPECT_EQ(ended.out, "") << command;
-    EXPECT_EQ(ended.err, "sft: nobody publishes or subscribes to 'pints'; topics that were seen: points\n")
+    EXPECT_EQ(ended.err, "sft: nobody publishes or subscribes to 'pints' in domain " + domain +
+                             "; topics that were seen: points\n")
         << command;
   }
 }

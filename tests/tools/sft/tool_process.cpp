@@ -43,6 +43,8 @@ ToolProcess::ToolProcess(std::vector<std::string> arguments, On on) {
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, on == On::terminal ? out[1] : in[0], STDIN_FILENO);
   posix_spawn_file_actions_adddup2(&actions, out[1], STDOUT_FILENO);
+  if (on == On::full_disk)
+    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/full", O_WRONLY, 0);
   posix_spawn_file_actions_adddup2(&actions, err[1], STDERR_FILENO);
   arguments.insert(arguments.begin(), program_directory() + "/sft");
   std::vector<char*> pointers;

@@ -18,8 +18,9 @@ struct Ended {
 
 class ToolProcess {
  public:
-  /// With a terminal of 80 x 24 as its standard input and output, or with pipes.
-  enum class On { pipes, terminal };
+  /// With a terminal of 80 x 24 as its standard input and output, or with pipes, or with pipes and a standard
+  /// output that is full.
+  enum class On { pipes, terminal, full_disk };
   explicit ToolProcess(std::vector<std::string> arguments, On on = On::pipes);
   ~ToolProcess();
   ToolProcess(const ToolProcess&) = delete;

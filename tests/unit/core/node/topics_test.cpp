@@ -36,7 +36,7 @@ class TopicsTest : public ::testing::Test {
   Result<DynamicType> type(std::string_view topic) const {
     std::vector<const Endpoint*> all;
     for (const Endpoint& e : endpoints) all.push_back(&e);
-    return type_of(topic, all);
+    return type_of(topic, all, 7);
   }
   std::string error(std::string_view topic) const {
     const auto found = type(topic);
@@ -57,7 +57,9 @@ TEST_F(TopicsTest, TheTypeOfATopicIsThatOfItsPublishersOrElseOfItsSubscribers) {
 
 TEST_F(TopicsTest, AnUnknownTopicIsAnErrorThatNamesTheOthers) {
   EXPECT_EQ(type("points").error().code, Errc::unavailable);
-  EXPECT_THAT(error("points"), HasSubstr("no other topics were seen"));
+  EXPECT_THAT(
+      error("points"),
+      HasSubstr("nobody publishes or subscribes to 'points' in domain 7; no other topics were seen there"));
   add(Role::writer, "a", "pointz", cloud);
   add(Role::writer, "a", "odom", odometry);
   EXPECT_THAT(error("points"), HasSubstr("topics that were seen: odom, pointz"));
