@@ -13,12 +13,7 @@ using robot_msgs::msg::Battery;
 int main(int argc, char** argv) {
   const int count = argc > 1 ? std::atoi(argv[1]) : 100;
 
-  sft::NodeOptions options{.name = "battery"};
-  options.log_level = sft::LogLevel::warning;
-  options.log = [](sft::LogLevel, std::string_view line) {
-    std::fprintf(stderr, "%.*s\n", static_cast<int>(line.size()), line.data());
-  };
-  auto node = sft::Node::open(options);
+  auto node = sft::Node::open({.name = "battery"});
   if (!node) return std::fprintf(stderr, "%s\n", node.error().message.c_str()), 1;
   auto publisher = node->publisher<Battery>("battery");
   if (!publisher) return std::fprintf(stderr, "%s\n", publisher.error().message.c_str()), 1;

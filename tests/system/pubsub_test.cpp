@@ -193,7 +193,7 @@ TEST_P(PubSubTest, NothingOfEarlierSamplesIsInALoan) {
     EXPECT_EQ(std::ranges::count(sample.cdr(), std::byte{0xA5}), 0);
     if (!in_shared_memory()) continue;
     // The header, the index and padding stand in front of the body.
-    const std::size_t body_offset = SampleLayout(pub.type().slots()).body_offset;
+    const std::size_t body_offset = SampleLayout(pub.type().index_slots()).body_offset;
     const std::span chunk(sample.cdr().data() + encapsulation_bytes - body_offset, body_offset);
     EXPECT_TRUE(std::ranges::search_n(chunk, 3, std::byte{0xA5}).empty());
   }

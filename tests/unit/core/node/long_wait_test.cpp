@@ -8,9 +8,12 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Time begin{};
+class LongWaitTest : public ::testing::Test {
+ protected:
+  const Time begin{};
+};
 
-TEST(LongWaitTest, AWaitIsToldOfOnceWhenItHasBecomeLong) {
+TEST_F(LongWaitTest, AWaitIsToldOfOnceWhenItHasBecomeLong) {
   LongWait wait;
   EXPECT_FALSE(wait.look(true, 1, begin));
   EXPECT_FALSE(wait.look(true, 1, begin + 999ms));
@@ -19,7 +22,7 @@ TEST(LongWaitTest, AWaitIsToldOfOnceWhenItHasBecomeLong) {
   EXPECT_TRUE(wait.is_under_way());
 }
 
-TEST(LongWaitTest, AWaitEndsWithATurnOrWhenNothingWaits) {
+TEST_F(LongWaitTest, AWaitEndsWithATurnOrWhenNothingWaits) {
   LongWait wait;
   EXPECT_FALSE(wait.look(true, 1, begin));
   EXPECT_FALSE(wait.look(true, 2, begin + 900ms)) << "it had a turn, and waits for the next one";
@@ -30,7 +33,7 @@ TEST(LongWaitTest, AWaitEndsWithATurnOrWhenNothingWaits) {
   EXPECT_TRUE(wait.look(true, 2, begin + 3800ms));
 }
 
-TEST(LongWaitTest, TheNextLongWaitIsToldOfAsWell) {
+TEST_F(LongWaitTest, TheNextLongWaitIsToldOfAsWell) {
   LongWait wait;
   EXPECT_FALSE(wait.look(true, 1, begin));
   EXPECT_TRUE(wait.look(true, 1, begin + 1s));

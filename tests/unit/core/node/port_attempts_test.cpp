@@ -56,10 +56,11 @@ TEST_F(PortAttemptsTest, WhatHasFailedIsNotCalledAgainBeforeItsPauseIsOver) {
 }
 
 TEST_F(PortAttemptsTest, ADaemonThatRefusesOneRequestIsAskedForOthersAtOnce) {
-  attempts.in_memory(one, failing(Errc::limit_exceeded, "no port is left"));
-  attempts.in_memory(other, failing(Errc::limit_exceeded, "no port is left"));
+  attempts.in_memory(one, failing(Errc::limit_exceeded, "no port is left for 'points'"));
+  attempts.in_memory(other, failing(Errc::limit_exceeded, "no port is left for 'imu'"));
   EXPECT_EQ(calls, 2);
-  EXPECT_EQ(logged.size(), 2U) << "each is a port of its own";
+  EXPECT_THAT(logged, ElementsAre("node: no port is left for 'points'", "node: no port is left for 'imu'"))
+      << "each is a port of its own";
 }
 
 TEST_F(PortAttemptsTest, ADaemonThatDoesNotAnswerIsAskedNothingForAWhile) {

@@ -109,7 +109,7 @@ TEST_F(ReconcilerTest, AWriterThatCannotBeConnectedToIsToldOfOnceAndTriedAgainBy
     reconciler.tick();
     writer_seen(7);
   }
-  EXPECT_THAT(logged, ElementsAre("node: the same short id", "node: the same short id"));
+  EXPECT_THAT(logged, ElementsAre("node: the same short id")) << "which both writers have";
   connections.refusal.clear();
   EXPECT_THAT(connections.writers, IsEmpty());
   EXPECT_TRUE(test::eventually([&] {

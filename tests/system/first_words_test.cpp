@@ -1,0 +1,213 @@
+// Typical mistakes of programs that set no option for the log: the standard error says what is wrong, and
+// what to do or what differs.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <sft/sft.h>
+#include <array>
+#include <cstdlib>
+#include <sensor_msgs/msg/LaserScan.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/support/isolated_host.h"
+#include "tests/system/fixture.h"
+
+namespace sft::test {
+namespace {
+
+using sensor_msgs::msg::LaserScan;
+using ::testing::HasSubstr;
+
+class FirstWords : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    unsetenv("SFT_LOG");
+    printed_ = memfd_create("stderr", MFD_CLOEXEC);
+    before_ = dup(STDERR_FILENO);
+    ASSERT_GE(dup2(printed_, STDERR_FILENO), 0);
+  }
+  void TearDown() override {
+    dup2(before_, STDERR_FILENO);
+    close(before_);
+    close(printed_);
+  }
+  std::string printed() const {
+    std::string text(static_cast<std::size_t>(lseek(printed_, 0, SEEK_END)), '\0');
+    const ssize_t bytes = pread(printed_, text.data(), text.size(), 0);
+    text.resize(static_cast<std::size_t>(std::max<ssize_t>(bytes, 0)));
+    return text;
+  }
+  /// All of these texts, in lines of the log.
+  void expect_says(const std::vector<std::string>& texts) const {
+    for (const std::string& text : texts)
+      EXPECT_TRUE(eventually([&] { return printed().find(text) != std::string::npos; })) << text << "\nin\n"
+                                                                                         << printed();
+    EXPECT_EQ(printed().find("[sft] "), 0U);
+  }
+  static Node open(const std::string& name = "robot") {
+    NodeOptions options{.name = name};
+    options.shm.daemon_idle_exit = 5s;
+    return Node::open(options).value();
+  }
+  static Publisher<PointCloud2> publisher(Node& node, const PublisherOptions& options = {}) {
+    return node.publisher<PointCloud2>("points", options).value();
+  }
+  static Subscriber<PointCloud2> subscriber(Node& node, const SubscriberOptions& options = {}) {
+    return node.subscriber<PointCloud2>("points", options).value();
+  }
+
+ private:
+  int printed_ = -1, before_ = -1;
+};
+
+TEST_F(FirstWords, OfASubscriberThatWantsMoreReliabilityThanThereIs) {
+  Node node = open();
+  const auto pub = publisher(node);
+  const auto sub = subscriber(node, {.reliability = reliable});
+  expect_says(
+      {"[sft] warning: robot: topic 'points', node 'robot': incompatible QoS: ", "reliable", "best_effort"});
+}
+
+TEST_F(FirstWords, OfASubscriberThatWantsSamplesFromBefore) {
+  Node node = open();
+  const auto pub = publisher(node);
+  const auto sub = subscriber(node, {.durability = transient_local});
+  expect_says({"incompatible QoS: ", "transient_local", "volatile"});
+}
+
+TEST_F(FirstWords, OfTwoTypesOnOneTopic) {
+  Node node = open();
+  const auto pub = publisher(node);
+  const auto sub = node.subscriber<LaserScan>("points").value();
+  expect_says({"sensor_msgs::msg::PointCloud2", "sensor_msgs::msg::LaserScan"});
+}
+
+TEST_F(FirstWords, OfAPublisherAndASubscriberWithNoPathForBoth) {
+  Node node = open();
+  const auto pub = publisher(node, {.transport = TransportChoice::shm});
+  const auto sub = subscriber(node, {.transport = TransportChoice::udp});
+  expect_says({"topic 'points', node 'robot': no path"});
+}
+
+TEST_F(FirstWords, OfAMessageThatIsTooLarge) {
+  Node node = open();
+  auto pub = publisher(node);
+  PointCloud2 image;
+  image.data.resize(25'000'000);
+  EXPECT_EQ(pub.publish(image), PublishStatus::invalid);
+  expect_says({"robot: a message is not sent: topic 'points': the message has ", "'data'",
+               "raise PublisherOptions::max_sample_bytes"});
+}
+
+TEST_F(FirstWords, OfAStringWithANul) {
+  Node node = open();
+  auto pub = publisher(node);
+  PointCloud2 cloud;
+  cloud.header.frame_id = std::string("a\0b", 3);
+  EXPECT_EQ(pub.publish(cloud), PublishStatus::invalid);
+  expect_says({"'header.frame_id' has a NUL"});
+}
+
+TEST_F(FirstWords, OfASampleThatDoesNotFitSharedMemory) {
+  Node node = open();
+  ASSERT_TRUE(eventually([&] { return node.status().shm_ready; })) << node.status().shm;
+  auto pub = publisher(node, {.max_sample_bytes = 32 << 20});
+  const auto sub = subscriber(node);
+  const auto in_memory = [&] {
+    const PublisherStatus status = pub.status();
+    return !status.readers.empty() && status.readers[0].served &&
+           status.readers[0].transport == TransportKind::shm;
+  };
+  ASSERT_TRUE(eventually(in_memory));
+  PointCloud2 image;
+  image.data.resize(25'000'000);
+  pub.publish(image);
+  expect_says({"topic 'points': samples diverted"});
+}
+
+TEST_F(FirstWords, OfASubscriberThatHoldsTooManySamples) {
+  Node node = open();
+  ASSERT_TRUE(eventually([&] { return node.status().shm_ready; })) << node.status().shm;
+  auto pub = publisher(node, {.transport = TransportChoice::shm});
+  auto sub = subscriber(node, {.transport = TransportChoice::shm, .max_held = 2});
+  ASSERT_TRUE(pub.wait_for_subscribers(1, patience));
+  std::vector<Sample<PointCloud2>> held;
+  EXPECT_TRUE(eventually([&] {
+    pub.publish({.height = 1});
+    if (auto sample = sub.take()) held.push_back(std::move(sample));
+    return sub.status().held_too_many > 0;
+  }));
+  expect_says({"topic 'points', node 'robot'", "held"});
+}
+
+TEST_F(FirstWords, OfAReliableSubscriberWithAQueueThatSharedMemoryDoesNotHave) {
+  Node node = open();
+  const auto sub = subscriber(node, {.reliability = reliable, .depth = 1000});
+  expect_says({"topic 'points': SubscriberOptions::depth is 1000, but shared memory keeps 256"});
+}
+
+TEST_F(FirstWords, OfACallbackThatHoldsUpAnotherOne) {
+  Node node = open();
+  NodeOptions options{.name = "source", .transport = TransportChoice::shm};
+  Node source = Node::open(options).value();
+  std::atomic<bool> goes_on{false}, is_called{false};
+  auto camera = source.publisher<PointCloud2>("camera").value();
+  auto halt = source.publisher<PointCloud2>("stop").value();
+  const auto detect = node.subscriber<PointCloud2>("camera",
+                                                   [&](const auto&) {
+                                                     is_called = true;
+                                                     EXPECT_TRUE(eventually([&] { return goes_on.load(); }));
+                                                   })
+                          .value();
+  const auto stop = node.subscriber<PointCloud2>("stop", [](const auto&) {}).value();
+  ASSERT_TRUE(camera.wait_for_subscribers(1, patience) && halt.wait_for_subscribers(1, patience));
+  camera.publish({.height = 1});
+  ASSERT_TRUE(eventually([&] { return is_called.load(); }));
+  halt.publish({.height = 1});
+  expect_says({"robot: topic 'stop': a sample has waited for its callback", "that of topic 'camera'"});
+  goes_on = true;
+}
+
+TEST_F(FirstWords, OfAnInterfaceThatIsNotThere) {
+  NodeOptions options{.name = "robot"};
+  options.discovery.interfaces = {"eth9"};
+  const Node node = Node::open(options).value();
+  expect_says({"[sft] warning: robot: discovery: eth9 is not there"});
+}
+
+TEST_F(FirstWords, OfALevelOfTheLogThatThereIsNot) {
+  setenv("SFT_LOG", "verbose", 1);
+  const Node node = open();
+  expect_says({"the environment variable SFT_LOG is 'verbose', which is none of off, error"});
+  unsetenv("SFT_LOG");
+}
+
+TEST_F(FirstWords, AreNotWrittenWhereTheEnvironmentSaysSo) {
+  setenv("SFT_LOG", "off", 1);
+  {
+    Node node = open();
+    auto pub = publisher(node);
+    const auto sub = subscriber(node, {.reliability = reliable});
+    ASSERT_TRUE(eventually([&] { return !pub.status().readers.empty(); }));
+  }
+  EXPECT_EQ(printed(), "");
+  unsetenv("SFT_LOG");
+}
+
+TEST_F(FirstWords, AreNoneOfAProgramThatIsRight) {
+  {
+    Node node = open();
+    auto pub = publisher(node, {.reliability = reliable});
+    auto sub = subscriber(node, {.reliability = reliable});
+    ASSERT_TRUE(pub.wait_for_subscribers(1, patience));
+    pub.publish({.height = 1});
+    EXPECT_TRUE(sub.wait(patience));
+  }
+  EXPECT_EQ(printed(), "");
+}
+
+}  // namespace
+}  // namespace sft::test
