@@ -171,7 +171,7 @@ core::SendStatus UdpWriter::send_begun(const core::SampleHandle& sample, core::R
     return core::SendStatus::lost_port;
   }
   if (BodySizes* sizes = in_use_->sizes.get())
-    sizes->measure(core::state_of(*sample, type_.slots()), std::chrono::steady_clock::now(), holds_);
+    sizes->measure(core::state_of(*sample, type_.index_slots()), std::chrono::steady_clock::now(), holds_);
   if (!holds_) sender_.be_patient(patience());
   if (groups.size() > 1) sample->complete();  // so that none waits for another one's large body to leave
   std::size_t missed = 0;

@@ -28,12 +28,12 @@ class Samples {
  public:
   explicit Samples(const T& message) {
     const EncodedSize size = encoded_size(type().type(), &message, type().full());
-    const SampleLayout layout(type().slots());
+    const SampleLayout layout(type().index_slots());
     buffer_ = pool_->take(layout.body_offset + size.bytes);
     buffer_->mask = type().full();
     buffer_->header().body_bytes = size.bytes;
     encode(type().type(), &message, type().full(), {buffer_->data + layout.body_offset, size.bytes},
-           {buffer_->index(), type().slots()});
+           {buffer_->index(), type().index_slots()});
   }
 
   template <Req<T> R>

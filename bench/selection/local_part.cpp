@@ -8,11 +8,11 @@ namespace sft::bench {
 namespace {
 
 core::SampleHandle sample_of(const Sample& whole, core::BufferPool& pool, const TypeSupport& type) {
-  const detail::SampleLayout layout(type.slots());
+  const detail::SampleLayout layout(type.index_slots());
   const detail::SampleState& state = whole.state();
   core::SampleHandle sample = pool.take(layout.bytes(state.body_bytes));
   std::memcpy(sample->data + layout.body_offset, state.body, state.body_bytes);
-  std::copy_n(state.index, type.slots(), sample->index());
+  std::copy_n(state.index, type.index_slots(), sample->index());
   sample->header().body_bytes = state.body_bytes;
   sample->mask = type.full();
   return sample;

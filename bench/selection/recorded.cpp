@@ -62,7 +62,7 @@ Figure voltage_on_change(const std::filesystem::path& file) {
 Figure every_4th_beam(const std::filesystem::path& file) {
   const TypeSupport& type = type_support<LaserScan>();
   const FieldMask full = type.full();
-  std::vector<std::uint32_t> index(type.slots());
+  std::vector<std::uint32_t> index(type.index_slots());
   double part = 0, whole = 0, scans = 0;
   for (const test::Payload& payload : test::read_records(file)) {
     const std::vector<std::byte> body(payload.begin() + encapsulation_bytes, payload.end());

@@ -76,7 +76,7 @@ constinit const SampleState empty_state{.index = absent_slots.data(), .mask = &n
 Sample::Sample(core::SampleBuffer* buffer, const TypeSupport& type, const SampleInfo& info,
                core::RecordedSample* record, std::shared_ptr<const Selection> selection,
                core::PartReader* parts)
-    : state_(view_of(*buffer, type.slots())),
+    : state_(view_of(*buffer, type.index_slots())),
       info_(info),
       selection_(std::move(selection)),
       buffer_(buffer),
@@ -157,11 +157,11 @@ void Loan::swap(Loan& other) noexcept {
 }
 
 std::byte* Loan::body() const {
-  return buffer_ == nullptr ? nullptr : buffer_->data + SampleLayout(publisher_->type().slots()).body_offset;
+  return buffer_ == nullptr ? nullptr : buffer_->data + SampleLayout(publisher_->type().index_slots()).body_offset;
 }
 
 SampleState Loan::state() const {
-  return buffer_ == nullptr ? SampleState{} : view_of(*buffer_, publisher_->type().slots());
+  return buffer_ == nullptr ? SampleState{} : view_of(*buffer_, publisher_->type().index_slots());
 }
 
 void Loan::write(std::size_t slot, const void* value, std::size_t bytes) noexcept {

@@ -14,7 +14,7 @@ Feed::Feed(Spec spec, const Common& common)
       common_(common),
       declared_(spec_.selection),
       ports_(
-          {.patience = common.patience, .min_period_us = spec_.min_period_us, .slots = common.type.slots()},
+          {.patience = common.patience, .min_period_us = spec_.min_period_us, .slots = common.type.index_slots()},
           asked(spec_.selection), common.tells_asked) {}
 
 Selection Feed::required() const {

@@ -47,13 +47,13 @@ void RemoteCopy::take_back(PartReader& reader) noexcept {
 
 bool RemoteCopy::project(const SampleBuffer& sample, const detail::ProjectionPlan& asked,
                          const FieldMask& present) {
-  const detail::SampleState state = state_of(sample, type_.slots());
+  const detail::SampleState state = state_of(sample, type_.index_slots());
   if (present == asked.mask()) return projection_.project(state, asked);
   return projection_.project(state, type_.type(), present);
 }
 
 SampleHandle RemoteCopy::copy(const SampleBuffer& sample, const FieldMask& mask, std::uint64_t parts) {
-  SampleHandle copy = pool_->take(detail::SampleLayout(type_.slots()).bytes(projection_.bytes()));
+  SampleHandle copy = pool_->take(detail::SampleLayout(type_.index_slots()).bytes(projection_.bytes()));
   if (!copy) return {};
   copy->mask = mask;
   copy->parts = parts;
@@ -62,9 +62,9 @@ SampleHandle RemoteCopy::copy(const SampleBuffer& sample, const FieldMask& mask,
 
 /// Fills the copy with the projected bytes. Returns false if these are not what they claim to be.
 bool RemoteCopy::fill(SampleBuffer& copy, const SampleBuffer& sample) const {
-  const detail::SampleLayout layout(type_.slots());
+  const detail::SampleLayout layout(type_.index_slots());
   detail::SampleHeader& header = copy.header();
-  header.slots = static_cast<std::uint16_t>(type_.slots());
+  header.index_slots = static_cast<std::uint16_t>(type_.index_slots());
   header.type_hash = type_.hash();
   header.writer = sample.writer;
   header.sequence = sample.sequence;
@@ -80,7 +80,7 @@ bool RemoteCopy::fill(SampleBuffer& copy, const SampleBuffer& sample) const {
     std::memcpy(to, segment.data, segment.bytes);
     to += segment.bytes;
   }
-  return detail::build_index(state_of(copy, type_.slots()), type_.type(), {copy.index(), type_.slots()}) ==
+  return detail::build_index(state_of(copy, type_.index_slots()), type_.type(), {copy.index(), type_.index_slots()}) ==
          detail::WalkStatus::ok;
 }
 

@@ -39,7 +39,7 @@ class RemoteCopy final : public PartReader::Owner, public std::enable_shared_fro
 
   SampleHandle memory(std::size_t bytes) noexcept override { return pool_->take(bytes); }
   detail::SampleState state(const SampleBuffer& sample) const override {
-    return state_of(sample, type_.slots());
+    return state_of(sample, type_.index_slots());
   }
   void take_back(PartReader& reader) noexcept override SFT_EXCLUDES(readers_mutex_);
 

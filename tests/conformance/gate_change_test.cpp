@@ -84,7 +84,7 @@ class GateChanges {
   }
   /// Publishes the next sample, and notes which routes it may have gone by.
   void publish() {
-    const std::size_t slots = udp::test::type_support<Image>().slots();
+    const std::size_t slots = udp::test::type_support<Image>().index_slots();
     Span span{.first = done};
     const SampleHandle sample = writer.make(bytes, core::gate_table_bytes(choices.size()));
     ASSERT_TRUE(sample);
@@ -142,7 +142,7 @@ class GateChanges {
     came.insert(&*named);
   }
   void expect_whole_with_table(const SampleHandle& sample) {
-    const std::size_t slots = udp::test::type_support<Image>().slots();
+    const std::size_t slots = udp::test::type_support<Image>().index_slots();
     EXPECT_TRUE(is_image(sample, bytes));
     EXPECT_TRUE(some_passed(sample->sequence)) << "sample " << sample->sequence;
     for (const Choice& one : choices) {

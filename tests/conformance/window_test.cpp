@@ -170,7 +170,7 @@ class MovingWindow {
     ASSERT_EQ(udp::test::body_of(sample), encoded_body(message(sample.sequence), type().full()));
     const detail::ProjectionPlan plan(type(), asked);
     detail::Projection projection;
-    ASSERT_TRUE(projection.project(core::state_of(sample, type().slots()), plan, {}));
+    ASSERT_TRUE(projection.project(core::state_of(sample, type().index_slots()), plan, {}));
     ASSERT_EQ(test::gathered(projection), part(sample.sequence, asked)) << "sample " << sample.sequence;
     came_.insert(asked.hash());
   }

@@ -40,7 +40,7 @@ class Body {
       : type_(type),
         mask_(std::move(mask)),
         bytes_(new std::byte[bytes.size()]),
-        index_(type.support->slots()) {
+        index_(type.support->index_slots()) {
     std::copy(bytes.begin(), bytes.end(), bytes_.get());
     state_ = {.body = bytes_.get(),
               .body_bytes = static_cast<std::uint32_t>(bytes.size()),

@@ -22,7 +22,7 @@ void require(bool condition, const char* what) {
 
 std::string printed(const TypeSupport& type, const std::vector<std::byte>& cdr) {
   const FieldMask all = type.full();
-  std::vector<std::uint32_t> index(type.slots());
+  std::vector<std::uint32_t> index(type.index_slots());
   const SampleState state{.body = cdr.data() + encapsulation,
                           .body_bytes = static_cast<std::uint32_t>(cdr.size() - encapsulation),
                           .index = index.data(),

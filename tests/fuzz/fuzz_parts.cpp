@@ -43,7 +43,7 @@ class Body {
         mask_(std::move(mask)),
         bytes_(bytes),
         body_(new std::byte[bytes]),
-        index_(type.slots()) {
+        index_(type.index_slots()) {
     state_ = {.body = body_.get(),
               .body_bytes = static_cast<std::uint32_t>(bytes),
               .index = index_.data(),

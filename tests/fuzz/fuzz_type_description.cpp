@@ -29,7 +29,7 @@ void require(bool condition, const char* what) {
 class Body {
  public:
   Body(const TypeSupport& type, FieldMask mask, std::span<const std::byte> bytes)
-      : mask_(std::move(mask)), bytes_(new std::byte[bytes.size()]), index_(type.slots()) {
+      : mask_(std::move(mask)), bytes_(new std::byte[bytes.size()]), index_(type.index_slots()) {
     std::copy(bytes.begin(), bytes.end(), bytes_.get());
     state_ = {.body = bytes_.get(),
               .body_bytes = static_cast<std::uint32_t>(bytes.size()),

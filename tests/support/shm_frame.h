@@ -49,7 +49,7 @@ constexpr std::size_t frame_bytes(std::uint32_t data) { return frame_layout.byte
 inline void write_frame(core::SampleBuffer& sample, core::EndpointId writer, std::uint64_t sequence,
                         std::uint32_t data) {
   detail::SampleHeader& header = sample.header();
-  header.slots = 3;
+  header.index_slots = 3;
   header.writer = writer;
   header.sequence = sequence;
   header.type_hash = frame_type().hash();

@@ -243,15 +243,17 @@ constexpr Counterpart counterparts[] = {{"topic list", "ls"},
 
 /// Returns what is wrong if the first word is no command; empty if it is one, or an option.
 std::string fault_of_command(const CLI::App& app, std::span<char* const> words) {
-  if (words.size() < 2 || words[1][0] == '-' || app.get_subcommand_no_throw(words[1]) != nullptr) return "";
-  const std::string two = words.size() < 3 ? "" : std::string(words[1]) + ' ' + words[2];
-  const auto* const counterpart = std::ranges::find(counterparts, two, &Counterpart::typed);
-  if (counterpart != std::end(counterparts))
-    return "there is no command '" + two + "'; 'sft " + std::string(counterpart->command) + "' does that";
+  if (words.size() < 2 || words[1][0] == '-') return "";
+  const std::string one = words[1];
   std::string names;
-  for (const CLI::App* const command : app.get_subcommands([](const CLI::App*) { return true; }))
+  for (const CLI::App* const command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    if (command->get_name() == one) return "";
     names += (names.empty() ? "" : ", ") + command->get_name();
-  return "there is no command '" + std::string(words[1]) + "'; there are " + names;
+  }
+  const std::string two = words.size() < 3 ? "" : one + ' ' + words[2];
+  const auto* const counterpart = std::ranges::find(counterparts, two, &Counterpart::typed);
+  if (counterpart == std::end(counterparts)) return "there is no command '" + one + "'; there are " + names;
+  return "there is no command '" + two + "'; 'sft " + std::string(counterpart->command) + "' does that";
 }
 
 /// Prints a mistake that CLI11 found. CLI11 does not end the sentence.

@@ -61,10 +61,10 @@ bool gives_way(ArrivedSamples& arrived, const SampleAssembly& samples, std::uint
 /// All but the writer and the sequence.
 void write_header(core::SampleBuffer& sample, const FirstHeader& first, const TypeSupport& type) {
   detail::SampleHeader& header = sample.header();
-  header.slots = static_cast<std::uint16_t>(type.slots());
+  header.index_slots = static_cast<std::uint16_t>(type.index_slots());
   header.source_stamp_ns = first.stamp_ns;
   header.type_hash = type.hash();
-  header.body_offset = static_cast<std::uint32_t>(detail::SampleLayout(type.slots()).body_offset);
+  header.body_offset = static_cast<std::uint32_t>(detail::SampleLayout(type.index_slots()).body_offset);
   header.body_bytes = first.total;
   sample.trust_header();
 }
@@ -78,7 +78,7 @@ bool index_body(core::SampleBuffer& sample, const TypeSupport& type) {
   state.body = body;
   state.body_bytes = sample.header().body_bytes;
   state.mask = &sample.mask;
-  return detail::build_index(state, type.type(), {sample.index(), type.slots()}) == detail::WalkStatus::ok;
+  return detail::build_index(state, type.type(), {sample.index(), type.index_slots()}) == detail::WalkStatus::ok;
 }
 
 }  // namespace
@@ -151,7 +151,7 @@ Arrival IncomingWriter::accept_packed(const Datagram& packed, const WantedMasks:
     return {};
   }
   if (packed.bytes_each != 0 && named.mask != nullptr && packed.bytes_each <= facts_.sample_bytes) {
-    const std::size_t bytes = detail::SampleLayout(facts_.type->slots()).bytes(packed.bytes_each);
+    const std::size_t bytes = detail::SampleLayout(facts_.type->index_slots()).bytes(packed.bytes_each);
     const std::size_t reserved = window_ == nullptr ? 0 : reserved_for_first_missing();
     shared_.pool->take_kept(bytes, shared_.reserved_for_publishers() + reserved, packed.samples,
                             shared_.pack_buffers);
@@ -204,7 +204,7 @@ Arrival IncomingWriter::accept_first(const Datagram& d, const WantedMasks::Named
     return refuse(d, met.place, why, now.steady);
   const bool is_whole = sample == nullptr && d.payload.size() == d.first.total;
   if (!is_whole) return begin(d, sample, met.place, std::move(buffer), now);
-  const std::size_t body_offset = detail::SampleLayout(facts_.type->slots()).body_offset;
+  const std::size_t body_offset = detail::SampleLayout(facts_.type->index_slots()).body_offset;
   if (!d.payload.empty()) std::memcpy(buffer->data + body_offset, d.payload.data(), d.payload.size());
   samples_.finish(d.label());
   return complete(std::move(buffer), d.first, met.place, now);
@@ -216,7 +216,7 @@ Arrival IncomingWriter::begin(const Datagram& d, UnfinishedSample* sample, std::
   if (place != 0) window_->samples().begun(place, d.label(), buffer);
   if (sample == nullptr) sample = &samples_.begin(d.label(), place, now.steady);
   samples_.set_place(*sample, place);
-  samples_.describe(*sample, d.first, detail::SampleLayout(facts_.type->slots()).body_offset,
+  samples_.describe(*sample, d.first, detail::SampleLayout(facts_.type->index_slots()).body_offset,
                     std::move(buffer));
   sample->add(0, d.payload, shared_.limits.gaps, now.steady);
   Arrival arrival = proceed(*sample, samples_.unpark(*sample, now.steady), now);
@@ -338,14 +338,14 @@ IncomingWriter::Refusal IncomingWriter::describe(const Datagram& d, const Wanted
 /// The samples behind the first missing one leave memory for that one: without it nobody gets the others.
 core::SampleHandle IncomingWriter::take_buffer(const Datagram& d, std::uint64_t place) {
   const std::size_t total = d.first.total;
-  const std::size_t bytes = detail::SampleLayout(facts_.type->slots()).bytes(total);
+  const std::size_t bytes = detail::SampleLayout(facts_.type->index_slots()).bytes(total);
   if (place == 0) return samples_.take_buffer(bytes, d.label(), total, d.payload.size() == total);
   const std::size_t reserved = place == window_->samples().next() ? 0 : reserved_for_first_missing();
   return samples_.take_reliable_buffer(bytes, total, reserved);
 }
 
 std::size_t IncomingWriter::reserved_for_first_missing() const {
-  return std::min(detail::SampleLayout(facts_.type->slots()).bytes(facts_.sample_bytes),
+  return std::min(detail::SampleLayout(facts_.type->index_slots()).bytes(facts_.sample_bytes),
                   shared_.pool->limit_bytes() / 4);
 }
 

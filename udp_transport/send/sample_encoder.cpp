@@ -21,7 +21,7 @@ bool SampleEncoder::encode(const Audience& audience, const core::SampleBuffer& s
 
 /// Jobs do not keep the memory of large parts for the next sample: there are many of them.
 bool SampleEncoder::gather(const Audience& audience, const core::SampleBuffer& sample, Job& job) const {
-  const detail::SampleState state = core::state_of(sample, type_.slots());
+  const detail::SampleState state = core::state_of(sample, type_.index_slots());
   const std::size_t bytes = job.projection.bytes_most(state, audience.plan);
   core::SampleHandle memory;
   if (bytes >= detail::reference_bytes_min && side_->pool != nullptr) memory = side_->pool->take(bytes);

@@ -27,7 +27,7 @@ class SampleEncoder {
   void describe(const Audience& audience, const core::SampleBuffer& sample, Job& job) const;
   /// Projects the sample to the mask of the audience. False if the sample is malformed.
   bool project(const Audience& audience, const core::SampleBuffer& sample, detail::Projection& body) const {
-    return body.project(core::state_of(sample, type_.slots()), audience.plan);
+    return body.project(core::state_of(sample, type_.index_slots()), audience.plan);
   }
 
  private:

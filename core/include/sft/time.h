@@ -52,8 +52,8 @@ constexpr Message seconds_message(std::chrono::nanoseconds time) {
   constexpr std::int64_t per_second = 1'000'000'000;
   const std::int64_t rest = (time.count() % per_second + per_second) % per_second;
   const std::int64_t whole = time.count() / per_second - (time.count() % per_second < 0 ? 1 : 0);
-  constexpr auto least = static_cast<std::int64_t>(std::numeric_limits<Sec>::min());
-  constexpr auto most = static_cast<std::int64_t>(std::numeric_limits<Sec>::max());
+  constexpr auto least = static_cast<std::int64_t>((std::numeric_limits<Sec>::min)());
+  constexpr auto most = static_cast<std::int64_t>((std::numeric_limits<Sec>::max)());
   Message message{};
   message.sec = static_cast<Sec>(std::clamp(whole, least, most));
   message.nanosec = static_cast<Nanosec>(rest);

@@ -131,7 +131,7 @@ udp::JobHandle Publisher::encode(std::span<const Cloud> clouds, const Selection&
 void Publisher::project(udp::Job& job, const core::SampleHandle& sample, const Selection& selection,
                         bool packed) {
   const detail::ProjectionPlan plan(cloud_type(), selection);
-  const detail::SampleState state = core::state_of(*sample, cloud_type().slots());
+  const detail::SampleState state = core::state_of(*sample, cloud_type().index_slots());
   const bool done =
       plan.has_parts() ? job.projection.project(state, plan, {}) : job.projection.project(state, plan);
   if (!done) laws_.fail("a sample cannot be encoded");

@@ -63,7 +63,7 @@ Bytes payload_of(const T& message) {
 inline PointCloud2 message_in(const InputCloud& cloud) {
   const std::span<const std::byte> body = std::span(cloud.payload).subspan(sft::detail::encapsulation_bytes);
   const FieldMask mask = cloud_type().full();
-  std::vector<std::uint32_t> index(cloud_type().slots());
+  std::vector<std::uint32_t> index(cloud_type().index_slots());
   const sft::detail::SampleState state{.body = body.data(),
                                        .body_bytes = static_cast<std::uint32_t>(body.size()),
                                        .index = index.data(),

@@ -212,7 +212,7 @@ TEST(CellsTest, ByteOrderIsThatOfBytesAndNotOfLargerElements) {
       cdr_from_json(type.type(), R"({"columns": 2, "is_bigendian": true, "heights": [1.5, 2]})").value();
   const std::vector<std::byte> body(cdr.begin() + 4, cdr.end());
   const FieldMask mask = type.support().full();
-  std::vector<std::uint32_t> index(type.support().slots());
+  std::vector<std::uint32_t> index(type.support().index_slots());
   const detail::SampleState state{.body = body.data(),
                                   .body_bytes = static_cast<std::uint32_t>(body.size()),
                                   .index = index.data(),

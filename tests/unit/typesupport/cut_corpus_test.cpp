@@ -150,7 +150,7 @@ class CutCorpusTest : public ::testing::Test {
     EXPECT_EQ(plan.mask(), type.full());
 
     const std::vector<std::byte> body(payload.begin() + head_bytes, payload.end());
-    std::vector<std::uint32_t> index(type.slots());
+    std::vector<std::uint32_t> index(type.index_slots());
     const FieldMask full = type.full();
     const detail::SampleState source{.body = body.data(),
                                      .body_bytes = static_cast<std::uint32_t>(body.size()),

@@ -51,7 +51,7 @@ class Differential : public test::RandomTest, public ::testing::WithParamInterfa
   }
 
   WalkStatus walked_by_us(const std::vector<std::byte>& body) const {
-    std::vector<std::uint32_t> index(ours().support->slots());
+    std::vector<std::uint32_t> index(ours().support->index_slots());
     return build_index(state_of(body), ours().type(), index);
   }
 

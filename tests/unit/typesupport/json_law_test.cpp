@@ -83,7 +83,7 @@ TEST_F(JsonLaw, AnEmptyObjectIsAMessageOfZeros) {
     const SampleState state{.body = reinterpret_cast<const std::byte*>(memory.data()),
                             .body_bytes = static_cast<std::uint32_t>(payload->size() - encapsulation_bytes),
                             .mask = &full};
-    std::vector<std::uint32_t> index(each.support->slots());
+    std::vector<std::uint32_t> index(each.support->index_slots());
     EXPECT_EQ(build_index(state, each.type(), index), WalkStatus::ok) << each.support->name();
   }
 }

@@ -473,7 +473,7 @@ TEST_F(DamagedRulesTest, GiveTypesOfWhichPartsCanBeTakenOrNone) {
       const Part part{.leaf = static_cast<std::uint32_t>(leaf), .rows = {1, 3, 1}, .columns = {0, 4, 2}};
       const Selection asked = support.closed(Selection::make(support.none(), {part}, {}).value());
       const FieldMask full = support.full();
-      std::vector<std::uint32_t> index(support.slots());
+      std::vector<std::uint32_t> index(support.index_slots());
       const detail::SampleState state{.body = body.data(),
                                       .body_bytes = static_cast<std::uint32_t>(body.size()),
                                       .index = index.data(),

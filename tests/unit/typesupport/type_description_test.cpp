@@ -32,7 +32,7 @@ TEST_P(EachType, ComesBackFromItsDescriptionWithItsHashNameAndPaths) {
   EXPECT_EQ(parsed->hash(), compiled.hash());
   EXPECT_EQ(parsed->support().hash(), compiled.hash());
   EXPECT_EQ(parsed->name(), compiled.name());
-  EXPECT_EQ(parsed->support().slots(), compiled.slots());
+  EXPECT_EQ(parsed->support().index_slots(), compiled.index_slots());
   ASSERT_EQ(parsed->support().leaves(), compiled.leaves());
   for (std::size_t leaf = 0; leaf < compiled.leaves(); ++leaf)
     EXPECT_EQ(parsed->support().path(leaf), compiled.path(leaf));

@@ -18,7 +18,7 @@ inline JobHandle make_job(JobPool& jobs, std::uint64_t sequence, std::size_t dat
   JobHandle job = jobs.take();
   const TypeSupport& type = type_support<Image>();
   job->mask = std::make_shared<WireMask>(WireMask{0, all.hash(), {}});
-  job->projection.project(core::state_of(*sample, type.slots()), type.type(), all);
+  job->projection.project(core::state_of(*sample, type.index_slots()), type.type(), all);
   job->sequence = sequence;
   job->first = {};
   job->first.label = {1, static_cast<std::uint32_t>(sequence), 0};

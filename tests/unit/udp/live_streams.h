@@ -177,7 +177,7 @@ class LiveStreams {
     one.published[one.sequence] = {now_, body_of(*sample)};
     if (one.published.size() > 2000) one.published.erase(one.published.begin());
     const TypeSupport& type = type_support<Image>();
-    job.projection.project(core::state_of(*sample, type.slots()), type.type(), all());
+    job.projection.project(core::state_of(*sample, type.index_slots()), type.type(), all());
     if (one.kind == StreamKind::packed) return job.pack(job.projection.segments());
     job.first.total = static_cast<std::uint32_t>(job.projection.bytes());
     job.copy_body();

@@ -117,7 +117,7 @@ template <class T>
 std::vector<std::byte> encoded_body(const T& value, const FieldMask& mask) {
   const TypeSupport& type = type_support<T>();
   std::vector<std::byte> body(detail::encoded_size(type.type(), &value, mask).bytes);
-  std::vector<std::uint32_t> index(type.slots());
+  std::vector<std::uint32_t> index(type.index_slots());
   detail::encode(type.type(), &value, mask, body, index);
   return body;
 }
@@ -126,17 +126,17 @@ std::vector<std::byte> encoded_body(const T& value, const FieldMask& mask) {
 template <class T>
 std::size_t sample_bytes(const T& value, const FieldMask& mask) {
   const TypeSupport& type = type_support<T>();
-  return detail::SampleLayout(type.slots()).bytes(detail::encoded_size(type.type(), &value, mask).bytes);
+  return detail::SampleLayout(type.index_slots()).bytes(detail::encoded_size(type.type(), &value, mask).bytes);
 }
 
 template <class T>
 void fill(core::SampleBuffer& buffer, const T& value, const FieldMask& mask, std::uint64_t writer,
           std::uint64_t sequence, detail::PostponedCopies* postponed = nullptr) {
   const TypeSupport& type = type_support<T>();
-  const detail::SampleLayout layout(type.slots());
+  const detail::SampleLayout layout(type.index_slots());
   const std::uint32_t bytes = detail::encoded_size(type.type(), &value, mask).bytes;
   detail::SampleHeader& header = buffer.header();
-  header.slots = static_cast<std::uint16_t>(type.slots());
+  header.index_slots = static_cast<std::uint16_t>(type.index_slots());
   header.writer = writer;
   header.sequence = sequence;
   header.source_stamp_ns = static_cast<std::int64_t>(1000 + sequence);
@@ -146,7 +146,7 @@ void fill(core::SampleBuffer& buffer, const T& value, const FieldMask& mask, std
   buffer.trust_header();
   buffer.mask = mask;
   detail::encode(type.type(), &value, mask, {buffer.data + layout.body_offset, bytes},
-                 {buffer.index(), type.slots()}, {}, postponed);
+                 {buffer.index(), type.index_slots()}, {}, postponed);
 }
 
 /// Quickly, although nothing here is optimised.

@@ -39,7 +39,7 @@ Result<InputCloud> check_payload(std::span<const std::byte> payload) {
 
   const std::span<const std::byte> body = payload.subspan(detail::encapsulation_bytes);
   const FieldMask mask = cloud_type().full();
-  std::vector<std::uint32_t> index(cloud_type().slots());
+  std::vector<std::uint32_t> index(cloud_type().index_slots());
   const detail::SampleState state{.body = body.data(),
                                   .body_bytes = static_cast<std::uint32_t>(body.size()),
                                   .index = index.data(),
@@ -87,7 +87,7 @@ Result<std::vector<InputCloud>> convert(std::uint32_t height, std::uint32_t widt
   const detail::EncodedSize size = detail::encoded_size(type, &cloud, mask);
   if (size.status != detail::EncodeStatus::ok) return fail(Errc::malformed, to_string(size.status));
   std::vector<std::uint64_t> body(size.bytes / 8 + 1);  // encode() takes aligned memory
-  std::vector<std::uint32_t> index(cloud_type().slots());
+  std::vector<std::uint32_t> index(cloud_type().index_slots());
   detail::encode(type, &cloud, mask, std::as_writable_bytes(std::span(body)).first(size.bytes), index);
 
   const std::span<const std::byte> encoded = std::as_bytes(std::span(body)).first(size.bytes);

@@ -5,6 +5,7 @@
 
 #include <iterator>
 #include <string>
+#include <string_view>
 #include <utility>
 
 namespace sft::idl {
@@ -18,6 +19,7 @@ class Code {
     text_ += '\n';
   }
   void blank() { text_ += '\n'; }
+  void append(std::string_view lines) { text_ += lines; }
 
   const std::string& text() const { return text_; }
 

@@ -9,6 +9,7 @@
 
 #include "code.h"
 #include "fields.h"
+#include "macros.h"
 #include "message.h"
 #include "output.h"
 #include "owned.h"
@@ -44,10 +45,9 @@ void emit_preamble(Code& code, const sft_file& file, const Roots& roots,
   code.blank();
 }
 
-std::string header_text(const sft_file& file, const Roots& roots) {
-  const std::vector<Message> messages = messages_of(file);
+/// Everything between the includes and the end of the header.
+std::string definitions_text(const sft_file& file, const std::vector<Message>& messages) {
   Code code;
-  emit_preamble(code, file, roots, messages);
   emit_owned(code, file, messages);
   for (const sft_declaration& declaration : std::span(file.declarations, file.declaration_count)) {
     if (declaration.kind == SFT_ENUMERATION || declaration.kind == SFT_BITMASK)
@@ -57,6 +57,20 @@ std::string header_text(const sft_file& file, const Roots& roots) {
   for (const Message& message : messages) emit_fields(code, message);
   for (const Message& message : messages) emit_view(code, message);
   for (const Message& message : messages) emit_loan_view(code, message);
+  return code.text();
+}
+
+std::string header_text(const sft_file& file, const Roots& roots) {
+  const std::vector<Message> messages = messages_of(file);
+  const std::string definitions = definitions_text(file, messages);
+  const std::vector<std::string_view> macros = foreign_macros_in(definitions);
+  Code code;
+  emit_preamble(code, file, roots, messages);
+  for (const std::string_view name : macros) code.line("#pragma push_macro(\"{0}\")\n#undef {0}", name);
+  if (!macros.empty()) code.blank();
+  code.append(definitions);
+  if (!macros.empty()) code.blank();
+  for (const std::string_view name : macros) code.line("#pragma pop_macro(\"{}\")", name);
   return code.text();
 }
 

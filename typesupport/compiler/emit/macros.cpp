@@ -1,5 +1,7 @@
 #include "macros.h"
 
+#include <algorithm>
+#include <cctype>
 #include <string>
 
 namespace sft::idl {
@@ -93,8 +95,51 @@ constexpr std::string_view macros =
     "WORD_BIT WSTOPPED WUNTRACED W_OK XATTR_LIST_MAX XATTR_NAME_MAX XATTR_SIZE_MAX X_OK assert errno "
     "linux offsetof sched_priority stderr stdin stdout unix ";
 
+// Qt; X11/X.h, Xlib.h and Xutil.h; windows.h and what it includes; and what programs are often compiled with.
+constexpr std::string_view foreign_macros[] = {
+    "emit", "foreach", "forever", "signals", "slots",
+    //
+    "Above", "Absolute", "Always", "AnyKey", "AnyModifier", "Below", "Bool", "Button1", "Button2", "Button3",
+    "Button4", "Button5", "ButtonPress", "ButtonRelease", "CapButt", "CapRound", "Complex", "ControlMask",
+    "Convex", "CursorShape", "DestroyAll", "DirectColor", "DisableAccess", "EnableAccess", "EnterNotify",
+    "Expose", "FillSolid", "FocusIn", "FocusOut", "FontChange", "GrabFrozen", "GrabModeAsync", "GrabModeSync",
+    "GrabSuccess", "GrayScale", "IconicState", "InactiveState", "InputOnly", "InputOutput", "IsViewable",
+    "KeyPress", "KeyRelease", "KeymapNotify", "LASTEvent", "LeaveNotify", "LineSolid", "LockMask",
+    "MapRequest", "MotionNotify", "Never", "NoSymbol", "None", "NormalState", "Nonconvex", "NotUseful",
+    "Opposite", "ParentRelative", "PropModeAppend", "PropModeReplace", "PropertyDelete", "PropertyNewValue",
+    "PseudoColor", "ReparentNotify", "ResizeRequest", "RetainPermanent", "ShiftMask", "Sorted", "StaticColor",
+    "StaticGray", "Status", "StippleShape", "Success", "TileShape", "TrueColor", "True", "False", "Unsorted",
+    "UnmapNotify", "VisibilityNotify", "WhenMapped", "XBufferOverflow", "YSorted", "YXBanded", "YXSorted",
+    "ZPixmap",
+    //
+    "ABSOLUTE", "ALTERNATE", "CALLBACK", "CONST", "CreateEvent", "CreateWindow", "DELETE", "DIFFERENCE",
+    "DOMAIN", "DrawText", "ERROR", "FALSE", "FAR", "GetClassName", "GetCurrentTime", "GetMessage",
+    "GetObject", "IGNORE", "IN", "INFINITE", "INPUT", "LoadImage", "NEAR", "NOERROR", "NO_ERROR", "NULL",
+    "OPAQUE", "OPTIONAL", "OUT", "OVERFLOW", "PASCAL", "PlaySound", "RELATIVE", "SEVERITY_ERROR",
+    "SEVERITY_SUCCESS", "STRICT", "SendMessage", "TRANSPARENT", "TRUE", "UNDERFLOW", "VOID", "WINDING",
+    "Yield", "far", "interface", "max", "min", "near", "small",
+    //
+    "ASSERT", "CHECK", "DEBUG", "Debug", "FATAL", "INFO", "LOG", "OK", "RELEASE", "STATUS", "TEST", "TRACE",
+    "UNKNOWN", "VERBOSE", "VERSION", "WARN", "WARNING", "check", "require", "verify"};
+
+bool is_of_name(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
+
 }  // namespace
 
 bool is_macro(std::string_view name) { return macros.find(' ' + std::string(name) + ' ') != macros.npos; }
+
+std::vector<std::string_view> foreign_macros_in(std::string_view text) {
+  std::vector<std::string_view> found;
+  for (std::size_t begin = 0; begin < text.size();) {
+    std::size_t end = begin;
+    while (end < text.size() && is_of_name(text[end])) ++end;
+    const std::string_view name = text.substr(begin, end - begin);
+    const auto* const known = std::ranges::find(foreign_macros, name);
+    if (known != std::end(foreign_macros) && std::ranges::find(found, name) == found.end())
+      found.push_back(*known);
+    begin = std::max(end, begin + 1);
+  }
+  return found;
+}
 
 }  // namespace sft::idl

@@ -265,7 +265,7 @@ TEST_F(LoanTest, BytesThatABrokenProgramChangedMeanwhileAreNotPublished) {
     auto* const body = reinterpret_cast<std::byte*>(core_loan->stamps().data()) - 8;
     core_loan.shrink(F::stamps, 3);
     for (int i = 0; i < 4; ++i) {
-      const std::size_t back = 8 + 4 * (random() % type_support<Recording>().slots());
+      const std::size_t back = 8 + 4 * (random() % type_support<Recording>().index_slots());
       const auto value = static_cast<std::uint32_t>(random() % 2 == 0 ? random() : random() % 600);
       std::memcpy(body - back, &value, sizeof value);
       body[random() % 400] = static_cast<std::byte>(random());

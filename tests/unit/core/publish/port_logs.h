@@ -91,7 +91,7 @@ class MemoryLog final : public IdleLendingWriter {
 /// A whole sample of that type with a small body.
 inline SampleHandle make_sample(BufferPool& pool, const TypeSupport& type, std::uint64_t sequence = 0) {
   constexpr std::uint32_t body_bytes = 8;
-  const detail::SampleLayout layout(type.slots());
+  const detail::SampleLayout layout(type.index_slots());
   SampleHandle sample = pool.take(layout.bytes(body_bytes));
   sample->header().body_offset = static_cast<std::uint32_t>(layout.body_offset);
   sample->header().body_bytes = body_bytes;

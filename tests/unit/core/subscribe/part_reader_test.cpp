@@ -43,11 +43,11 @@ class PartReaderTest : public sft::test::RandomTest {
   template <class T>
   SampleHandle sample(const T& message) {
     const TypeSupport& type = type_support<T>();
-    const detail::SampleLayout layout(type.slots());
+    const detail::SampleLayout layout(type.index_slots());
     const sft::test::Encoded encoded(type.type(), &message, type.full());
     SampleHandle buffer = pool->take(layout.bytes(encoded.bytes().size()));
     std::ranges::copy(encoded.bytes(), buffer->data + layout.body_offset);
-    std::copy_n(encoded.state().index, type.slots(), buffer->index());
+    std::copy_n(encoded.state().index, type.index_slots(), buffer->index());
     buffer->header().body_bytes = static_cast<std::uint32_t>(encoded.bytes().size());
     buffer->mask = type.full();
     buffer->parts = 0;
@@ -92,8 +92,8 @@ class PartReaderTest : public sft::test::RandomTest {
     if (!copy) return;
     EXPECT_EQ(around.sample->mask, copy->mask);
     EXPECT_EQ(around.sample->parts, copy->parts);
-    detail::SampleState state = state_of(*around.sample, type.slots());
-    const detail::SampleState expected = state_of(*copy, type.slots());
+    detail::SampleState state = state_of(*around.sample, type.index_slots());
+    const detail::SampleState expected = state_of(*copy, type.index_slots());
     if (around.parts == nullptr) {
       EXPECT_EQ(body(state), body(expected));
       return;
@@ -283,7 +283,7 @@ template <class T>
 struct Reduced {
   Reduced(RemoteCopy& copies, const SampleHandle& sample, std::shared_ptr<const Asked> asked)
       : around(copies.in_place(sample, std::move(asked))),
-        state(state_of(*around.sample, type_support<T>().slots())) {
+        state(state_of(*around.sample, type_support<T>().index_slots())) {
     state.parts = around.parts;
   }
   ~Reduced() {
@@ -436,7 +436,7 @@ TEST_F(PartReaderTest, AHeaderThatChangesAfterwardsLeadsNowhereElse) {
     const SampleHandle whole = sample(cloud);
     const Reduced<PointCloud2> some(
         *copies, whole, asked<PointCloud2>(selection<PointCloud2>("data", cloud.height, cloud.width, true)));
-    const detail::SampleLayout layout(type_support<PointCloud2>().slots());
+    const detail::SampleLayout layout(type_support<PointCloud2>().index_slots());
     for (std::byte* at = whole->data + layout.body_offset; at < whole->data + layout.body_offset + 64; ++at)
       *at = static_cast<std::byte>(random());
     if (some.around.parts == nullptr) continue;
@@ -457,7 +457,7 @@ TEST_F(PartReaderTest, CellsStayWithinTheSampleAlsoIfItsHeaderChangesAfterwards)
     const Reduced<Image> some(*copies, whole,
                               asked<Image>(selection<Image>("data", image.height, image.width, false)));
     const auto pixels = view<Image>(some.state).data<std::uint16_t>();
-    const detail::SampleLayout layout(type_support<Image>().slots());
+    const detail::SampleLayout layout(type_support<Image>().index_slots());
     for (std::byte* at = whole->data + layout.body_offset; at < whole->data + layout.body_offset + 64; ++at)
       *at = static_cast<std::byte>(random());
     for (const auto& cells : {pixels, view<Image>(some.state).data<std::uint16_t>()}) {

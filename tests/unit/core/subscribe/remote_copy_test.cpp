@@ -31,7 +31,7 @@ class RemoteCopyTest : public sft::test::RandomTest {
     const Encoded encoded(type.type(), &cloud, mask);
     SampleHandle buffer = pool->take(layout.bytes(encoded.bytes().size()));
     std::ranges::copy(encoded.bytes(), buffer->data + layout.body_offset);
-    std::copy_n(encoded.state().index, type.slots(), buffer->index());
+    std::copy_n(encoded.state().index, type.index_slots(), buffer->index());
     buffer->header().body_bytes = static_cast<std::uint32_t>(encoded.bytes().size());
     buffer->mask = mask;
     buffer->writer = 9;
@@ -42,7 +42,7 @@ class RemoteCopyTest : public sft::test::RandomTest {
   FieldMask closed(const FieldMask& mask) const { return type.closed(mask); }
   ProjectionPlan asked(const FieldMask& mask) const { return {type.type(), closed(mask)}; }
   std::vector<std::byte> body(const SampleBuffer& buffer) const {
-    const SampleState state = state_of(buffer, type.slots());
+    const SampleState state = state_of(buffer, type.index_slots());
     return {state.body, state.body + state.body_bytes};
   }
   PointCloud2 any_cloud() {
@@ -52,7 +52,7 @@ class RemoteCopyTest : public sft::test::RandomTest {
   }
 
   const TypeSupport& type = type_support<PointCloud2>();
-  const SampleLayout layout{type.slots()};
+  const SampleLayout layout{type.index_slots()};
   sft::test::RandomValues values{random};
   const std::shared_ptr<BufferPool> pool = BufferPool::make(64 << 20);
   const std::shared_ptr<RemoteCopy> copier = RemoteCopy::make(type, BufferPool::make(64 << 20));
@@ -70,7 +70,7 @@ TEST_F(RemoteCopyTest, IsTheSampleProjectedByteForByte) {
     const Encoded expected(type.type(), &cloud, mask & has);
     EXPECT_EQ(copy->mask, mask & has);
     EXPECT_EQ(body(*copy), expected.bytes());
-    EXPECT_TRUE(std::equal(copy->index(), copy->index() + type.slots(), expected.state().index));
+    EXPECT_TRUE(std::equal(copy->index(), copy->index() + type.index_slots(), expected.state().index));
     EXPECT_EQ(copy->sequence, sequence);
     EXPECT_EQ(copy->writer, 9U);
   }
@@ -83,7 +83,7 @@ TEST_F(RemoteCopyTest, IsTheSampleItselfIfThatHasNoMoreThanIsAskedFor) {
 
 TEST_F(RemoteCopyTest, IsNotMadeOfBytesThatAreNotWhatTheyClaimToBe) {
   const SampleHandle broken = whole(any_cloud());
-  std::fill_n(broken->index(), type.slots(), 0xFFFFFF00U);
+  std::fill_n(broken->index(), type.index_slots(), 0xFFFFFF00U);
   EXPECT_FALSE(copies.of(broken, asked(FieldMask(F::width | F::data))));
 }
 
@@ -120,7 +120,7 @@ TEST_F(AsRemoteSubscriberTest, GetsWhatItsRequestInForceAsksForWhenItTakes) {
 TEST_F(AsRemoteSubscriberTest, CountsAsLostWhatItWouldNotHaveGotThere) {
   subscriber.feed().requests(FieldMask(F::width), 2);
   for (int i = 0; i < 3; ++i) port->samples.push_back(whole(any_cloud()));
-  std::fill_n(port->samples[1]->index(), type.slots(), 0xFFFFFF00U);
+  std::fill_n(port->samples[1]->index(), type.index_slots(), 0xFFFFFF00U);
   EXPECT_EQ(subscriber.take().info().sequence, 1U);
   const untyped::Sample behind = subscriber.take();
   EXPECT_EQ(behind.info().sequence, 3U);
@@ -172,7 +172,7 @@ class PartSubscriberTest : public RemoteCopyTest {
     const Selection sent = selection(text);
     detail::Projection projection;
     const SampleHandle all = whole(cloud);
-    ASSERT_TRUE(projection.project(state_of(*all, type.slots()), ProjectionPlan(type, sent)));
+    ASSERT_TRUE(projection.project(state_of(*all, type.index_slots()), ProjectionPlan(type, sent)));
     SampleHandle buffer = pool->take(layout.bytes(projection.bytes()));
     std::byte* to = buffer->data + layout.body_offset;
     for (const Segment& segment : projection.segments()) {
@@ -184,7 +184,7 @@ class PartSubscriberTest : public RemoteCopyTest {
     buffer->parts = sent.parts_hash();
     buffer->writer = 9;
     buffer->sequence = sequence;
-    ASSERT_EQ(build_index(state_of(*buffer, type.slots()), type.type(), {buffer->index(), type.slots()}),
+    ASSERT_EQ(build_index(state_of(*buffer, type.index_slots()), type.type(), {buffer->index(), type.index_slots()}),
               WalkStatus::ok);
     port->samples.push_back(std::move(buffer));
   }
@@ -201,7 +201,7 @@ class PartSubscriberTest : public RemoteCopyTest {
     detail::Projection projection;
     const SampleHandle all = whole(cloud);
     --sequence;
-    ASSERT_TRUE(projection.project(state_of(*all, type.slots()), ProjectionPlan(type, *sample.selection())));
+    ASSERT_TRUE(projection.project(state_of(*all, type.index_slots()), ProjectionPlan(type, *sample.selection())));
     std::vector<std::byte> expected;
     for (const Segment& segment : projection.segments())
       expected.insert(expected.end(), segment.data, segment.data + segment.bytes);

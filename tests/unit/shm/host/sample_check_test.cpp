@@ -62,7 +62,7 @@ TEST_F(SampleCheck, RefusesABodyBeyondTheChunk) {
 }
 
 TEST_F(SampleCheck, RefusesAnIndexOfAnotherSize) {
-  sample_.header().slots = 4;
+  sample_.header().index_slots = 4;
   EXPECT_FALSE(accepts());
 }
 

@@ -89,7 +89,7 @@ class Sample {
  public:
   explicit Sample(const T& value, FieldMask mask = test::fields<T>("*")) : mask_(std::move(mask)) {
     const TypeSupport& type = test::type_support<T>();
-    index_.resize(type.slots());
+    index_.resize(type.index_slots());
     body_.resize(detail::encoded_size(type.type(), &value, mask_).bytes / 8 + 1);
     bytes_ = detail::encoded_size(type.type(), &value, mask_).bytes;
     detail::encode(type.type(), &value, mask_, std::as_writable_bytes(std::span(body_)).first(bytes_),

@@ -40,7 +40,7 @@ class MulticastGroupTest : public testing::Test {
     test::fill(*sample, image, all, group_writer, 1);
     JobHandle made = jobs_->take();
     const TypeSupport& type = test::type_support<Image>();
-    made->projection.project(core::state_of(*sample, type.slots()), type.type(), all);
+    made->projection.project(core::state_of(*sample, type.index_slots()), type.type(), all);
     made->mask = std::make_shared<WireMask>(WireMask{5, all.hash(), {}});
     made->first.label = {group_writer, 1, 5};
     made->first.total = static_cast<std::uint32_t>(made->projection.bytes());

@@ -97,7 +97,7 @@ TEST(BorrowedMemory, IsNotNeededForACopy) {
   core::SampleHandle sample = pool->take(test::sample_bytes(image, all));
   test::fill(*sample, image, all, 7, 1);
   const TypeSupport& type = test::type_support<test::Image>();
-  job->projection.project(core::state_of(*sample, type.slots()), type.type(), all);
+  job->projection.project(core::state_of(*sample, type.index_slots()), type.type(), all);
   job->mask = std::make_shared<WireMask>();
   const std::size_t bytes = job->projection.bytes();
   job->copy_body(pool->take(bytes));

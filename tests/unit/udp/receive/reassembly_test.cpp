@@ -97,7 +97,7 @@ TEST_F(ReassemblyTest, GivesASmallSampleAtOnceAsItWasSent) {
   EXPECT_EQ(sample.header().writer, lone_writer);
   EXPECT_EQ(sample.header().source_stamp_ns, 5);
   EXPECT_EQ(sample.header().type_hash, test::type_support<Image>().hash());
-  EXPECT_EQ(sample.header().slots, 6U);
+  EXPECT_EQ(sample.header().index_slots, 6U);
   const std::byte* body = sample.data + sample.header().body_offset;
   EXPECT_EQ(reinterpret_cast<std::uintptr_t>(body) % 8, 0U);
   EXPECT_EQ(std::memcmp(body - 4, encapsulation_cdr_le.data(), 4), 0);

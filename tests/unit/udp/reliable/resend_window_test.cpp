@@ -29,7 +29,7 @@ class ResendWindowTest : public testing::Test {
     test::fill(*sample, image, all, its_writer, sequence);
     JobHandle made = jobs->take();
     const TypeSupport& type = test::type_support<Image>();
-    made->projection.project(core::state_of(*sample, type.slots()), type.type(), all);
+    made->projection.project(core::state_of(*sample, type.index_slots()), type.type(), all);
     made->mask = std::make_shared<WireMask>(WireMask{5, all.hash(), {}});
     made->sequence = sequence;
     made->first.label = {its_writer, static_cast<std::uint32_t>(sequence), 5};

@@ -99,7 +99,7 @@ class GroupKeeperTest : public testing::Test {
     if (keeper_->sizes() == nullptr) return;
     const core::SampleHandle sample = memory_->take(sample_bytes(image, all));
     fill(*sample, image, all, 7, 1);
-    keeper_->sizes()->measure(core::state_of(*sample, type_support<Image>().slots()), now_, together);
+    keeper_->sizes()->measure(core::state_of(*sample, type_support<Image>().index_slots()), now_, together);
   }
   /// Each gate judges each sample once. Conditions judge a sample of which nothing is known.
   void pass_gates() {

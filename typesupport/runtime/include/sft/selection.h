@@ -30,7 +30,7 @@ class Selection {
   /// range, step = 1 for a single index, and the least `end` that keeps the same indices.
   struct Range {
     /// An end that is no index.
-    static constexpr std::uint32_t no_end = std::numeric_limits<std::uint32_t>::max();
+    static constexpr std::uint32_t no_end = (std::numeric_limits<std::uint32_t>::max)();
 
     std::uint32_t begin = 0;     ///< the first index
     std::uint32_t end = no_end;  ///< no_end: as many as there are

@@ -82,7 +82,7 @@ struct StructType {
   std::size_t leaves = 0;           ///< all that a mask can select in it
 
   // The members from here on are for SFT's own code.
-  std::size_t slots = 0;  ///< offsets that a sample's index has for this type (detail/type_table.h)
+  std::size_t index_slots = 0;  ///< offsets that a sample's index has for this type (detail/type_table.h)
   /// Size of a packed struct, such as a point: CDR always encodes it as that many bytes, without padding,
   /// from the next multiple of `alignment` on. It has no strings, sequences or booleans, which would have to
   /// be checked. 0 for other structs.

@@ -21,7 +21,7 @@ inline constexpr std::array<std::uint8_t, encapsulation_bytes> encapsulation_cdr
 
 struct SampleHeader {
   std::uint32_t magic = sample_magic;
-  std::uint16_t slots = 0;
+  std::uint16_t index_slots = 0;
   std::uint16_t gates = 0;           ///< in the table behind the body (core/seam/gate_table.h)
   std::uint64_t writer = 0;          ///< the writer's random id of this incarnation
   std::uint64_t sequence = 0;        ///< from 1
@@ -40,9 +40,9 @@ static_assert(sizeof(SampleHeader) == 64);
 struct SampleLayout {
   std::size_t body_offset;
 
-  explicit constexpr SampleLayout(std::size_t slots)
-      : body_offset((sizeof(SampleHeader) + slots * sizeof(std::uint32_t) + encapsulation_bytes + 7) / 8 *
-                    8) {}
+  explicit constexpr SampleLayout(std::size_t index_slots)
+      : body_offset((sizeof(SampleHeader) + index_slots * sizeof(std::uint32_t) + encapsulation_bytes + 7) /
+                    8 * 8) {}
 
   constexpr std::size_t bytes(std::size_t body_bytes) const { return body_offset + body_bytes; }
 };

@@ -72,9 +72,9 @@ constexpr bool is_collection(const Member& m) {
   return m.kind == Kind::structure && m.shape != Shape::single;
 }
 
-constexpr std::size_t slot_count(const StructType& type) { return type.slots; }
+constexpr std::size_t slot_count(const StructType& type) { return type.index_slots; }
 constexpr std::size_t slot_count(const Member& m) {
-  return m.kind == Kind::structure && m.shape == Shape::single ? m.type->slots : 1;
+  return m.kind == Kind::structure && m.shape == Shape::single ? m.type->index_slots : 1;
 }
 
 constexpr std::uint32_t alignment_of(const Member& m) {
@@ -104,7 +104,7 @@ constexpr StructType::StructType(std::string_view type_name, std::span<const Mem
     : name(type_name), members(type_members) {
   for (const Member& m : members) {
     leaves += leaf_count(m);
-    slots += detail::slot_count(m);
+    index_slots += detail::slot_count(m);
   }
   find_packing();
 }
