@@ -13,7 +13,6 @@ namespace {
 /// A host's daemon has 1,024 ports for all readers. Publishers that are made up must not take all of them.
 constexpr std::size_t unattached_max = 128;
 constexpr std::chrono::milliseconds attach_again_after{500};
-constexpr int looks_in_callback_max = 4;                 // in a row
 constexpr std::chrono::milliseconds restart_pause{500};  // for the other side to see that nobody listens
 /// Lost memory is not free for the next daemon while samples in it can be taken. sftd waits for that when it
 /// starts afresh, for 1.2 s at most, of which a node may take 1 s to notice.
@@ -36,6 +35,7 @@ LocalReader::LocalReader(NodeContext& node, const Endpoint& endpoint, Parts part
       core_(std::move(parts.core)),
       selection_(parts.selection),
       feed_(core_->feed(selection_)),
+      callback_(selection_ == 0 ? std::make_unique<CallbackWatch>(core_) : nullptr),
       network_(std::move(parts.network)),
       requested_(endpoint.qos),
       accepted_({feed_.spec().selection, endpoint.request.min_period_us},
@@ -262,21 +262,6 @@ void LocalReader::asserted(const std::vector<EndpointId>& writers) {
 std::chrono::nanoseconds LocalReader::pace(std::chrono::nanoseconds longest) const {
   for (const auto& [writer, watch] : watched_) longest = std::min(longest, watch.pace().value_or(longest));
   return longest;
-}
-
-bool LocalReader::is_in_long_callback() {
-  looks_in_callback_ = core_->is_called_back() ? looks_in_callback_ + 1 : 0;
-  return looks_in_callback_ >= looks_in_callback_max;
-}
-
-/// The callback is for all selections, and is watched for the first one.
-LocalReader::LongWaits LocalReader::look_for_long_waits(Time now) {
-  if (selection_ != 0 || !core_->has_callback()) return {};
-  const std::uint64_t turns = core_->turns();
-  const LongWaits waits{.of_sample = sample_waits_.look(core_->waits_for_dispatch(), turns, now),
-                        .of_receiver = receiver_waits_.look(core_->holds_up_receiver(), turns, now)};
-  if (waits.of_sample) feed_.waited_long();
-  return waits;
 }
 
 bool LocalReader::restart_deaf(const Assertion& assertion, bool held_up, Time now) {

@@ -14,7 +14,7 @@
 #include "core/negotiation/accepted_requests.h"
 #include "core/negotiation/qos_watch.h"
 #include "core/node/arrival_watchdog.h"
-#include "core/node/long_wait.h"
+#include "core/node/callback_watch.h"
 #include "core/node/node_context.h"
 #include "core/platform/clock.h"
 #include "core/subscribe/subscriber_core.h"
@@ -72,16 +72,8 @@ class LocalReader {
   void asserted(const std::vector<EndpointId>& writers);
   /// How long the next look can wait, no longer than `longest`.
   std::chrono::nanoseconds pace(std::chrono::nanoseconds longest) const;
-  /// True while a callback runs that has run at several looks in a row.
-  bool is_in_long_callback();
-  struct LongWaits {
-    std::optional<Time::duration> of_sample;    ///< a sample has waited for its callback
-    std::optional<Time::duration> of_receiver;  ///< the thread that receives has waited for a callback
-  };
-  /// Returns waits that have become long, each once. Those of samples are counted.
-  LongWaits look_for_long_waits(Time now);
-  /// A sample waits for the callback, which may take long.
-  bool waits_for_callback() const { return sample_waits_.is_under_way(); }
+  /// Watches the callback, which is for all selections of the subscriber. Null but for the first one.
+  CallbackWatch* callback() const { return callback_.get(); }
   /// Sets connections up anew by which nothing arrives, although their writer sends, as its node says.
   /// `held_up`: a callback of this node may hold up what arrives. True if any was.
   bool restart_deaf(const Assertion& assertion, bool held_up, Time now);
@@ -127,8 +119,7 @@ class LocalReader {
       departed_;                        ///< writers of which datagrams may still be in flight, and since when
   Time memory_lost_at_ = Time::max();   ///< while what came by it can be taken; max: long ago
   Time others_asked_at_ = Time::max();  ///< when other samples were asked for last; max: long ago
-  int looks_in_callback_ = 0;           ///< in a row
-  LongWait sample_waits_, receiver_waits_;
+  const std::unique_ptr<CallbackWatch> callback_;
   Qos requested_;
   AcceptedRequests accepted_;
   SubscriberStatus told_;  ///< the state up to which events were told

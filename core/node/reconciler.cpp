@@ -22,7 +22,9 @@ bool has_to_be_watched(const Negotiation& negotiation, const LocalEndpoints& our
   return negotiation.table().misses_somebody() ||
          std::ranges::any_of(ours.writers, [](const auto& item) { return item.second.owes_history(); }) ||
          std::ranges::any_of(ours.readers, [](const auto& item) {
-           return item.second.core().is_called_back() || item.second.waits_for_callback();
+           const CallbackWatch* const callback = item.second.callback();
+           return item.second.core().is_called_back() ||
+                  (callback != nullptr && callback->has_waiting_sample());
          });
 }
 }  // namespace
@@ -208,17 +210,18 @@ void Reconciler::look_after_endpoints(Time now) {
   for (auto& [id, reader] : ours_.readers) {
     dirty_ |= reader.may_try_again(now);
     if (reader.ports().take_held_back()) reader.core().wake();
-    if (reader.is_in_long_callback()) held_up_at_ = now;
-    tell_of_long_waits(reader, now);
+    if (CallbackWatch* const callback = reader.callback()) {
+      if (callback->is_in_long_callback()) held_up_at_ = now;
+      tell_of_long_waits(reader, callback->look(now));
+    }
   }
 }
 
-void Reconciler::tell_of_long_waits(LocalReader& reader, Time now) {
+void Reconciler::tell_of_long_waits(const LocalReader& reader, const CallbackWatch::LongWaits& waits) {
   constexpr auto text_of = [](Time::duration time) {
     return std::to_string(std::chrono::round<std::chrono::milliseconds>(time).count()) + " ms";
   };
   const auto topic_of = [](const LocalReader& one) { return text_of_topic(one.core().spec().topic, 0); };
-  const LocalReader::LongWaits waits = reader.look_for_long_waits(now);
   if (waits.of_receiver) {
     log_.write(LogLevel::warning, topic_of(reader) + ": its callback has run for " +
                                       text_of(*waits.of_receiver) + " on the thread that receives by UDP, " +

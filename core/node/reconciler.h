@@ -77,7 +77,7 @@ class Reconciler {
   void look_after_memory(Time now);
   void look_after_addresses(Time now);
   void look_after_endpoints(Time now);
-  void tell_of_long_waits(LocalReader& reader, Time now);
+  void tell_of_long_waits(const LocalReader& reader, const CallbackWatch::LongWaits& waits);
   bool look_after_connections(Time now);
   void announce_all();
   void settle();

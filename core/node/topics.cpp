@@ -20,7 +20,8 @@ Error unknown_topic(std::string_view topic, const std::vector<const Endpoint*>& 
                     std::uint32_t domain) {
   std::set<std::string_view> names;
   for (const Endpoint* e : endpoints) names.insert(e->topic);
-  std::string message = "nobody publishes or subscribes to " + in_quotes(topic) + " in domain " + std::to_string(domain) + "; ";
+  std::string message =
+      "nobody publishes or subscribes to " + in_quotes(topic) + " in domain " + std::to_string(domain) + "; ";
   if (names.empty()) return {Errc::unavailable, message + "no other topics were seen there either"};
   message += "topics that were seen: ";
   std::size_t n = 0;

@@ -157,7 +157,8 @@ void Loan::swap(Loan& other) noexcept {
 }
 
 std::byte* Loan::body() const {
-  return buffer_ == nullptr ? nullptr : buffer_->data + SampleLayout(publisher_->type().index_slots()).body_offset;
+  return buffer_ == nullptr ? nullptr
+                            : buffer_->data + SampleLayout(publisher_->type().index_slots()).body_offset;
 }
 
 SampleState Loan::state() const {

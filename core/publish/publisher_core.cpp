@@ -28,7 +28,7 @@ PublisherCore::PublisherCore(Spec spec, std::shared_ptr<BufferPool> heap,
       history_(spec_.qos.durability == Durability::volatile_
                    ? nullptr
                    : std::make_unique<History>(spec_.qos.history_depth, spec_.qos.lifespan.count())),
-      maker_({spec_.id, spec_.topic, spec_.type, spec_.max_sample_bytes}, std::move(heap)),
+      maker_({spec_.id, spec_.topic, spec_.type, spec_.max_sample_bytes, spec_.refused}, std::move(heap)),
       dispatch_({spec_.type, network_, spec_.book, history_.get(), spec_.max_blocking.count() > 0}),
       late_readers_(*spec_.type, network_, spec_.book, history_.get()),
       events_(spec_.on_event, spec_.callbacks),
@@ -63,7 +63,7 @@ void PublisherCore::show(std::vector<PublisherStatus::Reader> readers) {
 
 PublishStatus PublisherCore::publish(const void* value) {
   const Dispatch::Call call(dispatch_);
-  if (!accepts(call, value)) return refuse();
+  if (!maker_.accepts(call.outlets(), value)) return PublishStatus::invalid;
   if (!call.outlets().is_wanted) return dispatch_.withhold();
   std::chrono::nanoseconds patience = spec_.max_blocking;
   return publish_one(call, value, realtime_ns(), patience);
@@ -74,26 +74,17 @@ PublishStatus PublisherCore::publish_one(const Dispatch::Call& call, const void*
   const auto fields = detail::FieldSource::of_message(value);
   Dispatch::Admission admission = dispatch_.admit(fields, stamp_ns);
   if (!admission.passes) return dispatch_.withhold();
-  const SampleMaker::Made made =
-      maker_.encode(call.outlets(), value, stamp_ns, dispatch_.may_postpone(), patience);
+  const SampleMaker::Made made = maker_.encode(call.outlets(), value, dispatch_.may_postpone(), patience);
   if (!made.sample) [[unlikely]] {
     if (made.why_not == PublishStatus::no_memory)
       return dispatch_.miss(std::move(admission), made.body_bytes);
     dispatch_.refuse();
-    return refuse();
+    return made.why_not;
   }
   dispatch_.made(fields, stamp_ns);
   const PublishStatus status = dispatch_.send(made.sample, stamp_ns, std::move(admission), patience);
   maker_.sent(*made.sample);
   return status;
-}
-
-PublishStatus PublisherCore::refuse() {
-  if (const Time now = std::chrono::steady_clock::now(); now >= next_refusal_) {
-    next_refusal_ = now + refusals_pause;
-    spec_.refused(why_invalid());
-  }
-  return PublishStatus::invalid;
 }
 
 PublishedSpan PublisherCore::publish(const void* values, std::size_t count, std::size_t stride) {
@@ -123,9 +114,9 @@ PublishedSpan PublisherCore::publish_some(const std::byte* values, std::size_t c
   std::optional<Batch> batch = is_wanted ? dispatch_.batch(share) : std::nullopt;
   for (std::size_t i = 0; i < count; ++i) {
     const std::byte* const value = values + i * stride;
-    const PublishStatus status = !accepts(call, value) ? refuse()
-                                 : is_wanted           ? publish_one(call, value, stamp_ns, patience)
-                                                       : dispatch_.withhold();
+    const PublishStatus status = !maker_.accepts(call.outlets(), value) ? PublishStatus::invalid
+                                 : is_wanted ? publish_one(call, value, stamp_ns, patience)
+                                             : dispatch_.withhold();
     done.published += status == PublishStatus::ok ? 1 : 0;
     if (done.status == PublishStatus::ok) done.status = status;
   }

@@ -113,14 +113,6 @@ class PublisherCore {
   void give_history() { late_readers_.give_history(); }
 
  private:
-  /// The pause between two refusals that are told. The log leaves out more of them.
-  static constexpr std::chrono::seconds refusals_pause{1};
-
-  /// Where an outlet gets all fields, encoding finds what is wrong with a message.
-  bool accepts(const Dispatch::Call& call, const void* value) {
-    return call.outlets().whole || maker_.accepts(value);
-  }
-  PublishStatus refuse();
   PublishStatus publish_one(const Dispatch::Call& call, const void* value, std::int64_t stamp_ns,
                             std::chrono::nanoseconds& patience);
   PublishedSpan publish_some(const std::byte* values, std::size_t count, std::size_t stride,
@@ -132,7 +124,6 @@ class PublisherCore {
   const std::shared_ptr<NetworkWriter> network_;  ///< null where the publisher rules it out
   const std::unique_ptr<History> history_;        ///< null unless durability asks for it
   SampleMaker maker_;                             ///< of the publisher's thread
-  Time next_refusal_{};                           ///< that is told; of the publisher's thread
   Dispatch dispatch_;
   LateReaders late_readers_;  ///< of the agent's thread
 

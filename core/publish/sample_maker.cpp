@@ -14,9 +14,8 @@ namespace sft::core {
 
 namespace {
 
-/// A sample that is not encoded whole is measured, for what it saves, only so often: to walk through a large
-/// message can take longer than to encode a few of its fields.
-constexpr std::int64_t measured_every_ns = 10'000'000;
+/// The pause between two refusals that the log is told of.
+constexpr std::chrono::seconds refusals_pause{1};
 
 /// Waits until a reader gives memory back, as long as patience lasts.
 SampleHandle await_chunk(LendingWriter& memory, std::size_t bytes, std::chrono::nanoseconds& patience) {
@@ -43,16 +42,18 @@ SampleMaker::SampleMaker(Product product, std::shared_ptr<BufferPool> heap)
       heap_(std::move(heap)),
       onto_itself_(type_.type(), full_) {}
 
-bool SampleMaker::accepts(const void* message) {
+bool SampleMaker::is_sendable(const void* message) {
   const detail::EncodedSize size = detail::encoded_size(type_.type(), message, full_);
-  if (size.status == detail::EncodeStatus::ok && size.bytes <= product_.max_sample_bytes) [[likely]]
-    return true;
-  refuse(message, full_);
-  return false;
+  if (size.status != detail::EncodeStatus::ok || size.bytes > product_.max_sample_bytes) [[unlikely]] {
+    refuse(message, full_);
+    return false;
+  }
+  whole_bytes_ = size.bytes;
+  return true;
 }
 
-SampleMaker::Made SampleMaker::encode(const Outlets& outlets, const void* message, std::int64_t stamp_ns,
-                                      bool may_postpone, std::chrono::nanoseconds& patience) {
+SampleMaker::Made SampleMaker::encode(const Outlets& outlets, const void* message, bool may_postpone,
+                                      std::chrono::nanoseconds& patience) {
   const StructType& type = type_.type();
   const detail::EncodedSize size = detail::encoded_size(type, message, outlets.mask);
   if (size.status != detail::EncodeStatus::ok || size.bytes > product_.max_sample_bytes) [[unlikely]]
@@ -64,7 +65,7 @@ SampleMaker::Made SampleMaker::encode(const Outlets& outlets, const void* messag
   }
   SampleBuffer& sample = *made.sample;
   fill_header(sample, outlets.mask, size.bytes);
-  if (!outlets.whole) sample.whole_bytes = whole_bytes(message, size.bytes, stamp_ns);
+  if (!outlets.whole) sample.whole_bytes = whole_bytes_;
   sft::detail::encode(type, message, outlets.mask, {sample.data + layout_.body_offset, size.bytes},
                       {sample.index(), type_.index_slots()}, {}, may_postpone ? &postponed_ : nullptr);
   if (!postponed_.empty()) sample.postponed = &postponed_;
@@ -74,6 +75,10 @@ SampleMaker::Made SampleMaker::encode(const Outlets& outlets, const void* messag
 /// Looks for what is wrong with a message; nobody does before it failed.
 PublishStatus SampleMaker::refuse(const void* message, const FieldMask& mask) {
   why_invalid_ = fault_of(message, mask).message;
+  if (const Time now = std::chrono::steady_clock::now(); now >= next_refusal_told_) {
+    next_refusal_told_ = now + refusals_pause;
+    product_.refused(why_invalid_);
+  }
   return PublishStatus::invalid;
 }
 
@@ -85,17 +90,6 @@ Error SampleMaker::fault_of(const void* message, const FieldMask& mask,
   const detail::EncodedSize size = detail::encoded_size(type_.type(), message, mask, reservations);
   if (size.status != detail::EncodeStatus::ok) return {Errc::invalid_argument, std::move(text)};
   return {Errc::limit_exceeded, text + ": raise PublisherOptions::max_sample_bytes"};
-}
-
-/// The bytes that the body would have if all fields were encoded, as far as that was measured.
-std::uint32_t SampleMaker::whole_bytes(const void* message, std::uint32_t encoded_bytes,
-                                       std::int64_t stamp_ns) noexcept {
-  if (stamp_ns - measured_at_ns_ >= measured_every_ns || stamp_ns < measured_at_ns_) {
-    const detail::EncodedSize size = detail::encoded_size(type_.type(), message, full_);
-    if (size.status == detail::EncodeStatus::ok) measured_bytes_ = size.bytes;
-    measured_at_ns_ = stamp_ns;
-  }
-  return std::max(measured_bytes_, encoded_bytes);
 }
 
 Result<std::uint32_t> SampleMaker::converted_bytes(const detail::Payload& payload) const {

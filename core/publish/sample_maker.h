@@ -11,10 +11,12 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
 
+#include "core/platform/clock.h"
 #include "core/publish/outlets.h"
 #include "core/seam/buffer_pool.h"
 #include "core/seam/sample_buffer.h"
@@ -32,11 +34,13 @@ class SampleMaker {
     std::string topic;                  ///< for error messages
     const TypeSupport* type = nullptr;  ///< outlives this
     std::size_t max_sample_bytes = 0;
+    std::function<void(const std::string& why)> refused;  ///< see PublisherCore::Spec
   };
   SampleMaker(Product product, std::shared_ptr<BufferPool> heap);
 
-  /// False if the message could not be sent to a reader of all fields, which why_invalid() explains.
-  bool accepts(const void* message);
+  /// False if the message could not be sent to a reader of all fields, which why_invalid() explains. Where an
+  /// outlet gets all fields, encode() finds that.
+  bool accepts(const Outlets& outlets, const void* message) { return outlets.whole || is_sendable(message); }
   /// A sample, or the reason why there is none: `invalid`, which why_invalid() explains, or `no_memory`.
   struct Made {
     SampleHandle sample;
@@ -47,7 +51,8 @@ class SampleMaker {
   /// Encodes what the outlets need of the message. If it `may_postpone`, some of the message may be copied
   /// only when somebody asks for it (SampleBuffer::postponed): the message must then live until sent() was
   /// called.
-  Made encode(const Outlets& outlets, const void* message, std::int64_t stamp_ns, bool may_postpone,
+  /// REQUIRES: accepts().
+  Made encode(const Outlets& outlets, const void* message, bool may_postpone,
               std::chrono::nanoseconds& patience);
   /// The port is done with the sample that was encoded last.
   void sent(SampleBuffer& sample) noexcept {
@@ -75,6 +80,7 @@ class SampleMaker {
  private:
   static constexpr std::size_t recycled_bytes_max = 4096;  ///< that a publisher keeps for its next sample
 
+  bool is_sendable(const void* message);
   [[gnu::cold, gnu::noinline]] PublishStatus refuse(const void* message, const FieldMask& mask);
   Error fault_of(const void* message, const FieldMask& mask,
                  std::span<const detail::Reservation> reservations = {}) const;
@@ -89,7 +95,6 @@ class SampleMaker {
   }
   void fill_header(SampleBuffer& buffer, const FieldMask& mask, std::uint32_t body_bytes) const noexcept;
   PublishStatus move_together(SampleBuffer& sample);
-  std::uint32_t whole_bytes(const void* message, std::uint32_t encoded_bytes, std::int64_t stamp_ns) noexcept;
 
   const Product product_;
   const TypeSupport& type_;
@@ -100,9 +105,9 @@ class SampleMaker {
   detail::Projection closing_;
   SampleHandle recycled_;              ///< from the heap; the next sample's, if nobody else has it by then
   detail::PostponedCopies postponed_;  ///< of the present sample
-  std::uint32_t measured_bytes_ = 0;   ///< of a sample with all its fields, as measured last
-  std::int64_t measured_at_ns_ = 0;    ///< when that sample was published
+  std::uint32_t whole_bytes_ = 0;      ///< of the body of the present message with all its fields
   std::string why_invalid_;
+  Time next_refusal_told_{};  ///< not before; the log leaves out more of them
 };
 
 }  // namespace sft::core

@@ -80,8 +80,8 @@ bool RemoteCopy::fill(SampleBuffer& copy, const SampleBuffer& sample) const {
     std::memcpy(to, segment.data, segment.bytes);
     to += segment.bytes;
   }
-  return detail::build_index(state_of(copy, type_.index_slots()), type_.type(), {copy.index(), type_.index_slots()}) ==
-         detail::WalkStatus::ok;
+  return detail::build_index(state_of(copy, type_.index_slots()), type_.type(),
+                             {copy.index(), type_.index_slots()}) == detail::WalkStatus::ok;
 }
 
 }  // namespace sft::core

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <concepts>
+#include <filesystem>
 #include <functional>
 #include <future>
 #include <map>

@@ -140,7 +140,7 @@ TEST_F(FirstWords, OfASubscriberThatHoldsTooManySamples) {
     if (auto sample = sub.take()) held.push_back(std::move(sample));
     return sub.status().held_too_many > 0;
   }));
-  expect_says({"topic 'points', node 'robot'", "held"});
+  expect_says({"topic 'points': too many samples held: no more of a publisher can be taken until"});
 }
 
 TEST_F(FirstWords, OfAReliableSubscriberWithAQueueThatSharedMemoryDoesNotHave) {

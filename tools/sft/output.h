@@ -16,8 +16,8 @@ class Output : public Terminal {
 
   /// Writes at once. If that fails, the command is told to stop.
   void write(std::string_view text);
-  /// Why the output could not be written. Empty if all was written, and if its reader has closed it, which is a
-  /// regular end.
+  /// Why the output could not be written. Empty if all was written, and if its reader has closed it, which is
+  /// a regular end.
   const std::string& failure() const { return failure_; }
   void line(std::string_view text);
   /// Writes JSON in one line, for programs that read line by line.

@@ -78,7 +78,8 @@ bool index_body(core::SampleBuffer& sample, const TypeSupport& type) {
   state.body = body;
   state.body_bytes = sample.header().body_bytes;
   state.mask = &sample.mask;
-  return detail::build_index(state, type.type(), {sample.index(), type.index_slots()}) == detail::WalkStatus::ok;
+  return detail::build_index(state, type.type(), {sample.index(), type.index_slots()}) ==
+         detail::WalkStatus::ok;
 }
 
 }  // namespace

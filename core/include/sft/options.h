@@ -146,8 +146,8 @@ struct NodeOptions {
   /// Default: $CYCLONEDDS_URI.
   std::optional<std::string> cyclonedds_config{};
   /// Gets the log. Without it the log goes to the standard error of the process, and the library prints
-  /// nothing else. Cyclone DDS prints nothing in a process with a node: its messages have one destination in a
-  /// process, and are kept for the errors that they explain.
+  /// nothing else. Cyclone DDS prints nothing in a process with a node: its messages have one destination in
+  /// a process, and are kept for the errors that they explain.
   LogSink log{};
   /// Lines below this level are not even made. Default: info with `log`, warning without. Without `log` the
   /// environment variable SFT_LOG takes precedence: off, error, warning, info or debug.

@@ -105,8 +105,7 @@ struct PublisherStatus {
     // memory counts neither as sent nor as saved. If several readers of a process ask for the same fields,
     // bytes that travel once count for each of these readers.
     std::uint64_t bytes_sent = 0;  ///< see above
-    /// The size of the same samples with all fields, less bytes_sent. A sample that was not encoded with all
-    /// fields counts as large as the last one that was measured, at most 10 ms before.
+    /// The size of the same samples with all fields, less bytes_sent.
     std::uint64_t bytes_saved = 0;
     friend bool operator==(const Reader&, const Reader&) = default;
   };

@@ -126,7 +126,8 @@ std::vector<std::byte> encoded_body(const T& value, const FieldMask& mask) {
 template <class T>
 std::size_t sample_bytes(const T& value, const FieldMask& mask) {
   const TypeSupport& type = type_support<T>();
-  return detail::SampleLayout(type.index_slots()).bytes(detail::encoded_size(type.type(), &value, mask).bytes);
+  return detail::SampleLayout(type.index_slots())
+      .bytes(detail::encoded_size(type.type(), &value, mask).bytes);
 }
 
 template <class T>

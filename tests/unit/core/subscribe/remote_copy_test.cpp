@@ -184,7 +184,8 @@ class PartSubscriberTest : public RemoteCopyTest {
     buffer->parts = sent.parts_hash();
     buffer->writer = 9;
     buffer->sequence = sequence;
-    ASSERT_EQ(build_index(state_of(*buffer, type.index_slots()), type.type(), {buffer->index(), type.index_slots()}),
+    ASSERT_EQ(build_index(state_of(*buffer, type.index_slots()), type.type(),
+                          {buffer->index(), type.index_slots()}),
               WalkStatus::ok);
     port->samples.push_back(std::move(buffer));
   }
@@ -201,7 +202,8 @@ class PartSubscriberTest : public RemoteCopyTest {
     detail::Projection projection;
     const SampleHandle all = whole(cloud);
     --sequence;
-    ASSERT_TRUE(projection.project(state_of(*all, type.index_slots()), ProjectionPlan(type, *sample.selection())));
+    ASSERT_TRUE(
+        projection.project(state_of(*all, type.index_slots()), ProjectionPlan(type, *sample.selection())));
     std::vector<std::byte> expected;
     for (const Segment& segment : projection.segments())
       expected.insert(expected.end(), segment.data, segment.data + segment.bytes);
