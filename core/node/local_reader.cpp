@@ -35,8 +35,8 @@ LocalReader::LocalReader(NodeContext& node, const Endpoint& endpoint, Parts part
       core_(std::move(parts.core)),
       selection_(parts.selection),
       feed_(core_->feed(selection_)),
-      callback_(selection_ == 0 ? std::make_unique<CallbackWatch>(core_) : nullptr),
       network_(std::move(parts.network)),
+      callback_(selection_ == 0 ? std::make_unique<CallbackWatch>(core_) : nullptr),
       requested_(endpoint.qos),
       accepted_({feed_.spec().selection, endpoint.request.min_period_us},
                 endpoint.qos.reliability == Reliability::reliable) {
