@@ -1,7 +1,6 @@
 #include "core/report/node_log.h"
 
 #include <algorithm>
-#include <cctype>
 #include <utility>
 
 #include "core/platform/random_id.h"
@@ -28,14 +27,16 @@ void RepeatPause::begin(Time now) {
 }
 
 std::string without_numbers(std::string_view text) {
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  const auto is_of_word = [&](char c) {  // whatever the locale of the program
+    return is_digit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
+  };
   std::string rest;
   bool is_quoted = false;
   for (const char c : text) {
-    const char before = rest.empty() ? ' ' : rest.back();
-    const bool is_in_word = std::isalnum(static_cast<unsigned char>(before)) != 0 || before == '_';
+    const bool is_in_word = !rest.empty() && is_of_word(rest.back());
     if (c == '\'') is_quoted = !is_quoted && !is_in_word;  // else it is an apostrophe
-    const bool is_digit = c >= '0' && c <= '9';
-    if (!is_digit || is_quoted || is_in_word) rest.push_back(c);
+    if (!is_digit(c) || is_quoted || is_in_word) rest.push_back(c);
   }
   return rest;
 }
