@@ -136,7 +136,7 @@ TEST_F(CallbackDispatchTest, ASubscriberWhoseCallbacksTakeLongHasOneInEachTurn) 
 
 TEST_F(CallbackDispatchTest, QuickCallbacksEndTheirTurnTogetherEvenIfTheNextSampleIsAlwaysThere) {
   in_callback = [&] {
-    now += CallbackDispatch::turn / 10;
+    now += std::chrono::microseconds(CallbackDispatch::turn) / 10;
     ++samples.count;
   };
   samples.count = 1;
