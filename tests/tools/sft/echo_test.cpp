@@ -132,6 +132,37 @@ TEST_F(EchoTest, SamplesComeByEitherOfTwoSelections) {
   EXPECT_EQ(run_tool({"echo", "scan", "--fields", "ranges", "--fields", "ragnes"}).code, 2);
 }
 
+TEST_F(EchoTest, WhatEveryPublisherOffersIsAskedFor) {
+  Node camera = open("camera");
+  auto live = camera.publisher<PointCloud2>("points").value();
+  const auto retained = keep(robot, "points", cloud());
+  PointCloud2 narrow = cloud();
+  narrow.width = 7;
+  const Publishing publishing(live, narrow);
+  EXPECT_EQ(run_tool({"echo", "points", "--once", "--fields", "width"}).out, "width: 7\n---\n")
+      << "only one of them retains samples";
+}
+
+TEST_F(EchoTest, LossesOfEachSelectionAreTold) {
+  auto scans = robot.publisher<LaserScan>("scan").value();
+  LaserScan scan;
+  ToolProcess echo(
+      {"echo", "scan", "--fields", "angle_min @ angle_min > 0", "--fields", "scan_time, range_min"});
+  {
+    const Publishing publishing(scans, scan);
+    ASSERT_TRUE(echo.prints("scan_time: 0.0\n"));
+  }
+  echo.send(SIGSTOP);
+  for (int i = 0; i < 100'000; ++i) scans.publish(scan);
+  echo.send(SIGCONT);
+  scan.scan_time = 0.5F;
+  const Publishing publishing(scans, scan);
+  ASSERT_TRUE(echo.prints("scan_time: 0.5\n"));
+  echo.send(SIGINT);
+  const Ended ended = echo.end();
+  EXPECT_THAT(ended.err, HasSubstr(" samples of 'scan' were lost")) << ended.err;
+}
+
 TEST_F(EchoTest, FromSharedMemoryToo) {
   Node camera = open("camera", TransportChoice::shm);
   auto points = camera.publisher<PointCloud2>("images").value();

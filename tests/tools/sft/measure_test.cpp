@@ -59,6 +59,16 @@ TEST_F(MeasureTest, DelayIsTheAgeOfTheStamp) {
   EXPECT_GT(measured({"delay", "points", "--published"})["samples"], 50);
 }
 
+TEST_F(MeasureTest, DelaysThatAreOlderThanTheWindowCountNoMore) {
+  ToolProcess delay({"delay", "points", "--window", "1", "--for", "30"});
+  {
+    const Publishing unstamped(points, cloud(), 20ms);
+    ASSERT_TRUE(delay.prints(" so far; the stamp is not set\n")) << delay.out();
+  }
+  const Publishing stamped(points, cloud(), 20ms, true);
+  EXPECT_TRUE(delay.prints(" so far\n")) << delay.out();
+}
+
 TEST_F(MeasureTest, DelayNeedsAStamp) {
   auto time = robot.publisher<builtin_interfaces::msg::Time>("time").value();
   const Ended ended = run_tool({"delay", "time"});

@@ -112,6 +112,30 @@ TEST(MsgTextTest, WhatIsWrongIsSaidWithMessageLineAndField) {
   EXPECT_THAT(fault("int32 x", "Example"), HasSubstr("the name of a message is expected"));
 }
 
+TEST(MsgTextTest, MessagesAreNestedOverALimitedNumberOfLevels) {
+  const auto nested = [](int levels) {
+    std::string text = levels > 1 ? "L2 inner\n" : "int32 x\n";
+    for (int level = 2; level <= levels; ++level) {
+      text += separator + "MSG: my_msgs/L" + std::to_string(level) + "\n" +
+              (level < levels ? "L" + std::to_string(level + 1) + " inner\n" : "int32 x\n");
+    }
+    return fault(text);
+  };
+  EXPECT_EQ(nested(16), "");
+  EXPECT_THAT(nested(256), HasSubstr("more than 16 structs in one another"));
+  EXPECT_EQ(nested(257), "messages are nested over more than 256 levels");
+}
+
+TEST(MsgTextTest, AUnitThatACommentWouldTellOtherwiseIsLeftOut) {
+  const auto text_with = [](std::string_view unit) {
+    const Member member{.name = "x", .kind = Kind::int32, .unit = unit};
+    const StructType type("my_msgs::msg::Example", {&member, 1});
+    return to_msg(DynamicType::parse(describe(type)).value()).value();
+  };
+  EXPECT_EQ(text_with("m/s"), "int32 x  # [m/s]\n");
+  for (const char* unit : {"m, s", "[m", "m]"}) EXPECT_EQ(text_with(unit), "int32 x\n") << unit;
+}
+
 TEST(MsgTextTest, WhatMsgHasNoWordForIsAnErrorThatNamesTheMember) {
   const auto text = to_msg(type_of<torture::Sequences>());
   ASSERT_FALSE(text);

@@ -159,6 +159,31 @@ TEST_F(PointsTest, TheFirstOfTwoChannelsWithOneNameCounts) {
   EXPECT_FALSE(other.view().points<std::uint16_t>("x"));
 }
 
+TEST_F(PointsTest, AnErrorNamesAsManyChannelsAsASelectionCan) {
+  PointCloud2 whole = cloud(1, 1);
+  const auto named = [&whole](std::size_t channels) {
+    whole.fields.assign(channels, {"n", 0, 7, 1});
+    const std::string message = message_of(Arrived(whole).view().points<float>("x"));
+    return std::pair(std::ranges::count(message, 'n'), message.ends_with(", ..."));
+  };
+  const auto [all, all_are_cut] = named(Selection::channels_max);
+  const auto [some, some_are_cut] = named(Selection::channels_max + 1);
+  EXPECT_FALSE(all_are_cut);
+  EXPECT_TRUE(some_are_cut);
+  EXPECT_EQ(some, all);
+}
+
+TEST_F(PointsTest, AChannelThatACloudHasTwiceStandsForNoOther) {
+  PointCloud2 whole = cloud(1, 2);
+  whole.fields = {{"x", 0, 7, 1}, {"x", 4, 7, 1}, {"y", 8, 7, 1}};
+  const Arrived twice(whole);
+  whole.fields = {{"x", 0, 7, 1}, {"y", 8, 7, 1}};
+  const Arrived once(whole);
+  const auto points = twice.view().points<float, float>("x", "y");
+  ASSERT_TRUE(points) << message_of(points);
+  EXPECT_EQ(bits_of(*points), bits_of(*once.view().points<float, float>("x", "y")));
+}
+
 TEST_F(PointsTest, NamesInErrorsCanBeSentToATerminal) {
   PointCloud2 whole = cloud(1, 1);
   whole.fields = {{"a\x1b[2J", 0, 7, 1}, {std::string(1000, 'n'), 0, 7, 1}, {"good", 0, 7, 1}};

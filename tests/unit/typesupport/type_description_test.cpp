@@ -185,6 +185,15 @@ TEST(HostileDescriptionTest, EnumerationsHaveEnumeratorsThatFit) {
   EXPECT_THAT(with_enumeration(2, 1, uint8).error(), HasSubstr("neither enumeration nor bitmask"));
 }
 
+TEST(HostileDescriptionTest, EnumeratorsCountWhereverTheirEnumerationIsUsed) {
+  Handmade h = Handmade().byte(1).number(1);
+  h.text("E").byte(0).number(3).text("A").number(0).text("B").number(1).text("C").number(2);
+  h.number(1).text("S").number(2);
+  for (const char* name : {"x", "y"}) h.byte(uint8 | attributes).text(name).byte(4).number(0);
+  EXPECT_EQ(h.error({.members = 8}), "");
+  EXPECT_THAT(h.error({.members = 7}), HasSubstr("more than 7 members and enumerators"));
+}
+
 TEST(HostileDescriptionTest, OnlyEarlierStructsCanBeReferencedSoThatNothingIsRecursive) {
   EXPECT_THAT(with_structs(1).structure("A", {{nested_kind | sequence, "self", 0}}).error(),
               HasSubstr("earlier"));

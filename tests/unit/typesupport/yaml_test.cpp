@@ -196,6 +196,17 @@ TEST(YamlTest, TheLengthOfTheWholeTextIsLimited) {
   EXPECT_EQ(yaml.error().code, Errc::limit_exceeded);
 }
 
+TEST(YamlTest, TheLengthOfAListIsLimitedToo) {
+  PointCloud2 cloud;
+  cloud.data.resize(1000);
+  const Encoded encoded(cloud);
+  const DynamicView data = DynamicView(encoded.state(), TypeTable<PointCloud2>::type)["data"];
+  EXPECT_TRUE(to_yaml(data));
+  const auto yaml = to_yaml(data, {.output_bytes_max = 100});
+  ASSERT_FALSE(yaml);
+  EXPECT_EQ(yaml.error().code, Errc::limit_exceeded);
+}
+
 TEST(YamlTest, NamesThatYamlTakesForSomethingElseAreQuoted) {
   const Member members[] = {{.name = "on", .kind = Kind::uint8},
                             {.name = "Null", .kind = Kind::uint8},

@@ -14,6 +14,7 @@ namespace {
 using namespace std::chrono_literals;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
+using ::testing::Pair;
 
 constexpr EndpointId our_writer = 100, one_reader = 5, other_reader = 6;
 constexpr NodeId its_node = 77;
@@ -143,6 +144,15 @@ TEST_F(EndpointTableTest, ANewcomerThatIsRefusedIsCountedByTheNameOfItsNode) {
   EXPECT_EQ(table.refused(), 1U);
   EXPECT_EQ(table.take_refusals().at("theirs"), 1U);
   EXPECT_THAT(table.take_refusals(), IsEmpty());
+}
+
+TEST_F(EndpointTableTest, AnEndpointThatHasToLeaveIsCountedByTheNameOfItsNode) {
+  for (const EndpointId id : {one_reader, other_reader}) table.enter(endpoint(Role::reader, id));
+  Endpoint newcomer = endpoint(Role::reader, 7);
+  newcomer.announcer = 12;
+  newcomer.node = "another";
+  EXPECT_EQ(table.admit(newcomer).instead_of, other_reader);
+  EXPECT_THAT(table.take_refusals(), ElementsAre(Pair("theirs", 1U)));
 }
 
 TEST(KnownFactsTest, NothingRemainsNotedOfAnEndpointThatIsGone) {

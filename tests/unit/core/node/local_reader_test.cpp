@@ -1,6 +1,9 @@
 // One reader of a node uses its ports and makes its requests.
 #include "core/node/local_reader.h"
 
+#include <map>
+#include <vector>
+
 #include "tests/unit/core/node/local_endpoint_fixture.h"
 
 namespace sft::core {
@@ -14,6 +17,7 @@ class LocalReaderTest : public LocalEndpointTest {
                               .feeds = {{.id = endpoint.id, .selection = mask}},
                               .options = {},
                               .callback = nullptr};
+    spec.options.on_event = [this](const Event& event) { events.push_back(event); };
     core = std::make_shared<SubscriberCore>(std::move(spec), bells->at(1), recorder);
     if (endpoint.may_use_network) core->ports().set_network(network_port);
     reader.emplace(node, endpoint,
@@ -31,6 +35,7 @@ class LocalReaderTest : public LocalEndpointTest {
   const std::unique_ptr<DoorbellPage> bells = DoorbellPage::create();
   Connections connections;
   const std::shared_ptr<TestReaderPort> network_port = std::make_shared<TestReaderPort>(connections);
+  std::vector<Event> events;
   std::shared_ptr<SubscriberCore> core;
   std::optional<LocalReader> reader;
   std::size_t unattached = 0;
@@ -195,6 +200,24 @@ TEST_F(LocalReaderTest, DeadlinesOfAWriterAreWatchedOnlyAsLongAsItMatches) {
   EXPECT_EQ(missed(), first) << "it begins anew";
   reader->watch_promises(soon());
   EXPECT_GT(missed(), first);
+}
+
+TEST_F(LocalReaderTest, ThatAWriterIsSilentIsToldAlsoIfTheNextOneLives) {
+  Endpoint ours = over_network(Role::reader, 200);
+  ours.qos.liveliness_lease = std::chrono::hours(1);
+  open(ours);
+  for (const auto& [id, lease] : std::map<EndpointId, int>{{7, 1}, {8, 3600}}) {
+    Endpoint writer = over_network(Role::writer, id);
+    writer.qos.liveliness_lease = std::chrono::seconds(lease);
+    seen(writer);
+  }
+  reader->tell_events();
+  events.clear();
+  reader->watch_promises(soon());
+  reader->tell_events();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].kind, Event::Kind::liveliness_lost);
+  EXPECT_EQ(events[0].peer, 7U);
 }
 
 TEST_F(LocalReaderTest, HasAnAccountOfEachWriterThatMatches) {

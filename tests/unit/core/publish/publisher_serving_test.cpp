@@ -424,6 +424,19 @@ TEST_F(WaitingPublisherTest, WaitsForAChunkWhereAReliableReaderCanBeSentNothingB
   EXPECT_EQ(memory->refusals, 0);
 }
 
+TEST_F(WaitingPublisherTest, HasTheLessPatienceWithReadersTheLongerItHasWaitedForAChunk) {
+  const auto network = std::make_shared<PatientPort>();
+  PublisherCore core(waiting(), BufferPool::make(1 << 20), network);
+  Serving serving;
+  serving.memory = {local(true)};
+  serving.network = {Route{3, UdpAddress{}, type.full()}};
+  core.serve(serving, memory);
+  memory->refusals = 3;
+  core.publish(&cloud);
+  EXPECT_EQ(memory->refusals, 0);
+  EXPECT_LE(network->patience, std::chrono::milliseconds(97)) << "it looks once in a millisecond";
+}
+
 TEST_F(WaitingPublisherTest, WaitsForNoChunkOfBestEffortReaders) {
   PublisherCore core(waiting(), BufferPool::make(1 << 20), nullptr);
   Serving serving;

@@ -85,6 +85,9 @@ TEST_F(NodeLogTest, OfAReliablePairThatLosesSamplesOneLineIsWrittenInASecondAndN
   log.write("points", lost, now + 1s);
   EXPECT_EQ(lines, (Lines{{LogLevel::warning,
                            "node: topic 'points': samples lost: 3 lost (12 more were lost before that)"}}));
+  lines.clear();
+  log.tick(now + 60s);
+  EXPECT_EQ(lines, Lines{}) << "all of them were told";
 }
 
 TEST_F(NodeLogTest, OfAReliablePairThatGoesOnLosingSamplesLinesBecomeRare) {

@@ -94,6 +94,14 @@ TEST_F(FanOutTest, KeepsOfWhatIsReliableAsMuchAsChannelsDo) {
   EXPECT_EQ(kept.end, 121U);
 }
 
+TEST_F(FanOutTest, HasRoomForAsMuchAgainOnceItHasSentWhatWaited) {
+  const auto reliable = routes(true);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(leave(60, 1'000'000, reliable), 0U) << i;
+    fan_out().carry_out();
+  }
+}
+
 TEST_F(FanOutTest, DropsTheOldestOfWhatIsReliableOnceItIsMoreThanChannelsKeep) {
   const std::size_t dropped = leave(100, 1'000'000, routes(true));
   EXPECT_GT(dropped, 0U);
