@@ -23,9 +23,9 @@ TEST(LinkSetTest, ALinkIsNotMadeAnewAtOnceThatWasMadeAnewAMomentAgo) {
                 own, ear);
   const auto now = std::chrono::steady_clock::now();
   ASSERT_TRUE(links.use({loopback}, {}, now));
-  EXPECT_TRUE(links.renew(1, "somebody is not heard", now));
-  EXPECT_FALSE(links.renew(2, "somebody is not heard", now + 400ms));
-  EXPECT_TRUE(links.renew(2, "somebody is not heard", now + 500ms));
+  EXPECT_TRUE(links.renew(1, "a participant is not heard", now));
+  EXPECT_FALSE(links.renew(2, "a participant is not heard", now + 400ms));
+  EXPECT_TRUE(links.renew(2, "a participant is not heard", now + 500ms));
   EXPECT_EQ(links.take_renewals().size(), 2U);
 }
 

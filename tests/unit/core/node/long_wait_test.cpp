@@ -1,4 +1,4 @@
-// A wait for a callback is told of once it is long.
+// A wait for a callback is reported once it is long.
 #include "core/node/long_wait.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ class LongWaitTest : public ::testing::Test {
   const Time begin{};
 };
 
-TEST_F(LongWaitTest, AWaitIsToldOfOnceWhenItHasBecomeLong) {
+TEST_F(LongWaitTest, AWaitIsReportedOnceWhenItHasBecomeLong) {
   LongWait wait;
   EXPECT_FALSE(wait.look(true, 1, begin));
   EXPECT_FALSE(wait.look(true, 1, begin + 999ms));
@@ -33,7 +33,7 @@ TEST_F(LongWaitTest, AWaitEndsWithATurnOrWhenNothingWaits) {
   EXPECT_TRUE(wait.look(true, 2, begin + 3800ms));
 }
 
-TEST_F(LongWaitTest, TheNextLongWaitIsToldOfAsWell) {
+TEST_F(LongWaitTest, TheNextLongWaitIsReportedAsWell) {
   LongWait wait;
   EXPECT_FALSE(wait.look(true, 1, begin));
   EXPECT_TRUE(wait.look(true, 1, begin + 1s));

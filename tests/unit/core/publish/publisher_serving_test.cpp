@@ -108,36 +108,37 @@ TEST_F(PublisherServingTest, APayloadIsWalkedOnlyIfSomebodyReads) {
 }
 
 TEST_F(PublisherServingTest, AMessageThatIsTooLargeOrHasAFaultIsInvalidWhoeverListens) {
-  std::vector<std::string> told;
-  PublisherCore telling{{.id = 1,
-                         .topic = "points",
-                         .type = &type,
-                         .max_sample_bytes = 1 << 16,
-                         .refused = [&](const std::string& why) { told.push_back(why); }},
-                        BufferPool::make(1 << 20),
-                        std::make_shared<IdleNetworkWriter>()};
+  std::vector<std::string> reported;
+  PublisherCore reporting{{.id = 1,
+                           .topic = "points",
+                           .type = &type,
+                           .max_sample_bytes = 1 << 16,
+                           .refused = [&](const std::string& why) { reported.push_back(why); }},
+                          BufferPool::make(1 << 20),
+                          std::make_shared<IdleNetworkWriter>()};
   PointCloud2 large;
   large.data.resize(1 << 16);
   PointCloud2 faulty;
   faulty.header.frame_id = std::string("a\0b", 3);
   const auto expect_refused = [&] {
     for (const PointCloud2* one : {&large, &faulty}) {
-      EXPECT_EQ(telling.publish(one), PublishStatus::invalid);
+      EXPECT_EQ(reporting.publish(one), PublishStatus::invalid);
       const std::vector<PointCloud2> two{cloud, *one};
-      const PublishedSpan span = telling.publish(two.data(), two.size(), sizeof(PointCloud2));
+      const PublishedSpan span = reporting.publish(two.data(), two.size(), sizeof(PointCloud2));
       EXPECT_EQ(span.status, PublishStatus::invalid);
       EXPECT_EQ(span.published, 1U);
     }
   };
-  expect_refused();  // nobody reads
-  telling.serve(to_one(FieldMask(F::height)), nullptr);
+  expect_refused();  // without a reader
+  reporting.serve(to_one(FieldMask(F::height)), nullptr);
   expect_refused();
-  telling.serve(to_one(type.full()), nullptr);
+  reporting.serve(to_one(type.full()), nullptr);
   expect_refused();
-  ASSERT_FALSE(told.empty());
-  EXPECT_LT(told.size(), 12U) << "the log need not hear of each";
-  EXPECT_NE(told.front().find("topic 'points': "), std::string::npos) << told.front();
-  EXPECT_NE(told.front().find("raise PublisherOptions::max_sample_bytes"), std::string::npos) << told.front();
+  ASSERT_FALSE(reported.empty());
+  EXPECT_LT(reported.size(), 12U) << "a flood has few reports";
+  EXPECT_NE(reported.front().find("topic 'points': "), std::string::npos) << reported.front();
+  EXPECT_NE(reported.front().find("raise PublisherOptions::max_sample_bytes"), std::string::npos)
+      << reported.front();
 }
 
 TEST_F(PublisherServingTest, APayloadThatIsTooLargeIsAnErrorWhoeverListens) {

@@ -87,7 +87,7 @@ TEST_F(NodeLogTest, OfAReliablePairThatLosesSamplesOneLineIsWrittenInASecondAndN
                            "node: topic 'points': samples lost: 3 lost (12 more were lost before that)"}}));
   lines.clear();
   log.tick(now + 60s);
-  EXPECT_EQ(lines, Lines{}) << "all of them were told";
+  EXPECT_EQ(lines, Lines{}) << "all of them are in the log already";
 }
 
 TEST_F(NodeLogTest, OfAReliablePairThatGoesOnLosingSamplesLinesBecomeRare) {
