@@ -92,15 +92,17 @@ class SpareThreads {
   int error_ = 0;
 };
 
-/// Reserves the addresses that the stacks of so many threads and the memory allocator take.
+/// Reserves the addresses that so many threads take at most. The GNU C library gives a thread that allocates
+/// memory an arena of its own, and reserves its addresses at once: mallopt(3), HEAP_MAX_SIZE in its source.
 Result<void> check_addresses(std::size_t threads) {
+  constexpr std::size_t arena = std::size_t{64} << 20;
   constexpr std::size_t besides = std::size_t{64} << 20;
   pthread_attr_t usual;
   std::size_t stack = 0;
   ::pthread_attr_init(&usual);
   ::pthread_attr_getstacksize(&usual, &stack);
   ::pthread_attr_destroy(&usual);
-  const std::size_t bytes = threads * stack + besides;
+  const std::size_t bytes = threads * (stack + arena) + besides;
   void* const spare = ::mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (spare == MAP_FAILED)
     return fail(Errc::limit_exceeded,

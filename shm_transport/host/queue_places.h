@@ -33,40 +33,52 @@ class QueuePlaces {
 
   /// `port` has the queue, and outlives this object. `is_deepest`: its reader says so (QueueWishes).
   QueuePlaces(iox::popo::SubscriberPortData& port, bool is_deepest) noexcept
-      : port_(port), queue_(port.m_chunkReceiverData), is_deepest_(is_deepest) {}
+      : port_(&port), is_deepest_(is_deepest) {}
+  /// Without a queue. Nothing else than to assign to it is allowed.
+  QueuePlaces() noexcept = default;
+
+  const iox::popo::SubscriberPortData& port() const noexcept { return *port_; }
 
   /// Returns how many samples can wait. Other programs can write the number that iceoryx keeps.
   std::uint64_t depth() const noexcept {
-    const std::uint64_t capacity = queue_.m_queue.capacity();
+    const std::uint64_t capacity = queue().m_queue.capacity();
     return is_deepest_ || capacity < 2 ? capacity : capacity - 1;
   }
 
-  /// The writer asks whether another sample can wait without one being lost.
-  bool has_room() const noexcept {
-    const std::uint64_t waiting = queue_.m_queue.size();
-    if (waiting + 1 < queue_.m_queue.capacity()) return true;
-    if (!is_deepest_ || waiting >= depth()) return false;
-    full_fence();  // who had nothing in hand after `waiting` was counted has left a place free
-    return !is_in_hand(port_);
+  /// The writer asks whether another sample can wait without one being lost. Room that was found stays until
+  /// the writer pushes: the reader only takes chunks, and the place of the chunk that it takes next is
+  /// another one. So the queue is not looked at again before, since the words of the queue would cross from
+  /// the reader's processor once more.
+  bool has_room() noexcept {
+    if (free_ == 0) free_ = free_places();
+    return free_ != 0;
   }
 
-  /// The writer calls it before it pushes. Gives back the oldest chunk if the queue has no room; the reader
-  /// sees then that its queue has overflowed. Returns how many chunks can be pushed before the next call, at
-  /// least one: the reader only takes chunks, so what is free now stays so. To look at each push would have
-  /// the words of the queue cross from the reader's processor once more.
-  std::uint64_t make_room() noexcept {
-    const std::uint64_t waiting = queue_.m_queue.size();
-    const std::uint64_t places = std::min<std::uint64_t>(queue_.m_queue.capacity(), depth_max);
-    if (waiting + 1 < places) return places - 1 - waiting;
-    if (!has_room() && iox::popo::ChunkQueuePopper<Queue>(&queue_).tryPop())
-      iox::popo::ChunkQueuePusher<Queue>(&queue_).lostAChunk();
-    return 1;
+  /// The writer calls it before it pushes one chunk. Gives back the oldest chunk if the queue has no room;
+  /// the reader sees then that its queue has overflowed.
+  void make_room() noexcept {
+    if (has_room()) {
+      --free_;
+    } else if (iox::popo::ChunkQueuePopper<Queue>(&queue()).tryPop()) {
+      iox::popo::ChunkQueuePusher<Queue>(&queue()).lostAChunk();
+    }
   }
 
  private:
-  const iox::popo::SubscriberPortData& port_;
-  Queue& queue_;
-  bool is_deepest_;
+  Queue& queue() const noexcept { return port_->m_chunkReceiverData; }
+
+  std::uint64_t free_places() const noexcept {
+    const std::uint64_t waiting = queue().m_queue.size();
+    const std::uint64_t places = std::min<std::uint64_t>(queue().m_queue.capacity(), depth_max);
+    if (waiting + 1 < places) return places - 1 - waiting;
+    if (!is_deepest_ || waiting >= places) return 0;
+    full_fence();  // a reader that had nothing in hand after `waiting` was counted has left a place free
+    return is_in_hand(*port_) ? 0 : 1;
+  }
+
+  iox::popo::SubscriberPortData* port_ = nullptr;
+  bool is_deepest_ = false;
+  std::uint64_t free_ = 0;  ///< chunks that can be pushed before the queue has to be looked at
 };
 
 }  // namespace sft::shm

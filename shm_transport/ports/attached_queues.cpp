@@ -21,15 +21,14 @@ void AttachedQueues::look(const Queues& queues, const Session& session) {
 }
 
 AttachedQueues::Listener AttachedQueues::listener_at(const Queue& queue, const Session& session) {
-  const auto* port = session.port_of(queue);
+  auto* const port = const_cast<iox::popo::SubscriberPortData*>(session.port_of(queue));
   if (port == nullptr) return {queue.m_uniqueId};
   const QueueWishes wishes = parse_wishes({port->m_nodeName.c_str(), port->m_nodeName.size()});
   return {queue.m_uniqueId,
           wishes.late ? wishes.reader : 0,
           wishes.awaited ? wishes.reader : 0,
-          port,
           wishes.reader,
-          wishes.deepest};
+          {*port, wishes.deepest}};
 }
 
 void AttachedQueues::serve(Listener& listener) const {
@@ -44,28 +43,17 @@ void AttachedQueues::serve(Served served) {
   count();
 }
 
-const AttachedQueues::Listener* AttachedQueues::without_room() const {
+const AttachedQueues::Listener* AttachedQueues::without_room() {
   if (awaited_.empty()) return nullptr;
-  const auto found = std::ranges::find_if(listeners_, [this](const Listener& listener) {
-    return listener.awaited != 0 && listener.wants_sample() && !has_room(listener) &&
-           awaited_.contains(listener.awaited);
+  const auto found = std::ranges::find_if(listeners_, [this](Listener& listener) {
+    return listener.awaited != 0 && listener.wants_sample() && awaited_.contains(listener.awaited) &&
+           !listener.places.has_room();
   });
   return found == listeners_.end() ? nullptr : &*found;
 }
 
-bool AttachedQueues::has_room(const Listener& listener) { return places_of(listener).has_room(); }
-
 void AttachedQueues::make_room() {
-  for (Listener& listener : listeners_) make_room(listener);
-}
-
-void AttachedQueues::make_room(Listener& listener) {
-  if (listener.free_places == 0) listener.free_places = places_of(listener).make_room();
-  --listener.free_places;
-}
-
-QueuePlaces AttachedQueues::places_of(const Listener& listener) {
-  return QueuePlaces(const_cast<iox::popo::SubscriberPortData&>(*listener.port), listener.is_deepest);
+  for (Listener& listener : listeners_) listener.places.make_room();
 }
 
 bool AttachedQueues::is_unchanged(const Queues& queues) const {
@@ -94,7 +82,7 @@ void AttachedQueues::owe_nothing(std::set<core::EndpointId> readers) {
 void AttachedQueues::deliver(Port& port, const Listener& listener, iox::mepoo::SharedChunk chunk) {
   const auto index =
       static_cast<std::uint32_t>(&listener - listeners_.data());  // where it is looked for first
-  make_room(listeners_[index]);
+  listeners_[index].places.make_room();
   iox::popo::ChunkDistributor<iox::popo::PublisherPortData::ChunkDistributorData_t> distributor(&port);
   std::ignore = distributor.deliverToQueue(listener.queue, index, std::move(chunk));
 }

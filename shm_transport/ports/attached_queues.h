@@ -43,10 +43,8 @@ class AttachedQueues {
     iox::cxx::UniqueId queue;       ///< the id of the queue; unlike its memory, an id is never used again
     core::EndpointId waits_as = 0;  ///< the late reader that waits for the retained samples; 0: none does
     core::EndpointId awaited = 0;   ///< the reader that asks the writer to wait for room; 0: none does
-    const iox::popo::SubscriberPortData* port = nullptr;  ///< the port that has the queue
-    core::EndpointId reader = 0;                          ///< whose queue it is; 0: unknown
-    bool is_deepest = false;                              ///< the queue has no place to spare
-    std::uint64_t free_places = 0;             ///< chunks that can be pushed before room has to be made
+    core::EndpointId reader = 0;    ///< whose queue it is; 0: unknown, and there are no places
+    QueuePlaces places{};
     bool is_served = false;                    ///< the writer serves the reader here
     std::shared_ptr<const core::Gate> gate{};  ///< the reader's, if that has conditions
 
@@ -77,10 +75,9 @@ class AttachedQueues {
 
   /// Sets the readers for which the writer waits, if they ask for it.
   void wait_for(std::set<core::EndpointId> readers) { awaited_ = std::move(readers); }
-  /// Returns a listener for which the writer waits and whose queue was full at the last look(); null if there
-  /// is none.
-  const Listener* without_room() const;
-  static bool has_room(const Listener& listener);
+  /// Returns a listener, as of the last look(), for which the writer waits and whose queue is full; null if
+  /// there is none.
+  const Listener* without_room();
 
   /// Makes room for one more chunk in each queue (queue_places.h). All listeners are served.
   void make_room();
@@ -93,8 +90,6 @@ class AttachedQueues {
 
  private:
   static Listener listener_at(const Queue& queue, const Session& session);
-  static QueuePlaces places_of(const Listener& listener);
-  static void make_room(Listener& listener);
   void serve(Listener& listener) const;
   bool is_unchanged(const Queues& queues) const;
   void count();

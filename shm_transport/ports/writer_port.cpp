@@ -166,17 +166,17 @@ std::optional<ChunkLender::FullQueue> ChunkLender::full_queue() noexcept {
   const AttachedQueues::Listener* full = attached_.without_room();
   port.unlock();
   if (full == nullptr) return std::nullopt;
-  return FullQueue{*full, session_};
+  return FullQueue{full->places, session_};
 }
 
 /// Waits without a lock. If the reader goes meanwhile, the memory of its port stays mapped, and only words in
 /// that memory are read and written.
 void ChunkLender::await_room(Clock::time_point until) noexcept {
-  const std::optional<FullQueue> full = full_queue();
+  std::optional<FullQueue> full = full_queue();
   if (!full) return;
-  const auto has_room = [&] { return AttachedQueues::has_room(full->listener); };
+  const auto has_room = [&] { return full->places.has_room(); };
   if (core::spin(std::min(until, Clock::now() + room_spin), has_room)) return;
-  QueueRoom room(*full->listener.port);
+  QueueRoom room(full->places.port());
   room.begin_waiting();
   const Clock::duration left = until - Clock::now();
   if (!has_room() && left.count() > 0)

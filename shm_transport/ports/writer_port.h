@@ -91,7 +91,7 @@ class ChunkLender final : public core::BufferOwner,
   void hold(ChunkSlot& slot, iox::mepoo::ChunkHeader& chunk) noexcept SFT_REQUIRES(mutex_);
   void deliver(ChunkSlot& slot) noexcept SFT_REQUIRES(mutex_);
   struct FullQueue {
-    AttachedQueues::Listener listener;
+    QueuePlaces places;
     std::shared_ptr<Session> session;  ///< keeps the memory of the queue mapped
   };
   std::optional<FullQueue> full_queue() noexcept;

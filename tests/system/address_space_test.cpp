@@ -26,8 +26,8 @@ TEST(AddressSpace, AProgramWithTooLittleAddressSpaceGetsAnErrorThatSaysSo) {
         },
         "RLIMIT_AS");
   };
-  for (std::size_t mib = 0; mib <= 120; mib += 20) EXPECT_EQ(opened_with(mib), Opened::limit_exceeded) << mib;
-  for (std::size_t mib = 140; mib <= 700; mib += 20)
+  for (std::size_t mib = 0; mib <= 600; mib += 20) EXPECT_EQ(opened_with(mib), Opened::limit_exceeded) << mib;
+  for (std::size_t mib = 620; mib <= 1200; mib += 20)
     EXPECT_THAT(opened_with(mib), AnyOf(Opened::limit_exceeded, Opened::node)) << mib;
   EXPECT_EQ(opened_with(2000), Opened::node);
 }

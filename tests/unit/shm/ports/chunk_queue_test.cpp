@@ -44,6 +44,10 @@ class ChunkQueueTest : public ::testing::Test {
       if (!writer.push(memory_.getChunk(settings).value())) writer.lostAChunk();
     }
   }
+  void deliver(QueuePlaces& places) {
+    places.make_room();
+    arrive(1);
+  }
   std::uint32_t in_use() const { return memory_.getMemPoolInfo(0).m_usedChunks; }
 
   /// Finds the word of the queue that `read` returns, and writes another value there, as a hostile program
@@ -181,37 +185,46 @@ TEST_F(ChunkQueueTest, AnOverflowBeforeTheSessionWasLostIsToldWithTheFirstChunkT
 
 TEST_F(ChunkQueueTest, AWriterGivesBackTheOldestChunkBeforeItTakesTheLastPlace) {
   QueuePlaces places(*port_, false);
-  places.make_room();
   EXPECT_EQ(places.depth(), queue_capacity - 1);
-  arrive(1);
+  deliver(places);
   EXPECT_FALSE(places.has_room());
-  places.make_room();
-  EXPECT_TRUE(places.has_room());
-  EXPECT_EQ(in_use(), 0U);
-  arrive(1);
+  deliver(places);
+  EXPECT_EQ(in_use(), 1U);
   EXPECT_TRUE(queue_->take().overflowed);
 }
 
 TEST_F(ChunkQueueTest, ToMakeRoomWhereThereIsSomeIsNoOverflow) {
-  QueuePlaces(*port_, false).make_room();
-  arrive(1);
+  QueuePlaces places(*port_, false);
+  deliver(places);
   EXPECT_FALSE(queue_->take().overflowed);
 }
 
 TEST_F(ChunkQueueTest, TheLastPlaceOfADeepestQueueIsUsedUnlessItsReaderHasAChunkInHand) {
   QueuePlaces places(*port_, true);
   EXPECT_EQ(places.depth(), queue_capacity);
-  arrive(1);
-  EXPECT_TRUE(places.has_room());
+  deliver(places);
   {
     const ChunkInHand hand(*port_);
     EXPECT_FALSE(places.has_room()) << "the place may be that of the chunk";
   }
   EXPECT_TRUE(places.has_room());
-  arrive(1);
+  deliver(places);
   EXPECT_FALSE(places.has_room());
-  places.make_room();
-  EXPECT_EQ(in_use(), 1U);
+  deliver(places);
+  EXPECT_EQ(in_use(), 2U);
+  EXPECT_TRUE(queue_->take().overflowed);
+}
+
+TEST_F(ChunkQueueTest, RoomThatAWriterHasFoundStaysWhenTheReaderTakesAChunkInHand) {
+  QueuePlaces places(*port_, true);
+  deliver(places);
+  ASSERT_TRUE(places.has_room());
+  {
+    const ChunkInHand hand(*port_);
+    deliver(places);
+  }
+  EXPECT_EQ(in_use(), 2U);
+  EXPECT_FALSE(queue_->take().overflowed);
 }
 
 /// Nobody could give so much memory as these capacities claim to need.
