@@ -671,7 +671,7 @@ pulse:register_heuristic("udp", looks_like_pulse)
 -- for on the topic sft_reader. Their bytes are little-endian CDR (XCDR1).
 local control = Proto("sft_control", "SFT control sample")
 
-local control_version = 13
+local control_version = 14
 local struct_depth_max = 64
 local conditions_max, condition_depth_max = 32, 8
 local parts_max = 16
@@ -694,6 +694,7 @@ local g = {
   type_hash = ProtoField.uint64("sft_control.type_hash", "Hash of the type", base.HEX),
   description = ProtoField.bytes("sft_control.type_description", "Type description"),
   host = ProtoField.bytes("sft_control.host", "Host token"),
+  memory_failure = ProtoField.string("sft_control.memory_failure", "Shared memory failed"),
   network = ProtoField.uint64("sft_control.network", "Network", base.HEX),
   may_use_shm = ProtoField.bool("sft_control.may_use_shm", "May use shared memory"),
   may_use_udp = ProtoField.bool("sft_control.may_use_udp", "May use UDP"),
@@ -1342,6 +1343,7 @@ end
 local function read_places(c)
   local host = c:take(32)
   if host then c.tree:add(g.host, host) end
+  c:text(g.memory_failure)
   c:aligned(g.network, 8)
   c:number(g.may_use_shm, 1)
   c:number(g.may_use_udp, 1)
