@@ -18,6 +18,8 @@ using namespace std::chrono_literals;
 
 namespace {
 constexpr std::chrono::seconds complaint_pause{1};
+/// A signal handler, which may interrupt a search for a type, cannot wake it.
+constexpr std::chrono::milliseconds interrupt_look_period{100};
 
 /// A user can do nothing about what holds an agent up. So nothing is measured unless the log has lines for
 /// debugging.
@@ -296,11 +298,19 @@ Result<DynamicType> NodeCore::find_type(std::string_view topic, std::chrono::nan
         ask_agent([&] { return type_of(topic, reconciler_->endpoints(), options_.domain.value_or(0)); });
     const bool may_come = !type && type.error().code == Errc::unavailable && may_wait;
     if (!may_come) return type;
-    const bool has_news = endpoints_changed_.wait_beyond(seen, search.waits_until());
+    if (is_interrupted()) return fail(Errc::unavailable, "Node::interrupt() has ended the search for a type");
+    const Time look_again = std::chrono::steady_clock::now() + interrupt_look_period;
+    endpoints_changed_.wait_beyond(seen, std::min(search.waits_until(), look_again));
     const Time now = std::chrono::steady_clock::now();
-    if (has_news && now < search.waits_until()) continue;
+    if (now < search.waits_until()) continue;
     if (!search.goes_on(now, discovery_->newcomer_at())) return type;
   }
+}
+
+void NodeCore::interrupt() noexcept {
+  if (is_forked_copy()) return;
+  wake_slots_.interrupt();
+  if (network_ != nullptr) network_->wake_receiver();
 }
 
 std::vector<TopicInfo> NodeCore::topics() {

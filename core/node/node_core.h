@@ -58,6 +58,9 @@ class NodeCore final : private DiscoveryListener {
   std::vector<TopicInfo> topics();
   DomainSnapshot domain();
   Result<AccountInquiry> ask_accounts(const std::shared_ptr<NodeCore>& self, std::string_view topic);
+  /// See Node::interrupt().
+  void interrupt() noexcept;
+  bool is_interrupted() const noexcept { return wake_slots_.interrupted().load(); }
   NodeStatus status() const;
   NodeSnapshot snapshot() const;
 

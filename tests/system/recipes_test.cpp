@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdio>
+#include <geometry_msgs/msg/Twist.hpp>
 #include <optional>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 #include <span>
@@ -18,12 +19,14 @@
 #include "sft/sft.h"
 #include "tests/support/eventually.h"
 
+using geometry_msgs::msg::Twist;
 using sensor_msgs::msg::PointCloud2;
 using std_msgs::msg::Float64;
 using std_srvs::msg::SetBool_Request;
 
 // These functions are printed in docs/guide.md.
 void count_clouds(sft::Node& node);
+void print_commands(sft::Node& node);
 sft::Subscriber<SetBool_Request> serve_lights(sft::Node& node);
 std::optional<std::string> switch_lights(sft::Node& node, bool on);
 sft::Publisher<Float64> exposure_parameter(sft::Node& node);
@@ -94,6 +97,25 @@ TEST_F(RecipesTest, AnEventLoopCountsCloudsUntilItIsInterrupted) {
     loop.join();
   }
   EXPECT_EQ(clouds, 3);
+}
+
+TEST_F(RecipesTest, AProgramThatWaitsEndsAtCtrlC) {
+  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);
+  std::string line;
+  {
+    PrintedLines printed;
+    std::thread loop([&] { print_commands(node_); });
+    auto commands = other_.publisher<Twist>("cmd_vel").value();
+    const bool served = commands.wait_for_subscribers(1, 10s);
+    Twist command;
+    command.linear.x = 0.5;
+    if (served) commands.publish(command);
+    if (served) line = printed.next();
+    kill(getpid(), SIGINT);
+    loop.join();
+  }
+  EXPECT_EQ(line, "0.5 m/s");
+  EXPECT_TRUE(node_.is_interrupted());
 }
 
 TEST_F(RecipesTest, AServiceAnswersItsClient) {

@@ -176,6 +176,8 @@ bool ReceiveLoop::receive(const core::Waiting& waiting) noexcept {
   return true;
 }
 
+void ReceiveLoop::wake_receiver() noexcept { ::eventfd_write(waiter_event_.get(), 1); }
+
 /// Waits while another thread receives, and delivers to this one's reader.
 void ReceiveLoop::wait_behind(const core::Waiting& waiting) noexcept {
   if (role_.wait_behind()) io_->wake();

@@ -53,6 +53,8 @@ class ReceiveLoop final : private DatagramSink, public std::enable_shared_from_t
 
   /// See NetworkReader::receive().
   bool receive(const core::Waiting& waiting) noexcept;
+  /// See Network::wake_receiver().
+  void wake_receiver() noexcept;
 
   SubscriptionDirectory& subscriptions() { return delivery_.subscriptions(); }
   core::Transport::Counters counters() const noexcept { return published_.load(); }
