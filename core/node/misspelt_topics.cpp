@@ -23,10 +23,12 @@ std::string without_digits(std::string_view text) {
   return rest;
 }
 
-bool is_end_of(std::string_view end, std::string_view topic) { return topic.ends_with("/" + std::string(end)); }
+bool is_end_of(std::string_view end, std::string_view topic) {
+  return topic.ends_with("/" + std::string(end));
+}
 
-/// Returns the publisher of a similar topic to which the node of the reader does not subscribe as well; null if
-/// there is none.
+/// Returns the publisher of a similar topic to which the node of the reader does not subscribe as well; null
+/// if there is none.
 const Endpoint* similar_publisher(const Endpoint& reader, const EndpointTable& table) {
   const std::vector<const Endpoint*> endpoints = table.present();
   const auto is_subscribed_to = [&](const std::string& topic) {

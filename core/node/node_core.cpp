@@ -30,6 +30,15 @@ HoldUpWatch::Report report_of_hold_ups(NodeLog& log) {
                                    what.file_name() + ":" + std::to_string(what.line()));
   };
 }
+
+void log_calls_left_out(CallbackThread& callbacks, NodeLog& log) {
+  const std::uint64_t left_out = callbacks.take_left_out();
+  if (left_out == 0) return;
+  log.write(LogLevel::warning, std::to_string(left_out) +
+                                   " calls for events, readers and log lines were left out, because a "
+                                   "callback of this program took long");
+}
+
 }  // namespace
 
 Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Parts parts) {
@@ -72,7 +81,7 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
   Reconciler* const reconciler = node->reconciler_.get();
   const Agent::Duties duties{.tick =
                                  [node = node.get(), reconciler, heap] {
-                                   node->tell_of_calls_left_out();
+                                   log_calls_left_out(node->callbacks_, node->log_);
                                    heap->give_back(std::chrono::steady_clock::now());
                                    return reconciler->tick();
                                  },
@@ -247,14 +256,6 @@ void NodeCore::control_malformed(std::string why) {
   agent_.post([this, refused, why = std::move(why)] {
     log_.write(LogLevel::warning, "control traffic refused, " + std::to_string(refused) + " in all: " + why);
   });
-}
-
-void NodeCore::tell_of_calls_left_out() {
-  const std::uint64_t left_out = callbacks_.take_left_out();
-  if (left_out == 0) return;
-  log_.write(LogLevel::warning, std::to_string(left_out) +
-                                    " calls for events, readers and log lines were left out, because a "
-                                    "callback of this program took long");
 }
 
 template <class Question>

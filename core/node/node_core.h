@@ -69,7 +69,6 @@ class NodeCore final : private DiscoveryListener {
   static void dispose(NodeCore* node);
   EndpointOpening::News news_of_endpoints();
   NodeOptions::LogSink posted(const NodeOptions::LogSink& sink);
-  void tell_of_calls_left_out();
 
   // DiscoveryListener: each call is posted to the agent, except where the agent calls itself.
   void endpoint_seen(Endpoint endpoint) override;

@@ -71,7 +71,8 @@ TEST_P(RoundingTest, JsonAndYamlAreReadBackAsWhatTheyWereWrittenFrom) {
 TEST_P(RoundingTest, ASelectionIsReadBackAsWhatItWasWrittenFrom) {
   const auto& type = type_support<sensor_msgs::msg::BatteryState>();
   for (int i = 0; i < 300; ++i) {
-    const std::string text = "voltage @ voltage > " + std::to_string(std::abs(std::remainder(any_number(), 1e6)));
+    const std::string text =
+        "voltage @ voltage > " + std::to_string(std::abs(std::remainder(any_number(), 1e6)));
     const auto here = type.parse_selection(text);
     ASSERT_TRUE(here) << here.error().message;
     std::fesetround(FE_TONEAREST);
@@ -80,7 +81,8 @@ TEST_P(RoundingTest, ASelectionIsReadBackAsWhatItWasWrittenFrom) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Modes, RoundingTest, testing::Values(FE_TONEAREST, FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO));
+INSTANTIATE_TEST_SUITE_P(Modes, RoundingTest,
+                         testing::Values(FE_TONEAREST, FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO));
 
 }  // namespace
 }  // namespace sft

@@ -15,17 +15,26 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 TEST(SimilarTopicTest, FewLettersCaseOrANamespaceMayDiffer) {
-  for (const auto& [a, b] : {std::pair{"pints", "points"}, {"Points", "points"}, {"points", "lidar/points"},
-                             {"/robot/scan", "scan"}, {"cmd_vel", "cmdvel"}, {"image_raw", "image_rwa"}}) {
+  for (const auto& [a, b] : {std::pair{"pints", "points"},
+                             {"Points", "points"},
+                             {"points", "lidar/points"},
+                             {"/robot/scan", "scan"},
+                             {"cmd_vel", "cmdvel"},
+                             {"image_raw", "image_rwa"}}) {
     EXPECT_TRUE(is_similar_topic(a, b)) << a;
     EXPECT_TRUE(is_similar_topic(b, a)) << a;
   }
 }
 
 TEST(SimilarTopicTest, OtherNamesAndNumbersOfARowAreMeant) {
-  for (const auto& [a, b] : {std::pair{"points", "points"}, {"camera1", "camera2"}, {"robot1/scan", "robot12/scan"},
-                             {"scan", "imu"}, {"left/image", "right/image"}, {"tf", "tf_static"},
-                             {"points", "datapoints"}, {"odom", "od"}}) {
+  for (const auto& [a, b] : {std::pair{"points", "points"},
+                             {"camera1", "camera2"},
+                             {"robot1/scan", "robot12/scan"},
+                             {"scan", "imu"},
+                             {"left/image", "right/image"},
+                             {"tf", "tf_static"},
+                             {"points", "datapoints"},
+                             {"odom", "od"}}) {
     EXPECT_FALSE(is_similar_topic(a, b)) << a;
   }
 }
@@ -61,7 +70,8 @@ TEST_F(MisspeltTopicsTest, ASimilarTopicOfTheSameTypeIsNamedAfterAWhileAndAgainA
   table.enter(endpoint(Role::writer, 2, "points"));
   EXPECT_THAT(after(2s), IsEmpty()) << "its publisher may not be known yet";
   const std::string sentence =
-      "topic 'pints': no publisher of it was seen; did you mean 'points', which node 'lidar' publishes with the "
+      "topic 'pints': no publisher of it was seen; did you mean 'points', which node 'lidar' publishes with "
+      "the "
       "same type?";
   EXPECT_THAT(after(3s), ElementsAre(sentence));
   EXPECT_THAT(after(8s), IsEmpty());
