@@ -360,6 +360,7 @@ NodeStatus NodeCore::status() const {
   if (network_ == nullptr) status.quick_paths = no_quick_paths("the node rules UDP out");
   status.lacks_daemon = memory_ != nullptr && memory_->lacks_daemon();
   status.shm = reconciler_->transports().memory_state();
+  status.domain = options_.domain.value_or(0);
   status.shm_ready = reconciler_->transports().memory_ready();
   if (network_ != nullptr) {
     const Transport::Counters counters = network_->counters();

@@ -32,6 +32,7 @@ TEST_F(LookTest, LsListsNodesTopicsTypesAndEndpointsAsJson) {
   const Ended ended = run_tool({"ls", "--json"});
   ASSERT_EQ(ended.code, 0) << ended.err;
   const Json all = Json::parse(ended.out);
+  EXPECT_EQ(all["domain"], robot.status().domain);
   ASSERT_EQ(all["nodes"].size(), 2U) << ended.out;
   EXPECT_EQ(all["nodes"][0]["name"], "lidar");
   EXPECT_EQ(all["nodes"][0]["publishes"], Json::array({"points"}));
@@ -44,13 +45,14 @@ TEST_F(LookTest, LsListsNodesTopicsTypesAndEndpointsAsJson) {
 }
 
 TEST_F(LookTest, LsPrintsTablesAndNamesThatFitATerminal) {
-  EXPECT_EQ(run_tool({"ls"}).out,
-            "TOPIC   TYPE                         PUBLISHERS  SUBSCRIBERS\n"
-            "points  sensor_msgs/msg/PointCloud2  1           1\n");
-  EXPECT_EQ(run_tool({"ls", "nodes"}).out,
-            "NODE    PUBLISHES  SUBSCRIBES TO\n"
-            "lidar   points     -\n"
-            "logger  -          points\n");
+  const std::string domain = "domain " + std::to_string(robot.status().domain) + "\n";
+  EXPECT_EQ(run_tool({"ls"}).out, domain +
+                                      "TOPIC   TYPE                         PUBLISHERS  SUBSCRIBERS\n"
+                                      "points  sensor_msgs/msg/PointCloud2  1           1\n");
+  EXPECT_EQ(run_tool({"ls", "nodes"}).out, domain +
+                                               "NODE    PUBLISHES  SUBSCRIBES TO\n"
+                                               "lidar   points     -\n"
+                                               "logger  -          points\n");
   EXPECT_EQ(run_tool({"ls", "topics", "--names"}).out, "points\n");
   EXPECT_THAT(run_tool({"ls", "types"}).out, HasSubstr("sensor_msgs/msg/PointCloud2"));
   EXPECT_THAT(run_tool({"ls", "endpoints"}).out, HasSubstr("publisher   lidar"));
