@@ -36,6 +36,8 @@ struct TopicInfo {
     std::optional<DynamicType> type{};       ///< its fields; empty if the type is too large to be described
     std::vector<std::string> publishers{};   ///< names of nodes
     std::vector<std::string> subscribers{};  ///< names of nodes
+    std::vector<Qos> offered{};              ///< by each of `publishers`, in their order
+    std::vector<Qos> requested{};            ///< by each of `subscribers`, in their order
   };
 
   /// The name has no slash at its beginning.
