@@ -86,6 +86,32 @@ TEST_F(LookTest, TypeIsTheTextOfTheMessageFile) {
   EXPECT_EQ(Json::parse(run_tool({"type", "points", "--json"}).out)["fields"][0], "header.stamp.sec");
 }
 
+TEST_F(LookTest, TypeOfANameThatNoTopicHasIsTheMessageWithThatName) {
+  const std::string of_topic = run_tool({"type", "points"}).out;
+  for (const char* name :
+       {"sensor_msgs/PointCloud2", "sensor_msgs/msg/PointCloud2", "sensor_msgs::msg::PointCloud2"}) {
+    const Ended ended = run_tool({"type", name, "--wait", "0.1"});
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    EXPECT_EQ(ended.out, of_topic) << name;
+    EXPECT_EQ(ended.err, "");
+  }
+  const Json json = Json::parse(run_tool({"type", "std_msgs/Header", "--wait", "0.1", "--json"}).out);
+  EXPECT_TRUE(json["topic"].is_null());
+  EXPECT_EQ(json["type"], "std_msgs/msg/Header");
+  auto odd = robot.publisher<Odometry>("std_msgs/Header").value();
+  EXPECT_EQ(run_tool({"type", "std_msgs/Header", "--name"}).out, "nav_msgs/msg/Odometry\n")
+      << "it is a topic";
+}
+
+TEST_F(LookTest, AnUnknownTypeIsOneSentenceAboutTopicsAndTypes) {
+  const Ended ended = run_tool({"type", "sensor_msgs/PointCloud3", "--wait", "0.1", "--timeout", "0.1"});
+  EXPECT_EQ(ended.code, 1);
+  EXPECT_THAT(ended.err,
+              StartsWith("sft: nobody publishes or subscribes to 'sensor_msgs/PointCloud3' in domain "));
+  EXPECT_THAT(ended.err, HasSubstr("; as a type: "));
+  EXPECT_THAT(ended.err, HasSubstr("no node announces such a type in domain "));
+}
+
 TEST_F(LookTest, WhyTellsHowAPairMatchesAndWhatBothOfItsNodesHaveCounted) {
   const Publishing publishing(points, cloud());
   const Json json = Json::parse(run_tool({"why", "points", "--json", "--wait", "2"}).out);
