@@ -1,6 +1,7 @@
 // The one place where the parts are put together, and where the environment is read.
 #include <cstdlib>
 
+#include "core/control/remapping.h"
 #include "core/discovery/dds_config.h"
 #include "core/discovery/domain_id.h"
 #include "core/node/node_core.h"
@@ -19,9 +20,10 @@ namespace {
 constexpr std::size_t descriptors_of_a_node = 48;
 constexpr std::size_t threads_of_a_node = 16;
 
-NodeOptions with_defaults(const NodeOptions& options, std::uint32_t domain) {
+NodeOptions with_defaults(const NodeOptions& options, std::uint32_t domain, const core::Remapping& names) {
   NodeOptions result = options;
   result.domain = domain;
+  result.name = names.node();
   const char* config = std::getenv("CYCLONEDDS_URI");
   if (!result.cyclonedds_config) result.cyclonedds_config = config == nullptr ? "" : config;
   return result;
@@ -84,8 +86,11 @@ Result<Node> Node::open(const NodeOptions& options) {
     return tl::unexpected(room.error());
   if (const Result<void> settings = core::check(options.threads); !settings)
     return tl::unexpected(settings.error());
-  const NodeOptions resolved = with_defaults(options, *domain);
+  Result<core::Remapping> names = core::Remapping::of(options, std::getenv("SFT_REMAP"));
+  if (!names) return tl::unexpected(names.error());
+  const NodeOptions resolved = with_defaults(options, *domain, *names);
   core::NodeCore::Parts parts;
+  parts.names = std::move(*names);
   parts.heap = core::BufferPool::make(options.udp.memory_limit_bytes);
   parts.log = core::log_setting(options, std::getenv("SFT_LOG"));
   if (options.transport != TransportChoice::shm) {

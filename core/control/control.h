@@ -132,6 +132,7 @@ struct Endpoint {
   std::chrono::milliseconds life_lease = lease_default;
   std::string node;
   std::string topic;
+  std::string given_topic;  ///< as its program names it; empty if that is `topic`
   std::string type_name;
   std::uint64_t type_hash = 0;
   std::vector<std::byte> type_description;  ///< may be empty (described_type.h)

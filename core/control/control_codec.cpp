@@ -68,6 +68,8 @@ Result<void> check_names(const sft_control_Endpoint& in) {
                 std::string("an endpoint whose ") + what + " " + in_quotes(name) + " " + std::string(fault));
   };
   Result<void> checked = check("topic", in.topic, fault_of_topic(in.topic));
+  const bool has_given = in.given_topic[0] != '\0';
+  if (checked && has_given) checked = check("program's topic", in.given_topic, fault_of_name(in.given_topic));
   if (checked) checked = check("type name", in.type_name, fault_of_name(in.type_name));
   const bool has_node = in.node[0] != '\0';
   if (checked && has_node) checked = check("node name", in.node, fault_of_name(in.node));
@@ -228,6 +230,7 @@ sft_control_Endpoint to_dds(const Endpoint& endpoint, ControlStorage& storage) {
   out.life_lease_ms = static_cast<std::uint32_t>(endpoint.life_lease.count());
   put(out.node, endpoint.node);
   put(out.topic, endpoint.topic);
+  put(out.given_topic, endpoint.given_topic);
   put(out.type_name, endpoint.type_name);
   out.type_hash = endpoint.type_hash;
   out.type_description = borrow(endpoint.type_description, type_description_bytes_max);
@@ -328,6 +331,7 @@ Result<Endpoint> from_dds(const sft_control_Endpoint& in) {
   out.life_lease = std::chrono::milliseconds(in.life_lease_ms);
   out.node = in.node;
   out.topic = without_slash(in.topic);
+  out.given_topic = in.given_topic;
   out.type_name = in.type_name;
   out.type_hash = in.type_hash;
   out.type_description = copy(in.type_description);

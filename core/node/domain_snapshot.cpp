@@ -43,6 +43,7 @@ DomainSnapshot::Endpoint info_of(const KnownEndpoint& known, Types& types, NodeI
                                 .node = e.node,
                                 .is_own = e.node_id == id,
                                 .topic = e.topic,
+                                .given_topic = e.given_topic,
                                 .type_name = e.type_name,
                                 .type_hash = e.type_hash,
                                 .type = types.of(e),

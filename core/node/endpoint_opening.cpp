@@ -22,15 +22,16 @@ bool EndpointOpening::may_use(TransportKind kind, TransportChoice choice) const 
   return exists && choice != other && node_.options.transport != other;
 }
 
-Result<void> EndpointOpening::check_topic(std::string_view topic) {
-  if (const auto fault = fault_of_topic(topic); !fault.empty())
-    return fail(Errc::invalid_argument, "topic " + in_quotes(topic) + " " + std::string(fault));
-  return {};
+/// Later lines of the log have the name that others see.
+void EndpointOpening::tell_of(const TopicName& name) const {
+  if (name.given.empty()) return;
+  const std::string by = name.rules.empty() ? "" : ", by the remapping rule " + in_quotes(name.rules.front());
+  news_.log(LogLevel::info,
+            "the program's topic " + in_quotes(name.given) + " is " + in_quotes(name.topic) + by);
 }
 
 Result<void> EndpointOpening::check(std::string_view topic, const TypeSupport& type,
                                     TransportChoice choice) const {
-  if (Result<void> sound = check_topic(topic); !sound) return sound;
   if (const auto fault = fault_of_name(type.name()); !fault.empty())
     return fail(Errc::invalid_argument, "type name " + in_quotes(type.name()) + " " + std::string(fault));
   if (type.leaves() > leaves_max) {
@@ -55,7 +56,7 @@ Result<void> EndpointOpening::check(const SubscriberOptions& options) {
   return {};
 }
 
-Endpoint EndpointOpening::describe(Role role, std::string_view topic, const TypeSupport& type,
+Endpoint EndpointOpening::describe(Role role, const TopicName& name, const TypeSupport& type,
                                    TransportChoice choice) const {
   Endpoint endpoint;
   endpoint.id = random_id();
@@ -63,7 +64,8 @@ Endpoint EndpointOpening::describe(Role role, std::string_view topic, const Type
   endpoint.node_id = node_.id;
   endpoint.life_lease = node_.life_lease;
   endpoint.node = node_.options.name;
-  endpoint.topic = without_slash(topic);
+  endpoint.topic = name.topic;
+  if (name.given.size() <= name_bytes_max) endpoint.given_topic = name.given;
   endpoint.type_name = type.name();
   endpoint.type_hash = type.hash();
   endpoint.type_description = announced_description(type.type());
@@ -96,10 +98,20 @@ Result<void> EndpointOpening::keep_ways_for_largest_sample(Endpoint& writer) con
 
 Result<EndpointOpening::Writer> EndpointOpening::open_writer(std::string_view topic, const TypeSupport& type,
                                                              const PublisherOptions& options) const {
-  if (auto ok = check(topic, type, options.transport); !ok) return tl::unexpected(ok.error());
+  const Result<TopicName> name = names().topic(topic);
+  if (!name) return tl::unexpected(name.error());
+  tell_of(*name);
+  return open_writer(*name, type, options).map_error([&](const Error& error) {
+    return name->explained(error);
+  });
+}
+
+Result<EndpointOpening::Writer> EndpointOpening::open_writer(const TopicName& name, const TypeSupport& type,
+                                                             const PublisherOptions& options) const {
+  if (auto ok = check(name.topic, type, options.transport); !ok) return tl::unexpected(ok.error());
   const Result<Qos> qos = qos_of(options);
   if (!qos) return tl::unexpected(qos.error());
-  Endpoint endpoint = describe(Role::writer, topic, type, options.transport);
+  Endpoint endpoint = describe(Role::writer, name, type, options.transport);
   endpoint.qos = *qos;
   endpoint.max_sample_bytes = options.max_sample_bytes;
   endpoint.waits = options.max_blocking.count() > 0;
@@ -148,6 +160,15 @@ Result<std::shared_ptr<NetworkWriter>> EndpointOpening::open_network(
 }
 
 Result<EndpointOpening::Reader> EndpointOpening::open_reader(ReaderOrder order) const {
+  Result<TopicName> name = names().topic(order.topic);
+  if (!name) return tl::unexpected(name.error());
+  tell_of(*name);
+  order.topic = name->topic;
+  order.name = *name;
+  return open_named(std::move(order)).map_error([&](const Error& error) { return name->explained(error); });
+}
+
+Result<EndpointOpening::Reader> EndpointOpening::open_named(ReaderOrder order) const {
   if (auto ok = check(order.topic, order.type, order.options.transport); !ok)
     return tl::unexpected(ok.error());
   const Result<Qos> qos = qos_of(order.options);
@@ -231,7 +252,7 @@ Result<std::uint32_t> EndpointOpening::take_slot(const ReaderOrder& order) const
 
 Endpoint EndpointOpening::describe_reader(const ReaderOrder& order, const Selection& selection,
                                           const Qos& qos, std::uint32_t slot) const {
-  Endpoint endpoint = describe(Role::reader, order.topic, order.type, order.options.transport);
+  Endpoint endpoint = describe(Role::reader, order.name, order.type, order.options.transport);
   endpoint.qos = qos;
   endpoint.doorbell = {node_.slots.page_id(), slot};
   // No other process could ring without a shared page.

@@ -14,6 +14,7 @@
 
 #include "core/control/control.h"
 #include "core/node/local_reader.h"
+#include "core/node/node_names.h"
 #include "core/node/wake_slots.h"
 #include "core/publish/publisher_core.h"
 #include "core/report/callback_thread.h"
@@ -30,6 +31,7 @@ class EndpointOpening {
   /// All outlive this object; a transport is null if the node must not use it.
   struct Node {
     const NodeOptions& options;
+    std::shared_ptr<NodeNames> names;
     NodeId id = 0;
     std::chrono::milliseconds life_lease{};
     SharedMemory* memory = nullptr;
@@ -48,8 +50,7 @@ class EndpointOpening {
   };
   EndpointOpening(Node node, News news) : node_(std::move(node)), news_(std::move(news)) {}
 
-  /// The topic may have any name that the control topics can carry.
-  static Result<void> check_topic(std::string_view topic);
+  NodeNames& names() const { return *node_.names; }
 
   struct Writer {
     Endpoint endpoint;
@@ -59,12 +60,13 @@ class EndpointOpening {
                              const PublisherOptions& options) const;
 
   struct ReaderOrder {
-    std::string_view topic;
+    std::string_view topic;  ///< as the program names it
     const TypeSupport& type;
     detail::untyped::Requirement requirement;
     const SubscriberOptions& options;
     detail::untyped::Callback callback;
     std::shared_ptr<const void> type_owner{};  ///< keeps the type alive; null where it is static
+    TopicName name{};                          ///< set by open_reader()
   };
   struct ReaderEndpoint {
     Endpoint endpoint;
@@ -79,9 +81,13 @@ class EndpointOpening {
 
  private:
   bool may_use(TransportKind kind, TransportChoice choice) const;
+  void tell_of(const TopicName& name) const;
   Result<void> check(std::string_view topic, const TypeSupport& type, TransportChoice choice) const;
   static Result<void> check(const SubscriberOptions& options);
-  Endpoint describe(Role role, std::string_view topic, const TypeSupport& type, TransportChoice choice) const;
+  Result<Writer> open_writer(const TopicName& name, const TypeSupport& type,
+                             const PublisherOptions& options) const;
+  Result<Reader> open_named(ReaderOrder order) const;
+  Endpoint describe(Role role, const TopicName& name, const TypeSupport& type, TransportChoice choice) const;
   Result<void> keep_ways_for_largest_sample(Endpoint& writer) const;
   Result<std::shared_ptr<NetworkWriter>> open_network(const Endpoint& writer, const TypeSupport& type,
                                                       const PublisherOptions& options,

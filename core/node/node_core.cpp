@@ -39,6 +39,12 @@ void log_calls_left_out(CallbackThread& callbacks, NodeLog& log) {
                                    "callback of this program took long");
 }
 
+void tell_of_unfit(const std::vector<std::string>& rules, NodeLog& log) {
+  for (const std::string& rule : rules) {
+    log.write(LogLevel::warning,
+              "the remapping rule " + in_quotes(rule) + " fits no topic and no node of this program");
+  }
+}
 }  // namespace
 
 Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Parts parts) {
@@ -47,6 +53,7 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
     return fail(Errc::invalid_argument,
                 "the node's name " + in_quotes(options.name) + " " + std::string(fault));
   const std::shared_ptr<BufferPool> heap = parts.heap;
+  const auto names = std::make_shared<NodeNames>(std::move(parts.names));
   const std::string complaint = parts.log.complaint;
   std::shared_ptr<NodeCore> node(new NodeCore(options, std::move(parts)), &NodeCore::dispose);
   if (options.log) {
@@ -68,6 +75,7 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
       std::make_unique<Reconciler>(node->id_, node->network_id_, node->memory_.get(), node->network_.get(),
                                    *node->discovery_, node->dispatcher_, node->log_);
   node->opening_.emplace(EndpointOpening::Node{.options = node->options_,
+                                               .names = names,
                                                .id = node->id_,
                                                .life_lease = node->discovery_->life_signs().lease,
                                                .memory = node->memory_.get(),
@@ -80,8 +88,10 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
                          node->news_of_endpoints());
   Reconciler* const reconciler = node->reconciler_.get();
   const Agent::Duties duties{.tick =
-                                 [node = node.get(), reconciler, heap] {
+                                 [node = node.get(), reconciler, heap, names] {
                                    log_calls_left_out(node->callbacks_, node->log_);
+                                   tell_of_unfit(names->take_unfit_rules(std::chrono::steady_clock::now()),
+                                                 node->log_);
                                    heap->give_back(std::chrono::steady_clock::now());
                                    return reconciler->tick();
                                  },
@@ -104,6 +114,7 @@ NodeCore::NodeCore(const NodeOptions& options, Parts parts)
       poller_(wake_slots_.at(WakeSlots::poller), {"poll " + options.name, options.threads.callbacks}) {}
 
 NodeCore::~NodeCore() {
+  if (opening_) agent_.post([this] { tell_of_unfit(opening_->names().leave(), log_); });
   agent_.stop();  // runs the endpoints' withdrawals first, which were posted before the last handle went
   discovery_.reset();
   callbacks_.stop();
@@ -286,25 +297,29 @@ void NodeCore::hear_everybody() {
 
 Result<DynamicType> NodeCore::find_type(std::string_view topic, std::chrono::nanoseconds timeout) {
   if (is_forked_copy()) return fail(Errc::unavailable, refuses_forked_copies);
-  topic = without_slash(topic);
+  const Result<TopicName> name = opening_->names().topic(topic);
+  if (!name) return tl::unexpected(name.error());
   // The agent cannot wait for what it would itself bring about.
   const bool may_wait = !agent_.is_current_thread();
   const Time begun = std::chrono::steady_clock::now();
   TypeSearch search(begun, may_wait ? deadline_after(timeout) : begun);
+  const auto explained = [&](Result<DynamicType> type) {
+    return std::move(type).map_error([&](const Error& error) { return name->explained(error); });
+  };
   for (;;) {
     const std::uint64_t seen = endpoints_changed_.value();
     ask_agent([&] { search.hears_readers() ? hear_everybody() : hear(Role::writer); });
     // Everything that discovery knows already has come to the agent meanwhile.
-    Result<DynamicType> type =
-        ask_agent([&] { return type_of(topic, reconciler_->endpoints(), options_.domain.value_or(0)); });
+    Result<DynamicType> type = ask_agent(
+        [&] { return type_of(name->topic, reconciler_->endpoints(), options_.domain.value_or(0)); });
     const bool may_come = !type && type.error().code == Errc::unavailable && may_wait;
-    if (!may_come) return type;
+    if (!may_come) return explained(std::move(type));
     if (is_interrupted()) return fail(Errc::unavailable, "Node::interrupt() has ended the search for a type");
     const Time look_again = std::chrono::steady_clock::now() + interrupt_look_period;
     endpoints_changed_.wait_beyond(seen, std::min(search.waits_until(), look_again));
     const Time now = std::chrono::steady_clock::now();
     if (now < search.waits_until()) continue;
-    if (!search.goes_on(now, discovery_->newcomer_at())) return type;
+    if (!search.goes_on(now, discovery_->newcomer_at())) return explained(std::move(type));
   }
 }
 
@@ -339,9 +354,9 @@ DomainSnapshot NodeCore::domain() {
 
 Result<AccountInquiry> NodeCore::ask_accounts(const std::shared_ptr<NodeCore>& self, std::string_view topic) {
   if (is_forked_copy()) return fail(Errc::unavailable, refuses_forked_copies);
-  if (const Result<void> sound = EndpointOpening::check_topic(topic); !sound)
-    return tl::unexpected(sound.error());
-  const std::string name(without_slash(topic));
+  const Result<TopicName> found = opening_->names().topic(topic);
+  if (!found) return tl::unexpected(found.error());
+  const std::string& name = found->topic;
   agent_.post([this, name] {
     hear_everybody();
     reconciler_->accounts().ask(name);
@@ -355,6 +370,7 @@ Result<AccountInquiry> NodeCore::ask_accounts(const std::shared_ptr<NodeCore>& s
 
 NodeStatus NodeCore::status() const {
   NodeStatus status;
+  status.domain = options_.domain.value_or(0);
   if (is_forked_copy()) {
     status.udp = status.shm = status.discovery = refuses_forked_copies;
     return status;

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/control/remapping.h"
 #include "core/discovery/discovery.h"
 #include "core/node/endpoint_opening.h"
 #include "core/node/endpoint_roster.h"
@@ -41,9 +42,10 @@ class NodeCore final : private DiscoveryListener {
     std::unique_ptr<Network> network;
     std::shared_ptr<BufferPool> heap;  ///< all memory for samples outside of shared memory
     LogSetting log{};
+    Remapping names{};
   };
 
-  /// `options` with its defaults resolved (domain, configuration).
+  /// `options` with its defaults resolved (domain, configuration), and the full name of the node.
   static Result<std::shared_ptr<NodeCore>> open(const NodeOptions& options, Parts parts);
   ~NodeCore();
 

@@ -79,7 +79,9 @@ std::vector<TopicInfo> topics_of(const std::vector<Endpoint>& endpoints) {
     TopicInfo::Type& type = found[e.topic][{e.type_name, e.type_hash}];
     type.name = e.type_name;
     type.hash = e.type_hash;
-    (e.role == Role::writer ? type.publishers : type.subscribers).push_back(e.node);
+    const bool writes = e.role == Role::writer;
+    (writes ? type.publishers : type.subscribers).push_back(e.node);
+    (writes ? type.offered : type.requested).push_back(e.qos);
     if (type.type) continue;
     if (const Result<DynamicType> described = described_type(e)) type.type = *described;
   }

@@ -99,6 +99,13 @@ void add_live(CLI::App* command, LiveOptions& live) {
       ->capture_default_str();
 }
 
+void add_includes(CLI::App* command, std::vector<std::string>& includes) {
+  command
+      ->add_option("-I,--include", includes,
+                   "Search this directory for packages with .msg files: /opt/ros/humble/share")
+      ->allow_extra_args(false);
+}
+
 void declare_ls(CLI::App& app, Parsed& parsed) {
   CLI::App* command = declare(app, parsed, "ls", "List nodes, topics, types or endpoints");
   command->add_option("WHAT", parsed.ls.what, "List these: nodes, topics (the default), types or endpoints")
@@ -112,10 +119,14 @@ void declare_info(CLI::App& app, Parsed& parsed) {
 }
 
 void declare_type(CLI::App& app, Parsed& parsed) {
-  CLI::App* command = declare(app, parsed, "type", &Parsed::type,
-                              "Print the message type of a topic as the text of .msg files");
+  CLI::App* command =
+      declare(app, parsed, "type", &Parsed::type,
+              "Print the message type of a topic, or one by its name, as the text of .msg files");
+  command->get_option("TOPIC")->description(
+      "The topic, with or without a leading slash; or the name of a type: sensor_msgs/PointCloud2");
   command->add_flag("--name", parsed.type.name, "Print its name only");
   command->add_flag("--fields", parsed.type.fields, "Print its fields only, one per line");
+  add_includes(command, parsed.type.includes);
 }
 
 void declare_echo(CLI::App& app, Parsed& parsed) {
@@ -168,10 +179,7 @@ void declare_pub(CLI::App& app, Parsed& parsed) {
       "itself, else 0)");
   command->add_flag("--reliable", pub.reliable, "Offer to send lost samples again");
   command->add_flag("--transient-local", pub.transient_local, "Keep the last sample for late subscribers");
-  command
-      ->add_option("-I,--include", pub.type.includes,
-                   "Search this directory for packages with .msg files: /opt/ros/humble/share")
-      ->allow_extra_args(false);
+  add_includes(command, pub.type.includes);
 }
 
 void declare_hz(CLI::App& app, Parsed& parsed) {

@@ -48,6 +48,7 @@ Json endpoint_json(const DomainSnapshot::Endpoint& e, bool publishes) {
                {"node", e.node},
                {"node_id", hex_text(e.node_id)},
                {"topic", e.topic},
+               {"given_topic", e.given_topic.empty() ? Json() : Json(e.given_topic)},
                {"type", ros_name(e.type_name)},
                {"type_hash", hex_text(e.type_hash)},
                {"type_described", e.type.has_value()},

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <set>
 
 #include "tools/sft/csv.h"
 
@@ -18,11 +19,12 @@ constexpr std::size_t bytes_most = std::size_t{1} << 30;
 /// Prints samples of one topic and type in the chosen format.
 class Printer {
  public:
-  Printer(const EchoOptions& options, const TypeSupport& type, const FieldMask& mask, Output& output)
+  Printer(const EchoOptions& options, const FoundTopic& topic, const FieldMask& mask, Output& output)
       : format_(options.format),
         has_several_(options.fields.size() > 1),
         output_(output),
-        table_(type, mask) {
+        table_(topic.type.support(), mask),
+        topic_(topic.name) {
     yaml_ = {.elements_max = SIZE_MAX, .text_bytes_max = SIZE_MAX, .output_bytes_max = bytes_most};
     json_.output_bytes_max = bytes_most;
     if (!output.on_terminal() || options.full) return;
@@ -32,6 +34,7 @@ class Printer {
   }
 
   Result<void> print(const DynamicSample& sample) {
+    tell_of_missing_channels(sample);
     const Result<std::string> text = text_of(sample);
     if (!text) return tl::unexpected(text.error());
     if (format_ == Format::csv && !has_header_) output_.line(table_.header());
@@ -43,6 +46,16 @@ class Printer {
   }
 
  private:
+  /// The channels are a part of the data and not of the type, so only a sample shows that one is missing.
+  void tell_of_missing_channels(const DynamicSample& sample) {
+    for (const std::string& channel : sample.missing_channels()) {
+      if (!missing_.insert(channel).second) continue;
+      complain(fmt::format(
+          "The cloud has no channel '{}'; 'sft echo {} --fields fields[].name --once' lists those it has.",
+          channel, topic_));
+    }
+  }
+
   Result<std::string> text_of(const DynamicSample& sample) const {
     if (format_ == Format::json) return sample.to_json(json_);
     return format_ == Format::yaml ? sample.to_yaml(yaml_) : table_.row(sample.view(), json_);
@@ -55,6 +68,8 @@ class Printer {
   YamlOptions yaml_;
   JsonOptions json_;
   bool has_header_ = false;
+  std::string topic_;
+  std::set<std::string> missing_;  ///< channels that were told
 };
 
 Result<DynamicSubscriber> subscribe(const EchoOptions& options, const FoundTopic& topic, Node& node) {
@@ -109,7 +124,7 @@ ExitCode run(const EchoOptions& options, const CommonOptions& common, Session& s
   if (!fields) return give_up(fields.error());
   Result<DynamicSubscriber> subscriber = subscribe(options, *topic, session.node());
   if (!subscriber) return give_up(subscriber.error());
-  Printer printer(options, type, *fields, session.output());
+  Printer printer(options, *topic, *fields, session.output());
   const auto printed = print_samples(options, common, *subscriber, printer, session.stop());
   if (!printed) return give_up(printed.error());
   std::uint64_t lost = 0;

@@ -23,6 +23,7 @@ void print_endpoint(const DomainSnapshot::Endpoint& e, bool publishes, Output& o
     const std::string head = fmt::format("    {:<10} ", what);
     output.line(head + output.fitted(text, head.size(), head.size()));
   };
+  if (!e.given_topic.empty()) tell("called", printable(e.given_topic) + " by its program");
   tell("qos", qos_text(e.qos));
   tell("ways", fmt::format("{}, on {} machine", ways_text(e), e.same_machine ? "this" : "another"));
   std::string addresses;

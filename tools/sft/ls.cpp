@@ -1,5 +1,7 @@
 #include "tools/sft/ls.h"
 
+#include <fmt/format.h>
+
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -93,9 +95,10 @@ Json endpoints_json(const DomainSnapshot& domain) {
   return list;
 }
 
-void print_json(const std::string& what, const DomainSnapshot& domain, Output& output) {
+void print_json(const std::string& what, const DomainSnapshot& domain, std::uint32_t number, Output& output) {
   const Inventory inventory(domain);
   Json json;
+  json["domain"] = number;
   if (what.empty() || what == "nodes") json["nodes"] = nodes_json(inventory);
   if (what.empty() || what == "topics") json["topics"] = topics_json(inventory);
   if (what.empty() || what == "types") json["types"] = types_json(inventory);
@@ -155,14 +158,19 @@ void print_names(const std::string& what, const DomainSnapshot& domain, Output& 
 ExitCode run(const LsOptions& options, const CommonOptions& common, Session& session) {
   const DomainSnapshot domain = session.look_around();
   const bool found = !domain.publishers.empty() || !domain.subscribers.empty();
+  const std::uint32_t number = session.node().status().domain;
+  Output& output = session.output();
   if (common.json) {
-    print_json(options.what, domain, session.output());
+    print_json(options.what, domain, number, output);
+  } else if (!found) {
+    complain(fmt::format(
+        "This host hears no publisher and no subscriber in domain {}; 'sft doctor' checks the host.",
+        number));
   } else if (options.names) {
-    print_names(options.what, domain, session.output());
-  } else if (found) {
-    table_of(options.what, domain).print(session.output());
+    print_names(options.what, domain, output);
   } else {
-    complain("This host hears no publisher and no subscriber in this domain; 'sft doctor' checks the host.");
+    output.line(output.colored(fmt::format("domain {}", number), Color::dim));
+    table_of(options.what, domain).print(output);
   }
   return found ? ExitCode::done : ExitCode::nothing;
 }

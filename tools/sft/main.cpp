@@ -1,4 +1,5 @@
 #include <signal.h>
+#include <stdlib.h>
 
 #include "tools/sft/command_line.h"
 #include "tools/sft/output.h"
@@ -34,6 +35,7 @@ int main(int argc, char** argv) {
   const auto parsed = parse_command_line(argc, argv);
   if (const auto* code = std::get_if<ExitCode>(&parsed)) return static_cast<int>(*code);
   const auto& line = std::get<CommandLine>(parsed);
+  unsetenv("SFT_REMAP");     // the rules are for programs: a tool shows topics by the names that they have
   signal(SIGPIPE, SIG_IGN);  // Output notices where it writes that nobody reads
   Stop stop;
   Output output(stop, line.common.no_color);

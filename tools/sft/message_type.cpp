@@ -55,7 +55,9 @@ Result<DynamicType> find_message_type(const TypeChoice& choice, const std::strin
     return found.has_value();
   });
   if (found) return *found;
-  return fail(defined.error().code, defined.error().message + "; and no node announces such a type");
+  return fail(defined.error().code, defined.error().message +
+                                        "; and no node announces such a type in domain " +
+                                        std::to_string(session.node().status().domain));
 }
 
 }  // namespace sft::tool

@@ -101,15 +101,16 @@ std::size_t served(const PublisherStatus& status) {
 
 /// True if enough subscribers are served in time. Otherwise prints why they are not.
 bool wait_for(std::size_t subscribers, const DynamicPublisher& publisher, const std::string& topic,
-              const CommonOptions& common, Stop& stop) {
+              const CommonOptions& common, Session& session) {
+  Stop& stop = session.stop();
   const auto end = Clock::now() + seconds(common.timeout_s);
   while (!publisher.wait_for_subscribers(subscribers, 20ms)) {
     if (stop.wait_for(0ns)) return false;
     if (Clock::now() < end) continue;
     const PublisherStatus status = publisher.status();
-    std::string text =
-        fmt::format("Nothing was published: {} of {} of '{}' came within {:g} s", served(status),
-                    count_text(subscribers, "subscriber"), topic, common.timeout_s);
+    std::string text = fmt::format("Nothing was published: {} of {} of '{}' came within {:g} s in domain {}",
+                                   served(status), count_text(subscribers, "subscriber"), topic,
+                                   common.timeout_s, session.node().status().domain);
     for (const PublisherStatus::Reader& reader : status.readers)
       if (!reader.served) text += fmt::format("; node '{}' is not served: {}", reader.node, reader.reason);
     complain(text + '.');
@@ -171,7 +172,7 @@ ExitCode run(const PubOptions& options, const CommonOptions& common, Session& se
   if (!publisher) return give_up(publisher.error());
   const bool ends = options.count != 0 || source.from_input();
   const std::size_t wanted = options.wait_for.value_or(ends ? 1 : 0);
-  if (!wait_for(wanted, *publisher, topic, common, session.stop())) return ExitCode::nothing;
+  if (!wait_for(wanted, *publisher, topic, common, session)) return ExitCode::nothing;
   const Result<std::uint64_t> published = publish_all(source, *publisher);
   if (!published) {
     complain(published.error().message);

@@ -42,7 +42,7 @@ _sft() {
   local own=
   case $command in
     ls) own="--names" ;;
-    type) own="--name --fields" ;;
+    type) own="--name --fields --include" ;;
     echo) own="--fields --once --count --rate --yaml --csv --full" ;;
     pub) own="--rate --once --count --wait-for --reliable --transient-local --include" ;;
     hz) own="--for --window" ;;

@@ -27,8 +27,9 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds key_pause{100};  // nodes report their progress about twice a second
 
 struct View {
-  DomainSnapshot domain;
-  Traffic traffic;
+  std::uint32_t number;  ///< of the domain
+  DomainSnapshot domain{};
+  Traffic traffic{};
 };
 
 std::set<std::string> topics_of(const DomainSnapshot& domain) {
@@ -79,9 +80,9 @@ Screen::Line pair_line(const DomainSnapshot::Pair& pair, const OneTopic& topic) 
 std::vector<Screen::Line> page(const View& view, Clock::time_point now) {
   const std::set<std::string> topics = topics_of(view.domain);
   std::vector<Screen::Line> lines;
-  lines.push_back(
-      {fmt::format("sft top: {}, {}, {}; q ends", count_text(count_nodes(view.domain), "node"),
-                   count_text(topics.size(), "topic"), count_text(view.domain.pairs.size(), "pair"))});
+  lines.push_back({fmt::format(
+      "sft top: domain {}, {}, {}, {}; q ends", view.number, count_text(count_nodes(view.domain), "node"),
+      count_text(topics.size(), "topic"), count_text(view.domain.pairs.size(), "pair"))});
   lines.push_back({fmt::format("{:<36} {:>4} {:>4} {:>11} {:>14}", "TOPIC", "PUBS", "SUBS", "SENT", "BY UDP"),
                    Color::cyan});
   lines.push_back({account_headings(), Color::cyan});
@@ -110,7 +111,7 @@ Json json_of(const View& view, Clock::time_point now) {
                       {"bytes_per_s", rate ? Json(rate->bytes_per_s) : Json()},
                       {"pairs", std::move(pairs)}});
   }
-  return {{"nodes", count_nodes(view.domain)}, {"topics", std::move(topics)}};
+  return {{"domain", view.number}, {"nodes", count_nodes(view.domain)}, {"topics", std::move(topics)}};
 }
 
 using Inquiries = std::map<std::string, AccountInquiry>;  // by topic
@@ -129,7 +130,7 @@ void ask_about(const std::set<std::string>& topics, Session& session, Inquiries&
 /// reading limit the precision of rates.
 template <class Show>
 void watch(const TopOptions& options, Session& session, const Screen* screen, Show show) {
-  View view;
+  View view{session.node().status().domain};
   Inquiries inquiries;
   const auto begun = Clock::now();
   for (auto next = begun; !session.stop().requested();) {

@@ -1,25 +1,65 @@
 #include "tools/sft/type.h"
 
+#include <cctype>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
 
+#include "tools/sft/message_type.h"
 #include "tools/sft/msg_text.h"
 #include "tools/terminal/units.h"
 
 namespace sft::tool {
 
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Subject {
+  DynamicType type;
+  std::optional<std::string> topic{};  ///< empty: it was found by its own name
+};
+
+/// A topic may have such a name, too: "sensor_msgs/PointCloud2", with "msg" between both words, or a file.
+bool may_be_type(std::string_view name) {
+  const std::string short_form = msg_name(name);
+  const std::size_t slash = short_form.rfind('/');
+  return slash != short_form.npos && slash > 0 && slash + 1 < short_form.size() &&
+         std::isupper(static_cast<unsigned char>(short_form[slash + 1])) != 0;
+}
+
+Result<Subject> find_topic(const TypeOptions& options, Session& session) {
+  return session.find(options.topic).map([](const FoundTopic& found) {
+    return Subject{found.type, found.name};
+  });
+}
+
+Result<Subject> find(const TypeOptions& options, Session& session) {
+  if (!may_be_type(options.topic) || Session::known_name(options.topic, session.look_around()))
+    return find_topic(options, session);
+  const auto type = find_message_type({options.topic, options.includes}, options.topic, session);
+  if (type) return Subject{*type};
+  const Result<DynamicType> topic = session.node().find_type(options.topic, std::chrono::nanoseconds(0));
+  if (topic) return Subject{*topic, Session::plain_name(options.topic)};
+  return fail(type.error().code, topic.error().message + "; as a type: " + type.error().message);
+}
+
+}  // namespace
+
 ExitCode run(const TypeOptions& options, const CommonOptions& common, Session& session) {
-  const Result<FoundTopic> topic = session.find(options.topic);
-  if (!topic) return give_up(topic.error());
-  const TypeSupport& support = topic->type.support();
-  const std::string name = ros_name(topic->type.name());
+  const Result<Subject> subject = find(options, session);
+  if (!subject) return give_up(subject.error());
+  const DynamicType& type = subject->type;
+  const TypeSupport& support = type.support();
+  const std::string name = ros_name(type.name());
   Output& output = session.output();
   std::vector<std::string> fields;
   for (std::size_t leaf = 0; leaf < support.leaves(); ++leaf) fields.push_back(support.path(leaf));
   if (common.json) {
-    output.document({{"topic", topic->name},
+    output.document({{"topic", subject->topic ? Json(*subject->topic) : Json()},
                      {"type", name},
-                     {"hash", hex_text(topic->type.hash())},
-                     {"msg", msg_text(topic->type.type())},
+                     {"hash", hex_text(type.hash())},
+                     {"msg", msg_text(type.type())},
                      {"fields", fields}});
   } else if (options.name) {
     output.line(name);
@@ -27,7 +67,7 @@ ExitCode run(const TypeOptions& options, const CommonOptions& common, Session& s
     for (const std::string& field : fields) output.line(field);
   } else {
     output.line(output.colored("# " + name, Color::dim));
-    output.write(msg_text(topic->type.type()));
+    output.write(msg_text(type.type()));
   }
   return ExitCode::done;
 }

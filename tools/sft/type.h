@@ -1,16 +1,18 @@
-// `sft type`: prints the message type of a topic.
+// `sft type`: prints the message type of a topic, or the one with a name.
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "tools/sft/session.h"
 
 namespace sft::tool {
 
 struct TypeOptions {
-  std::string topic{};
+  std::string topic{};  ///< or the name of a type: "sensor_msgs/PointCloud2" and its longer forms
   bool name = false;    ///< print the name of the type only
   bool fields = false;  ///< print the fields only, as `sft echo --fields` takes them
+  std::vector<std::string> includes{};  ///< directories of packages, besides the messages of SFT
 };
 
 ExitCode run(const TypeOptions& options, const CommonOptions& common, Session& session);

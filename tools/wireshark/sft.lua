@@ -690,6 +690,7 @@ local g = {
   lease = ProtoField.uint32("sft_control.lease_ms", "Lease of the node (ms)"),
   node_name = ProtoField.string("sft_control.node_name", "Name of the node"),
   topic = ProtoField.string("sft_control.topic", "Topic"),
+  given_topic = ProtoField.string("sft_control.given_topic", "Topic as its program names it"),
   type_name = ProtoField.string("sft_control.type_name", "Type"),
   type_hash = ProtoField.uint64("sft_control.type_hash", "Hash of the type", base.HEX),
   description = ProtoField.bytes("sft_control.type_description", "Type description"),
@@ -1400,6 +1401,7 @@ local function read_endpoint(c, pinfo)
     return "Request: " .. (text or "none"), text
   end)
   c:aligned(g.revision, 8)
+  c:text(g.given_topic)
   if c.failed then return nil end
   local text = string.format("%s of %s, %s", roles[role] or "endpoint", topic, type_name)
   return text .. (request and " asks for " .. request or "")

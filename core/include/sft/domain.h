@@ -36,6 +36,8 @@ struct TopicInfo {
     std::optional<DynamicType> type{};       ///< its fields; empty if the type is too large to be described
     std::vector<std::string> publishers{};   ///< names of nodes
     std::vector<std::string> subscribers{};  ///< names of nodes
+    std::vector<Qos> offered{};              ///< by each of `publishers`, in their order
+    std::vector<Qos> requested{};            ///< by each of `subscribers`, in their order
   };
 
   /// The name has no slash at its beginning.
@@ -83,12 +85,14 @@ struct DomainSnapshot::Progress {
 };
 
 /// One publisher or subscriber.
+/// Larger than usual: it is a record, whose members have names of their own for users.
 struct DomainSnapshot::Endpoint {
   std::uint64_t id = 0;                  ///< random; a new one each time that an endpoint is opened
   std::uint64_t node_id = 0;             ///< different for each node, also if names are equal
   std::string node;                      ///< the name of its node
   bool is_own = false;                   ///< true: it belongs to the node that was asked
   std::string topic;                     ///< without a slash at the beginning
+  std::string given_topic{};             ///< the name that its program uses; empty if that is `topic`
   std::string type_name;                 ///< as in the IDL: "sensor_msgs::msg::Imu"
   std::uint64_t type_hash = 0;           ///< equal for equal definitions of the type
   std::optional<DynamicType> type{};     ///< its fields; empty if the type is too large to be described

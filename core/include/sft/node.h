@@ -12,8 +12,13 @@
 // which does nothing, and the process may start another program (exec) or end. Nothing else may be done with
 // them there, and no other node can be opened.
 //
-// A topic is a name in UTF-8 of up to 255 bytes, which may have slashes: "points", "left/points". A slash in
-// front is removed: "/points" and "points" are one topic, which is always shown as "points".
+// A topic is a name in UTF-8 of up to 255 bytes, which may have slashes: "points", "left/points". An absolute
+// name has a slash in front, which is not shown. Any other name is relative: it is in the namespace of the
+// node (NodeOptions::namespace_), so that without one "/points" and "points" are the same topic. A private
+// name begins with "~", which stands for the full name of the node: in the node "cam" of the namespace
+// "left", "~/image" is "left/cam/image". Remapping rules (NodeOptions::remap) then replace the name. All
+// functions that take a topic do this. All that tell of topics tell the names that come of it, without a
+// slash in front.
 #pragma once
 
 #include <chrono>

@@ -130,6 +130,16 @@ struct NodeOptions {
   static constexpr std::uint32_t domain_max = 232;
 
   std::string name = "node";  ///< shown to people; several nodes may have the same name
+  /// The namespace, with or without a slash in front: in "left" the topic "points" is "left/points", and the
+  /// node "cam" is shown as "left/cam". Empty: none. Node (node.h) says which names are in it.
+  std::string namespace_{};
+  /// Remapping rules as `ros2 run ... -r` takes them, one in each text: "points:=front/points",
+  /// "cam:points:=front" only for nodes with this name or full name ("/left/cam:points:=front"),
+  /// "__node:=cam", "__ns:=/left". Names on both sides may be relative, absolute or private. The first rule
+  /// that fits a name counts, and what it gives is not remapped again. The rules of the environment variable
+  /// SFT_REMAP stand before these; blanks separate them. A warning of the log names each rule that has fitted
+  /// nothing in the process 5 s after its last node opened, or when that closed.
+  std::vector<std::string> remap{};
   /// DDS domain of the control topics, 0 to domain_max. Default: $ROS_DOMAIN_ID, otherwise 0.
   std::optional<std::uint32_t> domain{};
   /// Settings by which nodes find each other.

@@ -76,7 +76,7 @@ struct NodeSnapshot {
     std::size_t selection_number = 0;
   };
 
-  /// NodeOptions::name.
+  /// NodeOptions::name, with the namespace and as remapping rules have it.
   std::string name;
   /// The DDS domain.
   std::uint32_t domain = 0;

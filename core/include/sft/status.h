@@ -187,6 +187,8 @@ struct SubscriberStatus {
 
 /// One node. Texts are sentences for people.
 struct NodeStatus {
+  /// The number of its DDS domain. Nodes of other domains are not seen.
+  std::uint32_t domain = 0;
   std::string discovery;  ///< how nodes are found, and which settings of the user have no effect, and why
   /// Parts of `discovery`: settings of the user that have no effect, and other warnings of the log.
   std::vector<std::string> discovery_warnings{};

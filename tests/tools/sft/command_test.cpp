@@ -283,6 +283,13 @@ TEST_F(CommandTest, NobodyInADomainIsExitCodeOne) {
   const Ended ended = run_tool({"ls", "--domain", "17", "--json"});
   EXPECT_EQ(ended.code, 1);
   EXPECT_EQ(Json::parse(ended.out)["topics"], Json::array());
+  EXPECT_EQ(Json::parse(ended.out)["domain"], 17);
+  for (const char* arguments : {"topics", "nodes"}) {
+    const Ended text = run_tool({"ls", arguments, "--domain", "17"});
+    EXPECT_EQ(text.code, 1);
+    EXPECT_THAT(text.err, HasSubstr("no publisher and no subscriber in domain 17;"));
+  }
+  EXPECT_THAT(run_tool({"ls", "--names", "--domain", "17"}).err, HasSubstr("in domain 17;"));
 }
 
 TEST_F(CommandTest, BashCompletesSubcommandsOptionsTopicsAndFields) {

@@ -106,6 +106,23 @@ TEST_F(EchoTest, PartsOfFieldsAreMessagesOfTheSameType) {
   EXPECT_EQ(run_tool({"echo", "scan", "--fields", "ranges[rows 1]"}).code, 2);
 }
 
+TEST_F(EchoTest, AChannelThatTheCloudLacksIsNamedOnce) {
+  auto points = robot.publisher<PointCloud2>("points").value();
+  PointCloud2 two_channels{.height = 1, .width = 4, .point_step = 8, .row_step = 32};
+  two_channels.fields.resize(2);
+  two_channels.fields[0] = {.name = "x", .offset = 0, .datatype = 7, .count = 1};
+  two_channels.fields[1] = {.name = "y", .offset = 4, .datatype = 7, .count = 1};
+  two_channels.data.resize(32);
+  const Publishing publishing(points, two_channels);
+  const Ended some = run_tool({"echo", "points", "--count", "3", "--fields", "data{x,w}"});
+  EXPECT_EQ(some.code, 0);
+  EXPECT_EQ(
+      some.err,
+      "sft: The cloud has no channel 'w'; 'sft echo points --fields fields[].name --once' lists those it "
+      "has.\n");
+  EXPECT_EQ(run_tool({"echo", "points", "--once", "--fields", "data{x,y}"}).err, "");
+}
+
 TEST_F(EchoTest, SamplesThatFulfilConditionsArePrinted) {
   auto scans = robot.publisher<LaserScan>("scan").value();
   LaserScan scan;

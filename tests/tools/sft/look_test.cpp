@@ -32,6 +32,7 @@ TEST_F(LookTest, LsListsNodesTopicsTypesAndEndpointsAsJson) {
   const Ended ended = run_tool({"ls", "--json"});
   ASSERT_EQ(ended.code, 0) << ended.err;
   const Json all = Json::parse(ended.out);
+  EXPECT_EQ(all["domain"], robot.status().domain);
   ASSERT_EQ(all["nodes"].size(), 2U) << ended.out;
   EXPECT_EQ(all["nodes"][0]["name"], "lidar");
   EXPECT_EQ(all["nodes"][0]["publishes"], Json::array({"points"}));
@@ -44,13 +45,14 @@ TEST_F(LookTest, LsListsNodesTopicsTypesAndEndpointsAsJson) {
 }
 
 TEST_F(LookTest, LsPrintsTablesAndNamesThatFitATerminal) {
-  EXPECT_EQ(run_tool({"ls"}).out,
-            "TOPIC   TYPE                         PUBLISHERS  SUBSCRIBERS\n"
-            "points  sensor_msgs/msg/PointCloud2  1           1\n");
-  EXPECT_EQ(run_tool({"ls", "nodes"}).out,
-            "NODE    PUBLISHES  SUBSCRIBES TO\n"
-            "lidar   points     -\n"
-            "logger  -          points\n");
+  const std::string domain = "domain " + std::to_string(robot.status().domain) + "\n";
+  EXPECT_EQ(run_tool({"ls"}).out, domain +
+                                      "TOPIC   TYPE                         PUBLISHERS  SUBSCRIBERS\n"
+                                      "points  sensor_msgs/msg/PointCloud2  1           1\n");
+  EXPECT_EQ(run_tool({"ls", "nodes"}).out, domain +
+                                               "NODE    PUBLISHES  SUBSCRIBES TO\n"
+                                               "lidar   points     -\n"
+                                               "logger  -          points\n");
   EXPECT_EQ(run_tool({"ls", "topics", "--names"}).out, "points\n");
   EXPECT_THAT(run_tool({"ls", "types"}).out, HasSubstr("sensor_msgs/msg/PointCloud2"));
   EXPECT_THAT(run_tool({"ls", "endpoints"}).out, HasSubstr("publisher   lidar"));
@@ -82,6 +84,32 @@ TEST_F(LookTest, TypeIsTheTextOfTheMessageFile) {
   EXPECT_EQ(run_tool({"type", "points", "--name"}).out, "sensor_msgs/msg/PointCloud2\n");
   EXPECT_THAT(run_tool({"type", "points", "--fields"}).out, HasSubstr("fields[].name\n"));
   EXPECT_EQ(Json::parse(run_tool({"type", "points", "--json"}).out)["fields"][0], "header.stamp.sec");
+}
+
+TEST_F(LookTest, TypeOfANameThatNoTopicHasIsTheMessageWithThatName) {
+  const std::string of_topic = run_tool({"type", "points"}).out;
+  for (const char* name :
+       {"sensor_msgs/PointCloud2", "sensor_msgs/msg/PointCloud2", "sensor_msgs::msg::PointCloud2"}) {
+    const Ended ended = run_tool({"type", name, "--wait", "0.1"});
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    EXPECT_EQ(ended.out, of_topic) << name;
+    EXPECT_EQ(ended.err, "");
+  }
+  const Json json = Json::parse(run_tool({"type", "std_msgs/Header", "--wait", "0.1", "--json"}).out);
+  EXPECT_TRUE(json["topic"].is_null());
+  EXPECT_EQ(json["type"], "std_msgs/msg/Header");
+  auto odd = robot.publisher<Odometry>("std_msgs/Header").value();
+  EXPECT_EQ(run_tool({"type", "std_msgs/Header", "--name"}).out, "nav_msgs/msg/Odometry\n")
+      << "it is a topic";
+}
+
+TEST_F(LookTest, AnUnknownTypeIsOneSentenceAboutTopicsAndTypes) {
+  const Ended ended = run_tool({"type", "sensor_msgs/PointCloud3", "--wait", "0.1", "--timeout", "0.1"});
+  EXPECT_EQ(ended.code, 1);
+  EXPECT_THAT(ended.err,
+              StartsWith("sft: nobody publishes or subscribes to 'sensor_msgs/PointCloud3' in domain "));
+  EXPECT_THAT(ended.err, HasSubstr("; as a type: "));
+  EXPECT_THAT(ended.err, HasSubstr("no node announces such a type in domain "));
 }
 
 TEST_F(LookTest, WhyTellsHowAPairMatchesAndWhatBothOfItsNodesHaveCounted) {

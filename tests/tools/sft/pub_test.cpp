@@ -172,7 +172,8 @@ TEST_F(PubTest, ABadDocumentIsNamedByItsNumber) {
 
 TEST_F(PubTest, WhereNoSubscriberComesInTimeNothingIsPublishedAndTheReasonIsNamed) {
   EXPECT_EQ(run_tool({"pub", "nobody", "std_msgs/UInt32", "--once", "--timeout", "0.5"}).err,
-            "sft: Nothing was published: 0 of 1 subscriber of 'nobody' came within 0.5 s.\n");
+            "sft: Nothing was published: 0 of 1 subscriber of 'nobody' came within 0.5 s in domain " +
+                std::to_string(robot.status().domain) + ".\n");
   const Ended ended = run_tool({"pub", "numbers", "std_msgs/UInt32", "--once", "--timeout", "1"});
   EXPECT_EQ(ended.code, 1);
   EXPECT_THAT(ended.err, HasSubstr("node 'lidar' is not served: incompatible QoS: reliability best_effort is "

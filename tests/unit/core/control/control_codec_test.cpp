@@ -14,6 +14,7 @@ Endpoint endpoint() {
   e.life_lease = std::chrono::milliseconds(14'000);
   e.node = "perception";
   e.topic = "points";
+  e.given_topic = "~/cloud";
   e.type_name = "sensor_msgs::msg::PointCloud2";
   e.type_hash = 0x123456789abcdef0;
   e.type_description = {std::byte{1}, std::byte{2}, std::byte{3}};
@@ -206,6 +207,8 @@ TEST(ControlCodecTest, NamesThatCouldForgeLinesOfALogAreRefusedAndQuotedSafely) 
   EXPECT_EQ(refusal([](Endpoint& e) { e.topic = "a\xff"; }), "an endpoint whose topic 'a\\xff' is not UTF-8");
   EXPECT_EQ(refusal([](Endpoint& e) { e.topic = "//a"; }),
             "an endpoint whose topic '//a' has nothing between two slashes");
+  EXPECT_EQ(refusal([](Endpoint& e) { e.given_topic = "a\nb"; }),
+            "an endpoint whose program's topic 'a\\x0ab' has a control character in it");
   EXPECT_EQ(refusal([](Endpoint& e) { e.type_name = "a\x1b[2J"; }),
             "an endpoint whose type name 'a\\x1b[2J' has a control character in it");
   EXPECT_EQ(refusal([](Endpoint& e) { e.node = ""; }), "") << "a node needs no name";

@@ -88,9 +88,10 @@ TEST_F(TopicsTest, APublisherThatDoesNotDescribeItsTypeLeavesItToOthers) {
   EXPECT_EQ(type("points")->name(), cloud.name);
 }
 
-TEST_F(TopicsTest, AreListedByNameWithTheirTypesAndWhoUsesThem) {
-  add(Role::writer, "a", "points", cloud);
-  add(Role::reader, "b", "points", cloud);
+TEST_F(TopicsTest, AreListedByNameWithTheirTypesWhoUsesThemAndTheirQos) {
+  add(Role::writer, "a", "points", cloud).qos = {.reliability = reliable, .history_depth = 3};
+  add(Role::writer, "d", "points", cloud);
+  add(Role::reader, "b", "points", cloud).qos = {.durability = transient_local};
   add(Role::reader, "c", "points", odometry);
   add(Role::writer, "a", "odom", odometry).type_description.clear();
   const auto topics = topics_of(endpoints);
@@ -100,7 +101,9 @@ TEST_F(TopicsTest, AreListedByNameWithTheirTypesAndWhoUsesThem) {
   ASSERT_EQ(topics[1].types.size(), 2U);
   const TopicInfo::Type& points = topics[1].types[1];
   EXPECT_EQ(points.name, cloud.name);
-  EXPECT_EQ(points.publishers, std::vector<std::string>{"a"});
+  EXPECT_EQ(points.publishers, (std::vector<std::string>{"a", "d"}));
+  EXPECT_EQ(points.offered, (std::vector<Qos>{{.reliability = reliable, .history_depth = 3}, {}}));
+  EXPECT_EQ(points.requested, std::vector<Qos>{{.durability = transient_local}});
   EXPECT_EQ(points.subscribers, std::vector<std::string>{"b"});
   EXPECT_EQ(points.type.value().support().leaves(), 15U);
 }

@@ -1,0 +1,65 @@
+// The names of a node and of its topics, as ROS 2 makes them: the namespace, relative and private names, and
+// remapping rules. Pure.
+//
+//   node 'cam' in the namespace 'left'       rules: '~/image:=raw'  '/left/cam:info:=a'
+//   the program says   '~/image'             'info'          'points'        '/clock'
+//   in full            'left/cam/image'      'left/info'     'left/points'   'clock'
+//   the topic          'left/raw'            'left/a'        'left/points'   'clock'
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sft/options.h"
+#include "sft/result.h"
+
+namespace sft::core {
+
+/// A topic as the program of a node names it, and as others see it.
+struct TopicName {
+  std::string topic;    ///< without a slash in front
+  std::string given{};  ///< empty if the program says `topic`, with or without a slash in front
+  /// All rules that fit the name, as they were written. The first one was applied.
+  std::vector<std::string> rules{};
+  /// Returns the error with the name that the program knows.
+  Error explained(Error error) const;
+};
+
+class Remapping {
+ public:
+  /// No namespace, no rules, and a node without a name.
+  Remapping() = default;
+  /// `environment`: SFT_REMAP, which may be null. Its rules stand before those of the options. The error
+  /// names what is wrong with a rule or the namespace; the name of the node is not checked.
+  static Result<Remapping> of(const NodeOptions& options, const char* environment);
+
+  /// The name of the node in its namespace: "left/cam". Empty if the node has no name.
+  std::string node() const;
+  /// The name of a topic that the program names. Errc::invalid_argument if that is none.
+  Result<TopicName> topic(std::string_view given) const;
+
+  /// All rules as they were written, also those for other nodes.
+  const std::vector<std::string>& rules() const { return texts_; }
+  /// Those that fit the name or the namespace of this node.
+  const std::vector<std::string>& rules_of_node() const { return rules_of_node_; }
+
+ private:
+  /// A rule for topics of this node; both names are full.
+  struct TopicRule {
+    std::string text, from, to;
+  };
+  struct Rule;
+  static Result<Rule> parse(std::string_view text, const std::string& source);
+  static Result<std::vector<Rule>> parse_all(const NodeOptions& options, const char* environment);
+  bool is_for_node(const Rule& rule) const;
+  void name_node(const std::vector<Rule>& rules);
+  Result<void> add_topic_rule(const Rule& rule);
+  Result<std::string> full(std::string_view given) const;
+
+  std::string name_, namespace_;  ///< the namespace has no slash at either end
+  std::vector<TopicRule> topic_rules_;
+  std::vector<std::string> texts_, rules_of_node_;
+};
+
+}  // namespace sft::core

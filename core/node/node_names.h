@@ -1,0 +1,49 @@
+// Gives the topics of one node their names, and says which of the remapping rules have fitted nothing.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/control/remapping.h"
+#include "core/node/rule_use.h"
+#include "core/platform/clock.h"
+
+namespace sft::core {
+
+class NodeNames {
+ public:
+  explicit NodeNames(Remapping remapping, Time now = std::chrono::steady_clock::now())
+      : remapping_(std::move(remapping)) {
+    if (remapping_.rules().empty()) return;
+    use_ = RuleUse::of_process();
+    use_->enter(remapping_.rules(), now);
+    use_->fit(remapping_.rules_of_node());
+  }
+  ~NodeNames() { leave(); }
+  NodeNames(const NodeNames&) = delete;
+  NodeNames& operator=(const NodeNames&) = delete;
+
+  /// Any thread.
+  Result<TopicName> topic(std::string_view given) const {
+    Result<TopicName> name = remapping_.topic(given);
+    if (name && !name->rules.empty()) use_->fit(name->rules);
+    return name;
+  }
+  /// See RuleUse. For the agent, and for the thread that destroys the node once the agent has ended.
+  std::vector<std::string> take_unfit_rules(Time now) const {
+    return use_ == nullptr ? std::vector<std::string>() : use_->take_unfit(now);
+  }
+  /// The node closes; topics have no names any more.
+  std::vector<std::string> leave() {
+    const std::shared_ptr<RuleUse> use = std::exchange(use_, nullptr);
+    return use == nullptr ? std::vector<std::string>() : use->leave();
+  }
+
+ private:
+  const Remapping remapping_;
+  std::shared_ptr<RuleUse> use_;  ///< null: there are no rules, or the node has left
+};
+
+}  // namespace sft::core

@@ -1,0 +1,177 @@
+// Names of nodes and topics: namespaces, private names and remapping rules.
+#include "core/control/remapping.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace sft::core {
+namespace {
+
+using Rules = std::vector<std::string>;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+Remapping left_cam(const Rules& rules = {}, const char* environment = nullptr) {
+  return Remapping::of({.name = "cam", .namespace_ = "/left", .remap = rules}, environment).value();
+}
+
+std::string resolved(const Remapping& names, std::string_view given) {
+  return names.topic(given).value().topic;
+}
+
+TEST(RemappingTest, WithoutANamespaceASlashInFrontCountsForNothing) {
+  const Remapping names = Remapping::of({.name = "cam"}, nullptr).value();
+  EXPECT_EQ(names.node(), "cam");
+  EXPECT_EQ(resolved(names, "points"), "points");
+  EXPECT_EQ(resolved(names, "/points"), "points");
+  EXPECT_EQ(resolved(names, "~/points"), "cam/points");
+  EXPECT_EQ(resolved(names, "~"), "cam");
+  EXPECT_EQ(names.topic("/points")->given, "") << "that is no other name";
+}
+
+TEST(RemappingTest, RelativeNamesAreInTheNamespaceAndPrivateOnesInTheNode) {
+  const Remapping names = left_cam();
+  EXPECT_EQ(names.node(), "left/cam");
+  EXPECT_EQ(resolved(names, "image"), "left/image");
+  EXPECT_EQ(resolved(names, "image/raw"), "left/image/raw");
+  EXPECT_EQ(resolved(names, "~/image"), "left/cam/image");
+  EXPECT_EQ(resolved(names, "cam"), "left/cam");
+  EXPECT_EQ(resolved(names, "/clock"), "clock") << "absolute names stay";
+  EXPECT_EQ(names.topic("~/image")->given, "~/image");
+  EXPECT_EQ(names.topic("/clock")->given, "");
+}
+
+struct Case {
+  Rules rules;
+  const char* given;
+  const char* topic;
+};
+
+class RuleTest : public ::testing::TestWithParam<Case> {};
+
+TEST_P(RuleTest, AppliesToTheFullNameInANodeCamInTheNamespaceLeft) {
+  EXPECT_EQ(resolved(left_cam(GetParam().rules), GetParam().given), GetParam().topic);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, RuleTest,
+    ::testing::Values(
+        // Both sides may be relative, absolute or private.
+        Case{{"image:=raw"}, "image", "left/raw"}, Case{{"image:=raw"}, "/left/image", "left/raw"},
+        Case{{"image:=raw"}, "/image", "image"}, Case{{"image:=/raw"}, "image", "raw"},
+        Case{{"/left/image:=raw"}, "image", "left/raw"}, Case{{"/image:=raw"}, "image", "left/image"},
+        Case{{"/clock:=/sim/clock"}, "/clock", "sim/clock"}, Case{{"clock:=x"}, "/clock", "clock"},
+        Case{{"~/image:=raw"}, "~/image", "left/raw"}, Case{{"~/image:=raw"}, "cam/image", "left/raw"},
+        Case{{"~/image:=raw"}, "image", "left/image"}, Case{{"image:=~/raw"}, "image", "left/cam/raw"},
+        // A topic with the name of the node is a topic.
+        Case{{"cam:=b"}, "cam", "left/b"}, Case{{"cam:=b"}, "~/image", "left/cam/image"},
+        Case{{"~:=b"}, "cam", "left/b"},
+        // A whole name fits, not its beginning.
+        Case{{"image:=raw"}, "image/info", "left/image/info"}, Case{{"im:=raw"}, "image", "left/image"},
+        // The first rule that fits counts, once.
+        Case{{"a:=b", "b:=c"}, "a", "left/b"}, Case{{"a:=b", "b:=a"}, "b", "left/a"},
+        Case{{"a:=b", "a:=c"}, "a", "left/b"}, Case{{"x:=y", "a:=c"}, "a", "left/c"},
+        // Rules for one node.
+        Case{{"cam:a:=b"}, "a", "left/b"}, Case{{"/left/cam:a:=b"}, "a", "left/b"},
+        Case{{"left/cam:a:=b"}, "a", "left/b"}, Case{{"/cam:a:=b"}, "a", "left/a"},
+        Case{{"/right/cam:a:=b"}, "a", "left/a"}, Case{{"lidar:a:=b"}, "a", "left/a"},
+        Case{{"lidar:a:=b", "a:=c"}, "a", "left/c"},
+        // The name and the namespace of the node.
+        Case{{"__ns:=/right"}, "a", "right/a"}, Case{{"__ns:=right"}, "a", "right/a"},
+        Case{{"__ns:=/"}, "a", "a"}, Case{{"__ns:=/a/b"}, "~/x", "a/b/cam/x"},
+        Case{{"__node:=eye"}, "~/x", "left/eye/x"}, Case{{"__name:=eye"}, "~/x", "left/eye/x"},
+        Case{{"lidar:__node:=eye"}, "~/x", "left/cam/x"},
+        Case{{"/left/cam:__node:=eye"}, "~/x", "left/eye/x"},
+        Case{{"__node:=eye", "__node:=ear"}, "~/x", "left/eye/x"},
+        // Rules for topics look for the names that the node has then, wherever they stand.
+        Case{{"a:=b", "__ns:=/right"}, "a", "right/b"}, Case{{"~/x:=b", "__node:=eye"}, "~/x", "left/b"},
+        Case{{"/right/eye:a:=b", "__ns:=/right", "__node:=eye"}, "a", "right/b"}));
+
+TEST(RemappingTest, TheRulesOfTheEnvironmentStandBeforeThoseOfTheProgram) {
+  const Remapping names = left_cam({"a:=c", "x:=y"}, " a:=b\t__ns:=/right\n");
+  EXPECT_EQ(names.node(), "right/cam");
+  EXPECT_EQ(resolved(names, "a"), "right/b");
+  EXPECT_EQ(resolved(names, "x"), "right/y");
+  EXPECT_THAT(names.rules(), ElementsAre("a:=b", "__ns:=/right", "a:=c", "x:=y"));
+  EXPECT_EQ(resolved(left_cam({}, ""), "a"), "left/a");
+}
+
+TEST(RemappingTest, AllRulesThatFitAreNamedAndTheFirstOneIsApplied) {
+  const Remapping names = left_cam({"a:=b", "/left/a:=c", "x:=y", "__ns:=/left", "lidar:__node:=x"});
+  EXPECT_THAT(names.topic("a")->rules, ElementsAre("a:=b", "/left/a:=c"));
+  EXPECT_EQ(names.topic("a")->given, "a");
+  EXPECT_TRUE(names.topic("b")->rules.empty());
+  EXPECT_THAT(names.rules_of_node(), ElementsAre("__ns:=/left"));
+}
+
+TEST(RemappingTest, AnErrorAboutARemappedTopicHasBothNames) {
+  const TopicName name = left_cam({"~/image:=raw"}).topic("~/image").value();
+  EXPECT_EQ(name.explained({Errc::invalid_argument, "topic 'left/raw' is odd"}).message,
+            "topic 'left/raw' is odd (the program calls this topic '~/image')");
+  EXPECT_EQ(left_cam().topic("/a")->explained({Errc::invalid_argument, "odd"}).message, "odd");
+}
+
+TEST(RemappingTest, WhatIsNoRuleIsNamedTogetherWithWhatARuleIs) {
+  const std::vector<std::pair<const char*, const char*>> wrong{
+      {"points=left", "it has no ':='"},
+      {"-r", "it has no ':='"},
+      {":=a", "the topic before ':=' is empty"},
+      {"a:=", "what stands behind ':=' is empty"},
+      {"a:=b:=c", "it has a second ':='"},
+      {"a//b:=c", "the topic before ':=' has nothing between two slashes"},
+      {"a:=b/", "what stands behind ':=' ends with a slash"},
+      {"~a:=b", "the topic before ':=' has a '~' in it"},
+      {"a:=~//b", "what stands behind ':=' has nothing between two slashes"},
+      {":a:=b", "the name of the node is empty"},
+      {"__nss:=/left", "there is no '__nss'"},
+      {"__ns:=/left/", "what stands behind ':=' ends with a slash"},
+      {"__node:=/left/cam", "what stands behind ':=' has a slash in it; __ns sets the namespace"},
+      {"__ns:=", "what stands behind ':=' is empty"},
+      {"__node:=", "what stands behind ':=' is empty"}};
+  for (const auto& [rule, why] : wrong) {
+    const auto of_environment = Remapping::of({.name = "cam"}, rule);
+    ASSERT_FALSE(of_environment) << rule;
+    EXPECT_EQ(of_environment.error().code, Errc::invalid_argument);
+    EXPECT_EQ(of_environment.error().message.find(
+                  std::string("'") + rule + "' in the environment variable SFT_REMAP is no remapping rule: "),
+              0U)
+        << of_environment.error().message;
+    EXPECT_THAT(of_environment.error().message, HasSubstr(why));
+    EXPECT_THAT(of_environment.error().message, HasSubstr("; a rule is FROM:=TO, NODE:FROM:=TO,"));
+    const auto of_program = Remapping::of({.name = "cam", .remap = {rule}}, nullptr);
+    ASSERT_FALSE(of_program);
+    EXPECT_THAT(of_program.error().message, HasSubstr("in NodeOptions::remap is no remapping rule"));
+  }
+}
+
+TEST(RemappingTest, ANamespaceIsATopicWithoutAName) {
+  for (const char* name : {"left/", "a//b", "~", " left"}) {
+    const auto refused = Remapping::of({.name = "cam", .namespace_ = name}, nullptr);
+    ASSERT_FALSE(refused) << name;
+    EXPECT_THAT(refused.error().message, HasSubstr("NodeOptions::namespace_ '" + std::string(name) + "' "));
+  }
+  EXPECT_EQ(Remapping::of({.name = "cam", .namespace_ = "/"}, nullptr)->node(), "cam");
+}
+
+TEST(RemappingTest, WhatIsTooLongInFullIsRefusedWithBothNames) {
+  const Remapping names = left_cam();
+  const std::string name(251, 'x');
+  EXPECT_THAT(names.topic(name).error().message, HasSubstr("here, has more than 255 bytes"));
+  EXPECT_TRUE(names.topic("/" + name));
+  EXPECT_THAT(
+      Remapping::of({.name = "cam", .namespace_ = "left", .remap = {name + ":=a"}}, nullptr).error().message,
+      HasSubstr("has more than 255 bytes"));
+}
+
+TEST(RemappingTest, ANodeWithoutANameHasNoPrivateTopics) {
+  const Remapping names = Remapping::of({.name = "", .namespace_ = "left"}, nullptr).value();
+  EXPECT_EQ(names.node(), "");
+  EXPECT_THAT(names.topic("~/x").error().message, HasSubstr("a node that has no name"));
+  EXPECT_EQ(resolved(names, "x"), "left/x");
+}
+
+}  // namespace
+}  // namespace sft::core
