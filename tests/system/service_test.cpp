@@ -3,6 +3,7 @@
 
 #include <future>
 #include <latch>
+#include <optional>
 #include <service_msgs/srv/Add.hpp>
 #include <std_srvs/srv/SetBool.hpp>
 #include <thread>
@@ -213,6 +214,28 @@ TEST_P(ServiceTest, TwoServersOfOneNameAreNamed) {
   EXPECT_EQ(runs, 1) << "none of the two was called";
   left.reset();
   EXPECT_EQ(answer(client, 3, 4), "7");
+}
+
+TEST_P(ServiceTest, ACallThatIsUnderWayIsNotCarriedOutByASecondServer) {
+  Node a = open("left");
+  Node b = open("client");
+  Gate late;
+  const auto left = serve(a, [&](const Add::Request& request) {
+    ++runs;
+    late.pass();
+    return sum(request);
+  });
+  auto client = client_of(b);
+  auto waiting = std::async(std::launch::async, [&] { return answer(client, 1, 2); });
+  ASSERT_TRUE(eventually([&] { return runs == 1; }));
+  Node c = open("right");
+  auto right = std::optional(serve(c));
+  EXPECT_TRUE(eventually([&] { return c.snapshot().subscribers.at(0).received > 0; }))
+      << "it hears repetitions";
+  right.reset();
+  EXPECT_EQ(runs, 1);
+  late.open();
+  EXPECT_EQ(waiting.get(), "3");
 }
 
 TEST_P(ServiceTest, AServerThatIsKilledEndsTheCallAndItsSuccessorAnswersTheNext) {

@@ -14,7 +14,8 @@ foreach(package IN LISTS ros_packages)
   if(NOT messages)
     message(FATAL_ERROR "There are no messages in ${package}/msg; .ci/packages lists what the tests need")
   endif()
-  list(FILTER messages EXCLUDE REGEX /WStrings[.]msg$)  # idlc has no wide strings
+  # idlc has no wide strings, and ROS 2's tool declares the arrays of a service twice, which is no IDL.
+  list(FILTER messages EXCLUDE REGEX /msg/WStrings[.]msg$|/srv/Arrays[.]srv$)
   list(TRANSFORM messages REPLACE "(.*)[.](msg|srv)$" "${ros_idl_dir}/\\1.idl" OUTPUT_VARIABLE idl)
   list(TRANSFORM messages PREPEND ${root}/)
   list(APPEND ros_msg ${messages})

@@ -239,12 +239,13 @@ TEST_F(ServedCallsTest, TheClientThatWasHeardLongestAgoIsForgottenWhenThereAreTo
 
 TEST(GreetedReadersTest, AReaderIsNewOnceAndAgainWhenItAsksAnew) {
   GreetedReaders greeted;
-  std::vector<PublisherStatus::Reader> readers{{.id = 1, .served = false, .request_sequence = 1}};
+  std::vector<PublisherStatus::Reader> readers{
+      {.id = 1, .node = "a", .served = false, .request_sequence = 1}};
   EXPECT_FALSE(greeted.has_new(readers)) << "it is sent nothing yet";
   readers[0].served = true;
   EXPECT_TRUE(greeted.has_new(readers));
   EXPECT_FALSE(greeted.has_new(readers));
-  readers.push_back({.id = 2, .served = true, .request_sequence = 1});
+  readers.push_back({.id = 2, .node = "b", .served = true, .request_sequence = 1});
   EXPECT_TRUE(greeted.has_new(readers));
   readers.erase(readers.begin());
   EXPECT_FALSE(greeted.has_new(readers)) << "one has gone";
