@@ -66,8 +66,10 @@ TEST_F(NamesTest, SamplesGoWhereTheNamesLead) {
   const DomainSnapshot domain = cam.domain();
   EXPECT_EQ(domain.publishers.at(0).given_topic, "~/gain");
   EXPECT_EQ(domain.subscribers.at(0).given_topic, "");
-  EXPECT_EQ(lines_with("the program's topic '~/gain' is 'left/gain', by the remapping rule '~/gain:=gain'"),
-            1U);
+  EXPECT_TRUE(eventually([&] {
+    return lines_with("the program's topic '~/gain' is 'left/gain', by the remapping rule '~/gain:=gain'") ==
+           1;
+  }));
 }
 
 TEST_F(NamesTest, EverythingThatTakesATopicFollowsTheRules) {
@@ -102,6 +104,16 @@ TEST_F(NamesTest, ErrorsAboutATopicHaveBothOfItsNames) {
   EXPECT_FALSE(cam.ask_accounts("~x"));
 }
 
+TEST_F(NamesTest, ANameThatIsTooLongToBeAnnouncedIsLeftOut) {
+  const std::string longest = "/" + std::string(255, 'x');
+  Node cam = open("cam", "", {longest + ":=short"});
+  const auto pub = cam.publisher<Float64>(longest).value();
+  const DomainSnapshot domain = cam.domain();
+  ASSERT_EQ(domain.publishers.size(), 1U);
+  EXPECT_EQ(domain.publishers[0].topic, "short");
+  EXPECT_EQ(domain.publishers[0].given_topic, "");
+}
+
 TEST_F(NamesTest, TheEnvironmentGoesBeforeTheProgram) {
   setenv("SFT_REMAP", "gain:=volume __ns:=/right", 1);
   const Node cam = open("cam", "left", {"gain:=loudness"});
@@ -127,9 +139,9 @@ TEST_F(NamesTest, ARuleThatFitsNothingIsToldWhileTheNodesRun) {
   const std::vector<std::string> rules{"gain:=volume", "nosuch:=c", "lidar:gain:=c", "__ns:=/left"};
   Node cam = open("cam", "", rules), eye = open("eye", "", rules);
   const auto pub = eye.publisher<Float64>("gain").value();
-  EXPECT_TRUE(eventually([&] { return lines_with("'lidar:gain:=c' fits no topic") == 1; }));
-  EXPECT_EQ(lines_with("'nosuch:=c' fits no topic and no node of this program"), 1U);
-  EXPECT_EQ(lines_with("fits no topic"), 2U);
+  EXPECT_TRUE(eventually([&] { return lines_with("fits no topic and no node of this program") == 2; }));
+  EXPECT_EQ(lines_with("'nosuch:=c' fits no topic"), 1U);
+  EXPECT_EQ(lines_with("'lidar:gain:=c' fits no topic"), 1U);
 }
 
 TEST_F(NamesTest, ARuleThatFitsNothingIsToldWhenTheLastNodeCloses) {
