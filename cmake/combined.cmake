@@ -81,6 +81,8 @@ function(sft_precompile kind first)
     $<$<COMPILE_LANGUAGE:CXX>:${header}> $<$<COMPILE_LANGUAGE:C>:<stddef.h$<ANGLE-R>>)
   foreach(target IN LISTS first ARGN)
     target_precompile_headers(${target} REUSE_FROM ${headers})
+    # A library of Debian may bring definitions with which GCC cannot take the headers: it compiles them again then.
+    set_target_properties(${target} PROPERTIES PCH_WARN_INVALID OFF)
     # GCC gives false warnings about precompiled headers of the standard library.
     set(false_warnings -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread)
     # Many sources take more memory than GCC uses before it looks for garbage: without that it is a tenth faster.

@@ -48,7 +48,7 @@ install(DIRECTORY ${generated}/
 install(DIRECTORY ${generated_idl}/
   DESTINATION ${sft_interfaces_dir} COMPONENT development FILES_MATCHING PATTERN *.idl)
 install(DIRECTORY ${typesupport}/interfaces/
-  DESTINATION ${sft_interfaces_dir} COMPONENT development FILES_MATCHING PATTERN *.msg)
+  DESTINATION ${sft_interfaces_dir} COMPONENT development FILES_MATCHING PATTERN *.msg PATTERN *.srv)
 
 # idlc loads the second one at run time. No program links to it.
 install(TARGETS sft_msgc RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT development)

@@ -198,6 +198,10 @@ Result<AccountInquiry> Node::ask_accounts(std::string_view topic) const {
   return core_->ask_accounts(core_, topic);
 }
 
+void Node::interrupt() noexcept { core_->interrupt(); }
+
+bool Node::is_interrupted() const noexcept { return core_->is_interrupted(); }
+
 NodeStatus Node::status() const { return core_->status(); }
 
 NodeSnapshot Node::snapshot() const { return core_->snapshot(); }

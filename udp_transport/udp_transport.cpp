@@ -106,6 +106,7 @@ class UdpTransport final : public core::Network {
     links_ = *links;
     return *links;
   }
+  void wake_receiver() noexcept override { receiver_->wake_receiver(); }
   bool network_changed() noexcept override {
     const std::uint64_t changes = send_side_->network_watch.changes();
     const bool changed = std::exchange(network_changes_, changes) != changes;

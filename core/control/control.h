@@ -137,6 +137,7 @@ struct Endpoint {
   std::uint64_t type_hash = 0;
   std::vector<std::byte> type_description;  ///< may be empty (described_type.h)
   HostToken host;
+  std::string memory_failure;  ///< why its node has no shared memory; empty: it has, or may come to have it
   std::uint64_t network = 0;
   bool may_use_memory = false;
   bool may_use_network = false;

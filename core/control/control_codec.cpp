@@ -235,6 +235,7 @@ sft_control_Endpoint to_dds(const Endpoint& endpoint, ControlStorage& storage) {
   out.type_hash = endpoint.type_hash;
   out.type_description = borrow(endpoint.type_description, type_description_bytes_max);
   std::copy(endpoint.host.bytes.begin(), endpoint.host.bytes.end(), out.host);
+  put(out.memory_failure, endpoint.memory_failure);
   out.network = endpoint.network;
   out.may_use_shm = endpoint.may_use_memory;
   out.may_use_udp = endpoint.may_use_network;
@@ -335,6 +336,8 @@ Result<Endpoint> from_dds(const sft_control_Endpoint& in) {
   out.type_hash = in.type_hash;
   out.type_description = copy(in.type_description);
   std::copy(std::begin(in.host), std::end(in.host), out.host.bytes.begin());
+  // People read it. A text that was cut within a letter, or is none, is no reason to refuse the endpoint.
+  if (fault_of_name(in.memory_failure).empty()) out.memory_failure = in.memory_failure;
   out.network = in.network;
   out.may_use_memory = in.may_use_shm;
   out.may_use_network = in.may_use_udp;

@@ -20,6 +20,7 @@ void LocalHost::network_changed(const std::vector<UdpAddress>& addresses, const 
 /// A writer that may not write to the shared memory gets no token, so that nobody waits for it there.
 void LocalHost::equip(Endpoint& ours) const {
   ours.host = ours.role == Role::writer && !self_.may_write_memory ? HostToken{} : self_.host;
+  ours.memory_failure = ours.may_use_memory ? self_.memory_failure : "";
   ours.network = self_.network;
   if (ours.may_use_network && addresses_) ours.addresses = *addresses_;
 }

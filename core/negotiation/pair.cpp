@@ -19,7 +19,8 @@ std::string why_not_memory(const Pair& pair, const Self& self) {
   if (!self.host.known()) return "no shared memory: " + self.memory_state;
   if (pair.we_write && !self.may_write_memory && peer.host.known())
     return "this user may only read shared memory";
-  return "the other side has no shared memory yet; its status says why";
+  if (peer.memory_failure.empty()) return "the other side has no shared memory yet";
+  return "the other side has no shared memory: " + peer.memory_failure;
 }
 
 /// Returns true if a pair on one machine may come to share memory: tokens that differ may be those of a

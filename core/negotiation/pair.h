@@ -16,7 +16,8 @@ namespace sft::core {
 struct Self {
   HostToken host;  ///< known while shared memory is ready
   std::uint64_t network = 0;
-  std::string memory_state;      ///< why shared memory is not ready, for reasons given to people
+  std::string memory_state;    ///< why shared memory is not ready, for reasons given to people
+  std::string memory_failure;  ///< the same for other nodes: of the last attempt that failed, until one works
   bool may_write_memory = true;  ///< where it is
   friend bool operator==(const Self&, const Self&) = default;
 };

@@ -54,4 +54,9 @@ void ControlWatch::tell_of_refusals(Time now) {
                                     text + "; NodeStatus::control_ignored counts them");
 }
 
+void ControlWatch::name_misspelt_topics(Time now) {
+  for (const std::string& sentence : misspelt_topics_.look(negotiation_.table(), now))
+    log_.write(LogLevel::warning, sentence);
+}
+
 }  // namespace sft::core

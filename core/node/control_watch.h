@@ -1,6 +1,6 @@
-// Watches how others misuse the table of endpoints: they speak in the name of our endpoints, or announce more
-// than there is room for. Decides when our endpoints are announced anew, and writes to the log, both no
-// faster than is of use. The agent's.
+// Watches the table of endpoints for what the log has to name: others speak in the name of our endpoints, or
+// announce more than there is room for, or a topic of ours may be misspelt. Decides when our endpoints are
+// announced anew, and writes to the log, both no faster than is of use. The agent's.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/negotiation/negotiation.h"
+#include "core/node/misspelt_topics.h"
 #include "core/platform/clock.h"
 #include "core/report/node_log.h"
 
@@ -23,6 +24,10 @@ class ControlWatch {
   std::vector<EndpointId> take_contested(Time now);
   void tell_of_refusals(Time now);
 
+  /// A subscriber of ours was opened.
+  void reader_added(EndpointId id, Time now) { misspelt_topics_.added(id, now); }
+  void name_misspelt_topics(Time now);
+
  private:
   void complain(EndpointId ours, const std::string& how, std::size_t others);
 
@@ -30,7 +35,8 @@ class ControlWatch {
   NodeLog& log_;
   std::map<EndpointId, std::string> contested_;    ///< our endpoints, and what others did in their name
   std::map<std::string, std::uint64_t> refusals_;  ///< by the name of the node, not yet logged
-  Time take_back_at_{};                            ///< not before
+  MisspeltTopics misspelt_topics_;
+  Time take_back_at_{};  ///< not before
   Time complain_at_{};
   Time tell_of_refusals_at_{};
 };

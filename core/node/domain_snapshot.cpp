@@ -65,14 +65,16 @@ DomainSnapshot::Endpoint info_of(const KnownEndpoint& known, Types& types, NodeI
   return info;
 }
 
-/// Judges the pair as the writer's node does. That node tells nobody why it has no shared memory.
+/// Judges the pair as the writer's node does.
 DomainSnapshot::Pair pair_info(const Endpoint& writer, const Endpoint& reader,
                                const std::optional<DynamicType>& type, TypeComparisons& comparisons) {
   static const StructType no_members;
   static const TypeSupport unknown(no_members);
   const Self self{.host = writer.host,
                   .network = writer.network,
-                  .memory_state = "the publisher's node has none at present; its status says why"};
+                  .memory_state = writer.memory_failure.empty()
+                                      ? "the publisher's node has none yet"
+                                      : "the publisher's node: " + writer.memory_failure};
   const Verdict verdict =
       judge({writer, reader, true}, type ? type->support() : unknown, self, type ? &comparisons : nullptr);
   const bool durable = writer.qos.durability == Durability::transient_local &&

@@ -298,7 +298,8 @@ std::shared_ptr<SubscriberCore> EndpointOpening::make_core(const std::vector<End
                            .type_owner = std::move(order.type_owner),
                            .copies = node_.heap,
                            .poll_handle = std::move(poll_handle),
-                           .memory_depth = memory_depth_of(endpoints.front())},
+                           .memory_depth = memory_depth_of(endpoints.front()),
+                           .interrupted = &node_.slots.interrupted()},
       node_.slots.at(slot), std::move(recorder));
 }
 

@@ -21,10 +21,10 @@ class LongWait {
     const bool had_turn = std::exchange(turns_, turns) != turns;
     if (!waits || had_turn || !since_) {
       since_ = waits ? std::optional(now) : std::nullopt;
-      is_told_ = false;
+      is_reported_ = false;
     }
-    if (!waits || is_told_ || now - *since_ < is_long) return std::nullopt;
-    is_told_ = true;
+    if (!waits || is_reported_ || now - *since_ < is_long) return std::nullopt;
+    is_reported_ = true;
     return now - *since_;
   }
   bool is_under_way() const { return since_.has_value(); }
@@ -32,7 +32,7 @@ class LongWait {
  private:
   std::uint64_t turns_ = 0;
   std::optional<Time> since_{};
-  bool is_told_ = false;
+  bool is_reported_ = false;
 };
 
 }  // namespace sft::core

@@ -18,6 +18,8 @@ using namespace std::chrono_literals;
 
 namespace {
 constexpr std::chrono::seconds complaint_pause{1};
+/// A signal handler, which may interrupt a search for a type, cannot wake it.
+constexpr std::chrono::milliseconds interrupt_look_period{100};
 
 /// A user can do nothing about what holds an agent up. So nothing is measured unless the log has lines for
 /// debugging.
@@ -27,6 +29,14 @@ HoldUpWatch::Report report_of_hold_ups(NodeLog& log) {
     log.write(LogLevel::debug, "the agent was held up for " + std::to_string(held_up.count()) + " ms by " +
                                    what.file_name() + ":" + std::to_string(what.line()));
   };
+}
+
+void log_calls_left_out(CallbackThread& callbacks, NodeLog& log) {
+  const std::uint64_t left_out = callbacks.take_left_out();
+  if (left_out == 0) return;
+  log.write(LogLevel::warning, std::to_string(left_out) +
+                                   " calls for events, readers and log lines were left out, because a "
+                                   "callback of this program took long");
 }
 
 void tell_of_unfit(const std::vector<std::string>& rules, NodeLog& log) {
@@ -79,7 +89,7 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
   Reconciler* const reconciler = node->reconciler_.get();
   const Agent::Duties duties{.tick =
                                  [node = node.get(), reconciler, heap, names] {
-                                   node->tell_of_calls_left_out();
+                                   log_calls_left_out(node->callbacks_, node->log_);
                                    tell_of_unfit(names->take_unfit_rules(std::chrono::steady_clock::now()),
                                                  node->log_);
                                    heap->give_back(std::chrono::steady_clock::now());
@@ -259,14 +269,6 @@ void NodeCore::control_malformed(std::string why) {
   });
 }
 
-void NodeCore::tell_of_calls_left_out() {
-  const std::uint64_t left_out = callbacks_.take_left_out();
-  if (left_out == 0) return;
-  log_.write(LogLevel::warning, std::to_string(left_out) +
-                                    " calls for events, readers and log lines were left out, because a "
-                                    "callback of this program took long");
-}
-
 template <class Question>
 auto NodeCore::ask_agent(Question question) -> decltype(question()) {
   if (agent_.is_current_thread()) return question();
@@ -312,11 +314,19 @@ Result<DynamicType> NodeCore::find_type(std::string_view topic, std::chrono::nan
         [&] { return type_of(name->topic, reconciler_->endpoints(), options_.domain.value_or(0)); });
     const bool may_come = !type && type.error().code == Errc::unavailable && may_wait;
     if (!may_come) return explained(std::move(type));
-    const bool has_news = endpoints_changed_.wait_beyond(seen, search.waits_until());
+    if (is_interrupted()) return fail(Errc::unavailable, "Node::interrupt() has ended the search for a type");
+    const Time look_again = std::chrono::steady_clock::now() + interrupt_look_period;
+    endpoints_changed_.wait_beyond(seen, std::min(search.waits_until(), look_again));
     const Time now = std::chrono::steady_clock::now();
-    if (has_news && now < search.waits_until()) continue;
+    if (now < search.waits_until()) continue;
     if (!search.goes_on(now, discovery_->newcomer_at())) return explained(std::move(type));
   }
+}
+
+void NodeCore::interrupt() noexcept {
+  if (is_forked_copy()) return;
+  wake_slots_.interrupt();
+  if (network_ != nullptr) network_->wake_receiver();
 }
 
 std::vector<TopicInfo> NodeCore::topics() {

@@ -60,6 +60,9 @@ class NodeCore final : private DiscoveryListener {
   std::vector<TopicInfo> topics();
   DomainSnapshot domain();
   Result<AccountInquiry> ask_accounts(const std::shared_ptr<NodeCore>& self, std::string_view topic);
+  /// See Node::interrupt().
+  void interrupt() noexcept;
+  bool is_interrupted() const noexcept { return wake_slots_.interrupted().load(); }
   NodeStatus status() const;
   NodeSnapshot snapshot() const;
 
@@ -68,7 +71,6 @@ class NodeCore final : private DiscoveryListener {
   static void dispose(NodeCore* node);
   EndpointOpening::News news_of_endpoints();
   NodeOptions::LogSink posted(const NodeOptions::LogSink& sink);
-  void tell_of_calls_left_out();
 
   // DiscoveryListener: each call is posted to the agent, except where the agent calls itself.
   void endpoint_seen(Endpoint endpoint) override;

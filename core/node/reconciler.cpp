@@ -60,7 +60,9 @@ void Reconciler::add_reader(const Endpoint& endpoint, LocalReader::Parts parts) 
       ours_.readers.try_emplace(endpoint.id, context_, endpoint, std::move(parts)).first->second;
   negotiation_.local_added(endpoint, added.core().type());
   dirty_ = true;
-  outbox_.announce(endpoint.id, std::chrono::steady_clock::now());
+  const Time now = std::chrono::steady_clock::now();
+  outbox_.announce(endpoint.id, now);
+  if (is_first) control_watch_.reader_added(endpoint.id, now);
 }
 
 /// Ports wait for the call of their listener to return. The agent must not wait for that: the callback in
@@ -145,6 +147,7 @@ std::chrono::milliseconds Reconciler::tick(Time now) {
   for (const NodeId node : silence_.take_lost(now)) dirty_ |= negotiation_.node_lost(node);
   control_ignored_.store(negotiation_.ignored(), std::memory_order_relaxed);
   control_watch_.tell_of_refusals(now);
+  control_watch_.name_misspelt_topics(now);
   outbox_.look(now);
   next_piece_of_work();
   look_after_endpoints(now);

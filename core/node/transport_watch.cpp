@@ -28,6 +28,8 @@ TransportWatch::MemoryChange TransportWatch::look_at_memory(Time now) {
   const bool ready = memory_availability_ == Availability::ready;
   self.host = ready ? memory_->host_token() : HostToken{};
   self.memory_state = memory_->description();
+  if (ready) self.memory_failure.clear();
+  if (memory_availability_ == Availability::unavailable) self.memory_failure = self.memory_state;
   self.may_write_memory = memory_->may_write();
   if (self == self_) return {};
   const MemoryChange change{
@@ -43,10 +45,10 @@ TransportWatch::MemoryChange TransportWatch::look_at_memory(Time now) {
 /// daemon and cannot is set up wrongly: that is worth a warning.
 void TransportWatch::log_memory() {
   const bool unavailable = memory_availability_ == Availability::unavailable;
-  if (memory_availability_ == Availability::starting && !memory_failure_.empty()) return;
-  if (unavailable && self_.memory_state == memory_failure_) return;
-  memory_failure_ = unavailable ? self_.memory_state : "";
-  const bool not_started = memory_failure_.find("could not be started") != std::string::npos;
+  if (memory_availability_ == Availability::starting && !self_.memory_failure.empty()) return;
+  if (unavailable && self_.memory_failure == logged_failure_) return;
+  logged_failure_ = self_.memory_failure;
+  const bool not_started = logged_failure_.find("could not be started") != std::string::npos;
   const bool warns = not_started && !std::exchange(memory_warned_, true);
   log_.write(warns ? LogLevel::warning : LogLevel::info, "shared memory: " + self_.memory_state);
 }

@@ -55,7 +55,7 @@ class TransportWatch {
   NodeLog& log_;
   Self self_;
   Availability memory_availability_ = Availability::starting;
-  std::string memory_failure_;  ///< as it was written to the log last; empty while shared memory may come up
+  std::string logged_failure_;  ///< of shared memory, as the log has it; empty while that may come up
   bool memory_warned_ = false;
   bool network_failed_ = false;
   std::vector<UdpAddress> addresses_;

@@ -3,6 +3,7 @@
 // thread.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -24,12 +25,17 @@ class WakeSlots {
   Result<std::uint32_t> take();
   void give_back(std::uint32_t slot);
 
+  /// Ends the waits of all subscribers, now and from now on. A signal handler may call it.
+  void interrupt() noexcept;
+  const std::atomic<bool>& interrupted() const { return interrupted_; }
+
   Doorbell& at(std::uint32_t slot) { return page_->at(slot); }
   /// Names the page to other processes; 0: no other process can ring.
   std::uint64_t page_id() const { return page_->id(); }
 
  private:
   const std::unique_ptr<DoorbellPage> page_;
+  std::atomic<bool> interrupted_{false};
   Mutex mutex_;
   std::vector<std::uint32_t> free_ SFT_GUARDED_BY(mutex_);
 };

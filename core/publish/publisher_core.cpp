@@ -213,6 +213,7 @@ std::size_t PublisherCore::served() const {
 
 PublisherStatus PublisherCore::status() const {
   PublisherStatus status;
+  status.id = spec_.id;
   status.deadlines_missed = deadlines_missed_.load(std::memory_order_relaxed);
   status.alive = alive_.load(std::memory_order_relaxed);
   status.published = dispatch_.published();

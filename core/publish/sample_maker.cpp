@@ -14,7 +14,7 @@ namespace sft::core {
 
 namespace {
 
-/// The pause between two refusals that the log is told of.
+/// The pause between two refusals that are logged.
 constexpr std::chrono::seconds refusals_pause{1};
 
 /// Waits until a reader gives memory back, as long as patience lasts.
@@ -75,8 +75,8 @@ SampleMaker::Made SampleMaker::encode(const Outlets& outlets, const void* messag
 /// Looks for what is wrong with a message; nobody does before it failed.
 PublishStatus SampleMaker::refuse(const void* message, const FieldMask& mask) {
   why_invalid_ = fault_of(message, mask).message;
-  if (const Time now = std::chrono::steady_clock::now(); now >= next_refusal_told_) {
-    next_refusal_told_ = now + refusals_pause;
+  if (const Time now = std::chrono::steady_clock::now(); now >= next_refusal_logged_) {
+    next_refusal_logged_ = now + refusals_pause;
     product_.refused(why_invalid_);
   }
   return PublishStatus::invalid;

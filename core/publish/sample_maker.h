@@ -107,7 +107,7 @@ class SampleMaker {
   detail::PostponedCopies postponed_;  ///< of the present sample
   std::uint32_t whole_bytes_ = 0;      ///< of the body of the present message with all its fields
   std::string why_invalid_;
-  Time next_refusal_told_{};  ///< not before; the log leaves out more of them
+  Time next_refusal_logged_{};  ///< not before; the log leaves out more of them
 };
 
 }  // namespace sft::core

@@ -110,6 +110,9 @@ class Network : public Transport {
   virtual std::vector<Link> links() const = 0;
   /// True if these two may be others than when this was asked last. Returns at once.
   virtual bool network_changed() noexcept = 0;
+  /// Wakes the thread that is in NetworkReader::receive(): its doorbell has been rung by something else than
+  /// this network. Any thread, also in a signal handler.
+  virtual void wake_receiver() noexcept = 0;
   /// Sets the fields of status() that only this network can know. Any thread.
   virtual void add_to(NodeStatus& status) const = 0;
 };

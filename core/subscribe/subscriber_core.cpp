@@ -37,7 +37,7 @@ SubscriberCore::SubscriberCore(Spec spec, Doorbell& bell, std::shared_ptr<Record
       remote_(spec_.copies == nullptr ? nullptr : RemoteCopy::make(type(), spec_.copies)),
       events_(spec_.options.on_event, spec_.event_callbacks),
       feeds_(make_feeds(spec_, recorder_.get())),
-      waiter_(ports_of(feeds_), bell, spec_.poll_handle.get(), spec_.options.spin),
+      waiter_(ports_of(feeds_), bell, spec_.poll_handle.get(), spec_.options.spin, spec_.interrupted),
       callbacks_(spec_.callback, spec_.callback_clock) {}
 
 /// Returns the selection that has the sample to be delivered first, of all samples that have come. If there
@@ -106,7 +106,7 @@ Result<Feed*> SubscriberCore::find(std::size_t selection) {
 }
 
 bool SubscriberCore::waits_for_dispatch() {
-  if (waiter_.has_descriptor()) return waiter_.has_untold();
+  if (waiter_.has_descriptor()) return waiter_.has_unshown();
   return callbacks_.is_idle() && available();
 }
 
@@ -119,7 +119,7 @@ void SubscriberCore::arrived() noexcept {
 }
 
 void SubscriberCore::dispatch() {
-  if (waiter_.has_descriptor()) return waiter_.tell_if_available();
+  if (waiter_.has_descriptor()) return waiter_.show_if_available();
   call_back(CallbackDispatch::Caller::dispatcher);
 }
 

@@ -7,6 +7,7 @@
 // by these and the dispatcher; functions marked so by the agent only.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -50,6 +51,7 @@ class SubscriberCore final : public ArrivalListener {
     /// takes within a host. But the earlier sample may be lost, and nobody should wait long for that.
     std::chrono::nanoseconds diverted_patience = std::chrono::milliseconds(100);
     std::uint32_t memory_depth = 0;  ///< the part of options.depth that shared memory keeps; 0: all
+    const std::atomic<bool>* interrupted = nullptr;  ///< outlives the subscriber; null: nothing interrupts it
     ReadTime callback_clock = &std::chrono::steady_clock::now;  ///< tells whether a callback is slow
   };
 

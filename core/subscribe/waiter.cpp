@@ -25,7 +25,7 @@ bool Waiter::wait_until(Time deadline) {
     const std::uint32_t seen = bell_.rings.load(std::memory_order_seq_cst);
     const bool found = available();
     const Time now = Clock::now();
-    if (found || now >= deadline) {
+    if (found || now >= deadline || is_interrupted()) {
       spinning_.waited(now - began, found);
       return found;
     }
@@ -38,7 +38,7 @@ bool Waiter::wait_until(Time deadline) {
 
 void Waiter::sleep_until(Time deadline) {
   if (handle_ == nullptr) {
-    bell_.wait(deadline, [this] { return available(); });
+    bell_.wait(deadline, [this] { return must_return(); });
   } else {  // the doorbell is shared with other subscribers, and is not rung for every sample
     settle();
     handle_->wait(deadline);
@@ -47,14 +47,14 @@ void Waiter::sleep_until(Time deadline) {
 
 void Waiter::sample_arrived() { handle_ != nullptr ? handle_->raise() : bell_.ring(); }
 
-void Waiter::tell_if_available() {
-  if (available()) handle_->raise();
+void Waiter::show_if_available() {
+  if (must_return()) handle_->raise();
 }
 
 void Waiter::settle() {
-  if (available()) return;
+  if (must_return()) return;
   handle_->lower();
-  tell_if_available();
+  show_if_available();
 }
 
 }  // namespace sft::core

@@ -1,8 +1,9 @@
 // Waits for samples of one subscriber, by any of its ports: looks for them for a while if that has paid
 // lately, and then sleeps on the subscriber's doorbell or file descriptor. Keeps the file descriptor readable
-// exactly while there is a sample. Any thread.
+// exactly while there is a sample, and after an interrupt. Any thread.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <utility>
 #include <vector>
@@ -17,10 +18,11 @@ namespace sft::core {
 
 class Waiter {
  public:
-  /// `handle` is null if the subscriber has no file descriptor; all others outlive this object.
+  /// `handle` is null if the subscriber has no file descriptor, and `interrupted` if nothing interrupts it.
+  /// All outlive this object. Whoever sets `interrupted` rings the doorbell afterwards.
   Waiter(std::vector<SubscriberPorts*> ports, Doorbell& bell, PollHandle* handle,
-         std::chrono::nanoseconds spin)
-      : ports_(std::move(ports)), bell_(bell), handle_(handle), spinning_(spin) {}
+         std::chrono::nanoseconds spin, const std::atomic<bool>* interrupted = nullptr)
+      : ports_(std::move(ports)), bell_(bell), handle_(handle), interrupted_(interrupted), spinning_(spin) {}
 
   /// True if there is a sample.
   bool available() const;
@@ -28,7 +30,7 @@ class Waiter {
   /// -1 if there is none.
   int descriptor() const { return handle_ == nullptr ? -1 : handle_->descriptor(); }
 
-  /// Returns true once there is a sample, and false at the deadline.
+  /// Returns true once there is a sample, and false at the deadline or after an interrupt.
   bool wait_until(Time deadline);
   /// Wakes every thread that sleeps. A thread that receives for its node does not sleep: it has samples by
   /// UDP alone, and finds them itself.
@@ -37,19 +39,24 @@ class Waiter {
   void sample_arrived();
 
   // With a file descriptor.
-  /// True if there is a sample that the file descriptor does not tell of.
-  bool has_untold() const { return available() && !handle_->is_raised(); }
-  void tell_if_available();
+  /// True if there is a sample, or an interrupt, that the file descriptor does not show.
+  bool has_unshown() const { return must_return() && !handle_->is_raised(); }
+  void show_if_available();
   /// After samples were taken: the file descriptor is not readable any more if those were all.
   void settle();
 
  private:
+  bool is_interrupted() const {
+    return interrupted_ != nullptr && interrupted_->load(std::memory_order_seq_cst);
+  }
+  bool must_return() const { return available() || is_interrupted(); }
   void sleep_until(Time deadline);
   std::shared_ptr<NetworkReader> receiver() const;
 
   const std::vector<SubscriberPorts*> ports_;
   Doorbell& bell_;
   PollHandle* const handle_;
+  const std::atomic<bool>* const interrupted_;
   SpinChoice spinning_;
 };
 

@@ -285,7 +285,8 @@ Result<PortLocation> RoudiChannel::ask_for_port(Question next, const MakeRequest
   }
   const auto open = question();
   if (!open || Clock::now() < open->overdue_at) return not_yet();
-  set_question(std::nullopt);  // the answer will be recognised by its label, and the port given back
+  set_question(std::nullopt);
+  ++overdue_;
   return too_late();
 }
 
@@ -304,6 +305,9 @@ Result<void> RoudiChannel::take_answers(const Claim& claim, Clock::time_point de
   }
 }
 
+/// The daemon answers in the order of the questions. A port has the label of its question as well, an error
+/// has nothing: as long as answers are overdue, it is one of these. A port that was answered too late is
+/// given back.
 void RoudiChannel::note(const IpcMessage& message, const Claim& claim) {
   const std::optional<Question> asked = question();
   const auto answer = [&](Result<PortLocation> location) {
@@ -312,16 +316,19 @@ void RoudiChannel::note(const IpcMessage& message, const Claim& claim) {
   };
   if (type_of(message) == IpcMessageType::ERROR) {
     const auto error = iox::runtime::stringToIpcMessageErrorType(message.getElementAtIndex(1).c_str());
-    asked ? answer(fail(Errc::limit_exceeded, reason_of(error))) : late_answer_came();
+    asked&& overdue_ == 0 ? answer(fail(Errc::limit_exceeded, reason_of(error))) : late_answer_came();
     return;
   }
   if (message.getNumberOfElements() != 3) return;
   const PortLocation location{number_at(message, 2), number_at(message, 1)};
   const bool is_ours = claim(location, asked ? asked->label : "") && asked;
-  is_ours&& type_of(message) == asked->wanted ? answer(location) : late_answer_came();
+  if (!is_ours || type_of(message) != asked->wanted) return late_answer_came();
+  overdue_ = 0;
+  answer(location);
 }
 
 void RoudiChannel::late_answer_came() {
+  if (overdue_ > 0) --overdue_;
   if (unsettled_ > 0) --unsettled_;
 }
 

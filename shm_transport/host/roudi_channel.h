@@ -109,6 +109,7 @@ class RoudiChannel {
   std::optional<Question> question_ SFT_GUARDED_BY(turn_mutex_);  ///< the question that is not answered yet
   // Only the thread that has the turn uses these.
   std::uint64_t requests_ = 0;
+  std::size_t overdue_ = 0;  ///< questions that were given up, and whose answers come before all others
   std::map<std::string, Answer> answers_;  ///< the answers that no call has taken yet, by the port
   /// The number of questions of which the port was neither taken nor given back. Any thread reads it.
   std::atomic<std::size_t> unsettled_{0};

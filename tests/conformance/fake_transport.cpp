@@ -307,6 +307,7 @@ class FakeTransport final : public core::Network {
   }
   std::vector<core::Link> links() const override { return {}; }
   bool network_changed() noexcept override { return false; }
+  void wake_receiver() noexcept override {}
   std::chrono::steady_clock::time_point next_poll() const override {
     return std::chrono::steady_clock::time_point::max();
   }

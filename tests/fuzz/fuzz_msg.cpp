@@ -1,5 +1,5 @@
-// The parser of .msg files. A text is refused with problems that a terminal can show, or has a definition
-// whose printed form has the same one.
+// The parser of .msg and .srv files. A text is refused with problems that a terminal can show, or has a
+// definition whose printed form has the same one.
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
@@ -10,6 +10,7 @@
 #include "from_msg/model_of.h"
 #include "from_msg/names.h"
 #include "from_msg/parse.h"
+#include "from_msg/service.h"
 #include "from_msg/utf8.h"
 #include "tests/generators/msg/print_definition.h"
 
@@ -57,5 +58,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   const auto definition = parse(text, {"my_msgs", "Example"});
   definition ? check(*definition, text) : check(definition.error(), text);
+  const auto service = parse_service(text, {"my_msgs", "Example", "srv"});
+  if (!service) return check(service.error(), text), 0;
+  for (const std::size_t part : {0, 1}) check((*service)[part], text);
+  const ModelOf model({"my_msgs", "Example", "srv"}, *service, {"/root", {}});
+  require(model.file().declaration_count ==
+          (*service)[0].constants.size() + (*service)[1].constants.size() + 5);
   return 0;
 }

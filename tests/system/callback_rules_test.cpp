@@ -68,6 +68,11 @@ const std::map<std::string, Act> acts{
        EXPECT_TRUE(s.calling_subscriber->set_max_rate_hz(1000));
        EXPECT_TRUE(s.other_subscriber->set_max_rate_hz(1000));
      }},
+    {"`interrupt()`",
+     [](Scene& s) {
+       s.other_node->interrupt();
+       EXPECT_TRUE(s.other_node->is_interrupted());
+     }},
     {"destroy other publishers, subscribers and nodes",
      [](Scene& s) {
        s.other_publisher.reset();

@@ -171,6 +171,15 @@ TEST_F(FirstWords, OfACallbackThatHoldsUpAnotherOne) {
   goes_on = true;
 }
 
+TEST_F(FirstWords, OfATopicThatIsNotPublishedWhileASimilarOneIs) {
+  Node node = open();
+  Node lidar = Node::open({.name = "lidar"}).value();
+  const auto points = lidar.publisher<PointCloud2>("lidar/points").value();
+  const auto misspelt = node.subscriber<PointCloud2>("lidar/pionts").value();
+  expect_says(
+      {"topic 'lidar/pionts': no publisher of it was seen; did you mean 'lidar/points', which node 'lidar'"});
+}
+
 TEST_F(FirstWords, OfAnInterfaceThatIsNotThere) {
   NodeOptions options{.name = "robot"};
   options.discovery.interfaces = {"eth9"};

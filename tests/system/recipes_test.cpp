@@ -7,25 +7,27 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdio>
-#include <optional>
+#include <geometry_msgs/msg/Twist.hpp>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 #include <span>
 #include <std_msgs/msg/Float64.hpp>
-#include <std_srvs/msg/SetBool_Request.hpp>
+#include <std_srvs/srv/SetBool.hpp>
 #include <string>
 #include <thread>
 
 #include "sft/sft.h"
 #include "tests/support/eventually.h"
 
+using geometry_msgs::msg::Twist;
 using sensor_msgs::msg::PointCloud2;
 using std_msgs::msg::Float64;
-using std_srvs::msg::SetBool_Request;
+using std_srvs::srv::SetBool;
 
 // These functions are printed in docs/guide.md.
 void count_clouds(sft::Node& node);
-sft::Subscriber<SetBool_Request> serve_lights(sft::Node& node);
-std::optional<std::string> switch_lights(sft::Node& node, bool on);
+void print_commands(sft::Node& node);
+sft::Service<SetBool> serve_lights(sft::Node& node);
+std::string switch_lights(sft::Client<SetBool>& lights, bool on);
 sft::Publisher<Float64> exposure_parameter(sft::Node& node);
 sft::Subscriber<Float64> follow_exposure(sft::Node& node, std::atomic<double>& exposure_ms);
 sft::Result<sft::PublishStatus> pass_on(sft::Publisher<PointCloud2>& points,
@@ -96,11 +98,32 @@ TEST_F(RecipesTest, AnEventLoopCountsCloudsUntilItIsInterrupted) {
   EXPECT_EQ(clouds, 3);
 }
 
+TEST_F(RecipesTest, AProgramThatWaitsEndsAtCtrlC) {
+  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);
+  std::string line;
+  {
+    PrintedLines printed;
+    std::thread loop([&] { print_commands(node_); });
+    auto commands = other_.publisher<Twist>("cmd_vel").value();
+    const bool served = commands.wait_for_subscribers(1, 10s);
+    Twist command;
+    command.linear.x = 0.5;
+    if (served) commands.publish(command);
+    if (served) line = printed.next();
+    kill(getpid(), SIGINT);
+    loop.join();
+  }
+  EXPECT_EQ(line, "0.5 m/s");
+  EXPECT_TRUE(node_.is_interrupted());
+}
+
 TEST_F(RecipesTest, AServiceAnswersItsClient) {
-  EXPECT_EQ(switch_lights(node_, true), std::nullopt) << "nobody serves yet";
+  auto lights = sft::Client<SetBool>::open(node_, "lights").value();
+  EXPECT_EQ(switch_lights(lights, true), "") << "nobody serves yet";
   const auto server = serve_lights(other_);
-  EXPECT_EQ(switch_lights(node_, true), "on");
-  EXPECT_EQ(switch_lights(node_, false), "off");
+  ASSERT_TRUE(sft::test::eventually([&] { return lights.is_available(); }));
+  EXPECT_EQ(switch_lights(lights, true), "on");
+  EXPECT_EQ(switch_lights(lights, false), "off");
 }
 
 TEST_F(RecipesTest, AParameterIsKnownToWhoeverComesLaterAndFollowed) {

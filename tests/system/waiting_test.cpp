@@ -1,8 +1,11 @@
 // Waiting for samples in an event loop, over each transport.
 #include <sys/epoll.h>
 
+#include <atomic>
 #include <cerrno>
+#include <csignal>
 #include <thread>
+#include <vector>
 
 #include "core/platform/file_descriptor.h"
 #include "tests/system/fixture.h"
@@ -90,6 +93,42 @@ TEST_P(WaitingTest, WaitWorksOnASubscriberWithAFileDescriptorToo) {
   pub.publish(cloud(7));
   ASSERT_TRUE(sub.wait(patience));
   EXPECT_EQ(taken(sub), 1U);
+}
+
+/// The node that the handler of a signal interrupts.
+std::atomic<Node*> node_of_handler{nullptr};
+
+TEST_P(WaitingTest, ASignalHandlerEndsTheWaitsOfEachSubscriberOfANode) {
+  Node a = open("a");
+  Node b = open("b");
+  auto publisher = a.publisher<PointCloud2>("points").value();
+  auto served = b.subscriber<PointCloud2, F::height>("points").value();
+  auto another = b.subscriber<PointCloud2, F::height>("points").value();
+  auto pollable = b.subscriber<PointCloud2, F::height>("points", {.pollable = true}).value();
+  Loop loop(pollable.file_descriptor());
+  expect_served(publisher, 3);
+  std::vector<std::jthread> waits;
+  waits.emplace_back([&] { EXPECT_FALSE(served.wait(1h)); });
+  waits.emplace_back([&] { EXPECT_FALSE(another.wait(1h)); });
+  waits.emplace_back([&] { EXPECT_FALSE(pollable.wait(1h)); });
+  waits.emplace_back([&] { EXPECT_FALSE(b.find_type("no such topic", 1h)); });
+
+  node_of_handler = &b;
+  struct sigaction interrupts {
+  }, before{};
+  interrupts.sa_handler = [](int) { node_of_handler.load()->interrupt(); };
+  ASSERT_EQ(::sigaction(SIGUSR1, &interrupts, &before), 0);
+  EXPECT_FALSE(b.is_interrupted());
+  ::raise(SIGUSR1);
+  waits.clear();
+  EXPECT_TRUE(b.is_interrupted());
+  EXPECT_FALSE(a.is_interrupted());
+  EXPECT_TRUE(loop.wakes(5s));
+  ::sigaction(SIGUSR1, &before, nullptr);
+
+  publisher.publish(cloud(7));
+  EXPECT_TRUE(eventually([&] { return served.wait(1h); })) << "samples still come";
+  EXPECT_EQ(taken(served), 1U);
 }
 
 TEST_P(WaitingTest, OnlyWhoAsksForAFileDescriptorHasOneAndNotBesideACallback) {

@@ -695,6 +695,7 @@ local g = {
   type_hash = ProtoField.uint64("sft_control.type_hash", "Hash of the type", base.HEX),
   description = ProtoField.bytes("sft_control.type_description", "Type description"),
   host = ProtoField.bytes("sft_control.host", "Host token"),
+  memory_failure = ProtoField.string("sft_control.memory_failure", "Shared memory failed"),
   network = ProtoField.uint64("sft_control.network", "Network", base.HEX),
   may_use_shm = ProtoField.bool("sft_control.may_use_shm", "May use shared memory"),
   may_use_udp = ProtoField.bool("sft_control.may_use_udp", "May use UDP"),
@@ -1343,6 +1344,7 @@ end
 local function read_places(c)
   local host = c:take(32)
   if host then c.tree:add(g.host, host) end
+  c:text(g.memory_failure)
   c:aligned(g.network, 8)
   c:number(g.may_use_shm, 1)
   c:number(g.may_use_udp, 1)

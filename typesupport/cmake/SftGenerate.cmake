@@ -1,7 +1,7 @@
-# Generates C++ headers from message definitions: ROS 2's .msg files and IDL, in any mixture.
+# Generates C++ headers from message definitions: ROS 2's .msg and .srv files and IDL, in any mixture.
 #
 #   sft_generate(TARGET my_interfaces
-#                FILES my_pkg/msg/Status.msg other_pkg/msg/Plan.idl ...
+#                FILES my_pkg/msg/Status.msg my_pkg/srv/SetMode.srv other_pkg/msg/Plan.idl ...
 #                [BASE_DIR dir]       # default: the current source directory
 #                [INCLUDES dir...]    # more directories of packages, such as /opt/ros/humble/share
 #                [LINK target...])    # targets made by sft_generate
@@ -10,7 +10,8 @@
 # the definitions, the definitions that these nest or include, or the compilers change.
 #
 # The roots are BASE_DIR, INCLUDES, and the roots of the LINK targets. FILES are absolute, or relative to the current
-# source directory or to a root. The header of ROOT/my_pkg/msg/Status.msg is <my_pkg/msg/Status.hpp>, whatever ROOT is.
+# source directory or to a root. The header of ROOT/my_pkg/msg/Status.msg is <my_pkg/msg/Status.hpp>, and that of
+# ROOT/my_pkg/srv/SetMode.srv is <my_pkg/srv/SetMode.hpp>, whatever ROOT is.
 # The header of an IDL file has the same path as the file, relative to the innermost root that contains it.
 #
 # Definitions that FILES nest or include, directly or not, are searched below the roots (first .msg, then .idl) and
@@ -42,13 +43,13 @@ function(sft_find_msgc command file)
   set(${file} ${found} PARENT_SCOPE)
 endfunction()
 
-# Adds the custom command for one .msg file.
-function(sft_generate_from_msg name file root output_dir idl_dir roots)
+# Adds the custom command for one .msg or .srv file. `idl` is the IDL file that the command writes, too, or empty.
+function(sft_generate_from_msg name file root output_dir idl_dir roots idl)
   list(TRANSFORM roots PREPEND -I OUTPUT_VARIABLE include_options)
   set(header ${output_dir}/${name}.hpp)
   sft_find_msgc(msgc msgc_file)
   add_custom_command(
-    OUTPUT ${header} ${idl_dir}/${name}.idl
+    OUTPUT ${header} ${idl}
     COMMAND ${msgc} ${file} -b ${root} ${include_options} -o ${output_dir} -i ${idl_dir} -d ${header}.d
     DEPENDS ${file} ${msgc_file}
     DEPFILE ${header}.d
@@ -93,7 +94,9 @@ function(sft_generate_all names files file_roots roots idl_dirs output_dir outpu
     list(APPEND headers ${output_dir}/${name}.hpp)
     if(file MATCHES "\\.msg$")
       list(APPEND from_msg ${idl_dir}/${name}.idl)
-      sft_generate_from_msg(${name} ${file} ${root} ${output_dir} ${idl_dir} "${roots}")
+      sft_generate_from_msg(${name} ${file} ${root} ${output_dir} ${idl_dir} "${roots}" ${idl_dir}/${name}.idl)
+    elseif(file MATCHES "\\.srv$")
+      sft_generate_from_msg(${name} ${file} ${root} ${output_dir} ${idl_dir} "${roots}" "")
     endif()
   endforeach()
   foreach(name file root IN ZIP_LISTS names files file_roots)

@@ -1,4 +1,4 @@
-// The declarations of one .idl or .msg file, from which the emitters write C++. Names and typedefs are
+// The declarations of one .idl, .msg or .srv file, from which the emitters write C++. Names and typedefs are
 // resolved, and everything in the model has a counterpart in C++. The model is plain C, because the IDL
 // reader includes idlc's headers, which are no C++.
 //
@@ -76,7 +76,9 @@ struct sft_enumerator {
   uint64_t value;
 };
 
-enum sft_declaration_kind { SFT_CONSTANT, SFT_ALIAS, SFT_ENUMERATION, SFT_BITMASK, SFT_STRUCT };
+// A service X stands behind the structs X_Request, X_Response, X_Call and X_Reply, and has nothing but its
+// name.
+enum sft_declaration_kind { SFT_CONSTANT, SFT_ALIAS, SFT_ENUMERATION, SFT_BITMASK, SFT_STRUCT, SFT_SERVICE };
 
 // A declaration. Its kind says which members are set.
 struct sft_declaration {

@@ -28,6 +28,11 @@ void read_away(int fd) noexcept {
   eventfd_t ignored = 0;
   ::eventfd_read(fd, &ignored);
 }
+
+bool is_readable(int socket) noexcept {
+  std::array<pollfd, 1> ready{{{.fd = socket, .events = POLLIN, .revents = 0}}};
+  return poll_until(ready, {});
+}
 }  // namespace
 
 ReceiveLoop::ReceiveLoop(std::unique_ptr<DatagramReceiver> io, const ReassemblyLimits& limits,
@@ -90,7 +95,8 @@ void ReceiveLoop::remove(const core::ReaderSpec& reader) {
 void ReceiveLoop::run() {
   bool stood_by = false;
   for (;;) {
-    const ReceivingRole::Task task = role_.next(Clock::now(), stood_by && readable());
+    const ReceivingRole::Task task =
+        role_.next(Clock::now(), stood_by && is_readable(io_->descriptors().datagrams));
     if (task.evicts) ::eventfd_write(waiter_event_.get(), 1);
     stood_by = task.duty == ReceivingRole::Duty::stand_by;
     if (task.duty == ReceivingRole::Duty::stop) break;
@@ -153,11 +159,6 @@ void ReceiveLoop::note_alarm() {
   role_.alarm_rang();
 }
 
-bool ReceiveLoop::readable() const noexcept {
-  std::array<pollfd, 1> socket{{{.fd = io_->descriptors().datagrams, .events = POLLIN, .revents = 0}}};
-  return poll_until(socket, {});
-}
-
 bool ReceiveLoop::receive(const core::Waiting& waiting) noexcept {
   switch (role_.enter(Clock::now())) {
     case ReceivingRole::Entry::refused:
@@ -175,6 +176,8 @@ bool ReceiveLoop::receive(const core::Waiting& waiting) noexcept {
   leave_role();
   return true;
 }
+
+void ReceiveLoop::wake_receiver() noexcept { ::eventfd_write(waiter_event_.get(), 1); }
 
 /// Waits while another thread receives, and delivers to this one's reader.
 void ReceiveLoop::wait_behind(const core::Waiting& waiting) noexcept {

@@ -53,6 +53,8 @@ class ReceiveLoop final : private DatagramSink, public std::enable_shared_from_t
 
   /// See NetworkReader::receive().
   bool receive(const core::Waiting& waiting) noexcept;
+  /// See Network::wake_receiver().
+  void wake_receiver() noexcept;
 
   SubscriptionDirectory& subscriptions() { return delivery_.subscriptions(); }
   core::Transport::Counters counters() const noexcept { return published_.load(); }
@@ -89,7 +91,6 @@ class ReceiveLoop final : private DatagramSink, public std::enable_shared_from_t
   void sleep_in_role(Time until) noexcept;
   void look_after_time() noexcept;
   void leave_role() noexcept;
-  bool readable() const noexcept;
   void begin(ArrivalTime now) noexcept override;
   void datagram(std::span<const std::byte> bytes, const SocketAddress& from) noexcept override;
   void end() noexcept override;

@@ -133,6 +133,13 @@ class Node {
   [[nodiscard]] Result<DynamicPublisher> publisher(std::string_view topic, const DynamicType& type,
                                                    const PublisherOptions& options = {});
 
+  /// Ends all that waits in this node, now and from now on: Subscriber::wait() of each of its subscribers
+  /// returns at once, with false if there is no sample, their file descriptors become readable and stay so,
+  /// and find_type() fails. Everything else goes on. A signal handler may call it: `while
+  /// (!node.is_interrupted())` is a loop that ends at Ctrl-C (guide.md). There is no way back.
+  void interrupt() noexcept;
+  bool is_interrupted() const noexcept;
+
   /// How discovery, UDP and shared memory work, and what was refused (status.h).
   NodeStatus status() const;
   /// Everything that the node knows of its publishers, its subscribers and itself (snapshot.h); to_json()

@@ -76,6 +76,12 @@ class Loan {
 
   /// Publishes the message, and gives the memory to its readers. For the thread that uses the publisher.
   PublishStatus publish() && { return std::move(loan_).publish(); }
+  /// Never compiles: explains what to write instead.
+  template <int Moved = 0>
+  PublishStatus publish() & {
+    static_assert(Moved != 0, "a loan is gone once it is published: write std::move(loan).publish()");
+    return PublishStatus::no_loan;
+  }
 
  private:
   struct ScalarPlace {

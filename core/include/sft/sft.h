@@ -23,6 +23,7 @@
 #include "sft/sample.h"        // IWYU pragma: export
 #include "sft/sample_info.h"   // IWYU pragma: export
 #include "sft/selection.h"     // IWYU pragma: export
+#include "sft/service.h"       // IWYU pragma: export
 #include "sft/snapshot.h"      // IWYU pragma: export
 #include "sft/status.h"        // IWYU pragma: export
 #include "sft/subscriber.h"    // IWYU pragma: export

@@ -121,6 +121,7 @@ struct PublisherStatus {
     friend bool operator==(const Diverted&, const Diverted&) = default;
   };
 
+  std::uint64_t id = 0;                ///< DomainSnapshot::Endpoint::id of the publisher
   std::uint64_t published = 0;         ///< the number of samples
   std::uint64_t bytes_sent = 0;        ///< bodies and SFT headers over the network, each datagram once
   std::uint64_t bytes_saved = 0;       ///< for all readers, also those that are gone

@@ -49,7 +49,8 @@ class Subscriber {
   /// taken. With several selections it is the newest sample of the one whose samples have waited longest:
   /// calls until there is none give the newest sample of each.
   [[nodiscard]] Sample<T, R> take_latest() { return Sample<T, R>(subscriber_.take_latest()); }
-  /// Returns true as soon as there is a sample to take, or false when the time is over. It spins for
+  /// Returns true as soon as there is a sample to take, or false when the time is over or Node::interrupt()
+  /// was called. It spins for
   /// SubscriberOptions::spin, and then sleeps. If all subscribers of the node are used by wait(), and none of
   /// them has a publisher in shared memory, the calling thread receives for the node meanwhile, so that no
   /// other thread has to wake it. In a callback for samples it does not wait: that may run on the thread that

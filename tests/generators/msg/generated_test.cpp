@@ -1,6 +1,7 @@
 // Types made from .msg files, and what their owned structs start with.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <far_msgs/msg/Plan.hpp>
 #include <limits>
 #include <test_interface_files/msg/BoundedPlainSequences.hpp>
@@ -8,9 +9,12 @@
 #include <test_interface_files/msg/MultiNested.hpp>
 #include <test_interface_files/msg/Nested.hpp>
 #include <test_interface_files/msg/Strings.hpp>
+#include <test_interface_files/srv/Arrays.hpp>
+#include <test_interface_files/srv/Empty.hpp>
 #include <torture_msgs/msg/Deep.hpp>
 #include <torture_msgs/msg/Mixed.hpp>
 #include <torture_msgs/msg/Windows.hpp>
+#include <type_traits>
 
 #include "sft/detail/decode.h"
 #include "tests/support/encoded.h"
@@ -23,6 +27,7 @@ namespace {
 using namespace detail;
 
 namespace interfaces = ::test_interface_files::msg;
+namespace services = ::test_interface_files::srv;
 namespace torture = ::torture_msgs::msg;
 
 template <class T>
@@ -32,8 +37,9 @@ using Types =
     ::testing::Types<interfaces::Arrays, interfaces::BasicTypes, interfaces::BoundedPlainSequences,
                      interfaces::BoundedSequences, interfaces::Constants, interfaces::Defaults,
                      interfaces::Empty, interfaces::MultiNested, interfaces::Nested, interfaces::Strings,
-                     interfaces::UnboundedSequences, torture::Collections, torture::Deep, torture::Literals,
-                     torture::Mixed, torture::UInt8, torture::Windows, torture::Words>;
+                     interfaces::UnboundedSequences, services::Arrays::Call, services::Arrays::Reply,
+                     services::Empty::Call, services::Empty::Reply, torture::Collections, torture::Deep,
+                     torture::Literals, torture::Mixed, torture::UInt8, torture::Windows, torture::Words>;
 TYPED_TEST_SUITE(RoundTrip, Types);
 
 TYPED_TEST(RoundTrip, OfRandomValuesGivesThemBack) {
@@ -56,6 +62,14 @@ TEST(Defaults, OfSingleValuesInitializeTheOwnedStruct) {
   EXPECT_EQ(d.float32_value, 1.125F);
   EXPECT_EQ(d.int64_value, -40000000);
   EXPECT_EQ(d.uint64_value, 50000000U);
+}
+
+TEST(Services, NameTheirMessages) {
+  static_assert(std::is_same_v<services::Arrays::Request, services::Arrays_Request>);
+  static_assert(std::is_same_v<decltype(services::Arrays::Call::request), services::Arrays_Request>);
+  static_assert(std::is_same_v<decltype(services::Arrays::Reply::response), services::Arrays_Response>);
+  EXPECT_EQ(TypeTable<services::Arrays::Request>::type.name, "test_interface_files::srv::Arrays_Request");
+  EXPECT_EQ(services::Arrays::Response().float32_values_default, (std::array{1.125F, 0.F, -1.125F}));
 }
 
 TEST(Defaults, OfArraysAndSequencesInitializeTheOwnedStruct) {

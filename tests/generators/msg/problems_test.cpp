@@ -227,10 +227,10 @@ TEST(Lines, AreDefinitions) {
   EXPECT_EQ(problems("int32 # x"), "1 : 'int32'" + expected);
 }
 
-TEST(Services, AreRefused) {
+TEST(Services, AreNoMessages) {
   EXPECT_EQ(problems("int32 x\n---\nint32 y"),
-            "2 : '---' separates the parts of a service or an action, which are not supported: put each part "
-            "into a .msg file");
+            "2 : '---' separates the two parts of a service: it stands once in a .srv file, in a line with "
+            "nothing else");
 }
 
 TEST(Texts, AreUtf8) {

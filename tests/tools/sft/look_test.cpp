@@ -195,6 +195,21 @@ TEST_F(LookTest, WhyTellsWhatWasNotToldYet) {
     EXPECT_TRUE(pairs.at(0)[count].is_null()) << count;
 }
 
+TEST_F(LookTest, WhyNamesTheReasonForWhichAnotherNodeHasNoSharedMemory) {
+  NodeOptions options{.name = "camera"};
+  options.shm.start_daemon = false;
+  Node camera = Node::open(options).value();
+  auto images = camera.publisher<PointCloud2>("images").value();
+  options.name = "viewer";
+  Node viewer = Node::open(options).value();
+  auto subscriber = viewer.subscriber<PointCloud2>("images").value();
+  std::string text;
+  EXPECT_TRUE(eventually([&] {
+    text = run_tool({"why", "images"}).out;
+    return text.find("publisher's node: no sftd is running") != std::string::npos;
+  })) << text;
+}
+
 TEST_F(LookTest, NoLineOfWhyIsLongerThanEightyColumns) {
   Node talkative = open("a node of which the name, " + std::string(120, 'n') + ", is long");
   auto strict = talkative.subscriber<PointCloud2>("points", {.reliability = reliable}).value();

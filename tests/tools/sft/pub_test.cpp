@@ -153,8 +153,8 @@ TEST_F(PubTest, SamplesThatAreLateAreNotMadeUpFor) {
   ToolProcess pub({"pub", "numbers", "std_msgs/UInt32", "-", "--reliable", "-r", "40"});
   pub.feed("data: 1\n---\n");
   EXPECT_EQ(next(numbers, 1), std::vector<std::uint32_t>{1});
-  const auto half_a_second = run_tool(
-      {"pub", "others", "std_msgs/UInt32", "data: 0", "-n", "21", "-r", "40", "--wait-for", "0"});
+  const auto half_a_second =
+      run_tool({"pub", "others", "std_msgs/UInt32", "data: 0", "-n", "21", "-r", "40", "--wait-for", "0"});
   EXPECT_EQ(half_a_second.code, 0) << half_a_second.err;
   const auto begun = std::chrono::steady_clock::now();
   for (int i = 0; i < 20; ++i) pub.feed("data: 2\n---\n");

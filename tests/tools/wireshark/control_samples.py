@@ -102,10 +102,10 @@ def put_request(cdr, reader, leaves, wants=b"", words=1, listening=(), version=V
     return cdr.octets(wants).ids(listening).ids([]).ids([])
 
 
-def put_endpoint(cdr, endpoint_id, role, description=b"", topic="scan", given_topic="", **request):
+def put_endpoint(cdr, endpoint_id, role, description=b"", topic="scan", memory_failure="", given_topic="", **request):
     cdr.put("Q", KEY).put("B", VERSION, role).put("Q", endpoint_id, 0x77).put("I", 5000)
     cdr.text("arm").text(topic).text("pkg::msg::Scan").put("Q", 0x99).octets(description)
-    cdr.raw(bytes(32)).put("Q", 5).raw(b"\1\1")
+    cdr.raw(bytes(32)).text(memory_failure).put("Q", 5).raw(b"\1\1")
     cdr.put("I", 1).raw(b"\4\0").raw(bytes(10) + b"\xff\xff" + bytes([10, 0, 0, 1])).put("H", 7000).put("I", 4096)
     cdr.put("Q", 0).put("I", 0).put("Q", 1 << 20).raw(b"\0" + b"\1\0\0").put("Q", 0, 0, 0).put("I", 8)
     return put_request(cdr, **{"reader": 0, "leaves": [], "words": 0, **request}).put("Q", 1).text(given_topic)

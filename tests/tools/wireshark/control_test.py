@@ -146,17 +146,19 @@ class ControlTest(unittest.TestCase):
     def test_shows_what_publishers_and_subscribers_announce(self):
         fields = ["sft_control.role", "sft_control.id", "sft_control.topic", "sft_control.type_name",
                   "sft_control.address.ipv4", "sft_control.address.port", "sft_control.history_depth",
-                  "sft_control.revision", "sft_control.given_topic", "sft_control.malformed"]
+                  "sft_control.revision", "sft_control.memory_failure", "sft_control.given_topic",
+                  "sft_control.malformed"]
         rows = self.read([announcement("sft_writer"), announcement("sft_reader"),
-                          sample("sft_writer", publisher(0x5566, KNOWN_TYPE, given_topic="~/scan")),
+                          sample("sft_writer", publisher(0x5566, KNOWN_TYPE, memory_failure="no rights",
+                                                         given_topic="~/scan")),
                           sample("sft_reader", subscriber(READER, [1], wants=period(5000)))], fields)
         known = {"sft_control.topic": "scan", "sft_control.type_name": "pkg::msg::Scan", "sft_control.malformed": "",
                  "sft_control.address.ipv4": "10.0.0.1", "sft_control.address.port": "7000",
                  "sft_control.history_depth": "8", "sft_control.revision": "1"}
         self.assertEqual(rows[2], {**known, "sft_control.role": "0", "sft_control.id": "0x0000000000005566",
-                                   "sft_control.given_topic": "~/scan"})
+                                   "sft_control.memory_failure": "no rights", "sft_control.given_topic": "~/scan"})
         self.assertEqual(rows[3], {**known, "sft_control.role": "1", "sft_control.id": f"0x{READER:016x}",
-                                   "sft_control.given_topic": ""})
+                                   "sft_control.memory_failure": "", "sft_control.given_topic": ""})
 
     def test_shows_the_key_of_what_has_ended(self):
         rows = self.read([announcement("sft_reader"), sample("sft_reader", struct.pack("<QB", READER, 0), flags=0x09)],

@@ -1,6 +1,8 @@
 // The commands `sftd status` and `sftd stop`, with and without a daemon that answers.
 #include <signal.h>
 
+#include <fstream>
+
 #include "shm_transport/sftd/exit_code.h"
 #include "shm_transport/sftd/status.h"
 #include "tests/transports/shm/shm_fixture.h"
@@ -189,6 +191,37 @@ TEST_F(PortsAnsweredLate, AreGivenBackIfTheNodeDoesNotAskForThemAgain) {
   EXPECT_TRUE(status_becomes([&](const Status& status) {
     node().poll();
     return status.usage.publishers.empty();
+  }));
+}
+
+TEST_F(SftdCommands, ARefusalThatComesAfterItsDeadlineAnswersNoLaterQuestion) {
+  std::ofstream("/tmp/sftd.toml")
+      << "total_mib = 16\nlog_level = 'error'\n[limits]\npublishers_per_process = 1\n";
+  Process daemon({sftd_path(), "--foreground", "--config=/tmp/sftd.toml"});
+  ASSERT_EQ(daemon.line(), "sftd: ready");
+  shm::ShmOptions options = no_daemon();
+  options.port_wait = 0ms;
+  options.port_deadline = 50ms;
+  Node node(options);
+  ASSERT_TRUE(node.becomes_ready()) << node->description();
+  const auto asks_for = [&](core::EndpointId writer) {
+    return node->open_writer({.id = writer, .type = &frame_type()});
+  };
+  auto first = asks_for(1);
+  ASSERT_TRUE(eventually([&] { return first || (first = asks_for(1)); })) << first.error().message;
+
+  daemon.signal(SIGSTOP);
+  ASSERT_TRUE(eventually([&] { return is_stopped(daemon.pid()); }));
+  EXPECT_FALSE(asks_for(2));
+  ASSERT_TRUE(eventually([&] { return !node->awaits_answer(); }));
+  EXPECT_FALSE(asks_for(2)) << "it has given the question up";
+  Reader reader(node);
+  EXPECT_FALSE(reader.port().connect({.writer = 9}));
+  daemon.signal(SIGCONT);
+  EXPECT_TRUE(eventually([&] {
+    const auto connected = reader.port().connect({.writer = 9});
+    EXPECT_TRUE(connected || connected.error().code == Errc::unavailable) << connected.error().message;
+    return connected.has_value();
   }));
 }
 

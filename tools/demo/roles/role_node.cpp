@@ -1,6 +1,24 @@
 #include "tools/demo/roles/role_node.h"
 
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include "tools/hosts/own_host.h"
+
 namespace sft::demo {
+
+namespace {
+
+/// A process that has mounts of its own in a chroot does not find the directory of its program any more.
+std::string daemon_beside_program() {
+  const std::filesystem::path daemon = hosts::program_directory() / "sftd";
+  std::error_code error;
+  const bool is_chosen = std::getenv("SFT_DAEMON") != nullptr;
+  return is_chosen || !std::filesystem::exists(daemon, error) ? "" : daemon.string();
+}
+
+}  // namespace
 
 Result<std::unique_ptr<RoleNode>> RoleNode::open(const NodePlan& plan) {
   std::unique_ptr<RoleNode> role(new RoleNode);
@@ -16,6 +34,7 @@ Result<std::unique_ptr<RoleNode>> RoleNode::open(const NodePlan& plan) {
       // The host of a subscriber is to show what that subscriber costs, but the switch passes multicast on to
       // all hosts.
       .udp = {.multicast = UdpSettings::Multicast::off},
+      .shm = {.daemon_path = daemon_beside_program()},
       // The user's own configuration names interfaces of this machine, which other hosts do not have.
       .cyclonedds_config = "",
       .log = [self = role.get()](LogLevel level, std::string_view text) { self->note(level, text); },

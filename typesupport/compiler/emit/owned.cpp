@@ -1,6 +1,7 @@
 #include "owned.h"
 
 #include <algorithm>
+#include <array>
 #include <span>
 
 #include "naming.h"
@@ -85,6 +86,16 @@ void emit_struct(Code& code, const Message& message) {
   code.line("}};");
 }
 
+/// Writes the struct that names the messages of a service.
+void emit_service(Code& code, const sft_declaration& service) {
+  constexpr std::array parts = std::to_array<std::string_view>({"Request", "Response", "Call", "Reply"});
+  const std::string_view name = last_name(service.name);
+  const bool is_taken = std::ranges::find(parts, name) != parts.end();
+  code.line("struct {}{} {{", type_name(service.name), is_taken ? "_" : "");
+  for (const std::string_view part : parts) code.line("  using {0} = {1}_{0};", part, name);
+  code.line("}};");
+}
+
 /// Opens and closes namespaces, and puts blank lines between declarations, except within runs of constants or
 /// aliases.
 class Layout {
@@ -139,6 +150,9 @@ void emit_owned(Code& code, const sft_file& file, const std::vector<Message>& me
         break;
       case SFT_STRUCT:
         emit_struct(code, *message++);
+        break;
+      case SFT_SERVICE:
+        emit_service(code, declaration);
         break;
     }
   }

@@ -8,6 +8,13 @@
 namespace sft::idl {
 namespace {
 
+/// The getter of a field that was not declared: the compiler refuses it by its name and its type.
+void emit_absent(Code& code, const Field& field, std::size_t index) {
+  code.line("  sft::detail::this_field_is_not_declared::name_it_where_the_subscriber_is_opened {}() const",
+            field.name);
+  code.line("      requires(!sft::detail::field_is_in_declared_mask<Place_, {}>) = delete;", index);
+}
+
 void emit_getter(Code& code, const Field& field, std::size_t index) {
   const sft_type& type = field.idl->type;
   code.line("  auto {}() const requires sft::detail::field_is_in_declared_mask<Place_, {}> {{", field.name,
@@ -15,6 +22,7 @@ void emit_getter(Code& code, const Field& field, std::size_t index) {
   code.line("    return at_.template get<{}{}>();", index,
             type.name == nullptr ? "" : ", " + element_type(type));
   code.line("  }}");
+  emit_absent(code, field, index);
 }
 
 /// The getter of a sequence of numbers that takes the type of a cell.
@@ -24,6 +32,8 @@ void emit_cells(Code& code, const Field& field, std::size_t index) {
             index);
   code.line("    return sft::detail::cells_at<Cell_, {}>(at_);", index);
   code.line("  }}");
+  code.line("  template <class Cell_>");
+  emit_absent(code, field, index);
 }
 
 /// The points of a cloud, as typed columns.

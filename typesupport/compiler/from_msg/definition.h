@@ -1,4 +1,5 @@
-// The content of one .msg file. Names and values are checked; nested types are known by name only.
+// The content of one .msg file, or of a part of a .srv file. Names and values are checked; nested types are
+// known by name only.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +15,9 @@ namespace sft::msg {
 struct TypeName {
   std::string package;
   std::string name;
+  std::string folder = "msg";  ///< "srv": a part of a service
 
-  std::string text() const { return package + "/msg/" + name; }
+  std::string text() const { return package + "/" + folder + "/" + name; }
   auto operator<=>(const TypeName&) const = default;
 };
 

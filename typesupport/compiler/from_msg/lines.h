@@ -24,12 +24,13 @@ std::string with_plain_spaces(std::string_view text);
 /// Iterates over the lines of a text with plain spaces, which must outlive the iterator.
 class Lines {
  public:
-  explicit Lines(std::string_view text) : rest_(text) {}
+  /// `before` lines stand before the text, in the same file.
+  explicit Lines(std::string_view text, std::uint32_t before = 0) : rest_(text), number_(before) {}
   std::optional<Line> next();
 
  private:
   std::string_view rest_;
-  std::uint32_t number_ = 0;
+  std::uint32_t number_;
 };
 
 std::string_view trimmed(std::string_view text);

@@ -1,11 +1,13 @@
-// sft_msgc: writes the C++ header of one .msg file, and IDL for .idl files that include it.
+// sft_msgc: writes the C++ header of one .msg or .srv file, and IDL for .idl files that include the message.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,6 +19,7 @@
 #include "from_msg/model_of.h"
 #include "from_msg/nested.h"
 #include "from_msg/parse.h"
+#include "from_msg/service.h"
 
 namespace {
 
@@ -33,14 +36,17 @@ struct Arguments {
 };
 
 void declare(CLI::App& app, Arguments& arguments) {
-  app.add_option("file", arguments.file, "The message: ROOT/PACKAGE/msg/NAME.msg")->required();
+  app.add_option("file", arguments.file,
+                 "The message: ROOT/PACKAGE/msg/NAME.msg, or the service: ROOT/PACKAGE/srv/NAME.srv")
+      ->required();
   app.add_option("-b", arguments.base_dir, "ROOT, if it is not the third directory above the file");
   app.add_option("-I", arguments.roots, "Another directory of packages with nested types; may be repeated")
       ->allow_extra_args(false);
-  app.add_option("-o", arguments.output_dir, "Write the header to <dir>/PACKAGE/msg/NAME.hpp")
+  app.add_option("-o", arguments.output_dir,
+                 "Write the header to <dir>/PACKAGE/msg/NAME.hpp or .../srv/NAME.hpp")
       ->capture_default_str();
   app.add_option("-i", arguments.idl_dir,
-                 "Also write <dir>/PACKAGE/msg/NAME.idl, for .idl files that include it");
+                 "Also write <dir>/PACKAGE/msg/NAME.idl of a message, for .idl files that include it");
   app.add_option("-d", arguments.dependency_file,
                  "Write a make rule with the files that the header depends on to this file");
 }
@@ -66,9 +72,19 @@ fs::path directory(const fs::path& path) {
   return (fs::absolute(path) / "").lexically_normal().parent_path();
 }
 
-bool is_name(const fs::path& name) {
-  return std::distance(name.begin(), name.end()) == 3 && name.parent_path().filename() == "msg" &&
-         name.extension() == ".msg" && *name.begin() != "..";
+/// The name of the message or service in a file, whose path is relative to its root.
+std::optional<TypeName> name_of(const fs::path& file) {
+  if (std::distance(file.begin(), file.end()) != 3 || *file.begin() == "..") return {};
+  TypeName type{file.begin()->string(), file.stem().string(), file.parent_path().filename().string()};
+  const bool is_known = type.folder == "msg" || type.folder == "srv";
+  return is_known && file.extension() == "." + type.folder ? std::optional(std::move(type)) : std::nullopt;
+}
+
+/// The definitions in a file: one, or those of a service.
+tl::expected<std::vector<Definition>, std::vector<Problem>> parse_file(const std::string& file,
+                                                                       const TypeName& type) {
+  if (type.folder == "srv") return parse_service(read_file(file), type);
+  return parse(read_file(file), type).map([](Definition&& only) { return std::vector{std::move(only)}; });
 }
 
 /// The definitions of nested messages, each read once.
@@ -91,28 +107,51 @@ class NestedDefinitions {
   std::map<TypeName, std::optional<Definition>> definitions_;
 };
 
+/// The files that the definitions nest, each once; prints what is wrong with them.
+std::optional<std::vector<fs::path>> check(const Arguments& arguments, const TypeName& type,
+                                           const std::vector<Definition>& definitions,
+                                           const SearchPath& search_path) {
+  NestedDefinitions known(search_path);
+  std::vector<fs::path> files;
+  std::vector<Problem> problems;
+  for (const Definition& definition : definitions) {
+    const auto nested = nested_files(definition, search_path);
+    const auto wrong = nested
+                           ? check_layouts(definition, [&](const TypeName& name) { return known.find(name); })
+                           : nested.error();
+    problems.insert(problems.end(), wrong.begin(), wrong.end());
+    if (nested) files.insert(files.end(), nested->begin(), nested->end());
+  }
+  if (!problems.empty()) return fail(arguments, type, problems), std::nullopt;
+  std::ranges::sort(files);
+  files.erase(std::ranges::unique(files).begin(), files.end());
+  return files;
+}
+
 int generate(const Arguments& arguments, const fs::path& root, const TypeName& type) {
-  const auto definition = parse(read_file(arguments.file), type);
-  if (!definition) return fail(arguments, type, definition.error());
+  const auto definitions = parse_file(arguments.file, type);
+  if (!definitions) return fail(arguments, type, definitions.error());
   std::vector<fs::path> roots{root};
   roots.insert(roots.end(), arguments.roots.begin(), arguments.roots.end());
-  const SearchPath search_path(roots);
-  const auto nested = nested_files(*definition, search_path);
-  if (!nested) return fail(arguments, type, nested.error());
-  NestedDefinitions definitions(search_path);
-  const auto wrong = check_layouts(*definition, [&](const TypeName& name) { return definitions.find(name); });
-  if (!wrong.empty()) return fail(arguments, type, wrong);
+  const bool is_service = type.folder == "srv";
+  // The last two of a service only carry the first two.
+  const auto nested =
+      check(arguments, type, {definitions->begin(), is_service ? definitions->end() - 2 : definitions->end()},
+            SearchPath(roots));
+  if (!nested) return 1;
 
-  if (!arguments.idl_dir.empty()) {
+  if (!arguments.idl_dir.empty() && !is_service) {
     const fs::path idl = fs::path(arguments.idl_dir) / (type.text() + ".idl");
     fs::create_directories(idl.parent_path());
-    sft::idl::write_file(idl, idl_text(*definition));
+    sft::idl::write_file(idl, idl_text(definitions->front()));
   }
   const fs::path header = fs::path(arguments.output_dir) / (type.text() + ".hpp");
   fs::create_directories(header.parent_path());
-  const ModelOf model(*definition, {root, *nested});
+  const Files files{root, *nested};
+  const auto model = is_service ? std::make_unique<ModelOf>(type, *definitions, files)
+                                : std::make_unique<ModelOf>(definitions->front(), files);
   const sft_output output{header.c_str(), arguments.dependency_file.c_str(), "", root.c_str()};
-  return sft_emit(&model.file(), &output) ? 0 : 1;
+  return sft_emit(&model->file(), &output) ? 0 : 1;
 }
 
 int run(const Arguments& arguments) {
@@ -120,22 +159,21 @@ int run(const Arguments& arguments) {
   const fs::path root =
       directory(arguments.base_dir.empty() ? file.parent_path() / "../.." : fs::path(arguments.base_dir));
   const fs::path name = file.lexically_relative(root);
-  if (file.extension() == ".srv" || file.extension() == ".action") {
+  if (file.extension() == ".action") {
     return fail(arguments.file, 1, name.string(),
-                "services and actions are not supported: put each part into a .msg file");
+                "actions are not supported: use a service for goals, and topics for feedback and results");
   }
-  if (!is_name(name)) {
-    return fail(arguments.file, 1, name.string(),
-                "this is no place for a message: expected PACKAGE/msg/NAME.msg below " + root.string());
-  }
-  return generate(arguments, root, {name.begin()->string(), name.stem().string()});
+  if (const auto type = name_of(name)) return generate(arguments, root, *type);
+  return fail(arguments.file, 1, name.string(),
+              "this is no place for a message: expected PACKAGE/msg/NAME.msg or PACKAGE/srv/NAME.srv below " +
+                  root.string());
 }
 
 }  // namespace
 
 int main(int argc, char** argv) try {
   Arguments arguments;
-  CLI::App app("Makes the C++ header of a ROS 2 message.", "sft_msgc");
+  CLI::App app("Makes the C++ header of a ROS 2 message or service.", "sft_msgc");
   declare(app, arguments);
   CLI11_PARSE(app, argc, argv);
   return run(arguments);

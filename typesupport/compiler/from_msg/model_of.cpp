@@ -2,26 +2,58 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "from_msg/layouts.h"
 #include "from_msg/nested.h"
 
 namespace sft::msg {
 namespace {
 
-std::string cpp_name(const TypeName& type) { return fmt::format("::{}::msg::{}", type.package, type.name); }
+std::string cpp_name(const TypeName& type) {
+  return fmt::format("::{}::{}::{}", type.package, type.folder, type.name);
+}
+
+/// The file of a message or of a service.
+std::string path_of(const TypeName& type, const Files& files) {
+  return (files.root / (type.text() + "." + type.folder)).string();
+}
 
 }  // namespace
 
 ModelOf::ModelOf(const Definition& definition, const Files& files) {
-  const auto path_of = [&](const TypeName& type) { return (files.root / (type.text() + ".msg")).string(); };
-  file_.path = keep(path_of(definition.type));
-  // Nested files may be below several roots, but all headers are below one.
-  for (const TypeName& nested : nested_types(definition)) includes_.push_back(keep(path_of(nested)));
+  file_.path = keep(path_of(definition.type, files));
   sources_.push_back(file_.path);
+  add(definition, files);
   for (const auto& nested : files.nested) sources_.push_back(keep(nested.string()));
+  finish();
+}
+
+ModelOf::ModelOf(const TypeName& service, const std::vector<Definition>& definitions, const Files& files) {
+  file_.path = keep(path_of(service, files));
+  sources_.push_back(file_.path);
+  for (const Definition& definition : definitions) add(definition, files);
+  for (const auto& nested : files.nested) sources_.push_back(keep(nested.string()));
+  sft_declaration& declaration = declarations_.emplace_back();
+  declaration.kind = SFT_SERVICE;
+  declaration.name = keep(cpp_name(service));
+  finish();
+}
+
+void ModelOf::add(const Definition& definition, const Files& files) {
+  // Nested files may be below several roots, but all headers are below one. Parts of a service are in one
+  // file.
+  for (const TypeName& nested : nested_types(definition)) {
+    const std::string path = path_of(nested, files);
+    const bool is_here = nested.folder == "srv";
+    if (!is_here && std::ranges::none_of(includes_, [&](const char* known) { return known == path; }))
+      includes_.push_back(keep(path));
+  }
   add_constants(definition);
   add_struct(definition);
+}
 
+void ModelOf::finish() {
   file_.includes = includes_.data();
   file_.include_count = includes_.size();
   file_.sources = sources_.data();
@@ -41,12 +73,13 @@ void ModelOf::add_constants(const Definition& definition) {
 }
 
 void ModelOf::add_struct(const Definition& definition) {
-  for (const Field& field : definition.fields) members_.push_back(member_of(field));
+  std::vector<sft_member>& members = members_.emplace_back();
+  for (const Field& field : definition.fields) members.push_back(member_of(field));
   sft_declaration& declaration = declarations_.emplace_back();
   declaration.kind = SFT_STRUCT;
   declaration.name = keep(cpp_name(definition.type));
-  declaration.members = members_.data();
-  declaration.member_count = members_.size();
+  declaration.members = members.data();
+  declaration.member_count = members.size();
 }
 
 sft_member ModelOf::member_of(const Field& field) {

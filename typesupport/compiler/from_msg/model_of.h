@@ -1,4 +1,4 @@
-// Translates a definition to the model, from which the emitters write a header.
+// Translates the definitions of a file to the model, from which the emitters write a header.
 #pragma once
 
 #include <deque>
@@ -11,16 +11,19 @@
 
 namespace sft::msg {
 
-/// The place of a message, and the files that it depends on.
+/// The place of a file, and the files that it depends on.
 struct Files {
-  std::filesystem::path root;  ///< the message is <root>/<package>/msg/<Name>.msg
+  std::filesystem::path root;  ///< the file is <root>/<package>/msg/<Name>.msg, or .../srv/<Name>.srv
   std::vector<std::filesystem::path> nested;
 };
 
 /// A file of the model, with everything that it points to.
 class ModelOf {
  public:
+  /// The model of a message.
   ModelOf(const Definition& definition, const Files& files);
+  /// The model of a service, which has the definitions that parse_service() returns.
+  ModelOf(const TypeName& service, const std::vector<Definition>& definitions, const Files& files);
   ModelOf(const ModelOf&) = delete;
   ModelOf& operator=(const ModelOf&) = delete;
 
@@ -28,6 +31,8 @@ class ModelOf {
   const sft_file& file() const { return file_; }
 
  private:
+  void add(const Definition& definition, const Files& files);
+  void finish();
   void add_constants(const Definition& definition);
   void add_struct(const Definition& definition);
   sft_member member_of(const Field& field);
@@ -39,7 +44,7 @@ class ModelOf {
   std::deque<std::vector<sft_value>> initials_;
   std::vector<const char*> includes_;
   std::vector<const char*> sources_;
-  std::vector<sft_member> members_;
+  std::deque<std::vector<sft_member>> members_;  // of each struct
   std::vector<sft_declaration> declarations_;
   sft_file file_{};
 };

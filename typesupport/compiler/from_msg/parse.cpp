@@ -47,7 +47,10 @@ bool is_separator(std::string_view code) {
 
 class Parser {
  public:
-  explicit Parser(const TypeName& name) { definition_.type = name; }
+  Parser(const TypeName& name, std::uint32_t lines_before)
+      : lines_before_(lines_before), line_(lines_before + 1) {
+    definition_.type = name;
+  }
 
   tl::expected<Definition, std::vector<Problem>> run(std::string_view text) {
     check_name();
@@ -100,13 +103,13 @@ class Parser {
     const std::size_t invalid = find_invalid_utf8(text);
     if (invalid == text.npos) return true;
     const std::string before = with_plain_spaces(text.substr(0, invalid));
-    line_ = static_cast<std::uint32_t>(1 + std::ranges::count(before, '\n'));
+    line_ = lines_before_ + static_cast<std::uint32_t>(1 + std::ranges::count(before, '\n'));
     refuse("", "this is not UTF-8: convert the file");
     return false;
   }
 
   void read(const std::string& text) {
-    Lines lines(text);
+    Lines lines(text, lines_before_);
     bool is_head = true;  // the comment at the top belongs to the message
     while (const auto line = lines.next()) {
       line_ = line->number;
@@ -152,8 +155,8 @@ class Parser {
     }
     if (is_separator(code)) {
       return refuse("",
-                    "'---' separates the parts of a service or an action, which are not supported: put each "
-                    "part into a .msg file");
+                    "'---' separates the two parts of a service: it stands once in a .srv file, in a line "
+                    "with nothing else");
     }
     if (statement.name.empty()) {
       return refuse("",
@@ -243,9 +246,10 @@ class Parser {
     problems_.push_back({line_, std::string(member), fmt::format(format, std::forward<Args>(args)...)});
   }
 
+  const std::uint32_t lines_before_;
   Definition definition_;
   std::vector<Problem> problems_;
-  std::uint32_t line_ = 1;
+  std::uint32_t line_;
   std::string comment_;                        // of the next definition
   std::optional<Layout> layout_;               // of the next field
   std::vector<std::string> field_comments_;    // one per field
@@ -255,8 +259,9 @@ class Parser {
 
 }  // namespace
 
-tl::expected<Definition, std::vector<Problem>> parse(std::string_view text, const TypeName& name) {
-  return Parser(name).run(text);
+tl::expected<Definition, std::vector<Problem>> parse(std::string_view text, const TypeName& name,
+                                                     std::uint32_t lines_before) {
+  return Parser(name, lines_before).run(text);
 }
 
 }  // namespace sft::msg

@@ -1,7 +1,8 @@
-// Parses the text of a .msg file, in ROS 2's syntax (msg.md).
+// Parses the text of a .msg file, or of a part of a .srv file, in ROS 2's syntax (msg.md).
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string_view>
 #include <tl/expected.hpp>
 #include <vector>
@@ -19,7 +20,9 @@ struct Limits {
 };
 
 /// Returns the definition of the type `name`, or its errors in the order of lines. The result depends on
-/// nothing but the arguments, and does not refer to them.
-tl::expected<Definition, std::vector<Problem>> parse(std::string_view text, const TypeName& name);
+/// nothing but the arguments, and does not refer to them. `lines_before` lines stand before the text, in the
+/// same file.
+tl::expected<Definition, std::vector<Problem>> parse(std::string_view text, const TypeName& name,
+                                                     std::uint32_t lines_before = 0);
 
 }  // namespace sft::msg

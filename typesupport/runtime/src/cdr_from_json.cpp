@@ -10,11 +10,12 @@
 #include <optional>
 #include <utility>
 
+#include "round_to_nearest.h"
 #include "sft/detail/sample_format.h"
+#include "sft/detail/text.h"
 #include "sft/detail/type_table.h"
 #include "sft/detail/walk.h"
 #include "sft/json.h"
-#include "text.h"
 
 namespace sft {
 
@@ -343,6 +344,7 @@ class CdrWriter {
 
 Result<std::vector<std::byte>> cdr_from_json(const StructType& type, std::string_view json,
                                              const FromJsonOptions& options) {
+  const RoundToNearest rounding;
   try {
     return CdrWriter(options).write(type, Json::parse(json));
   } catch (const Json::parse_error& error) {

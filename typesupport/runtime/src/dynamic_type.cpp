@@ -10,9 +10,9 @@
 
 #include "description_format.h"
 #include "layout/rule.h"
+#include "sft/detail/text.h"
 #include "sft/detail/type_description.h"
 #include "sft/detail/type_shape.h"
-#include "text.h"
 
 namespace sft {
 

@@ -4,8 +4,8 @@
 #include <charconv>
 
 #include "sft/detail/parts_in_place.h"
+#include "sft/detail/text.h"
 #include "sft/detail/type_shape.h"
-#include "text.h"
 
 namespace sft {
 

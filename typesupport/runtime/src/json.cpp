@@ -1,4 +1,5 @@
 #include "sft/json.h"
+#include "round_to_nearest.h"
 
 #include <algorithm>
 #include <array>
@@ -147,6 +148,7 @@ class JsonWriter {
 }  // namespace
 
 Result<std::string> to_json(const DynamicView& view, const JsonOptions& options) {
+  const RoundToNearest rounding;
   return JsonWriter(options).write(view);
 }
 

@@ -13,9 +13,10 @@
 #include <type_traits>
 #include <utility>
 
+#include "round_to_nearest.h"
+#include "sft/detail/text.h"
 #include "sft/detail/type_table.h"
 #include "sft/yaml.h"
-#include "text.h"
 
 namespace sft {
 
@@ -165,6 +166,7 @@ class JsonMaker {
 
 Result<std::string> json_from_yaml(const StructType& type, std::string_view yaml) {
   if (Json::accept(yaml)) return std::string(yaml);
+  const RoundToNearest rounding;
   try {
     const std::string text(yaml);
     const YAML::Node root = YAML::Load(text);

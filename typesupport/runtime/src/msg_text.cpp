@@ -15,8 +15,8 @@
 #include "from_msg/parse.h"
 #include "from_msg/type.h"
 #include "layout/rule.h"
+#include "sft/detail/text.h"
 #include "sft/detail/type_description.h"
-#include "text.h"
 
 namespace sft {
 

@@ -4,9 +4,9 @@
 #include <string>
 
 #include "sft/detail/parts_in_place.h"
+#include "sft/detail/text.h"
 #include "sft/dynamic_view.h"
 #include "sft/selection.h"
-#include "text.h"
 
 namespace sft::detail {
 

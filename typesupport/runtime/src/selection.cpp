@@ -10,7 +10,7 @@
 
 #include "selection_bytes.h"
 #include "sft/detail/fnv1a.h"
-#include "text.h"
+#include "sft/detail/text.h"
 
 namespace sft {
 

@@ -1,4 +1,5 @@
 #include "selection_parser.h"
+#include "round_to_nearest.h"
 
 #include <algorithm>
 #include <charconv>
@@ -471,6 +472,7 @@ Result<Selection::Number> SelectionParser::number(std::string_view what) {
     at_ += static_cast<std::size_t>(read.ptr - text);
     return negative;
   }
+  const RoundToNearest rounding;
   double value = 0;
   const auto read = std::from_chars(text, end, value);
   if (read.ptr == text) return wrong("here " + std::string(what) + " is needed, not " + in_quotes(word()));

@@ -1,4 +1,4 @@
-#include "text.h"
+#include "sft/detail/text.h"
 
 #include <algorithm>
 #include <numeric>

@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "sft/detail/fnv1a.h"
+#include "sft/detail/text.h"
 #include "sft/detail/type_shape.h"
-#include "text.h"
 
 namespace sft {
 

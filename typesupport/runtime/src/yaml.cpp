@@ -5,7 +5,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "text.h"
+#include "sft/detail/text.h"
 
 namespace sft {
 

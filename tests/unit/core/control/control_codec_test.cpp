@@ -19,6 +19,7 @@ Endpoint endpoint() {
   e.type_hash = 0x123456789abcdef0;
   e.type_description = {std::byte{1}, std::byte{2}, std::byte{3}};
   e.host.bytes.fill(5);
+  e.memory_failure = "/dev/shm is too small";
   e.network = 9;
   e.may_use_memory = true;
   e.may_use_network = true;
@@ -211,6 +212,18 @@ TEST(ControlCodecTest, NamesThatCouldForgeLinesOfALogAreRefusedAndQuotedSafely) 
   EXPECT_EQ(refusal([](Endpoint& e) { e.type_name = "a\x1b[2J"; }),
             "an endpoint whose type name 'a\\x1b[2J' has a control character in it");
   EXPECT_EQ(refusal([](Endpoint& e) { e.node = ""; }), "") << "a node needs no name";
+}
+
+TEST(ControlCodecTest, AReasonThatIsNoTextIsLeftOutAndItsEndpointIsNotRefused) {
+  for (const std::string& text :
+       {std::string("a\x1b[2J"), std::string("\xff"), std::string(254, 'a') + "\xc3\xa4"}) {
+    ControlStorage storage;
+    Endpoint e = endpoint();
+    e.memory_failure = text;
+    const auto decoded = from_dds(to_dds(e, storage));
+    ASSERT_TRUE(decoded) << decoded.error().message;
+    EXPECT_EQ(decoded->memory_failure, "");
+  }
 }
 
 TEST(ControlCodecTest, ATopicThatSomebodyAnnouncesWithASlashInFrontIsTheOneWithoutIt) {

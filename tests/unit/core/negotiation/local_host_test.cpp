@@ -42,6 +42,17 @@ TEST_F(LocalHostTest, AWriterThatMayOnlyReadSharedMemoryGetsNoToken) {
   EXPECT_FALSE(equipped(Role::writer).host.known());
 }
 
+TEST_F(LocalHostTest, AnEndpointSaysWhyItsNodeHasNoSharedMemoryUnlessItRulesThatOut) {
+  host.self_changed({.memory_state = "starting again", .memory_failure = "/dev/shm is too small"});
+  Endpoint ours;
+  ours.may_use_memory = true;
+  host.equip(ours);
+  EXPECT_EQ(ours.memory_failure, "/dev/shm is too small");
+  ours.may_use_memory = false;
+  host.equip(ours);
+  EXPECT_EQ(ours.memory_failure, "");
+}
+
 TEST_F(LocalHostTest, AnEndpointThatMayUseUdpGetsTheAddresses) {
   host.network_changed(addresses, {});
   EXPECT_EQ(equipped(Role::reader).addresses, addresses);

@@ -44,6 +44,19 @@ TEST_F(NegotiationTest, AReaderInAContainerIsServedInMemoryIfItSharesThatOrIsTol
   EXPECT_EQ(reason(1), "no shared memory: off");
 }
 
+TEST_F(NegotiationTest, AReaderOnThisHostWithoutSharedMemorySaysWhyItHasNone) {
+  our_writer();
+  Endpoint reader = endpoint(Role::reader, 7, beside);
+  reader.host = {};
+  const auto reason = [&](const std::string& failure) {
+    reader.memory_failure = failure;
+    negotiation.endpoint_seen(reader);
+    return negotiation.serving(100).readers.at(0).reason;
+  };
+  EXPECT_EQ(reason(""), "the other side has no shared memory yet");
+  EXPECT_EQ(reason("/dev/shm is too small"), "the other side has no shared memory: /dev/shm is too small");
+}
+
 TEST_F(NegotiationTest, AReaderThatRulesUdpOutIsNotServedBeforeItIsAttached) {
   our_writer();
   Endpoint reader = endpoint(Role::reader, 7, here, 1);

@@ -73,6 +73,16 @@ TEST_F(DomainSnapshotTest, APairOnTwoOtherHostsGoesByUdpAsBothOfThemSee) {
   EXPECT_FALSE(snapshot().publishers.at(0).same_machine);
 }
 
+TEST_F(DomainSnapshotTest, APairOnOneHostWithoutSharedMemoryHasTheReasonOfItsNode) {
+  writer.host = {};
+  writer.memory_failure = "no rights";
+  EXPECT_EQ(pair().reason, "no shared memory: the publisher's node: no rights");
+  writer.host = reader.host;
+  reader.host = {};
+  reader.memory_failure = "/dev/shm is too small";
+  EXPECT_EQ(pair().reason, "the other side has no shared memory: /dev/shm is too small");
+}
+
 TEST_F(DomainSnapshotTest, PoliciesAndTypesThatDoNotFitAreNamed) {
   reader.qos.reliability = Reliability::reliable;
   EXPECT_FALSE(pair().matched);

@@ -102,6 +102,17 @@ TEST_F(TransportWatchTest, SharedMemoryThatIsNotReadyHasNoHost) {
   EXPECT_FALSE(watch.memory_ready());
 }
 
+TEST_F(TransportWatchTest, OthersAreGivenTheLastFailureUntilSharedMemoryIsReady) {
+  lines_if(Availability::starting, "starts sftd");
+  EXPECT_EQ(watch.self().memory_failure, "");
+  lines_if(Availability::unavailable, "/dev/shm is too small");
+  EXPECT_EQ(watch.self().memory_failure, "/dev/shm is too small");
+  lines_if(Availability::starting, "starts sftd");
+  EXPECT_EQ(watch.self().memory_failure, "/dev/shm is too small") << "an attempt is no news for others";
+  lines_if(Availability::ready, "works");
+  EXPECT_EQ(watch.self().memory_failure, "");
+}
+
 TEST_F(TransportWatchTest, ATransportThatIsRuledOutNeverChanges) {
   TransportWatch none(nullptr, nullptr, 5, log);
   EXPECT_FALSE(none.look_at_memory(now).any);

@@ -103,6 +103,7 @@ class IdleNetwork : public IdleTransport<Network, NetworkWriter, NetworkReader> 
   std::vector<UdpAddress> addresses() const override { return {}; }
   std::vector<Link> links() const override { return {}; }
   bool network_changed() noexcept override { return true; }
+  void wake_receiver() noexcept override {}
   std::chrono::steady_clock::time_point next_poll() const override {
     return std::chrono::steady_clock::time_point::max();
   }

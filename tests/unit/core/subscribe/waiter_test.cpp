@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 #include <poll.h>
 
+#include <atomic>
 #include <sensor_msgs/msg/PointCloud2.hpp>
+#include <thread>
 
 #include "core/seam/buffer_pool.h"
 #include "tests/unit/core/seam/queue_port.h"
@@ -40,8 +42,9 @@ class WaiterTest : public ::testing::Test {
   const std::unique_ptr<PollHandle> handle = PollHandle::create().value();
   Doorbell& bell = bells->at(0);
   SubscriberPorts ports{{}, make_asked(type, type.full(), false, nullptr), false};
-  Waiter waiter{{&ports}, bell, nullptr, 0ns};
-  Waiter polled{{&ports}, bell, handle.get(), 0ns};
+  std::atomic<bool> interrupted{false};
+  Waiter waiter{{&ports}, bell, nullptr, 0ns, &interrupted};
+  Waiter polled{{&ports}, bell, handle.get(), 0ns, &interrupted};
 };
 
 TEST_F(WaiterTest, ReturnsAtOnceIfThereIsASample) {
@@ -55,6 +58,28 @@ TEST_F(WaiterTest, ReturnsAtTheDeadlineIfThereIsNone) {
   EXPECT_FALSE(waiter.wait_until(deadline));
   EXPECT_GE(now(), deadline);
   EXPECT_FALSE(polled.wait_until(now() + 5ms));
+}
+
+TEST_F(WaiterTest, AnInterruptEndsAWaitThatHasNoSampleNowAndFromNowOn) {
+  std::thread waits([this] { EXPECT_FALSE(waiter.wait_until(Time::max())); });
+  interrupted = true;
+  bell.ring();
+  waits.join();
+  EXPECT_FALSE(waiter.wait_until(Time::max()));
+  arrives(1);
+  EXPECT_TRUE(waiter.wait_until(Time::max()));
+}
+
+TEST_F(WaiterTest, TheDescriptorStaysReadableAfterAnInterrupt) {
+  polled.show_if_available();
+  EXPECT_FALSE(is_readable());
+  interrupted = true;
+  EXPECT_TRUE(polled.has_unshown());
+  polled.show_if_available();
+  EXPECT_TRUE(is_readable());
+  EXPECT_FALSE(polled.wait_until(Time::max()));
+  polled.settle();
+  EXPECT_TRUE(is_readable());
 }
 
 TEST_F(WaiterTest, OnlyASubscriberWithAHandleHasADescriptor) {
@@ -74,14 +99,14 @@ TEST_F(WaiterTest, AnArrivalRingsTheDoorbellOrMakesTheDescriptorReadable) {
 }
 
 TEST_F(WaiterTest, TheDescriptorIsReadableWhileThereIsASample) {
-  EXPECT_FALSE(polled.has_untold());
-  polled.tell_if_available();
+  EXPECT_FALSE(polled.has_unshown());
+  polled.show_if_available();
   EXPECT_FALSE(is_readable());
   arrives(1);
-  EXPECT_TRUE(polled.has_untold());
-  polled.tell_if_available();
+  EXPECT_TRUE(polled.has_unshown());
+  polled.show_if_available();
   EXPECT_TRUE(is_readable());
-  EXPECT_FALSE(polled.has_untold());
+  EXPECT_FALSE(polled.has_unshown());
   polled.settle();
   EXPECT_TRUE(is_readable()) << "nothing was taken yet";
   ports.take();

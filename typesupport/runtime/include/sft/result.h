@@ -1,12 +1,13 @@
 // Errors of functions that set something up: a category, on which a program can act, and a sentence that says
 // what is wrong and what to do.
 //
-//   auto node = sft::Node::open(options);             // a program asks: if (!node)
-//   print(node.error().message) auto node = sft::Node::open(options).value();     // or throws
-//   tl::bad_expected_access<sft::Error>
+//   auto node = sft::Node::open(options);
+//   if (!node) print(node.error().message);
 //
-// what() of the exception is the message of the error. A program that does not catch the exception prints it
-// when it ends. All of this header is plain values.
+// The other way is Node::open(options).value(), which throws tl::bad_expected_access<sft::Error> if there is
+// an error. what() of the exception is the message of the error. A program that does not catch the exception
+// prints it when it ends. In a program that is compiled with -fno-exceptions value() ends the program without
+// a message. All of this header is plain values.
 #pragma once
 
 #include <exception>

@@ -34,6 +34,11 @@ static_assert(std::endian::native == std::endian::little, "views read little-end
 template <class Place, std::size_t Member>
 concept field_is_in_declared_mask = Place::template has<Member>;
 
+/// The type of the deleted getters of fields that were not declared: a compiler's error names it.
+struct this_field_is_not_declared {
+  struct name_it_where_the_subscriber_is_opened {};
+};
+
 template <auto R, class V>
 using Got = std::conditional_t<R.may_lack(), Optional<V>, V>;
 

@@ -1,0 +1,243 @@
+// Services: a client sends a request, and the one server of that name answers it.
+//
+//   #include <std_srvs/srv/SetBool.hpp>  // sft_generate() makes it of std_srvs/srv/SetBool.srv
+//   auto server = sft::Service<SetBool>::open(node, "lights", [](const SetBool::Request& request) {
+//     return SetBool::Response{.success = true, .message = request.data ? "on" : "off"};
+//   }).value();
+//   auto client = sft::Client<SetBool>::open(node, "lights").value();
+//   sft::Result<SetBool::Response> response = client.call({.data = true}, std::chrono::seconds(2));
+//
+// A service is two reliable topics: clients publish S::Call on NAME/call, the server publishes S::Reply on
+// NAME/reply. A subscriber of replies asks for its own only, so that other hosts are not sent them. `sft
+// echo` shows both topics, and `sft pub NAME/call auto '{request: {data: true}}'` calls, too. The fields of
+// both:
+//
+//   client      a random number of the client; 0: `sft pub`, whose calls are always carried out
+//   number      the number of the call, which the client counts; a repetition has the same one
+//   server      of a call: the publisher of replies that it is for, 0: any; of a reply: who has answered
+//   timeout_ms  so long the client repeats the call, and the server keeps the answer
+//   error       not empty: there is no response, and this is why
+#pragma once
+
+#include <chrono>
+#include <concepts>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "sft/detail/service_calls.h"
+#include "sft/node.h"
+
+namespace sft {
+
+namespace detail {
+
+/// What sft_generate() makes of a .srv file.
+template <class S>
+concept GeneratedService = requires(typename S::Call call, typename S::Reply reply) {
+  { call.request } -> std::same_as<typename S::Request&>;
+  { reply.response } -> std::same_as<typename S::Response&>;
+};
+
+}  // namespace detail
+
+/// The server of a service. It is moved, not copied, and keeps its node alive. After the destructor the
+/// handler does not run any more, and clients that wait for an answer are told that the server has gone.
+template <detail::GeneratedService S>
+class Service {
+ public:
+  /// Called with each request, once, by a thread of the node, one request at a time: it is a callback for
+  /// samples, with the rules of those. While it runs other requests wait. It returns a response, or an error,
+  /// whose message the client gets. It must not throw.
+  using Handler = std::function<Result<typename S::Response>(const typename S::Request&)>;
+
+  /// Serves until the returned object is destroyed. Clients refuse to choose between two servers of one name.
+  /// `options` are those of the publisher of replies, `max_sample_bytes` for example. It is always reliable.
+  [[nodiscard]] static Result<Service> open(Node& node, std::string_view service, Handler handler,
+                                            PublisherOptions options = {}) {
+    if (!handler) return fail(Errc::invalid_argument, "service '" + std::string(service) + "': no handler");
+    options.reliability = reliable;
+    auto replies = node.publisher<Reply>(detail::reply_topic(service), options);
+    if (!replies) return tl::unexpected(std::move(replies.error()));
+    auto state = std::make_shared<State>(std::move(handler), std::move(*replies));
+    auto answer = [weak = std::weak_ptr(state)](const Sample<Call>& call) {
+      if (const auto serving = weak.lock()) serving->answer(call);
+    };
+    return node
+        .subscriber<Call>(detail::call_topic(service), answer,
+                          {.transport = options.transport, .reliability = reliable})
+        .map([&](Subscriber<Call>&& calls) { return Service(std::move(state), std::move(calls)); });
+  }
+
+ private:
+  using Call = typename S::Call;
+  using Reply = typename S::Reply;
+  using Served = detail::ServedCalls<Reply>;
+
+  /// Used by one thread at a time, which calls back.
+  class State {
+   public:
+    State(Handler handler, Publisher<Reply> replies)
+        : handler_(std::move(handler)), replies_(std::move(replies)), id_(replies_.status().id) {}
+
+    void answer(const Sample<Call>& sample) {
+      const auto now = std::chrono::steady_clock::now();
+      const auto call = std::make_unique<Call>();
+      if (!sample.to_owned(*call) || (call->server != 0 && call->server != id_)) return;
+      const typename Served::Todo todo = served_.heard(call->client, call->number, now);
+      if (todo == Served::Todo::run) run(*call, now + std::chrono::milliseconds(call->timeout_ms));
+      if (todo == Served::Todo::repeat) send(*served_.answer(call->client));
+    }
+
+   private:
+    void run(const Call& call, detail::ServiceTime expiry) {
+      auto reply = std::make_unique<Reply>();
+      reply->client = call.client;
+      reply->number = call.number;
+      reply->server = id_;
+      Result<typename S::Response> response = handler_(call.request);
+      if (response) {
+        reply->response = std::move(*response);
+      } else {
+        reply->error = "the server refuses: " + response.error().message;
+      }
+      send(*reply);
+      served_.answered(call.client, std::move(reply), std::chrono::steady_clock::now(), expiry);
+    }
+
+    void send(Reply& reply) {
+      if (greeted_.has_new(replies_.status().readers)) replies_.publish(*std::make_unique<Reply>());
+      if (replies_.publish(reply) != PublishStatus::invalid) return;
+      reply.error = "the response cannot be sent: " + replies_.why_invalid();
+      reply.response = {};
+      replies_.publish(reply);
+    }
+
+    const Handler handler_;
+    Publisher<Reply> replies_;
+    const std::uint64_t id_;
+    detail::GreetedReaders greeted_;
+    Served served_;
+  };
+
+  Service(std::shared_ptr<State>&& state, Subscriber<Call>&& calls)
+      : state_(std::move(state)), calls_(std::move(calls)) {}
+
+  std::shared_ptr<State> state_;  // a callback shares it while it runs: the handler may destroy the service
+  Subscriber<Call> calls_;        // destroyed first, which waits for the handler
+};
+
+/// A client of a service. It is moved, not copied, and keeps its node alive. One thread at a time uses it:
+/// threads that call at the same time have a client each.
+template <detail::GeneratedService S>
+class Client {
+ public:
+  using Request = typename S::Request;    ///< of the .srv file
+  using Response = typename S::Response;  ///< of the .srv file
+
+  /// The server may come later. `options` are those of the publisher of calls. It is always reliable.
+  [[nodiscard]] static Result<Client> open(Node& node, std::string_view service,
+                                           PublisherOptions options = {}) {
+    const std::uint64_t id = detail::new_client_id();
+    options.reliability = reliable;
+    auto replies = node.subscriber<Reply>(detail::reply_topic(service),
+                                          {.transport = options.transport,
+                                           .reliability = reliable,
+                                           .selection = "@ client == " + std::to_string(id)});
+    if (!replies) return tl::unexpected(std::move(replies.error()));
+    auto calls = node.publisher<Call>(detail::call_topic(service), options);
+    if (!calls) return tl::unexpected(std::move(calls.error()));
+    return Client(id, service, std::move(*calls), std::move(*replies));
+  }
+
+  /// True if there is exactly one server, calls reach it, and its replies come.
+  bool is_available() const { return detail::only_server(servers()) != nullptr; }
+
+  /// Waits for the server, sends the request to it, repeats it until the response comes, and returns that.
+  /// The handler of the server runs once. An error, which says why, if that takes longer than `timeout`, if
+  /// the server goes meanwhile, or if it refuses. After an error it is not known whether the handler ran. Not
+  /// for callbacks for samples, which the response would wait for: call on a thread of the program.
+  [[nodiscard]] Result<Response> call(const Request& request, std::chrono::nanoseconds timeout) {
+    static_assert(sizeof(Response) <= (1 << 20),
+                  "the response is too large for the stack: write client.call(request, *response, timeout), "
+                  "where response = std::make_unique<Response>()");
+    Result<Response> response{};
+    if (Result<void> done = call(request, *response, timeout); !done)
+      response = tl::unexpected(std::move(done.error()));
+    return response;
+  }
+  /// The same with a response of the program, which does not change if there is an error.
+  [[nodiscard]] Result<void> call(const Request& request, Response& response,
+                                  std::chrono::nanoseconds timeout) {
+    using Kind = detail::ClientCall::Step::Kind;
+    if (detail::in_sample_callback()) {
+      return fail(Errc::invalid_argument,
+                  "service '" + service_ +
+                      "': a call in a callback for samples would wait for itself: call on "
+                      "a thread of the program");
+    }
+    detail::ClientCall call(service_, now(), timeout);
+    ++message_->number;
+    message_->timeout_ms = call.timeout_ms();
+    message_->request = request;
+    for (;;) {
+      if (std::optional<Result<void>> answer = take_answer(response)) return *std::move(answer);
+      const detail::ClientCall::Step step = call.next(now(), servers());
+      if (step.kind == Kind::fail) return fail(Errc::unavailable, step.reason);
+      if (step.kind == Kind::send) {
+        if (Result<void> sent = send_to(step.server); !sent) return sent;
+      } else if (!replies_.wait(step.until - now()) && now() < step.until) {
+        return fail(Errc::unavailable,
+                    "service '" + service_ + "': waiting for the response was interrupted");
+      }
+    }
+  }
+
+ private:
+  using Call = typename S::Call;
+  using Reply = typename S::Reply;
+
+  Client(std::uint64_t id, std::string_view service, Publisher<Call>&& calls, Subscriber<Reply>&& replies)
+      : service_(service), calls_(std::move(calls)), replies_(std::move(replies)) {
+    message_->client = id;
+  }
+
+  static detail::ServiceTime now() { return std::chrono::steady_clock::now(); }
+  std::vector<detail::SeenServer> servers() const {
+    return detail::seen_servers(calls_.status(), replies_.status());
+  }
+
+  Result<void> send_to(std::uint64_t server) {
+    message_->server = server;
+    const PublishStatus status = calls_.publish(*message_);
+    if (status == PublishStatus::invalid) return fail(Errc::invalid_argument, calls_.why_invalid());
+    if (status == PublishStatus::forked) return fail(Errc::unavailable, to_string(status));
+    return {};  // a request that was not sent, for lack of memory, is sent again
+  }
+
+  /// Empty if there is no reply to the latest call. Late replies to others are dropped.
+  std::optional<Result<void>> take_answer(Response& response) {
+    while (const Sample<Reply> sample = replies_.take()) {
+      if (sample->client() != message_->client || sample->number() != message_->number) continue;
+      const auto reply = std::make_unique<Reply>();
+      if (Result<void> decoded = sample.to_owned(*reply); !decoded) return decoded;
+      if (!reply->error.empty())
+        return fail(Errc::unavailable, "service '" + service_ + "': " + reply->error);
+      response = std::move(reply->response);
+      return Result<void>{};
+    }
+    return {};
+  }
+
+  std::string service_;
+  std::unique_ptr<Call> message_ = std::make_unique<Call>();
+  Publisher<Call> calls_;
+  Subscriber<Reply> replies_;
+};
+
+}  // namespace sft

@@ -1,0 +1,25 @@
+// The rounding of floating-point numbers while text is read or written.
+#pragma once
+
+#include <cfenv>
+
+namespace sft {
+
+/// While this object lives, its thread rounds to the nearest number, whatever the program has chosen
+/// (fesetround). Otherwise a number would be read back as another one than was written.
+class RoundToNearest {
+ public:
+  RoundToNearest() noexcept {
+    if (before_ != FE_TONEAREST) std::fesetround(FE_TONEAREST);
+  }
+  ~RoundToNearest() {
+    if (before_ != FE_TONEAREST) std::fesetround(before_);
+  }
+  RoundToNearest(const RoundToNearest&) = delete;
+  RoundToNearest& operator=(const RoundToNearest&) = delete;
+
+ private:
+  const int before_ = std::fegetround();
+};
+
+}  // namespace sft
