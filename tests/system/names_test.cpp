@@ -8,6 +8,7 @@
 #include <mutex>
 #include <optional>
 #include <std_msgs/msg/Float64.hpp>
+#include <std_srvs/srv/SetBool.hpp>
 #include <string>
 #include <vector>
 
@@ -87,6 +88,19 @@ TEST_F(NamesTest, EverythingThatTakesATopicFollowsTheRules) {
   const TopicInfo topic = cam.topics().at(0);
   EXPECT_EQ(topic.name, "shared/gain");
   EXPECT_THAT(topic.types.at(0).requested, ElementsAre(Qos{.history_depth = 8}, Qos{.history_depth = 8}));
+}
+
+TEST_F(NamesTest, AServiceIsRenamedByItsName) {
+  using std_srvs::srv::SetBool;
+  Node lamp = open("lamp", "left", {"~/lights:=lights"}), hand = open("hand", "", {"light:=left/lights"});
+  const auto answer = [](const SetBool::Request& request) {
+    return SetBool::Response{.success = request.data, .message = ""};
+  };
+  auto server = Service<SetBool>::open(lamp, "~/lights", answer).value();
+  auto client = Client<SetBool>::open(hand, "light").value();
+  const Result<SetBool::Response> response = client.call({.data = true}, patience);
+  ASSERT_TRUE(response) << response.error().message;
+  EXPECT_TRUE(response->success);
 }
 
 TEST_F(NamesTest, ErrorsAboutATopicHaveBothOfItsNames) {
