@@ -28,6 +28,13 @@ std::string_view fault_of_namespace(std::string_view name) {
   return name.empty() || name == "/" ? std::string_view() : fault_of_topic(name);
 }
 
+/// Returns what stands behind the name of a service in one of its topics; nothing of another topic.
+std::string_view end_of_service(std::string_view topic, std::string_view type) {
+  if (type.find("::srv::") == type.npos) return {};
+  if (type.ends_with("_Call") && topic.ends_with("/call")) return "/call";
+  return type.ends_with("_Reply") && topic.ends_with("/reply") ? "/reply" : "";
+}
+
 std::string_view fault_of_node(std::string_view name) {
   if (name.find('/') != name.npos) return "has a slash in it; __ns sets the namespace";
   return fault_of_name(name);
@@ -171,17 +178,24 @@ Result<std::string> Remapping::full(std::string_view given) const {
                                           " here, " + std::string(fault));
 }
 
-Result<TopicName> Remapping::topic(std::string_view given) const {
+Result<TopicName> Remapping::topic(std::string_view given, std::string_view type) const {
   if (const auto fault = fault_of_given(given); !fault.empty())
     return fail(Errc::invalid_argument, "topic " + in_quotes(given) + " " + std::string(fault));
   Result<std::string> whole = full(given);
   if (!whole) return tl::unexpected(whole.error());
+  const std::string_view end = end_of_service(*whole, type);
+  const std::string service = whole->substr(0, whole->size() - end.size());
   TopicName name{.topic = *whole};
   for (const TopicRule& rule : topic_rules_) {
-    if (rule.from != *whole) continue;
-    if (name.rules.empty()) name.topic = rule.to;
+    const bool is_whole = rule.from == *whole;
+    if (!is_whole && rule.from != service) continue;
+    if (name.rules.empty()) name.topic = is_whole ? rule.to : rule.to + std::string(end);
     name.rules.push_back(rule.text);
   }
+  if (const auto fault = fault_of_topic(name.topic); !fault.empty())
+    return fail(Errc::invalid_argument, "topic " + in_quotes(given) + ", which the rule " +
+                                            in_quotes(name.rules.front()) + " renames, " +
+                                            std::string(fault));
   if (name.topic != without_slash(given)) name.given = given;
   return name;
 }

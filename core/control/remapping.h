@@ -36,8 +36,9 @@ class Remapping {
 
   /// The name of the node in its namespace: "left/cam". Empty if the node has no name.
   std::string node() const;
-  /// The name of a topic that the program names. Errc::invalid_argument if that is none.
-  Result<TopicName> topic(std::string_view given) const;
+  /// The name of a topic that the program names. Errc::invalid_argument if that is none. A rule for the name
+  /// of a service is for both of its topics, which their types tell (sft/service.h). `type` may be empty.
+  Result<TopicName> topic(std::string_view given, std::string_view type = {}) const;
 
   /// All rules as they were written, also those for other nodes.
   const std::vector<std::string>& rules() const { return texts_; }

@@ -98,7 +98,7 @@ Result<void> EndpointOpening::keep_ways_for_largest_sample(Endpoint& writer) con
 
 Result<EndpointOpening::Writer> EndpointOpening::open_writer(std::string_view topic, const TypeSupport& type,
                                                              const PublisherOptions& options) const {
-  const Result<TopicName> name = names().topic(topic);
+  const Result<TopicName> name = names().topic(topic, type.name());
   if (!name) return tl::unexpected(name.error());
   tell_of(*name);
   return open_writer(*name, type, options).map_error([&](const Error& error) {
@@ -160,7 +160,7 @@ Result<std::shared_ptr<NetworkWriter>> EndpointOpening::open_network(
 }
 
 Result<EndpointOpening::Reader> EndpointOpening::open_reader(ReaderOrder order) const {
-  Result<TopicName> name = names().topic(order.topic);
+  Result<TopicName> name = names().topic(order.topic, order.type.name());
   if (!name) return tl::unexpected(name.error());
   tell_of(*name);
   order.topic = name->topic;

@@ -26,8 +26,8 @@ class NodeNames {
   NodeNames& operator=(const NodeNames&) = delete;
 
   /// Any thread.
-  Result<TopicName> topic(std::string_view given) const {
-    Result<TopicName> name = remapping_.topic(given);
+  Result<TopicName> topic(std::string_view given, std::string_view type = {}) const {
+    Result<TopicName> name = remapping_.topic(given, type);
     if (name && !name->rules.empty()) use_->fit(name->rules);
     return name;
   }

@@ -107,6 +107,23 @@ TEST(RemappingTest, AllRulesThatFitAreNamedAndTheFirstOneIsApplied) {
   EXPECT_THAT(names.rules_of_node(), ElementsAre("__ns:=/left"));
 }
 
+TEST(RemappingTest, ARuleForTheNameOfAServiceIsForBothOfItsTopics) {
+  const Remapping names =
+      left_cam({"lights:=/house/lights", "lights/reply:=x", "~/on:=" + std::string(250, 'x')});
+  const auto in_service = [&](const char* given, const char* type) {
+    return names.topic(given, type)->topic;
+  };
+  EXPECT_EQ(in_service("lights/call", "std_srvs::srv::SetBool_Call"), "house/lights/call");
+  EXPECT_EQ(in_service("lights/reply", "std_srvs::srv::SetBool_Reply"), "house/lights/reply")
+      << "the first rule counts";
+  EXPECT_EQ(in_service("lights/call", "std_msgs::msg::Bool"), "left/lights/call");
+  EXPECT_EQ(in_service("lights/call", "std_srvs::srv::SetBool_Reply"), "left/lights/call");
+  EXPECT_EQ(in_service("lights/call", "phone_msgs::msg::Missed_Call"), "left/lights/call");
+  EXPECT_EQ(in_service("more/lights/call", "std_srvs::srv::SetBool_Call"), "left/more/lights/call");
+  EXPECT_THAT(names.topic("~/on/call", "std_srvs::srv::SetBool_Call").error().message,
+              HasSubstr("renames, has more than 255 bytes"));
+}
+
 TEST(RemappingTest, AnErrorAboutARemappedTopicHasBothNames) {
   const TopicName name = left_cam({"~/image:=raw"}).topic("~/image").value();
   EXPECT_EQ(name.explained({Errc::invalid_argument, "topic 'left/raw' is odd"}).message,
