@@ -319,7 +319,7 @@ TEST_P(ServiceTest, AProgramWithoutTheTypeCallsByTopicsAlone) {
   for (int i = 0; i < 2; ++i) ASSERT_TRUE(calls.publish_json(R"({"request": {"a": 1, "b": 2}})"));
   EXPECT_EQ(next_sum(), 0) << "the greeting of a reader that is new";
   EXPECT_EQ(next_sum(), 3);
-  EXPECT_EQ(next_sum(), 3) << "a person repeats nothing";
+  EXPECT_EQ(next_sum(), 3) << "calls without a client are no repetitions";
 }
 
 INSTANTIATE_TEST_SUITE_P(Ways, ServiceTest, ::testing::Values(Way::shm, Way::udp), way_name);

@@ -98,12 +98,12 @@ class ServedCalls {
   };
   /// When there are more clients, the one that was heard longest ago is forgotten.
   static constexpr std::size_t clients_max = 1024;
-  /// Calls that have waited while the handler ran are repetitions that the first answer has settled.
+  /// Repetitions that have waited while the handler ran come at once behind the answer, and need no other.
   static constexpr std::chrono::milliseconds repeat_least{50};
 
   Todo heard(std::uint64_t client, std::uint64_t number, ServiceTime now) {
     drop_expired(now);
-    if (client == 0) return Todo::run;  // a person with `sft pub`, who counts nothing
+    if (client == 0) return Todo::run;  // of `sft pub`, which gives its calls no numbers
     const auto [at, is_new] = clients_.try_emplace(client);
     Client& known = at->second;
     known.heard = now;

@@ -209,7 +209,7 @@ TEST_F(ServedCallsTest, ClientsHaveNumbersOfTheirOwn) {
   EXPECT_EQ(calls.answer(1), nullptr);
 }
 
-TEST_F(ServedCallsTest, TheCallsOfAPersonAreAlwaysRun) {
+TEST_F(ServedCallsTest, CallsWithoutAClientAreAlwaysRun) {
   EXPECT_EQ(heard(0, 0), Todo::run);
   answer(0, "on");
   EXPECT_EQ(heard(0, 0), Todo::run);
