@@ -14,7 +14,7 @@ namespace sft::core {
 
 /// This node, as far as it decides about paths.
 struct Self {
-  HostToken host;  ///< known while shared memory is ready
+  HostToken host{};  ///< known while shared memory is ready
   std::uint64_t network = 0;
   std::string memory_state{};    ///< why shared memory is not ready, for reasons given to people
   std::string memory_failure{};  ///< the same for other nodes: of the last failed attempt, until one works
