@@ -50,6 +50,14 @@ class Discovery {
   /// readers. What they have announced before comes soon, too. A node that announces an endpoint hears of
   /// those that may match it anyway: endpoints of the other role, of the same topic.
   virtual Result<void> hear(Role role) = 0;
+  /// A publisher that this process knows of, whatever its topic is.
+  struct KnownPublisher {
+    std::string topic;
+    std::string node;  ///< the name of its node
+  };
+  /// Returns the publishers of that type, those of this process too. The process knows all publishers while
+  /// any of its nodes has a subscriber.
+  virtual std::vector<KnownPublisher> publishers_of(std::string_view type_name) const = 0;
   /// Announces an endpoint of ours, or that it has changed.
   virtual Result<void> announce(const Endpoint& endpoint) = 0;
   virtual void withdraw(EndpointId id) = 0;

@@ -108,12 +108,15 @@ class SharedDiscovery final : public Discovery {
   bool is_calm(Time now) const override { return joint_->is_calm(now); }
   Configuration configuration() const override { return joint_->configuration(); }
   Result<void> hear(Role role) override { return joint_->hear(seat_, role); }
+  std::vector<KnownPublisher> publishers_of(std::string_view type_name) const override {
+    return joint_->publishers_of(type_name);
+  }
   Result<void> announce(const Endpoint& endpoint) override { return joint_->announce(seat_, endpoint); }
   void withdraw(EndpointId id) override { joint_->withdraw(id); }
   Result<void> send(const Request& request) override { return joint_->send(request); }
   void assert_liveliness(const Assertion& assertion) override { joint_->assert_liveliness(seat_, assertion); }
-  Time newcomer_at() const override { return joint_->newcomer_at(); }
-  Time met_at() const override { return joint_->met_at(); }
+  Time newcomer_at() const override { return joint_->newcomers().came_at; }
+  Time met_at() const override { return joint_->newcomers().met_at; }
   Time look_after(Time now, const Awaited& awaited) override {
     return joint_->look_after(seat_, now, awaited);
   }
@@ -216,6 +219,21 @@ Result<void> JointDiscovery::hear(Seat& seat, Role role) {
   }
   ear_.pass_on();
   return heard;
+}
+
+std::vector<Discovery::KnownPublisher> JointDiscovery::publishers_of(std::string_view type_name) {
+  std::vector<Discovery::KnownPublisher> publishers;
+  const auto note = [&](const Endpoint& endpoint) {
+    if (endpoint.role == Role::writer && endpoint.type_name == type_name)
+      publishers.push_back({endpoint.topic, endpoint.node});
+  };
+  ear_.with_nodes([&](ProcessNodes& nodes, const LinkMerge& merge) {
+    nodes.each_own(note);
+    merge.endpoints().each([&](EndpointId id, const EndpointClaims&) {
+      if (const Endpoint* const endpoint = merge.endpoints().told(id)) note(*endpoint);
+    });
+  });
+  return publishers;
 }
 
 Result<void> JointDiscovery::hear_on_links(Role role) {

@@ -59,12 +59,12 @@ class JointDiscovery {
 
   // These functions do what those of Discovery do.
   Result<void> hear(Seat& seat, Role role);
+  std::vector<Discovery::KnownPublisher> publishers_of(std::string_view type_name);
   Result<void> announce(Seat& seat, const Endpoint& endpoint);
   void withdraw(EndpointId id);
   Result<void> send(const Request& request);
   void assert_liveliness(Seat& seat, const Assertion& assertion);
-  Time newcomer_at() const { return ear_.newcomers().came_at; }
-  Time met_at() const { return ear_.newcomers().met_at; }
+  auto newcomers() const { return ear_.newcomers(); }
   Time look_after(Seat& seat, Time now, const Discovery::Awaited& awaited);
 
  private:

@@ -79,6 +79,11 @@ class ProcessNodes {
   bool has(NodeId node) const;
   /// An endpoint of a member. Null if there is none of that id.
   const Endpoint* find(EndpointId id) const;
+  /// Calls use(endpoint) for each endpoint of a member.
+  template <class Use>
+  void each_own(Use use) const {
+    for (const auto& [id, own] : own_) use(*own.endpoint);
+  }
 
   /// Addresses what others have said to those whom it concerns. `known`: of endpoints that news are about.
   void pass_on(std::vector<News> news, const ClaimedEndpoints& known);

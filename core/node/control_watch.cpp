@@ -54,8 +54,8 @@ void ControlWatch::tell_of_refusals(Time now) {
                                     text + "; NodeStatus::control_ignored counts them");
 }
 
-void ControlWatch::name_misspelt_topics(Time now) {
-  for (const std::string& sentence : misspelt_topics_.look(negotiation_.table(), now))
+void ControlWatch::name_misspelt_topics(const MisspeltTopics::PublishersOf& publishers_of, Time now) {
+  for (const std::string& sentence : misspelt_topics_.look(negotiation_.table(), publishers_of, now))
     log_.write(LogLevel::warning, sentence);
 }
 

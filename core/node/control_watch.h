@@ -26,7 +26,7 @@ class ControlWatch {
 
   /// A subscriber of ours was opened.
   void reader_added(EndpointId id, Time now) { misspelt_topics_.added(id, now); }
-  void name_misspelt_topics(Time now);
+  void name_misspelt_topics(const MisspeltTopics::PublishersOf& publishers_of, Time now);
 
  private:
   void complain(EndpointId ours, const std::string& how, std::size_t others);

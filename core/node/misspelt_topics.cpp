@@ -27,20 +27,10 @@ bool is_end_of(std::string_view end, std::string_view topic) {
   return topic.ends_with("/" + std::string(end));
 }
 
-/// Returns the publisher of a similar topic to which the node of the reader does not subscribe as well; null
-/// if there is none.
-const Endpoint* similar_publisher(const Endpoint& reader, const EndpointTable& table) {
-  const std::vector<const Endpoint*> endpoints = table.present();
-  const auto is_subscribed_to = [&](const std::string& topic) {
-    return std::ranges::any_of(endpoints, [&](const Endpoint* e) {
-      return e->role == Role::reader && e->node_id == reader.node_id && e->topic == topic;
-    });
-  };
-  const auto similar = std::ranges::find_if(endpoints, [&](const Endpoint* e) {
-    return e->role == Role::writer && e->type_name == reader.type_name &&
-           is_similar_topic(reader.topic, e->topic) && !is_subscribed_to(e->topic);
+bool subscribes(NodeId node, const std::string& topic, const EndpointTable& table) {
+  return std::ranges::any_of(table.present(), [&](const Endpoint* e) {
+    return e->role == Role::reader && e->node_id == node && e->topic == topic;
   });
-  return similar == endpoints.end() ? nullptr : *similar;
 }
 
 }  // namespace
@@ -55,7 +45,8 @@ bool is_similar_topic(std::string_view a, std::string_view b) {
   return longer - shorter <= most && detail::edit_distance(one, other) <= most;
 }
 
-std::vector<std::string> MisspeltTopics::look(const EndpointTable& table, Time now) {
+std::vector<std::string> MisspeltTopics::look(const EndpointTable& table, const PublishersOf& publishers_of,
+                                              Time now) {
   std::vector<std::string> sentences;
   std::erase_if(unpublished_, [&](const auto& item) {
     if (now < item.second.at) return false;
@@ -67,10 +58,12 @@ std::vector<std::string> MisspeltTopics::look(const EndpointTable& table, Time n
     next.pause = std::min(next.pause * 2, longest_pause);
     next.at = now + next.pause;
     const Endpoint& ours = table.find_ours(reader)->endpoint;
-    if (const Endpoint* const similar = similar_publisher(ours, table)) {
+    for (const auto& [topic, node] : publishers_of(ours.type_name)) {
+      if (!is_similar_topic(ours.topic, topic) || subscribes(ours.node_id, topic, table)) continue;
       sentences.push_back("topic " + in_quotes(ours.topic) + ": no publisher of it was seen; did you mean " +
-                          in_quotes(similar->topic) + ", which node " + in_quotes(similar->node) +
+                          in_quotes(topic) + ", which node " + in_quotes(node) +
                           " publishes with the same type?");
+      break;
     }
   }
   return sentences;

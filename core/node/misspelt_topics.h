@@ -3,11 +3,13 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <map>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "core/discovery/discovery.h"
 #include "core/negotiation/endpoint_table.h"
 #include "core/platform/clock.h"
 
@@ -26,9 +28,11 @@ class MisspeltTopics {
 
   /// A subscriber of ours was opened.
   void added(EndpointId reader, Time now) { unpublished_[reader] = {now + first_look, first_look}; }
-  /// Returns a sentence for each subscriber that was found by this look. Subscribers of which the topic was
-  /// published are not looked at again.
-  std::vector<std::string> look(const EndpointTable& table, Time now);
+  using PublishersOf = std::function<std::vector<Discovery::KnownPublisher>(const std::string& type_name)>;
+  /// Returns a sentence for each subscriber that was found by this look. `publishers_of`: see Discovery. It
+  /// is called for subscribers that are looked at. Subscribers of which the topic was published are not
+  /// looked at again.
+  std::vector<std::string> look(const EndpointTable& table, const PublishersOf& publishers_of, Time now);
 
  private:
   struct NextLook {

@@ -147,7 +147,8 @@ std::chrono::milliseconds Reconciler::tick(Time now) {
   for (const NodeId node : silence_.take_lost(now)) dirty_ |= negotiation_.node_lost(node);
   control_ignored_.store(negotiation_.ignored(), std::memory_order_relaxed);
   control_watch_.tell_of_refusals(now);
-  control_watch_.name_misspelt_topics(now);
+  control_watch_.name_misspelt_topics([this](const auto& type) { return discovery_.publishers_of(type); },
+                                      now);
   outbox_.look(now);
   next_piece_of_work();
   look_after_endpoints(now);

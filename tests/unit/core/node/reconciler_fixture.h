@@ -68,6 +68,7 @@ class TestDiscovery final : public Discovery {
   bool is_calm(Time) const override { return calm; }
   Configuration configuration() const override { return {}; }
   Result<void> hear(Role) override { return {}; }
+  std::vector<KnownPublisher> publishers_of(std::string_view) const override { return {}; }
   Result<void> announce(const Endpoint& endpoint) override {
     if (fails()) return fail(Errc::system, "a control sample was not written: Timeout");
     announced.push_back(endpoint);
