@@ -1,6 +1,6 @@
 // The bytes of an input of fuzz_decoder are:
 //
-//   u8 number of the type among every_type() (modulo their count) | its mask | the mask to project to | the
+//   u16 number of the type among every_type() (modulo their count) | its mask | the mask to project to | the
 //   body
 //
 // Masks are bit sets of as many bytes as the type's leaves need, not closed; the second is cut to the first.

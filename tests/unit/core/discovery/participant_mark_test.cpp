@@ -25,9 +25,9 @@ TEST(ParticipantMarkTest, IsReadAsItWasWritten) {
 }
 
 TEST(ParticipantMarkTest, OneWithoutComplaintsIsThatOfEarlierReleases) {
-  EXPECT_EQ(to_text({.greeting = 3}), "sft/13/3");
-  EXPECT_EQ(to_text({.greeting = 13}), "sft/13/3");
-  EXPECT_EQ(to_text({.greeting = 3, .is_secured = true}), "sft/13/3s");
+  EXPECT_EQ(to_text({.greeting = 3}), "sft/14/3");
+  EXPECT_EQ(to_text({.greeting = 13}), "sft/14/3");
+  EXPECT_EQ(to_text({.greeting = 3, .is_secured = true}), "sft/14/3s");
 }
 
 TEST(ParticipantMarkTest, OthersUserDataAreNone) {
@@ -38,7 +38,7 @@ TEST(ParticipantMarkTest, OthersUserDataAreNone) {
 TEST(ParticipantMarkTest, TheVersionOfAnotherReleaseIsRead) {
   EXPECT_EQ(other_version("sft/7/3"), 7U);
   EXPECT_EQ(other_version("sft/8/"), 8U);
-  EXPECT_EQ(other_version("sft/14/3s!0123"), 14U);
+  EXPECT_EQ(other_version("sft/15/3s!0123"), 15U);
   EXPECT_EQ(other_version("sft/9999/\n"), 9999U);
 }
 
@@ -51,18 +51,18 @@ TEST(ParticipantMarkTest, OnlyAnotherVersionCountsAsAnotherRelease) {
 }
 
 TEST(ParticipantMarkTest, ComplaintsThatMakeNoSenseAreLeftOut) {
-  const std::string sound = to_text({.complaints = {guid(1)}}).substr(std::string("sft/13/0").size());
+  const std::string sound = to_text({.complaints = {guid(1)}}).substr(std::string("sft/14/0").size());
   for (const std::string& nonsense :
        {std::string("!"), std::string("!!!"), std::string("!0123"), "!" + std::string(32, 'x'),
         "!" + std::string(33, '0'), "!+1" + std::string(30, '0'), "! 1" + std::string(30, '0')}) {
-    const auto mark = parse_participant_mark("sft/13/0" + nonsense + sound + nonsense);
+    const auto mark = parse_participant_mark("sft/14/0" + nonsense + sound + nonsense);
     ASSERT_TRUE(mark) << nonsense;
     EXPECT_EQ(mark->complaints, std::vector{guid(1)}) << nonsense;
   }
 }
 
 TEST(ParticipantMarkTest, TakesNoMoreComplaintsThanThereMayBe) {
-  std::string text = "sft/13/0";
+  std::string text = "sft/14/0";
   for (int i = 0; i < 1000; ++i) text += "!" + std::string(32, 'a');
   EXPECT_EQ(parse_participant_mark(text)->complaints.size(), complaints_max);
 }
