@@ -138,7 +138,7 @@ class Node {
   /// and find_type() fails. Everything else goes on. A signal handler may call it: `while
   /// (!node.is_interrupted())` is a loop that ends at Ctrl-C (guide.md). There is no way back.
   void interrupt() noexcept;
-  bool is_interrupted() const noexcept;
+  bool is_interrupted() const noexcept;  ///< true after interrupt()
 
   /// How discovery, UDP and shared memory work, and what was refused (status.h).
   NodeStatus status() const;
