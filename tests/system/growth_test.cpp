@@ -300,18 +300,23 @@ std::string growth(const std::vector<Holdings>& before, const std::vector<Holdin
   return text;
 }
 
+/// A leak grows each time. The lists of Cyclone DDS grow only if more samples of the control topics wait for
+/// acknowledgement at once than ever before, which depends on how fast the rounds are.
 TEST_P(Growth, EndsAfterTheFirstRounds) {
+  constexpr int times = 5;
   const std::uint64_t rounds = test_rounds(GetParam().rounds);
   repeat(std::min<std::uint64_t>(rounds, 100));
-  const std::vector<Holdings> before = holdings();
   const std::int64_t chunks_before = chunks_in_use();
-  repeat(rounds);
-  ASSERT_FALSE(HasFatalFailure());
-  // Nodes remember a withdrawn endpoint for a minute, since a slower link may still bring its announcement.
-  std::string grown;
-  EXPECT_TRUE(eventually([&] { return (grown = growth(before, holdings(), rounds)).empty(); }, 100s))
-      << "after " << rounds << " rounds:\n"
-      << grown;
+  std::string grown = "nothing was tried";
+  for (int time = 1; time <= times && !grown.empty(); ++time) {
+    const std::vector<Holdings> before = holdings();
+    repeat(rounds);
+    ASSERT_FALSE(HasFatalFailure());
+    // Nodes remember a withdrawn endpoint for a minute, since a slower link may still bring its announcement.
+    eventually([&] { return (grown = growth(before, holdings(), rounds)).empty(); },
+               time < times ? 5s : 100s);
+  }
+  EXPECT_EQ(grown, "") << "after " << times << " times " << rounds << " rounds";
   EXPECT_TRUE(eventually([&] { return chunks_in_use() - chunks_before <= chunks_on_the_way; }))
       << chunks_in_use() << " chunks are in use, " << chunks_before << " were before";
 }
