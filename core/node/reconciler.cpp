@@ -185,8 +185,8 @@ void Reconciler::look_after_memory(Time now) {
     reconcile();  // first: readers that were served in shared memory are served by UDP from here on
   }
   if (change.of_state || change.of_host) transports_.log_memory();
+  if (change.of_host || change.of_failure) announce_all();
   if (!change.of_host) return;
-  announce_all();
   for (auto& [id, reader] : ours_.readers) reader.send_request();
 }
 

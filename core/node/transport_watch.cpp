@@ -32,8 +32,10 @@ TransportWatch::MemoryChange TransportWatch::look_at_memory(Time now) {
   if (memory_availability_ == Availability::unavailable) self.memory_failure = self.memory_state;
   self.may_write_memory = memory_->may_write();
   if (self == self_) return {};
-  const MemoryChange change{
-      .any = true, .of_host = self.host != self_.host, .of_state = self.memory_state != self_.memory_state};
+  const MemoryChange change{.any = true,
+                            .of_host = self.host != self_.host,
+                            .of_state = self.memory_state != self_.memory_state,
+                            .of_failure = self.memory_failure != self_.memory_failure};
   self_ = std::move(self);
   memory_ready_.store(ready);
   const Lock lock(memory_state_mutex_);

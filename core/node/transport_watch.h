@@ -25,9 +25,10 @@ class TransportWatch {
   const std::vector<Link>& links() const { return links_; }
 
   struct MemoryChange {
-    bool any = false;       ///< self() differs
-    bool of_host = false;   ///< the ports of before are dead, and other ones may be opened
-    bool of_state = false;  ///< for people
+    bool any = false;         ///< self() differs
+    bool of_host = false;     ///< the ports of before are dead, and other ones may be opened
+    bool of_state = false;    ///< for people
+    bool of_failure = false;  ///< other nodes are told why there is no shared memory
   };
   MemoryChange look_at_memory(Time now);
   /// Writes the change that look_at_memory() has found last to the log.

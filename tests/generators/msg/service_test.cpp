@@ -85,6 +85,7 @@ TEST(Services, ProblemsHaveTheirLinesInTheFile) {
 
 TEST(Services, HaveOneLineBetweenTheirParts) {
   EXPECT_EQ(service_problems("int32 x\n"), "2: there is no line '---' between the request and the response");
+  EXPECT_EQ(service_problems("int32 x"), "1: there is no line '---' between the request and the response");
   EXPECT_EQ(service_problems(""), "1: there is no line '---' between the request and the response");
   EXPECT_EQ(service_problems("--- \n"), "2: there is no line '---' between the request and the response")
       << "as in ROS 2";

@@ -59,7 +59,8 @@ tl::expected<std::pair<Part, Part>, std::vector<Problem>> cut(std::string_view t
     at = next;
   }
   if (parts) return *parts;
-  return tl::unexpected(problem(number, "there is no line '---' between the request and the response"));
+  const auto last = static_cast<std::uint32_t>(1 + std::ranges::count(text, '\n'));
+  return tl::unexpected(problem(last, "there is no line '---' between the request and the response"));
 }
 
 Field field(sft_kind kind, const TypeName& nested, std::string_view name, std::uint32_t line) {

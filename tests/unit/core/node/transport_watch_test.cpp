@@ -113,6 +113,17 @@ TEST_F(TransportWatchTest, OthersAreGivenTheLastFailureUntilSharedMemoryIsReady)
   EXPECT_EQ(watch.self().memory_failure, "");
 }
 
+TEST_F(TransportWatchTest, AFailureThatOthersAreGivenIsAChangeOnce) {
+  memory.availability = Availability::unavailable;
+  memory.state = "/dev/shm is too small";
+  EXPECT_TRUE(look_at_memory().of_failure);
+  memory.availability = Availability::starting;
+  memory.state = "starts sftd";
+  EXPECT_FALSE(look_at_memory().of_failure);
+  memory.availability = Availability::ready;
+  EXPECT_TRUE(look_at_memory().of_failure);
+}
+
 TEST_F(TransportWatchTest, ATransportThatIsRuledOutNeverChanges) {
   TransportWatch none(nullptr, nullptr, 5, log);
   EXPECT_FALSE(none.look_at_memory(now).any);
