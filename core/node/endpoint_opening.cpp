@@ -68,7 +68,13 @@ Endpoint EndpointOpening::describe(Role role, const TopicName& name, const TypeS
   if (name.given.size() <= name_bytes_max) endpoint.given_topic = name.given;
   endpoint.type_name = type.name();
   endpoint.type_hash = type.hash();
-  endpoint.type_description = announced_description(type.type());
+  if (auto description = announced_description(type.type())) {
+    endpoint.type_description = *std::move(description);
+  } else if (role == Role::writer) {
+    news_.log(LogLevel::warning,
+              "topic " + in_quotes(name.topic) +
+                  ": the fields of its type are not announced: " + description.error().message);
+  }
   endpoint.may_use_memory = may_use(TransportKind::shm, choice);
   endpoint.may_use_network = may_use(TransportKind::udp, choice);
   if (endpoint.may_use_network) endpoint.addresses = node_.network->addresses();
