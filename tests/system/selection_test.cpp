@@ -199,7 +199,7 @@ TEST_P(SelectionNodesTest, ACompiledSampleNamesMissingChannelsToo) {
   EXPECT_THAT(sample.missing_channels(), ::testing::UnorderedElementsAre("ring", "y"));
 }
 
-TEST_P(SelectionNodesTest, ALateReaderGetsThePartsOfRetainedSamplesWithoutConditions) {
+TEST_P(SelectionNodesTest, ALateReaderGetsThePartsOfTheRetainedSamplesThatFulfilItsConditions) {
   auto retaining = a.publisher<PointCloud2>("retained", {.reliability = Reliability::reliable,
                                                          .durability = Durability::transient_local,
                                                          .history_depth = 3})
@@ -217,7 +217,7 @@ TEST_P(SelectionNodesTest, ALateReaderGetsThePartsOfRetainedSamplesWithoutCondit
   options.durability = Durability::transient_local;
   const DynamicType type = b.find_type("retained", patience).value();
   auto sub =
-      b.subscriber("retained", type, "header.stamp, data[::100] @ header.stamp.sec > 100", options).value();
+      b.subscriber("retained", type, "header.stamp, data[::100] @ header.stamp.sec > 3", options).value();
   expect_served(retaining, 1);
   const auto stamps_until = [&](std::int32_t last) {
     std::vector<std::int32_t> stamps;
@@ -231,9 +231,28 @@ TEST_P(SelectionNodesTest, ALateReaderGetsThePartsOfRetainedSamplesWithoutCondit
     }
     return stamps;
   };
-  EXPECT_THAT(stamps_until(5), ElementsAre(3, 4, 5));
-  publish_each({7, 8, 101});
+  EXPECT_THAT(stamps_until(5), ElementsAre(4, 5));
+  publish_each({1, 2, 101});
   EXPECT_THAT(stamps_until(101), ElementsAre(101));
+  EXPECT_EQ(sub.status().lost, 0U);
+}
+
+TEST_P(SelectionNodesTest, ALateReaderWhoseConditionsNoRetainedSampleFulfilsGetsTheFirstLaterOneThatDoes) {
+  auto retaining = a.publisher<PointCloud2>("retained", {.reliability = Reliability::reliable,
+                                                         .durability = Durability::transient_local,
+                                                         .history_depth = 3})
+                       .value();
+  const auto publish_each = [&](const Numbers& heights) {
+    for (const std::uint32_t height : heights) ASSERT_EQ(retaining.publish(cloud(height)), PublishStatus::ok);
+  };
+  publish_each({1, 2, 3, 4, 5});
+  SubscriberOptions options = deep;
+  options.durability = Durability::transient_local;
+  const DynamicType type = b.find_type("retained", patience).value();
+  auto sub = b.subscriber("retained", type, "height @ height > 100", options).value();
+  expect_served(retaining, 1);
+  publish_each({7, 101, 8, 102});
+  EXPECT_THAT(until(sub, 102), ElementsAre(101, 102));
   EXPECT_EQ(sub.status().lost, 0U);
 }
 
