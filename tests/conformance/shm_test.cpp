@@ -154,7 +154,7 @@ std::shared_ptr<core::Gate> gate(bool is_open) {
   const Selection any = selection(is_open ? "* @ height >= 0" : "* @ height < 0");
   auto made = std::make_shared<core::Gate>(0, detail::Conditions(type.type(), any.gate().conditions),
                                            any.gate_hash());
-  if (is_open) made->let_next_pass();
+  if (is_open) made->reader_begins();
   return made;
 }
 

@@ -140,6 +140,11 @@ struct NodeOptions {
   /// SFT_REMAP stand before these; blanks separate them. A warning of the log names each rule that has fitted
   /// nothing in the process 5 s after its last node opened, or when that closed.
   std::vector<std::string> remap{};
+  /// True: Node::now() is the time of the topic "/clock" (rosgraph_msgs/Clock), as for nodes of ROS 2 with
+  /// the parameter of this name. The node subscribes to it, with best effort and a depth of 1. Nothing else
+  /// follows it: rates, conditions, deadlines, leases, timeouts and the stamps of SampleInfo count real time.
+  /// A warning of the log says if nobody publishes the topic.
+  bool use_sim_time = false;
   /// DDS domain of the control topics, 0 to domain_max. Default: $ROS_DOMAIN_ID, otherwise 0.
   std::optional<std::uint32_t> domain{};
   /// Settings by which nodes find each other.
