@@ -70,8 +70,10 @@ ChunkLender::~ChunkLender() {
 SampleHandle ChunkLender::lend(std::size_t bytes) noexcept {
   if (bytes < sizeof(detail::SampleHeader) || bytes > largest_sample_bytes) return {};
   ChunkSlot* slot = nullptr;
+  ChunkPools* pools = nullptr;  // of the session, which stays as long as the slot is out
   {
     const core::Lock lock(mutex_);
+    pools = &pools_;
     if (lost_ || slots_.empty()) return {};
     const ChunkInHand hand(publisher_);
     ChunkHeader* chunk = allocate(bytes);
@@ -81,6 +83,10 @@ SampleHandle ChunkLender::lend(std::size_t bytes) noexcept {
   }
   after_chunk_came();
   SampleBuffer& buffer = slot->buffer;
+  if (!pools->set_aside(*slot->chunk, bytes)) {
+    recycle(buffer);
+    return {};
+  }
   buffer.data = static_cast<std::byte*>(slot->chunk->userPayload());
   buffer.capacity = bytes;  // not the size in the chunk's header, which every client can overwrite
   buffer.mask = full_mask_;
