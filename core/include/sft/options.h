@@ -239,6 +239,11 @@ struct SubscriberOptions {
   /// more, the log says so, and SubscriberStatus::Writer::depth tells the number in force. Of all publishers
   /// that are gone together no more than this number is kept.
   std::uint32_t depth = 8;
+  /// The bytes of samples of each publisher that are kept until they are taken; 0: no limit but `depth`.
+  /// Beyond it the oldest are lost, too, but the newest one always stays. So a subscriber that is slow, or
+  /// does not take at all, leaves the memory that large samples need to the others. In shared memory the
+  /// number is rounded down to a power of two of 64 KiB or more.
+  std::size_t depth_bytes = 32 * 1024 * 1024;
   std::chrono::nanoseconds deadline{0};  ///< it expects a sample from each publisher at least so often
   Liveliness liveliness = Liveliness::automatic;  ///< manual_by_topic matches publishers of that kind only
   std::chrono::nanoseconds liveliness_lease{0};   ///< it expects a sign of life at least so often
