@@ -316,6 +316,7 @@ Result<std::shared_ptr<NetworkReader>> EndpointOpening::open_network(const Endpo
   if (!reader.may_use_network) return nullptr;
   const SubscriberOptions& options = core.spec().options;
   ReaderSpec spec{reader.id, &core.type(), options.depth, &core, reader.doorbell};
+  spec.depth_bytes = options.depth_bytes;
   spec.only_waited_for = !core.has_callback() && !options.pollable;
   spec.spin = std::clamp(options.spin, std::chrono::nanoseconds(0), std::chrono::nanoseconds(max_spin));
   auto port = node_.network->open_reader(spec);

@@ -1,10 +1,12 @@
 #include "shm_transport/host/prepared_chunks.h"
 
+#include <fcntl.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 
 namespace sft::shm {
 
@@ -30,7 +32,8 @@ bool map(const std::byte* begin, const std::byte* end) noexcept {
 
 /// PoolLayout could change pools, too, which this class does not.
 PreparedChunks::PreparedChunks(const iox::mepoo::MemoryManager& pools, std::span<const std::byte> samples,
-                               std::span<const std::byte> management) {
+                               std::span<const std::byte> management, int samples_file)
+    : samples_(samples.data()), file_(samples_file) {
   for (const PoolLayout& layout : pools_of(const_cast<iox::mepoo::MemoryManager&>(pools)))
     pools_.emplace_back(layout, layout.is_within(samples, management) ? layout.chunk_count() : 0);
 }
@@ -54,6 +57,29 @@ void PreparedChunks::prepare() noexcept {
   inside_.clear(std::memory_order_release);
 }
 
+bool PreparedChunks::set_aside(const iox::mepoo::ChunkHeader& chunk, std::size_t bytes) noexcept {
+  for (Pool& pool : pools_) {
+    if (pool.mapped.empty()) continue;
+    if (const auto index = pool.layout.index_of(&chunk)) return set_aside(pool, *index, bytes);
+  }
+  return true;
+}
+
+/// The system takes back what it has set aside here if it has too little for the rest, and nothing else.
+bool PreparedChunks::set_aside(Pool& pool, std::uint32_t chunk, std::size_t bytes) noexcept {
+  if (file_ < 0 || pool.layout.chunk_bytes() < on_demand_bytes) return true;
+  std::atomic<std::uint32_t>& known = pool.set_aside[chunk];
+  const auto wanted = static_cast<std::uint32_t>(std::min<std::size_t>(bytes, pool.layout.chunk_bytes()));
+  const std::uint32_t before = known.load(std::memory_order_relaxed);
+  if (before >= wanted) return true;
+  const off_t begin = pool.layout.at(chunk) - samples_;
+  int failed = 0;
+  do failed = ::fallocate(file_, FALLOC_FL_KEEP_SIZE, begin + before, wanted - before);
+  while (failed != 0 && errno == EINTR);
+  if (failed == 0) known.store(wanted, std::memory_order_relaxed);
+  return failed == 0;
+}
+
 /// Returns how many of so many chunks there are.
 std::size_t PreparedChunks::map_free(Pool& pool, std::size_t chunks, std::size_t bytes,
                                      std::size_t& budget) noexcept {
@@ -64,6 +90,10 @@ std::size_t PreparedChunks::map_free(Pool& pool, std::size_t chunks, std::size_t
   for (const std::uint32_t chunk : std::span(next).first(count)) {
     std::uint32_t& mapped = pool.mapped[chunk];
     if (mapped >= used || budget == 0) continue;
+    if (!set_aside(pool, chunk, used)) {
+      budget = 0;  // to try it for others, too, would only take time
+      break;
+    }
     budget -= std::min<std::size_t>(budget, used - mapped);
     const std::byte* const begin = pool.layout.at(chunk);
     if (map(begin + mapped, begin + used)) mapped = used;

@@ -30,7 +30,7 @@ void Inbox::deliver(std::span<core::SampleHandle> samples) noexcept {
 std::size_t Inbox::room(core::EndpointId id) const noexcept {
   const core::Lock lock(mutex_);
   const Writer* writer = find(id);
-  return writer == nullptr ? depth_ : depth_ - std::min(depth_, writer->queue.size());
+  return writer == nullptr ? depth_ : writer->queue.room();
 }
 
 /// Enqueues as many samples as can wait.
@@ -93,7 +93,8 @@ core::SampleHandle Inbox::take() noexcept {
 void Inbox::connect(const core::Source& source) {
   const core::Lock lock(mutex_);
   Writer* writer = find(source.writer);
-  if (writer == nullptr) writer = &writers_.emplace_back(Writer{source.writer, KeepLastQueue(depth_)});
+  if (writer == nullptr)
+    writer = &writers_.emplace_back(Writer{source.writer, KeepLastQueue(depth_, depth_bytes_)});
   writer->connected = true;
   writer->filter = LateFilter(source.history_first);
 }

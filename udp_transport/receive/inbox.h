@@ -16,9 +16,9 @@ namespace sft::udp {
 
 class Inbox {
  public:
-  /// The listener may be null.
-  Inbox(std::size_t depth, core::ArrivalListener* listener)
-      : depth_(depth == 0 ? 1 : depth), tell_listener_([listener] {
+  /// The listener may be null. `depth_bytes`: see ReaderSpec.
+  Inbox(std::size_t depth, core::ArrivalListener* listener, std::uint64_t depth_bytes = 0)
+      : depth_(depth == 0 ? 1 : depth), depth_bytes_(depth_bytes), tell_listener_([listener] {
           if (listener != nullptr) listener->arrived();
         }) {}
 
@@ -72,6 +72,7 @@ class Inbox {
   void forget_the_finished() noexcept SFT_REQUIRES(mutex_);
 
   const std::size_t depth_;
+  const std::uint64_t depth_bytes_;
   mutable core::Mutex mutex_ SFT_ACQUIRED_AFTER(core::lock_order::endpoint)
       SFT_ACQUIRED_BEFORE(core::lock_order::queues);
   std::vector<Writer> writers_ SFT_GUARDED_BY(mutex_);

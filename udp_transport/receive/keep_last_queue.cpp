@@ -26,8 +26,31 @@ KeepLastQueue::Put KeepLastQueue::put(core::SampleHandle& sample, std::uint64_t 
   for (std::size_t i = size_; i > place; --i) at(i) = std::move(at(i - 1));
   at(place) = {std::move(sample), arrival};
   ++size_;
+  last_bytes_ = bytes_of(place);
+  bytes_ += last_bytes_;
+  if (core::SampleHandle excess = drop_excess_bytes()) {
+    dropped_ += oldest ? 1 : 0;
+    oldest = std::move(excess);
+  }
   sample = std::move(oldest);
   return sample ? Put::pushed_out : Put::kept;
+}
+
+/// Returns one of the samples that had to go, and counts the others as dropped.
+core::SampleHandle KeepLastQueue::drop_excess_bytes() {
+  core::SampleHandle dropped;
+  while (bytes_max_ != 0 && bytes_ > bytes_max_ && size_ > 1) {
+    dropped_ += dropped ? 1 : 0;
+    dropped = pop();
+  }
+  return dropped;
+}
+
+std::size_t KeepLastQueue::room() const {
+  const std::size_t samples = depth_ - size_;
+  if (bytes_max_ == 0 || last_bytes_ == 0) return samples;
+  const std::uint64_t left = bytes_max_ - std::min(bytes_max_, bytes_);
+  return std::min<std::uint64_t>(samples, std::max<std::uint64_t>(left / last_bytes_, size_ == 0 ? 1 : 0));
 }
 
 /// Sequences that are not below the sample's were wrong.
@@ -36,6 +59,7 @@ void KeepLastQueue::begin_anew(const core::SampleBuffer& sample) {
   numbering_ = sample.numbering;
   gone_ = std::min(gone_, number - 1);
   while (size_ > 0 && sequence(size_ - 1) >= number) {
+    bytes_ -= bytes_of(size_ - 1);
     at(--size_).sample.reset();
     ++dropped_;
   }
@@ -44,6 +68,7 @@ void KeepLastQueue::begin_anew(const core::SampleBuffer& sample) {
 core::SampleHandle KeepLastQueue::pop() {
   core::SampleHandle sample = std::move(entries_[head_].sample);
   gone_ = sample->header().sequence;
+  bytes_ -= sample->header().body_bytes;
   head_ = (head_ + 1) % entries_.size();
   --size_;
   return sample;
