@@ -27,6 +27,7 @@ std::string text_of(const std::string& topic, const Arrivals::Report& report) {
 }
 
 std::string text_of(const std::string& topic, const PublisherCounts::Report& report) {
+  if (report.samples == 0) return topic + ": its publishers have sent no sample to a subscriber yet";
   if (report.rate_hz == 0)
     return fmt::format("{}: {} sent so far", topic, count_text(report.samples, "sample"));
   return fmt::format("{}: {} sent, {} so far", topic, rate_text(report.rate_hz), report.samples);

@@ -37,8 +37,8 @@ Enclosed::Enclosed(const sft_file& file, std::string_view outer)
   for (sft_declaration declaration : std::span(file.declarations, file.declaration_count)) {
     enclose(declaration.name);
     enclose(declaration.type.name);
-    std::vector<sft_member>& members = members_.emplace_back(
-        declaration.members, declaration.members + declaration.member_count);
+    std::vector<sft_member>& members =
+        members_.emplace_back(declaration.members, declaration.members + declaration.member_count);
     for (sft_member& member : members) enclose(member.type.name);
     declaration.members = members.data();
     declarations_.push_back(declaration);
