@@ -35,7 +35,9 @@ std::vector<Pool> pools_of_daemon() {
     return {};
   std::vector<Pool> pools;
   try {
-    for (const auto& pool : nlohmann::json::parse(std::ifstream(status_of_daemon)).at("usage").at("pools"))
+    std::ifstream file(status_of_daemon);
+    const auto status = nlohmann::json::parse(file);
+    for (const auto& pool : status.at("usage").at("pools"))
       pools.push_back({pool.at("bytes"), pool.at("chunks"), pool.at("peak")});
   } catch (const nlohmann::json::exception&) {
     return {};
