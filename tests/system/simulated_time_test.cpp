@@ -17,7 +17,7 @@
 namespace sft::test {
 namespace {
 
-using rosgraph_msgs::msg::Clock;
+using ClockMessage = rosgraph_msgs::msg::Clock;
 using Time = std::chrono::sys_time<std::chrono::nanoseconds>;
 
 class SimulatedTimeTest : public PubSubTest {
@@ -31,8 +31,8 @@ class SimulatedTimeTest : public PubSubTest {
     return options;
   }
   /// Publishes the time until the node has it, since samples of best effort may get lost.
-  static bool follows(const Node& node, Publisher<Clock>& clock, std::chrono::nanoseconds time) {
-    const Clock message{.clock = duration_message<builtin_interfaces::msg::Time>(time)};
+  static bool follows(const Node& node, Publisher<ClockMessage>& clock, std::chrono::nanoseconds time) {
+    const ClockMessage message{.clock = duration_message<builtin_interfaces::msg::Time>(time)};
     return eventually([&] {
       clock.publish(message);
       return node.now() == Time(time);
@@ -51,7 +51,7 @@ TEST_P(SimulatedTimeTest, WithoutTheOptionTheTimeIsThatOfTheSystem) {
 
 TEST_P(SimulatedTimeTest, IsZeroAtFirstThenThatOfTheClockAndStandsWhenTheClockEnds) {
   const Node robot = Node::open(following("robot")).value();
-  std::optional<Publisher<Clock>> clock = simulator.publisher<Clock>("clock").value();
+  std::optional<Publisher<ClockMessage>> clock = simulator.publisher<ClockMessage>("clock").value();
   EXPECT_EQ(robot.now(), Time());
   EXPECT_TRUE(follows(robot, *clock, 10s + 500ms));
   EXPECT_EQ(robot.now(), Time(10s + 500ms)) << "it does not go on by itself";
@@ -72,8 +72,8 @@ TEST_P(SimulatedTimeTest, TheClockHasAnAbsoluteNameThatRulesMayChange) {
   const Node left = Node::open(options).value();
   options.remap = {"/clock:=/sim/clock"};
   const Node other = Node::open(options).value();
-  auto clock = simulator.publisher<Clock>("clock").value();
-  auto sim_clock = simulator.publisher<Clock>("sim/clock").value();
+  auto clock = simulator.publisher<ClockMessage>("clock").value();
+  auto sim_clock = simulator.publisher<ClockMessage>("sim/clock").value();
   EXPECT_TRUE(follows(left, clock, 1s));
   EXPECT_TRUE(follows(other, sim_clock, 2s));
   EXPECT_EQ(left.now(), Time(1s));
@@ -81,7 +81,7 @@ TEST_P(SimulatedTimeTest, TheClockHasAnAbsoluteNameThatRulesMayChange) {
 
 TEST_P(SimulatedTimeTest, AnyThreadMayAskForTheTime) {
   const Node robot = Node::open(following("robot")).value();
-  auto clock = simulator.publisher<Clock>("clock").value();
+  auto clock = simulator.publisher<ClockMessage>("clock").value();
   ASSERT_TRUE(follows(robot, clock, 1s));
   std::vector<std::jthread> threads;
   for (int i = 0; i < 4; ++i) {
@@ -100,7 +100,7 @@ TEST_P(SimulatedTimeTest, AnyThreadMayAskForTheTime) {
 
 TEST_P(SimulatedTimeTest, NeedsNoThreadThatCallsBack) {
   const Node robot = Node::open(following("robot")).value();
-  auto clock = simulator.publisher<Clock>("clock").value();
+  auto clock = simulator.publisher<ClockMessage>("clock").value();
   ASSERT_TRUE(follows(robot, clock, 1s));
   for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
     std::string name;

@@ -19,8 +19,8 @@ TEST(QueueWishesTest, AreReadFromTheNameAsTheyWereWritten) {
 }
 
 TEST(QueueWishesTest, ALimitOfBytesIsWrittenAsAPowerOfTwoThatIsNotGreater) {
-  const auto read_back = [](std::uint64_t bytes) {
-    return parse_wishes("name" + to_text({.reader = 0xabc, .late = true, .bytes_max = bytes}));
+  const auto read_back = [](std::uint64_t limit) {
+    return parse_wishes("name" + to_text({.reader = 0xabc, .late = true, .bytes_max = limit}));
   };
   constexpr std::uint64_t mebibyte = 1 << 20;
   EXPECT_EQ(read_back(0).bytes_max, 0U) << "no limit";
