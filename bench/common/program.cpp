@@ -1,7 +1,6 @@
 #include "bench/common/program.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <iterator>
@@ -29,8 +28,6 @@ Program::Program(const std::string& description, std::vector<Group> groups)
 std::optional<int> Program::parse(int argc, char** argv) {
   try {
     options_.parse(argc, argv);
-    if (const std::string refusal = refusal_of_trace(); !refusal.empty())
-      throw CLI::ValidationError("--trace", refusal);
   } catch (const CLI::ParseError& error) {
     return options_.exit(error);
   }
@@ -47,21 +44,6 @@ bool Program::chosen(const std::string& name) const {
 bool Program::is_chosen(const Group& group) const {
   return chosen(group.name) ||
          std::ranges::any_of(group.figures, [&](const std::string& figure) { return chosen(figure); });
-}
-
-void Program::add_trace(bool& trace, const std::string& what) {
-  trace_ = options_.add_flag("--trace", trace, what);
-}
-
-std::string Program::refusal_of_trace() const {
-  if (trace_ == nullptr || trace_->count() == 0 || only_.empty()) return "";
-  std::vector<std::string> with, without;
-  for (const Group& group : groups_) {
-    if (group.has_trace) with.push_back(group.name);
-    if (!group.has_trace && is_chosen(group)) without.push_back(group.name);
-  }
-  if (without.empty()) return "";
-  return fmt::format("there is no trace of {}, only of {}", fmt::join(without, ", "), fmt::join(with, ", "));
 }
 
 void Program::measure(const Group& group, std::vector<Figure>& to) const {

@@ -128,25 +128,6 @@ TEST(BenchProgram, TellsHowNoisyTheMachineWas) {
   std::filesystem::remove(file);
 }
 
-/// True if the program runs with --trace and these groups.
-bool takes_trace(std::string only) {
-  bool trace = false;
-  Program program("", {{.name = "traced", .measure = [] { return std::vector<Figure>(); }, .has_trace = true},
-                       {.name = "other", .measure = [] { return std::vector<Figure>(); }}});
-  program.add_trace(trace, "");
-  std::array words{std::string("bench"), std::string("--trace"), std::string("--only"), std::move(only)};
-  std::array arguments{words[0].data(), words[1].data(), words[2].data(), words[3].data()};
-  return !program.parse(4, arguments.data()) && trace;
-}
-
-TEST(BenchProgram, RefusesATraceOfAGroupThatHasNone) {
-  EXPECT_TRUE(takes_trace("traced"));
-  testing::internal::CaptureStderr();
-  EXPECT_FALSE(takes_trace("traced,other"));
-  EXPECT_THAT(testing::internal::GetCapturedStderr(),
-              HasSubstr("there is no trace of other, only of traced"));
-}
-
 TEST(BenchTally, HasMediansAndTheWorstRound) {
   Tally tally;
   for (const double value : {3., 9., 4.}) tally.add_ours(value);
