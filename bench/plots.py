@@ -1,6 +1,4 @@
-"""Which plots there are, and which figures they show. Pure functions: nothing is run or read here.
-
-The page of ./run bench all --report and docs/plots show the same plots."""
+"""Which plots there are, and which figures they show. Pure functions: nothing is run or read here. docs/plots/draw.py draws them."""
 
 import math
 import statistics
@@ -22,10 +20,9 @@ class Plot:
     part: svg.Part
     about: dict  # how they were measured
 
-    def svg(self, alone=False):
-        """`alone`: a file of its own."""
+    def svg(self):
         text = ", ".join(self.about[key] for key in ("command", "date", "processors", "system") if key in self.about)
-        return svg.picture(self.title, self.part, textwrap.wrap(text, NOTE_WIDTH), alone)
+        return svg.picture(self.title, self.part, textwrap.wrap(text, NOTE_WIDTH))
 
 
 def all_plots(records):

@@ -1,4 +1,4 @@
-"""The folder in which a run keeps what it measured: the page and the plots are made of it.
+"""The folder in which a run keeps what it measured: the plots are made of it.
 
 NAME.json has the figures of a benchmark, as its option --json writes them. The files of benchmarks.FILES have what else
 the plots show. about.json says of each benchmark when, where and with which command it was measured. A later run of a
