@@ -181,12 +181,13 @@ def throughput(records):
 
 
 def mask_change(records):
-    messages = [(float(row["ms"]), float(row["bytes"])) for row in records.tables.get("trace.csv", [])
-                if is_number(row.get("ms")) and is_number(row.get("bytes"))]
-    events = [float(row["ms"]) for row in records.tables.get("trace_events.csv", []) if is_number(row.get("ms"))]
-    if not messages or len(events) != 2:
+    rows = [row for row in records.tables.get("trace.csv", []) if is_number(row.get("ms"))]
+    messages = [(float(row["ms"]), float(row["bytes"])) for row in rows
+                if row.get("event") == "message" and is_number(row.get("bytes"))]
+    times = {row.get("event"): float(row["ms"]) for row in rows}
+    if not messages or not {"changed", "applied"} <= times.keys():
         return None
-    changed, applied = events
+    changed, applied = times["changed"], times["applied"]
     response = applied - changed
     words = (f"A reader of 7 fields of 512 bytes reads 4 of them. {svg.number(response)} ms later the publisher has "
              f"applied the new mask; the paper has {PAPER_RESPONSE_MS} ms. ")

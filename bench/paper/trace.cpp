@@ -1,6 +1,9 @@
 #include "bench/paper/trace.h"
 
+#include <fmt/format.h>
 #include <unistd.h>
+
+#include <ostream>
 
 #include "bench/common/crowd.h"
 #include "bench/common/pair.h"
@@ -81,6 +84,13 @@ std::optional<Trace> response_trace() {
     if (const double read_ms = ms(board->read_ns[i]); read_ms < trace.applied_ms) trace.changed_ms = read_ms;
   }
   return trace;
+}
+
+void write(std::ostream& out, const Trace& trace) {
+  out << "event,ms,bytes\n";
+  for (const Trace::Message& message : trace.messages)
+    out << fmt::format("message,{:.4f},{:.0f}\n", message.at_ms, message.cdr_bytes);
+  out << fmt::format("changed,{:.4f},\napplied,{:.4f},\n", trace.changed_ms, trace.applied_ms) << std::flush;
 }
 
 }  // namespace sft::bench::paper

@@ -51,8 +51,9 @@ def everything():
          "p999_us": "300"} for group, contenders in (("inter_sleeping", plots.BETWEEN_HOSTS),
                                                      ("intra_sleeping", plots.WITHIN_HOST))
         for contender, _ in contenders for size in (16, 1 << 20)]
-    whole.tables["trace.csv"] = [{"ms": str(100 * i), "bytes": "3584" if i < 2 else "2048"} for i in range(5)]
-    whole.tables["trace_events.csv"] = [{"event": "", "ms": "100.1"}, {"event": "", "ms": "100.3"}]
+    whole.tables["trace.csv"] = [
+        *({"event": "message", "ms": str(100 * i), "bytes": "3584" if i < 2 else "2048"} for i in range(5)),
+        {"event": "changed", "ms": "100.1", "bytes": ""}, {"event": "applied", "ms": "100.3", "bytes": ""}]
     whole.about = {name: {"command": f"./run bench {name}", "date": "2026-11-23", "processors": "2 x <Fast & Co>",
                           "system": "Linux"} for name in whole.figures}
     return whole
@@ -168,15 +169,13 @@ class RecordsTest(unittest.TestCase):
 
     def test_what_is_kept_is_loaded_and_other_benchmarks_stay(self):
         with tempfile.TemporaryDirectory() as written:
-            (option, path) = records.options_for_files("paper", {"--plots"}, written)
-            os.mkdir(path)
-            for name in ("trace.csv", "other.svg"):
-                with open(os.path.join(path, name), "w", encoding="utf-8") as file:
-                    file.write("ms,bytes\n1,2\n")
+            (option, path) = records.options_for_files("paper", {"--trace"}, written)
+            with open(path, "w", encoding="utf-8") as file:
+                file.write("ms,bytes\n1,2\n")
             records.keep(self.folder, "paper", [figure(1)], {"date": "today"}, written)
         records.keep(self.folder, "udp", [figure(2)], {"date": "tomorrow"}, self.folder)
         loaded = records.load(self.folder)
-        self.assertEqual(option, "--plots")
+        self.assertEqual(option, "--trace")
         self.assertEqual(loaded.tables, {"trace.csv": [{"ms": "1", "bytes": "2"}]})
         self.assertEqual((loaded.figure("paper", "figure")["value"], loaded.figure("udp", "figure")["value"]), (1, 2))
         self.assertEqual(loaded.about["udp"], {"date": "tomorrow"})
