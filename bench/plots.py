@@ -1,4 +1,6 @@
-"""Which plots there are, and which figures they show. Pure functions: nothing is run or read here. docs/plots/draw.py draws them."""
+"""Which plots there are, and which figures they show. Pure functions: nothing is run or read here.
+
+docs/plots/draw.py draws them."""
 
 import math
 import statistics

@@ -39,7 +39,7 @@ int publish(Board& board) {
   };
   Node node = open_node();
   const SharedMessages sent = messages();
-  const auto writer = sent->publisher(node, topic, {.on_readers_changed = note});
+  const auto writer = sent->writer(node, topic, {.on_readers_changed = note});
   if (!wait_until([&] { return writer->serves(1); })) return 1;
   board.first_ns = now_ns();
   for (std::size_t i = 0; i < messages_sent; ++i) {

@@ -39,7 +39,7 @@ Topic topic_of(const char* name, std::size_t number, std::uint32_t bytes, const 
           .depth = depth_of(bytes),
           .spinning = of.waiting == Waiting::spinning,
           .two_fields = entrant.way == Way::sft_two_fields,
-          .sleeps_at_once = entrant.spin_0,
+          .spin = entrant.spin_0 ? std::optional(std::chrono::nanoseconds(0)) : std::nullopt,
           .id = static_cast<std::uint16_t>(number),
           .readers = of.readers,
           .on_one_host = of.where == Where::one_host};

@@ -1,6 +1,4 @@
 // Measures the way from one process to another one, which spins or sleeps while it waits.
-#include "bench/common/raw_iceoryx.h"
-#include "bench/common/sft_cloud.h"
 #include "bench/common/statistics.h"
 #include "bench/common/transfer.h"
 #include "bench/shm/raw_futex.h"
@@ -11,12 +9,13 @@ namespace sft::bench {
 std::vector<Figure> hand_over(const Scale& scale) {
   const Transfer spinning{.messages = scale.messages, .reading = Reading::spinning};
   const Transfer sleeping{.messages = scale.messages, .reading = Reading::sleeping};
+  const Topic cloud{.bulk_bytes = sent_cloud_bytes, .reliable = false};
   Rounds ours_spinning, iceoryx_spinning, ours, iceoryx, futex;
   for (int round = 0; round < scale.rounds; ++round) {
-    ours_spinning.add(transfer_times<SftLoanWriter, SftReader>(spinning, sent_cloud_bytes));
-    iceoryx_spinning.add(transfer_times<RawIceoryxWriter, RawIceoryxReader>(spinning, sent_cloud_bytes));
-    ours.add(transfer_times<SftLoanWriter, SftReader>(sleeping, sent_cloud_bytes));
-    iceoryx.add(transfer_times<RawIceoryxWriter, RawIceoryxReader>(sleeping, sent_cloud_bytes));
+    ours_spinning.add(transfer_times(sft_cloud_loan_peer, cloud, spinning));
+    iceoryx_spinning.add(transfer_times(iceoryx_loan_peer, cloud, spinning));
+    ours.add(transfer_times(sft_cloud_loan_peer, cloud, sleeping));
+    iceoryx.add(transfer_times(iceoryx_loan_peer, cloud, sleeping));
     futex.add(raw_futex_times(sleeping));
   }
   return {{"spinning", ours_spinning.p50(), "us", iceoryx_spinning.p50(), "iceoryx polling", 1.5},
@@ -36,7 +35,8 @@ std::vector<Figure> size_flatness(const Scale& scale) {
       {"16B", 16}, {"16KiB", 16 << 10}, {"1MiB", 1 << 20}, {"6.3MB", sent_cloud_bytes}};
   const Transfer transfer{.messages = scale.messages, .reading = Reading::spinning, .preparing_counts = true};
   for (int round = 0; round < scale.rounds; ++round) {
-    for (Size& size : sizes) size.times.add(transfer_times<SftLoanWriter, SftReader>(transfer, size.bytes));
+    for (Size& size : sizes)
+      size.times.add(transfer_times(sft_cloud_loan_peer, {.bulk_bytes = size.bytes}, transfer));
   }
   std::vector<Figure> figures;
   for (const Size& size : sizes) {

@@ -14,12 +14,12 @@ namespace {
 
 using Word = std::atomic<std::uint32_t>;
 
-class Writer {
+class FutexWriter : public LendingWriter {
  public:
-  explicit Writer(Word& word) : word_(word) {}
-  bool serves(std::size_t) const { return true; }
-  void prepare(std::uint64_t number) { number_ = static_cast<std::uint32_t>(number); }
-  void publish() {
+  explicit FutexWriter(Word& word) : word_(word) {}
+  std::size_t readers() const override { return 1; }
+  void prepare(std::uint64_t number) override { number_ = static_cast<std::uint32_t>(number); }
+  void publish() override {
     word_.store(number_, std::memory_order_release);
     syscall(SYS_futex, &word_, FUTEX_WAKE, 1, nullptr, nullptr, 0);
   }
@@ -29,12 +29,12 @@ class Writer {
   std::uint32_t number_ = 0;
 };
 
-class Reader {
+class FutexReader : public Reader {
  public:
-  explicit Reader(Word& word) : word_(word) {}
-  std::size_t writers() const { return 1; }
-  void wait() { syscall(SYS_futex, &word_, FUTEX_WAIT, seen_, nullptr, nullptr, 0); }
-  std::uint64_t take() {
+  explicit FutexReader(Word& word) : word_(word) {}
+  std::size_t writers() const override { return 1; }
+  void wait() override { syscall(SYS_futex, &word_, FUTEX_WAIT, seen_, nullptr, nullptr, 0); }
+  std::uint64_t take() override {
     const std::uint32_t number = word_.load(std::memory_order_acquire);
     if (number == seen_) return 0;
     return seen_ = number;
@@ -51,12 +51,12 @@ std::vector<double> raw_futex_times(const Transfer& transfer) {
   const Shared<Word> word;
   return run_pair({.sender =
                        [&](Exchange& exchange) {
-                         Writer writer(*word);
+                         FutexWriter writer(*word);
                          send_each(exchange, transfer, writer);
                        },
                    .receiver =
                        [&](Exchange& exchange) {
-                         Reader reader(*word);
+                         FutexReader reader(*word);
                          receive_each(exchange, transfer, reader);
                        }},
                   transfer.messages);

@@ -6,9 +6,8 @@
 #include <bit>
 #include <cmath>
 
-#include "bench/paper/configuration.h"
 #include "bench/paper/figures.h"
-#include "bench/paper/lower_bound.h"
+#include "bench/paper/record.h"
 #include "bench/paper/schedule.h"
 #include "bench/paper/tables.h"
 
