@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "bench/common/program.h"
-#include "bench/peers/csv.h"
 #include "bench/peers/figures.h"
 #include "bench/peers/tables.h"
 #include "bench/peers/trial.h"

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <sstream>
 
-#include "bench/peers/csv.h"
 #include "bench/peers/entrant.h"
 #include "bench/peers/figures.h"
 #include "bench/peers/pace.h"
