@@ -12,7 +12,6 @@
 #include "bench/common/contender.h"
 #include "bench/common/crowd.h"
 #include "bench/common/shared.h"
-#include "bench/isolation/board.h"
 #include "bench/isolation/contender.h"
 #include "bench/isolation/observation.h"
 
