@@ -125,7 +125,7 @@ class Peers {
   }
   static std::vector<Figure> report(const std::string& group, const std::string& title,
                                     const Records& records, const std::vector<Column>& columns) {
-    say(tables(records, title, columns) + faster_peers(records, columns));
+    say(tables(records, title, columns));
     return figures(group, records, columns);
   }
 
