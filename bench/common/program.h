@@ -16,7 +16,6 @@ namespace sft::bench {
 struct Group {
   std::string name;
   std::function<std::vector<Figure>()> measure;
-  std::vector<std::string> figures{};  ///< the names of figures that --only takes beside that of the group
 };
 
 class Program {
@@ -37,10 +36,7 @@ class Program {
   int run();
 
  private:
-  bool chosen(const std::string& name) const;
   bool is_chosen(const Group& group) const;
-  /// Measures the group, or the figures of it that were chosen, or nothing.
-  void measure(const Group& group, std::vector<Figure>& to) const;
 
   CLI::App options_;
   std::vector<Group> groups_;
