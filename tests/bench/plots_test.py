@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
-"""Tests of the page that ./run bench all --report writes."""
+"""Tests of the plots of docs/performance.md, and of what ./run bench all keeps for them."""
 
-import html.parser
 import os
 import re
 import sys
@@ -13,91 +12,14 @@ sys.dont_write_bytecode = True
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 sys.path.insert(0, os.path.join(ROOT, "bench"))
 
-import comparison
 import plots
 import records
-import report
 import svg
 
 
 def figure(value, unit="us", reference=None, **more):
     return {"name": "figure", "value": value, "unit": unit, "reference": reference,
             "ratio": None if reference is None else value / reference, **more}
-
-
-class FigureTest(unittest.TestCase):
-    def test_a_peer_with_a_shorter_time_or_a_higher_rate_is_ahead(self):
-        self.assertTrue(report.is_behind(figure(3, "us", 2)))
-        self.assertFalse(report.is_behind(figure(3, "GB/s", 2)))
-        self.assertTrue(report.is_behind(figure(2, "GB/s", 3)))
-
-    def test_nobody_is_ahead_without_a_reference_or_a_known_unit(self):
-        self.assertIsNone(report.is_behind(figure(3)))
-        self.assertIsNone(report.is_behind(figure(3, "furlongs", 2)))
-
-    def test_a_bound_is_of_the_ratio_or_of_the_value_and_may_be_the_least(self):
-        self.assertFalse(report.meets_bound(figure(3, reference=2, bound=1.2)))
-        self.assertTrue(report.meets_bound(figure(3, reference=2, bound=5, bound_of="value")))
-        self.assertFalse(report.meets_bound(figure(3, bound=5, bound_of="value", at_least=True)))
-        self.assertIsNone(report.meets_bound(figure(3)))
-
-    def test_numbers_have_four_digits_and_a_missing_one_is_a_dash(self):
-        self.assertEqual([report.number(value) for value in (0, 12345.6, 1.23456, 0.012345, None, float("nan"))],
-                         ["0", "12,346", "1.235", "0.01235", "–", "–"])
-
-
-class PageTest(unittest.TestCase):
-    class Reader(html.parser.HTMLParser):
-        """Notes which tags are open, and what is outside of the page."""
-
-        def __init__(self):
-            super().__init__()
-            self.open, self.sources = [], []
-
-        def handle_starttag(self, tag, attributes):
-            self.sources += [value for name, value in attributes if name in ("src", "href") and value[:1] != "#"]
-            if tag != "meta":
-                self.open.append(tag)
-
-        def handle_endtag(self, tag):
-            assert self.open.pop() == tag, tag
-
-    def read(self, text):
-        reader = self.Reader()
-        reader.feed(text)
-        reader.close()
-        return reader
-
-    def test_the_page_is_whole_and_needs_nothing_else(self):
-        whole = everything()
-        whole.figures["shm"] = [figure(3, "us", 2, bound=1.2), figure(4, "GB/s", 5), figure(None)]
-        text = report.page(whole, {"command": "./run bench all"})
-        reader = self.read(text)
-        self.assertEqual((reader.open, reader.sources), ([], []))
-        self.assertNotIn("<script", text)
-        self.assertEqual(text.count("<svg class=\"plot\""), len(PLOTS))
-        self.assertEqual(text.count("<style>"), 1)
-
-    def test_what_is_behind_and_which_bounds_are_missed_is_said_above_the_table(self):
-        text = report.section("udp", [figure(3, "us", 2, bound=1.2)], {}, [])
-        self.assertIn("The reference is better in: figure.", text)
-        self.assertIn("Bounds that do not hold: figure.", text)
-
-    def test_names_cannot_end_a_tag(self):
-        hostile = records.Records({"<b>": [figure(1, reference=2, reference_name="a < b")]},
-                                  about={"<b>": {"command": "<u>"}})
-        text = report.page(hostile, {"commit": "<i>"})
-        self.assertIn("a &lt; b", text)
-        for tag in ("<b>", "<i>", "<u>"):
-            self.assertNotIn(tag, text)
-
-    def test_a_section_says_its_command_and_how_noisy_the_machine_was(self):
-        noise = [{"name": name, "value": value, "unit": "%"} for name, value in zip(comparison.NOISE, (12.5, 0.25))]
-        text = report.section("udp", [figure(3), *noise], {"command": "./run bench udp"}, [])
-        self.assertIn("./run bench udp", text)
-        self.assertIn("Other programs took 12.50 % of the processors meanwhile, other virtual machines 0.2500 %", text)
-        self.assertIn("1 figures", text)  # noise is none of them
-        self.assertNotIn("noise_", text)
 
 
 PLOTS = ["bytes", "latency_hosts", "latency_memory", "throughput", "mask_change", "isolation_readers",
@@ -129,8 +51,9 @@ def everything():
          "p999_us": "300"} for group, contenders in (("inter_sleeping", plots.BETWEEN_HOSTS),
                                                      ("intra_sleeping", plots.WITHIN_HOST))
         for contender, _ in contenders for size in (16, 1 << 20)]
-    whole.tables["trace.csv"] = [{"ms": str(100 * i), "bytes": "3584" if i < 2 else "2048"} for i in range(5)]
-    whole.tables["trace_events.csv"] = [{"event": "", "ms": "100.1"}, {"event": "", "ms": "100.3"}]
+    whole.tables["trace.csv"] = [
+        *({"event": "message", "ms": str(100 * i), "bytes": "3584" if i < 2 else "2048"} for i in range(5)),
+        {"event": "changed", "ms": "100.1", "bytes": ""}, {"event": "applied", "ms": "100.3", "bytes": ""}]
     whole.about = {name: {"command": f"./run bench {name}", "date": "2026-11-23", "processors": "2 x <Fast & Co>",
                           "system": "Linux"} for name in whole.figures}
     return whole
@@ -138,11 +61,10 @@ def everything():
 
 class PlotTest(unittest.TestCase):
     def drawn(self, whole):
-        """All texts of each plot. Both forms must be well-formed."""
+        """All texts of each plot, which must be well-formed."""
         texts = {}
         for plot in plots.all_plots(whole):
-            for alone in (False, True):
-                root = xml.etree.ElementTree.fromstring(plot.svg(alone))
+            root = xml.etree.ElementTree.fromstring(plot.svg())
             self.assertEqual(root.tag, "{http://www.w3.org/2000/svg}svg")
             texts[plot.name] = [element.text or "" for element in root.iter() if element.tag.endswith("}text")]
         return texts
@@ -157,9 +79,9 @@ class PlotTest(unittest.TestCase):
             with self.subTest(name):
                 self.assertTrue(any(re.search(rf"(^|[ ,]){unit}( |,|$)", text) for text in texts[name]), texts[name])
 
-    def test_a_file_of_its_own_says_machine_and_date_and_brings_colours_for_the_dark(self):
+    def test_a_plot_says_machine_and_date_and_brings_colours_for_the_dark(self):
         for plot in plots.all_plots(everything()):
-            text = plot.svg(alone=True)
+            text = plot.svg()
             for words in ("2026-11-23", "2 x &lt;Fast &amp; Co&gt;", "prefers-color-scheme: dark", "viewBox="):
                 self.assertIn(words, text)
             self.assertNotRegex(re.sub("<style>.*?</style>", "", text, flags=re.DOTALL), "#[0-9a-f]{6}")
@@ -169,7 +91,7 @@ class PlotTest(unittest.TestCase):
         whole.figures["isolation"][0]["value"] = 1e9
         whole.tables["peers.csv"][0]["p999_us"] = "0.001"
         for plot in plots.all_plots(whole):
-            root = xml.etree.ElementTree.fromstring(plot.svg(alone=True))
+            root = xml.etree.ElementTree.fromstring(plot.svg())
             _, _, width, height = map(float, root.get("viewBox").split())
             for element in root.iter():
                 for names, end in ((("x", "x1", "x2", "cx"), width), (("y", "y1", "y2", "cy"), height)):
@@ -236,7 +158,6 @@ class PlotTest(unittest.TestCase):
         whole.tables["peers.csv"][0]["contender"] = "<script>"
         for plot in plots.all_plots(whole):
             self.assertNotIn("<script", plot.svg())
-        self.assertNotIn("<script", report.page(whole, {}))
         self.drawn(whole)
 
 
@@ -248,15 +169,13 @@ class RecordsTest(unittest.TestCase):
 
     def test_what_is_kept_is_loaded_and_other_benchmarks_stay(self):
         with tempfile.TemporaryDirectory() as written:
-            (option, path) = records.options_for_files("paper", {"--plots"}, written)
-            os.mkdir(path)
-            for name in ("trace.csv", "other.svg"):
-                with open(os.path.join(path, name), "w", encoding="utf-8") as file:
-                    file.write("ms,bytes\n1,2\n")
+            (option, path) = records.options_for_files("paper", {"--trace"}, written)
+            with open(path, "w", encoding="utf-8") as file:
+                file.write("ms,bytes\n1,2\n")
             records.keep(self.folder, "paper", [figure(1)], {"date": "today"}, written)
         records.keep(self.folder, "udp", [figure(2)], {"date": "tomorrow"}, self.folder)
         loaded = records.load(self.folder)
-        self.assertEqual(option, "--plots")
+        self.assertEqual(option, "--trace")
         self.assertEqual(loaded.tables, {"trace.csv": [{"ms": "1", "bytes": "2"}]})
         self.assertEqual((loaded.figure("paper", "figure")["value"], loaded.figure("udp", "figure")["value"]), (1, 2))
         self.assertEqual(loaded.about["udp"], {"date": "tomorrow"})

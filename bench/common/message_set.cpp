@@ -1,8 +1,10 @@
-#include "bench/paper/messages.h"
+#include "bench/common/message_set.h"
 
-#include <algorithm>
+namespace sft::bench {
 
-namespace sft::bench::paper {
+std::size_t Messages::largest() const {
+  return std::ranges::max(bodies_, {}, &std::vector<std::byte>::size).size();
+}
 
 FieldMask Messages::mask_of(FieldSet fields) const {
   FieldMask mask = type().none();
@@ -22,4 +24,4 @@ FieldSet Messages::named(const std::vector<std::string>& names) const {
   return fields;
 }
 
-}  // namespace sft::bench::paper
+}  // namespace sft::bench

@@ -1,5 +1,3 @@
-#include "bench/many/raw_multicast.h"
-
 #include <arpa/inet.h>
 #include <net/if.h>
 #include <netinet/udp.h>
@@ -9,7 +7,9 @@
 #include <array>
 #include <cstdlib>
 #include <thread>
+#include <vector>
 
+#include "bench/common/message_set.h"
 #include "tools/hosts/network.h"
 
 namespace sft::bench {
@@ -63,30 +63,54 @@ int receiving_socket() {
 }
 
 /// The end of a sample is a datagram that is not full.
-[[noreturn]] void receive(int socket, const std::function<void()>& arrived) {
+[[noreturn]] void receive(int socket, const Arrived& arrived) {
   std::array<std::uint8_t, datagram_bytes> datagram{};
   for (;;) {
     const ssize_t bytes = recv(socket, datagram.data(), datagram.size(), 0);
-    if (bytes < datagram_bytes) arrived();
+    if (bytes < datagram_bytes) arrived(0);
   }
 }
 
+class RawMulticastWriter : public Writer {
+ public:
+  explicit RawMulticastWriter(const Topic& topic)
+      : socket_(sending_socket()), sample_(topic.messages->largest()), readers_(topic.readers) {}
+  ~RawMulticastWriter() override { close(socket_); }
+
+  std::size_t readers() const override { return readers_; }
+  void write(std::uint64_t) override {
+    const sockaddr_in to = group();
+    must(sendto(socket_, sample_.data(), sample_.size(), 0, reinterpret_cast<const sockaddr*>(&to),
+                sizeof to) > 0);
+  }
+
+ private:
+  const int socket_;
+  const std::vector<std::uint8_t> sample_;
+  const std::size_t readers_;
+};
+
+/// Its thread reads until the process ends.
+class RawMulticastReader : public Reader {
+ public:
+  explicit RawMulticastReader(const Arrived& arrived) {
+    std::thread([arrived, socket = receiving_socket()] { receive(socket, arrived); }).detach();
+  }
+  std::size_t writers() const override { return 1; }
+};
+
+class RawMulticastPeer : public Peer {
+ public:
+  std::unique_ptr<Writer> writer(const Topic& topic) override {
+    return std::make_unique<RawMulticastWriter>(topic);
+  }
+  std::unique_ptr<Reader> reader(const Topic&, Arrived arrived) override {
+    return std::make_unique<RawMulticastReader>(arrived);
+  }
+};
+
 }  // namespace
 
-RawMulticastMember::Writer::Writer(RawMulticastMember&, const Payload& payload)
-    : socket_(sending_socket()), sample_(payload.sample_bytes) {}
-
-RawMulticastMember::Writer::~Writer() { close(socket_); }
-
-void RawMulticastMember::Writer::write() {
-  const sockaddr_in to = group();
-  must(sendto(socket_, sample_.data(), sample_.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to) >
-       0);
-}
-
-RawMulticastMember::MaskedReader::MaskedReader(RawMulticastMember&, const Payload&,
-                                               const std::function<void()>& arrived) {
-  std::thread([arrived, socket = receiving_socket()] { receive(socket, arrived); }).detach();
-}
+std::unique_ptr<Peer> raw_multicast_peer() { return std::make_unique<RawMulticastPeer>(); }
 
 }  // namespace sft::bench
