@@ -35,7 +35,7 @@ class Record {
     const std::int64_t data = meter_ == nullptr ? 0 : meter_->data_received();
     const core::Lock lock(mutex_);
     if (order_ == Order::none) before_ = data;
-    report.bytes = meter_ == nullptr ? payload_bytes_ : data - before_;
+    report.bytes = bytes(data);
     report.learning_bytes = learnt_ ? bytes_while_learning_ : is_recorded_ ? report.bytes : 0;
     report.steady_samples = latencies_ns_.size() - (learnt_ ? samples_while_learning_ : 0);
     report.steady_bytes = report.bytes - (learnt_ ? bytes_while_learning_ : 0);
@@ -44,13 +44,18 @@ class Record {
   }
 
  private:
-  /// Learning costs all bytes until the last full sample has come. The next sample, which is not full, shows
-  /// that it was the last one.
+  /// Learning costs all bytes until the first sample that is not full, with which the steady state begins:
+  /// full samples of which a part was lost cost their bytes, too.
   void watch_learning(bool full) SFT_REQUIRES(mutex_) {
-    learnt_ = !full;
-    if (learnt_) return;
+    if (full) return;
+    learnt_ = true;
     samples_while_learning_ = latencies_ns_.size();
-    bytes_while_learning_ = meter_ == nullptr ? payload_bytes_ : meter_->data_received() - before_;
+    bytes_while_learning_ = bytes(meter_ == nullptr ? 0 : meter_->data_received());
+  }
+
+  /// `data`: what the meter says now. On the loopback, which counts no headers, that may be less than before.
+  std::int64_t bytes(std::int64_t data) const SFT_REQUIRES(mutex_) {
+    return meter_ == nullptr ? payload_bytes_ : std::max<std::int64_t>(0, data - before_);
   }
 
   const bool is_recorded_;
