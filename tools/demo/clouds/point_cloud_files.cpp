@@ -9,6 +9,7 @@
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
 #include "sft/detail/sample_format.h"
+#include "sft/detail/walk.h"
 #include "sft/dynamic_view.h"
 #include "sft/type_support.h"
 
@@ -37,14 +38,17 @@ Result<std::string> shape_of(const Bytes& payload) {
   const std::span<const std::byte> body = std::span(payload).subspan(detail::encapsulation_bytes);
   const TypeSupport& type = type_support<sensor_msgs::msg::PointCloud2>();
   const FieldMask mask = type.full();
-  const detail::SampleState state{
-      .body = body.data(), .body_bytes = static_cast<std::uint32_t>(body.size()), .mask = &mask};
+  std::vector<std::uint32_t> index(type.index_slots());
+  const detail::SampleState state{.body = body.data(),
+                                  .body_bytes = static_cast<std::uint32_t>(body.size()),
+                                  .index = index.data(),
+                                  .mask = &mask};
+  const bool is_whole = detail::build_index(state, type.type(), index) == detail::WalkStatus::ok;
   const DynamicView cloud(state, type.type());
   const auto number = [&](const char* name) { return cloud[name].as<std::uint64_t>().value_or(0); };
   const std::uint64_t height = number("height");
   const std::uint64_t width = number("width");
   const std::uint64_t row_bytes = number("row_step");
-  const bool is_whole = cloud["is_dense"].as<bool>().has_value();  // the last field
   if (!is_whole || row_bytes < width * number("point_step") ||
       height * row_bytes != cloud["data"].size().value_or(0)) {
     return fail(Errc::malformed, "not a sensor_msgs/PointCloud2, or damaged; give a file of one cloud");

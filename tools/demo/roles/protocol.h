@@ -87,7 +87,8 @@ class Posted {
   Report report_{};
 };
 
-enum class Order : std::uint8_t { none, publish, halt };
+/// `end` is for all roles, the others are for the lidar.
+enum class Order : std::uint8_t { none, publish, halt, end };
 
 struct Board {
   std::atomic<Order> order{Order::none};

@@ -145,11 +145,10 @@ Result<void> run_publisher(const NodePlan& plan, const PublishingPlan& publishin
   const auto period =
       std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / publishing.hz));
   Clock::time_point next_cloud;
-  for (;;) {
-    const Order order = board.order;
+  while (board.order != Order::end) {
     const auto now = Clock::now();
     const auto next_report = now + between_reports;
-    board.publisher.write(lidar.report(order == Order::halt));
+    board.publisher.write(lidar.report(board.order == Order::halt));
     auto publishes = [&] { return board.order == Order::publish && !lidar.is_done(); };
     // A late publisher does not try to catch up, as a sensor would not.
     while (publishes() && std::max(next_cloud, now) < next_report) {
@@ -159,6 +158,7 @@ Result<void> run_publisher(const NodePlan& plan, const PublishingPlan& publishin
     }
     std::this_thread::sleep_until(next_report);
   }
+  return {};
 }
 
 }  // namespace sft::demo

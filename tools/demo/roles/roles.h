@@ -1,5 +1,5 @@
-// The roles of the example, each in a process of its own. They report to the demo until they are killed. The
-// error of a role that cannot go on is what it returns.
+// The roles of the example, each in a process of its own. They report to the demo until it orders the end.
+// The error of a role that cannot go on is what it returns.
 #pragma once
 
 #include <array>

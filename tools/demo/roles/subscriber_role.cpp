@@ -89,13 +89,14 @@ Result<void> subscribe(const NodePlan& plan, Board& board, std::size_t number) {
   const auto subscriber =
       node->template subscriber<PointCloud2, R>(topic, on_sample, {.max_rate_hz = Consumer::max_rate_hz});
   if (!subscriber) return tl::unexpected(subscriber.error());
-  for (;;) {
+  while (board.order != Order::end) {
     const SubscriberStatus status = subscriber->status();
     SubscriberReport report{.open = true, .received = status.received, .lost = status.lost};
     record.fill(report);
     board.subscribers[number].write(report);
     std::this_thread::sleep_for(between_reports);
   }
+  return {};
 }
 
 template <class Consumer>

@@ -53,9 +53,8 @@ std::string format_result(const RunFigures& run) {
               ? fmt::format(" instead of {}: {} saved", aligned_bytes_text(carried.whole_bytes),
                             format_percent(carried.saved()))
               : ": nothing saved";
-  return text + (run.lost() == 0
-                     ? "; nothing lost."
-                     : fmt::format("; {} lost. Was the machine too busy?", grouped_count_text(run.lost())));
+  return text +
+         (run.lost() == 0 ? "; nothing lost." : fmt::format("; {} lost.", grouped_count_text(run.lost())));
 }
 
 std::string format_source(const RunFigures& run) {
@@ -123,6 +122,7 @@ std::vector<std::string> format_summary(const RunFigures& run) {
   std::vector<std::string> lines{format_result(run), ""};
   for (const std::string& paragraph :
        {format_source(run), format_comparison(run), format_learning(run),
+        std::string(run.lost() == 0 ? "" : "Clouds were lost: was the machine too busy?"),
         std::string("p50 is the median time from publish() to the subscriber's callback."),
         format_measurement(run)}) {
     if (paragraph.empty()) continue;

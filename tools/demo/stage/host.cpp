@@ -19,7 +19,7 @@ namespace sft::demo {
 
 namespace {
 
-constexpr std::chrono::seconds patience_with_daemons{2};
+constexpr std::chrono::seconds patience_with_children{2};
 
 /// As fork(), but into new namespaces of these kinds. The child may only fork, wait and execute.
 pid_t fork_into(unsigned long kinds) {
@@ -44,6 +44,8 @@ Result<void> leave_this_host(const hosts::NetworkNamespace& network, unsigned sh
 [[noreturn]] void run_role(const Role& role) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   prctl(PR_SET_NAME, role.name.c_str());  // shown by ps and top
+  // The demo orders the end, so that nodes can take their leave. The signal ends only the daemon.
+  signal(SIGTERM, [](int) {});
   hosts::block_only({});
   const Result<void> done = role.run();
   if (!done) give_up(role.name, done.error());
@@ -78,7 +80,7 @@ Result<void> leave_this_host(const hosts::NetworkNamespace& network, unsigned sh
     for (pid_t gone = 0; (gone = waitpid(-1, nullptr, WNOHANG)) > 0;)
       all_run = all_run && std::ranges::find(running, gone) == running.end();
   }
-  hosts::end_children(patience_with_daemons);
+  hosts::end_children(patience_with_children);
   _exit(0);
 }
 

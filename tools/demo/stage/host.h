@@ -18,7 +18,7 @@
 
 namespace sft::demo {
 
-/// The work of one process of a host, which goes on until the process is killed, or ends with an error.
+/// The work of one process of a host, which goes on until the demo orders the end, or fails.
 struct Role {
   std::string name;
   std::function<Result<void>()> run;

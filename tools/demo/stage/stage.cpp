@@ -81,6 +81,7 @@ Result<void> Stage::start(const PublishingPlan& plan, bool arr) {
 }
 
 Stage::~Stage() {
+  order(Order::end);
   for (const pid_t process : processes_) kill(process, SIGTERM);
   for (const pid_t process : processes_) hosts::reap(process);
   munmap(board_, sizeof(Board));
