@@ -7,7 +7,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <chrono>
 #include <cstdio>
 
@@ -69,16 +68,17 @@ Result<void> leave_this_host(const hosts::NetworkNamespace& network, unsigned sh
     running.push_back(fork());
     if (running.back() == 0) run_role(role);
   }
-  // Adopted processes may end at any time: daemons leave a process behind when they start.
+  // Adopted processes end, too: a daemon leaves one behind when it starts.
   int number = 0;
-  bool all_run = true;
+  bool failed = false;
   sigset_t awaited;
   sigemptyset(&awaited);
   sigaddset(&awaited, SIGCHLD);
   sigaddset(&awaited, SIGTERM);
-  while (all_run && sigwait(&awaited, &number) == 0 && number != SIGTERM) {
-    for (pid_t gone = 0; (gone = waitpid(-1, nullptr, WNOHANG)) > 0;)
-      all_run = all_run && std::ranges::find(running, gone) == running.end();
+  while (!running.empty() && !failed && sigwait(&awaited, &number) == 0 && number != SIGTERM) {
+    int status = 0;
+    for (pid_t gone = 0; (gone = waitpid(-1, &status, WNOHANG)) > 0;)
+      failed = failed || (std::erase(running, gone) != 0 && status != 0);
   }
   hosts::end_children(patience_with_children);
   _exit(0);

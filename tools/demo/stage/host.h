@@ -2,9 +2,9 @@
 // namespaces can be made, it is a machine of its own to whatever runs there; otherwise it is just processes
 // on this machine.
 //
-// The first process of the tree adopts what the roles leave behind (the daemon of the shared memory). When it
-// is told to end, when a role ends, or when the demo ends in whatever way, it ends all of them, so that
-// nothing that the demo started goes on.
+// The first process of the tree adopts what the roles leave behind (the daemon of the shared memory). When
+// the roles have ended, when one has failed, with SIGTERM, or when the demo ends in whatever way, it ends all
+// that is left, so that nothing that the demo started goes on.
 #pragma once
 
 #include <sys/types.h>
@@ -36,7 +36,7 @@ Result<void> try_isolation();
 /// one, for the rest of the calling process. REQUIRES: the process has one thread.
 Result<void> become_root();
 
-/// Starts the host, and returns its first process, which ends with SIGTERM. REQUIRES: the calling process has
+/// Starts the host, and returns its first process. REQUIRES: the calling process has
 /// one thread.
 Result<pid_t> start_host(const HostSettings& settings, const std::vector<Role>& roles);
 

@@ -10,8 +10,8 @@
 #include <filesystem>
 #include <new>
 #include <random>
+#include <thread>
 
-#include "tools/hosts/child_process.h"
 #include "tools/hosts/own_host.h"
 #include "tools/hosts/system_error.h"
 
@@ -21,6 +21,8 @@ namespace {
 
 /// Of each subscriber; the publisher runs on the last one.
 constexpr std::array<const char*, 5> host_names{"monitor", "cockpit", "logger", "nav", "lidar"};
+constexpr std::chrono::seconds patience_with_hosts{8};  // in which nodes take their leave, and daemons end
+constexpr std::chrono::milliseconds moment{10};
 constexpr unsigned publishers_shm_mebibytes = 1024;  // for some samples of 6 MB
 
 /// Other programs of this machine may use the default domain. They rarely use one of the upper domains.
@@ -82,8 +84,13 @@ Result<void> Stage::start(const PublishingPlan& plan, bool arr) {
 
 Stage::~Stage() {
   order(Order::end);
-  for (const pid_t process : processes_) kill(process, SIGTERM);
-  for (const pid_t process : processes_) hosts::reap(process);
+  const auto deadline = Clock::now() + patience_with_hosts;
+  for (const pid_t process : processes_) {
+    while (waitpid(process, nullptr, WNOHANG) == 0) {
+      if (Clock::now() > deadline) kill(process, SIGTERM);
+      std::this_thread::sleep_for(moment);
+    }
+  }
   munmap(board_, sizeof(Board));
 }
 
