@@ -38,7 +38,7 @@ class Record {
     report.bytes = bytes(data);
     report.learning_bytes = learnt_ ? bytes_while_learning_ : is_recorded_ ? report.bytes : 0;
     report.steady_samples = latencies_ns_.size() - (learnt_ ? samples_while_learning_ : 0);
-    report.steady_bytes = report.bytes - (learnt_ ? bytes_while_learning_ : 0);
+    report.steady_bytes = std::max<std::int64_t>(0, report.bytes - (learnt_ ? bytes_while_learning_ : 0));
     report.latency_p50_us = percentile_us(latencies_ns_, 0.50);
     report.latency_p99_us = percentile_us(latencies_ns_, 0.99);
   }
