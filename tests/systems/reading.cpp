@@ -42,7 +42,7 @@ double sum_of(const sft::Sample<PointCloud2>& cloud) {
 std::size_t size_of(const sft::DynamicSample& sample) {
   std::size_t size = 0;
   for (const auto& member : sample.view()["pose"].members()) size += member.name().size();
-  for (const auto& element : sample.view()["transforms"].elements()) size += element.members().size();
+  for (const auto& element : sample.view()["transforms"].elements()) size += element.is_struct() ? 1 : 0;
   const auto& covariance = sample.view()["pose"]["covariance"].as<std::span<const double>>();
   const auto& name = sample.view()["pose"].name();
   return size + name.size() + (covariance ? covariance->size() : 0);
