@@ -284,10 +284,14 @@ class GateFanOutTest : public test::BridgeTest, public testing::WithParamInterfa
   }
   void publish() {
     const Image image = image_of(++published_);
+    const core::SampleHandle sample = publisher_->make(image);
+    ASSERT_TRUE(sample);
+    // As a publisher does: what the gates withhold counts from the moment from which the routes hold.
+    core::Transmission transmission = publisher_->port().begin();
     gates_.judge(image, published_);
     for (const auto& reader : readers_)
       if (gates_.let_pass(reader->wish(), published_)) reader->owe(published_);
-    publisher_->publish(image);
+    std::move(transmission).send(sample);
     writer_->poll(std::chrono::steady_clock::now());
   }
   void catch_up() {
