@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "tools/demo/screen/measurement.h"
 #include "tools/demo/screen/report.h"
 
 namespace sft::demo {
@@ -16,111 +17,230 @@ using std::chrono::seconds;
 constexpr seconds patience_for_matching{20};
 constexpr seconds patience_for_shared_memory{8};
 constexpr seconds patience_for_arrival{2};
+// After they met, DDS participants repeat their introductions, and nodes give full signs of life, for about
+// this long. Meanwhile the daemons that the hosts had to start become ready, and nodes announce that.
+constexpr milliseconds settling{5'000};
+// Later each node gives about one sign of life in a second. The control traffic of any whole number of these
+// periods is nearly the same.
+constexpr seconds control_period{4};
+constexpr const char* stopped_early = "stopped before anything was published, so there are no figures";
 constexpr milliseconds refresh{250};
-constexpr milliseconds moment{20};
+constexpr milliseconds poll_interval{20};
+constexpr milliseconds between_notices{200};
 
-double seconds_of(Clock::duration time) { return std::chrono::duration<double>(time).count(); }
+/// Null if the publisher does not know such a reader.
+const ReaderReport* reader_called(const PublisherReport& publisher, const std::string& name) {
+  const auto reader = std::find_if(publisher.readers.begin(), publisher.readers.end(),
+                                   [&](const ReaderReport& r) { return r.node == name; });
+  return reader == publisher.readers.end() ? nullptr : &*reader;
+}
+
+std::uint64_t withheld_from(const PublisherReport& publisher, const std::string& name) {
+  const ReaderReport* reader = reader_called(publisher, name);
+  return reader == nullptr ? 0 : reader->withheld;
+}
 
 }  // namespace
 
+Demo::Demo(const DemoOptions& options, const CloudSource& source, Stage& stage, tool::Stop& stop,
+           Display& display)
+    : options_(options), source_(source), stage_(stage), stop_(stop), display_(display) {}
+
 Result<RunFigures> Demo::run() {
-  introduce();
   return await_readiness()
+      .and_then([this] { return let_it_settle(); })
       .and_then([this] { return publish(); })
       .and_then([this] { return await_arrival(); })
-      .map([this] { return figures(true); });
+      .map([this] { return figures(last_); });
+}
+
+bool Demo::stop_asked_before(Clock::time_point then) {
+  const bool asked = stop_.wait_for(then - Clock::now());
+  stop_.forget();
+  return asked;
+}
+
+Result<void> Demo::wait_until(Clock::time_point then, const std::string& what) {
+  for (;;) {
+    const auto now = Clock::now();
+    display_.waiting(what, now);
+    if (stop_asked_before(std::min(then, now + between_notices)))
+      return fail(Errc::unavailable, stopped_early);
+    if (now >= then) return {};
+  }
+}
+
+Result<Demo::Snapshot> Demo::look(const Order& order, bool says_so) {
+  const auto waiting = [&](const std::string& name) -> WhileWaiting {
+    if (!says_so) return {};
+    return [this, what = "Waiting until the " + name + " has started"] { return wait_until({}, what); };
+  };
+  Snapshot now;
+  for (const Stage::Subscriber& subscriber : stage_.subscribers()) {
+    Result<SubscriberReport> report = stage_.ask(subscriber, waiting(subscriber.name));
+    if (!report) return tl::unexpected(report.error());
+    now.subscribers.push_back(std::move(*report));
+  }
+  // The publisher is asked last, so that it counts all samples that subscribers have received by now.
+  Result<PublisherReport> report = stage_.ask_publisher(order, waiting("lidar"));
+  if (!report) return tl::unexpected(report.error());
+  now.publisher = std::move(*report);
+  now.at = Clock::now();
+  if (settled_.at != Clock::time_point{}) note_idle_traffic(now);
+  return now;
+}
+
+bool Demo::served_as_wished(const Snapshot& now, std::size_t number, bool any_transport) const {
+  const Stage::Subscriber& subscriber = stage_.subscribers()[number];
+  const ReaderReport* reader = reader_called(now.publisher, subscriber.name);
+  if (reader == nullptr || !reader->served || !now.subscribers[number].matched) return false;
+  return any_transport || !subscriber.local ||
+         (reader->transport == "shm" && now.subscribers[number].transport == "shm");
+}
+
+Error Demo::not_ready(const Snapshot& now) const {
+  std::string text = fmt::format("not everybody was served within {} s:", patience_for_matching.count());
+  for (std::size_t i = 0; i < now.subscribers.size(); ++i) {
+    if (served_as_wished(now, i, true)) continue;
+    const SubscriberReport& report = now.subscribers[i];
+    const std::string& why = report.warning.empty() ? report.reason : report.warning;
+    text +=
+        fmt::format(" {} ({})", stage_.subscribers()[i].name, why.empty() ? "heard of no publisher" : why);
+  }
+  if (!now.publisher.warning.empty()) text += "; the publisher says: " + now.publisher.warning;
+  return {Errc::unavailable, text};
+}
+
+/// The names of subscribers that are not served yet: "health, localiser"
+std::string Demo::missing(const Snapshot& now, bool any_transport) const {
+  std::string names;
+  for (std::size_t i = 0; i < now.subscribers.size(); ++i) {
+    if (served_as_wished(now, i, any_transport)) continue;
+    names += (names.empty() ? "" : ", ") + stage_.subscribers()[i].name;
+  }
+  return names;
 }
 
 void Demo::introduce() const {
-  display_.say(
-      fmt::format("  lidar    publishes clouds of {}, {:g} a second", setting_.message_shape, setting_.hz));
+  display_.say(fmt::format("  lidar    publishes clouds of {}, {:g} a second", source_.shape(), options_.hz));
   for (const Stage::Subscriber& subscriber : stage_.subscribers()) {
     const std::string host = stage_.real_hosts() ? subscriber.host : subscriber.local ? "shared" : "by UDP";
     display_.say(fmt::format("  {:<8} {:<9} {}", host, subscriber.name, subscriber.purpose));
   }
 }
 
-bool Demo::stop_asked() {
-  const bool asked = stop_.requested();
-  stop_.forget();
-  return asked;
-}
-
-Result<void> Demo::wait_a_moment() {
-  stop_.wait_for(moment);
-  return stage_.update();
-}
-
 Result<void> Demo::await_readiness() {
+  introduce();
   const auto start = Clock::now();
-  for (;;) {
-    if (const Result<void> go_on = wait_a_moment(); !go_on) return go_on;
-    const auto waited = Clock::now() - start;
-    std::string names;
-    std::string reasons;
-    for (const Stage::Subscriber& s : stage_.subscribers()) {
-      const bool as_wished = s.route.in_shared_memory == s.local || waited > patience_for_shared_memory;
-      if (s.report.open && s.route.served && as_wished) continue;
-      names += (names.empty() ? "" : ", ") + s.name;
-      reasons += " " + s.name + " (" + (s.report.open ? s.route.reason.str() : "it has not started") + ")";
-    }
-    if (names.empty()) {
+  Result<Snapshot> now = look({}, true);
+  for (;; now = look()) {
+    if (!now) return tl::unexpected(now.error());
+    const auto waited = now->at - start;
+    const bool any_transport = waited > patience_for_shared_memory;
+    const std::string missing_names = missing(*now, any_transport);
+    if (missing_names.empty()) {
       display_.say(fmt::format("All {} subscribers found the publisher within {:.1f} s.",
-                               stage_.subscribers().size(), seconds_of(waited)));
-      const Route& local = stage_.subscribers().back().route;
-      if (!local.in_shared_memory) display_.say("The detector is served by UDP: " + local.reason.str() + ".");
+                               now->subscribers.size(), std::chrono::duration<double>(waited).count()));
+      for (const std::string& line : format_refusals(now->publisher)) display_.say(line);
       return {};
     }
-    if (stop_asked())
-      return fail(Errc::unavailable, "stopped before anything was published, so there are no figures");
-    if (waited > patience_for_matching) {
-      return fail(Errc::unavailable,
-                  fmt::format("not all were served within {} s:{}", patience_for_matching.count(), reasons));
-    }
-    display_.waiting("Not served yet: " + names);
+    if (waited > patience_for_matching) return tl::unexpected(not_ready(*now));
+    const Result<void> waiting = wait_until(now->at + poll_interval, "Not served yet: " + missing_names);
+    if (!waiting) return waiting;
   }
 }
 
+/// Also makes the run long enough to measure the idle traffic, where publishing alone is too short for that.
+/// The time of publishing does not count if fields are recorded: the requests of nodes change then, and cause
+/// traffic.
+Result<void> Demo::let_it_settle() {
+  if (!stage_.real_hosts()) return {};
+  const Result<void> settled = wait_until(
+      Clock::now() + settling,
+      fmt::format("Waiting until discovery is quiet, {} s", std::chrono::floor<seconds>(settling).count()));
+  if (!settled) return settled;
+  Result<Snapshot> now = look();
+  if (!now) return tl::unexpected(now.error());
+  settled_ = std::move(*now);
+  const auto publishing = std::chrono::floor<milliseconds>(std::chrono::duration<double>(options_.seconds));
+  const auto silence = control_period + 2 * refresh - (options_.arr ? milliseconds(0) : publishing);
+  if (silence <= silence.zero()) return {};
+  return wait_until(settled_.at + silence,
+                    fmt::format("Counting what nodes send while nothing is published, {:.0f} s",
+                                std::chrono::duration<double>(silence).count()));
+}
+
 Result<void> Demo::publish() {
-  stage_.order(Order::publish);
-  const auto start = Clock::now();
-  auto next_look = start + refresh;
-  while (!stage_.publisher().finished) {
-    if (const Result<void> go_on = wait_a_moment(); !go_on) return go_on;
-    if (stop_asked()) stage_.order(Order::halt);
-    const auto now = Clock::now();
-    if (now < next_look) continue;
-    next_look = now + refresh;
-    display_.show(figures(false), seconds_of(now - start));
+  Result<Snapshot> now = look({Order::Kind::publish, options_.hz, options_.samples()});
+  if (!now) return tl::unexpected(now.error());
+  begin_ = std::move(*now);
+  last_ = begin_;
+  while (!last_.publisher.finished) {
+    const bool stop = stop_asked_before(last_.at + refresh);
+    now = look({stop ? Order::Kind::halt : Order::Kind::report});
+    if (!now) return tl::unexpected(now.error());
+    last_ = std::move(*now);
+    display_.show(figures(last_), std::chrono::duration<double>(last_.at - begin_.at).count());
   }
   return {};
 }
 
 Result<void> Demo::await_arrival() {
   const auto deadline = Clock::now() + patience_for_arrival;
-  while (!all_arrived() && Clock::now() < deadline && !stop_asked()) {
-    if (const Result<void> go_on = wait_a_moment(); !go_on) return go_on;
+  for (;;) {
+    Result<Snapshot> now = look();
+    if (!now) return tl::unexpected(now.error());
+    last_ = std::move(*now);
+    bool all_there = true;
+    for (std::size_t i = 0; i < last_.subscribers.size(); ++i) {
+      const SubscriberReport& s = last_.subscribers[i];
+      const std::uint64_t withheld = withheld_from(last_.publisher, stage_.subscribers()[i].name);
+      all_there = all_there && s.received + s.lost + withheld >= last_.publisher.published;
+    }
+    is_over_ = all_there || last_.at > deadline || stop_asked_before(last_.at + poll_interval);
+    if (is_over_) return {};
   }
-  return {};
 }
 
-bool Demo::all_arrived() const {
-  return std::ranges::all_of(stage_.subscribers(), [&](const Stage::Subscriber& s) {
-    return s.report.received + s.report.lost + s.route.withheld >= stage_.publisher().published;
-  });
+/// Control traffic does not depend on published samples, so it can be measured while they are published.
+void Demo::note_idle_traffic(const Snapshot& now) {
+  if (now.at - settled_.at < (control_periods_ + 1) * control_period) return;
+  ++control_periods_;
+  idle_bytes_per_s_ = control_per_node(now);
 }
 
-RunFigures Demo::figures(bool is_over) const {
-  RunFigures run = setting_;
-  run.samples = stage_.publisher().published;
-  run.whole_bytes = stage_.publisher().whole_bytes;
+/// Bytes of control traffic in a second since discovery was quiet, on the average of all nodes.
+double Demo::control_per_node(const Snapshot& now) const {
+  // The host of the publisher has two nodes, and one meter.
+  double rate = control_bytes_per_s(settled_.publisher.traffic, now.publisher.traffic);
+  for (std::size_t i = 0; i < now.subscribers.size(); ++i) {
+    if (stage_.subscribers()[i].local) continue;
+    rate += control_bytes_per_s(settled_.subscribers[i].traffic, now.subscribers[i].traffic);
+  }
+  return rate / static_cast<double>(1 + now.subscribers.size());
+}
+
+RunFigures Demo::figures(const Snapshot& now) const {
+  RunFigures run;
+  run.input = source_.name();
+  run.message_shape = source_.shape();
+  run.hz = options_.hz;
+  run.samples = now.publisher.published;
+  run.dropped = now.publisher.dropped;
   run.hosts = stage_.hosts();
-  for (const Stage::Subscriber& s : stage_.subscribers()) {
-    SubscriberFigures figures{.name = s.name, .route = s.route, .counts = s.report};
-    // A subscriber cannot know about samples after the last one that it received.
-    const std::uint64_t came = s.report.received + s.route.withheld;
-    if (is_over) figures.counts.lost = std::max(s.report.lost, run.samples - std::min(run.samples, came));
-    run.subscribers.push_back(std::move(figures));
+  run.idle_bytes_per_s = idle_bytes_per_s_;
+  const double published = std::max(1.0, static_cast<double>(now.publisher.published));
+  for (std::size_t i = 0; i < now.subscribers.size(); ++i) {
+    const Stage::Subscriber& who = stage_.subscribers()[i];
+    const Conditions conditions{options_.arr, stage_.real_hosts(), is_over_,
+                                withheld_from(now.publisher, who.name)};
+    SubscriberFigures subscriber =
+        measure(begin_.subscribers[i], now.subscribers[i], now.publisher.published, conditions);
+    subscriber.name = who.name;
+    subscriber.max_rate_hz = who.max_rate_hz;
+    subscriber.host = stage_.real_hosts() ? who.host : "-";
+    subscriber.full_bytes_per_sample = static_cast<double>(now.publisher.full_bytes) / published;
+    run.subscribers.push_back(std::move(subscriber));
   }
   return run;
 }

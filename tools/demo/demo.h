@@ -1,8 +1,13 @@
-// One run of the demo: waits until all nodes have found each other, lets the lidar publish, and gathers the
-// figures.
+// One run of the demo: waits until all nodes have found each other and discovery is quiet, lets the lidar
+// publish, and measures what that costs.
 #pragma once
 
-#include <string>
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <vector>
 
 #include "tools/demo/screen/display.h"
 #include "tools/demo/screen/figures.h"
@@ -11,30 +16,65 @@
 
 namespace sft::demo {
 
+/// The options of the command line.
+struct DemoOptions {
+  std::optional<std::filesystem::path> input{};  ///< empty: the generated scene
+  double hz = 10;
+  double seconds = 10;
+  bool arr = false;  ///< the fields of all subscribers are recorded, not declared
+  std::optional<std::filesystem::path> json{};
+
+  std::uint64_t samples() const {
+    return std::max<std::uint64_t>(1, static_cast<std::uint64_t>(hz * seconds + 0.5));
+  }
+};
+
 class Demo {
  public:
-  /// `setting` has what is known before the run: the input, the rate and the like.
-  Demo(RunFigures setting, Stage& stage, tool::Stop& stop, Display& display)
-      : setting_(std::move(setting)), stage_(stage), stop_(stop), display_(display) {}
+  Demo(const DemoOptions& options, const CloudSource& source, Stage& stage, tool::Stop& stop,
+       Display& display);
 
-  /// Ctrl-C ends the publishing; before anything is published it is the error.
   Result<RunFigures> run();
 
  private:
-  void introduce() const;
+  /// The reports of all roles, which are asked one after the other.
+  struct Snapshot {
+    Clock::time_point at;
+    PublisherReport publisher;
+    std::vector<SubscriberReport> subscribers;
+  };
+
+  /// `says_so`: while a role does not answer, the user is told that it is waited for.
+  Result<Snapshot> look(const Order& order = {}, bool says_so = false);
   Result<void> await_readiness();
+  Result<void> let_it_settle();
   Result<void> publish();
   Result<void> await_arrival();
-  /// Lets a moment pass, and takes the reports of the roles.
-  Result<void> wait_a_moment();
-  bool stop_asked();
-  bool all_arrived() const;
-  RunFigures figures(bool is_over) const;
 
-  const RunFigures setting_;
+  /// Waits until `then`, which is false, or until the user asks to stop, which is true once.
+  bool stop_asked_before(Clock::time_point then);
+  /// Waits before the first cloud is published, and says for what. If the user asks to stop, that is the
+  /// error.
+  Result<void> wait_until(Clock::time_point then, const std::string& what);
+  void introduce() const;
+  std::string missing(const Snapshot& now, bool any_transport) const;
+  bool served_as_wished(const Snapshot& now, std::size_t subscriber, bool any_transport) const;
+  Error not_ready(const Snapshot& now) const;
+  RunFigures figures(const Snapshot& now) const;
+  void note_idle_traffic(const Snapshot& now);
+  double control_per_node(const Snapshot& now) const;
+
+  const DemoOptions& options_;
+  const CloudSource& source_;
   Stage& stage_;
   tool::Stop& stop_;
   Display& display_;
+  Snapshot settled_;  ///< at a moment when all had found each other and nothing was published yet
+  Snapshot begin_;    ///< just before the first sample
+  Snapshot last_;
+  unsigned control_periods_ = 0;  ///< in idle_bytes_per_s_
+  std::optional<double> idle_bytes_per_s_;
+  bool is_over_ = false;  ///< samples that have not arrived by now are lost
 };
 
 }  // namespace sft::demo

@@ -1,67 +1,80 @@
 // sft_demo shows on one machine what Selective Field Transmission does. A lidar publishes point clouds.
 // Subscribers on other hosts are sent the fields that they need, and one on the lidar's own host reads its
 // fields in shared memory.
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
-#include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <exception>
-#include <filesystem>
 #include <fstream>
+#include <future>
 #include <memory>
-#include <optional>
-#include <string>
+#include <nlohmann/json.hpp>
 
+#include "tools/demo/clouds/point_cloud_files.h"
 #include "tools/demo/demo.h"
 
 namespace sft::demo {
 
 namespace {
 
-struct Options {
-  std::optional<std::filesystem::path> input{};  ///< empty: the generated scene
-  double hz = 10;
-  double seconds = 10;
-  bool arr = false;  ///< the fields of all subscribers are recorded, not declared
-  std::optional<std::filesystem::path> json{};
+constexpr std::chrono::milliseconds between_notices{200};
 
-  std::uint64_t samples() const {
-    return std::max<std::uint64_t>(1, static_cast<std::uint64_t>(hz * seconds + 0.5));
+Result<std::unique_ptr<CloudSource>> open_source(const DemoOptions& options, Display& display) {
+  if (!options.input) return scene_source(options.hz);
+  // Another thread reads the files. It has ended before the stage is set up, which takes a single thread.
+  auto reading =
+      std::async(std::launch::async, [&] { return read_point_clouds(*options.input, options.samples()); });
+  while (reading.wait_for(between_notices) == std::future_status::timeout) {
+    display.waiting("Reading " + options.input->native(), WaitNotice::Clock::now());
   }
-};
+  Result<Input> input = reading.get();
+  if (!input) return tl::unexpected(input.error());
+  for (const std::string& note : input->notes) display.say(options.input->native() + ": " + note);
+  return file_source(options.input->native(), std::move(input->clouds));
+}
 
-Result<void> run(const Options& options) {
-  // Tried before the run, since a user does not want to learn after it that the figures cannot be written.
-  if (options.json && !std::ofstream(*options.json, std::ios::app)) {
-    return fail(Errc::invalid_argument,
-                options.json->native() + " cannot be written; give another file to --json");
+/// Called before the run, since a user does not want to learn after the run that the figures cannot be
+/// written.
+Result<void> check_writable(const std::filesystem::path& path) {
+  std::error_code error;
+  const bool exists = std::filesystem::exists(path, error);
+  const std::filesystem::path directory = path.has_parent_path() ? path.parent_path() : ".";
+  const bool writable = exists
+                            ? !std::filesystem::is_directory(path, error) && access(path.c_str(), W_OK) == 0
+                            : access(directory.c_str(), W_OK | X_OK) == 0;
+  if (writable) return {};
+  return fail(Errc::invalid_argument, path.native() + " cannot be written; give another file to --json");
+}
+
+Result<void> write_json(const std::filesystem::path& path, const RunFigures& figures) {
+  std::ofstream file(path);
+  file << to_json(figures).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
+  if (file.flush()) return {};
+  return fail(Errc::system, path.native() + " could not be written");
+}
+
+Result<void> run(const DemoOptions& options) {
+  if (options.json) {
+    if (Result<void> writable = check_writable(*options.json); !writable) return writable;
   }
-  PublishingPlan plan{.hz = options.hz, .samples = options.samples()};
-  if (options.input) {
-    Result<Clouds> clouds = read_point_clouds(*options.input, plan.samples);
-    if (!clouds) return tl::unexpected(clouds.error());
-    plan.clouds = std::move(*clouds);
-  }
+  Display display;
+  const Result<std::unique_ptr<CloudSource>> source = open_source(options, display);
+  if (!source) return tl::unexpected(source.error());
 
   tool::Stop stop;
-  Display display;
-  display.waiting("Setting up the hosts");
-  const auto stage = Stage::set_up(plan, options.arr);
+  display.waiting("Setting up the hosts", WaitNotice::Clock::now());
+  const Result<std::unique_ptr<Stage>> stage = Stage::set_up(**source, options.arr);
   if (!stage) return tl::unexpected(stage.error());
   display.say((*stage)->real_hosts()
                   ? "Five hosts, each in namespaces of its own, on an emulated switch:"
                   : "No real hosts (" + (*stage)->why_not() +
                         "): everything runs on this machine, with the network path forced over loopback:");
-  const RunFigures setting{.input = plan.clouds.name,
-                           .message_shape = plan.clouds.shape,
-                           .hz = options.hz,
-                           .recorded = options.arr};
-  const Result<RunFigures> figures = Demo(setting, **stage, stop, display).run();
+  const Result<RunFigures> figures = Demo(options, **source, **stage, stop, display).run();
   if (!figures) return tl::unexpected(figures.error());
   display.conclude(*figures);
-  if (!options.json) return {};
-  std::ofstream json(*options.json);
-  json << to_json(*figures) << std::flush;
-  return json ? Result<void>() : fail(Errc::system, options.json->native() + " could not be written");
+  return options.json ? write_json(*options.json, *figures) : Result<void>();
 }
 
 }  // namespace
@@ -69,14 +82,14 @@ Result<void> run(const Options& options) {
 }  // namespace sft::demo
 
 int main(int argc, char** argv) try {
-  sft::demo::Options options;
+  sft::demo::DemoOptions options;
   CLI::App app("Shows which fields of a lidar's point clouds each subscriber is sent.");
   app.get_formatter()->column_width(20);
   app.get_formatter()->label("TEXT", "PATH");
   app.add_option("--input", options.input,
-                 "Publish the cloud of a file (.cdr: one message in CDR),\n"
-                 "or those of a directory of them, again and again.\n"
-                 "Default: a generated scene of 128 x 1024 points");
+                 "Publish the clouds of a file (.cdr, .cdrlog, KITTI .bin,\n"
+                 ".pcd) or of a directory of them, again and again.\n"
+                 "Default: a generated street of 128 x 1024 points");
   app.add_option("--hz", options.hz, "Publish this many clouds per second, 0.1 to 1000")
       ->capture_default_str()
       ->type_name("HZ")

@@ -19,7 +19,8 @@ using nlohmann::json;
 // This limit has room for the headers (Ethernet 14, IP 20, UDP 8, SFT 32), for fields (8), and some to spare.
 constexpr double small_bytes_min = 60;
 constexpr double scalar_bytes_max = 90;
-constexpr double header_bytes_max = 130;           // `header` contains a name
+constexpr double header_bytes_max = 130;  // `header` contains a name
+constexpr double idle_bytes_per_s_max = 300;
 constexpr double header_share_max = 0.06;          // in large messages: 58 of 1514 bytes
 constexpr double localiser_share = 0.5 * 16 / 48;  // every second point, and 16 bytes of it
 
@@ -95,6 +96,8 @@ void check_wire(const json& run, double full_bytes, bool recorded) {
   expect(large > 0.98 * part * full_bytes && large < (1 + header_share_max) * carried * part * full_bytes,
          "wire_bytes_per_sample of localiser: " + std::to_string(large));
   expect(subscriber(run, "detector").at("wire_bytes_per_sample") == 0, "something was sent to detector");
+  const double idle = run.at("idle_bytes_per_s");
+  expect(idle > 0 && idle <= idle_bytes_per_s_max, "idle_bytes_per_s: " + std::to_string(idle));
 }
 
 void check_total(const json& run, std::uint64_t samples, double full_bytes) {

@@ -19,13 +19,12 @@
 #include <sstream>
 
 #include "core/platform/file_descriptor.h"
-#include "tests/support/temporary_directory.h"
+#include "tests/tools/demo/clouds.h"
 
 namespace sft::demo {
 namespace {
 
 using namespace std::chrono_literals;
-using test::TemporaryDirectory;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
@@ -238,10 +237,10 @@ TEST(Demo, HasAHelpThatFitsATerminal) {
 
 TEST(Demo, FailsOnInputThatItCannotRead) {
   const TemporaryDirectory directory;
-  const auto truncated = directory.write("scan.cdr", std::string_view("\0\1\0\0 no cloud", 13));
+  const auto truncated = directory.write("scan.bin", Bytes(15));
   RunningDemo demo({"--input", truncated.native()});
   EXPECT_EQ(demo.wait_for_end(), 1);
-  EXPECT_THAT(demo.text(), HasSubstr("sft_demo: " + truncated.native() + ": not a sensor_msgs/PointCloud2"));
+  EXPECT_THAT(demo.text(), HasSubstr("sft_demo: " + truncated.native() + ": 15 bytes"));
 }
 
 TEST(Demo, FailsAtOnceIfItCouldNotWriteTheFigures) {

@@ -52,7 +52,7 @@ class DemoTest(unittest.TestCase):
 
     def capture(self, folder):
         pcap = folder / "demo.pcapng"
-        # Nodes give pulses only some seconds after they have met.
+        # So long that it begins as soon as discovery is quiet, and does not listen first to what goes on then.
         with subprocess.Popen([DEMO, "--seconds", "10"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as demo:
             network = self.network_of_publisher(demo)
             subprocess.run(["nsenter", f"--net={network}", "dumpcap", "-q", "-i", "eth0", "-f", UNFRAGMENTED,

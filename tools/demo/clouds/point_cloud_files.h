@@ -1,26 +1,22 @@
-// The recorded clouds of --input.
+// Reads the input of the demo: a file, or a directory of files. The extension of a file tells its format.
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
 
-#include "sft/result.h"
+#include "tools/demo/clouds/input_cloud.h"
 
 namespace sft::demo {
 
-/// What the lidar publishes.
-struct Clouds {
-  std::string name = "generated scene";     ///< for people: this, or a path
-  std::string shape = "128 x 1024 points";  ///< the size of a cloud, for people
-  /// Messages as DDS sends them, published one after the other, again and again; empty: the generated scene.
-  std::vector<std::vector<std::byte>> payloads{};
+struct Input {
+  std::vector<InputCloud> clouds;
+  std::vector<std::string> notes;  ///< sentences about the files that were used, and those that were not
 };
 
-/// Reads a file, or those of a directory in the order of their names, but no more than `clouds_max`. A file
-/// (.cdr) has one sensor_msgs/PointCloud2: the encapsulation of little-endian CDR, and the body. The error
-/// names the file.
-Result<Clouds> read_point_clouds(const std::filesystem::path& path, std::size_t clouds_max);
+/// Reads the first `clouds_max` clouds at most. A directory is read in the order of the names. If it has
+/// encoded messages and other formats, only the messages are read, since the others usually have the same
+/// points again. Errors name the file.
+Result<Input> read_point_clouds(const std::filesystem::path& path, std::size_t clouds_max);
 
 }  // namespace sft::demo

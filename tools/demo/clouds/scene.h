@@ -1,9 +1,11 @@
-// A generated courtyard as a spinning lidar sees it: the ground, and a round wall that moves in waves.
+// A generated street as a spinning lidar sees it: road, houses, parked cars, posts, and a car that drives by.
 // Every call with the same time gives the same bytes.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 namespace sft::demo {
 
@@ -24,14 +26,41 @@ struct LidarPoint {
 };
 static_assert(sizeof(LidarPoint) == 48);
 
-struct Scene {
+struct Vector {
+  float x = 0;
+  float y = 0;
+  float z = 0;
+};
+
+/// A box with faces along the axes, and the light that it reflects (0 to 255).
+struct Box {
+  Vector low;
+  Vector high;
+  std::uint8_t reflectivity = 0;
+};
+
+class Scene {
+ public:
   static constexpr std::uint32_t rows = 128;  ///< row 0 looks up
   static constexpr std::uint32_t columns = 1024;
   static constexpr std::uint32_t points = rows * columns;
-  static constexpr std::uint32_t bytes = points * sizeof(LidarPoint);
+  static constexpr std::size_t bytes = points * sizeof(LidarPoint);
+
+  Scene();
 
   /// The scan at that time, row by row. REQUIRES: cloud.size() == bytes.
-  static void render(double seconds, std::span<std::uint8_t> cloud);
+  void render(double seconds, std::span<std::uint8_t> cloud) const;
+
+ private:
+  struct Hit {
+    float range_m = 0;  ///< 0: nothing was hit
+    std::uint8_t reflectivity = 0;
+  };
+  Hit nearest_standing(const Vector& ray) const;
+  static LidarPoint point_of(std::uint32_t pixel, const Vector& ray, const Hit& hit, std::uint32_t scan);
+
+  std::vector<Vector> rays_;   // one for each pixel, with length 1
+  std::vector<Hit> standing_;  // hits of objects that do not move, computed once
 };
 
 }  // namespace sft::demo

@@ -1,99 +1,117 @@
-// What the roles, each in a process of its own, tell the demo, and what the demo orders the lidar to do, in
-// memory that all of them share.
+// The messages between the demo and its roles: the demo asks, and the role answers with a report.
 #pragma once
 
-#include <algorithm>
-#include <array>
-#include <atomic>
-#include <chrono>
-#include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
-#include <type_traits>
+#include <vector>
+
+#include "tools/demo/roles/channel.h"
+#include "tools/demo/roles/traffic.h"
+
+template <class T>
+struct nlohmann::adl_serializer<std::optional<T>> {
+  static void to_json(json& j, const std::optional<T>& value) { j = value ? json(*value) : json(nullptr); }
+  static void from_json(const json& j, std::optional<T>& value) {
+    value = j.is_null() ? std::nullopt : std::optional(j.get<T>());
+  }
+};
 
 namespace sft::demo {
 
-using Clock = std::chrono::steady_clock;
+inline constexpr std::string_view topic = "points";
 
-inline constexpr const char* topic = "points";
-inline constexpr std::chrono::milliseconds between_reports{100};
-
-/// A text in shared memory. What is too long is cut off.
-template <std::size_t Bytes>
-class Text {
- public:
-  Text& operator=(std::string_view text) {
-    std::fill(std::begin(chars_), std::end(chars_), '\0');
-    text.copy(chars_, Bytes - 1);
-    return *this;
-  }
-  std::string str() const { return chars_; }
-
- private:
-  char chars_[Bytes] = {};
+/// The demo sends orders to every role. A closed channel tells the role to end.
+struct Order {
+  /// All are answered with a report. The last two are for the publisher.
+  enum class Kind { report, publish, halt };
+  Kind kind = Kind::report;
+  double hz = 0;              ///< for Kind::publish
+  std::uint64_t samples = 0;  ///< likewise
 };
 
-/// A subscriber as the lidar serves it.
-struct Route {
-  Text<16> name;
+/// A reader as its publisher sees it.
+struct ReaderReport {
+  std::string node;
   bool served = false;
-  bool in_shared_memory = false;  ///< otherwise by UDP
-  Text<256> reason;               ///< why so, or why it is not served
-  Text<256> fields;               ///< those that it asks for: "header, data{x,y,z}"
-  bool all_fields = false;
-  double max_rate_hz = 0;      ///< 0: all clouds
-  std::uint64_t withheld = 0;  ///< clouds that were not sent, since it asks for a lower rate
+  std::string transport;
+  std::string reason;
+  std::uint64_t withheld = 0;  ///< samples that were not sent, since the reader asks for a lower rate
 };
 
 struct PublisherReport {
   std::uint64_t published = 0;
-  bool finished = false;   ///< nothing remains to be published
-  double whole_bytes = 0;  ///< of a cloud with all fields, encapsulation included, on average
-  std::array<Route, 8> routes{};
+  std::uint64_t dropped = 0;     ///< samples that some reader was not sent, and counts as lost
+  std::uint64_t full_bytes = 0;  ///< encapsulation and body of all published messages, whole
+  bool finished = false;         ///< nothing remains to be published
+  std::vector<ReaderReport> readers;
+  std::string udp;  ///< NodeStatus::udp
+  std::string shm;  ///< NodeStatus::shm
+  bool shm_ready = false;
+  std::string warning;  ///< the last warning of the library
+  Traffic traffic;
 };
 
-struct SubscriberReport {
-  bool open = false;
+/// The state of a recorded subscriber at the moment when its mask narrowed for the first time.
+struct LearningReport {
+  std::uint64_t received = 0;
+  std::uint64_t payload_bytes = 0;
+  Traffic traffic;
+};
+
+/// The state of a subscription.
+struct Reception {
+  std::string transport;                  ///< "shm" or "udp"
+  std::string reason;                     ///< why this transport is used
+  std::vector<std::string> fields;        ///< those that the subscriber asks for at present
+  std::vector<std::string> other_fields;  ///< all others
   std::uint64_t received = 0;
   std::uint64_t lost = 0;
-  std::int64_t bytes = 0;           ///< of all clouds: on the wire where that is measured, else their payload
-  std::int64_t learning_bytes = 0;  ///< those of them that came before the recorded fields were known
-  std::uint64_t steady_samples = 0;  ///< clouds since then
-  std::int64_t steady_bytes = 0;
-  double latency_p50_us = 0;  ///< 0: nothing was received
-  double latency_p99_us = 0;
+  std::uint64_t incomplete = 0;  ///< lost samples of which a part came
+  std::optional<double> latency_p50_us;
+  std::optional<double> latency_p99_us;
 };
 
-/// A report in shared memory. One process writes it, and the demo reads it.
+struct SubscriberReport : Reception {
+  bool matched = false;
+  std::uint64_t payload_bytes = 0;  ///< sum over all received samples
+  std::optional<LearningReport> learning;
+  std::string warning;
+  Traffic traffic;
+};
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Order, kind, hz, samples)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Traffic, at_ns, received, sent, control_received, control_sent)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ReaderReport, node, served, transport, reason, withheld)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PublisherReport, published, dropped, full_bytes, finished, readers, udp,
+                                   shm, shm_ready, warning, traffic)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(LearningReport, received, payload_bytes, traffic)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SubscriberReport, matched, transport, reason, fields, other_fields,
+                                   received, lost, incomplete, payload_bytes, latency_p50_us, latency_p99_us,
+                                   learning, warning, traffic)
+
+/// Answers the next order with the error. A role that cannot go on calls this.
+void refuse(Channel& channel, const Error& error);
+
+/// Called several times in a second by a function that waits for an answer. If it returns an error, the wait
+/// ends with that error.
+using WhileWaiting = std::function<Result<void>()>;
+
+namespace detail {
+Result<nlohmann::json> ask(Channel& channel, std::string_view role, const Order& order,
+                           Clock::duration patience, const WhileWaiting& while_waiting);
+}
+
+/// Sends the order and waits for the answer. `role` names the other side in errors.
 template <class Report>
-class Posted {
- public:
-  void write(const Report& report) {
-    static_assert(std::is_trivially_copyable_v<Report>);
-    while (busy_.test_and_set(std::memory_order_acquire)) continue;  // the demo copies it
-    report_ = report;
-    busy_.clear(std::memory_order_release);
-  }
-  /// Leaves `report` as it is while the report is being written.
-  void read(Report& report) {
-    if (busy_.test_and_set(std::memory_order_acquire)) return;
-    report = report_;
-    busy_.clear(std::memory_order_release);
-  }
-
- private:
-  std::atomic_flag busy_;
-  Report report_{};
-};
-
-/// `end` is for all roles, the others are for the lidar.
-enum class Order : std::uint8_t { none, publish, halt, end };
-
-struct Board {
-  std::atomic<Order> order{Order::none};
-  Posted<PublisherReport> publisher;
-  std::array<Posted<SubscriberReport>, 5> subscribers;
-};
+Result<Report> ask(Channel& channel, std::string_view role, const Order& order, Clock::duration patience,
+                   const WhileWaiting& while_waiting = {}) {
+  return detail::ask(channel, role, order, patience, while_waiting).map([](const nlohmann::json& j) {
+    return j.get<Report>();
+  });
+}
 
 }  // namespace sft::demo

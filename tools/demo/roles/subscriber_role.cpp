@@ -1,127 +1,148 @@
-#include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <memory>
-#include <thread>
+#include <string>
 #include <vector>
 
 #include "core/sync/mutex.h"
-#include "sft/node.h"
 #include "tools/demo/roles/consumers.h"
+#include "tools/demo/roles/latency.h"
+#include "tools/demo/roles/protocol.h"
 #include "tools/demo/roles/roles.h"
-#include "tools/demo/roles/traffic.h"
 
 namespace sft::demo {
 
 namespace {
 
-/// Counts sample by sample. Threads of the node call add(); the thread of the role calls fill().
+/// Counts sample by sample. Threads of the node call on_sample(); the thread of the role calls the rest.
 class Record {
  public:
-  Record(bool is_recorded, std::unique_ptr<TrafficMeter> meter, const std::atomic<Order>& order)
-      : is_recorded_(is_recorded), meter_(std::move(meter)), order_(order) {}
+  explicit Record(RoleNode& node) : node_(node) {}
 
   template <class Sample>
-  void add(const Sample& sample, std::chrono::nanoseconds latency) {
+  void on_sample(const Sample& sample, std::chrono::system_clock::time_point arrival, bool may_learn) {
     const core::Lock lock(mutex_);
-    latencies_ns_.push_back(latency.count());
+    latency_.add(arrival - sample.info().source_stamp);
+    ++received_;
     // In shared memory cdr() would copy what the subscriber reads in place.
-    if (sample.info().transport == TransportKind::udp)
-      payload_bytes_ += static_cast<std::int64_t>(sample.cdr().size());
-    if (is_recorded_ && !learnt_) watch_learning(sample.mask().is_full());
+    if (sample.info().transport == TransportKind::udp) payload_bytes_ += sample.cdr().size();
+    if (may_learn && !learnt_) watch_learning(sample.mask().is_full());
   }
 
-  void fill(SubscriberReport& report) {
-    const std::int64_t data = meter_ == nullptr ? 0 : meter_->data_received();
+  void add_to(SubscriberReport& report) {
     const core::Lock lock(mutex_);
-    if (order_ == Order::none) before_ = data;
-    report.bytes = bytes(data);
-    report.learning_bytes = learnt_ ? bytes_while_learning_ : is_recorded_ ? report.bytes : 0;
-    report.steady_samples = latencies_ns_.size() - (learnt_ ? samples_while_learning_ : 0);
-    report.steady_bytes = std::max<std::int64_t>(0, report.bytes - (learnt_ ? bytes_while_learning_ : 0));
-    report.latency_p50_us = percentile_us(latencies_ns_, 0.50);
-    report.latency_p99_us = percentile_us(latencies_ns_, 0.99);
+    report.payload_bytes = payload_bytes_;
+    report.latency_p50_us = latency_.percentile_us(0.50);
+    report.latency_p99_us = latency_.percentile_us(0.99);
+    if (learnt_) report.learning = after_full_sample_;
   }
 
  private:
-  /// Learning costs all bytes until the first sample that is not full, with which the steady state begins:
-  /// full samples of which a part was lost cost their bytes, too.
+  /// Learning cost all bytes until the last full sample had come. The next sample, which is not full, shows
+  /// that it was the last one.
   void watch_learning(bool full) SFT_REQUIRES(mutex_) {
-    if (full) return;
-    learnt_ = true;
-    samples_while_learning_ = latencies_ns_.size();
-    bytes_while_learning_ = bytes(meter_ == nullptr ? 0 : meter_->data_received());
+    if (!full) {
+      learnt_ = true;
+    } else {
+      after_full_sample_ = {received_, payload_bytes_, node_.traffic()};
+    }
   }
 
-  /// `data`: what the meter says now. On the loopback, which counts no headers, that may be less than before.
-  std::int64_t bytes(std::int64_t data) const SFT_REQUIRES(mutex_) {
-    return meter_ == nullptr ? payload_bytes_ : std::max<std::int64_t>(0, data - before_);
-  }
-
-  const bool is_recorded_;
-  const std::unique_ptr<TrafficMeter> meter_;  // null: bytes are those of the payload
-  const std::atomic<Order>& order_;
+  RoleNode& node_;
   core::Mutex mutex_;
-  std::int64_t before_ SFT_GUARDED_BY(mutex_) = 0;                 // what came before the first cloud
-  std::vector<std::int64_t> latencies_ns_ SFT_GUARDED_BY(mutex_);  // an hour at 10 Hz takes 288 kB
-  std::int64_t payload_bytes_ SFT_GUARDED_BY(mutex_) = 0;
+  LatencyRecord latency_ SFT_GUARDED_BY(mutex_);
+  std::uint64_t received_ SFT_GUARDED_BY(mutex_) = 0;
+  std::uint64_t payload_bytes_ SFT_GUARDED_BY(mutex_) = 0;
+  LearningReport after_full_sample_ SFT_GUARDED_BY(mutex_);
   bool learnt_ SFT_GUARDED_BY(mutex_) = false;
-  std::size_t samples_while_learning_ SFT_GUARDED_BY(mutex_) = 0;
-  std::int64_t bytes_while_learning_ SFT_GUARDED_BY(mutex_) = 0;
+};
+
+/// "header", "data{x,y,z}". Fields that only say how a part lies in a message are not named.
+std::vector<std::string> names_of(const TypeSupport& type, const Selection& asked) {
+  FieldMask whole = asked.mask();
+  std::vector<std::string> parts;
+  for (const Selection::Part& part : asked.parts()) {
+    const Result<Selection> alone = Selection::make(type.none(), {part}, {});
+    if (!alone) continue;
+    whole -= type.closed(*alone).mask();
+    parts.push_back(type.format_selection(*alone));
+  }
+  std::vector<std::string> names = type.field_names(whole);
+  names.insert(names.end(), parts.begin(), parts.end());
+  return names;
+}
+
+template <class Consumer, Req<PointCloud2> R>
+class SubscriberRole {
+ public:
+  static Result<std::unique_ptr<SubscriberRole>> open(const NodePlan& plan) {
+    Result<std::unique_ptr<RoleNode>> node = RoleNode::open(plan);
+    if (!node) return tl::unexpected(node.error());
+    std::unique_ptr<SubscriberRole> role(new SubscriberRole(std::move(*node)));
+    auto subscriber = role->node_->node().template subscriber<PointCloud2, R>(
+        topic, [self = role.get()](const Sample<PointCloud2, R>& sample) { self->on_sample(sample); },
+        {.max_rate_hz = Consumer::max_rate_hz});
+    if (!subscriber) return tl::unexpected(subscriber.error());
+    role->subscriber_.emplace(std::move(*subscriber));
+    return role;
+  }
+
+  void serve(Channel& channel) {
+    while (channel.receive({}).event == Channel::Event::message) channel.send(report());
+  }
+
+ private:
+  explicit SubscriberRole(std::unique_ptr<RoleNode> node) : node_(std::move(node)), record_(*node_) {}
+
+  void on_sample(const Sample<PointCloud2, R>& sample) {
+    const auto arrival = std::chrono::system_clock::now();
+    Consumer::read(sample.view(), use_);
+    record_.on_sample(sample, arrival, R.is_recorded);
+  }
+
+  SubscriberReport report() {
+    SubscriberReport report;
+    const SubscriberStatus status = subscriber_->status();
+    for (const SubscriberStatus::Writer& writer : status.writers) {
+      report.matched |= writer.matched;
+      report.transport = to_string(writer.transport);
+      report.reason = writer.reason;
+    }
+    report.received = status.received;
+    report.lost = status.lost;
+    report.incomplete = node_->node().status().samples_incomplete;
+    report.fields = names_of(subscriber_->type(), status.selection);
+    report.other_fields = subscriber_->type().field_names(~status.mask);
+    record_.add_to(report);
+    report.warning = node_->last_warning();
+    report.traffic = node_->traffic();
+    return report;
+  }
+
+  std::unique_ptr<RoleNode> node_;
+  Record record_;
+  Use use_;                                               // the callback uses it
+  std::optional<Subscriber<PointCloud2, R>> subscriber_;  // last, since its callback uses the others
 };
 
 template <class Consumer, Req<PointCloud2> R>
-Result<void> subscribe(const NodePlan& plan, Board& board, std::size_t number) {
-  std::unique_ptr<TrafficMeter> meter;
-  if (plan.interface) {
-    Result<std::unique_ptr<TrafficMeter>> opened = TrafficMeter::open(*plan.interface);
-    if (!opened) return tl::unexpected(opened.error());
-    meter = std::move(*opened);
-  }
-  Record record(R.is_recorded, std::move(meter), board.order);
-  Result<Node> node = open_node(plan);
-  if (!node) return tl::unexpected(node.error());
-  const auto on_sample = [&record](const Sample<PointCloud2, R>& sample) {
-    const auto arrival = std::chrono::system_clock::now();
-    Consumer::read(sample.view());
-    record.add(sample, arrival - sample.info().source_stamp);
-  };
-  const auto subscriber =
-      node->template subscriber<PointCloud2, R>(topic, on_sample, {.max_rate_hz = Consumer::max_rate_hz});
-  if (!subscriber) return tl::unexpected(subscriber.error());
-  while (board.order != Order::end) {
-    const SubscriberStatus status = subscriber->status();
-    SubscriberReport report{.open = true, .received = status.received, .lost = status.lost};
-    record.fill(report);
-    board.subscribers[number].write(report);
-    std::this_thread::sleep_for(between_reports);
-  }
-  return {};
+void run(const NodePlan& plan, Channel& channel) {
+  auto role = SubscriberRole<Consumer, R>::open(plan);
+  role ? (*role)->serve(channel) : refuse(channel, role.error());
 }
-
-template <class Consumer>
-Result<void> run(const NodePlan& plan, bool is_recorded, Board& board, std::size_t number) {
-  constexpr Req<PointCloud2> declared = Consumer::fields;
-  constexpr Req<PointCloud2> learnt = recorded;
-  return is_recorded ? subscribe<Consumer, learnt>(plan, board, number)
-                     : subscribe<Consumer, declared>(plan, board, number);
-}
-
-template <class Consumer>
-constexpr SubscriberRole role{Consumer::name, Consumer::purpose, run<Consumer>};
 
 }  // namespace
 
-double percentile_us(std::vector<std::int64_t> latencies_ns, double q) {
-  if (latencies_ns.empty()) return 0;
-  const auto count = static_cast<double>(latencies_ns.size());
-  const double rank = std::clamp(std::ceil(q * count), 1.0, count);
-  const auto nth = latencies_ns.begin() + static_cast<std::ptrdiff_t>(rank) - 1;
-  std::nth_element(latencies_ns.begin(), nth, latencies_ns.end());
-  return static_cast<double>(*nth) / 1000.0;
+template <class Consumer>
+void run_subscriber(const NodePlan& plan, bool is_recorded, Channel& channel) {
+  constexpr Req<PointCloud2> declared = Consumer::fields;
+  constexpr Req<PointCloud2> learnt = recorded;
+  is_recorded ? run<Consumer, learnt>(plan, channel) : run<Consumer, declared>(plan, channel);
 }
 
-constinit const std::array<SubscriberRole, 5> subscriber_roles{role<Health>, role<Dashboard>, role<Recorder>,
-                                                               role<Localiser>, role<Detector>};
+template void run_subscriber<Health>(const NodePlan&, bool, Channel&);
+template void run_subscriber<Dashboard>(const NodePlan&, bool, Channel&);
+template void run_subscriber<Recorder>(const NodePlan&, bool, Channel&);
+template void run_subscriber<Localiser>(const NodePlan&, bool, Channel&);
+template void run_subscriber<Detector>(const NodePlan&, bool, Channel&);
 
 }  // namespace sft::demo

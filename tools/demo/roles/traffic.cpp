@@ -19,36 +19,39 @@ namespace {
 
 using namespace hosts;  // offsets in a frame
 
-/// Drops data, which is UDP over IPv4 and not a later fragment (data is never fragmented by IP). A datagram
-/// of data begins with a small number, its version and kind; those of discovery begin with a capital letter.
+constexpr std::uint32_t rtps_magic = 0x52545053;   // "RTPS", with which all messages of DDS begin
+constexpr std::uint32_t pulse_magic = 0x53500000;  // "SP", with which pulses begin (core/discovery/pulse.h)
+
+/// Drops data, which is UDP over IPv4, not a later fragment (data is never fragmented by IP), and neither DDS
+/// nor a pulse.
 /// The last two numbers of a jump tell how many lines to skip if the condition holds, and if it does not.
 constexpr std::array control_only{
     sock_filter BPF_STMT(BPF_LD | BPF_H | BPF_ABS, ether_type),
-    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, ETH_P_IP, 0, 8),
+    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, ETH_P_IP, 0, 10),
     sock_filter BPF_STMT(BPF_LD | BPF_B | BPF_ABS, ip_protocol),
-    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, IPPROTO_UDP, 0, 6),
+    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, IPPROTO_UDP, 0, 8),
     sock_filter BPF_STMT(BPF_LD | BPF_H | BPF_ABS, ip_fragment),
-    sock_filter BPF_JUMP(BPF_JMP | BPF_JSET | BPF_K, 0x1fff, 4, 0),
+    sock_filter BPF_JUMP(BPF_JMP | BPF_JSET | BPF_K, 0x1fff, 6, 0),
     sock_filter BPF_STMT(BPF_LDX | BPF_B | BPF_MSH, ip_header),  // X = length of the IP header
-    sock_filter BPF_STMT(BPF_LD | BPF_B | BPF_IND, udp_payload),
-    sock_filter BPF_JUMP(BPF_JMP | BPF_JGE | BPF_K, 'A', 1, 0),
+    sock_filter BPF_STMT(BPF_LD | BPF_W | BPF_IND, udp_payload),
+    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, rtps_magic, 3, 0),
+    sock_filter BPF_STMT(BPF_ALU | BPF_AND | BPF_K, 0xffff0000),
+    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, pulse_magic, 1, 0),
     sock_filter BPF_STMT(BPF_RET | BPF_K, 0),
     sock_filter BPF_STMT(BPF_RET | BPF_K, 0xffffffff),
 };
 
 }  // namespace
 
+Traffic operator-(const Traffic& after, const Traffic& before) {
+  return {after.at_ns - before.at_ns, after.received - before.received, after.sent - before.sent,
+          after.control_received - before.control_received, after.control_sent - before.control_sent};
+}
+
 Result<std::unique_ptr<TrafficMeter>> TrafficMeter::open(const std::string& interface) {
   return hosts::open_packets(interface, control_only).map([&](core::FileDescriptor&& packets) {
     return std::unique_ptr<TrafficMeter>(new TrafficMeter(interface, std::move(packets)));
   });
-}
-
-TrafficMeter::TrafficMeter(std::string interface, core::FileDescriptor packets)
-    : interface_(std::move(interface)), packets_(std::move(packets)) {
-  const std::int64_t before = data_received();
-  const core::Lock lock(mutex_);
-  not_data_ += before;
 }
 
 void TrafficMeter::count_control() {
@@ -61,29 +64,36 @@ void TrafficMeter::count_control() {
         recvfrom(packets_.get(), &unused, 1, MSG_TRUNC, reinterpret_cast<sockaddr*>(&from), &from_bytes);
     if (bytes < 0 && errno == EINTR) continue;
     if (bytes < 0) return;
+    if (from.sll_pkttype == PACKET_OUTGOING) control_sent_ += static_cast<std::uint64_t>(bytes);
     // PACKET_LOOPBACK marks this host's own copy of a multicast, which never was on the interface.
-    if (from.sll_pkttype <= PACKET_OTHERHOST) not_data_ += bytes;
+    if (from.sll_pkttype <= PACKET_OTHERHOST) control_received_ += static_cast<std::uint64_t>(bytes);
   }
 }
 
 /// A frame is counted by the interface first, and a moment later it comes to the packet socket. So both are
 /// read again until no frame has come meanwhile; while many come, one more or less does not count.
-std::int64_t TrafficMeter::data_received() {
+Traffic TrafficMeter::read() {
   constexpr int tries_max = 20;
   constexpr std::chrono::milliseconds moment{1};
-  const auto counter = [this] { return interface_bytes(interface_).value_or(InterfaceBytes{}).received; };
-  std::int64_t data = 0;
-  std::uint64_t bytes = counter();
+  const auto counters = [this] { return interface_bytes(interface_).value_or(InterfaceBytes{}); };
+  Traffic traffic;
+  InterfaceBytes bytes = counters();
   for (int tries = 0; tries < tries_max; ++tries) {
     std::this_thread::sleep_for(moment);
-    const core::Lock lock(mutex_);
-    count_control();
-    data = static_cast<std::int64_t>(bytes) - not_data_;
-    const std::uint64_t now = counter();
+    {
+      const core::Lock lock(mutex_);
+      count_control();
+      traffic.control_received = control_received_;
+      traffic.control_sent = control_sent_;
+    }
+    const InterfaceBytes now = counters();
     const bool is_quiet = now == std::exchange(bytes, now);
     if (is_quiet) break;
   }
-  return data;
+  traffic.received = bytes.received;
+  traffic.sent = bytes.sent;
+  traffic.at_ns = std::chrono::steady_clock::now().time_since_epoch().count();
+  return traffic;
 }
 
 }  // namespace sft::demo

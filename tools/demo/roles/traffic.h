@@ -1,11 +1,13 @@
-// The data that a host's network interface receives, without control traffic.
+// The traffic of a host's network interface, and its share of control traffic.
 //
 // All bytes are the kernel's own counters of the interface, link layer included. Control traffic comes in
-// rare bursts, so that its rate before a run says little about the bytes in it: with samples of 82 bytes the
-// error would be as large as the figure. So it is counted as it passes. A packet socket is shown all frames
-// that are not data (its filter drops the data), and the meter adds up their lengths.
+// rare bursts (a node announces itself every few seconds, to everybody), so that a rate measured before a run
+// of a few seconds says little about the bytes in it: with samples of 82 bytes the error would be as large as
+// the figure. Therefore control traffic is counted as it passes: a packet socket is shown all frames that are
+// not data (its filter drops the data), and the meter adds up the lengths.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -16,22 +18,36 @@
 
 namespace sft::demo {
 
+/// Bytes since a moment in the past.
+struct Traffic {
+  std::int64_t at_ns = 0;  ///< steady clock
+  std::uint64_t received = 0;
+  std::uint64_t sent = 0;
+  std::uint64_t control_received = 0;
+  std::uint64_t control_sent = 0;
+
+  friend Traffic operator-(const Traffic& after, const Traffic& before);
+  std::int64_t data_received() const { return static_cast<std::int64_t>(received - control_received); }
+  double seconds() const { return static_cast<double>(at_ns) / 1e9; }
+};
+
 class TrafficMeter {
  public:
   static Result<std::unique_ptr<TrafficMeter>> open(const std::string& interface);
 
-  /// Bytes of data that were received since it was opened. Any thread.
-  std::int64_t data_received();
+  /// Any thread.
+  Traffic read();
 
  private:
-  TrafficMeter(std::string interface, core::FileDescriptor packets);
+  TrafficMeter(std::string interface, core::FileDescriptor packets)
+      : interface_(std::move(interface)), packets_(std::move(packets)) {}
   void count_control() SFT_REQUIRES(mutex_);
 
   const std::string interface_;
   const core::FileDescriptor packets_;
   core::Mutex mutex_;
-  std::int64_t not_data_ SFT_GUARDED_BY(mutex_) =
-      0;  // received as control traffic, or before the meter was opened
+  std::uint64_t control_received_ SFT_GUARDED_BY(mutex_) = 0;
+  std::uint64_t control_sent_ SFT_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace sft::demo

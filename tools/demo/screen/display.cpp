@@ -36,19 +36,10 @@ void Display::say(const std::string& text) {
   replace(lines, 0);
 }
 
-void Display::waiting(const std::string& what, Clock::time_point now) {
-  std::string line = what + " ...";
-  if (what != awaited_) {
-    awaited_ = what;
-    waiting_since_ = now;
-  } else if (now - said_ >= std::chrono::seconds(1)) {
-    const auto seconds = std::chrono::floor<std::chrono::seconds>(now - waiting_since_).count();
-    line += " " + std::to_string(seconds) + " s";
-  } else {
-    return;
-  }
-  said_ = now;
-  terminal_.on_terminal() ? replace(tool::shortened(line, columns_shown()) + "\n", 1) : say(line);
+void Display::waiting(std::string_view what, WaitNotice::Clock::time_point now) {
+  const std::optional<std::string> line = notice_.line(what, now);
+  if (!line) return;
+  terminal_.on_terminal() ? replace(tool::shortened(*line, columns_shown()) + "\n", 1) : say(*line);
 }
 
 void Display::show(const RunFigures& figures, double elapsed_s) {

@@ -3,10 +3,12 @@
 // is longer.
 #pragma once
 
-#include <chrono>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "tools/demo/screen/figures.h"
+#include "tools/demo/screen/wait_notice.h"
 #include "tools/terminal/terminal.h"
 
 namespace sft::demo {
@@ -14,9 +16,8 @@ namespace sft::demo {
 class Display {
  public:
   void say(const std::string& text);
-  /// Says what the demo waits for, at once and then once in a second: "Not served yet: health ... 3 s".
-  /// `what` is the sentence without its end. Call this several times in a second.
-  void waiting(const std::string& what, Clock::time_point now = Clock::now());
+  /// Says what the demo waits for. `what` is a sentence without its end. Call this several times in a second.
+  void waiting(std::string_view what, WaitNotice::Clock::time_point now);
   /// Replaces the table that the previous call showed.
   void show(const RunFigures& figures, double elapsed_s);
   /// Shows the final table, and explains it.
@@ -30,9 +31,7 @@ class Display {
   tool::Terminal terminal_;
   std::size_t shown_lines_ = 0;  // that the next text on the terminal replaces
   double next_progress_s_ = 1;
-  std::string awaited_;
-  Clock::time_point waiting_since_;
-  Clock::time_point said_;
+  WaitNotice notice_;
 };
 
 }  // namespace sft::demo

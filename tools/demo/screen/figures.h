@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,41 +10,51 @@
 
 namespace sft::demo {
 
-struct SubscriberFigures {
+struct SubscriberFigures : Reception {
   std::string name;
-  Route route{};
-  SubscriberReport counts{};
+  std::string host;
+  double max_rate_hz = 0;  ///< 0: all samples
+  bool recorded = false;
+  std::uint64_t withheld = 0;           ///< samples that were not sent, since it asks for a lower rate
+  double payload_bytes = 0;             ///< sum over all received samples
+  std::optional<double> wire_bytes;     ///< the same on the wire, with learning; empty: not measured
+  double full_bytes_per_sample = 0;     ///< encapsulation and body of the whole message
+  double payload_bytes_per_sample = 0;  ///< in shared memory 0
+  std::optional<double> wire_bytes_per_sample;  ///< with link-layer headers; empty: not measured
+  std::optional<double> learning_bytes;         ///< on the wire, until the recorded mask had narrowed
 
-  bool in_shared_memory() const { return route.in_shared_memory; }
-  /// Bytes of a cloud, once the fields are known.
-  double sent_bytes() const;
-  /// The share of all whole clouds that was not sent to it.
-  double saved(double whole_bytes) const;
+  bool in_shared_memory() const { return transport == "shm"; }
+  /// The share of all whole messages that was not sent to it. Payload counts where the wire was not measured.
+  double saved() const;
+  /// The bytes that saved() compares with those of the whole message.
+  double sent_bytes_per_sample() const { return wire_bytes_per_sample.value_or(payload_bytes_per_sample); }
 };
 
 /// Sums over all subscribers that are not served in shared memory.
 struct Carried {
   double bytes = 0;        ///< bytes that were sent
-  double whole_bytes = 0;  ///< bytes of all whole clouds to all of them
+  double whole_bytes = 0;  ///< bytes of all whole messages to all of them
   double saved() const { return whole_bytes > 0 ? 1 - bytes / whole_bytes : 0; }
 };
 
 struct RunFigures {
-  std::string input{};
-  std::string message_shape{};  ///< for people: "128 x 1024 points"
+  std::string input;
+  std::string message_shape;  ///< for people: "128 x 1024 points"
   double hz = 0;
-  bool recorded = false;  ///< the fields of all subscribers are recorded, not declared
   std::uint64_t samples = 0;
-  double whole_bytes = 0;  ///< of a cloud with all fields, on average
-  unsigned hosts = 0;      ///< 1: there are no real ones, and bytes are payload, not what was on the wire
-  std::vector<SubscriberFigures> subscribers{};
+  std::uint64_t dropped = 0;  ///< samples that missed a subscriber, since a queue was full
+  unsigned hosts = 0;
+  std::optional<double> idle_bytes_per_s;  ///< control traffic of one node, on average
+  std::vector<SubscriberFigures> subscribers;
 
   bool real_hosts() const { return hosts > 1; }
   std::uint64_t lost() const;
   Carried carried() const;
 };
 
-/// A text that ends with a line break.
-std::string to_json(const RunFigures& run);
+nlohmann::ordered_json to_json(const RunFigures& figures);
+
+/// "header, width", "all", "all but height, 1 Hz"
+std::string format_request(const SubscriberFigures& subscriber);
 
 }  // namespace sft::demo

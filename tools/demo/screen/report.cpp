@@ -12,76 +12,107 @@ namespace sft::demo {
 
 namespace {
 
-using tool::aligned_bytes_text;
-using tool::grouped_count_text;
-
-constexpr double worth_telling = 0.0005;  // as a share of the bytes of whole clouds
+constexpr double worth_telling = 0.0005;  // as a share of the bytes of whole messages
 constexpr std::size_t request_columns = 24;
 constexpr std::size_t input_columns = 50;
+
 constexpr std::string_view row_format = "{:<9} {:<24} {:<3} {:>8} {:>4} {:>9} {:>9} {:>6}";
+
+std::string format_us(const std::optional<double>& latency_us) {
+  if (!latency_us) return "-";
+  const double us = std::max(0.0, *latency_us);
+  return us < 99'999.5 ? tool::grouped_count_text(static_cast<std::uint64_t>(std::llround(us)))
+                       : fmt::format("{:.1f} s", us / 1e6);
+}
 
 /// Rounds down, since 100 % would mean that nothing crossed the network.
 std::string format_percent(double share) {
-  const int decimals = share > 0.999 ? 4 : 1;
-  const double digits = std::pow(10, decimals);
-  return fmt::format("{:.{}f} %", std::floor(share * 100 * digits) / digits, decimals);
+  const double percent = share * 100;
+  const double digits = percent > 99.9 ? 1e4 : 10;
+  return fmt::format("{:.{}f} %", std::floor(percent * digits) / digits, percent > 99.9 ? 4 : 1);
 }
 
-std::string row(const RunFigures& run, const SubscriberFigures& s) {
-  std::string sent = "-", saved = "-", latency = "-";
-  if (s.counts.received != 0) {
-    sent = aligned_bytes_text(s.sent_bytes()) + (run.real_hosts() || s.in_shared_memory() ? "" : " *");
-    const double share = s.saved(run.whole_bytes);
-    saved = s.in_shared_memory() ? "all" : share > worth_telling ? format_percent(share) : "nothing";
-    const double us = std::max(0.0, s.counts.latency_p50_us);
-    latency = us < 99'999.5 ? grouped_count_text(static_cast<std::uint64_t>(std::llround(us)))
-                            : fmt::format("{:.1f} s", us / 1e6);
-  }
+std::string format_saved(const SubscriberFigures& s) {
+  if (s.in_shared_memory()) return "all";
+  if (s.received == 0) return "-";
+  return s.saved() > worth_telling ? format_percent(s.saved()) : "nothing";
+}
+
+std::string format_sent(const SubscriberFigures& s) {
+  if (s.in_shared_memory()) return tool::aligned_bytes_text(0);
+  if (s.received == 0) return "-";
+  return tool::aligned_bytes_text(s.sent_bytes_per_sample()) + (s.wire_bytes_per_sample ? "" : " *");
+}
+
+std::string row(const SubscriberFigures& s) {
   return tool::shortened(
-      fmt::format(row_format, s.name, tool::shortened(format_request(s.route), request_columns),
-                  s.in_shared_memory() ? "shm" : "udp", grouped_count_text(s.counts.received),
-                  grouped_count_text(s.counts.lost), sent, saved, latency),
+      fmt::format(row_format, s.name, tool::shortened(format_request(s), request_columns), s.transport,
+                  tool::grouped_count_text(s.received), tool::grouped_count_text(s.lost), format_sent(s),
+                  format_saved(s), format_us(s.latency_p50_us)),
       columns_max);
 }
+
+/// The path of the samples of remote subscribers.
+std::string_view way_of(const RunFigures& run) { return run.real_hosts() ? "the network" : "UDP"; }
 
 std::string format_result(const RunFigures& run) {
   if (run.samples == 0) return "Nothing was published.";
   const Carried carried = run.carried();
   std::string text = fmt::format("{} carried {}", run.real_hosts() ? "The network" : "UDP",
-                                 aligned_bytes_text(carried.bytes));
+                                 tool::aligned_bytes_text(carried.bytes));
   text += carried.saved() > worth_telling
-              ? fmt::format(" instead of {}: {} saved", aligned_bytes_text(carried.whole_bytes),
+              ? fmt::format(" instead of {}: {} saved", tool::aligned_bytes_text(carried.whole_bytes),
                             format_percent(carried.saved()))
               : ": nothing saved";
-  return text +
-         (run.lost() == 0 ? "; nothing lost." : fmt::format("; {} lost.", grouped_count_text(run.lost())));
+  return text + (run.lost() == 0 ? "; nothing lost."
+                                 : fmt::format("; {} lost.", tool::grouped_count_text(run.lost())));
 }
 
 std::string format_source(const RunFigures& run) {
+  const double full = run.subscribers.empty() ? 0 : run.subscribers.front().full_bytes_per_sample;
   return fmt::format("The lidar published {} clouds ({}, {} on average) at {:g} Hz from: {}.",
-                     grouped_count_text(run.samples), run.message_shape, aligned_bytes_text(run.whole_bytes),
+                     tool::grouped_count_text(run.samples), run.message_shape, tool::aligned_bytes_text(full),
                      run.hz, tool::shortened(run.input, input_columns));
 }
 
 std::string format_comparison(const RunFigures& run) {
-  const auto others =
-      std::ranges::count_if(run.subscribers, [](const auto& s) { return !s.in_shared_memory(); });
+  const auto others = std::count_if(run.subscribers.begin(), run.subscribers.end(),
+                                    [](const SubscriberFigures& s) { return !s.in_shared_memory(); });
   std::string text = fmt::format("{} would be every whole cloud for each of the {} subscribers {}.",
-                                 aligned_bytes_text(run.carried().whole_bytes), others,
+                                 tool::aligned_bytes_text(run.carried().whole_bytes), others,
                                  run.real_hosts() ? "on other hosts" : "that are served by UDP");
-  if (others < std::ssize(run.subscribers)) text += " In shared memory nothing is copied or sent.";
+  if (others < static_cast<std::ptrdiff_t>(run.subscribers.size()))
+    text += " In shared memory nothing is copied or sent.";
   return text;
 }
 
 /// Empty unless fields were recorded.
 std::string format_learning(const RunFigures& run) {
-  if (!run.recorded) return {};
-  std::int64_t bytes = 0;
-  for (const SubscriberFigures& s : run.subscribers) bytes += s.counts.learning_bytes;
-  return fmt::format(
-      "No fields were declared: those above are what each was seen to read. Finding that out "
-      "took {} of the bytes.",
-      aligned_bytes_text(static_cast<double>(bytes)));
+  double bytes = 0;
+  bool recorded = false;
+  for (const SubscriberFigures& s : run.subscribers) {
+    recorded = recorded || s.recorded;
+    bytes += s.learning_bytes.value_or(0);
+  }
+  if (!recorded) return {};
+  const std::string text = "Nobody declared fields: those above are what each was seen to read";
+  return bytes > 0 ? fmt::format("{}. Finding that out took {} of the bytes.", text,
+                                 tool::aligned_bytes_text(bytes))
+                   : text + ".";
+}
+
+std::string format_losses(const RunFigures& run) {
+  std::string text;
+  for (const SubscriberFigures& s : run.subscribers) {
+    if (s.lost == 0) continue;
+    text += fmt::format("{}{} lost {} of {}", text.empty() ? "" : ", ", s.name,
+                        tool::grouped_count_text(s.lost), tool::grouped_count_text(run.samples));
+    if (s.incomplete != 0) text += fmt::format(" ({} came in part)", tool::grouped_count_text(s.incomplete));
+  }
+  if (text.empty()) return {};
+  if (run.dropped != 0)
+    text += fmt::format("; {} found a full queue at the publisher", tool::grouped_count_text(run.dropped));
+  return fmt::format("Lost: {}. Was the machine too busy?", text);
 }
 
 std::string format_measurement(const RunFigures& run) {
@@ -90,21 +121,23 @@ std::string format_measurement(const RunFigures& run) {
            "on the wire cannot be told apart by subscriber: figures marked * are payload. The first lines "
            "say why there are no real hosts.";
   }
-  return "Bytes are as counted by each host's network interface, packet headers included, without control "
-         "traffic (who is there, and who needs what).";
+  std::string text =
+      "Bytes are as counted by each host's network interface, packet headers included, without control "
+      "traffic";
+  if (run.idle_bytes_per_s) {
+    text += fmt::format(
+        ". Control traffic (who is there, and who needs what) is {:.0f} bytes/s per node, idle or not",
+        *run.idle_bytes_per_s);
+  }
+  return text + ".";
 }
 
 }  // namespace
 
-std::string format_request(const Route& route) {
-  std::string text = route.all_fields ? "all" : route.fields.str();
-  return route.max_rate_hz > 0 ? fmt::format("{}, {:g} Hz", text, route.max_rate_hz) : text;
-}
-
 std::vector<std::string> format_table(const RunFigures& run) {
   std::vector<std::string> lines{
       fmt::format(row_format, "who", "asks for", "by", "received", "lost", "a cloud", "saved", "p50 us")};
-  for (const SubscriberFigures& s : run.subscribers) lines.push_back(row(run, s));
+  for (const SubscriberFigures& s : run.subscribers) lines.push_back(row(s));
   return lines;
 }
 
@@ -112,17 +145,24 @@ std::string format_progress(const RunFigures& run, double elapsed_s) {
   const Carried carried = run.carried();
   return tool::shortened(
       fmt::format("{:5.1f} s: {} published; {} carried {}, not {}; {} lost", elapsed_s,
-                  grouped_count_text(run.samples), run.real_hosts() ? "the network" : "UDP",
-                  aligned_bytes_text(carried.bytes), aligned_bytes_text(carried.whole_bytes),
-                  grouped_count_text(run.lost())),
+                  tool::grouped_count_text(run.samples), way_of(run), tool::aligned_bytes_text(carried.bytes),
+                  tool::aligned_bytes_text(carried.whole_bytes), tool::grouped_count_text(run.lost())),
       columns_max);
+}
+
+std::vector<std::string> format_refusals(const PublisherReport& publisher) {
+  std::vector<std::string> lines;
+  if (!publisher.udp.starts_with("io_uring"))
+    lines.push_back("io_uring is not in use, so UDP is slower than it could be: " + publisher.udp + ".");
+  if (!publisher.shm_ready)
+    lines.push_back("Shared memory is not in use, so the detector is served by UDP: " + publisher.shm + ".");
+  return lines;
 }
 
 std::vector<std::string> format_summary(const RunFigures& run) {
   std::vector<std::string> lines{format_result(run), ""};
   for (const std::string& paragraph :
-       {format_source(run), format_comparison(run), format_learning(run),
-        std::string(run.lost() == 0 ? "" : "Clouds were lost: was the machine too busy?"),
+       {format_source(run), format_comparison(run), format_learning(run), format_losses(run),
         std::string("p50 is the median time from publish() to the subscriber's callback."),
         format_measurement(run)}) {
     if (paragraph.empty()) continue;

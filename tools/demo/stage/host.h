@@ -2,31 +2,30 @@
 // namespaces can be made, it is a machine of its own to whatever runs there; otherwise it is just processes
 // on this machine.
 //
-// The first process of the tree adopts what the roles leave behind (the daemon of the shared memory). When
-// the roles have ended, when one has failed, with SIGTERM, or when the demo ends in whatever way, it ends all
-// that is left, so that nothing that the demo started goes on.
+// The first process of the tree outlives the roles, adopts what they leave behind (the daemon of the shared
+// memory) and ends that, so that nothing that the demo started goes on. If the demo itself is killed, the
+// kernel ends the first process.
 #pragma once
-
-#include <sys/types.h>
 
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "sft/result.h"
+#include "tools/demo/roles/channel.h"
 #include "tools/hosts/network.h"
 
 namespace sft::demo {
 
-/// The work of one process of a host, which goes on until the demo orders the end, or fails.
+/// The work of one process of a host: talks with the demo through its end of the channel until that closes.
 struct Role {
   std::string name;
-  std::function<Result<void>()> run;
+  std::function<void(Channel&)> run;
 };
 
 struct HostSettings {
   const hosts::NetworkNamespace* network = nullptr;  ///< null: the host is this machine
-  unsigned shm_mebibytes = 256;                      ///< of its own /dev/shm; the daemon takes memory by that
+  unsigned shared_memory_mib = 256;                  ///< of /dev/shm; the daemon takes memory by that
 };
 
 /// Tries in a child process whether hosts can be made. The error says why not.
@@ -36,8 +35,28 @@ Result<void> try_isolation();
 /// one, for the rest of the calling process. REQUIRES: the process has one thread.
 Result<void> become_root();
 
-/// Starts the host, and returns its first process. REQUIRES: the calling process has
-/// one thread.
-Result<pid_t> start_host(const HostSettings& settings, const std::vector<Role>& roles);
+class Host {
+ public:
+  /// Starts all roles. REQUIRES: the calling process has one thread.
+  static Result<Host> start(const HostSettings& settings, const std::vector<Role>& roles);
+
+  Host(Host&& other) noexcept
+      : first_process_(std::exchange(other.first_process_, -1)), channels_(std::move(other.channels_)) {}
+  Host& operator=(Host&&) = delete;
+  /// Ends what still runs.
+  ~Host();
+
+  Channel& channel(std::size_t role) { return channels_[role]; }
+
+  /// Tells the roles to end, by closing their channels. Does not wait for their end: the destructor does.
+  void dismiss() { channels_.clear(); }
+
+ private:
+  Host(pid_t first_process, std::vector<Channel> channels)
+      : first_process_(first_process), channels_(std::move(channels)) {}
+
+  pid_t first_process_;
+  std::vector<Channel> channels_;
+};
 
 }  // namespace sft::demo

@@ -1,29 +1,44 @@
 #include "tools/demo/stage/stage.h"
 
-#include <signal.h>
-#include <sys/mman.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <array>
-#include <cstdlib>
-#include <filesystem>
-#include <new>
 #include <random>
-#include <thread>
 
-#include "tools/hosts/own_host.h"
-#include "tools/hosts/system_error.h"
+#include "tools/demo/roles/consumers.h"
+#include "tools/demo/roles/roles.h"
 
 namespace sft::demo {
 
 namespace {
 
-/// Of each subscriber; the publisher runs on the last one.
-constexpr std::array<const char*, 5> host_names{"monitor", "cockpit", "logger", "nav", "lidar"};
-constexpr std::chrono::seconds patience_with_hosts{8};  // in which nodes take their leave, and daemons end
-constexpr std::chrono::milliseconds moment{10};
-constexpr unsigned publishers_shm_mebibytes = 1024;  // for some samples of 6 MB
+using std::chrono::seconds;
+
+// A role answers for the first time when its node is open.
+constexpr seconds patience{15};
+
+struct Actor {
+  const char* name;
+  const char* purpose;
+  double max_rate_hz;
+  void (*run)(const NodePlan& plan, bool is_recorded, Channel& channel);
+};
+
+template <class Consumer>
+constexpr Actor actor{Consumer::name, Consumer::purpose, Consumer::max_rate_hz, run_subscriber<Consumer>};
+
+struct HostPlan {
+  const char* name;
+  bool has_publisher;
+  Actor subscriber;
+};
+
+constexpr std::array host_plans{
+    HostPlan{"monitor", false, actor<Health>},  HostPlan{"cockpit", false, actor<Dashboard>},
+    HostPlan{"logger", false, actor<Recorder>}, HostPlan{"nav", false, actor<Localiser>},
+    HostPlan{"lidar", true, actor<Detector>},
+};
+// The daemon needs this much; on the publisher's host some samples of 6 MB come on top.
+constexpr unsigned publishers_shared_memory_mib = 1024;
+constexpr std::size_t publisher_host_number = host_plans.size() - 1;
 
 /// Other programs of this machine may use the default domain. They rarely use one of the upper domains.
 std::uint32_t random_domain() {
@@ -31,82 +46,77 @@ std::uint32_t random_domain() {
   return std::uniform_int_distribution<std::uint32_t>(100, 200)(random);
 }
 
-/// A host has a /proc of its own, in which programs do not find the folder of sftd.
-void name_the_daemon() {
-  const std::filesystem::path daemon = hosts::program_directory() / "sftd";
-  std::error_code error;
-  if (std::filesystem::exists(daemon, error)) setenv("SFT_DAEMON", daemon.c_str(), 0);
-}
-
 }  // namespace
 
-Result<std::unique_ptr<Stage>> Stage::set_up(const PublishingPlan& plan, bool arr) {
-  name_the_daemon();
-  void* memory = mmap(nullptr, sizeof(Board), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-  if (memory == MAP_FAILED) return hosts::system_error("shared memory for reports");
-  std::unique_ptr<Stage> stage(new Stage(new (memory) Board));
+Result<std::unique_ptr<Stage>> Stage::set_up(CloudSource& source, bool arr) {
+  std::unique_ptr<Stage> stage(new Stage);
   if (const Result<void> possible = try_isolation(); possible) {
     if (const Result<void> root = become_root(); !root) return tl::unexpected(root.error());
-    auto network = hosts::EmulatedNetwork::create(host_names.size());
+    auto network = hosts::EmulatedNetwork::create(host_plans.size());
     if (!network) return tl::unexpected(network.error());
     stage->network_ = std::move(*network);
   } else {
     stage->why_not_ = possible.error().message;
   }
-  const Result<void> started = stage->start(plan, arr);
+  const Result<void> started = stage->start_hosts(source, arr);
   if (!started) return tl::unexpected(started.error());
   return stage;
 }
 
-Result<void> Stage::start(const PublishingPlan& plan, bool arr) {
+std::vector<Role> Stage::roles_on(std::size_t number, std::uint32_t domain, CloudSource& source,
+                                  bool arr) const {
+  const HostPlan& host = host_plans[number];
+  const auto metered = [this](const char* interface) {
+    return real_hosts() ? std::optional<std::string>(interface) : std::nullopt;
+  };
+  const bool remote = !host.has_publisher;
+  // Samples for the subscriber would come over this interface.
+  const NodePlan subscriber{
+      .name = host.subscriber.name,
+      .domain = domain,
+      .transport = remote && !real_hosts() ? TransportChoice::udp : TransportChoice::automatic,
+      .interface = metered(remote ? hosts::host_interface : "lo"),
+  };
+  std::vector<Role> roles{
+      {subscriber.name, [=](Channel& channel) { host.subscriber.run(subscriber, arr, channel); }}};
+  if (host.has_publisher) {
+    const NodePlan lidar{.name = "lidar", .domain = domain, .interface = metered(hosts::host_interface)};
+    roles.push_back({lidar.name, [=, &source](Channel& channel) { run_publisher(lidar, source, channel); }});
+  }
+  return roles;
+}
+
+Result<void> Stage::start_hosts(CloudSource& source, bool arr) {
   const std::uint32_t domain = real_hosts() ? 0 : random_domain();
-  for (std::size_t i = 0; i < host_names.size(); ++i) {
-    const SubscriberRole& subscriber = subscriber_roles[i];
-    const bool local = i + 1 == host_names.size();
-    NodePlan node{.name = subscriber.name, .domain = domain};
-    if (!local && !real_hosts()) node.transport = TransportChoice::udp;
-    // Samples for the subscriber would come over this interface.
-    if (real_hosts()) node.interface = local ? "lo" : hosts::host_interface;
-    std::vector<Role> roles{{node.name, [&, node, arr] { return subscriber.run(node, arr, *board_, i); }}};
-    HostSettings settings{.network = real_hosts() ? &network_->host(i) : nullptr};
-    if (local) {
-      roles.push_back(
-          {"lidar", [&] { return run_publisher({.name = "lidar", .domain = domain}, plan, *board_); }});
-      settings.shm_mebibytes = publishers_shm_mebibytes;
-    }
-    const Result<pid_t> first_process = start_host(settings, roles);
-    if (!first_process) return tl::unexpected(first_process.error());
-    processes_.push_back(*first_process);
-    subscribers_.push_back({subscriber.name, host_names[i], subscriber.purpose, local});
+  for (std::size_t i = 0; i < host_plans.size(); ++i) {
+    const HostSettings settings{
+        .network = real_hosts() ? &network_->host(i) : nullptr,
+        .shared_memory_mib =
+            host_plans[i].has_publisher ? publishers_shared_memory_mib : HostSettings{}.shared_memory_mib,
+    };
+    Result<Host> host = Host::start(settings, roles_on(i, domain, source, arr));
+    if (!host) return tl::unexpected(host.error());
+    hosts_.push_back(std::move(*host));
+  }
+  for (std::size_t i = 0; i < host_plans.size(); ++i) {
+    const HostPlan& plan = host_plans[i];
+    subscribers_.push_back({plan.subscriber.name, plan.name, plan.subscriber.purpose,
+                            plan.subscriber.max_rate_hz, plan.has_publisher, &hosts_[i].channel(0)});
   }
   return {};
 }
 
 Stage::~Stage() {
-  order(Order::end);
-  const auto deadline = Clock::now() + patience_with_hosts;
-  for (const pid_t process : processes_) {
-    while (waitpid(process, nullptr, WNOHANG) == 0) {
-      if (Clock::now() > deadline) kill(process, SIGTERM);
-      std::this_thread::sleep_for(moment);
-    }
-  }
-  munmap(board_, sizeof(Board));
+  for (Host& host : hosts_) host.dismiss();  // all hosts end at the same time
 }
 
-Result<void> Stage::update() {
-  board_->publisher.read(publisher_);
-  for (std::size_t i = 0; i < subscribers_.size(); ++i) {
-    Subscriber& subscriber = subscribers_[i];
-    board_->subscribers[i].read(subscriber.report);
-    for (const Route& route : publisher_.routes) {
-      if (route.name.str() == subscriber.name) subscriber.route = route;
-    }
-    if (waitpid(processes_[i], nullptr, WNOHANG) == 0) continue;
-    processes_.erase(processes_.begin() + static_cast<std::ptrdiff_t>(i));
-    return fail(Errc::unavailable, "the processes of host " + subscriber.host + " have ended unexpectedly");
-  }
-  return {};
+Result<PublisherReport> Stage::ask_publisher(const Order& order, const WhileWaiting& while_waiting) {
+  return demo::ask<PublisherReport>(hosts_[publisher_host_number].channel(1), "publisher", order, patience,
+                                    while_waiting);
+}
+
+Result<SubscriberReport> Stage::ask(const Subscriber& subscriber, const WhileWaiting& while_waiting) {
+  return demo::ask<SubscriberReport>(*subscriber.channel, subscriber.name, {}, patience, while_waiting);
 }
 
 }  // namespace sft::demo

@@ -8,15 +8,15 @@
 // roles are processes on this machine, and those that would be remote may use UDP only.
 #pragma once
 
-#include <sys/types.h>
-
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "tools/demo/roles/roles.h"
+#include "tools/demo/clouds/cloud_source.h"
+#include "tools/demo/roles/protocol.h"
 #include "tools/demo/stage/host.h"
+#include "tools/hosts/network.h"
 
 namespace sft::demo {
 
@@ -26,14 +26,15 @@ class Stage {
     std::string name;
     std::string host;
     std::string purpose;
-    bool local = false;  ///< on the host of the publisher
-    SubscriberReport report{};
-    Route route{};  ///< the way of its samples, as the publisher sees it
+    double max_rate_hz = 0;  ///< 0: all clouds
+    bool local = false;      ///< on the host of the publisher
+    Channel* channel = nullptr;
   };
 
-  /// Starts all hosts. REQUIRES: the calling process has one thread.
-  static Result<std::unique_ptr<Stage>> set_up(const PublishingPlan& plan, bool arr);
-  /// Ends all hosts, and waits until they have ended.
+  /// Starts all hosts. A child process publishes `source`, of which it has a copy. REQUIRES: the calling
+  /// process has one thread.
+  static Result<std::unique_ptr<Stage>> set_up(CloudSource& source, bool arr);
+  /// Ends all hosts.
   ~Stage();
   Stage(const Stage&) = delete;
   Stage& operator=(const Stage&) = delete;
@@ -41,24 +42,22 @@ class Stage {
   /// True if the hosts are namespaces. If not, why_not() says why.
   bool real_hosts() const { return network_.has_value(); }
   const std::string& why_not() const { return why_not_; }
-  unsigned hosts() const { return real_hosts() ? static_cast<unsigned>(processes_.size()) : 1; }
+  unsigned hosts() const { return real_hosts() ? static_cast<unsigned>(hosts_.size()) : 1; }
 
-  void order(Order order) { board_->order = order; }
-  /// Reads what the roles report. An error if one of them has ended.
-  Result<void> update();
   const std::vector<Subscriber>& subscribers() const { return subscribers_; }
-  const PublisherReport& publisher() const { return publisher_; }
+  Result<PublisherReport> ask_publisher(const Order& order, const WhileWaiting& while_waiting = {});
+  Result<SubscriberReport> ask(const Subscriber& subscriber, const WhileWaiting& while_waiting = {});
 
  private:
-  explicit Stage(Board* board) : board_(board) {}
-  Result<void> start(const PublishingPlan& plan, bool arr);
+  Stage() = default;
+  Result<void> start_hosts(CloudSource& source, bool arr);
+  /// The subscriber of the host comes first.
+  std::vector<Role> roles_on(std::size_t number, std::uint32_t domain, CloudSource& source, bool arr) const;
 
-  Board* board_;  // in memory that all processes share
   std::string why_not_;
   std::optional<hosts::EmulatedNetwork> network_;
-  std::vector<pid_t> processes_;  // the first one of each host
+  std::vector<Host> hosts_;
   std::vector<Subscriber> subscribers_;
-  PublisherReport publisher_;
 };
 
 }  // namespace sft::demo
