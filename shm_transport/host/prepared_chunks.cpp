@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/mman.h>
+#include <sys/vfs.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -65,19 +66,40 @@ bool PreparedChunks::set_aside(const iox::mepoo::ChunkHeader& chunk, std::size_t
   return true;
 }
 
-/// The system takes back what it has set aside here if it has too little for the rest, and nothing else.
-bool PreparedChunks::set_aside(Pool& pool, std::uint32_t chunk, std::size_t bytes) noexcept {
+/// Also true of memory that this process has not asked for: the daemon, or another writer, has.
+bool PreparedChunks::has_memory(Pool& pool, std::uint32_t chunk, std::uint32_t bytes) noexcept {
   if (file_ < 0 || pool.layout.chunk_bytes() < on_demand_bytes) return true;
   std::atomic<std::uint32_t>& known = pool.set_aside[chunk];
-  const auto wanted = static_cast<std::uint32_t>(std::min<std::size_t>(bytes, pool.layout.chunk_bytes()));
-  const std::uint32_t before = known.load(std::memory_order_relaxed);
-  if (before >= wanted) return true;
+  if (known.load(std::memory_order_relaxed) >= bytes) return true;
   const off_t begin = pool.layout.at(chunk) - samples_;
-  int failed = 0;
-  do failed = ::fallocate(file_, FALLOC_FL_KEEP_SIZE, begin + before, wanted - before);
-  while (failed != 0 && errno == EINTR);
-  if (failed == 0) known.store(wanted, std::memory_order_relaxed);
-  return failed == 0;
+  if (::lseek(file_, begin, SEEK_HOLE) < begin + bytes) return false;
+  known.store(bytes, std::memory_order_relaxed);
+  return true;
+}
+
+/// Asks for a part at a time: a signal ends a call, and the system then takes back all that this call has set
+/// aside. Asks for nothing if the host has too little for all of it, which would only take it from others.
+bool PreparedChunks::set_aside(Pool& pool, std::uint32_t chunk, std::size_t bytes) noexcept {
+  constexpr std::uint32_t part_bytes = 1 << 20;
+  const auto wanted = static_cast<std::uint32_t>(std::min<std::size_t>(bytes, pool.layout.chunk_bytes()));
+  if (has_memory(pool, chunk, wanted)) return true;
+  std::atomic<std::uint32_t>& known = pool.set_aside[chunk];
+  std::uint32_t has = known.load(std::memory_order_relaxed);
+  struct statfs host {};
+  if (::fstatfs(file_, &host) != 0 ||
+      static_cast<std::uint64_t>(host.f_bavail) * static_cast<std::uint64_t>(host.f_bsize) < wanted - has)
+    return false;
+  const off_t begin = pool.layout.at(chunk) - samples_;
+  while (has < wanted) {
+    const std::uint32_t part = std::min(part_bytes, wanted - has);
+    if (::fallocate(file_, FALLOC_FL_KEEP_SIZE, begin + has, part) == 0) {
+      has += part;
+      known.store(has, std::memory_order_relaxed);
+    } else if (errno != EINTR) {
+      return false;
+    }
+  }
+  return true;
 }
 
 /// Returns how many of so many chunks there are.
@@ -89,11 +111,7 @@ std::size_t PreparedChunks::map_free(Pool& pool, std::size_t chunks, std::size_t
   const std::size_t count = pool.layout.next_free(std::span(next).first(chunks));
   for (const std::uint32_t chunk : std::span(next).first(count)) {
     std::uint32_t& mapped = pool.mapped[chunk];
-    if (mapped >= used || budget == 0) continue;
-    if (!set_aside(pool, chunk, used)) {
-      budget = 0;  // to try it for others, too, would only take time
-      break;
-    }
+    if (mapped >= used || budget == 0 || !has_memory(pool, chunk, used)) continue;
     budget -= std::min<std::size_t>(budget, used - mapped);
     const std::byte* const begin = pool.layout.at(chunk);
     if (map(begin + mapped, begin + used)) mapped = used;

@@ -31,9 +31,9 @@ class PreparedChunks {
 
   /// Maps the first `chunks_ahead` free chunks of each pool from which large samples were taken, as far as
   /// the largest of these reached, and each page once. Where a pool has fewer chunks, those of the next
-  /// larger one follow. It changes no byte. To be called now and then, by threads for which nobody waits.
-  /// Returns at once while another thread is inside, and early when it has mapped much; the next call goes
-  /// on.
+  /// larger one follow. Chunks without memory are left out. It changes no byte. To be called now and then, by
+  /// threads for which nobody waits. Returns at once while another thread is inside, and early when it has
+  /// mapped much; the next call goes on.
   void prepare() noexcept;
 
   /// A writer has taken this chunk, and will write its first `bytes`, the header of the chunk included. False
@@ -59,6 +59,7 @@ class PreparedChunks {
     std::vector<std::atomic<std::uint32_t>> set_aside;
   };
   std::size_t map_free(Pool& pool, std::size_t chunks, std::size_t bytes, std::size_t& budget) noexcept;
+  bool has_memory(Pool& pool, std::uint32_t chunk, std::uint32_t bytes) noexcept;
   bool set_aside(Pool& pool, std::uint32_t chunk, std::size_t bytes) noexcept;
 
   const std::byte* const samples_;  ///< where the file begins

@@ -26,9 +26,7 @@ void work_for(Clock::duration time) {
 
 class FairCallbacks : public PubSubTest {
  protected:
-  void SetUp() override {
-    camera_.emplace(source_.publisher<PointCloud2>("camera").value());
-  }
+  void SetUp() override { camera_.emplace(source_.publisher<PointCloud2>("camera").value()); }
 
   /// Topics of which there is always a next sample, whatever the speed of the machine: each callback
   /// publishes one, after its work.

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "sft/options.h"
 #include "tools/terminal/units.h"
 
 namespace sft::tool {
@@ -46,11 +47,13 @@ std::vector<Pool> pools_of_daemon() {
   return pools;
 }
 
-/// The topics of publishers that may use shared memory here and have announced larger samples.
+/// The topics of publishers that may use shared memory here and have announced larger samples. Those that
+/// announce the default say nothing of their samples.
 std::set<std::string> topics_of_larger_samples(const DomainSnapshot& domain, std::uint64_t bytes) {
   std::set<std::string> topics;
   for (const DomainSnapshot::Endpoint& publisher : domain.publishers) {
-    if (publisher.same_machine && publisher.may_use_shm && publisher.max_sample_bytes > bytes)
+    if (publisher.same_machine && publisher.may_use_shm && publisher.max_sample_bytes > bytes &&
+        publisher.max_sample_bytes != PublisherOptions{}.max_sample_bytes)
       topics.insert(publisher.topic);
   }
   return topics;

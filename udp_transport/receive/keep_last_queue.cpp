@@ -5,7 +5,7 @@
 
 namespace sft::udp {
 
-KeepLastQueue::Put KeepLastQueue::put(core::SampleHandle& sample, std::uint64_t arrival) {
+KeepLastQueue::Put KeepLastQueue::put(core::SampleHandle& sample, std::uint64_t arrival, Excess excess) {
   const std::uint64_t number = sample->header().sequence;
   if (sample->numbering > numbering_) begin_anew(*sample);
   if (number <= gone_) return Put::late;
@@ -28,9 +28,11 @@ KeepLastQueue::Put KeepLastQueue::put(core::SampleHandle& sample, std::uint64_t 
   ++size_;
   last_bytes_ = bytes_of(place);
   bytes_ += last_bytes_;
-  if (core::SampleHandle excess = drop_excess_bytes()) {
-    dropped_ += oldest ? 1 : 0;
-    oldest = std::move(excess);
+  if (excess == Excess::pushed_out) {
+    if (core::SampleHandle dropped = drop_excess_bytes()) {
+      dropped_ += oldest ? 1 : 0;
+      oldest = std::move(dropped);
+    }
   }
   sample = std::move(oldest);
   return sample ? Put::pushed_out : Put::kept;

@@ -23,8 +23,13 @@ class KeepLastQueue {
     late,        ///< older than one that was taken or pushed out already
     repeated,
   };
+  /// What becomes of samples that wait while their bytes are beyond the limit.
+  enum class Excess : bool {
+    pushed_out,
+    kept,  ///< until they are taken, since the publisher waits for the reader: room() is 0 meanwhile
+  };
   /// `arrival` counts up over all writers of a reader.
-  Put put(core::SampleHandle& sample, std::uint64_t arrival);
+  Put put(core::SampleHandle& sample, std::uint64_t arrival, Excess excess = Excess::pushed_out);
 
   /// Samples that were dropped since this was asked last, because their sequences turned out to be wrong, or
   /// because one sample had more bytes than the one that was pushed out for it.
@@ -32,7 +37,8 @@ class KeepLastQueue {
 
   bool empty() const { return size_ == 0; }
   std::size_t size() const { return size_; }
-  /// How many more samples as large as the last one can wait, without one being pushed out.
+  /// How many more samples can wait, without one being pushed out for its place. If they are larger than the
+  /// last one, their bytes may exceed the limit.
   std::size_t room() const;
   /// Returns the arrival of the oldest sample. REQUIRES: the queue is not empty.
   std::uint64_t arrival() const { return entries_[head_].arrival; }

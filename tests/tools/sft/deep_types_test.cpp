@@ -71,8 +71,7 @@ TEST_F(DeepTypesTest, OneOf32LevelsAndTensOfKilobytesIsEchoedAndPrinted) {
 
 TEST_F(DeepTypesTest, OneOf32LevelsIsPublished) {
   const Definitions definitions(32, 2);
-  const auto subscriber =
-      robot.subscriber("deep", definitions.type(), "*").value();
+  const auto subscriber = robot.subscriber("deep", definitions.type(), "*").value();
   const Ended pub =
       run_tool({"pub", "deep", root_type, nested_word(32, "x"), "--once", "-I", definitions.directory()});
   EXPECT_EQ(pub.code, 0) << pub.err;

@@ -14,11 +14,12 @@ class KeepLastQueueTest : public testing::Test {
   using Put = KeepLastQueue::Put;
   using Sequences = std::vector<std::uint64_t>;
 
-  Put put(std::uint64_t sequence, std::uint32_t body_bytes = 0) {
+  Put put(std::uint64_t sequence, std::uint32_t body_bytes = 0,
+          KeepLastQueue::Excess excess = KeepLastQueue::Excess::pushed_out) {
     core::SampleHandle sample = pool_->take(100);
     sample->header().sequence = sequence;
     sample->header().body_bytes = body_bytes;
-    const Put result = queue_.put(sample, ++arrivals_);
+    const Put result = queue_.put(sample, ++arrivals_, excess);
     if (result == Put::pushed_out) pushed_out_.push_back(sample->header().sequence);
     return result;
   }
@@ -79,6 +80,17 @@ TEST_F(KeepLastQueueTest, HasRoomForSamplesLikeTheLastOne) {
   put(3, 1000);
   pop_all();
   EXPECT_EQ(queue_.room(), 1U) << "one of any size";
+}
+
+TEST_F(KeepLastQueueTest, PushesNothingOutForBytesWhereThePublisherWaits) {
+  queue_ = KeepLastQueue(3, 100);
+  put(1, 10);
+  EXPECT_EQ(queue_.room(), 2U);
+  for (const std::uint64_t sequence : {2U, 3U})
+    EXPECT_EQ(put(sequence, 90, KeepLastQueue::Excess::kept), Put::kept) << "larger than the last one";
+  EXPECT_EQ(queue_.room(), 0U);
+  EXPECT_EQ(queue_.take_dropped(), 0U);
+  EXPECT_EQ(pop_all(), (Sequences{1, 2, 3}));
 }
 
 TEST_F(KeepLastQueueTest, TakesNoSampleTwice) {
