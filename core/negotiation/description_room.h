@@ -1,6 +1,7 @@
-// Limits the bytes of type descriptions that a table keeps of others' endpoints, which somebody may announce
-// without end. An endpoint for whose description there is no room is kept without it: pairs match all the
-// same, but nobody knows the fields. Who has no room takes none from others. Pure.
+// Limits the bytes of type descriptions that a table keeps of the endpoints of other nodes. A node may
+// announce endpoints without end. If there is no room for a description, its endpoint is kept without it:
+// pairs match all the same, but the fields are not known. A description never takes the place of another one.
+// Pure.
 #pragma once
 
 #include <cstddef>

@@ -47,7 +47,7 @@ void tell_of_unfit(const std::vector<std::string>& rules, NodeLog& log) {
   }
 }
 
-/// Tells once that nobody publishes the time that the node follows.
+/// Logs once that the topic "/clock", which the node follows, has no publisher.
 class MissingClock {
  public:
   MissingClock(const NodeOptions& options, const NodeNames& names) {

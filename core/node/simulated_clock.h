@@ -1,5 +1,5 @@
-// The time of a node that follows the topic "/clock" (NodeOptions::use_sim_time). It is what the newest
-// sample says, which is taken when somebody asks for the time: the clock needs no thread, and wakes none.
+// The time of a node that follows the topic "/clock" (NodeOptions::use_sim_time): that of the newest sample.
+// The sample is taken when the program asks for the time, so the clock needs no thread, and wakes none.
 #pragma once
 
 #include <atomic>
@@ -24,7 +24,7 @@ class SimulatedClock {
       "MSG: builtin_interfaces/Time\n"
       "int32 sec\n"
       "uint32 nanosec\n";
-  /// If nobody is known to publish the topic after so long, the log says so.
+  /// If no publisher of the topic is known after this time, the log says so.
   static constexpr std::chrono::seconds patience{5};
 
   explicit SimulatedClock(DynamicSubscriber&& samples) : samples_(std::move(samples)) {}

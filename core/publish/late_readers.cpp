@@ -58,7 +58,8 @@ bool LateReaders::give_history(LendingWriter& memory, const Route& route) {
   return true;
 }
 
-/// Those that fulfil the conditions of the reader, for whom there is no sample before them.
+/// Returns the retained samples that fulfil the conditions of the reader, which has got no sample before
+/// them.
 std::vector<SampleHandle> LateReaders::retained_for(const Route& route) const {
   std::vector<SampleHandle> samples = history_->last(route.history, realtime_ns());
   if (route.selection.gate().conditions.empty()) return samples;

@@ -34,8 +34,8 @@ class Gate {
   /// The name of a gate with conditions (gate_id()); 0: it has none. Any thread.
   std::uint64_t id() const { return id_; }
 
-  /// Called once for every sample. What passes is then told to made() or refused(); if it could not be made,
-  /// its readers miss it, and later ones are compared with the one before.
+  /// Called once for every sample. A sample that passes is then reported by made() or refused(); if it could
+  /// not be made, its readers miss it, and later ones are compared with the one before.
   void consider(const detail::FieldSource& sample, std::int64_t stamp_ns) {
     before_ = budget_;
     passes_ = conditions_.empty() ? budget_.take(stamp_ns) : decide(sample, stamp_ns);

@@ -37,8 +37,8 @@ class PreparedChunks {
   void prepare() noexcept;
 
   /// A writer has taken this chunk, and will write its first `bytes`, the header of the chunk included. False
-  /// if the host has no memory for them: then the writer writes nothing but the header. Asks the system once
-  /// for so much of each chunk that may lack memory. Any thread.
+  /// if the host has no memory for them: then the writer writes nothing but the header. For each chunk
+  /// that may lack memory, the system is asked once. Any thread.
   bool set_aside(const iox::mepoo::ChunkHeader& chunk, std::size_t bytes) noexcept;
 
   /// Smaller chunks have all their memory from the beginning.

@@ -1,6 +1,6 @@
-// How many bytes may wait in the queue of one reader. The writer keeps the sizes of what it has put there:
-// the reader takes the oldest first, so of so many samples that wait it is always the newest ones, and the
-// writer knows their bytes from their number alone.
+// The limit of bytes that wait in the queue of one reader. The writer keeps the sizes of the samples that it
+// has put there. The reader takes the oldest sample first. So the samples that wait are always the newest
+// ones, and the writer computes their bytes from their number alone.
 #pragma once
 
 #include <algorithm>
@@ -28,14 +28,14 @@ class WaitingBytes {
     sent_ += bytes;
   }
 
-  /// Returns how many samples may wait beside one more of so many bytes. 0: the sample may wait alone, even
-  /// if it is larger than the limit.
+  /// Returns how many samples may wait beside a next one of `bytes`. 0: that sample may wait alone, even if
+  /// it is larger than the limit.
   std::uint64_t beside(std::uint64_t bytes) const noexcept {
     if (sent_before_.empty()) return any_number;
     const std::uint64_t left = bytes_max_ - std::min(bytes_max_, bytes);
     std::uint64_t most = std::min<std::uint64_t>(samples_, sent_before_.size());
     if (of_newest(most) <= left) return any_number;
-    std::uint64_t fit = 0;  // so many fit, and `most` do not
+    std::uint64_t fit = 0;  // this number fits, and `most` does not
     while (fit + 1 < most) {
       const std::uint64_t middle = fit + (most - fit) / 2;
       (of_newest(middle) <= left ? fit : most) = middle;

@@ -77,10 +77,10 @@ class AttachedQueues {
   /// Sets the readers for which the writer waits, if they ask for it.
   void wait_for(std::set<core::EndpointId> readers) { awaited_ = std::move(readers); }
   /// Returns a listener, as of the last look(), for which the writer waits and whose queue has no room for a
-  /// sample of so many bytes; null if there is none.
+  /// sample of `bytes`; null if there is none.
   const Listener* without_room(std::uint64_t bytes);
 
-  /// Makes room for one more chunk in each queue, with a sample of so many bytes, which is put there next
+  /// Makes room for one more chunk in each queue, with a sample of `bytes`, which is put there next
   /// (queue_places.h, waiting_bytes.h). All listeners are served.
   void make_room(std::uint64_t bytes);
   /// Makes room in the queue of this listener, which is one of listeners(), and puts the chunk into it,

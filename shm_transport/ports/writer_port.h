@@ -92,7 +92,7 @@ class ChunkLender final : public core::BufferOwner,
   void deliver(ChunkSlot& slot) noexcept SFT_REQUIRES(mutex_);
   struct FullQueue {
     QueuePlaces places;
-    std::uint64_t beside = 0;          ///< so many samples may wait beside the next one
+    std::uint64_t beside = 0;          ///< the samples that may wait beside the next one
     std::shared_ptr<Session> session;  ///< keeps the memory of the queue mapped
   };
   std::optional<FullQueue> full_queue(std::uint64_t bytes) noexcept;

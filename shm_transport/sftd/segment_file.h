@@ -31,7 +31,7 @@ struct SegmentFile {
 /// the time in which the daemon starts. Errc::address_in_use if anything has this name, Errc::out_of_memory
 /// if there is no space; then no file remains.
 Result<SegmentFile> make_segment_file(const std::string& name, std::size_t bytes);
-/// Makes such a file without memory. The caller sets aside what nobody else asks the system for.
+/// Makes such a file without memory. The caller then sets aside at_once().
 Result<SegmentFile> make_segment_file_without_memory(const std::string& name, std::size_t bytes);
 /// Sets aside SegmentFile::at_once(). Errc::out_of_memory if there is no space.
 Result<void> set_aside(const SegmentFile& segment, const std::string& name);
