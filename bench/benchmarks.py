@@ -30,7 +30,7 @@ ALL = [
     Benchmark("recovery", 140, 50, ["--rounds", "1"]),
 ]
 
-# What benchmarks write beside their figures, for plots: the option and the file that it names.
+# Files for plots that benchmarks write beside their figures: the option and the file that it names.
 FILES = {"peers": ("--csv", "peers.csv"), "paper": ("--trace", "trace.csv")}
 ROUNDS = 5
 QUICK_ROUNDS = 3  # of less than thirteen minutes on each side

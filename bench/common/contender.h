@@ -22,7 +22,7 @@ using Arrived = std::function<void(std::uint64_t)>;
 using FieldSet = std::uint32_t;
 constexpr FieldSet all_fields(std::size_t fields) { return (FieldSet{1} << fields) - 1; }
 
-/// What SFT's readers of messages ask for. Readers of other contenders get all fields.
+/// The fields that SFT's readers of messages ask for. Readers of other contenders get all fields.
 struct Wanted {
   std::optional<std::string> fields{};  ///< as text; nothing: all
   bool recorded = false;                ///< SFT finds out which fields the program reads

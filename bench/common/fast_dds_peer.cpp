@@ -26,7 +26,7 @@ struct Ways {
 
 using Body = std::vector<std::byte>;
 
-/// Of a sample of fixed size, whose bytes in memory are those on the wire.
+/// A sample of fixed size, whose bytes in memory are those on the wire.
 struct Fixed {
   std::uint64_t number;
   std::uint8_t data[sent_cloud_bytes];

@@ -1,4 +1,4 @@
-// Who takes part: the middleware of the sensors' program and of its readers.
+// The contenders: the middleware of the sensors' program and of its readers.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// Who takes part.
+// The contenders.
 #pragma once
 
 #include <compare>

@@ -21,7 +21,7 @@ std::unique_ptr<Peer> open(const Contender& contender) {
   return contender.multicast ? fast_dds_multicast_peer() : fast_dds_usual_peer();
 }
 
-/// What a reader that needs these fields asks for.
+/// Returns the request of a reader that needs these fields.
 Wanted wanted(Way way, const Messages& messages, FieldSet needed) {
   const FieldSet read = way == Way::sft_full ? messages.all() : needed;
   return {.fields = messages.text_of(read), .recorded = way == Way::sft_recorded, .read = read};

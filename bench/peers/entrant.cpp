@@ -7,7 +7,7 @@ namespace sft::bench::peers {
 
 namespace {
 
-/// What is known of a way, in the order of Way.
+/// The properties of each way, in the order of Way.
 struct Facts {
   const char* name;
   const char* id;

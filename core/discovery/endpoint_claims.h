@@ -68,7 +68,7 @@ class EndpointClaims {
   void trust_others(Time now);
 
   const ToldEndpoint& told() const { return told_; }
-  /// What one of the speakers announces.
+  /// Returns the announcement of one of the participants.
   const Endpoint& announced_by(const Speaker& speaker) const;
   /// Calls use(claim) for each claim that is alive.
   template <class Use>

@@ -11,7 +11,7 @@ namespace sft::shm {
 inline constexpr std::size_t smallest_shm_bytes = std::size_t{128} << 20;
 inline constexpr std::size_t default_pool_bytes = std::size_t{1} << 30;
 
-/// What the host has: the free bytes of /dev/shm, without what manages the samples, and its RAM.
+/// The memory of the host: the free bytes of /dev/shm, less those that manage the samples, and its RAM.
 struct HostBytes {
   std::size_t free_shm = 0;
   std::size_t ram = 0;

@@ -40,7 +40,7 @@ constexpr std::array large_sizes{
 constexpr std::uint32_t fewest = 2;
 // A large size may take more than its share for its two chunks, but not more than this part of what remains.
 constexpr double largest_part = 0.4, largest_part_of_large = 0.6;
-// Of a budget that is far beyond the common one, this part is divided as that one is.
+// A budget far beyond the common one is divided: this part as the common one, the rest among large samples.
 constexpr double common_part = 0.3;
 
 std::size_t chunk_bytes(std::size_t bytes) { return bytes + chunk_header_bytes; }

@@ -11,7 +11,7 @@ namespace sft::shm {
 struct Pool {
   std::size_t bytes = 0;  ///< the largest sample in a chunk: header, index and body
   std::uint32_t count = 0;
-  /// Of the last chunks only the header has memory when the daemon starts. Their other memory is set aside by
+  /// When the daemon starts, only the headers of the last chunks have memory. The rest is set aside by
   /// the first writer that takes them (PreparedChunks::set_aside()).
   std::uint32_t on_demand = 0;
 };

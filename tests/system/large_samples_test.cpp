@@ -150,7 +150,7 @@ TEST_F(ThreeLidars, DivertNothingIfNoReaderTakesAndTheNewestCloudsWait) {
 /// Memory that chunks take only when they are used.
 class MemoryOnDemand : public ThreeLidars {
  protected:
-  /// What all files in /dev/shm take.
+  /// Returns the bytes that all files in /dev/shm take.
   static std::uint64_t used_mebibytes() {
     const std::filesystem::space_info space = std::filesystem::space("/dev/shm");
     return (space.capacity - space.free) >> 20;

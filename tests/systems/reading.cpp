@@ -1,4 +1,4 @@
-// What a program reads through views that are temporaries refers to the sample, which no compiler may doubt.
+// A program reads through views that are temporaries: the results refer to the sample, and no compiler warns.
 #include <sft/sft.h>
 
 #include <geometry_msgs/msg/PoseWithCovarianceStamped.hpp>

@@ -23,7 +23,7 @@ class KeepLastQueue {
     late,        ///< older than one that was taken or pushed out already
     repeated,
   };
-  /// What becomes of samples that wait while their bytes are beyond the limit.
+  /// The fate of samples that wait while their bytes are beyond the limit.
   enum class Excess : bool {
     pushed_out,
     kept,  ///< until they are taken, since the publisher waits for the reader: room() is 0 meanwhile

@@ -57,7 +57,7 @@ std::uint32_t chunks_for(const shm::PoolPlan& plan, std::size_t sample_bytes) {
   return pool == plan.pools.end() ? 0 : pool->count;
 }
 
-// What docs/operations.md says under "When memory runs short".
+// The table of docs/operations.md under "When memory runs short" holds.
 TEST(Pools, OfAnOrdinaryRobotHoldThreeLidarsAndCamerasAndLargeClouds) {
   const auto plan = shm::plan_pools(shm::default_pool_bytes, shm::Memory::on_demand);
   constexpr std::uint32_t waiting = 5, lidars = 3, of_each = waiting + 3;  // written, and taken by others
