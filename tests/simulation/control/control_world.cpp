@@ -67,7 +67,11 @@ void ControlWorld::cut(int network, bool is_cut) {
   cuts_.erase(network);
   for (const auto& hearer : links_) {  // what was written meanwhile is sent again
     if (hearer->network != network || !hearer->is_open) continue;
-    each_hearer(*hearer, [&](SimLink& writer) { deliver_next(*hearer, writer); });
+    each_hearer(*hearer, [&](SimLink& writer) {
+      at(now_ + up_to(resent_within), [this, &to = *hearer, &writer, number = channel(*hearer, writer).number] {
+        deliver(to, writer, number);
+      });
+    });
   }
 }
 
@@ -134,28 +138,23 @@ void ControlWorld::write(SimLink& hearer, SimLink& writer, Role role, const Reco
                          const Record& record) {
   Channel& to = channel(hearer, writer);
   if (!to.is_found || to.is_deaf) return;
-  to.written.push([this, &hearer, &writer, role, key, record] {
+  const Time soon = now_ + up_to(chance(loss_) ? resent_within : 2ms);
+  const Time due = to.written.empty() ? soon : std::max(soon, to.written.back().first);
+  to.written.emplace_back(due, [this, &hearer, &writer, role, key, record] {
     hearer.process->peers.record_came(participant_of(writer, hearer), role, key, record, now_);
   });
-  if (to.written.size() == 1) deliver_next(hearer, writer);
+  at(due, [this, &hearer, &writer, number = to.number] { deliver(hearer, writer, number); });
 }
 
-void ControlWorld::deliver_next(SimLink& hearer, SimLink& writer) {
-  Channel& to = channel(hearer, writer);
-  if (to.written.empty() || to.is_at_work) return;
-  to.is_at_work = true;
-  at(now_ + up_to(chance(loss_) ? resent_within : 2ms),
-     [this, &hearer, &writer, number = to.number] {
-       Channel& by = channel(hearer, writer);
-       if (by.number != number || !hearer.is_open || by.written.empty()) return;
-       by.is_at_work = false;
-       if (!reaches(writer, hearer)) return;
-       const auto arrive = std::move(by.written.front());
-       by.written.pop();
-       by.heard_at = now_;
-       if (!by.is_deaf) arrive();
-       deliver_next(hearer, writer);
-     });
+void ControlWorld::deliver(SimLink& hearer, SimLink& writer, unsigned number) {
+  Channel& by = channel(hearer, writer);
+  if (by.number != number || !reaches(writer, hearer)) return;
+  by.heard_at = now_;
+  while (!by.written.empty() && by.written.front().first <= now_) {
+    const auto arrive = std::move(by.written.front().second);
+    by.written.pop_front();
+    if (!by.is_deaf) arrive();
+  }
 }
 
 void ControlWorld::give_heartbeat(SimLink& link) {

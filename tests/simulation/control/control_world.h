@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -37,7 +38,8 @@ struct SimLink {
 using Mirror = std::map<ProcessId, PerRole<std::map<RecordKey, Record>>>;
 
 struct SimProcess {
-  SimProcess(ProcessId id, const Timing& timing) : id(id), own(id, timing), peers(id, timing) {}
+  SimProcess(ProcessId process, const Timing& timing)
+      : id(process), own(process, timing), peers(process, timing) {}
   const ProcessId id;
   OwnRecords own;
   Peers peers;
@@ -90,10 +92,9 @@ class ControlWorld {
   struct Channel {
     bool is_found = false;
     bool is_deaf = false;       ///< records are dropped as old
-    bool is_at_work = false;    ///< the first of `written` is about to be delivered
     Time heard_at{};            ///< anything
     unsigned number = 0;        ///< counts how often it was found
-    std::queue<std::function<void()>> written{};  ///< not delivered yet, in its order
+    std::deque<std::pair<Time, std::function<void()>>> written{};  ///< what arrives, and when, in its order
   };
   struct Event {
     Time at{};
@@ -114,7 +115,7 @@ class ControlWorld {
   void forget(SimLink& hearer, SimLink& writer);
   void write_to_all(SimProcess& process, Role role, const OwnRecords::Change& change);
   void write(SimLink& hearer, SimLink& writer, Role role, const RecordKey& key, const Record& record);
-  void deliver_next(SimLink& hearer, SimLink& writer);
+  void deliver(SimLink& hearer, SimLink& writer, unsigned number);
   void give_heartbeat(SimLink& link);
   void look(SimProcess& process);
   void act(SimProcess& process);
