@@ -22,7 +22,7 @@ const Record* newest(const std::vector<const Participant*>& among, Role role, co
 
 void Peer::join(const RemoteParticipant& id, Participant& participant) {
   members_.push_back({id, &participant});
-  note_whether_complete(participant);
+  if (is_complete(participant)) note_as_complete(participant);
   refresh_all();
 }
 
@@ -36,16 +36,18 @@ void Peer::heartbeat_came(const RemoteParticipant& by, const PerRole<std::uint64
   digests_ = digests;
   bool has_changed = false;
   for (const Member& one : members_) {
+    bool has_come = true;
     for (const Role role : both_roles) {
-      if (listened_[role]) one.participant->tables[role].expect(digests[role], timing_.heartbeat_pause / 2, now);
+      if (listened_[role])
+        has_come &= one.participant->tables[role].expect(digests[role], timing_.heartbeat_pause / 2, now);
     }
-    has_changed |= note_whether_complete(*one.participant);
+    if (has_come) has_changed |= note_as_complete(*one.participant);
   }
   if (has_changed) refresh_all();
 }
 
 void Peer::record_came(Participant& of, Role role, const RecordKey& key) {
-  if (note_whether_complete(of)) {
+  if (is_complete(of) && note_as_complete(of)) {
     refresh_all();
   } else {
     refresh(counting(), role, key);
@@ -89,8 +91,7 @@ bool Peer::is_complete(const Participant& participant) const {
 
 /// That tables are empty where they have to be proves nothing. Returns true if it changes which participants
 /// count.
-bool Peer::note_whether_complete(Participant& participant) {
-  if (!is_complete(participant)) return false;
+bool Peer::note_as_complete(Participant& participant) {
   const bool was_suspect = std::exchange(participant.is_suspect, false);
   const bool has_any = std::ranges::any_of(
       both_roles, [&](Role role) { return !participant.tables[role].records().all().empty(); });

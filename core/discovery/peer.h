@@ -83,7 +83,7 @@ class Peer {
     Participant* participant = nullptr;
   };
   bool is_complete(const Participant& participant) const;
-  bool note_whether_complete(Participant& participant);
+  static bool note_as_complete(Participant& participant);
   bool speaks_for_all(const RemoteParticipant& id, Time now) const;
   std::vector<const Participant*> counting() const;
   void refresh(const std::vector<const Participant*>& counting, Role role, const RecordKey& key);

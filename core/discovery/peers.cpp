@@ -120,8 +120,10 @@ void Peers::leave(const RemoteParticipant& id, const Participant& participant) {
   peers_.erase(peer);
 }
 
+/// Where heartbeats do not arrive by UDP, they begin to come by Cyclone after a lease.
 Time Peers::silent_at(const Participant& participant) const {
-  return participant.heard_at ? *participant.heard_at + timing_.lease : Time::max();
+  return participant.heard_at ? *participant.heard_at + timing_.lease
+                              : participant.found_at + 2 * timing_.lease;
 }
 
 Time Peers::missed_at(LinkId link, const Participant& participant) const {

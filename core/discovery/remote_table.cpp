@@ -14,24 +14,25 @@ void RemoteTable::put(const RecordKey& key, Record record) {
   expected_.erase(expected_.begin(), met.base());
 }
 
-void RemoteTable::expect(std::uint64_t digest, Time::duration apart, Time now) {
+bool RemoteTable::expect(std::uint64_t digest, Time::duration apart, Time now) {
   if (digest == records_.digest()) {
     passed_.clear();
     expected_.clear();
-    return;
+    return true;
   }
   if (const auto passed = std::ranges::find(passed_, digest); passed != passed_.end()) {
     passed_.erase(passed_.begin(), passed + 1);
     expected_.clear();
-    return;
+    return true;
   }
   if (!expected_.empty() && now - expected_.back().since < apart) {
     expected_.back().digest = digest;
-    return;
+    return false;
   }
   expected_.push_back({digest, now});
   // The first two count. Of the others the newest are the ones that the table may come to.
   if (expected_.size() > expected_max) expected_.erase(expected_.begin() + 2);
+  return false;
 }
 
 std::optional<Time> RemoteTable::behind_since() const {

@@ -20,8 +20,9 @@ class RemoteTable {
   void put(const RecordKey& key, Record record);
   const Records& records() const { return records_; }
 
-  /// A heartbeat counts records with this digest. Heartbeats that are not `apart` count as one.
-  void expect(std::uint64_t digest, Time::duration apart, Time now);
+  /// A heartbeat counts records with this digest. Heartbeats that are not `apart` count as one. Returns true
+  /// if the table has had that digest since the last one that it has had.
+  bool expect(std::uint64_t digest, Time::duration apart, Time now);
   /// Returns the time of the second of two such heartbeats; nothing if all has come as far as is known.
   std::optional<Time> behind_since() const;
   /// Forgets what heartbeats have said. The records stay.

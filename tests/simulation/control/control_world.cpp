@@ -60,6 +60,7 @@ void ControlWorld::kill(SimProcess& process) {
 }
 
 void ControlWorld::cut(int network, bool is_cut) {
+  if (getenv("DBG")) fprintf(stderr, "cut %d %d at %.3f\n", network, is_cut, now_.time_since_epoch().count()/1e9);
   if (is_cut) {
     cuts_[network] = true;
     return;
@@ -148,6 +149,7 @@ void ControlWorld::write(SimLink& hearer, SimLink& writer, Role role, const Reco
 
 void ControlWorld::deliver(SimLink& hearer, SimLink& writer, unsigned number) {
   Channel& by = channel(hearer, writer);
+  if (getenv("DBG")) fprintf(stderr, "deliver %u<-%u n %u %u q %zu reaches %d at %.3f\n", hearer.id, writer.id, number, by.number, by.written.size(), reaches(writer, hearer), now_.time_since_epoch().count()/1e9);
   if (by.number != number || !reaches(writer, hearer)) return;
   by.heard_at = now_;
   while (!by.written.empty() && by.written.front().first <= now_) {
