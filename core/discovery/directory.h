@@ -68,6 +68,8 @@ class Directory {
   void record_changed(const RecordChanged& changed);
   void peer_lost(ProcessId process);
   void paths_cut(const PathsCut& cut);
+  /// Somebody has said something that cannot be used.
+  void refuse(std::string why);
 
   /// What nodes have to be told, in the order in which it happened.
   struct Notice {
@@ -112,7 +114,6 @@ class Directory {
   void tell_departed(ListeningNodes to, EndpointId id);
   template <class Which>
   void tell_of_all(const Node& node, Which which);
-  void refuse(std::string why);
 
   const LeadsTo leads_to_;
   AnnouncerId last_number_ = AnnouncerId{1} << 63;  ///< of nodes; of others it is the process

@@ -5,15 +5,17 @@
 
 namespace sft::core {
 
+void LinkCare::made(LinkId id, Time now) {
+  links_.insert_or_assign(id, Link{.made_at = now, .stirred_at = now, .pause = timing_.lease});
+}
+
 /// The pause grows while renewals do not help those for whom they are made.
-void LinkCare::made(LinkId id, std::optional<LinkId> instead_of, Time now) {
-  Link link{.made_at = now, .stirred_at = now, .pause = timing_.lease};
-  if (const auto old = instead_of ? links_.find(*instead_of) : links_.end(); old != links_.end()) {
-    if (!old->second.made_for.empty()) link.pause = std::min(2 * old->second.pause, timing_.renew_pause_max);
-    link.made_for = old->second.misses;
-    retire(old->first, now);
-  }
-  links_.insert_or_assign(id, std::move(link));
+void LinkCare::replaced(LinkId id, LinkId by, Time now) {
+  const Link& old = links_.at(id);
+  Link& link = links_.at(by);
+  if (!old.made_for.empty()) link.pause = std::min(2 * old.pause, timing_.renew_pause_max);
+  link.made_for = old.misses;
+  retire(id, now);
 }
 
 void LinkCare::retire(LinkId id, Time now) {

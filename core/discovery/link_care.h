@@ -24,9 +24,10 @@ class LinkCare {
 
   // Events.
 
-  /// Another link is there. If it replaces one, that retires.
-  void made(LinkId link, std::optional<LinkId> instead_of, Time now);
-  /// The link is not needed any more: its address is gone, or another link replaces it.
+  void made(LinkId link, Time now);
+  /// The link retires, since another one was made anew in its place.
+  void replaced(LinkId link, LinkId by, Time now);
+  /// The link is not needed any more: its address is gone.
   void retire(LinkId link, Time now);
   void gone(LinkId link) { links_.erase(link); }
   /// A participant was found on the link.
@@ -59,7 +60,7 @@ class LinkCare {
     bool asks = false;  ///< for an answer of all who hear it
   };
   struct Due {
-    std::vector<Renewal> renewals{};  ///< these links have to be made anew, by a call of made() for each
+    std::vector<Renewal> renewals{};  ///< these links have to be made anew, and replaced
     std::vector<LinkId> ends{};       ///< these have to be closed
     std::vector<Announcement> announcements{};
   };

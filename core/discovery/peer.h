@@ -9,8 +9,8 @@
 // 3. if there are none, the one that was found first.
 //
 // So a participant that claims the process id of another one counts for nothing beside that. Of the records
-// of those that count, the one with the greatest revision holds, whichever link has brought it. The
-// heartbeats that tables are compared with are those of the first participant that gives them regularly.
+// of those that count, the one with the greatest revision holds, whichever link has brought it. All tables
+// are compared with the digests that the first participant gives which gives heartbeats regularly.
 //
 // Pure: events and times go in, changes come out. One thread at a time.
 #pragma once
@@ -32,6 +32,7 @@ struct Participant {
   std::optional<ProcessId> process{};  ///< nothing while only records have come
   Time found_at{};
   std::optional<Time> heard_at{};  ///< the last heartbeat
+  Time regular_since{};            ///< no two heartbeats in a row were missing since then
   PerRole<RemoteTable> tables{};
   bool has_agreed = false;  ///< its tables were at least once what the process says that they are
   bool is_suspect = false;  ///< something is missing in them, or is not the process's own

@@ -19,10 +19,6 @@ void Peers::listen(Role role, Time now) {
   if (!listened_[role]) listened_[role] = now;
 }
 
-void Peers::link_made(LinkId link, std::optional<LinkId> instead_of, Time now) {
-  care_.made(link, instead_of, now);
-}
-
 void Peers::link_gone(LinkId link) {
   for (auto first = participants_.lower_bound({link, {}});
        first != participants_.end() && first->first.link == link;
@@ -96,6 +92,7 @@ void Peers::heartbeat_came(LinkId link, const Heartbeat& heartbeat, Time now) {
   if (found == participants_.end() || !found->second.process) return care_.stranger_came(link, now);
   Participant& participant = found->second;
   if (participant.is_ignored || participant.process != heartbeat.process) return;
+  if (participant.is_late(timing_, now)) participant.regular_since = now;
   participant.heard_at = now;
   if (std::exchange(participant.is_silent, false)) join(id, participant);
   peers_.at(heartbeat.process).heartbeat_came(id, heartbeat.digests, now);
@@ -126,14 +123,17 @@ Time Peers::silent_at(const Participant& participant) const {
                               : participant.found_at + 2 * timing_.lease;
 }
 
+/// Something is missing only if heartbeats go on by the same link: what does not come by a link that is cut
+/// is no fault of the table.
 Time Peers::missed_at(LinkId link, const Participant& participant) const {
   if (participant.is_suspect || participant.is_cropped) return Time::max();
   Time missed = Time::max();
   for (const Role role : both_roles) {
     const std::optional<Time> behind = participant.tables[role].behind_since();
     if (!behind || !listened_[role]) continue;
-    const Time since = std::max(*behind, *listened_[role]);
-    missed = std::min(missed, care_.missed_from(link, since, participant.has_agreed));
+    const Time since = std::max({*behind, *listened_[role], participant.regular_since});
+    if (participant.heard_at && *participant.heard_at >= since)
+      missed = std::min(missed, care_.missed_from(link, since, participant.has_agreed));
   }
   return missed;
 }

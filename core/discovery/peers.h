@@ -76,7 +76,9 @@ class Peers {
 
   /// Records of that role are listened to from now on.
   void listen(Role role, Time now);
-  void link_made(LinkId link, std::optional<LinkId> instead_of, Time now);
+  /// Before it is opened.
+  void link_made(LinkId link, Time now) { care_.made(link, now); }
+  void link_replaced(LinkId link, LinkId by, Time now) { care_.replaced(link, by, now); }
   void link_retired(LinkId link, Time now) { care_.retire(link, now); }
   void link_gone(LinkId link);
   /// Cables, switches or interfaces have changed.

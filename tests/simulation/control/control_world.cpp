@@ -39,7 +39,8 @@ void ControlWorld::open(SimProcess& process, int network, std::optional<LinkId> 
   link = {.process = &process, .network = network, .id = static_cast<LinkId>(links_.size())};
   for (std::uint8_t& octet : link.guid) octet = static_cast<std::uint8_t>(random_());
   process.links.push_back(&link);
-  process.peers.link_made(link.id, instead_of, now_);
+  process.peers.link_made(link.id, now_);
+  if (instead_of) process.peers.link_replaced(*instead_of, link.id, now_);
   announce(link, false);
 }
 
@@ -60,7 +61,6 @@ void ControlWorld::kill(SimProcess& process) {
 }
 
 void ControlWorld::cut(int network, bool is_cut) {
-  if (getenv("DBG")) fprintf(stderr, "cut %d %d at %.3f\n", network, is_cut, now_.time_since_epoch().count()/1e9);
   if (is_cut) {
     cuts_[network] = true;
     return;
@@ -149,7 +149,6 @@ void ControlWorld::write(SimLink& hearer, SimLink& writer, Role role, const Reco
 
 void ControlWorld::deliver(SimLink& hearer, SimLink& writer, unsigned number) {
   Channel& by = channel(hearer, writer);
-  if (getenv("DBG")) fprintf(stderr, "deliver %u<-%u n %u %u q %zu reaches %d at %.3f\n", hearer.id, writer.id, number, by.number, by.written.size(), reaches(writer, hearer), now_.time_since_epoch().count()/1e9);
   if (by.number != number || !reaches(writer, hearer)) return;
   by.heard_at = now_;
   while (!by.written.empty() && by.written.front().first <= now_) {

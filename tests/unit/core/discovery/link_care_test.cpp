@@ -15,7 +15,7 @@ using ::testing::IsEmpty;
 
 class LinkCareTest : public ::testing::Test {
  protected:
-  LinkCareTest() { care.made(link, std::nullopt, now); }
+  LinkCareTest() { care.made(link, now); }
 
   void misses(std::set<ProcessId> processes) { care.misses({{link, std::move(processes)}}); }
   /// Returns what is due after that time, and makes links anew.
@@ -24,7 +24,8 @@ class LinkCareTest : public ::testing::Test {
     const LinkCare::Due due = care.look([this](ProcessId process, LinkId) { return helped.contains(process); },
                                         [this](LinkId one) { return covered.contains(one); }, now);
     for (const LinkCare::Renewal& renewal : due.renewals) {
-      care.made(++link, renewal.link, now);
+      care.made(++link, now);
+      care.replaced(renewal.link, link, now);
       misses({renewal.because_of});
       renewed_at.push_back(now);
     }
@@ -101,7 +102,8 @@ TEST_F(LinkCareTest, TriesAgainSoonIfALinkCannotBeMade) {
 }
 
 TEST_F(LinkCareTest, KeepsAReplacedLinkUntilAllAreHeardOnAnotherOne) {
-  care.made(2, 1, now);
+  care.made(2, now);
+  care.replaced(1, 2, now);
   covered = {1};
   EXPECT_THAT(after(timing.retire_after - 1ms).ends, IsEmpty());
   covered = {};
@@ -148,7 +150,7 @@ TEST_F(LinkCareTest, BeginsToWaitAnewWithEachNewcomerAndWhatComesOfIt) {
 TEST_F(LinkCareTest, DoesNotWaitAsLongInEachProcess) {
   EXPECT_EQ(LinkCare(64, timing).next(), Time::max());
   LinkCare other(32, timing);
-  other.made(1, std::nullopt, now);
+  other.made(1, now);
   EXPECT_EQ(other.missed_from(1, now, true), now + timing.settle * 5 / 4);
 }
 
@@ -191,7 +193,7 @@ TEST_F(LinkCareTest, AnswersWhoAsksNoMoreOftenThanHeartbeatsGo) {
 }
 
 TEST_F(LinkCareTest, AsksOnAllLinksAfterTheNetworkHasChanged) {
-  care.made(2, std::nullopt, now);
+  care.made(2, now);
   care.network_changed(now);
   EXPECT_EQ(after(0s).announcements.size(), 2u);
   EXPECT_TRUE(after(10s).announcements.empty());

@@ -25,8 +25,8 @@ class PeersTest : public ::testing::Test {
  protected:
   PeersTest() {
     peers.listen(Role::writer, now);
-    peers.link_made(lan, std::nullopt, now);
-    peers.link_made(radio, std::nullopt, now);
+    peers.link_made(lan, now);
+    peers.link_made(radio, now);
     now += 10s;
   }
 
@@ -165,7 +165,8 @@ TEST_F(PeersTest, MakesALinkAnewThatDoesNotBringWhatHeartbeatsCount) {
   writes(1, "b", {});
   goes_on(4s, {lan});
   EXPECT_THAT(renewed, ElementsAre(lan));
-  peers.link_made(new_lan, lan, now);
+  peers.link_made(new_lan, now);
+  peers.link_replaced(lan, new_lan, now);
   found(new_lan);
   peers.record_came(on(new_lan), Role::writer, {0, {}}, {1, body("a")}, now);
   peers.record_came(on(new_lan), Role::writer, {1, {}}, {2, body("b")}, now);
@@ -185,7 +186,8 @@ TEST_F(PeersTest, ForgetsWhatWasForgedOnALinkOnceAnotherOneIsRight) {
   EXPECT_THAT(holds, ElementsAre(Pair(0, "forged"), Pair(5, "forged"))) << "no datagram shows it";
   goes_on(4s, {lan});
   ASSERT_THAT(renewed, ElementsAre(lan));
-  peers.link_made(new_lan, lan, now);
+  peers.link_made(new_lan, now);
+  peers.link_replaced(lan, new_lan, now);
   found(new_lan);
   peers.record_came(on(new_lan), Role::writer, {0, {}}, {1, body("a")}, now);
   look();
@@ -315,7 +317,7 @@ TEST_F(PeersTest, HasRoomForTheRecordsOfOthersWhateverOneParticipantHas) {
   const PeerLimits limits{.records = 10, .bytes = 1000, .crowded = 100, .participants = 2};
   Peers small(self, timing, limits);
   small.listen(Role::writer, now);
-  small.link_made(lan, std::nullopt, now);
+  small.link_made(lan, now);
   const auto fill = [&](std::uint8_t number, std::uint32_t records) {
     std::uint32_t room = 0;
     for (std::uint32_t slot = 0; slot < records; ++slot)
@@ -333,7 +335,7 @@ TEST_F(PeersTest, HasRoomForTheRecordsOfOthersWhateverOneParticipantHas) {
 TEST_F(PeersTest, MakesNoLinkAnewForAParticipantWhoseRecordsFindNoRoom) {
   Peers small(self, timing, {.records = 1, .bytes = 1000, .crowded = 1});
   small.listen(Role::writer, now);
-  small.link_made(lan, std::nullopt, now);
+  small.link_made(lan, now);
   small.participant_found(on(lan), other, now);
   small.record_came(on(lan), Role::writer, {0, {}}, {1, body("a")}, now);
   EXPECT_FALSE(small.record_came(on(lan), Role::writer, {1, {}}, {2, body("b")}, now));
