@@ -99,7 +99,7 @@ std::optional<LinkCare::Announcement> LinkCare::announcement(LinkId id, Link& li
   const bool asks = std::exchange(link.has_stranger, false);
   link.was_asked = false;
   const auto longer = asks ? 2 * link.announce_pause : timing_.heartbeat_every;
-  link.announce_pause = std::clamp(longer, timing_.heartbeat_every, timing_.cyclone_lease);
+  link.announce_pause = std::clamp(longer, timing_.heartbeat_every, timing_.lease);
   link.announce_at = now + link.announce_pause;
   return Announcement{id, asks};
 }

@@ -31,7 +31,10 @@ Result<void> Links::join(std::uint32_t domain) {
   OpenLink link{.id = ++links_made_};
   changes_.made(link.id);
   auto opened = ControlLink::open({.link = link.id, .number = domain, .process = own_.process()}, listener_);
-  if (!opened) return tl::unexpected(opened.error());
+  if (!opened) {
+    changes_.closed(link.id);
+    return tl::unexpected(opened.error());
+  }
   link.link = std::move(*opened);
   links_.push_back(std::move(link));
   return {};

@@ -1,8 +1,6 @@
 #include "core/discovery/peers.h"
 
 #include <algorithm>
-#include <cstdio>
-#include <cstdlib>
 
 namespace sft::core {
 
@@ -159,12 +157,7 @@ void Peers::look_at(const RemoteParticipant& id, Participant& participant, Time 
     for (const Role role : both_roles) participant.tables[role].expect_nothing();
     return;
   }
-  if (now >= missed_at(id.link, participant)) {
-    if (getenv("DBG")) {
-      for (Role r : both_roles) { auto b = participant.tables[r].behind_since(); if (b) fprintf(stderr, "suspect self %lx process %lx link %u role %d now %.3f behind %.3f found %.3f agreed %d digest %lx\n", self_, *participant.process, id.link, (int)r, now.time_since_epoch().count()/1e9, b->time_since_epoch().count()/1e9, participant.found_at.time_since_epoch().count()/1e9, participant.has_agreed, participant.tables[r].records().digest()); }
-    }
-    peers_.at(*participant.process).suspect(participant);
-  }
+  if (now >= missed_at(id.link, participant)) peers_.at(*participant.process).suspect(participant);
   if (now >= unheard_at(id.link, participant)) {
     unheard_.insert(id.link);
     actions_.emplace_back(HeartbeatsMissing{id.link});
