@@ -120,9 +120,8 @@ void each_member_of_qos(Body& body, AnyQos& qos) {
 }
 
 template <class Body, class AnyEndpoint>
-void each_member(Body& body, AnyEndpoint& endpoint)
-  requires std::is_same_v<std::remove_const_t<AnyEndpoint>, Endpoint>
-{
+void each_member(Body& body,
+                 AnyEndpoint& endpoint) requires std::is_same_v<std::remove_const_t<AnyEndpoint>, Endpoint> {
   body.number(endpoint.id);
   body.number(endpoint.role);
   body.number(endpoint.node_id);
@@ -137,8 +136,7 @@ void each_member(Body& body, AnyEndpoint& endpoint)
   body.number(endpoint.network);
   body.flag(endpoint.may_use_memory);
   body.flag(endpoint.may_use_network);
-  body.list(endpoint.addresses, addresses_max,
-            [&](auto& address) { each_member_of_address(body, address); });
+  body.list(endpoint.addresses, addresses_max, [&](auto& address) { each_member_of_address(body, address); });
   body.number(endpoint.doorbell.page);
   body.number(endpoint.doorbell.slot);
   body.number(endpoint.max_sample_bytes);
@@ -147,9 +145,8 @@ void each_member(Body& body, AnyEndpoint& endpoint)
 }
 
 template <class Body, class AnyRequest>
-void each_member(Body& body, AnyRequest& request)
-  requires std::is_same_v<std::remove_const_t<AnyRequest>, Request>
-{
+void each_member(Body& body,
+                 AnyRequest& request) requires std::is_same_v<std::remove_const_t<AnyRequest>, Request> {
   const auto number = [&](auto& one) { body.number(one); };
   body.number(request.reader);
   body.number(request.sequence);
@@ -162,9 +159,8 @@ void each_member(Body& body, AnyRequest& request)
 }
 
 template <class Body, class AnyInquiry>
-void each_member(Body& body, AnyInquiry& inquiry)
-  requires std::is_same_v<std::remove_const_t<AnyInquiry>, Inquiry>
-{
+void each_member(Body& body,
+                 AnyInquiry& inquiry) requires std::is_same_v<std::remove_const_t<AnyInquiry>, Inquiry> {
   body.text(inquiry.topic);
   body.flag(inquiry.wants_accounts);
 }
@@ -198,8 +194,8 @@ std::string fault_of(const Endpoint& endpoint) {
                          : std::string("whose ") + what + " " + in_quotes(name) + " " + std::string(fault);
   };
   std::string fault = check("topic", endpoint.topic, fault_of_topic(endpoint.topic));
-  for (const auto& [what, name] : {std::pair("program's topic", &endpoint.given_topic),
-                                   std::pair("node name", &endpoint.node)}) {
+  for (const auto& [what, name] :
+       {std::pair("program's topic", &endpoint.given_topic), std::pair("node name", &endpoint.node)}) {
     if (fault.empty() && !name->empty()) fault = check(what, *name, fault_of_name(*name));
   }
   if (fault.empty()) fault = check("type name", endpoint.type_name, fault_of_name(endpoint.type_name));

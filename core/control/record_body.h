@@ -1,8 +1,8 @@
 // The bytes of records: an endpoint, what a subscriber asks for, or an inquiry. What comes from outside is
 // checked here: lengths, roles, names. Pure.
 //
-// Numbers are written with the lowest octet first. A text is one octet with its length, and its octets; a list
-// is two octets with its length, and its items. The members are in the order of record_body.cpp.
+// Numbers are written with the lowest octet first. A text is one octet with its length, and its octets; a
+// list is two octets with its length, and its items. The members are in the order of record_body.cpp.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@ namespace sft::core {
 
 /// A process wants to be told more than records say.
 struct Inquiry {
-  std::string topic{};       ///< of that topic; empty: of all topics
+  std::string topic{};          ///< of that topic; empty: of all topics
   bool wants_accounts = false;  ///< of pairs; else how far publishers are
   friend bool operator==(const Inquiry&, const Inquiry&) = default;
 };

@@ -104,10 +104,9 @@ Result<void> ControlLink::hear(Role role) {
   });
   const DdsQos written = control_qos();
   const DdsQos qos = reading_qos(written.get());
-  const Result<dds_entity_t> made =
-      create_on_topic(participant_, topic_of(role), written.get(), [&](dds_entity_t on) {
-        return dds_create_reader(participant_, on, qos.get(), listener.get());
-      });
+  const Result<dds_entity_t> made = create_on_topic(
+      participant_, topic_of(role), written.get(),
+      [&](dds_entity_t on) { return dds_create_reader(participant_, on, qos.get(), listener.get()); });
   if (!made) return tl::unexpected(made.error());
   topic.reader = *made;
   return {};
@@ -116,10 +115,9 @@ Result<void> ControlLink::hear(Role role) {
 Result<dds_entity_t> ControlLink::writer_of(Topic& topic) {
   if (topic.writer != 0) return topic.writer;
   const DdsQos qos = control_qos();
-  Result<dds_entity_t> made =
-      create_on_topic(participant_, topic_of(topic.role), qos.get(), [&](dds_entity_t on) {
-        return dds_create_writer(participant_, on, qos.get(), nullptr);
-      });
+  Result<dds_entity_t> made = create_on_topic(
+      participant_, topic_of(topic.role), qos.get(),
+      [&](dds_entity_t on) { return dds_create_writer(participant_, on, qos.get(), nullptr); });
   if (made) topic.writer = *made;
   return made;
 }
@@ -179,7 +177,8 @@ Result<void> ControlLink::use_topic() {
   const DdsQos written = heartbeat_qos();
   const DdsQos qos = reading_qos(written.get());
   const auto made = create_on_topic(
-      participant_, {&sft_control_HeartbeatSample_desc, heartbeat_topic}, written.get(), [&](dds_entity_t on) {
+      participant_, {&sft_control_HeartbeatSample_desc, heartbeat_topic}, written.get(),
+      [&](dds_entity_t on) {
         const dds_entity_t reader = dds_create_reader(participant_, on, qos.get(), listener.get());
         return reader < 0 ? reader : dds_create_writer(participant_, on, written.get(), nullptr);
       });
@@ -221,7 +220,8 @@ void ControlLink::note_participant(const dds_builtintopic_participant_t& sample,
   if (guid == guid_) return;
   if (info.instance_state != DDS_IST_ALIVE) {
     known_.erase(guid);
-    for (auto* const writers : {&topics_.writer.participants, &topics_.reader.participants, &heartbeat_writers_})
+    for (auto* const writers :
+         {&topics_.writer.participants, &topics_.reader.participants, &heartbeat_writers_})
       std::erase_if(*writers, [&](const auto& item) { return item.second == guid; });
     listener_.participant_gone(here(guid));
     return;
@@ -233,7 +233,8 @@ void ControlLink::note_participant(const dds_builtintopic_participant_t& sample,
   listener_.participant_came(here(guid), *data, known_.insert(guid).second);
 }
 
-/// Returns the participant that the writer belongs to; nothing if the writer is gone and was not heard before.
+/// Returns the participant that the writer belongs to; nothing if the writer is gone and was not heard
+/// before.
 std::optional<ParticipantGuid> ControlLink::participant_of(
     dds_entity_t reader, dds_instance_handle_t writer,
     std::map<dds_instance_handle_t, ParticipantGuid>& known) {

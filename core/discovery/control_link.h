@@ -99,8 +99,9 @@ class ControlLink {
       SFT_REQUIRES(taking_);
   void take_records(dds_entity_t reader, Topic& topic);
   void take_heartbeat_samples(dds_entity_t reader);
-  static std::optional<ParticipantGuid> participant_of(dds_entity_t reader, dds_instance_handle_t writer,
-                                                       std::map<dds_instance_handle_t, ParticipantGuid>& known);
+  static std::optional<ParticipantGuid> participant_of(
+      dds_entity_t reader, dds_instance_handle_t writer,
+      std::map<dds_instance_handle_t, ParticipantGuid>& known);
   RemoteParticipant here(const ParticipantGuid& guid) const { return {place_.link, guid}; }
 
   const Place place_;

@@ -14,8 +14,8 @@ namespace sft::core {
 namespace {
 
 using Names = std::vector<std::string>;
-using PlaneKey = std::tuple<std::uint32_t, std::string, std::string, Names, Names, Names, std::vector<unsigned>,
-                            ThreadSettings::Policy, int, std::string>;
+using PlaneKey = std::tuple<std::uint32_t, std::string, std::string, Names, Names, Names,
+                            std::vector<unsigned>, ThreadSettings::Policy, int, std::string>;
 
 /// Returns all that has to be equal, so that nodes share discovery. The text of the configuration has neither
 /// the user's interfaces nor the user's number of the domain.
@@ -44,8 +44,8 @@ Names peers_in_numbers(const DdsConfig& config) {
   return peers;
 }
 
-/// Returns nothing if the system cannot list the interfaces. Those of containers come and go, and have no link
-/// unless they are listed.
+/// Returns nothing if the system cannot list the interfaces. Those of containers come and go, and have no
+/// link unless they are listed.
 std::optional<std::vector<HostInterface>> interfaces_that_count(const DdsConfig& config) {
   std::optional<std::vector<HostInterface>> interfaces = host_interfaces();
   if (interfaces && config.interfaces.empty())
@@ -111,26 +111,7 @@ ControlPlane::ControlPlane(DdsConfig config, const ThreadSettings& threads)
       known_(process_, timing_),
       peers_by_name_(peers_in_numbers(config_), threads),
       own_(process_, timing_),
-      links_({config_, threads, timing_}, own_, known_,
-             {.made =
-                  [this](LinkId link) {
-                    known_.with([&](Peers& peers, Directory&) {
-                      peers.link_made(link, std::chrono::steady_clock::now());
-                    });
-                  },
-              .replaced =
-                  [this](LinkId link, LinkId by) {
-                    known_.with([&](Peers& peers, Directory&) {
-                      peers.link_replaced(link, by, std::chrono::steady_clock::now());
-                    });
-                  },
-              .retired =
-                  [this](LinkId link) {
-                    known_.with([&](Peers& peers, Directory&) {
-                      peers.link_retired(link, std::chrono::steady_clock::now());
-                    });
-                  },
-              .closed = [this](LinkId link) { known_.link_closed(link); }}) {}
+      links_({config_, threads, timing_}, own_, known_) {}
 
 Result<void> ControlPlane::open(std::uint32_t domain) {
   const Lock lock(mutex_);
@@ -155,10 +136,10 @@ Result<void> ControlPlane::join_the_program(std::uint32_t domain) {
   watches_ = false;
   if (Result<void> joined = links_.join(domain); !joined) return joined;
   std::vector<LinkSpec> loopback;
-  std::ranges::copy_if(
-      desired_links(interfaces_that_count(config_).value_or(std::vector<HostInterface>()), config_.rules(), {})
-          .links,
-      std::back_inserter(loopback), &LinkSpec::loopback);
+  std::ranges::copy_if(desired_links(interfaces_that_count(config_).value_or(std::vector<HostInterface>()),
+                                     config_.rules(), {})
+                           .links,
+                       std::back_inserter(loopback), &LinkSpec::loopback);
   const Result<void> has_loopback = links_.use(loopback, {});
   const Lock lock(configuration_mutex_);
   configuration_.summary = "as the program itself configured DDS domain " + std::to_string(domain);
@@ -182,8 +163,7 @@ void ControlPlane::leave(Seat& seat) {
   {
     const Lock lock(mutex_);
     const Time now = std::chrono::steady_clock::now();
-    const auto own =
-        known_.with([&](Peers&, Directory& directory) { return directory.endpoints_of(node); });
+    const auto own = known_.with([&](Peers&, Directory& directory) { return directory.endpoints_of(node); });
     for (const EndpointId id : own) withdraw_records(id, now);
     known_.with([&](Peers&, Directory& directory) { directory.leave(node); });
     seats_.remove_if([&](const Seat& one) { return &one == &seat; });
@@ -279,7 +259,7 @@ void ControlPlane::withdraw_records(EndpointId id, Time now) {
 void ControlPlane::give_heartbeats(Time now) {
   if (now < own_.heartbeat_due()) return;
   own_.heartbeat_given(now);
-  links_.each([&](LinkId, ControlLink& link) { link.give_heartbeat(own_.digests()); });
+  links_.each([digests = own_.digests()](LinkId, ControlLink& link) { link.give_heartbeat(digests); });
 }
 
 Time ControlPlane::look_after(Seat& seat, Time now) {
@@ -307,25 +287,20 @@ Time ControlPlane::look(Time now) {
   });
   const KnownPeers::Todo todo = known_.look(heartbeats, now);
   for (const PeerAction& action : todo.of_links) act(action, now);
-  if (now >= write_again_at_) {
-    write_again_at_ = now + timing_.try_again;
-    links_.each([&](LinkId, ControlLink& link) {
-      if (const Result<void> written = link.write_again(); !written)
-        report({&DiscoveryListener::warned, written.error().message + "; it is tried again"});
-    });
-  }
+  if (now >= write_again_at_) write_again(now);
   give_heartbeats(now);
-  if (const auto release = known_.take_release(now)) {
-    const std::optional<LinkSpec> spec = links_.spec_of(release->participant.link);
-    report({&DiscoveryListener::warned,
-            "a participant with control protocol " + std::to_string(release->version) + " is on " +
-                (spec ? spec->interface : "the network") + "; this node has " +
-                std::to_string(control_protocol_version()) + "; they do not see each other: use the same release" +
-                (release->others == 0
-                     ? ""
-                     : " (" + std::to_string(release->others) + " more with another protocol have come)")});
-  }
+  if (std::optional<std::string> releases = known_.take_other_releases(now))
+    report({&DiscoveryListener::warned, std::move(*releases)});
   return std::min({next, todo.next, own_.heartbeat_due()});
+}
+
+void ControlPlane::write_again(Time now) {
+  write_again_at_ = now + timing_.try_again;
+  Result<void> result;
+  links_.each([&](LinkId, ControlLink& link) {
+    if (Result<void> written = link.write_again(); !written) result = std::move(written);
+  });
+  if (!result) report({&DiscoveryListener::warned, result.error().message + "; it is tried again"});
 }
 
 void ControlPlane::act(const PeerAction& action, Time now) {
@@ -375,9 +350,6 @@ Result<void> ControlPlane::use_interfaces(const DesiredLinks& desired) {
   const std::string before = configuration().summary;
   peers_by_name_.used_on(config_.family_of_peers(desired.links));
   Result<void> used = links_.use(desired.links, peers_by_name_.known());
-  links_.each([&](LinkId id, ControlLink&) {
-    if (const auto spec = links_.spec_of(id)) known_.link_opened(id, *spec);
-  });
   describe(desired);
   if (const std::string after = configuration().summary; after != before && !before.empty())
     report({&DiscoveryListener::links_changed, after});

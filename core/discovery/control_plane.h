@@ -73,6 +73,7 @@ class ControlPlane {
   void withdraw_records(EndpointId id, Time now) SFT_REQUIRES(mutex_);
   void give_heartbeats(Time now) SFT_REQUIRES(mutex_);
   Time look(Time now) SFT_REQUIRES(mutex_);
+  void write_again(Time now) SFT_REQUIRES(mutex_);
   void act(const PeerAction& action, Time now) SFT_REQUIRES(mutex_);
   void look_at_interfaces(Time now) SFT_REQUIRES(mutex_);
   Time look_at_peers_by_name(Time now) SFT_REQUIRES(mutex_);

@@ -121,8 +121,8 @@ void Directory::take_announcement(const Place& place, const Record& record) {
   }
   Slot& slot = slots_[place];
   const std::optional<Endpoint> before = std::exchange(slot.endpoint, std::move(endpoint));
-  const bool is_same = before && slot.endpoint && slot.endpoint->id == before->id &&
-                       slot.endpoint->topic == before->topic;
+  const bool is_same =
+      before && slot.endpoint && slot.endpoint->id == before->id && slot.endpoint->topic == before->topic;
   if (before && !is_same) {
     const auto shown = entries_.find(before->id);
     if (shown != entries_.end() && shown->second.place == place) end(before->id, End::withdrawn);
@@ -187,7 +187,9 @@ void Directory::end(EndpointId id, End how) {
 
 /// Another process may have announced the same id, and was refused.
 void Directory::show_next(EndpointId id) {
-  const auto has_id = [&](const auto& item) { return item.second.endpoint && item.second.endpoint->id == id; };
+  const auto has_id = [&](const auto& item) {
+    return item.second.endpoint && item.second.endpoint->id == id;
+  };
   if (const auto next = std::ranges::find_if(slots_, has_id); next != slots_.end()) show(next->first);
 }
 

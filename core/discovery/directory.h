@@ -94,9 +94,9 @@ class Directory {
   };
   struct Entry {
     std::shared_ptr<const Endpoint> endpoint;
-    std::optional<Request> request{};           ///< of a subscriber; newer than that of the endpoint
-    std::shared_ptr<ListeningNode> node{};      ///< of this process; null: another process has it
-    std::optional<Place> place{};               ///< the slot of another process
+    std::optional<Request> request{};       ///< of a subscriber; newer than that of the endpoint
+    std::shared_ptr<ListeningNode> node{};  ///< of this process; null: another process has it
+    std::optional<Place> place{};           ///< the slot of another process
   };
   enum class End : std::uint8_t { withdrawn, lost };
 

@@ -13,8 +13,8 @@ namespace {
 constexpr std::uint32_t ddsi_group = 0xefff0001;  // 239.255.0.1
 /// Cyclone's default (General/MulticastTimeToLive).
 constexpr int hops_max = 32;
-/// For the heartbeats of some hundreds of processes within the longest pause between two looks. The system grants
-/// less, which will do for as many as most domains have.
+/// For the heartbeats of some hundreds of processes within the longest pause between two looks. The system
+/// grants less, which will do for as many as most domains have.
 constexpr int socket_buffer_bytes = 1 << 20;
 
 sockaddr_in ddsi_address_at(std::uint16_t port) {
@@ -43,7 +43,8 @@ std::optional<HeartbeatSocket> HeartbeatSocket::open(const Place& place) noexcep
   const sockaddr_in address = ddsi_address_at(place.port);
   set_option(socket, SOL_SOCKET, SO_RCVBUF, socket_buffer_bytes);
   const bool is_ready =
-      socket && set_option(socket, SOL_SOCKET, SO_REUSEADDR, 1) && set_option(socket, IPPROTO_IP, IP_MULTICAST_ALL, 0) &&
+      socket && set_option(socket, SOL_SOCKET, SO_REUSEADDR, 1) &&
+      set_option(socket, IPPROTO_IP, IP_MULTICAST_ALL, 0) &&
       set_option(socket, IPPROTO_IP, IP_MULTICAST_IF, link) &&
       set_option(socket, IPPROTO_IP, IP_MULTICAST_TTL, hops_max) &&
       set_option(socket, IPPROTO_IP, IP_MULTICAST_LOOP, place.reaches_own_host ? 1 : 0) &&

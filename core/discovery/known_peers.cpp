@@ -48,9 +48,20 @@ KnownPeers::Todo KnownPeers::look(const std::vector<std::pair<LinkId, Heartbeat>
   return {std::exchange(of_links_, {}), peers_.next()};
 }
 
-void KnownPeers::link_opened(LinkId link, const LinkSpec& spec) {
+void KnownPeers::link_made(LinkId link, const LinkSpec& spec) {
   const Lock lock(mutex_);
+  peers_.link_made(link, std::chrono::steady_clock::now());
   specs_[link] = spec;
+}
+
+void KnownPeers::link_replaced(LinkId link, LinkId by) {
+  const Lock lock(mutex_);
+  peers_.link_replaced(link, by, std::chrono::steady_clock::now());
+}
+
+void KnownPeers::link_retired(LinkId link) {
+  const Lock lock(mutex_);
+  peers_.link_retired(link, std::chrono::steady_clock::now());
 }
 
 void KnownPeers::link_closed(LinkId link) {
@@ -59,9 +70,18 @@ void KnownPeers::link_closed(LinkId link) {
   specs_.erase(link);
 }
 
-std::optional<ReleaseWatch::Report> KnownPeers::take_release(Time now) {
+std::optional<std::string> KnownPeers::take_other_releases(Time now) {
   const Lock lock(mutex_);
-  return releases_.take_report(now);
+  const std::optional<ReleaseWatch::Report> report = releases_.take_report(now);
+  if (!report) return std::nullopt;
+  const auto spec = specs_.find(report->participant.link);
+  std::string text = "a participant with control protocol " + std::to_string(report->version) + " is on " +
+                     (spec == specs_.end() ? "the network" : spec->second.interface) + "; this node has " +
+                     std::to_string(control_protocol_version()) +
+                     "; they do not see each other: use the same release";
+  if (report->others > 0)
+    text += " (" + std::to_string(report->others) + " more with another protocol have come)";
+  return text;
 }
 
 void KnownPeers::participant_came(const RemoteParticipant& id, const ParticipantData& data, bool is_new) {

@@ -38,9 +38,14 @@ class KnownPeers final : public ControlLinkListener {
   };
   /// Takes the heartbeats that have come, and looks after peers. No lock is needed.
   Todo look(const std::vector<std::pair<LinkId, Heartbeat>>& heartbeats, Time now);
-  void link_opened(LinkId link, const LinkSpec& spec);
+  /// Before the link is opened.
+  void link_made(LinkId link, const LinkSpec& spec);
+  void link_replaced(LinkId link, LinkId by);
+  /// The address of the link is gone.
+  void link_retired(LinkId link);
   void link_closed(LinkId link);
-  std::optional<ReleaseWatch::Report> take_release(Time now);
+  /// Participants of other releases, for people, if there are new ones.
+  std::optional<std::string> take_other_releases(Time now);
 
   // ControlLinkListener: Cyclone's threads.
   void participant_came(const RemoteParticipant& id, const ParticipantData& data, bool is_new) override;

@@ -29,10 +29,10 @@ Links::~Links() {
 
 Result<void> Links::join(std::uint32_t domain) {
   OpenLink link{.id = ++links_made_};
-  changes_.made(link.id);
-  auto opened = ControlLink::open({.link = link.id, .number = domain, .process = own_.process()}, listener_);
+  known_.link_made(link.id, link.spec);
+  auto opened = ControlLink::open({.link = link.id, .number = domain, .process = own_.process()}, known_);
   if (!opened) {
-    changes_.closed(link.id);
+    known_.link_closed(link.id);
     return tl::unexpected(opened.error());
   }
   link.link = std::move(*opened);
@@ -56,7 +56,7 @@ Result<void> Links::use(const std::vector<LinkSpec>& wanted, const KnownHosts& h
     const bool is_wanted = std::ranges::find(wanted, one.spec) != wanted.end();
     if (is_wanted || one.is_retired || one.domain == nullptr) continue;
     one.is_retired = true;
-    changes_.retired(one.id);
+    known_.link_retired(one.id);
   }
   return result;
 }
@@ -69,12 +69,12 @@ Result<void> Links::open(const LinkSpec& spec, OpenLink* instead_of) {
     return made;
   if (const Result<void> opened = open_link(link); !opened) {
     link.link.reset();
-    changes_.closed(link.id);
+    known_.link_closed(link.id);
     return opened;
   }
   if (instead_of != nullptr) {
     instead_of->is_retired = true;
-    changes_.replaced(instead_of->id, link.id);
+    known_.link_replaced(instead_of->id, link.id);
   }
   links_.push_back(std::move(link));
   return {};
@@ -83,8 +83,8 @@ Result<void> Links::open(const LinkSpec& spec, OpenLink* instead_of) {
 Result<void> Links::open_domain(OpenLink& link, const CycloneDomain* instead_of) {
   link.config = settings_.config.text_for(link.spec, hosts_);
   std::vector<std::string> complaints;
-  auto domain = cyclone_domain({link.config, settings_.config.is_secured, settings_.threads}, instead_of,
-                               complaints);
+  auto domain =
+      cyclone_domain({link.config, settings_.config.is_secured, settings_.threads}, instead_of, complaints);
   if (!domain) return tl::unexpected(domain.error());
   link.domain = std::move(*domain);
   for (std::string& complaint : complaints) {
@@ -95,13 +95,13 @@ Result<void> Links::open_domain(OpenLink& link, const CycloneDomain* instead_of)
 }
 
 Result<void> Links::open_link(OpenLink& link) {
-  changes_.made(link.id);
+  known_.link_made(link.id, link.spec);
   auto opened = ControlLink::open({.link = link.id,
                                    .domain = link.domain,
                                    .process = own_.process(),
                                    .is_secured = settings_.config.is_secured,
                                    .heartbeats = heartbeats_on(link.spec, settings_.config)},
-                                  listener_);
+                                  known_);
   if (!opened) return tl::unexpected(opened.error());
   link.link = std::move(*opened);
   for (const Role role : both_roles) {
@@ -132,11 +132,11 @@ std::optional<std::string> Links::renew(LinkId id, const std::string& why) {
 
 void Links::close(LinkId id) {
   next_piece_of_work();
-  if (std::erase_if(links_, [&](const OpenLink& one) { return one.id == id; }) > 0) changes_.closed(id);
+  if (std::erase_if(links_, [&](const OpenLink& one) { return one.id == id; }) > 0) known_.link_closed(id);
 }
 
 void Links::close_all() {
-  for (const OpenLink& one : std::exchange(links_, {})) changes_.closed(one.id);
+  for (const OpenLink& one : std::exchange(links_, {})) known_.link_closed(one.id);
 }
 
 Result<void> Links::hear(Role role) {
@@ -155,11 +155,6 @@ std::vector<LinkSpec> Links::specs() const {
   }
   std::ranges::sort(specs);
   return specs;
-}
-
-std::optional<LinkSpec> Links::spec_of(LinkId id) const {
-  const auto link = std::ranges::find(links_, id, &OpenLink::id);
-  return link == links_.end() ? std::nullopt : std::optional(link->spec);
 }
 
 ControlLink* Links::find(LinkId id) const {

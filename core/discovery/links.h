@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,6 +13,7 @@
 #include "core/discovery/dds_config.h"
 #include "core/discovery/dds_domain.h"
 #include "core/discovery/desired_links.h"
+#include "core/discovery/known_peers.h"
 #include "core/discovery/own_records.h"
 #include "core/discovery/timing.h"
 #include "sft/options.h"
@@ -27,16 +27,9 @@ class Links {
     ThreadSettings threads;
     Timing timing;
   };
-  /// Each is called when the links change.
-  struct Changes {
-    std::function<void(LinkId link)> made;               ///< before it is opened
-    std::function<void(LinkId link, LinkId by)> replaced;
-    std::function<void(LinkId link)> retired;            ///< its address is gone
-    std::function<void(LinkId link)> closed;
-  };
   /// All outlive this object. The records are written to each link that is opened.
-  Links(Settings settings, const OwnRecords& own, ControlLinkListener& listener, Changes changes)
-      : settings_(std::move(settings)), own_(own), listener_(listener), changes_(std::move(changes)) {}
+  Links(Settings settings, const OwnRecords& own, KnownPeers& known)
+      : settings_(std::move(settings)), own_(own), known_(known) {}
   /// Waits a moment until others have what was written.
   ~Links();
   Links(const Links&) = delete;
@@ -58,7 +51,6 @@ class Links {
   bool empty() const { return links_.empty(); }
   /// Of the links that did not retire.
   std::vector<LinkSpec> specs() const;
-  std::optional<LinkSpec> spec_of(LinkId link) const;
   ControlLink* find(LinkId link) const;
   /// Links that could not be opened, and why.
   const std::vector<std::string>& failures() const { return failures_; }
@@ -75,7 +67,7 @@ class Links {
   struct OpenLink {
     LinkId id = 0;
     LinkSpec spec{};
-    std::string config{};                            ///< the text that `domain` was made with
+    std::string config{};                           ///< the text that `domain` was made with
     std::shared_ptr<const CycloneDomain> domain{};  ///< null if the program has made it
     std::unique_ptr<ControlLink> link{};
     bool is_retired = false;
@@ -88,8 +80,7 @@ class Links {
 
   const Settings settings_;
   const OwnRecords& own_;
-  ControlLinkListener& listener_;
-  const Changes changes_;
+  KnownPeers& known_;
   KnownHosts hosts_;
   PerRole<bool> heard_{};
   LinkId links_made_ = 0;

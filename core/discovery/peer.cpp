@@ -70,9 +70,8 @@ bool Peer::is_complete() const {
 }
 
 bool Peer::is_complete_beside(LinkId link) const {
-  return std::ranges::any_of(members_, [&](const Member& one) {
-    return one.id.link != link && is_complete(*one.participant);
-  });
+  return std::ranges::any_of(
+      members_, [&](const Member& one) { return one.id.link != link && is_complete(*one.participant); });
 }
 
 std::vector<LinkId> Peer::cut_links(Time now) const {

@@ -93,7 +93,7 @@ class Peer {
   const Timing& timing_;
   const Listened& listened_;
   const Changed changed_;
-  std::vector<Member> members_;                       ///< the one that was there first is the first
+  std::vector<Member> members_;                      ///< the one that was there first is the first
   std::optional<PerRole<std::uint64_t>> digests_{};  ///< of the last heartbeat that counts
   PerRole<Records> records_{};
 };

@@ -184,16 +184,16 @@ void Peers::look_at_links(Time now) {
     const Peer* const peer = find(process);
     return peer == nullptr || peer->is_complete_on(link);
   };
-  const LinkCare::Due due =
-      care_.look(is_complete, [this](LinkId link) { return is_covered(link); }, now);
+  const LinkCare::Due due = care_.look(
+      is_complete, [this](LinkId link) { return is_covered(link); }, now);
   for (const RenewLink& renewal : due.renewals) actions_.emplace_back(renewal);
   for (const LinkId link : due.ends) actions_.emplace_back(EndLink{link});
   for (const Announce& announcement : due.announcements) actions_.emplace_back(announcement);
 }
 
 bool Peers::is_covered(LinkId link) const {
-  for (auto one = participants_.lower_bound({link, {}}); one != participants_.end() && one->first.link == link;
-       ++one) {
+  for (auto one = participants_.lower_bound({link, {}});
+       one != participants_.end() && one->first.link == link; ++one) {
     if (is_heard(one->second) && !peers_.at(*one->second.process).is_complete_beside(link)) return false;
   }
   return true;
@@ -203,8 +203,8 @@ Time Peers::next() const {
   Time next = care_.next();
   for (const auto& [id, participant] : participants_) {
     if (!is_heard(participant)) continue;
-    next = std::min({next, silent_at(participant), missed_at(id.link, participant),
-                     unheard_at(id.link, participant)});
+    next = std::min(
+        {next, silent_at(participant), missed_at(id.link, participant), unheard_at(id.link, participant)});
     const bool may_be_cut = participant.heard_at && peers_.at(*participant.process).participants() > 1;
     const Time late_at = may_be_cut ? *participant.heard_at + timing_.late : Time::max();
     if (late_at > looked_at_) next = std::min(next, late_at);

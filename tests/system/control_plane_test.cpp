@@ -1,5 +1,5 @@
-// Processes find each other by records, on a host of their own. What roles_test.cpp and joint_discovery_test.cpp
-// ask of discovery holds here, too; those tests are to run on both.
+// Processes find each other by records, on a host of their own. What roles_test.cpp and
+// joint_discovery_test.cpp ask of discovery holds here, too; those tests are to run on both.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -104,8 +104,7 @@ TEST_F(ControlPlaneNodes, ThatOnlyGoOnLivingHearNothingNewAndMakeNoLinkAnew) {
 
 /// As where certificates or the user's configuration leave no heartbeats by UDP.
 TEST_F(ControlPlaneNodes, WhoseHeartbeatsGoByTheTopicHearThoseWhoseHeartbeatsGoByUdp) {
-  Node reader("a"),
-      writer("b", "<General><MulticastTimeToLive>8</MulticastTimeToLive></General>");
+  Node reader("a"), writer("b", "<General><MulticastTimeToLive>8</MulticastTimeToLive></General>");
   reader->announce(Role::reader, 1);
   writer->announce(Role::writer, 2);
   EXPECT_TRUE(reader->hears(2) && writer->hears(1));

@@ -31,7 +31,7 @@ class ControlPlaneTest : public RandomTest {
 
   void live_through(ControlWorld& world, const Plan& plan) {
     for (int i = 0; i < plan.processes; ++i) world.start(plan.networks);
-    for (int step = 0; step < plan.steps; ++step) {
+    for (int i = 0; i < plan.steps; ++i) {
       world.run(world.up_to(plan.pause));
       SimProcess& process = *world.processes()[world.below(world.processes().size())];
       if (process.is_killed) continue;
@@ -117,8 +117,8 @@ TEST_F(ControlPlaneTest, OutlivesWhatIsForgedInTheNamesOfOthers) {
     SCOPED_TRACE("world " + std::to_string(seed));
     ControlWorld world(seed);
     world.lose(round % 2 == 0 ? 0 : 0.2);
-    live_through(world, {.networks = some_networks(), .kills = 0.02, .attacks = 0.03, .claims = 0.01,
-                         .cuts = 0.01});
+    live_through(world,
+                 {.networks = some_networks(), .kills = 0.02, .attacks = 0.03, .claims = 0.01, .cuts = 0.01});
     world.lose(0);
     EXPECT_EQ(wrong_within(world, 60s), "");
     world.run(90s);  // links that are wrong beside a right one are made anew as well

@@ -69,9 +69,10 @@ void ControlWorld::cut(int network, bool is_cut) {
   for (const auto& hearer : links_) {  // what was written meanwhile is sent again
     if (hearer->network != network || !hearer->is_open) continue;
     each_hearer(*hearer, [&](SimLink& writer) {
-      at(now_ + up_to(resent_within), [this, &to = *hearer, &writer, number = channel(*hearer, writer).number] {
-        deliver(to, writer, number);
-      });
+      at(now_ + up_to(resent_within),
+         [this, &to = *hearer, &writer, number = channel(*hearer, writer).number] {
+           deliver(to, writer, number);
+         });
     });
   }
 }
@@ -129,8 +130,7 @@ void ControlWorld::forget(SimLink& hearer, SimLink& writer) {
 
 void ControlWorld::write_to_all(SimProcess& process, Role role, const OwnRecords::Change& change) {
   for (SimLink* const writer : process.links) {
-    each_hearer(*writer,
-                [&](SimLink& hearer) { write(hearer, *writer, role, change.key, change.record); });
+    each_hearer(*writer, [&](SimLink& hearer) { write(hearer, *writer, role, change.key, change.record); });
   }
 }
 
@@ -237,8 +237,8 @@ void ControlWorld::run(Time::duration time) {
     for (const auto& process : processes_) {
       if (process->is_killed) continue;
       act(*process);  // what Cyclone's threads have brought is told at once
-      const Time due = std::min({process->looked_at + look_every, process->peers.next(),
-                                 process->own.heartbeat_due()});
+      const Time due =
+          std::min({process->looked_at + look_every, process->peers.next(), process->own.heartbeat_due()});
       if (now_ >= due) look(*process);
     }
   }

@@ -56,7 +56,11 @@ class DirectoryTest : public ::testing::Test {
     return e;
   }
   static Request request(EndpointId reader, std::uint64_t sequence) {
-    return {.reader = reader, .sequence = sequence, .mask_words = {1}};
+    Request asked;
+    asked.reader = reader;
+    asked.sequence = sequence;
+    asked.mask_words = {1};
+    return asked;
   }
   struct Node {
     Listener listener;
@@ -69,15 +73,18 @@ class DirectoryTest : public ::testing::Test {
   }
   void announce(const Node& node, const Endpoint& endpoint) { directory.announced(node.node, endpoint); }
 
-  void record(ProcessId process, Role role, std::uint32_t slot, RecordKind kind, std::vector<std::byte> body) {
-    directory.record_changed(
-        {process, role, {slot, kind},
-         {++revision, std::make_shared<const std::vector<std::byte>>(std::move(body))}});
+  void record(ProcessId process, Role role, std::uint32_t slot, RecordKind kind,
+              std::vector<std::byte> body) {
+    directory.record_changed({process,
+                              role,
+                              {slot, kind},
+                              {++revision, std::make_shared<const std::vector<std::byte>>(std::move(body))}});
   }
   void other_has(const Endpoint& endpoint, ProcessId process = one, std::uint32_t slot = 0) {
     record(process, endpoint.role, slot, RecordKind::announcement, to_bytes(endpoint));
   }
-  void other_asks(EndpointId reader, std::uint64_t sequence, ProcessId process = one, std::uint32_t slot = 0) {
+  void other_asks(EndpointId reader, std::uint64_t sequence, ProcessId process = one,
+                  std::uint32_t slot = 0) {
     record(process, Role::reader, slot, RecordKind::request, to_bytes(request(reader, sequence)));
   }
   void other_withdraws(Role role, ProcessId process = one, std::uint32_t slot = 0) {
@@ -267,17 +274,17 @@ TEST_F(DirectoryTest, FollowsAnEndpointToAnotherTopic) {
 }
 
 TEST_F(DirectoryTest, LeavesOutTheAddressesOfANetworkThatIsCut) {
-  const IpAddress lan(0x0a000001), radio(0x0b000001);
-  ways = {{1, lan}, {2, radio}};
+  const IpAddress by_lan(0x0a000001), by_radio(0x0b000001);
+  ways = {{1, by_lan}, {2, by_radio}};
   const auto node = open();
   announce(*node, endpoint(Role::reader, 1));
   Endpoint writer = endpoint(Role::writer, 10);
-  writer.addresses = {{.ip = lan, .port = 5}, {.ip = radio, .port = 5}};
+  writer.addresses = {{.ip = by_lan, .port = 5}, {.ip = by_radio, .port = 5}};
   other_has(writer);
   directory.paths_cut({one, {1}});
   EXPECT_THAT(told(*node), ElementsAre("seen 10", "seen 10"));
   ASSERT_THAT(node->listener.seen.addresses, SizeIs(1));
-  EXPECT_EQ(node->listener.seen.addresses[0].ip, radio);
+  EXPECT_EQ(node->listener.seen.addresses[0].ip, by_radio);
   directory.paths_cut({one, {1, 2}});
   tell();
   EXPECT_THAT(node->listener.seen.addresses, SizeIs(2)) << "one way at least is tried";

@@ -21,8 +21,9 @@ class LinkCareTest : public ::testing::Test {
   /// Returns what is due after that time, and makes links anew.
   LinkCare::Due after(Time::duration time) {
     now += time;
-    const LinkCare::Due due = care.look([this](ProcessId process, LinkId) { return helped.contains(process); },
-                                        [this](LinkId one) { return covered.contains(one); }, now);
+    const LinkCare::Due due =
+        care.look([this](ProcessId process, LinkId) { return helped.contains(process); },
+                  [this](LinkId one) { return covered.contains(one); }, now);
     for (const LinkCare::Renewal& renewal : due.renewals) {
       care.made(++link, now);
       care.replaced(renewal.link, link, now);

@@ -49,8 +49,7 @@ class PeersTest : public ::testing::Test {
     peers.record_came(on(link), Role::writer, {slot, {}}, {as_revision, body(text)}, now);
   }
   void heartbeats(const std::vector<LinkId>& by) {
-    for (const LinkId link : by)
-      peers.heartbeat_came(link, {on(link).guid, other, {own.digest(), 0}}, now);
+    for (const LinkId link : by) peers.heartbeat_came(link, {on(link).guid, other, {own.digest(), 0}}, now);
     look();
   }
   /// The process goes on giving heartbeats by these links.
@@ -68,7 +67,8 @@ class PeersTest : public ::testing::Test {
       if (const auto* const record = std::get_if<RecordChanged>(&action)) note(*record);
       if (const auto* const renewal = std::get_if<RenewLink>(&action)) renew(renewal->link);
       if (const auto* const cut = std::get_if<PathsCut>(&action)) cut_links = cut->links;
-      if (const auto* const missing = std::get_if<HeartbeatsMissing>(&action)) unheard.push_back(missing->link);
+      if (const auto* const missing = std::get_if<HeartbeatsMissing>(&action))
+        unheard.push_back(missing->link);
     }
   }
   void renew(LinkId link) {
@@ -326,7 +326,8 @@ TEST_F(PeersTest, HasRoomForTheRecordsOfOthersWhateverOneParticipantHas) {
   const auto fill = [&](std::uint8_t number, std::uint32_t records) {
     std::uint32_t room = 0;
     for (std::uint32_t slot = 0; slot < records; ++slot)
-      room += small.record_came(on(lan, number), Role::writer, {slot, {}}, {slot + 1, body("a")}, now) ? 1 : 0;
+      room +=
+          small.record_came(on(lan, number), Role::writer, {slot, {}}, {slot + 1, body("a")}, now) ? 1 : 0;
     return room;
   };
   EXPECT_EQ(fill(10, 1000), 100u);
@@ -349,7 +350,8 @@ TEST_F(PeersTest, MakesNoLinkAnewForAParticipantWhoseRecordsFindNoRoom) {
     small.heartbeat_came(lan, {on(lan).guid, other, {99, 0}}, now);
     small.look(now);
   }
-  for (const PeerAction& action : small.take_actions()) EXPECT_FALSE(std::holds_alternative<RenewLink>(action));
+  for (const PeerAction& action : small.take_actions())
+    EXPECT_FALSE(std::holds_alternative<RenewLink>(action));
 }
 
 TEST_F(PeersTest, ForgetsAllOfALinkThatIsGone) {

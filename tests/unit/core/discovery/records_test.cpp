@@ -9,12 +9,12 @@ namespace sft::core {
 namespace {
 
 Record record(std::uint64_t revision, const std::string& text) {
-  const auto* const first = reinterpret_cast<const std::byte*>(text.data());
-  return {revision, std::make_shared<const std::vector<std::byte>>(first, first + text.size())};
+  const auto* const octets = reinterpret_cast<const std::byte*>(text.data());
+  return {revision, std::make_shared<const std::vector<std::byte>>(octets, octets + text.size())};
 }
 
-const RecordKey first{1, RecordKind::announcement}, request_of_first{1, RecordKind::request},
-    second{2, RecordKind::announcement};
+const RecordKey key_of_one{1, RecordKind::announcement}, request_of_one{1, RecordKind::request},
+    key_of_two{2, RecordKind::announcement};
 
 Records of(const std::vector<std::pair<RecordKey, Record>>& entries) {
   Records records;
@@ -23,40 +23,42 @@ Records of(const std::vector<std::pair<RecordKey, Record>>& entries) {
 }
 
 TEST(RecordsTest, HaveTheSameDigestInWhicheverOrderTheyCome) {
-  const Records ordered = of({{first, record(1, "a")}, {second, record(2, "b")}});
-  EXPECT_EQ(ordered.digest(), of({{second, record(2, "b")}, {first, record(1, "a")}}).digest());
+  const Records ordered = of({{key_of_one, record(1, "a")}, {key_of_two, record(2, "b")}});
+  EXPECT_EQ(ordered.digest(), of({{key_of_two, record(2, "b")}, {key_of_one, record(1, "a")}}).digest());
   EXPECT_EQ(ordered.digest(),
-            of({{first, record(9, "x")}, {second, record(2, "b")}, {first, record(1, "a")}}).digest());
+            of({{key_of_one, record(9, "x")}, {key_of_two, record(2, "b")}, {key_of_one, record(1, "a")}})
+                .digest());
 }
 
 TEST(RecordsTest, HaveAnotherDigestIfAnythingOfThemDiffers) {
-  const std::uint64_t digest = of({{first, record(1, "abcdefgh0")}}).digest();
-  EXPECT_NE(of({{second, record(1, "abcdefgh0")}}).digest(), digest) << "the slot";
-  EXPECT_NE(of({{request_of_first, record(1, "abcdefgh0")}}).digest(), digest) << "the kind";
-  EXPECT_NE(of({{first, record(2, "abcdefgh0")}}).digest(), digest) << "the revision";
-  EXPECT_NE(of({{first, record(1, "abcdefgh1")}}).digest(), digest) << "the last octet";
-  EXPECT_NE(of({{first, record(1, std::string("abcdefgh0\0", 10))}}).digest(), digest) << "the length";
-  EXPECT_NE(of({{first, {1, nullptr}}}).digest(), of({{first, record(1, "")}}).digest()) << "withdrawn";
+  const std::uint64_t digest = of({{key_of_one, record(1, "abcdefgh0")}}).digest();
+  EXPECT_NE(of({{key_of_two, record(1, "abcdefgh0")}}).digest(), digest) << "the slot";
+  EXPECT_NE(of({{request_of_one, record(1, "abcdefgh0")}}).digest(), digest) << "the kind";
+  EXPECT_NE(of({{key_of_one, record(2, "abcdefgh0")}}).digest(), digest) << "the revision";
+  EXPECT_NE(of({{key_of_one, record(1, "abcdefgh1")}}).digest(), digest) << "the last octet";
+  EXPECT_NE(of({{key_of_one, record(1, std::string("abcdefgh0\0", 10))}}).digest(), digest) << "the length";
+  EXPECT_NE(of({{key_of_one, {1, nullptr}}}).digest(), of({{key_of_one, record(1, "")}}).digest())
+      << "withdrawn";
 }
 
 TEST(RecordsTest, CountWithdrawnOnes) {
   Records records;
-  records.put(first, {3, nullptr});
+  records.put(key_of_one, {3, nullptr});
   EXPECT_NE(records.digest(), 0u);
-  EXPECT_TRUE(records.find(first)->is_withdrawn());
+  EXPECT_TRUE(records.find(key_of_one)->is_withdrawn());
   EXPECT_EQ(records.bytes(), 0u);
 }
 
 TEST(RecordsTest, AreAsBeforeOnceOneWasErased) {
-  Records records = of({{first, record(1, "a")}});
+  Records records = of({{key_of_one, record(1, "a")}});
   const std::uint64_t before = records.digest();
-  records.put(second, record(2, "bcd"));
+  records.put(key_of_two, record(2, "bcd"));
   EXPECT_EQ(records.bytes(), 4u);
-  records.erase(second);
-  records.erase(request_of_first);
+  records.erase(key_of_two);
+  records.erase(request_of_one);
   EXPECT_EQ(records.digest(), before);
   EXPECT_EQ(records.bytes(), 1u);
-  EXPECT_EQ(records.find(second), nullptr);
+  EXPECT_EQ(records.find(key_of_two), nullptr);
 }
 
 TEST(RecordsTest, AreEqualWhereverTheirBytesLie) {
