@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-constexpr ProcessId one = 1, two = 2;
+constexpr ProcessId process_one = 1, process_two = 2;
 
 /// Writes down what a node is told.
 class Listener final : public DiscoveryListener {
@@ -80,14 +80,14 @@ class DirectoryTest : public ::testing::Test {
                               {slot, kind},
                               {++revision, std::make_shared<const std::vector<std::byte>>(std::move(body))}});
   }
-  void other_has(const Endpoint& endpoint, ProcessId process = one, std::uint32_t slot = 0) {
+  void other_has(const Endpoint& endpoint, ProcessId process = process_one, std::uint32_t slot = 0) {
     record(process, endpoint.role, slot, RecordKind::announcement, to_bytes(endpoint));
   }
-  void other_asks(EndpointId reader, std::uint64_t sequence, ProcessId process = one,
+  void other_asks(EndpointId reader, std::uint64_t sequence, ProcessId process = process_one,
                   std::uint32_t slot = 0) {
     record(process, Role::reader, slot, RecordKind::request, to_bytes(request(reader, sequence)));
   }
-  void other_withdraws(Role role, ProcessId process = one, std::uint32_t slot = 0) {
+  void other_withdraws(Role role, ProcessId process = process_one, std::uint32_t slot = 0) {
     directory.record_changed({process, role, {slot, RecordKind::announcement}, {++revision, nullptr}});
     directory.record_changed({process, role, {slot, RecordKind::request}, {++revision, nullptr}});
   }
@@ -110,9 +110,9 @@ TEST_F(DirectoryTest, TellsANodeOfWhatMayMatchItsEndpoints) {
   const auto node = open();
   announce(*node, endpoint(Role::reader, 1));
   other_has(endpoint(Role::writer, 10));
-  other_has(endpoint(Role::writer, 11, "images"), one, 1);
+  other_has(endpoint(Role::writer, 11, "images"), process_one, 1);
   EXPECT_THAT(told(*node), ElementsAre("seen 10"));
-  EXPECT_EQ(node->listener.seen.announcer, one);
+  EXPECT_EQ(node->listener.seen.announcer, process_one);
   other_withdraws(Role::writer);
   EXPECT_THAT(told(*node), ElementsAre("departed 10"));
 }
@@ -132,7 +132,7 @@ TEST_F(DirectoryTest, TellsANodeOfAllOfARoleThatItAsksFor) {
   const auto node = open();
   announce(*node, endpoint(Role::reader, 1));
   directory.hear_all(node->node, Role::writer);
-  other_has(endpoint(Role::writer, 11, "more"), one, 1);
+  other_has(endpoint(Role::writer, 11, "more"), process_one, 1);
   EXPECT_THAT(told(*node), ElementsAre("seen 10", "seen 11"));
   directory.withdrawn(1);
   EXPECT_THAT(told(*node), IsEmpty()) << "it goes on hearing them";
@@ -160,7 +160,7 @@ TEST_F(DirectoryTest, ShowsASubscriberOnceItsRequestIsThereToo) {
   other_asks(10, 1);
   EXPECT_THAT(told(*node), ElementsAre("seen 10"));
   EXPECT_EQ(node->listener.seen.request.sequence, 1u);
-  EXPECT_EQ(node->listener.seen.request.announcer, one);
+  EXPECT_EQ(node->listener.seen.request.announcer, process_one);
   other_asks(10, 2);
   EXPECT_THAT(told(*node), ElementsAre("request 2 of 10"));
 }
@@ -199,10 +199,10 @@ TEST_F(DirectoryTest, LosesAllOfAProcessAtOnce) {
   const auto node = open();
   announce(*node, endpoint(Role::reader, 1));
   other_has(endpoint(Role::writer, 10));
-  other_has(endpoint(Role::writer, 11), one, 1);
-  other_has(endpoint(Role::writer, 12), two);
+  other_has(endpoint(Role::writer, 11), process_one, 1);
+  other_has(endpoint(Role::writer, 12), process_two);
   told(*node);
-  directory.peer_lost(one);
+  directory.peer_lost(process_one);
   EXPECT_THAT(told(*node), ElementsAre("lost 10", "lost 11"));
   other_has(endpoint(Role::writer, 10));
   EXPECT_THAT(told(*node), ElementsAre("seen 10"));
@@ -211,17 +211,17 @@ TEST_F(DirectoryTest, LosesAllOfAProcessAtOnce) {
 TEST_F(DirectoryTest, RefusesAnIdThatAnotherProcessHasUntilThatIsLost) {
   const auto node = open();
   announce(*node, endpoint(Role::reader, 1));
-  other_has(endpoint(Role::writer, 10), one);
+  other_has(endpoint(Role::writer, 10), process_one);
   told(*node);
-  other_has(endpoint(Role::writer, 10), two);
+  other_has(endpoint(Role::writer, 10), process_two);
   EXPECT_THAT(told(*node), IsEmpty());
   EXPECT_THAT(node->listener.refused, ElementsAre(HasSubstr("the id of another process")));
-  other_withdraws(Role::writer, two);
+  other_withdraws(Role::writer, process_two);
   EXPECT_THAT(told(*node), IsEmpty()) << "it has nothing to withdraw";
-  other_has(endpoint(Role::writer, 10), two);
-  directory.peer_lost(one);
+  other_has(endpoint(Role::writer, 10), process_two);
+  directory.peer_lost(process_one);
   EXPECT_THAT(told(*node), ElementsAre("lost 10", "seen 10"));
-  EXPECT_EQ(node->listener.seen.announcer, two);
+  EXPECT_EQ(node->listener.seen.announcer, process_two);
 }
 
 TEST_F(DirectoryTest, RefusesTheIdsOfItsOwnNodes) {
@@ -243,15 +243,15 @@ TEST_F(DirectoryTest, GivesANodeItsOwnIdBackThatAnotherProcessHasUsed) {
   told(*other_node);
   announce(*node, endpoint(Role::writer, 10));
   EXPECT_THAT(told(*other_node), ElementsAre("departed 10", "seen 10"));
-  EXPECT_NE(other_node->listener.seen.announcer, one);
+  EXPECT_NE(other_node->listener.seen.announcer, process_one);
 }
 
 TEST_F(DirectoryTest, RefusesWhatIsMalformedOrOnTheWrongTopic) {
   const auto node = open();
   announce(*node, endpoint(Role::reader, 1));
-  record(one, Role::writer, 0, RecordKind::announcement, {std::byte{1}});
-  record(one, Role::writer, 1, RecordKind::announcement, to_bytes(endpoint(Role::reader, 10)));
-  record(one, Role::reader, 2, RecordKind::request, {std::byte{1}});
+  record(process_one, Role::writer, 0, RecordKind::announcement, {std::byte{1}});
+  record(process_one, Role::writer, 1, RecordKind::announcement, to_bytes(endpoint(Role::reader, 10)));
+  record(process_one, Role::reader, 2, RecordKind::request, {std::byte{1}});
   EXPECT_THAT(told(*node), IsEmpty());
   EXPECT_THAT(node->listener.refused, SizeIs(3));
   EXPECT_THAT(node->listener.refused, Contains(HasSubstr("the topic of the other role")));
@@ -261,7 +261,7 @@ TEST_F(DirectoryTest, EndsAnEndpointWhoseNextAnnouncementIsMalformed) {
   const auto node = open();
   announce(*node, endpoint(Role::reader, 1));
   other_has(endpoint(Role::writer, 10));
-  record(one, Role::writer, 0, RecordKind::announcement, {std::byte{1}});
+  record(process_one, Role::writer, 0, RecordKind::announcement, {std::byte{1}});
   EXPECT_THAT(told(*node), ElementsAre("seen 10", "departed 10"));
 }
 
@@ -281,14 +281,14 @@ TEST_F(DirectoryTest, LeavesOutTheAddressesOfANetworkThatIsCut) {
   Endpoint writer = endpoint(Role::writer, 10);
   writer.addresses = {{.ip = by_lan, .port = 5}, {.ip = by_radio, .port = 5}};
   other_has(writer);
-  directory.paths_cut({one, {1}});
+  directory.paths_cut({process_one, {1}});
   EXPECT_THAT(told(*node), ElementsAre("seen 10", "seen 10"));
   ASSERT_THAT(node->listener.seen.addresses, SizeIs(1));
   EXPECT_EQ(node->listener.seen.addresses[0].ip, by_radio);
-  directory.paths_cut({one, {1, 2}});
+  directory.paths_cut({process_one, {1, 2}});
   tell();
-  EXPECT_THAT(node->listener.seen.addresses, SizeIs(2)) << "one way at least is tried";
-  directory.paths_cut({one, {}});
+  EXPECT_THAT(node->listener.seen.addresses, SizeIs(2)) << "process_one way at least is tried";
+  directory.paths_cut({process_one, {}});
   tell();
   EXPECT_THAT(node->listener.seen.addresses, SizeIs(2));
 }
@@ -297,7 +297,7 @@ TEST_F(DirectoryTest, NamesAllPublishersOfAType) {
   const auto node = open();
   announce(*node, endpoint(Role::writer, 1, "mine"));
   other_has(endpoint(Role::writer, 10, "theirs"));
-  other_has(endpoint(Role::reader, 11, "theirs"), one, 1);
+  other_has(endpoint(Role::reader, 11, "theirs"), process_one, 1);
   EXPECT_THAT(directory.publishers_of("Points"), SizeIs(2));
   EXPECT_THAT(directory.publishers_of("Images"), IsEmpty());
 }

@@ -17,16 +17,16 @@ using ::testing::IsEmpty;
 using ::testing::Pair;
 using ::testing::UnorderedElementsAre;
 
-constexpr LinkId lan = 1, radio = 2, new_lan = 3;
-constexpr ProcessId self = 64, other = 7;
+constexpr LinkId cable = 1, wlan = 2, new_cable = 3;
+constexpr ProcessId own_process = 64, neighbour = 7;
 
 /// Another process, with a participant on each link that it is on.
 class PeersTest : public ::testing::Test {
  protected:
   PeersTest() {
     peers.listen(Role::writer, now);
-    peers.link_made(lan, now);
-    peers.link_made(radio, now);
+    peers.link_made(cable, now);
+    peers.link_made(wlan, now);
     now += 10s;
   }
 
@@ -37,7 +37,7 @@ class PeersTest : public ::testing::Test {
     const auto* const first = reinterpret_cast<const std::byte*>(text.data());
     return std::make_shared<const std::vector<std::byte>>(first, first + text.size());
   }
-  void found(LinkId link) { peers.participant_found(on(link), other, now); }
+  void found(LinkId link) { peers.participant_found(on(link), neighbour, now); }
   /// The process has a record now, which these links bring.
   void writes(std::uint32_t slot, const std::string& text, const std::vector<LinkId>& by) {
     const Record record{++revision, text.empty() ? nullptr : body(text)};
@@ -49,7 +49,8 @@ class PeersTest : public ::testing::Test {
     peers.record_came(on(link), Role::writer, {slot, {}}, {as_revision, body(text)}, now);
   }
   void heartbeats(const std::vector<LinkId>& by) {
-    for (const LinkId link : by) peers.heartbeat_came(link, {on(link).guid, other, {own.digest(), 0}}, now);
+    for (const LinkId link : by)
+      peers.heartbeat_came(link, {on(link).guid, neighbour, {own.digest(), 0}}, now);
     look();
   }
   /// The process goes on giving heartbeats by these links.
@@ -86,19 +87,19 @@ class PeersTest : public ::testing::Test {
   }
   /// Both links have brought all that there is.
   void meet_on_both_links() {
-    found(lan);
-    found(radio);
-    writes(0, "a", {lan, radio});
-    heartbeats({lan, radio});
-    goes_on(10s, {lan, radio});
+    found(cable);
+    found(wlan);
+    writes(0, "a", {cable, wlan});
+    heartbeats({cable, wlan});
+    goes_on(10s, {cable, wlan});
     ASSERT_THAT(holds, ElementsAre(Pair(0, "a")));
   }
 
   const Timing timing;
   Time now = Time(100s);
-  Peers peers{self, timing};
+  Peers peers{own_process, timing};
   Records own;
-  LinkId last_link = radio;
+  LinkId last_link = wlan;
   std::uint64_t revision = 0;
   std::map<std::uint32_t, std::string> holds;
   int finds = 0, losses = 0;
@@ -106,10 +107,10 @@ class PeersTest : public ::testing::Test {
 };
 
 TEST_F(PeersTest, KnowsWhatAProcessHasOnceItIsFound) {
-  writes(0, "a", {lan});
+  writes(0, "a", {cable});
   look();
   EXPECT_EQ(finds, 0);
-  found(lan);
+  found(cable);
   look();
   EXPECT_EQ(finds, 1);
   EXPECT_THAT(holds, ElementsAre(Pair(0, "a")));
@@ -117,24 +118,24 @@ TEST_F(PeersTest, KnowsWhatAProcessHasOnceItIsFound) {
 }
 
 TEST_F(PeersTest, FollowsChangesWithdrawalsAndSlotsThatAreUsedAgain) {
-  found(lan);
-  writes(0, "a", {lan});
-  writes(1, "b", {lan});
-  writes(0, "", {lan});
+  found(cable);
+  writes(0, "a", {cable});
+  writes(1, "b", {cable});
+  writes(0, "", {cable});
   look();
   EXPECT_THAT(holds, ElementsAre(Pair(1, "b")));
-  writes(0, "c", {lan});
+  writes(0, "c", {cable});
   look();
   EXPECT_THAT(holds, ElementsAre(Pair(0, "c"), Pair(1, "b")));
-  EXPECT_EQ(peers.find(other)->records(Role::writer).digest(), own.digest());
+  EXPECT_EQ(peers.find(neighbour)->records(Role::writer).digest(), own.digest());
 }
 
 TEST_F(PeersTest, TakesAProcessOnSeveralLinksForOneAndTheNewestRecordForTheRightOne) {
   meet_on_both_links();
-  writes(0, "b", {radio});
+  writes(0, "b", {wlan});
   look();
   EXPECT_THAT(holds, ElementsAre(Pair(0, "b"))) << "whichever link has brought it";
-  peers.record_came(on(lan), Role::writer, {0, {}}, {revision, body("b")}, now);
+  peers.record_came(on(cable), Role::writer, {0, {}}, {revision, body("b")}, now);
   look();
   EXPECT_THAT(holds, ElementsAre(Pair(0, "b")));
   EXPECT_EQ(finds, 1);
@@ -142,13 +143,13 @@ TEST_F(PeersTest, TakesAProcessOnSeveralLinksForOneAndTheNewestRecordForTheRight
 
 TEST_F(PeersTest, MissesAProcessOnceNoLinkBringsHeartbeatsForALease) {
   meet_on_both_links();
-  goes_on(20s, {radio});
+  goes_on(20s, {wlan});
   EXPECT_EQ(losses, 0);
   now += timing.lease;
   look();
   EXPECT_EQ(losses, 1);
-  EXPECT_EQ(peers.find(other), nullptr);
-  heartbeats({lan});
+  EXPECT_EQ(peers.find(neighbour), nullptr);
+  heartbeats({cable});
   EXPECT_EQ(finds, 2);
   EXPECT_THAT(holds, ElementsAre(Pair(0, "a"))) << "its records are still there";
   EXPECT_THAT(renewed, IsEmpty());
@@ -156,53 +157,53 @@ TEST_F(PeersTest, MissesAProcessOnceNoLinkBringsHeartbeatsForALease) {
 
 TEST_F(PeersTest, MissesAProcessAtOnceWhenAllItsParticipantsAreGone) {
   meet_on_both_links();
-  peers.participant_gone(on(lan));
+  peers.participant_gone(on(cable));
   look();
   EXPECT_EQ(losses, 0);
-  peers.participant_gone(on(radio));
+  peers.participant_gone(on(wlan));
   look();
   EXPECT_EQ(losses, 1);
 }
 
 TEST_F(PeersTest, MakesALinkAnewThatDoesNotBringWhatHeartbeatsCount) {
-  found(lan);
-  writes(0, "a", {lan});
-  heartbeats({lan});
+  found(cable);
+  writes(0, "a", {cable});
+  heartbeats({cable});
   writes(1, "b", {});
-  goes_on(4s, {lan});
-  EXPECT_THAT(renewed, ElementsAre(lan));
-  found(new_lan);
-  peers.record_came(on(new_lan), Role::writer, {0, {}}, {1, body("a")}, now);
-  peers.record_came(on(new_lan), Role::writer, {1, {}}, {2, body("b")}, now);
-  heartbeats({new_lan, lan});
+  goes_on(4s, {cable});
+  EXPECT_THAT(renewed, ElementsAre(cable));
+  found(new_cable);
+  peers.record_came(on(new_cable), Role::writer, {0, {}}, {1, body("a")}, now);
+  peers.record_came(on(new_cable), Role::writer, {1, {}}, {2, body("b")}, now);
+  heartbeats({new_cable, cable});
   EXPECT_THAT(holds, ElementsAre(Pair(0, "a"), Pair(1, "b")));
-  goes_on(60s, {new_lan});
-  EXPECT_THAT(renewed, ElementsAre(lan));
+  goes_on(60s, {new_cable});
+  EXPECT_THAT(renewed, ElementsAre(cable));
 }
 
 TEST_F(PeersTest, ForgetsWhatWasForgedOnALinkOnceAnotherOneIsRight) {
-  found(lan);
-  writes(0, "a", {lan});
-  heartbeats({lan});
-  forges(lan, 0, "forged");
-  forges(lan, 5, "forged");
+  found(cable);
+  writes(0, "a", {cable});
+  heartbeats({cable});
+  forges(cable, 0, "forged");
+  forges(cable, 5, "forged");
   look();
   EXPECT_THAT(holds, ElementsAre(Pair(0, "forged"), Pair(5, "forged"))) << "no datagram shows it";
-  goes_on(4s, {lan});
-  ASSERT_THAT(renewed, ElementsAre(lan));
-  found(new_lan);
-  peers.record_came(on(new_lan), Role::writer, {0, {}}, {1, body("a")}, now);
+  goes_on(4s, {cable});
+  ASSERT_THAT(renewed, ElementsAre(cable));
+  found(new_cable);
+  peers.record_came(on(new_cable), Role::writer, {0, {}}, {1, body("a")}, now);
   look();
   EXPECT_THAT(holds, ElementsAre(Pair(0, "a")));
 }
 
 TEST_F(PeersTest, BelievesTheLinkThatAgreesWithHeartbeatsBesideOneThatDoesNot) {
   meet_on_both_links();
-  forges(lan, 0, "forged");
-  goes_on(4s, {lan, radio});
+  forges(cable, 0, "forged");
+  goes_on(4s, {cable, wlan});
   EXPECT_THAT(holds, ElementsAre(Pair(0, "a")));
-  EXPECT_THAT(renewed, ElementsAre(lan));
-  writes(0, "b", {radio});
+  EXPECT_THAT(renewed, ElementsAre(cable));
+  writes(0, "b", {wlan});
   look();
   EXPECT_THAT(holds, ElementsAre(Pair(0, "b"))) << "also while heartbeats do not count the change yet";
 }
@@ -210,96 +211,96 @@ TEST_F(PeersTest, BelievesTheLinkThatAgreesWithHeartbeatsBesideOneThatDoesNot) {
 TEST_F(PeersTest, IsNotToldByASingleForgedHeartbeat) {
   meet_on_both_links();
   for (int i = 0; i < 30; ++i) {
-    peers.heartbeat_came(lan, {on(lan).guid, other, {12345u + static_cast<unsigned>(i), 0}}, now);
-    goes_on(500ms, {lan, radio});
+    peers.heartbeat_came(cable, {on(cable).guid, neighbour, {12345u + static_cast<unsigned>(i), 0}}, now);
+    goes_on(500ms, {cable, wlan});
   }
   EXPECT_THAT(renewed, IsEmpty());
   EXPECT_THAT(holds, ElementsAre(Pair(0, "a")));
 }
 
 TEST_F(PeersTest, RefusesAParticipantThatClaimsAProcessWhichLives) {
-  found(lan);
-  writes(0, "a", {lan});
-  heartbeats({lan});
+  found(cable);
+  writes(0, "a", {cable});
+  heartbeats({cable});
   const auto claims = [&](LinkId link) {
     const RemoteParticipant claimant = on(link, 99);
-    peers.participant_found(claimant, other, now);
+    peers.participant_found(claimant, neighbour, now);
     peers.record_came(claimant, Role::writer, {0, {}}, {1000, body("claimed")}, now);
     peers.record_came(claimant, Role::writer, {1, {}}, {1001, body("claimed")}, now);
-    peers.heartbeat_came(link, {claimant.guid, other, {99, 0}}, now);
+    peers.heartbeat_came(link, {claimant.guid, neighbour, {99, 0}}, now);
   };
   for (int i = 0; i < 80; ++i) {
-    claims(renewed.empty() ? radio : last_link);
-    goes_on(500ms, {lan});
+    claims(renewed.empty() ? wlan : last_link);
+    goes_on(500ms, {cable});
     ASSERT_THAT(holds, ElementsAre(Pair(0, "a")));
   }
-  writes(0, "b", {lan});
+  writes(0, "b", {cable});
   look();
   EXPECT_THAT(holds, ElementsAre(Pair(0, "b")));
   EXPECT_LE(renewed.size(), 3u) << "in 40 s";
 }
 
 TEST_F(PeersTest, RefusesAClaimOfAProcessThatHasNothingYet) {
-  found(lan);
-  heartbeats({lan});
-  const RemoteParticipant claimant = on(radio, 99);
-  peers.participant_found(claimant, other, now);
-  goes_on(2s, {lan});
+  found(cable);
+  heartbeats({cable});
+  const RemoteParticipant claimant = on(wlan, 99);
+  peers.participant_found(claimant, neighbour, now);
+  goes_on(2s, {cable});
   peers.record_came(claimant, Role::writer, {0, {}}, {1000, body("claimed")}, now);
-  goes_on(2s, {lan});
+  goes_on(2s, {cable});
   EXPECT_THAT(holds, IsEmpty());
 }
 
 TEST_F(PeersTest, TakesNoWordAboutItsOwnProcess) {
-  peers.participant_found(on(lan), self, now);
-  peers.record_came(on(lan), Role::writer, {0, {}}, {1, body("a")}, now);
-  peers.heartbeat_came(lan, {on(lan).guid, self, {}}, now);
+  peers.participant_found(on(cable), own_process, now);
+  peers.record_came(on(cable), Role::writer, {0, {}}, {1, body("a")}, now);
+  peers.heartbeat_came(cable, {on(cable).guid, own_process, {}}, now);
   look();
   EXPECT_EQ(finds, 0);
   EXPECT_THAT(holds, IsEmpty());
 }
 
 TEST_F(PeersTest, TakesNoHeartbeatOfAnotherProcessThanTheParticipants) {
-  found(lan);
-  heartbeats({lan});
+  found(cable);
+  heartbeats({cable});
   now += timing.lease;
-  peers.heartbeat_came(lan, {on(lan).guid, other + 1, {}}, now);
+  peers.heartbeat_came(cable, {on(cable).guid, neighbour + 1, {}}, now);
   look();
   EXPECT_EQ(losses, 1);
 }
 
 TEST_F(PeersTest, SaysByWhichLinksTheWayToAProcessIsCut) {
   meet_on_both_links();
-  goes_on(timing.late, {radio});
-  EXPECT_THAT(cut_links, ElementsAre(lan));
-  goes_on(500ms, {lan, radio});
+  goes_on(timing.late, {wlan});
+  EXPECT_THAT(cut_links, ElementsAre(cable));
+  goes_on(500ms, {cable, wlan});
   EXPECT_THAT(cut_links, IsEmpty());
 }
 
 TEST_F(PeersTest, ComparesWithTheHeartbeatsOfAnotherLinkWhereTheFirstOneIsCut) {
   meet_on_both_links();
-  goes_on(3s, {radio});
-  writes(0, "b", {radio});
-  goes_on(timing.lease, {radio});
+  goes_on(3s, {wlan});
+  writes(0, "b", {wlan});
+  goes_on(timing.lease, {wlan});
   EXPECT_THAT(holds, ElementsAre(Pair(0, "b")));
   EXPECT_THAT(renewed, IsEmpty());
 }
 
 TEST_F(PeersTest, SaysOnceThatHeartbeatsDoNotArriveAndHasTimeForThemToComeOtherwise) {
-  found(lan);
-  writes(0, "a", {lan});
+  found(cable);
+  writes(0, "a", {cable});
   now += timing.lease;
   look();
-  EXPECT_THAT(unheard, ElementsAre(lan));
+  EXPECT_THAT(unheard, ElementsAre(cable));
   EXPECT_THAT(holds, ElementsAre(Pair(0, "a")));
-  goes_on(30s, {lan});
-  EXPECT_THAT(unheard, ElementsAre(lan));
+  goes_on(30s, {cable});
+  EXPECT_THAT(unheard, ElementsAre(cable));
   EXPECT_EQ(losses, 0);
 }
 
 TEST_F(PeersTest, MissesAProcessThatEndedBeforeItsFirstHeartbeat) {
-  found(lan);
-  writes(0, "a", {lan});
+  found(cable);
+  writes(0, "a", {cable});
   now += 2 * timing.lease;
   look();
   EXPECT_EQ(losses, 1);
@@ -320,34 +321,35 @@ TEST_F(PeersTest, NamesTheTimeOfItsNextLook) {
 
 TEST_F(PeersTest, HasRoomForTheRecordsOfOthersWhateverOneParticipantHas) {
   const PeerLimits limits{.records = 10, .bytes = 1000, .crowded = 100, .participants = 2};
-  Peers small(self, timing, limits);
+  Peers small(own_process, timing, limits);
   small.listen(Role::writer, now);
-  small.link_made(lan, now);
+  small.link_made(cable, now);
   const auto fill = [&](std::uint8_t number, std::uint32_t records) {
     std::uint32_t room = 0;
     for (std::uint32_t slot = 0; slot < records; ++slot)
       room +=
-          small.record_came(on(lan, number), Role::writer, {slot, {}}, {slot + 1, body("a")}, now) ? 1 : 0;
+          small.record_came(on(cable, number), Role::writer, {slot, {}}, {slot + 1, body("a")}, now) ? 1 : 0;
     return room;
   };
   EXPECT_EQ(fill(10, 1000), 100u);
   EXPECT_EQ(fill(11, 1000), 10u);
-  EXPECT_TRUE(small.record_came(on(lan, 11), Role::writer, {0, {}}, {9999, body("b")}, now));
-  EXPECT_FALSE(small.record_came(on(lan, 12), Role::writer, {0, {}}, {1, body(std::string(1001, 'x'))}, now));
-  small.participant_gone(on(lan, 10));
+  EXPECT_TRUE(small.record_came(on(cable, 11), Role::writer, {0, {}}, {9999, body("b")}, now));
+  EXPECT_FALSE(
+      small.record_came(on(cable, 12), Role::writer, {0, {}}, {1, body(std::string(1001, 'x'))}, now));
+  small.participant_gone(on(cable, 10));
   EXPECT_EQ(fill(13, 1000), 90u);
 }
 
 TEST_F(PeersTest, MakesNoLinkAnewForAParticipantWhoseRecordsFindNoRoom) {
-  Peers small(self, timing, {.records = 1, .bytes = 1000, .crowded = 1});
+  Peers small(own_process, timing, {.records = 1, .bytes = 1000, .crowded = 1});
   small.listen(Role::writer, now);
-  small.link_made(lan, now);
-  small.participant_found(on(lan), other, now);
-  small.record_came(on(lan), Role::writer, {0, {}}, {1, body("a")}, now);
-  EXPECT_FALSE(small.record_came(on(lan), Role::writer, {1, {}}, {2, body("b")}, now));
+  small.link_made(cable, now);
+  small.participant_found(on(cable), neighbour, now);
+  small.record_came(on(cable), Role::writer, {0, {}}, {1, body("a")}, now);
+  EXPECT_FALSE(small.record_came(on(cable), Role::writer, {1, {}}, {2, body("b")}, now));
   for (int i = 0; i < 60; ++i) {
     now += 1s;
-    small.heartbeat_came(lan, {on(lan).guid, other, {99, 0}}, now);
+    small.heartbeat_came(cable, {on(cable).guid, neighbour, {99, 0}}, now);
     small.look(now);
   }
   for (const PeerAction& action : small.take_actions())
@@ -356,15 +358,15 @@ TEST_F(PeersTest, MakesNoLinkAnewForAParticipantWhoseRecordsFindNoRoom) {
 
 TEST_F(PeersTest, ForgetsAllOfALinkThatIsGone) {
   meet_on_both_links();
-  peers.link_gone(radio);
+  peers.link_gone(wlan);
   look();
   EXPECT_EQ(losses, 0);
-  peers.link_gone(lan);
+  peers.link_gone(cable);
   look();
   EXPECT_EQ(losses, 1);
-  peers.participant_found(on(lan), other, now);
-  peers.record_came(on(lan), Role::writer, {0, {}}, {1, body("late")}, now);
-  peers.heartbeat_came(lan, {on(lan).guid, other, {}}, now);
+  peers.participant_found(on(cable), neighbour, now);
+  peers.record_came(on(cable), Role::writer, {0, {}}, {1, body("late")}, now);
+  peers.heartbeat_came(cable, {on(cable).guid, neighbour, {}}, now);
   look();
   EXPECT_EQ(finds, 1) << "what comes late of a link that is gone counts for nothing";
 }
