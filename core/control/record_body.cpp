@@ -34,7 +34,7 @@ class BodyWriter {
   /// `item(value)` writes one. Of a list that is too long the first ones are written.
   template <class Value, class Item>
   void list(const std::vector<Value>& values, std::size_t most, Item item) {
-    const auto size = static_cast<std::uint16_t>(std::min(values.size(), most));
+    const auto size = static_cast<std::uint32_t>(std::min(values.size(), most));
     number(size);
     for (std::size_t i = 0; i < size; ++i) item(values[i]);
   }
@@ -75,7 +75,7 @@ class BodyReader {
   }
   template <class Value, class Item>
   void list(std::vector<Value>& values, std::size_t most, Item item) {
-    std::uint16_t size = 0;
+    std::uint32_t size = 0;
     number(size);
     is_sound_ &= size <= most;
     for (std::size_t i = 0; i < size && is_sound_; ++i) item(values.emplace_back());

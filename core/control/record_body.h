@@ -2,7 +2,7 @@
 // checked here: lengths, roles, names. Pure.
 //
 // Numbers are written with the lowest octet first. A text is one octet with its length, and its octets; a
-// list is two octets with its length, and its items. The members are in the order of record_body.cpp.
+// list is four octets with its length, and its items. The members are in the order of record_body.cpp.
 #pragma once
 
 #include <cstddef>
@@ -24,7 +24,7 @@ struct Inquiry {
 };
 
 /// No record has more bytes.
-inline constexpr std::size_t record_bytes_max = 65'000;
+inline constexpr std::size_t record_bytes_max = 131'072;
 
 /// What is longer than the bounds in control.h is cut, or left out if it makes no sense then. The request of
 /// a subscriber is a record of its own. What does not travel is left out: the announcer, the revision.

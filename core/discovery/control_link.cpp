@@ -4,6 +4,7 @@
 #include <cstring>
 #include <span>
 
+#include "core/control/control_codec.h"
 #include "core/control/record_body.h"
 #include "core/discovery/control_qos.h"
 #include "core/discovery/dds_domain.h"
@@ -19,6 +20,7 @@ TopicName topic_of(Role role) {
   return {&sft_control_Record_desc, role == Role::writer ? "sft_writer" : "sft_reader"};
 }
 constexpr const char* heartbeat_topic = "sft_heartbeat";
+constexpr const char* report_topic = "sft_report";
 constexpr int heartbeats_kept = 16;
 
 ParticipantGuid guid_of(const dds_guid_t& guid) {
@@ -188,6 +190,37 @@ Result<void> ControlLink::use_topic() {
   return {};
 }
 
+Result<void> ControlLink::give_report(const Assertion& report) {
+  if (report_writer_ == 0) {
+    const DdsQos qos = heartbeat_qos();
+    const auto made = create_on_topic(
+        participant_, {&sft_control_Assertion_desc, report_topic}, qos.get(),
+        [&](dds_entity_t on) { return dds_create_writer(participant_, on, qos.get(), nullptr); });
+    if (!made) return tl::unexpected(made.error());
+    report_writer_ = *made;
+  }
+  ControlStorage storage;
+  const sft_control_Assertion sample = to_dds(report, storage);
+  dds_write(report_writer_, &sample);
+  return {};
+}
+
+Result<void> ControlLink::hear_reports() {
+  if (report_reader_ != 0) return {};
+  const DdsListener listener(dds_create_listener(this));
+  dds_lset_data_available(listener.get(), [](dds_entity_t reader, void* self) {
+    static_cast<ControlLink*>(self)->take_reports(reader);
+  });
+  const DdsQos written = heartbeat_qos();
+  const DdsQos qos = reading_qos(written.get());
+  const auto made = create_on_topic(
+      participant_, {&sft_control_Assertion_desc, report_topic}, written.get(),
+      [&](dds_entity_t on) { return dds_create_reader(participant_, on, qos.get(), listener.get()); });
+  if (!made) return tl::unexpected(made.error());
+  report_reader_ = *made;
+  return {};
+}
+
 void ControlLink::announce(bool asks) {
   data_.asks = asks;
   say_user_data();
@@ -221,7 +254,7 @@ void ControlLink::note_participant(const dds_builtintopic_participant_t& sample,
   if (info.instance_state != DDS_IST_ALIVE) {
     known_.erase(guid);
     for (auto* const writers :
-         {&topics_.writer.participants, &topics_.reader.participants, &heartbeat_writers_})
+         {&topics_.writer.participants, &topics_.reader.participants, &heartbeat_writers_, &report_writers_})
       std::erase_if(*writers, [&](const auto& item) { return item.second == guid; });
     listener_.participant_gone(here(guid));
     return;
@@ -279,6 +312,19 @@ void ControlLink::take_heartbeat_samples(dds_entity_t reader) {
                     if (heartbeat && by == heartbeat->participant)
                       listener_.heartbeat_came(place_.link, *heartbeat);
                   });
+}
+
+void ControlLink::take_reports(dds_entity_t reader) {
+  const Lock lock(taking_);
+  take_all<sft_control_Assertion>(reader, [&](const sft_control_Assertion& sample,
+                                              const dds_sample_info_t& info) SFT_NO_THREAD_SAFETY_ANALYSIS {
+    if (!info.valid_data) return;
+    const auto by = participant_of(reader, info.publication_handle, report_writers_);
+    if (!by) return;
+    Result<Assertion> report = from_dds(sample);
+    if (!report) return listener_.sample_refused(report.error().message);
+    listener_.report_came(here(*by), std::move(*report));
+  });
 }
 
 }  // namespace sft::core

@@ -73,7 +73,7 @@ class SharedPlane final : public Discovery {
   Result<void> announce(const Endpoint& endpoint) override { return plane_->announce(seat_, endpoint); }
   void withdraw(EndpointId id) override { plane_->withdraw(id); }
   Result<void> send(const Request& request) override { return plane_->send(request); }
-  void assert_liveliness(const Assertion&) override {}
+  void assert_liveliness(const Assertion& report) override { plane_->report_life(seat_, report); }
   Time newcomer_at() const override { return plane_->newcomer_at(); }
   Time met_at() const override { return plane_->newcomer_at(); }
   Time look_after(Time now, const Awaited&) override { return plane_->look_after(seat_, now); }
@@ -260,6 +260,17 @@ void ControlPlane::give_heartbeats(Time now) {
   if (now < own_.heartbeat_due()) return;
   own_.heartbeat_given(now);
   links_.each([digests = own_.digests()](LinkId, ControlLink& link) { link.give_heartbeat(digests); });
+}
+
+/// That the process lives, heartbeats say.
+void ControlPlane::report_life(Seat& seat, const Assertion& assertion) {
+  {
+    const Lock lock(mutex_);
+    known_.with([&](Peers&, Directory& directory) { directory.reported(seat.node, assertion); });
+    if (assertion.tells_more_than_life())
+      links_.each([&](LinkId, ControlLink& link) { (void)link.give_report(assertion); });
+  }
+  known_.pass_on();
 }
 
 Time ControlPlane::look_after(Seat& seat, Time now) {

@@ -61,6 +61,7 @@ class ControlPlane {
   Result<void> announce(Seat& seat, const Endpoint& endpoint);
   Result<void> send(const Request& request);
   void withdraw(EndpointId id);
+  void report_life(Seat& seat, const Assertion& assertion);
   std::vector<Discovery::KnownPublisher> publishers_of(std::string_view type_name);
   Time newcomer_at();
   Time look_after(Seat& seat, Time now);

@@ -234,8 +234,49 @@ void Directory::tell_seen(ListeningNodes to, const Entry& entry) {
   tell(std::move(to), [endpoint = entry.endpoint, request = entry.request](DiscoveryListener& listener) {
     Endpoint seen = *endpoint;
     if (request) seen.request = *request;
+    const NodeId node = seen.node_id;
+    const AnnouncerId announcer = seen.announcer;
     listener.endpoint_seen(std::move(seen));
+    Assertion lives{.node = node, .writers = {}};  // what lives is watched here, and no longer by the node
+    lives.announcer = announcer;
+    listener.liveliness_asserted(std::move(lives));
   });
+}
+
+/// A report concerns those whom an endpoint of its node concerns, and those whose endpoints it asks about.
+template <class IsOf>
+void Directory::tell_report(const Assertion& report, IsOf is_of) {
+  std::vector<const Entry*> of_node;
+  for (const auto& [id, entry] : entries_) {
+    if (is_of(entry)) of_node.push_back(&entry);
+  }
+  if (of_node.empty()) return;
+  Assertion told = report;
+  told.announcer = of_node.front()->endpoint->announcer;
+  ListeningNodes to;
+  for (const Node& node : nodes_) {
+    const auto is_own = [&](EndpointId id) {
+      const auto own = entries_.find(id);
+      return own != entries_.end() && own->second.node == node.listener;
+    };
+    const auto concerns_it = [&](const Entry* one) { return concerns(node, *one->endpoint); };
+    if (node.listener != of_node.front()->node &&
+        (std::ranges::any_of(of_node, concerns_it) || std::ranges::any_of(report.asked_about, is_own)))
+      to.push_back(node.listener);
+  }
+  tell(std::move(to),
+       [told = std::move(told)](DiscoveryListener& listener) { listener.liveliness_asserted(told); });
+}
+
+void Directory::report_came(ProcessId process, Assertion report) {
+  tell_report(report, [&](const Entry& entry) {
+    return entry.place && std::get<ProcessId>(*entry.place) == process &&
+           entry.endpoint->node_id == report.node;
+  });
+}
+
+void Directory::reported(const std::shared_ptr<ListeningNode>& node, const Assertion& report) {
+  tell_report(report, [&](const Entry& entry) { return entry.node == node; });
 }
 
 void Directory::tell_departed(ListeningNodes to, EndpointId id) {

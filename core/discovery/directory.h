@@ -61,6 +61,7 @@ class Directory {
   void announced(const std::shared_ptr<ListeningNode>& node, Endpoint endpoint);
   void requested(const Request& request);
   void withdrawn(EndpointId id);
+  void reported(const std::shared_ptr<ListeningNode>& node, const Assertion& report);
   std::vector<EndpointId> endpoints_of(const std::shared_ptr<ListeningNode>& node) const;
 
   // Other processes.
@@ -68,6 +69,8 @@ class Directory {
   void record_changed(const RecordChanged& changed);
   void peer_lost(ProcessId process);
   void paths_cut(const PathsCut& cut);
+  /// Of a node that the process has announced an endpoint of.
+  void report_came(ProcessId process, Assertion report);
   /// Somebody has said something that cannot be used.
   void refuse(std::string why);
 
@@ -111,6 +114,8 @@ class Directory {
   void leave_out_what_is_cut(ProcessId process, std::vector<UdpAddress>& addresses) const;
   void tell(ListeningNodes to, std::function<void(DiscoveryListener&)> call);
   void tell_seen(ListeningNodes to, const Entry& entry);
+  template <class IsOf>
+  void tell_report(const Assertion& report, IsOf is_of);
   void tell_departed(ListeningNodes to, EndpointId id);
   template <class Which>
   void tell_of_all(const Node& node, Which which);

@@ -117,6 +117,13 @@ void KnownPeers::heartbeat_came(LinkId link, const Heartbeat& heartbeat) {
   pass_on_notices(lock);
 }
 
+void KnownPeers::report_came(const RemoteParticipant& by, Assertion report) {
+  Lock lock(mutex_);
+  if (const std::optional<ProcessId> process = peers_.process_of(by))
+    directory_.report_came(*process, std::move(report));
+  pass_on_notices(lock);
+}
+
 void KnownPeers::sample_refused(std::string why) {
   Lock lock(mutex_);
   directory_.refuse(std::move(why));

@@ -104,6 +104,7 @@ Result<void> Links::open_link(OpenLink& link) {
                                   known_);
   if (!opened) return tl::unexpected(opened.error());
   link.link = std::move(*opened);
+  if (Result<void> heard = link.link->hear_reports(); !heard) return heard;
   for (const Role role : both_roles) {
     if (!heard_[role]) continue;
     if (Result<void> heard = link.link->hear(role); !heard) return heard;

@@ -217,6 +217,11 @@ const Peer* Peers::find(ProcessId process) const {
   return peer == peers_.end() ? nullptr : &peer->second;
 }
 
+std::optional<ProcessId> Peers::process_of(const RemoteParticipant& id) const {
+  const auto found = participants_.find(id);
+  return found == participants_.end() || !is_heard(found->second) ? std::nullopt : found->second.process;
+}
+
 bool Peers::is_complete() const {
   return std::ranges::all_of(peers_, [](const auto& item) { return item.second.is_complete(); });
 }

@@ -102,6 +102,8 @@ class Peers {
   std::size_t size() const { return peers_.size(); }
   /// Null if the process is not there.
   const Peer* find(ProcessId process) const;
+  /// The process that the participant speaks for; nothing if it counts for nothing.
+  std::optional<ProcessId> process_of(const RemoteParticipant& id) const;
   /// True if all is known of all processes that their last heartbeats count.
   bool is_complete() const;
   /// When a participant was found last; Time{} if none was. What it has may be yet to come.
