@@ -124,22 +124,20 @@ Result<dds_entity_t> ControlLink::writer_of(Topic& topic) {
   return made;
 }
 
+/// A write may block for as long as others are slow to take what was written. Nobody waits for that more than
+/// once in a while.
 void ControlLink::write(Role role, const OwnRecords::Change& change) {
-  if (try_to_write(role, change.key, change.record)) {
-    unwritten_.erase({role, change.key});
-  } else {
-    unwritten_.insert_or_assign({role, change.key}, change.record);
-  }
+  if (unwritten_.empty() && try_to_write(role, change.key, change.record)) return;
+  unwritten_.insert_or_assign({role, change.key}, change.record);
 }
 
 Result<void> ControlLink::write_again() {
-  Result<void> result;
-  std::erase_if(unwritten_, [&](const auto& item) {
-    const Result<void> written = try_to_write(item.first.first, item.first.second, item.second);
-    if (!written) result = written;
-    return written.has_value();
-  });
-  return result;
+  while (!unwritten_.empty()) {
+    const auto& [what, record] = *unwritten_.begin();
+    if (Result<void> written = try_to_write(what.first, what.second, record); !written) return written;
+    unwritten_.erase(unwritten_.begin());
+  }
+  return {};
 }
 
 Result<void> ControlLink::try_to_write(Role role, const RecordKey& key, const Record& record) {
