@@ -4,12 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "core/discovery/control_plane.h"
 #include "tests/support/eventually.h"
+#include "tests/support/isolated_host.h"
 #include "tests/system/control_ear.h"
 
 namespace sft::test {
@@ -32,6 +34,9 @@ class Node {
 
 class ControlPlaneNodes : public ::testing::Test {
  protected:
+  void SetUp() override {
+    if (!isolation_refusal().empty()) GTEST_SKIP() << isolation_refusal();
+  }
   static bool look_until(const std::vector<Node*>& nodes, const std::function<bool()>& is_so) {
     return eventually([&] {
       for (Node* const node : nodes) (*node)->look();
