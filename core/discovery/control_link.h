@@ -39,7 +39,6 @@ class ControlLinkListener {
   ~ControlLinkListener() = default;
 };
 
-/// Larger than usual: it has a callback for each listener of Cyclone.
 class ControlLink {
  public:
   struct Place {

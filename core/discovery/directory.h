@@ -45,7 +45,6 @@ class ListeningNode {
 };
 using ListeningNodes = std::vector<std::shared_ptr<ListeningNode>>;
 
-/// Larger than usual: it has a function for each event of a node of this process or of another process.
 class Directory {
  public:
   /// True if the address is in the network of the link.

@@ -52,6 +52,7 @@ struct SimProcess {
   std::vector<std::pair<Role, std::uint64_t>> open{};
 };
 
+/// Larger than usual: it has a function for each thing that happens on the networks.
 class ControlWorld {
  public:
   explicit ControlWorld(std::uint64_t seed) : random_(seed) {}
