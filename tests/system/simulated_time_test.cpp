@@ -18,7 +18,7 @@ namespace sft::test {
 namespace {
 
 using ClockMessage = rosgraph_msgs::msg::Clock;
-using Time = std::chrono::sys_time<std::chrono::nanoseconds>;
+using NodeTime = std::chrono::sys_time<std::chrono::nanoseconds>;
 
 class SimulatedTimeTest : public PubSubTest {
  protected:
@@ -35,7 +35,7 @@ class SimulatedTimeTest : public PubSubTest {
     const ClockMessage message{.clock = duration_message<builtin_interfaces::msg::Time>(time)};
     return eventually([&] {
       clock.publish(message);
-      return node.now() == Time(time);
+      return node.now() == NodeTime(time);
     });
   }
 
@@ -43,8 +43,8 @@ class SimulatedTimeTest : public PubSubTest {
 };
 
 TEST_P(SimulatedTimeTest, WithoutTheOptionTheTimeIsThatOfTheSystem) {
-  const Time before = std::chrono::system_clock::now();
-  const Time now = simulator.now();
+  const NodeTime before = std::chrono::system_clock::now();
+  const NodeTime now = simulator.now();
   EXPECT_LE(before, now);
   EXPECT_LE(now, std::chrono::system_clock::now());
 }
@@ -52,18 +52,18 @@ TEST_P(SimulatedTimeTest, WithoutTheOptionTheTimeIsThatOfTheSystem) {
 TEST_P(SimulatedTimeTest, IsZeroAtFirstThenThatOfTheClockAndStandsWhenTheClockEnds) {
   const Node robot = Node::open(following("robot")).value();
   std::optional<Publisher<ClockMessage>> clock = simulator.publisher<ClockMessage>("clock").value();
-  EXPECT_EQ(robot.now(), Time());
+  EXPECT_EQ(robot.now(), NodeTime());
   EXPECT_TRUE(follows(robot, *clock, 10s + 500ms));
-  EXPECT_EQ(robot.now(), Time(10s + 500ms)) << "it does not go on by itself";
+  EXPECT_EQ(robot.now(), NodeTime(10s + 500ms)) << "it does not go on by itself";
   EXPECT_TRUE(follows(robot, *clock, 3s)) << "it may go back";
   const Node copy = robot;
-  EXPECT_EQ(copy.now(), Time(3s));
+  EXPECT_EQ(copy.now(), NodeTime(3s));
   clock.reset();
   EXPECT_TRUE(eventually([&] {
     const auto subscribers = robot.snapshot().subscribers;
     return subscribers.size() == 1 && subscribers[0].writers.empty();
   }));
-  EXPECT_EQ(robot.now(), Time(3s));
+  EXPECT_EQ(robot.now(), NodeTime(3s));
 }
 
 TEST_P(SimulatedTimeTest, TheClockHasAnAbsoluteNameThatRulesMayChange) {
@@ -76,7 +76,7 @@ TEST_P(SimulatedTimeTest, TheClockHasAnAbsoluteNameThatRulesMayChange) {
   auto sim_clock = simulator.publisher<ClockMessage>("sim/clock").value();
   EXPECT_TRUE(follows(left, clock, 1s));
   EXPECT_TRUE(follows(other, sim_clock, 2s));
-  EXPECT_EQ(left.now(), Time(1s));
+  EXPECT_EQ(left.now(), NodeTime(1s));
 }
 
 TEST_P(SimulatedTimeTest, AnyThreadMayAskForTheTime) {
@@ -88,7 +88,7 @@ TEST_P(SimulatedTimeTest, AnyThreadMayAskForTheTime) {
     threads.emplace_back([&robot] {
       Time last = robot.now();
       for (int asked = 0; asked < 1000; ++asked) {
-        const Time now = robot.now();
+        const NodeTime now = robot.now();
         EXPECT_GE(now, last) << "the clock does not go back here";
         last = now;
       }
@@ -124,7 +124,7 @@ TEST_P(SimulatedTimeTest, TheLogSaysThatNobodyPublishesTheClock) {
                "use_sim_time: nobody publishes the topic 'clock', so the time of the node, "
                "Node::now(), is 0 until somebody does") != std::string::npos;
   }));
-  EXPECT_EQ(robot.now(), Time());
+  EXPECT_EQ(robot.now(), NodeTime());
 }
 
 INSTANTIATE_TEST_SUITE_P(Ways, SimulatedTimeTest, ::testing::Values(Way::shm, Way::udp), way_name);
