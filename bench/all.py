@@ -21,7 +21,6 @@ import benchmarks
 import comparison
 import processes
 import records
-import report
 import trees
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
@@ -44,10 +43,8 @@ def parse(words):
     parser.add_argument("--quick", action="store_true", help="short runs of each benchmark, about 12 minutes a side")
     parser.add_argument("--only", metavar="NAME,NAME", help="these benchmarks only, of " + ",".join(names))
     parser.add_argument("--json", metavar="FILE", help="also write the figures or the comparison to this file")
-    parser.add_argument("--report", metavar="FILE",
-                        help="also write a page of HTML with figures and plots to this file; not with --against")
     parser.add_argument("--keep", metavar="DIR",
-                        help="also keep what pages and plots are made of in this folder, beside what earlier runs of "
+                        help="also keep what plots are made of in this folder, beside what earlier runs of "
                              "other benchmarks left there; not with --against")
     parser.add_argument("--time-limit", type=float, metavar="SECONDS",
                         help="end a run of a benchmark that takes longer (default: four times its usual time)")
@@ -64,8 +61,8 @@ def parse(words):
         for option in ("rounds", "fail_above"):
             if getattr(arguments, option) is not None:
                 parser.error(f"--{option.replace('_', '-')} needs --against")
-    elif arguments.report or arguments.keep:
-        parser.error("--report and --keep are for the figures of this tree; a comparison has none")
+    elif arguments.keep:
+        parser.error("--keep is for the figures of this tree; a comparison has none")
     if arguments.rounds is None:
         arguments.rounds = benchmarks.QUICK_ROUNDS if arguments.quick else benchmarks.ROUNDS
     if arguments.rounds < 1:
@@ -244,12 +241,6 @@ def about_this_machine(root):
             "versions": versions()}
 
 
-def about_this_run(root, words):
-    """What stands above all figures of a page."""
-    return {"command": shlex.join(["./run", "bench", "all", *words]), "date": time.strftime("%Y-%m-%d %H:%M %Z"),
-            **about_this_machine(root)}
-
-
 def check_writable(path):
     if path and not os.access(os.path.dirname(os.path.abspath(path)), os.W_OK):
         raise trees.Refusal(f"cannot write {path}")  # before hours of measuring
@@ -269,7 +260,6 @@ def main(words, root=ROOT):
     session = Session(arguments)
     this = trees.Tree(root, "this tree")
     check_writable(arguments.json)
-    check_writable(arguments.report)
     check_kept(arguments.keep)
     regressions = []
     if arguments.against is None:
@@ -286,9 +276,6 @@ def main(words, root=ROOT):
     if arguments.json:
         with open(arguments.json, "w", encoding="utf-8") as file:
             json.dump(result, file, indent=2)
-    if arguments.report:
-        with open(arguments.report, "w", encoding="utf-8") as file:
-            file.write(report.page(kept, about_this_run(root, words)))
     for one in regressions:
         say(f"run: {one.bench} {one.name} is worse by more than {arguments.fail_above:g} %")
     for problem in session.problems:

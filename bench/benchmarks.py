@@ -30,11 +30,7 @@ ALL = [
     Benchmark("recovery", 140, 50, ["--rounds", "1"]),
 ]
 
-# What benchmarks write beside their figures, for plots: the option, the path that it gets, which is a file or a folder,
-# and the files that are kept of it.
-FILES = {
-    "peers": ("--csv", "peers.csv", ["peers.csv"]),
-    "paper": ("--plots", "paper", ["trace.csv", "trace_events.csv"]),
-}
+# What benchmarks write beside their figures, for plots: the option and the file that it names.
+FILES = {"peers": ("--csv", "peers.csv"), "paper": ("--trace", "trace.csv")}
 ROUNDS = 5
 QUICK_ROUNDS = 3  # of less than thirteen minutes on each side

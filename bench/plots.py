@@ -1,6 +1,6 @@
 """Which plots there are, and which figures they show. Pure functions: nothing is run or read here.
 
-The page of ./run bench all --report and docs/plots show the same plots."""
+docs/plots/draw.py draws them."""
 
 import math
 import statistics
@@ -22,10 +22,9 @@ class Plot:
     part: svg.Part
     about: dict  # how they were measured
 
-    def svg(self, alone=False):
-        """`alone`: a file of its own."""
+    def svg(self):
         text = ", ".join(self.about[key] for key in ("command", "date", "processors", "system") if key in self.about)
-        return svg.picture(self.title, self.part, textwrap.wrap(text, NOTE_WIDTH), alone)
+        return svg.picture(self.title, self.part, textwrap.wrap(text, NOTE_WIDTH))
 
 
 def all_plots(records):
@@ -184,12 +183,13 @@ def throughput(records):
 
 
 def mask_change(records):
-    messages = [(float(row["ms"]), float(row["bytes"])) for row in records.tables.get("trace.csv", [])
-                if is_number(row.get("ms")) and is_number(row.get("bytes"))]
-    events = [float(row["ms"]) for row in records.tables.get("trace_events.csv", []) if is_number(row.get("ms"))]
-    if not messages or len(events) != 2:
+    rows = [row for row in records.tables.get("trace.csv", []) if is_number(row.get("ms"))]
+    messages = [(float(row["ms"]), float(row["bytes"])) for row in rows
+                if row.get("event") == "message" and is_number(row.get("bytes"))]
+    times = {row.get("event"): float(row["ms"]) for row in rows}
+    if not messages or not {"changed", "applied"} <= times.keys():
         return None
-    changed, applied = events
+    changed, applied = times["changed"], times["applied"]
     response = applied - changed
     words = (f"A reader of 7 fields of 512 bytes reads 4 of them. {svg.number(response)} ms later the publisher has "
              f"applied the new mask; the paper has {PAPER_RESPONSE_MS} ms. ")

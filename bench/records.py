@@ -1,4 +1,4 @@
-"""The folder in which a run keeps what it measured: the page and the plots are made of it.
+"""The folder in which a run keeps what it measured: the plots are made of it.
 
 NAME.json has the figures of a benchmark, as its option --json writes them. The files of benchmarks.FILES have what else
 the plots show. about.json says of each benchmark when, where and with which command it was measured. A later run of a
@@ -29,8 +29,8 @@ class Records:
 def options_for_files(name, free, folder):
     """The words that make a benchmark write its further files to `folder`. `free`: the options that it knows, without
     those that it is given anyway."""
-    option, path, _ = benchmarks.FILES.get(name, (None, None, None))
-    return [option, os.path.join(folder, path)] if option in free else []
+    option, file = benchmarks.FILES.get(name, (None, None))
+    return [option, os.path.join(folder, file)] if option in free else []
 
 
 def keep(folder, name, figures, about, written):
@@ -39,14 +39,11 @@ def keep(folder, name, figures, about, written):
     write_json(os.path.join(folder, name + ".json"), figures)
     all_about = read_json(os.path.join(folder, ABOUT), {})
     write_json(os.path.join(folder, ABOUT), {**all_about, name: about})
-    _, path, files = benchmarks.FILES.get(name, (None, "", []))
-    for file in files:
-        found = next((one for one in (os.path.join(written, path, file), os.path.join(written, file))
-                      if os.path.isfile(one)), None)
-        if found:
-            shutil.copyfile(found, os.path.join(folder, file))
-        elif os.path.isfile(os.path.join(folder, file)):
-            os.remove(os.path.join(folder, file))  # of an earlier run, which is not what `about` tells of
+    _, file = benchmarks.FILES.get(name, (None, None))
+    if file and os.path.isfile(os.path.join(written, file)):
+        shutil.copyfile(os.path.join(written, file), os.path.join(folder, file))
+    elif file and os.path.isfile(os.path.join(folder, file)):
+        os.remove(os.path.join(folder, file))  # of an earlier run, which is not what `about` tells of
 
 
 def load(folder, names=None):
@@ -57,11 +54,10 @@ def load(folder, names=None):
         figures = read_json(os.path.join(folder, name + ".json"), None)
         if figures is not None:
             records.figures[name] = figures
-        for file in benchmarks.FILES.get(name, (None, "", []))[2]:
-            path = os.path.join(folder, file)
-            if os.path.isfile(path):
-                with open(path, encoding="utf-8", newline="") as opened:
-                    records.tables[file] = list(csv.DictReader(opened))
+        _, file = benchmarks.FILES.get(name, (None, None))
+        if file and os.path.isfile(os.path.join(folder, file)):
+            with open(os.path.join(folder, file), encoding="utf-8", newline="") as opened:
+                records.tables[file] = list(csv.DictReader(opened))
     return records
 
 

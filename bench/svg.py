@@ -1,7 +1,7 @@
 """Charts as parts of an SVG. Pure functions: nothing is run or read here.
 
-A chart is 420 units wide, so that its text is readable on a telephone. Its colours follow the reader's settings, also
-where the picture is a file of its own. Contenders have the same colour and dashes in all charts."""
+A chart is 420 units wide, so that its text is readable on a telephone. Its colours follow the reader's settings.
+Contenders have the same colour and dashes in all charts."""
 
 import math
 from dataclasses import dataclass, field
@@ -210,16 +210,15 @@ def nothing():
     return part
 
 
-def picture(title, part, notes, alone):
-    """The whole SVG. `alone`: it is a file of its own, and brings its colours along."""
+def picture(title, part, notes):
+    """The whole file, which brings its colours along."""
     top, height = 22, 22 + part.height + 11 * len(notes) + 8
     frame = Part(height)
     frame.text(4, 15, title, kind="title")
     for i, note in enumerate(notes):
         frame.text(4, top + part.height + 11 * (i + 1), note, kind="faint")
-    size = f' xmlns="http://www.w3.org/2000/svg" width="{1.5 * WIDTH:.0f}" height="{1.5 * height:.0f}"' if alone else ""
-    style = f"<style>{STYLE}</style>" if alone else ""
+    size = f' xmlns="http://www.w3.org/2000/svg" width="{1.5 * WIDTH:.0f}" height="{1.5 * height:.0f}"'
     return "\n".join([f'<svg class="plot" viewBox="0 0 {WIDTH} {height:.0f}" role="img"{size}>',
-                      f"<title>{escape(title)}</title>{style}",
+                      f"<title>{escape(title)}</title><style>{STYLE}</style>",
                       f'<rect width="{WIDTH}" height="{height:.0f}" rx="6" style="fill: var(--paper)"/>',
                       *frame.elements, f'<g transform="translate(0 {top})">', *part.elements, "</g></svg>", ""])

@@ -5,9 +5,11 @@
 #include "core/discovery/dds_config.h"
 #include "core/discovery/domain_id.h"
 #include "core/node/node_core.h"
+#include "core/node/simulated_clock.h"
 #include "core/platform/forked.h"
 #include "core/platform/process_limits.h"
 #include "core/platform/thread.h"
+#include "sft/msg_text.h"
 #include "sft/node.h"
 #include "shm_transport/shm_transport.h"
 #include "udp_transport/udp_transport.h"
@@ -64,6 +66,15 @@ Result<std::unique_ptr<core::SharedMemory>> open_shm(const NodeOptions& options)
   return shm::open_shm_transport(shm);
 }
 
+Result<std::shared_ptr<core::SimulatedClock>> open_clock(Node& node) {
+  using core::SimulatedClock;
+  return from_msg(SimulatedClock::type_name, SimulatedClock::type_text)
+      .and_then([&](const DynamicType& type) {
+        return node.subscriber(SimulatedClock::topic, type, "clock", {.depth = 1});
+      })
+      .map([](DynamicSubscriber&& samples) { return std::make_shared<SimulatedClock>(std::move(samples)); });
+}
+
 /// Adds what SubscriberOptions::further_selections ask for. `selection_of` reads one of these texts.
 template <class SelectionOf>
 Result<void> add_further(detail::untyped::Requirement& requirement, const SubscriberOptions& options,
@@ -103,9 +114,15 @@ Result<Node> Node::open(const NodeOptions& options) {
     if (!shm) return tl::unexpected(shm.error());
     parts.memory = std::move(*shm);
   }
-  return core::NodeCore::open(resolved, std::move(parts)).map([](auto&& core) {
-    return Node(std::forward<decltype(core)>(core));
-  });
+  auto opened = core::NodeCore::open(resolved, std::move(parts));
+  if (!opened) return tl::unexpected(opened.error());
+  Node node(std::move(*opened));
+  if (options.use_sim_time) {
+    auto clock = open_clock(node);
+    if (!clock) return tl::unexpected(clock.error());
+    node.clock_ = std::move(*clock);
+  }
+  return node;
 }
 
 Result<detail::untyped::Publisher> Node::open_publisher(std::string_view topic, const TypeSupport& type,
@@ -201,6 +218,11 @@ Result<AccountInquiry> Node::ask_accounts(std::string_view topic) const {
 void Node::interrupt() noexcept { core_->interrupt(); }
 
 bool Node::is_interrupted() const noexcept { return core_->is_interrupted(); }
+
+std::chrono::sys_time<std::chrono::nanoseconds> Node::now() const {
+  if (clock_ == nullptr) return std::chrono::system_clock::now();
+  return std::chrono::sys_time<std::chrono::nanoseconds>(clock_->now());
+}
 
 NodeStatus Node::status() const { return core_->status(); }
 

@@ -56,7 +56,7 @@ class ShmTransport final : public core::SharedMemory {
  public:
   explicit ShmTransport(const ShmOptions& options) : options_(options), daemon_(ProcessDaemon::shared()) {}
 
-  std::size_t max_sample_bytes() const noexcept override { return std::size_t{16} << 20; }  // sftd/pools.h
+  std::size_t max_sample_bytes() const noexcept override { return std::size_t{64} << 20; }  // sftd/pools.h
 
   std::uint32_t max_depth() const noexcept override { return options_.queue_limit; }
 

@@ -7,7 +7,7 @@ namespace sft::udp {
 UdpReader::UdpReader(const core::ReaderSpec& spec, std::shared_ptr<ReceiveLoop> receiver)
     : spec_(spec),
       receiver_(std::move(receiver)),
-      inbox_(std::make_shared<Inbox>(spec.depth, spec.listener)) {
+      inbox_(std::make_shared<Inbox>(spec.depth, spec.listener, spec.depth_bytes)) {
   receiver_->add(spec_);
   receiver_->subscriptions().add(spec.id, inbox_, *spec.type);
 }

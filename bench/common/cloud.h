@@ -8,8 +8,6 @@
 
 namespace sft::bench {
 
-inline constexpr std::uint32_t sent_cloud_bytes = 6'291'456;  ///< data of 393,216 points of 16 bytes
-
 std_msgs::msg::Header header(std::string frame_id);
 sensor_msgs::msg::PointCloud2 cloud(std::size_t data_bytes);
 

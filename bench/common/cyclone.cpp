@@ -18,27 +18,33 @@ CycloneQos cyclone_best_effort() {
   return qos;
 }
 
-CycloneParticipant::CycloneParticipant(const char* config)
-    : domain_(checked(dds_create_domain(0, config))),
-      participant_(checked(dds_create_participant(0, nullptr, nullptr))) {}
+namespace {
 
-CycloneParticipant::CycloneParticipant()
-    : domain_(0), participant_(checked(dds_create_participant(0, nullptr, nullptr))) {}
+/// The domain 0, or DDS_RETCODE_PRECONDITION_NOT_MET if this process has it already.
+dds_entity_t create_domain(const std::string& config) {
+  const dds_entity_t domain = dds_create_domain(0, config.c_str());
+  return domain == DDS_RETCODE_PRECONDITION_NOT_MET ? domain : checked(domain);
+}
 
-CycloneParticipant::~CycloneParticipant() { dds_delete(domain_ != 0 ? domain_ : participant_); }
+}  // namespace
 
-dds_entity_t CycloneParticipant::topic(const dds_topic_descriptor_t& type, const char* name) const {
+CycloneParticipant::CycloneParticipant(const std::string& config)
+    : domain_(create_domain(config)), participant_(checked(dds_create_participant(0, nullptr, nullptr))) {}
+
+CycloneParticipant::~CycloneParticipant() { dds_delete(domain_ >= 0 ? domain_ : participant_); }
+
+dds_entity_t CycloneParticipant::topic(const dds_topic_descriptor_t& type, const std::string& name) const {
   const auto [known, is_new] = topics_.try_emplace(name, 0);
-  if (is_new) known->second = checked(dds_create_topic(participant_, &type, name, nullptr, nullptr));
+  if (is_new) known->second = checked(dds_create_topic(participant_, &type, name.c_str(), nullptr, nullptr));
   return known->second;
 }
 
-dds_entity_t CycloneParticipant::writer(const dds_topic_descriptor_t& type, const char* name,
+dds_entity_t CycloneParticipant::writer(const dds_topic_descriptor_t& type, const std::string& name,
                                         const dds_qos_t* qos) const {
   return checked(dds_create_writer(participant_, topic(type, name), qos, nullptr));
 }
 
-dds_entity_t CycloneParticipant::reader(const dds_topic_descriptor_t& type, const char* name,
+dds_entity_t CycloneParticipant::reader(const dds_topic_descriptor_t& type, const std::string& name,
                                         const dds_qos_t* qos, dds_on_data_available_fn on_data,
                                         void* context) const {
   dds_listener_t* listener = dds_create_listener(context);

@@ -20,17 +20,17 @@ CycloneQos cyclone_best_effort();
 /// One participant in domain 0. Its functions are for one thread.
 class CycloneParticipant {
  public:
-  /// Creates and deletes the domain, too.
-  explicit CycloneParticipant(const char* config);
-  /// Another one, in the domain of one that this process has. REQUIRES: that one outlives it.
-  CycloneParticipant();
+  /// Creates and deletes the domain, too, unless this process has it already. REQUIRES: the participant that
+  /// created it outlives all others.
+  explicit CycloneParticipant(const std::string& config);
   ~CycloneParticipant();
   CycloneParticipant(const CycloneParticipant&) = delete;
   CycloneParticipant& operator=(const CycloneParticipant&) = delete;
 
-  dds_entity_t writer(const dds_topic_descriptor_t& type, const char* topic, const dds_qos_t* qos) const;
+  dds_entity_t writer(const dds_topic_descriptor_t& type, const std::string& topic,
+                      const dds_qos_t* qos) const;
   /// `on_data` may be null. It is called with `context`.
-  dds_entity_t reader(const dds_topic_descriptor_t& type, const char* topic, const dds_qos_t* qos,
+  dds_entity_t reader(const dds_topic_descriptor_t& type, const std::string& topic, const dds_qos_t* qos,
                       dds_on_data_available_fn on_data, void* context) const;
 
   /// The number of readers that are matched with a writer, and of writers that are matched with a reader.
@@ -40,9 +40,9 @@ class CycloneParticipant {
   dds_entity_t entity() const { return participant_; }
 
  private:
-  dds_entity_t topic(const dds_topic_descriptor_t& type, const char* name) const;
+  dds_entity_t topic(const dds_topic_descriptor_t& type, const std::string& name) const;
 
-  const dds_entity_t domain_;  ///< 0: it is that of another participant
+  const dds_entity_t domain_;  ///< less than 0: it is that of another participant
   const dds_entity_t participant_;
   mutable std::map<std::string, dds_entity_t> topics_;  ///< by their names: dds_find_topic() crashes at times
 };

@@ -2,11 +2,15 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <utility>
 #include <vector>
 
 #include "bench/common/contender.h"
 #include "bench/common/cyclone.h"
+#include "bench/common/message_set.h"
+#include "fixed.h"
 #include "messages.h"
+#include "tests/support/cyclone_cdr.h"
 
 namespace sft::bench {
 
@@ -15,29 +19,53 @@ namespace {
 // The fastest configuration for large samples among those that were tried, with fragments and datagrams of
 // other sizes down to the MTU. It has the largest datagrams, which IP fragments, buffers for several samples
 // at both ends, and as many bytes that are not acknowledged yet.
-constexpr const char* config = R"(
+constexpr const char* fastest = R"(
   <General><MaxMessageSize>65500B</MaxMessageSize><FragmentSize>65000B</FragmentSize></General>
   <Internal>
     <SocketReceiveBufferSize min="16MB"/><SocketSendBufferSize min="4MB"/>
     <Watermarks><WhcHigh>8MB</WhcHigh></Watermarks>
   </Internal>)";
-constexpr const char* memory_config =
+constexpr const char* in_memory =
     "<SharedMemory><Enable>true</Enable><LogLevel>error</LogLevel></SharedMemory>";
+constexpr const char* unicast = "<General><AllowMulticast>spdp</AllowMulticast></General>";
 
-CycloneQos qos_of(const Topic& topic, bool in_memory) {
+struct Ways {
+  std::string config;
+  bool in_memory = false;
+  bool loans = false;  ///< samples have a fixed size
+  bool usual = false;  ///< default settings
+};
+
+CycloneQos qos_of(const Topic& topic, const Ways& ways) {
   CycloneQos qos = cyclone_best_effort();
-  if (topic.reliable) dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_INFINITY);
+  if (topic.durable) {
+    dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_MSECS(100));
+    dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
+    return qos;
+  }
+  if (topic.reliable)
+    dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, ways.usual ? DDS_SECS(1) : DDS_INFINITY);
   // Samples in shared memory need a history of limited depth.
-  if (in_memory) dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, static_cast<std::int32_t>(topic.depth));
-  if (topic.reliable && !in_memory) dds_qset_history(qos.get(), DDS_HISTORY_KEEP_ALL, 0);
+  if (ways.in_memory || ways.usual)
+    dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, static_cast<std::int32_t>(topic.depth));
+  else if (topic.reliable)
+    dds_qset_history(qos.get(), DDS_HISTORY_KEEP_ALL, 0);
   return qos;
 }
 
-const dds_topic_descriptor_t& type_of(const Topic& topic) {
+const dds_topic_descriptor_t& type_of(const Topic& topic, const Ways& ways) {
+  if (topic.messages) return topic.messages->cyclone_type();
+  if (ways.loans) return sft_bench_Fixed_desc;
   return topic.bulk_bytes > 0 ? sft_bench_Bulk_desc : sft_bench_Small_desc;
 }
 
-/// A sample of either type. Both types begin with the number.
+void require_memory(dds_entity_t writer) {
+  if (dds_is_shared_memory_available(writer)) return;
+  std::fprintf(stderr, "Cyclone DDS does not use shared memory\n");
+  std::exit(1);
+}
+
+/// A sample with a number, with which all types of such samples begin.
 union Message {
   sft_bench_Small small{};
   sft_bench_Bulk bulk;
@@ -45,20 +73,23 @@ union Message {
 
 class CycloneWriter : public Writer {
  public:
-  CycloneWriter(const CycloneParticipant& participant, const Topic& topic, bool in_memory)
-      : writer_(participant.writer(type_of(topic), topic.name, qos_of(topic, in_memory).get())),
+  CycloneWriter(const CycloneParticipant& participant, const Topic& topic, const Ways& ways)
+      : writer_(participant.writer(type_of(topic, ways), topic.name, qos_of(topic, ways).get())),
         data_(topic.bulk_bytes, 1) {
-    if (in_memory && !dds_is_shared_memory_available(writer_)) {
-      std::fprintf(stderr, "Cyclone DDS does not use shared memory\n");
-      std::exit(1);
-    }
+    if (ways.in_memory) require_memory(writer_);
     if (topic.bulk_bytes > 0) message_.bulk.data = {topic.bulk_bytes, topic.bulk_bytes, data_.data(), false};
+    if (!topic.messages) return;
+    for (const auto& body : topic.messages->bodies()) {
+      owners_.push_back(std::make_unique<test::CycloneReader>(type_of(topic, ways)));
+      messages_.push_back(owners_.back()->deserialize(body));
+      if (messages_.back() == nullptr) std::abort();
+    }
   }
 
   std::size_t readers() const override { return CycloneParticipant::readers(writer_); }
   void write(std::uint64_t number) override {
     message_.small.number = number;
-    dds_write(writer_, &message_);
+    dds_write(writer_, messages_.empty() ? &message_ : messages_[number]);
   }
   void write_together(std::uint64_t first, std::uint64_t count) override {
     Writer::write_together(first, count);
@@ -69,45 +100,74 @@ class CycloneWriter : public Writer {
   const dds_entity_t writer_;
   std::vector<std::uint8_t> data_;
   Message message_{};
+  std::vector<std::unique_ptr<test::CycloneReader>> owners_;
+  std::vector<const void*> messages_;
+};
+
+class CycloneLoanWriter : public LendingWriter {
+ public:
+  CycloneLoanWriter(const CycloneParticipant& participant, const Topic& topic, const Ways& ways)
+      : writer_(participant.writer(type_of(topic, ways), topic.name, qos_of(topic, ways).get())) {
+    require_memory(writer_);
+  }
+
+  std::size_t readers() const override { return CycloneParticipant::readers(writer_); }
+  void prepare(std::uint64_t number) override {
+    if (dds_loan_sample(writer_, &loan_) != DDS_RETCODE_OK) std::abort();
+    static_cast<sft_bench_Fixed*>(loan_)->number = number;
+  }
+  void publish() override { dds_write(writer_, loan_); }
+
+ private:
+  const dds_entity_t writer_;
+  void* loan_ = nullptr;
 };
 
 /// Takes every sample into the same memory, so that nothing is allocated.
 class CycloneReader : public Reader {
  public:
-  CycloneReader(const CycloneParticipant& participant, const Topic& topic, bool in_memory, Arrived arrived)
-      : arrived_(std::move(arrived)),
-        reader_(participant.reader(type_of(topic), topic.name, qos_of(topic, in_memory).get(),
-                                   arrived_ ? take_all : nullptr, this)),
-        wait_set_(checked(dds_create_waitset(participant.entity()))) {
-    const dds_entity_t unread = checked(dds_create_readcondition(reader_, DDS_ANY_STATE));
-    dds_waitset_attach(wait_set_, unread, 0);
+  CycloneReader(const CycloneParticipant& participant, const Topic& topic, const Ways& ways, Arrived arrived)
+      : participant_(participant),
+        type_(type_of(topic, ways)),
+        arrived_(std::move(arrived)),
+        reader_(participant.reader(type_, topic.name, qos_of(topic, ways).get(),
+                                   arrived_ ? take_all : nullptr, this)) {}
+  ~CycloneReader() override {
+    dds_delete(reader_);  // ends its callbacks before the members are destroyed
+    dds_sample_free(message_, &type_, DDS_FREE_ALL);
   }
-  ~CycloneReader() override { dds_delete(reader_); }  // ends its callbacks before the members are destroyed
-  CycloneReader(const CycloneReader&) = delete;
-  CycloneReader& operator=(const CycloneReader&) = delete;
 
   std::size_t writers() const override { return CycloneParticipant::writers(reader_); }
-  void wait() override { dds_waitset_wait(wait_set_, nullptr, 0, DDS_SECS(1)); }
-  std::uint64_t take() override { return take_from(reader_); }
+  void wait() override {
+    if (wait_set_ == 0) {
+      wait_set_ = checked(dds_create_waitset(participant_.entity()));
+      dds_waitset_attach(wait_set_, checked(dds_create_readcondition(reader_, DDS_ANY_STATE)), 0);
+    }
+    dds_waitset_wait(wait_set_, nullptr, 0, DDS_SECS(1));
+  }
+  std::uint64_t take() override { return take_from(reader_) ? number() : 0; }
 
  private:
   static void take_all(dds_entity_t reader, void* self) {
     auto& that = *static_cast<CycloneReader*>(self);
-    while (const std::uint64_t number = that.take_from(reader)) that.arrived_(number);
+    while (that.take_from(reader)) that.arrived_(that.number());
   }
-  std::uint64_t take_from(dds_entity_t reader) {
-    void* sample = &message_;
+  bool take_from(dds_entity_t reader) {
     dds_sample_info_t info;
-    while (dds_take(reader, &sample, &info, 1, 1) == 1) {
-      if (info.valid_data) return message_.small.number;
+    while (dds_take(reader, &message_, &info, 1, 1) == 1) {
+      if (info.valid_data) return true;
     }
-    return 0;
+    return false;
   }
+  /// Means something only if the sample has a number.
+  std::uint64_t number() const { return *static_cast<const std::uint64_t*>(message_); }
 
+  const CycloneParticipant& participant_;
+  const dds_topic_descriptor_t& type_;
   const Arrived arrived_;
-  Message message_{};
+  void* message_ = dds_alloc(type_.m_size);
   const dds_entity_t reader_;
-  const dds_entity_t wait_set_;
+  dds_entity_t wait_set_ = 0;
 };
 
 /// Cyclone DDS 0.10.5 deprecates this function for a QoS that 0.10.2 does not have.
@@ -120,25 +180,50 @@ void set_batching(bool is_on) {
 
 class CyclonePeer : public Peer {
  public:
-  explicit CyclonePeer(bool in_memory)
-      : in_memory_(in_memory), participant_(in_memory ? memory_config : config) {}
+  explicit CyclonePeer(Ways ways) : ways_(std::move(ways)), participant_(ways_.config) {}
 
   std::unique_ptr<Writer> writer(const Topic& topic) override {
     set_batching(topic.batching);
-    return std::make_unique<CycloneWriter>(participant_, topic, in_memory_);
+    if (ways_.loans) return std::make_unique<CycloneLoanWriter>(participant_, topic, ways_);
+    return std::make_unique<CycloneWriter>(participant_, topic, ways_);
   }
   std::unique_ptr<Reader> reader(const Topic& topic, Arrived arrived) override {
-    return std::make_unique<CycloneReader>(participant_, topic, in_memory_, std::move(arrived));
+    return std::make_unique<CycloneReader>(participant_, topic, ways_, std::move(arrived));
+  }
+  /// Looks for the announcement of a writer.
+  void know_writer(const Topic&) override {
+    constexpr double patience_s = 60;  // many nodes that start at once need time
+    const dds_entity_t announcements = checked(
+        dds_create_reader(participant_.entity(), DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr));
+    const auto announced = [&] {
+      void* sample = nullptr;
+      dds_sample_info_t info;
+      const dds_return_t count = dds_take(announcements, &sample, &info, 1, 1);
+      if (count > 0) dds_return_loan(announcements, &sample, count);
+      return count > 0;
+    };
+    wait_until(announced, patience_s);
+    dds_delete(announcements);
   }
 
  private:
-  const bool in_memory_;
+  const Ways ways_;
   const CycloneParticipant participant_;
 };
 
+std::unique_ptr<Peer> peer(Ways ways) { return std::make_unique<CyclonePeer>(std::move(ways)); }
+
 }  // namespace
 
-std::unique_ptr<Peer> cyclone_peer() { return std::make_unique<CyclonePeer>(false); }
-std::unique_ptr<Peer> cyclone_memory_peer() { return std::make_unique<CyclonePeer>(true); }
+std::unique_ptr<Peer> cyclone_peer() { return peer({.config = fastest}); }
+std::unique_ptr<Peer> cyclone_usual_peer() { return cyclone_peer_with(""); }
+std::unique_ptr<Peer> cyclone_unicast_peer() { return cyclone_peer_with(unicast); }
+std::unique_ptr<Peer> cyclone_peer_with(const std::string& config) {
+  return peer({.config = config, .usual = true});
+}
+std::unique_ptr<Peer> cyclone_memory_peer() { return peer({.config = in_memory, .in_memory = true}); }
+std::unique_ptr<Peer> cyclone_memory_loan_peer() {
+  return peer({.config = in_memory, .in_memory = true, .loans = true});
+}
 
 }  // namespace sft::bench

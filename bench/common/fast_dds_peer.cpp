@@ -1,72 +1,83 @@
+// Fast DDS. A sample is its CDR, which is copied to the wire and from it: that takes less time than the code
+// that Fast DDS's own generator would write.
+#include <algorithm>
+#include <fastdds/dds/core/LoanableSequence.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/common/contender.h"
 #include "bench/common/fast_dds.h"
+#include "bench/common/message_set.h"
 
 namespace sft::bench {
 
 namespace {
 
 namespace dds = fast::dds;
+namespace transports = fast::transports;
 
-struct Small {
-  std::uint64_t number = 0;
-  std::uint8_t data[56] = {};
+struct Ways {
+  bool over_udp = true;
+  bool in_memory = false;
+  bool usual = false;  ///< default settings
+  bool multicast = false;
 };
 
-struct Bulk {
-  std::uint64_t number = 0;
-  std::uint64_t stamp_ns = 0;
-  std::vector<std::uint8_t> data;
+using Body = std::vector<std::byte>;
+
+/// Of a sample of fixed size, whose bytes in memory are those on the wire.
+struct Fixed {
+  std::uint64_t number;
+  std::uint8_t data[sent_cloud_bytes];
 };
 
-class BulkType : public fast::Type<Bulk> {
+class BodyType : public fast::Type<Body> {
  public:
-  /// A participant may have several types, whose names differ, since it makes room for the size of each.
-  explicit BulkType(std::uint32_t data_bytes)
-      : Type(("sft_bench::Bulk" + std::to_string(data_bytes)).c_str(), fixed_bytes + data_bytes) {}
+  /// The types of two topics have different names, since Fast DDS makes room for the size of each.
+  BodyType(const std::string& name, std::size_t bytes)
+      : Type(name.c_str(), static_cast<std::uint32_t>(bytes)) {}
 
  protected:
   void encode(const void* data, fast::rtps::SerializedPayload_t& payload) override {
-    const auto& bulk = *static_cast<const Bulk*>(data);
-    const auto length = static_cast<std::uint32_t>(bulk.data.size());
-    encapsulate(payload, fixed_bytes + length);
-    std::byte* to = body(payload, payload.length).data();
-    std::memcpy(to, &bulk.number, sizeof bulk.number);
-    std::memcpy(to + length_at - sizeof bulk.stamp_ns, &bulk.stamp_ns, sizeof bulk.stamp_ns);
-    std::memcpy(to + length_at, &length, sizeof length);
-    std::memcpy(to + fixed_bytes, bulk.data.data(), length);
+    const auto& from = *static_cast<const Body*>(data);
+    encapsulate(payload, from.size());
+    std::memcpy(body(payload, payload.length).data(), from.data(), from.size());
   }
   bool decode(fast::rtps::SerializedPayload_t& payload, void* data) override {
-    auto& bulk = *static_cast<Bulk*>(data);
     const std::span<const std::byte> from = body(payload, payload.length);
-    if (from.size() < fixed_bytes) return false;
-    std::memcpy(&bulk.number, from.data(), sizeof bulk.number);
-    std::memcpy(&bulk.stamp_ns, from.data() + length_at - sizeof bulk.stamp_ns, sizeof bulk.stamp_ns);
-    bulk.data.resize(from.size() - fixed_bytes);
-    std::memcpy(bulk.data.data(), from.data() + fixed_bytes, bulk.data.size());
+    static_cast<Body*>(data)->assign(from.begin(), from.end());
     return true;
   }
   std::uint32_t encoded_bytes(const void* data) override {
-    const auto length = static_cast<std::uint32_t>(static_cast<const Bulk*>(data)->data.size());
-    return fast::encapsulation_bytes + fixed_bytes + length;
+    return fast::encapsulation_bytes + static_cast<std::uint32_t>(static_cast<const Body*>(data)->size());
   }
-
- private:
-  static constexpr std::uint32_t length_at = 2 * sizeof(std::uint64_t);
-  static constexpr std::uint32_t fixed_bytes = length_at + sizeof(std::uint32_t);
 };
 
-fast::AnyType* type_of(const Topic& topic) {
-  if (topic.bulk_bytes > 0) return new BulkType(topic.bulk_bytes);
-  return new fast::PlainType<Small>("sft_bench::Small");
+/// The bodies that are sent in turns. That of a sample with a number begins with it.
+std::vector<Body> bodies_of(const Topic& topic) {
+  if (topic.messages) return topic.messages->bodies();
+  constexpr std::size_t small_bytes = 64, number_and_stamp_bytes = 16;
+  if (topic.bulk_bytes == 0) return {Body(small_bytes)};
+  Body bulk(number_and_stamp_bytes + sizeof topic.bulk_bytes + topic.bulk_bytes, std::byte{1});
+  std::memcpy(bulk.data() + number_and_stamp_bytes, &topic.bulk_bytes, sizeof topic.bulk_bytes);
+  return {std::move(bulk)};
+}
+
+std::size_t largest(const std::vector<Body>& bodies) {
+  return std::ranges::max(bodies, {}, &Body::size).size();
+}
+
+dds::Topic& topic_of(fast::Participant& participant, const Topic& topic) {
+  return participant.topic(topic.name.c_str(),
+                           new BodyType("sft_bench::" + topic.name, largest(bodies_of(topic))));
 }
 
 /// The transport between hosts, with the largest datagrams, which IP fragments, and buffers for several
 /// samples.
-std::shared_ptr<fast::transports::UDPv4TransportDescriptor> udp() {
-  auto transport = std::make_shared<fast::transports::UDPv4TransportDescriptor>();
+std::shared_ptr<transports::UDPv4TransportDescriptor> udp(const Ways& ways) {
+  auto transport = std::make_shared<transports::UDPv4TransportDescriptor>();
+  if (ways.usual) return transport;
   transport->maxMessageSize = 65'500;
   transport->sendBufferSize = 4 << 20;
   transport->receiveBufferSize = 16 << 20;
@@ -75,120 +86,205 @@ std::shared_ptr<fast::transports::UDPv4TransportDescriptor> udp() {
 
 /// The segment has room for several of the largest samples. Pieces of a megabyte are the fastest: Fast DDS
 /// writes a piece while the reader reads the one before.
-std::shared_ptr<fast::transports::SharedMemTransportDescriptor> shared_memory() {
-  auto transport = std::make_shared<fast::transports::SharedMemTransportDescriptor>();
-  transport->segment_size(64 << 20);
-  transport->max_message_size(1'000'000);
+std::shared_ptr<transports::SharedMemTransportDescriptor> shared_memory(const Ways& ways) {
+  auto transport = std::make_shared<transports::SharedMemTransportDescriptor>();
+  transport->segment_size(ways.usual ? 40'000'000 : 64 << 20);
+  if (!ways.usual) transport->max_message_size(1'000'000);
   return transport;
 }
 
+std::unique_ptr<fast::Participant> open(const Ways& ways) {
+  if (!ways.in_memory) return std::make_unique<fast::Participant>(udp(ways));
+  if (!ways.over_udp) return std::make_unique<fast::Participant>(shared_memory(ways));
+  return std::make_unique<fast::Participant>(shared_memory(ways), udp(ways));
+}
+
 template <class Qos>
-Qos qos_of(const Topic& topic, Qos qos) {
+Qos qos_of(const Topic& topic, const Ways& ways, Qos qos) {
   qos = fast::best_effort(qos);
   qos.data_sharing().off();
+  qos.resource_limits().allocated_samples = 0;  // otherwise it sets aside memory for a hundred of them
+  if (ways.usual) qos.history().depth = static_cast<std::int32_t>(topic.depth);
   if (!topic.reliable) return qos;
   qos.reliability().kind = dds::RELIABLE_RELIABILITY_QOS;
+  if (ways.usual) return qos;
   qos.history().kind = dds::KEEP_ALL_HISTORY_QOS;
   qos.resource_limits().max_samples = static_cast<std::int32_t>(topic.depth);
   qos.resource_limits().max_samples_per_instance = static_cast<std::int32_t>(topic.depth);
   qos.resource_limits().max_instances = 1;
-  qos.resource_limits().allocated_samples = 0;
   return qos;
 }
 
-// Fast DDS sends larger samples over UDP only from a thread of its own.
-constexpr std::uint32_t in_one_datagram_bytes = 60'000;
-
-dds::DataWriterQos writer_qos(const Topic& topic) {
-  dds::DataWriterQos qos = qos_of(topic, dds::DATAWRITER_QOS_DEFAULT);
-  qos.reliability().max_blocking_time = {10, 0};
-  fast::answer_soon(qos);
-  if (topic.bulk_bytes > in_one_datagram_bytes) qos.publish_mode().kind = dds::ASYNCHRONOUS_PUBLISH_MODE;
+dds::DataWriterQos writer_qos(const Topic& topic, const Ways& ways) {
+  constexpr std::size_t in_one_datagram_bytes = 60'000;
+  dds::DataWriterQos qos = qos_of(topic, ways, dds::DATAWRITER_QOS_DEFAULT);
+  if (!ways.usual) {
+    qos.reliability().max_blocking_time = {10, 0};
+    fast::answer_soon(qos);
+  }
+  // Fast DDS sends larger samples over UDP only from a thread of its own.
+  const bool by_a_thread = ways.over_udp || topic.reliable;
+  if (by_a_thread && largest(bodies_of(topic)) > in_one_datagram_bytes)
+    qos.publish_mode().kind = dds::ASYNCHRONOUS_PUBLISH_MODE;
   return qos;
 }
 
-dds::DataReaderQos reader_qos(const Topic& topic) {
-  dds::DataReaderQos qos = qos_of(topic, dds::DATAREADER_QOS_DEFAULT);
-  fast::ask_at_once(qos);
+dds::DataReaderQos reader_qos(const Topic& topic, const Ways& ways) {
+  constexpr std::uint16_t group_port = 7900;
+  dds::DataReaderQos qos = qos_of(topic, ways, dds::DATAREADER_QOS_DEFAULT);
+  if (!ways.usual) fast::ask_at_once(qos);
+  if (ways.multicast) {
+    fast::rtps::Locator_t group;
+    fast::IPLocator::setIPv4(group, 239, 255, 0, 42);
+    group.port = group_port;
+    qos.endpoint().multicast_locator_list.push_back(group);
+  }
   return qos;
 }
 
-template <class T>
 class FastDdsWriter : public Writer {
  public:
-  FastDdsWriter(fast::Participant& participant, const Topic& topic)
-      : writer_(participant.writer(participant.topic(topic.name, type_of(topic)), writer_qos(topic))) {
-    if constexpr (requires { message_.data.resize(1); }) message_.data.resize(topic.bulk_bytes, 1);
-  }
+  FastDdsWriter(fast::Participant& participant, const Topic& topic, const Ways& ways)
+      : writer_(participant.writer(topic_of(participant, topic), writer_qos(topic, ways))),
+        bodies_(bodies_of(topic)),
+        numbered_(!topic.messages),
+        patient_(!ways.usual) {}
 
   std::size_t readers() const override { return fast::readers(writer_); }
   void write(std::uint64_t number) override {
-    message_.number = number;
+    Body& body = bodies_[number % bodies_.size()];
+    if (numbered_) std::memcpy(body.data(), &number, sizeof number);
     // A write into a full history can fail without having waited; it then succeeds the next time.
-    while (!fast::write(writer_, &message_)) {
+    while (!fast::write(writer_, &body) && patient_) {
     }
   }
 
  private:
   dds::DataWriter& writer_;
-  T message_{};
+  std::vector<Body> bodies_;
+  const bool numbered_;
+  const bool patient_;
 };
 
 /// Deserializes every sample into the same memory.
-template <class T>
 class FastDdsReader : public Reader, private dds::DataReaderListener {
  public:
-  FastDdsReader(fast::Participant& participant, const Topic& topic, Arrived arrived)
+  FastDdsReader(fast::Participant& participant, const Topic& topic, const Ways& ways, Arrived arrived)
       : arrived_(std::move(arrived)),
-        reader_(participant.reader(participant.topic(topic.name, type_of(topic)), reader_qos(topic),
+        reader_(participant.reader(topic_of(participant, topic), reader_qos(topic, ways),
                                    arrived_ ? this : nullptr)) {}
   ~FastDdsReader() override { reader_.set_listener(nullptr); }
-  FastDdsReader(const FastDdsReader&) = delete;
-  FastDdsReader& operator=(const FastDdsReader&) = delete;
 
   std::size_t writers() const override { return fast::writers(reader_); }
   void wait() override { reader_.wait_for_unread_message({1, 0}); }
-  std::uint64_t take() override { return take_from(reader_); }
+  std::uint64_t take() override { return take_from(reader_) ? number() : 0; }
 
  private:
   void on_data_available(dds::DataReader* reader) override {
-    while (const std::uint64_t number = take_from(*reader)) arrived_(number);
+    while (take_from(*reader)) arrived_(number());
   }
-  std::uint64_t take_from(dds::DataReader& reader) {
+  bool take_from(dds::DataReader& reader) {
     dds::SampleInfo info;
-    while (fast::is_ok(reader.take_next_sample(&message_, &info))) {
-      if (info.valid_data) return message_.number;
+    while (fast::is_ok(reader.take_next_sample(&body_, &info))) {
+      if (info.valid_data) return true;
     }
-    return 0;
+    return false;
+  }
+  /// Means something only if the sample has a number.
+  std::uint64_t number() const {
+    std::uint64_t number = 0;
+    std::memcpy(&number, body_.data(), std::min(sizeof number, body_.size()));
+    return number;
   }
 
   const Arrived arrived_;
-  T message_{};
+  Body body_;
   dds::DataReader& reader_;
 };
 
 class FastDdsPeer : public Peer {
  public:
-  template <class Transport>
-  explicit FastDdsPeer(Transport transport) : participant_(std::move(transport)) {}
+  explicit FastDdsPeer(const Ways& ways) : ways_(ways), participant_(open(ways)) {}
 
   std::unique_ptr<Writer> writer(const Topic& topic) override {
-    if (topic.bulk_bytes > 0) return std::make_unique<FastDdsWriter<Bulk>>(participant_, topic);
-    return std::make_unique<FastDdsWriter<Small>>(participant_, topic);
+    return std::make_unique<FastDdsWriter>(*participant_, topic, ways_);
   }
   std::unique_ptr<Reader> reader(const Topic& topic, Arrived arrived) override {
-    if (topic.bulk_bytes > 0)
-      return std::make_unique<FastDdsReader<Bulk>>(participant_, topic, std::move(arrived));
-    return std::make_unique<FastDdsReader<Small>>(participant_, topic, std::move(arrived));
+    return std::make_unique<FastDdsReader>(*participant_, topic, ways_, std::move(arrived));
   }
 
  private:
-  fast::Participant participant_;
+  const Ways ways_;
+  const std::unique_ptr<fast::Participant> participant_;
 };
+
+class LoanWriter : public LendingWriter {
+ public:
+  explicit LoanWriter(dds::DataWriter& writer) : writer_(writer) {}
+  std::size_t readers() const override { return fast::readers(writer_); }
+  void prepare(std::uint64_t number) override {
+    if (!fast::is_ok(writer_.loan_sample(loan_))) fast::give_up("no loan");
+    static_cast<Fixed*>(loan_)->number = number;
+  }
+  void publish() override { fast::write(writer_, loan_); }
+
+ private:
+  dds::DataWriter& writer_;
+  void* loan_ = nullptr;
+};
+
+/// Reads samples in place.
+class LoanReader : public Reader, private dds::DataReaderListener {
+ public:
+  LoanReader(fast::Participant& participant, dds::Topic& topic, Arrived arrived)
+      : arrived_(std::move(arrived)),
+        reader_(participant.reader(topic, fast::best_effort(dds::DATAREADER_QOS_DEFAULT), this)) {}
+  ~LoanReader() override { reader_.set_listener(nullptr); }
+  std::size_t writers() const override { return fast::writers(reader_); }
+
+ private:
+  void on_data_available(dds::DataReader* reader) override {
+    dds::LoanableSequence<Fixed> samples;
+    dds::SampleInfoSeq infos;
+    while (fast::is_ok(reader->take(samples, infos))) {
+      for (dds::LoanableCollection::size_type i = 0; i < infos.length(); ++i) {
+        if (infos[i].valid_data) arrived_(samples[i].number);
+      }
+      reader->return_loan(samples, infos);
+    }
+  }
+
+  const Arrived arrived_;
+  dds::DataReader& reader_;
+};
+
+class FastDdsLoanPeer : public Peer {
+ public:
+  std::unique_ptr<Writer> writer(const Topic& topic) override {
+    return std::make_unique<LoanWriter>(
+        participant_.writer(fixed_topic(topic), fast::best_effort(dds::DATAWRITER_QOS_DEFAULT)));
+  }
+  std::unique_ptr<Reader> reader(const Topic& topic, Arrived arrived) override {
+    return std::make_unique<LoanReader>(participant_, fixed_topic(topic), std::move(arrived));
+  }
+
+ private:
+  dds::Topic& fixed_topic(const Topic& topic) {
+    return participant_.topic(topic.name.c_str(), new fast::PlainType<Fixed>("sft_bench::Fixed"));
+  }
+
+  fast::Participant participant_{shared_memory({.over_udp = false, .in_memory = true})};
+};
+
+std::unique_ptr<Peer> peer(const Ways& ways) { return std::make_unique<FastDdsPeer>(ways); }
 
 }  // namespace
 
-std::unique_ptr<Peer> fast_dds_peer() { return std::make_unique<FastDdsPeer>(udp()); }
-std::unique_ptr<Peer> fast_dds_memory_peer() { return std::make_unique<FastDdsPeer>(shared_memory()); }
+std::unique_ptr<Peer> fast_dds_peer() { return peer({}); }
+std::unique_ptr<Peer> fast_dds_usual_peer() { return peer({.usual = true}); }
+std::unique_ptr<Peer> fast_dds_multicast_peer() { return peer({.usual = true, .multicast = true}); }
+std::unique_ptr<Peer> fast_dds_local_peer() { return peer({.in_memory = true, .usual = true}); }
+std::unique_ptr<Peer> fast_dds_memory_peer() { return peer({.over_udp = false, .in_memory = true}); }
+std::unique_ptr<Peer> fast_dds_memory_loan_peer() { return std::make_unique<FastDdsLoanPeer>(); }
 
 }  // namespace sft::bench

@@ -1,49 +1,100 @@
+// iceoryx as its own examples use it, in sftd's memory.
+#include <unistd.h>
+
 #include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <iceoryx_hoofs/log/logmanager.hpp>
+#include <iceoryx_posh/popo/untyped_publisher.hpp>
+#include <iceoryx_posh/popo/untyped_subscriber.hpp>
+#include <iceoryx_posh/popo/wait_set.hpp>
+#include <iceoryx_posh/runtime/posh_runtime.hpp>
+#include <string>
 #include <vector>
 
 #include "bench/common/contender.h"
-#include "bench/common/raw_iceoryx.h"
 
 namespace sft::bench {
 
 namespace {
 
-RawIceoryxTopic topic_of(const Topic& topic) {
-  return {.name = topic.name, .waits = topic.reliable, .depth = topic.depth};
+/// Joins sftd before it makes a port. sftd serves only programs whose names begin with "sft_".
+iox::capro::ServiceDescription service(const Topic& topic) {
+  iox::log::LogManager::GetLogManager().SetDefaultLogLevel(iox::log::LogLevel::kOff,
+                                                           iox::log::LogLevelOutput::kHideLogLevel);
+  iox::runtime::PoshRuntime::initRuntime(
+      iox::RuntimeName_t(iox::cxx::TruncateToCapacity, "sft_raw_" + std::to_string(getpid())));
+  return {"bench", "memory", iox::capro::IdString_t(iox::cxx::TruncateToCapacity, topic.name)};
 }
 
-class IceoryxWriter : public Writer {
+iox::popo::PublisherOptions writer_options(const Topic& topic) {
+  iox::popo::PublisherOptions options;
+  if (topic.reliable) options.subscriberTooSlowPolicy = iox::popo::ConsumerTooSlowPolicy::WAIT_FOR_CONSUMER;
+  return options;
+}
+
+iox::popo::SubscriberOptions reader_options(const Topic& topic) {
+  iox::popo::SubscriberOptions options;
+  options.queueCapacity = topic.depth;
+  if (topic.reliable) options.queueFullPolicy = iox::popo::QueueFullPolicy::BLOCK_PRODUCER;
+  return options;
+}
+
+class IceoryxWriter : public LendingWriter {
  public:
   IceoryxWriter(const Topic& topic, bool copies)
-      : writer_(topic.bulk_bytes, topic_of(topic)),
+      : publisher_(service(topic), writer_options(topic)),
+        bytes_(topic.bulk_bytes),
         data_(copies ? topic.bulk_bytes - sizeof(std::uint64_t) : 0, std::byte{1}),
         readers_(topic.readers) {}
 
-  std::size_t readers() const override { return writer_.serves(readers_) ? readers_ : 0; }
-  void write(std::uint64_t number) override {
-    writer_.prepare(number);
-    std::ranges::copy(data_, writer_.message().begin() + sizeof number);
-    writer_.publish();
+  /// All or none, since iceoryx does not say how many there are. Each reader knows its own state.
+  std::size_t readers() const override { return publisher_.hasSubscribers() ? readers_ : 0; }
+  void prepare(std::uint64_t number) override {
+    publisher_.loan(bytes_).and_then([&](void* chunk) { chunk_ = chunk; }).or_else([](auto) {
+      std::abort();
+    });
+    std::memcpy(chunk_, &number, sizeof number);
+    std::ranges::copy(data_, static_cast<std::byte*>(chunk_) + sizeof number);
   }
+  void publish() override { publisher_.publish(chunk_); }
 
  private:
-  RawIceoryxWriter writer_;
+  iox::popo::UntypedPublisher publisher_;
+  const std::uint32_t bytes_;
   const std::vector<std::byte> data_;  ///< what is copied into each loan; empty if nothing is
   const std::size_t readers_;
+  void* chunk_ = nullptr;
 };
 
+/// Sleeps in a WaitSet.
 class IceoryxReader : public Reader {
  public:
-  explicit IceoryxReader(const Topic& topic) : reader_(topic_of(topic)), spinning_(topic.spinning) {}
-
-  std::size_t writers() const override { return reader_.writers(); }
-  void wait() override {
-    if (!spinning_) reader_.wait();
+  explicit IceoryxReader(const Topic& topic)
+      : subscriber_(service(topic), reader_options(topic)), spinning_(topic.spinning) {
+    wait_set_.attachState(subscriber_, iox::popo::SubscriberState::HAS_DATA).or_else([](auto) {
+      std::abort();
+    });
   }
-  std::uint64_t take() override { return reader_.take(); }
+
+  std::size_t writers() const override {
+    return subscriber_.getSubscriptionState() == iox::SubscribeState::SUBSCRIBED ? 1 : 0;
+  }
+  void wait() override {
+    if (!spinning_) wait_set_.wait();
+  }
+  std::uint64_t take() override {
+    std::uint64_t number = 0;
+    subscriber_.take().and_then([&](const void* chunk) {
+      std::memcpy(&number, chunk, sizeof number);
+      subscriber_.release(chunk);
+    });
+    return number;
+  }
 
  private:
-  RawIceoryxReader reader_;
+  iox::popo::UntypedSubscriber subscriber_;
+  iox::popo::WaitSet<> wait_set_;
   const bool spinning_;  ///< the caller does, which calls take() until a sample comes
 };
 

@@ -1,7 +1,6 @@
 #include "bench/common/program.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <iterator>
@@ -14,13 +13,9 @@ namespace sft::bench {
 Program::Program(const std::string& description, std::vector<Group> groups)
     : options_(description), groups_(std::move(groups)) {
   std::vector<std::string> names;
-  for (const Group& group : groups_) {
-    names.push_back(group.name);
-    std::ranges::copy_if(group.figures, std::back_inserter(names),
-                         [&](const std::string& figure) { return figure != group.name; });
-  }
+  for (const Group& group : groups_) names.push_back(group.name);
   options_.add_option("--json", json_, "also write the figures as JSON to this file");
-  options_.add_option("--only", only_, "these groups, or figures, only: NAME,NAME")
+  options_.add_option("--only", only_, "these groups only: NAME,NAME")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(CLI::IsMember(names));
@@ -29,8 +24,6 @@ Program::Program(const std::string& description, std::vector<Group> groups)
 std::optional<int> Program::parse(int argc, char** argv) {
   try {
     options_.parse(argc, argv);
-    if (const std::string refusal = refusal_of_trace(); !refusal.empty())
-      throw CLI::ValidationError("--trace", refusal);
   } catch (const CLI::ParseError& error) {
     return options_.exit(error);
   }
@@ -40,43 +33,18 @@ std::optional<int> Program::parse(int argc, char** argv) {
   return 1;
 }
 
-bool Program::chosen(const std::string& name) const {
-  return only_.empty() || std::ranges::find(only_, name) != only_.end();
-}
-
 bool Program::is_chosen(const Group& group) const {
-  return chosen(group.name) ||
-         std::ranges::any_of(group.figures, [&](const std::string& figure) { return chosen(figure); });
-}
-
-void Program::add_trace(bool& trace, const std::string& what) {
-  trace_ = options_.add_flag("--trace", trace, what);
-}
-
-std::string Program::refusal_of_trace() const {
-  if (trace_ == nullptr || trace_->count() == 0 || only_.empty()) return "";
-  std::vector<std::string> with, without;
-  for (const Group& group : groups_) {
-    if (group.has_trace) with.push_back(group.name);
-    if (!group.has_trace && is_chosen(group)) without.push_back(group.name);
-  }
-  if (without.empty()) return "";
-  return fmt::format("there is no trace of {}, only of {}", fmt::join(without, ", "), fmt::join(with, ", "));
-}
-
-void Program::measure(const Group& group, std::vector<Figure>& to) const {
-  if (!is_chosen(group)) return;
-  const bool all = chosen(group.name);
-  fmt::print(stderr, "measuring {} ...\n", group.name);
-  for (Figure& figure : group.measure()) {
-    if (all || chosen(figure.name)) to.push_back(std::move(figure));
-  }
+  return only_.empty() || std::ranges::find(only_, group.name) != only_.end();
 }
 
 int Program::run() {
   const Noise noise;
   std::vector<Figure> figures;
-  for (const Group& group : groups_) measure(group, figures);
+  for (const Group& group : groups_) {
+    if (!is_chosen(group)) continue;
+    fmt::print(stderr, "measuring {} ...\n", group.name);
+    std::ranges::move(group.measure(), std::back_inserter(figures));
+  }
   if (has_table_) print_table(figures);
   print_missed_bounds(figures);
   const Noise::Shares shares = noise.shares();

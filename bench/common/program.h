@@ -16,8 +16,6 @@ namespace sft::bench {
 struct Group {
   std::string name;
   std::function<std::vector<Figure>()> measure;
-  std::vector<std::string> figures{};  ///< the names of figures that --only takes beside that of the group
-  bool has_trace = false;              ///< it can print where time went
 };
 
 class Program {
@@ -27,9 +25,6 @@ class Program {
 
   /// Takes the options of the benchmark, besides --json and --only.
   CLI::App& options() { return options_; }
-
-  /// Adds the option --trace, which is refused with a group that has no trace.
-  void add_trace(bool& trace, const std::string& what);
 
   /// For a benchmark whose groups print tables of their own.
   void leave_out_table() { has_table_ = false; }
@@ -41,18 +36,12 @@ class Program {
   int run();
 
  private:
-  bool chosen(const std::string& name) const;
   bool is_chosen(const Group& group) const;
-  /// Why --trace cannot be given; empty if it can.
-  std::string refusal_of_trace() const;
-  /// Measures the group, or the figures of it that were chosen, or nothing.
-  void measure(const Group& group, std::vector<Figure>& to) const;
 
   CLI::App options_;
   std::vector<Group> groups_;
   std::vector<std::string> only_;
   std::string json_;
-  CLI::Option* trace_ = nullptr;
   bool has_table_ = true;
   std::ofstream file_;
 };

@@ -1,23 +1,35 @@
 #include <sft/sft.h>
 #include <algorithm>
 #include <messages.hpp>
-#include <span>
+#include <utility>
 #include <vector>
 
-#include "bench/common/contender.h"
-#include "bench/common/contest.h"
+#include "bench/common/cloud.h"
+#include "bench/common/message_set.h"
 #include "bench/common/node_options.h"
+#include "bench/common/sft_endpoints.h"
+#include "sft/detail/type_description.h"
 
 namespace sft::bench {
 
 namespace {
 
+using sensor_msgs::msg::PointCloud2;
 using sft_bench::Bulk;
 using sft_bench::Small;
 using F = Bulk::Field;
+using CloudField = PointCloud2::Field;
 
-Small message(const Topic&, const Small*) { return {}; }
-Bulk message(const Topic& topic, const Bulk*) {
+struct Ways {
+  TransportChoice transport = TransportChoice::udp;
+  bool loans = false;
+  bool clouds = false;  ///< bulk samples are point clouds
+  bool usual = false;   ///< default settings
+  bool multicast = true;
+  std::size_t receive_buffer_bytes = UdpSettings{}.receive_buffer_bytes;
+};
+
+Bulk bulk(const Topic& topic) {
   Bulk bulk;
   bulk.data.resize(topic.bulk_bytes, 1);
   return bulk;
@@ -27,154 +39,218 @@ Reliability reliability(const Topic& topic) {
   return topic.reliable ? Reliability::reliable : Reliability::best_effort;
 }
 
-/// The publisher waits for a reader that does not keep up, as those of other contenders do.
-PublisherOptions publisher_options(const Topic& topic) {
-  return {.reliability = reliability(topic), .max_blocking = std::chrono::seconds(1)};
+Durability durability(const Topic& topic) {
+  return topic.durable ? Durability::transient_local : Durability::volatile_;
 }
 
-template <class T>
-std::size_t served_by(const Publisher<T>& publisher) {
-  const std::vector<PublisherStatus::Reader> readers = publisher.status().readers;
-  return static_cast<std::size_t>(std::ranges::count_if(readers, &PublisherStatus::Reader::served));
+/// Unless it has its default settings, the publisher waits for a reader that does not keep up, as those of
+/// other contenders do.
+PublisherOptions publisher_options(const Topic& topic, const Ways& ways) {
+  PublisherOptions options{.reliability = reliability(topic), .durability = durability(topic)};
+  if (!ways.usual) options.max_blocking = std::chrono::seconds(1);
+  if (topic.messages)
+    options.max_sample_bytes = std::max(options.max_sample_bytes, topic.messages->largest());
+  return options;
 }
 
-template <class T>
-class SftWriter : public Writer {
- public:
-  SftWriter(Node& node, const Topic& topic)
-      : publisher_(node.publisher<T>(topic.name, publisher_options(topic)).value()),
-        message_(message(topic, static_cast<const T*>(nullptr))) {}
-
-  std::size_t readers() const override { return served_by(publisher_); }
-  void write(std::uint64_t number) override {
-    message_.number = number;
-    publisher_.publish(message_);
-  }
-  void write_together(std::uint64_t first, std::uint64_t count) override {
-    together_.resize(count, message_);
-    for (T& m : together_) m.number = first++;
-    publisher_.publish(std::span<const T>(together_));
-  }
-
- private:
-  Publisher<T> publisher_;
-  T message_;
-  std::vector<T> together_;
-};
+SubscriberOptions subscriber_options(const Topic& topic) {
+  SubscriberOptions options{
+      .reliability = reliability(topic), .durability = durability(topic), .depth = topic.depth};
+  if (topic.spinning) options.spin = std::chrono::seconds(1);
+  if (topic.spin) options.spin = *topic.spin;
+  return options;
+}
 
 /// Makes samples in the memory from which they are sent. Writes only the number each time, since in a driver
 /// the device writes the rest.
-class SftLoanWriter : public Writer {
+class SftLoanWriter : public LendingWriter {
  public:
-  SftLoanWriter(Node& node, const Topic& topic)
-      : publisher_(node.publisher<Bulk>(topic.name, publisher_options(topic)).value()),
-        data_bytes_(topic.bulk_bytes) {}
+  SftLoanWriter(Node& node, const Topic& topic, const PublisherOptions& options)
+      : publisher_(node.publisher<Bulk>(topic.name, options).value()), data_bytes_(topic.bulk_bytes) {}
 
   std::size_t readers() const override { return served_by(publisher_); }
-  void write(std::uint64_t number) override {
+  void prepare(std::uint64_t number) override {
     prototype_.number = number;
-    auto loan = publisher_.loan_for_overwrite(prototype_, {.data = data_bytes_}).value();
-    const auto data = loan->data();
+    loan_ = publisher_.loan_for_overwrite(prototype_, {.data = data_bytes_}).value();
+    const auto data = (*loan_)->data();
     if (data.back() != written) std::ranges::fill(data, written);  // only the first time
-    std::move(loan).publish();
   }
+  void publish() override { std::move(*loan_).publish(); }
 
  private:
   static constexpr std::uint8_t written = 1;
   Publisher<Bulk> publisher_;
   Bulk prototype_;
   const std::uint32_t data_bytes_;
+  std::optional<Loan<Bulk>> loan_;
 };
 
-SubscriberOptions subscriber_options(const Topic& topic) {
-  SubscriberOptions options{.reliability = reliability(topic), .depth = topic.depth};
-  if (topic.spinning) options.spin = std::chrono::seconds(1);
-  if (topic.sleeps_at_once) options.spin = std::chrono::nanoseconds(0);
-  return options;
-}
-
-/// Reads what the program asks for, and returns the number.
-template <class S>
-std::uint64_t read(const S& sample) {
-  if constexpr (requires { sample->data().back(); }) {
-    if (const auto data = sample->data(); !data.empty()) keep(data.back());
-  }
-  if constexpr (requires { sample->stamp_ns(); }) keep(sample->stamp_ns());
-  return sample->number();
-}
-
-/// Reads the fields `requirement` of messages of type T.
-template <class T, Req<T> requirement = Req<T>(all<T>)>
-class SftReader : public Reader {
+/// Publishes loans of clouds. Does not write their data.
+class CloudLoanWriter : public LendingWriter {
  public:
-  SftReader(Node& node, const Topic& topic, Arrived arrived)
-      : subscriber_((arrived ? node.subscriber<T, requirement>(topic.name, tell(std::move(arrived)),
-                                                               subscriber_options(topic))
-                             : node.subscriber<T, requirement>(topic.name, subscriber_options(topic)))
-                        .value()) {}
+  CloudLoanWriter(Node& node, const Topic& topic)
+      : publisher_(node.publisher<PointCloud2>(topic.name).value()), data_bytes_(topic.bulk_bytes) {}
 
-  std::size_t writers() const override {
-    const std::vector<SubscriberStatus::Writer> writers = subscriber_.status().writers;
-    return static_cast<std::size_t>(std::ranges::count_if(writers, &SubscriberStatus::Writer::connected));
+  std::size_t readers() const override { return served_by(publisher_); }
+  void prepare(std::uint64_t number) override {
+    loan_ = publisher_.loan_for_overwrite(prototype_, {.data = data_bytes_}).value();
+    loan_->set(CloudField::width, static_cast<std::uint32_t>(number));
   }
+  void publish() override { std::move(*loan_).publish(); }
+
+ private:
+  Publisher<PointCloud2> publisher_;
+  const PointCloud2 prototype_ = cloud(0);
+  const std::uint32_t data_bytes_;
+  std::optional<Loan<PointCloud2>> loan_;
+};
+
+/// Publishes a cloud in the program's own memory.
+class CloudWriter : public LendingWriter {
+ public:
+  CloudWriter(Node& node, const Topic& topic)
+      : publisher_(node.publisher<PointCloud2>(topic.name).value()), cloud_(cloud(topic.bulk_bytes)) {}
+
+  std::size_t readers() const override { return served_by(publisher_); }
+  void prepare(std::uint64_t number) override { cloud_.width = static_cast<std::uint32_t>(number); }
+  void publish() override { publisher_.publish(cloud_); }
+
+ private:
+  Publisher<PointCloud2> publisher_;
+  PointCloud2 cloud_;
+};
+
+/// Reads the height and width of a cloud, which has so many points as the number of the sample.
+class CloudReader : public Reader {
+ public:
+  CloudReader(Node& node, const Topic& topic)
+      : subscriber_(
+            node.subscriber<PointCloud2, CloudField::height | CloudField::width>(topic.name).value()) {}
+
+  std::size_t writers() const override { return connected_to(subscriber_.status()); }
   void wait() override { subscriber_.wait(std::chrono::seconds(1)); }
   std::uint64_t take() override {
     const auto sample = subscriber_.take();
-    return sample ? read(sample) : 0;
+    return sample ? std::uint64_t{sample->height()} * sample->width() : 0;
   }
 
  private:
-  static auto tell(Arrived arrived) {
-    return
-        [arrived = std::move(arrived)](const Sample<T, requirement>& sample) { arrived(sample->number()); };
+  Subscriber<PointCloud2, CloudField::height | CloudField::width> subscriber_;
+};
+
+/// Calls the getters of all leaves of a part of a sample.
+void read_all(const DynamicView& part) {
+  if (part.is_struct()) {
+    for (const DynamicView& member : part.members()) read_all(member);
+  } else if (part.is_collection() && part.type() != nullptr) {
+    for (const DynamicView& element : part.elements()) read_all(element);
+  } else {
+    (void)static_cast<bool>(part);
+  }
+}
+
+void read_fields(const DynamicSample& sample, FieldSet fields) {
+  if (fields == 0) return;
+  for (const DynamicView& member : sample.view().members()) {
+    if ((fields & 1) != 0) read_all(member);
+    fields >>= 1;
+  }
+}
+
+/// Reads some fields of messages.
+class SftFieldReader : public Reader {
+ public:
+  SftFieldReader(Node& node, const Topic& topic, Arrived arrived)
+      : node_(node), topic_(topic), arrived_(std::move(arrived)) {
+    ask_for(topic.wanted.fields.value_or("*"));
   }
 
-  Subscriber<T, requirement> subscriber_;
+  std::size_t writers() const override { return connected_to(subscriber_->status()); }
+  void ask_for(const std::string& fields) override {
+    auto callback = [read = topic_.wanted.read, arrived = arrived_](const DynamicSample& sample) {
+      read_fields(sample, read);
+      arrived(0);
+    };
+    const SubscriberOptions options = subscriber_options(topic_);
+    subscriber_.reset();
+    subscriber_ =
+        (topic_.wanted.recorded ? node_.subscriber(topic_.name, type_, recorded, options, std::move(callback))
+                                : node_.subscriber(topic_.name, type_, fields, options, std::move(callback)))
+            .value();
+  }
+
+ private:
+  Node& node_;
+  const Topic topic_;
+  const DynamicType type_ = DynamicType::parse(detail::describe(topic_.messages->type().type())).value();
+  const Arrived arrived_;
+  std::optional<DynamicSubscriber> subscriber_;
 };
 
 class SftPeer : public Peer {
  public:
-  struct Ways {
-    TransportChoice transport = TransportChoice::udp;
-    bool loans = false;
-    std::size_t receive_buffer_bytes = UdpSettings{}.receive_buffer_bytes;
-  };
-
-  explicit SftPeer(const Ways& ways) : loans_(ways.loans), node_(open(ways)) {}
+  explicit SftPeer(const Ways& ways) : ways_(ways), node_(open(ways)) {}
 
   std::unique_ptr<Writer> writer(const Topic& topic) override {
-    if (loans_) return std::make_unique<SftLoanWriter>(node_, topic);
-    if (topic.bulk_bytes > 0) return std::make_unique<SftWriter<Bulk>>(node_, topic);
-    return std::make_unique<SftWriter<Small>>(node_, topic);
+    const PublisherOptions options = publisher_options(topic, ways_);
+    if (topic.messages) return topic.messages->writer(node_, topic.name, options);
+    if (ways_.clouds && ways_.loans) return std::make_unique<CloudLoanWriter>(node_, topic);
+    if (ways_.clouds) return std::make_unique<CloudWriter>(node_, topic);
+    if (ways_.loans) return std::make_unique<SftLoanWriter>(node_, topic, options);
+    if (topic.bulk_bytes > 0)
+      return std::make_unique<SftWriter<Bulk>>(node_, topic.name, options, std::vector{bulk(topic)});
+    return std::make_unique<SftWriter<Small>>(node_, topic.name, options, std::vector<Small>(1));
   }
   std::unique_ptr<Reader> reader(const Topic& topic, Arrived arrived) override {
+    const SubscriberOptions options = subscriber_options(topic);
+    if (topic.messages && !topic.wanted.fields && !topic.wanted.recorded)
+      return topic.messages->reader(node_, topic.name, options, std::move(arrived));
+    if (topic.messages) return std::make_unique<SftFieldReader>(node_, topic, std::move(arrived));
+    if (ways_.clouds) return std::make_unique<CloudReader>(node_, topic);
     if (topic.bulk_bytes > 0 && topic.two_fields)
-      return std::make_unique<SftReader<Bulk, F::number | F::stamp_ns>>(node_, topic, std::move(arrived));
-    if (topic.bulk_bytes > 0) return std::make_unique<SftReader<Bulk>>(node_, topic, std::move(arrived));
-    return std::make_unique<SftReader<Small>>(node_, topic, std::move(arrived));
+      return std::make_unique<SftReader<Bulk, F::number | F::stamp_ns>>(node_, topic.name, options,
+                                                                        std::move(arrived));
+    if (topic.bulk_bytes > 0)
+      return std::make_unique<SftReader<Bulk>>(node_, topic.name, options, std::move(arrived));
+    return std::make_unique<SftReader<Small>>(node_, topic.name, options, std::move(arrived));
+  }
+  void know_writer(const Topic& topic) override {
+    constexpr std::chrono::seconds patience{60};  // many nodes that start at once need time
+    (void)node_.find_type(topic.name, patience).value();
   }
 
  private:
   static Node open(const Ways& ways) {
     NodeOptions options = node_options("bench", ways.transport);
+    if (ways.usual) options = {.name = "bench", .transport = ways.transport};
     options.udp.receive_buffer_bytes = ways.receive_buffer_bytes;
+    if (!ways.multicast) options.udp.multicast = UdpSettings::Multicast::off;
     return Node::open(options).value();
   }
 
-  const bool loans_;
+  const Ways ways_;
   Node node_;
 };
 
-std::unique_ptr<Peer> peer(const SftPeer::Ways& ways) { return std::make_unique<SftPeer>(ways); }
+std::unique_ptr<Peer> peer(const Ways& ways) { return std::make_unique<SftPeer>(ways); }
 
 }  // namespace
 
 std::unique_ptr<Peer> sft_peer() { return peer({}); }
 std::unique_ptr<Peer> sft_loan_peer() { return peer({.loans = true}); }
 std::unique_ptr<Peer> sft_small_buffer_peer() { return peer({.receive_buffer_bytes = 4 << 20}); }
+std::unique_ptr<Peer> sft_usual_peer() { return peer({.usual = true}); }
+std::unique_ptr<Peer> sft_unicast_peer() { return peer({.usual = true, .multicast = false}); }
+std::unique_ptr<Peer> sft_local_peer() {
+  return peer({.transport = TransportChoice::automatic, .usual = true});
+}
 std::unique_ptr<Peer> sft_memory_peer() { return peer({.transport = TransportChoice::shm}); }
 std::unique_ptr<Peer> sft_memory_loan_peer() {
   return peer({.transport = TransportChoice::shm, .loans = true});
+}
+std::unique_ptr<Peer> sft_cloud_peer() { return peer({.transport = TransportChoice::shm, .clouds = true}); }
+std::unique_ptr<Peer> sft_cloud_loan_peer() {
+  return peer({.transport = TransportChoice::shm, .loans = true, .clouds = true});
 }
 
 }  // namespace sft::bench

@@ -1,11 +1,14 @@
 #include "bench/isolation/course.h"
 
+#include <fmt/format.h>
+
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
+#include <utility>
 #include <vector>
 
 #include "bench/common/pair.h"
-#include "bench/isolation/link.h"
 #include "bench/isolation/pipeline.h"
 
 namespace sft::bench::isolation {
@@ -22,6 +25,61 @@ struct Watched {
   Numbers numbers;
   Resources resources;
 };
+
+constexpr int lossy_percent = 20;
+constexpr int narrow_mbit_s = 50;
+
+void check(const Result<void>& done) {
+  if (done) return;
+  std::fprintf(stderr, "the link of the remote reader cannot be changed: %s\n", done.error().message.c_str());
+  std::exit(1);
+}
+
+/// The link of the remote reader's host, which can become bad. Ends the program with a message where the
+/// system cannot do what is asked for.
+class Link {
+ public:
+  Link(std::shared_ptr<const hosts::EmulatedNetwork> network, std::size_t host)
+      : network_(std::move(network)), host_(host) {}
+
+  /// The host loses `lossy_percent` of the packets that arrive, each by chance (nftables).
+  void make_lossy() const;
+  /// The switch passes no more than `narrow_mbit_s` on to the host. It queues 50 ms of it, and drops the rest
+  /// (the token bucket filter of tc).
+  void make_narrow() const;
+  // These functions end that.
+  void lose_nothing() const;
+  void widen() const;
+
+ private:
+  const std::shared_ptr<const hosts::EmulatedNetwork> network_;
+  const std::size_t host_;
+};
+
+void Link::make_lossy() const {
+  check(network_->host(host_).run({"nft", "-f", "-"},
+                                  fmt::format("table netdev loss {{\n"
+                                              "  chain arriving {{\n"
+                                              "    type filter hook ingress device {} priority 0;\n"
+                                              "    numgen random mod 100 < {} drop\n"
+                                              "  }}\n"
+                                              "}}\n",
+                                              hosts::host_interface, lossy_percent)));
+}
+
+void Link::lose_nothing() const {
+  check(network_->host(host_).run({"nft", "delete", "table", "netdev", "loss"}));
+}
+
+void Link::make_narrow() const {
+  check(network_->run_on_switch({"tc", "qdisc", "add", "dev", hosts::EmulatedNetwork::port(host_), "root",
+                                 "tbf", "rate", fmt::format("{}mbit", narrow_mbit_s), "burst", "16kb",
+                                 "latency", "50ms"}));
+}
+
+void Link::widen() const {
+  check(network_->run_on_switch({"tc", "qdisc", "del", "dev", hosts::EmulatedNetwork::port(host_), "root"}));
+}
 
 /// What happens to the remote reader.
 class Remote {

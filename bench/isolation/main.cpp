@@ -38,7 +38,7 @@ class Study {
     }
     fmt::print("{}", legend());
     for (const Middleware middleware : all_middleware) {
-      const Contender contender{middleware, reliable};
+      const isolation::Contender contender{middleware, reliable};
       if (results_.has(contender)) fmt::print("{}", table(results_, contender));
     }
     fmt::print("\n");

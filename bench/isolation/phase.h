@@ -23,6 +23,9 @@ inline constexpr std::array disturbances{Phase::joined, Phase::stalled, Phase::l
                                          Phase::killed};
 
 /// The name in tables and figures: "joined".
-std::string name_of(Phase phase);
+inline std::string name_of(Phase phase) {
+  constexpr std::array names{"alone", "again", "joined", "stalled", "lossy", "narrow", "killed"};
+  return names[static_cast<std::size_t>(phase)];
+}
 
 }  // namespace sft::bench::isolation

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <csignal>
 #include <utility>
 
@@ -16,6 +17,21 @@ namespace sft::bench::isolation {
 namespace {
 
 constexpr std::int64_t poll_us = 10'000;
+constexpr std::array topic_names{"camera", "lidar"};
+
+Topic topic_of(const char* name, const Contender& contender) {
+  constexpr std::uint32_t depth = 4;
+  return {.name = name, .bulk_bytes = sent_cloud_bytes, .reliable = contender.reliable, .depth = depth};
+}
+
+/// Opens the contender with its default settings. SFT has shared memory within the host, and so has Fast DDS;
+/// Cyclone DDS has UDP there, too. The hosts have a network of their own each, and one memory together, in
+/// which a remote reader must not look for samples.
+std::unique_ptr<Peer> open(Middleware middleware, bool is_remote) {
+  if (middleware == Middleware::sft) return is_remote ? sft_usual_peer() : sft_local_peer();
+  if (middleware == Middleware::cyclone) return cyclone_usual_peer();
+  return is_remote ? fast_dds_usual_peer() : fast_dds_local_peer();
+}
 
 /// The page faults of the calling thread so far: memory that its process uses for the first time.
 std::int64_t page_faults() {
@@ -64,15 +80,18 @@ Resources Pipeline::resources() const {
 }
 
 int Pipeline::write_all() const {
-  const auto writer = open_writer(contender_);
-  while (!writer->serves(local_readers)) sleep_us(poll_us);
+  const auto peer = open(contender_.middleware, false);
+  std::vector<std::unique_ptr<Writer>> writers;
+  for (const char* name : topic_names) writers.push_back(peer->writer(topic_of(name, contender_)));
+  const auto served = [](const auto& writer) { return writer->serves(local_readers); };
+  while (!std::ranges::all_of(writers, served)) sleep_us(poll_us);
   ++board_->ready;
   while (!board_->begun.load()) sleep_us(poll_us);
-  write_in_turns(*writer);
+  write_in_turns(writers);
   stay();
 }
 
-void Pipeline::write_in_turns(Writer& writer) const {
+void Pipeline::write_in_turns(const std::vector<std::unique_ptr<Writer>>& writers) const {
   std::int64_t due_ns = now_ns();
   for (std::uint64_t n = 1; n < messages_max; ++n) {
     due_ns = next_turn_ns(due_ns, now_ns(), period_ns_);
@@ -81,18 +100,22 @@ void Pipeline::write_in_turns(Writer& writer) const {
     const std::int64_t faults_before = page_faults();
     board_->sent_ns[n] = now_ns();
     board_->written = n;
-    writer.write(n);
+    writers[n % writers.size()]->write(n);
     board_->returned_ns[n] = now_ns();
     board_->page_faults[n] = page_faults() - faults_before;
   }
 }
 
 int Pipeline::read_all(std::size_t reader) const {
-  const Place place = reader == remote_reader ? Place::remote : Place::local;
-  const auto opened = open_reader(contender_, place, note_arrivals(reader));
-  while (!opened->is_matched()) sleep_us(poll_us);
-  if (place == Place::remote) board_->remote_matched = true;
-  if (place == Place::local) ++board_->ready;
+  const bool is_remote = reader == remote_reader;
+  const auto peer = open(contender_.middleware, is_remote);
+  std::vector<std::unique_ptr<Reader>> readers;
+  for (const char* name : topic_names)
+    readers.push_back(peer->reader(topic_of(name, contender_), note_arrivals(reader)));
+  const auto matched = [](const auto& one) { return one->writers() == 1; };
+  while (!std::ranges::all_of(readers, matched)) sleep_us(poll_us);
+  if (is_remote) board_->remote_matched = true;
+  if (!is_remote) ++board_->ready;
   stay();
 }
 

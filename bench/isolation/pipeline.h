@@ -1,4 +1,5 @@
 // The processes of one contender: the sensors' program and three readers on host 0, and a reader on host 1.
+// There are two topics, "camera" and "lidar", which carry samples of 6.3 MB in turns. Each reader reads both.
 #pragma once
 
 #include <sys/types.h>
@@ -6,10 +7,11 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
+#include "bench/common/contender.h"
 #include "bench/common/crowd.h"
 #include "bench/common/shared.h"
-#include "bench/isolation/board.h"
 #include "bench/isolation/contender.h"
 #include "bench/isolation/observation.h"
 
@@ -36,7 +38,7 @@ class Pipeline {
  private:
   int write_all() const;
   int read_all(std::size_t reader) const;
-  void write_in_turns(Writer& writer) const;
+  void write_in_turns(const std::vector<std::unique_ptr<Writer>>& writers) const;
   Arrived note_arrivals(std::size_t reader) const;
 
   const Contender contender_;

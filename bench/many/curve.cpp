@@ -5,9 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <utility>
-
-#include "bench/many/exponent.h"
 
 namespace sft::bench {
 
@@ -19,6 +18,22 @@ constexpr const char* unit_of_exponents = "exponent";
 std::string cell(double value) { return fmt::format(" {:>13.{}f}", value, std::abs(value) < 100 ? 2 : 0); }
 
 }  // namespace
+
+double exponent(const std::vector<std::pair<double, double>>& costs) {
+  double count = 0, x_sum = 0, y_sum = 0, xx_sum = 0, xy_sum = 0;
+  for (const auto& [size, cost] : costs) {
+    if (!(size > 0 && cost > 0)) continue;
+    const double x = std::log(size), y = std::log(cost);
+    ++count;
+    x_sum += x;
+    y_sum += y;
+    xx_sum += x * x;
+    xy_sum += x * y;
+  }
+  const double spread = count * xx_sum - x_sum * x_sum;
+  if (spread <= 0) return std::numeric_limits<double>::quiet_NaN();
+  return (count * xy_sum - x_sum * y_sum) / spread;
+}
 
 Curve::Curve(std::string name, std::vector<std::size_t> sizes, std::vector<Cost> costs, std::string reference)
     : name_(std::move(name)),

@@ -34,8 +34,8 @@ struct Point {
 };
 
 void measure(const Case& of, const std::vector<Point>& points) {
-  const std::vector<Costs> ours = SampleCosts<SftMember>(of).wait();
-  const std::vector<Costs> theirs = SampleCosts<CycloneMember>(of).wait();
+  const std::vector<Costs> ours = SampleCosts(sft_member, of).wait();
+  const std::vector<Costs> theirs = SampleCosts(cyclone_member, of).wait();
   for (const Point& point : points) {
     point.curve.add_ours(point.size, values(ours[point.phase]));
     point.curve.add_reference(point.size, values(theirs[point.phase]));
@@ -51,7 +51,7 @@ Case readers_of_cloud(std::size_t readers, std::vector<Fields> phases, const Man
   const double few_s = scale.quick ? 0.35 : 1;
   return {.readers = readers,
           .hosts = std::min(readers, crowd_hosts),
-          .payload = cloud_payload(cloud_bytes),
+          .topic = cloud_topic(cloud_bytes),
           .phases = std::move(phases),
           .settling_s = readers < 64 ? few_s : 2 * few_s,  // groups of many masks take longer to begin
           .samples = scale.quick ? std::uint64_t{10} : 40,
@@ -59,10 +59,10 @@ Case readers_of_cloud(std::size_t readers, std::vector<Fields> phases, const Man
           .calm_us = calm_us};
 }
 
-Case one_reader(Payload payload, std::vector<Fields> phases, std::uint64_t samples) {
+Case one_reader(Topic topic, std::vector<Fields> phases, std::uint64_t samples) {
   return {.readers = 1,
           .hosts = 1,
-          .payload = std::move(payload),
+          .topic = std::move(topic),
           .phases = std::move(phases),
           .settling_s = 0,
           .samples = samples,
@@ -91,11 +91,11 @@ struct SecondField {
 };
 
 struct FieldCurves {
-  template <class Message, class CycloneMessage>
+  template <class Message>
   void measure_fields(std::size_t count, const dds_topic_descriptor_t& type, const ManyScale& scale) {
-    measure(one_reader(zeros_payload<Message, CycloneMessage>(type), {first_field, every_other_of(count)},
-                       scale.quick ? 10 : 40),
-            {{one, count}, {half, count, 1}});
+    measure(
+        one_reader(zeros_topic<Message>(type), {first_field, every_other_of(count)}, scale.quick ? 10 : 40),
+        {{one, count}, {half, count, 1}});
     const TwoHosts hosts;
     const std::uint64_t requests = scale.quick ? 30 : 200;
     response.add_ours(count, {median_if_any(response_times<SecondField<Message>>(hosts, requests))});
@@ -103,10 +103,10 @@ struct FieldCurves {
   }
   void measure_all(const ManyScale& scale) {
     using namespace sft_bench::growth;
-    measure_fields<Fields8, sft_bench_growth_Fields8>(8, sft_bench_growth_Fields8_desc, scale);
-    measure_fields<Fields32, sft_bench_growth_Fields32>(32, sft_bench_growth_Fields32_desc, scale);
-    measure_fields<Fields128, sft_bench_growth_Fields128>(128, sft_bench_growth_Fields128_desc, scale);
-    measure_fields<Fields512, sft_bench_growth_Fields512>(512, sft_bench_growth_Fields512_desc, scale);
+    measure_fields<Fields8>(8, sft_bench_growth_Fields8_desc, scale);
+    measure_fields<Fields32>(32, sft_bench_growth_Fields32_desc, scale);
+    measure_fields<Fields128>(128, sft_bench_growth_Fields128_desc, scale);
+    measure_fields<Fields512>(512, sft_bench_growth_Fields512_desc, scale);
   }
 
   static inline const std::vector<std::size_t> counts{8, 32, 128, 512};
@@ -154,7 +154,7 @@ std::vector<Figure> sizes(const ManyScale& scale) {
   Curve curve("growth_sizes", {64, 4 << 10, 1 << 20, 32 << 20}, costs_of_sample);
   for (int round = 0; round < scale.rounds; ++round) {
     for (const auto& [bytes, samples, quick_samples] : sizes)
-      measure(one_reader(bulk_payload(bytes), {[](std::size_t) { return "*"; }},
+      measure(one_reader(bulk_topic(bytes), {[](std::size_t) { return "*"; }},
                          scale.quick ? quick_samples : samples),
               {{curve, bytes}});
   }

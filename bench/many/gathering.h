@@ -13,10 +13,10 @@
 
 namespace sft::bench {
 
-template <class Member>
 class Gathering {
  public:
-  Gathering(std::size_t readers, std::size_t hosts) : readers_(readers), crowd_(hosts), begin_ns_(now_ns()) {
+  Gathering(const Member& member, std::size_t readers, std::size_t hosts)
+      : member_(member), readers_(readers), crowd_(hosts), begin_ns_(now_ns()) {
     crowd_.start(0, [&] { return be_writer(); });
     for (std::size_t i = 0; i < readers; ++i)
       crowd_.start(crowd_.host_of_reader(i), [&] { return be_reader(); });
@@ -25,7 +25,7 @@ class Gathering {
   /// Waits until all are matched. If they are not in time, says so, and returns false.
   bool wait(double patience_s) {
     if (!wait_until([&] { return board_->matched.load() == readers_ + 1; }, patience_s)) {
-      std::fprintf(stderr, "%s: %zu of %zu nodes were matched after %.0f s\n", Member::name,
+      std::fprintf(stderr, "%s: %zu of %zu nodes were matched after %.0f s\n", member_.name,
                    board_->matched.load(), readers_ + 1, patience_s);
       board_->last_ns = now_ns();
       return false;
@@ -53,16 +53,17 @@ class Gathering {
     for (;;) pause();
   }
   int be_writer() const {
-    Member member;
-    const typename Member::Writer writer(member, cloud_payload(0));
-    return stay_when([&] { return writer.serves(readers_); });
+    const auto peer = member_.open();
+    const auto writer = peer->writer(cloud_topic(0));
+    return stay_when([&] { return writer->serves(readers_); });
   }
   int be_reader() const {
-    Member member;
-    const typename Member::Reader reader(member);
-    return stay_when([&] { return reader.matched(); });
+    const auto peer = member_.open();
+    const auto reader = peer->reader(cloud_topic(0));
+    return stay_when([&] { return reader->writers() == 1; });
   }
 
+  const Member member_;
   const std::size_t readers_;
   const Shared<Board> board_;
   Crowd crowd_;

@@ -3,7 +3,6 @@
 // that match grows no faster than the number of nodes. Node 0 has a host to itself; all others are in up to
 // eight processes on as many hosts.
 #include <fmt/format.h>
-#include <sft/sft.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -13,18 +12,16 @@
 #include <limits>
 #include <memory>
 #include <optional>
-#include <sensor_msgs/msg/PointCloud2.hpp>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "bench/common/crowd.h"
-#include "bench/common/cyclone.h"
-#include "bench/common/cyclone_point_cloud.h"
 #include "bench/common/pair.h"
 #include "bench/common/shared.h"
 #include "bench/many/curve.h"
 #include "bench/many/many.h"
+#include "bench/many/members.h"
 
 namespace sft::bench {
 
@@ -41,61 +38,30 @@ struct Times {
 
 std::string topic_name(std::size_t node, std::size_t topic) { return fmt::format("ring_{}_{}", node, topic); }
 
-class SftNode {
-  using Message = sensor_msgs::msg::PointCloud2;
-
+/// A node with a participant, writers and readers of its own.
+class RingNode {
  public:
-  static constexpr const char* name = "SFT";
-
-  SftNode(std::size_t number, std::size_t next, bool) {
+  RingNode(const Member& member, std::size_t number, std::size_t next) : peer_(member.open()) {
+    Topic topic = cloud_topic(0);
     for (std::size_t i = 0; i < topics; ++i) {
-      publishers_.push_back(node_.publisher<Message>(topic_name(number, i)).value());
-      subscribers_.push_back(node_.subscriber<Message>(topic_name(next, i)).value());
+      topic.name = topic_name(number, i);
+      writers_.push_back(peer_->writer(topic));
+      topic.name = topic_name(next, i);
+      readers_.push_back(peer_->reader(topic));
     }
   }
   bool matched() const {
-    return hears_all() && std::ranges::all_of(publishers_, [](const Publisher<Message>& publisher) {
-             return publisher.wait_for_subscribers(1, std::chrono::nanoseconds(0));
-           });
+    return hears_all() && std::ranges::all_of(writers_, [](const auto& writer) { return writer->serves(1); });
   }
   /// True if each topic that it subscribes to has a publisher.
   bool hears_all() const {
-    return std::ranges::all_of(subscribers_, [](const Subscriber<Message>& subscriber) {
-      return std::ranges::any_of(subscriber.status().writers, &SubscriberStatus::Writer::connected);
-    });
+    return std::ranges::all_of(readers_, [](const auto& reader) { return reader->writers() == 1; });
   }
 
  private:
-  Node node_ = Node::open({.name = "member", .transport = TransportChoice::udp}).value();
-  std::vector<Publisher<Message>> publishers_;
-  std::vector<Subscriber<Message>> subscribers_;
-};
-
-class CycloneNode {
- public:
-  static constexpr const char* name = "Cyclone DDS";
-
-  CycloneNode(std::size_t number, std::size_t next, bool is_first_of_process)
-      : participant_(is_first_of_process ? CycloneParticipant("") : CycloneParticipant()) {
-    const auto& type = sensor_msgs_msg_PointCloud2_desc;
-    const CycloneQos qos = cyclone_best_effort();
-    for (std::size_t i = 0; i < topics; ++i) {
-      writers_.push_back(participant_.writer(type, topic_name(number, i).c_str(), qos.get()));
-      readers_.push_back(participant_.reader(type, topic_name(next, i).c_str(), qos.get(), nullptr, nullptr));
-    }
-  }
-  bool matched() const {
-    return hears_all() && std::ranges::all_of(
-                              writers_, [](auto writer) { return CycloneParticipant::readers(writer) == 1; });
-  }
-  bool hears_all() const {
-    return std::ranges::all_of(readers_,
-                               [](auto reader) { return CycloneParticipant::writers(reader) == 1; });
-  }
-
- private:
-  const CycloneParticipant participant_;
-  std::vector<dds_entity_t> writers_, readers_;
+  const std::unique_ptr<Peer> peer_;
+  std::vector<std::unique_ptr<Writer>> writers_;
+  std::vector<std::unique_ptr<Reader>> readers_;
 };
 
 struct Board {
@@ -124,12 +90,12 @@ std::vector<std::size_t> nodes_of(std::size_t host, std::size_t nodes) {
 /// nodes, a shorter one in the processor time of many.
 std::int64_t pause_us(std::size_t nodes) { return nodes > 32 ? 50'000 : 5'000; }
 
-template <class RingNode>
-int be_some_nodes(Board& board, const std::vector<std::size_t>& numbers, std::size_t nodes) {
+int be_some_nodes(const Member& member, Board& board, const std::vector<std::size_t>& numbers,
+                  std::size_t nodes) {
   allow_descriptors();
   std::vector<std::unique_ptr<RingNode>> opened;
   for (const std::size_t number : numbers)
-    opened.push_back(std::make_unique<RingNode>(number, (number + 1) % nodes, opened.empty()));
+    opened.push_back(std::make_unique<RingNode>(member, number, (number + 1) % nodes));
   for (const auto& node : opened) {
     while (!node->matched()) sleep_us(pause_us(nodes));
     board.last_ns = now_ns();
@@ -139,9 +105,8 @@ int be_some_nodes(Board& board, const std::vector<std::size_t>& numbers, std::si
 }
 
 /// One more node, in a process of its own. It subscribes to the topics of node 0.
-template <class RingNode>
-int be_a_newcomer(Board& board, std::size_t nodes) {
-  const RingNode node(nodes, 0, true);
+int be_a_newcomer(const Member& member, Board& board, std::size_t nodes) {
+  const RingNode node(member, nodes, 0);
   while (!node.hears_all()) sleep_us(1000);
   board.newcomer_ns = now_ns();
   for (;;) pause();
@@ -150,14 +115,12 @@ int be_a_newcomer(Board& board, std::size_t nodes) {
 double megabytes(const LinkBytes& bytes) { return static_cast<double>(bytes.sent) / 1e6; }
 
 /// Nodes that start at once, and stay.
-template <class RingNode>
 class Ring {
  public:
-  explicit Ring(std::size_t nodes)
-      : nodes_(nodes), crowd_(std::min(crowd_hosts, nodes - 1)), begin_ns_(now_ns()) {
+  Ring(const Member& member, std::size_t nodes)
+      : member_(member), nodes_(nodes), crowd_(std::min(crowd_hosts, nodes - 1)), begin_ns_(now_ns()) {
     for (std::size_t host = 0; host < crowd_.hosts(); ++host)
-      crowd_.start(host,
-                   [&, host] { return be_some_nodes<RingNode>(*board_, nodes_of(host, nodes), nodes); });
+      crowd_.start(host, [&, host] { return be_some_nodes(member, *board_, nodes_of(host, nodes), nodes); });
   }
 
   /// Returns the costs of joining; nothing if not all are matched in time.
@@ -168,20 +131,21 @@ class Ring {
     fmt::print(stderr,
                "{}: {} of {} nodes were matched after {:.0f} s, {:.1f} MB and {:.1f} s of processor "
                "time\n",
-               RingNode::name, board_->matched.load(), nodes_, patience_s, megabytes(crowd_.link_bytes()),
+               member_.name, board_->matched.load(), nodes_, patience_s, megabytes(crowd_.link_bytes()),
                crowd_.cpu_s());
     return std::nullopt;
   }
   /// Returns the time from the start of one more process until its node hears all that it subscribes to.
   double newcomer_s(double patience_s) {
     const std::int64_t begin_ns = now_ns();
-    crowd_.start(1, [&] { return be_a_newcomer<RingNode>(*board_, nodes_); });
+    crowd_.start(1, [&] { return be_a_newcomer(member_, *board_, nodes_); });
     if (!wait_until([&] { return board_->newcomer_ns != 0; }, patience_s)) return unknown;
     return static_cast<double>(board_->newcomer_ns - begin_ns) / 1e9;
   }
   const Crowd& crowd() const { return crowd_; }
 
  private:
+  const Member member_;
   const std::size_t nodes_;
   const Shared<Board> board_;
   Crowd crowd_;
@@ -203,15 +167,15 @@ std::vector<double> received_per_s(const std::vector<const Crowd*>& crowds, doub
 using Add = void (Curve::*)(std::size_t size, const std::vector<double>& values);
 
 /// Adds the costs at each size, up to the first one that this machine does not carry.
-template <class RingNode>
-void measure_alone(Curve& curve, const std::vector<std::size_t>& sizes, const Times& times, Add add) {
+void measure_alone(const Member& member, Curve& curve, const std::vector<std::size_t>& sizes,
+                   const Times& times, Add add) {
   const std::int64_t begin_ns = now_ns();
   for (const std::size_t nodes : sizes) {
     const double left_s = times.all_s - static_cast<double>(now_ns() - begin_ns) / 1e9;
-    Ring<RingNode> ring(nodes);
+    Ring ring(member, nodes);
     auto costs = ring.join(std::max(0., left_s - times.calm_s - times.window_s));
     if (!costs) {
-      fmt::print(stderr, "{}: more nodes are not tried\n", RingNode::name);
+      fmt::print(stderr, "{}: more nodes are not tried\n", member.name);
       return;
     }
     sleep_us(static_cast<std::int64_t>(times.calm_s * 1e6));
@@ -222,10 +186,9 @@ void measure_alone(Curve& curve, const std::vector<std::size_t>& sizes, const Ti
 }
 
 /// Rings of one contender, which stay while others join.
-template <class RingNode>
 struct Rings {
   void add(std::size_t nodes, double patience_s) {
-    rings.push_back(std::make_unique<const Ring<RingNode>>(nodes));
+    rings.push_back(std::make_unique<const Ring>(member, nodes));
     costs.push_back(rings.back()->join(patience_s).value_or(std::vector(3, unknown)));
   }
 
@@ -236,15 +199,15 @@ struct Rings {
     return all;
   }
 
-  std::vector<std::unique_ptr<const Ring<RingNode>>> rings{};
+  Member member;
+  std::vector<std::unique_ptr<const Ring>> rings{};
   std::vector<std::vector<double>> costs{};
 };
 
 /// All rings are idle, and are watched, in the same seconds. Those that are there already take some time of
 /// the processors while others join, so that the contenders take turns at joining first.
 void measure_together(Curve& curve, const std::vector<std::size_t>& sizes, const Times& times, int round) {
-  Rings<SftNode> ours;
-  Rings<CycloneNode> theirs;
+  Rings ours{sft_member}, theirs{cyclone_member};
   for (const std::size_t nodes : sizes) {
     if (round % 2 == 0) ours.add(nodes, times.all_s);
     theirs.add(nodes, times.all_s);
@@ -279,8 +242,8 @@ std::vector<Figure> growth(const ManyScale& scale) {
       scale.quick ? std::vector<std::size_t>{12, 25, 50} : std::vector<std::size_t>{25, 50, 100, 200};
   const Times times = scale.quick ? Times{60, 3, 5} : Times{150, 10, 10};
   Curve curve("growth", sizes, costs_of_growth());
-  measure_alone<SftNode>(curve, sizes, times, &Curve::add_ours);
-  measure_alone<CycloneNode>(curve, sizes, times, &Curve::add_reference);
+  measure_alone(sft_member, curve, sizes, times, &Curve::add_ours);
+  measure_alone(cyclone_member, curve, sizes, times, &Curve::add_reference);
   return curve.report();
 }
 

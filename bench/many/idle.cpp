@@ -38,13 +38,13 @@ void note(const Crowd& crowd, const Moment& before, void (Tally::*add)(double), 
 /// All crowds are idle, and are measured, in the same seconds, since they hardly take any time of the
 /// processors.
 std::vector<Figure> idle(const ManyScale& scale) {
-  Gathering<SftMember> ours(31, crowd_hosts);
+  Gathering ours(sft_member, 31, crowd_hosts);
   bool matched = ours.wait(joining_s);
-  Gathering<CycloneMember> theirs(31, crowd_hosts);
+  Gathering theirs(cyclone_member, 31, crowd_hosts);
   matched = theirs.wait(joining_s) && matched;
-  Gathering<SftMember> our_two(1, 1);
+  Gathering our_two(sft_member, 1, 1);
   matched = our_two.wait(joining_s) && matched;
-  Gathering<CycloneMember> their_two(1, 1);
+  Gathering their_two(cyclone_member, 1, 1);
   matched = their_two.wait(joining_s) && matched;
   sleep_us(static_cast<std::int64_t>(scale.calm_s * 1e6));
   Idle of_32, of_2;
@@ -57,7 +57,7 @@ std::vector<Figure> idle(const ManyScale& scale) {
     note(our_two.crowd(), our_two_begin, &Tally::add_ours, of_2);
     note(their_two.crowd(), their_two_begin, &Tally::add_reference, of_2);
   }
-  const std::string who = CycloneMember::name;
+  const std::string who = cyclone_member.name;
   return {of_32.received.figure("idle_32_received", "B/s", who + ", by each host", 1.2),
           of_32.sent.figure("idle_32_sent", "B/s", who + ", by each node", 1.2),
           of_32.cpu_percent.figure("idle_32_cpu", "%", who + ", by each node", 1.2),

@@ -13,9 +13,8 @@ struct Joining {
 };
 
 /// If not all are matched in time, the figures are those until then, and would be larger.
-template <class Member>
-void run(const ManyScale& scale, void (Tally::*add)(double), Joining& joining) {
-  Gathering<Member> gathering(readers, crowd_hosts);
+void run(const Member& member, const ManyScale& scale, void (Tally::*add)(double), Joining& joining) {
+  Gathering gathering(member, readers, crowd_hosts);
   gathering.wait(scale.joining_s);
   (joining.megabytes.*add)(static_cast<double>(gathering.crowd().link_bytes().sent) / 1e6);
   (joining.cpu_s.*add)(gathering.crowd().cpu_s());
@@ -27,12 +26,12 @@ void run(const ManyScale& scale, void (Tally::*add)(double), Joining& joining) {
 std::vector<Figure> join_64(const ManyScale& scale) {
   Joining joining;
   for (int round = 0; round < scale.rounds; ++round) {
-    run<SftMember>(scale, &Tally::add_ours, joining);
-    run<CycloneMember>(scale, &Tally::add_reference, joining);
+    run(sft_member, scale, &Tally::add_ours, joining);
+    run(cyclone_member, scale, &Tally::add_reference, joining);
   }
-  return {joining.time_s.figure("join_64_time", "s", CycloneMember::name, 1.3),
-          joining.megabytes.figure("join_64_bytes", "MB", CycloneMember::name, 1.3),
-          joining.cpu_s.figure("join_64_cpu", "s", CycloneMember::name, 1.3)};
+  return {joining.time_s.figure("join_64_time", "s", cyclone_member.name, 1.3),
+          joining.megabytes.figure("join_64_bytes", "MB", cyclone_member.name, 1.3),
+          joining.cpu_s.figure("join_64_cpu", "s", cyclone_member.name, 1.3)};
 }
 
 }  // namespace sft::bench

@@ -1,7 +1,6 @@
 // Measures what readers with different masks cost.
 #include "bench/common/cloud_masks.h"
 #include "bench/many/many.h"
-#include "bench/many/raw_multicast.h"
 #include "bench/many/sample_costs.h"
 #include "bench/many/tally.h"
 
@@ -17,8 +16,8 @@ struct Tallies {
   /// Runs both contenders at the same time, which bytes do not depend on.
   void run_for_bytes(const Case& of, int rounds) {
     for (int round = 0; round < rounds; ++round) {
-      SampleCosts<SftMember> ours(of);
-      SampleCosts<CycloneMember> theirs(of);
+      SampleCosts ours(sft_member, of);
+      SampleCosts theirs(cyclone_member, of);
       note(ours.wait().front(), &Tally::add_ours);
       note(theirs.wait().front(), &Tally::add_reference);
     }
@@ -35,7 +34,7 @@ struct Tallies {
 Case many_masks(std::size_t readers, const ManyScale& scale, std::uint64_t samples) {
   return {.readers = readers,
           .hosts = crowd_hosts,
-          .payload = cloud_payload(data_bytes),
+          .topic = cloud_topic(data_bytes),
           .phases = {own_fields_and_data},
           .settling_s = scale.quick ? 1.5 : 6.,
           .samples = scale.quick ? std::uint64_t{30} : samples,
@@ -57,6 +56,7 @@ std::string fields_of_three(std::size_t number) {
 
 constexpr const char* multicast = "Cyclone DDS, multicast";
 constexpr const char* raw_multicast = "raw UDP, multicast";
+constexpr Member raw_member{"raw UDP", raw_multicast_peer};
 
 }  // namespace
 
@@ -70,11 +70,11 @@ std::vector<Figure> masks_64(const ManyScale& scale) {
   const Case case_of_64 = many_masks(64, scale, samples_of_a_period);
   Tallies tallies, floor;
   for (int round = 0; round < scale.rounds; ++round) {
-    const Costs ours = SampleCosts<SftMember>(case_of_64).wait().front();
+    const Costs ours = SampleCosts(sft_member, case_of_64).wait().front();
     tallies.note(ours, &Tally::add_ours);
     floor.note(ours, &Tally::add_ours);
-    tallies.note(SampleCosts<CycloneMember>(case_of_64).wait().front(), &Tally::add_reference);
-    floor.note(SampleCosts<RawMulticastMember>(case_of_64).wait().front(), &Tally::add_reference);
+    tallies.note(SampleCosts(cyclone_member, case_of_64).wait().front(), &Tally::add_reference);
+    floor.note(SampleCosts(raw_member, case_of_64).wait().front(), &Tally::add_reference);
   }
   return {tallies.bytes.figure("bytes_masks_64", "B", multicast, 1.05),
           tallies.settled.figure_with_bound_of_value("settled_ms", "ms", multicast, 100),
@@ -88,7 +88,7 @@ std::vector<Figure> three_masks(const ManyScale& scale) {
   Tallies tallies;
   const Case three{.readers = 3,
                    .hosts = 3,
-                   .payload = cloud_payload(data_bytes),
+                   .topic = cloud_topic(data_bytes),
                    .phases = {fields_of_three},
                    .settling_s = 0,
                    .samples = scale.quick ? std::uint64_t{20} : 100,

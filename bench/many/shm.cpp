@@ -1,13 +1,8 @@
 // Measures shared memory: publish(message) to a reader that sleeps, and how long wait() should spin.
-#include <sft/sft.h>
 #include <algorithm>
 #include <array>
-#include <messages.hpp>
 #include <optional>
 
-#include "bench/common/node_options.h"
-#include "bench/common/raw_iceoryx.h"
-#include "bench/common/sft_cloud.h"
 #include "bench/common/statistics.h"
 #include "bench/common/transfer.h"
 #include "bench/many/many.h"
@@ -17,71 +12,31 @@ namespace sft::bench {
 
 namespace {
 
-using sft_bench::Small;
 using std::chrono::microseconds;
 
-constexpr std::uint32_t small_bytes = 64;
-constexpr std::uint32_t medium_bytes = 16'000;
 constexpr std::int64_t period_us = 5000;  // 200 Hz
 
-Node open(const char* name) { return Node::open(node_options(name, TransportChoice::shm)).value(); }
-
-class SmallWriter {
- public:
-  bool serves(std::size_t readers) const {
-    return publisher_.wait_for_subscribers(readers, std::chrono::nanoseconds(0));
-  }
-  void prepare(std::uint64_t number) { message_.number = number; }
-  void publish() { publisher_.publish(message_); }
-
- private:
-  Node node_ = open("writer");
-  Publisher<Small> publisher_ = node_.publisher<Small>("small").value();
-  Small message_{};
-};
-
-class SmallReader {
- public:
-  explicit SmallReader(const SubscriberOptions& options = {})
-      : subscriber_(node_.subscriber<Small>("small", options).value()) {}
-
-  void wait() { subscriber_.wait(std::chrono::seconds(1)); }
-  std::uint64_t take() {
-    const auto sample = subscriber_.take();
-    return sample ? sample->number() : 0;
-  }
-  std::size_t writers() const {
-    const std::vector<SubscriberStatus::Writer> writers = subscriber_.status().writers;
-    return static_cast<std::size_t>(std::ranges::count_if(writers, &SubscriberStatus::Writer::connected));
-  }
-
- private:
-  Node node_ = open("reader");
-  Subscriber<Small> subscriber_;
-};
-
 /// The writer sleeps, too.
-void send_slowly(Exchange& exchange, std::uint64_t messages) {
-  SmallWriter writer;
-  exchange.failed = !wait_until([&] { return exchange.ready.load() && writer.serves(1); });
+void send_slowly(Exchange& exchange, const Topic& topic, std::uint64_t messages) {
+  const auto peer = sft_memory_peer();
+  const auto writer = peer->writer(topic);
+  exchange.failed = !wait_until([&] { return exchange.ready.load() && writer->serves(1); });
   for (std::uint64_t i = 0; i < messages && !exchange.failed; ++i) {
     sleep_us(period_us);
-    writer.prepare(i + 1);
     exchange.sent_at[i] = now_ns();
-    writer.publish();
+    writer->write(i + 1);
   }
   exchange.failed = exchange.failed || !exchange.wait_for_receipt(messages);
 }
 
 /// The median time until wait() has returned and the sample is taken.
 double wait_us(std::optional<microseconds> spin, std::uint64_t messages) {
-  SubscriberOptions options;
-  if (spin) options.spin = *spin;
-  return median_if_any(run_pair({.sender = [&](Exchange& e) { send_slowly(e, messages); },
+  const Topic topic{.reliable = false, .spin = spin};
+  return median_if_any(run_pair({.sender = [&](Exchange& e) { send_slowly(e, topic, messages); },
                                  .receiver =
                                      [&](Exchange& e) {
-                                       SmallReader reader(options);
-                                       receive_each(e, {.messages = messages}, reader);
+                                       const auto peer = sft_memory_peer();
+                                       receive_each(e, {.messages = messages}, *peer->reader(topic));
                                      }},
                                 messages));
 }
@@ -90,14 +45,15 @@ double wait_us(std::optional<microseconds> spin, std::uint64_t messages) {
 
 std::vector<Figure> shm_publish(const ManyScale& scale) {
   const Transfer transfer{.messages = scale.quick ? 400u : 1600u, .preparing_counts = true};
+  const Topic numbered{.reliable = false};
+  const Topic of_64_bytes{.bulk_bytes = 64, .reliable = false};
+  const Topic of_16_kb{.bulk_bytes = 16'000, .reliable = false};
   Tally small, medium;
   for (int round = 0; round < scale.rounds; ++round) {
-    small.add_ours(median_if_any(transfer_times<SmallWriter, SmallReader>(transfer)));
-    small.add_reference(
-        median_if_any(transfer_times<RawIceoryxWriter, RawIceoryxReader>(transfer, small_bytes)));
-    medium.add_ours(median_if_any(transfer_times<SftOwnedWriter, SftReader>(transfer, medium_bytes)));
-    medium.add_reference(
-        median_if_any(transfer_times<RawIceoryxWriter, RawIceoryxReader>(transfer, medium_bytes)));
+    small.add_ours(median_if_any(transfer_times(sft_memory_peer, numbered, transfer)));
+    small.add_reference(median_if_any(transfer_times(iceoryx_loan_peer, of_64_bytes, transfer)));
+    medium.add_ours(median_if_any(transfer_times(sft_cloud_peer, of_16_kb, transfer)));
+    medium.add_reference(median_if_any(transfer_times(iceoryx_loan_peer, of_16_kb, transfer)));
   }
   return {small.figure("shm_publish_64B", "us", "iceoryx WaitSet", 1.2),
           medium.figure("shm_publish_16kB", "us", "iceoryx WaitSet", 1.2)};

@@ -1,16 +1,63 @@
 // Measures how soon the first sample of a publisher on another host comes by UDP: to a node that starts, and
 // to a new subscriber of a node that the publisher's node knows. If nothing is kept for late readers, the
 // publisher publishes ten thousand times a second, so that waiting for the next sample does not count.
+#include <atomic>
+#include <memory>
+#include <string>
+
 #include "bench/common/hosts.h"
 #include "bench/common/statistics.h"
-#include "bench/negotiation/contenders.h"
 #include "bench/negotiation/negotiation.h"
+#include "bench/negotiation/response.h"
 
 namespace sft::bench {
 
 namespace {
 
-constexpr const char* topic = "points";
+/// A program with SFT and one with Cyclone DDS alone. The former waits for samples, and a listener of the
+/// latter is called.
+struct Contestant {
+  Contender open;
+  bool is_called;
+};
+constexpr Contestant sft_program{sft_peer, false}, cyclone_program{cyclone_control_peer, true};
+
+/// Late readers get the samples that are sent from then on, or the last one before as well.
+enum class Late { nothing, last_sample };
+
+Topic topic_for(Late late) {
+  return {.name = "points", .reliable = false, .durable = late == Late::last_sample};
+}
+
+class OneSample {
+ public:
+  OneSample(const Contestant& program, Peer& peer, const Topic& topic) : is_called_(program.is_called) {
+    Arrived arrived;
+    if (is_called_) arrived = [this](std::uint64_t) { note_arrival(); };
+    reader_ = peer.reader(topic, std::move(arrived));
+  }
+
+  /// False after five seconds.
+  bool wait() {
+    if (is_called_) came_.wait(false);
+    for (int second = 0; second < 5 && !came_; ++second) {
+      reader_->wait();
+      came_ = reader_->take() != 0;
+    }
+    return came_;
+  }
+
+ private:
+  void note_arrival() {
+    came_ = true;
+    came_.notify_one();
+  }
+
+  const bool is_called_;
+  std::atomic<bool> came_{false};
+  std::unique_ptr<Reader> reader_;
+};
+
 constexpr std::int64_t period_us = 100;
 constexpr std::int64_t settled_us = 100'000;  // the control traffic of the last change is over
 
@@ -29,71 +76,66 @@ void meet_sender(Exchange& exchange) {
   }
 }
 
-template <class Writer>
 void send_until_over(Exchange& exchange, std::uint64_t readers, Writer& writer) {
   while (exchange.received.load() < readers && !exchange.failed.load()) {
-    writer.send();
+    writer.write(1);
     sleep_us(period_us);
   }
 }
 
-template <class Program>
-void publish_to_new_node(Exchange& exchange, Sender publisher) {
+void publish_to_new_node(Exchange& exchange, const Contestant& program, Sender publisher) {
   if (publisher == Sender::starts_too) meet_receiver(exchange);
-  Program program;
-  typename Program::Writer writer(program, topic, Late::nothing);
+  const auto peer = program.open();
+  const auto writer = peer->writer(topic_for(Late::nothing));
   if (publisher == Sender::runs) {
     sleep_us(settled_us);
     meet_receiver(exchange);
   }
-  send_until_over(exchange, 1, writer);
+  send_until_over(exchange, 1, *writer);
 }
 
-template <class Program>
-void read_as_new_node(Exchange& exchange) {
+void read_as_new_node(Exchange& exchange, const Contestant& program) {
   meet_sender(exchange);
   exchange.sent_at[0] = now_ns();
-  Program program;
-  typename Program::Reader reader(program, topic, Late::nothing);
+  const auto peer = program.open();
+  OneSample reader(program, *peer, topic_for(Late::nothing));
   exchange.failed = !reader.wait();
   exchange.received_at[0] = now_ns();
   exchange.received = 1;
 }
 
 /// Starts new processes once, and adds the time to the first sample in milliseconds.
-template <class Program>
-void start(const TwoHosts& hosts, Sender publisher, std::vector<double>& ms) {
-  const auto us = run_pair(hosts.sides([=](Exchange& e) { publish_to_new_node<Program>(e, publisher); },
-                                       [](Exchange& e) { read_as_new_node<Program>(e); }),
+void start(const Contestant& program, const TwoHosts& hosts, Sender publisher, std::vector<double>& ms) {
+  const auto us = run_pair(hosts.sides([=](Exchange& e) { publish_to_new_node(e, program, publisher); },
+                                       [=](Exchange& e) { read_as_new_node(e, program); }),
                            1);
   for (const double time : us) ms.push_back(time / 1000);
 }
 
 /// Publishes to late readers. Reports in Exchange::sent whether there is a reader.
-template <class Program>
-void publish_to_late_readers(Exchange& exchange, Late late, std::uint64_t readers) {
-  Program program;
-  typename Program::Writer greeting(program, "greeting", Late::nothing);
-  typename Program::Writer writer(program, topic, late);
-  writer.send();
+void publish_to_late_readers(Exchange& exchange, const Contestant& program, Late late,
+                             std::uint64_t readers) {
+  const auto peer = program.open();
+  const auto first = peer->writer({.name = "first", .reliable = false});
+  const auto writer = peer->writer(topic_for(late));
+  writer->write(1);
   while (exchange.received.load() < readers && !exchange.failed.load()) {
-    exchange.sent = writer.readers();
-    if (late == Late::nothing) writer.send();
-    greeting.send();
+    exchange.sent = writer->readers();
+    if (late == Late::nothing) writer->write(1);
+    first->write(1);
     sleep_us(period_us);
   }
 }
 
-template <class Program>
-void read_late(Exchange& exchange, Late late, std::uint64_t readers) {
-  Program program;
-  typename Program::Reader greeting(program, "greeting", Late::nothing);
-  greeting.wait();
+void read_late(Exchange& exchange, const Contestant& program, Late late, std::uint64_t readers) {
+  const auto peer = program.open();
+  OneSample first(program, *peer, {.name = "first", .reliable = false});
+  first.wait();
   for (std::uint64_t i = 0; i < readers && !exchange.failed.load(); ++i) {
     while (exchange.sent.load() != 0) sleep_us(period_us);
     sleep_us(5 * period_us);
     exchange.sent_at[i] = now_ns();
-    typename Program::Reader reader(program, topic, late);
+    OneSample reader(program, *peer, topic_for(late));
     exchange.failed = !reader.wait();
     exchange.received_at[i] = now_ns();
     while (exchange.sent.load() == 0 && !exchange.failed.load()) sleep_us(period_us);
@@ -101,10 +143,10 @@ void read_late(Exchange& exchange, Late late, std::uint64_t readers) {
   }
 }
 
-template <class Program>
-std::vector<double> late_readers(const TwoHosts& hosts, Late late, std::uint64_t n) {
-  return run_pair(hosts.sides([=](Exchange& e) { publish_to_late_readers<Program>(e, late, n); },
-                              [=](Exchange& e) { read_late<Program>(e, late, n); }),
+std::vector<double> late_readers(const Contestant& program, const TwoHosts& hosts, Late late,
+                                 std::uint64_t n) {
+  return run_pair(hosts.sides([=](Exchange& e) { publish_to_late_readers(e, program, late, n); },
+                              [=](Exchange& e) { read_late(e, program, late, n); }),
                   n);
 }
 
@@ -120,10 +162,10 @@ std::vector<Figure> first_sample_new_nodes(const Scale& scale) {
   const TwoHosts hosts;
   std::vector<double> both, second, both_raw, second_raw;
   for (int i = 0; i < scale.starts; ++i) {
-    start<SftProgram>(hosts, Sender::starts_too, both);
-    start<RawProgram>(hosts, Sender::starts_too, both_raw);
-    start<SftProgram>(hosts, Sender::runs, second);
-    start<RawProgram>(hosts, Sender::runs, second_raw);
+    start(sft_program, hosts, Sender::starts_too, both);
+    start(cyclone_program, hosts, Sender::starts_too, both_raw);
+    start(sft_program, hosts, Sender::runs, second);
+    start(cyclone_program, hosts, Sender::runs, second_raw);
   }
   const char* reference = "Cyclone DDS, domain to sample";
   return {{"first_sample_new_nodes", quantile(both, 0.5), "ms", quantile(both_raw, 0.5), reference, 50, true},
@@ -143,10 +185,10 @@ std::vector<Figure> first_sample_late_reader(const Scale& scale) {
   const std::uint64_t n = scale.late_readers;
   Rounds live, live_raw, kept, kept_raw;
   for (int round = 0; round < scale.rounds; ++round) {
-    live.add(late_readers<SftProgram>(hosts, Late::nothing, n));
-    live_raw.add(late_readers<RawProgram>(hosts, Late::nothing, n));
-    kept.add(late_readers<SftProgram>(hosts, Late::last_sample, n));
-    kept_raw.add(late_readers<RawProgram>(hosts, Late::last_sample, n));
+    live.add(late_readers(sft_program, hosts, Late::nothing, n));
+    live_raw.add(late_readers(cyclone_program, hosts, Late::nothing, n));
+    kept.add(late_readers(sft_program, hosts, Late::last_sample, n));
+    kept_raw.add(late_readers(cyclone_program, hosts, Late::last_sample, n));
   }
   const char* reference = "Cyclone DDS, reader to sample";
   return {in_ms({"first_sample_late_reader", live.p50(), "ms", live_raw.p50(), reference, 10, true}),

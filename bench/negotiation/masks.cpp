@@ -116,7 +116,7 @@ void subscribe(Exchange& exchange, Fields fields, std::size_t nodes_asking) {
   while (exchange.sent.load() == 0 && !exchange.failed.load()) sleep_us(10'000);
 }
 
-struct Contender {
+struct Asking {
   Fields fields;
   std::uint64_t samples;
   bool asynchronous = false;
@@ -140,11 +140,11 @@ struct Contender {
 
 std::vector<Figure> publish_64_masks(const Scale& scale) {
   const TwoHosts hosts;
-  Contender one{equal_fields_and_data, 60}, handed_over{equal_fields_and_data, 60, true};
-  Contender others_wait{equal_fields_and_data, 60, false, 2};
-  Contender all{own_fields_and_data, 20}, most{mostly_small_fields, 60};
+  Asking one{equal_fields_and_data, 60}, handed_over{equal_fields_and_data, 60, true};
+  Asking others_wait{equal_fields_and_data, 60, false, 2};
+  Asking all{own_fields_and_data, 20}, most{mostly_small_fields, 60};
   for (int round = 0; round < scale.rounds; ++round) {
-    for (Contender* contender : {&one, &handed_over, &others_wait, &all, &most}) contender->run(hosts);
+    for (Asking* asking : {&one, &handed_over, &others_wait, &all, &most}) asking->run(hosts);
   }
   const char* reference = "the same readers, one mask";
   return {{"publish_64_masks", all.times.p50(), "us", one.times.p50(), reference, 2},

@@ -15,7 +15,7 @@
 #include "bench/common/pair.h"
 #include "bench/common/shared.h"
 #include "bench/negotiation/negotiation.h"
-#include "bench/negotiation/raw_cyclone.h"
+#include "bench/negotiation/response.h"
 
 namespace sft::bench {
 
@@ -78,12 +78,13 @@ void open_node(TransportChoice transport, const std::function<void()>& measure) 
 }
 
 void open_cyclone(const std::function<void()>& measure) {
-  const RawCyclone::Arrived ignore = [](std::uint64_t) {};
-  RawCyclone cyclone;
+  const auto peer = cyclone_control_peer();
+  std::vector<std::unique_ptr<Writer>> writers;
+  std::vector<std::unique_ptr<Reader>> readers;
   for (int i = 0; i < control_topics; ++i) {
-    const std::string name = "topic" + std::to_string(i);
-    cyclone.writer(name, RawCyclone::Delivery::last_value);
-    cyclone.reader(name, RawCyclone::Delivery::last_value, ignore);
+    const Topic topic{.name = "topic" + std::to_string(i), .durable = true};
+    writers.push_back(peer->writer(topic));
+    readers.push_back(peer->reader(topic, [](std::uint64_t) {}));
   }
   measure();
 }

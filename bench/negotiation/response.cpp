@@ -11,7 +11,7 @@
 
 #include "bench/common/statistics.h"
 #include "bench/negotiation/negotiation.h"
-#include "bench/negotiation/raw_cyclone.h"
+#include "core/discovery/dds_config.h"
 
 namespace sft::bench {
 
@@ -28,6 +28,8 @@ struct HeightProbe {
 constexpr std::int64_t arriving_ns = 1'000'000'000;
 
 using Act = std::function<void(std::uint64_t)>;
+
+const Topic requests{.name = "requests", .durable = true};
 
 /// Does on a thread of its own what it is given, as the agent of a node does.
 class Helper {
@@ -70,12 +72,12 @@ class Helper {
 enum class By { the_thread_itself, a_helper };
 
 void write(Exchange& exchange, std::uint64_t messages, By by) {
-  RawCyclone cyclone;
-  const dds_entity_t writer = cyclone.writer("requests", RawCyclone::Delivery::last_value);
-  const Act act = [writer](std::uint64_t number) { RawCyclone::write(writer, number); };
+  const auto peer = cyclone_control_peer();
+  const auto writer = peer->writer(requests);
+  const Act act = [&](std::uint64_t number) { writer->write(number); };
   std::optional<Helper> helper;
   if (by == By::a_helper) helper.emplace(act);
-  while (!exchange.ready.load() || RawCyclone::readers(writer) == 0) sleep_us(1000);
+  while (!exchange.ready.load() || writer->readers() == 0) sleep_us(1000);
   for (std::uint64_t i = 0; i < messages; ++i) {
     sleep_us(1000);
     exchange.sent_at[i] = now_ns();
@@ -92,11 +94,9 @@ void listen(Exchange& exchange, std::uint64_t messages, By by) {
   };
   std::optional<Helper> helper;
   if (by == By::a_helper) helper.emplace(note);
-  const RawCyclone::Arrived arrived = [&](std::uint64_t number) {
-    helper ? helper->give(number) : note(number);
-  };
-  RawCyclone cyclone;
-  cyclone.reader("requests", RawCyclone::Delivery::last_value, arrived);
+  const Arrived arrived = [&](std::uint64_t number) { helper ? helper->give(number) : note(number); };
+  const auto peer = cyclone_control_peer();
+  const auto reader = peer->reader(requests, arrived);
   exchange.ready = true;
   while (exchange.received.load() < messages && !exchange.failed.load()) sleep_us(1000);
 }
@@ -108,6 +108,10 @@ std::vector<double> dds_write_times(const TwoHosts& hosts, std::uint64_t message
 }
 
 }  // namespace
+
+std::unique_ptr<Peer> cyclone_control_peer() {
+  return cyclone_peer_with(core::dds_config(0, {}, "").value().text);
+}
 
 std::vector<double> dds_write_times(const TwoHosts& hosts, std::uint64_t messages) {
   return dds_write_times(hosts, messages, By::the_thread_itself);

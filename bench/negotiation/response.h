@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "bench/common/contender.h"
 #include "bench/common/hosts.h"
 #include "bench/common/node_options.h"
 
@@ -70,6 +71,10 @@ std::vector<double> response_times(const TwoHosts& hosts, std::uint64_t messages
                               [=](Exchange& e) { learn<Probe>(e, messages); }),
                   messages);
 }
+
+/// Cyclone DDS alone, with SFT's configuration. Its samples have about the size of a request, and those of
+/// durable topics the QoS of one.
+std::unique_ptr<Peer> cyclone_control_peer();
 
 /// The reference: Cyclone DDS alone, from a thread of one program to a thread of another one, with the QoS of
 /// requests.

@@ -1,3 +1,9 @@
+#include <fields.h>
+#include <nav_msgs/msg/OccupancyGrid.h>
+#include <sensor_msgs/msg/BatteryState.h>
+#include <sensor_msgs/msg/LaserScan.h>
+#include <sensor_msgs/msg/PointCloud2.h>
+
 #include <fields.hpp>
 #include <nav_msgs/msg/OccupancyGrid.hpp>
 #include <numbers>
@@ -6,15 +12,14 @@
 
 #include "bench/common/cloud.h"
 #include "bench/paper/messages.h"
-#include "bench/paper/typed_messages.h"
 
 namespace sft::bench::paper {
 
 namespace {
 
 template <class T>
-SharedMessages zeros() {
-  return shared(std::vector<T>(1));
+SharedMessages zeros(const dds_topic_descriptor_t& cyclone_type) {
+  return shared(std::vector<T>(1), cyclone_type);
 }
 
 }  // namespace
@@ -22,11 +27,13 @@ SharedMessages zeros() {
 SharedMessages parametric_messages(std::size_t fields, std::size_t field_bytes) {
   using namespace sft_bench::paper;
   if (fields == 5) {
-    if (field_bytes == 128) return zeros<Five128>();
-    return field_bytes == 256 ? zeros<Five256>() : zeros<Five512>();
+    if (field_bytes == 128) return zeros<Five128>(sft_bench_paper_Five128_desc);
+    if (field_bytes == 256) return zeros<Five256>(sft_bench_paper_Five256_desc);
+    return zeros<Five512>(sft_bench_paper_Five512_desc);
   }
-  if (field_bytes == 128) return zeros<Seven128>();
-  return field_bytes == 256 ? zeros<Seven256>() : zeros<Seven512>();
+  if (field_bytes == 128) return zeros<Seven128>(sft_bench_paper_Seven128_desc);
+  if (field_bytes == 256) return zeros<Seven256>(sft_bench_paper_Seven256_desc);
+  return zeros<Seven512>(sft_bench_paper_Seven512_desc);
 }
 
 SharedMessages laser_scans() {
@@ -41,7 +48,7 @@ SharedMessages laser_scans() {
     scan.ranges.push_back(1 + static_cast<float>(i % 90) / 50);
     scan.intensities.push_back(static_cast<float>(i % 47) * 100);
   }
-  return shared(std::vector{scan});
+  return shared(std::vector{scan}, sensor_msgs_msg_LaserScan_desc);
 }
 
 SharedMessages battery_states() {
@@ -58,7 +65,7 @@ SharedMessages battery_states() {
   state.cell_temperature.assign(6, 31);
   state.location = "slot 1";
   state.serial_number = "BAT-000042";
-  return shared(std::vector{state});
+  return shared(std::vector{state}, sensor_msgs_msg_BatteryState_desc);
 }
 
 SharedMessages occupancy_grids() {
@@ -68,9 +75,9 @@ SharedMessages occupancy_grids() {
   grid.info.height = 100;
   for (std::size_t i = 0; i < 10'000; ++i)
     grid.data.push_back(static_cast<std::int8_t>(i % 13 == 0 ? 100 : 0));
-  return shared(std::vector{grid});
+  return shared(std::vector{grid}, nav_msgs_msg_OccupancyGrid_desc);
 }
 
-SharedMessages point_clouds() { return shared(std::vector{cloud(16'000)}); }
+SharedMessages point_clouds() { return shared(std::vector{cloud(16'000)}, sensor_msgs_msg_PointCloud2_desc); }
 
 }  // namespace sft::bench::paper

@@ -9,11 +9,10 @@
 #include "bench/common/program.h"
 #include "bench/common/statistics.h"
 #include "bench/negotiation/negotiation.h"
-#include "bench/paper/csv.h"
 #include "bench/paper/experiments.h"
 #include "bench/paper/figures.h"
-#include "bench/paper/plots.h"
 #include "bench/paper/tables.h"
+#include "bench/paper/trace.h"
 #include "tests/support/isolated_host.h"
 #include "tests/support/recorded_data.h"
 
@@ -66,9 +65,7 @@ class Experiments {
   }
 
   void finish() {
-    write_csv(csv, results_.records);
-    if (plots.is_open() && !plots.draw(results_.records, trace_))
-      fmt::print(stderr, "gnuplot did not draw the pictures\n");
+    if (trace_) write(trace, *trace_);
     auto& late_us = results_.late_us;
     fmt::print(
         "Writers ran {:.0f} us (p50) and {:.0f} us (p99) later than planned. {} of {} records "
@@ -79,8 +76,7 @@ class Experiments {
 
   paper::Scale scale{};
   bool quick = false;
-  std::ofstream csv;
-  Plots plots;
+  std::ofstream trace;
 
  private:
   const Stage& stage() {
@@ -109,7 +105,7 @@ void shorten(Experiments& experiments) {
   experiments.scale.pace = {.samples = 20};
 }
 
-void add_options(CLI::App& to, Experiments& experiments, std::string& csv, std::string& plots) {
+void add_options(CLI::App& to, Experiments& experiments, std::string& trace) {
   Pace& pace = experiments.scale.pace;
   to.add_flag_callback(
       "--quick", [&] { shorten(experiments); }, "one short repeat of fewer configurations");
@@ -120,17 +116,13 @@ void add_options(CLI::App& to, Experiments& experiments, std::string& csv, std::
       ->check(CLI::Range(1, 100));
   to.add_option("--seed", experiments.scale.seed, "which fields receivers require");
   to.add_option("--data", experiments.scale.data, "the directory of recorded messages");
-  to.add_option("--csv", csv, "also write a line for each contender, case and repeat to this file");
-  to.add_option("--plots", plots, "also draw the pictures of the paper in this directory, with gnuplot");
+  to.add_option("--trace", trace, "also write the messages around one change of fields to this file");
 }
 
 /// The error is empty if all is well. Opens what has to be reachable on a host of its own.
-std::string prepare(Experiments& experiments, const std::string& csv, const std::string& plots) {
-  if (!csv.empty()) experiments.csv.open(csv);
-  if (experiments.csv.fail()) return "cannot write " + csv;
-  if (!plots.empty()) {
-    if (const std::string error = experiments.plots.open(plots); !error.empty()) return error;
-  }
+std::string prepare(Experiments& experiments, const std::string& trace) {
+  if (!trace.empty()) experiments.trace.open(trace);
+  if (experiments.trace.fail()) return "cannot write " + trace;
   return check(experiments.scale.pace, all_contenders().size());
 }
 
@@ -145,10 +137,10 @@ int main(int argc, char** argv) {
                    {"pointcloud2", [&] { return experiments.point_cloud(); }},
                    {"bounds", [&] { return experiments.bounds(); }},
                    {"response", [&] { return experiments.response(); }}});
-  std::string csv, plots;
-  add_options(program.options(), experiments, csv, plots);
+  std::string trace;
+  add_options(program.options(), experiments, trace);
   if (const auto code = program.parse(argc, argv)) return *code;
-  if (const std::string error = prepare(experiments, csv, plots); !error.empty()) {
+  if (const std::string error = prepare(experiments, trace); !error.empty()) {
     fmt::print(stderr, "{}\n", error);
     return 1;
   }

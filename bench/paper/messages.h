@@ -1,46 +1,11 @@
-// The messages that all contenders send, as a message of SFT and as the CDR of the same message.
+// The messages of the experiments.
 #pragma once
 
-#include <sft/sft.h>
-#include <cstddef>
 #include <filesystem>
-#include <memory>
-#include <string>
-#include <vector>
 
-#include "bench/paper/configuration.h"
-#include "bench/paper/contender.h"
+#include "bench/common/message_set.h"
 
 namespace sft::bench::paper {
-
-/// Some messages of one type, which are sent in turns. Immutable.
-class Messages {
- public:
-  virtual ~Messages() = default;
-
-  virtual const TypeSupport& type() const = 0;
-  /// Opens a publisher of these messages.
-  virtual std::unique_ptr<Writer> publisher(Node& node, const std::string& topic,
-                                            const PublisherOptions& options) const = 0;
-  /// The bytes of CDR of a message, by its number, if only these fields are sent.
-  virtual std::size_t masked_bytes(std::size_t number, FieldSet fields) const = 0;
-
-  /// The bodies of the messages in CDR, without encapsulation, with all fields.
-  const std::vector<std::vector<std::byte>>& bodies() const { return bodies_; }
-  std::size_t size() const { return bodies_.size(); }
-
-  FieldSet all() const { return all_fields(type().type().members.size()); }
-  /// The fields as a mask, and as Node::subscriber() takes them.
-  FieldMask mask_of(FieldSet fields) const;
-  std::string text_of(FieldSet fields) const { return type().format_mask(mask_of(fields)); }
-  /// The fields with these names.
-  FieldSet named(const std::vector<std::string>& names) const;
-
- protected:
-  std::vector<std::vector<std::byte>> bodies_;
-};
-
-using SharedMessages = std::shared_ptr<const Messages>;
 
 /// Messages of the parametric study. REQUIRES: the paper has them.
 SharedMessages parametric_messages(std::size_t fields, std::size_t field_bytes);

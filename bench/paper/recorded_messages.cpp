@@ -1,3 +1,8 @@
+#include <nav_msgs/msg/OccupancyGrid.h>
+#include <sensor_msgs/msg/BatteryState.h>
+#include <sensor_msgs/msg/LaserScan.h>
+#include <sensor_msgs/msg/PointCloud2.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <nav_msgs/msg/OccupancyGrid.hpp>
@@ -7,7 +12,6 @@
 
 #include "bench/common/cloud.h"
 #include "bench/paper/messages.h"
-#include "bench/paper/typed_messages.h"
 #include "tests/support/grey_map.h"
 #include "tests/support/recorded_data.h"
 
@@ -19,7 +23,8 @@ constexpr std::size_t encapsulation_bytes = 4;
 
 /// Reads the first records of a log.
 template <class T>
-SharedMessages logged(const std::filesystem::path& data, const char* name) {
+SharedMessages logged(const std::filesystem::path& data, const char* name,
+                      const dds_topic_descriptor_t& cyclone_type) {
   const std::filesystem::path file = data / "rosbag2/extracted" / name;
   if (!std::filesystem::exists(file)) return nullptr;
   constexpr std::size_t records_max = 50;
@@ -29,22 +34,24 @@ SharedMessages logged(const std::filesystem::path& data, const char* name) {
     if (auto message = decoded<T>(std::span(payload).subspan(encapsulation_bytes)))
       messages.push_back(*std::move(message));
   }
-  return messages.empty() ? nullptr : shared(std::move(messages));
+  return messages.empty() ? nullptr : shared(std::move(messages), cyclone_type);
 }
 
 }  // namespace
 
 SharedMessages recorded_laser_scans(const std::filesystem::path& data) {
-  return logged<sensor_msgs::msg::LaserScan>(data, "neato_obstacle-avoider__scan.cdrlog");
+  return logged<sensor_msgs::msg::LaserScan>(data, "neato_obstacle-avoider__scan.cdrlog",
+                                             sensor_msgs_msg_LaserScan_desc);
 }
 
 SharedMessages recorded_battery_states(const std::filesystem::path& data) {
-  return logged<sensor_msgs::msg::BatteryState>(data, "plotjuggler_test__battery.cdrlog");
+  return logged<sensor_msgs::msg::BatteryState>(data, "plotjuggler_test__battery.cdrlog",
+                                                sensor_msgs_msg_BatteryState_desc);
 }
 
 SharedMessages recorded_occupancy_grids(const std::filesystem::path& data) {
   const auto map = test::read_grey_map(data / "maps/depot.pgm");
-  return map ? shared(std::vector{test::grid_of(*map, 0.05F)}) : nullptr;
+  return map ? shared(std::vector{test::grid_of(*map, 0.05F)}, nav_msgs_msg_OccupancyGrid_desc) : nullptr;
 }
 
 SharedMessages recorded_point_clouds(const std::filesystem::path& data) {
@@ -58,7 +65,7 @@ SharedMessages recorded_point_clouds(const std::filesystem::path& data) {
   cloud->width = bytes_max / cloud->point_step;
   cloud->row_step = cloud->width * cloud->point_step;
   cloud->data.resize(cloud->row_step);
-  return shared(std::vector{*std::move(cloud)});
+  return shared(std::vector{*std::move(cloud)}, sensor_msgs_msg_PointCloud2_desc);
 }
 
 }  // namespace sft::bench::paper

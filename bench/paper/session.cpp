@@ -9,7 +9,6 @@
 
 #include "bench/common/pair.h"
 #include "bench/common/statistics.h"
-#include "bench/paper/lower_bound.h"
 
 namespace sft::bench::paper {
 

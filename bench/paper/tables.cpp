@@ -6,8 +6,6 @@
 #include <bit>
 #include <cmath>
 
-#include "bench/paper/contender.h"
-
 namespace sft::bench::paper {
 
 namespace {

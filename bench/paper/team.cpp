@@ -12,7 +12,20 @@ namespace {
 
 constexpr std::int64_t poll_us = 10'000;
 
-std::string topic_of(std::size_t phase) { return "phase" + std::to_string(phase); }
+/// Opens the contender with its default settings, apart from multicast. The hosts have a network of their own
+/// each, and one memory together: SFT must not look for it.
+std::unique_ptr<Peer> open(const Contender& contender) {
+  if (contender.is_sft()) return contender.multicast ? sft_usual_peer() : sft_unicast_peer();
+  if (contender.way == Way::cyclone)
+    return contender.multicast ? cyclone_usual_peer() : cyclone_unicast_peer();
+  return contender.multicast ? fast_dds_multicast_peer() : fast_dds_usual_peer();
+}
+
+/// What a reader that needs these fields asks for.
+Wanted wanted(Way way, const Messages& messages, FieldSet needed) {
+  const FieldSet read = way == Way::sft_full ? messages.all() : needed;
+  return {.fields = messages.text_of(read), .recorded = way == Way::sft_recorded, .read = read};
+}
 
 [[noreturn]] void stay() {
   for (;;) pause();
@@ -35,11 +48,16 @@ Team::Team(const Contender& contender, std::shared_ptr<const hosts::EmulatedNetw
   for (std::size_t i = 0; i < task.receivers; ++i) crowd_.start(1 + i, [&] { return read_all(i); });
 }
 
+Topic Team::topic_of(std::size_t phase) const {
+  return {.name = "phase" + std::to_string(phase),
+          .messages = task_.phases[phase].messages,
+          .reliable = contender_.reliable};
+}
+
 int Team::write_all() const {
   const auto peer = open(contender_);
   std::vector<std::unique_ptr<Writer>> writers;
-  for (std::size_t i = 0; i < task_.phases.size(); ++i)
-    writers.push_back(peer->writer(topic_of(i), *task_.phases[i].messages));
+  for (std::size_t i = 0; i < task_.phases.size(); ++i) writers.push_back(peer->writer(topic_of(i)));
   while (!std::ranges::all_of(writers, [&](const auto& writer) { return writer->serves(task_.receivers); }))
     sleep_us(poll_us);
   ++board_->ready;
@@ -75,11 +93,11 @@ int Team::read_all(std::size_t receiver) const {
   const auto peer = open(contender_);
   std::vector<std::unique_ptr<Reader>> readers;
   for (std::size_t i = 0; i < task_.phases.size(); ++i) {
-    readers.push_back(peer->reader(topic_of(i), *task_.phases[i].messages, task_.phases[i].needed[receiver],
-                                   note_arrivals(i, receiver)));
+    Topic topic = topic_of(i);
+    topic.wanted = wanted(contender_.way, *topic.messages, task_.phases[i].needed[receiver]);
+    readers.push_back(peer->reader(topic, note_arrivals(i, receiver)));
   }
-  while (!std::ranges::all_of(readers, &Reader::matched,
-                              [](const auto& reader) -> const Reader& { return *reader; }))
+  while (!std::ranges::all_of(readers, [](const auto& reader) { return reader->writers() == 1; }))
     sleep_us(poll_us);
   ++board_->ready;
   stay();
@@ -87,7 +105,7 @@ int Team::read_all(std::size_t receiver) const {
 
 /// A message that arrives is the one that was written last, since the next one is written a period later.
 Arrived Team::note_arrivals(std::size_t phase, std::size_t receiver) const {
-  return [this, phase, receiver] {
+  return [this, phase, receiver](std::uint64_t) {
     const std::int64_t now = now_ns();
     const std::size_t written = board_->written[phase].load();
     if (written <= task_.pace.settling) return;

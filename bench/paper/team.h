@@ -72,6 +72,7 @@ class Team {
 
  private:
   int write_all() const;
+  Topic topic_of(std::size_t phase) const;
   void write_phase(std::size_t phase, Writer& writer, const Schedule& schedule) const;
   int read_all(std::size_t receiver) const;
   Arrived note_arrivals(std::size_t phase, std::size_t receiver) const;

@@ -1,6 +1,9 @@
 #include "bench/paper/trace.h"
 
+#include <fmt/format.h>
 #include <unistd.h>
+
+#include <ostream>
 
 #include "bench/common/crowd.h"
 #include "bench/common/pair.h"
@@ -36,7 +39,7 @@ int publish(Board& board) {
   };
   Node node = open_node();
   const SharedMessages sent = messages();
-  const auto writer = sent->publisher(node, topic, {.on_readers_changed = note});
+  const auto writer = sent->writer(node, topic, {.on_readers_changed = note});
   if (!wait_until([&] { return writer->serves(1); })) return 1;
   board.first_ns = now_ns();
   for (std::size_t i = 0; i < messages_sent; ++i) {
@@ -81,6 +84,13 @@ std::optional<Trace> response_trace() {
     if (const double read_ms = ms(board->read_ns[i]); read_ms < trace.applied_ms) trace.changed_ms = read_ms;
   }
   return trace;
+}
+
+void write(std::ostream& out, const Trace& trace) {
+  out << "event,ms,bytes\n";
+  for (const Trace::Message& message : trace.messages)
+    out << fmt::format("message,{:.4f},{:.0f}\n", message.at_ms, message.cdr_bytes);
+  out << fmt::format("changed,{:.4f},\napplied,{:.4f},\n", trace.changed_ms, trace.applied_ms) << std::flush;
 }
 
 }  // namespace sft::bench::paper

@@ -1,6 +1,7 @@
 // One change of recorded fields, from message to message: the response-time trace of the paper.
 #pragma once
 
+#include <iosfwd>
 #include <optional>
 #include <vector>
 
@@ -23,5 +24,8 @@ struct Trace {
 /// A receiver with recorded fields that reads half of the 7 fields of 512 bytes each, at 10 messages a
 /// second. Nothing if the publisher did not apply its request.
 std::optional<Trace> response_trace();
+
+/// Comma-separated values: a line for each message, and one for each of both moments.
+void write(std::ostream& out, const Trace& trace);
 
 }  // namespace sft::bench::paper

@@ -46,9 +46,6 @@ struct Case {
   friend auto operator<=>(const Case&, const Case&) = default;
 };
 
-/// False if the way has no wait that spins: it then sleeps in cases of spinning, too.
-bool can_spin(Way way);
-
 /// All who take part in a case, in the order of the tables. Where nobody sleeps there is no spin of 0. With
 /// several readers a spin of 0 is tried once, and nothing is copied without a reader.
 std::vector<Entrant> entrants(const Case& of);

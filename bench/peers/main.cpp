@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "bench/common/program.h"
-#include "bench/peers/csv.h"
 #include "bench/peers/figures.h"
 #include "bench/peers/tables.h"
 #include "bench/peers/trial.h"
@@ -126,7 +125,7 @@ class Peers {
   }
   static std::vector<Figure> report(const std::string& group, const std::string& title,
                                     const Records& records, const std::vector<Column>& columns) {
-    say(tables(records, title, columns) + faster_peers(records, columns));
+    say(tables(records, title, columns));
     return figures(group, records, columns);
   }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <iosfwd>
 #include <limits>
 #include <vector>
 
@@ -42,5 +43,8 @@ Spread spread(const std::vector<double>& rounds);
 Records records_of(const Records& all, const Case& of, const Entrant& entrant, std::uint32_t bytes);
 /// The spread of a value over the rounds of `records`.
 Spread spread(const Records& records, double Record::*value);
+
+/// Comma-separated values: one line for each entrant, case, size and round.
+void write_csv(std::ostream& out, const Records& all);
 
 }  // namespace sft::bench::peers

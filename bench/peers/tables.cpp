@@ -1,7 +1,6 @@
 #include "bench/peers/tables.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -67,42 +66,6 @@ std::string table(const Records& all, const std::string& title, const std::vecto
   return text + "\n";
 }
 
-struct Rival {
-  Entrant entrant;
-  Spread spread;
-};
-
-/// Peers whose median is better than that of SFT, the best first. "about" marks those whose range overlaps.
-std::vector<std::string> better(const Records& all, const Column& column, const Spread& ours,
-                                double Record::*value, bool more_is_better) {
-  const double sign = more_is_better ? -1 : 1;
-  std::vector<Rival> rivals;
-  for (const Entrant& entrant : entrants(column.of)) {
-    const Spread theirs = spread(records_of(all, column.of, entrant, column.bytes), value);
-    if (entrant.is_sft() || entrant.way == Way::memcpy_alone) continue;
-    if (sign * theirs.median < sign * ours.median) rivals.push_back({entrant, theirs});
-  }
-  std::ranges::sort(rivals, {}, [=](const Rival& rival) { return sign * rival.spread.median; });
-  std::vector<std::string> texts;
-  for (const Rival& rival : rivals) {
-    const bool overlaps = rival.spread.least <= ours.most && ours.least <= rival.spread.most;
-    const double scale = more_is_better ? 1000 : 1;
-    texts.push_back(fmt::format("{} {}{}", name_of(rival.entrant), overlaps ? "about " : "",
-                                number_text(rival.spread.median / scale)));
-  }
-  return texts;
-}
-
-std::string faster_line(const Records& all, const Column& column, const Entrant& entrant,
-                        double Record::*value, bool more_is_better, const char* unit) {
-  const Spread ours = spread(records_of(all, column.of, entrant, column.bytes), value);
-  if (!std::isfinite(ours.median)) return "";
-  const std::vector<std::string> rivals = better(all, column, ours, value, more_is_better);
-  return fmt::format("    {:<24} {:<16} {:>9} {:<4} {}\n", column.label, name_of(entrant),
-                     number_text(ours.median / (more_is_better ? 1000 : 1)), unit,
-                     rivals.empty() ? "no peer is faster" : fmt::format("{}", fmt::join(rivals, "; ")));
-}
-
 }  // namespace
 
 std::vector<Column> columns_of_sizes(const Case& of, const std::vector<std::uint32_t>& sizes) {
@@ -142,21 +105,6 @@ std::string tables(const Records& all, const std::string& title, const std::vect
          table(all, "CPU time of the same, us", columns, of(&Record::paced_cpu_us)) +
          table(all, "throughput, 1000 messages/s", columns, rate_text) +
          table(all, "CPU time of the same, us", columns, of(&Record::fast_cpu_us));
-}
-
-std::string faster_peers(const Records& all, const std::vector<Column>& columns) {
-  std::string text =
-      "\n  Which peers are faster than SFT in latency (p50; \"about\": the ranges of the rounds overlap)\n";
-  for (const Column& column : columns) {
-    for (const Way way : {Way::sft_full, Way::sft_loan})
-      text += faster_line(all, column, {way}, &Record::p50_us, false, "us");
-  }
-  text += "  Which peers are faster than SFT in throughput\n";
-  for (const Column& column : columns) {
-    for (const Way way : {Way::sft_full, Way::sft_loan})
-      text += faster_line(all, column, {way}, &Record::per_s, true, "k/s");
-  }
-  return text;
 }
 
 }  // namespace sft::bench::peers

@@ -26,7 +26,4 @@ std::string number_text(double value);
 /// Latency, throughput and processor time of all entrants that have records in these columns.
 std::string tables(const Records& all, const std::string& title, const std::vector<Column>& columns);
 
-/// Says for each column which peers are faster than SFT: in latency, and in messages a second.
-std::string faster_peers(const Records& all, const std::vector<Column>& columns);
-
 }  // namespace sft::bench::peers

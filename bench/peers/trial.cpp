@@ -13,17 +13,42 @@
 #include "bench/common/process.h"
 #include "bench/common/shared.h"
 #include "bench/peers/board.h"
-#include "bench/peers/open.h"
 #include "bench/peers/sender.h"
 
 namespace sft::bench::peers {
 
 namespace {
 
-std::vector<std::string> topic_names(const Trial& trial) {
-  std::vector<std::string> names;
-  for (const std::uint32_t bytes : trial.sizes) names.push_back("bytes" + std::to_string(bytes));
-  return names;
+/// The contender that a way with readers is, in the order of Way.
+std::unique_ptr<Peer> open(const Trial& trial) {
+  const Contender sft = trial.of.where == Where::one_host ? sft_memory_peer : sft_peer;
+  const Contender contenders[] = {sft,
+                                  sft,
+                                  sft_memory_loan_peer,
+                                  iceoryx_peer,
+                                  iceoryx_loan_peer,
+                                  cyclone_peer,
+                                  cyclone_memory_peer,
+                                  fast_dds_peer,
+                                  fast_dds_memory_peer,
+                                  raw_tcp_peer,
+                                  raw_udp_peer};
+  return contenders[static_cast<std::size_t>(trial.entrant.way)]();
+}
+
+/// The topic for messages of one size, by its number.
+Topic topic_of(const Trial& trial, std::size_t number) {
+  const std::uint32_t bytes = trial.sizes[number];
+  Topic topic{.name = "bytes" + std::to_string(bytes),
+              .bulk_bytes = bytes,
+              .depth = depth_of(bytes),
+              .spinning = trial.of.waiting == Waiting::spinning,
+              .two_fields = trial.entrant.way == Way::sft_two_fields,
+              .id = static_cast<std::uint16_t>(number),
+              .readers = trial.of.readers,
+              .on_one_host = trial.of.where == Where::one_host};
+  if (trial.entrant.spin_0) topic.spin = std::chrono::nanoseconds(0);
+  return topic;
 }
 
 /// Copies each message, and notes its receipt for all readers when the copy is made.
@@ -61,11 +86,9 @@ int copy_all(Board& board, const Trial& trial) {
 }
 
 int write_all(Board& board, const Trial& trial) {
-  const std::vector<std::string> names = topic_names(trial);
-  const auto peer = contender_of(trial.entrant.way, trial.of.where)();
+  const auto peer = open(trial);
   std::vector<std::unique_ptr<Writer>> writers;
-  for (std::size_t i = 0; i < trial.sizes.size(); ++i)
-    writers.push_back(peer->writer(topic_of(names[i].c_str(), i, trial.sizes[i], trial.of, trial.entrant)));
+  for (std::size_t i = 0; i < trial.sizes.size(); ++i) writers.push_back(peer->writer(topic_of(trial, i)));
   const auto ready = [&] {
     return board.ready.load() == trial.of.readers &&
            std::ranges::all_of(writers, [&](const auto& w) { return w->readers() == trial.of.readers; });
@@ -84,11 +107,10 @@ void read(Reader& reader, Receipts& receipts, const std::atomic<std::uint64_t>& 
 }
 
 int read_all(Board& board, const Trial& trial, std::size_t number) {
-  const std::vector<std::string> names = topic_names(trial);
-  const auto peer = contender_of(trial.entrant.way, trial.of.where)();
+  const auto peer = open(trial);
   std::vector<std::unique_ptr<Reader>> readers;
   for (std::size_t i = 0; i < trial.sizes.size(); ++i) {
-    Topic topic = topic_of(names[i].c_str(), i, trial.sizes[i], trial.of, trial.entrant);
+    Topic topic = topic_of(trial, i);
     topic.reader = number;
     readers.push_back(peer->reader(topic));
   }

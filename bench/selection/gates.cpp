@@ -22,14 +22,15 @@ using namespace std::chrono_literals;
 
 constexpr double bound_ns = 30;  ///< of a gate and sample
 
-/// A gate that has let one sample pass, and no other one passes.
+/// A gate that has seen that message, and does not let it pass again.
 std::unique_ptr<core::Gate> closed_gate(const std::string& conditions, const BatteryState& message) {
   const TypeSupport& type = type_support<BatteryState>();
   const Selection selection = type.parse_selection("* @ " + conditions).value();
   auto gate = std::make_unique<core::Gate>(0, detail::Conditions(type.type(), selection.gate().conditions),
                                            selection.gate_hash());
-  gate->let_next_pass();
+  gate->reader_begins();
   gate->consider(detail::FieldSource::of_message(&message), 0);
+  gate->made(detail::FieldSource::of_message(&message), 0);
   return gate;
 }
 
@@ -57,8 +58,10 @@ double wakeups(const std::string& selection, int samples) {
     return !readers.empty() && readers[0].served;
   });
   BatteryState message;
-  publisher.publish(message);  // the first one passes
+  message.voltage = 5;
+  publisher.publish(message);
   while (!subscriber.take()) subscriber.wait(1s);
+  message.voltage = 0;
   long switches = 0;
   std::atomic<bool> is_ready{false};
   std::thread reader([&] {

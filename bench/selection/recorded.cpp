@@ -40,7 +40,7 @@ Figure voltage_on_change(const std::filesystem::path& file) {
   const TypeSupport& type = type_support<BatteryState>();
   const Selection selection = type.parse_selection("voltage @ changed 1%").value();
   core::Gate gate(0, detail::Conditions(type.type(), selection.gate().conditions), selection.gate_hash());
-  gate.let_next_pass();
+  gate.reader_begins();
   const test::Payload table = test::read_recording(file).value();
   std::istringstream lines(std::string(reinterpret_cast<const char*>(table.data()), table.size()));
   std::string line;

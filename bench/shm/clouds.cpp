@@ -1,12 +1,10 @@
-// Measures a 6.3 MB cloud from one program to another one, which sleeps until the cloud comes: with SFT, and
-// with the shared memory of other middleware.
+// Measures 6.3 MB from one program to another one, which sleeps until they come: with SFT as a cloud, and as
+// samples in the shared memory of other middleware.
 #include <algorithm>
 
 #include "bench/common/roudi.h"
-#include "bench/common/sft_cloud.h"
 #include "bench/common/statistics.h"
-#include "bench/shm/cyclone_cloud.h"
-#include "bench/shm/fast_dds_cloud.h"
+#include "bench/common/transfer.h"
 #include "bench/shm/shm.h"
 
 namespace sft::bench {
@@ -21,15 +19,20 @@ constexpr double owned_bound = 1 / 1.5;  // times the standard message of others
 
 std::vector<Figure> clouds(const Scale& scale) {
   const Transfer transfer{.messages = std::max<std::uint64_t>(scale.messages / 8, 100)};
+  const Topic topic{.bulk_bytes = sent_cloud_bytes, .reliable = false};
   const Roudi roudi;
+  const auto cyclone_times = [&](Contender contender) {
+    return called_times(
+        contender, topic, transfer, [&] { roudi.enter(); }, iceoryx_connecting_us);
+  };
   Rounds loan, owned, cyclone, cyclone_loan, fast, fast_loan;
   for (int round = 0; round < scale.rounds; ++round) {
-    loan.add(transfer_times<SftLoanWriter, SftReader>(transfer, sent_cloud_bytes));
-    cyclone.add(cyclone_standard(transfer, roudi));
-    fast.add(fast_dds_standard(transfer));
-    owned.add(transfer_times<SftOwnedWriter, SftReader>(transfer, sent_cloud_bytes));
-    cyclone_loan.add(cyclone_fixed(transfer, roudi));
-    fast_loan.add(fast_dds_fixed(transfer));
+    loan.add(transfer_times(sft_cloud_loan_peer, topic, transfer));
+    cyclone.add(cyclone_times(cyclone_memory_peer));
+    fast.add(called_times(fast_dds_memory_peer, topic, transfer));
+    owned.add(transfer_times(sft_cloud_peer, topic, transfer));
+    cyclone_loan.add(cyclone_times(cyclone_memory_loan_peer));
+    fast_loan.add(called_times(fast_dds_memory_loan_peer, topic, transfer));
   }
   return {
       {"cloud_6.3MB_vs_cyclone", loan.p50(), "us", cyclone.p50(), "Cyclone over iceoryx", loan_bound},

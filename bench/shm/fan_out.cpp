@@ -4,10 +4,9 @@
 #include <csignal>
 #include <vector>
 
+#include "bench/common/contender.h"
 #include "bench/common/pair.h"
 #include "bench/common/process.h"
-#include "bench/common/raw_iceoryx.h"
-#include "bench/common/sft_cloud.h"
 #include "bench/common/shared.h"
 #include "bench/common/statistics.h"
 #include "bench/shm/shm.h"
@@ -44,31 +43,34 @@ struct Board {
   }
 };
 
-template <class Writer>
-bool send(Board& board, std::uint64_t messages) {
-  Writer writer(sent_cloud_bytes);
-  if (!wait_until([&] { return board.ready.load() == readers && writer.serves(readers); })) return false;
+const Topic topic{.bulk_bytes = sent_cloud_bytes, .reliable = false, .readers = readers};
+
+bool send(Board& board, Contender contender, std::uint64_t messages) {
+  const auto peer = contender();
+  const auto writer = peer->writer(topic);
+  if (!wait_until([&] { return board.ready.load() == readers && writer->readers() == readers; }))
+    return false;
   for (std::uint64_t i = 0; i < messages; ++i) {
     pause_us(asleep_us);
-    writer.prepare(i + 1);
+    writer->prepare(i + 1);
     board.sent_at[i] = now_ns();
-    writer.publish();
+    writer->publish();
     board.returned_at[i] = now_ns();
     if (!board.wait_for_all(i + 1)) return false;
   }
-  writer.prepare(messages + 1);  // ends the readers
-  writer.publish();
+  writer->prepare(messages + 1);  // ends the readers
+  writer->publish();
   return true;
 }
 
-template <class Reader>
-void receive(Board& board, std::uint64_t messages) {
-  Reader reader;
-  while (reader.writers() == 0) sleep_us(1000);
+void receive(Board& board, Contender contender, std::uint64_t messages) {
+  const auto peer = contender();
+  const auto reader = peer->reader(topic);
+  while (reader->writers() == 0) sleep_us(1000);
   ++board.ready;
   for (std::uint64_t number = 0; number <= messages;) {
-    reader.wait();
-    number = reader.take();
+    reader->wait();
+    number = reader->take();
     if (number != 0 && number <= messages) board.note_receipt(number);
   }
 }
@@ -77,17 +79,16 @@ struct Times {
   Rounds until_returned, until_last;
 };
 
-template <class Writer, class Reader>
-void run(std::uint64_t messages, Times& times) {
+void run(Contender contender, std::uint64_t messages, Times& times) {
   const Shared<Board> board;
   std::vector<pid_t> started;
   for (std::uint64_t i = 0; i < readers; ++i) {
     started.push_back(start_on_core(1, [&] {
-      receive<Reader>(*board, messages);
+      receive(*board, contender, messages);
       return 0;
     }));
   }
-  const bool sent = succeeds(start_on_core(0, [&] { return send<Writer>(*board, messages) ? 0 : 1; }));
+  const bool sent = succeeds(start_on_core(0, [&] { return send(*board, contender, messages) ? 0 : 1; }));
   for (const pid_t reader : started) {
     if (!sent) kill(reader, SIGKILL);
     succeeds(reader);
@@ -107,8 +108,8 @@ void run(std::uint64_t messages, Times& times) {
 std::vector<Figure> fan_out(const Scale& scale) {
   Times ours, iceoryx;
   for (int round = 0; round < scale.rounds; ++round) {
-    run<SftLoanWriter, SftReader>(scale.messages, ours);
-    run<RawIceoryxWriter, RawIceoryxReader>(scale.messages, iceoryx);
+    run(sft_cloud_loan_peer, scale.messages, ours);
+    run(iceoryx_loan_peer, scale.messages, iceoryx);
   }
   const char* reference = "iceoryx, 8 WaitSets";
   return {{"publish_8_sleepers", ours.until_returned.p50(), "us", iceoryx.until_returned.p50(), reference,

@@ -2,9 +2,9 @@
 // publisher in another program.
 #include <unistd.h>
 
+#include "bench/common/contender.h"
 #include "bench/common/pair.h"
 #include "bench/common/process.h"
-#include "bench/common/sft_cloud.h"
 #include "bench/common/shared.h"
 #include "bench/shm/shm.h"
 
@@ -15,21 +15,25 @@ namespace {
 constexpr double allowed_percent = 0.5;
 constexpr std::int64_t settling_us = 2'000'000;  // the traffic of joining is over after this time
 
+const Topic topic{.bulk_bytes = sent_cloud_bytes};
+
 void keep_publisher(Exchange& exchange) {
-  const SftLoanWriter writer(sent_cloud_bytes);
-  while (!writer.serves(1)) sleep_us(1000);
+  const auto peer = sft_cloud_loan_peer();
+  const auto writer = peer->writer(topic);
+  while (!writer->serves(1)) sleep_us(1000);
   exchange.sent = 1;
   while (exchange.received.load() == 0) sleep_us(10'000);
 }
 
 double percent_while_waiting(Exchange& exchange, double seconds) {
-  SftReader reader;
+  const auto peer = sft_cloud_loan_peer();
+  const auto reader = peer->reader(topic);
   while (exchange.sent.load() == 0) sleep_us(10'000);
   sleep_us(settling_us);
   const std::int64_t begin = now_ns();
   const std::int64_t end = begin + static_cast<std::int64_t>(seconds * 1e9);
   const double cpu_before = cpu_s(getpid());
-  while (now_ns() < end) reader.wait();  // waits for at most a second
+  while (now_ns() < end) reader->wait();  // waits for at most a second
   const double percent = (cpu_s(getpid()) - cpu_before) / (static_cast<double>(now_ns() - begin) / 1e9) * 100;
   exchange.received = 1;
   return percent;

@@ -14,7 +14,7 @@ int main(int argc, char** argv) {
                    {"cold_path", [&] { return cold_path(scale); }},
                    {"rate", [&] { return rate(scale); }},
                    {"bulk_latency", [&] { return bulk_latency(scale); }},
-                   {.name = "worst", .measure = [&] { return worst(scale); }, .has_trace = true},
+                   {"worst", [&] { return worst(scale); }},
                    {"fan_out", [&] { return fan_out(scale); }},
                    {"wire_overhead", [&] { return wire_overhead(scale); }},
                    {"ack_overhead", [&] { return ack_overhead(scale); }}});
@@ -28,7 +28,6 @@ int main(int argc, char** argv) {
   program.options()
       .add_option("--seconds", scale.seconds, "seconds for which a stream of samples is measured")
       ->check(CLI::Range(0.1, 100.));
-  program.add_trace(scale.trace, "print where the time of the worst sample went (worst)");
   if (const auto code = program.parse(argc, argv)) return *code;
   return sft::test::run_isolated([&] { return program.run(); });
 }

@@ -19,7 +19,6 @@ void send(Exchange& exchange, Contender contender, const Paced& paced) {
     if (!arrived(i)) break;
     exchange.sent_at[i] = now_ns();
     writer->write(i + 1);
-    exchange.returned_at[i] = now_ns();
   }
   exchange.failed = exchange.failed.load() || !arrived(paced.messages);
 }

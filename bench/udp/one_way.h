@@ -15,7 +15,7 @@ struct Paced {
   std::int64_t period_us = 0;  ///< a sample waits longer until the one before has arrived
 };
 
-/// Returns the times at which each sample was written and read, and write() returned, from the first one on;
+/// Returns the times at which each sample was written and read, from the first one on;
 /// empty if a sample did not arrive.
 std::vector<Delivery> one_way_deliveries(Contender contender, const Paced& paced, const TwoHosts& hosts);
 /// Times in microseconds, without the first tenth; empty if a sample did not arrive.

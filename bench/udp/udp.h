@@ -13,7 +13,6 @@ struct Scale {
   int rounds = 3;                 ///< of each contender, in turns; the median counts
   double seconds = 1;             ///< time for which a stream of samples is measured
   std::uint64_t messages = 2000;  ///< of 64 bytes, per round and contender; a fiftieth of large ones
-  bool trace = false;             ///< also tell where the time of the worst sample went
 };
 
 /// The highest rate of reliable samples of 4 MiB, and its processor time.

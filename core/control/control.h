@@ -24,7 +24,7 @@ inline constexpr std::size_t progress_max = 64;
 inline constexpr std::size_t asked_about_max = 64;
 inline constexpr std::size_t accounts_max = 32;
 inline constexpr std::size_t name_bytes_max = 255;
-inline constexpr std::size_t type_description_bytes_max = 8192;
+inline constexpr std::size_t type_description_bytes_max = 65'536;
 
 /// The lease of a node that has not said another one, and of a node that reaches all others by multicast.
 inline constexpr std::chrono::milliseconds lease_default{5000};

@@ -10,17 +10,22 @@ namespace {
 constexpr DynamicType::Limits limits{.bytes = type_description_bytes_max, .leaves = leaves_max};
 }  // namespace
 
-std::vector<std::byte> announced_description(const StructType& type) {
+Result<std::vector<std::byte>> announced_description(const StructType& type) {
   std::vector<std::byte> description = detail::describe(type);
-  if (!DynamicType::parse(description, limits)) description.clear();
-  return description;
+  return DynamicType::parse(description, limits).map([&](const DynamicType&) {
+    return std::move(description);
+  });
 }
 
 Result<DynamicType> described_type(const Endpoint& endpoint) {
   const std::string whose = "node '" + endpoint.node + "', topic '" + endpoint.topic + "': ";
   if (endpoint.type_description.empty()) {
-    return fail(Errc::unavailable,
-                whose + "the description of " + endpoint.type_name + " is too large to be announced");
+    return fail(
+        Errc::unavailable,
+        whose + "the fields of " + endpoint.type_name +
+            " are not known here: its description is not announced, because it is too large or too deep "
+            "(docs/limits.md), or because this node has no room for more of them; open the topic with a "
+            "type that is made of the definition ('sft ... -I DIRECTORY', find_msg())");
   }
   Result<DynamicType> type = DynamicType::parse(endpoint.type_description, limits);
   if (!type) return fail(type.error().code, whose + type.error().message);

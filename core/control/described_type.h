@@ -10,9 +10,10 @@
 
 namespace sft::core {
 
-/// Empty for a type that is beyond what a description may be (DynamicType::Limits,
-/// type_description_bytes_max): it works all the same between programs that were compiled with it.
-std::vector<std::byte> announced_description(const StructType& type);
+/// An error, which names the limit, for a type that is beyond what a description may be (DynamicType::Limits,
+/// type_description_bytes_max). It is announced without one, and works all the same between programs that
+/// were compiled with it.
+Result<std::vector<std::byte>> announced_description(const StructType& type);
 
 /// The type that an endpoint describes. An error if it describes none, or one of another name or hash than it
 /// announces.

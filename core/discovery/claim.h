@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -32,6 +33,13 @@ struct Claim {
     alive = false;
   }
 };
+
+/// An announcement with a large description counts as several: the limits of announcements (claim_counts.h)
+/// limit the bytes that are kept, too.
+inline std::size_t weight_of(const Endpoint& endpoint) {
+  constexpr std::size_t bytes_of_one = 8192;
+  return std::max<std::size_t>(1, (endpoint.type_description.size() + bytes_of_one - 1) / bytes_of_one);
+}
 
 /// Describes an endpoint to people.
 inline std::string name_of(const Endpoint& endpoint) {

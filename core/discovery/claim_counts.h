@@ -1,5 +1,6 @@
 // Counts the announcements that are kept of each participant: each has room for its share in any case, and
-// for more while there is room for everybody. Pure.
+// for more while there is room for everybody. One with a large description of its type counts as several.
+// Pure.
 #pragma once
 
 #include <cstddef>
@@ -18,19 +19,22 @@ class ClaimCounts {
   };
   explicit ClaimCounts(const Limits& limits) : limits_(limits) {}
 
-  bool has_room_for(AnnouncerId participant) const {
+  /// True if there is room for an announcement of that weight (claim.h), or for an increase by it.
+  bool has_room_for(AnnouncerId participant, std::size_t weight) const {
     const auto share = shares_.find(participant);
-    const bool is_within_share = share == shares_.end() || share->second < limits_.share;
-    return all_ < limits_.all && (is_within_share || all_ < limits_.crowded);
+    const std::size_t own = share == shares_.end() ? 0 : share->second;
+    const bool is_within_share = own + weight <= limits_.share;
+    return all_ + weight <= limits_.all && (is_within_share || all_ + weight <= limits_.crowded);
   }
-  void add(AnnouncerId participant) {
-    ++all_;
-    ++shares_[participant];
+  void add(AnnouncerId participant, std::size_t weight) {
+    all_ += weight;
+    shares_[participant] += weight;
   }
-  void remove(AnnouncerId participant) {
-    --all_;
+  void remove(AnnouncerId participant, std::size_t weight) {
+    all_ -= weight;
     const auto share = shares_.find(participant);
-    if (--share->second == 0) shares_.erase(share);
+    share->second -= weight;
+    if (share->second == 0) shares_.erase(share);
   }
 
  private:

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::array control_topics{"sft_writer", "sft_reader", "sft_liveliness"};
 constexpr std::size_t fragment_bytes_min = 128;
-constexpr std::size_t sample_bytes_min = 65'536;  // of control samples; the largest have some 30,000
+constexpr std::size_t sample_bytes_min = 131'072;  // of control samples; the largest have some 96,000
 
 std::string element(std::string_view name, std::string_view content) {
   return "<" + std::string(name) + ">" + std::string(content) + "</" + std::string(name) + ">";
@@ -71,7 +71,7 @@ constexpr std::array demands{
     Demand{"General", "FragmentSize", [](const std::string& v) { return bytes_of(v) < fragment_bytes_min; },
            "1344 B", "announcements would not get through, or in hundreds of datagrams"},
     Demand{"Internal", "MaxSampleSize", [](const std::string& v) { return bytes_of(v) < sample_bytes_min; },
-           "2147483647 B", "announcements with the description of a type may have 64 kB"},
+           "2147483647 B", "announcements with the description of a type may have 128 kB"},
     Demand{"Compatibility", "ManySocketsMode",
            [](const std::string& v) { return equals(v, "none") || equals(v, "false"); }, "single",
            "nodes could not be reached"},

@@ -17,13 +17,13 @@ template <class Which>
 void EndpointClaims::drop(Which which) {
   std::erase_if(claims_, [&](const Claim& claim) {
     if (!which(claim)) return false;
-    context_.counts.remove(claim.speaker.participant);
+    context_.counts.remove(claim.speaker.participant, weight_of(*claim.endpoint));
     return true;
   });
 }
 
-milliseconds EndpointClaims::lease_by(const Speaker& speaker) const {
-  return std::ranges::find(claims_, speaker, &Claim::speaker)->endpoint->life_lease;
+const Endpoint& EndpointClaims::announced_by(const Speaker& speaker) const {
+  return *std::ranges::find(claims_, speaker, &Claim::speaker)->endpoint;
 }
 
 Claim* EndpointClaims::of(const Speaker& speaker) {
@@ -74,7 +74,11 @@ bool EndpointClaims::accepts(const Speaker& speaker, const Endpoint& endpoint) c
 
 void EndpointClaims::announced(const Speaker& speaker, std::shared_ptr<const Endpoint> endpoint, Time now) {
   Claim& claim = *of(speaker);
-  if (endpoint->revision >= claim.endpoint->revision) claim.endpoint = std::move(endpoint);
+  if (endpoint->revision >= claim.endpoint->revision) {
+    context_.counts.remove(speaker.participant, weight_of(*claim.endpoint));
+    claim.endpoint = std::move(endpoint);
+    context_.counts.add(speaker.participant, weight_of(*claim.endpoint));
+  }
   claim.alive = true;
   compare(now);
   settle(now);
@@ -82,7 +86,7 @@ void EndpointClaims::announced(const Speaker& speaker, std::shared_ptr<const End
 
 void EndpointClaims::add(const Speaker& speaker, std::shared_ptr<const Endpoint> endpoint,
                          std::optional<Request> early_request, bool is_disbelieved, Time now) {
-  context_.counts.add(speaker.participant);
+  context_.counts.add(speaker.participant, weight_of(*endpoint));
   claims_.insert(std::ranges::find_if(claims_, &Claim::untrue), Claim{.speaker = speaker,
                                                                       .endpoint = std::move(endpoint),
                                                                       .request = std::move(early_request),

@@ -2,7 +2,6 @@
 // in, news come out. discovery.md has the rules.
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -69,8 +68,8 @@ class EndpointClaims {
   void trust_others(Time now);
 
   const ToldEndpoint& told() const { return told_; }
-  /// The lease by the word of one of the speakers.
-  std::chrono::milliseconds lease_by(const Speaker& speaker) const;
+  /// What one of the speakers announces.
+  const Endpoint& announced_by(const Speaker& speaker) const;
   /// Calls use(claim) for each claim that is alive.
   template <class Use>
   void each_alive(Use use) const {

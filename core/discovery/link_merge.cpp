@@ -84,7 +84,9 @@ void LinkMerge::endpoint_came(const Speaker& speaker, Endpoint endpoint, Time no
   }
   EndpointClaims* claims = endpoints_.find(id);
   const bool is_new = claims == nullptr || !claims->is_announced_by(speaker);
-  if (is_new && !counts_.has_room_for(speaker.participant)) {
+  const std::size_t has = weight_of(*sample);
+  const std::size_t had = is_new ? 0 : weight_of(claims->announced_by(speaker));
+  if (has > had && !counts_.has_room_for(speaker.participant, has - had)) {
     return context_.refuse("the table of endpoints has no more room for this participant: its endpoint " +
                            name_of(*sample) + " is refused");
   }
@@ -127,7 +129,7 @@ void LinkMerge::request_came(const Speaker& speaker, Request request, Time now) 
   EndpointClaims* const claims = endpoints_.find(request.reader);
   if (claims == nullptr || !claims->is_announced_by(speaker))  // the announcement may still come
     return early_requests_.keep(speaker, std::move(request), now);
-  speakers_.heard(speaker, silence_in(claims->lease_by(speaker)), now);
+  speakers_.heard(speaker, silence_in(claims->announced_by(speaker).life_lease), now);
   claims->requested(speaker, std::move(request), now);
 }
 

@@ -32,11 +32,13 @@ std::optional<Endpoint> EndpointTable::enter(const Endpoint& endpoint) {
     entry.arrival = ++arrivals_;
   } else {
     unindex(entry);
+    descriptions_.leave(entry.endpoint);
   }
   std::optional<Endpoint> before;
   Endpoint known = std::exchange(entry.endpoint, endpoint);
   if (!is_new) before = std::move(known);
   entry.endpoint.request.announcer = endpoint.announcer;
+  descriptions_.enter(entry.endpoint);
   entry.lost_since.reset();
   entry.silent = false;
   index(entry);
@@ -51,6 +53,7 @@ bool EndpointTable::erase(EndpointId id) {
   const auto gone = entries_.find(id);
   if (gone == entries_.end()) return false;
   unindex(gone->second);
+  if (!gone->second.is_ours()) descriptions_.leave(gone->second.endpoint);
   lost_.erase(id);
   entries_.erase(gone);
   shares_.remove(id);

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/control/control.h"
+#include "core/negotiation/description_room.h"
 #include "core/negotiation/table_shares.h"
 #include "core/platform/clock.h"
 #include "sft/type_support.h"
@@ -103,6 +104,7 @@ class EndpointTable {
   std::map<NodeId, std::set<EndpointId>> nodes_;      ///< of all entries
   std::set<EndpointId> lost_;                         ///< the entries that are lost
   TableShares shares_;                                ///< of those that are not ours
+  DescriptionRoom descriptions_;                      ///< likewise
   std::uint64_t arrivals_ = 0;
   std::uint64_t refused_ = 0;
   std::map<std::string, std::uint64_t> refusals_;

@@ -68,7 +68,13 @@ Endpoint EndpointOpening::describe(Role role, const TopicName& name, const TypeS
   if (name.given.size() <= name_bytes_max) endpoint.given_topic = name.given;
   endpoint.type_name = type.name();
   endpoint.type_hash = type.hash();
-  endpoint.type_description = announced_description(type.type());
+  if (auto description = announced_description(type.type())) {
+    endpoint.type_description = *std::move(description);
+  } else if (role == Role::writer) {
+    news_.log(LogLevel::warning,
+              "topic " + in_quotes(name.topic) +
+                  ": the fields of its type are not announced: " + description.error().message);
+  }
   endpoint.may_use_memory = may_use(TransportKind::shm, choice);
   endpoint.may_use_network = may_use(TransportKind::udp, choice);
   if (endpoint.may_use_network) endpoint.addresses = node_.network->addresses();
@@ -310,6 +316,7 @@ Result<std::shared_ptr<NetworkReader>> EndpointOpening::open_network(const Endpo
   if (!reader.may_use_network) return nullptr;
   const SubscriberOptions& options = core.spec().options;
   ReaderSpec spec{reader.id, &core.type(), options.depth, &core, reader.doorbell};
+  spec.depth_bytes = options.depth_bytes;
   spec.only_waited_for = !core.has_callback() && !options.pollable;
   spec.spin = std::clamp(options.spin, std::chrono::nanoseconds(0), std::chrono::nanoseconds(max_spin));
   auto port = node_.network->open_reader(spec);

@@ -119,8 +119,13 @@ bool LocalReader::connect_memory(const Hearing& wanted, const Hearing& before, R
 Result<void> LocalReader::connect_in_memory(const Source& source) {
   if (memory_ == nullptr) {
     const SubscriberOptions& options = core_->spec().options;
-    auto port = node_.memory->open_reader({id_, &core_->type(), options.depth, core_.get(),
-                                           node_.negotiation.local(id_)->doorbell, options.max_held});
+    auto port = node_.memory->open_reader({.id = id_,
+                                           .type = &core_->type(),
+                                           .depth = options.depth,
+                                           .listener = core_.get(),
+                                           .doorbell = node_.negotiation.local(id_)->doorbell,
+                                           .max_held = options.max_held,
+                                           .depth_bytes = options.depth_bytes});
     if (!port) return tl::unexpected(port.error());
     memory_ = std::move(*port);
     ports().set_memory(memory_);

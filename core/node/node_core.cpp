@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/control/names.h"
+#include "core/node/simulated_clock.h"
 #include "core/node/topics.h"
 #include "core/node/type_search.h"
 #include "core/platform/clock.h"
@@ -45,6 +46,28 @@ void tell_of_unfit(const std::vector<std::string>& rules, NodeLog& log) {
               "the remapping rule " + in_quotes(rule) + " fits no topic and no node of this program");
   }
 }
+
+/// Tells once that nobody publishes the time that the node follows.
+class MissingClock {
+ public:
+  MissingClock(const NodeOptions& options, const NodeNames& names) {
+    if (!options.use_sim_time) return;
+    if (const Result<TopicName> name = names.topic(SimulatedClock::topic)) topic_ = name->topic;
+    due_ = std::chrono::steady_clock::now() + SimulatedClock::patience;
+  }
+  void look(const Reconciler& reconciler, NodeLog& log) {
+    if (std::chrono::steady_clock::now() < due_) return;
+    due_ = Time::max();
+    for (const Endpoint* e : reconciler.endpoints())
+      if (e->role == Role::writer && e->topic == topic_) return;
+    log.write(LogLevel::warning, "use_sim_time: nobody publishes the topic " + in_quotes(topic_) +
+                                     ", so the time of the node, Node::now(), is 0 until somebody does");
+  }
+
+ private:
+  std::string topic_;
+  Time due_ = Time::max();
+};
 }  // namespace
 
 Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Parts parts) {
@@ -88,10 +111,12 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
                          node->news_of_endpoints());
   Reconciler* const reconciler = node->reconciler_.get();
   const Agent::Duties duties{.tick =
-                                 [node = node.get(), reconciler, heap, names] {
+                                 [node = node.get(), reconciler, heap, names,
+                                  missing_clock = MissingClock(options, *names)]() mutable {
                                    log_calls_left_out(node->callbacks_, node->log_);
                                    tell_of_unfit(names->take_unfit_rules(std::chrono::steady_clock::now()),
                                                  node->log_);
+                                   missing_clock.look(*reconciler, node->log_);
                                    heap->give_back(std::chrono::steady_clock::now());
                                    return reconciler->tick();
                                  },

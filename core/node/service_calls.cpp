@@ -110,15 +110,4 @@ std::string ClientCall::why_late(const std::vector<SeenServer>& seen) const {
   return "the server on node '" + server.node + "' could not be called" + late + ": " + server.reason;
 }
 
-bool GreetedReaders::has_new(const std::vector<PublisherStatus::Reader>& readers) {
-  std::vector<std::pair<std::uint64_t, std::uint64_t>> now;
-  for (const PublisherStatus::Reader& reader : readers) {
-    if (reader.served) now.emplace_back(reader.id, reader.request_sequence);
-  }
-  std::ranges::sort(now);
-  const bool is_new = !std::ranges::includes(known_, now);
-  known_ = std::move(now);
-  return is_new;
-}
-
 }  // namespace sft::detail

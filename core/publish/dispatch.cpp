@@ -109,7 +109,6 @@ PublishStatus Dispatch::miss(Admission&& admission, std::uint32_t body_bytes) no
   const Outlets& outlets = *in_force_;
   sequence_.fetch_add(1, std::memory_order_relaxed);
   dropped_.fetch_add(1, std::memory_order_relaxed);
-  for (const auto& gate : outlets.gates) gate->missed();
   for (const Outlets::MemoryGroup& group : outlets.memory_groups) {
     if (group.wants_sample()) group.tally->dropped();
   }

@@ -51,7 +51,7 @@ void Gates::open_for(const Serving& serving) {
     const auto before = asked_.find(reader);
     if (before != asked_.end() && before->second == now) continue;
     const auto is_its = [gate = now.first](const Entry& entry) { return entry.gate.get() == gate; };
-    std::ranges::find_if(gates_, is_its)->gate->let_next_pass();
+    std::ranges::find_if(gates_, is_its)->gate->reader_begins();
   }
   asked_ = std::move(asked);
 }

@@ -29,8 +29,8 @@ class Gates {
   void give(std::span<Route> routes);
   /// The gate that give() gave to the route.
   const std::shared_ptr<Gate>& of(const Route& route) const;
-  /// The routes are in force: the next sample passes the gates of those readers that have asked for something
-  /// else before, or for nothing.
+  /// The routes are in force: there is no earlier sample for those readers that have asked for something else
+  /// before, or for nothing.
   void open_for(const Serving& serving);
 
  private:

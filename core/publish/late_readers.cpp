@@ -6,6 +6,7 @@
 
 #include "core/platform/clock.h"
 #include "core/publish/lent_copy.h"
+#include "sft/detail/conditions.h"
 
 namespace sft::core {
 
@@ -15,7 +16,7 @@ LateReaders::LateReaders(const TypeSupport& type, std::shared_ptr<NetworkWriter>
 
 void LateReaders::serve(const Serving& serving, std::shared_ptr<LendingWriter> memory) {
   for (const Route& route : take_latecomers(serving)) {
-    std::vector<SampleHandle> samples = history_->last(route.history, realtime_ns());
+    std::vector<SampleHandle> samples = retained_for(route);
     book_->retained(route.reader, samples.size());
     network_->send_history(route, std::move(samples));
   }
@@ -51,16 +52,32 @@ void LateReaders::give_history() {
 bool LateReaders::give_history(LendingWriter& memory, const Route& route) {
   const auto held_back = memory.held_back(route.reader);
   if (!held_back) return true;
-  const std::vector<SampleHandle> samples = retained_in(memory, route.history);
+  const std::vector<SampleHandle> samples = retained_in(memory, route);
   if (!memory.begin_with(route, samples, *held_back)) return false;
   book_->retained(route.reader, samples.size());
   return true;
 }
 
+/// Those that fulfil the conditions of the reader, for whom there is no sample before them.
+std::vector<SampleHandle> LateReaders::retained_for(const Route& route) const {
+  std::vector<SampleHandle> samples = history_->last(route.history, realtime_ns());
+  if (route.selection.gate().conditions.empty()) return samples;
+  detail::Conditions conditions(type_.type(), route.selection.gate().conditions);
+  std::vector<SampleHandle> wanted;
+  for (SampleHandle& sample : samples) {
+    const detail::SampleState state = state_of(*sample, type_.index_slots());
+    const auto fields = detail::FieldSource::of_sample(state);
+    if (!conditions.hold(fields, sample->source_stamp_ns)) continue;
+    conditions.passed(fields, sample->source_stamp_ns);
+    wanted.push_back(std::move(sample));
+  }
+  return wanted;
+}
+
 /// Samples that were published before there was shared memory are copied there now. A sample for which there
 /// is no room is missing, as any sample would be.
-std::vector<SampleHandle> LateReaders::retained_in(LendingWriter& memory, std::uint32_t count) {
-  std::vector<SampleHandle> samples = history_->last(count, realtime_ns());
+std::vector<SampleHandle> LateReaders::retained_in(LendingWriter& memory, const Route& route) {
+  std::vector<SampleHandle> samples = retained_for(route);
   for (SampleHandle& sample : samples) {
     if (memory.owns(*sample)) continue;
     sample = copy_into(memory, *sample, type_);

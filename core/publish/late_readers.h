@@ -44,7 +44,8 @@ class LateReaders {
  private:
   std::vector<Route> take_latecomers(const Serving& serving);
   bool give_history(LendingWriter& memory, const Route& route);
-  std::vector<SampleHandle> retained_in(LendingWriter& memory, std::uint32_t count);
+  std::vector<SampleHandle> retained_for(const Route& route) const;
+  std::vector<SampleHandle> retained_in(LendingWriter& memory, const Route& route);
 
   const TypeSupport& type_;
   const std::shared_ptr<NetworkWriter> network_;

@@ -12,17 +12,19 @@ std::uint64_t gate_id(std::uint64_t conditions, std::uint32_t min_period_us) {
   return hash.value() == 0 ? 1 : hash.value();
 }
 
-/// The rate is asked only about samples that fulfil the conditions: the others cost nothing of it.
+/// The rate is asked only about samples that fulfil the conditions: the others cost nothing of it. The first
+/// one for a reader passes whatever is left of the rate.
 bool Gate::decide(const detail::FieldSource& sample, std::int64_t stamp_ns) {
-  is_first_ =
-      next_passes_.load(std::memory_order_relaxed) && next_passes_.exchange(false, std::memory_order_relaxed);
-  is_open_ = is_open_ || is_first_;
-  const bool holds = conditions_.hold(sample, stamp_ns);
-  if (is_first_) {
-    budget_.spend(stamp_ns);
-    return true;
+  if (reader_begins_.load(std::memory_order_relaxed) &&
+      reader_begins_.exchange(false, std::memory_order_relaxed)) {
+    is_open_ = true;
+    conditions_.begin();
   }
-  return is_open_ && holds && budget_.take(stamp_ns);
+  const bool is_first = conditions_.begins();
+  if (!conditions_.hold(sample, stamp_ns) || !is_open_) return false;
+  if (!is_first) return budget_.take(stamp_ns);
+  budget_.spend(stamp_ns);
+  return true;
 }
 
 }  // namespace sft::core

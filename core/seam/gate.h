@@ -21,7 +21,7 @@ class Gate {
   /// A gate for a maximum rate alone. It begins with one sample, not with a burst. (A reader's budget begins
   /// full: it must not have less.)
   explicit Gate(std::uint32_t min_period_us) : budget_(min_period_us, 1) {}
-  /// A gate with conditions, which Conditions::check() has accepted. Nothing passes before let_next_pass()
+  /// A gate with conditions, which Conditions::check() has accepted. Nothing passes before reader_begins()
   /// was called for its first reader. `hash` is that of the selection's gate without a rate.
   Gate(std::uint32_t min_period_us, detail::Conditions conditions, std::uint64_t hash)
       : budget_(min_period_us, 1),
@@ -34,7 +34,8 @@ class Gate {
   /// The name of a gate with conditions (gate_id()); 0: it has none. Any thread.
   std::uint64_t id() const { return id_; }
 
-  /// Called once for every sample. What passes is then told to made(), missed() or refused().
+  /// Called once for every sample. What passes is then told to made() or refused(); if it could not be made,
+  /// its readers miss it, and later ones are compared with the one before.
   void consider(const detail::FieldSource& sample, std::int64_t stamp_ns) {
     before_ = budget_;
     passes_ = conditions_.empty() ? budget_.take(stamp_ns) : decide(sample, stamp_ns);
@@ -49,20 +50,16 @@ class Gate {
   void made(const detail::FieldSource& sample, std::int64_t stamp_ns) {
     if (passes_ && id_ != 0) conditions_.passed(sample, stamp_ns);
   }
-  /// The sample that passed could not be made, and its readers miss it.
-  void missed() {
-    if (passes_ && is_first_) let_next_pass();
-  }
   /// The message was refused, as if it had never been published.
   void refused() {
-    missed();
     if (!passes_) return;
     budget_ = before_;
     --ordinal_;
     add(passed_, -1);
   }
-  /// The next sample passes whatever it says: it is the first one after a request. Any thread.
-  void let_next_pass() noexcept { next_passes_.store(true, std::memory_order_relaxed); }
+  /// A request is in force. The next sample that the conditions let pass is its first one, for which nothing
+  /// is compared with earlier samples, and the rate is not asked. Any thread.
+  void reader_begins() noexcept { reader_begins_.store(true, std::memory_order_relaxed); }
 
   /// True if the sample that was considered last is for the readers behind this gate.
   bool passes() const { return passes_; }
@@ -88,9 +85,8 @@ class Gate {
   std::uint64_t id_ = 0;
   bool is_open_ = true;
   bool passes_ = false;
-  bool is_first_ = false;  ///< the sample passed as the first one after a request
   std::uint32_t ordinal_ = 0;
-  std::atomic<bool> next_passes_{false};
+  std::atomic<bool> reader_begins_{false};
   Count passed_{0}, withheld_{0};
 };
 

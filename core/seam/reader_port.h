@@ -55,6 +55,9 @@ struct ReaderSpec {
   /// The time for which the thread that calls the listener looks for more, and keeps a core busy with it,
   /// before it sleeps.
   std::chrono::nanoseconds spin{0};
+  /// The bytes of samples kept until taken, per writer. The oldest go first, but the newest one always stays;
+  /// 0: no limit. Shared memory may round it down to a power of two.
+  std::uint64_t depth_bytes = 0;
 };
 
 /// A thread that waits for a sample, until its reader's doorbell is rung.

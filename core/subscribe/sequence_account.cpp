@@ -50,18 +50,18 @@ std::uint64_t SequenceAccount::gap_before(const SampleOrigin& sample) const {
   return std::min(gap_max, sample.sequence - std::min(sample.oldest_retained, sample.sequence));
 }
 
-/// The lost ones among the `gap` samples between the last one and this. If the limit has changed, the slower
-/// one counts. A reader that asks for all can also get samples that passed the gates of others: from one of
-/// these to the next, nothing was withheld from it.
+/// The lost ones among the `gap` samples between the last one and this. Retained samples have no numbers, so
+/// nobody can tell which of them conditions have withheld. If the limit has changed, the slower one counts. A
+/// reader that asks for all can also get samples that passed the gates of others: from one of these to the
+/// next, nothing was withheld from it.
 std::uint64_t SequenceAccount::lost_before(const SampleOrigin& sample, RateKeeper keeper,
                                            const AskedGates& asked, std::uint64_t gap) const {
   const std::uint32_t limit = limit_of(sample, keeper);
   const std::uint32_t before = budget_.min_period_us();
-  if (last_ == 0) return gap;
-  const bool both_retained = sample.oldest_retained != 0 && sample.ordinal == 0 && !ordinal_;
-  if (both_retained) return gap;
-  if (limit == 0 && before == 0 && asked.asks_for_all_since(request_)) return gap;
   const std::optional<std::uint64_t> gate = asked.only_gate_since(request_);
+  const bool both_retained = sample.oldest_retained != 0 && sample.ordinal == 0 && !ordinal_;
+  if (last_ == 0 || both_retained) return gate == 0 ? gap : 0;
+  if (limit == 0 && before == 0 && asked.asks_for_all_since(request_)) return gap;
   if (sample.gate != 0 || gate_ != 0 || gate != 0)
     return gate == sample.gate && is_of_same_gate(sample) ? passed_between(*ordinal_, sample.ordinal) : 0;
   if (limit == 0 && before == 0) return gap;

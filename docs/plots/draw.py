@@ -19,7 +19,7 @@ import records
 
 def main(words):
     wrong = []
-    drawn = {f"{plot.name}.svg": plot.svg(alone=True) for plot in plots.all_plots(records.load(FOLDER / "data"))}
+    drawn = {f"{plot.name}.svg": plot.svg() for plot in plots.all_plots(records.load(FOLDER / "data"))}
     for name, text in drawn.items():
         file = FOLDER / name
         if "--check" not in words:

@@ -30,7 +30,7 @@ constexpr std::chrono::milliseconds longest_pause_of_registrations{1'000};
 /// daemon serves.
 std::string make_runtime_name(const std::string& prefix) {
   std::string name = runtime_name_stem;
-  for (const char c : prefix.substr(0, 32)) name += std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
+  for (const char c : prefix.substr(0, 31)) name += std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
   char rest[40];
   std::snprintf(rest, sizeof rest, "_%d_%08x", static_cast<int>(getpid()),
                 static_cast<unsigned>(core::random_id()));

@@ -16,13 +16,16 @@
 
 namespace sft::shm {
 
+/// Returns the size to ask iceoryx for, to get a chunk that holds at least `bytes`.
+constexpr std::size_t payload_for(std::size_t bytes) { return (bytes + 7) / 8 * 8; }
+
 /// All writers of a session share one object. Any thread may call it.
 class ChunkPools {
  public:
-  /// `samples`, `management`: see PreparedChunks. Without them nothing is prepared.
+  /// `samples`, `management`, `file`: see PreparedChunks. Without them nothing is prepared.
   explicit ChunkPools(const iox::mepoo::MemoryManager& pools, std::span<const std::byte> samples = {},
-                      std::span<const std::byte> management = {})
-      : pools_(pools), prepared_(pools, samples, management) {}
+                      std::span<const std::byte> management = {}, int file = -1)
+      : pools_(pools), prepared_(pools, samples, management, file) {}
 
   struct Choice {
     std::uint32_t pool = 0;
@@ -44,6 +47,10 @@ class ChunkPools {
   void note_taken(const Choice& choice, std::size_t bytes) noexcept {
     prepared_.note(choice.pool, bytes + sizeof(iox::mepoo::ChunkHeader));
   }
+  /// See PreparedChunks. `bytes`: as for choose().
+  bool set_aside(const iox::mepoo::ChunkHeader& chunk, std::size_t bytes) noexcept {
+    return prepared_.set_aside(chunk, payload_for(bytes) + sizeof(iox::mepoo::ChunkHeader));
+  }
   /// See PreparedChunks.
   void prepare() noexcept { prepared_.prepare(); }
 
@@ -60,8 +67,6 @@ class ChunkPools {
   PreparedChunks prepared_;
 };
 
-/// Returns the size to ask iceoryx for, to get a chunk that holds at least `bytes`.
-constexpr std::size_t payload_for(std::size_t bytes) { return (bytes + 7) / 8 * 8; }
 inline constexpr std::size_t chunk_header_size = sizeof(iox::mepoo::ChunkHeader);
 
 }  // namespace sft::shm

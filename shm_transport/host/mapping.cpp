@@ -20,7 +20,7 @@ bool contains(std::span<const std::byte> memory, const void* data, std::size_t s
 
 Result<Mapping> Mapping::open(const std::string& name, std::size_t bytes, bool writable, uid_t owner) {
   const std::string path = "/dev/shm/" + name;
-  const auto file = core::open_trusted_file(path, writable ? O_RDWR : O_RDONLY, {.users = {owner}});
+  auto file = core::open_trusted_file(path, writable ? O_RDWR : O_RDONLY, {.users = {owner}});
   if (!file) {
     struct stat there {};
     const bool is_forbidden = file.error().code == Errc::no_permission && lstat(path.c_str(), &there) == 0;
@@ -36,7 +36,8 @@ Result<Mapping> Mapping::open(const std::string& name, std::size_t bytes, bool w
   if (memory == MAP_FAILED) return fail(Errc::out_of_memory, path + ": " + std::strerror(errno));
   // Without this the memory would be in every core dump once its name is gone.
   madvise(memory, bytes, MADV_DONTDUMP);
-  return Mapping({static_cast<std::byte*>(memory), bytes}, status.st_gid);
+  return Mapping({static_cast<std::byte*>(memory), bytes}, status.st_gid,
+                 writable ? std::move(*file) : core::FileDescriptor());
 }
 
 Mapping::~Mapping() {

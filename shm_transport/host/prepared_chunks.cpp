@@ -1,10 +1,13 @@
 #include "shm_transport/host/prepared_chunks.h"
 
+#include <fcntl.h>
 #include <sys/mman.h>
+#include <sys/vfs.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 
 namespace sft::shm {
 
@@ -30,7 +33,8 @@ bool map(const std::byte* begin, const std::byte* end) noexcept {
 
 /// PoolLayout could change pools, too, which this class does not.
 PreparedChunks::PreparedChunks(const iox::mepoo::MemoryManager& pools, std::span<const std::byte> samples,
-                               std::span<const std::byte> management) {
+                               std::span<const std::byte> management, int samples_file)
+    : samples_(samples.data()), file_(samples_file) {
   for (const PoolLayout& layout : pools_of(const_cast<iox::mepoo::MemoryManager&>(pools)))
     pools_.emplace_back(layout, layout.is_within(samples, management) ? layout.chunk_count() : 0);
 }
@@ -54,6 +58,50 @@ void PreparedChunks::prepare() noexcept {
   inside_.clear(std::memory_order_release);
 }
 
+bool PreparedChunks::set_aside(const iox::mepoo::ChunkHeader& chunk, std::size_t bytes) noexcept {
+  for (Pool& pool : pools_) {
+    if (pool.mapped.empty()) continue;
+    if (const auto index = pool.layout.index_of(&chunk)) return set_aside(pool, *index, bytes);
+  }
+  return true;
+}
+
+/// Also true of memory that this process has not asked for: the daemon, or another writer, has.
+bool PreparedChunks::has_memory(Pool& pool, std::uint32_t chunk, std::uint32_t bytes) noexcept {
+  if (file_ < 0 || pool.layout.chunk_bytes() < on_demand_bytes) return true;
+  std::atomic<std::uint32_t>& known = pool.set_aside[chunk];
+  if (known.load(std::memory_order_relaxed) >= bytes) return true;
+  const off_t begin = pool.layout.at(chunk) - samples_;
+  if (::lseek(file_, begin, SEEK_HOLE) < begin + bytes) return false;
+  known.store(bytes, std::memory_order_relaxed);
+  return true;
+}
+
+/// Asks for a part at a time: a signal ends a call, and the system then takes back all that this call has set
+/// aside. Asks for nothing if the host has too little for all of it, which would only take it from others.
+bool PreparedChunks::set_aside(Pool& pool, std::uint32_t chunk, std::size_t bytes) noexcept {
+  constexpr std::uint32_t part_bytes = 1 << 20;
+  const auto wanted = static_cast<std::uint32_t>(std::min<std::size_t>(bytes, pool.layout.chunk_bytes()));
+  if (has_memory(pool, chunk, wanted)) return true;
+  std::atomic<std::uint32_t>& known = pool.set_aside[chunk];
+  std::uint32_t has = known.load(std::memory_order_relaxed);
+  struct statfs host {};
+  if (::fstatfs(file_, &host) != 0 ||
+      static_cast<std::uint64_t>(host.f_bavail) * static_cast<std::uint64_t>(host.f_bsize) < wanted - has)
+    return false;
+  const off_t begin = pool.layout.at(chunk) - samples_;
+  while (has < wanted) {
+    const std::uint32_t part = std::min(part_bytes, wanted - has);
+    if (::fallocate(file_, FALLOC_FL_KEEP_SIZE, begin + has, part) == 0) {
+      has += part;
+      known.store(has, std::memory_order_relaxed);
+    } else if (errno != EINTR) {
+      return false;
+    }
+  }
+  return true;
+}
+
 /// Returns how many of so many chunks there are.
 std::size_t PreparedChunks::map_free(Pool& pool, std::size_t chunks, std::size_t bytes,
                                      std::size_t& budget) noexcept {
@@ -63,7 +111,7 @@ std::size_t PreparedChunks::map_free(Pool& pool, std::size_t chunks, std::size_t
   const std::size_t count = pool.layout.next_free(std::span(next).first(chunks));
   for (const std::uint32_t chunk : std::span(next).first(count)) {
     std::uint32_t& mapped = pool.mapped[chunk];
-    if (mapped >= used || budget == 0) continue;
+    if (mapped >= used || budget == 0 || !has_memory(pool, chunk, used)) continue;
     budget -= std::min<std::size_t>(budget, used - mapped);
     const std::byte* const begin = pool.layout.at(chunk);
     if (map(begin + mapped, begin + used)) mapped = used;

@@ -1,6 +1,9 @@
 // Prepares the memory of the chunks that writers of this process will probably take next. The system maps
 // each page of a process when it is used for the first time, which takes longer than to copy that page: for a
 // sample of 6 MB these are 1,500 page faults. A pool has its free chunks in a list, and lends the first one.
+//
+// Some large chunks of the daemon have no memory before they are used (sftd/pools.h). A writer asks the
+// system for it before it writes into them: a write without memory would end the process.
 #pragma once
 
 #include <atomic>
@@ -19,19 +22,27 @@ namespace sft::shm {
 /// is left alone.
 class PreparedChunks {
  public:
+  /// `samples_file`: the file of `samples`; -1: all its memory is there.
   PreparedChunks(const iox::mepoo::MemoryManager& pools, std::span<const std::byte> samples,
-                 std::span<const std::byte> management);
+                 std::span<const std::byte> management, int samples_file = -1);
 
   /// A writer has taken a chunk of that pool, of which it uses the first `bytes`. Any thread.
   void note(std::uint32_t pool, std::size_t bytes) noexcept;
 
   /// Maps the first `chunks_ahead` free chunks of each pool from which large samples were taken, as far as
   /// the largest of these reached, and each page once. Where a pool has fewer chunks, those of the next
-  /// larger one follow. It changes no byte. To be called now and then, by threads for which nobody waits.
-  /// Returns at once while another thread is inside, and early when it has mapped much; the next call goes
-  /// on.
+  /// larger one follow. Chunks without memory are left out. It changes no byte. To be called now and then, by
+  /// threads for which nobody waits. Returns at once while another thread is inside, and early when it has
+  /// mapped much; the next call goes on.
   void prepare() noexcept;
 
+  /// A writer has taken this chunk, and will write its first `bytes`, the header of the chunk included. False
+  /// if the host has no memory for them: then the writer writes nothing but the header. Asks the system once
+  /// for so much of each chunk that may lack memory. Any thread.
+  bool set_aside(const iox::mepoo::ChunkHeader& chunk, std::size_t bytes) noexcept;
+
+  /// Smaller chunks have all their memory from the beginning.
+  static constexpr std::size_t on_demand_bytes = std::size_t{8} << 20;
   /// A publisher at 100 Hz takes so many between two calls of a node while samples flow (TickPace).
   static constexpr std::size_t chunks_ahead = 5;
   static constexpr std::size_t large_bytes = 256 * 1024;                ///< smaller samples have few pages
@@ -39,15 +50,20 @@ class PreparedChunks {
 
  private:
   struct Pool {
-    explicit Pool(const PoolLayout& of, std::size_t chunks) : layout(of), mapped(chunks) {}
+    explicit Pool(const PoolLayout& of, std::size_t chunks) : layout(of), mapped(chunks), set_aside(chunks) {}
     const PoolLayout layout;
     std::atomic<std::size_t> bytes{0};  ///< the most that was used of a chunk; 0: none was taken
     // Used by the thread that is inside.
     std::vector<std::uint32_t> mapped;  ///< bytes of each chunk; empty: the pool is left alone
+    /// Bytes of each chunk that have memory for certain. Of two threads either one may have the last word.
+    std::vector<std::atomic<std::uint32_t>> set_aside;
   };
-  static std::size_t map_free(Pool& pool, std::size_t chunks, std::size_t bytes,
-                              std::size_t& budget) noexcept;
+  std::size_t map_free(Pool& pool, std::size_t chunks, std::size_t bytes, std::size_t& budget) noexcept;
+  bool has_memory(Pool& pool, std::uint32_t chunk, std::uint32_t bytes) noexcept;
+  bool set_aside(Pool& pool, std::uint32_t chunk, std::size_t bytes) noexcept;
 
+  const std::byte* const samples_;  ///< where the file begins
+  const int file_;
   std::deque<Pool> pools_;
   std::atomic_flag inside_;
 };

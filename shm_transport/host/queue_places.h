@@ -17,6 +17,7 @@
 #include "shm_transport/host/chunk_hand.h"
 #include "shm_transport/host/iceoryx.h"
 #include "shm_transport/host/queue_room.h"
+#include "shm_transport/host/waiting_bytes.h"
 
 namespace sft::shm {
 
@@ -49,22 +50,38 @@ class QueuePlaces {
   /// the writer pushes: the reader only takes chunks, and the place of the chunk that it takes next is
   /// another one. So the queue is not looked at again before, since the words of the queue would cross from
   /// the reader's processor once more.
-  bool has_room() noexcept {
+  ///
+  /// `beside`: no more chunks may wait beside the next one, since their bytes are limited (waiting_bytes.h).
+  bool has_room(std::uint64_t beside = WaitingBytes::any_number) noexcept {
     if (free_ == 0) free_ = free_places();
-    return free_ != 0;
+    return free_ != 0 && !waits_more_than(beside);
   }
 
-  /// The writer calls it before it pushes one chunk. Gives back the oldest chunk if the queue has no room;
+  /// The writer calls it before it pushes one chunk. Gives back the oldest chunks if the queue has no room;
   /// the reader sees then that its queue has overflowed.
-  void make_room() noexcept {
+  void make_room(std::uint64_t beside = WaitingBytes::any_number) noexcept {
     if (has_room()) {
       --free_;
-    } else if (iox::popo::ChunkQueuePopper<Queue>(&queue()).tryPop()) {
-      iox::popo::ChunkQueuePusher<Queue>(&queue()).lostAChunk();
+    } else {
+      drop_oldest();
+    }
+    while (waits_more_than(beside) && drop_oldest()) {
     }
   }
 
  private:
+  /// The words of the queue are left alone where any number may wait.
+  bool waits_more_than(std::uint64_t beside) const noexcept {
+    return beside < depth_max && queue().m_queue.size() > beside;
+  }
+
+  /// False if the reader has taken all meanwhile.
+  bool drop_oldest() noexcept {
+    if (!iox::popo::ChunkQueuePopper<Queue>(&queue()).tryPop()) return false;
+    iox::popo::ChunkQueuePusher<Queue>(&queue()).lostAChunk();
+    return true;
+  }
+
   Queue& queue() const noexcept { return port_->m_chunkReceiverData; }
 
   std::uint64_t free_places() const noexcept {

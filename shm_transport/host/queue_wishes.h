@@ -3,6 +3,7 @@
 // the reader's port: iceoryx passes the name on and does not read it.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -15,6 +16,9 @@ struct QueueWishes {
   bool late = false;            ///< the writer puts its retained samples into the queue before all others
   bool awaited = false;         ///< the writer waits for room in the queue, as long as it may
   bool deepest = false;         ///< as many samples wait as the queue has places (queue_places.h)
+  /// The most bytes of samples that wait; 0: any number. What is written is a power of two, not greater than
+  /// this unless this is less than 64 KiB.
+  std::uint64_t bytes_max = 0;
 };
 
 /// Returns what stands behind the label of the port; empty if the reader is unknown.

@@ -194,7 +194,7 @@ ChunkPools& Session::pools(const iox::mepoo::MemoryManager& pools) {
   const core::Lock lock(mutex_);
   if (pools_ == nullptr) {
     pools_ = std::make_unique<ChunkPools>(pools, segments_.back().mapping.bytes(),
-                                          segments_.front().mapping.bytes());
+                                          segments_.front().mapping.bytes(), segments_.back().mapping.file());
   }
   return *pools_;
 }

@@ -24,11 +24,8 @@ AttachedQueues::Listener AttachedQueues::listener_at(const Queue& queue, const S
   auto* const port = const_cast<iox::popo::SubscriberPortData*>(session.port_of(queue));
   if (port == nullptr) return {queue.m_uniqueId};
   const QueueWishes wishes = parse_wishes({port->m_nodeName.c_str(), port->m_nodeName.size()});
-  return {queue.m_uniqueId,
-          wishes.late ? wishes.reader : 0,
-          wishes.awaited ? wishes.reader : 0,
-          wishes.reader,
-          {*port, wishes.deepest}};
+  return {queue.m_uniqueId, wishes.late ? wishes.reader : 0, wishes.awaited ? wishes.reader : 0,
+          wishes.reader,    {*port, wishes.deepest},         {wishes.bytes_max, QueuePlaces::depth_max}};
 }
 
 void AttachedQueues::serve(Listener& listener) const {
@@ -43,17 +40,20 @@ void AttachedQueues::serve(Served served) {
   count();
 }
 
-const AttachedQueues::Listener* AttachedQueues::without_room() {
+const AttachedQueues::Listener* AttachedQueues::without_room(std::uint64_t bytes) {
   if (awaited_.empty()) return nullptr;
-  const auto found = std::ranges::find_if(listeners_, [this](Listener& listener) {
+  const auto found = std::ranges::find_if(listeners_, [&](Listener& listener) {
     return listener.awaited != 0 && listener.wants_sample() && awaited_.contains(listener.awaited) &&
-           !listener.places.has_room();
+           !listener.places.has_room(listener.bytes.beside(bytes));
   });
   return found == listeners_.end() ? nullptr : &*found;
 }
 
-void AttachedQueues::make_room() {
-  for (Listener& listener : listeners_) listener.places.make_room();
+void AttachedQueues::make_room(std::uint64_t bytes) {
+  for (Listener& listener : listeners_) {
+    listener.places.make_room(listener.bytes.beside(bytes));
+    listener.bytes.pushed(bytes);
+  }
 }
 
 bool AttachedQueues::is_unchanged(const Queues& queues) const {
@@ -79,10 +79,12 @@ void AttachedQueues::owe_nothing(std::set<core::EndpointId> readers) {
   owed_nothing_ = std::move(readers);
 }
 
-void AttachedQueues::deliver(Port& port, const Listener& listener, iox::mepoo::SharedChunk chunk) {
+void AttachedQueues::deliver(Port& port, const Listener& listener, iox::mepoo::SharedChunk chunk,
+                             std::uint64_t bytes) {
   const auto index =
       static_cast<std::uint32_t>(&listener - listeners_.data());  // where it is looked for first
-  listeners_[index].places.make_room();
+  listeners_[index].places.make_room(listener.bytes.beside(bytes));
+  listeners_[index].bytes.pushed(bytes);
   iox::popo::ChunkDistributor<iox::popo::PublisherPortData::ChunkDistributorData_t> distributor(&port);
   std::ignore = distributor.deliverToQueue(listener.queue, index, std::move(chunk));
 }

@@ -45,6 +45,7 @@ class AttachedQueues {
     core::EndpointId awaited = 0;   ///< the reader that asks the writer to wait for room; 0: none does
     core::EndpointId reader = 0;    ///< whose queue it is; 0: unknown, and there are no places
     QueuePlaces places{};
+    WaitingBytes bytes{};                      ///< that wait there
     bool is_served = false;                    ///< the writer serves the reader here
     std::shared_ptr<const core::Gate> gate{};  ///< the reader's, if that has conditions
 
@@ -75,15 +76,16 @@ class AttachedQueues {
 
   /// Sets the readers for which the writer waits, if they ask for it.
   void wait_for(std::set<core::EndpointId> readers) { awaited_ = std::move(readers); }
-  /// Returns a listener, as of the last look(), for which the writer waits and whose queue is full; null if
-  /// there is none.
-  const Listener* without_room();
+  /// Returns a listener, as of the last look(), for which the writer waits and whose queue has no room for a
+  /// sample of so many bytes; null if there is none.
+  const Listener* without_room(std::uint64_t bytes);
 
-  /// Makes room for one more chunk in each queue (queue_places.h). All listeners are served.
-  void make_room();
+  /// Makes room for one more chunk in each queue, with a sample of so many bytes, which is put there next
+  /// (queue_places.h, waiting_bytes.h). All listeners are served.
+  void make_room(std::uint64_t bytes);
   /// Makes room in the queue of this listener, which is one of listeners(), and puts the chunk into it,
   /// unless the queue is gone.
-  void deliver(Port& port, const Listener& listener, iox::mepoo::SharedChunk chunk);
+  void deliver(Port& port, const Listener& listener, iox::mepoo::SharedChunk chunk, std::uint64_t bytes);
   /// Counts a sample that is held back from the late readers that wait.
   void hold_back() { ++held_back_; }
   std::uint64_t held_back() const { return held_back_; }

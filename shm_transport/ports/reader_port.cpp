@@ -198,7 +198,8 @@ Result<void> ShmReaderPort::connect(const core::Source& source) {
   const QueueWishes wishes{.reader = spec_.id,
                            .late = source.history_first,
                            .awaited = source.reliable && source.waits,
-                           .deepest = depth() == QueuePlaces::depth_max};
+                           .deepest = depth() == QueuePlaces::depth_max,
+                           .bytes_max = spec_.depth_bytes};
   auto port = session_->create_subscriber(source.writer, depth(),
                                           {options_.port_wait, options_.port_deadline}, wishes);
   if (!port) return tl::unexpected(port.error());

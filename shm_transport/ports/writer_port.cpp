@@ -70,8 +70,10 @@ ChunkLender::~ChunkLender() {
 SampleHandle ChunkLender::lend(std::size_t bytes) noexcept {
   if (bytes < sizeof(detail::SampleHeader) || bytes > largest_sample_bytes) return {};
   ChunkSlot* slot = nullptr;
+  ChunkPools* pools = nullptr;  // of the session, which stays as long as the slot is out
   {
     const core::Lock lock(mutex_);
+    pools = &pools_;
     if (lost_ || slots_.empty()) return {};
     const ChunkInHand hand(publisher_);
     ChunkHeader* chunk = allocate(bytes);
@@ -81,6 +83,10 @@ SampleHandle ChunkLender::lend(std::size_t bytes) noexcept {
   }
   after_chunk_came();
   SampleBuffer& buffer = slot->buffer;
+  if (!pools->set_aside(*slot->chunk, bytes)) {
+    recycle(buffer);
+    return {};
+  }
   buffer.data = static_cast<std::byte*>(slot->chunk->userPayload());
   buffer.capacity = bytes;  // not the size in the chunk's header, which every client can overwrite
   buffer.mask = full_mask_;
@@ -131,7 +137,7 @@ ChunkLender::Commit ChunkLender::commit(ChunkSlot& slot, bool to_readers, bool m
     auto& port = publisher_.m_chunkSenderData;
     if (!port.tryLock()) return Commit::busy;
     attached_.look(port.m_queues, *session_);
-    full = waits_ && attached_.without_room() != nullptr;
+    full = waits_ && attached_.without_room(slot.buffer.capacity) != nullptr;
     const bool waits = full && may_wait;
     if (!waits) deliver(slot);
     port.unlock();
@@ -148,33 +154,34 @@ void ChunkLender::deliver(ChunkSlot& slot) noexcept {
     // The chunk goes back into iceoryx's own list of loans, because only a chunk in this list can be sent.
     port.m_chunksInUse.insert(slot.name.cloneToSharedChunk());
     before_chunk_leaves();
-    attached_.make_room();
+    attached_.make_room(slot.buffer.capacity);
     port_.sendChunk(slot.chunk);
     return;
   }
   if (attached_.somebody_waits()) attached_.hold_back();
   for (const AttachedQueues::Listener& listener : attached_.listeners()) {
-    if (listener.wants_sample()) attached_.deliver(port, listener, slot.name.cloneToSharedChunk());
+    if (listener.wants_sample())
+      attached_.deliver(port, listener, slot.name.cloneToSharedChunk(), slot.buffer.capacity);
   }
 }
 
-std::optional<ChunkLender::FullQueue> ChunkLender::full_queue() noexcept {
+std::optional<ChunkLender::FullQueue> ChunkLender::full_queue(std::uint64_t bytes) noexcept {
   const core::Lock lock(mutex_);
   auto& port = publisher_.m_chunkSenderData;
   if (lost_ || !port.tryLock()) return std::nullopt;
   attached_.look(port.m_queues, *session_);
-  const AttachedQueues::Listener* full = attached_.without_room();
+  const AttachedQueues::Listener* full = attached_.without_room(bytes);
   port.unlock();
   if (full == nullptr) return std::nullopt;
-  return FullQueue{full->places, session_};
+  return FullQueue{full->places, full->bytes.beside(bytes), session_};
 }
 
 /// Waits without a lock. If the reader goes meanwhile, the memory of its port stays mapped, and only words in
 /// that memory are read and written.
-void ChunkLender::await_room(Clock::time_point until) noexcept {
-  std::optional<FullQueue> full = full_queue();
+void ChunkLender::await_room(const ChunkSlot& slot, Clock::time_point until) noexcept {
+  std::optional<FullQueue> full = full_queue(slot.buffer.capacity);
   if (!full) return;
-  const auto has_room = [&] { return full->places.has_room(); };
+  const auto has_room = [&] { return full->places.has_room(full->beside); };
   if (core::spin(std::min(until, Clock::now() + room_spin), has_room)) return;
   QueueRoom room(full->places.port());
   room.begin_waiting();
@@ -214,7 +221,7 @@ bool ChunkLender::begin(core::EndpointId reader, const std::vector<SampleHandle>
     const ChunkInHand hand(publisher_);
     for (const SampleHandle& sample : retained) {
       ChunkSlot& slot = ChunkSlot::of(*sample);
-      attached_.deliver(port, *listener, slot.name.cloneToSharedChunk());
+      attached_.deliver(port, *listener, slot.name.cloneToSharedChunk(), sample->capacity);
     }
     attached_.begun(reader);
   }
@@ -306,7 +313,7 @@ ChunkLender::Commit ShmWriterPort::commit_once_there_is_room(ChunkSlot& slot) no
   const Clock::time_point until = Clock::now() + patience_;
   auto committed = ChunkLender::Commit::full;
   while (committed == ChunkLender::Commit::full) {
-    chunks_->await_room(until);
+    chunks_->await_room(slot, until);
     committed = commit(slot, true, Clock::now() < until);
   }
   patience_ = std::max<std::chrono::nanoseconds>(until - Clock::now(), {});

@@ -60,9 +60,9 @@ class ChunkLender final : public core::BufferOwner,
   /// `may_wait` is true, and a reader for which the writer waits has no room. `displaced`: `may_wait` is
   /// false, and such a reader has lost its oldest sample.
   Commit commit(ChunkSlot& slot, bool to_readers, bool may_wait) noexcept;
-  /// Sleeps, after commit() has returned `full`, until that reader has room, but at most until `until`, and
-  /// never long. Then the caller tries commit() again.
-  void await_room(Clock::time_point until) noexcept;
+  /// Sleeps, after commit() of that sample has returned `full`, until that reader has room, but at most until
+  /// `until`, and never long. Then the caller tries commit() again.
+  void await_room(const ChunkSlot& slot, Clock::time_point until) noexcept;
 
   /// Returns whether the sample was lent here and not yet committed. Only such a sample can be committed.
   bool has_lent(const core::SampleBuffer& sample) const noexcept;
@@ -92,9 +92,10 @@ class ChunkLender final : public core::BufferOwner,
   void deliver(ChunkSlot& slot) noexcept SFT_REQUIRES(mutex_);
   struct FullQueue {
     QueuePlaces places;
+    std::uint64_t beside = 0;          ///< so many samples may wait beside the next one
     std::shared_ptr<Session> session;  ///< keeps the memory of the queue mapped
   };
-  std::optional<FullQueue> full_queue() noexcept;
+  std::optional<FullQueue> full_queue(std::uint64_t bytes) noexcept;
   std::shared_ptr<Session> let_go() noexcept SFT_REQUIRES(mutex_);
 
   const FieldMask full_mask_;

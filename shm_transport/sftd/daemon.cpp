@@ -124,7 +124,7 @@ std::optional<StartFailure> Daemon::host(const PoolPlan& plan) {
                         "another iceoryx daemon (iox-roudi) is starting; stop that daemon"};
   }
   roudi_lock_.emplace(std::move(lock.value()));
-  auto memory = HostMemory::make(make_config(plan, groups_), groups_);
+  auto memory = HostMemory::make(plan, groups_);
   if (!memory) return StartFailure{ExitCode::no_space, memory.error().message};
   memory_ = std::move(*memory);
   ports_ = std::make_unique<iox::roudi::PortManager>(memory_.get());
@@ -177,7 +177,9 @@ std::string Daemon::description() const {
   std::string text = format_bytes(plan_.bytes()) + " for samples:";
   for (const Pool& pool : plan_.pools)
     text += " " + std::to_string(pool.count) + " x " + format_bytes(pool.bytes) + ",";
-  return text + " and " + format_bytes(memory_->management().size()) + " to manage them";
+  text += " and " + format_bytes(memory_->management().size()) + " to manage them";
+  const std::size_t on_demand = plan_.bytes_on_demand();
+  return on_demand == 0 ? text : text + "; " + format_bytes(on_demand) + " of it is taken when it is used";
 }
 
 void Daemon::write_status() {

@@ -1,6 +1,9 @@
 #include "shm_transport/sftd/host_memory.h"
 
 #include <sys/mman.h>
+#include <unistd.h>
+
+#include "shm_transport/host/pool_layout.h"
 
 namespace sft::shm {
 
@@ -41,18 +44,39 @@ std::size_t HostMemory::management_file_bytes() {
   return sum;
 }
 
-Result<std::unique_ptr<HostMemory>> HostMemory::make(const iox::RouDiConfig_t& config, const Groups& groups) {
+Result<std::unique_ptr<HostMemory>> HostMemory::make(const PoolPlan& plan, const Groups& groups) {
+  const iox::RouDiConfig_t config = make_config(plan, groups);
   std::unique_ptr<HostMemory> memory(new HostMemory(config));
-  for (const auto& [name, bytes] :
-       {std::pair(std::string(iox::roudi::SHM_NAME), memory->management_file_bytes()),
-        std::pair(groups.writers, SampleBlock::file_bytes(config))}) {
-    auto made = make_segment_file(name, bytes);
-    if (!made) return tl::unexpected(made.error());
-    memory->files_.push_back(std::move(*made));
-  }
+  auto management = make_segment_file(iox::roudi::SHM_NAME, memory->management_file_bytes());
+  if (!management) return tl::unexpected(management.error());
+  memory->files_.push_back(std::move(*management));
+  auto samples = make_segment_file_without_memory(groups.writers, SampleBlock::file_bytes(config));
+  if (!samples) return tl::unexpected(samples.error());
+  memory->files_.push_back(std::move(*samples));
   if (memory->createAndAnnounceMemory().has_error() || !memory->find_samples(groups.member))
     return fail(Errc::out_of_memory, "the segments in /dev/shm could not be mapped");
+  // Nobody has used a chunk yet.
+  SegmentFile& of_samples = memory->files_.back();
+  of_samples.on_demand = memory->parts_on_demand(plan);
+  if (auto done = set_aside(of_samples, groups.writers); !done) return tl::unexpected(done.error());
   return memory;
+}
+
+/// iceoryx writes the header of a chunk when it lends the chunk, so the pages of headers have memory.
+std::vector<FilePart> HostMemory::parts_on_demand(const PoolPlan& plan) const {
+  const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+  const std::vector<PoolLayout> layouts = pools_of(*samples_.pools);
+  std::vector<FilePart> parts;
+  for (std::size_t i = 0; i < plan.pools.size(); ++i) {
+    const Pool& pool = plan.pools[i];
+    for (std::uint32_t chunk = pool.count - pool.on_demand; chunk < pool.count; ++chunk) {
+      const auto offset = static_cast<std::size_t>(layouts[i].at(chunk) - samples_.memory.data());
+      const std::size_t begin = (offset + chunk_header_bytes + page - 1) / page * page;
+      const std::size_t end = (offset + layouts[i].chunk_bytes()) / page * page;
+      if (begin < end) parts.push_back({begin, end - begin});
+    }
+  }
+  return parts;
 }
 
 bool HostMemory::find_samples(uid_t member) {

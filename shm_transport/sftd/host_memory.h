@@ -42,10 +42,10 @@ class HostMemory final : public iox::roudi::RouDiMemoryInterface {
   /// Returns the size of the management segment for these pools.
   static std::size_t management_bytes(const iox::RouDiConfig_t& config);
 
-  /// Creates the segments, for which no file may exist. /dev/shm has really given the memory. The files
-  /// remain when the object is destroyed, and after a failure: OwnFiles removes them. Core dumps of this
-  /// process leave the segments out.
-  static Result<std::unique_ptr<HostMemory>> make(const iox::RouDiConfig_t& config, const Groups& groups);
+  /// Creates the segments, for which no file may exist. /dev/shm has really given the memory, except that of
+  /// chunks on demand. The files remain when the object is destroyed, and after a failure: OwnFiles removes
+  /// them. Core dumps of this process leave the segments out.
+  static Result<std::unique_ptr<HostMemory>> make(const PoolPlan& plan, const Groups& groups);
 
   const SampleSegment& samples() const { return samples_; }
   std::span<const std::byte> management() const;
@@ -66,6 +66,7 @@ class HostMemory final : public iox::roudi::RouDiMemoryInterface {
   std::array<iox::roudi::MemoryBlock*, 3> blocks();
   std::size_t management_file_bytes();
   bool find_samples(uid_t member);
+  std::vector<FilePart> parts_on_demand(const PoolPlan& plan) const;
 
   iox::roudi::PortPoolMemoryBlock ports_;
   iox::cxx::optional<iox::roudi::PortPool> port_pool_;

@@ -42,8 +42,8 @@ void declare_daemon(CLI::App& app, Arguments& arguments) {
       "it");
   app.add_option(
          "--pool-mib", arguments.pool_mib,
-         std::string(
-             "Use this much shared memory for samples, in MiB (default: half of the free space, at most ") +
+         std::string("Use this much shared memory for samples, in MiB (default: half of the free space and a "
+                     "quarter of the RAM, at most ") +
              std::to_string(default_pool_bytes >> 20) + ")")
       ->check(CLI::Range(4, 1 << 20));
   app.add_option("--idle-exit", arguments.idle_exit_s,

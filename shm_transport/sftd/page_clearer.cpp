@@ -36,10 +36,12 @@ PageClearer::~PageClearer() {
 void PageClearer::clear() const {
   std::ignore = ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), gives_way);
   for (const SegmentFile& segment : segments_) {
-    for (std::size_t at = 0; at < segment.bytes && !stops_.load(std::memory_order_relaxed);) {
-      const std::size_t bytes = std::min(segment.bytes - at, cleared_in_a_call);
-      if (!clear_pages(segment, at, bytes)) return;
-      at += bytes;
+    for (const FilePart& part : segment.at_once()) {
+      for (std::size_t done = 0; done < part.bytes && !stops_.load(std::memory_order_relaxed);) {
+        const std::size_t bytes = std::min(part.bytes - done, cleared_in_a_call);
+        if (!clear_pages(segment, part.offset + done, bytes)) return;
+        done += bytes;
+      }
     }
   }
 }

@@ -14,8 +14,8 @@ namespace sft::shm {
 /// A thread that yields to all others. It changes no byte, so programs may use the memory meanwhile.
 class PageClearer {
  public:
-  /// The segments are cleared in this order. An error if the system gives no thread; then pages are cleared
-  /// when they are used.
+  /// The segments are cleared in this order, except what has memory only on demand. An error if the system
+  /// gives no thread; then pages are cleared when they are used.
   Result<void> start(std::vector<SegmentFile> segments);
 
   PageClearer() = default;

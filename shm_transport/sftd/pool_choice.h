@@ -9,10 +9,20 @@
 namespace sft::shm {
 
 inline constexpr std::size_t smallest_shm_bytes = std::size_t{128} << 20;
-inline constexpr std::size_t default_pool_bytes = std::size_t{320} << 20;
+inline constexpr std::size_t default_pool_bytes = std::size_t{1} << 30;
 
-/// The memory for samples is as large as the settings say, or else half of the free space, up to
-/// default_pool_bytes.
+/// What the host has: the free bytes of /dev/shm, without what manages the samples, and its RAM.
+struct HostBytes {
+  std::size_t free_shm = 0;
+  std::size_t ram = 0;
+};
+
+/// The memory for samples where the settings say nothing: half of the free space and a quarter of the RAM, up
+/// to default_pool_bytes.
+std::size_t default_budget(const HostBytes& host);
+
+/// The memory for samples is as large as the settings say, or else default_budget(). Memory that the settings
+/// name is set aside at once.
 tl::expected<PoolPlan, StartFailure> choose_pools(const DaemonSettings& settings, const Groups& groups);
 
 }  // namespace sft::shm

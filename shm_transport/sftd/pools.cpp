@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <string>
 
 namespace sft::shm {
@@ -19,47 +20,87 @@ constexpr std::size_t MiB = 1024 * KiB;
 
 // Each size is a little larger than a round number. So a body of that round size fits together with its
 // header and index, and does not need the next larger size.
-constexpr std::array size_classes{
-    SizeClass{4 * KiB, 0.03, 4096},         SizeClass{16 * KiB, 0.04, 2048},
-    SizeClass{64 * KiB + KiB, 0.06, 1024},  SizeClass{256 * KiB + 4 * KiB, 0.09, 512},
-    SizeClass{MiB + 4 * KiB, 0.16, 256},    SizeClass{4 * MiB + 8 * KiB, 0.20, 128},
-    SizeClass{8 * MiB + 8 * KiB, 0.20, 64}, SizeClass{largest_chunk_bytes, 0.22, 32},
+constexpr std::size_t of_4_mib = 4 * MiB + 8 * KiB, of_8_mib = 8 * MiB + 8 * KiB, of_16_mib = 17 * MiB,
+                      of_32_mib = 33 * MiB;
+
+constexpr std::array common_sizes{
+    SizeClass{4 * KiB, 0.03, 4096},        SizeClass{16 * KiB, 0.04, 2048},
+    SizeClass{64 * KiB + KiB, 0.06, 1024}, SizeClass{256 * KiB + 4 * KiB, 0.09, 512},
+    SizeClass{MiB + 4 * KiB, 0.16, 256},   SizeClass{of_4_mib, 0.20, 128},
+    SizeClass{of_8_mib, 0.20, 64},         SizeClass{of_16_mib, 0.22, 32},
+};
+// Clouds of several lidars (8 MiB), images of 4K cameras and large clouds (32 MiB).
+constexpr std::array large_sizes{
+    SizeClass{of_8_mib, 0.30, 512},
+    SizeClass{of_16_mib, 0.10, 256},
+    SizeClass{of_32_mib, 0.40, 256},
+    SizeClass{largest_chunk_bytes, 0.20, 128},
 };
 
 constexpr std::uint32_t fewest = 2;
 // A large size may take more than its share for its two chunks, but not more than this part of what remains.
-constexpr double largest_part = 0.4;
+constexpr double largest_part = 0.4, largest_part_of_large = 0.6;
+// Of a budget that is far beyond the common one, this part is divided as that one is.
+constexpr double common_part = 0.3;
 
-std::size_t chunk_bytes(const SizeClass& size) { return size.bytes + chunk_header_bytes; }
+std::size_t chunk_bytes(std::size_t bytes) { return bytes + chunk_header_bytes; }
 
-std::uint32_t count_for(const SizeClass& size, double share_bytes, std::size_t remaining_bytes) {
-  const auto chunk = static_cast<double>(chunk_bytes(size));
+std::uint32_t count_for(const SizeClass& size, double share_bytes, double part_bytes) {
+  const auto chunk = static_cast<double>(chunk_bytes(size.bytes));
   const auto by_share = static_cast<std::uint32_t>(share_bytes / chunk);
   if (by_share >= fewest) return std::min(by_share, size.most);
-  return fewest * chunk <= largest_part * static_cast<double>(remaining_bytes) ? fewest : 0;
+  return fewest * chunk <= part_bytes ? fewest : 0;
+}
+
+/// The pools are sorted by size, the smallest first.
+std::vector<Pool> divide(std::size_t budget_bytes, std::span<const SizeClass> sizes,
+                         double largest_part_of_rest) {
+  std::vector<Pool> pools;
+  std::size_t remaining = budget_bytes;
+  double remaining_shares = 1.0;  // the sum of the shares of the sizes that have not had their turn
+  for (auto size = sizes.rbegin(); size != sizes.rend(); ++size) {
+    const auto rest = static_cast<double>(remaining);
+    const std::uint32_t count =
+        count_for(*size, rest * size->share / remaining_shares, largest_part_of_rest * rest);
+    remaining_shares -= size->share;
+    if (count == 0) continue;
+    pools.insert(pools.begin(), Pool{.bytes = size->bytes, .count = count});
+    remaining -= count * chunk_bytes(size->bytes);
+  }
+  return pools;
+}
+
+/// Adds chunks behind those that the plan has of the same size.
+void add(PoolPlan& plan, const Pool& more, Memory memory) {
+  const auto at = std::ranges::lower_bound(plan.pools, more.bytes, {}, &Pool::bytes);
+  const auto pool = at != plan.pools.end() && at->bytes == more.bytes
+                        ? at
+                        : plan.pools.insert(at, Pool{.bytes = more.bytes});
+  pool->count += more.count;
+  if (memory == Memory::on_demand) pool->on_demand += more.count;
 }
 
 }  // namespace
 
 std::size_t PoolPlan::bytes() const {
   std::size_t sum = 0;
-  for (const Pool& pool : pools) sum += pool.count * (pool.bytes + chunk_header_bytes);
+  for (const Pool& pool : pools) sum += pool.count * chunk_bytes(pool.bytes);
   return sum;
 }
 
-PoolPlan plan_pools(std::size_t budget_bytes) {
-  PoolPlan plan;
-  std::size_t remaining = budget_bytes;
-  double remaining_shares = 1.0;  // the sum of the shares of the sizes that have not had their turn
-  for (auto size = size_classes.rbegin(); size != size_classes.rend(); ++size) {
-    const double share = static_cast<double>(remaining) * size->share / remaining_shares;
-    remaining_shares -= size->share;
-    const std::uint32_t count = count_for(*size, share, remaining);
-    if (count == 0) continue;
-    plan.pools.insert(plan.pools.begin(), Pool{size->bytes, count});
-    remaining -= count * chunk_bytes(*size);
-  }
-  if (plan.largest() < largest_chunk_bytes) {
+std::size_t PoolPlan::bytes_on_demand() const {
+  std::size_t sum = 0;
+  for (const Pool& pool : pools) sum += pool.on_demand * chunk_bytes(pool.bytes);
+  return sum;
+}
+
+PoolPlan plan_pools(std::size_t budget_bytes, Memory large) {
+  const auto part = static_cast<std::size_t>(common_part * static_cast<double>(budget_bytes));
+  const std::size_t common = std::min(budget_bytes, std::max(common_budget_bytes, part));
+  PoolPlan plan{divide(common, common_sizes, largest_part), {}};
+  for (const Pool& pool : divide(budget_bytes - common, large_sizes, largest_part_of_large))
+    add(plan, pool, large);
+  if (plan.largest() < of_16_mib) {
     plan.remark = "samples of more than " + format_bytes(plan.largest()) +
                   " do not fit into shared memory and will go over UDP; enlarge /dev/shm or give --pool-mib";
   }

@@ -11,6 +11,9 @@ namespace sft::shm {
 struct Pool {
   std::size_t bytes = 0;  ///< the largest sample in a chunk: header, index and body
   std::uint32_t count = 0;
+  /// Of the last chunks only the header has memory when the daemon starts. Their other memory is set aside by
+  /// the first writer that takes them (PreparedChunks::set_aside()).
+  std::uint32_t on_demand = 0;
 };
 
 struct PoolPlan {
@@ -18,17 +21,24 @@ struct PoolPlan {
   std::string remark;       ///< says which samples the budget is too small for; empty if all samples fit
 
   std::size_t bytes() const;
+  /// The part of bytes() that takes memory only once it is used, but for the headers of its chunks.
+  std::size_t bytes_on_demand() const;
   std::size_t largest() const { return pools.empty() ? 0 : pools.back().bytes; }
 };
 
 inline constexpr std::size_t chunk_header_bytes = 40;         ///< iceoryx's header in front of each chunk
-inline constexpr std::size_t largest_chunk_bytes = 17 << 20;  ///< a body of 16 MiB, its header and its index
+inline constexpr std::size_t largest_chunk_bytes = 65 << 20;  ///< a body of 64 MiB, its header and its index
 inline constexpr std::size_t smallest_budget_bytes = 4 << 20;
+/// Up to here, a budget is divided among chunks for samples of up to 16 MiB. Of a larger budget, the rest
+/// goes to chunks for samples of 4 MiB and more.
+inline constexpr std::size_t common_budget_bytes = std::size_t{320} << 20;
+
+enum class Memory : bool { at_once, on_demand };
 
 /// Gives each size its share of the budget. A size needs at least two chunks, because a writer keeps the last
 /// chunk that it has sent. A size for which the budget is too small is left out, and its share goes to the
-/// next smaller size.
-PoolPlan plan_pools(std::size_t budget_bytes);
+/// next smaller size. `large`: whether the chunks beyond common_budget_bytes have their memory at once.
+PoolPlan plan_pools(std::size_t budget_bytes, Memory large = Memory::at_once);
 
 std::string format_bytes(std::size_t bytes);
 

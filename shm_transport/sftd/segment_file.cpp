@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
@@ -14,31 +15,57 @@ namespace {
 
 constexpr mode_t owner_and_group = S_IRUSR | S_IWUSR | S_IRGRP | S_IWGRP;
 
-/// Returns the error number, or 0.
-int set_aside(const core::FileDescriptor& file, std::size_t bytes) {
-  int error = 0;
-  do error = posix_fallocate(file.get(), 0, static_cast<off_t>(bytes));
-  while (error == EINTR);
-  return error;
-}
+std::string path_of(const std::string& name) { return "/dev/shm/" + name; }
 
 }  // namespace
 
-Result<SegmentFile> make_segment_file(const std::string& name, std::size_t bytes) {
-  const std::string path = "/dev/shm/" + name;
+std::vector<FilePart> SegmentFile::at_once() const {
+  std::vector<FilePart> parts;
+  std::size_t at = 0;
+  for (const FilePart& part : on_demand) {
+    if (part.offset > at) parts.push_back({at, part.offset - at});
+    at = part.offset + part.bytes;
+  }
+  if (at < bytes) parts.push_back({at, bytes - at});
+  return parts;
+}
+
+Result<SegmentFile> make_segment_file_without_memory(const std::string& name, std::size_t bytes) {
   core::FileDescriptor file(
       shm_open(("/" + name).c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, S_IRUSR | S_IWUSR));
   if (!file) {
     const bool exists = errno == EEXIST;
     return fail(exists ? Errc::address_in_use : Errc::out_of_memory,
-                path + " could not be made: " + std::strerror(errno));
+                path_of(name) + " could not be made: " + std::strerror(errno));
   }
-  int error = set_aside(file, bytes);
-  if (error == 0 && fchmod(file.get(), owner_and_group) != 0) error = errno;
-  if (error == 0) return SegmentFile{std::move(file), bytes};
+  if (ftruncate(file.get(), static_cast<off_t>(bytes)) == 0 && fchmod(file.get(), owner_and_group) == 0)
+    return SegmentFile{.file = std::move(file), .bytes = bytes};
+  const int error = errno;
   shm_unlink(("/" + name).c_str());
-  return fail(Errc::out_of_memory,
-              path + " could not be given " + std::to_string(bytes) + " bytes: " + std::strerror(error));
+  return fail(Errc::out_of_memory, path_of(name) + " could not be given its size: " + std::strerror(error));
+}
+
+Result<void> set_aside(const SegmentFile& segment, const std::string& name) {
+  for (const FilePart& part : segment.at_once()) {
+    int error = 0;
+    do
+      error = posix_fallocate(segment.file.get(), static_cast<off_t>(part.offset),
+                              static_cast<off_t>(part.bytes));
+    while (error == EINTR);
+    if (error == 0) continue;
+    return fail(Errc::out_of_memory, path_of(name) + " could not be given " + std::to_string(part.bytes) +
+                                         " bytes: " + std::strerror(error));
+  }
+  return {};
+}
+
+Result<SegmentFile> make_segment_file(const std::string& name, std::size_t bytes) {
+  auto segment = make_segment_file_without_memory(name, bytes);
+  if (!segment) return segment;
+  const auto done = set_aside(*segment, name);
+  if (done) return segment;
+  shm_unlink(("/" + name).c_str());
+  return tl::unexpected(done.error());
 }
 
 /// A page that was set aside before is cleared when it is set aside again (shmem_get_folio_gfp() in Linux).

@@ -3,15 +3,26 @@
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include "core/platform/file_descriptor.h"
 #include "sft/result.h"
 
 namespace sft::shm {
 
+struct FilePart {
+  std::size_t offset = 0;
+  std::size_t bytes = 0;
+};
+
 struct SegmentFile {
   core::FileDescriptor file;
   std::size_t bytes = 0;
+  /// Whole pages, in the order of the file, that have no memory before a program asks the system for it.
+  std::vector<FilePart> on_demand{};
+
+  /// Everything else.
+  std::vector<FilePart> at_once() const;
 };
 
 /// Makes /dev/shm/NAME with `bytes` zeros, for this account and the group of the file. The system has set
@@ -20,6 +31,10 @@ struct SegmentFile {
 /// the time in which the daemon starts. Errc::address_in_use if anything has this name, Errc::out_of_memory
 /// if there is no space; then no file remains.
 Result<SegmentFile> make_segment_file(const std::string& name, std::size_t bytes);
+/// Makes such a file without memory. The caller sets aside what nobody else asks the system for.
+Result<SegmentFile> make_segment_file_without_memory(const std::string& name, std::size_t bytes);
+/// Sets aside SegmentFile::at_once(). Errc::out_of_memory if there is no space.
+Result<void> set_aside(const SegmentFile& segment, const std::string& name);
 
 /// Clears those of these pages that nobody has used yet, and changes no byte. False if the system refuses it.
 /// No mapping is touched, so threads that map memory meanwhile do not wait.

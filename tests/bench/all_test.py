@@ -301,18 +301,6 @@ done
         with open(self.json, encoding="utf-8") as file:
             self.assertEqual(json.load(file)["udp"][0]["value"], 10)
 
-    def test_the_report_has_the_figures_and_the_command(self):
-        self.bench("this", "udp", WRITES.format(value=10))
-        self.commit()
-        report = os.path.join(self.root, "build", "report.html")
-        os.mkdir(os.path.dirname(report))
-        self.assertEqual(self.run_all("--only", "udp", "--report", report), 0)
-        with open(report, encoding="utf-8") as file:
-            page = file.read()
-        self.assertIn("--only udp --report", page)
-        self.assertIn("10.00", page)
-
-
     def test_what_plots_show_is_kept_beside_that_of_earlier_runs(self):
         self.bench("this", "udp", WRITES.format(value=10))
         self.write("bench/peers/main.cpp", """#!/bin/bash

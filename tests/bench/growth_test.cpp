@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "bench/many/curve.h"
-#include "bench/many/exponent.h"
 
 namespace sft::bench {
 

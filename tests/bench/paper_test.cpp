@@ -5,12 +5,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <sstream>
 
-#include "bench/paper/configuration.h"
-#include "bench/paper/csv.h"
 #include "bench/paper/figures.h"
-#include "bench/paper/lower_bound.h"
+#include "bench/paper/record.h"
 #include "bench/paper/schedule.h"
 #include "bench/paper/tables.h"
 
@@ -196,17 +193,6 @@ TEST(Tables, ShowThePapersResultsBesideThoseOfTheRun) {
   EXPECT_THAT(paper_table(all, parametric_rows()), AllOf(HasSubstr("269.7"), HasSubstr("-49.1 %"),
                                                          HasSubstr("200.0"), HasSubstr("100.0 (-50.0 %)")));
   EXPECT_THAT(draws_text(all), HasSubstr("requirement probability 50 %: 40.0 %, 0 without any"));
-}
-
-TEST(Csv, HasALineForEachRecord) {
-  std::ostringstream out;
-  write_csv(out, {record(cyclone, 2500, 120, parametric(50, 2))});
-  std::istringstream in(out.str());
-  std::string columns, line;
-  std::getline(in, columns);
-  std::getline(in, line);
-  EXPECT_EQ(std::ranges::count(columns, ','), std::ranges::count(line, ','));
-  EXPECT_THAT(line, HasSubstr("parametric,5,512,1,50,3,\"Cyclone DDS\",0,0,3,"));
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <sstream>
 
-#include "bench/peers/csv.h"
 #include "bench/peers/entrant.h"
 #include "bench/peers/figures.h"
 #include "bench/peers/pace.h"
@@ -125,27 +124,6 @@ TEST(Tables, SayWhatWasLost) {
   Record lossy = record(full, 10);
   lossy.lost = 0.25;
   EXPECT_THAT(tables({lossy}, "", column), HasSubstr("lost 25.0 %"));
-}
-
-TEST(FasterPeers, AreNamedWithTheirFigures) {
-  const std::string text = faster_peers({record(full, 20, 3000), record(tcp, 10, 5000)}, column);
-  EXPECT_THAT(text, AllOf(HasSubstr("TCP 10.0"), HasSubstr("TCP 5.00")));
-}
-
-TEST(FasterPeers, AreSaidNotToExist) {
-  const std::string text = faster_peers({record(full, 20, 3000), record(tcp, 30, 1000)}, column);
-  EXPECT_THAT(text, AllOf(HasSubstr("no peer is faster"), Not(HasSubstr("TCP"))));
-}
-
-TEST(FasterPeers, AreAboutAsFastIfTheRangesOverlap) {
-  const std::string text = faster_peers({record(full, 20), record(full, 40), record(full, 30),
-                                         record(tcp, 25), record(tcp, 26), record(tcp, 27)},
-                                        column);
-  EXPECT_THAT(text, HasSubstr("TCP about 26.0"));
-}
-
-TEST(FasterPeers, DoNotIncludeTheFloor) {
-  EXPECT_THAT(faster_peers({record(full, 20), record(copy, 1)}, column), Not(HasSubstr("memcpy")));
 }
 
 TEST(PeersFigures, HaveTheBestPeerAsReference) {

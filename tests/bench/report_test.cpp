@@ -90,11 +90,9 @@ std::vector<std::string> chosen(std::string only) {
     return Figure{.name = name};
   };
   Program program("", {{"one", [&] { return std::vector{measure("one")}; }},
-                       {"two",
-                        [&] {
+                       {"two", [&] {
                           return std::vector{measure("left"), measure("right")};
-                        },
-                        {"left", "right"}}});
+                        }}});
   std::array words{std::string("bench"), std::string("--only"), std::move(only)};
   std::array arguments{words[0].data(), words[1].data(), words[2].data()};
   EXPECT_FALSE(program.parse(3, arguments.data()));
@@ -104,11 +102,10 @@ std::vector<std::string> chosen(std::string only) {
   return measured;
 }
 
-TEST(BenchProgram, TakesSeveralNamesOfGroupsAndFigures) {
+TEST(BenchProgram, TakesSeveralNamesOfGroups) {
   EXPECT_THAT(chosen("one"), ElementsAre("one"));
   EXPECT_THAT(chosen("two"), ElementsAre("left", "right"));
-  EXPECT_THAT(chosen("right"), ElementsAre("right"));
-  EXPECT_THAT(chosen("left,one"), ElementsAre("one", "left"));
+  EXPECT_THAT(chosen("two,one"), ElementsAre("one", "left", "right"));
 }
 
 TEST(BenchProgram, TellsHowNoisyTheMachineWas) {
@@ -126,25 +123,6 @@ TEST(BenchProgram, TellsHowNoisyTheMachineWas) {
   }
   EXPECT_THAT(names, ElementsAre("one", "noise_other_programs", "noise_other_machines"));
   std::filesystem::remove(file);
-}
-
-/// True if the program runs with --trace and these groups.
-bool takes_trace(std::string only) {
-  bool trace = false;
-  Program program("", {{.name = "traced", .measure = [] { return std::vector<Figure>(); }, .has_trace = true},
-                       {.name = "other", .measure = [] { return std::vector<Figure>(); }}});
-  program.add_trace(trace, "");
-  std::array words{std::string("bench"), std::string("--trace"), std::string("--only"), std::move(only)};
-  std::array arguments{words[0].data(), words[1].data(), words[2].data(), words[3].data()};
-  return !program.parse(4, arguments.data()) && trace;
-}
-
-TEST(BenchProgram, RefusesATraceOfAGroupThatHasNone) {
-  EXPECT_TRUE(takes_trace("traced"));
-  testing::internal::CaptureStderr();
-  EXPECT_FALSE(takes_trace("traced,other"));
-  EXPECT_THAT(testing::internal::GetCapturedStderr(),
-              HasSubstr("there is no trace of other, only of traced"));
 }
 
 TEST(BenchTally, HasMediansAndTheWorstRound) {

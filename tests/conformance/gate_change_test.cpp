@@ -79,7 +79,7 @@ class GateChanges {
     core::Route route = reader->route(texts[order[change]]);
     route.gate = choice(change).gate;
     writer.serve({route, other.route()});
-    choice(change).gate->let_next_pass();
+    choice(change).gate->reader_begins();
     done = change;
   }
   /// Publishes the next sample, and notes which routes it may have gone by.

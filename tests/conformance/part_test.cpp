@@ -103,9 +103,10 @@ TEST_P(Conformance, GivesAReaderWithConditionsWhatPassesAndNothingElse) {
   core::Route through_gate = choosy.route();
   through_gate.gate = gate;
   writer.serve({through_gate, other.route()});
-  gate->let_next_pass();
+  gate->reader_begins();
   for (int n = 1; n <= 10; ++n) {
     gate->consider(detail::FieldSource::of_nothing(), n);
+    gate->made(detail::FieldSource::of_nothing(), n);
     ASSERT_EQ(writer.publish(), core::SendStatus::sent);
   }
   EXPECT_EQ(other.next_sequences(10), numbers(1, 10));

@@ -15,7 +15,9 @@ using namespace detail;
 
 class ShmMedium final : public Medium {
  public:
-  explicit ShmMedium(bool reliable = false) : reliable_(reliable) {}
+  explicit ShmMedium(bool reliable = false) : reliable_(reliable) {
+    if (test::isolation_refusal().empty()) shm_.emplace(shm_mebibytes);
+  }
   ~ShmMedium() override { test::end_daemon(); }
 
   std::string refusal() override { return test::isolation_refusal(); }
@@ -36,7 +38,9 @@ class ShmMedium final : public Medium {
   core::Locator locator(const AnyTransport&, const core::DoorbellAddress& bell) override { return bell; }
 
  private:
+  static constexpr unsigned shm_mebibytes = 1600;  // the largest samples fit
   const bool reliable_;
+  std::optional<test::ShmOfSize> shm_;
 };
 
 const auto iceoryx = testing::Values(MediumChoice{"Iceoryx", [] { return std::make_unique<ShmMedium>(); }});
@@ -154,7 +158,7 @@ std::shared_ptr<core::Gate> gate(bool is_open) {
   const Selection any = selection(is_open ? "* @ height >= 0" : "* @ height < 0");
   auto made = std::make_shared<core::Gate>(0, detail::Conditions(type.type(), any.gate().conditions),
                                            any.gate_hash());
-  if (is_open) made->let_next_pass();
+  if (is_open) made->reader_begins();
   return made;
 }
 

@@ -17,7 +17,6 @@ chan way = [2] of { byte, byte, byte };
 
 /* The gates for two sets of conditions are 1 and 2; 0 stands for no conditions. */
 byte numbers[3];
-bool next_passes[3];
 
 byte wish;    /* what the reader asks for */
 byte serving; /* what the writer knows of that */
@@ -35,15 +34,12 @@ short sent;
 short passed[3];
 bool is_certain;
 
-/* Gate::consider. Other readers may have the same conditions, and may have asked for them just now. */
+/* Gate::consider. Conditions may hold or not, also for the first sample. Other readers may have the same ones. */
 inline consider(gate) {
   passes = false;
   if
-  :: serving == gate && next_passes[gate] -> next_passes[gate] = false; passes = true
-  :: serving == gate && !next_passes[gate] -> passes = true
-  :: serving == gate && !next_passes[gate] -> skip /* withheld */
-  :: serving != gate -> passes = true
-  :: serving != gate -> skip /* withheld, or nobody is behind the gate */
+  :: passes = true
+  :: skip /* withheld, or nobody is behind the gate */
   fi;
   if
   :: passes -> numbers[gate]++; passed[gate] = passed[gate] | BIT(sequence)
@@ -60,16 +56,11 @@ active proctype writer() {
   byte sequence = 1, in_force;
   bool passes, is_sent;
   do
-  :: atomic { serving != wish -> /* Dispatch::serve, Gates::open_for */
-      serving = wish;
-      if
-      :: serving != 0 ->
-          next_passes[serving] = true;
+  :: atomic { serving != wish -> /* Dispatch::serve */
 #ifdef NUMBERS_BEGIN_ANEW
-          numbers[serving] = 0
+      numbers[wish] = 0;
 #endif
-      :: else
-      fi
+      serving = wish
     }
   :: sequence <= SAMPLES ->
       atomic { /* Dispatch::admit */

@@ -46,6 +46,10 @@ class Asked {
     EXPECT_TRUE(check) << check.error().message;
   }
 
+  void begin() {
+    by_messages_.begin();
+    by_samples_.begin();
+  }
   /// The test fails if the answer depends on where the fields are read.
   bool holds(const void* message, std::int64_t stamp_ns, const FieldMask& mask) {
     const ExactSample sample(*type_, message, mask);

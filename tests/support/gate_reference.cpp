@@ -273,6 +273,7 @@ bool GateReference::holds(const FieldValues& sample, std::int64_t stamp_ns) {
 }
 
 void GateReference::passed(const FieldValues& sample, std::int64_t stamp_ns) {
+  begins_ = false;
   former_ = sample;
   period_from_ns_ = stamp_ns;
 }
@@ -291,20 +292,20 @@ bool GateReference::holds(const Node& node, const FieldValues& sample, std::int6
       return has_changed(condition, sample);
     case Condition::Kind::nth:
       // The first one, and each n-th one behind it.
-      return (asked_about_ - 1) % std::get<std::uint64_t>(condition.number) == 0;
+      return begins_ || (asked_about_ - 1) % std::get<std::uint64_t>(condition.number) == 0;
     case Condition::Kind::elapsed: {
       // The stamp is never the earlier one, and the difference of any two stamps is a natural number.
       const std::uint64_t since_ns =
           static_cast<std::uint64_t>(stamp_ns) - static_cast<std::uint64_t>(period_from_ns_);
-      return former_ && since_ns / 1000 >= std::get<std::uint64_t>(condition.number);
+      return begins_ || since_ns / 1000 >= std::get<std::uint64_t>(condition.number);
     }
   }
   return false;
 }
 
 bool GateReference::has_changed(const Condition& condition, const FieldValues& sample) {
-  return former_ && std::ranges::any_of(condition.leaves, [&](std::uint32_t leaf) {
-           const Change change_of_leaf = change(sample.at(leaf), former_->at(leaf), condition);
+  return begins_ || std::ranges::any_of(condition.leaves, [&](std::uint32_t leaf) {
+           const Change change_of_leaf = change(sample.at(leaf), former_.at(leaf), condition);
            was_close_ = was_close_ || change_of_leaf.is_close;
            return change_of_leaf.is_one;
          });

@@ -41,7 +41,10 @@ class GateReference {
   /// Each condition before its children; none: every sample fulfils them.
   explicit GateReference(const std::vector<Condition>& conditions);
 
-  /// `changed` and `every 10 s` make sense only after some sample has passed: there they do not hold.
+  /// A reader begins: until a sample passes, `changed` and `every` hold, since there is no earlier sample. It
+  /// is so from the start.
+  void begin() { begins_ = true; }
+  bool begins() const { return begins_; }
   bool holds(const FieldValues& sample, std::int64_t stamp_ns);
   void passed(const FieldValues& sample, std::int64_t stamp_ns);
   /// True if the last answer may depend on rounding: a number was not just as far from its former value as a
@@ -59,8 +62,9 @@ class GateReference {
 
   std::optional<Node> root_;
   std::uint64_t asked_about_ = 0;
-  std::optional<FieldValues> former_;  ///< of the last sample that passed
-  std::int64_t period_from_ns_ = 0;    ///< its stamp, or an earlier one that the clock was set back to
+  bool begins_ = true;
+  FieldValues former_;               ///< of the last sample that passed
+  std::int64_t period_from_ns_ = 0;  ///< its stamp, or an earlier one that the clock was set back to
   bool was_close_ = false;
 };
 

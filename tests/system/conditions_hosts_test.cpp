@@ -171,14 +171,16 @@ class SubscriberProcess : public NodeProcessWith<Taken> {
     }
     return testing::AssertionSuccess();
   }
-  /// Everything that passed has come, and everything else up to the last that passed counts as withheld.
+  /// Everything that passed has come, and everything else between the first and the last that passed counts
+  /// as withheld.
   void expect_all_accounted(std::size_t end) const {
     EXPECT_FALSE(report().wrong);
     for (std::size_t i = 0; i < rules_.size(); ++i) {
       const std::vector<std::size_t> expected = expected_of(i, end);
       EXPECT_EQ(reader(i).received, expected.size()) << rules_[i].conditions;
       EXPECT_EQ(reader(i).lost, 0U) << rules_[i].conditions;
-      EXPECT_EQ(reader(i).withheld, expected.back() + 1 - expected.size()) << rules_[i].conditions;
+      EXPECT_EQ(reader(i).withheld, expected.back() + 1 - expected.front() - expected.size())
+          << rules_[i].conditions;
     }
   }
   /// The sum over all readers of the samples that pass for them.
@@ -310,7 +312,7 @@ class ConditionsOnABadCable : public ConditionsOfOtherHosts {
     EXPECT_GT(cable->notes().lost, 10U);
   }
 
-  /// Both let the last sample pass.
+  /// Both let the first sample and the last one pass.
   const std::vector<Rule> rules{different_rules(6)[5], different_rules(8)[7]};
   std::unique_ptr<LossyCable> cable;
 };

@@ -96,7 +96,7 @@ TEST_F(FirstWords, OfAMessageThatIsTooLarge) {
   Node node = open();
   auto pub = publisher(node);
   PointCloud2 image;
-  image.data.resize(25'000'000);
+  image.data.resize(70'000'000);
   EXPECT_EQ(pub.publish(image), PublishStatus::invalid);
   expect_says({"robot: a message is not sent: topic 'points': the message has ", "'data'",
                "raise PublisherOptions::max_sample_bytes"});
@@ -114,7 +114,7 @@ TEST_F(FirstWords, OfAStringWithANul) {
 TEST_F(FirstWords, OfASampleThatDoesNotFitSharedMemory) {
   Node node = open();
   ASSERT_TRUE(eventually([&] { return node.status().shm_ready; })) << node.status().shm;
-  auto pub = publisher(node, {.max_sample_bytes = 32 << 20});
+  auto pub = publisher(node);
   const auto sub = subscriber(node);
   const auto in_memory = [&] {
     const PublisherStatus status = pub.status();

@@ -60,10 +60,10 @@ std::vector<std::uint32_t> random_numbers(std::size_t count, std::uint64_t seed)
 
 std::vector<std::size_t> passing(const Rule& rule, const std::vector<std::uint32_t>& numbers) {
   std::vector<std::size_t> places;
-  std::int64_t former = 0;
+  std::int64_t former = -1'000'000;
   for (std::size_t at = 0; at < numbers.size(); ++at) {
     const std::int64_t number = numbers[at];
-    if (at != 0 && !rule.holds(number, at, former)) continue;
+    if (!rule.holds(number, places.empty() ? 0 : at, former)) continue;
     places.push_back(at);
     former = number;
   }

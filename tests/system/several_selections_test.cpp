@@ -66,11 +66,11 @@ TEST_P(SeveralSelectionsTest, EachSampleSaysByWhichOfThemItCame) {
                  .value();
   expect_served(pub, 3);
   publish({1, 2, 101, 102});
-  EXPECT_THAT(next(sub, 9), UnorderedElementsAre(Pair(0, 1), Pair(1, 1), Pair(2, 1), Pair(0, 2), Pair(0, 101),
+  EXPECT_THAT(next(sub, 8), UnorderedElementsAre(Pair(0, 1), Pair(2, 1), Pair(0, 2), Pair(0, 101),
                                                  Pair(1, 101), Pair(0, 102), Pair(1, 102), Pair(2, 102)));
   EXPECT_FALSE(sub.take());
   EXPECT_EQ(sub.status(0).received, 4U);
-  EXPECT_EQ(sub.status(1).received, 3U);
+  EXPECT_EQ(sub.status(1).received, 2U);
   EXPECT_EQ(sub.status(2).received, 2U);
   for (const std::size_t i : {0, 1, 2}) EXPECT_EQ(sub.status(i).lost, 0U) << i;
 }
@@ -144,8 +144,8 @@ TEST_P(SeveralSelectionsTest, DeclaredFieldsComeInSeveralParts) {
 TEST_P(SeveralSelectionsTest, OneOfThemChangesWithoutTheOthers) {
   auto sub = b.subscriber("points", type(), "height", with({"height @ height > 100"})).value();
   expect_served(pub, 2);
-  publish({1});
-  EXPECT_THAT(next(sub, 2), UnorderedElementsAre(Pair(0, 1), Pair(1, 1)));
+  publish({101});
+  EXPECT_THAT(next(sub, 2), UnorderedElementsAre(Pair(0, 101), Pair(1, 101)));
   ASSERT_TRUE(sub.set_selection("height @ height > 200", 1));
   const TypeSupport& support = pub.type();
   ASSERT_TRUE(eventually([&] {
@@ -154,8 +154,7 @@ TEST_P(SeveralSelectionsTest, OneOfThemChangesWithoutTheOthers) {
     });
   }));
   publish({150, 151, 201});
-  EXPECT_THAT(next(sub, 5),
-              UnorderedElementsAre(Pair(0, 150), Pair(1, 150), Pair(0, 151), Pair(0, 201), Pair(1, 201)));
+  EXPECT_THAT(next(sub, 4), UnorderedElementsAre(Pair(0, 150), Pair(0, 151), Pair(0, 201), Pair(1, 201)));
   EXPECT_EQ(support.format_selection(sub.status(0).selection), "height");
   EXPECT_EQ(support.format_selection(sub.status(1).selection), "height @ height > 200");
   EXPECT_THAT(sub.set_selection("height", 2).error().message, HasSubstr("there is no selection 2"));
@@ -194,10 +193,10 @@ TEST_P(SeveralSelectionsTest, OneFileDescriptorTellsOfAll) {
   publish({1, 101});
   Came came;
   pollfd readable{.fd = sub.file_descriptor(), .events = POLLIN, .revents = 0};
-  while (came.size() < 3 && ::poll(&readable, 1, 5000) == 1) {
+  while (came.size() < 2 && ::poll(&readable, 1, 5000) == 1) {
     while (const DynamicSample sample = sub.take()) came.push_back(of(sample));
   }
-  EXPECT_THAT(came, UnorderedElementsAre(Pair(0, 1), Pair(1, 1), Pair(1, 101)));
+  EXPECT_THAT(came, UnorderedElementsAre(Pair(0, 1), Pair(1, 101)));
   EXPECT_EQ(::poll(&readable, 1, 0), 0);
 }
 
@@ -207,7 +206,7 @@ TEST_P(SeveralSelectionsTest, AThreadThatWaitsIsWokenByTheSecondOneAlone) {
   auto sub = b.subscriber("points", type(), "height @ height == 1", with({"height @ height > 100"})).value();
   expect_served(pub, 2);
   publish({1});
-  EXPECT_THAT(next(sub, 2), UnorderedElementsAre(Pair(0, 1), Pair(1, 1)));
+  EXPECT_THAT(next(sub, 1), ElementsAre(Pair(0, 1)));
   std::atomic<std::uint32_t> taken{0};
   std::jthread waits([&] {
     for (std::uint32_t height = 101; height <= 110; ++height) {
@@ -250,12 +249,12 @@ TEST_P(SeveralSelectionsTest, ADeadlineIsForTheFirstOneOnly) {
     promising.publish(cloud(1));
     return served(promising) == 2;
   }));
-  ASSERT_EQ(promising.publish(cloud(2)), PublishStatus::ok);
+  ASSERT_EQ(promising.publish(cloud(101)), PublishStatus::ok);
   bool has_come[2] = {};
   while (!has_come[0] || !has_come[1]) {
     const Came came = next(sub, 1);
     ASSERT_FALSE(came.empty());
-    for (const auto& [selection, height] : came) has_come[selection] = selection == 1 || height == 2;
+    for (const auto& [selection, height] : came) has_come[selection] = selection == 1 || height == 101;
   }
   for (std::uint32_t height = 3; height < 33; ++height) {
     ASSERT_EQ(promising.publish(cloud(height)), PublishStatus::ok);
@@ -289,14 +288,14 @@ TEST_P(HeldSelectionsTest, SamplesThatAreHeldOfOneLeaveTheOtherItsOwn) {
   options.max_held = 2;
   auto sub = b.subscriber("points", type(), "height @ height < 100", options).value();
   expect_served(pub, 2);
-  publish({1, 2, 3});  // The first message passes the conditions of both.
+  publish({1, 150, 2, 3});
   std::vector<DynamicSample> held;
   while (held.size() < 3 && sub.wait(patience)) {
     while (DynamicSample sample = sub.take()) held.push_back(std::move(sample));
   }
   ASSERT_THAT(held, SizeIs(3));
   EXPECT_THAT((Came{of(held[0]), of(held[1]), of(held[2])}),
-              UnorderedElementsAre(Pair(0, 1), Pair(1, 1), Pair(0, 2)));
+              UnorderedElementsAre(Pair(0, 1), Pair(1, 150), Pair(0, 2)));
   publish({101});
   EXPECT_THAT(next(sub, 1), ElementsAre(Pair(1, 101)));
   EXPECT_FALSE(sub.take()) << "two samples of the first selection are held";
@@ -381,8 +380,8 @@ TEST_P(SeveralSelectionsTest, SixteenOfThemAreServed) {
   auto sub = b.subscriber("points", type(), "height", with(further)).value();
   expect_served(pub, 16);
   publish({0, 15, 16});
-  const Came came = next(sub, 16 + 15 + 16);
-  EXPECT_THAT(came, SizeIs(16 + 15 + 16));
+  const Came came = next(sub, 1 + 15 + 16);
+  EXPECT_THAT(came, SizeIs(1 + 15 + 16));
   EXPECT_EQ(std::ranges::count(came, std::pair(15U, 15U)), 0);
   EXPECT_EQ(std::ranges::count(came, std::pair(15U, 16U)), 1);
 }

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/sft/arrivals.h"
+#include "tools/sft/publisher_counts.h"
 #include "tools/terminal/units.h"
 
 namespace sft::tool {
@@ -50,11 +51,41 @@ void print(const BwOptions& options, const Arrivals::Report& rate, const Arrival
   output.line(output.fitted(text_of(topic, bytes_per_s, rate, size), live_indent));
 }
 
+/// Publishers do not count what goes through shared memory.
+std::uint64_t print_bytes(PublisherCounts& counts, bool json, Output& output) {
+  const PublisherCounts::Report report = counts.report();
+  if (json) {
+    output.record(nlohmann::ordered_json{{"topic", counts.topic()},
+                                         {"fields", nullptr},
+                                         {"bytes_per_s", report.bytes_per_s},
+                                         {"rate_hz", report.rate_hz},
+                                         {"sample_bytes", nullptr},
+                                         {"samples", report.samples},
+                                         {"lost", nullptr}});
+  } else {
+    output.line(
+        output.fitted(fmt::format("{}: {}/s sent over the network, {}, {} so far", counts.topic(),
+                                  bytes_text(report.bytes_per_s), rate_text(report.rate_hz), report.samples),
+                      live_indent));
+  }
+  return report.samples;
+}
+
+ExitCode run_on_counts(PublisherCounts& counts, const BwOptions& options, bool json, Session& session) {
+  std::uint64_t samples = 0;
+  tell_every_second(options.live, session.stop(),
+                    [&] { samples = print_bytes(counts, json, session.output()); });
+  return samples > 0 ? ExitCode::done : ExitCode::nothing;
+}
+
 }  // namespace
 
 ExitCode run(const BwOptions& options, const CommonOptions& common, Session& session) {
   const Result<FoundTopic> topic = session.find(options.topic);
-  if (!topic) return give_up(topic.error());
+  if (!topic) {
+    const auto counts = counts_instead(options.topic, topic.error(), session);
+    return counts ? run_on_counts(*counts, options, common.json, session) : give_up(topic.error());
+  }
   auto measured = Arrivals::open(*topic, sizes(options), session.node());
   if (!measured) return give_up(measured.error());
   Result<std::unique_ptr<Arrivals>> counted;

@@ -99,9 +99,10 @@ void add_live(CLI::App* command, LiveOptions& live) {
       ->capture_default_str();
 }
 
-void add_includes(CLI::App* command, std::vector<std::string>& includes) {
+/// For commands that need the definition of a type, which a node may not announce.
+void add_includes(CLI::App* command, CommonOptions& common) {
   command
-      ->add_option("-I,--include", includes,
+      ->add_option("-I,--include", common.includes,
                    "Search this directory for packages with .msg files: /opt/ros/humble/share")
       ->allow_extra_args(false);
 }
@@ -126,7 +127,7 @@ void declare_type(CLI::App& app, Parsed& parsed) {
       "The topic, with or without a leading slash; or the name of a type: sensor_msgs/PointCloud2");
   command->add_flag("--name", parsed.type.name, "Print its name only");
   command->add_flag("--fields", parsed.type.fields, "Print its fields only, one per line");
-  add_includes(command, parsed.type.includes);
+  add_includes(command, parsed.line.common);
 }
 
 void declare_echo(CLI::App& app, Parsed& parsed) {
@@ -149,6 +150,7 @@ void declare_echo(CLI::App& app, Parsed& parsed) {
   CLI::Option* csv = command->add_flag("--csv", parsed.csv, "Write a table, with a column for each field");
   command->get_option("--json")->excludes(yaml)->excludes(csv);
   csv->excludes(yaml);
+  add_includes(command, parsed.line.common);
   command->add_flag("--full", echo.full, "Do not shorten long arrays and texts on terminals");
   command->callback([&parsed] {
     parsed.echo.format = parsed.line.common.json ? Format::json : parsed.csv ? Format::csv : Format::yaml;
@@ -161,7 +163,7 @@ void declare_pub(CLI::App& app, Parsed& parsed) {
   CLI::App* command =
       declare(app, parsed, "pub", &Parsed::pub, "Publish a message that is written as YAML or JSON");
   command
-      ->add_option("TYPE", pub.type.type,
+      ->add_option("TYPE", pub.type,
                    "The type: sensor_msgs/PointCloud2, a file my_msgs/msg/Status.msg, or auto for the type "
                    "that the topic has")
       ->required();
@@ -179,7 +181,7 @@ void declare_pub(CLI::App& app, Parsed& parsed) {
       "itself, else 0)");
   command->add_flag("--reliable", pub.reliable, "Offer to send lost samples again");
   command->add_flag("--transient-local", pub.transient_local, "Keep the last sample for late subscribers");
-  add_includes(command, pub.type.includes);
+  add_includes(command, parsed.line.common);
 }
 
 void declare_hz(CLI::App& app, Parsed& parsed) {
@@ -187,6 +189,7 @@ void declare_hz(CLI::App& app, Parsed& parsed) {
       declare(app, parsed, "hz", "Measure how often samples arrive, without asking for any field");
   command->add_option("TOPIC", parsed.hz.topics, "The topics, with or without a leading slash")->required();
   add_live(command, parsed.hz.live);
+  add_includes(command, parsed.line.common);
   command->callback([&parsed] { parsed.line.command = parsed.hz; });
 }
 
@@ -198,6 +201,7 @@ void declare_bw(CLI::App& app, Parsed& parsed) {
   command->add_flag("--every", parsed.bw.every,
                     "Ask for every sample, instead of one sample per second and the rate of all");
   add_live(command, parsed.bw.live);
+  add_includes(command, parsed.line.common);
 }
 
 void declare_delay(CLI::App& app, Parsed& parsed) {
@@ -205,6 +209,7 @@ void declare_delay(CLI::App& app, Parsed& parsed) {
                               "Measure how old samples are when they arrive, by header.stamp");
   command->add_flag("--published", parsed.delay.published, "Measure from the time of publication instead");
   add_live(command, parsed.delay.live);
+  add_includes(command, parsed.line.common);
 }
 
 void declare_why(CLI::App& app, Parsed& parsed) {

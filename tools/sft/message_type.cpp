@@ -1,24 +1,14 @@
 #include "tools/sft/message_type.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <optional>
 
+#include "tools/sft/definitions.h"
 #include "tools/sft/msg_text.h"
 
 namespace sft::tool {
 
 namespace {
-
-namespace fs = std::filesystem;
-
-/// The messages of SFT, at a path relative to the program, wherever that is installed. The build tree has a
-/// link there.
-fs::path own_interfaces() {
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  return (program.parent_path() / SFT_INTERFACES_FROM_PROGRAM).lexically_normal();
-}
 
 /// Maps all forms of a type's name to one: "sensor_msgs/PointCloud2".
 std::string short_name(std::string_view name) {
@@ -39,19 +29,16 @@ std::optional<DynamicType> announced(const std::string& name, const DomainSnapsh
 
 }  // namespace
 
-Result<DynamicType> find_message_type(const TypeChoice& choice, const std::string& topic, Session& session) {
-  if (choice.type == "auto")
-    return session.find(topic).map([](const FoundTopic& found) { return found.type; });
-  std::vector<fs::path> roots(choice.includes.begin(), choice.includes.end());
-  roots.push_back(own_interfaces());
-  if (choice.type.ends_with(".msg")) return from_msg_file(choice.type, roots);
-  const Result<DynamicType> defined = find_msg(choice.type, roots);
+Result<DynamicType> find_message_type(const std::string& type, const std::string& topic, Session& session) {
+  if (type == "auto") return session.find(topic).map([](const FoundTopic& found) { return found.type; });
+  const Result<DynamicType> defined = find_definition(type, session.options());
+  if (type.ends_with(".msg")) return defined;
   const bool is_elsewhere = !defined && (defined.error().code == Errc::unavailable ||
                                          defined.error().code == Errc::invalid_argument);
   if (!is_elsewhere) return defined;
   std::optional<DynamicType> found;
   session.wait_until([&](const DomainSnapshot& domain) {
-    found = announced(short_name(choice.type), domain);
+    found = announced(short_name(type), domain);
     return found.has_value();
   });
   if (found) return *found;

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "tools/sft/chunk_check.h"
 #include "tools/sft/session.h"
 #include "tools/terminal/units.h"
 
@@ -68,6 +69,7 @@ NodeFindings check_node(const CommonOptions& common, Stop& stop, Output& output)
   std::vector<Finding> findings{interfaces_of(self.status), {"udp", Health::ok, self.status.udp}};
   std::ranges::transform(self.status.quick_paths, std::back_inserter(findings), quick_path_of);
   findings.push_back(daemon_of(self.status));
+  findings.push_back(check_chunks(domain));
   findings.push_back(domain_of(self, domain));
   return {std::move(findings), self.status.discovery_interfaces};
 }

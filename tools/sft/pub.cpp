@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/sft/documents.h"
+#include "tools/sft/message_type.h"
 #include "tools/sft/msg_text.h"
 #include "tools/terminal/units.h"
 

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "tools/sft/definitions.h"
+
 namespace sft::tool {
 
 using namespace std::chrono_literals;
@@ -27,6 +29,21 @@ Qos common_offer(const std::string& topic, const DomainSnapshot& domain) {
     qos.durability = std::min(qos.durability, publisher.qos.durability);
   }
   return published ? qos : Qos{};
+}
+
+/// An endpoint of the topic, a publisher if there is one, if all of those are announced without the fields of
+/// their type; null otherwise.
+const DomainSnapshot::Endpoint* undescribed_one(const std::string& topic, const DomainSnapshot& domain) {
+  const DomainSnapshot::Endpoint* first = nullptr;
+  for (const auto* endpoints : {&domain.publishers, &domain.subscribers}) {
+    for (const DomainSnapshot::Endpoint& e : *endpoints) {
+      if (e.topic != topic) continue;
+      if (e.type) return nullptr;
+      if (first == nullptr) first = &e;
+    }
+    if (first != nullptr) return first;
+  }
+  return nullptr;
 }
 
 }  // namespace
@@ -90,19 +107,34 @@ Result<FoundTopic> Session::find(std::string_view topic) {
   Error error{Errc::unavailable, "stopped before the topic was found"};
   const auto look = [&](const DomainSnapshot& domain) {
     const std::string name = known_name(topic, domain).value_or(plain_name(topic));
-    const Result<DynamicType> type = node_.find_type(name, 0s);
+    Result<DynamicType> type = node_.find_type(name, 0s);
+    const auto* const undescribed = type ? nullptr : undescribed_one(name, domain);
+    if (undescribed != nullptr) {
+      type = definition_of(*undescribed, options_).map_error([&](const Error& of_files) {
+        const bool has_none = of_files.code == Errc::invalid_argument;  // .msg has no such names
+        return Error{has_none ? Errc::unavailable : of_files.code,
+                     type.error().message + "; " + of_files.message};
+      });
+    }
     if (type) {
       found = FoundTopic{name, *type, Qos{}};
     } else {
       error = type.error();
     }
-    return found.has_value() || error.code == Errc::type_mismatch;
+    return found.has_value() || undescribed != nullptr || error.code == Errc::type_mismatch;
   };
   wait_until(look);
   if (!found) return tl::unexpected(error);
   stop_->wait_for(settle_time);
   found->requested = common_offer(found->name, domain());
   return *std::move(found);
+}
+
+std::optional<std::string> Session::undescribed(std::string_view topic) const {
+  const DomainSnapshot domain = this->domain();
+  std::optional<std::string> name = known_name(topic, domain);
+  if (name && undescribed_one(*name, domain) == nullptr) name.reset();
+  return name;
 }
 
 ExitCode give_up(const Error& error) {

@@ -30,6 +30,7 @@ class Session {
   Node& node() { return node_; }
   Stop& stop() { return *stop_; }
   Output& output() { return *output_; }
+  const CommonOptions& options() const { return options_; }
 
   /// Waits for options.wait_s, so that other nodes are heard, and returns domain().
   DomainSnapshot look_around();
@@ -49,8 +50,12 @@ class Session {
   /// while no node publishes or subscribes to it.
   static std::optional<std::string> known_name(std::string_view topic, const DomainSnapshot& domain);
 
-  /// Errc::unavailable if no node announces the topic within the timeout.
+  /// Errc::unavailable if no node announces the topic within the timeout. If its nodes announce a type
+  /// without its fields, the definition comes from files (CommonOptions::includes).
   Result<FoundTopic> find(std::string_view topic);
+  /// The name under which nodes announce a topic of which find() knows no fields; nothing if it is another
+  /// topic.
+  std::optional<std::string> undescribed(std::string_view topic) const;
 
  private:
   Session(Node node, const CommonOptions& options, Stop& stop, Output& output)

@@ -43,11 +43,11 @@ _sft() {
   case $command in
     ls) own="--names" ;;
     type) own="--name --fields --include" ;;
-    echo) own="--fields --once --count --rate --yaml --csv --full" ;;
+    echo) own="--fields --once --count --rate --yaml --csv --full --include" ;;
     pub) own="--rate --once --count --wait-for --reliable --transient-local --include" ;;
-    hz) own="--for --window" ;;
-    bw) own="--fields --every --for --window" ;;
-    delay) own="--published --for --window" ;;
+    hz) own="--for --window --include" ;;
+    bw) own="--fields --every --for --window --include" ;;
+    delay) own="--published --for --window --include" ;;
     why) own="--types" ;;
     top) own="--every --for" ;;
     doctor) own="--quiet" ;;

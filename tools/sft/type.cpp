@@ -37,7 +37,7 @@ Result<Subject> find_topic(const TypeOptions& options, Session& session) {
 Result<Subject> find(const TypeOptions& options, Session& session) {
   if (!may_be_type(options.topic) || Session::known_name(options.topic, session.look_around()))
     return find_topic(options, session);
-  const auto type = find_message_type({options.topic, options.includes}, options.topic, session);
+  const auto type = find_message_type(options.topic, options.topic, session);
   if (type) return Subject{*type};
   const Result<DynamicType> topic = session.node().find_type(options.topic, std::chrono::nanoseconds(0));
   if (topic) return Subject{*topic, Session::plain_name(options.topic)};

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "tools/sft/session.h"
 
@@ -12,7 +11,6 @@ struct TypeOptions {
   std::string topic{};  ///< or the name of a type: "sensor_msgs/PointCloud2" and its longer forms
   bool name = false;    ///< print the name of the type only
   bool fields = false;  ///< print the fields only, as `sft echo --fields` takes them
-  std::vector<std::string> includes{};  ///< directories of packages, besides the messages of SFT
 };
 
 ExitCode run(const TypeOptions& options, const CommonOptions& common, Session& session);

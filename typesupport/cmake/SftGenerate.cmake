@@ -4,7 +4,8 @@
 #                FILES my_pkg/msg/Status.msg my_pkg/srv/SetMode.srv other_pkg/msg/Plan.idl ...
 #                [BASE_DIR dir]       # default: the current source directory
 #                [INCLUDES dir...]    # more directories of packages, such as /opt/ros/humble/share
-#                [LINK target...])    # targets made by sft_generate
+#                [LINK target...]     # targets made by sft_generate
+#                [NAMESPACE my::robot])    # around all types
 #
 # adds an interface library. Targets that link to it are built after its headers. The headers are generated again when
 # the definitions, the definitions that these nest or include, or the compilers change.
@@ -17,6 +18,11 @@
 # Definitions that FILES nest or include, directly or not, are searched below the roots (first .msg, then .idl) and
 # generated, too. If a LINK target generates a definition, that one is used, even if FILES lists the definition. IDL
 # files include a message as "my_pkg/msg/Status.idl", which sft_generate() makes of the .msg file.
+#
+# With NAMESPACE my::robot, std_msgs/msg/Header is the class my::robot::std_msgs::msg::Header in the header
+# <my/robot/std_msgs/msg/Header.hpp>, and so are all messages that FILES nest. So one source can include these headers
+# and those of ROS 2 or of a target without NAMESPACE. What a LINK target generates is used if its NAMESPACE is the
+# same, and is generated again otherwise. Names of types on the wire do not change.
 #
 # When you build for another architecture, the compilers of messages are programs of that architecture, too. They run if
 # this machine runs such programs (with Debian's package qemu-user-static, for example), or if
@@ -44,8 +50,11 @@ function(sft_find_msgc command file)
 endfunction()
 
 # Adds the custom command for one .msg or .srv file. `idl` is the IDL file that the command writes, too, or empty.
-function(sft_generate_from_msg name file root output_dir idl_dir roots idl)
+function(sft_generate_from_msg name file root output_dir idl_dir roots idl namespace)
   list(TRANSFORM roots PREPEND -I OUTPUT_VARIABLE include_options)
+  if(namespace)
+    list(APPEND include_options -N ${namespace})
+  endif()
   set(header ${output_dir}/${name}.hpp)
   sft_find_msgc(msgc msgc_file)
   add_custom_command(
@@ -58,7 +67,7 @@ function(sft_generate_from_msg name file root output_dir idl_dir roots idl)
 endfunction()
 
 # Adds the custom command for one .idl file, which may include the IDL files in `from_msg`, made of .msg files.
-function(sft_generate_from_idl name file root output_dir roots from_msg)
+function(sft_generate_from_idl name file root output_dir roots from_msg namespace)
   if(NOT SFT_IDLC)
     message(FATAL_ERROR
       "sft_generate: ${file}: needs idlc, the IDL compiler of Cyclone DDS (Debian package cyclonedds-tools)")
@@ -71,6 +80,9 @@ function(sft_generate_from_idl name file root output_dir roots from_msg)
     set(plugin ${SFT_IDL_PLUGIN})
   endif()
   list(TRANSFORM roots PREPEND -I OUTPUT_VARIABLE include_options)
+  if(namespace)
+    list(APPEND include_options -N ${namespace})
+  endif()
   list(JOIN roots : root_list)
   add_custom_command(
     OUTPUT ${header}
@@ -86,7 +98,7 @@ endfunction()
 
 # Adds the commands for all files, and sets `outputs` to the files that the commands write. The lists `names`, `files`
 # and `file_roots` have the same length. IDL that is made of messages goes to the first of `idl_dirs`.
-function(sft_generate_all names files file_roots roots idl_dirs output_dir outputs)
+function(sft_generate_all names files file_roots roots idl_dirs output_dir namespace outputs)
   list(GET idl_dirs 0 idl_dir)
   set(headers)
   set(from_msg)
@@ -94,14 +106,16 @@ function(sft_generate_all names files file_roots roots idl_dirs output_dir outpu
     list(APPEND headers ${output_dir}/${name}.hpp)
     if(file MATCHES "\\.msg$")
       list(APPEND from_msg ${idl_dir}/${name}.idl)
-      sft_generate_from_msg(${name} ${file} ${root} ${output_dir} ${idl_dir} "${roots}" ${idl_dir}/${name}.idl)
+      sft_generate_from_msg(${name} ${file} ${root} ${output_dir} ${idl_dir} "${roots}" ${idl_dir}/${name}.idl
+                            "${namespace}")
     elseif(file MATCHES "\\.srv$")
-      sft_generate_from_msg(${name} ${file} ${root} ${output_dir} ${idl_dir} "${roots}" "")
+      sft_generate_from_msg(${name} ${file} ${root} ${output_dir} ${idl_dir} "${roots}" "" "${namespace}")
     endif()
   endforeach()
   foreach(name file root IN ZIP_LISTS names files file_roots)
     if(file MATCHES "\\.idl$")
-      sft_generate_from_idl(${name} ${file} ${root} ${output_dir} "${idl_dirs};${roots}" "${from_msg}")
+      sft_generate_from_idl(${name} ${file} ${root} ${output_dir} "${idl_dirs};${roots}" "${from_msg}"
+                            "${namespace}")
     endif()
   endforeach()
   set(${outputs} ${headers} ${from_msg} PARENT_SCOPE)
@@ -119,15 +133,20 @@ function(sft_absolute_directories result)
   set(${result} ${absolute} PARENT_SCOPE)
 endfunction()
 
-# Collects from the targets `linked` their roots, the directories with IDL made of messages, the names of the
-# definitions that they generate, and the targets that generate these.
-function(sft_read_linked linked roots idl_dirs names generators)
+# Collects from the targets `linked` their roots, and from those of them with the same namespace the directories with
+# IDL made of messages, the names of the definitions that they generate, and the targets that generate these.
+function(sft_read_linked linked namespace roots idl_dirs names generators)
   foreach(target IN LISTS linked)
     get_property(is_ours TARGET ${target} PROPERTY SFT_ROOTS SET)
     if(NOT is_ours)
       message(FATAL_ERROR "sft_generate: LINK ${target}: name a target that sft_generate() made")
     endif()
-    foreach(result IN ITEMS ROOTS IDL_DIRS NAMES GENERATORS)
+    set(results ROOTS)
+    get_property(its_namespace TARGET ${target} PROPERTY SFT_NAMESPACE)
+    if("${its_namespace}" STREQUAL "${namespace}")
+      list(APPEND results IDL_DIRS NAMES GENERATORS)
+    endif()
+    foreach(result IN LISTS results)
       string(TOLOWER ${result} variable)
       get_property(values TARGET ${target} PROPERTY SFT_${result})
       list(APPEND all_${variable} ${values})
@@ -140,16 +159,20 @@ function(sft_read_linked linked roots idl_dirs names generators)
 endfunction()
 
 function(sft_generate)
-  cmake_parse_arguments(PARSE_ARGV 0 arg "" "TARGET;BASE_DIR" "FILES;INCLUDES;LINK")
+  cmake_parse_arguments(PARSE_ARGV 0 arg "" "TARGET;BASE_DIR;NAMESPACE" "FILES;INCLUDES;LINK")
   if(NOT arg_TARGET OR NOT arg_FILES OR arg_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR
-      "usage: sft_generate(TARGET t FILES a.msg b.idl... [BASE_DIR dir] [INCLUDES dir...] [LINK t...])")
+      "usage: sft_generate(TARGET t FILES a.msg b.idl... [BASE_DIR dir] [INCLUDES dir...] [LINK t...] [NAMESPACE n])")
+  endif()
+  set(word "[A-Za-z_][A-Za-z0-9_]*")
+  if(arg_NAMESPACE AND NOT arg_NAMESPACE MATCHES "^${word}(::${word})*$")
+    message(FATAL_ERROR "sft_generate: NAMESPACE ${arg_NAMESPACE}: expected names as in my::robot")
   endif()
   if(NOT arg_BASE_DIR)
     set(arg_BASE_DIR ${CMAKE_CURRENT_SOURCE_DIR})
   endif()
   sft_absolute_directories(roots ${arg_BASE_DIR} ${arg_INCLUDES})
-  sft_read_linked("${arg_LINK}" linked_roots idl_dirs linked_names generators)
+  sft_read_linked("${arg_LINK}" "${arg_NAMESPACE}" linked_roots idl_dirs linked_names generators)
   list(APPEND roots ${linked_roots})
   list(REMOVE_DUPLICATES roots)
   sft_find_all_listed("${arg_FILES}" "${roots}" "${linked_names}" names files file_roots)
@@ -160,7 +183,13 @@ function(sft_generate)
   set(output_dir ${CMAKE_CURRENT_BINARY_DIR}/sft_generated/${arg_TARGET})
   set(idl_dir ${output_dir}_idl)
   list(PREPEND idl_dirs ${idl_dir})
-  sft_generate_all("${names}" "${files}" "${file_roots}" "${roots}" "${idl_dirs}" ${output_dir} outputs)
+  set(header_dir ${output_dir})
+  if(arg_NAMESPACE)
+    string(REPLACE "::" "/" folder ${arg_NAMESPACE})
+    cmake_path(APPEND header_dir ${folder})
+  endif()
+  sft_generate_all("${names}" "${files}" "${file_roots}" "${roots}" "${idl_dirs}" ${header_dir} "${arg_NAMESPACE}"
+                   outputs)
 
   add_custom_target(${arg_TARGET}_headers DEPENDS ${outputs})
   if(generators)
@@ -174,6 +203,7 @@ function(sft_generate)
   set_target_properties(${arg_TARGET} PROPERTIES
     SFT_HEADERS "${outputs}"
     SFT_ROOTS "${roots}"
+    SFT_NAMESPACE "${arg_NAMESPACE}"
     SFT_IDL_DIRS "${idl_dirs}"
     SFT_NAMES "${names};${linked_names}"
     SFT_GENERATORS "${arg_TARGET}_headers;${generators}")

@@ -96,6 +96,8 @@ struct sft_declaration {
 struct sft_file {
   const char* copies;  ///< "", or a directory of copies that idlc reads: /a/b.idl is <copies>/a/b.idl
   const char* path;
+  const char*
+      outer_namespace;    ///< "::my::robot", with which all scoped names begin; null: none (emit/enclosed.h)
   const char** includes;  ///< files that this file includes directly
   size_t include_count;
   const char** sources;  ///< this file, and all that it includes directly or not

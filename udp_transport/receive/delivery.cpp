@@ -141,7 +141,7 @@ bool Delivery::deliver_to(const Subscriber& subscriber, const Stream& stream, Ar
   const std::shared_ptr<Inbox> inbox = subscriber.inbox;
   const std::shared_ptr<const Subscriptions> subscriptions = wanted_;
   subscriptions_.leave();
-  inbox->deliver(batch_);
+  inbox->deliver(batch_, room_counts ? KeepLastQueue::Excess::kept : KeepLastQueue::Excess::pushed_out);
   batch_.clear();
   enter();
   return true;

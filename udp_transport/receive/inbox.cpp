@@ -14,12 +14,12 @@ auto* find_in(Writers& writers, core::EndpointId id) noexcept {
 }
 }  // namespace
 
-void Inbox::deliver(std::span<core::SampleHandle> samples) noexcept {
+void Inbox::deliver(std::span<core::SampleHandle> samples, KeepLastQueue::Excess excess) noexcept {
   while (!samples.empty()) {
     Enqueued enqueued;
     {
       const core::Lock lock(mutex_);
-      enqueued = enqueue_some(samples);
+      enqueued = enqueue_some(samples, excess);
     }
     for (core::SampleHandle& pushed_out : samples.first(enqueued.samples)) pushed_out.reset();
     samples = samples.subspan(enqueued.samples);
@@ -30,25 +30,26 @@ void Inbox::deliver(std::span<core::SampleHandle> samples) noexcept {
 std::size_t Inbox::room(core::EndpointId id) const noexcept {
   const core::Lock lock(mutex_);
   const Writer* writer = find(id);
-  return writer == nullptr ? depth_ : depth_ - std::min(depth_, writer->queue.size());
+  return writer == nullptr ? depth_ : writer->queue.room();
 }
 
 /// Enqueues as many samples as can wait.
-Inbox::Enqueued Inbox::enqueue_some(std::span<core::SampleHandle> samples) noexcept {
+Inbox::Enqueued Inbox::enqueue_some(std::span<core::SampleHandle> samples,
+                                    KeepLastQueue::Excess excess) noexcept {
   Enqueued enqueued;
   while (enqueued.samples < samples.size() && enqueued.kept < depth_)
-    enqueued.kept += enqueue(samples[enqueued.samples++]) ? 1 : 0;
+    enqueued.kept += enqueue(samples[enqueued.samples++], excess) ? 1 : 0;
   return enqueued;
 }
 
 /// Leaves in `sample` what is to be released without the lock.
-bool Inbox::enqueue(core::SampleHandle& sample) noexcept {
+bool Inbox::enqueue(core::SampleHandle& sample, KeepLastQueue::Excess excess) noexcept {
   Writer* writer = find(sample->header().writer);
   if (writer == nullptr || !writer->connected) return false;
   if (writer->filter.is_late() && !writer->filter.takes(*sample, std::chrono::steady_clock::now()))
     return false;  // the sample is for others, or will come again in its turn
   ++writer->arrivals;
-  const KeepLastQueue::Put put = writer->queue.put(sample, ++arrivals_);
+  const KeepLastQueue::Put put = writer->queue.put(sample, ++arrivals_, excess);
   const std::size_t dropped = writer->queue.take_dropped();
   discarded_ += dropped;
   writer->dropped += dropped;
@@ -93,7 +94,8 @@ core::SampleHandle Inbox::take() noexcept {
 void Inbox::connect(const core::Source& source) {
   const core::Lock lock(mutex_);
   Writer* writer = find(source.writer);
-  if (writer == nullptr) writer = &writers_.emplace_back(Writer{source.writer, KeepLastQueue(depth_)});
+  if (writer == nullptr)
+    writer = &writers_.emplace_back(Writer{source.writer, KeepLastQueue(depth_, depth_bytes_)});
   writer->connected = true;
   writer->filter = LateFilter(source.history_first);
 }

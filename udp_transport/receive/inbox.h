@@ -16,9 +16,9 @@ namespace sft::udp {
 
 class Inbox {
  public:
-  /// The listener may be null.
-  Inbox(std::size_t depth, core::ArrivalListener* listener)
-      : depth_(depth == 0 ? 1 : depth), tell_listener_([listener] {
+  /// The listener may be null. `depth_bytes`: see ReaderSpec.
+  Inbox(std::size_t depth, core::ArrivalListener* listener, std::uint64_t depth_bytes = 0)
+      : depth_(depth == 0 ? 1 : depth), depth_bytes_(depth_bytes), tell_listener_([listener] {
           if (listener != nullptr) listener->arrived();
         }) {}
 
@@ -26,7 +26,8 @@ class Inbox {
   void deliver(core::SampleHandle sample) noexcept { deliver(std::span(&sample, 1)); }
   /// Delivers several samples. Afterwards the handles are empty or hold what was pushed out. The listener is
   /// called once for as many as can wait, so that no sample pushes out one that the listener takes at once.
-  void deliver(std::span<core::SampleHandle> samples) noexcept;
+  void deliver(std::span<core::SampleHandle> samples,
+               KeepLastQueue::Excess excess = KeepLastQueue::Excess::pushed_out) noexcept;
 
   /// Returns how many more samples of the writer can wait. None is refused: further ones push out the oldest.
   std::size_t room(core::EndpointId writer) const noexcept;
@@ -59,12 +60,13 @@ class Inbox {
   };
   Writer* find(core::EndpointId id) noexcept SFT_REQUIRES(mutex_);
   const Writer* find(core::EndpointId id) const noexcept SFT_REQUIRES(mutex_);
-  bool enqueue(core::SampleHandle& sample) noexcept SFT_REQUIRES(mutex_);
+  bool enqueue(core::SampleHandle& sample, KeepLastQueue::Excess excess) noexcept SFT_REQUIRES(mutex_);
   struct Enqueued {
     std::size_t samples = 0;  ///< counts those that were looked at, from the first on
     std::size_t kept = 0;     ///< so many of these were kept
   };
-  Enqueued enqueue_some(std::span<core::SampleHandle> samples) noexcept SFT_REQUIRES(mutex_);
+  Enqueued enqueue_some(std::span<core::SampleHandle> samples, KeepLastQueue::Excess excess) noexcept
+      SFT_REQUIRES(mutex_);
   /// The writer whose oldest sample came first.
   template <class Condition>
   Writer* first_to_come(Condition condition) noexcept SFT_REQUIRES(mutex_);
@@ -72,6 +74,7 @@ class Inbox {
   void forget_the_finished() noexcept SFT_REQUIRES(mutex_);
 
   const std::size_t depth_;
+  const std::uint64_t depth_bytes_;
   mutable core::Mutex mutex_ SFT_ACQUIRED_AFTER(core::lock_order::endpoint)
       SFT_ACQUIRED_BEFORE(core::lock_order::queues);
   std::vector<Writer> writers_ SFT_GUARDED_BY(mutex_);

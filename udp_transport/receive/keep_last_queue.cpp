@@ -5,7 +5,7 @@
 
 namespace sft::udp {
 
-KeepLastQueue::Put KeepLastQueue::put(core::SampleHandle& sample, std::uint64_t arrival) {
+KeepLastQueue::Put KeepLastQueue::put(core::SampleHandle& sample, std::uint64_t arrival, Excess excess) {
   const std::uint64_t number = sample->header().sequence;
   if (sample->numbering > numbering_) begin_anew(*sample);
   if (number <= gone_) return Put::late;
@@ -26,8 +26,33 @@ KeepLastQueue::Put KeepLastQueue::put(core::SampleHandle& sample, std::uint64_t 
   for (std::size_t i = size_; i > place; --i) at(i) = std::move(at(i - 1));
   at(place) = {std::move(sample), arrival};
   ++size_;
+  last_bytes_ = bytes_of(place);
+  bytes_ += last_bytes_;
+  if (excess == Excess::pushed_out) {
+    if (core::SampleHandle dropped = drop_excess_bytes()) {
+      dropped_ += oldest ? 1 : 0;
+      oldest = std::move(dropped);
+    }
+  }
   sample = std::move(oldest);
   return sample ? Put::pushed_out : Put::kept;
+}
+
+/// Returns one of the samples that had to go, and counts the others as dropped.
+core::SampleHandle KeepLastQueue::drop_excess_bytes() {
+  core::SampleHandle dropped;
+  while (bytes_max_ != 0 && bytes_ > bytes_max_ && size_ > 1) {
+    dropped_ += dropped ? 1 : 0;
+    dropped = pop();
+  }
+  return dropped;
+}
+
+std::size_t KeepLastQueue::room() const {
+  const std::size_t samples = depth_ - size_;
+  if (bytes_max_ == 0 || last_bytes_ == 0) return samples;
+  const std::uint64_t left = bytes_max_ - std::min(bytes_max_, bytes_);
+  return std::min<std::uint64_t>(samples, std::max<std::uint64_t>(left / last_bytes_, size_ == 0 ? 1 : 0));
 }
 
 /// Sequences that are not below the sample's were wrong.
@@ -36,6 +61,7 @@ void KeepLastQueue::begin_anew(const core::SampleBuffer& sample) {
   numbering_ = sample.numbering;
   gone_ = std::min(gone_, number - 1);
   while (size_ > 0 && sequence(size_ - 1) >= number) {
+    bytes_ -= bytes_of(size_ - 1);
     at(--size_).sample.reset();
     ++dropped_;
   }
@@ -44,6 +70,7 @@ void KeepLastQueue::begin_anew(const core::SampleBuffer& sample) {
 core::SampleHandle KeepLastQueue::pop() {
   core::SampleHandle sample = std::move(entries_[head_].sample);
   gone_ = sample->header().sequence;
+  bytes_ -= sample->header().body_bytes;
   head_ = (head_ + 1) % entries_.size();
   --size_;
   return sample;

@@ -1,4 +1,5 @@
 // Samples of one writer that wait to be taken: at most `depth`, in the order of their sequences, none twice.
+// Together they have a limited number of bytes, but one sample of any size may wait alone.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +13,9 @@ namespace sft::udp {
 
 class KeepLastQueue {
  public:
-  explicit KeepLastQueue(std::size_t depth) : depth_(depth == 0 ? 1 : depth) {}
+  /// `bytes_max` 0: there is no limit of bytes.
+  explicit KeepLastQueue(std::size_t depth, std::uint64_t bytes_max = 0)
+      : depth_(depth == 0 ? 1 : depth), bytes_max_(bytes_max) {}
 
   enum class Put : std::uint8_t {
     kept,
@@ -20,14 +23,23 @@ class KeepLastQueue {
     late,        ///< older than one that was taken or pushed out already
     repeated,
   };
+  /// What becomes of samples that wait while their bytes are beyond the limit.
+  enum class Excess : bool {
+    pushed_out,
+    kept,  ///< until they are taken, since the publisher waits for the reader: room() is 0 meanwhile
+  };
   /// `arrival` counts up over all writers of a reader.
-  Put put(core::SampleHandle& sample, std::uint64_t arrival);
+  Put put(core::SampleHandle& sample, std::uint64_t arrival, Excess excess = Excess::pushed_out);
 
-  /// Samples that were dropped since this was asked last, because their sequences turned out to be wrong.
+  /// Samples that were dropped since this was asked last, because their sequences turned out to be wrong, or
+  /// because one sample had more bytes than the one that was pushed out for it.
   std::size_t take_dropped() { return std::exchange(dropped_, 0); }
 
   bool empty() const { return size_ == 0; }
   std::size_t size() const { return size_; }
+  /// How many more samples can wait, without one being pushed out for its place. If they are larger than the
+  /// last one, their bytes may exceed the limit.
+  std::size_t room() const;
   /// Returns the arrival of the oldest sample. REQUIRES: the queue is not empty.
   std::uint64_t arrival() const { return entries_[head_].arrival; }
   core::SampleHandle pop();
@@ -39,11 +51,16 @@ class KeepLastQueue {
   };
   Entry& at(std::size_t i) { return entries_[(head_ + i) % entries_.size()]; }
   std::uint64_t sequence(std::size_t i) { return at(i).sample->header().sequence; }
+  std::uint64_t bytes_of(std::size_t i) { return at(i).sample->header().body_bytes; }
   void grow();
+  core::SampleHandle drop_excess_bytes();
   void begin_anew(const core::SampleBuffer& sample);
 
   std::size_t depth_;
-  std::vector<Entry> entries_;  ///< a ring, as large as was needed so far
+  std::uint64_t bytes_max_;
+  std::uint64_t bytes_ = 0;       ///< of the samples that wait
+  std::uint64_t last_bytes_ = 0;  ///< of the sample that was put in last
+  std::vector<Entry> entries_;    ///< a ring, as large as was needed so far
   std::size_t head_ = 0;
   std::size_t size_ = 0;
   std::uint64_t gone_ = 0;  ///< newest sequence that was taken or pushed out

@@ -170,9 +170,9 @@ class DynamicSubscriber {
   int file_descriptor() const { return subscriber_.file_descriptor(); }
 
   /// Asks for something else: other fields, other parts of them, other conditions. Publishers follow in a
-  /// moment, and the first sample of each passes the conditions. A maximum rate stays if the selection has
-  /// none. `which` is the number of a selection. An error if the subscriber records, if the text is wrong, or
-  /// if there is no such selection; then nothing changes.
+  /// moment; their next sample then counts as changed (Selection::Gate). A maximum rate stays if the
+  /// selection has none. `which` is the number of a selection. An error if the subscriber records, if the
+  /// text is wrong, or if there is no such selection; then nothing changes.
   Result<void> set_selection(std::string_view fields, std::size_t which = 0) {
     return type_.support().parse_selection(fields).and_then(
         [&](const Selection& selection) { return subscriber_.set_selection(selection, which); });

@@ -140,6 +140,11 @@ class Node {
   void interrupt() noexcept;
   bool is_interrupted() const noexcept;  ///< true after interrupt()
 
+  /// The time of the node, of which time_message() (time.h) makes a stamp: that of the system, or, with
+  /// NodeOptions::use_sim_time, what the topic "/clock" said last, and 0 before it has said anything. Such a
+  /// time may stand still, and go back.
+  std::chrono::sys_time<std::chrono::nanoseconds> now() const;
+
   /// How discovery, UDP and shared memory work, and what was refused (status.h).
   NodeStatus status() const;
   /// Everything that the node knows of its publishers, its subscribers and itself (snapshot.h); to_json()
@@ -169,6 +174,7 @@ class Node {
                                             DynamicSubscriber::Callback callback);
 
   std::shared_ptr<core::NodeCore> core_;
+  std::shared_ptr<core::SimulatedClock> clock_;  ///< null: the time is that of the system
 };
 
 }  // namespace sft

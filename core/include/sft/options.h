@@ -140,6 +140,11 @@ struct NodeOptions {
   /// SFT_REMAP stand before these; blanks separate them. A warning of the log names each rule that has fitted
   /// nothing in the process 5 s after its last node opened, or when that closed.
   std::vector<std::string> remap{};
+  /// True: Node::now() is the time of the topic "/clock" (rosgraph_msgs/Clock), as for nodes of ROS 2 with
+  /// the parameter of this name. The node subscribes to it, with best effort and a depth of 1. Nothing else
+  /// follows it: rates, conditions, deadlines, leases, timeouts and the stamps of SampleInfo count real time.
+  /// A warning of the log says if nobody publishes the topic.
+  bool use_sim_time = false;
   /// DDS domain of the control topics, 0 to domain_max. Default: $ROS_DOMAIN_ID, otherwise 0.
   std::optional<std::uint32_t> domain{};
   /// Settings by which nodes find each other.
@@ -192,11 +197,12 @@ struct PublisherOptions {
   /// one sample. It never waits for best-effort subscribers. The default is not to wait: a subscriber that
   /// hangs would delay the program at each publish(), and with it all other subscribers.
   std::chrono::nanoseconds max_blocking{0};
-  /// The largest encoded message, up to 64 MiB, or 16 MiB without UDP. It is announced, and subscribers set
-  /// aside no more memory than that. A sample that is larger than the largest chunk of shared memory (16 MiB
-  /// unless the daemon is configured otherwise) goes by UDP within the host, like one for which no chunk is
-  /// free. Samples of more than 16 MiB take much of UdpSettings::memory_limit_bytes, on both sides.
-  std::size_t max_sample_bytes = 16 * 1024 * 1024;
+  /// The largest encoded message, up to 64 MiB. It is announced, and subscribers set aside no more memory
+  /// than that. A sample that is larger than the largest chunk of shared memory (which depends on the size of
+  /// /dev/shm, see "When memory runs short" in docs/operations.md) goes by UDP within the host, like one for
+  /// which no chunk is free. Samples of more than 16 MiB take much of UdpSettings::memory_limit_bytes, on
+  /// both sides.
+  std::size_t max_sample_bytes = 64 * 1024 * 1024;
   /// The most that is sent by UDP, over all masks and readers; 0: no limit. Small samples go first. Samples
   /// that no longer fit into a queue meanwhile are dropped, the oldest first, and counted.
   std::uint64_t max_bytes_per_s = 0;
@@ -238,6 +244,11 @@ struct SubscriberOptions {
   /// more, the log says so, and SubscriberStatus::Writer::depth tells the number in force. Of all publishers
   /// that are gone together no more than this number is kept.
   std::uint32_t depth = 8;
+  /// The bytes of samples of each publisher that are kept until they are taken; 0: no limit but `depth`.
+  /// Beyond it the oldest are lost, too, but the newest one always stays. So a subscriber that is slow, or
+  /// does not take at all, leaves the memory that large samples need to the others. In shared memory the
+  /// number is rounded down to a power of two of 64 KiB or more.
+  std::size_t depth_bytes = 32 * 1024 * 1024;
   std::chrono::nanoseconds deadline{0};  ///< it expects a sample from each publisher at least so often
   Liveliness liveliness = Liveliness::automatic;  ///< manual_by_topic matches publishers of that kind only
   std::chrono::nanoseconds liveliness_lease{0};   ///< it expects a sign of life at least so often

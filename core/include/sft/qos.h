@@ -24,9 +24,10 @@ enum class Reliability : std::uint8_t {
   /// Over UDP a lost sample is sent again as long as the publisher keeps it. The publisher keeps the last
   /// 64 MB or 4096 samples that were not acknowledged (ResendLimits), and fewer if many subscribers lag: for
   /// all of them the node keeps at most half of its memory (UdpSettings::memory_limit_bytes). In shared
-  /// memory only the samples within the depth are kept, at most 256. If a publisher is faster than a
-  /// subscriber, that subscriber loses the oldest of these samples, on either path. The publisher can wait
-  /// instead (PublisherOptions::max_blocking); as long as it waits, nothing is lost. Samples that are lost
+  /// memory only the samples within the depth are kept, at most 256. On either path they have a limited
+  /// number of bytes, too (SubscriberOptions::depth_bytes). If a publisher is faster than a subscriber, that
+  /// subscriber loses the oldest of these samples, on either path. The publisher can wait instead
+  /// (PublisherOptions::max_blocking); as long as it waits, nothing is lost. Samples that are lost
   /// nevertheless are counted, and logged as a warning.
   reliable,
 };

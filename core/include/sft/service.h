@@ -111,7 +111,6 @@ class Service {
     }
 
     void send(Reply& reply) {
-      if (greeted_.has_new(replies_.status().readers)) replies_.publish(*std::make_unique<Reply>());
       if (replies_.publish(reply) != PublishStatus::invalid) return;
       reply.error = "the response cannot be sent: " + replies_.why_invalid();
       reply.response = {};
@@ -121,7 +120,6 @@ class Service {
     const Handler handler_;
     Publisher<Reply> replies_;
     const std::uint64_t id_;
-    detail::GreetedReaders greeted_;
     Served served_;
   };
 

@@ -72,9 +72,9 @@ class Subscriber {
     return subscriber_.set_max_rate_hz(max_rate_hz, which);
   }
 
-  /// Changes selection `which`; publishers follow in a moment, and the first sample of each passes the
-  /// conditions. A maximum rate stays if the text has none. An error if the subscriber records, if the text
-  /// is wrong, or if there is no such selection; then nothing changes.
+  /// Changes selection `which`; publishers follow in a moment, and their next sample then counts as changed
+  /// (Selection::Gate). A maximum rate stays if the text has none. An error if the subscriber records, if the
+  /// text is wrong, or if there is no such selection; then nothing changes.
   Result<void> set_selection(std::string_view text, std::size_t which = 0) {
     return detail::declared_selection<R>()
         .and_then([&](const Selection& all) {

@@ -9,7 +9,7 @@
 #include "tests/simulation/negotiation/negotiation_world.h"
 
 #ifndef SFT_TEST_RUNS
-#define SFT_TEST_RUNS 100000
+#define SFT_TEST_RUNS 25000
 #endif
 #ifndef SFT_TEST_STEPS_LESS
 #define SFT_TEST_STEPS_LESS 0
@@ -151,7 +151,7 @@ class RandomOrders : public RandomTest {
 };
 
 TEST_F(RandomOrders, EndWellAndNothingIsWrongOnTheWay) {
-  for (int run = 0; run < SFT_TEST_RUNS; ++run) {
+  for (std::uint64_t run = 0; run < test_rounds(SFT_TEST_RUNS); ++run) {
     NegotiationWorld world(random_plan(), points(), &random);
     for (int length = 30 + up_to(150); length > 0 && world.violation().empty(); --length) {
       const std::vector<Step>& steps = world.steps();

@@ -222,7 +222,7 @@ TEST_F(CommandTest, DoctorTellsOfEachPartAndItsExitCodeIsTheWorst) {
   EXPECT_EQ(ended.code, worst);
   for (const char* part :
        {"interfaces", "multicast", "udp", "io_uring", "GSO", "GRO", "huge pages", "memlock", "buffers",
-        "/dev/shm", "sftd", "users", "clock", "kernel", "loopback", "domain"}) {
+        "/dev/shm", "sftd", "chunks", "users", "clock", "kernel", "loopback", "domain"}) {
     EXPECT_TRUE(parts.contains(part)) << part;
   }
   const Ended text = run_tool({"doctor"});
@@ -269,6 +269,43 @@ TEST_F(CommandTest, DoctorFindsThatTheLoopbackIsDown) {
   const Ended ended = run_tool({"doctor"});
   EXPECT_EQ(ended.code, 2);
   EXPECT_THAT(ended.out, HasSubstr("error   loopback    the interface lo is down"));
+}
+
+Json doctors_check(const std::string& name) {
+  const Json json = Json::parse(run_tool({"doctor", "--json"}).out);
+  const auto is_it = [&](const Json& check) { return check["check"] == name; };
+  const auto found = std::ranges::find_if(json["checks"], is_it);
+  return found == json["checks"].end() ? Json() : *found;
+}
+
+TEST_F(CommandTest, DoctorComparesWhatPublishersOfTheHostAnnounceWithTheLargestChunk) {
+  if (!isolation_refusal().empty()) GTEST_SKIP() << isolation_refusal();
+  Node camera = open("camera", TransportChoice::automatic);
+  ASSERT_TRUE(eventually([&] { return camera.status().shm_ready; })) << camera.status().shm;
+  const auto small = camera.publisher<PointCloud2>("small", {.max_sample_bytes = 1 << 20}).value();
+  ASSERT_TRUE(eventually([] { return doctors_check("chunks")["text"] != ""; }));
+  const auto usual = camera.publisher<PointCloud2>("usual").value();
+  EXPECT_EQ(doctors_check("chunks")["health"], "ok")
+      << "the topic 'points' has no shared memory, and the default says nothing of samples";
+  const auto images = camera.publisher<PointCloud2>("images", {.max_sample_bytes = 63 << 20}).value();
+  EXPECT_TRUE(eventually([] { return doctors_check("chunks")["health"] == "warning"; }));
+  const Json found = doctors_check("chunks");
+  EXPECT_THAT(found["text"].get<std::string>(), HasSubstr("announce larger ones: images")) << found;
+  EXPECT_THAT(found["to_do"].get<std::string>(), HasSubstr("total_mib")) << found;
+}
+
+TEST_F(CommandTest, DoctorNamesTheChunksThatWereAllInUse) {
+  if (!isolation_refusal().empty()) GTEST_SKIP() << isolation_refusal();
+  Node camera = open("camera", TransportChoice::shm);
+  ASSERT_TRUE(eventually([&] { return camera.status().shm_ready; })) << camera.status().shm;
+  auto images = camera.publisher<PointCloud2>("images", {.max_sample_bytes = 16'000'000}).value();
+  auto all = camera.subscriber<PointCloud2>("images", {.depth_bytes = 0}).value();
+  ASSERT_TRUE(images.wait_for_subscribers(1, patience));
+  PointCloud2 image;
+  image.data.resize(15'000'000);
+  EXPECT_TRUE(eventually([&] { return images.publish(image) == PublishStatus::no_memory; }));
+  EXPECT_TRUE(eventually([] { return doctors_check("chunks")["health"] == "warning"; }));
+  EXPECT_THAT(doctors_check("chunks")["text"].get<std::string>(), HasSubstr("have been in use at a time: "));
 }
 
 TEST_F(CommandTest, DoctorFindsTooLittleSharedMemory) {

@@ -192,6 +192,18 @@ TEST_F(Sftd, LendsSamplesOf16MiBWhere256MiBAreShared) {
   daemon.exit_code();
 }
 
+TEST_F(Sftd, LendsSamplesOf64MiBWhere1200MiBAreShared) {
+  const ShmOfSize host(1200);
+  Process daemon({sftd_path(), "--foreground", "--log-level=warning"});
+  ASSERT_EQ(daemon.line(), "sftd: ready");  // there is no warning before this line
+  Node node(no_daemon());
+  ASSERT_TRUE(node.becomes_ready()) << node->description();
+  Writer writer(node, 1);
+  EXPECT_TRUE(writer.loan(64 << 20));
+  daemon.signal(SIGTERM);
+  daemon.exit_code();
+}
+
 TEST_F(Sftd, SaysHowMuchMemoryItTook) {
   Process daemon({sftd_path(), "--foreground", "--pool-mib=16"});
   const std::string line = daemon.line();

@@ -18,7 +18,10 @@ class ManyReadersAllocations : public ManyReaders {
     return thread_allocations() - before;
   }
   void exchange() {
-    if (gate_ != nullptr) gate_->consider(detail::FieldSource::of_nothing(), ++stamp_ns_);
+    if (gate_ != nullptr) {
+      gate_->consider(detail::FieldSource::of_nothing(), ++stamp_ns_);
+      gate_->made(detail::FieldSource::of_nothing(), stamp_ns_);
+    }
     writer_->send_frame();
     for (const auto& reader : readers_)
       while (reader->take()) ++taken_;
@@ -50,7 +53,7 @@ TEST_F(ManyReadersAllocations, AreNoneWhereSomeReadersHaveConditionsAndOthersAre
   for (std::size_t i = 0; i < readers; ++i)
     services[i] = {.is_served = i % 4 != 0, .gate = i % 2 == 1 ? gate_ : nullptr};
   serve(services);
-  gate_->let_next_pass();
+  gate_->reader_begins();
   EXPECT_EQ(allocations(), 0U);
   EXPECT_EQ(taken_, samples * readers / 4 + samples / 2 * readers / 2);
 }

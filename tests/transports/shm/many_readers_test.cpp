@@ -86,11 +86,13 @@ TEST_F(ServedReaders, WithConditionsGetJustWhatPassesBesideOthersThatAreNotServe
   for (std::size_t i = 0; i < readers; ++i)
     services[i] = {.is_served = i % 4 != 0, .gate = i % 4 == 2 ? second : i % 4 == 3 ? third : nullptr};
   serve(services);
-  for (const auto& one : {second, third}) one->let_next_pass();
+  for (const auto& one : {second, third}) one->reader_begins();
   std::vector<Sequences> expected(4);
   for (std::uint64_t sequence = 1; sequence <= depth; ++sequence) {
-    for (const auto& one : {second, third})
+    for (const auto& one : {second, third}) {
       one->consider(detail::FieldSource::of_nothing(), static_cast<std::int64_t>(sequence));
+      one->made(detail::FieldSource::of_nothing(), static_cast<std::int64_t>(sequence));
+    }
     ASSERT_EQ(writer_->send_frame(), SendStatus::sent);
     expected[1].push_back(sequence);
     if (sequence % 2 == 1) expected[2].push_back(sequence);

@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <span>
 
 #include "shm_transport/host/iceoryx.h"
@@ -122,6 +123,57 @@ TEST_F(SftdSegments, AreClearedWithoutAnybodyWhoUsesOrMapsThem) {
   EXPECT_LT(mapped, bytes / 4);
   daemon.signal(SIGTERM);
   EXPECT_EQ(daemon.exit_code(), 0);
+}
+
+std::size_t bytes_in_all_files() {
+  std::size_t bytes = 0;
+  for (const auto& file : std::filesystem::directory_iterator("/dev/shm"))
+    bytes += bytes_in_memory(file.path());
+  return bytes;
+}
+
+/// A daemon with memory for many large chunks, which takes less than that at once.
+class ChunksOnDemand : public ShmNodeTest {
+ protected:
+  static constexpr std::uint32_t large_bytes = 30'000'000, common_bytes = 8'000'000;
+  ChunksOnDemand() : ShmNodeTest(1900) {}
+  void SetUp() override {
+    ShmNodeTest::SetUp();
+    if (IsSkipped()) return;
+    writer_.emplace(node(), 1);
+  }
+  void TearDown() override {
+    writer_.reset();
+    ShmNodeTest::TearDown();
+  }
+  /// Leaves this much of /dev/shm free.
+  static void leave_free(std::uint64_t bytes) {
+    const core::FileDescriptor file(open(filler, O_RDWR | O_CREAT | O_CLOEXEC, 0600));
+    const std::uint64_t free = std::filesystem::space("/dev/shm").free;
+    ASSERT_EQ(posix_fallocate(file.get(), 0, static_cast<off_t>(free - bytes)), 0);
+  }
+  static constexpr const char* filler = "/dev/shm/filler";
+  std::optional<Writer> writer_;
+};
+
+TEST_F(ChunksOnDemand, HaveNoMemoryBeforeTheyAreLent) {
+  const std::size_t before = bytes_in_all_files();
+  EXPECT_LT(before, 400 * mebibyte);
+  const core::SampleHandle sample = writer_->loan(large_bytes);
+  ASSERT_TRUE(sample);
+  EXPECT_GE(bytes_in_all_files(), before + large_bytes - mebibyte) << "some pages were there before";
+  EXPECT_LT(bytes_in_all_files(), before + large_bytes + 2 * mebibyte) << "the chunk is larger";
+  EXPECT_EQ(writer_->send(sample, large_bytes), core::SendStatus::sent) << "all of it was written";
+}
+
+TEST_F(ChunksOnDemand, AreNotLentIfTheHostHasNoMemoryForThem) {
+  leave_free(12 * mebibyte);
+  const std::size_t before = bytes_in_all_files();
+  EXPECT_FALSE(writer_->loan(large_bytes));
+  EXPECT_LE(bytes_in_all_files(), before + mebibyte) << "nothing is kept of what was too little";
+  EXPECT_TRUE(writer_->loan(common_bytes)) << "this one has its memory from the beginning";
+  std::filesystem::remove(filler);
+  EXPECT_TRUE(writer_->loan(large_bytes));
 }
 
 TEST_F(SftdSegments, AreAllRemovedIfOneOfThemCannotBeMade) {

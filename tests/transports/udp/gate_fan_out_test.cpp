@@ -72,7 +72,7 @@ class JudgedGate {
   JudgedGate(std::shared_ptr<core::Gate> gate, const Selection& selection)
       : gate_(std::move(gate)), reference_(selection.gate().conditions) {}
 
-  void let_next_pass() { next_passes_ = true; }
+  void reader_begins() { reference_.begin(); }
   void judge(const Image& image, std::uint64_t sequence) {
     static const std::vector<sft::test::SingleField> fields = sft::test::single_fields(image_type().type());
     const auto stamp_ns = static_cast<std::int64_t>(sequence);
@@ -80,8 +80,7 @@ class JudgedGate {
     gate_->consider(source, stamp_ns);
     gate_->made(source, stamp_ns);
     const sft::test::FieldValues values = sft::test::values_of(fields, &image);
-    const bool holds = reference_.holds(values, stamp_ns);
-    if (!std::exchange(next_passes_, false) && !holds) return;
+    if (!reference_.holds(values, stamp_ns)) return;
     reference_.passed(values, stamp_ns);
     numbers_.emplace(sequence, static_cast<std::uint32_t>(numbers_.size() + 1));
   }
@@ -95,7 +94,6 @@ class JudgedGate {
   std::shared_ptr<core::Gate> gate_;
   sft::test::GateReference reference_;
   std::map<std::uint64_t, std::uint32_t> numbers_;  ///< by sequence
-  bool next_passes_ = false;
 };
 
 /// The gates of all wishes that were ever asked for.
@@ -113,7 +111,7 @@ class JudgedGates {
     serving.network = std::move(routes);
     gates_.open_for(serving);
     for (const std::uint64_t gate : anew)
-      if (gate != 0) judged_.at(gate).let_next_pass();
+      if (gate != 0) judged_.at(gate).reader_begins();
   }
   void judge(const Image& image, std::uint64_t sequence) {
     for (auto& [id, gate] : judged_) gate.judge(image, sequence);
@@ -286,10 +284,14 @@ class GateFanOutTest : public test::BridgeTest, public testing::WithParamInterfa
   }
   void publish() {
     const Image image = image_of(++published_);
+    const core::SampleHandle sample = publisher_->make(image);
+    ASSERT_TRUE(sample);
+    // As a publisher does: what the gates withhold counts from the moment from which the routes hold.
+    core::Transmission transmission = publisher_->port().begin();
     gates_.judge(image, published_);
     for (const auto& reader : readers_)
       if (gates_.let_pass(reader->wish(), published_)) reader->owe(published_);
-    publisher_->publish(image);
+    std::move(transmission).send(sample);
     writer_->poll(std::chrono::steady_clock::now());
   }
   void catch_up() {

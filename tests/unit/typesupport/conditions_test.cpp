@@ -31,19 +31,20 @@ std::vector<Condition> conditions_of(const TypeSupport& type, std::string_view t
   return type.parse_selection(text).value().gate().conditions;
 }
 
-/// The stream of a gate without a rate: whatever fulfils the conditions passes, and the first sample, too.
+/// The stream of a gate without a rate: whatever fulfils the conditions passes.
 template <class T>
 class Stream {
  public:
   explicit Stream(std::string_view text)
       : asked_(type_support<T>().type(), conditions_of(type_support<T>(), text)) {}
 
-  /// The first sample of the stream: it passes whatever the conditions say.
+  /// The first sample of the stream, with which others are compared.
   Stream& first(const T& message, std::int64_t stamp_ns = now_ns) {
     asked_.holds(&message, stamp_ns, mask_);
     asked_.passed(&message, stamp_ns, mask_);
     return *this;
   }
+  void begin() { asked_.begin(); }
   bool holds(const T& message, std::int64_t stamp_ns = now_ns) {
     return asked_.holds(&message, stamp_ns, mask_);
   }
@@ -365,9 +366,33 @@ TEST(ConditionsTest, ATextHasChangedIfAnyOfItHas) {
   EXPECT_TRUE(changes(" 1000%", "1", "2"));
 }
 
+TEST(ConditionsTest, UntilASampleHasPassedWhateverAsksAboutEarlierOnesHolds) {
+  for (const char* text : {"* @ changed(voltage) 5", "* @ every 3rd", "* @ every 10 s",
+                           "* @ changed and every 3rd", "* @ voltage > 9 or every 10 s"}) {
+    Stream<BatteryState> stream(text);
+    EXPECT_TRUE(stream.holds({})) << text;
+    EXPECT_TRUE(stream.passes({})) << text << ": the former one did not pass";
+    EXPECT_FALSE(stream.holds(at_voltage(1))) << text;
+    stream.begin();
+    EXPECT_TRUE(stream.passes({})) << text << ": for the reader that begins";
+    EXPECT_FALSE(stream.holds(at_voltage(1))) << text;
+  }
+}
+
+TEST(ConditionsTest, AComparisonAsksAboutThisSampleAlsoIfItIsTheFirst) {
+  Stream<BatteryState> stream("* @ voltage > 1");
+  EXPECT_FALSE(stream.holds(at_voltage(1)));
+  EXPECT_TRUE(stream.holds(at_voltage(2)));
+  Stream<BatteryState> both("* @ voltage > 1 and changed(voltage) 5");
+  EXPECT_FALSE(both.passes(at_voltage(0)));
+  EXPECT_TRUE(both.passes(at_voltage(2)));
+  EXPECT_FALSE(both.passes(at_voltage(3)));
+}
+
 TEST(ConditionsTest, EveryThirdHoldsForTheFirstSampleAndForEachThirdOneBehindItWhetherTheyPassOrNot) {
   Stream<BatteryState> stream("* @ every 3rd");
-  for (int i = 0; i < 20; ++i) {
+  stream.first({});
+  for (int i = 1; i < 20; ++i) {
     const bool holds = i % 2 == 0 ? stream.holds({}) : stream.passes({});
     EXPECT_EQ(holds, i % 3 == 0) << i;
   }
@@ -375,7 +400,8 @@ TEST(ConditionsTest, EveryThirdHoldsForTheFirstSampleAndForEachThirdOneBehindItW
 
 TEST(ConditionsTest, SamplesAreCountedAlsoWhereTheAnswerIsKnownWithoutTheirNumber) {
   Stream<BatteryState> stream("* @ voltage > 0 and every 3rd");
-  for (int i = 0; i < 20; ++i)
+  stream.first({});
+  for (int i = 1; i < 20; ++i)
     EXPECT_EQ(stream.holds(at_voltage(i % 4 == 0 ? 0 : 1)), i % 4 != 0 && i % 3 == 0) << i;
 }
 

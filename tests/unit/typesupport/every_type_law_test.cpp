@@ -20,7 +20,7 @@
 #include "tests/support/value_tree.h"
 
 #ifndef SFT_TEST_TRIPLES
-#define SFT_TEST_TRIPLES 400000
+#define SFT_TEST_TRIPLES 100000
 #endif
 
 namespace sft {
@@ -175,7 +175,7 @@ class EveryTypeLaw : public test::RandomTest, public ::testing::WithParamInterfa
 };
 
 TEST_P(EveryTypeLaw, HoldsByAllWays) {
-  const std::size_t triples = triples_wanted / test::every_type().size() + 1;
+  const std::size_t triples = test::test_rounds(triples_wanted) / test::every_type().size() + 1;
   std::size_t checked = 0;
   while (checked < triples) {
     const OwnedValue value = random_value();

@@ -121,8 +121,11 @@ TEST(MsgTextTest, MessagesAreNestedOverALimitedNumberOfLevels) {
     }
     return fault(text);
   };
-  EXPECT_EQ(nested(16), "");
-  EXPECT_THAT(nested(256), HasSubstr("more than 16 structs in one another"));
+  EXPECT_EQ(nested(32), "");
+  EXPECT_THAT(nested(33),
+              HasSubstr("my_msgs/msg/Example: 'my_msgs::msg::Example' has, with member 'inner', more "
+                        "than 32 structs in one another"));
+  EXPECT_THAT(nested(256), HasSubstr("more than 32 structs in one another"));
   EXPECT_EQ(nested(257), "messages are nested over more than 256 levels");
 }
 

@@ -216,8 +216,17 @@ TEST(HostileDescriptionTest, DepthIsLimited) {
       deep.structure("S" + std::to_string(i), {{nested_kind, "a", i - 1}});
     return deep.error();
   };
-  EXPECT_EQ(nest(16), "");
-  EXPECT_THAT(nest(17), HasSubstr("more than 16 structs in one another"));
+  EXPECT_EQ(nest(32), "");
+  EXPECT_EQ(
+      nest(33),
+      "'S32' has, with member 'a', more than 32 structs in one another: only programs that are compiled "
+      "with the type can use it");
+}
+
+TEST(HostileDescriptionTest, SizeIsLimitedAndOnlyWhatIsBeyondALimitIsCalledSo) {
+  const auto code_of = [](const Bytes& description) { return DynamicType::parse(description).error().code; };
+  EXPECT_EQ(code_of(Bytes(65'537)), Errc::limit_exceeded);
+  EXPECT_EQ(code_of(Bytes(65'536)), Errc::malformed);
 }
 
 TEST(HostileDescriptionTest, LongNamesThatAreRepeatedInManyPathsAreRefused) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "code.h"
+#include "enclosed.h"
 #include "fields.h"
 #include "macros.h"
 #include "message.h"
@@ -28,7 +29,7 @@ std::vector<Message> messages_of(const sft_file& file) {
   return messages;
 }
 
-void emit_preamble(Code& code, const sft_file& file, const Roots& roots,
+void emit_preamble(Code& code, const sft_file& file, const Roots& roots, const std::string& folder,
                    const std::vector<Message>& messages) {
   code.line("// Generated from {}. Do not edit.", roots.relative(file.path).generic_string());
   code.line("#pragma once");
@@ -40,7 +41,7 @@ void emit_preamble(Code& code, const sft_file& file, const Roots& roots,
   if (std::ranges::any_of(messages, has_cells)) code.line("#include \"sft/cells.h\"");
   if (std::ranges::any_of(messages, is_cloud)) code.line("#include \"sft/points.h\"");
   for (const char* included : std::span(file.includes, file.include_count)) {
-    code.line("#include <{}>", roots.relative(included).replace_extension(".hpp").generic_string());
+    code.line("#include <{}{}>", folder, roots.relative(included).replace_extension(".hpp").generic_string());
   }
   code.blank();
 }
@@ -51,7 +52,7 @@ std::string definitions_text(const sft_file& file, const std::vector<Message>& m
   emit_owned(code, file, messages);
   for (const sft_declaration& declaration : std::span(file.declarations, file.declaration_count)) {
     if (declaration.kind == SFT_ENUMERATION || declaration.kind == SFT_BITMASK)
-      emit_enum_table(code, declaration);
+      emit_enum_table(code, file, declaration);
   }
   for (const Message& message : messages) emit_table(code, message);
   for (const Message& message : messages) emit_fields(code, message);
@@ -60,12 +61,12 @@ std::string definitions_text(const sft_file& file, const std::vector<Message>& m
   return code.text();
 }
 
-std::string header_text(const sft_file& file, const Roots& roots) {
+std::string header_text(const sft_file& file, const Roots& roots, const std::string& folder) {
   const std::vector<Message> messages = messages_of(file);
   const std::string definitions = definitions_text(file, messages);
   const std::vector<std::string_view> macros = foreign_macros_in(definitions);
   Code code;
-  emit_preamble(code, file, roots, messages);
+  emit_preamble(code, file, roots, folder, messages);
   for (const std::string_view name : macros) code.line("#pragma push_macro(\"{0}\")\n#undef {0}", name);
   if (!macros.empty()) code.blank();
   code.append(definitions);
@@ -97,7 +98,9 @@ std::string make_rule(const sft_file& file, const char* header) {
 bool sft_emit(const sft_file* file, const sft_output* output) try {
   using namespace sft::idl;
   const Roots roots(output->roots, output->base_dir, file->path);
-  const std::string header = header_text(*file, roots);
+  const Enclosed enclosed(*file, output->outer_namespace);
+  const std::string header =
+      header_text(enclosed.file(), roots, folder_of_namespace(output->outer_namespace));
   const std::string_view dependencies = output->dependencies;
   if (!dependencies.empty()) write_file(dependencies, make_rule(*file, output->header));
   write_file(output->header, header);

@@ -6,6 +6,7 @@
 #include <array>
 #include <span>
 
+#include "enclosed.h"
 #include "naming.h"
 #include "spelling.h"
 
@@ -30,7 +31,7 @@ std::span<const sft_declaration> declarations(const sft_file& file) {
 
 Message make_message(const sft_file& file, const sft_declaration& declaration) {
   const std::string_view scoped = declaration.name;
-  Message message{scoped.substr(2), type_name(scoped), qualified_type(scoped), {}, {}};
+  Message message{idl_name(file, scoped), type_name(scoped), qualified_type(scoped), {}, {}};
 
   std::vector<std::string_view> names;
   for (const sft_declaration& other : declarations(file)) {

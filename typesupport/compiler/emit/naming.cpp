@@ -79,6 +79,13 @@ std::string namespace_of(std::string_view scoped) {
   return result;
 }
 
+bool is_plain_namespace(std::string_view name) {
+  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  return !name.empty() && is_letter(name[0]) && !is_taken(name) && !hides_a_namespace(name) &&
+         std::ranges::all_of(name, [&](char c) { return is_letter(c) || is_digit(c); });
+}
+
 std::string qualified_type(std::string_view scoped) {
   const std::string scope = namespace_of(scoped);
   return "::" + scope + (scope.empty() ? "" : "::") + type_name(scoped);

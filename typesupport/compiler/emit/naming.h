@@ -21,6 +21,9 @@ std::string type_name(std::string_view scoped);
 /// The namespace of "::pkg::msg::X": "pkg::msg", empty at global scope.
 std::string namespace_of(std::string_view scoped);
 
+/// True for an identifier that generated code can have as a namespace as it is.
+bool is_plain_namespace(std::string_view name);
+
 /// "::pkg::msg::X", which begins at the global namespace and so means the same in every scope.
 std::string qualified_type(std::string_view scoped);
 

@@ -2,6 +2,7 @@
 
 #include <span>
 
+#include "enclosed.h"
 #include "naming.h"
 #include "spelling.h"
 
@@ -30,7 +31,7 @@ void emit_row(Code& code, const Field& field) {
 
 }  // namespace
 
-void emit_enum_table(Code& code, const sft_declaration& enumeration) {
+void emit_enum_table(Code& code, const sft_file& file, const sft_declaration& enumeration) {
   code.line("template <>");
   code.line("struct sft::detail::EnumTable<{}> {{", qualified_type(enumeration.name));
   code.line("  static constexpr std::array enumerators{{");
@@ -38,7 +39,7 @@ void emit_enum_table(Code& code, const sft_declaration& enumeration) {
     code.line("      sft::detail::Enumerator{{\"{}\", {}}},", e.name, natural_text(e.value));
   code.line("  }};");
   code.line("  static constexpr sft::EnumType type{{\"{}\", {}, enumerators}};",
-            std::string_view(enumeration.name).substr(2), enumeration.kind == SFT_BITMASK);
+            idl_name(file, enumeration.name), enumeration.kind == SFT_BITMASK);
   code.line("}};");
   code.blank();
 }

@@ -6,7 +6,7 @@
 
 namespace sft::idl {
 
-void emit_enum_table(Code& code, const sft_declaration& enumeration);
+void emit_enum_table(Code& code, const sft_file& file, const sft_declaration& enumeration);
 void emit_table(Code& code, const Message& message);
 
 }  // namespace sft::idl

@@ -17,8 +17,9 @@ void emit_absent(Code& code, const Field& field, std::size_t index) {
 
 void emit_getter(Code& code, const Field& field, std::size_t index) {
   const sft_type& type = field.idl->type;
-  code.line("  auto {}() const requires sft::detail::field_is_in_declared_mask<Place_, {}> {{", field.name,
-            index);
+  code.line(
+      "  SFT_OUTLIVES_VIEW auto {}() const requires sft::detail::field_is_in_declared_mask<Place_, {}> {{",
+      field.name, index);
   code.line("    return at_.template get<{}{}>();", index,
             type.name == nullptr ? "" : ", " + element_type(type));
   code.line("  }}");
@@ -28,8 +29,9 @@ void emit_getter(Code& code, const Field& field, std::size_t index) {
 /// The getter of a sequence of numbers that takes the type of a cell.
 void emit_cells(Code& code, const Field& field, std::size_t index) {
   code.line("  template <class Cell_>");
-  code.line("  auto {}() const requires sft::detail::field_is_in_declared_mask<Place_, {}> {{", field.name,
-            index);
+  code.line(
+      "  SFT_OUTLIVES_VIEW auto {}() const requires sft::detail::field_is_in_declared_mask<Place_, {}> {{",
+      field.name, index);
   code.line("    return sft::detail::cells_at<Cell_, {}>(at_);", index);
   code.line("  }}");
   code.line("  template <class Cell_>");
@@ -39,7 +41,7 @@ void emit_cells(Code& code, const Field& field, std::size_t index) {
 /// The points of a cloud, as typed columns.
 void emit_points(Code& code) {
   code.line("  template <class... Ts_, class... Names_>");
-  code.line("  auto points(const Names_&... names) const {{");
+  code.line("  SFT_OUTLIVES_VIEW auto points(const Names_&... names) const {{");
   code.line("    return sft::detail::points_at<Ts_...>(at_, names...);");
   code.line("  }}");
 }
@@ -69,7 +71,7 @@ void emit_reservations(Code& code, const Message& message) {
 }
 
 void emit_loaned(Code& code, const Field& field, std::size_t index) {
-  code.line("  auto {}() const {{ return at_.template {}<{}, {}>(); }}", field.name,
+  code.line("  SFT_OUTLIVES_VIEW auto {}() const {{ return at_.template {}<{}, {}>(); }}", field.name,
             is_reservable(field) ? "span" : "member", index, element_type(field.idl->type));
 }
 

@@ -14,6 +14,7 @@
 static const char* include_roots = "";
 static const char* dependency_file = "";
 static const char* copies = "";
+static const char* outer_namespace = "";
 
 EXPORTED const idlc_option_t** generator_options(void);
 EXPORTED idl_retcode_t generate(const idl_pstate_t* state, const idlc_generator_config_t* config);
@@ -45,14 +46,28 @@ const idlc_option_t** generator_options(void) {
       .argument = "<directory>",
       .help = "All files are copies: the original of <directory>/a/b.idl is /a/b.idl.",
   };
-  static const idlc_option_t* options[] = {&roots, &dependencies, &copied, NULL};
+  static const idlc_option_t enclosing = {
+      .type = IDLC_STRING,
+      .store = {.string = &outer_namespace},
+      .option = 'N',
+      .suboption = "",
+      .argument = "<namespace>",
+      .help =
+          "Put all into this namespace, as my::robot. Included files are <my/robot/...hpp>, so let the "
+          "output "
+          "directory end with my/robot.",
+  };
+  static const idlc_option_t* options[] = {&roots, &dependencies, &copied, &enclosing, NULL};
   return options;
 }
 
 static idl_retcode_t emit(const idl_pstate_t* state, const idlc_generator_config_t* config,
                           const struct sft_file* file) {
   const char* base_dir = config->base_dir == NULL ? NULL : sft_original_path(copies, config->base_dir);
-  struct sft_output output = {.roots = include_roots, .base_dir = base_dir, .dependencies = dependency_file};
+  struct sft_output output = {.roots = include_roots,
+                              .base_dir = base_dir,
+                              .dependencies = dependency_file,
+                              .outer_namespace = outer_namespace};
   char* header = NULL;
   const idl_retcode_t result = idl_generate_out_file(state->sources->file->name, config->output_dir,
                                                      config->base_dir, "hpp", &header, 0);

@@ -33,6 +33,7 @@ struct Arguments {
   std::string output_dir = ".";
   std::string idl_dir;
   std::string dependency_file;
+  std::string outer_namespace;
 };
 
 void declare(CLI::App& app, Arguments& arguments) {
@@ -49,6 +50,9 @@ void declare(CLI::App& app, Arguments& arguments) {
                  "Also write <dir>/PACKAGE/msg/NAME.idl of a message, for .idl files that include it");
   app.add_option("-d", arguments.dependency_file,
                  "Write a make rule with the files that the header depends on to this file");
+  app.add_option("-N", arguments.outer_namespace,
+                 "Put all into this namespace, as my::robot. Nested messages are included as "
+                 "<my/robot/PACKAGE/msg/NAME.hpp>, so let the directory of -o end with my/robot");
 }
 
 int fail(std::string_view file, std::uint32_t line, std::string_view place, std::string_view text) {
@@ -150,7 +154,8 @@ int generate(const Arguments& arguments, const fs::path& root, const TypeName& t
   const Files files{root, *nested};
   const auto model = is_service ? std::make_unique<ModelOf>(type, *definitions, files)
                                 : std::make_unique<ModelOf>(definitions->front(), files);
-  const sft_output output{header.c_str(), arguments.dependency_file.c_str(), "", root.c_str()};
+  const sft_output output{header.c_str(), arguments.dependency_file.c_str(), "", root.c_str(),
+                          arguments.outer_namespace.c_str()};
   return sft_emit(&model->file(), &output) ? 0 : 1;
 }
 

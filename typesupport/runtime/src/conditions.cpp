@@ -179,6 +179,7 @@ bool Conditions::hold(const FieldSource& sample, std::int64_t stamp_ns) {
 }
 
 void Conditions::passed(const FieldSource& sample, std::int64_t stamp_ns) {
+  begins_ = false;
   passed_at_ns_ = stamp_ns;
   for (const Node& node : conditions_) {
     if (node.condition.kind != Condition::Kind::changed) continue;
@@ -204,15 +205,16 @@ bool Conditions::holds(std::size_t at, const FieldSource& sample, std::int64_t s
     case Condition::Kind::compare:
       return compares(node, sample);
     case Condition::Kind::changed:
-      return std::ranges::any_of(
-          node.fields, [&](std::uint32_t i) { return has_changed(fields_[i], node.condition, sample); });
+      return begins_ || std::ranges::any_of(node.fields, [&](std::uint32_t i) {
+               return has_changed(fields_[i], node.condition, sample);
+             });
     case Condition::Kind::nth:
-      return (samples_ - 1) % std::get<std::uint64_t>(node.condition.number) == 0;
+      return begins_ || (samples_ - 1) % std::get<std::uint64_t>(node.condition.number) == 0;
     case Condition::Kind::elapsed: {
       const std::uint64_t period_us = std::get<std::uint64_t>(node.condition.number);
       // The difference is not less than 0: hold() has seen to that.
-      return static_cast<std::uint64_t>(stamp_ns) - static_cast<std::uint64_t>(passed_at_ns_) >=
-             period_us * 1000;
+      return begins_ || static_cast<std::uint64_t>(stamp_ns) - static_cast<std::uint64_t>(passed_at_ns_) >=
+                            period_us * 1000;
     }
   }
   return false;

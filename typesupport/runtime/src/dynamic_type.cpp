@@ -77,9 +77,10 @@ class DynamicType::Parser {
   Parser(Storage& storage, const DynamicType::Limits& limits) : out_(storage), limits_(limits) {}
 
   /// Returns nothing if the description is valid, otherwise its first error.
-  std::optional<std::string> run() {
-    if (!whole()) return "byte " + std::to_string(at_) + " of the type description: " + wrong_;
-    return std::nullopt;
+  std::optional<Error> run() {
+    if (whole()) return std::nullopt;
+    if (is_beyond_) return Error{Errc::limit_exceeded, wrong_};
+    return Error{Errc::malformed, "byte " + std::to_string(at_) + " of the type description: " + wrong_};
   }
 
  private:
@@ -146,6 +147,7 @@ class DynamicType::Parser {
     std::size_t n = 0;
     if (!type_name(name) || !count(n, 3, "members")) return false;
     if (n == 0) return fail("'" + std::string(name) + "' has no members");
+    struct_ = name;
     std::vector<Member>& members = out_.members.emplace_back();
     members.reserve(n);
     std::vector<std::uint32_t>& first_leaves = out_.first_leaves.emplace_back();
@@ -243,10 +245,10 @@ class DynamicType::Parser {
     sum.members += 1 + inner.members + (m.enumeration == nullptr ? 0 : m.enumeration->enumerators.size());
     sum.path_bytes += inner.path_bytes + leaves * (m.name.size() + 3);
     sum.depth = std::max(sum.depth, inner.depth + 1);
-    if (sum.leaves > limits_.leaves) return beyond(limits_.leaves, "fields");
-    if (sum.members > limits_.members) return beyond(limits_.members, "members and enumerators");
-    if (sum.path_bytes > limits_.path_bytes) return beyond(limits_.path_bytes, "bytes of paths");
-    return sum.depth <= limits_.depth || beyond(limits_.depth, "structs in one another");
+    if (sum.leaves > limits_.leaves) return beyond(m, limits_.leaves, "fields");
+    if (sum.members > limits_.members) return beyond(m, limits_.members, "members and enumerators");
+    if (sum.path_bytes > limits_.path_bytes) return beyond(m, limits_.path_bytes, "bytes of paths");
+    return sum.depth <= limits_.depth || beyond(m, limits_.depth, "structs in one another");
   }
 
   // ---- pieces ----
@@ -310,8 +312,10 @@ class DynamicType::Parser {
 
   static std::string of(const Member& m) { return "member '" + std::string(m.name) + "'"; }
 
-  bool beyond(std::size_t limit, const char* what) {
-    return fail("more than " + std::to_string(limit) + " " + what);
+  bool beyond(const Member& m, std::size_t limit, const char* what) {
+    is_beyond_ = true;
+    return fail("'" + std::string(struct_) + "' has, with " + of(m) + ", more than " + std::to_string(limit) +
+                " " + what + ": only programs that are compiled with the type can use it");
   }
 
   bool fail(std::string what) {
@@ -324,17 +328,22 @@ class DynamicType::Parser {
   std::size_t at_ = 0;
   std::vector<Expanded> expanded_;  // sizes of the structs read so far
   Names type_names_;
+  std::string_view struct_;  // the one that is being read
   std::string wrong_;
+  bool is_beyond_ = false;  // the type is sound, but beyond a limit
 };
 
 Result<DynamicType> DynamicType::parse(std::span<const std::byte> description,
                                        const DynamicType::Limits& limits) {
   if (description.size() > limits.bytes) {  // before it is copied
-    return fail(Errc::limit_exceeded, "a type description of " + std::to_string(description.size()) +
-                                          " bytes; " + std::to_string(limits.bytes) + " are allowed");
+    return fail(Errc::limit_exceeded,
+                "the type has a description of " + std::to_string(description.size()) + " bytes, and " +
+                    std::to_string(limits.bytes) +
+                    " are allowed: only programs that are compiled with the type can use "
+                    "it");
   }
   const auto storage = std::make_shared<Storage>(description);
-  if (const auto wrong = Parser(*storage, limits).run()) return fail(Errc::malformed, *wrong);
+  if (const auto wrong = Parser(*storage, limits).run()) return tl::unexpected(*wrong);
   return DynamicType(storage);
 }
 

@@ -306,7 +306,9 @@ Result<TypeName> name_of_message(std::string_view text) {
 Result<DynamicType> made(MsgReader& reader, const TypeName& root, const DynamicType::Limits& limits) {
   const Result<const StructType*> type = reader.type_of(root);
   if (!type) return tl::unexpected(type.error());
-  return DynamicType::parse(describe(**type), limits);
+  return DynamicType::parse(describe(**type), limits).map_error([&](Error error) {
+    return Error{error.code, root.text() + ": " + error.message};
+  });
 }
 
 }  // namespace

@@ -75,17 +75,6 @@ class ClientCall {
   std::chrono::nanoseconds pause_;
 };
 
-/// The readers of a publisher that have got a sample. The first sample of a reader comes whatever its
-/// conditions say: without this, a reply to another client.
-class GreetedReaders {
- public:
-  /// True if a reader is new, or asks anew. It counts as greeted from now on.
-  bool has_new(const std::vector<PublisherStatus::Reader>& readers);
-
- private:
-  std::vector<std::pair<std::uint64_t, std::uint64_t>> known_;  ///< id and number of the request, sorted
-};
-
 /// The latest call of each client of a server, with the answer as long as the client may ask for it again. A
 /// client makes one call at a time, and counts its calls.
 template <class Answer>

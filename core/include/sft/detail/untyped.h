@@ -30,6 +30,7 @@ class PublisherCore;
 class SubscriberCore;
 class PartReader;
 class RecordedSample;
+class SimulatedClock;
 }  // namespace sft::core
 
 namespace sft::detail {

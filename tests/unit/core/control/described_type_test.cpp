@@ -26,7 +26,7 @@ Endpoint endpoint_of() {
   e.topic = "points";
   e.type_name = TypeTable<T>::type.name;
   e.type_hash = structure_hash(TypeTable<T>::type);
-  e.type_description = announced_description(TypeTable<T>::type);
+  e.type_description = announced_description(TypeTable<T>::type).value();
   return e;
 }
 
@@ -58,14 +58,30 @@ TEST(DescribedTypeTest, ThatIsNoDescriptionIsMalformedAndThatIsNoneIsUnavailable
   EXPECT_EQ(described_type(e).error().code, Errc::unavailable);
 }
 
-TEST(DescribedTypeTest, ATypeBeyondTheLimitsIsAnnouncedWithoutDescription) {
-  std::vector<std::string> names;
-  for (int i = 0; i < 1000; ++i) names.push_back("member_" + std::to_string(i));
-  std::vector<Member> members;
-  for (const std::string& name : names) members.push_back({.name = name, .kind = Kind::uint8});
-  EXPECT_TRUE(announced_description(StructType("pkg::Large", members)).empty());
-  members.resize(500);
-  EXPECT_FALSE(announced_description(StructType("pkg::Small", members)).empty());
+/// A type of so many members, each of which takes 25 bytes of the description.
+class Wide {
+ public:
+  explicit Wide(std::size_t members) {
+    for (std::size_t i = 0; i < members; ++i)
+      names_.push_back("a_member_of_number_" + std::to_string(1000 + i));
+    for (const std::string& name : names_) members_.push_back({.name = name, .kind = Kind::uint8});
+  }
+  StructType type() const { return {"pkg::Wide", members_}; }
+
+ private:
+  std::vector<std::string> names_;
+  std::vector<Member> members_;
+};
+
+TEST(DescribedTypeTest, ATypeOfNearly64KibIsAnnouncedWithItsDescriptionAndALargerOneIsNot) {
+  const Wide fits(2600), does_not(2700);
+  const auto description = announced_description(fits.type());
+  ASSERT_TRUE(description) << description.error().message;
+  EXPECT_GT(description->size(), 60'000U);
+  const auto refused = announced_description(does_not.type());
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::limit_exceeded);
+  EXPECT_THAT(refused.error().message, HasSubstr("65536"));
 }
 
 }  // namespace

@@ -14,17 +14,28 @@ using namespace std::chrono_literals;
 TEST(ClaimCounts, AParticipantHasMoreThanItsShareWhileThereIsRoomForEverybody) {
   ClaimCounts counts({.share = 2, .crowded = 4, .all = 6});
   for (int i = 0; i < 4; ++i) {
-    EXPECT_TRUE(counts.has_room_for(1));
-    counts.add(1);
+    EXPECT_TRUE(counts.has_room_for(1, 1));
+    counts.add(1, 1);
   }
-  EXPECT_FALSE(counts.has_room_for(1));
-  EXPECT_TRUE(counts.has_room_for(2)) << "its share is its own";
-  counts.add(2);
-  counts.add(2);
-  EXPECT_FALSE(counts.has_room_for(3)) << "there is room for no more";
-  counts.remove(1);
-  EXPECT_TRUE(counts.has_room_for(3));
-  EXPECT_FALSE(counts.has_room_for(1));
+  EXPECT_FALSE(counts.has_room_for(1, 1));
+  EXPECT_TRUE(counts.has_room_for(2, 1)) << "its share is its own";
+  counts.add(2, 1);
+  counts.add(2, 1);
+  EXPECT_FALSE(counts.has_room_for(3, 1)) << "there is room for no more";
+  counts.remove(1, 1);
+  EXPECT_TRUE(counts.has_room_for(3, 1));
+  EXPECT_FALSE(counts.has_room_for(1, 1));
+}
+
+TEST(ClaimCounts, AnAnnouncementOfMoreWeightNeedsMoreRoom) {
+  ClaimCounts counts({.share = 4, .crowded = 4, .all = 8});
+  EXPECT_TRUE(counts.has_room_for(1, 4));
+  EXPECT_FALSE(counts.has_room_for(1, 5));
+  counts.add(1, 3);
+  EXPECT_TRUE(counts.has_room_for(1, 1));
+  EXPECT_FALSE(counts.has_room_for(1, 2));
+  counts.remove(1, 2);
+  EXPECT_TRUE(counts.has_room_for(1, 3)) << "what is removed makes room";
 }
 
 class RequestsInAdvanceTest : public ::testing::Test {

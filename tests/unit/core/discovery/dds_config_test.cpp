@@ -81,6 +81,7 @@ INSTANTIATE_TEST_SUITE_P(
         Breakage{"<General><FragmentSize>0 B</></>", "General/FragmentSize", "1344 B"},
         Breakage{"<Internal><FragmentSize>100</></>", "General/FragmentSize", "1344 B"},
         Breakage{"<Internal><MaxSampleSize>1 kB</></>", "Internal/MaxSampleSize", "2147483647 B"},
+        Breakage{"<Internal><MaxSampleSize>100 kB</></>", "Internal/MaxSampleSize", "2147483647 B"},
         Breakage{"<Compatibility><ManySocketsMode>none</></>", "Compatibility/ManySocketsMode", "single"},
         Breakage{"<General><AllowMulticast>false</></><Discovery><ParticipantIndex>none</></>",
                  "Discovery/ParticipantIndex", "auto"}),

@@ -31,6 +31,25 @@ TEST_F(LinkMergeTest, TakesNoMoreThanThereIsRoomFor) {
   EXPECT_EQ(taken(by_lan, 1001), 2) << "less than its share";
 }
 
+TEST_F(LinkMergeTest, KeepsAsManyBytesOfLargeDescriptionsAsOfUsualOnes) {
+  LinkMerge small({.share = 4, .crowded = 10, .endpoints = 40});
+  const auto taken = [&](EndpointId id, std::uint64_t revision, std::size_t description_bytes) {
+    Endpoint described = endpoint(revision, "many", id);
+    described.type_description.resize(description_bytes);
+    small.endpoint_came(stranger, described, now);
+    const std::vector<News> news = small.take_news();
+    return std::ranges::any_of(news, [](const News& n) { return std::holds_alternative<EndpointSeen>(n); });
+  };
+  EXPECT_TRUE(taken(1, 1, 65'536)) << "counts as eight";
+  EXPECT_FALSE(taken(2, 1, 65'536));
+  EXPECT_TRUE(taken(3, 1, 8192));
+  EXPECT_FALSE(taken(3, 2, 65'536)) << "nor is it taken where it was small before";
+  EXPECT_TRUE(taken(1, 2, 100)) << "it has become small";
+  EXPECT_TRUE(taken(3, 3, 65'536));
+  small.endpoint_withdrawn(stranger, 3, now);
+  EXPECT_TRUE(taken(4, 1, 65'536)) << "there is as much room as before";
+}
+
 TEST_F(LinkMergeTest, HasRoomAgainWhereAnnouncementsGo) {
   LinkMerge small({.share = 2, .crowded = 0, .endpoints = 3});
   const auto comes = [&](const Speaker& speaker, EndpointId id) {

@@ -155,6 +155,27 @@ TEST_F(EndpointTableTest, AnEndpointThatHasToLeaveIsCountedByTheNameOfItsNode) {
   EXPECT_THAT(table.take_refusals(), ElementsAre(Pair("theirs", 1U)));
 }
 
+TEST(DescriptionsInTheTable, ThatOneParticipantSendsAreKeptUpToABoundAndItsEndpointsAllTheSame) {
+  EndpointTable table{{}};
+  constexpr std::size_t bytes = 65'536, most = DescriptionRoom::description_bytes_of_announcer / bytes;
+  const auto enter = [&](EndpointId id, AnnouncerId announcer) {
+    Endpoint described = endpoint(Role::writer, id);
+    described.announcer = announcer;
+    described.type_description.resize(bytes);
+    table.enter(described);
+    return !table.known(id)->type_description.empty();
+  };
+  for (EndpointId id = 1; id <= most; ++id) EXPECT_TRUE(enter(id, 11));
+  EXPECT_FALSE(enter(most + 1, 11));
+  EXPECT_TRUE(enter(1, 11)) << "it replaces its own";
+  EXPECT_TRUE(enter(most + 2, 12)) << "another one has its own room";
+  table.erase(2);
+  EXPECT_TRUE(enter(most + 1, 11));
+  std::size_t kept = 0;
+  for (EndpointId id = 1000; id < 2000; ++id) kept += enter(id, id / 100) ? 1 : 0;
+  EXPECT_EQ(kept, DescriptionRoom::description_bytes_max / bytes - most - 1) << "all together";
+}
+
 TEST(KnownFactsTest, NothingRemainsNotedOfAnEndpointThatIsGone) {
   KnownFacts facts{.host = {}, .table = EndpointTable({}), .history = {}, .unreachable = {}};
   Endpoint gone = endpoint(Role::reader, one_reader);

@@ -35,7 +35,7 @@ class DomainSnapshotTest : public ::testing::Test {
     e.topic = "points";
     e.type_name = type.name;
     e.type_hash = structure_hash(type);
-    e.type_description = announced_description(type);
+    e.type_description = announced_description(type).value();
     e.host.bytes[0] = 1;
     e.network = this_machine;
     e.may_use_memory = e.may_use_network = true;

@@ -237,21 +237,5 @@ TEST_F(ServedCallsTest, TheClientThatWasHeardLongestAgoIsForgottenWhenThereAreTo
   EXPECT_EQ(heard(1, 1), Todo::run) << "it was forgotten";
 }
 
-TEST(GreetedReadersTest, AReaderIsNewOnceAndAgainWhenItAsksAnew) {
-  GreetedReaders greeted;
-  std::vector<PublisherStatus::Reader> readers{
-      {.id = 1, .node = "a", .served = false, .request_sequence = 1}};
-  EXPECT_FALSE(greeted.has_new(readers)) << "it is sent nothing yet";
-  readers[0].served = true;
-  EXPECT_TRUE(greeted.has_new(readers));
-  EXPECT_FALSE(greeted.has_new(readers));
-  readers.push_back({.id = 2, .node = "b", .served = true, .request_sequence = 1});
-  EXPECT_TRUE(greeted.has_new(readers));
-  readers.erase(readers.begin());
-  EXPECT_FALSE(greeted.has_new(readers)) << "one has gone";
-  readers[0].request_sequence = 2;
-  EXPECT_TRUE(greeted.has_new(readers));
-}
-
 }  // namespace
 }  // namespace sft::detail

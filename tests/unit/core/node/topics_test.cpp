@@ -29,7 +29,7 @@ class TopicsTest : public ::testing::Test {
     e.topic = topic;
     e.type_name = type.name;
     e.type_hash = structure_hash(type);
-    e.type_description = announced_description(type);
+    e.type_description = announced_description(type).value();
     endpoints.push_back(e);
     return endpoints.back();
   }
@@ -83,7 +83,7 @@ TEST_F(TopicsTest, PublishersOfDifferentTypesAreAnErrorThatNamesBoth) {
 TEST_F(TopicsTest, APublisherThatDoesNotDescribeItsTypeLeavesItToOthers) {
   add(Role::writer, "a", "points", cloud).type_description.clear();
   EXPECT_EQ(type("points").error().code, Errc::unavailable);
-  EXPECT_THAT(error("points"), HasSubstr("is too large to be announced"));
+  EXPECT_THAT(error("points"), HasSubstr("its description is not announced"));
   add(Role::writer, "b", "points", cloud);
   EXPECT_EQ(type("points")->name(), cloud.name);
 }

@@ -1,4 +1,4 @@
-// Tests which readers of a publisher share a gate, and for whom the next sample passes whatever it says.
+// Tests which readers of a publisher share a gate, and for whom a sample is the first one.
 #include "core/publish/gates.h"
 
 #include <gtest/gtest.h>
@@ -36,6 +36,7 @@ class GatesTest : public ::testing::Test {
     PointCloud2 cloud;
     cloud.width = width;
     gates.of(route)->consider(detail::FieldSource::of_message(&cloud), ++stamp_ns);
+    gates.of(route)->made(detail::FieldSource::of_message(&cloud), stamp_ns);
     return route.gate->passes();
   }
 
@@ -56,19 +57,29 @@ TEST_F(GatesTest, ReadersThatWantTheSameShareAGate) {
   EXPECT_EQ(routes[5].gate->id(), 0U) << "it has no conditions";
 }
 
-TEST_F(GatesTest, TheFirstSamplePassesForAReaderThatComesOrAsksForSomethingElse) {
-  Route one = serve({route(1, "data @ width > 5")})[0];
+TEST_F(GatesTest, ASampleIsAChangeForAReaderThatComesOrAsksForSomethingElse) {
+  Route one = serve({route(1, "data @ changed(width) 5")})[0];
   EXPECT_TRUE(passes(one, 0));
   EXPECT_FALSE(passes(one, 0));
-  serve({route(1, "data @ width > 5")});
+  serve({route(1, "data @ changed(width) 5")});
   EXPECT_FALSE(passes(one, 0)) << "nothing is new";
-  serve({route(1, "data @ width > 5"), route(2, "height @ width > 5")});
+  serve({route(1, "data @ changed(width) 5"), route(2, "height @ changed(width) 5")});
   EXPECT_TRUE(passes(one, 0)) << "for the second reader";
   EXPECT_FALSE(passes(one, 0));
-  serve({route(1, "data[0:5] @ width > 5"), route(2, "height @ width > 5")});
+  serve({route(1, "data[0:5] @ changed(width) 5"), route(2, "height @ changed(width) 5")});
   EXPECT_TRUE(passes(one, 0)) << "for the part";
-  serve({route(2, "height @ width > 5")});
+  serve({route(2, "height @ changed(width) 5")});
   EXPECT_FALSE(passes(one, 0)) << "a reader that goes asks for nothing";
+}
+
+TEST_F(GatesTest, AComparisonRefusesTheFirstSampleOfEachReader) {
+  Route one = serve({route(1, "data @ width > 5")})[0];
+  EXPECT_FALSE(passes(one, 0));
+  serve({route(1, "data @ width > 5"), route(2, "height @ width > 5")});
+  EXPECT_FALSE(passes(one, 0));
+  EXPECT_TRUE(passes(one, 6));
+  serve({route(1, "data[0:5] @ width > 5"), route(2, "height @ width > 5")});
+  EXPECT_FALSE(passes(one, 0));
 }
 
 TEST_F(GatesTest, OneThatNobodyAsksForGoesOnWithItsNumbersUntilThereAreManyOthers) {
@@ -91,7 +102,8 @@ TEST_F(GatesTest, NothingPassesBeforeTheRoutesAreInForce) {
   gates.give(routes);
   EXPECT_FALSE(passes(routes[0], 6));
   serve(routes);
-  EXPECT_TRUE(passes(routes[0], 0));
+  EXPECT_FALSE(passes(routes[0], 0));
+  EXPECT_TRUE(passes(routes[0], 6));
 }
 
 }  // namespace

@@ -70,6 +70,18 @@ TEST_F(LateReadersTest, AreSentNoMoreThanIsRetained) {
   EXPECT_EQ(network->take(), (Calls{"history of 3 to 1"}));
 }
 
+TEST_F(LateReadersTest, AreGivenTheRetainedSamplesThatFulfilTheirConditions) {
+  Serving serving = late_in_memory(3);
+  serving.memory[0].selection = type.parse_selection("* @ every 2nd").value();
+  late.serve(serving, memory);
+  EXPECT_EQ(given(), (Sequences{2, 4}));
+  EXPECT_EQ(book->of(1).retained, 2U);
+  serving = late_by_network(3);
+  serving.network[0].selection = type.parse_selection("* @ every 2nd").value();
+  late.serve(serving, nullptr);
+  EXPECT_EQ(network->take(), (Calls{"history of 2 to 1"}));
+}
+
 TEST_F(LateReadersTest, AreNotDoneBeforeTheNetworkIs) {
   network->all_left = false;
   EXPECT_FALSE(late.history_sent(1));

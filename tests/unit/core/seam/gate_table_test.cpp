@@ -21,7 +21,7 @@ std::shared_ptr<Gate> gate_with(std::uint64_t hash, bool passes) {
       {.kind = Selection::Condition::Kind::nth, .number = std::uint64_t{1}}};
   auto gate = std::make_shared<Gate>(
       0, detail::Conditions(detail::TypeTable<sensor_msgs::msg::PointCloud2>::type, conditions), hash);
-  if (passes) gate->let_next_pass();
+  if (passes) gate->reader_begins();
   gate->consider(detail::FieldSource::of_nothing(), 1);
   return gate;
 }

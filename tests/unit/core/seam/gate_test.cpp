@@ -58,23 +58,44 @@ TEST(GateTest, NothingPassesBeforeItsFirstReaderBegins) {
   for (int i = 0; i < 5; ++i) EXPECT_FALSE(stream.passes(2, begin_ns + i * milliseconds));
   EXPECT_EQ(stream.gate().ordinal(), 0U);
   EXPECT_EQ(stream.gate().withheld(), 5U);
-  stream.gate().let_next_pass();
+  stream.gate().reader_begins();
   EXPECT_TRUE(stream.passes(2, begin_ns + 5 * milliseconds));
   EXPECT_TRUE(stream.passes(2, begin_ns + 6 * milliseconds));
   EXPECT_EQ(stream.gate().ordinal(), 2U);
 }
 
-TEST(GateTest, TheFirstSamplePassesWhateverItSays) {
+TEST(GateTest, AComparisonWithAConstantRefusesTheFirstSample) {
   Stream stream("* @ voltage > 1");
-  stream.gate().let_next_pass();
+  stream.gate().reader_begins();
+  EXPECT_FALSE(stream.passes(0, begin_ns));
+  EXPECT_TRUE(stream.passes(2, begin_ns + milliseconds));
+  stream.gate().reader_begins();
+  EXPECT_FALSE(stream.passes(0, begin_ns + 2 * milliseconds)) << "whoever begins";
+  EXPECT_EQ(stream.gate().withheld(), 2U);
+  EXPECT_EQ(stream.gate().ordinal(), 1U);
+}
+
+TEST(GateTest, TheFirstSampleIsTheFirstThatComparisonsLetPass) {
+  Stream stream("* @ changed(voltage) 5 and voltage > 1");
+  stream.gate().reader_begins();
+  EXPECT_TRUE(stream.passes(2, begin_ns));
+  EXPECT_FALSE(stream.passes(3, begin_ns + milliseconds));
+  stream.gate().reader_begins();
+  EXPECT_FALSE(stream.passes(0, begin_ns + 2 * milliseconds));
+  EXPECT_TRUE(stream.passes(3, begin_ns + 3 * milliseconds)) << "the reader that begins has had none before";
+  EXPECT_FALSE(stream.passes(4, begin_ns + 4 * milliseconds));
+}
+
+TEST(GateTest, AHeartbeatBesideAComparisonLetsTheFirstSamplePassWhateverItSays) {
+  Stream stream("* @ voltage > 1 or every 10 s");
+  stream.gate().reader_begins();
   EXPECT_TRUE(stream.passes(0, begin_ns));
   EXPECT_FALSE(stream.passes(0, begin_ns + milliseconds));
-  EXPECT_TRUE(stream.passes(2, begin_ns + 2 * milliseconds));
 }
 
 TEST(GateTest, TheFirstSamplePassesAlsoIfItIsNotANumber) {
   Stream stream("* @ changed(voltage) 1");
-  stream.gate().let_next_pass();
+  stream.gate().reader_begins();
   EXPECT_TRUE(stream.passes(std::numeric_limits<float>::quiet_NaN(), begin_ns));
   EXPECT_FALSE(stream.passes(std::numeric_limits<float>::quiet_NaN(), begin_ns + milliseconds));
   EXPECT_TRUE(stream.passes(0, begin_ns + 2 * milliseconds));
@@ -82,11 +103,11 @@ TEST(GateTest, TheFirstSamplePassesAlsoIfItIsNotANumber) {
 
 TEST(GateTest, WhenAnotherReaderBeginsTheNextSamplePassesForAllOfThem) {
   Stream stream("* @ changed(voltage) 1");
-  stream.gate().let_next_pass();
+  stream.gate().reader_begins();
   EXPECT_TRUE(stream.passes(10, begin_ns));
   EXPECT_FALSE(stream.passes(10.5F, begin_ns + milliseconds));
-  stream.gate().let_next_pass();
-  stream.gate().let_next_pass();
+  stream.gate().reader_begins();
+  stream.gate().reader_begins();
   EXPECT_TRUE(stream.passes(10.5F, begin_ns + 2 * milliseconds));
   EXPECT_FALSE(stream.passes(11.25F, begin_ns + 3 * milliseconds)) << "it is one sample for both of them";
   EXPECT_TRUE(stream.passes(11.75F, begin_ns + 4 * milliseconds)) << "later ones are compared with it";
@@ -94,15 +115,17 @@ TEST(GateTest, WhenAnotherReaderBeginsTheNextSamplePassesForAllOfThem) {
 
 TEST(GateTest, TheFirstSamplePassesWhateverTheRateSays) {
   Stream stream("* @ voltage > 1 at most 1 Hz");
-  stream.gate().let_next_pass();
+  stream.gate().reader_begins();
   EXPECT_TRUE(stream.passes(2, begin_ns));
-  stream.gate().let_next_pass();
-  EXPECT_TRUE(stream.passes(0, begin_ns + milliseconds));
+  stream.gate().reader_begins();
+  EXPECT_FALSE(stream.passes(0, begin_ns + milliseconds));
+  EXPECT_TRUE(stream.passes(2, begin_ns + 2 * milliseconds));
+  EXPECT_FALSE(stream.passes(2, begin_ns + 3 * milliseconds));
 }
 
 TEST(GateTest, ASampleThatDoesNotFulfilTheConditionsDoesNotSpendTheRate) {
   Stream stream("* @ voltage > 1 at most 10 Hz");
-  stream.gate().let_next_pass();
+  stream.gate().reader_begins();
   EXPECT_TRUE(stream.passes(2, begin_ns));
   for (int i = 1; i < 95; ++i) EXPECT_FALSE(stream.passes(0, begin_ns + (100 + i) * milliseconds)) << i;
   EXPECT_TRUE(stream.passes(2, begin_ns + 199 * milliseconds));
@@ -110,7 +133,7 @@ TEST(GateTest, ASampleThatDoesNotFulfilTheConditionsDoesNotSpendTheRate) {
 
 TEST(GateTest, OfSamplesThatFulfilTheConditionsNoMorePassThanTheRatePermits) {
   Stream stream("* @ voltage > 1 at most 10 Hz");
-  stream.gate().let_next_pass();
+  stream.gate().reader_begins();
   int passed = 0;
   for (int i = 0; i < 10'000; i += 7) passed += stream.passes(2, begin_ns + i * milliseconds) ? 1 : 0;
   EXPECT_GE(passed, 99);
@@ -119,7 +142,7 @@ TEST(GateTest, OfSamplesThatFulfilTheConditionsNoMorePassThanTheRatePermits) {
 
 TEST(GateTest, WhatTheRateWithholdsIsNotWhatLaterSamplesAreComparedWith) {
   Stream stream("* @ changed(voltage) 1 at most 1 Hz");
-  stream.gate().let_next_pass();
+  stream.gate().reader_begins();
   EXPECT_TRUE(stream.passes(10, begin_ns));
   int passed = 0;
   for (int i = 1; i < 1000; i += 100) passed += stream.passes(12, begin_ns + i * milliseconds) ? 1 : 0;
@@ -134,7 +157,7 @@ TEST(GateTest, FirstSamplesOfReadersDoNotRaiseTheRateInTheLongRun) {
   Stream stream("* @ voltage > 1 at most 10 Hz");
   int passed = 0;
   for (int i = 0; i < 1000; ++i) {
-    if (i < 500 && i % 10 == 0) stream.gate().let_next_pass();
+    if (i < 500 && i % 10 == 0) stream.gate().reader_begins();
     passed += stream.passes(2, begin_ns + i * 10 * milliseconds) ? 1 : 0;
   }
   EXPECT_GE(passed, 99);
@@ -143,7 +166,7 @@ TEST(GateTest, FirstSamplesOfReadersDoNotRaiseTheRateInTheLongRun) {
 
 TEST(GateTest, AMessageThatIsRefusedCountsAsIfItHadNotBeenPublished) {
   Stream stream("* @ changed(voltage)");
-  stream.gate().let_next_pass();
+  stream.gate().reader_begins();
   BatteryState battery;
   battery.voltage = 7;
   const auto refuse = [&] {
@@ -161,31 +184,43 @@ TEST(GateTest, AMessageThatIsRefusedCountsAsIfItHadNotBeenPublished) {
 
 TEST(GateTest, AMessageForWhichThereIsNoMemoryIsMissedAndTheNextOneIsComparedWithTheOneBefore) {
   Stream stream("* @ changed(voltage)");
-  stream.gate().let_next_pass();
+  stream.gate().reader_begins();
   EXPECT_TRUE(stream.passes(1, begin_ns));
   BatteryState battery;
   battery.voltage = 2;
-  stream.gate().consider(source(battery), begin_ns);
-  stream.gate().missed();
+  stream.gate().consider(source(battery), begin_ns);  // and it could not be made
   EXPECT_EQ(stream.gate().ordinal(), 2U) << "its readers see that one is missing";
   EXPECT_TRUE(stream.passes(2, begin_ns));
   EXPECT_FALSE(stream.passes(2, begin_ns));
 }
 
-TEST(GateTest, EveryThirdCountsSamplesThatPassWhateverTheySay) {
+TEST(GateTest, AFirstMessageForWhichThereIsNoMemoryIsMissedAndTheNextOneIsTheFirst) {
+  Stream stream("* @ changed(voltage)");
+  stream.gate().reader_begins();
+  EXPECT_TRUE(stream.passes(1, begin_ns));
+  stream.gate().reader_begins();
+  BatteryState battery;
+  battery.voltage = 1;
+  stream.gate().consider(source(battery), begin_ns);  // and it could not be made
+  EXPECT_TRUE(stream.gate().passes());
+  EXPECT_TRUE(stream.passes(1, begin_ns));
+  EXPECT_FALSE(stream.passes(1, begin_ns));
+}
+
+TEST(GateTest, EveryThirdCountsTheFirstSamplesOfReadersToo) {
   Stream stream("* @ every 3rd");
-  stream.gate().let_next_pass();
+  stream.gate().reader_begins();
   for (int i = 0; i < 30; ++i) {
-    if (i == 10) stream.gate().let_next_pass();
+    if (i == 10) stream.gate().reader_begins();
     EXPECT_EQ(stream.passes(0, begin_ns + i * milliseconds), i % 3 == 0 || i == 10) << i;
   }
 }
 
-TEST(GateTest, APeriodBeginsWithTheSampleThatPassesWhateverItSays) {
+TEST(GateTest, APeriodBeginsWithTheFirstSampleOfAReader) {
   Stream stream("* @ every 10 s");
-  stream.gate().let_next_pass();
+  stream.gate().reader_begins();
   EXPECT_TRUE(stream.passes(0, begin_ns));
-  stream.gate().let_next_pass();
+  stream.gate().reader_begins();
   EXPECT_TRUE(stream.passes(0, begin_ns + 5000 * milliseconds));
   EXPECT_FALSE(stream.passes(0, begin_ns + 10'000 * milliseconds));
   EXPECT_TRUE(stream.passes(0, begin_ns + 15'000 * milliseconds));
@@ -220,7 +255,8 @@ class GateLaw : public test::RandomTest {
   /// The rate is asked only of samples that the conditions let pass. The first one of a reader spends it,
   /// too, also if there is nothing to spend.
   static bool permits(bool holds, bool begins, RateBudget& budget, std::int64_t stamp_ns) {
-    if (!begins) return holds && budget.take(stamp_ns);
+    if (!holds) return false;
+    if (!begins) return budget.take(stamp_ns);
     budget.spend(stamp_ns);
     return true;
   }
@@ -247,8 +283,11 @@ TEST_F(GateLaw, LetsThoseSamplesPassThatAPlainReadingNames) {
     std::int64_t stamp_ns = begin_ns;
     std::uint32_t passed = 0;
     for (std::uint32_t i = 0; i < 40; ++i) {
-      const bool begins = i == 0 || one_in(15);
-      if (begins) gate.let_next_pass();
+      if (i == 0 || one_in(15)) {
+        gate.reader_begins();
+        reference.begin();
+      }
+      const bool begins = reference.begins();
       const test::FieldValues values = test::values_of(any.fields(), &battery);
       const bool holds = reference.holds(values, stamp_ns);
       gate.consider(source(battery), stamp_ns);

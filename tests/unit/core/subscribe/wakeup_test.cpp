@@ -51,7 +51,7 @@ bool is_woken_for(Doorbell& bell, const std::atomic<std::uint32_t>& published, s
 TEST_F(WakeUp, OfTwoSleepersOnOneDoorbellIsNeverLost) {
   const auto page = DoorbellPage::create();
   Doorbell& bell = page->at(0);
-  const auto rounds = static_cast<std::uint32_t>(rounds_of(60'000));
+  const auto rounds = static_cast<std::uint32_t>(rounds_of(15'000));
   std::atomic<std::uint32_t> published{0};
   std::array<std::atomic<std::uint32_t>, 2> woken{};
   const auto sleep = [&](std::size_t which) {
@@ -78,7 +78,7 @@ TEST_F(WakeUp, OfTwoSleepersOnOneDoorbellIsNeverLost) {
 TEST_F(WakeUp, ByAnotherProcessIsNeverLost) {
   const auto page = DoorbellPage::create();
   if (page->id() == 0) GTEST_SKIP() << "/dev/shm cannot be used here";
-  const auto rounds = static_cast<std::uint32_t>(rounds_of(40'000));
+  const auto rounds = static_cast<std::uint32_t>(rounds_of(10'000));
   Doorbell& bell = page->at(0);
   std::atomic<std::uint32_t>& published = page->at(1).rings;  // any words that both can see
   std::atomic<std::uint32_t>& woken = page->at(2).rings;
@@ -174,12 +174,12 @@ class SubscriberWakeUp : public WakeUp {
 
 TEST_F(SubscriberWakeUp, FromSleepIsNeverLost) {
   open(0ns);
-  exchange(rounds_of(60'000), [&] { return subscriber().wait(much_later) && subscriber().take(); });
+  exchange(rounds_of(15'000), [&] { return subscriber().wait(much_later) && subscriber().take(); });
 }
 
 TEST_F(SubscriberWakeUp, BetweenSpinningAndSleepIsNeverLost) {
   open(2us);
-  exchange(rounds_of(40'000), [&] { return subscriber().wait(much_later) && subscriber().take(); });
+  exchange(rounds_of(10'000), [&] { return subscriber().wait(much_later) && subscriber().take(); });
 }
 
 TEST_F(SubscriberWakeUp, ByFileDescriptorIsNeverLostAndItIsReadableOnlyWhileThereIsASample) {
@@ -191,7 +191,7 @@ TEST_F(SubscriberWakeUp, ByFileDescriptorIsNeverLostAndItIsReadableOnlyWhileTher
     pollfd waits{.fd = subscriber().file_descriptor(), .events = POLLIN, .revents = 0};
     return ::poll(&waits, 1, static_cast<int>(within.count())) == 1;
   };
-  exchange(rounds_of(40'000), [&] {
+  exchange(rounds_of(10'000), [&] {
     while (becomes_readable(much_later)) {
       end_round();  // so that the next one comes while this is taken, and the descriptor settled
       if (subscriber().take()) return true;
@@ -209,7 +209,7 @@ TEST_F(SubscriberWakeUp, OfAWaitOnASubscriberWithAFileDescriptorIsNeverLost) {
   Dispatcher poller(bell(), "test");
   poller.add(shared());
   ASSERT_TRUE(poller.start());
-  exchange(rounds_of(20'000), [&] { return subscriber().wait(much_later) && subscriber().take(); });
+  exchange(rounds_of(5'000), [&] { return subscriber().wait(much_later) && subscriber().take(); });
 }
 
 }  // namespace

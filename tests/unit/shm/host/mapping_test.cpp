@@ -13,7 +13,7 @@
 namespace sft::shm {
 namespace {
 
-constexpr std::size_t bytes = 3 * 4096;
+constexpr std::size_t segment_bytes = 3 * 4096;
 
 /// A file in /dev/shm, which is removed with the object.
 class Segment {
@@ -33,26 +33,26 @@ class Segment {
 };
 
 TEST(MappingTest, ContainsTheBytesInItAndNoneBeyondItsEnd) {
-  const Segment segment(bytes);
+  const Segment segment(segment_bytes);
   if (!segment.made()) GTEST_SKIP() << "/dev/shm cannot be used here";
-  const auto mapping = Mapping::open(segment.name(), bytes, false, geteuid());
+  const auto mapping = Mapping::open(segment.name(), segment_bytes, false, geteuid());
   ASSERT_TRUE(mapping) << mapping.error().message;
   const std::byte* const begin = mapping->bytes().data();
-  EXPECT_TRUE(mapping->contains(begin, bytes));
-  EXPECT_TRUE(mapping->contains(begin + bytes - 1, 1));
-  EXPECT_TRUE(mapping->contains(begin + bytes, 0));
-  EXPECT_FALSE(mapping->contains(begin, bytes + 1));
-  EXPECT_FALSE(mapping->contains(begin + 1, bytes));
-  EXPECT_FALSE(mapping->contains(begin + bytes, 1));
-  EXPECT_FALSE(mapping->contains(begin + bytes + 1, 0));
+  EXPECT_TRUE(mapping->contains(begin, segment_bytes));
+  EXPECT_TRUE(mapping->contains(begin + segment_bytes - 1, 1));
+  EXPECT_TRUE(mapping->contains(begin + segment_bytes, 0));
+  EXPECT_FALSE(mapping->contains(begin, segment_bytes + 1));
+  EXPECT_FALSE(mapping->contains(begin + 1, segment_bytes));
+  EXPECT_FALSE(mapping->contains(begin + segment_bytes, 1));
+  EXPECT_FALSE(mapping->contains(begin + segment_bytes + 1, 0));
   EXPECT_FALSE(mapping->contains(begin - 1, 1));
   EXPECT_FALSE(mapping->contains(begin + 100, SIZE_MAX)) << "the sum of address and size overflows";
 }
 
 TEST(MappingTest, AFileThatIsShorterThanAnnouncedIsAnErrorThatNamesTheFile) {
-  const Segment segment(bytes - 1);
+  const Segment segment(segment_bytes - 1);
   if (!segment.made()) GTEST_SKIP() << "/dev/shm cannot be used here";
-  const auto mapping = Mapping::open(segment.name(), bytes, false, geteuid());
+  const auto mapping = Mapping::open(segment.name(), segment_bytes, false, geteuid());
   ASSERT_FALSE(mapping);
   EXPECT_EQ(mapping.error().code, Errc::malformed);
   EXPECT_NE(mapping.error().message.find(segment.name()), std::string::npos);

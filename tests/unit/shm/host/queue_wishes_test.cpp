@@ -18,6 +18,20 @@ TEST(QueueWishesTest, AreReadFromTheNameAsTheyWereWritten) {
   }
 }
 
+TEST(QueueWishesTest, ALimitOfBytesIsWrittenAsAPowerOfTwoThatIsNotGreater) {
+  const auto read_back = [](std::uint64_t limit) {
+    return parse_wishes("name" + to_text({.reader = 0xabc, .late = true, .bytes_max = limit}));
+  };
+  constexpr std::uint64_t mebibyte = 1 << 20;
+  EXPECT_EQ(read_back(0).bytes_max, 0U) << "no limit";
+  EXPECT_EQ(read_back(32 * mebibyte).bytes_max, 32 * mebibyte);
+  EXPECT_EQ(read_back(64 * mebibyte - 1).bytes_max, 32 * mebibyte);
+  EXPECT_EQ(read_back(1).bytes_max, 64U << 10) << "the least one";
+  EXPECT_EQ(read_back(UINT64_MAX).bytes_max, std::uint64_t{1} << 35) << "the greatest one";
+  EXPECT_EQ(read_back(mebibyte).reader, 0xabcU);
+  EXPECT_TRUE(read_back(mebibyte).late);
+}
+
 TEST(QueueWishesTest, AnUnknownReaderWritesNothing) {
   EXPECT_EQ(to_text({}), "");
   EXPECT_EQ(parse_wishes("sft_node_1_0badcafe#7").reader, 0U);

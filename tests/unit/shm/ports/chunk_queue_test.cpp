@@ -227,6 +227,29 @@ TEST_F(ChunkQueueTest, RoomThatAWriterHasFoundStaysWhenTheReaderTakesAChunkInHan
   EXPECT_FALSE(queue_->take().overflowed);
 }
 
+TEST_F(ChunkQueueTest, AWriterGivesBackAsManyChunksAsTheBytesOfTheNextOneNeed) {
+  QueuePlaces places(*port_, true);
+  deliver(places);
+  EXPECT_TRUE(places.has_room(1));
+  EXPECT_FALSE(places.has_room(0)) << "one waits";
+  deliver(places);
+  places.make_room(0);
+  EXPECT_EQ(in_use(), 0U) << "the next one waits alone";
+  arrive(1);
+  const ChunkQueue::Taken taken = queue_->take();
+  EXPECT_NE(taken.slot, nullptr);
+  EXPECT_TRUE(taken.overflowed);
+}
+
+TEST_F(ChunkQueueTest, BytesPushNothingOutWhereNoMoreWaitsThanMay) {
+  QueuePlaces places(*port_, true);
+  deliver(places);
+  places.make_room(1);
+  arrive(1);
+  EXPECT_EQ(in_use(), 2U);
+  EXPECT_FALSE(queue_->take().overflowed);
+}
+
 /// Nobody could give so much memory as these capacities claim to need.
 TEST_F(ChunkQueueTest, AForgedCapacityIsNoReasonToReserveMemoryForIt) {
   for (const std::uint64_t forged : {UINT64_MAX, UINT64_MAX / 8, std::uint64_t{1} << 56}) {

@@ -3,7 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
+
+#include "shm_transport/host/prepared_chunks.h"
+#include "shm_transport/sftd/pool_choice.h"
 
 namespace sft::test {
 namespace {
@@ -45,6 +49,48 @@ TEST(Pools, AreInOrderOfSizeWithAtLeastTwoChunksEach) {
       }
     }
   }
+}
+
+/// The chunks for samples of so many bytes: those of the smallest size that is large enough.
+std::uint32_t chunks_for(const shm::PoolPlan& plan, std::size_t sample_bytes) {
+  const auto pool = std::ranges::lower_bound(plan.pools, sample_bytes, {}, &shm::Pool::bytes);
+  return pool == plan.pools.end() ? 0 : pool->count;
+}
+
+// What docs/operations.md says under "When memory runs short".
+TEST(Pools, OfAnOrdinaryRobotHoldThreeLidarsAndCamerasAndLargeClouds) {
+  const auto plan = shm::plan_pools(shm::default_pool_bytes, shm::Memory::on_demand);
+  constexpr std::uint32_t waiting = 5, lidars = 3, of_each = waiting + 3;  // written, and taken by others
+  EXPECT_GE(chunks_for(plan, 6'300'000), lidars * of_each);
+  EXPECT_GE(chunks_for(plan, 24'900'000), 8U) << "an image of a 4K camera";
+  EXPECT_GE(chunks_for(plan, 33'000'000), 8U);
+  EXPECT_GE(chunks_for(plan, 64 * MiB), 2U);
+}
+
+TEST(Pools, TakeNoMoreMemoryAtOnceThanACommonBudget) {
+  for (const std::size_t budget : {320 * MiB, 600 * MiB, 1024 * MiB}) {
+    const auto plan = shm::plan_pools(budget, shm::Memory::on_demand);
+    EXPECT_LE(plan.bytes() - plan.bytes_on_demand(), 320 * MiB) << budget;
+    EXPECT_EQ(shm::plan_pools(budget).bytes_on_demand(), 0U) << budget;
+    EXPECT_EQ(shm::plan_pools(budget).bytes(), plan.bytes()) << budget;
+  }
+}
+
+TEST(Pools, HaveMemoryOnDemandOnlyInChunksOfWhichAWriterKnowsThat) {
+  for (const shm::Pool& pool : shm::plan_pools(2048 * MiB, shm::Memory::on_demand).pools) {
+    if (pool.on_demand > 0) {
+      EXPECT_GE(pool.bytes, shm::PreparedChunks::on_demand_bytes);
+    }
+    EXPECT_LE(pool.on_demand, pool.count);
+  }
+}
+
+TEST(Pools, TakeAShareOfWhatTheHostHas) {
+  constexpr std::size_t plenty = 64'000 * MiB;
+  EXPECT_EQ(shm::default_budget({plenty, plenty}), shm::default_pool_bytes);
+  EXPECT_EQ(shm::default_budget({400 * MiB, plenty}), 200 * MiB) << "half of the free space in /dev/shm";
+  EXPECT_EQ(shm::default_budget({plenty, 2000 * MiB}), 500 * MiB) << "a quarter of the RAM";
+  EXPECT_EQ(shm::default_budget({0, 0}), shm::smallest_budget_bytes);
 }
 
 TEST(Pools, SayWhenLargeSamplesDoNotFit) {

@@ -101,7 +101,7 @@ TEST_F(SeveralSleepers, ThatCannotBeWokenWantTheSampleAllTheSame) {
 }
 
 TEST_F(SeveralSleepers, AreNeverForgotten) {
-  const std::uint64_t rounds = test_rounds(40'000 / SFT_TEST_SHARE);
+  const std::uint64_t rounds = test_rounds(10'000 / SFT_TEST_SHARE);
   std::vector<std::thread> sleepers;
   for (std::size_t which = 0; which < count; ++which) {
     sleepers.emplace_back([&, which] {
@@ -128,7 +128,7 @@ TEST_F(SeveralSleepers, AreNeverForgotten) {
 }
 
 TEST_F(SeveralSleepers, AreWokenAlsoIfTheListOfDoorbellsIsReplacedAtOnce) {
-  const std::uint64_t rounds = test_rounds(2'000 / SFT_TEST_SHARE);
+  const std::uint64_t rounds = test_rounds(1'000 / SFT_TEST_SHARE);
   for (std::uint64_t round = 1; round <= rounds; ++round) {
     std::vector<std::thread> sleepers;
     for (std::size_t which = 0; which < count; ++which) {

@@ -14,10 +14,12 @@ class KeepLastQueueTest : public testing::Test {
   using Put = KeepLastQueue::Put;
   using Sequences = std::vector<std::uint64_t>;
 
-  Put put(std::uint64_t sequence) {
+  Put put(std::uint64_t sequence, std::uint32_t body_bytes = 0,
+          KeepLastQueue::Excess excess = KeepLastQueue::Excess::pushed_out) {
     core::SampleHandle sample = pool_->take(100);
     sample->header().sequence = sequence;
-    const Put result = queue_.put(sample, ++arrivals_);
+    sample->header().body_bytes = body_bytes;
+    const Put result = queue_.put(sample, ++arrivals_, excess);
     if (result == Put::pushed_out) pushed_out_.push_back(sample->header().sequence);
     return result;
   }
@@ -43,6 +45,52 @@ TEST_F(KeepLastQueueTest, PushesTheOldestOut) {
   for (std::uint64_t sequence = 1; sequence <= 10; ++sequence) put(sequence);
   EXPECT_EQ(pushed_out_, (Sequences{1, 2, 3, 4, 5, 6, 7}));
   EXPECT_EQ(pop_all(), (Sequences{8, 9, 10}));
+}
+
+TEST_F(KeepLastQueueTest, PushesTheOldestOutThatHaveTooManyBytes) {
+  queue_ = KeepLastQueue(3, 100);
+  put(1, 50);
+  put(2, 40);
+  EXPECT_EQ(put(3, 10), Put::kept);
+  EXPECT_EQ(put(4, 60), Put::pushed_out) << "for its place, and because of its bytes";
+  EXPECT_EQ(pushed_out_, (Sequences{2}));
+  EXPECT_EQ(queue_.take_dropped(), 1U) << "the first one";
+  EXPECT_EQ(pop_all(), (Sequences{3, 4}));
+  EXPECT_EQ(put(5, 90), Put::kept) << "what was taken has no bytes any more";
+}
+
+TEST_F(KeepLastQueueTest, KeepsASampleAloneThatHasMoreBytesThanMayWait) {
+  queue_ = KeepLastQueue(3, 100);
+  put(1, 60);
+  put(2, 1000);
+  EXPECT_EQ(pop_all(), (Sequences{2}));
+}
+
+TEST_F(KeepLastQueueTest, HasRoomForSamplesLikeTheLastOne) {
+  EXPECT_EQ(queue_.room(), 3U);
+  put(1, 1000);
+  EXPECT_EQ(queue_.room(), 2U) << "no limit of bytes";
+  queue_ = KeepLastQueue(3, 100);
+  put(1, 40);
+  EXPECT_EQ(queue_.room(), 1U);
+  put(2, 40);
+  EXPECT_EQ(queue_.room(), 0U);
+  pop_all();
+  EXPECT_EQ(queue_.room(), 2U);
+  put(3, 1000);
+  pop_all();
+  EXPECT_EQ(queue_.room(), 1U) << "one of any size";
+}
+
+TEST_F(KeepLastQueueTest, PushesNothingOutForBytesWhereThePublisherWaits) {
+  queue_ = KeepLastQueue(3, 100);
+  put(1, 10);
+  EXPECT_EQ(queue_.room(), 2U);
+  for (const std::uint64_t sequence : {2U, 3U})
+    EXPECT_EQ(put(sequence, 90, KeepLastQueue::Excess::kept), Put::kept) << "larger than the last one";
+  EXPECT_EQ(queue_.room(), 0U);
+  EXPECT_EQ(queue_.take_dropped(), 0U);
+  EXPECT_EQ(pop_all(), (Sequences{1, 2, 3}));
 }
 
 TEST_F(KeepLastQueueTest, TakesNoSampleTwice) {

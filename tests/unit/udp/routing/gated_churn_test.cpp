@@ -130,7 +130,7 @@ class GatedChurnTest : public GroupKeeperTest {
     if (gate == nullptr) {
       detail::Conditions conditions(type_support<Image>().type(), selection.gate().conditions);
       gate = std::make_shared<core::Gate>(0, std::move(conditions), selection.gate_hash());
-      gate->let_next_pass();
+      gate->reader_begins();
       known = gate;
     }
     return gate;

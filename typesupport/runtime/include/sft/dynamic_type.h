@@ -24,7 +24,7 @@ class DynamicType {
     std::size_t bytes = 65'536;               ///< of the description
     std::size_t name_bytes = 255;             ///< of each name and unit
     std::uint32_t array_elements = 1U << 28;  ///< of each array, over all its dimensions
-    std::size_t depth = 16;                   ///< of structs in structs; real types have some 5
+    std::size_t depth = 32;                   ///< of structs in structs; real types have up to some 25
     std::size_t leaves = 4096;                ///< as many as a request can name
     std::size_t members = 32'768;             ///< members and enumerators together
     std::size_t path_bytes = 1 << 20;         ///< approximately, of the paths of all leaves

@@ -34,6 +34,7 @@
 #include <variant>
 
 #include "sft/detail/element_type.h"
+#include "sft/detail/outlives_view.h"
 #include "sft/detail/walk.h"
 #include "sft/result.h"
 
@@ -109,7 +110,9 @@ class DynamicView {
   /// The member that this is, or of which it is an element; null for the whole sample.
   const StructType::Member* member() const { return member_; }
   /// The name of member(); empty for the whole sample.
-  std::string_view name() const { return member_ == nullptr ? std::string_view() : member_->name; }
+  SFT_OUTLIVES_VIEW std::string_view name() const {
+    return member_ == nullptr ? std::string_view() : member_->name;
+  }
   /// The type of a struct or of the elements of a collection of structs, otherwise null.
   const StructType* type() const { return type_; }
   /// True if a sequence of structs was sent without any field of its elements: only size() is known.

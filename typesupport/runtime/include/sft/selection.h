@@ -93,9 +93,10 @@ class Selection {
     friend bool operator==(const Condition&, const Condition&) = default;
   };
 
-  /// When a sample is sent. The first sample after a request always passes. What has changed is told from the
-  /// last sample that passed, as for ON_CHANGE in gNMI, whose heartbeat is `elapsed` here. A deadband is that
-  /// of OPC UA part 4, section 7.22.2, but a deadband in percent is of the former value.
+  /// When a sample is sent. What has changed is told from the last sample that passed, as for ON_CHANGE in
+  /// gNMI, whose heartbeat is `elapsed` here. A deadband is that of OPC UA part 4, section 7.22.2, but a
+  /// deadband in percent is of the former value. After a request `changed`, `nth` and `elapsed` hold until a
+  /// sample has passed; `compare` asks about each sample, also the first one.
   struct Gate {
     std::vector<Condition> conditions{};        ///< empty: every sample
     std::chrono::microseconds least_period{0};  ///< between two samples; 0: as often as they are published

@@ -52,6 +52,11 @@ class Conditions {
   Conditions(const StructType& type, std::vector<Condition> conditions);
 
   bool empty() const { return conditions_.empty(); }
+  /// A reader begins, which knows no earlier sample: until one has passed, whatever asks about earlier
+  /// samples (`changed`, `every`) holds. Conditions that were just made begin, too.
+  void begin() { begins_ = true; }
+  /// True until a sample has passed since begin().
+  bool begins() const { return begins_; }
   /// True if they hold for this sample, which is the next one of the stream. Each sample is asked about once.
   bool hold(const FieldSource& sample, std::int64_t stamp_ns);
   /// The sample that was asked about last has passed: later ones are compared with it.
@@ -87,6 +92,7 @@ class Conditions {
 
   std::vector<Node> conditions_;  ///< each before its children
   std::vector<Field> fields_;
+  bool begins_ = true;
   std::uint64_t samples_ = 0;      ///< that were asked about
   std::int64_t passed_at_ns_ = 0;  ///< the stamp of the last sample that passed
 };

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sft/detail/loan_view.h"
+#include "sft/detail/outlives_view.h"
 #include "sft/detail/owned_view.h"
 #include "sft/detail/point_grid.h"
 #include "sft/detail/type_table.h"

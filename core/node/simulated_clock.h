@@ -1,0 +1,41 @@
+// The time of a node that follows the topic "/clock" (NodeOptions::use_sim_time). It is what the newest
+// sample says, which is taken when somebody asks for the time: the clock needs no thread, and wakes none.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <utility>
+
+#include "core/sync/mutex.h"
+#include "sft/dynamic.h"
+
+namespace sft::core {
+
+/// Any thread.
+class SimulatedClock {
+ public:
+  // The topic and its type, as ROS 2 has them.
+  static constexpr const char* topic = "/clock";
+  static constexpr const char* type_name = "rosgraph_msgs/Clock";
+  static constexpr const char* type_text =
+      "builtin_interfaces/Time clock\n"
+      "================================================================================\n"
+      "MSG: builtin_interfaces/Time\n"
+      "int32 sec\n"
+      "uint32 nanosec\n";
+  /// If nobody is known to publish the topic after so long, the log says so.
+  static constexpr std::chrono::seconds patience{5};
+
+  explicit SimulatedClock(DynamicSubscriber&& samples) : samples_(std::move(samples)) {}
+
+  /// 0 until the first sample has come.
+  std::chrono::nanoseconds now();
+
+ private:
+  Mutex mutex_;
+  DynamicSubscriber samples_ SFT_GUARDED_BY(mutex_);
+  std::atomic<std::int64_t> now_ns_{0};
+};
+
+}  // namespace sft::core

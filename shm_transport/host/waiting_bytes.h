@@ -1,0 +1,57 @@
+// How many bytes may wait in the queue of one reader. The writer keeps the sizes of what it has put there:
+// the reader takes the oldest first, so of so many samples that wait it is always the newest ones, and the
+// writer knows their bytes from their number alone.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace sft::shm {
+
+/// The lock of the writer's port guards it.
+class WaitingBytes {
+ public:
+  static constexpr std::uint64_t any_number = std::numeric_limits<std::uint64_t>::max();
+
+  WaitingBytes() noexcept = default;
+  /// `bytes_max` 0: there is no limit. `samples_max`: no more samples can wait.
+  WaitingBytes(std::uint64_t bytes_max, std::size_t samples_max)
+      : bytes_max_(bytes_max), sent_before_(bytes_max == 0 ? 0 : samples_max) {}
+
+  /// A sample was put into the queue.
+  void pushed(std::uint64_t bytes) noexcept {
+    if (sent_before_.empty()) return;
+    sent_before_[samples_++ % sent_before_.size()] = sent_;
+    sent_ += bytes;
+  }
+
+  /// Returns how many samples may wait beside one more of so many bytes. 0: the sample may wait alone, even
+  /// if it is larger than the limit.
+  std::uint64_t beside(std::uint64_t bytes) const noexcept {
+    if (sent_before_.empty()) return any_number;
+    const std::uint64_t left = bytes_max_ - std::min(bytes_max_, bytes);
+    std::uint64_t most = std::min<std::uint64_t>(samples_, sent_before_.size());
+    if (of_newest(most) <= left) return any_number;
+    std::uint64_t fit = 0;  // so many fit, and `most` do not
+    while (fit + 1 < most) {
+      const std::uint64_t middle = fit + (most - fit) / 2;
+      (of_newest(middle) <= left ? fit : most) = middle;
+    }
+    return fit;
+  }
+
+ private:
+  std::uint64_t of_newest(std::uint64_t samples) const noexcept {
+    return samples == 0 ? 0 : sent_ - sent_before_[(samples_ - samples) % sent_before_.size()];
+  }
+
+  std::uint64_t bytes_max_ = 0;
+  /// A ring: the bytes of all samples before each of the last ones. Empty: there is no limit.
+  std::vector<std::uint64_t> sent_before_;
+  std::uint64_t samples_ = 0, sent_ = 0;  ///< in all
+};
+
+}  // namespace sft::shm

@@ -1,0 +1,43 @@
+// Measures a topic by what its publishers count, without a subscriber: for a type whose fields are not known.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "tools/sft/session.h"
+#include "tools/sft/traffic.h"
+
+namespace sft::tool {
+
+/// Publishers count what they send to their subscribers. So nothing is measured while there are none.
+class PublisherCounts {
+ public:
+  /// Begins to count now. The session outlives this object.
+  PublisherCounts(std::string topic, const Session& session);
+
+  struct Report {
+    double rate_hz = 0;         ///< of all publishers
+    double bytes_per_s = 0;     ///< over the network, for each subscriber
+    std::uint64_t samples = 0;  ///< since the beginning
+    std::uint64_t fresh = 0;    ///< since the last report
+  };
+  Report report();
+
+  const std::string& topic() const { return topic_; }
+
+ private:
+  const std::string topic_;
+  const Session& session_;
+  Traffic traffic_;
+  std::map<std::uint64_t, std::uint64_t> counted_;  ///< by publishers: what was reported last
+  std::uint64_t samples_ = 0;
+};
+
+/// Counts for a topic that find() failed for, if that is because its nodes announce no fields; tells the user
+/// so. Null: it failed for another reason.
+std::unique_ptr<PublisherCounts> counts_instead(const std::string& topic, const Error& error,
+                                                const Session& session);
+
+}  // namespace sft::tool

@@ -1,0 +1,42 @@
+// Puts the types of a file into a namespace around all of them. Their names on the wire stay as they are.
+#pragma once
+
+#include <deque>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "model.h"
+
+namespace sft::idl {
+
+/// A copy of the declarations of a file, with other scoped names. It refers to the rest of the file's model,
+/// and must not outlive that.
+class Enclosed {
+ public:
+  /// `outer` is as in C++, "my::robot"; empty: there is no such namespace, and the file is as it was. Throws
+  /// std::runtime_error if C++ or the generated code could not use it.
+  Enclosed(const sft_file& file, std::string_view outer);
+  Enclosed(const Enclosed&) = delete;
+  Enclosed& operator=(const Enclosed&) = delete;
+
+  const sft_file& file() const { return file_; }
+
+ private:
+  void enclose(const char*& scoped);
+
+  const std::string prefix_;  ///< "::my::robot"
+  std::deque<std::string> names_;
+  std::deque<std::vector<sft_member>> members_;
+  std::vector<sft_declaration> declarations_;
+  sft_file file_;
+};
+
+/// The name on the wire of a declaration or type of the file: "sensor_msgs::msg::Imu" of
+/// "::my::robot::sensor_msgs::msg::Imu".
+std::string_view idl_name(const sft_file& file, std::string_view scoped);
+
+/// The folder of the headers of types in that namespace, "my/robot/", with which their includes begin.
+std::string folder_of_namespace(std::string_view outer);
+
+}  // namespace sft::idl

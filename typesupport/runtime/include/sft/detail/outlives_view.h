@@ -1,0 +1,10 @@
+// Stands before a function of a view whose result stays valid when the view has gone: a span, a text or
+// another view, all of which refer to the sample or to the type. g++ 14 assumes that they refer to the view,
+// which is often a temporary, and would warn of `for (double c : sample->pose().covariance())`.
+#pragma once
+
+#if __has_cpp_attribute(gnu::no_dangling)
+#define SFT_OUTLIVES_VIEW [[gnu::no_dangling]]
+#else
+#define SFT_OUTLIVES_VIEW
+#endif
