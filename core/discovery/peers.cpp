@@ -51,7 +51,10 @@ void Peers::participant_gone(const RemoteParticipant& id) {
   const Participant& participant = found->second;
   if (participant.process && !participant.is_ignored) care_.left(id.link);
   if (is_heard(participant)) leave(id, participant);
-  for (const Role role : both_roles) records_ -= participant.tables[role].records().all().size();
+  for (const Role role : both_roles) {
+    records_ -= participant.tables[role].records().all().size();
+    bytes_ -= participant.tables[role].records().bytes();
+  }
   participants_.erase(found);
 }
 
@@ -66,20 +69,26 @@ bool Peers::record_came(const RemoteParticipant& by, Role role, const RecordKey&
   }
   RemoteTable& table = participant.tables[role];
   records_ += table.records().find(key) == nullptr ? 1 : 0;
+  bytes_ -= table.records().bytes();
   table.put(key, std::move(record));
+  bytes_ += table.records().bytes();
   if (participant.process && !participant.has_agreed) care_.stirred(by.link, now);
   if (is_heard(participant)) peers_.at(*participant.process).record_came(participant, role, key);
   return true;
 }
 
 bool Peers::has_room(const Participant& of, Role role, const RecordKey& key, const Record& record) const {
-  if (records_ < limits_.crowded) return true;
-  const Records& known = of.tables[role].records();
-  const std::size_t bytes = of.tables.writer.records().bytes() + of.tables.reader.records().bytes();
-  const std::size_t records =
-      of.tables.writer.records().all().size() + of.tables.reader.records().all().size();
-  const std::size_t more = record.is_withdrawn() ? 0 : record.body->size();
-  return (known.find(key) != nullptr || records < limits_.records) && bytes + more <= limits_.bytes;
+  if (records_ < limits_.crowded && bytes_ < limits_.crowded_bytes) return true;
+  const Record* const before = of.tables[role].records().find(key);
+  const auto bytes_of_body = [](const Record& one) { return one.is_withdrawn() ? 0 : one.body->size(); };
+  std::size_t records = before == nullptr ? 1 : 0;
+  std::size_t bytes = bytes_of_body(record);
+  for (const Role each : both_roles) {
+    records += of.tables[each].records().all().size();
+    bytes += of.tables[each].records().bytes();
+  }
+  if (before != nullptr) bytes -= bytes_of_body(*before);
+  return records <= limits_.records && bytes <= limits_.bytes;
 }
 
 /// What comes by heartbeat of a process that the participant does not belong to was not sent by it.

@@ -57,10 +57,11 @@ using PeerAction = std::variant<PeerFound, PeerLost, RecordChanged, PathsCut, He
 
 struct PeerLimits {
   /// A participant may have this number of records, of so many bytes, in any case. It may have more while all
-  /// participants together have fewer than `crowded` records.
+  /// participants together have fewer records than `crowded`, of fewer bytes than `crowded_bytes`.
   std::size_t records = 2'048;
   std::size_t bytes = std::size_t{4} << 20;
   std::size_t crowded = 16'384;
+  std::size_t crowded_bytes = std::size_t{64} << 20;
   /// Participants of one process: one on each link, and a second one where a link is made anew.
   std::size_t participants = 32;
 };
@@ -133,6 +134,7 @@ class Peers {
   std::map<ProcessId, std::vector<LinkId>> cut_;  ///< as it was told
   std::set<LinkId> unheard_;                      ///< links on which HeartbeatsMissing was told
   std::size_t records_ = 0;                       ///< of all participants
+  std::size_t bytes_ = 0;                         ///< of all these records
   Time newcomer_at_{};
   Time looked_at_{};
   std::vector<PeerAction> actions_;

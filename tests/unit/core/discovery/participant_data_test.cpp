@@ -46,7 +46,7 @@ TEST(ParticipantDataTest, ThatAreMalformedAreNone) {
 TEST(ParticipantDataTest, NameTheOtherRelease) {
   EXPECT_THAT(other_release("sft/3/1"), Optional(3u));
   EXPECT_THAT(other_release("sft/9999/anything at all"), Optional(9999u));
-  for (const std::string text :
+  for (const std::string& text :
        {this_release + "3/0", std::string("sft/"), std::string("sft//1"), std::string("sft/07/1"),
         std::string("sft/12345/1"), std::string("sft/1x/1"), std::string("other/3/1")})
     EXPECT_FALSE(other_release(text)) << text;

@@ -340,6 +340,23 @@ TEST_F(PeersTest, HasRoomForTheRecordsOfOthersWhateverOneParticipantHas) {
   EXPECT_EQ(fill(13, 1000), 90u);
 }
 
+TEST_F(PeersTest, HasRoomForTheBytesOfOthersWhateverOneParticipantHas) {
+  const PeerLimits limits{
+      .records = 10, .bytes = 100, .crowded = 1000, .crowded_bytes = 1000, .participants = 2};
+  Peers small(own_process, timing, limits);
+  small.listen(Role::writer, now);
+  small.link_made(cable, now);
+  const auto takes = [&](std::uint8_t number, std::uint32_t slot, std::size_t bytes) {
+    return small.record_came(on(cable, number), Role::writer, {slot, {}},
+                             {slot + 1, body(std::string(bytes, 'x'))}, now);
+  };
+  EXPECT_TRUE(takes(10, 0, 1000));
+  EXPECT_FALSE(takes(10, 1, 1));
+  EXPECT_TRUE(takes(11, 0, 100));
+  EXPECT_FALSE(takes(11, 1, 1));
+  EXPECT_TRUE(takes(11, 0, 99)) << "in the place of the one before";
+}
+
 TEST_F(PeersTest, MakesNoLinkAnewForAParticipantWhoseRecordsFindNoRoom) {
   Peers small(own_process, timing, {.records = 1, .bytes = 1000, .crowded = 1});
   small.listen(Role::writer, now);
