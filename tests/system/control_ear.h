@@ -65,11 +65,14 @@ inline core::Endpoint control_endpoint(core::Role role, core::EndpointId id) {
 /// What one node hears.
 class ControlEar final : private core::DiscoveryListener {
  public:
+  using Open = Result<std::unique_ptr<core::Discovery>> (*)(const core::DiscoveryOptions&,
+                                                            core::DiscoveryListener&);
   /// Those with the same name use the same Cyclone domains. Others meet as if they were in other processes.
-  explicit ControlEar(const std::string& process = "", const std::string& cyclone_config = "") {
+  explicit ControlEar(const std::string& process = "", const std::string& cyclone_config = "",
+                      Open open = &core::Discovery::open) {
     const core::DiscoveryOptions options{
         .domain = control_domain(), .user_config = cyclone_config, .threads = {.name_prefix = process}};
-    discovery_ = std::move(core::Discovery::open(options, *this).value());
+    discovery_ = std::move(open(options, *this).value());
   }
 
   void announce(core::Role role, core::EndpointId id) {
@@ -111,6 +114,11 @@ class ControlEar final : private core::DiscoveryListener {
     const core::Lock lock(mutex_);
     return signs_;
   }
+  /// Links that were made anew, as people read it.
+  std::vector<std::string> renewals() const {
+    const core::Lock lock(mutex_);
+    return renewals_;
+  }
   std::vector<std::string> refused() const {
     const core::Lock lock(mutex_);
     return refused_;
@@ -140,6 +148,10 @@ class ControlEar final : private core::DiscoveryListener {
     ++signs_;
   }
   void node_lost(core::NodeId) override {}
+  void link_was_deaf(const std::string& what) override {
+    const core::Lock lock(mutex_);
+    renewals_.push_back(what);
+  }
   void control_malformed(std::string why) override {
     const core::Lock lock(mutex_);
     refused_.push_back(std::move(why));
@@ -150,7 +162,7 @@ class ControlEar final : private core::DiscoveryListener {
   std::size_t gone_ SFT_GUARDED_BY(mutex_) = 0;
   std::uint64_t asked_ SFT_GUARDED_BY(mutex_) = 0;
   std::size_t signs_ SFT_GUARDED_BY(mutex_) = 0;
-  std::vector<std::string> refused_ SFT_GUARDED_BY(mutex_);
+  std::vector<std::string> refused_ SFT_GUARDED_BY(mutex_), renewals_ SFT_GUARDED_BY(mutex_);
   std::unique_ptr<core::Discovery> discovery_;
 };
 

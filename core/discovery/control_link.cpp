@@ -1,0 +1,328 @@
+#include "core/discovery/control_link.h"
+
+#include <algorithm>
+#include <cstring>
+#include <span>
+
+#include "core/control/control_codec.h"
+#include "core/control/record_body.h"
+#include "core/discovery/control_qos.h"
+#include "core/discovery/dds_domain.h"
+#include "core/discovery/take_all.h"
+#include "core/discovery/topic_endpoint.h"
+#include "sft_control.h"
+
+namespace sft::core {
+
+namespace {
+
+TopicName topic_of(Role role) {
+  return {&sft_control_Record_desc, role == Role::writer ? "sft_writer" : "sft_reader"};
+}
+constexpr const char* heartbeat_topic = "sft_heartbeat";
+constexpr const char* report_topic = "sft_report";
+constexpr int heartbeats_kept = 16;
+
+ParticipantGuid guid_of(const dds_guid_t& guid) {
+  ParticipantGuid octets{};
+  std::ranges::copy(guid.v, octets.begin());
+  return octets;
+}
+
+/// Readers do not hear their own participant.
+DdsQos reading_qos(const dds_qos_t* written) {
+  DdsQos qos = copy_of(written);
+  dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PARTICIPANT);
+  return qos;
+}
+
+DdsQos heartbeat_qos() {
+  DdsQos qos(dds_create_qos());
+  dds_qset_reliability(qos.get(), DDS_RELIABILITY_BEST_EFFORT, 0);
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, heartbeats_kept);
+  return qos;
+}
+
+DdsQos user_data_qos(const ParticipantData& data) {
+  const std::string text = to_text(data);
+  DdsQos qos(dds_create_qos());
+  dds_qset_userdata(qos.get(), text.data(), text.size());
+  return qos;
+}
+
+tl::unexpected<Error> refused(const char* what, dds_return_t status) {
+  return fail(Errc::system, std::string(what) + ": " + dds_strretcode(status));
+}
+
+}  // namespace
+
+ControlLink::ControlLink(const Place& place, ControlLinkListener& listener)
+    : place_(place),
+      listener_(listener),
+      data_{.process = place.process, .is_secured = place.is_secured},
+      topics_{{.link = this, .role = Role::writer}, {.link = this, .role = Role::reader}} {}
+
+ControlLink::~ControlLink() {
+  if (participant_ > 0) dds_delete(participant_);  // Cyclone waits for listeners that run
+}
+
+Result<std::unique_ptr<ControlLink>> ControlLink::open(const Place& place, ControlLinkListener& listener) {
+  std::unique_ptr<ControlLink> link(new ControlLink(place, listener));
+  if (Result<void> opened = link->open(); !opened) return tl::unexpected(opened.error());
+  return link;
+}
+
+dds_domainid_t ControlLink::domain() const {
+  return place_.domain == nullptr ? place_.number : place_.domain->id();
+}
+
+Result<void> ControlLink::open() {
+  if (place_.heartbeats) socket_ = HeartbeatSocket::open(*place_.heartbeats);
+  data_.uses_topic = !socket_;
+  const CycloneMessages messages;
+  participant_ = dds_create_participant(domain(), user_data_qos(data_).get(), nullptr);
+  dds_guid_t guid{};
+  if (participant_ < 0 || dds_get_guid(participant_, &guid) != DDS_RETCODE_OK)
+    return fail(Errc::unavailable, "the DDS domain cannot be joined: " + messages.text() +
+                                       "; check the network interfaces and CYCLONEDDS_URI");
+  guid_ = guid_of(guid);
+  const DdsListener listener(dds_create_listener(this));
+  dds_lset_data_available(listener.get(), [](dds_entity_t reader, void* self) {
+    static_cast<ControlLink*>(self)->take_participants(reader);
+  });
+  const dds_entity_t reader =
+      dds_create_reader(participant_, DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, listener.get());
+  if (reader < 0) return refused("the participants cannot be watched", reader);
+  return data_.uses_topic ? use_topic() : Result<void>();
+}
+
+Result<void> ControlLink::hear(Role role) {
+  Topic& topic = topics_[role];
+  if (topic.reader != 0) return {};
+  const DdsListener listener(dds_create_listener(&topic));
+  dds_lset_data_available(listener.get(), [](dds_entity_t reader, void* at) {
+    Topic& read = *static_cast<Topic*>(at);
+    read.link->take_records(reader, read);
+  });
+  const DdsQos written = control_qos();
+  const DdsQos qos = reading_qos(written.get());
+  const Result<dds_entity_t> made = create_on_topic(
+      participant_, topic_of(role), written.get(),
+      [&](dds_entity_t on) { return dds_create_reader(participant_, on, qos.get(), listener.get()); });
+  if (!made) return tl::unexpected(made.error());
+  topic.reader = *made;
+  return {};
+}
+
+Result<dds_entity_t> ControlLink::writer_of(Topic& topic) {
+  if (topic.writer != 0) return topic.writer;
+  const DdsQos qos = control_qos();
+  Result<dds_entity_t> made = create_on_topic(
+      participant_, topic_of(topic.role), qos.get(),
+      [&](dds_entity_t on) { return dds_create_writer(participant_, on, qos.get(), nullptr); });
+  if (made) topic.writer = *made;
+  return made;
+}
+
+/// A write may block for as long as others are slow to take what was written. Nobody waits for that more than
+/// once in a while.
+void ControlLink::write(Role role, const OwnRecords::Change& change) {
+  if (unwritten_.empty() && try_to_write(role, change.key, change.record)) return;
+  unwritten_.insert_or_assign({role, change.key}, change.record);
+}
+
+Result<void> ControlLink::write_again() {
+  while (!unwritten_.empty()) {
+    const auto& [what, record] = *unwritten_.begin();
+    if (Result<void> written = try_to_write(what.first, what.second, record); !written) return written;
+    unwritten_.erase(unwritten_.begin());
+  }
+  return {};
+}
+
+Result<void> ControlLink::try_to_write(Role role, const RecordKey& key, const Record& record) {
+  const Result<dds_entity_t> writer = writer_of(topics_[role]);
+  if (!writer) return tl::unexpected(writer.error());
+  sft_control_Record sample{};
+  std::ranges::copy(guid_, sample.participant);
+  sample.slot = key.slot;
+  sample.kind = static_cast<std::uint8_t>(key.kind);
+  sample.version = static_cast<std::uint8_t>(control_protocol_version());
+  sample.revision = record.revision;
+  if (!record.is_withdrawn()) {
+    const auto size = static_cast<std::uint32_t>(record.body->size());
+    auto* const octets = const_cast<std::byte*>(record.body->data());
+    sample.body = {size, size, reinterpret_cast<std::uint8_t*>(octets), false};
+  }
+  const dds_return_t status = dds_write(*writer, &sample);
+  return status == DDS_RETCODE_OK ? Result<void>() : refused("a control record was not written", status);
+}
+
+void ControlLink::give_heartbeat(const PerRole<std::uint64_t>& digests) {
+  const Heartbeat heartbeat{guid_, place_.process, digests};
+  if (socket_) socket_->send(heartbeat);
+  if (heartbeat_writer_ == 0) return;
+  sft_control_HeartbeatSample sample{};
+  const HeartbeatDatagram datagram = encode(heartbeat);
+  std::memcpy(sample.datagram, datagram.data(), datagram.size());
+  dds_write(heartbeat_writer_, &sample);
+}
+
+Result<void> ControlLink::use_topic() {
+  if (heartbeat_writer_ != 0) return {};
+  const DdsListener listener(dds_create_listener(this));
+  dds_lset_data_available(listener.get(), [](dds_entity_t reader, void* self) {
+    static_cast<ControlLink*>(self)->take_heartbeat_samples(reader);
+  });
+  const DdsQos written = heartbeat_qos();
+  const DdsQos qos = reading_qos(written.get());
+  const auto made = create_on_topic(
+      participant_, {&sft_control_HeartbeatSample_desc, heartbeat_topic}, written.get(),
+      [&](dds_entity_t on) {
+        const dds_entity_t reader = dds_create_reader(participant_, on, qos.get(), listener.get());
+        return reader < 0 ? reader : dds_create_writer(participant_, on, written.get(), nullptr);
+      });
+  if (!made) return tl::unexpected(made.error());
+  heartbeat_writer_ = *made;
+  if (!std::exchange(data_.uses_topic, true)) say_user_data();
+  return {};
+}
+
+Result<void> ControlLink::give_report(const Assertion& report) {
+  if (report_writer_ == 0) {
+    const DdsQos qos = heartbeat_qos();
+    const auto made = create_on_topic(
+        participant_, {&sft_control_Assertion_desc, report_topic}, qos.get(),
+        [&](dds_entity_t on) { return dds_create_writer(participant_, on, qos.get(), nullptr); });
+    if (!made) return tl::unexpected(made.error());
+    report_writer_ = *made;
+  }
+  ControlStorage storage;
+  const sft_control_Assertion sample = to_dds(report, storage);
+  dds_write(report_writer_, &sample);
+  return {};
+}
+
+Result<void> ControlLink::hear_reports() {
+  if (report_reader_ != 0) return {};
+  const DdsListener listener(dds_create_listener(this));
+  dds_lset_data_available(listener.get(), [](dds_entity_t reader, void* self) {
+    static_cast<ControlLink*>(self)->take_reports(reader);
+  });
+  const DdsQos written = heartbeat_qos();
+  const DdsQos qos = reading_qos(written.get());
+  const auto made = create_on_topic(
+      participant_, {&sft_control_Assertion_desc, report_topic}, written.get(),
+      [&](dds_entity_t on) { return dds_create_reader(participant_, on, qos.get(), listener.get()); });
+  if (!made) return tl::unexpected(made.error());
+  report_reader_ = *made;
+  return {};
+}
+
+void ControlLink::announce(bool asks) {
+  data_.asks = asks;
+  say_user_data();
+}
+
+void ControlLink::say_user_data() {
+  ++data_.count;
+  dds_set_qos(participant_, user_data_qos(data_).get());
+}
+
+void ControlLink::flush(std::chrono::milliseconds patience) {
+  const auto end = std::chrono::steady_clock::now() + patience;
+  for (const Role role : both_roles) {
+    const std::chrono::nanoseconds left = end - std::chrono::steady_clock::now();
+    if (topics_[role].writer != 0 && left.count() > 0) dds_wait_for_acks(topics_[role].writer, left.count());
+  }
+}
+
+void ControlLink::take_participants(dds_entity_t reader) {
+  const Lock lock(taking_);
+  take_all<dds_builtintopic_participant_t>(
+      reader, [&](const dds_builtintopic_participant_t& sample, const dds_sample_info_t& info)
+                  SFT_NO_THREAD_SAFETY_ANALYSIS { note_participant(sample, info); });
+}
+
+/// What a newcomer says in its user data it may have said long ago: it does not ask.
+void ControlLink::note_participant(const dds_builtintopic_participant_t& sample,
+                                   const dds_sample_info_t& info) {
+  const ParticipantGuid guid = guid_of(sample.key);
+  if (guid == guid_) return;
+  if (info.instance_state != DDS_IST_ALIVE) {
+    known_.erase(guid);
+    for (auto* const writers :
+         {&topics_.writer.participants, &topics_.reader.participants, &heartbeat_writers_, &report_writers_})
+      std::erase_if(*writers, [&](const auto& item) { return item.second == guid; });
+    listener_.participant_gone(here(guid));
+    return;
+  }
+  const std::string user_data = info.valid_data ? user_data_of(sample.qos) : "";
+  if (const auto version = other_release(user_data)) listener_.other_release_seen(here(guid), *version);
+  const auto data = parse_participant_data(user_data);
+  if (!data || data->is_secured != place_.is_secured) return;
+  listener_.participant_came(here(guid), *data, known_.insert(guid).second);
+}
+
+/// Returns the participant that the writer belongs to; nothing if the writer is gone and was not heard
+/// before.
+std::optional<ParticipantGuid> ControlLink::participant_of(
+    dds_entity_t reader, dds_instance_handle_t writer,
+    std::map<dds_instance_handle_t, ParticipantGuid>& known) {
+  if (const auto found = known.find(writer); found != known.end()) return found->second;
+  dds_builtintopic_endpoint_t* const matched = dds_get_matched_publication_data(reader, writer);
+  if (matched == nullptr) return std::nullopt;
+  const ParticipantGuid guid = guid_of(matched->participant_key);
+  dds_builtintopic_free_endpoint(matched);
+  known.emplace(writer, guid);
+  return guid;
+}
+
+/// Nothing is disposed of or unregistered but by forgers: only samples count.
+void ControlLink::take_records(dds_entity_t reader, Topic& topic) {
+  const Lock lock(taking_);
+  take_all<sft_control_Record>(reader, [&](const sft_control_Record& sample, const dds_sample_info_t& info) {
+    if (!info.valid_data) return;
+    const auto by = participant_of(reader, info.publication_handle, topic.participants);
+    if (!by) return;
+    if (!std::ranges::equal(sample.participant, *by))
+      return listener_.sample_refused("a control record in the name of another participant");
+    if (sample.version != control_protocol_version() ||
+        sample.kind > static_cast<std::uint8_t>(RecordKind::inquiry))
+      return listener_.sample_refused("a control record of an unknown kind or version");
+    Record record{.revision = sample.revision};
+    const auto* const first = reinterpret_cast<const std::byte*>(sample.body._buffer);
+    if (sample.body._length > 0)
+      record.body = std::make_shared<const std::vector<std::byte>>(first, first + sample.body._length);
+    listener_.record_came(here(*by), topic.role, {sample.slot, static_cast<RecordKind>(sample.kind)},
+                          std::move(record));
+  });
+}
+
+void ControlLink::take_heartbeat_samples(dds_entity_t reader) {
+  const Lock lock(taking_);
+  take_all<sft_control_HeartbeatSample>(
+      reader, [&](const sft_control_HeartbeatSample& sample, const dds_sample_info_t& info)
+                  SFT_NO_THREAD_SAFETY_ANALYSIS {
+                    if (!info.valid_data) return;
+                    const auto heartbeat = decode_heartbeat(std::as_bytes(std::span(sample.datagram)));
+                    const auto by = participant_of(reader, info.publication_handle, heartbeat_writers_);
+                    if (heartbeat && by == heartbeat->participant)
+                      listener_.heartbeat_came(place_.link, *heartbeat);
+                  });
+}
+
+void ControlLink::take_reports(dds_entity_t reader) {
+  const Lock lock(taking_);
+  take_all<sft_control_Assertion>(reader, [&](const sft_control_Assertion& sample,
+                                              const dds_sample_info_t& info) SFT_NO_THREAD_SAFETY_ANALYSIS {
+    if (!info.valid_data) return;
+    const auto by = participant_of(reader, info.publication_handle, report_writers_);
+    if (!by) return;
+    Result<Assertion> report = from_dds(sample);
+    if (!report) return listener_.sample_refused(report.error().message);
+    listener_.report_came(here(*by), std::move(*report));
+  });
+}
+
+}  // namespace sft::core

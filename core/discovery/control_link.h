@@ -1,0 +1,128 @@
+// Our participant on one link, in the Cyclone domain of the link: the topics of records, and heartbeats.
+#pragma once
+
+#include <dds/dds.h>
+
+#include <chrono>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "core/control/control.h"
+#include "core/discovery/heartbeat_socket.h"
+#include "core/discovery/own_records.h"
+#include "core/discovery/participant_data.h"
+#include "core/sync/mutex.h"
+#include "sft/result.h"
+
+namespace sft::core {
+
+class CycloneDomain;
+
+/// Is told what others say on the links, on Cyclone's threads, on several at once. These hold locks of
+/// Cyclone: nothing may be made, deleted or awaited there.
+class ControlLinkListener {
+ public:
+  /// Cyclone has found a participant of a process of this release, or its user data have changed.
+  virtual void participant_came(const RemoteParticipant& id, const ParticipantData& data, bool is_new) = 0;
+  virtual void participant_gone(const RemoteParticipant& id) = 0;
+  virtual void other_release_seen(const RemoteParticipant& id, std::uint32_t version) = 0;
+  virtual void record_came(const RemoteParticipant& by, Role role, const RecordKey& key, Record record) = 0;
+  virtual void heartbeat_came(LinkId link, const Heartbeat& heartbeat) = 0;
+  virtual void report_came(const RemoteParticipant& by, Assertion report) = 0;
+  virtual void sample_refused(std::string why) = 0;
+
+ protected:
+  ~ControlLinkListener() = default;
+};
+
+class ControlLink {
+ public:
+  struct Place {
+    LinkId link = 0;
+    std::shared_ptr<const CycloneDomain> domain{};  ///< null: the domain `number` of the program itself
+    std::uint32_t number = 0;
+    ProcessId process = 0;
+    bool is_secured = false;  ///< by DDS Security
+    /// Nothing where heartbeats go by Cyclone alone.
+    std::optional<HeartbeatSocket::Place> heartbeats{};
+  };
+  /// The listener outlives the link.
+  static Result<std::unique_ptr<ControlLink>> open(const Place& place, ControlLinkListener& listener);
+  /// Waits until no listener runs any more.
+  ~ControlLink();
+  ControlLink(const ControlLink&) = delete;
+  ControlLink& operator=(const ControlLink&) = delete;
+
+  // One thread at a time.
+
+  /// Reads what others have of that role from now on.
+  Result<void> hear(Role role);
+  /// What cannot be written is kept for write_again().
+  void write(Role role, const OwnRecords::Change& change);
+  /// Writes what could not be written before. Returns the error if that fails again.
+  Result<void> write_again();
+  void give_heartbeat(const PerRole<std::uint64_t>& digests);
+  /// Tells others more than that the process lives. May get lost.
+  Result<void> give_report(const Assertion& report);
+  Result<void> hear_reports();
+  /// Calls hear(heartbeat) for each one that has come by UDP since the last call.
+  template <class Hear>
+  void take_heartbeats(Hear hear) {
+    if (socket_) socket_->take(hear);
+  }
+  /// Lets heartbeats go and come by the topic as well, and says so.
+  Result<void> use_topic();
+  bool uses_topic() const { return data_.uses_topic; }
+  /// Makes the participant known once more to whoever is there, and asks all for the same.
+  void announce(bool asks);
+  /// Waits until others have what was written, or not longer.
+  void flush(std::chrono::milliseconds patience);
+
+ private:
+  /// The records of one role.
+  struct Topic {
+    ControlLink* link = nullptr;
+    Role role{};
+    dds_entity_t writer = 0, reader = 0;
+    std::map<dds_instance_handle_t, ParticipantGuid> participants{};  ///< of writers; under taking_
+  };
+
+  ControlLink(const Place& place, ControlLinkListener& listener);
+  Result<void> open();
+  dds_domainid_t domain() const;
+  Result<dds_entity_t> writer_of(Topic& topic);
+  Result<void> try_to_write(Role role, const RecordKey& key, const Record& record);
+  void say_user_data();
+  void take_participants(dds_entity_t reader);
+  void note_participant(const dds_builtintopic_participant_t& sample, const dds_sample_info_t& info)
+      SFT_REQUIRES(taking_);
+  void take_records(dds_entity_t reader, Topic& topic);
+  void take_heartbeat_samples(dds_entity_t reader);
+  void take_reports(dds_entity_t reader);
+  static std::optional<ParticipantGuid> participant_of(
+      dds_entity_t reader, dds_instance_handle_t writer,
+      std::map<dds_instance_handle_t, ParticipantGuid>& known);
+  RemoteParticipant here(const ParticipantGuid& guid) const { return {place_.link, guid}; }
+
+  const Place place_;
+  ControlLinkListener& listener_;
+  ParticipantData data_;
+  dds_entity_t participant_ = 0;
+  ParticipantGuid guid_{};
+  std::optional<HeartbeatSocket> socket_;
+  dds_entity_t heartbeat_writer_ = 0, report_writer_ = 0, report_reader_ = 0;
+  PerRole<Topic> topics_;
+  std::map<std::pair<Role, RecordKey>, Record> unwritten_;
+
+  /// Held while samples are taken and told, so that they are told in their order.
+  Mutex taking_;
+  std::set<ParticipantGuid> known_ SFT_GUARDED_BY(taking_);
+  std::map<dds_instance_handle_t, ParticipantGuid> heartbeat_writers_ SFT_GUARDED_BY(taking_), report_writers_
+      SFT_GUARDED_BY(taking_);
+};
+
+}  // namespace sft::core

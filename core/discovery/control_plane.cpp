@@ -1,0 +1,406 @@
+#include "core/discovery/control_plane.h"
+
+#include <algorithm>
+#include <tuple>
+#include <variant>
+
+#include "core/control/record_body.h"
+#include "core/discovery/dds_domain.h"
+#include "core/platform/process_limits.h"
+#include "core/platform/random_id.h"
+
+namespace sft::core {
+
+namespace {
+
+using Names = std::vector<std::string>;
+using PlaneKey = std::tuple<std::uint32_t, std::string, std::string, Names, Names, Names,
+                            std::vector<unsigned>, ThreadSettings::Policy, int, std::string>;
+
+/// Returns all that has to be equal, so that nodes share discovery. The text of the configuration has neither
+/// the user's interfaces nor the user's number of the domain.
+PlaneKey key_of_plane(const DiscoveryOptions& options, const DdsConfig& config) {
+  const ThreadSettings& threads = options.threads;
+  return {options.domain,    config.text,  config.domain_on_wire, config.interfaces, config.peers,
+          config.user_peers, threads.cpus, threads.policy,        threads.priority,  threads.name_prefix};
+}
+
+/// Holds the control planes of this process, as long as any node uses them.
+struct OpenPlanes {
+  Mutex mutex;
+  std::map<PlaneKey, std::weak_ptr<ControlPlane>> by_key SFT_GUARDED_BY(mutex);
+};
+OpenPlanes open_planes;
+
+constexpr const char* sockets_closed_by_the_program =
+    "the program has closed the sockets of its node (closefrom() or close() in a loop): the node finds no "
+    "other nodes any more, and receives nothing by UDP; close descriptors before the first node opens";
+
+/// Returns the peers that Cyclone is given in numbers, so that this process looks up their names.
+Names peers_in_numbers(const DdsConfig& config) {
+  Names peers = config.peers;
+  if (!config.text_has_user_peers)
+    peers.insert(peers.end(), config.user_peers.begin(), config.user_peers.end());
+  return peers;
+}
+
+/// Returns nothing if the system cannot list the interfaces. Those of containers come and go, and have no
+/// link unless they are listed.
+std::optional<std::vector<HostInterface>> interfaces_that_count(const DdsConfig& config) {
+  std::optional<std::vector<HostInterface>> interfaces = host_interfaces();
+  if (interfaces && config.interfaces.empty())
+    std::erase_if(*interfaces, [](const HostInterface& one) { return belongs_to_containers(one.name); });
+  return interfaces;
+}
+
+/// A node's part in the control plane.
+class SharedPlane final : public Discovery {
+ public:
+  SharedPlane(std::shared_ptr<ControlPlane> plane, DiscoveryListener& listener)
+      : plane_(std::move(plane)), seat_(plane_->join(listener)) {}
+  ~SharedPlane() override { plane_->leave(seat_); }
+
+  LifeSigns life_signs() const override {
+    const Timing& timing = plane_->timing();
+    return {timing.heartbeat_every, timing.heartbeat_every, timing.lease};
+  }
+  bool is_calm(Time) const override { return true; }
+  Configuration configuration() const override { return plane_->configuration(); }
+  Result<void> hear(Role role) override { return plane_->hear(seat_, role); }
+  std::vector<KnownPublisher> publishers_of(std::string_view type_name) const override {
+    return plane_->publishers_of(type_name);
+  }
+  Result<void> announce(const Endpoint& endpoint) override { return plane_->announce(seat_, endpoint); }
+  void withdraw(EndpointId id) override { plane_->withdraw(id); }
+  Result<void> send(const Request& request) override { return plane_->send(request); }
+  void assert_liveliness(const Assertion& report) override { plane_->report_life(seat_, report); }
+  Time newcomer_at() const override { return plane_->newcomer_at(); }
+  Time met_at() const override { return plane_->newcomer_at(); }
+  Time look_after(Time now, const Awaited&) override { return plane_->look_after(seat_, now); }
+
+ private:
+  const std::shared_ptr<ControlPlane> plane_;  ///< the last node ends it
+  ControlPlane::Seat& seat_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Discovery>> open_record_discovery(const DiscoveryOptions& options,
+                                                         DiscoveryListener& listener) {
+  Result<std::shared_ptr<ControlPlane>> plane = ControlPlane::of(options);
+  if (!plane) return tl::unexpected(plane.error());
+  return std::make_unique<SharedPlane>(std::move(*plane), listener);
+}
+
+Result<std::shared_ptr<ControlPlane>> ControlPlane::of(const DiscoveryOptions& options) {
+  Result<DdsConfig> config = dds_config(options.domain, options.settings, options.user_config);
+  if (!config) return tl::unexpected(config.error());
+  const Lock lock(open_planes.mutex);  // so that two nodes do not make the same one
+  std::erase_if(open_planes.by_key, [](const auto& entry) { return entry.second.expired(); });
+  std::weak_ptr<ControlPlane>& known = open_planes.by_key[key_of_plane(options, *config)];
+  if (auto plane = known.lock()) return plane;
+  auto plane = std::make_shared<ControlPlane>(std::move(*config), options.threads);
+  if (Result<void> opened = plane->open(options.domain); !opened) return tl::unexpected(opened.error());
+  known = plane;
+  return plane;
+}
+
+ControlPlane::ControlPlane(DdsConfig config, const ThreadSettings& threads)
+    : config_(std::move(config)),
+      process_(random_id()),
+      known_(process_, timing_),
+      peers_by_name_(peers_in_numbers(config_), threads),
+      own_(process_, timing_),
+      links_({config_, threads, timing_}, own_, known_) {}
+
+Result<void> ControlPlane::open(std::uint32_t domain) {
+  const Lock lock(mutex_);
+  if (program_has_opened(domain)) return join_the_program(domain);
+  interfaces_ = interfaces_that_count(config_).value_or(std::vector<HostInterface>());
+  const DesiredLinks desired = desired_links(interfaces_, config_.rules(), {});
+  const Time now = std::chrono::steady_clock::now();
+  look_at_interfaces_at_ = now + timing_.look_at_interfaces;
+  peers_by_name_.used_on(config_.family_of_peers(desired.links));
+  peers_by_name_.look_after(now);
+  peers_by_name_.wait_for_answers(now + timing_.wait_for_names);
+  peers_by_name_.look_after(std::chrono::steady_clock::now());
+  const Result<void> made = use_interfaces(desired);
+  if (!links_.empty()) return {};
+  if (!made) return made;
+  return fail(Errc::unavailable, "no network interface is up, not even the loopback (ip link set lo up)");
+}
+
+/// The program's own configuration of the domain holds, and its choice of interfaces. Nodes of other
+/// processes of this host are met on the loopback all the same. If that fails, the warnings say so.
+Result<void> ControlPlane::join_the_program(std::uint32_t domain) {
+  watches_ = false;
+  if (Result<void> joined = links_.join(domain); !joined) return joined;
+  std::vector<LinkSpec> loopback;
+  std::ranges::copy_if(desired_links(interfaces_that_count(config_).value_or(std::vector<HostInterface>()),
+                                     config_.rules(), {})
+                           .links,
+                       std::back_inserter(loopback), &LinkSpec::loopback);
+  const Result<void> has_loopback = links_.use(loopback, {});
+  const Lock lock(configuration_mutex_);
+  configuration_.summary = "as the program itself configured DDS domain " + std::to_string(domain);
+  configuration_.warnings = {
+      "the program opened DDS domain " + std::to_string(domain) +
+      " before its first node: discovery settings and CYCLONEDDS_URI hold only for the loopback beside it"};
+  if (!has_loopback)
+    configuration_.warnings.push_back("nodes of this host may not be found: " + has_loopback.error().message);
+  return {};
+}
+
+ControlPlane::Seat& ControlPlane::join(DiscoveryListener& listener) {
+  const Lock lock(mutex_);
+  Seat& seat = seats_.emplace_back(listener);
+  known_.with([&](Peers&, Directory& directory) { directory.join(seat.node); });
+  return seat;
+}
+
+void ControlPlane::leave(Seat& seat) {
+  const std::shared_ptr<ListeningNode> node = seat.node;
+  {
+    const Lock lock(mutex_);
+    const Time now = std::chrono::steady_clock::now();
+    const auto own = known_.with([&](Peers&, Directory& directory) { return directory.endpoints_of(node); });
+    for (const EndpointId id : own) withdraw_records(id, now);
+    known_.with([&](Peers&, Directory& directory) { directory.leave(node); });
+    seats_.remove_if([&](const Seat& one) { return &one == &seat; });
+  }
+  known_.pass_on();
+  node->close();
+}
+
+Discovery::Configuration ControlPlane::configuration() const {
+  const Lock lock(configuration_mutex_);
+  return configuration_;
+}
+
+std::vector<Discovery::KnownPublisher> ControlPlane::publishers_of(std::string_view type_name) {
+  return known_.with([&](Peers&, Directory& directory) { return directory.publishers_of(type_name); });
+}
+
+Time ControlPlane::newcomer_at() {
+  return known_.with([](Peers& peers, Directory&) { return peers.newcomer_at(); });
+}
+
+Result<void> ControlPlane::hear(Seat& seat, Role role) {
+  Result<void> heard;
+  {
+    const Lock lock(mutex_);
+    known_.with([&](Peers& peers, Directory& directory) {
+      peers.listen(role, std::chrono::steady_clock::now());
+      directory.hear_all(seat.node, role);
+    });
+    heard = links_.hear(role);
+  }
+  known_.pass_on();
+  return heard;
+}
+
+/// The request goes first: a subscriber counts once both are there.
+Result<void> ControlPlane::announce(Seat& seat, const Endpoint& endpoint) {
+  {
+    const Lock lock(mutex_);
+    const Time now = std::chrono::steady_clock::now();
+    known_.with([&](Peers& peers, Directory& directory) {
+      peers.listen(other(endpoint.role), now);
+      directory.announced(seat.node, endpoint);
+    });
+    roles_[endpoint.id] = endpoint.role;
+    if (Result<void> heard = links_.hear(other(endpoint.role)); !heard) return heard;
+    if (endpoint.role == Role::reader)
+      put(endpoint.role, endpoint.id, RecordKind::request, to_bytes(endpoint.request), now);
+    put(endpoint.role, endpoint.id, RecordKind::announcement, to_bytes(endpoint), now);
+    give_heartbeats(now);
+  }
+  known_.pass_on();
+  return {};
+}
+
+Result<void> ControlPlane::send(const Request& request) {
+  {
+    const Lock lock(mutex_);
+    const Time now = std::chrono::steady_clock::now();
+    known_.with([&](Peers&, Directory& directory) { directory.requested(request); });
+    if (roles_.contains(request.reader))
+      put(Role::reader, request.reader, RecordKind::request, to_bytes(request), now);
+    give_heartbeats(now);
+  }
+  known_.pass_on();
+  return {};
+}
+
+void ControlPlane::withdraw(EndpointId id) {
+  {
+    const Lock lock(mutex_);
+    const Time now = std::chrono::steady_clock::now();
+    withdraw_records(id, now);
+    give_heartbeats(now);
+  }
+  known_.pass_on();
+}
+
+void ControlPlane::put(Role role, EndpointId owner, RecordKind kind, std::vector<std::byte> body, Time now) {
+  const auto change = own_.put(role, owner, kind, std::move(body), now);
+  if (!change) return;
+  links_.each([&](LinkId, ControlLink& link) { link.write(role, *change); });
+}
+
+void ControlPlane::withdraw_records(EndpointId id, Time now) {
+  const auto role = roles_.extract(id);
+  if (!role) return;
+  for (const OwnRecords::Change& change : own_.withdraw(role.mapped(), id, now))
+    links_.each([&](LinkId, ControlLink& link) { link.write(role.mapped(), change); });
+  known_.with([&](Peers&, Directory& directory) { directory.withdrawn(id); });
+}
+
+void ControlPlane::give_heartbeats(Time now) {
+  if (now < own_.heartbeat_due()) return;
+  own_.heartbeat_given(now);
+  links_.each([digests = own_.digests()](LinkId, ControlLink& link) { link.give_heartbeat(digests); });
+}
+
+/// That the process lives, heartbeats say.
+void ControlPlane::report_life(Seat& seat, const Assertion& assertion) {
+  {
+    const Lock lock(mutex_);
+    known_.with([&](Peers&, Directory& directory) { directory.reported(seat.node, assertion); });
+    if (assertion.tells_more_than_life())
+      links_.each([&](LinkId, ControlLink& link) { (void)link.give_report(assertion); });
+  }
+  known_.pass_on();
+}
+
+Time ControlPlane::look_after(Seat& seat, Time now) {
+  std::vector<Report> reports;
+  Time next{};
+  {
+    const Lock lock(mutex_);
+    next = look(now);
+    reports = std::exchange(seat.reports, {});
+  }
+  known_.pass_on();
+  for (const Report& report : reports)
+    seat.node->tell([&](DiscoveryListener& listener) { (listener.*report.tell)(report.text); });
+  return next;
+}
+
+/// Returns when it has to be called again at the latest.
+Time ControlPlane::look(Time now) {
+  Time next = Time::max();
+  if (watches_ && (watch_.changed() || now >= look_at_interfaces_at_)) look_at_interfaces(now);
+  if (watches_) next = std::min(look_at_interfaces_at_, look_at_peers_by_name(now));
+  std::vector<std::pair<LinkId, Heartbeat>> heartbeats;
+  links_.each([&](LinkId id, ControlLink& link) {
+    link.take_heartbeats([&, id](const Heartbeat& one) { heartbeats.emplace_back(id, one); });
+  });
+  const KnownPeers::Todo todo = known_.look(heartbeats, now);
+  for (const PeerAction& action : todo.of_links) act(action, now);
+  if (now >= write_again_at_) write_again(now);
+  give_heartbeats(now);
+  if (std::optional<std::string> releases = known_.take_other_releases(now))
+    report({&DiscoveryListener::warned, std::move(*releases)});
+  return std::min({next, todo.next, own_.heartbeat_due()});
+}
+
+void ControlPlane::write_again(Time now) {
+  write_again_at_ = now + timing_.try_again;
+  Result<void> result;
+  links_.each([&](LinkId, ControlLink& link) {
+    if (Result<void> written = link.write_again(); !written) result = std::move(written);
+  });
+  if (!result) report({&DiscoveryListener::warned, result.error().message + "; it is tried again"});
+}
+
+void ControlPlane::act(const PeerAction& action, Time now) {
+  if (const auto* const renewal = std::get_if<RenewLink>(&action)) {
+    const std::string why = "something is missing of what a process has that heartbeats count";
+    if (auto renewed = links_.renew(renewal->link, why))
+      report({&DiscoveryListener::link_was_deaf, std::move(*renewed)});
+    give_heartbeats(now);
+  }
+  if (const auto* const end = std::get_if<EndLink>(&action)) links_.close(end->link);
+  if (const auto* const announcement = std::get_if<Announce>(&action)) {
+    if (ControlLink* const link = links_.find(announcement->link)) link->announce(announcement->asks);
+  }
+  if (const auto* const missing = std::get_if<HeartbeatsMissing>(&action)) {
+    ControlLink* const link = links_.find(missing->link);
+    if (link == nullptr || link->uses_topic()) return;
+    if (const Result<void> used = link->use_topic(); !used)
+      report({&DiscoveryListener::warned, "heartbeats cannot go by Cyclone: " + used.error().message});
+  }
+}
+
+void ControlPlane::look_at_interfaces(Time now) {
+  if (watch_.was_closed()) return give_up();
+  std::optional<std::vector<HostInterface>> interfaces = interfaces_that_count(config_);
+  const bool is_known = interfaces.has_value();
+  const bool changed = is_known && *interfaces != interfaces_;
+  if (changed) {
+    interfaces_ = *std::move(interfaces);
+    peers_by_name_.network_changed();
+    known_.with([&](Peers& peers, Directory&) { peers.network_changed(now); });
+  }
+  if (changed || !links_.failures().empty())
+    (void)use_interfaces(desired_links(interfaces_, config_.rules(), links_.specs()));
+  const bool is_well = is_known && links_.failures().empty();
+  look_at_interfaces_at_ = now + (is_well ? timing_.look_at_interfaces : timing_.try_again);
+}
+
+Time ControlPlane::look_at_peers_by_name(Time now) {
+  PeerAddresses::Look look = peers_by_name_.look_after(now);
+  if (look.addresses_changed || look.warnings_changed)
+    (void)use_interfaces(desired_links(interfaces_, config_.rules(), links_.specs()));
+  for (std::string& text : look.news) report({&DiscoveryListener::warned, std::move(text)});
+  return look.next;
+}
+
+Result<void> ControlPlane::use_interfaces(const DesiredLinks& desired) {
+  const std::string before = configuration().summary;
+  peers_by_name_.used_on(config_.family_of_peers(desired.links));
+  Result<void> used = links_.use(desired.links, peers_by_name_.known());
+  describe(desired);
+  if (const std::string after = configuration().summary; after != before && !before.empty())
+    report({&DiscoveryListener::links_changed, after});
+  return used;
+}
+
+void ControlPlane::describe(const DesiredLinks& desired) {
+  std::vector<LinkSpec> specs = links_.specs();
+  std::ranges::stable_partition(specs, &LinkSpec::loopback);
+  Discovery::Configuration present{.summary = config_.summary(specs),
+                                   .warnings = config_.warnings,
+                                   .remarks = desired.remarks,
+                                   .waits_for_network = desired.waits_for_network};
+  std::ranges::copy(links_.warnings(), std::back_inserter(present.warnings));
+  std::ranges::copy(peers_by_name_.warnings(), std::back_inserter(present.warnings));
+  for (const std::string& remark : desired.remarks) present.summary += "; " + remark;
+  for (const std::string& failure : links_.failures()) present.summary += "; " + failure;
+  if (desired.waits_for_network)
+    present.summary += "; no network yet: other hosts are looked for as soon as an interface is up";
+  for (const LinkSpec& spec : specs) {
+    if (std::ranges::find(present.interfaces, spec.interface) == present.interfaces.end())
+      present.interfaces.push_back(spec.interface);
+  }
+  const Lock lock(configuration_mutex_);
+  configuration_ = std::move(present);
+}
+
+/// Cyclone's threads would keep a core busy with sockets that are closed. The links only go while the numbers
+/// of their descriptors are free: else Cyclone might close files that the program has opened since.
+void ControlPlane::give_up() {
+  watches_ = false;
+  if (has_no_open_files()) links_.close_all();
+  report({&DiscoveryListener::warned, sockets_closed_by_the_program});
+  const Lock lock(configuration_mutex_);
+  configuration_ = {.summary = sockets_closed_by_the_program, .warnings = {sockets_closed_by_the_program}};
+}
+
+/// Hands the report to each node of the process.
+void ControlPlane::report(const Report& report) {
+  for (Seat& seat : seats_) seat.reports.push_back(report);
+}
+
+}  // namespace sft::core

@@ -1,0 +1,109 @@
+// Discovery as the nodes of a process share it, if they ask for the same: one participant on each link, one
+// memory of what others have, one heartbeat. A process costs others no more than one node then, but for what
+// its nodes announce. Any thread.
+#pragma once
+
+#include <cstdint>
+#include <list>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/discovery/dds_config.h"
+#include "core/discovery/discovery.h"
+#include "core/discovery/known_peers.h"
+#include "core/discovery/links.h"
+#include "core/discovery/own_records.h"
+#include "core/discovery/peer_addresses.h"
+#include "core/discovery/timing.h"
+#include "core/platform/clock.h"
+#include "core/platform/network_watch.h"
+#include "core/sync/mutex.h"
+
+namespace sft::core {
+
+/// Opens discovery by records. It has replaced Discovery::open() once the old room is gone.
+Result<std::unique_ptr<Discovery>> open_record_discovery(const DiscoveryOptions& options,
+                                                         DiscoveryListener& listener);
+
+/// Decides which links are wanted, writes what the process has, and describes all that to the user.
+class ControlPlane {
+ public:
+  /// The one that nodes of this process with equal options have, or a new one.
+  static Result<std::shared_ptr<ControlPlane>> of(const DiscoveryOptions& options);
+
+  ControlPlane(DdsConfig config, const ThreadSettings& threads);
+  Result<void> open(std::uint32_t domain);
+  ControlPlane(const ControlPlane&) = delete;
+  ControlPlane& operator=(const ControlPlane&) = delete;
+
+  /// A report is told to a node on its own thread. It names a function of the listener, and has the text.
+  struct Report {
+    void (DiscoveryListener::*tell)(const std::string& text) = nullptr;
+    std::string text;
+  };
+  /// A node of this process.
+  struct Seat {
+    explicit Seat(DiscoveryListener& listener) : node(std::make_shared<ListeningNode>(listener)) {}
+    const std::shared_ptr<ListeningNode> node;
+    std::vector<Report> reports{};  ///< under the lock of the control plane
+  };
+  /// Seats are used by one thread at a time, and until leave().
+  Seat& join(DiscoveryListener& listener);
+  /// Withdraws what the node has announced. When it returns, its listener is not called any more.
+  void leave(Seat& seat);
+
+  // These functions do what those of Discovery do.
+  Discovery::Configuration configuration() const;
+  Result<void> hear(Seat& seat, Role role);
+  Result<void> announce(Seat& seat, const Endpoint& endpoint);
+  Result<void> send(const Request& request);
+  void withdraw(EndpointId id);
+  void report_life(Seat& seat, const Assertion& assertion);
+  std::vector<Discovery::KnownPublisher> publishers_of(std::string_view type_name);
+  Time newcomer_at();
+  Time look_after(Seat& seat, Time now);
+  const Timing& timing() const { return timing_; }
+
+ private:
+  Result<void> join_the_program(std::uint32_t domain) SFT_REQUIRES(mutex_);
+  void put(Role role, EndpointId owner, RecordKind kind, std::vector<std::byte> body, Time now)
+      SFT_REQUIRES(mutex_);
+  void withdraw_records(EndpointId id, Time now) SFT_REQUIRES(mutex_);
+  void give_heartbeats(Time now) SFT_REQUIRES(mutex_);
+  Time look(Time now) SFT_REQUIRES(mutex_);
+  void write_again(Time now) SFT_REQUIRES(mutex_);
+  void act(const PeerAction& action, Time now) SFT_REQUIRES(mutex_);
+  void look_at_interfaces(Time now) SFT_REQUIRES(mutex_);
+  Time look_at_peers_by_name(Time now) SFT_REQUIRES(mutex_);
+  Result<void> use_interfaces(const DesiredLinks& desired) SFT_REQUIRES(mutex_);
+  void give_up() SFT_REQUIRES(mutex_);
+  void report(const Report& report) SFT_REQUIRES(mutex_);
+  void describe(const DesiredLinks& desired) SFT_REQUIRES(mutex_);
+
+  const DdsConfig config_;
+  const Timing timing_;
+  const ProcessId process_;
+  KnownPeers known_;
+
+  /// Held while records are written, so that all links get them in one order, and while links are made and
+  /// closed. Agents take it, and who opens or closes a node; nobody who holds another lock.
+  Mutex mutex_;
+  bool watches_ SFT_GUARDED_BY(mutex_) = true;  ///< interfaces, unless the domain is the program's own
+  NetworkWatch watch_ SFT_GUARDED_BY(mutex_);
+  Time look_at_interfaces_at_ SFT_GUARDED_BY(mutex_){};
+  Time write_again_at_ SFT_GUARDED_BY(mutex_){};
+  std::vector<HostInterface> interfaces_ SFT_GUARDED_BY(mutex_);
+  PeerAddresses peers_by_name_ SFT_GUARDED_BY(mutex_);
+  std::list<Seat> seats_ SFT_GUARDED_BY(mutex_);
+  std::map<EndpointId, Role> roles_ SFT_GUARDED_BY(mutex_);  ///< of our own endpoints
+  OwnRecords own_ SFT_GUARDED_BY(mutex_);
+  Links links_ SFT_GUARDED_BY(mutex_);  ///< ends first: its threads use `known_`
+
+  mutable Mutex configuration_mutex_;
+  Discovery::Configuration configuration_ SFT_GUARDED_BY(configuration_mutex_);
+};
+
+}  // namespace sft::core

@@ -1,0 +1,308 @@
+#include "core/discovery/directory.h"
+
+#include <algorithm>
+#include <set>
+
+#include "core/control/described_type.h"
+#include "core/control/record_body.h"
+
+namespace sft::core {
+
+void Directory::join(const std::shared_ptr<ListeningNode>& node) {
+  nodes_.push_back({.listener = node, .number = ++last_number_});
+}
+
+void Directory::leave(const std::shared_ptr<ListeningNode>& node) {
+  std::erase_if(nodes_, [&](const Node& one) { return one.listener == node; });
+}
+
+Directory::Node& Directory::of(const std::shared_ptr<ListeningNode>& node) {
+  return *std::ranges::find(nodes_, node, &Node::listener);
+}
+
+bool Directory::concerns(const Node& node, const Endpoint& endpoint) {
+  return node.hears_all[endpoint.role] || node.topics[other(endpoint.role)].contains(endpoint.topic);
+}
+
+ListeningNodes Directory::concerned_by(const Entry& entry) const {
+  ListeningNodes concerned;
+  for (const Node& node : nodes_) {
+    if (node.listener != entry.node && concerns(node, *entry.endpoint)) concerned.push_back(node.listener);
+  }
+  return concerned;
+}
+
+void Directory::hear_all(const std::shared_ptr<ListeningNode>& node, Role role) {
+  Node& hearer = of(node);
+  if (hearer.hears_all[role]) return;
+  tell_of_all(hearer, [&](const Endpoint& one) { return one.role == role && !concerns(hearer, one); });
+  hearer.hears_all[role] = true;
+}
+
+void Directory::announced(const std::shared_ptr<ListeningNode>& node, Endpoint endpoint) {
+  Node& hearer = of(node);
+  endpoint.announcer = endpoint.request.announcer = hearer.number;
+  const auto known = entries_.find(endpoint.id);
+  if (known != entries_.end() && known->second.node == nullptr) {  // another process has used the id
+    tell_departed(concerned_by(known->second), endpoint.id);
+    entries_.erase(known);
+  }
+  const bool is_new = !entries_.contains(endpoint.id);
+  Entry& entry = entries_[endpoint.id];
+  if (entry.request && entry.request->sequence <= endpoint.request.sequence) entry.request.reset();
+  entry.node = node;
+  entry.place.reset();
+  entry.endpoint = std::make_shared<const Endpoint>(std::move(endpoint));
+  tell_seen(concerned_by(entry), entry);
+  if (!is_new) return;
+  const Endpoint& own = *entry.endpoint;
+  tell_of_all(hearer, [&](const Endpoint& one) {
+    return one.role == other(own.role) && one.topic == own.topic && !concerns(hearer, one);
+  });
+  ++hearer.topics[own.role][own.topic];
+}
+
+void Directory::requested(const Request& request) {
+  const auto found = entries_.find(request.reader);
+  if (found == entries_.end() || found->second.node == nullptr) return;
+  Entry& entry = found->second;
+  entry.request = request;
+  entry.request->announcer = entry.endpoint->announcer;
+  tell(concerned_by(entry), [copy = *entry.request](DiscoveryListener& to) { to.request_received(copy); });
+}
+
+/// A node that has no endpoint of a topic any more is not told what becomes of others' endpoints of it, so it
+/// must not keep them.
+void Directory::withdrawn(EndpointId id) {
+  const auto found = entries_.find(id);
+  if (found == entries_.end() || found->second.node == nullptr) return;
+  const std::shared_ptr<ListeningNode> listener = found->second.node;
+  const std::shared_ptr<const Endpoint> endpoint = found->second.endpoint;
+  end(id, End::withdrawn);
+  Node& node = of(listener);
+  auto& topics = node.topics[endpoint->role];
+  const auto topic = topics.find(endpoint->topic);
+  if (--topic->second > 0) return;
+  topics.erase(topic);
+  for (const auto& [other_id, entry] : entries_) {
+    const Endpoint& one = *entry.endpoint;
+    const bool was_told = one.role == other(endpoint->role) && one.topic == endpoint->topic;
+    if (was_told && entry.node != listener && !concerns(node, one)) tell_departed({listener}, other_id);
+  }
+}
+
+std::vector<EndpointId> Directory::endpoints_of(const std::shared_ptr<ListeningNode>& node) const {
+  std::vector<EndpointId> ids;
+  for (const auto& [id, entry] : entries_) {
+    if (entry.node == node) ids.push_back(id);
+  }
+  return ids;
+}
+
+void Directory::record_changed(const RecordChanged& changed) {
+  const Place place{changed.process, changed.role, changed.key.slot};
+  if (changed.key.kind == RecordKind::announcement) take_announcement(place, changed.record);
+  if (changed.key.kind == RecordKind::request) take_request(place, changed.record);
+  const auto slot = slots_.find(place);
+  if (slot != slots_.end() && !slot->second.endpoint && !slot->second.request) slots_.erase(slot);
+}
+
+void Directory::take_announcement(const Place& place, const Record& record) {
+  std::optional<Endpoint> endpoint;
+  if (!record.is_withdrawn()) {
+    if (Result<Endpoint> read = endpoint_in(*record.body); !read) {
+      refuse(read.error().message);
+    } else if (read->role != std::get<Role>(place)) {
+      refuse("an endpoint on the topic of the other role");
+    } else {
+      endpoint = std::move(*read);
+      endpoint->revision = record.revision;
+    }
+  }
+  Slot& slot = slots_[place];
+  const std::optional<Endpoint> before = std::exchange(slot.endpoint, std::move(endpoint));
+  const bool is_same =
+      before && slot.endpoint && slot.endpoint->id == before->id && slot.endpoint->topic == before->topic;
+  if (before && !is_same) {
+    const auto shown = entries_.find(before->id);
+    if (shown != entries_.end() && shown->second.place == place) end(before->id, End::withdrawn);
+  }
+  show(place);
+}
+
+/// The slot may have had another subscriber before, whose request is still there.
+void Directory::take_request(const Place& place, const Record& record) {
+  Slot& slot = slots_[place];
+  slot.request.reset();
+  if (record.is_withdrawn()) return;
+  Result<Request> read = request_in(*record.body);
+  if (!read) return refuse(read.error().message);
+  slot.request = std::move(*read);
+  slot.request->announcer = std::get<ProcessId>(place);
+  const auto shown = entries_.find(slot.request->reader);
+  if (shown == entries_.end() || shown->second.place != place) return show(place);
+  shown->second.request = slot.request;
+  tell(concerned_by(shown->second),
+       [copy = *slot.request](DiscoveryListener& to) { to.request_received(copy); });
+}
+
+/// Of a subscriber there has to be the request, too.
+void Directory::show(const Place& place) {
+  const auto found = slots_.find(place);
+  if (found == slots_.end() || !found->second.endpoint) return;
+  const auto& [endpoint, request] = found->second;
+  const bool is_whole = endpoint->role == Role::writer || (request && request->reader == endpoint->id);
+  if (!is_whole) return;
+  const auto known = entries_.find(endpoint->id);
+  if (known != entries_.end() && known->second.place != place)
+    return refuse("an endpoint under the id of another process's, which lives");
+  Endpoint shown = *endpoint;
+  shown.announcer = std::get<ProcessId>(place);
+  if (request) shown.request = *request;
+  if (!shown.type_description.empty()) {
+    if (const auto type = described_type(shown); !type) {
+      refuse(type.error().message);
+      shown.type_description.clear();  // programs that were compiled with the type do not need it
+    }
+  }
+  leave_out_what_is_cut(shown.announcer, shown.addresses);
+  Entry& entry = entries_[shown.id];
+  entry.place = place;
+  entry.request.reset();
+  entry.endpoint = std::make_shared<const Endpoint>(std::move(shown));
+  tell_seen(concerned_by(entry), entry);
+}
+
+void Directory::end(EndpointId id, End how) {
+  const auto ended = entries_.extract(id);
+  if (!ended) return;
+  ListeningNodes to = concerned_by(ended.mapped());
+  if (how == End::lost) {
+    tell(std::move(to), [id](DiscoveryListener& listener) { listener.endpoint_lost(id); });
+  } else {
+    tell_departed(std::move(to), id);
+  }
+  show_next(id);
+}
+
+/// Another process may have announced the same id, and was refused.
+void Directory::show_next(EndpointId id) {
+  const auto has_id = [&](const auto& item) {
+    return item.second.endpoint && item.second.endpoint->id == id;
+  };
+  if (const auto next = std::ranges::find_if(slots_, has_id); next != slots_.end()) show(next->first);
+}
+
+void Directory::peer_lost(ProcessId process) {
+  cut_.erase(process);
+  std::vector<EndpointId> lost;
+  const auto first = slots_.lower_bound(Place{process, Role::writer, 0});
+  auto last = first;
+  for (; last != slots_.end() && std::get<ProcessId>(last->first) == process; ++last) {
+    if (!last->second.endpoint) continue;
+    const auto entry = entries_.find(last->second.endpoint->id);
+    if (entry != entries_.end() && entry->second.place == last->first) lost.push_back(entry->first);
+  }
+  slots_.erase(first, last);
+  for (const EndpointId id : lost) end(id, End::lost);
+}
+
+void Directory::paths_cut(const PathsCut& cut) {
+  cut_[cut.process] = cut.links;
+  std::vector<Place> places;
+  for (const auto& [id, entry] : entries_) {
+    if (entry.place && std::get<ProcessId>(*entry.place) == cut.process) places.push_back(*entry.place);
+  }
+  for (const Place& place : places) show(place);
+}
+
+/// Keeps an address in any case.
+void Directory::leave_out_what_is_cut(ProcessId process, std::vector<UdpAddress>& addresses) const {
+  const auto cut = cut_.find(process);
+  if (cut == cut_.end()) return;
+  const auto is_cut = [&](const UdpAddress& address) {
+    return std::ranges::any_of(cut->second, [&](LinkId link) { return leads_to_(link, address.ip); });
+  };
+  if (!std::ranges::all_of(addresses, is_cut)) std::erase_if(addresses, is_cut);
+}
+
+void Directory::tell(ListeningNodes to, std::function<void(DiscoveryListener&)> call) {
+  if (!to.empty()) notices_.push_back({std::move(to), std::move(call)});
+}
+
+void Directory::tell_seen(ListeningNodes to, const Entry& entry) {
+  tell(std::move(to), [endpoint = entry.endpoint, request = entry.request](DiscoveryListener& listener) {
+    Endpoint seen = *endpoint;
+    if (request) seen.request = *request;
+    const NodeId node = seen.node_id;
+    const AnnouncerId announcer = seen.announcer;
+    listener.endpoint_seen(std::move(seen));
+    Assertion lives{.node = node, .writers = {}};  // what lives is watched here, and no longer by the node
+    lives.announcer = announcer;
+    listener.liveliness_asserted(std::move(lives));
+  });
+}
+
+/// A report concerns those whom an endpoint of its node concerns, and those whose endpoints it asks about.
+template <class IsOf>
+void Directory::tell_report(const Assertion& report, IsOf is_of) {
+  std::vector<const Entry*> of_node;
+  for (const auto& [id, entry] : entries_) {
+    if (is_of(entry)) of_node.push_back(&entry);
+  }
+  if (of_node.empty()) return;
+  Assertion told = report;
+  told.announcer = of_node.front()->endpoint->announcer;
+  ListeningNodes to;
+  for (const Node& node : nodes_) {
+    const auto is_own = [&](EndpointId id) {
+      const auto own = entries_.find(id);
+      return own != entries_.end() && own->second.node == node.listener;
+    };
+    const auto concerns_it = [&](const Entry* one) { return concerns(node, *one->endpoint); };
+    if (node.listener != of_node.front()->node &&
+        (std::ranges::any_of(of_node, concerns_it) || std::ranges::any_of(report.asked_about, is_own)))
+      to.push_back(node.listener);
+  }
+  tell(std::move(to),
+       [told = std::move(told)](DiscoveryListener& listener) { listener.liveliness_asserted(told); });
+}
+
+void Directory::report_came(ProcessId process, Assertion report) {
+  tell_report(report, [&](const Entry& entry) {
+    return entry.place && std::get<ProcessId>(*entry.place) == process &&
+           entry.endpoint->node_id == report.node;
+  });
+}
+
+void Directory::reported(const std::shared_ptr<ListeningNode>& node, const Assertion& report) {
+  tell_report(report, [&](const Entry& entry) { return entry.node == node; });
+}
+
+void Directory::tell_departed(ListeningNodes to, EndpointId id) {
+  tell(std::move(to), [id](DiscoveryListener& listener) { listener.endpoint_departed(id); });
+}
+
+template <class Which>
+void Directory::tell_of_all(const Node& node, Which which) {
+  for (const auto& [id, entry] : entries_) {
+    if (entry.node != node.listener && which(*entry.endpoint)) tell_seen({node.listener}, entry);
+  }
+}
+
+void Directory::refuse(std::string why) {
+  ListeningNodes all;
+  for (const Node& node : nodes_) all.push_back(node.listener);
+  tell(std::move(all), [why = std::move(why)](DiscoveryListener& to) { to.control_malformed(why); });
+}
+
+std::vector<Discovery::KnownPublisher> Directory::publishers_of(std::string_view type_name) const {
+  std::vector<Discovery::KnownPublisher> publishers;
+  for (const auto& [id, entry] : entries_) {
+    const Endpoint& one = *entry.endpoint;
+    if (one.role == Role::writer && one.type_name == type_name) publishers.push_back({one.topic, one.node});
+  }
+  return publishers;
+}
+
+}  // namespace sft::core

@@ -1,0 +1,131 @@
+// The endpoints of all processes, our own included, as their records say, and which nodes of this process are
+// told of them. A node is told of the endpoints that may match its own: those of the other role, of the same
+// topic. A node that asks for a role is told of all its endpoints. An endpoint id belongs to the process that
+// announced it first, until that withdraws it or is lost; nobody else's word counts about it. Pure: events go
+// in, notices come out. One thread at a time, but for ListeningNode.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "core/control/control.h"
+#include "core/discovery/discovery.h"
+#include "core/discovery/discovery_listener.h"
+#include "core/discovery/peers.h"
+#include "core/sync/guarded_call.h"
+
+namespace sft::core {
+
+/// A node of this process. Any thread.
+class ListeningNode {
+ public:
+  /// The listener outlives this object, or close().
+  explicit ListeningNode(DiscoveryListener& listener) : listener_(listener) {}
+
+  /// Calls `call(listener)`, unless it is closed.
+  template <class Call>
+  void tell(Call call) {
+    gate_.call([&] { call(listener_); });
+  }
+  /// When it returns, the listener is not called any more.
+  void close() { gate_.close(); }
+
+ private:
+  DiscoveryListener& listener_;
+  CallGate gate_;
+};
+using ListeningNodes = std::vector<std::shared_ptr<ListeningNode>>;
+
+class Directory {
+ public:
+  /// True if the address is in the network of the link.
+  using LeadsTo = std::function<bool(LinkId, const IpAddress&)>;
+  explicit Directory(LeadsTo leads_to) : leads_to_(std::move(leads_to)) {}
+
+  // Nodes of this process.
+
+  void join(const std::shared_ptr<ListeningNode>& node);
+  /// The node has withdrawn its endpoints before.
+  void leave(const std::shared_ptr<ListeningNode>& node);
+  void hear_all(const std::shared_ptr<ListeningNode>& node, Role role);
+  void announced(const std::shared_ptr<ListeningNode>& node, Endpoint endpoint);
+  void requested(const Request& request);
+  void withdrawn(EndpointId id);
+  void reported(const std::shared_ptr<ListeningNode>& node, const Assertion& report);
+  std::vector<EndpointId> endpoints_of(const std::shared_ptr<ListeningNode>& node) const;
+
+  // Other processes.
+
+  void record_changed(const RecordChanged& changed);
+  void peer_lost(ProcessId process);
+  void paths_cut(const PathsCut& cut);
+  /// Of a node that the process has announced an endpoint of.
+  void report_came(ProcessId process, Assertion report);
+  /// Somebody has said something that cannot be used.
+  void refuse(std::string why);
+
+  /// What nodes have to be told, in the order in which it happened.
+  struct Notice {
+    ListeningNodes to;
+    std::function<void(DiscoveryListener&)> call;
+  };
+  std::vector<Notice> take_notices() { return std::exchange(notices_, {}); }
+
+  std::vector<Discovery::KnownPublisher> publishers_of(std::string_view type_name) const;
+
+ private:
+  struct Node {
+    std::shared_ptr<ListeningNode> listener;
+    AnnouncerId number = 0;
+    PerRole<bool> hears_all{};
+    PerRole<std::map<std::string, std::size_t>> topics{};  ///< of its endpoints, and how many each has
+  };
+  using Place = std::tuple<ProcessId, Role, std::uint32_t>;  ///< of a slot; our own endpoints have none
+  struct Slot {
+    std::optional<Endpoint> endpoint{};
+    std::optional<Request> request{};
+  };
+  struct Entry {
+    std::shared_ptr<const Endpoint> endpoint;
+    std::optional<Request> request{};       ///< of a subscriber; newer than that of the endpoint
+    std::shared_ptr<ListeningNode> node{};  ///< of this process; null: another process has it
+    std::optional<Place> place{};           ///< the slot of another process
+  };
+  enum class End : std::uint8_t { withdrawn, lost };
+
+  Node& of(const std::shared_ptr<ListeningNode>& node);
+  static bool concerns(const Node& node, const Endpoint& endpoint);
+  ListeningNodes concerned_by(const Entry& entry) const;
+  void take_announcement(const Place& place, const Record& record);
+  void take_request(const Place& place, const Record& record);
+  void show(const Place& place);
+  void end(EndpointId id, End how);
+  void show_next(EndpointId id);
+  void leave_out_what_is_cut(ProcessId process, std::vector<UdpAddress>& addresses) const;
+  void tell(ListeningNodes to, std::function<void(DiscoveryListener&)> call);
+  void tell_seen(ListeningNodes to, const Entry& entry);
+  template <class IsOf>
+  void tell_report(const Assertion& report, IsOf is_of);
+  void tell_departed(ListeningNodes to, EndpointId id);
+  template <class Which>
+  void tell_of_all(const Node& node, Which which);
+
+  const LeadsTo leads_to_;
+  AnnouncerId last_number_ = AnnouncerId{1} << 63;  ///< of nodes; of others it is the process
+  std::vector<Node> nodes_;
+  std::map<Place, Slot> slots_;
+  std::map<EndpointId, Entry> entries_;
+  std::map<ProcessId, std::vector<LinkId>> cut_;
+  std::vector<Notice> notices_;
+};
+
+}  // namespace sft::core

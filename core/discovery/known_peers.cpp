@@ -1,0 +1,133 @@
+#include "core/discovery/known_peers.h"
+
+#include <variant>
+
+namespace sft::core {
+
+KnownPeers::KnownPeers(ProcessId self, const Timing& timing)
+    : peers_(self, timing),
+      directory_([this](LinkId link, const IpAddress& address) SFT_NO_THREAD_SAFETY_ANALYSIS {
+        const auto spec = specs_.find(link);
+        return spec != specs_.end() && leads_to(spec->second, address);
+      }),
+      releases_(timing) {}
+
+/// What concerns links waits for the agent that looks next.
+void KnownPeers::take_actions() {
+  for (PeerAction& action : peers_.take_actions()) {
+    if (const auto* const changed = std::get_if<RecordChanged>(&action)) {
+      directory_.record_changed(*changed);
+    } else if (const auto* const lost = std::get_if<PeerLost>(&action)) {
+      directory_.peer_lost(lost->process);
+    } else if (const auto* const cut = std::get_if<PathsCut>(&action)) {
+      directory_.paths_cut(*cut);
+    } else if (!std::holds_alternative<PeerFound>(action)) {
+      of_links_.push_back(std::move(action));
+    }
+  }
+}
+
+/// The lock is not held while nodes are told, but when this returns.
+void KnownPeers::pass_on_notices(Lock& lock) {
+  take_actions();
+  delivery_.deliver(lock, directory_.take_notices(), [](const Directory::Notice& notice) {
+    for (const std::shared_ptr<ListeningNode>& node : notice.to) node->tell(notice.call);
+  });
+}
+
+void KnownPeers::pass_on() {
+  Lock lock(mutex_);
+  pass_on_notices(lock);
+}
+
+KnownPeers::Todo KnownPeers::look(const std::vector<std::pair<LinkId, Heartbeat>>& heartbeats, Time now) {
+  const Lock lock(mutex_);
+  for (const auto& [link, heartbeat] : heartbeats) peers_.heartbeat_came(link, heartbeat, now);
+  peers_.look(now);
+  take_actions();
+  return {std::exchange(of_links_, {}), peers_.next()};
+}
+
+void KnownPeers::link_made(LinkId link, const LinkSpec& spec) {
+  const Lock lock(mutex_);
+  peers_.link_made(link, std::chrono::steady_clock::now());
+  specs_[link] = spec;
+}
+
+void KnownPeers::link_replaced(LinkId link, LinkId by) {
+  const Lock lock(mutex_);
+  peers_.link_replaced(link, by, std::chrono::steady_clock::now());
+}
+
+void KnownPeers::link_retired(LinkId link) {
+  const Lock lock(mutex_);
+  peers_.link_retired(link, std::chrono::steady_clock::now());
+}
+
+void KnownPeers::link_closed(LinkId link) {
+  const Lock lock(mutex_);
+  peers_.link_gone(link);
+  specs_.erase(link);
+}
+
+std::optional<std::string> KnownPeers::take_other_releases(Time now) {
+  const Lock lock(mutex_);
+  const std::optional<ReleaseWatch::Report> report = releases_.take_report(now);
+  if (!report) return std::nullopt;
+  const auto spec = specs_.find(report->participant.link);
+  std::string text = "a participant with control protocol " + std::to_string(report->version) + " is on " +
+                     (spec == specs_.end() ? "the network" : spec->second.interface) + "; this node has " +
+                     std::to_string(control_protocol_version()) +
+                     "; they do not see each other: use the same release";
+  if (report->others > 0)
+    text += " (" + std::to_string(report->others) + " more with another protocol have come)";
+  return text;
+}
+
+void KnownPeers::participant_came(const RemoteParticipant& id, const ParticipantData& data, bool is_new) {
+  Lock lock(mutex_);
+  peers_.participant_found(id, data.process, std::chrono::steady_clock::now());
+  if (data.asks && !is_new) peers_.participant_asks(id);
+  if (data.uses_topic) of_links_.emplace_back(HeartbeatsMissing{id.link});
+  pass_on_notices(lock);
+}
+
+void KnownPeers::participant_gone(const RemoteParticipant& id) {
+  Lock lock(mutex_);
+  peers_.participant_gone(id);
+  releases_.gone(id);
+  pass_on_notices(lock);
+}
+
+void KnownPeers::other_release_seen(const RemoteParticipant& id, std::uint32_t version) {
+  const Lock lock(mutex_);
+  releases_.seen(id, version);
+}
+
+void KnownPeers::record_came(const RemoteParticipant& by, Role role, const RecordKey& key, Record record) {
+  Lock lock(mutex_);
+  if (!peers_.record_came(by, role, key, std::move(record), std::chrono::steady_clock::now()))
+    directory_.refuse("a record of a participant that has as many as one may have");
+  pass_on_notices(lock);
+}
+
+void KnownPeers::heartbeat_came(LinkId link, const Heartbeat& heartbeat) {
+  Lock lock(mutex_);
+  peers_.heartbeat_came(link, heartbeat, std::chrono::steady_clock::now());
+  pass_on_notices(lock);
+}
+
+void KnownPeers::report_came(const RemoteParticipant& by, Assertion report) {
+  Lock lock(mutex_);
+  if (const std::optional<ProcessId> process = peers_.process_of(by))
+    directory_.report_came(*process, std::move(report));
+  pass_on_notices(lock);
+}
+
+void KnownPeers::sample_refused(std::string why) {
+  Lock lock(mutex_);
+  directory_.refuse(std::move(why));
+  pass_on_notices(lock);
+}
+
+}  // namespace sft::core

@@ -1,0 +1,72 @@
+// What is known of other processes, and which nodes of this process are told of it. Cyclone's threads bring
+// what comes, several at once. A mutex guards everything; it is not held while nodes are told, and nothing of
+// Cyclone is called under it.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/discovery/control_link.h"
+#include "core/discovery/desired_links.h"
+#include "core/discovery/directory.h"
+#include "core/discovery/ordered_delivery.h"
+#include "core/discovery/participant_data.h"
+#include "core/discovery/peers.h"
+#include "core/sync/mutex.h"
+
+namespace sft::core {
+
+class KnownPeers final : public ControlLinkListener {
+ public:
+  KnownPeers(ProcessId self, const Timing& timing);
+
+  /// Calls act(peers, directory). What nodes have to be told of that waits for pass_on(), which the caller
+  /// calls without a lock.
+  template <class Act>
+  auto with(Act act) {
+    const Lock lock(mutex_);
+    return act(peers_, directory_);
+  }
+  void pass_on();
+
+  struct Todo {
+    std::vector<PeerAction> of_links{};  ///< RenewLink, EndLink, Announce, HeartbeatsMissing
+    Time next = Time::max();             ///< the time of the next look at the latest
+  };
+  /// Takes the heartbeats that have come, and looks after peers. No lock is needed.
+  Todo look(const std::vector<std::pair<LinkId, Heartbeat>>& heartbeats, Time now);
+  /// Before the link is opened.
+  void link_made(LinkId link, const LinkSpec& spec);
+  void link_replaced(LinkId link, LinkId by);
+  /// The address of the link is gone.
+  void link_retired(LinkId link);
+  void link_closed(LinkId link);
+  /// Participants of other releases, for people, if there are new ones.
+  std::optional<std::string> take_other_releases(Time now);
+
+  // ControlLinkListener: Cyclone's threads.
+  void participant_came(const RemoteParticipant& id, const ParticipantData& data, bool is_new) override;
+  void participant_gone(const RemoteParticipant& id) override;
+  void other_release_seen(const RemoteParticipant& id, std::uint32_t version) override;
+  void record_came(const RemoteParticipant& by, Role role, const RecordKey& key, Record record) override;
+  void heartbeat_came(LinkId link, const Heartbeat& heartbeat) override;
+  void report_came(const RemoteParticipant& by, Assertion report) override;
+  void sample_refused(std::string why) override;
+
+ private:
+  void take_actions() SFT_REQUIRES(mutex_);
+  void pass_on_notices(Lock& lock) SFT_REQUIRES(mutex_);
+
+  Mutex mutex_;
+  Peers peers_ SFT_GUARDED_BY(mutex_);
+  Directory directory_ SFT_GUARDED_BY(mutex_);
+  ReleaseWatch releases_ SFT_GUARDED_BY(mutex_);
+  std::map<LinkId, LinkSpec> specs_ SFT_GUARDED_BY(mutex_);
+  std::vector<PeerAction> of_links_ SFT_GUARDED_BY(mutex_);
+  OrderedDelivery<Directory::Notice> delivery_ SFT_GUARDED_BY(mutex_);
+};
+
+}  // namespace sft::core

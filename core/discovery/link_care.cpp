@@ -1,0 +1,120 @@
+#include "core/discovery/link_care.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace sft::core {
+
+void LinkCare::made(LinkId id, Time now) {
+  links_.insert_or_assign(id, Link{.made_at = now, .stirred_at = now, .pause = timing_.lease});
+}
+
+/// The pause grows while renewals do not help those for whom they are made.
+void LinkCare::replaced(LinkId id, LinkId by, Time now) {
+  const Link& old = links_.at(id);
+  Link& link = links_.at(by);
+  if (!old.made_for.empty()) link.pause = std::min(2 * old.pause, timing_.renew_pause_max);
+  link.made_for = old.misses;
+  retire(id, now);
+}
+
+void LinkCare::retire(LinkId id, Time now) {
+  const auto link = links_.find(id);
+  if (link == links_.end() || link->second.retired_at) return;
+  link->second.retired_at = now;
+  link->second.look_again_at = now + timing_.retire_after;
+}
+
+void LinkCare::joined(LinkId id, Time now) {
+  Link& link = links_.at(id);
+  ++link.participants;
+  link.stirred_at = now;
+  link.announce_pause = {};
+}
+
+void LinkCare::left(LinkId id) { --links_.at(id).participants; }
+
+void LinkCare::stirred(LinkId id, Time now) { links_.at(id).stirred_at = now; }
+
+/// While others are new, Cyclone is about to find the stranger, too.
+void LinkCare::stranger_came(LinkId id, Time now) {
+  Link& link = links_.at(id);
+  if (now >= link.stirred_at + 2 * timing_.settle) link.has_stranger = true;
+}
+
+void LinkCare::was_asked(LinkId id) { links_.at(id).was_asked = true; }
+
+void LinkCare::network_changed(Time now) {
+  for (auto& [id, link] : links_) {
+    link.has_stranger = true;
+    link.announce_at = now;
+    link.announce_pause = {};
+  }
+}
+
+void LinkCare::misses(const std::map<LinkId, std::set<ProcessId>>& processes) {
+  for (auto& [id, link] : links_) {
+    const auto missed = processes.find(id);
+    link.misses = missed == processes.end() ? std::set<ProcessId>{} : missed->second;
+  }
+}
+
+Time LinkCare::missed_from(LinkId id, Time behind_since, bool was_complete) const {
+  const Link& link = links_.at(id);
+  const auto crowd = static_cast<int>(std::min(link.participants, crowd_max));
+  Time::duration patience = timing_.settle + timing_.settle_each * crowd;
+  patience += patience * static_cast<int>(self_ % 64) / 128;
+  return std::max(behind_since, link.stirred_at) + (was_complete ? patience : 2 * patience);
+}
+
+LinkCare::Due LinkCare::look(const std::function<bool(ProcessId, LinkId)>& is_complete,
+                             const std::function<bool(LinkId)>& is_covered, Time now) {
+  Due due;
+  for (auto& [id, link] : links_) {
+    if (link.retired_at) {
+      if (may_end(id, link, is_covered, now)) due.ends.push_back(id);
+      continue;
+    }
+    std::erase_if(link.made_for, [&, link_id = id](ProcessId one) { return is_complete(one, link_id); });
+    if (link.made_for.empty()) link.pause = timing_.lease;
+    if (!link.misses.empty() && now >= renewal_due(link)) {
+      due.renewals.push_back({id, *link.misses.begin()});
+      link.renew_at = now + timing_.try_again;
+    }
+    if (const auto announced = announcement(id, link, now)) due.announcements.push_back(*announced);
+  }
+  return due;
+}
+
+bool LinkCare::may_end(LinkId id, Link& link, const std::function<bool(LinkId)>& is_covered, Time now) const {
+  if (now < link.look_again_at) return false;
+  link.look_again_at = now + timing_.retire_after / 4;
+  return now >= *link.retired_at + timing_.lease || is_covered(id);
+}
+
+/// Others who ask are answered no more often than heartbeats go. Who goes on giving heartbeats without being
+/// found is asked for ever more seldom.
+std::optional<LinkCare::Announcement> LinkCare::announcement(LinkId id, Link& link, Time now) const {
+  if ((!link.has_stranger && !link.was_asked) || now < link.announce_at) return std::nullopt;
+  const bool asks = std::exchange(link.has_stranger, false);
+  link.was_asked = false;
+  const auto longer = asks ? 2 * link.announce_pause : timing_.heartbeat_every;
+  link.announce_pause = std::clamp(longer, timing_.heartbeat_every, timing_.lease);
+  link.announce_at = now + link.announce_pause;
+  return Announcement{id, asks};
+}
+
+Time LinkCare::next() const {
+  Time next = Time::max();
+  for (const auto& [id, link] : links_) {
+    if (link.retired_at) {
+      next = std::min(next, link.look_again_at);
+    } else {
+      if (!link.misses.empty()) next = std::min(next, renewal_due(link));
+      if (link.has_stranger || link.was_asked) next = std::min(next, link.announce_at);
+    }
+  }
+  return next;
+}
+
+}  // namespace sft::core

@@ -1,0 +1,101 @@
+// When a link is made anew, when a replaced one goes, and when the participant of a link announces itself
+// again. Pure: events and times go in, answers come out. One thread at a time.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "core/discovery/records.h"
+#include "core/discovery/timing.h"
+#include "core/platform/clock.h"
+
+namespace sft::core {
+
+class LinkCare {
+ public:
+  /// `self`: processes that notice the same do not all act at the same time.
+  LinkCare(ProcessId self, const Timing& timing) : self_(self), timing_(timing) {}
+
+  // Events.
+
+  void made(LinkId link, Time now);
+  /// The link retires, since another one was made anew in its place.
+  void replaced(LinkId link, LinkId by, Time now);
+  /// The link is not needed any more: its address is gone.
+  void retire(LinkId link, Time now);
+  void gone(LinkId link) { links_.erase(link); }
+  /// A participant was found on the link.
+  void joined(LinkId link, Time now);
+  void left(LinkId link);
+  /// Something came of a participant of which not all has come yet.
+  void stirred(LinkId link, Time now);
+  /// A heartbeat came of a participant that Cyclone does not know. It may have forgotten us, or we it.
+  void stranger_came(LinkId link, Time now);
+  /// A participant that is known asks who is there.
+  void was_asked(LinkId link);
+  /// Cables, switches or interfaces have changed.
+  void network_changed(Time now);
+  /// On each link something is missing of what these processes have, which other links may have brought.
+  void misses(const std::map<LinkId, std::set<ProcessId>>& processes);
+
+  // Answers.
+
+  bool has(LinkId link) const { return links_.contains(link); }
+  bool is_retired(LinkId link) const { return links_.at(link).retired_at.has_value(); }
+  /// The time from which on something is missing that is behind since then. Newcomers keep others waiting.
+  Time missed_from(LinkId link, Time behind_since, bool was_complete) const;
+
+  struct Renewal {
+    LinkId link = 0;
+    ProcessId because_of = 0;
+  };
+  struct Announcement {
+    LinkId link = 0;
+    bool asks = false;  ///< for an answer of all who hear it
+  };
+  struct Due {
+    std::vector<Renewal> renewals{};  ///< these links have to be made anew, and replaced
+    std::vector<LinkId> ends{};       ///< these have to be closed
+    std::vector<Announcement> announcements{};
+  };
+  /// `is_complete(process, link)`: all of that process has come on the link, or the process is not there.
+  /// `is_covered(link)`: all of everybody who is heard on the link has come on another link.
+  Due look(const std::function<bool(ProcessId, LinkId)>& is_complete,
+           const std::function<bool(LinkId)>& is_covered, Time now);
+  /// The time of the next look at the latest; Time::max() if none is needed.
+  Time next() const;
+
+ private:
+  struct Link {
+    Time made_at{};
+    Time stirred_at{};  ///< no participant was new since then, and nothing came of those that are
+    std::size_t participants = 0;
+    std::chrono::milliseconds pause{};  ///< after `made_at`, until the link may be made anew
+    std::set<ProcessId> misses{};
+    std::set<ProcessId> made_for{};  ///< the link was made anew for these, and they are not complete yet
+    Time renew_at{};                 ///< not before: making it anew may have failed
+    std::optional<Time> retired_at{};
+    Time look_again_at{};  ///< whether the retired link may end
+    bool has_stranger = false, was_asked = false;
+    Time announce_at{};                          ///< not before
+    std::chrono::milliseconds announce_pause{};  ///< behind the last announcement
+  };
+  /// More participants of a link keep nothing waiting longer: somebody may make them up.
+  static constexpr std::size_t crowd_max = 100;
+
+  static Time renewal_due(const Link& link) { return std::max(link.made_at + link.pause, link.renew_at); }
+  bool may_end(LinkId id, Link& link, const std::function<bool(LinkId)>& is_covered, Time now) const;
+  std::optional<Announcement> announcement(LinkId id, Link& link, Time now) const;
+
+  const ProcessId self_;
+  const Timing timing_;
+  std::map<LinkId, Link> links_;
+};
+
+}  // namespace sft::core

@@ -1,0 +1,166 @@
+#include "core/discovery/links.h"
+
+#include <algorithm>
+
+#include "core/platform/hold_up_watch.h"
+
+namespace sft::core {
+
+namespace {
+
+std::optional<HeartbeatSocket::Place> heartbeats_on(const LinkSpec& link, const DdsConfig& config) {
+  if (!config.pulse_port || !link.ip.is_ipv4()) return std::nullopt;
+  return HeartbeatSocket::Place{.ip = link.ip,
+                                .index = link.index,
+                                .port = *config.pulse_port,
+                                .reaches_own_host = link.loopback || link.reaches_own_host};
+}
+
+bool holds_text(const std::vector<std::string>& texts, const std::string& text) {
+  return std::ranges::find(texts, text) != texts.end();
+}
+
+}  // namespace
+
+Links::~Links() {
+  for (const OpenLink& one : links_)
+    one.link->flush(settings_.timing.farewell_max / static_cast<int>(links_.size()));
+}
+
+Result<void> Links::join(std::uint32_t domain) {
+  OpenLink link{.id = ++links_made_};
+  known_.link_made(link.id, link.spec);
+  auto opened = ControlLink::open({.link = link.id, .number = domain, .process = own_.process()}, known_);
+  if (!opened) {
+    known_.link_closed(link.id);
+    return tl::unexpected(opened.error());
+  }
+  link.link = std::move(*opened);
+  links_.push_back(std::move(link));
+  return {};
+}
+
+Result<void> Links::use(const std::vector<LinkSpec>& wanted, const KnownHosts& hosts) {
+  Result<void> result;
+  hosts_ = hosts;
+  failures_.clear();
+  for (const LinkSpec& spec : wanted) {
+    OpenLink* const before = present(spec);
+    if (before != nullptr && before->config == settings_.config.text_for(spec, hosts_)) continue;
+    const Result<void> opened = open(spec, before);
+    if (opened) continue;
+    failures_.push_back(spec.interface + ": " + opened.error().message);
+    if (result) result = opened;
+  }
+  for (OpenLink& one : links_) {
+    const bool is_wanted = std::ranges::find(wanted, one.spec) != wanted.end();
+    if (is_wanted || one.is_retired || one.domain == nullptr) continue;
+    one.is_retired = true;
+    known_.link_retired(one.id);
+  }
+  return result;
+}
+
+/// The new link comes before the old one goes, so that nobody is lost in between.
+Result<void> Links::open(const LinkSpec& spec, OpenLink* instead_of) {
+  next_piece_of_work();
+  OpenLink link{.id = ++links_made_, .spec = spec};
+  if (const auto made = open_domain(link, instead_of == nullptr ? nullptr : instead_of->domain.get()); !made)
+    return made;
+  if (const Result<void> opened = open_link(link); !opened) {
+    link.link.reset();
+    known_.link_closed(link.id);
+    return opened;
+  }
+  if (instead_of != nullptr) {
+    instead_of->is_retired = true;
+    known_.link_replaced(instead_of->id, link.id);
+  }
+  links_.push_back(std::move(link));
+  return {};
+}
+
+Result<void> Links::open_domain(OpenLink& link, const CycloneDomain* instead_of) {
+  link.config = settings_.config.text_for(link.spec, hosts_);
+  std::vector<std::string> complaints;
+  auto domain =
+      cyclone_domain({link.config, settings_.config.is_secured, settings_.threads}, instead_of, complaints);
+  if (!domain) return tl::unexpected(domain.error());
+  link.domain = std::move(*domain);
+  for (std::string& complaint : complaints) {
+    if (!holds_text(settings_.config.warnings, complaint) && !holds_text(warnings_, complaint))
+      warnings_.push_back(std::move(complaint));
+  }
+  return {};
+}
+
+Result<void> Links::open_link(OpenLink& link) {
+  known_.link_made(link.id, link.spec);
+  auto opened = ControlLink::open({.link = link.id,
+                                   .domain = link.domain,
+                                   .process = own_.process(),
+                                   .is_secured = settings_.config.is_secured,
+                                   .heartbeats = heartbeats_on(link.spec, settings_.config)},
+                                  known_);
+  if (!opened) return tl::unexpected(opened.error());
+  link.link = std::move(*opened);
+  if (Result<void> heard = link.link->hear_reports(); !heard) return heard;
+  for (const Role role : both_roles) {
+    if (!heard_[role]) continue;
+    if (Result<void> heard = link.link->hear(role); !heard) return heard;
+  }
+  for (const Role role : both_roles) {
+    for (const auto& [key, record] : own_.records(role).all()) link.link->write(role, {key, record});
+  }
+  link.link->give_heartbeat(own_.digests());
+  return {};
+}
+
+Links::OpenLink* Links::present(const LinkSpec& spec) {
+  const auto link = std::ranges::find_if(
+      links_, [&](const OpenLink& one) { return !one.is_retired && one.domain && one.spec == spec; });
+  return link == links_.end() ? nullptr : &*link;
+}
+
+std::optional<std::string> Links::renew(LinkId id, const std::string& why) {
+  const auto link = std::ranges::find(links_, id, &OpenLink::id);
+  if (link == links_.end() || link->is_retired || link->domain == nullptr) return std::nullopt;
+  const std::string what = "on " + link->spec.interface + " " + why;
+  const Result<void> opened = open(LinkSpec(link->spec), &*link);
+  return opened ? what + "; the link is made anew"
+                : what + "; the link cannot be made anew: " + opened.error().message;
+}
+
+void Links::close(LinkId id) {
+  next_piece_of_work();
+  if (std::erase_if(links_, [&](const OpenLink& one) { return one.id == id; }) > 0) known_.link_closed(id);
+}
+
+void Links::close_all() {
+  for (const OpenLink& one : std::exchange(links_, {})) known_.link_closed(one.id);
+}
+
+Result<void> Links::hear(Role role) {
+  heard_[role] = true;
+  Result<void> result;
+  for (const OpenLink& one : links_) {
+    if (Result<void> heard = one.link->hear(role); !heard && result) result = std::move(heard);
+  }
+  return result;
+}
+
+std::vector<LinkSpec> Links::specs() const {
+  std::vector<LinkSpec> specs;
+  for (const OpenLink& one : links_) {
+    if (!one.is_retired) specs.push_back(one.spec);
+  }
+  std::ranges::sort(specs);
+  return specs;
+}
+
+ControlLink* Links::find(LinkId id) const {
+  const auto link = std::ranges::find(links_, id, &OpenLink::id);
+  return link == links_.end() ? nullptr : link->link.get();
+}
+
+}  // namespace sft::core

@@ -1,0 +1,91 @@
+// The links of this process: opens those that are wanted, makes one anew, and closes those that are not
+// needed any more. Peers (peers.h) decides when. One thread at a time.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/discovery/control_link.h"
+#include "core/discovery/dds_config.h"
+#include "core/discovery/dds_domain.h"
+#include "core/discovery/desired_links.h"
+#include "core/discovery/known_peers.h"
+#include "core/discovery/own_records.h"
+#include "core/discovery/timing.h"
+#include "sft/options.h"
+
+namespace sft::core {
+
+class Links {
+ public:
+  struct Settings {
+    DdsConfig config;
+    ThreadSettings threads;
+    Timing timing;
+  };
+  /// All outlive this object. The records are written to each link that is opened.
+  Links(Settings settings, const OwnRecords& own, KnownPeers& known)
+      : settings_(std::move(settings)), own_(own), known_(known) {}
+  /// Waits a moment until others have what was written.
+  ~Links();
+  Links(const Links&) = delete;
+  Links& operator=(const Links&) = delete;
+
+  /// Opens one link in a DDS domain that the program itself has configured. It is not made anew.
+  Result<void> join(std::uint32_t domain);
+  /// Opens the links that are wanted, and retires others. The error is that of the first link that could not
+  /// be opened; such links are tried again by the next call. A link is made anew if it has to ask other
+  /// addresses than before, as `hosts` has them.
+  Result<void> use(const std::vector<LinkSpec>& wanted, const KnownHosts& hosts);
+  /// Makes a link anew. Returns what people should know of that.
+  std::optional<std::string> renew(LinkId link, const std::string& why);
+  void close(LinkId link);
+  void close_all();
+  /// Reads what others have of that role on all links, also on those that are opened later.
+  Result<void> hear(Role role);
+
+  bool empty() const { return links_.empty(); }
+  /// Of the links that did not retire.
+  std::vector<LinkSpec> specs() const;
+  ControlLink* find(LinkId link) const;
+  /// Links that could not be opened, and why.
+  const std::vector<std::string>& failures() const { return failures_; }
+  /// Complaints of Cyclone about the configuration.
+  const std::vector<std::string>& warnings() const { return warnings_; }
+
+  /// Calls use(id, link) for each link.
+  template <class Use>
+  void each(Use use) const {
+    for (const OpenLink& one : links_) use(one.id, *one.link);
+  }
+
+ private:
+  struct OpenLink {
+    LinkId id = 0;
+    LinkSpec spec{};
+    std::string config{};                           ///< the text that `domain` was made with
+    std::shared_ptr<const CycloneDomain> domain{};  ///< null if the program has made it
+    std::unique_ptr<ControlLink> link{};
+    bool is_retired = false;
+  };
+
+  Result<void> open(const LinkSpec& spec, OpenLink* instead_of);
+  Result<void> open_domain(OpenLink& link, const CycloneDomain* instead_of);
+  Result<void> open_link(OpenLink& link);
+  OpenLink* present(const LinkSpec& spec);
+
+  const Settings settings_;
+  const OwnRecords& own_;
+  KnownPeers& known_;
+  KnownHosts hosts_;
+  PerRole<bool> heard_{};
+  LinkId links_made_ = 0;
+  std::vector<std::string> failures_, warnings_;
+  std::vector<OpenLink> links_;
+};
+
+}  // namespace sft::core

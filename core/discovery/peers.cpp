@@ -1,0 +1,238 @@
+#include "core/discovery/peers.h"
+
+#include <algorithm>
+
+namespace sft::core {
+
+namespace {
+
+/// True if the participant can be judged: it is another process's, and is not silent.
+bool is_heard(const Participant& participant) {
+  return participant.process && !participant.is_ignored && !participant.is_silent;
+}
+
+}  // namespace
+
+void Peers::listen(Role role, Time now) {
+  if (!listened_[role]) listened_[role] = now;
+}
+
+void Peers::link_gone(LinkId link) {
+  for (auto first = participants_.lower_bound({link, {}});
+       first != participants_.end() && first->first.link == link;
+       first = participants_.lower_bound({link, {}}))
+    participant_gone(RemoteParticipant(first->first));
+  care_.gone(link);
+  unheard_.erase(link);
+}
+
+void Peers::participant_found(const RemoteParticipant& id, ProcessId process, Time now) {
+  if (!care_.has(id.link)) return;
+  Participant& participant = participants_[id];
+  if (participant.process) return;
+  const auto peer = peers_.find(process);
+  const bool is_one_too_many = peer != peers_.end() && peer->second.participants() >= limits_.participants;
+  participant.process = process;
+  participant.found_at = now;
+  participant.is_ignored = process == self_ || is_one_too_many;
+  if (participant.is_ignored) return;
+  newcomer_at_ = now;
+  care_.joined(id.link, now);
+  join(id, participant);
+}
+
+void Peers::participant_asks(const RemoteParticipant& id) {
+  if (participants_.contains(id)) care_.was_asked(id.link);
+}
+
+void Peers::participant_gone(const RemoteParticipant& id) {
+  const auto found = participants_.find(id);
+  if (found == participants_.end()) return;
+  const Participant& participant = found->second;
+  if (participant.process && !participant.is_ignored) care_.left(id.link);
+  if (is_heard(participant)) leave(id, participant);
+  for (const Role role : both_roles) {
+    records_ -= participant.tables[role].records().all().size();
+    bytes_ -= participant.tables[role].records().bytes();
+  }
+  participants_.erase(found);
+}
+
+bool Peers::record_came(const RemoteParticipant& by, Role role, const RecordKey& key, Record record,
+                        Time now) {
+  if (!care_.has(by.link)) return true;
+  Participant& participant = participants_[by];
+  if (participant.is_ignored) return true;
+  if (!has_room(participant, role, key, record)) {
+    participant.is_cropped = true;
+    return false;
+  }
+  RemoteTable& table = participant.tables[role];
+  records_ += table.records().find(key) == nullptr ? 1 : 0;
+  bytes_ -= table.records().bytes();
+  table.put(key, std::move(record));
+  bytes_ += table.records().bytes();
+  if (participant.process && !participant.has_agreed) care_.stirred(by.link, now);
+  if (is_heard(participant)) peers_.at(*participant.process).record_came(participant, role, key);
+  return true;
+}
+
+bool Peers::has_room(const Participant& of, Role role, const RecordKey& key, const Record& record) const {
+  if (records_ < limits_.crowded && bytes_ < limits_.crowded_bytes) return true;
+  const Record* const before = of.tables[role].records().find(key);
+  const auto bytes_of_body = [](const Record& one) { return one.is_withdrawn() ? 0 : one.body->size(); };
+  std::size_t records = before == nullptr ? 1 : 0;
+  std::size_t bytes = bytes_of_body(record);
+  for (const Role each : both_roles) {
+    records += of.tables[each].records().all().size();
+    bytes += of.tables[each].records().bytes();
+  }
+  if (before != nullptr) bytes -= bytes_of_body(*before);
+  return records <= limits_.records && bytes <= limits_.bytes;
+}
+
+/// What comes by heartbeat of a process that the participant does not belong to was not sent by it.
+void Peers::heartbeat_came(LinkId link, const Heartbeat& heartbeat, Time now) {
+  if (heartbeat.process == self_ || !care_.has(link)) return;
+  const RemoteParticipant id{link, heartbeat.participant};
+  const auto found = participants_.find(id);
+  if (found == participants_.end() || !found->second.process) return care_.stranger_came(link, now);
+  Participant& participant = found->second;
+  if (participant.is_ignored || participant.process != heartbeat.process) return;
+  if (participant.is_late(timing_, now)) participant.regular_since = now;
+  participant.heard_at = now;
+  if (std::exchange(participant.is_silent, false)) join(id, participant);
+  peers_.at(heartbeat.process).heartbeat_came(id, heartbeat.digests, now);
+}
+
+void Peers::join(const RemoteParticipant& id, Participant& participant) {
+  const ProcessId process = *participant.process;
+  const auto changed = [this, process](Role role, const RecordKey& key, const Record& record) {
+    actions_.emplace_back(RecordChanged{process, role, key, record});
+  };
+  const auto [peer, is_new] = peers_.try_emplace(process, timing_, listened_, changed);
+  if (is_new) actions_.emplace_back(PeerFound{process});
+  peer->second.join(id, participant);
+}
+
+/// The records of a process end with it, which is told once for all of them.
+void Peers::leave(const RemoteParticipant& id, const Participant& participant) {
+  const auto peer = peers_.find(*participant.process);
+  if (peer->second.participants() > 1) return peer->second.leave(id);
+  actions_.emplace_back(PeerLost{peer->first});
+  cut_.erase(peer->first);
+  peers_.erase(peer);
+}
+
+/// Where heartbeats do not arrive by UDP, they begin to come by Cyclone after a lease.
+Time Peers::silent_at(const Participant& participant) const {
+  return participant.heard_at ? *participant.heard_at + timing_.lease
+                              : participant.found_at + 2 * timing_.lease;
+}
+
+/// Something is missing only if heartbeats go on by the same link: what does not come by a link that is cut
+/// is no fault of the table.
+Time Peers::missed_at(LinkId link, const Participant& participant) const {
+  if (participant.is_suspect || participant.is_cropped) return Time::max();
+  Time missed = Time::max();
+  for (const Role role : both_roles) {
+    const std::optional<Time> behind = participant.tables[role].behind_since();
+    if (!behind || !listened_[role]) continue;
+    const Time since = std::max({*behind, *listened_[role], participant.regular_since});
+    if (participant.heard_at && *participant.heard_at >= since)
+      missed = std::min(missed, care_.missed_from(link, since, participant.has_agreed));
+  }
+  return missed;
+}
+
+Time Peers::unheard_at(LinkId link, const Participant& participant) const {
+  const bool is_told = unheard_.contains(link) || care_.is_retired(link);
+  return participant.heard_at || is_told ? Time::max() : participant.found_at + timing_.lease;
+}
+
+void Peers::look(Time now) {
+  looked_at_ = now;
+  for (auto& [id, participant] : participants_) {
+    if (is_heard(participant)) look_at(id, participant, now);
+  }
+  look_at_paths(now);
+  look_at_links(now);
+}
+
+void Peers::look_at(const RemoteParticipant& id, Participant& participant, Time now) {
+  if (now >= silent_at(participant)) {
+    leave(id, participant);
+    participant.is_silent = true;
+    for (const Role role : both_roles) participant.tables[role].expect_nothing();
+    return;
+  }
+  if (now >= missed_at(id.link, participant)) peers_.at(*participant.process).suspect(participant);
+  if (now >= unheard_at(id.link, participant)) {
+    unheard_.insert(id.link);
+    actions_.emplace_back(HeartbeatsMissing{id.link});
+  }
+}
+
+void Peers::look_at_paths(Time now) {
+  for (const auto& [process, peer] : peers_) {
+    if (peer.participants() < 2 && !cut_.contains(process)) continue;
+    std::vector<LinkId> links = peer.cut_links(now);
+    if (links == cut_[process]) continue;
+    cut_[process] = links;
+    actions_.emplace_back(PathsCut{process, std::move(links)});
+  }
+}
+
+void Peers::look_at_links(Time now) {
+  std::map<LinkId, std::set<ProcessId>> misses;
+  for (const auto& [id, participant] : participants_) {
+    if (is_heard(participant) && participant.is_suspect) misses[id.link].insert(*participant.process);
+  }
+  care_.misses(misses);
+  const auto is_complete = [this](ProcessId process, LinkId link) {
+    const Peer* const peer = find(process);
+    return peer == nullptr || peer->is_complete_on(link);
+  };
+  const LinkCare::Due due = care_.look(
+      is_complete, [this](LinkId link) { return is_covered(link); }, now);
+  for (const RenewLink& renewal : due.renewals) actions_.emplace_back(renewal);
+  for (const LinkId link : due.ends) actions_.emplace_back(EndLink{link});
+  for (const Announce& announcement : due.announcements) actions_.emplace_back(announcement);
+}
+
+bool Peers::is_covered(LinkId link) const {
+  for (auto one = participants_.lower_bound({link, {}});
+       one != participants_.end() && one->first.link == link; ++one) {
+    if (is_heard(one->second) && !peers_.at(*one->second.process).is_complete_beside(link)) return false;
+  }
+  return true;
+}
+
+Time Peers::next() const {
+  Time next = care_.next();
+  for (const auto& [id, participant] : participants_) {
+    if (!is_heard(participant)) continue;
+    next = std::min(
+        {next, silent_at(participant), missed_at(id.link, participant), unheard_at(id.link, participant)});
+    const bool may_be_cut = participant.heard_at && peers_.at(*participant.process).participants() > 1;
+    const Time late_at = may_be_cut ? *participant.heard_at + timing_.late : Time::max();
+    if (late_at > looked_at_) next = std::min(next, late_at);
+  }
+  return next;
+}
+
+const Peer* Peers::find(ProcessId process) const {
+  const auto peer = peers_.find(process);
+  return peer == peers_.end() ? nullptr : &peer->second;
+}
+
+std::optional<ProcessId> Peers::process_of(const RemoteParticipant& id) const {
+  const auto found = participants_.find(id);
+  return found == participants_.end() || !is_heard(found->second) ? std::nullopt : found->second.process;
+}
+
+bool Peers::is_complete() const {
+  return std::ranges::all_of(peers_, [](const auto& item) { return item.second.is_complete(); });
+}
+
+}  // namespace sft::core

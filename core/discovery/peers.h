@@ -1,0 +1,143 @@
+// The other processes, and the participants by which they are heard: which of them live, when something of
+// them is missing, and what follows for our links. Pure: events and times go in, actions come out. One thread
+// at a time.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "core/discovery/heartbeat.h"
+#include "core/discovery/link_care.h"
+#include "core/discovery/peer.h"
+#include "core/discovery/records.h"
+#include "core/discovery/timing.h"
+#include "core/platform/clock.h"
+
+namespace sft::core {
+
+/// A process is there, for the first time or again. Its records follow.
+struct PeerFound {
+  ProcessId process = 0;
+};
+/// All participants of the process are silent or gone, and no record of it holds.
+struct PeerLost {
+  ProcessId process = 0;
+};
+/// Another record holds now. It has no body if it was withdrawn, or was not the process's own.
+struct RecordChanged {
+  ProcessId process = 0;
+  Role role{};
+  RecordKey key{};
+  Record record{};
+};
+/// The process is heard by other links, but no longer by these: the way there is cut.
+struct PathsCut {
+  ProcessId process = 0;
+  std::vector<LinkId> links{};
+};
+/// Heartbeats of a participant that is there do not arrive on the link: a firewall may know the ports of DDS
+/// only. They have to go by Cyclone.
+struct HeartbeatsMissing {
+  LinkId link = 0;
+};
+/// The link that retired is not needed any more.
+struct EndLink {
+  LinkId link = 0;
+};
+using RenewLink = LinkCare::Renewal;
+using Announce = LinkCare::Announcement;
+using PeerAction = std::variant<PeerFound, PeerLost, RecordChanged, PathsCut, HeartbeatsMissing, RenewLink,
+                                Announce, EndLink>;
+
+struct PeerLimits {
+  /// A participant may have this number of records, of so many bytes, in any case. It may have more while all
+  /// participants together have fewer records than `crowded`, of fewer bytes than `crowded_bytes`.
+  std::size_t records = 2'048;
+  std::size_t bytes = std::size_t{4} << 20;
+  std::size_t crowded = 16'384;
+  std::size_t crowded_bytes = std::size_t{64} << 20;
+  /// Participants of one process: one on each link, and a second one where a link is made anew.
+  std::size_t participants = 32;
+};
+
+class Peers {
+ public:
+  Peers(ProcessId self, const Timing& timing, const PeerLimits& limits = {})
+      : self_(self), timing_(timing), limits_(limits), care_(self, timing) {}
+  Peers(const Peers&) = delete;
+  Peers& operator=(const Peers&) = delete;
+
+  // Events.
+
+  /// Records of that role are listened to from now on.
+  void listen(Role role, Time now);
+  /// Before it is opened.
+  void link_made(LinkId link, Time now) { care_.made(link, now); }
+  void link_replaced(LinkId link, LinkId by, Time now) { care_.replaced(link, by, now); }
+  void link_retired(LinkId link, Time now) { care_.retire(link, now); }
+  void link_gone(LinkId link);
+  /// Cables, switches or interfaces have changed.
+  void network_changed(Time now) { care_.network_changed(now); }
+  /// Cyclone has found a participant, which says that it belongs to the process. It keeps its process.
+  void participant_found(const RemoteParticipant& id, ProcessId process, Time now);
+  /// A participant that was found before asks who is there.
+  void participant_asks(const RemoteParticipant& id);
+  void participant_gone(const RemoteParticipant& id);
+  /// A record may come before its participant is found. Returns false if there is no room for it.
+  bool record_came(const RemoteParticipant& by, Role role, const RecordKey& key, Record record, Time now);
+  void heartbeat_came(LinkId link, const Heartbeat& heartbeat, Time now);
+  /// To be called after all heartbeats that have come.
+  void look(Time now);
+
+  // Answers.
+
+  std::vector<PeerAction> take_actions() { return std::exchange(actions_, {}); }
+  /// The time of the next look at the latest; Time::max() if none is needed.
+  Time next() const;
+  std::size_t size() const { return peers_.size(); }
+  /// Null if the process is not there.
+  const Peer* find(ProcessId process) const;
+  /// The process that the participant speaks for; nothing if it counts for nothing.
+  std::optional<ProcessId> process_of(const RemoteParticipant& id) const;
+  /// True if all is known of all processes that their last heartbeats count.
+  bool is_complete() const;
+  /// When a participant was found last; Time{} if none was. What it has may be yet to come.
+  Time newcomer_at() const { return newcomer_at_; }
+
+ private:
+  using Participants = std::map<RemoteParticipant, Participant>;
+
+  bool has_room(const Participant& of, Role role, const RecordKey& key, const Record& record) const;
+  void join(const RemoteParticipant& id, Participant& participant);
+  void leave(const RemoteParticipant& id, const Participant& participant);
+  Time silent_at(const Participant& participant) const;
+  Time missed_at(LinkId link, const Participant& participant) const;
+  Time unheard_at(LinkId link, const Participant& participant) const;
+  void look_at(const RemoteParticipant& id, Participant& participant, Time now);
+  void look_at_paths(Time now);
+  void look_at_links(Time now);
+  bool is_covered(LinkId link) const;
+
+  const ProcessId self_;
+  const Timing timing_;
+  const PeerLimits limits_;
+  LinkCare care_;
+  Peer::Listened listened_{};
+  Participants participants_;
+  std::map<ProcessId, Peer> peers_;
+  std::map<ProcessId, std::vector<LinkId>> cut_;  ///< as it was told
+  std::set<LinkId> unheard_;                      ///< links on which HeartbeatsMissing was told
+  std::size_t records_ = 0;                       ///< of all participants
+  std::size_t bytes_ = 0;                         ///< of all these records
+  Time newcomer_at_{};
+  Time looked_at_{};
+  std::vector<PeerAction> actions_;
+};
+
+}  // namespace sft::core

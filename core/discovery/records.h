@@ -1,0 +1,86 @@
+// Records: what a process has and asks for. A record is bytes under a key, with a revision. Each process owns
+// its records; others hold copies of them, which they compare with the process by a digest. Pure.
+#pragma once
+
+#include <array>
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "core/control/control.h"
+
+namespace sft::core {
+
+using LinkId = std::uint32_t;  ///< a link that is made anew has a greater one
+
+/// A random number for each start of a process, never 0.
+using ProcessId = std::uint64_t;
+
+/// The id that Cyclone gives a DDS participant.
+using ParticipantGuid = std::array<std::uint8_t, 16>;
+
+/// A participant of another process as one of our links sees it. A process has one on each of its links.
+struct RemoteParticipant {
+  LinkId link = 0;
+  ParticipantGuid guid{};
+  friend auto operator<=>(const RemoteParticipant&, const RemoteParticipant&) = default;
+};
+
+/// Holds a value for each role.
+template <class Value>
+struct PerRole {
+  Value writer{}, reader{};
+  Value& operator[](Role role) { return role == Role::writer ? writer : reader; }
+  const Value& operator[](Role role) const { return role == Role::writer ? writer : reader; }
+  friend bool operator==(const PerRole&, const PerRole&) = default;
+};
+inline constexpr std::array both_roles{Role::writer, Role::reader};
+
+enum class RecordKind : std::uint8_t {
+  announcement,  ///< an endpoint
+  request,       ///< what a subscriber asks for
+  inquiry        ///< a topic whose progress or accounts the process wants to be told
+};
+
+/// A slot is a number within its process. It belongs to one endpoint, and to another one once that is
+/// withdrawn: Cyclone keeps some 2 kB for each key that was ever written.
+struct RecordKey {
+  std::uint32_t slot = 0;
+  RecordKind kind{};
+  friend auto operator<=>(const RecordKey&, const RecordKey&) = default;
+};
+
+using RecordBody = std::shared_ptr<const std::vector<std::byte>>;
+
+struct Record {
+  std::uint64_t revision = 0;  ///< counts all changes of the process; of two records the greater one holds
+  RecordBody body{};           ///< null: the record was withdrawn
+  bool is_withdrawn() const { return body == nullptr; }
+  friend bool operator==(const Record& a, const Record& b);
+};
+
+/// The records of one role of one process, and their digest.
+class Records {
+ public:
+  /// The record that had this key before does not hold any more.
+  void put(const RecordKey& key, Record record);
+  void erase(const RecordKey& key);
+  /// Null if there is none.
+  const Record* find(const RecordKey& key) const;
+  const std::map<RecordKey, Record>& all() const { return all_; }
+  std::size_t bytes() const { return bytes_; }  ///< of all bodies
+
+  /// The same for equal records, in whichever order they came; 0 if there are none. Withdrawn records count,
+  /// so that a withdrawal that does not arrive is noticed.
+  std::uint64_t digest() const { return digest_; }
+
+ private:
+  std::map<RecordKey, Record> all_;
+  std::uint64_t digest_ = 0;
+  std::size_t bytes_ = 0;
+};
+
+}  // namespace sft::core

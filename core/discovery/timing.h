@@ -1,0 +1,52 @@
+// All times of the control plane. Whatever else waits there waits for a multiple of one of these.
+#pragma once
+
+#include <chrono>
+
+namespace sft::core {
+
+/// discovery.md says how these times follow from what a user notices.
+struct Timing {
+  using Milliseconds = std::chrono::milliseconds;
+
+  /// Each participant gives a heartbeat this often, and reads those of others: five come within a lease, so
+  /// that a network that loses a fifth of all datagrams loses no participant.
+  Milliseconds heartbeat_every{1'000};
+  /// A change is followed by a heartbeat at once, but not sooner than this after the heartbeat before: masks
+  /// that change at 1 kHz cost two heartbeats a second.
+  Milliseconds heartbeat_pause{500};
+  /// A participant without heartbeats for this time has ended. Heartbeats are read once a second, so that a
+  /// killed process is noticed within 7 s.
+  Milliseconds lease{5'500};
+  /// Two heartbeats in a row are missing: the way by this link may be cut, so that another one is preferred.
+  Milliseconds late{2'500};
+
+  /// A record may come this much later than a heartbeat that counts it: it may have to be sent again.
+  Milliseconds settle{1'000};
+  /// The same for each participant of the link: many processes that start together keep each other waiting.
+  Milliseconds settle_each{30};
+  /// The pause between two renewals of a link begins with `lease`, and doubles up to this while they do not
+  /// help: a participant that somebody makes up costs no more.
+  Milliseconds renew_pause_max{60'000};
+  /// A replaced link stays this long at least, for the first answers on the new one.
+  Milliseconds retire_after{1'000};
+
+  /// Cyclone forgets a participant of which nothing comes. It repeats its own announcements three times in
+  /// four of this time. Heartbeats tell of life, and newcomers are asked for, so both may be rare.
+  Milliseconds cyclone_lease{40'000};
+  /// The same where each peer is asked at all its ports.
+  Milliseconds cyclone_lease_to_peers{150'000};
+
+  /// Interfaces are looked at, although netlink tells of changes.
+  Milliseconds look_at_interfaces{10'000};
+  /// What the system refused is tried again: a link, a list of interfaces, a record that was not written.
+  Milliseconds try_again{1'000};
+  /// A process that ends waits this long for others to have what it has written last.
+  Milliseconds farewell_max{1'000};
+  /// The first links ask the peers by name that are looked up within this time. Other peers join later.
+  Milliseconds wait_for_names{200};
+  /// Participants of other releases are named in the log no more often.
+  Milliseconds name_releases_every{60'000};
+};
+
+}  // namespace sft::core

@@ -1,0 +1,314 @@
+// Nodes are told of the endpoints that may match their own, whichever process has them.
+#include "core/discovery/directory.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+#include <string>
+
+#include "core/control/record_body.h"
+
+namespace sft::core {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+constexpr ProcessId process_one = 1, process_two = 2;
+
+/// Writes down what a node is told.
+class Listener final : public DiscoveryListener {
+ public:
+  void endpoint_seen(Endpoint endpoint) override {
+    said.push_back("seen " + std::to_string(endpoint.id));
+    seen = std::move(endpoint);
+  }
+  void endpoint_departed(EndpointId id) override { said.push_back("departed " + std::to_string(id)); }
+  void endpoint_lost(EndpointId id) override { said.push_back("lost " + std::to_string(id)); }
+  void request_received(Request request) override {
+    said.push_back("request " + std::to_string(request.sequence) + " of " + std::to_string(request.reader));
+  }
+  void liveliness_asserted(Assertion) override {}
+  void node_lost(NodeId) override {}
+  void control_malformed(std::string why) override { refused.push_back(std::move(why)); }
+
+  std::vector<std::string> take() { return std::exchange(said, {}); }
+
+  std::vector<std::string> said, refused;
+  Endpoint seen;
+};
+
+class DirectoryTest : public ::testing::Test {
+ protected:
+  static Endpoint endpoint(Role role, EndpointId id, const std::string& topic = "points") {
+    Endpoint e;
+    e.id = id;
+    e.role = role;
+    e.node_id = id + 1000;
+    e.topic = topic;
+    e.type_name = "Points";
+    e.request.reader = id;
+    return e;
+  }
+  static Request request(EndpointId reader, std::uint64_t sequence) {
+    Request asked;
+    asked.reader = reader;
+    asked.sequence = sequence;
+    asked.mask_words = {1};
+    return asked;
+  }
+  struct Node {
+    Listener listener;
+    std::shared_ptr<ListeningNode> node = std::make_shared<ListeningNode>(listener);
+  };
+  std::unique_ptr<Node> open() {
+    auto made = std::make_unique<Node>();
+    directory.join(made->node);
+    return made;
+  }
+  void announce(const Node& node, const Endpoint& endpoint) { directory.announced(node.node, endpoint); }
+
+  void record(ProcessId process, Role role, std::uint32_t slot, RecordKind kind,
+              std::vector<std::byte> body) {
+    directory.record_changed({process,
+                              role,
+                              {slot, kind},
+                              {++revision, std::make_shared<const std::vector<std::byte>>(std::move(body))}});
+  }
+  void other_has(const Endpoint& endpoint, ProcessId process = process_one, std::uint32_t slot = 0) {
+    record(process, endpoint.role, slot, RecordKind::announcement, to_bytes(endpoint));
+  }
+  void other_asks(EndpointId reader, std::uint64_t sequence, ProcessId process = process_one,
+                  std::uint32_t slot = 0) {
+    record(process, Role::reader, slot, RecordKind::request, to_bytes(request(reader, sequence)));
+  }
+  void other_withdraws(Role role, ProcessId process = process_one, std::uint32_t slot = 0) {
+    directory.record_changed({process, role, {slot, RecordKind::announcement}, {++revision, nullptr}});
+    directory.record_changed({process, role, {slot, RecordKind::request}, {++revision, nullptr}});
+  }
+  std::vector<std::string> told(Node& node) {
+    tell();
+    return node.listener.take();
+  }
+  void tell() {
+    for (const Directory::Notice& notice : directory.take_notices()) {
+      for (const auto& to : notice.to) to->tell(notice.call);
+    }
+  }
+
+  std::uint64_t revision = 0;
+  std::set<std::pair<LinkId, IpAddress>> ways;
+  Directory directory{[this](LinkId link, const IpAddress& ip) { return ways.contains({link, ip}); }};
+};
+
+TEST_F(DirectoryTest, TellsANodeOfWhatMayMatchItsEndpoints) {
+  const auto node = open();
+  announce(*node, endpoint(Role::reader, 1));
+  other_has(endpoint(Role::writer, 10));
+  other_has(endpoint(Role::writer, 11, "images"), process_one, 1);
+  EXPECT_THAT(told(*node), ElementsAre("seen 10"));
+  EXPECT_EQ(node->listener.seen.announcer, process_one);
+  other_withdraws(Role::writer);
+  EXPECT_THAT(told(*node), ElementsAre("departed 10"));
+}
+
+TEST_F(DirectoryTest, TellsANodeOfWhatWasThereBeforeItsEndpoint) {
+  other_has(endpoint(Role::writer, 10));
+  const auto node = open();
+  EXPECT_THAT(told(*node), IsEmpty());
+  announce(*node, endpoint(Role::reader, 1));
+  EXPECT_THAT(told(*node), ElementsAre("seen 10"));
+  announce(*node, endpoint(Role::reader, 2));
+  EXPECT_THAT(told(*node), IsEmpty()) << "it knows that already";
+}
+
+TEST_F(DirectoryTest, TellsANodeOfAllOfARoleThatItAsksFor) {
+  other_has(endpoint(Role::writer, 10, "images"));
+  const auto node = open();
+  announce(*node, endpoint(Role::reader, 1));
+  directory.hear_all(node->node, Role::writer);
+  other_has(endpoint(Role::writer, 11, "more"), process_one, 1);
+  EXPECT_THAT(told(*node), ElementsAre("seen 10", "seen 11"));
+  directory.withdrawn(1);
+  EXPECT_THAT(told(*node), IsEmpty()) << "it goes on hearing them";
+}
+
+TEST_F(DirectoryTest, LetsNodesOfTheProcessHearEachOtherAndNobodyHimself) {
+  const auto writer = open(), reader = open();
+  announce(*writer, endpoint(Role::writer, 1));
+  announce(*writer, endpoint(Role::reader, 2));
+  announce(*reader, endpoint(Role::reader, 3));
+  EXPECT_THAT(told(*writer), ElementsAre("seen 3"));
+  EXPECT_THAT(told(*reader), ElementsAre("seen 1"));
+  directory.requested(request(3, 5));
+  EXPECT_THAT(told(*writer), ElementsAre("request 5 of 3"));
+  directory.withdrawn(3);
+  EXPECT_THAT(told(*writer), ElementsAre("departed 3"));
+  EXPECT_THAT(told(*reader), ElementsAre("departed 1")) << "it has no more endpoint of that topic";
+}
+
+TEST_F(DirectoryTest, ShowsASubscriberOnceItsRequestIsThereToo) {
+  const auto node = open();
+  announce(*node, endpoint(Role::writer, 1));
+  other_has(endpoint(Role::reader, 10));
+  EXPECT_THAT(told(*node), IsEmpty());
+  other_asks(10, 1);
+  EXPECT_THAT(told(*node), ElementsAre("seen 10"));
+  EXPECT_EQ(node->listener.seen.request.sequence, 1u);
+  EXPECT_EQ(node->listener.seen.request.announcer, process_one);
+  other_asks(10, 2);
+  EXPECT_THAT(told(*node), ElementsAre("request 2 of 10"));
+}
+
+TEST_F(DirectoryTest, ShowsASubscriberWhoseRequestCameFirst) {
+  const auto node = open();
+  announce(*node, endpoint(Role::writer, 1));
+  other_asks(10, 7);
+  other_has(endpoint(Role::reader, 10));
+  EXPECT_THAT(told(*node), ElementsAre("seen 10"));
+  EXPECT_EQ(node->listener.seen.request.sequence, 7u);
+}
+
+TEST_F(DirectoryTest, TakesTheLatestRequestForANodeThatComesLate) {
+  other_has(endpoint(Role::reader, 10));
+  for (std::uint64_t sequence = 1; sequence < 5; ++sequence) other_asks(10, sequence);
+  const auto node = open();
+  announce(*node, endpoint(Role::writer, 1));
+  EXPECT_THAT(told(*node), ElementsAre("seen 10"));
+  EXPECT_EQ(node->listener.seen.request.sequence, 4u);
+}
+
+TEST_F(DirectoryTest, EndsTheEndpointWhoseSlotAnotherOneHas) {
+  const auto node = open();
+  announce(*node, endpoint(Role::writer, 1));
+  other_has(endpoint(Role::reader, 10));
+  other_asks(10, 1);
+  told(*node);
+  other_has(endpoint(Role::reader, 11));
+  EXPECT_THAT(told(*node), ElementsAre("departed 10")) << "the request in the slot is not its own";
+  other_asks(11, 1);
+  EXPECT_THAT(told(*node), ElementsAre("seen 11"));
+}
+
+TEST_F(DirectoryTest, LosesAllOfAProcessAtOnce) {
+  const auto node = open();
+  announce(*node, endpoint(Role::reader, 1));
+  other_has(endpoint(Role::writer, 10));
+  other_has(endpoint(Role::writer, 11), process_one, 1);
+  other_has(endpoint(Role::writer, 12), process_two);
+  told(*node);
+  directory.peer_lost(process_one);
+  EXPECT_THAT(told(*node), ElementsAre("lost 10", "lost 11"));
+  other_has(endpoint(Role::writer, 10));
+  EXPECT_THAT(told(*node), ElementsAre("seen 10"));
+}
+
+TEST_F(DirectoryTest, RefusesAnIdThatAnotherProcessHasUntilThatIsLost) {
+  const auto node = open();
+  announce(*node, endpoint(Role::reader, 1));
+  other_has(endpoint(Role::writer, 10), process_one);
+  told(*node);
+  other_has(endpoint(Role::writer, 10), process_two);
+  EXPECT_THAT(told(*node), IsEmpty());
+  EXPECT_THAT(node->listener.refused, ElementsAre(HasSubstr("the id of another process")));
+  other_withdraws(Role::writer, process_two);
+  EXPECT_THAT(told(*node), IsEmpty()) << "it has nothing to withdraw";
+  other_has(endpoint(Role::writer, 10), process_two);
+  directory.peer_lost(process_one);
+  EXPECT_THAT(told(*node), ElementsAre("lost 10", "seen 10"));
+  EXPECT_EQ(node->listener.seen.announcer, process_two);
+}
+
+TEST_F(DirectoryTest, RefusesTheIdsOfItsOwnNodes) {
+  const auto node = open();
+  announce(*node, endpoint(Role::reader, 1));
+  announce(*node, endpoint(Role::writer, 2));
+  other_has(endpoint(Role::writer, 2));
+  other_asks(1, 9);
+  other_withdraws(Role::writer);
+  EXPECT_THAT(told(*node), IsEmpty());
+  EXPECT_THAT(node->listener.refused, SizeIs(1));
+  EXPECT_THAT(directory.endpoints_of(node->node), ElementsAre(1, 2));
+}
+
+TEST_F(DirectoryTest, GivesANodeItsOwnIdBackThatAnotherProcessHasUsed) {
+  const auto node = open(), other_node = open();
+  announce(*other_node, endpoint(Role::reader, 1));
+  other_has(endpoint(Role::writer, 10));
+  told(*other_node);
+  announce(*node, endpoint(Role::writer, 10));
+  EXPECT_THAT(told(*other_node), ElementsAre("departed 10", "seen 10"));
+  EXPECT_NE(other_node->listener.seen.announcer, process_one);
+}
+
+TEST_F(DirectoryTest, RefusesWhatIsMalformedOrOnTheWrongTopic) {
+  const auto node = open();
+  announce(*node, endpoint(Role::reader, 1));
+  record(process_one, Role::writer, 0, RecordKind::announcement, {std::byte{1}});
+  record(process_one, Role::writer, 1, RecordKind::announcement, to_bytes(endpoint(Role::reader, 10)));
+  record(process_one, Role::reader, 2, RecordKind::request, {std::byte{1}});
+  EXPECT_THAT(told(*node), IsEmpty());
+  EXPECT_THAT(node->listener.refused, SizeIs(3));
+  EXPECT_THAT(node->listener.refused, Contains(HasSubstr("the topic of the other role")));
+}
+
+TEST_F(DirectoryTest, EndsAnEndpointWhoseNextAnnouncementIsMalformed) {
+  const auto node = open();
+  announce(*node, endpoint(Role::reader, 1));
+  other_has(endpoint(Role::writer, 10));
+  record(process_one, Role::writer, 0, RecordKind::announcement, {std::byte{1}});
+  EXPECT_THAT(told(*node), ElementsAre("seen 10", "departed 10"));
+}
+
+TEST_F(DirectoryTest, FollowsAnEndpointToAnotherTopic) {
+  const auto node = open();
+  announce(*node, endpoint(Role::reader, 1));
+  other_has(endpoint(Role::writer, 10));
+  other_has(endpoint(Role::writer, 10, "images"));
+  EXPECT_THAT(told(*node), ElementsAre("seen 10", "departed 10"));
+}
+
+TEST_F(DirectoryTest, LeavesOutTheAddressesOfANetworkThatIsCut) {
+  const IpAddress by_lan(0x0a000001), by_radio(0x0b000001);
+  ways = {{1, by_lan}, {2, by_radio}};
+  const auto node = open();
+  announce(*node, endpoint(Role::reader, 1));
+  Endpoint writer = endpoint(Role::writer, 10);
+  writer.addresses = {{.ip = by_lan, .port = 5}, {.ip = by_radio, .port = 5}};
+  other_has(writer);
+  directory.paths_cut({process_one, {1}});
+  EXPECT_THAT(told(*node), ElementsAre("seen 10", "seen 10"));
+  ASSERT_THAT(node->listener.seen.addresses, SizeIs(1));
+  EXPECT_EQ(node->listener.seen.addresses[0].ip, by_radio);
+  directory.paths_cut({process_one, {1, 2}});
+  tell();
+  EXPECT_THAT(node->listener.seen.addresses, SizeIs(2)) << "process_one way at least is tried";
+  directory.paths_cut({process_one, {}});
+  tell();
+  EXPECT_THAT(node->listener.seen.addresses, SizeIs(2));
+}
+
+TEST_F(DirectoryTest, NamesAllPublishersOfAType) {
+  const auto node = open();
+  announce(*node, endpoint(Role::writer, 1, "mine"));
+  other_has(endpoint(Role::writer, 10, "theirs"));
+  other_has(endpoint(Role::reader, 11, "theirs"), process_one, 1);
+  EXPECT_THAT(directory.publishers_of("Points"), SizeIs(2));
+  EXPECT_THAT(directory.publishers_of("Images"), IsEmpty());
+}
+
+TEST_F(DirectoryTest, TellsANodeThatHasClosedNothingMore) {
+  const auto node = open();
+  announce(*node, endpoint(Role::reader, 1));
+  other_has(endpoint(Role::writer, 10));
+  node->node->close();
+  EXPECT_THAT(told(*node), IsEmpty());
+}
+
+}  // namespace
+}  // namespace sft::core

@@ -1,0 +1,101 @@
+// Heartbeats go by multicast on one link, and wait in the socket until they are taken.
+#include "core/discovery/heartbeat_socket.h"
+
+#include <arpa/inet.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include <optional>
+#include <vector>
+
+#include "core/platform/file_descriptor.h"
+
+namespace sft::core {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+constexpr std::uint16_t test_port = 47'414;
+const HeartbeatSocket::Place heartbeats_on_loopback{
+    .ip = loopback_ipv4, .index = 1, .port = test_port, .reaches_own_host = true};
+
+std::vector<Heartbeat> heartbeats_taken(HeartbeatSocket& socket) {
+  std::vector<Heartbeat> heartbeats;
+  socket.take([&](const Heartbeat& heartbeat) { heartbeats.push_back(heartbeat); });
+  return heartbeats;
+}
+
+/// Sends from the loopback, to the group or to an address of the host.
+void send_to_heartbeats(const char* to, const std::vector<std::byte>& octets) {
+  const FileDescriptor socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  const in_addr link{htonl(INADDR_LOOPBACK)};
+  ::setsockopt(socket.get(), IPPROTO_IP, IP_MULTICAST_IF, &link, sizeof link);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(test_port);
+  ::inet_pton(AF_INET, to, &address.sin_addr);
+  ::sendto(socket.get(), octets.data(), octets.size(), 0, reinterpret_cast<const sockaddr*>(&address),
+           sizeof address);
+}
+
+class HeartbeatSocketTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!one || !other) GTEST_SKIP() << "the loopback has no multicast here";
+  }
+
+  std::optional<HeartbeatSocket> one = HeartbeatSocket::open(heartbeats_on_loopback),
+                                 other = HeartbeatSocket::open(heartbeats_on_loopback);
+  const Heartbeat heartbeat{.participant = {5}, .process = 77};
+};
+
+TEST_F(HeartbeatSocketTest, EachSocketOfTheHostGetsEachHeartbeat) {
+  one->send(heartbeat);
+  EXPECT_THAT(heartbeats_taken(*one), ElementsAre(heartbeat));
+  EXPECT_THAT(heartbeats_taken(*other), ElementsAre(heartbeat));
+  EXPECT_THAT(heartbeats_taken(*other), IsEmpty());
+}
+
+TEST_F(HeartbeatSocketTest, HeartbeatsWaitUntilTheyAreTaken) {
+  for (int i = 0; i < 100; ++i) one->send(heartbeat);
+  EXPECT_THAT(heartbeats_taken(*other), SizeIs(100));
+}
+
+TEST_F(HeartbeatSocketTest, OtherDatagramsAreDropped) {
+  const HeartbeatDatagram datagram = encode(heartbeat);
+  std::vector<std::byte> octets(datagram.begin(), datagram.end());
+  octets.push_back(std::byte{0});
+  send_to_heartbeats("239.255.0.1", octets);
+  send_to_heartbeats("239.255.0.1", {});
+  send_to_heartbeats("239.255.0.1", std::vector<std::byte>(1000));
+  one->send(heartbeat);
+  EXPECT_THAT(heartbeats_taken(*other), ElementsAre(heartbeat));
+}
+
+TEST_F(HeartbeatSocketTest, WhatIsSentToTheHostItselfIsNotHeard) {
+  const HeartbeatDatagram datagram = encode(heartbeat);
+  send_to_heartbeats("127.0.0.1", {datagram.begin(), datagram.end()});
+  EXPECT_THAT(heartbeats_taken(*other), IsEmpty());
+}
+
+TEST_F(HeartbeatSocketTest, AFloodDoesNotHoldUpWhoTakes) {
+  for (int i = 0; i < 64; ++i) one->send(heartbeat);
+  std::size_t heard = 0;
+  other->take([&](const Heartbeat&) {
+    ++heard;
+    one->send(heartbeat);  // so there is always another one
+  });
+  EXPECT_EQ(heard, HeartbeatSocket::taken_at_once_max);
+}
+
+TEST(HeartbeatSocketPlace, OnAnInterfaceThatIsNotThereIsNone) {
+  EXPECT_FALSE(HeartbeatSocket::open(
+      {.ip = IpAddress(0xC0000201), .index = 4'000'000, .port = test_port, .reaches_own_host = false}));
+}
+
+}  // namespace
+}  // namespace sft::core

@@ -1,0 +1,204 @@
+// A link on which something is missing is made anew, with pauses that grow while that does not help.
+#include "core/discovery/link_care.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace sft::core {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+class LinkCareTest : public ::testing::Test {
+ protected:
+  LinkCareTest() { care.made(link, now); }
+
+  void misses(std::set<ProcessId> processes) { care.misses({{link, std::move(processes)}}); }
+  /// Returns what is due after that time, and makes links anew.
+  LinkCare::Due after(Time::duration time) {
+    now += time;
+    const LinkCare::Due due =
+        care.look([this](ProcessId process, LinkId) { return helped.contains(process); },
+                  [this](LinkId one) { return covered.contains(one); }, now);
+    for (const LinkCare::Renewal& renewal : due.renewals) {
+      care.made(++link, now);
+      care.replaced(renewal.link, link, now);
+      misses({renewal.because_of});
+      renewed_at.push_back(now);
+    }
+    return due;
+  }
+  std::vector<Time::duration> pauses_within(Time::duration time) {
+    for (const Time end = now + time; now < end;) after(100ms);
+    std::vector<Time::duration> pauses;
+    for (std::size_t i = 1; i < renewed_at.size(); ++i) pauses.push_back(renewed_at[i] - renewed_at[i - 1]);
+    return pauses;
+  }
+  bool announces(Time::duration time) { return !after(time).announcements.empty(); }
+
+  const Timing timing;
+  Time now = Time(100s);
+  LinkId link = 1;
+  std::set<ProcessId> helped;
+  std::set<LinkId> covered;
+  std::vector<Time> renewed_at;
+  LinkCare care{0, timing};
+};
+
+TEST_F(LinkCareTest, MakesALinkAnewOnWhichSomethingIsMissing) {
+  EXPECT_THAT(after(1min).renewals, IsEmpty());
+  misses({7});
+  const auto renewals = after(0s).renewals;
+  ASSERT_EQ(renewals.size(), 1u);
+  EXPECT_EQ(renewals[0].link, 1u);
+  EXPECT_EQ(renewals[0].because_of, 7u);
+  EXPECT_TRUE(care.is_retired(1));
+}
+
+TEST_F(LinkCareTest, MakesNoneAnewThatIsNew) {
+  misses({7});
+  EXPECT_THAT(after(timing.lease - 1ms).renewals, IsEmpty());
+  EXPECT_EQ(care.next(), now + 1ms);
+  EXPECT_EQ(after(1ms).renewals.size(), 1u);
+}
+
+TEST_F(LinkCareTest, WaitsLongerWhileThatDoesNotHelp) {
+  misses({7});
+  EXPECT_THAT(pauses_within(5min), ElementsAre(5500ms, 11s, 22s, 44s, 1min, 1min, 1min));
+}
+
+TEST_F(LinkCareTest, WaitsNoLongerAgainOnceItHelpsOrTheProcessIsGone) {
+  misses({7});
+  pauses_within(30s);
+  helped = {7};
+  after(0s);
+  renewed_at.clear();
+  misses({8});
+  helped.clear();
+  pauses_within(6s);
+  EXPECT_EQ(renewed_at.size(), 1u);
+}
+
+TEST_F(LinkCareTest, HelpsOneProcessBesideAnotherThatIsMadeUp) {
+  misses({6, 7});
+  helped = {7};
+  EXPECT_THAT(pauses_within(30s), ElementsAre(5500ms, 11s)) << "six is not helped";
+}
+
+TEST_F(LinkCareTest, TriesAgainSoonIfALinkCannotBeMade) {
+  misses({7});
+  now += timing.lease;
+  const auto look = [&] {
+    return care.look([](ProcessId, LinkId) { return false; }, [](LinkId) { return false; }, now);
+  };
+  EXPECT_EQ(look().renewals.size(), 1u);
+  EXPECT_THAT(look().renewals, IsEmpty());
+  EXPECT_EQ(care.next(), now + timing.try_again);
+  now += timing.try_again;
+  EXPECT_EQ(look().renewals.size(), 1u);
+}
+
+TEST_F(LinkCareTest, KeepsAReplacedLinkUntilAllAreHeardOnAnotherOne) {
+  care.made(2, now);
+  care.replaced(1, 2, now);
+  covered = {1};
+  EXPECT_THAT(after(timing.retire_after - 1ms).ends, IsEmpty());
+  covered = {};
+  EXPECT_THAT(after(1s).ends, IsEmpty());
+  covered = {1};
+  EXPECT_THAT(after(timing.retire_after).ends, ElementsAre(1));
+}
+
+TEST_F(LinkCareTest, KeepsAReplacedLinkNoLongerThanALease) {
+  care.retire(1, now);
+  now += timing.lease - 1ms;
+  EXPECT_THAT(after(0ms).ends, IsEmpty());
+  EXPECT_THAT(after(timing.retire_after).ends, ElementsAre(1));
+  care.gone(1);
+  EXPECT_FALSE(care.has(1));
+  EXPECT_EQ(care.next(), Time::max());
+}
+
+TEST_F(LinkCareTest, DoesNotMakeAReplacedLinkAnew) {
+  care.retire(1, now);
+  misses({7});
+  EXPECT_THAT(after(1min).renewals, IsEmpty());
+}
+
+TEST_F(LinkCareTest, LetsRecordsOfACrowdTakeTheirTime) {
+  const Time since = now;
+  const Time of_none = care.missed_from(link, since, true);
+  EXPECT_EQ(of_none, since + timing.settle);
+  EXPECT_EQ(care.missed_from(link, since, false), since + 2 * timing.settle) << "it has never been complete";
+  for (int i = 0; i < 10; ++i) care.joined(link, now);
+  EXPECT_EQ(care.missed_from(link, since, true), since + timing.settle + 10 * timing.settle_each);
+  for (int i = 0; i < 1000; ++i) care.joined(link, now);
+  EXPECT_EQ(care.missed_from(link, since, true), since + timing.settle + 100 * timing.settle_each);
+}
+
+TEST_F(LinkCareTest, BeginsToWaitAnewWithEachNewcomerAndWhatComesOfIt) {
+  const Time since = now;
+  care.joined(link, now += 3s);
+  EXPECT_EQ(care.missed_from(link, since, true), now + timing.settle + timing.settle_each);
+  care.stirred(link, now += 1s);
+  EXPECT_EQ(care.missed_from(link, since, true), now + timing.settle + timing.settle_each);
+}
+
+TEST_F(LinkCareTest, DoesNotWaitAsLongInEachProcess) {
+  EXPECT_EQ(LinkCare(64, timing).next(), Time::max());
+  LinkCare other(32, timing);
+  other.made(1, now);
+  EXPECT_EQ(other.missed_from(1, now, true), now + timing.settle * 5 / 4);
+}
+
+TEST_F(LinkCareTest, AsksWhoIsThereIfAStrangerGivesHeartbeats) {
+  now += 2 * timing.settle;
+  care.stranger_came(link, now);
+  const auto asked = after(0s).announcements;
+  ASSERT_EQ(asked.size(), 1u);
+  EXPECT_TRUE(asked[0].asks);
+  EXPECT_FALSE(announces(10s));
+}
+
+TEST_F(LinkCareTest, DoesNotAskWhileOthersAreNew) {
+  care.joined(link, now);
+  now += 2 * timing.settle - 1ms;
+  care.stranger_came(link, now);
+  EXPECT_FALSE(announces(10s));
+}
+
+TEST_F(LinkCareTest, AsksEverMoreSeldomWhileTheStrangerStaysOne) {
+  int asked = 0;
+  for (int second = 0; second < 120; ++second) {
+    care.stranger_came(link, now);
+    asked += announces(1s) ? 1 : 0;
+  }
+  EXPECT_LE(asked, 25);
+  EXPECT_GE(asked, 20);
+}
+
+TEST_F(LinkCareTest, AnswersWhoAsksNoMoreOftenThanHeartbeatsGo) {
+  int answers = 0;
+  for (int i = 0; i < 100; ++i) {
+    care.was_asked(link);
+    const auto announcements = after(100ms).announcements;
+    answers += static_cast<int>(announcements.size());
+    for (const auto& one : announcements) EXPECT_FALSE(one.asks);
+  }
+  EXPECT_LE(answers, 11);
+  EXPECT_GE(answers, 9);
+}
+
+TEST_F(LinkCareTest, AsksOnAllLinksAfterTheNetworkHasChanged) {
+  care.made(2, now);
+  care.network_changed(now);
+  EXPECT_EQ(after(0s).announcements.size(), 2u);
+  EXPECT_TRUE(after(10s).announcements.empty());
+}
+
+}  // namespace
+}  // namespace sft::core

@@ -1,0 +1,392 @@
+// Which processes live, and which of their records hold.
+#include "core/discovery/peers.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+#include <string>
+
+namespace sft::core {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::Pair;
+using ::testing::UnorderedElementsAre;
+
+constexpr LinkId cable = 1, wlan = 2, new_cable = 3;
+constexpr ProcessId own_process = 64, neighbour = 7;
+
+/// Another process, with a participant on each link that it is on.
+class PeersTest : public ::testing::Test {
+ protected:
+  PeersTest() {
+    peers.listen(Role::writer, now);
+    peers.link_made(cable, now);
+    peers.link_made(wlan, now);
+    now += 10s;
+  }
+
+  static RemoteParticipant on(LinkId link, std::uint8_t number = 0) {
+    return {link, {number == 0 ? static_cast<std::uint8_t>(link) : number}};
+  }
+  static RecordBody body(const std::string& text) {
+    const auto* const first = reinterpret_cast<const std::byte*>(text.data());
+    return std::make_shared<const std::vector<std::byte>>(first, first + text.size());
+  }
+  void found(LinkId link) { peers.participant_found(on(link), neighbour, now); }
+  /// The process has a record now, which these links bring.
+  void writes(std::uint32_t slot, const std::string& text, const std::vector<LinkId>& by) {
+    const Record record{++revision, text.empty() ? nullptr : body(text)};
+    own.put({slot, {}}, record);
+    for (const LinkId link : by) peers.record_came(on(link), Role::writer, {slot, {}}, record, now);
+  }
+  /// Somebody writes in the name of the participant on that link.
+  void forges(LinkId link, std::uint32_t slot, const std::string& text, std::uint64_t as_revision = 1000) {
+    peers.record_came(on(link), Role::writer, {slot, {}}, {as_revision, body(text)}, now);
+  }
+  void heartbeats(const std::vector<LinkId>& by) {
+    for (const LinkId link : by)
+      peers.heartbeat_came(link, {on(link).guid, neighbour, {own.digest(), 0}}, now);
+    look();
+  }
+  /// The process goes on giving heartbeats by these links.
+  void goes_on(Time::duration time, const std::vector<LinkId>& by) {
+    for (const Time end = now + time; now < end;) {
+      now += 500ms;
+      heartbeats(by);
+    }
+  }
+  void look() {
+    peers.look(now);
+    for (const PeerAction& action : peers.take_actions()) {
+      if (std::holds_alternative<PeerFound>(action)) ++finds;
+      if (std::holds_alternative<PeerLost>(action)) ++losses, holds.clear();
+      if (const auto* const record = std::get_if<RecordChanged>(&action)) note(*record);
+      if (const auto* const renewal = std::get_if<RenewLink>(&action)) renew(renewal->link);
+      if (const auto* const cut = std::get_if<PathsCut>(&action)) cut_links = cut->links;
+      if (const auto* const missing = std::get_if<HeartbeatsMissing>(&action))
+        unheard.push_back(missing->link);
+    }
+  }
+  void renew(LinkId link) {
+    renewed.push_back(link);
+    peers.link_made(++last_link, now);
+    peers.link_replaced(link, last_link, now);
+  }
+  void note(const RecordChanged& changed) {
+    if (changed.record.is_withdrawn()) {
+      holds.erase(changed.key.slot);
+      return;
+    }
+    const auto* const text = reinterpret_cast<const char*>(changed.record.body->data());
+    holds[changed.key.slot] = std::string(text, changed.record.body->size());
+  }
+  /// Both links have brought all that there is.
+  void meet_on_both_links() {
+    found(cable);
+    found(wlan);
+    writes(0, "a", {cable, wlan});
+    heartbeats({cable, wlan});
+    goes_on(10s, {cable, wlan});
+    ASSERT_THAT(holds, ElementsAre(Pair(0, "a")));
+  }
+
+  const Timing timing;
+  Time now = Time(100s);
+  Peers peers{own_process, timing};
+  Records own;
+  LinkId last_link = wlan;
+  std::uint64_t revision = 0;
+  std::map<std::uint32_t, std::string> holds;
+  int finds = 0, losses = 0;
+  std::vector<LinkId> renewed, cut_links, unheard;
+};
+
+TEST_F(PeersTest, KnowsWhatAProcessHasOnceItIsFound) {
+  writes(0, "a", {cable});
+  look();
+  EXPECT_EQ(finds, 0);
+  found(cable);
+  look();
+  EXPECT_EQ(finds, 1);
+  EXPECT_THAT(holds, ElementsAre(Pair(0, "a")));
+  EXPECT_EQ(peers.newcomer_at(), now);
+}
+
+TEST_F(PeersTest, FollowsChangesWithdrawalsAndSlotsThatAreUsedAgain) {
+  found(cable);
+  writes(0, "a", {cable});
+  writes(1, "b", {cable});
+  writes(0, "", {cable});
+  look();
+  EXPECT_THAT(holds, ElementsAre(Pair(1, "b")));
+  writes(0, "c", {cable});
+  look();
+  EXPECT_THAT(holds, ElementsAre(Pair(0, "c"), Pair(1, "b")));
+  EXPECT_EQ(peers.find(neighbour)->records(Role::writer).digest(), own.digest());
+}
+
+TEST_F(PeersTest, TakesAProcessOnSeveralLinksForOneAndTheNewestRecordForTheRightOne) {
+  meet_on_both_links();
+  writes(0, "b", {wlan});
+  look();
+  EXPECT_THAT(holds, ElementsAre(Pair(0, "b"))) << "whichever link has brought it";
+  peers.record_came(on(cable), Role::writer, {0, {}}, {revision, body("b")}, now);
+  look();
+  EXPECT_THAT(holds, ElementsAre(Pair(0, "b")));
+  EXPECT_EQ(finds, 1);
+}
+
+TEST_F(PeersTest, MissesAProcessOnceNoLinkBringsHeartbeatsForALease) {
+  meet_on_both_links();
+  goes_on(20s, {wlan});
+  EXPECT_EQ(losses, 0);
+  now += timing.lease;
+  look();
+  EXPECT_EQ(losses, 1);
+  EXPECT_EQ(peers.find(neighbour), nullptr);
+  heartbeats({cable});
+  EXPECT_EQ(finds, 2);
+  EXPECT_THAT(holds, ElementsAre(Pair(0, "a"))) << "its records are still there";
+  EXPECT_THAT(renewed, IsEmpty());
+}
+
+TEST_F(PeersTest, MissesAProcessAtOnceWhenAllItsParticipantsAreGone) {
+  meet_on_both_links();
+  peers.participant_gone(on(cable));
+  look();
+  EXPECT_EQ(losses, 0);
+  peers.participant_gone(on(wlan));
+  look();
+  EXPECT_EQ(losses, 1);
+}
+
+TEST_F(PeersTest, MakesALinkAnewThatDoesNotBringWhatHeartbeatsCount) {
+  found(cable);
+  writes(0, "a", {cable});
+  heartbeats({cable});
+  writes(1, "b", {});
+  goes_on(4s, {cable});
+  EXPECT_THAT(renewed, ElementsAre(cable));
+  found(new_cable);
+  peers.record_came(on(new_cable), Role::writer, {0, {}}, {1, body("a")}, now);
+  peers.record_came(on(new_cable), Role::writer, {1, {}}, {2, body("b")}, now);
+  heartbeats({new_cable, cable});
+  EXPECT_THAT(holds, ElementsAre(Pair(0, "a"), Pair(1, "b")));
+  goes_on(60s, {new_cable});
+  EXPECT_THAT(renewed, ElementsAre(cable));
+}
+
+TEST_F(PeersTest, ForgetsWhatWasForgedOnALinkOnceAnotherOneIsRight) {
+  found(cable);
+  writes(0, "a", {cable});
+  heartbeats({cable});
+  forges(cable, 0, "forged");
+  forges(cable, 5, "forged");
+  look();
+  EXPECT_THAT(holds, ElementsAre(Pair(0, "forged"), Pair(5, "forged"))) << "no datagram shows it";
+  goes_on(4s, {cable});
+  ASSERT_THAT(renewed, ElementsAre(cable));
+  found(new_cable);
+  peers.record_came(on(new_cable), Role::writer, {0, {}}, {1, body("a")}, now);
+  look();
+  EXPECT_THAT(holds, ElementsAre(Pair(0, "a")));
+}
+
+TEST_F(PeersTest, BelievesTheLinkThatAgreesWithHeartbeatsBesideOneThatDoesNot) {
+  meet_on_both_links();
+  forges(cable, 0, "forged");
+  goes_on(4s, {cable, wlan});
+  EXPECT_THAT(holds, ElementsAre(Pair(0, "a")));
+  EXPECT_THAT(renewed, ElementsAre(cable));
+  writes(0, "b", {wlan});
+  look();
+  EXPECT_THAT(holds, ElementsAre(Pair(0, "b"))) << "also while heartbeats do not count the change yet";
+}
+
+TEST_F(PeersTest, IsNotToldByASingleForgedHeartbeat) {
+  meet_on_both_links();
+  for (int i = 0; i < 30; ++i) {
+    peers.heartbeat_came(cable, {on(cable).guid, neighbour, {12345u + static_cast<unsigned>(i), 0}}, now);
+    goes_on(500ms, {cable, wlan});
+  }
+  EXPECT_THAT(renewed, IsEmpty());
+  EXPECT_THAT(holds, ElementsAre(Pair(0, "a")));
+}
+
+TEST_F(PeersTest, RefusesAParticipantThatClaimsAProcessWhichLives) {
+  found(cable);
+  writes(0, "a", {cable});
+  heartbeats({cable});
+  const auto claims = [&](LinkId link) {
+    const RemoteParticipant claimant = on(link, 99);
+    peers.participant_found(claimant, neighbour, now);
+    peers.record_came(claimant, Role::writer, {0, {}}, {1000, body("claimed")}, now);
+    peers.record_came(claimant, Role::writer, {1, {}}, {1001, body("claimed")}, now);
+    peers.heartbeat_came(link, {claimant.guid, neighbour, {99, 0}}, now);
+  };
+  for (int i = 0; i < 80; ++i) {
+    claims(renewed.empty() ? wlan : last_link);
+    goes_on(500ms, {cable});
+    ASSERT_THAT(holds, ElementsAre(Pair(0, "a")));
+  }
+  writes(0, "b", {cable});
+  look();
+  EXPECT_THAT(holds, ElementsAre(Pair(0, "b")));
+  EXPECT_LE(renewed.size(), 3u) << "in 40 s";
+}
+
+TEST_F(PeersTest, RefusesAClaimOfAProcessThatHasNothingYet) {
+  found(cable);
+  heartbeats({cable});
+  const RemoteParticipant claimant = on(wlan, 99);
+  peers.participant_found(claimant, neighbour, now);
+  goes_on(2s, {cable});
+  peers.record_came(claimant, Role::writer, {0, {}}, {1000, body("claimed")}, now);
+  goes_on(2s, {cable});
+  EXPECT_THAT(holds, IsEmpty());
+}
+
+TEST_F(PeersTest, TakesNoWordAboutItsOwnProcess) {
+  peers.participant_found(on(cable), own_process, now);
+  peers.record_came(on(cable), Role::writer, {0, {}}, {1, body("a")}, now);
+  peers.heartbeat_came(cable, {on(cable).guid, own_process, {}}, now);
+  look();
+  EXPECT_EQ(finds, 0);
+  EXPECT_THAT(holds, IsEmpty());
+}
+
+TEST_F(PeersTest, TakesNoHeartbeatOfAnotherProcessThanTheParticipants) {
+  found(cable);
+  heartbeats({cable});
+  now += timing.lease;
+  peers.heartbeat_came(cable, {on(cable).guid, neighbour + 1, {}}, now);
+  look();
+  EXPECT_EQ(losses, 1);
+}
+
+TEST_F(PeersTest, SaysByWhichLinksTheWayToAProcessIsCut) {
+  meet_on_both_links();
+  goes_on(timing.late, {wlan});
+  EXPECT_THAT(cut_links, ElementsAre(cable));
+  goes_on(500ms, {cable, wlan});
+  EXPECT_THAT(cut_links, IsEmpty());
+}
+
+TEST_F(PeersTest, ComparesWithTheHeartbeatsOfAnotherLinkWhereTheFirstOneIsCut) {
+  meet_on_both_links();
+  goes_on(3s, {wlan});
+  writes(0, "b", {wlan});
+  goes_on(timing.lease, {wlan});
+  EXPECT_THAT(holds, ElementsAre(Pair(0, "b")));
+  EXPECT_THAT(renewed, IsEmpty());
+}
+
+TEST_F(PeersTest, SaysOnceThatHeartbeatsDoNotArriveAndHasTimeForThemToComeOtherwise) {
+  found(cable);
+  writes(0, "a", {cable});
+  now += timing.lease;
+  look();
+  EXPECT_THAT(unheard, ElementsAre(cable));
+  EXPECT_THAT(holds, ElementsAre(Pair(0, "a")));
+  goes_on(30s, {cable});
+  EXPECT_THAT(unheard, ElementsAre(cable));
+  EXPECT_EQ(losses, 0);
+}
+
+TEST_F(PeersTest, MissesAProcessThatEndedBeforeItsFirstHeartbeat) {
+  found(cable);
+  writes(0, "a", {cable});
+  now += 2 * timing.lease;
+  look();
+  EXPECT_EQ(losses, 1);
+}
+
+TEST_F(PeersTest, NamesTheTimeOfItsNextLook) {
+  EXPECT_EQ(peers.next(), Time::max());
+  meet_on_both_links();
+  EXPECT_EQ(peers.next(), now + timing.late);
+  now += timing.late;
+  look();
+  EXPECT_EQ(peers.next(), now - timing.late + timing.lease) << "all links are late, and none is cut";
+  now = peers.next();
+  look();
+  EXPECT_EQ(losses, 1);
+  EXPECT_EQ(peers.next(), Time::max());
+}
+
+TEST_F(PeersTest, HasRoomForTheRecordsOfOthersWhateverOneParticipantHas) {
+  const PeerLimits limits{.records = 10, .bytes = 1000, .crowded = 100, .participants = 2};
+  Peers small(own_process, timing, limits);
+  small.listen(Role::writer, now);
+  small.link_made(cable, now);
+  const auto fill = [&](std::uint8_t number, std::uint32_t records) {
+    std::uint32_t room = 0;
+    for (std::uint32_t slot = 0; slot < records; ++slot)
+      room +=
+          small.record_came(on(cable, number), Role::writer, {slot, {}}, {slot + 1, body("a")}, now) ? 1 : 0;
+    return room;
+  };
+  EXPECT_EQ(fill(10, 1000), 100u);
+  EXPECT_EQ(fill(11, 1000), 10u);
+  EXPECT_TRUE(small.record_came(on(cable, 11), Role::writer, {0, {}}, {9999, body("b")}, now));
+  EXPECT_FALSE(
+      small.record_came(on(cable, 12), Role::writer, {0, {}}, {1, body(std::string(1001, 'x'))}, now));
+  small.participant_gone(on(cable, 10));
+  EXPECT_EQ(fill(13, 1000), 90u);
+}
+
+TEST_F(PeersTest, HasRoomForTheBytesOfOthersWhateverOneParticipantHas) {
+  const PeerLimits limits{
+      .records = 10, .bytes = 100, .crowded = 1000, .crowded_bytes = 1000, .participants = 2};
+  Peers small(own_process, timing, limits);
+  small.listen(Role::writer, now);
+  small.link_made(cable, now);
+  const auto takes = [&](std::uint8_t number, std::uint32_t slot, std::size_t bytes) {
+    return small.record_came(on(cable, number), Role::writer, {slot, {}},
+                             {slot + 1, body(std::string(bytes, 'x'))}, now);
+  };
+  EXPECT_TRUE(takes(10, 0, 1000));
+  EXPECT_FALSE(takes(10, 1, 1));
+  EXPECT_TRUE(takes(11, 0, 100));
+  EXPECT_FALSE(takes(11, 1, 1));
+  EXPECT_TRUE(takes(11, 0, 99)) << "in the place of the one before";
+}
+
+TEST_F(PeersTest, MakesNoLinkAnewForAParticipantWhoseRecordsFindNoRoom) {
+  Peers small(own_process, timing, {.records = 1, .bytes = 1000, .crowded = 1});
+  small.listen(Role::writer, now);
+  small.link_made(cable, now);
+  small.participant_found(on(cable), neighbour, now);
+  small.record_came(on(cable), Role::writer, {0, {}}, {1, body("a")}, now);
+  EXPECT_FALSE(small.record_came(on(cable), Role::writer, {1, {}}, {2, body("b")}, now));
+  for (int i = 0; i < 60; ++i) {
+    now += 1s;
+    small.heartbeat_came(cable, {on(cable).guid, neighbour, {99, 0}}, now);
+    small.look(now);
+  }
+  for (const PeerAction& action : small.take_actions())
+    EXPECT_FALSE(std::holds_alternative<RenewLink>(action));
+}
+
+TEST_F(PeersTest, ForgetsAllOfALinkThatIsGone) {
+  meet_on_both_links();
+  peers.link_gone(wlan);
+  look();
+  EXPECT_EQ(losses, 0);
+  peers.link_gone(cable);
+  look();
+  EXPECT_EQ(losses, 1);
+  peers.participant_found(on(cable), neighbour, now);
+  peers.record_came(on(cable), Role::writer, {0, {}}, {1, body("late")}, now);
+  peers.heartbeat_came(cable, {on(cable).guid, neighbour, {}}, now);
+  look();
+  EXPECT_EQ(finds, 1) << "what comes late of a link that is gone counts for nothing";
+}
+
+}  // namespace
+}  // namespace sft::core
