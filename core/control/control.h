@@ -109,8 +109,6 @@ struct Assertion {
   NodeId node = 0;
   std::vector<EndpointId> writers;
   std::vector<Progress> progress{};
-  std::uint32_t digest_of_writers = 0;  ///< of all that its process has announced of these (control_digest.h)
-  std::uint32_t digest_of_readers = 0;  ///< the same of its readers
   std::vector<EndpointId> asked_about{};  ///< endpoints of others whose accounts it wants to know
   std::vector<Account> accounts{};        ///< of its own endpoints that others have asked about
   bool wants_signs = false;               ///< everybody shall give signs of life often for a while

@@ -1,20 +1,34 @@
 #include "core/discovery/control_link.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
+#include <memory>
 #include <span>
 
 #include "core/control/control_codec.h"
 #include "core/control/record_body.h"
-#include "core/discovery/control_qos.h"
 #include "core/discovery/dds_domain.h"
-#include "core/discovery/take_all.h"
-#include "core/discovery/topic_endpoint.h"
 #include "sft_control.h"
 
 namespace sft::core {
 
 namespace {
+
+struct QosDeleter {
+  void operator()(dds_qos_t* qos) const { dds_delete_qos(qos); }
+};
+using DdsQos = std::unique_ptr<dds_qos_t, QosDeleter>;
+
+struct ListenerDeleter {
+  void operator()(dds_listener_t* listener) const { dds_delete_listener(listener); }
+};
+using DdsListener = std::unique_ptr<dds_listener_t, ListenerDeleter>;
+
+struct TopicName {
+  const dds_topic_descriptor_t* type = nullptr;
+  const char* name = nullptr;
+};
 
 TopicName topic_of(Role role) {
   return {&sft_control_Record_desc, role == Role::writer ? "sft_writer" : "sft_reader"};
@@ -29,9 +43,21 @@ ParticipantGuid guid_of(const dds_guid_t& guid) {
   return octets;
 }
 
+/// Records are reliable, and kept for participants that come later.
+DdsQos record_qos() {
+  DdsQos qos(dds_create_qos());
+  dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_MSECS(100));
+  dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);
+  // The end of a process is known by its heartbeats: nothing is disposed of.
+  dds_qset_writer_data_lifecycle(qos.get(), false);
+  return qos;
+}
+
 /// Readers do not hear their own participant.
 DdsQos reading_qos(const dds_qos_t* written) {
-  DdsQos qos = copy_of(written);
+  DdsQos qos(dds_create_qos());
+  dds_copy_qos(qos.get(), written);
   dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PARTICIPANT);
   return qos;
 }
@@ -48,6 +74,44 @@ DdsQos user_data_qos(const ParticipantData& data) {
   DdsQos qos(dds_create_qos());
   dds_qset_userdata(qos.get(), text.data(), text.size());
   return qos;
+}
+
+std::string user_data_of(const dds_qos_t* qos) {
+  void* data = nullptr;
+  std::size_t bytes = 0;
+  if (!dds_qget_userdata(qos, &data, &bytes) || data == nullptr) return {};
+  std::string user_data(static_cast<const char*>(data), bytes);
+  dds_free(data);
+  return user_data;
+}
+
+/// Makes the topic in that participant, and an endpoint of it by `create(topic)`.
+template <class Create>
+Result<dds_entity_t> create_on_topic(dds_entity_t participant, const TopicName& name, const dds_qos_t* qos,
+                                     Create create) {
+  const dds_entity_t topic = dds_create_topic(participant, name.type, name.name, qos, nullptr);
+  const dds_entity_t created = topic < 0 ? topic : create(topic);
+  if (created >= 0) return created;
+  if (topic >= 0) dds_delete(topic);
+  return fail(Errc::system, std::string("control topic ") + name.name + ": " + dds_strretcode(created));
+}
+
+/// Takes all that a reader has, in batches, and calls `use(sample, info)`. Cyclone reports once more what
+/// comes after the last batch.
+template <class Sample, class Use>
+void take_all(dds_entity_t reader, Use use) {
+  constexpr std::size_t batch = 16;
+  std::array<void*, batch> samples{};
+  std::array<dds_sample_info_t, batch> infos{};
+  for (;;) {
+    const dds_return_t n = dds_take(reader, samples.data(), infos.data(), batch, batch);
+    if (n <= 0) return;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i)
+      use(*static_cast<const Sample*>(samples[i]), infos[i]);
+    dds_return_loan(reader, samples.data(), n);
+    if (static_cast<std::size_t>(n) < batch) return;
+    samples[0] = nullptr;
+  }
 }
 
 tl::unexpected<Error> refused(const char* what, dds_return_t status) {
@@ -104,7 +168,7 @@ Result<void> ControlLink::hear(Role role) {
     Topic& read = *static_cast<Topic*>(at);
     read.link->take_records(reader, read);
   });
-  const DdsQos written = control_qos();
+  const DdsQos written = record_qos();
   const DdsQos qos = reading_qos(written.get());
   const Result<dds_entity_t> made = create_on_topic(
       participant_, topic_of(role), written.get(),
@@ -116,7 +180,7 @@ Result<void> ControlLink::hear(Role role) {
 
 Result<dds_entity_t> ControlLink::writer_of(Topic& topic) {
   if (topic.writer != 0) return topic.writer;
-  const DdsQos qos = control_qos();
+  const DdsQos qos = record_qos();
   Result<dds_entity_t> made = create_on_topic(
       participant_, topic_of(topic.role), qos.get(),
       [&](dds_entity_t on) { return dds_create_writer(participant_, on, qos.get(), nullptr); });

@@ -85,8 +85,8 @@ class SharedPlane final : public Discovery {
 
 }  // namespace
 
-Result<std::unique_ptr<Discovery>> open_record_discovery(const DiscoveryOptions& options,
-                                                         DiscoveryListener& listener) {
+Result<std::unique_ptr<Discovery>> Discovery::open(const DiscoveryOptions& options,
+                                                   DiscoveryListener& listener) {
   Result<std::shared_ptr<ControlPlane>> plane = ControlPlane::of(options);
   if (!plane) return tl::unexpected(plane.error());
   return std::make_unique<SharedPlane>(std::move(*plane), listener);

@@ -24,10 +24,6 @@
 
 namespace sft::core {
 
-/// Opens discovery by records. It has replaced Discovery::open() once the old room is gone.
-Result<std::unique_ptr<Discovery>> open_record_discovery(const DiscoveryOptions& options,
-                                                         DiscoveryListener& listener);
-
 /// Decides which links are wanted, writes what the process has, and describes all that to the user.
 class ControlPlane {
  public:

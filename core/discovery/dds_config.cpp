@@ -88,9 +88,9 @@ constexpr int loopback_port_offset = 120;
 // life would wake the threads of all links of each process. DDS itself leaves these two ports unused.
 constexpr int loopback_multicast_offset = 2;
 
-// Ports of a domain, as DDS prescribes them (RTPS 2.3, 9.6.1), and the port of pulses among those that it
+// Ports of a domain, as DDS prescribes them (RTPS 2.3, 9.6.1), and the port of heartbeats among those that it
 // leaves unused.
-constexpr unsigned first_port = 7400, ports_of_domain = 250, pulse_offset = 4;
+constexpr unsigned first_port = 7400, ports_of_domain = 250, heartbeat_offset = 4;
 constexpr std::array<std::string_view, 5> changes_of_multicasts{
     "General/DontRoute", "General/MulticastRecvNetworkInterfaceAddresses", "General/MulticastTimeToLive",
     "Discovery/Ports", "Discovery/SPDPMulticastAddress"};
@@ -131,7 +131,7 @@ class Composition {
     config.found_by_multicast = !finds_by_peers_only();
     config.participant_lease = asks_seldom() ? lease_if_asked_seldom : usual_lease;
     config.is_secured = user_.sets("Security");
-    config.pulse_port = pulse_port(config);
+    config.heartbeat_port = heartbeat_port(config);
     config.peers = settings_.peers;
     config.user_peers = user_peers();
     config.text_has_user_peers = !has_peer_by_name();
@@ -146,8 +146,8 @@ class Composition {
   }
 
  private:
-  /// What the user has changed of how multicasts go may matter to pulses, too, which Cyclone does not send.
-  std::optional<std::uint16_t> pulse_port(const DdsConfig& config) const {
+  /// What the user has changed of how multicasts go may matter to heartbeats, too, which Cyclone does not send.
+  std::optional<std::uint16_t> heartbeat_port(const DdsConfig& config) const {
     const bool is_as_usual =
         std::ranges::none_of(changes_of_multicasts, [&](std::string_view path) { return user_.sets(path); });
     unsigned number = 0;
@@ -156,7 +156,7 @@ class Composition {
     const bool has_ports = read.ec == std::errc{} && number <= NodeOptions::domain_max;
     const bool has_multicast = config.multicast && !equals(multicast_, "ssm");
     if (!is_as_usual || !has_ports || !has_multicast || config.is_secured) return std::nullopt;
-    return static_cast<std::uint16_t>(first_port + ports_of_domain * number + pulse_offset);
+    return static_cast<std::uint16_t>(first_port + ports_of_domain * number + heartbeat_offset);
   }
 
   /// To peers that it does not reach, nothing must go by it once they are found.

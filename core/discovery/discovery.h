@@ -10,7 +10,6 @@
 
 #include "core/control/control.h"
 #include "core/discovery/discovery_listener.h"
-#include "core/discovery/life_signs.h"
 #include "core/platform/clock.h"
 #include "sft/options.h"
 #include "sft/result.h"
@@ -22,6 +21,13 @@ struct DiscoveryOptions {
   DiscoverySettings settings{};
   std::string user_config{};  ///< XML texts or names of files
   ThreadSettings threads{};   ///< of Cyclone's threads
+};
+
+/// The pace at which a node says that it lives, and the time without such a sign after which it is lost.
+struct LifeSigns {
+  std::chrono::milliseconds pause;
+  std::chrono::milliseconds pause_in_calm;
+  std::chrono::milliseconds lease;
 };
 
 class Discovery {

@@ -9,10 +9,10 @@ namespace sft::core {
 namespace {
 
 std::optional<HeartbeatSocket::Place> heartbeats_on(const LinkSpec& link, const DdsConfig& config) {
-  if (!config.pulse_port || !link.ip.is_ipv4()) return std::nullopt;
+  if (!config.heartbeat_port || !link.ip.is_ipv4()) return std::nullopt;
   return HeartbeatSocket::Place{.ip = link.ip,
                                 .index = link.index,
-                                .port = *config.pulse_port,
+                                .port = *config.heartbeat_port,
                                 .reaches_own_host = link.loopback || link.reaches_own_host};
 }
 

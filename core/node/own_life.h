@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/control/control.h"
-#include "core/discovery/life_signs.h"
+#include "core/discovery/discovery.h"
 #include "core/node/account_desk.h"
 #include "core/node/local_endpoints.h"
 #include "core/platform/clock.h"

@@ -34,8 +34,6 @@ void check(FuzzedDataProvider data) {
   sft_control_Assertion sample{};
   sample.version = data.ConsumeBool() ? sft_control_protocol_version : data.ConsumeIntegral<std::uint8_t>();
   sample.node = data.ConsumeIntegral<std::uint64_t>();
-  data.ConsumeData(&sample.digest_of_writers, sizeof sample.digest_of_writers);
-  data.ConsumeData(&sample.digest_of_readers, sizeof sample.digest_of_readers);
   auto accounts = elements<sft_control_Account>(data, accounts_max + 2);
   auto asked_about = elements<std::uint64_t>(data, asked_about_max + 2);
   auto progress = elements<sft_control_Progress>(data, progress_max + 2);

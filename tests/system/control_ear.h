@@ -65,14 +65,11 @@ inline core::Endpoint control_endpoint(core::Role role, core::EndpointId id) {
 /// What one node hears.
 class ControlEar final : private core::DiscoveryListener {
  public:
-  using Open = Result<std::unique_ptr<core::Discovery>> (*)(const core::DiscoveryOptions&,
-                                                            core::DiscoveryListener&);
   /// Those with the same name use the same Cyclone domains. Others meet as if they were in other processes.
-  explicit ControlEar(const std::string& process = "", const std::string& cyclone_config = "",
-                      Open open = &core::Discovery::open) {
+  explicit ControlEar(const std::string& process = "", const std::string& cyclone_config = "") {
     const core::DiscoveryOptions options{
         .domain = control_domain(), .user_config = cyclone_config, .threads = {.name_prefix = process}};
-    discovery_ = std::move(open(options, *this).value());
+    discovery_ = std::move(core::Discovery::open(options, *this).value());
   }
 
   void announce(core::Role role, core::EndpointId id) {

@@ -1,5 +1,4 @@
-// Processes find each other by records, on a host of their own. What roles_test.cpp and
-// joint_discovery_test.cpp ask of discovery holds here, too; those tests are to run on both.
+// Processes find each other by records, on a host of their own.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/discovery/control_plane.h"
+#include "core/discovery/discovery.h"
 #include "tests/support/eventually.h"
 #include "tests/support/isolated_host.h"
 #include "tests/system/control_ear.h"
@@ -25,7 +24,7 @@ using ::testing::IsEmpty;
 class Node {
  public:
   explicit Node(const std::string& process, const std::string& cyclone_config = "")
-      : ear_(process, cyclone_config, &core::open_record_discovery) {}
+      : ear_(process, cyclone_config) {}
   ControlEar* operator->() { return &ear_; }
 
  private:

@@ -126,11 +126,11 @@ TEST(DdsConfig, GivesMulticastsOfTheLoopbackPortsOfTheirOwnSoThatTheyDoNotWakeTh
 }
 
 TEST(DdsConfig, GivesPulsesAPortThatDdsLeavesUnused) {
-  EXPECT_EQ(config("").pulse_port, 7404);
-  EXPECT_EQ(config("<Discovery><ExternalDomainId>3</></>").pulse_port, 8154)
+  EXPECT_EQ(config("").heartbeat_port, 7404);
+  EXPECT_EQ(config("<Discovery><ExternalDomainId>3</></>").heartbeat_port, 8154)
       << "that of the domain on the wire";
-  EXPECT_EQ(dds_config(232, {}, "").value().pulse_port, 65'404);
-  EXPECT_EQ(config("<General><AllowMulticast>true</></>").pulse_port, 7404);
+  EXPECT_EQ(dds_config(232, {}, "").value().heartbeat_port, 65'404);
+  EXPECT_EQ(config("<General><AllowMulticast>true</></>").heartbeat_port, 7404);
 }
 
 TEST(DdsConfig, HasNoPulsesWhereTheyMightNotArriveOrWhereEachNodeHasToProveWhoItIs) {
@@ -139,9 +139,9 @@ TEST(DdsConfig, HasNoPulsesWhereTheyMightNotArriveOrWhereEachNodeHasToProveWhoIt
         "<General><AllowMulticast>ssm</></>", "<General><MulticastTimeToLive>1</></>",
         "<Discovery><SPDPMulticastAddress>239.255.0.7</></>", "<Discovery><Ports><Base>7500</></></>",
         "<Security><Authentication><IdentityCertificate>file:a</></></>"})
-    EXPECT_EQ(config(user).pulse_port, std::nullopt) << user;
-  EXPECT_EQ(config("", {.multicast = false}).pulse_port, std::nullopt);
-  EXPECT_EQ(config("", {.peers = {"10.0.0.7"}}).pulse_port, std::nullopt);
+    EXPECT_EQ(config(user).heartbeat_port, std::nullopt) << user;
+  EXPECT_EQ(config("", {.multicast = false}).heartbeat_port, std::nullopt);
+  EXPECT_EQ(config("", {.peers = {"10.0.0.7"}}).heartbeat_port, std::nullopt);
 }
 
 TEST(DdsConfig, WithPeersPutsNodesAtPortsThatCanBeGuessed) {

@@ -2,9 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "core/discovery/hearing_watch.h"
-#include "core/discovery/life_signs.h"
-
 namespace sft::core {
 namespace {
 
@@ -25,13 +22,6 @@ TEST(TickPaceTest, LooksAreFrequentAfterSomethingHasHappenedAndBecomeRarer) {
   EXPECT_EQ(pace.next(begin + 400ms), 200ms);
   EXPECT_EQ(pace.next(begin + 1200ms), 600ms);
   EXPECT_EQ(pace.next(begin + 1h), TickPace::pause_in_calm);
-}
-
-TEST(TickPaceTest, EachLookInCalmIsOneForDeafLinksAndGivesASignOfLifeByAPulse) {
-  HearingWatch watch;
-  (void)watch.look({}, 20s, begin);
-  EXPECT_TRUE(watch.wants_look(begin + TickPace::pause_in_calm));
-  EXPECT_EQ(TickPace::pause_in_calm, life_signs_by_pulses.pause_in_calm);
 }
 
 TEST(TickPaceTest, LooksAreFrequentAnewAfterEachEvent) {
