@@ -69,7 +69,6 @@ constexpr std::array all_acts{
 
     // The control topics
     Entry{"forged_disposals", "Disposes of all endpoints of others.", neighbour, none, forged_disposals},
-    Entry{"forged_deaths", "Disposes of the signs of life of others.", neighbour, none, forged_deaths},
     Entry{"requests_with_the_last_number", "Requests nothing in others' names, with sequence 2^64-1.",
           neighbour, none, requests_with_the_last_number},
     Entry{"requests_to_nobody", "Requests nothing in others' names, 100 sequences ahead.", neighbour, none,
@@ -99,11 +98,6 @@ constexpr std::array all_acts{
           none, reflection_to_the_own_host},
     Entry{"false_life", "Says that others live, with publishers that they do not have.", neighbour, none,
           false_life},
-    Entry{"false_progress", "Says that others have sent more than anybody received.", neighbour, none,
-          false_progress},
-    Entry{"questions_without_end", "Asks all the time for the accounts of all pairs.", neighbour, none,
-          questions_without_end},
-    Entry{"false_accounts", "Says in others' names what was sent and lost.", neighbour, none, false_accounts},
 
     // Datagrams
     Entry{"sequence_jumps", "Sends a sample of a sequence far ahead.", neighbour, none, sequence_jumps},

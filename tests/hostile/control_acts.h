@@ -6,7 +6,6 @@
 namespace sft::hostile {
 
 Act forged_disposals(Target& target);
-Act forged_deaths(Target& target);
 Act requests_with_the_last_number(Target& target);
 Act requests_to_nobody(Target& target);
 Act altered_announcements(Target& target);
@@ -22,8 +21,5 @@ Act twin_writers(Target& target);
 Act reflection(Target& target);
 Act reflection_to_the_own_host(Target& target);
 Act false_life(Target& target);
-Act false_progress(Target& target);
-Act questions_without_end(Target& target);
-Act false_accounts(Target& target);
 
 }  // namespace sft::hostile

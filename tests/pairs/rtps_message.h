@@ -1,0 +1,94 @@
+// Datagrams of RTPS 2.1 in the name of another participant's writer, in little endian.
+#pragma once
+
+#include <arpa/inet.h>
+#include <dds/dds.h>
+#include <net/if.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cstdint>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+
+#include "sft_control.h"
+
+namespace sft::test {
+
+/// Sequence numbers that no honest writer reaches.
+inline constexpr std::uint64_t far_ahead = std::uint64_t{1} << 40;
+
+class RtpsMessage {
+ public:
+  explicit RtpsMessage(const dds_guid_t& writer) : bytes_("RTPS") {
+    bytes_.append("\x02\x01\x01\x10", 4);  // version, vendor
+    bytes_.append(reinterpret_cast<const char*>(writer.v), 12);
+    writer_.assign(reinterpret_cast<const char*>(writer.v) + 12, 4);
+  }
+
+  /// Says that the writer has nothing before that sequence number, nor after it.
+  void add_heartbeat(std::uint64_t sequence) {
+    add_submessage('\x07', '\x01', 28);
+    add_sequence(sequence);
+    add_sequence(sequence);
+    add(std::uint32_t{0x0700'0000});  // how many heartbeats came before
+  }
+
+  /// Adds a sample, which goes to the end of the message.
+  void add_record(std::uint64_t sequence, const sft_control_Record& record) {
+    add_submessage('\x15', '\x05', 0, 16);
+    add_sequence(sequence);
+    bytes_.append("\x00\x01\x00\x00", 4);  // plain CDR
+    bytes_.append(reinterpret_cast<const char*>(record.participant), sizeof record.participant);
+    add(record.slot);
+    add(record.kind);
+    add(record.version);
+    add(std::uint16_t{0});
+    add(record.revision);
+    add(record.body._length);
+    bytes_.append(reinterpret_cast<const char*>(record.body._buffer), record.body._length);
+  }
+
+  /// Sends the message to all that listen to the user data of domain 0 on eth0.
+  void send() const {
+    const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_port = htons(7401);
+    to.sin_addr.s_addr = inet_addr("239.255.0.1");
+    ip_mreqn interface {};
+    interface.imr_ifindex = static_cast<int>(if_nametoindex("eth0"));
+    setsockopt(socket, IPPROTO_IP, IP_MULTICAST_IF, &interface, sizeof interface);
+    const ssize_t sent =
+        sendto(socket, bytes_.data(), bytes_.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to);
+    close(socket);
+    if (sent < 0) throw std::runtime_error(std::string("RTPS: ") + std::strerror(errno));
+  }
+
+ private:
+  template <class Number>
+  void add(const Number& number) {
+    bytes_.append(reinterpret_cast<const char*>(&number), sizeof number);
+  }
+  void add_sequence(std::uint64_t number) {
+    add(static_cast<std::uint32_t>(number >> 32));
+    add(static_cast<std::uint32_t>(number));
+  }
+  /// Addresses it to any reader. `to_sequence`: where data has octets up to its sequence number.
+  void add_submessage(char kind, char flags, std::uint16_t length, std::uint16_t to_sequence = 0) {
+    bytes_ += {kind, flags};
+    add(length);
+    if (to_sequence != 0) {
+      add(std::uint16_t{0});
+      add(to_sequence);
+    }
+    bytes_ += std::string(4, '\0') + writer_;
+  }
+
+  std::string bytes_;
+  std::string writer_;
+};
+
+}  // namespace sft::test
