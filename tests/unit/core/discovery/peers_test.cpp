@@ -318,6 +318,13 @@ TEST_F(PeersTest, MissesAProcessThatEndedBeforeItsFirstHeartbeat) {
   EXPECT_EQ(losses, 1);
 }
 
+TEST_F(PeersTest, CountsTheHeartbeatThatCameBeforeItsParticipantWasFound) {
+  peers.heartbeat_came(cable, {on(cable).guid, neighbour, {own.digest(), 0}}, now);
+  look();
+  found(cable);
+  EXPECT_EQ(peers.next(), now + timing.lease);
+}
+
 TEST_F(PeersTest, NamesTheTimeOfItsNextLook) {
   EXPECT_EQ(peers.next(), Time::max());
   meet_on_both_links();
