@@ -17,7 +17,7 @@ namespace sft::core {
 
 namespace {
 
-constexpr std::array control_topics{"sft_writer", "sft_reader", "sft_liveliness"};
+constexpr std::array control_topics{"sft_writer", "sft_reader", "sft_heartbeat", "sft_report"};
 constexpr std::size_t fragment_bytes_min = 128;
 constexpr std::size_t sample_bytes_min = 131'072;  // of control samples; the largest have some 96,000
 

@@ -107,7 +107,8 @@ TEST(DdsConfig, SaysWhatDdsSecurityDoesNotProtect) {
 }
 
 TEST(DdsConfig, ThatWouldSilenceTheControlTopicsIsAnError) {
-  for (const char* pattern : {"*.*", ".sft_*", "*.sft_reader"}) {
+  for (const char* pattern :
+       {"*.*", ".sft_*", ".sft_writer", "*.sft_reader", "*.sft_heartbeat", ".sft_report"}) {
     const auto c = dds_config(0, {},
                               "<Partitioning><IgnoredPartitions><IgnoredPartition DCPSPartitionTopic='" +
                                   std::string(pattern) + "'/></></>");
