@@ -62,7 +62,7 @@ ControlParticipant::ControlParticipant(dds_domainid_t domain, const std::string&
   socket_ = core::HeartbeatSocket::open({.ip = address_of(interface),
                                          .index = if_nametoindex(interface.c_str()),
                                          .port = heartbeat_port_of_domain_0,
-                                         .reaches_own_host = interface == "lo"});
+                                         .reaches_own_host = true});
   if (!socket_) throw std::runtime_error("no socket for heartbeats on " + interface);
   participant_ = checked(dds_create_participant(domain, nullptr, nullptr));
   dds_guid_t guid{};
@@ -120,7 +120,22 @@ void ControlParticipant::dispose(core::Role role, const sft_control_Record& key)
 }
 
 void ControlParticipant::give_heartbeat() {
-  socket_->send({guid_, process_, {records_.writer.digest(), records_.reader.digest()}});
+  send({guid_, process_, {records_.writer.digest(), records_.reader.digest()}});
+}
+
+void ControlParticipant::send(const core::Heartbeat& heartbeat) {
+  constexpr std::size_t remembered_max = 10'000;
+  if (sent_.size() >= remembered_max) sent_.clear();
+  sent_.insert(encode(heartbeat));
+  socket_->send(heartbeat);
+}
+
+std::vector<core::Heartbeat> ControlParticipant::overheard() {
+  std::vector<core::Heartbeat> heartbeats;
+  socket_->take([&](const core::Heartbeat& heartbeat) {
+    if (!sent_.contains(encode(heartbeat))) heartbeats.push_back(heartbeat);
+  });
+  return heartbeats;
 }
 
 void ControlParticipant::set_user_data(const std::string& data) {

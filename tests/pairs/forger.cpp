@@ -173,15 +173,21 @@ void Forger::ask_for_nothing() {
 }
 
 void Forger::forge_heartbeats() {
-  std::vector<core::Heartbeat> overheard;
-  self_.heartbeats().take([&](const core::Heartbeat& heartbeat) { overheard.push_back(heartbeat); });
-  for (core::Heartbeat heartbeat : overheard) {
+  for (core::Heartbeat heartbeat : self_.overheard()) {
     for (const core::Role role : core::both_roles) heartbeat.digests[role] ^= 1;
-    self_.heartbeats().send(heartbeat);
+    self_.send(heartbeat);
     ++heartbeat.process;
-    self_.heartbeats().send(heartbeat);
+    self_.send(heartbeat);
     ++heartbeat.participant.back();
-    self_.heartbeats().send(heartbeat);
+    self_.send(heartbeat);
+  }
+}
+
+void Forger::outdate_heartbeats() {
+  for (const dds_guid_t& writer : writers_of("sft_heartbeat")) {
+    RtpsMessage message(writer);
+    message.add_data(far_ahead, std::string(core::heartbeat_bytes, '\0'));
+    message.send();
   }
 }
 

@@ -37,18 +37,23 @@ class RtpsMessage {
   }
 
   /// Adds a sample, which goes to the end of the message.
-  void add_record(std::uint64_t sequence, const sft_control_Record& record) {
+  void add_data(std::uint64_t sequence, const std::string& sample) {
     add_submessage('\x15', '\x05', 0, 16);
     add_sequence(sequence);
-    bytes_.append("\x00\x01\x00\x00", 4);  // plain CDR
-    bytes_.append(reinterpret_cast<const char*>(record.participant), sizeof record.participant);
-    add(record.slot);
-    add(record.kind);
-    add(record.version);
-    add(std::uint16_t{0});
-    add(record.revision);
-    add(record.body._length);
-    bytes_.append(reinterpret_cast<const char*>(record.body._buffer), record.body._length);
+    bytes_ += plain_cdr + sample;
+  }
+
+  void add_record(std::uint64_t sequence, const sft_control_Record& record) {
+    constexpr std::size_t head_bytes = 36;
+    std::string sample(head_bytes, '\0');
+    std::memcpy(sample.data(), record.participant, sizeof record.participant);
+    std::memcpy(sample.data() + 16, &record.slot, sizeof record.slot);
+    sample[20] = static_cast<char>(record.kind);
+    sample[21] = static_cast<char>(record.version);
+    std::memcpy(sample.data() + 24, &record.revision, sizeof record.revision);
+    std::memcpy(sample.data() + 32, &record.body._length, sizeof record.body._length);
+    sample.append(reinterpret_cast<const char*>(record.body._buffer), record.body._length);
+    add_data(sequence, sample);
   }
 
   /// Sends the message to all that listen to the user data of domain 0 on eth0.
@@ -68,6 +73,8 @@ class RtpsMessage {
   }
 
  private:
+  inline static const std::string plain_cdr{"\x00\x01\x00\x00", 4};
+
   template <class Number>
   void add(const Number& number) {
     bytes_.append(reinterpret_cast<const char*>(&number), sizeof number);
