@@ -149,11 +149,8 @@ void ControlVoice::answer_heartbeats(
     const std::function<void(const core::Heartbeat&, const std::function<void(const core::Heartbeat&)>&)>&
         use) {
   for (const auto& link : links_) {
-    core::HeartbeatSocket& socket = link->participant.heartbeats();
-    std::vector<core::Heartbeat> overheard;
-    socket.take([&](const core::Heartbeat& heartbeat) { overheard.push_back(heartbeat); });
-    for (const core::Heartbeat& heartbeat : overheard)
-      use(heartbeat, [&](const core::Heartbeat& answer) { socket.send(answer); });
+    for (const core::Heartbeat& heartbeat : link->participant.overheard())
+      use(heartbeat, [&](const core::Heartbeat& answer) { link->participant.send(answer); });
   }
 }
 
