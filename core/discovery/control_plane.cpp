@@ -292,9 +292,11 @@ Time ControlPlane::look(Time now) {
   Time next = Time::max();
   if (watches_ && (watch_.changed() || now >= look_at_interfaces_at_)) look_at_interfaces(now);
   if (watches_) next = std::min(look_at_interfaces_at_, look_at_peers_by_name(now));
-  std::vector<std::pair<LinkId, Heartbeat>> heartbeats;
+  std::vector<KnownPeers::HeartbeatTaken> heartbeats;
   links_.each([&](LinkId id, ControlLink& link) {
-    link.take_heartbeats([&, id](const Heartbeat& one) { heartbeats.emplace_back(id, one); });
+    link.take_heartbeats([&, id](const Heartbeat& one, Time::duration age) {
+      heartbeats.push_back({.link = id, .heartbeat = one, .age = age});
+    });
   });
   const KnownPeers::Todo todo = known_.look(heartbeats, now);
   for (const PeerAction& action : todo.of_links) act(action, now);

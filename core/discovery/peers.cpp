@@ -36,6 +36,7 @@ void Peers::participant_found(const RemoteParticipant& id, ProcessId process, Ti
   participant.found_at = now;
   participant.is_ignored = process == self_ || is_one_too_many;
   if (participant.is_ignored) return;
+  if (const auto heard = strangers_.extract(id)) participant.heard_at = heard.mapped();
   newcomer_at_ = now;
   care_.joined(id.link, now);
   join(id, participant);
@@ -92,15 +93,21 @@ bool Peers::has_room(const Participant& of, Role role, const RecordKey& key, con
 }
 
 /// What comes by heartbeat of a process that the participant does not belong to was not sent by it.
-void Peers::heartbeat_came(LinkId link, const Heartbeat& heartbeat, Time now) {
+/// Heartbeats are read once a second. One that has waited much longer has done so since this process was held
+/// up, and newer ones may have found no room: then it counts as if it came now.
+void Peers::heartbeat_came(LinkId link, const Heartbeat& heartbeat, Time now, Time::duration age) {
   if (heartbeat.process == self_ || !care_.has(link)) return;
   const RemoteParticipant id{link, heartbeat.participant};
+  const Time received_at = age < timing_.late ? now - age : now;
   const auto found = participants_.find(id);
-  if (found == participants_.end() || !found->second.process) return care_.stranger_came(link, now);
+  if (found == participants_.end() || !found->second.process) {
+    if (strangers_.size() < strangers_max) strangers_[id] = received_at;
+    return care_.stranger_came(link, now);
+  }
   Participant& participant = found->second;
   if (participant.is_ignored || participant.process != heartbeat.process) return;
   if (participant.is_late(timing_, now)) participant.regular_since = now;
-  participant.heard_at = now;
+  participant.heard_at = received_at;
   if (std::exchange(participant.is_silent, false)) join(id, participant);
   peers_.at(heartbeat.process).heartbeat_came(id, heartbeat.digests, now);
 }
@@ -152,6 +159,7 @@ Time Peers::unheard_at(LinkId link, const Participant& participant) const {
 
 void Peers::look(Time now) {
   looked_at_ = now;
+  std::erase_if(strangers_, [&](const auto& heard) { return now - heard.second >= timing_.late; });
   for (auto& [id, participant] : participants_) {
     if (is_heard(participant)) look_at(id, participant, now);
   }

@@ -91,7 +91,8 @@ class Peers {
   void participant_gone(const RemoteParticipant& id);
   /// A record may come before its participant is found. Returns false if there is no room for it.
   bool record_came(const RemoteParticipant& by, Role role, const RecordKey& key, Record record, Time now);
-  void heartbeat_came(LinkId link, const Heartbeat& heartbeat, Time now);
+  /// `age`: the time for which it has waited to be read.
+  void heartbeat_came(LinkId link, const Heartbeat& heartbeat, Time now, Time::duration age = {});
   /// To be called after all heartbeats that have come.
   void look(Time now);
 
@@ -112,6 +113,7 @@ class Peers {
 
  private:
   using Participants = std::map<RemoteParticipant, Participant>;
+  static constexpr std::size_t strangers_max = 256;
 
   bool has_room(const Participant& of, Role role, const RecordKey& key, const Record& record) const;
   void join(const RemoteParticipant& id, Participant& participant);
@@ -130,6 +132,9 @@ class Peers {
   LinkCare care_;
   Peer::Listened listened_{};
   Participants participants_;
+  /// Participants that Cyclone has not found yet, with the time of their last heartbeat: one that ends soon
+  /// after it was found has given none since then.
+  std::map<RemoteParticipant, Time> strangers_;
   std::map<ProcessId, Peer> peers_;
   std::map<ProcessId, std::vector<LinkId>> cut_;  ///< as it was told
   std::set<LinkId> unheard_;                      ///< links on which HeartbeatsMissing was told

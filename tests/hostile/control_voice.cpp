@@ -20,10 +20,12 @@ using Clock = std::chrono::steady_clock;
 constexpr const char* loopback_ports =
     "<Ports><MulticastMetaOffset>2</MulticastMetaOffset><MulticastDataOffset>3</MulticastDataOffset></Ports>";
 
+}  // namespace
+
 /// A Cyclone domain on one interface, which is domain 0 on the wire.
-class Domain {
+class DomainOfLink {
  public:
-  Domain(dds_domainid_t number, const std::string& interface) {
+  DomainOfLink(dds_domainid_t number, const std::string& interface) {
     const std::string config =
         "<CycloneDDS><Domain id=\"any\"><General><Interfaces><NetworkInterface name=\"" + interface +
         "\" multicast=\"true\"/></Interfaces></General><Discovery>"
@@ -32,20 +34,18 @@ class Domain {
     entity_ = dds_create_domain(number, config.c_str());
     if (entity_ < 0) throw std::runtime_error(std::string("Cyclone DDS: ") + dds_strretcode(entity_));
   }
-  ~Domain() { dds_delete(entity_); }
-  Domain(const Domain&) = delete;
-  Domain& operator=(const Domain&) = delete;
+  ~DomainOfLink() { dds_delete(entity_); }
+  DomainOfLink(const DomainOfLink&) = delete;
+  DomainOfLink& operator=(const DomainOfLink&) = delete;
 
  private:
   dds_entity_t entity_ = 0;
 };
 
-}  // namespace
-
 struct ControlVoice::Link {
   Link(dds_domainid_t number, const std::string& interface, core::ProcessId process)
       : domain(number, interface), participant(number, interface, process) {}
-  Domain domain;
+  DomainOfLink domain;
   test::ControlParticipant participant;
 };
 

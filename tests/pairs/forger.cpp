@@ -21,11 +21,6 @@ constexpr const char* interface = "eth0";
 constexpr core::ProcessId made_up_process = 0x5f07'6e4d;
 constexpr std::uint64_t revisions_ahead = 1000;
 
-dds_entity_t checked(dds_entity_t entity) {
-  if (entity < 0) throw std::runtime_error(std::string("forger: ") + dds_strretcode(entity));
-  return entity;
-}
-
 template <class Sample, class Use>
 void read_all(dds_entity_t reader, Use use) {
   constexpr std::size_t samples_max = 256;
@@ -50,7 +45,8 @@ std::string user_data_of(const dds_qos_t* qos) {
 
 /// A request of that reader to be sent nothing.
 core::RecordBody request_of_nothing(const core::Request& request, std::uint64_t ahead) {
-  core::Request nothing{.reader = request.reader};
+  core::Request nothing;
+  nothing.reader = request.reader;
   nothing.sequence = std::min(request.sequence + ahead, core::request_sequence_max);
   return body_of(to_bytes(nothing));
 }
@@ -60,9 +56,9 @@ core::RecordBody request_of_nothing(const core::Request& request, std::uint64_t 
 Forger::Forger()
     : self_(domain_0, interface, 0),
       participants_(
-          checked(dds_create_reader(self_.entity(), DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr))),
+          dds_create_reader(self_.entity(), DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr)),
       publications_(
-          checked(dds_create_reader(self_.entity(), DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr))) {}
+          dds_create_reader(self_.entity(), DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr)) {}
 
 Forger::~Forger() = default;
 

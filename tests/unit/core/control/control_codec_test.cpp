@@ -30,7 +30,7 @@ TEST(ControlCodecTest, QuestionsAboutAccountsAndAnswersComeBackAsTheyWere) {
 
 TEST(ControlCodecTest, ASignOfLifeWithoutNewsIsAsShortAsCanBeAndAWishIsNews) {
   ControlStorage storage;
-  Assertion sign{.node = 8, .writers = {}, .digest_of_writers = 0x123456, .digest_of_readers = 0x789abc};
+  Assertion sign{.node = 8, .writers = {}};
   EXPECT_FALSE(to_dds(sign, storage).news._d);
   EXPECT_EQ(from_dds(to_dds(sign, storage)), sign);
   sign.wants_signs = true;

@@ -155,6 +155,18 @@ TEST_F(PeersTest, MissesAProcessOnceNoLinkBringsHeartbeatsForALease) {
   EXPECT_THAT(renewed, IsEmpty());
 }
 
+/// Heartbeats are read once a second.
+TEST_F(PeersTest, CountsTheLeaseFromWhenAHeartbeatWasReceivedUnlessThisProcessWasHeldUpMeanwhile) {
+  const auto silent_after = [&](Time::duration age) {
+    peers.heartbeat_came(cable, {on(cable).guid, neighbour, {own.digest(), 0}}, now, age);
+    return peers.next() - now;
+  };
+  found(cable);
+  writes(0, "a", {cable});
+  EXPECT_EQ(silent_after(800ms), timing.lease - 800ms);
+  EXPECT_EQ(silent_after(20s), timing.lease);
+}
+
 TEST_F(PeersTest, MissesAProcessAtOnceWhenAllItsParticipantsAreGone) {
   meet_on_both_links();
   peers.participant_gone(on(cable));
@@ -304,6 +316,13 @@ TEST_F(PeersTest, MissesAProcessThatEndedBeforeItsFirstHeartbeat) {
   now += 2 * timing.lease;
   look();
   EXPECT_EQ(losses, 1);
+}
+
+TEST_F(PeersTest, CountsTheHeartbeatThatCameBeforeItsParticipantWasFound) {
+  peers.heartbeat_came(cable, {on(cable).guid, neighbour, {own.digest(), 0}}, now);
+  look();
+  found(cable);
+  EXPECT_EQ(peers.next(), now + timing.lease);
 }
 
 TEST_F(PeersTest, NamesTheTimeOfItsNextLook) {

@@ -64,7 +64,7 @@ class TestReaderPort final : public IdleNetworkReader {
 
 class TestDiscovery final : public Discovery {
  public:
-  LifeSigns life_signs() const override { return life_signs_to_all; }
+  LifeSigns life_signs() const override { return {std::chrono::milliseconds(650), std::chrono::milliseconds(1400), lease_default}; }
   bool is_calm(Time) const override { return calm; }
   Configuration configuration() const override { return {}; }
   Result<void> hear(Role) override { return {}; }
