@@ -42,6 +42,15 @@ Qos qos_of_records() {
   return qos;
 }
 
+std::string user_data_of(const dds_qos_t* qos) {
+  void* data = nullptr;
+  std::size_t bytes = 0;
+  if (!dds_qget_userdata(qos, &data, &bytes) || data == nullptr) return {};
+  std::string text(static_cast<const char*>(data), bytes);
+  dds_free(data);
+  return text;
+}
+
 core::IpAddress address_of(const std::string& interface) {
   const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   ifreq request{};
@@ -68,6 +77,8 @@ ControlParticipant::ControlParticipant(dds_domainid_t domain, const std::string&
   dds_guid_t guid{};
   checked(dds_get_guid(participant_, &guid));
   std::ranges::copy(guid.v, guid_.begin());
+  participants_ =
+      checked(dds_create_reader(participant_, DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr));
   if (process != 0) set_user_data(to_text(core::ParticipantData{.process = process}));
   const Qos qos = qos_of_records();
   for (const core::Role role : core::both_roles) {
@@ -136,6 +147,22 @@ std::vector<core::Heartbeat> ControlParticipant::overheard() {
     if (!sent_.contains(encode(heartbeat))) heartbeats.push_back(heartbeat);
   });
   return heartbeats;
+}
+
+std::vector<ControlParticipant::Other> ControlParticipant::others() const {
+  constexpr std::size_t samples_max = 256;
+  std::vector<void*> samples(samples_max);
+  std::vector<dds_sample_info_t> infos(samples_max);
+  std::vector<Other> others;
+  const dds_return_t count = dds_read(participants_, samples.data(), infos.data(), samples_max, samples_max);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(std::max(count, 0)); ++i) {
+    const auto& one = *static_cast<const dds_builtintopic_participant_t*>(samples[i]);
+    const bool is_there = infos[i].valid_data && infos[i].instance_state == DDS_IST_ALIVE;
+    if (is_there && std::memcmp(one.key.v, guid_.data(), guid_.size()) != 0)
+      others.push_back({one.key, user_data_of(one.qos)});
+  }
+  if (count > 0) dds_return_loan(participants_, samples.data(), count);
+  return others;
 }
 
 void ControlParticipant::set_user_data(const std::string& data) {

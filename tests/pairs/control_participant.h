@@ -50,13 +50,21 @@ class ControlParticipant {
   /// none.
   std::vector<core::Heartbeat> overheard();
 
+  /// Another participant, as it says of itself.
+  struct Other {
+    dds_guid_t guid{};
+    std::string user_data{};
+  };
+  /// Returns the participants that are there, also those with certificates.
+  std::vector<Other> others() const;
+
   void set_user_data(const std::string& data);
   dds_entity_t entity() const { return participant_; }
   const core::ParticipantGuid& guid() const { return guid_; }
   core::ProcessId process() const { return process_; }
 
  private:
-  dds_entity_t participant_ = 0;
+  dds_entity_t participant_ = 0, participants_ = 0;  ///< itself, and a reader of others
   const core::ProcessId process_;
   core::ParticipantGuid guid_{};
   core::PerRole<dds_entity_t> readers_{}, writers_{};
