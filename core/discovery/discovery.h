@@ -64,10 +64,11 @@ class Discovery {
   /// Returns the publishers of that type, those of this process too. The process knows all publishers while
   /// any of its nodes has a subscriber.
   virtual std::vector<KnownPublisher> publishers_of(std::string_view type_name) const = 0;
-  /// Announces an endpoint of ours, or that it has changed.
-  virtual Result<void> announce(const Endpoint& endpoint) = 0;
+  /// Announces an endpoint of ours, or that it has changed. What cannot be written now, here and in the next
+  /// two functions, is written again by look_after() until others have it, with a warning.
+  virtual void announce(const Endpoint& endpoint) = 0;
   virtual void withdraw(EndpointId id) = 0;
-  virtual Result<void> send(const Request& request) = 0;
+  virtual void send(const Request& request) = 0;
   /// Tells that this node lives, and which of our writers do. The message may get lost; to be called at least
   /// after each pause of the life signs, which is longer in calm.
   virtual void assert_liveliness(const Assertion& assertion) = 0;

@@ -219,7 +219,7 @@ void LocalReader::send_request() {
   const Request& request = node_.negotiation.local(id_)->request;
   has_news_ = true;
   feed_.requests(accepted_.latest().selection, request.sequence);
-  node_.outbox.request(id_, std::chrono::steady_clock::now());
+  node_.discovery.send(request);
 }
 
 void LocalReader::forget_what_was_in_flight(Time now) {

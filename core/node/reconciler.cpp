@@ -35,10 +35,9 @@ Reconciler::Reconciler(NodeId id, std::uint64_t network_id, SharedMemory* memory
       dispatcher_(dispatcher),
       log_(log),
       transports_(memory, network, network_id, log),
-      outbox_(negotiation_, discovery, log),
       control_watch_(negotiation_, log),
       attempts_(log, memory),
-      context_{negotiation_, outbox_, attempts_, log, memory, network},
+      context_{negotiation_, discovery, attempts_, log, memory, network},
       accounts_(negotiation_, ours_, std::max(asks_last_least, 3 * discovery.life_signs().pause)),
       life_(id, discovery.life_signs()) {
   negotiation_.self_changed(transports_.self());
@@ -50,7 +49,7 @@ void Reconciler::add_writer(const Endpoint& endpoint, std::shared_ptr<PublisherC
   ours_.writers.try_emplace(endpoint.id, context_, endpoint, std::move(core));
   negotiation_.local_added(endpoint, type);
   dirty_ = true;
-  outbox_.announce(endpoint.id, std::chrono::steady_clock::now());
+  announce(endpoint.id);
 }
 
 void Reconciler::add_reader(const Endpoint& endpoint, LocalReader::Parts parts) {
@@ -60,9 +59,8 @@ void Reconciler::add_reader(const Endpoint& endpoint, LocalReader::Parts parts) 
       ours_.readers.try_emplace(endpoint.id, context_, endpoint, std::move(parts)).first->second;
   negotiation_.local_added(endpoint, added.core().type());
   dirty_ = true;
-  const Time now = std::chrono::steady_clock::now();
-  outbox_.announce(endpoint.id, now);
-  if (is_first) control_watch_.reader_added(endpoint.id, now);
+  announce(endpoint.id);
+  if (is_first) control_watch_.reader_added(endpoint.id, std::chrono::steady_clock::now());
 }
 
 /// Ports wait for the call of their listener to return. The agent must not wait for that: the callback in
@@ -70,7 +68,7 @@ void Reconciler::add_reader(const Endpoint& endpoint, LocalReader::Parts parts) 
 void Reconciler::remove(EndpointId id) {
   negotiation_.local_removed(id);
   dirty_ = true;
-  outbox_.withdraw(id);
+  discovery_.withdraw(id);
   accounts_.removed(id);
   ours_.writers.erase(id);
   const auto reader = ours_.readers.find(id);
@@ -149,7 +147,6 @@ std::chrono::milliseconds Reconciler::tick(Time now) {
   control_watch_.tell_of_refusals(now);
   control_watch_.name_misspelt_topics([this](const auto& type) { return discovery_.publishers_of(type); },
                                       now);
-  outbox_.look(now);
   next_piece_of_work();
   look_after_endpoints(now);
   next_piece_of_work();
@@ -198,10 +195,11 @@ void Reconciler::look_after_addresses(Time now) {
   if (change == TransportWatch::NetworkChange::addresses) announce_all();
 }
 
+void Reconciler::announce(EndpointId id) { discovery_.announce(*negotiation_.next_announcement(id)); }
+
 void Reconciler::announce_all() {
-  const Time now = std::chrono::steady_clock::now();
-  for (const auto& [id, writer] : ours_.writers) outbox_.announce(id, now);
-  for (const auto& [id, reader] : ours_.readers) outbox_.announce(id, now);
+  for (const auto& [id, writer] : ours_.writers) announce(id);
+  for (const auto& [id, reader] : ours_.readers) announce(id);
 }
 
 void Reconciler::look_after_endpoints(Time now) {
@@ -290,7 +288,7 @@ std::chrono::milliseconds Reconciler::pace(Time now) const {
 std::chrono::milliseconds Reconciler::reconcile() {
   const Time now = std::chrono::steady_clock::now();
   for (const EndpointId id : control_watch_.take_contested(now)) {
-    outbox_.announce(id, now);
+    announce(id);
     if (const auto reader = ours_.readers.find(id); reader != ours_.readers.end())
       reader->second.send_request();
   }

@@ -13,7 +13,6 @@
 #include "core/discovery/discovery.h"
 #include "core/negotiation/negotiation.h"
 #include "core/node/account_desk.h"
-#include "core/node/control_outbox.h"
 #include "core/node/control_watch.h"
 #include "core/node/domain_snapshot.h"
 #include "core/node/local_endpoints.h"
@@ -79,6 +78,7 @@ class Reconciler {
   void look_after_endpoints(Time now);
   void tell_of_long_waits(const LocalReader& reader, const CallbackWatch::LongWaits& waits);
   bool look_after_connections(Time now);
+  void announce(EndpointId id);
   void announce_all();
   void settle();
   std::chrono::milliseconds pace(Time now) const;
@@ -88,7 +88,6 @@ class Reconciler {
   NodeLog& log_;
   TransportWatch transports_;
   Negotiation negotiation_;
-  ControlOutbox outbox_;
   ControlWatch control_watch_;
   SilenceWatch silence_;
   PortAttempts attempts_;

@@ -72,17 +72,15 @@ class ControlEar final : private core::DiscoveryListener {
     discovery_ = std::move(core::Discovery::open(options, *this).value());
   }
 
-  void announce(core::Role role, core::EndpointId id) {
-    ASSERT_TRUE(discovery_->announce(control_endpoint(role, id)));
-  }
-  void announce(const core::Endpoint& endpoint) { ASSERT_TRUE(discovery_->announce(endpoint)); }
+  void announce(core::Role role, core::EndpointId id) { discovery_->announce(control_endpoint(role, id)); }
+  void announce(const core::Endpoint& endpoint) { discovery_->announce(endpoint); }
   void withdraw(core::EndpointId id) { discovery_->withdraw(id); }
   void tell(const core::Assertion& sign) { discovery_->assert_liveliness(sign); }
   void ask(core::EndpointId reader, std::uint64_t sequence) {
     core::Request request;
     request.reader = reader;
     request.sequence = sequence;
-    ASSERT_TRUE(discovery_->send(request));
+    discovery_->send(request);
   }
   void hear(core::Role role) { ASSERT_TRUE(discovery_->hear(role)); }
   /// As its agent does now and then.
