@@ -60,11 +60,6 @@ class SharedPlane final : public Discovery {
       : plane_(std::move(plane)), seat_(plane_->join(listener)) {}
   ~SharedPlane() override { plane_->leave(seat_); }
 
-  LifeSigns life_signs() const override {
-    const Timing& timing = plane_->timing();
-    return {timing.heartbeat_every, timing.heartbeat_every, timing.lease};
-  }
-  bool is_calm(Time) const override { return true; }
   Configuration configuration() const override { return plane_->configuration(); }
   Result<void> hear(Role role) override { return plane_->hear(seat_, role); }
   std::vector<KnownPublisher> publishers_of(std::string_view type_name) const override {
@@ -75,8 +70,7 @@ class SharedPlane final : public Discovery {
   void send(const Request& request) override { plane_->send(request); }
   void assert_liveliness(const Assertion& report) override { plane_->report_life(seat_, report); }
   Time newcomer_at() const override { return plane_->newcomer_at(); }
-  Time met_at() const override { return plane_->newcomer_at(); }
-  Time look_after(Time now, const Awaited&) override { return plane_->look_after(seat_, now); }
+  Time look_after(Time now) override { return plane_->look_after(seat_, now); }
 
  private:
   const std::shared_ptr<ControlPlane> plane_;  ///< the last node ends it
@@ -261,13 +255,11 @@ void ControlPlane::give_heartbeats(Time now) {
   links_.each([digests = own_.digests()](LinkId, ControlLink& link) { link.give_heartbeat(digests); });
 }
 
-/// That the process lives, heartbeats say.
 void ControlPlane::report_life(Seat& seat, const Assertion& assertion) {
   {
     const Lock lock(mutex_);
     known_.with([&](Peers&, Directory& directory) { directory.reported(seat.node, assertion); });
-    if (assertion.tells_more_than_life())
-      links_.each([&](LinkId, ControlLink& link) { (void)link.give_report(assertion); });
+    links_.each([&](LinkId, ControlLink& link) { (void)link.give_report(assertion); });
   }
   known_.pass_on();
 }

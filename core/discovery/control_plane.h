@@ -61,7 +61,6 @@ class ControlPlane {
   std::vector<Discovery::KnownPublisher> publishers_of(std::string_view type_name);
   Time newcomer_at();
   Time look_after(Seat& seat, Time now);
-  const Timing& timing() const { return timing_; }
 
  private:
   Result<void> join_the_program(std::uint32_t domain) SFT_REQUIRES(mutex_);

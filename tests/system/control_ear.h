@@ -84,9 +84,7 @@ class ControlEar final : private core::DiscoveryListener {
   }
   void hear(core::Role role) { ASSERT_TRUE(discovery_->hear(role)); }
   /// As its agent does now and then.
-  void look(const core::Discovery::Awaited& awaited = {}) {
-    (void)discovery_->look_after(std::chrono::steady_clock::now(), awaited);
-  }
+  void look() { (void)discovery_->look_after(std::chrono::steady_clock::now()); }
 
   std::set<core::EndpointId> heard() const {
     const core::Lock lock(mutex_);
@@ -104,7 +102,7 @@ class ControlEar final : private core::DiscoveryListener {
     const core::Lock lock(mutex_);
     return asked_;
   }
-  /// How often it was told that another node lives.
+  /// How often another node told it more than that its process lives.
   std::size_t signs() const {
     const core::Lock lock(mutex_);
     return signs_;
@@ -142,7 +140,6 @@ class ControlEar final : private core::DiscoveryListener {
     const core::Lock lock(mutex_);
     ++signs_;
   }
-  void node_lost(core::NodeId) override {}
   void link_was_deaf(const std::string& what) override {
     const core::Lock lock(mutex_);
     renewals_.push_back(what);

@@ -64,11 +64,6 @@ class TestReaderPort final : public IdleNetworkReader {
 
 class TestDiscovery final : public Discovery {
  public:
-  LifeSigns life_signs() const override {
-    return {std::chrono::milliseconds(1000), std::chrono::milliseconds(1000),
-            std::chrono::milliseconds(5500)};
-  }
-  bool is_calm(Time) const override { return calm; }
   Configuration configuration() const override { return {}; }
   Result<void> hear(Role) override { return {}; }
   std::vector<KnownPublisher> publishers_of(std::string_view) const override { return {}; }
@@ -76,19 +71,13 @@ class TestDiscovery final : public Discovery {
   void withdraw(EndpointId) override {}
   void send(const Request& request) override { sent.push_back(request); }
   void assert_liveliness(const Assertion& assertion) override { asserted.push_back(assertion); }
-  Time newcomer_at() const override { return {}; }
-  Time met_at() const override { return met; }
-  Time look_after(Time, const Awaited& awaited) override {
-    awaits = awaited;
-    return next_look;
-  }
+  Time newcomer_at() const override { return newcomer; }
+  Time look_after(Time) override { return next_look; }
   std::vector<Endpoint> announced;
   std::vector<Request> sent;
   std::vector<Assertion> asserted;
   Time next_look = Time::max();  ///< as look_after() says
-  Awaited awaits;                ///< as it was told last
-  bool calm = false;
-  Time met{};
+  Time newcomer{};
 };
 
 /// A transport as far as it has addresses.
