@@ -17,10 +17,10 @@
 #include "core/discovery/known_peers.h"
 #include "core/discovery/links.h"
 #include "core/discovery/own_records.h"
-#include "core/discovery/peer_addresses.h"
 #include "core/discovery/timing.h"
 #include "core/platform/clock.h"
 #include "core/platform/network_watch.h"
+#include "core/platform/peer_addresses.h"
 #include "core/sync/mutex.h"
 
 namespace sft::core {

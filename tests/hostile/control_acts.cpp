@@ -140,29 +140,6 @@ Act reflection_to(Target& target, bool own_host_of_the_writer) {
 
 }  // namespace
 
-/// Withdraws them as well, in the names of their participants.
-Act forged_disposals(Target& target) {
-  return {.begin = {}, .go_on = [voice = voice_of(target)] {
-            for (auto [role, record] : voice->records_heard()) {
-              voice->dispose(role, record);
-              record.revision += 1000;
-              record.body = {};
-              voice->write_raw(role, record);
-            }
-            voice->live();
-          }};
-}
-
-Act requests_with_the_last_number(Target& target) {
-  return to_each(target, Role::reader, [](ControlVoice& voice, const Endpoint& reader) {
-    Endpoint own = reader;
-    own.request.sequence = last_number;
-    own.request.listening.clear();
-    own.request.attached.clear();
-    voice.announce(own);
-  });
-}
-
 Act requests_to_nobody(Target& target) {
   return to_each(target, Role::reader, [](ControlVoice& voice, const Endpoint& reader) {
     core::Request request = reader.request;
@@ -174,23 +151,10 @@ Act requests_to_nobody(Target& target) {
   });
 }
 
-Act altered_announcements(Target& target) {
-  const std::uint64_t node = target.random();
-  return to_each(target, Role::reader, [node](ControlVoice& voice, const Endpoint& reader) {
-    Endpoint altered = made_up_reader(reader, reader.id, node, nobody());
-    altered.request.sequence = reader.request.sequence + 1000;
-    voice.announce(altered);
-  });
-}
-
-/// Repeats records of others, as a cache or a network may do.
+/// Repeats records of others, as a cache may do, though not by their writers.
 Act repeated_announcements(Target& target) {
-  const auto first = std::make_shared<std::vector<Endpoint>>();
-  return {.begin = {}, .go_on = [voice = voice_of(target), first] {
-            const auto now = voice->heard();
-            if (first->size() < now.size()) *first = now;
-            for (const auto& [role, record] : voice->records_heard()) voice->write_raw(role, record);
-            for (const Endpoint& endpoint : *first) voice->announce(endpoint);
+  return {.begin = {}, .go_on = [voice = voice_of(target)] {
+            for (const auto& heard : voice->records_heard()) voice->write_raw(heard.role, heard.sample);
             voice->live();
           }};
 }
@@ -270,13 +234,50 @@ Act reflection(Target& target) { return reflection_to(target, false); }
 
 Act reflection_to_the_own_host(Target& target) { return reflection_to(target, true); }
 
-/// Each heartbeat is followed by another one in the same name, with the digests of other records.
-Act false_life(Target& target) {
-  return {.begin = {}, .go_on = [voice = std::make_shared<ControlVoice>(), &random = target.random] {
-            voice->answer_heartbeats([&](core::Heartbeat heartbeat, const auto& send) {
-              heartbeat.digests = {random(), random()};
-              send(heartbeat);
-            });
+/// Of kinds or versions that no record has, in its own name and in those of others.
+Act unknown_records(Target& target) {
+  return {.begin = {}, .go_on = [voice = voice_of(target), &random = target.random] {
+            for (ControlVoice::HeardRecord heard : voice->records_heard()) {
+              const std::uint64_t numbers = random();
+              std::uint8_t& changed = numbers % 2 == 0 ? heard.sample.kind : heard.sample.version;
+              changed = static_cast<std::uint8_t>(128 + numbers % 128);
+              heard.sample.slot = static_cast<std::uint32_t>(numbers >> 32);
+              heard.sample.revision = last_number - numbers % 3;
+              const Role role = numbers % 5 < 2 ? Role::writer : Role::reader;
+              numbers % 7 < 3 ? voice->write_as_own(role, heard.sample)
+                              : voice->write_raw(role, heard.sample);
+            }
+            voice->live();
+          }};
+}
+
+/// Announcements that are none, each in a slot of its own.
+Act slots_without_end(Target& target) {
+  const auto slots = std::make_shared<std::uint64_t>(0);
+  return {.begin = {}, .go_on = [voice = voice_of(target), slots, &random = target.random] {
+            constexpr std::uint64_t at_a_time = 200, most = 40'000;
+            for (std::uint64_t i = 0; i < at_a_time && *slots < most; ++i)
+              voice->announce_bytes(Role::writer, ++*slots, Bytes(1 + random() % 500));
+            voice->live();
+          }};
+}
+
+/// A process of whose records something seems to be missing all the time.
+Act heartbeats_without_records(Target& target) {
+  return {.begin = {}, .go_on = [voice = voice_of(target), &random = target.random] {
+            voice->live({random(), random()});
+          }};
+}
+
+/// Of hosts that do not exist.
+Act flood_of_heartbeats(Target& target) {
+  return {.begin = {}, .go_on = [voice = voice_of(target), &random = target.random] {
+            constexpr int at_a_time = 300;
+            for (int i = 0; i < at_a_time; ++i) {
+              core::Heartbeat heartbeat{.process = random(), .digests = {random(), random()}};
+              for (std::uint8_t& octet : heartbeat.participant) octet = static_cast<std::uint8_t>(random());
+              voice->send(heartbeat);
+            }
           }};
 }
 

@@ -50,36 +50,32 @@ struct ControlVoice::Link {
 };
 
 ControlVoice::ControlVoice(core::ProcessId process) : own_(process, core::Timing{}) {
-  dds_domainid_t domain = 1;
+  static dds_domainid_t domain = 0;
   for (const char* interface : {"lo", "eth0"})
-    links_.push_back(std::make_unique<Link>(domain++, interface, process));
+    links_.push_back(std::make_unique<Link>(++domain, interface, process));
 }
 
 ControlVoice::~ControlVoice() = default;
 
 /// A withdrawn endpoint is kept: attacks go on against it.
-void ControlVoice::note(const RecordOf& of, const core::Record& record) {
-  core::Record& known = records_[of];
-  if (record.revision < known.revision) return;
-  known = record;
-  if (record.is_withdrawn()) return;
-  const core::RecordKind kind = std::get<core::RecordKey>(of).kind;
-  if (kind == core::RecordKind::announcement) {
-    if (auto endpoint = core::endpoint_in(*record.body)) {
-      endpoint->revision = record.revision;
+void ControlVoice::note(const test::ControlParticipant::Came& came) {
+  auto& known = records_[{came.participant, came.role, came.key}];
+  if (came.record.revision < known.record.revision) return;
+  known = came;
+  if (came.record.is_withdrawn()) return;
+  if (came.key.kind == core::RecordKind::announcement) {
+    if (auto endpoint = core::endpoint_in(*came.record.body)) {
+      endpoint->revision = came.record.revision;
       heard_[endpoint->id] = std::move(*endpoint);
     }
-  } else if (kind == core::RecordKind::request) {
-    if (auto request = core::request_in(*record.body)) requests_[request->reader] = std::move(*request);
+  } else if (came.key.kind == core::RecordKind::request) {
+    if (auto request = core::request_in(*came.record.body)) requests_[request->reader] = std::move(*request);
   }
 }
 
 void ControlVoice::listen() {
-  for (const auto& link : links_) {
-    link->participant.take([this](const test::ControlParticipant::Came& came) {
-      note({came.participant, came.role, came.key}, came.record);
-    });
-  }
+  for (const auto& link : links_)
+    link->participant.take([this](const test::ControlParticipant::Came& came) { note(came); });
 }
 
 std::vector<core::Endpoint> ControlVoice::heard() {
@@ -100,14 +96,16 @@ std::vector<core::Endpoint> ControlVoice::heard(core::Role role) {
   return found;
 }
 
-std::vector<std::pair<core::Role, sft_control_Record>> ControlVoice::records_heard() {
+std::vector<ControlVoice::HeardRecord> ControlVoice::records_heard() {
   listen();
-  std::vector<std::pair<core::Role, sft_control_Record>> samples;
-  for (const auto& [of, record] : records_) {
-    const auto& [participant, role, key] = of;
-    samples.emplace_back(role, test::to_sample(participant, key, record));
-  }
-  return samples;
+  std::vector<HeardRecord> heard;
+  for (const auto& [of, came] : records_)
+    heard.push_back({came.role, came.writer, test::to_sample(came.participant, came.key, came.record)});
+  return heard;
+}
+
+std::vector<test::ControlParticipant::Other> ControlVoice::participants() const {
+  return links_.back()->participant.others();
 }
 
 void ControlVoice::put(core::Role role, core::EndpointId id, core::RecordKind kind,
@@ -141,21 +139,24 @@ void ControlVoice::write_raw(core::Role role, const sft_control_Record& sample) 
   for (const auto& link : links_) link->participant.write_raw(role, sample);
 }
 
+void ControlVoice::write_as_own(core::Role role, sft_control_Record sample) {
+  for (const auto& link : links_) {
+    std::ranges::copy(link->participant.guid(), sample.participant);
+    link->participant.write_raw(role, sample);
+  }
+}
+
 void ControlVoice::dispose(core::Role role, const sft_control_Record& key) {
   for (const auto& link : links_) link->participant.dispose(role, key);
 }
 
-void ControlVoice::answer_heartbeats(
-    const std::function<void(const core::Heartbeat&, const std::function<void(const core::Heartbeat&)>&)>&
-        use) {
-  for (const auto& link : links_) {
-    core::HeartbeatSocket& socket = link->participant.heartbeats();
-    std::vector<core::Heartbeat> overheard;
-    socket.take([&](const core::Heartbeat& heartbeat, auto) { overheard.push_back(heartbeat); });
-    for (const core::Heartbeat& heartbeat : overheard)
-      use(heartbeat, [&](const core::Heartbeat& answer) { socket.send(answer); });
-  }
+void ControlVoice::live(const core::PerRole<std::uint64_t>& digests) {
+  for (const auto& link : links_) link->participant.send({link->participant.guid(), own_.process(), digests});
 }
+
+void ControlVoice::send(const core::Heartbeat& heartbeat) { links_.back()->participant.send(heartbeat); }
+
+std::vector<core::Heartbeat> ControlVoice::overheard() { return links_.back()->participant.overheard(); }
 
 core::Endpoint made_up_reader(const core::Endpoint& writer, std::uint64_t id, std::uint64_t node,
                               std::vector<core::UdpAddress> addresses) {

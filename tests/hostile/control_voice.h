@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -17,6 +16,7 @@
 #include "core/discovery/own_records.h"
 #include "core/discovery/records.h"
 #include "sft_control.h"
+#include "tests/pairs/control_participant.h"
 
 namespace sft::hostile {
 
@@ -32,9 +32,15 @@ class ControlVoice {
   /// Everything that honest nodes announced, with the newest request of each reader.
   std::vector<core::Endpoint> heard();
   std::vector<core::Endpoint> heard(core::Role role);
-  /// The newest records of others, withdrawn ones included, as samples. The bodies are valid until the next
-  /// call.
-  std::vector<std::pair<core::Role, sft_control_Record>> records_heard();
+  struct HeardRecord {
+    core::Role role{};
+    dds_guid_t writer{};
+    sft_control_Record sample{};
+  };
+  /// The newest records of others, withdrawn ones included. Their bodies are valid until the next call.
+  std::vector<HeardRecord> records_heard();
+  /// The participants of others on the network, also those with certificates.
+  std::vector<test::ControlParticipant::Other> participants() const;
 
   // Records of its own. They may say anything of anybody's endpoints.
 
@@ -43,29 +49,33 @@ class ControlVoice {
   void request(const core::Request& request);
   /// Writes these bytes as its announcement of the endpoint.
   void announce_bytes(core::Role role, core::EndpointId id, std::vector<std::byte> bytes);
+  /// Writes a sample in its own name. Its heartbeats do not count it.
+  void write_as_own(core::Role role, sft_control_Record sample);
   /// Gives a heartbeat if one is due.
   void live();
+  /// Gives one with these digests.
+  void live(const core::PerRole<std::uint64_t>& digests);
 
   // Whatever is not its own.
 
   /// Writes the sample as it is on all links: names, keys and versions are not checked.
   void write_raw(core::Role role, const sft_control_Record& sample);
   void dispose(core::Role role, const sft_control_Record& key);
-  /// Calls `use(heartbeat, send)` for each heartbeat of others that has come by UDP since the last call;
-  /// `send` sends another one by the same link.
-  void answer_heartbeats(const std::function<void(const core::Heartbeat&,
-                                                  const std::function<void(const core::Heartbeat&)>&)>& use);
+  /// Sends it by the network.
+  void send(const core::Heartbeat& heartbeat);
+  /// Returns the heartbeats of others that have come by the network since the last call.
+  std::vector<core::Heartbeat> overheard();
 
  private:
   struct Link;
   using RecordOf = std::tuple<core::ParticipantGuid, core::Role, core::RecordKey>;
   void listen();
-  void note(const RecordOf& of, const core::Record& record);
+  void note(const test::ControlParticipant::Came& came);
   void put(core::Role role, core::EndpointId id, core::RecordKind kind, std::vector<std::byte> bytes);
 
   std::vector<std::unique_ptr<Link>> links_;
   core::OwnRecords own_;
-  std::map<RecordOf, core::Record> records_;
+  std::map<RecordOf, test::ControlParticipant::Came> records_;
   std::map<core::EndpointId, core::Endpoint> heard_;
   std::map<core::EndpointId, core::Request> requests_;
 };

@@ -42,6 +42,15 @@ Qos qos_of_records() {
   return qos;
 }
 
+std::string user_data_of(const dds_qos_t* qos) {
+  void* data = nullptr;
+  std::size_t bytes = 0;
+  if (!dds_qget_userdata(qos, &data, &bytes) || data == nullptr) return {};
+  std::string text(static_cast<const char*>(data), bytes);
+  dds_free(data);
+  return text;
+}
+
 core::IpAddress address_of(const std::string& interface) {
   const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   ifreq request{};
@@ -62,12 +71,14 @@ ControlParticipant::ControlParticipant(dds_domainid_t domain, const std::string&
   socket_ = core::HeartbeatSocket::open({.ip = address_of(interface),
                                          .index = if_nametoindex(interface.c_str()),
                                          .port = heartbeat_port_of_domain_0,
-                                         .reaches_own_host = interface == "lo"});
+                                         .reaches_own_host = true});
   if (!socket_) throw std::runtime_error("no socket for heartbeats on " + interface);
   participant_ = checked(dds_create_participant(domain, nullptr, nullptr));
   dds_guid_t guid{};
   checked(dds_get_guid(participant_, &guid));
   std::ranges::copy(guid.v, guid_.begin());
+  participants_ =
+      checked(dds_create_reader(participant_, DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr));
   if (process != 0) set_user_data(to_text(core::ParticipantData{.process = process}));
   const Qos qos = qos_of_records();
   for (const core::Role role : core::both_roles) {
@@ -120,7 +131,38 @@ void ControlParticipant::dispose(core::Role role, const sft_control_Record& key)
 }
 
 void ControlParticipant::give_heartbeat() {
-  socket_->send({guid_, process_, {records_.writer.digest(), records_.reader.digest()}});
+  send({guid_, process_, {records_.writer.digest(), records_.reader.digest()}});
+}
+
+void ControlParticipant::send(const core::Heartbeat& heartbeat) {
+  constexpr std::size_t remembered_max = 10'000;
+  if (sent_.size() >= remembered_max) sent_.clear();
+  sent_.insert(encode(heartbeat));
+  socket_->send(heartbeat);
+}
+
+std::vector<core::Heartbeat> ControlParticipant::overheard() {
+  std::vector<core::Heartbeat> heartbeats;
+  socket_->take([&](const core::Heartbeat& heartbeat, auto) {
+    if (!sent_.contains(encode(heartbeat))) heartbeats.push_back(heartbeat);
+  });
+  return heartbeats;
+}
+
+std::vector<ControlParticipant::Other> ControlParticipant::others() const {
+  constexpr std::size_t samples_max = 256;
+  std::vector<void*> samples(samples_max);
+  std::vector<dds_sample_info_t> infos(samples_max);
+  std::vector<Other> others;
+  const dds_return_t count = dds_read(participants_, samples.data(), infos.data(), samples_max, samples_max);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(std::max(count, 0)); ++i) {
+    const auto& one = *static_cast<const dds_builtintopic_participant_t*>(samples[i]);
+    const bool is_there = infos[i].valid_data && infos[i].instance_state == DDS_IST_ALIVE;
+    if (is_there && std::memcmp(one.key.v, guid_.data(), guid_.size()) != 0)
+      others.push_back({one.key, user_data_of(one.qos)});
+  }
+  if (count > 0) dds_return_loan(participants_, samples.data(), count);
+  return others;
 }
 
 void ControlParticipant::set_user_data(const std::string& data) {

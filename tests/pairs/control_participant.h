@@ -1,12 +1,14 @@
-// A participant of the control topics that any program can make with Cyclone DDS alone: it says of itself what it
-// likes, reads what others have and ask for, and writes records with any fields.
+// A participant of the control topics that any program can make with Cyclone DDS alone: it says of itself
+// what it likes, reads what others have and ask for, and writes records with any fields.
 #pragma once
 
 #include <dds/dds.h>
 
 #include <functional>
 #include <optional>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "core/discovery/heartbeat_socket.h"
 #include "core/discovery/records.h"
@@ -16,8 +18,8 @@ namespace sft::test {
 
 class ControlParticipant {
  public:
-  /// In that domain of this process, which is domain 0 on the wire; heartbeats go by the interface. Process 0: the
-  /// participant has no user data. Throws if Cyclone DDS or the system refuses it.
+  /// In that domain of this process, which is domain 0 on the wire; heartbeats go by the interface. Process
+  /// 0: the participant has no user data. Throws if Cyclone DDS or the system refuses it.
   ControlParticipant(dds_domainid_t domain, const std::string& interface, core::ProcessId process);
   ~ControlParticipant();
   ControlParticipant(const ControlParticipant&) = delete;
@@ -42,20 +44,33 @@ class ControlParticipant {
   /// Gives a heartbeat with the digests of its records.
   void give_heartbeat();
 
+  /// Sends a heartbeat in any name, also to programs of its own host.
+  void send(const core::Heartbeat& heartbeat);
+  /// Returns the heartbeats of others that have come by UDP since the last call. Those that it has sent are
+  /// none.
+  std::vector<core::Heartbeat> overheard();
+
+  /// Another participant, as it says of itself.
+  struct Other {
+    dds_guid_t guid{};
+    std::string user_data{};
+  };
+  /// Returns the participants that are there, also those with certificates.
+  std::vector<Other> others() const;
+
   void set_user_data(const std::string& data);
-  /// For heartbeats in any name.
-  core::HeartbeatSocket& heartbeats() { return *socket_; }
   dds_entity_t entity() const { return participant_; }
   const core::ParticipantGuid& guid() const { return guid_; }
   core::ProcessId process() const { return process_; }
 
  private:
-  dds_entity_t participant_ = 0;
+  dds_entity_t participant_ = 0, participants_ = 0;  ///< itself, and a reader of others
   const core::ProcessId process_;
   core::ParticipantGuid guid_{};
   core::PerRole<dds_entity_t> readers_{}, writers_{};
   core::PerRole<core::Records> records_{};
   std::optional<core::HeartbeatSocket> socket_;
+  std::set<core::HeartbeatDatagram> sent_;
 };
 
 /// A sample with these fields. Its body is that of the record, which must outlive it.

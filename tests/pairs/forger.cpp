@@ -34,15 +34,6 @@ void read_all(dds_entity_t reader, Use use) {
   if (count > 0) dds_return_loan(reader, samples.data(), count);
 }
 
-std::string user_data_of(const dds_qos_t* qos) {
-  void* data = nullptr;
-  std::size_t bytes = 0;
-  if (!dds_qget_userdata(qos, &data, &bytes) || data == nullptr) return {};
-  std::string text(static_cast<const char*>(data), bytes);
-  dds_free(data);
-  return text;
-}
-
 /// A request of that reader to be sent nothing.
 core::RecordBody request_of_nothing(const core::Request& request, std::uint64_t ahead) {
   core::Request nothing;
@@ -55,8 +46,6 @@ core::RecordBody request_of_nothing(const core::Request& request, std::uint64_t 
 
 Forger::Forger()
     : self_(domain_0, interface, 0),
-      participants_(
-          dds_create_reader(self_.entity(), DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr)),
       publications_(
           dds_create_reader(self_.entity(), DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr)) {}
 
@@ -100,12 +89,12 @@ void Forger::mute_all(std::uint64_t ahead) {
 
 void Forger::claim_processes() {
   look();
-  read_all<dds_builtintopic_participant_t>(participants_, [&](const dds_builtintopic_participant_t& one) {
-    const auto data = core::parse_participant_data(user_data_of(one.qos));
-    if (!data || data->process == made_up_process) return;
+  for (const ControlParticipant::Other& other : self_.others()) {
+    const auto data = core::parse_participant_data(other.user_data);
+    if (!data || data->process == made_up_process) continue;
     std::unique_ptr<ControlParticipant>& claimant = claimants_[data->process];
     if (!claimant) claimant = std::make_unique<ControlParticipant>(domain_0, interface, data->process);
-  });
+  }
   for (const auto& [process, claimant] : claimants_) {
     for (const auto& [what, known] : known_) {
       const auto& [participant, role, key] = what;
@@ -113,14 +102,6 @@ void Forger::claim_processes() {
     }
     claimant->give_heartbeat();
   }
-}
-
-std::vector<dds_guid_t> Forger::participants_of_others() {
-  std::vector<dds_guid_t> participants;
-  read_all<dds_builtintopic_participant_t>(participants_, [&](const dds_builtintopic_participant_t& one) {
-    if (std::memcmp(one.key.v, self_.guid().data(), sizeof one.key.v) != 0) participants.push_back(one.key);
-  });
-  return participants;
 }
 
 std::vector<dds_guid_t> Forger::writers_of(const std::string& topic) {
@@ -133,7 +114,8 @@ std::vector<dds_guid_t> Forger::writers_of(const std::string& topic) {
     entities.insert(entity);
   });
   std::vector<dds_guid_t> writers;
-  for (dds_guid_t writer : participants_of_others()) {
+  for (const ControlParticipant::Other& other : self_.others()) {
+    dds_guid_t writer = other.guid;
     for (const auto& entity : entities) {
       std::ranges::copy(entity, writer.v + prefix);
       writers.push_back(writer);
@@ -169,15 +151,21 @@ void Forger::ask_for_nothing() {
 }
 
 void Forger::forge_heartbeats() {
-  std::vector<core::Heartbeat> overheard;
-  self_.heartbeats().take([&](const core::Heartbeat& heartbeat, auto) { overheard.push_back(heartbeat); });
-  for (core::Heartbeat heartbeat : overheard) {
+  for (core::Heartbeat heartbeat : self_.overheard()) {
     for (const core::Role role : core::both_roles) heartbeat.digests[role] ^= 1;
-    self_.heartbeats().send(heartbeat);
+    self_.send(heartbeat);
     ++heartbeat.process;
-    self_.heartbeats().send(heartbeat);
+    self_.send(heartbeat);
     ++heartbeat.participant.back();
-    self_.heartbeats().send(heartbeat);
+    self_.send(heartbeat);
+  }
+}
+
+void Forger::outdate_heartbeats() {
+  for (const dds_guid_t& writer : writers_of("sft_heartbeat")) {
+    RtpsMessage message(writer);
+    message.add_data(far_ahead, std::string(core::heartbeat_bytes, '\0'));
+    message.send();
   }
 }
 

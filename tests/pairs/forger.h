@@ -39,6 +39,9 @@ class Forger {
   /// Answers each heartbeat that has come on eth0 since the last call with others: in the same name, with the
   /// digests of other records, and in the name of a process that is made up.
   void forge_heartbeats();
+  /// Sends a heartbeat by the topic in the name of each writer of it, with a sequence number so far ahead
+  /// that all that the writer says afterwards is old.
+  void outdate_heartbeats();
   /// Says that it is a participant whose control topics are of that version.
   void claim_version(unsigned version);
 
@@ -50,15 +53,14 @@ class Forger {
   };
 
   void look();
-  std::vector<dds_guid_t> participants_of_others();
   /// The writers of this topic that others have. Those of participants that hide them are guessed: their
   /// entities have the same numbers as those of others.
   std::vector<dds_guid_t> writers_of(const std::string& topic);
 
-  ControlParticipant self_;                           ///< without user data: it belongs to no process
-  dds_entity_t participants_ = 0, publications_ = 0;  ///< readers
-  std::map<RecordOf, Known> known_;                   ///< the newest record of each key
-  std::unique_ptr<ControlParticipant> twin_;          ///< of a process that announces the readers of others
+  ControlParticipant self_;                   ///< without user data: it belongs to no process
+  dds_entity_t publications_ = 0;             ///< a reader
+  std::map<RecordOf, Known> known_;           ///< the newest record of each key
+  std::unique_ptr<ControlParticipant> twin_;  ///< of a process that announces the readers of others
   std::map<core::ProcessId, std::unique_ptr<ControlParticipant>> claimants_;
 };
 

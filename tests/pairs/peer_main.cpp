@@ -173,6 +173,7 @@ class Peer {
     if (what == "mute") forger_->mute_all(command.at("ahead"));
     if (what == "claim processes") forger_->claim_processes();
     if (what == "heartbeats") forger_->forge_heartbeats();
+    if (what == "outdate heartbeats") forger_->outdate_heartbeats();
     if (what == "outdate announcements") forger_->outdate_announcements();
     if (what == "ask for nothing") forger_->ask_for_nothing();
     if (what == "claim version") forger_->claim_version(command.at("ahead"));

@@ -17,7 +17,7 @@
 #include "core/discovery/dds_config.h"
 #include "core/discovery/desired_links.h"
 #include "core/discovery/discovery.h"
-#include "core/discovery/domain_id.h"
+#include "core/platform/domain_id.h"
 #include "core/sync/mutex.h"
 #include "tests/support/eventually.h"
 

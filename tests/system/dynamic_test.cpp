@@ -11,7 +11,7 @@
 
 #include "core/control/described_type.h"
 #include "core/discovery/discovery.h"
-#include "core/discovery/domain_id.h"
+#include "core/platform/domain_id.h"
 #include "sft/detail/type_description.h"
 #include "sft/detail/type_shape.h"
 #include "tests/support/isolated_host.h"
