@@ -3,9 +3,9 @@
 
 #include "core/control/remapping.h"
 #include "core/discovery/dds_config.h"
-#include "core/discovery/domain_id.h"
 #include "core/node/node_core.h"
 #include "core/node/simulated_clock.h"
+#include "core/platform/domain_id.h"
 #include "core/platform/forked.h"
 #include "core/platform/process_limits.h"
 #include "core/platform/thread.h"

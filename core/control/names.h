@@ -1,11 +1,10 @@
-// Names of nodes, topics and types: what they may be, and how they are quoted to people. Whatever reaches a
-// log or a terminal in a name has passed these.
+// Names of nodes, topics and types: what they may be. Whatever reaches a log or a terminal in a name has
+// passed these, or in_quotes().
 #pragma once
 
-#include <string>
 #include <string_view>
 
-#include "sft/result.h"
+#include "core/platform/quotes.h"
 
 namespace sft::core {
 
@@ -15,9 +14,6 @@ namespace sft::core {
 std::string_view fault_of_name(std::string_view name);
 /// The same of a topic, which has no empty parts between slashes, no blank at either end and no '~' either.
 std::string_view fault_of_topic(std::string_view topic);
-
-/// Within quotation marks, cut where it is long, and with escapes for what is no text.
-std::string in_quotes(std::string_view text);
 
 /// A topic as it is compared, announced and shown: "/points" and "points" are one. Refers to `topic`.
 std::string_view without_slash(std::string_view topic);

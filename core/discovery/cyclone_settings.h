@@ -8,7 +8,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "sft/result.h"
@@ -17,6 +16,14 @@ namespace sft::core {
 
 /// Compares names and values of settings: upper and lower case are the same.
 bool equals(std::string_view a, std::string_view b);
+
+/// An element of the configuration. Its attributes are elements, too, whose names begin with "@".
+struct CycloneElement {
+  std::string name;
+  bool may_be_short = false;           ///< the name may lack its end
+  std::optional<std::string> value{};  ///< nothing if the element has no text
+  std::vector<CycloneElement> elements{};
+};
 
 class CycloneSettings {
  public:
@@ -33,7 +40,7 @@ class CycloneSettings {
   /// True if anything is set there or below.
   bool sets(std::string_view path) const;
   /// There are settings, and all of them are for other domains.
-  bool only_for_others() const { return settings_.empty() && for_others_; }
+  bool only_for_others() const;
 
   /// The configuration once more, for a Cyclone domain that has another number inside of the process: for any
   /// domain, with variables replaced, and without what is set at or below the paths of `left_out`.
@@ -43,27 +50,18 @@ class CycloneSettings {
   bool depends_on_domain() const { return depends_on_domain_; }
 
  private:
-  friend class CycloneSettingsReader;
-  struct Setting {
-    std::vector<std::string> path;
-    std::string value;
-    bool may_be_short = false;  ///< names in its path may be
-  };
-  /// An element of the configuration below <Domain>.
-  struct Element {
-    std::string name;
-    std::vector<std::pair<std::string, std::string>> attributes{};
-    std::string value{};
-    std::vector<Element> elements{};
-    bool may_be_short = false;
-  };
-  static bool is_at(const Setting& setting, std::string_view path);
-  static void write(const Element& element, std::vector<std::string>& path,
-                    const std::vector<std::string_view>& left_out, std::string& text);
+  explicit CycloneSettings(std::uint32_t domain) : domain_(domain) {}
+  Result<std::size_t> read_text(const std::string& text);
+  Result<void> read_file(const std::string& name);
+  void add_document(const CycloneElement& document, bool has_variables);
+  void add_domain(const CycloneElement& element, bool may_be_short);
+  void add_group(CycloneElement group);
+  bool is_for_us(const std::string& id);
+  std::vector<const CycloneElement*> at(std::string_view path) const;
 
-  std::vector<Setting> settings_;
-  std::vector<Element> elements_;
-  bool for_others_ = false;
+  std::uint32_t domain_;
+  CycloneElement all_{};  ///< the groups of settings for this domain
+  bool has_others_ = false;
   bool depends_on_domain_ = false;
 };
 

@@ -6,76 +6,56 @@
 #include <array>
 #include <cctype>
 #include <charconv>
-#include <optional>
+#include <chrono>
+#include <cmath>
+#include <iterator>
 #include <ranges>
 #include <string_view>
 
 #include "core/discovery/cyclone_settings.h"
+#include "core/discovery/timing.h"
 #include "core/platform/ip_address.h"
 
 namespace sft::core {
 
 namespace {
 
-constexpr std::array control_topics{"sft_writer", "sft_reader", "sft_liveliness"};
-constexpr std::size_t fragment_bytes_min = 128;
-constexpr std::size_t sample_bytes_min = 131'072;  // of control samples; the largest have some 96,000
-
-std::string element(std::string_view name, std::string_view content) {
-  return "<" + std::string(name) + ">" + std::string(content) + "</" + std::string(name) + ">";
-}
-
-std::string document(std::string_view content) {
-  return "<CycloneDDS><Domain id=\"any\">" + std::string(content) + "</Domain></CycloneDDS>";
-}
-
-std::string list(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
-/// "8 kB", as Cyclone writes sizes; malformed ones it refuses itself.
-double bytes_of(std::string_view text) {
-  double number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc{}) return sample_bytes_min;
-  std::string_view unit(end, text.data() + text.size());
-  unit.remove_prefix(std::min(unit.find_first_not_of(' '), unit.size()));
-  switch (unit.empty() ? 'b' : std::tolower(static_cast<unsigned char>(unit[0]))) {
-    case 'k':
-      return number * 1024;
-    case 'm':
-      return number * 1024 * 1024;
-    case 'g':
-      return number * 1024 * 1024 * 1024;
-    default:
-      return number;
-  }
-}
+constexpr Timing usual_times;
+constexpr std::array control_topics{"sft_writer", "sft_reader", "sft_heartbeat", "sft_report"};
 
 /// A setting that SFT cannot do without, though the user may have set it otherwise.
 struct Demand {
-  std::string_view group;
-  std::string_view name;
-  bool (*breaks_sft)(const std::string& value);
-  std::string_view instead;
+  std::string_view path;
+  std::string_view value;
   std::string_view why;
+  std::array<std::string_view, 2> refused{};  ///< values of the user's that are replaced
+  double bytes_min = 0;                       ///< the user's size is replaced if it is smaller
 };
 
 constexpr std::array demands{
-    Demand{"SharedMemory", "Enable", [](const std::string& v) { return !equals(v, "false"); }, "false",
-           "Cyclone DDS and SFT cannot both use the one iceoryx runtime of a process"},
-    Demand{"General", "EnableMulticastLoopback", [](const std::string& v) { return equals(v, "false"); },
-           "true", "nodes of one host would not find each other"},
-    Demand{"General", "FragmentSize", [](const std::string& v) { return bytes_of(v) < fragment_bytes_min; },
-           "1344 B", "announcements would not get through, or in hundreds of datagrams"},
-    Demand{"Internal", "MaxSampleSize", [](const std::string& v) { return bytes_of(v) < sample_bytes_min; },
-           "2147483647 B", "announcements with the description of a type may have 128 kB"},
-    Demand{"Compatibility", "ManySocketsMode",
-           [](const std::string& v) { return equals(v, "none") || equals(v, "false"); }, "single",
-           "nodes could not be reached"},
+    Demand{"SharedMemory/Enable",
+           "false",
+           "Cyclone DDS and SFT cannot both use the one iceoryx runtime of a process",
+           {"true"}},
+    Demand{
+        "General/EnableMulticastLoopback", "true", "nodes of one host would not find each other", {"false"}},
+    Demand{"General/FragmentSize",
+           "1344 B",
+           "announcements would not get through, or in hundreds of datagrams",
+           {},
+           128},
+    Demand{"Internal/MaxSampleSize",
+           "2147483647 B",
+           "announcements with the description of a type may have 128 kB",
+           {},
+           131'072},
+    Demand{"Compatibility/ManySocketsMode", "single", "nodes could not be reached", {"none", "false"}},
 };
+constexpr Demand predictable_port{
+    "Discovery/ParticipantIndex",
+    "auto",
+    "without multicast, nodes are looked for at the ports that DDS derives from the index",
+    {"none"}};
 
 constexpr std::string_view own_domain_number = "Discovery/ExternalDomainId";
 
@@ -91,9 +71,65 @@ constexpr int loopback_multicast_offset = 2;
 // Ports of a domain, as DDS prescribes them (RTPS 2.3, 9.6.1), and the port of heartbeats among those that it
 // leaves unused.
 constexpr unsigned first_port = 7400, ports_of_domain = 250, heartbeat_offset = 4;
+// What the user changes of how multicasts go may matter to heartbeats, too, which Cyclone does not send.
 constexpr std::array<std::string_view, 5> changes_of_multicasts{
     "General/DontRoute", "General/MulticastRecvNetworkInterfaceAddresses", "General/MulticastTimeToLive",
     "Discovery/Ports", "Discovery/SPDPMulticastAddress"};
+
+std::string element(std::string_view name, std::string_view content) {
+  return "<" + std::string(name) + ">" + std::string(content) + "</" + std::string(name) + ">";
+}
+
+std::string document(std::string_view content) {
+  return "<CycloneDDS><Domain id=\"any\">" + std::string(content) + "</Domain></CycloneDDS>";
+}
+
+std::string in_cyclone(std::chrono::milliseconds time) { return std::to_string(time.count()) + " ms"; }
+
+std::string list(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+/// The parts of a text between commas.
+std::vector<std::string> split(const std::string& text) {
+  std::vector<std::string> parts;
+  for (const auto part : std::views::split(text, ',')) parts.emplace_back(part.begin(), part.end());
+  return parts;
+}
+
+/// "8 kB", as Cyclone writes sizes; malformed ones it refuses itself.
+double bytes_of(std::string_view text) {
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc{}) return HUGE_VAL;
+  std::string_view unit(end, text.data() + text.size());
+  unit.remove_prefix(std::min(unit.find_first_not_of(' '), unit.size()));
+  constexpr std::string_view units = "bkmg";
+  const char first =
+      unit.empty() ? 'b' : static_cast<char>(std::tolower(static_cast<unsigned char>(unit[0])));
+  const std::size_t power = units.find(first);
+  return power == std::string_view::npos ? number : std::ldexp(number, 10 * static_cast<int>(power));
+}
+
+bool is_refused(const Demand& demand, const std::string& value) {
+  const auto is_value = [&](std::string_view one) { return !one.empty() && equals(one, value); };
+  return std::ranges::any_of(demand.refused, is_value) || bytes_of(value) < demand.bytes_min;
+}
+
+/// Returns the setting, also where the user sets nothing, or nothing that could be found. Returns an empty
+/// text where the user's value will do.
+std::string insist_on(const Demand& demand, const CycloneSettings& user, std::vector<std::string>& warnings) {
+  const auto value = user.value(demand.path);
+  if (value && !is_refused(demand, *value)) return "";
+  if (value) {
+    warnings.push_back(std::string(demand.path) + " is '" + std::string(demand.value) + "', not '" + *value +
+                       "' as CYCLONEDDS_URI says: " + std::string(demand.why));
+  }
+  const std::size_t slash = demand.path.find('/');
+  return element(demand.path.substr(0, slash), element(demand.path.substr(slash + 1), demand.value));
+}
 
 std::string loopback_ports(bool finds_by_unicast) {
   const auto offsets = [](const std::string& cast, int first) {
@@ -104,160 +140,85 @@ std::string loopback_ports(bool finds_by_unicast) {
          (finds_by_unicast ? offsets("Unicast", loopback_port_offset) : "");
 }
 
-constexpr Demand predictable_port{
-    "Discovery", "ParticipantIndex", [](const std::string& v) { return equals(v, "none"); }, "auto",
-    "without multicast, nodes are looked for at the ports that DDS derives from the index"};
-
-std::string path_of(const Demand& demand) {
-  return std::string(demand.group) + "/" + std::string(demand.name);
+bool has_name(const std::vector<std::string>& peers) {
+  return std::ranges::any_of(peers, [](const auto& peer) { return name_in(peer).has_value(); });
 }
 
-// Our settings of the lease after which Cyclone forgets a participant of which nothing comes.
-constexpr std::chrono::seconds usual_lease{40}, lease_if_asked_seldom{150};
+bool chooses_interfaces(const CycloneSettings& user) {
+  return user.sets("General/Interfaces") || user.sets("General/NetworkInterfaceAddress");
+}
 
-/// The settings of a domain, put together.
-class Composition {
- public:
-  Composition(const DiscoverySettings& settings, const CycloneSettings& user)
-      : settings_(settings),
-        user_(user),
-        multicast_(user.value("General/AllowMulticast").value_or(multicast_by_ours())) {}
+/// One `Address` of Cyclone's configuration may list several peers.
+std::vector<std::string> peers_of(const CycloneSettings& user) {
+  std::vector<std::string> peers;
+  for (const std::string& listed : user.values("Discovery/Peers/Peer/@Address"))
+    std::ranges::move(split(listed), std::back_inserter(peers));
+  return peers;
+}
 
-  DdsConfig result(std::uint32_t domain, const std::string& user_config) const {
-    DdsConfig config;
-    config.domain_on_wire = user_.value(own_domain_number).value_or("default");
-    if (equals(config.domain_on_wire, "default")) config.domain_on_wire = std::to_string(domain);
-    config.multicast = !finds_by_peers_only() && !equals(multicast_, "spdp");
-    config.found_by_multicast = !finds_by_peers_only();
-    config.participant_lease = asks_seldom() ? lease_if_asked_seldom : usual_lease;
-    config.is_secured = user_.sets("Security");
-    config.heartbeat_port = heartbeat_port(config);
-    config.peers = settings_.peers;
-    config.user_peers = user_peers();
-    config.text_has_user_peers = !has_peer_by_name();
-    std::string insisted;
-    for (const Demand& demand : demands) insisted += insist_on(demand, config.warnings);
-    if (finds_by_peers_only()) insisted += insist_on(predictable_port, config.warnings);
-    // A later setting wins over an earlier one.
-    const std::string users = of_user(user_config);
-    config.text = ours() + "," + (users.empty() ? "" : users + ",") + document(insisted);
-    add_remarks(config.warnings);
-    return config;
-  }
+/// Returns the user's configuration as it is, if that suffices. But each link has its interface, and all have
+/// the domain number of the network: the user's choice of these is applied to the links, and left out here.
+/// Peers are left out, too, if one of them is a name: Cyclone would look it up.
+std::string passed_through(const std::string& user_config, const CycloneSettings& user,
+                           bool leaves_out_peers) {
+  const bool suffices = !chooses_interfaces(user) && !user.sets(own_domain_number) &&
+                        !user.depends_on_domain() && !leaves_out_peers;
+  if (suffices) return user_config;
+  std::vector<std::string_view> left_out{"General/Interfaces", "General/NetworkInterfaceAddress",
+                                         own_domain_number};
+  if (leaves_out_peers) left_out.emplace_back("Discovery/Peers");
+  return user.for_any_domain(left_out);
+}
 
- private:
-  /// What the user has changed of how multicasts go may matter to heartbeats, too, which Cyclone does not send.
-  std::optional<std::uint16_t> heartbeat_port(const DdsConfig& config) const {
-    const bool is_as_usual =
-        std::ranges::none_of(changes_of_multicasts, [&](std::string_view path) { return user_.sets(path); });
-    unsigned number = 0;
-    const std::string& domain = config.domain_on_wire;
-    const auto read = std::from_chars(domain.data(), domain.data() + domain.size(), number);
-    const bool has_ports = read.ec == std::errc{} && number <= NodeOptions::domain_max;
-    const bool has_multicast = config.multicast && !equals(multicast_, "ssm");
-    if (!is_as_usual || !has_ports || !has_multicast || config.is_secured) return std::nullopt;
-    return static_cast<std::uint16_t>(first_port + ports_of_domain * number + heartbeat_offset);
-  }
+/// Acknowledgements that do not wait and heartbeats that come at once make a newcomer's first request
+/// arrive within milliseconds, and soon where datagrams get lost; what repeats while nothing happens is
+/// kept rare. A link whose address is gone must not wait for acknowledgements when it is deleted.
+///
+/// Each heartbeat that is repeated for one newcomer asks all readers, so a reader that has said already that
+/// it has everything waits for `AckDelay` before it says so again. News and gaps do not wait for that.
+///
+/// What comes is put into one receive buffer behind the other, and so each of a node's domains touches all
+/// of a buffer in the end. Control traffic does not need the usual 1 MiB.
+constexpr std::string_view settings_of_all_links = R"(<Sizing><ReceiveBufferSize>256 KiB</></><Internal>
+<PreEmptiveAckDelay>0 ms</><NackDelay>1 ms</><AckDelay>1 s</><HeartbeatInterval max="2 s">20 ms</>
+<MultipleReceiveThreads>false</><WriterLingerDuration>0 s</></>)";
 
-  /// To peers that it does not reach, nothing must go by it once they are found.
-  std::string multicast_by_ours() const {
-    if (!settings_.multicast) return "false";
-    return has_peers() ? "spdp" : "default";
-  }
-  bool finds_by_peers_only() const { return equals(multicast_, "false"); }
-  bool has_peers() const { return !settings_.peers.empty() || user_.sets("Discovery/Peers"); }
-  /// One `Address` of Cyclone's configuration may list several peers, separated by commas.
-  std::vector<std::string> user_peers() const {
-    std::vector<std::string> peers;
-    for (const std::string& value : user_.values("Discovery/Peers/Peer/@Address")) {
-      for (const auto peer : std::views::split(value, ',')) peers.emplace_back(peer.begin(), peer.end());
-    }
-    return peers;
-  }
-  bool has_peer_by_name() const {
-    return std::ranges::any_of(user_peers(), [](const auto& peer) { return name_in(peer).has_value(); });
-  }
-  bool user_chose_interfaces() const {
-    return user_.sets("General/Interfaces") || user_.sets("General/NetworkInterfaceAddress");
-  }
-  /// Each link has its interface, and all have the domain number of the network: the user's choice of these
-  /// is applied to the links, and taken out here. Peers are taken out, too, if one of them is a name: Cyclone
-  /// would look it up.
-  std::string of_user(const std::string& user_config) const {
-    const bool by_name = has_peer_by_name();
-    const bool as_it_is =
-        !user_chose_interfaces() && !user_.sets(own_domain_number) && !user_.depends_on_domain() && !by_name;
-    if (as_it_is) return user_config;
-    std::vector<std::string_view> left_out{"General/Interfaces", "General/NetworkInterfaceAddress",
-                                           own_domain_number};
-    if (by_name) left_out.emplace_back("Discovery/Peers");
-    return user_.for_any_domain(left_out);
-  }
+/// A peer is asked at every port that a node of it may have, each time: that has to be rare, and they few.
+std::string settings_of_sft(const std::string& multicast, bool asks_peers) {
+  const auto lease = asks_peers ? usual_times.cyclone_lease_to_peers : usual_times.cyclone_lease;
+  std::string discovery =
+      element("SPDPInterval", in_cyclone(lease * 3 / 4)) + element("LeaseDuration", in_cyclone(lease));
+  if (asks_peers) discovery += element("ParticipantIndex", "auto") + element("MaxAutoParticipantIndex", "20");
+  return document(element("General", element("AllowMulticast", multicast)) + element("Discovery", discovery) +
+                  std::string(settings_of_all_links));
+}
 
-  /// Acknowledgements that do not wait and heartbeats that come at once make a newcomer's first request
-  /// arrive within milliseconds, and soon where datagrams get lost; what repeats while nothing happens is
-  /// kept rare. A link whose address is gone must not wait for acknowledgements when it is deleted.
-  ///
-  /// Each heartbeat that is repeated for one newcomer asks everybody, so a reader that has told already that
-  /// it has everything waits for `AckDelay` before it tells so again. News and gaps do not wait for that.
-  ///
-  /// What comes is put into one receive buffer behind the other, and so each of a node's domains touches all
-  /// of a buffer in the end. Control traffic does not need the usual 1 MiB.
-  std::string ours() const {
-    return document(
-        element("General", element("AllowMulticast", multicast_by_ours())) +
-        element("Discovery", discovery()) + element("Sizing", element("ReceiveBufferSize", "256 KiB")) +
-        element("Internal",
-                element("PreEmptiveAckDelay", "0 ms") + element("NackDelay", "1 ms") +
-                    element("AckDelay", "1 s") + "<HeartbeatInterval max=\"2 s\">20 ms</HeartbeatInterval>" +
-                    element("MultipleReceiveThreads", "false") + element("WriterLingerDuration", "0 s")));
-  }
+std::optional<std::uint16_t> heartbeat_port_of(const DdsConfig& config, const CycloneSettings& user) {
+  const auto is_set = [&](std::string_view path) { return user.sets(path); };
+  unsigned number = 0;
+  const std::string& domain = config.domain_on_wire;
+  const auto read = std::from_chars(domain.data(), domain.data() + domain.size(), number);
+  const bool has_ports = read.ec == std::errc{} && number <= NodeOptions::domain_max;
+  const bool has_multicast =
+      config.multicast && !equals(user.value("General/AllowMulticast").value_or(""), "ssm");
+  if (!has_ports || !has_multicast || config.is_secured || std::ranges::any_of(changes_of_multicasts, is_set))
+    return std::nullopt;
+  return static_cast<std::uint16_t>(first_port + ports_of_domain * number + heartbeat_offset);
+}
 
-  bool asks_seldom() const { return finds_by_peers_only() || has_peers(); }
-
-  /// A newcomer is answered at once, and greetings repeat what may have got lost (greetings.h): Cyclone's own
-  /// announcements, which are much of what idle nodes send, may be rare. A peer is asked at every port that a
-  /// node of it may have, each time: that has to be rarer still, and they few.
-  std::string discovery() const {
-    if (!asks_seldom())
-      return element("SPDPInterval", "30 s") +
-             element("LeaseDuration", std::to_string(usual_lease.count()) + " s");
-    return element("SPDPInterval", "120 s") +
-           element("LeaseDuration", std::to_string(lease_if_asked_seldom.count()) + " s") +
-           element("ParticipantIndex", "auto") + element("MaxAutoParticipantIndex", "20");
-  }
-
-  /// Also where the user sets nothing, or nothing that could be found. Empty where the user's value will do.
-  std::string insist_on(const Demand& demand, std::vector<std::string>& warnings) const {
-    const auto value = user_.value(path_of(demand));
-    if (value && !demand.breaks_sft(*value)) return "";
-    if (value) {
-      warnings.push_back(path_of(demand) + " is '" + std::string(demand.instead) + "', not '" + *value +
-                         "' as CYCLONEDDS_URI says: " + std::string(demand.why));
-    }
-    return element(demand.group, element(demand.name, demand.instead));
-  }
-
-  void add_remarks(std::vector<std::string>& warnings) const {
-    if (user_.only_for_others()) {
-      warnings.emplace_back("nothing in CYCLONEDDS_URI is for this domain, only for others");
-    }
-    if (user_.sets("Security")) {
-      warnings.emplace_back("DDS Security protects who finds whom and who asks for what, not the samples");
-    }
-    if (!settings_.interfaces.empty() && user_chose_interfaces()) {
-      warnings.emplace_back(
-          "CYCLONEDDS_URI chooses the network interfaces, not DiscoverySettings::interfaces");
-    }
-    if (finds_by_peers_only() && !has_peers()) {
-      warnings.emplace_back("multicast is off and there are no peers: only nodes of this host are found");
-    }
-  }
-
-  const DiscoverySettings& settings_;
-  const CycloneSettings& user_;
-  const std::string multicast_;  ///< in force, of Cyclone's AllowMulticast
-};
+std::vector<std::string> remarks_on(const DdsConfig& config, const DiscoverySettings& settings,
+                                    const CycloneSettings& user, bool has_peers) {
+  std::vector<std::string> remarks;
+  if (user.only_for_others())
+    remarks.emplace_back("nothing in CYCLONEDDS_URI is for this domain, only for others");
+  if (config.is_secured)
+    remarks.emplace_back("DDS Security protects who finds whom and who asks for what, not the samples");
+  if (!settings.interfaces.empty() && chooses_interfaces(user))
+    remarks.emplace_back("CYCLONEDDS_URI chooses the network interfaces, not DiscoverySettings::interfaces");
+  if (!config.found_by_multicast && !has_peers)
+    remarks.emplace_back("multicast is off and there are no peers: only nodes of this host are found");
+  return remarks;
+}
 
 IpFamily family_on(const LinkSpec& link) { return link.ip.is_any() ? IpFamily::ipv6 : IpFamily::ipv4; }
 
@@ -292,20 +253,15 @@ Result<void> check_partitions(const CycloneSettings& user) {
 
 /// No interface is excluded if Cyclone is to choose by itself.
 std::vector<std::string> chosen_interfaces(const CycloneSettings& user, const DiscoverySettings& settings) {
-  std::vector<std::string> names;
-  for (const char* attribute : {"@name", "@address"}) {
-    for (std::string& name : user.values(std::string("General/Interfaces/NetworkInterface/") + attribute))
-      names.push_back(std::move(name));
-  }
-  if (const auto deprecated = user.value("General/NetworkInterfaceAddress")) {
-    for (const auto name : std::views::split(*deprecated, ',')) names.emplace_back(name.begin(), name.end());
-  }
+  if (!chooses_interfaces(user)) return settings.interfaces;
   const std::vector<std::string> any = user.values("General/Interfaces/NetworkInterface/@autodetermine");
   if (std::ranges::any_of(any, [](const std::string& value) { return equals(value, "true"); })) return {};
+  std::vector<std::string> names = user.values("General/Interfaces/NetworkInterface/@name");
+  std::ranges::move(user.values("General/Interfaces/NetworkInterface/@address"), std::back_inserter(names));
+  const auto deprecated = user.value("General/NetworkInterfaceAddress");
+  std::ranges::move(split(deprecated.value_or("")), std::back_inserter(names));
   std::erase_if(names, [](const std::string& name) { return equals(name, "auto") || name.empty(); });
-  return user.sets("General/Interfaces") || user.sets("General/NetworkInterfaceAddress")
-             ? names
-             : settings.interfaces;
+  return names;
 }
 
 }  // namespace
@@ -317,8 +273,30 @@ Result<DdsConfig> dds_config(std::uint32_t domain, const DiscoverySettings& sett
   const Result<CycloneSettings> user = CycloneSettings::read(user_config, domain);
   if (!user) return tl::unexpected(user.error());
   if (const auto ok = check_partitions(*user); !ok) return tl::unexpected(ok.error());
-  DdsConfig config = Composition(settings, *user).result(domain, user_config);
+  const bool has_peers = !settings.peers.empty() || user->sets("Discovery/Peers");
+  // To peers that it does not reach, nothing must go by multicast once they are found.
+  const std::string ours = !settings.multicast ? "false" : has_peers ? "spdp" : "default";
+  const std::string multicast = user->value("General/AllowMulticast").value_or(ours);
+
+  DdsConfig config;
+  config.domain_on_wire = user->value(own_domain_number).value_or("default");
+  if (equals(config.domain_on_wire, "default")) config.domain_on_wire = std::to_string(domain);
+  config.found_by_multicast = !equals(multicast, "false");
+  config.multicast = config.found_by_multicast && !equals(multicast, "spdp");
+  config.is_secured = user->sets("Security");
+  config.heartbeat_port = heartbeat_port_of(config, *user);
+  config.peers = settings.peers;
+  config.user_peers = peers_of(*user);
+  config.text_has_user_peers = !has_name(config.user_peers);
   config.interfaces = chosen_interfaces(*user, settings);
+  std::string insisted;
+  for (const Demand& demand : demands) insisted += insist_on(demand, *user, config.warnings);
+  if (!config.found_by_multicast) insisted += insist_on(predictable_port, *user, config.warnings);
+  std::ranges::move(remarks_on(config, settings, *user, has_peers), std::back_inserter(config.warnings));
+  // A later setting wins over an earlier one.
+  const std::string users = passed_through(user_config, *user, !config.text_has_user_peers);
+  config.text = settings_of_sft(ours, !config.found_by_multicast || has_peers) + "," +
+                (users.empty() ? "" : users + ",") + document(insisted);
   return config;
 }
 

@@ -2,7 +2,6 @@
 // win, and last the settings that SFT cannot do without.
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -10,8 +9,8 @@
 #include <vector>
 
 #include "core/discovery/desired_links.h"
-#include "core/discovery/peer_addresses.h"
 #include "core/platform/host_lookup.h"
+#include "core/platform/peer_addresses.h"
 #include "sft/options.h"
 #include "sft/result.h"
 
@@ -22,10 +21,10 @@ struct DdsConfig {
   std::string domain_on_wire;      ///< all links are one DDS domain, whatever their numbers in this process
   bool multicast = true;           ///< one datagram can reach several nodes once they are found
   bool found_by_multicast = true;  ///< else nodes elsewhere are found by peers only
-  std::chrono::seconds participant_lease{};  ///< after which nodes forget who is silent
-  bool is_secured = false;                   ///< the user's configuration has DDS Security
-  /// The port of heartbeats (heartbeat.h). Nothing where there are none: where nodes have certificates, which heartbeats
-  /// have not, or where the user's configuration or the lack of multicast may keep them from arriving.
+  bool is_secured = false;         ///< the user's configuration has DDS Security
+  /// The port of heartbeats (heartbeat.h). Nothing where there are none: where nodes have certificates, which
+  /// heartbeats have not, or where the user's configuration or the lack of multicast may keep them from
+  /// arriving.
   std::optional<std::uint16_t> heartbeat_port{};
   std::vector<std::string> peers;  ///< hosts that are looked for nodes, besides those that multicast reaches
   std::vector<std::string> user_peers;  ///< peers that the user's configuration names for all links

@@ -4,12 +4,8 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
-#include <filesystem>
-#include <fstream>
 #include <map>
 #include <string_view>
-#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -30,7 +26,6 @@ constexpr std::size_t descriptors_of_a_domain = 16;
 constexpr std::size_t threads_of_a_domain = 9;
 
 constexpr const char* name_of_maker = "sft-domain";
-constexpr int looks_for_names = 1000;  // once in a millisecond
 /// The beginnings of the names of Cyclone's threads.
 constexpr std::array<std::string_view, 10> names_of_cyclone{"gc",  "tev",  "recv",      "dq.",    "lease",
                                                             "fsm", "xmit", "threadmon", "debmon", "ws"};
@@ -58,46 +53,6 @@ std::pair<std::uint32_t, dds_entity_t> make_domain(const DomainPlan& plan, std::
   return {free_id, dds_create_domain(free_id, plan.config.c_str())};
 }
 
-using ThreadNames = std::map<std::string, std::string>;  // by the number of the thread
-
-/// Returns the names of the threads of this process.
-ThreadNames thread_names() {
-  ThreadNames names;
-  std::error_code ignored;
-  for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task", ignored)) {
-    std::string name;
-    std::getline(std::ifstream(thread.path() / "comm"), name);
-    names[thread.path().filename().string()] = name;
-  }
-  return names;
-}
-
-bool is_name_of_cyclone(std::string_view name) {
-  return std::ranges::any_of(names_of_cyclone,
-                             [name](std::string_view known) { return name.starts_with(known); });
-}
-
-/// Cyclone's threads have the name of the one that started them until they have begun to run.
-ThreadNames names_once_given(const std::string& of_starter) {
-  ThreadNames names = thread_names();
-  for (int i = 0; i < looks_for_names; ++i) {
-    const auto nameless = std::ranges::count(names, of_starter, &ThreadNames::value_type::second);
-    if (nameless <= 1) break;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    names = thread_names();
-  }
-  return names;
-}
-
-/// Puts the prefix before the names of the threads that Cyclone has started since then. The program may have
-/// started some of its own meanwhile: these are called otherwise.
-void rename_threads_since(const ThreadNames& before, const std::string& prefix) {
-  for (const auto& [thread, name] : names_once_given(name_of_maker)) {
-    if (before.contains(thread) || !is_name_of_cyclone(name)) continue;
-    std::ofstream("/proc/self/task/" + thread + "/comm") << (prefix + name).substr(0, 15);
-  }
-}
-
 struct MadeDomain {
   std::uint32_t id = 0;
   dds_entity_t entity = 0;
@@ -110,7 +65,7 @@ MadeDomain make(const DomainPlan& plan, std::uint32_t free_id) {
   const std::string& prefix = plan.threads.name_prefix;
   const ThreadNames before = prefix.empty() ? ThreadNames() : thread_names();
   const auto [id, entity] = make_domain(plan, free_id);
-  if (entity >= 0 && !prefix.empty()) rename_threads_since(before, prefix);
+  if (entity >= 0 && !prefix.empty()) prefix_threads_since(before, prefix, names_of_cyclone);
   return {id, entity, messages.text(), messages.errors()};
 }
 

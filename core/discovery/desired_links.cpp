@@ -8,119 +8,103 @@ namespace sft::core {
 
 namespace {
 
-/// Lists the interfaces that fit the rules, and picks links among them.
-class Choice {
- public:
-  Choice(std::span<const HostInterface> interfaces, const LinkRules& rules,
-         std::span<const LinkSpec> in_force)
-      : interfaces_(interfaces), rules_(rules), in_force_(in_force) {}
+bool is_one_of(std::span<const LinkSpec> links, const LinkSpec& link) {
+  return std::ranges::find(links, link) != links.end();
+}
 
-  DesiredLinks made() {
-    pick_loopback();
-    const bool has_loopback = !result_.links.empty();
-    pick_ipv4(!has_loopback);
-    const bool only_ipv6 = std::ranges::none_of(interfaces_, [&](const HostInterface& i) {
-      return !i.loopback && i.up && i.ip.is_ipv4() && fits(i);
-    });
-    if (only_ipv6) pick_ipv6(!has_loopback);
-    const bool wants_others = rules_.multicast || rules_.peers;
-    const bool lists_others =
-        std::ranges::any_of(rules_.listed, [&](const auto& one) { return !names_loopback(one); });
-    result_.waits_for_network = wants_others && (rules_.listed.empty() || lists_others) &&
-                                std::ranges::all_of(result_.links, &LinkSpec::loopback);
-    remark_on_listed();
-    return std::move(result_);
-  }
+bool is_listed(const HostInterface& interface, const LinkRules& rules) {
+  return std::ranges::any_of(rules.listed, [&](const auto& one) { return is_named(interface, one); });
+}
 
- private:
-  bool is_listed(const HostInterface& interface) const {
-    return std::ranges::any_of(rules_.listed, [&](const auto& one) { return is_named(interface, one); });
-  }
-  bool names_loopback(const std::string& one) const {
-    return std::ranges::any_of(interfaces_, [&](const auto& i) { return i.loopback && is_named(i, one); });
-  }
-  /// Without multicast nobody would be found there, unless peers are asked one by one.
-  bool fits(const HostInterface& interface) const {
-    if (!rules_.listed.empty()) return is_listed(interface);
-    return !belongs_to_containers(interface.name) && (interface.multicast || rules_.peers);
-  }
-  bool is_in_force(const LinkSpec& link) const {
-    return std::ranges::find(in_force_, link) != in_force_.end();
-  }
+/// Where there is no multicast nothing would be found, unless peers are asked one by one.
+bool fits(const HostInterface& interface, const LinkRules& rules) {
+  if (!rules.listed.empty()) return is_listed(interface, rules);
+  return !belongs_to_containers(interface.name) && (interface.multicast || rules.peers);
+}
 
-  void pick(const HostInterface& interface, const LinkSpec& link) {
-    if (!interface.up && !is_in_force(link)) return;
-    if (result_.links.size() == links_max) {
-      result_.remarks.push_back(interface.name + " is left out: discovery uses " + std::to_string(links_max) +
-                                " addresses at most");
-      return;
-    }
-    result_.links.push_back(link);
-  }
+LinkSpec link_at(const HostInterface& interface, bool reaches_own_host) {
+  if (!interface.ip.is_ipv4()) return {interface.name, {}, 0, false, reaches_own_host, interface.index};
+  return {interface.name,     interface.ip,     interface.prefix_bits,
+          interface.loopback, reaches_own_host, interface.index};
+}
 
-  void pick_loopback() {
-    for (const HostInterface& i : interfaces_) {
-      if (i.loopback && i.ip.is_ipv4() && result_.links.empty())
-        pick(i, {i.name, i.ip, i.prefix_bits, true, true, i.index});
-    }
-  }
+/// One address of a network is enough: by a second one in the same network all nodes would be found twice.
+bool cover(std::span<const LinkSpec> links, const HostInterface& interface) {
+  return std::ranges::any_of(links, [&](const LinkSpec& link) {
+    return link.interface == interface.name &&
+           (!interface.ip.is_ipv4() || in_one_network(link.ip, interface.ip, interface.prefix_bits));
+  });
+}
 
-  /// One address of a network is enough, and a second one in the same network would find everybody twice. The
-  /// one that is in use goes first.
-  void pick_ipv4(bool reaches_own_host) {
-    std::vector<const HostInterface*> candidates;
-    for (const HostInterface& i : interfaces_) {
-      if (!i.loopback && i.ip.is_ipv4() && fits(i)) candidates.push_back(&i);
-    }
-    const auto spec = [&](const HostInterface& i) {
-      return LinkSpec{i.name, i.ip, i.prefix_bits, false, reaches_own_host, i.index};
-    };
-    std::ranges::stable_partition(candidates, [&](const auto* i) { return is_in_force(spec(*i)); });
-    for (const HostInterface* i : candidates) {
-      const bool twice = std::ranges::any_of(result_.links, [&](const LinkSpec& link) {
-        return link.interface == i->name && in_one_network(link.ip, i->ip, i->prefix_bits);
-      });
-      if (!twice) pick(*i, spec(*i));
-    }
+/// Returns the addresses that links may have besides the loopback. The IPv4 addresses in force are the first,
+/// so that they stay. IPv6 is only for a host that has nothing else.
+std::vector<const HostInterface*> candidates(std::span<const HostInterface> interfaces,
+                                             const LinkRules& rules, const auto& is_in_force) {
+  const auto fits_beside_loopback = [&](const HostInterface& i) { return !i.loopback && fits(i, rules); };
+  const bool has_ipv4 = std::ranges::any_of(
+      interfaces, [&](const HostInterface& i) { return fits_beside_loopback(i) && i.up && i.ip.is_ipv4(); });
+  std::vector<const HostInterface*> addresses;
+  for (const HostInterface& i : interfaces) {
+    const bool is_of_use = i.ip.is_ipv4() || (!has_ipv4 && !i.ip.is_any());
+    if (is_of_use && fits_beside_loopback(i)) addresses.push_back(&i);
   }
+  std::ranges::stable_sort(addresses, {}, [&](const HostInterface* i) {
+    return !i->ip.is_ipv4() ? 2 : is_in_force(*i) ? 0 : 1;
+  });
+  return addresses;
+}
 
-  void pick_ipv6(bool reaches_own_host) {
-    for (const HostInterface& i : interfaces_) {
-      if (i.loopback || i.ip.is_any() || i.ip.is_ipv4() || !fits(i)) continue;
-      if (std::ranges::find(result_.links, i.name, &LinkSpec::interface) == result_.links.end())
-        pick(i, {i.name, {}, 0, false, reaches_own_host, i.index});
-    }
-  }
+bool wait_for_network(std::span<const LinkSpec> links, std::span<const HostInterface> interfaces,
+                      const LinkRules& rules) {
+  const auto names_loopback = [&](const std::string& one) {
+    return std::ranges::any_of(interfaces, [&](const auto& i) { return i.loopback && is_named(i, one); });
+  };
+  const bool wants_others = (rules.multicast || rules.peers) &&
+                            (rules.listed.empty() || !std::ranges::all_of(rules.listed, names_loopback));
+  return wants_others && std::ranges::all_of(links, &LinkSpec::loopback);
+}
 
-  void remark_on_listed() {
-    for (const std::string& one : rules_.listed) {
-      const auto named = [&](const HostInterface& i) { return is_named(i, one); };
-      const bool used = std::ranges::any_of(interfaces_, [&](const HostInterface& i) {
-        return named(i) &&
-               std::ranges::find(result_.links, i.name, &LinkSpec::interface) != result_.links.end();
-      });
-      const auto there = std::ranges::find_if(interfaces_, named);
-      if (there == interfaces_.end()) {
-        result_.remarks.push_back(one + " is not there");
-      } else if (!there->up) {
-        result_.remarks.push_back(one + " is down");
-      } else if (!used) {
-        result_.remarks.push_back(one + " has no address of use");
-      }
-    }
-  }
-
-  std::span<const HostInterface> interfaces_;
-  const LinkRules& rules_;
-  std::span<const LinkSpec> in_force_;
-  DesiredLinks result_;
-};
+/// Returns why the interfaces that the user has listed so are not in use; an empty text if they are.
+std::string why_unused(const std::string& listed, std::span<const HostInterface> interfaces,
+                       std::span<const LinkSpec> links) {
+  const auto named = [&](const HostInterface& i) { return is_named(i, listed); };
+  const auto first = std::ranges::find_if(interfaces, named);
+  if (first == interfaces.end()) return " is not there";
+  if (!first->up) return " is down";
+  const bool is_used = std::ranges::any_of(interfaces, [&](const HostInterface& i) {
+    return named(i) && std::ranges::find(links, i.name, &LinkSpec::interface) != links.end();
+  });
+  return is_used ? "" : " has no address of use";
+}
 
 }  // namespace
 
 DesiredLinks desired_links(std::span<const HostInterface> interfaces, const LinkRules& rules,
                            std::span<const LinkSpec> in_force) {
-  return Choice(interfaces, rules, in_force).made();
+  DesiredLinks desired;
+  const auto loopback = std::ranges::find_if(interfaces, [&](const HostInterface& i) {
+    return i.loopback && i.ip.is_ipv4() && (i.up || is_one_of(in_force, link_at(i, true)));
+  });
+  const bool has_loopback = loopback != interfaces.end();
+  if (has_loopback) desired.links.push_back(link_at(*loopback, true));
+  const auto is_in_force = [&](const HostInterface& i) {
+    return is_one_of(in_force, link_at(i, !has_loopback));
+  };
+  for (const HostInterface* i : candidates(interfaces, rules, is_in_force)) {
+    if ((!i->up && !is_in_force(*i)) || cover(desired.links, *i)) continue;
+    if (desired.links.size() < links_max) {
+      desired.links.push_back(link_at(*i, !has_loopback));
+    } else {
+      desired.remarks.push_back(i->name + " is left out: discovery uses " + std::to_string(links_max) +
+                                " addresses at most");
+    }
+  }
+  desired.waits_for_network = wait_for_network(desired.links, interfaces, rules);
+  for (const std::string& listed : rules.listed) {
+    if (const std::string why = why_unused(listed, interfaces, desired.links); !why.empty())
+      desired.remarks.push_back(listed + why);
+  }
+  return desired;
 }
 
 bool leads_to(const LinkSpec& link, const IpAddress& address) {

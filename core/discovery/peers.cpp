@@ -36,7 +36,6 @@ void Peers::participant_found(const RemoteParticipant& id, ProcessId process, Ti
   participant.found_at = now;
   participant.is_ignored = process == self_ || is_one_too_many;
   if (participant.is_ignored) return;
-  if (const auto heard = strangers_.extract(id)) participant.heard_at = heard.mapped();
   newcomer_at_ = now;
   care_.joined(id.link, now);
   join(id, participant);
@@ -98,16 +97,12 @@ bool Peers::has_room(const Participant& of, Role role, const RecordKey& key, con
 void Peers::heartbeat_came(LinkId link, const Heartbeat& heartbeat, Time now, Time::duration age) {
   if (heartbeat.process == self_ || !care_.has(link)) return;
   const RemoteParticipant id{link, heartbeat.participant};
-  const Time received_at = age < timing_.late ? now - age : now;
   const auto found = participants_.find(id);
-  if (found == participants_.end() || !found->second.process) {
-    if (strangers_.size() < strangers_max) strangers_[id] = received_at;
-    return care_.stranger_came(link, now);
-  }
+  if (found == participants_.end() || !found->second.process) return care_.stranger_came(link, now);
   Participant& participant = found->second;
   if (participant.is_ignored || participant.process != heartbeat.process) return;
   if (participant.is_late(timing_, now)) participant.regular_since = now;
-  participant.heard_at = received_at;
+  participant.heard_at = age < timing_.late ? now - age : now;
   if (std::exchange(participant.is_silent, false)) join(id, participant);
   peers_.at(heartbeat.process).heartbeat_came(id, heartbeat.digests, now);
 }
@@ -131,10 +126,8 @@ void Peers::leave(const RemoteParticipant& id, const Participant& participant) {
   peers_.erase(peer);
 }
 
-/// Where heartbeats do not arrive by UDP, they begin to come by Cyclone after a lease.
 Time Peers::silent_at(const Participant& participant) const {
-  return participant.heard_at ? *participant.heard_at + timing_.lease
-                              : participant.found_at + 2 * timing_.lease;
+  return participant.heard_at.value_or(participant.found_at) + timing_.lease;
 }
 
 /// Something is missing only if heartbeats go on by the same link: what does not come by a link that is cut
@@ -152,14 +145,16 @@ Time Peers::missed_at(LinkId link, const Participant& participant) const {
   return missed;
 }
 
+/// Where heartbeats do not arrive by UDP they have to come by Cyclone, so early that two of them come before
+/// the lease ends.
 Time Peers::unheard_at(LinkId link, const Participant& participant) const {
   const bool is_told = unheard_.contains(link) || care_.is_retired(link);
-  return participant.heard_at || is_told ? Time::max() : participant.found_at + timing_.lease;
+  return participant.heard_at || is_told ? Time::max()
+                                         : participant.found_at + (timing_.lease - timing_.late);
 }
 
 void Peers::look(Time now) {
   looked_at_ = now;
-  std::erase_if(strangers_, [&](const auto& heard) { return now - heard.second >= timing_.late; });
   for (auto& [id, participant] : participants_) {
     if (is_heard(participant)) look_at(id, participant, now);
   }

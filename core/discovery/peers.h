@@ -113,7 +113,6 @@ class Peers {
 
  private:
   using Participants = std::map<RemoteParticipant, Participant>;
-  static constexpr std::size_t strangers_max = 256;
 
   bool has_room(const Participant& of, Role role, const RecordKey& key, const Record& record) const;
   void join(const RemoteParticipant& id, Participant& participant);
@@ -132,9 +131,6 @@ class Peers {
   LinkCare care_;
   Peer::Listened listened_{};
   Participants participants_;
-  /// Participants that Cyclone has not found yet, with the time of their last heartbeat: one that ends soon
-  /// after it was found has given none since then.
-  std::map<RemoteParticipant, Time> strangers_;
   std::map<ProcessId, Peer> peers_;
   std::map<ProcessId, std::vector<LinkId>> cut_;  ///< as it was told
   std::set<LinkId> unheard_;                      ///< links on which HeartbeatsMissing was told

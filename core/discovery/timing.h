@@ -30,11 +30,11 @@ struct Timing {
   /// A replaced link stays this long at least, for the first answers on the new one.
   Milliseconds retire_after{1'000};
 
-  /// Cyclone forgets a participant of which nothing comes. It repeats its own announcements three times in
-  /// four of this time. Heartbeats tell of life, and newcomers are asked for, so both may be rare.
+  /// Cyclone forgets a participant of which nothing comes for this time, and repeats its own announcements
+  /// after three quarters of it. Heartbeats tell of life, and newcomers are asked for, so both may be rare.
   Milliseconds cyclone_lease{40'000};
-  /// The same where each peer is asked at all its ports.
-  Milliseconds cyclone_lease_to_peers{150'000};
+  /// The same where each peer is asked at all its ports: then announcements cost most.
+  Milliseconds cyclone_lease_to_peers{160'000};
 
   /// Interfaces are looked at, although netlink tells of changes.
   Milliseconds look_at_interfaces{10'000};

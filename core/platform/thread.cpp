@@ -7,8 +7,11 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <future>
 #include <system_error>
 
@@ -145,6 +148,19 @@ Result<void> check_values(const ThreadSettings& settings) {
   return {};
 }
 
+/// A thread has the name of the one that started it until it has begun to run and taken its own name.
+ThreadNames names_once_given() {
+  constexpr int looks = 1000;  // one in a millisecond
+  ThreadNames names = thread_names();
+  for (int i = 0; i < looks; ++i) {
+    const std::string own = names[std::to_string(::gettid())];
+    if (std::ranges::count(names, own, &ThreadNames::value_type::second) <= 1) break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    names = thread_names();
+  }
+  return names;
+}
+
 /// Gives this thread what they say.
 Result<void> take(const ThreadSettings& settings) {
   if (Result<void> sound = check_values(settings); !sound) return sound;
@@ -181,6 +197,24 @@ Result<std::thread> start_thread(const ThreadSpec& spec, std::function<void()> b
     return fail(taken.error().code, "the thread " + spec.name + ": " + taken.error().message);
   }
   return thread;
+}
+
+ThreadNames thread_names() {
+  ThreadNames names;
+  std::error_code ignored;
+  for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task", ignored))
+    std::getline(std::ifstream(thread.path() / "comm"), names[thread.path().filename().string()]);
+  return names;
+}
+
+void prefix_threads_since(const ThreadNames& before, const std::string& prefix,
+                          std::span<const std::string_view> beginnings) {
+  for (const auto& [thread, name] : names_once_given()) {
+    const bool is_of_library = std::ranges::any_of(
+        beginnings, [&text = name](std::string_view beginning) { return text.starts_with(beginning); });
+    if (is_of_library && !before.contains(thread))
+      std::ofstream("/proc/self/task/" + thread + "/comm") << (prefix + name).substr(0, 15);
+  }
 }
 
 Result<void> check(const NodeOptions::Threads& threads) {

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <functional>
+#include <map>
+#include <span>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -26,6 +28,16 @@ struct ThreadSpec {
 
 /// Returns once the thread has what the settings say. An error if the system refuses that.
 Result<std::thread> start_thread(const ThreadSpec& spec, std::function<void()> body);
+
+/// Names of threads by their numbers.
+using ThreadNames = std::map<std::string, std::string>;
+/// Returns the names of all threads of this process.
+ThreadNames thread_names();
+/// Puts the prefix before the names of the threads that a library has started in this thread since then. The
+/// library gives its threads names with these `beginnings`. Other threads that the program has started
+/// meanwhile keep their names.
+void prefix_threads_since(const ThreadNames& before, const std::string& prefix,
+                          std::span<const std::string_view> beginnings);
 
 /// Tries the settings of each group of threads. The error names the option that the system refuses, or that
 /// makes no sense.

@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
-#include "core/discovery/domain_id.h"
 #include "core/node/node_core.h"
+#include "core/platform/domain_id.h"
 #include "tests/conformance/fake_transport.h"
 #include "tests/support/eventually.h"
 #include "tests/unit/core/seam/idle_ports.h"

@@ -166,7 +166,6 @@ core::Endpoint made_up_reader(const core::Endpoint& writer, std::uint64_t id, st
   reader.node_id = node;
   reader.node = made_up;
   reader.revision = 1;
-  reader.life_lease = std::chrono::minutes(10);
   reader.host = {};
   reader.network = node;
   reader.may_use_memory = false;
@@ -187,7 +186,6 @@ core::Endpoint made_up_writer(const core::Endpoint& reader, std::uint64_t id, st
   writer.node_id = node;
   writer.node = made_up;
   writer.revision = 1;
-  writer.life_lease = std::chrono::minutes(10);
   writer.host = {};
   writer.network = node;
   writer.may_use_memory = false;

@@ -23,7 +23,7 @@ namespace {
 using test::ControlParticipant;
 using test::RtpsMessage;
 
-constexpr std::uint64_t last_number = std::numeric_limits<std::uint64_t>::max();
+constexpr std::uint64_t greatest_revision = std::numeric_limits<std::uint64_t>::max();
 
 /// Calls `act` each tenth time, which is ten times a second.
 std::function<void()> now_and_then(std::function<void()> act) {
@@ -65,7 +65,7 @@ Act rewritten(core::RecordKind kind,
           change(heard.role, std::as_bytes(std::span(heard.sample.body._buffer, heard.sample.body._length)));
       if (body.empty()) continue;
       const auto size = static_cast<std::uint32_t>(body.size());
-      heard.sample.revision = last_number;
+      heard.sample.revision = greatest_revision;
       heard.sample.body = {size, size, reinterpret_cast<std::uint8_t*>(body.data()), false};
       RtpsMessage message(heard.writer);
       message.add_heartbeat(test::far_ahead);
@@ -105,7 +105,7 @@ Act control_changed(Target& target, int at_a_time, std::function<void(Bytes&, Ra
           }};
 }
 
-void mutate(Bytes& bytes, Random& random) {
+void mutate_body(Bytes& bytes, Random& random) {
   for (std::uint64_t changes = 1 + random() % 3; changes > 0; --changes) {
     std::byte& octet = bytes[random() % bytes.size()];
     octet = random() % 2 == 0 ? octet ^ static_cast<std::byte>(1U << random() % 8)
@@ -114,7 +114,7 @@ void mutate(Bytes& bytes, Random& random) {
   if (random() % 8 == 0) bytes.resize(1 + random() % bytes.size());
 }
 
-void cut_off(Bytes& bytes, Random& random) { bytes.resize(1 + random() % bytes.size()); }
+void cut_body(Bytes& bytes, Random& random) { bytes.resize(1 + random() % bytes.size()); }
 
 }  // namespace
 
@@ -129,7 +129,7 @@ Act forged_disposals(Target& target) {
         RtpsMessage message(writer);
         message.add_heartbeat(test::far_ahead);
         message.add_record(test::far_ahead,
-                           test::to_sample(octets_of(other.guid), {}, {.revision = last_number}));
+                           test::to_sample(octets_of(other.guid), {}, {.revision = greatest_revision}));
         message.send();
       }
     }
@@ -237,9 +237,9 @@ Act false_life(Target& target) {
           }};
 }
 
-Act mutated_control(Target& target) { return control_changed(target, 15, mutate); }
+Act mutated_control(Target& target) { return control_changed(target, 15, mutate_body); }
 
-Act truncated_control(Target& target) { return control_changed(target, 15, cut_off); }
+Act truncated_control(Target& target) { return control_changed(target, 15, cut_body); }
 
 Act replayed_control(Target& target) {
   return control_changed(target, 15, [](Bytes&, Random&) {});

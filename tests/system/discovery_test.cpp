@@ -13,7 +13,7 @@
 #include <string>
 
 #include "core/discovery/dds_config.h"
-#include "core/discovery/domain_id.h"
+#include "core/platform/domain_id.h"
 #include "tests/support/eventually.h"
 #include "tests/support/isolated_host.h"
 #include "tests/system/node_process.h"

@@ -74,6 +74,31 @@ TEST(CycloneSettings, OfOtherDomainsAreSkipped) {
   EXPECT_FALSE(read("").only_for_others());
 }
 
+TEST(CycloneSettings, BeforeTheNumberOfAnotherDomainHold) {
+  const auto settings =
+      read("<Domain><General><FragmentSize>5 B</></><Id>6</><Internal><NackDelay>6 ms</></></>");
+  EXPECT_THAT(settings.value("General/FragmentSize"), Optional(std::string("5 B")));
+  EXPECT_EQ(settings.value("Internal/NackDelay"), std::nullopt);
+}
+
+TEST(CycloneSettings, AreFoundWhereCycloneHasThemNow) {
+  const auto settings = read(
+      "<Unsupported><MaxMessageSize>9 kB</><FragmentSize>8 kB</><NackDelay>5 ms</></>,"
+      "<DDSSecurity><Authentication><Library path='a'/></></>");
+  const auto once_more = CycloneSettings::read(settings.for_any_domain({}), 1000).value();
+  for (const CycloneSettings& one : {settings, once_more}) {
+    EXPECT_THAT(one.value("General/MaxMessageSize"), Optional(std::string("9 kB")));
+    EXPECT_THAT(one.value("General/FragmentSize"), Optional(std::string("8 kB")));
+    EXPECT_THAT(one.value("Internal/NackDelay"), Optional(std::string("5 ms")));
+    EXPECT_TRUE(one.sets("Security/Authentication"));
+  }
+}
+
+TEST(CycloneSettings, ThatAreEmptySetNothing) {
+  EXPECT_FALSE(read("<General/>").sets("General"));
+  EXPECT_TRUE(read("<Domain Id='6'><General/></>").only_for_others());
+}
+
 TEST(CycloneSettings, OfFilesAndTextsAreReadInOrder) {
   const ConfigFile file(
       "<CycloneDDS><Domain><General><FragmentSize>3 B</FragmentSize></General></Domain></CycloneDDS>");

@@ -46,7 +46,7 @@ TEST(DdsConfig, OfTheUserWinsOverOurs) {
 }
 
 /// Otherwise each of N readers answers each heartbeat that is repeated for one of N newcomers.
-TEST(DdsConfig, WhoHasToldThatNothingIsMissingWaitsBeforeItTellsSoAgain) {
+TEST(DdsConfig, AReaderThatHasSaidThatItMissesNothingWaitsBeforeItSaysSoAgain) {
   EXPECT_THAT(in_force(config(""), "Internal/AckDelay"), is("1 s"));
   EXPECT_THAT(in_force(config("<Internal><AckDelay>10 ms</></>"), "Internal/AckDelay"), is("10 ms"));
 }
@@ -107,12 +107,33 @@ TEST(DdsConfig, SaysWhatDdsSecurityDoesNotProtect) {
 }
 
 TEST(DdsConfig, ThatWouldSilenceTheControlTopicsIsAnError) {
-  for (const char* pattern : {"*.*", ".sft_*", "*.sft_reader"}) {
+  for (const char* pattern :
+       {"*.*", ".sft_*", ".sft_writer", "*.sft_reader", "*.sft_heartbeat", ".sft_report"}) {
     const auto c = dds_config(0, {},
                               "<Partitioning><IgnoredPartitions><IgnoredPartition DCPSPartitionTopic='" +
                                   std::string(pattern) + "'/></></>");
     ASSERT_FALSE(c) << pattern;
     EXPECT_THAT(c.error().message, AllOf(HasSubstr(pattern), HasSubstr("control topic")));
+  }
+}
+
+TEST(DdsConfig, OfTheUserIsPassedThroughAsItIsWhereThatSuffices) {
+  for (const std::string user :
+       {"<General><FragmentSize>100 B</></>", "<Discovery><Peers><Peer Address='10.0.0.9'/></></>",
+        "<Domain id='any'><Tracing><Verbosity>fine</></></>", "<Partitioning/>, <Security><Authentication/>"})
+    EXPECT_THAT(config(user).text, HasSubstr("," + user + ",")) << user;
+  for (const std::string user :
+       {"<General><NetworkInterfaceAddress>eth0</></>", "<Discovery><ExternalDomainId>3</></>",
+        "<Domain Id='0'><Tracing><Verbosity>fine</></></>", "<Discovery><Peers><Peer Address='a'/></></>"})
+    EXPECT_THAT(config(user).text, testing::Not(HasSubstr(user))) << user;
+}
+
+TEST(DdsConfig, LetsCycloneAnnounceItselfSeldomAndMoreSeldomToPeers) {
+  EXPECT_THAT(in_force(config(""), "Discovery/LeaseDuration"), is("40000 ms"));
+  EXPECT_THAT(in_force(config(""), "Discovery/SPDPInterval"), is("30000 ms"));
+  for (const auto& c : {config("", {.peers = {"a"}}), config("", {.multicast = false})}) {
+    EXPECT_THAT(in_force(c, "Discovery/LeaseDuration"), is("160000 ms"));
+    EXPECT_THAT(in_force(c, "Discovery/SPDPInterval"), is("120000 ms"));
   }
 }
 
@@ -125,7 +146,7 @@ TEST(DdsConfig, GivesMulticastsOfTheLoopbackPortsOfTheirOwnSoThatTheyDoNotWakeTh
   EXPECT_EQ(in_force(c, "Discovery/Ports/MulticastDataOffset", card), std::nullopt);
 }
 
-TEST(DdsConfig, GivesPulsesAPortThatDdsLeavesUnused) {
+TEST(DdsConfig, GivesHeartbeatsAPortThatDdsLeavesUnused) {
   EXPECT_EQ(config("").heartbeat_port, 7404);
   EXPECT_EQ(config("<Discovery><ExternalDomainId>3</></>").heartbeat_port, 8154)
       << "that of the domain on the wire";
@@ -133,7 +154,7 @@ TEST(DdsConfig, GivesPulsesAPortThatDdsLeavesUnused) {
   EXPECT_EQ(config("<General><AllowMulticast>true</></>").heartbeat_port, 7404);
 }
 
-TEST(DdsConfig, HasNoPulsesWhereTheyMightNotArriveOrWhereEachNodeHasToProveWhoItIs) {
+TEST(DdsConfig, SendsNoHeartbeatsByUdpWhereTheyMightNotArriveOrWhereNodesHaveCertificates) {
   for (const char* user :
        {"<General><AllowMulticast>false</></>", "<General><AllowMulticast>spdp</></>",
         "<General><AllowMulticast>ssm</></>", "<General><MulticastTimeToLive>1</></>",

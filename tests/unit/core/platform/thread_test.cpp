@@ -4,10 +4,14 @@
 #include <pthread.h>
 #include <sched.h>
 
+#include <algorithm>
 #include <array>
 #include <csignal>
+#include <future>
 #include <string>
+#include <string_view>
 #include <thread>
+#include <vector>
 
 namespace sft::core {
 namespace {
@@ -76,6 +80,49 @@ TEST(ThreadTest, WithSettingsThatTheSystemRefusesIsAnErrorAndDoesNotBegin) {
             std::string::npos)
       << thread.error().message;
   EXPECT_FALSE(began);
+}
+
+TEST(ThreadTest, OfALibraryGetsAPrefixUnlessItWasThereBeforeAndThoseOfTheProgramDoNot) {
+  std::promise<void> end;
+  const auto wait_for_end = [ended = end.get_future().share()] { ended.wait(); };
+  const auto has_thread = [](const ThreadNames& names, const std::string& name) {
+    return std::ranges::find(names, name, &ThreadNames::value_type::second) != names.end();
+  };
+  ThreadNames names;
+  auto starter = start_thread("starter", [&] {
+    std::vector<std::thread> threads;
+    threads.push_back(start_thread("lib-old", wait_for_end).value());
+    const ThreadNames before = thread_names();
+    for (const char* name : {"lib-new", "program", "receiver-of-a-lib"})
+      threads.push_back(start_thread(name, wait_for_end).value());
+    prefix_threads_since(before, "nav-", std::array<std::string_view, 2>{"lib-", "recv"});
+    names = thread_names();
+    end.set_value();
+    for (std::thread& thread : threads) thread.join();
+  });
+  ASSERT_TRUE(starter);
+  starter->join();
+  for (const char* name : {"lib-old", "nav-lib-new", "program", "receiver-of-a-l", "starter"})
+    EXPECT_TRUE(has_thread(names, name)) << name;
+}
+
+TEST(ThreadTest, OfALibraryGetsItsPrefixOnceItHasTakenItsName) {
+  std::promise<void> end;
+  ThreadNames names;
+  auto starter = start_thread("starter", [&] {
+    const ThreadNames before = thread_names();
+    std::thread of_library([&] {
+      pthread_setname_np(pthread_self(), "recv");
+      end.get_future().wait();
+    });
+    prefix_threads_since(before, "a-long-prefix-", std::array<std::string_view, 1>{"recv"});
+    names = thread_names();
+    end.set_value();
+    of_library.join();
+  });
+  ASSERT_TRUE(starter);
+  starter->join();
+  EXPECT_NE(std::ranges::find(names, "a-long-prefix-r", &ThreadNames::value_type::second), names.end());
 }
 
 /// Threads that are started meanwhile want more stack than there are addresses.

@@ -1,9 +1,9 @@
-#include "core/discovery/peer_addresses.h"
+#include "core/platform/peer_addresses.h"
 
 #include <algorithm>
 #include <iterator>
 
-#include "core/control/names.h"
+#include "core/platform/quotes.h"
 #include "core/platform/thread.h"
 
 namespace sft::core {

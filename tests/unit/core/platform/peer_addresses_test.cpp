@@ -1,6 +1,6 @@
 // Peers by name are looked up on threads of their own: no other thread waits for a name server that is
 // silent.
-#include "core/discovery/peer_addresses.h"
+#include "core/platform/peer_addresses.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "core/discovery/domain_id.h"
+#include "core/platform/domain_id.h"
 
 #include <charconv>
 #include <string>
