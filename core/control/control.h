@@ -13,15 +13,14 @@
 
 namespace sft::core {
 
-/// Bounds of the control topics (sft_control.idl).
+/// Bounds of the bodies of records and reports (record_body.h).
 inline constexpr std::size_t mask_words_max = 64;
 inline constexpr std::size_t wants_bytes_max = 2304;
 inline constexpr std::size_t leaves_max = 64 * mask_words_max;  ///< fields of a type: a word has 64 bits
 inline constexpr std::size_t writers_per_reader_max = 1024;
 inline constexpr std::size_t addresses_max = 16;
-inline constexpr std::size_t assertions_max = 1024;
+inline constexpr std::size_t living_max = 1024;
 inline constexpr std::size_t progress_max = 64;
-inline constexpr std::size_t asked_about_max = 64;
 inline constexpr std::size_t accounts_max = 32;
 inline constexpr std::size_t name_bytes_max = 255;
 inline constexpr std::size_t type_description_bytes_max = 65'536;
@@ -100,21 +99,21 @@ struct Account {
   friend bool operator==(const Account&, const Account&) = default;
 };
 
-/// What a node tells beside what it announces: the writers of the node that live although nothing else tells
-/// so, the progress of those that have sent something lately, and what the node asks and answers about
-/// accounts.
-struct Assertion {
-  NodeId node = 0;
-  std::vector<EndpointId> writers;
-  std::vector<Progress> progress{};
-  std::vector<EndpointId> asked_about{};  ///< endpoints of others whose accounts it wants to know
-  std::vector<Account> accounts{};        ///< of its own endpoints that others have asked about
-  AnnouncerId announcer = 0;              ///< who said it; does not travel
+/// A node wants to be told more than records say.
+struct Inquiry {
+  std::string topic{};          ///< of that topic; empty: of all topics
+  bool wants_accounts = false;  ///< of pairs; else how far publishers are, and which of them live
+  friend auto operator<=>(const Inquiry&, const Inquiry&) = default;
+};
 
-  bool tells_anything() const {
-    return !writers.empty() || !progress.empty() || !asked_about.empty() || !accounts.empty();
-  }
-  friend bool operator==(const Assertion&, const Assertion&) = default;
+/// What a node tells those that inquire, of its own endpoints.
+struct NodeReport {
+  std::vector<EndpointId> living{};  ///< writers that live, although nothing else tells so
+  std::vector<Progress> progress{};
+  std::vector<Account> accounts{};
+
+  bool empty() const { return living.empty() && progress.empty() && accounts.empty(); }
+  friend bool operator==(const NodeReport&, const NodeReport&) = default;
 };
 
 /// A publisher or subscriber, of this node or another. The fields are those of sft_control.idl.

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/control/names.h"
+#include "sft_control.h"
 
 namespace sft::core {
 
@@ -165,6 +166,35 @@ void each_member(Body& body,
   body.flag(inquiry.wants_accounts);
 }
 
+/// Of an account only the counts of the side that says it travel.
+template <class Body, class AnyAccount>
+void each_member_of_account(Body& body, AnyAccount& account) {
+  body.number(account.id.pair.writer);
+  body.number(account.id.pair.reader);
+  body.number(account.id.said_by);
+  if (account.id.said_by == Role::writer) {
+    auto& counts = account.by_writer;
+    for (auto* const count : {&counts.sent, &counts.withheld, &counts.dropped, &counts.retained,
+                              &counts.bytes_sent, &counts.bytes_saved})
+      body.number(*count);
+  } else {
+    body.number(account.by_reader.received);
+    body.number(account.by_reader.lost);
+  }
+}
+
+template <class Body, class AnyReport>
+void each_member(Body& body,
+                 AnyReport& report) requires std::is_same_v<std::remove_const_t<AnyReport>, NodeReport> {
+  body.list(report.living, living_max, [&](auto& writer) { body.number(writer); });
+  body.list(report.progress, progress_max, [&](auto& progress) {
+    body.number(progress.writer);
+    body.number(progress.samples);
+    body.number(progress.bytes);
+  });
+  body.list(report.accounts, accounts_max, [&](auto& account) { each_member_of_account(body, account); });
+}
+
 template <class What>
 std::vector<std::byte> written(const What& what) {
   BodyWriter body;
@@ -224,6 +254,8 @@ std::vector<std::byte> to_bytes(const Request& request) {
 
 std::vector<std::byte> to_bytes(const Inquiry& inquiry) { return written(inquiry); }
 
+std::vector<std::byte> to_bytes(const NodeReport& report) { return written(report); }
+
 Result<Endpoint> endpoint_in(std::span<const std::byte> bytes) {
   Result<Endpoint> endpoint = read<Endpoint>(bytes, "an endpoint");
   if (!endpoint) return endpoint;
@@ -253,5 +285,15 @@ Result<Inquiry> inquiry_in(std::span<const std::byte> bytes) {
     return fail(Errc::malformed, "an inquiry whose topic " + std::string(fault));
   return inquiry;
 }
+
+Result<NodeReport> report_in(std::span<const std::byte> bytes) {
+  Result<NodeReport> report = read<NodeReport>(bytes, "a report");
+  const auto is_of_no_side = [](const Account& account) { return account.id.said_by > Role::reader; };
+  if (report && std::ranges::any_of(report->accounts, is_of_no_side))
+    return fail(Errc::malformed, "a report with an account of neither publisher nor subscriber");
+  return report;
+}
+
+std::uint32_t control_protocol_version() { return sft_control_protocol_version; }
 
 }  // namespace sft::core

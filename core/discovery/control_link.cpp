@@ -6,7 +6,6 @@
 #include <memory>
 #include <span>
 
-#include "core/control/control_codec.h"
 #include "core/control/record_body.h"
 #include "core/discovery/dds_domain.h"
 #include "sft_control.h"
@@ -36,6 +35,7 @@ TopicName topic_of(Role role) {
 constexpr const char* heartbeat_topic = "sft_heartbeat";
 constexpr const char* report_topic = "sft_report";
 constexpr int heartbeats_kept = 16;
+constexpr std::size_t writers_remembered = 4096;
 
 ParticipantGuid guid_of(const dds_guid_t& guid) {
   ParticipantGuid octets{};
@@ -252,35 +252,48 @@ Result<void> ControlLink::use_topic() {
   return {};
 }
 
-Result<void> ControlLink::give_report(const Assertion& report) {
-  if (report_writer_ == 0) {
-    const DdsQos qos = heartbeat_qos();
-    const auto made = create_on_topic(
-        participant_, {&sft_control_Assertion_desc, report_topic}, qos.get(),
-        [&](dds_entity_t on) { return dds_create_writer(participant_, on, qos.get(), nullptr); });
-    if (!made) return tl::unexpected(made.error());
-    report_writer_ = *made;
+/// The topic stays once it is made. It is known to this participant only.
+Result<void> ControlLink::use_reports(bool reads, bool writes) {
+  if (reads == (report_reader_ != 0) && writes == (report_writer_ != 0)) return {};
+  const DdsQos qos = heartbeat_qos();
+  if ((reads || writes) && report_topic_ == 0) {
+    const dds_entity_t topic =
+        dds_create_topic(participant_, &sft_control_Report_desc, report_topic, qos.get(), nullptr);
+    if (topic < 0) return refused("the topic of reports cannot be made", topic);
+    report_topic_ = topic;
   }
-  ControlStorage storage;
-  const sft_control_Assertion sample = to_dds(report, storage);
-  dds_write(report_writer_, &sample);
-  return {};
+  const auto set = [](dds_entity_t& endpoint, bool wanted, auto open) -> Result<void> {
+    if (wanted == (endpoint != 0)) return {};
+    if (!wanted) return dds_delete(std::exchange(endpoint, 0)), Result<void>();
+    const dds_entity_t opened = open();
+    if (opened < 0) return refused("reports cannot be exchanged", opened);
+    endpoint = opened;
+    return {};
+  };
+  Result<void> reading = set(report_reader_, reads, [&] { return open_report_reader(); });
+  Result<void> writing = set(report_writer_, writes, [&] {
+    return dds_create_writer(participant_, report_topic_, qos.get(), nullptr);
+  });
+  return reading ? writing : reading;
 }
 
-Result<void> ControlLink::hear_reports() {
-  if (report_reader_ != 0) return {};
+dds_entity_t ControlLink::open_report_reader() {
   const DdsListener listener(dds_create_listener(this));
   dds_lset_data_available(listener.get(), [](dds_entity_t reader, void* self) {
     static_cast<ControlLink*>(self)->take_reports(reader);
   });
   const DdsQos written = heartbeat_qos();
-  const DdsQos qos = reading_qos(written.get());
-  const auto made = create_on_topic(
-      participant_, {&sft_control_Assertion_desc, report_topic}, written.get(),
-      [&](dds_entity_t on) { return dds_create_reader(participant_, on, qos.get(), listener.get()); });
-  if (!made) return tl::unexpected(made.error());
-  report_reader_ = *made;
-  return {};
+  return dds_create_reader(participant_, report_topic_, reading_qos(written.get()).get(), listener.get());
+}
+
+void ControlLink::give_report(std::span<const std::byte> body) {
+  if (report_writer_ == 0) return;
+  sft_control_Report sample{};
+  sample.version = static_cast<std::uint8_t>(control_protocol_version());
+  const auto size = static_cast<std::uint32_t>(body.size());
+  auto* const octets = const_cast<std::byte*>(body.data());
+  sample.body = {size, size, reinterpret_cast<std::uint8_t*>(octets), false};
+  dds_write(report_writer_, &sample);
 }
 
 void ControlLink::announce(bool asks) {
@@ -338,6 +351,7 @@ std::optional<ParticipantGuid> ControlLink::participant_of(
   if (matched == nullptr) return std::nullopt;
   const ParticipantGuid guid = guid_of(matched->participant_key);
   dds_builtintopic_free_endpoint(matched);
+  if (known.size() >= writers_remembered) known.clear();  // those that are there are found again
   known.emplace(writer, guid);
   return guid;
 }
@@ -378,12 +392,14 @@ void ControlLink::take_heartbeat_samples(dds_entity_t reader) {
 
 void ControlLink::take_reports(dds_entity_t reader) {
   const Lock lock(taking_);
-  take_all<sft_control_Assertion>(reader, [&](const sft_control_Assertion& sample,
-                                              const dds_sample_info_t& info) SFT_NO_THREAD_SAFETY_ANALYSIS {
+  take_all<sft_control_Report>(reader, [&](const sft_control_Report& sample,
+                                           const dds_sample_info_t& info) SFT_NO_THREAD_SAFETY_ANALYSIS {
     if (!info.valid_data) return;
     const auto by = participant_of(reader, info.publication_handle, report_writers_);
     if (!by) return;
-    Result<Assertion> report = from_dds(sample);
+    if (sample.version != control_protocol_version())
+      return listener_.sample_refused("a report of an unknown version");
+    Result<NodeReport> report = report_in(std::as_bytes(std::span(sample.body._buffer, sample.body._length)));
     if (!report) return listener_.sample_refused(report.error().message);
     listener_.report_came(here(*by), std::move(*report));
   });

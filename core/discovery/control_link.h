@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -32,7 +33,7 @@ class ControlLinkListener {
   virtual void other_release_seen(const RemoteParticipant& id, std::uint32_t version) = 0;
   virtual void record_came(const RemoteParticipant& by, Role role, const RecordKey& key, Record record) = 0;
   virtual void heartbeat_came(LinkId link, const Heartbeat& heartbeat) = 0;
-  virtual void report_came(const RemoteParticipant& by, Assertion report) = 0;
+  virtual void report_came(const RemoteParticipant& by, NodeReport report) = 0;
   virtual void sample_refused(std::string why) = 0;
 
  protected:
@@ -66,9 +67,10 @@ class ControlLink {
   /// Writes what could not be written before. Returns the error if that fails again.
   Result<void> write_again();
   void give_heartbeat(const PerRole<std::uint64_t>& digests);
-  /// Tells others more than that the process lives. May get lost.
-  Result<void> give_report(const Assertion& report);
-  Result<void> hear_reports();
+  /// Makes the reader and the writer of reports, or closes them.
+  Result<void> use_reports(bool reads, bool writes);
+  /// May get lost, and does so where reports are not written.
+  void give_report(std::span<const std::byte> body);
   /// Calls hear(heartbeat, age) for each one that has come by UDP since the last call.
   template <class Hear>
   void take_heartbeats(Hear hear) {
@@ -103,6 +105,7 @@ class ControlLink {
   void take_records(dds_entity_t reader, Topic& topic);
   void take_heartbeat_samples(dds_entity_t reader);
   void take_reports(dds_entity_t reader);
+  dds_entity_t open_report_reader();
   static std::optional<ParticipantGuid> participant_of(
       dds_entity_t reader, dds_instance_handle_t writer,
       std::map<dds_instance_handle_t, ParticipantGuid>& known);
@@ -114,7 +117,7 @@ class ControlLink {
   dds_entity_t participant_ = 0;
   ParticipantGuid guid_{};
   std::optional<HeartbeatSocket> socket_;
-  dds_entity_t heartbeat_writer_ = 0, report_writer_ = 0, report_reader_ = 0;
+  dds_entity_t heartbeat_writer_ = 0, report_topic_ = 0, report_writer_ = 0, report_reader_ = 0;
   PerRole<Topic> topics_;
   std::map<std::pair<Role, RecordKey>, Record> unwritten_;
 

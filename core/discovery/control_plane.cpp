@@ -68,7 +68,9 @@ class SharedPlane final : public Discovery {
   void announce(const Endpoint& endpoint) override { plane_->announce(seat_, endpoint); }
   void withdraw(EndpointId id) override { plane_->withdraw(id); }
   void send(const Request& request) override { plane_->send(request); }
-  void assert_liveliness(const Assertion& report) override { plane_->report_life(seat_, report); }
+  void inquire(const std::set<Inquiry>& inquiries) override { plane_->inquire(seat_, inquiries); }
+  Inquiries inquiries() const override { return plane_->inquiries(); }
+  void report(const NodeReport& report) override { plane_->give_report(seat_, report); }
   Time newcomer_at() const override { return plane_->newcomer_at(); }
   Time look_after(Time now) override { return plane_->look_after(seat_, now); }
 
@@ -161,6 +163,7 @@ void ControlPlane::leave(Seat& seat) {
     for (const EndpointId id : own) withdraw_records(id, now);
     known_.with([&](Peers&, Directory& directory) { directory.leave(node); });
     seats_.remove_if([&](const Seat& one) { return &one == &seat; });
+    write_inquiries(now);
   }
   known_.pass_on();
   node->close();
@@ -244,9 +247,13 @@ void ControlPlane::put(Role role, EndpointId owner, RecordKind kind, std::vector
 void ControlPlane::withdraw_records(EndpointId id, Time now) {
   const auto role = roles_.extract(id);
   if (!role) return;
-  for (const OwnRecords::Change& change : own_.withdraw(role.mapped(), id, now))
-    links_.each([&](LinkId, ControlLink& link) { link.write(role.mapped(), change); });
+  withdraw_owned(role.mapped(), id, now);
   known_.with([&](Peers&, Directory& directory) { directory.withdrawn(id); });
+}
+
+void ControlPlane::withdraw_owned(Role role, std::uint64_t owner, Time now) {
+  for (const OwnRecords::Change& change : own_.withdraw(role, owner, now))
+    links_.each([&](LinkId, ControlLink& link) { link.write(role, change); });
 }
 
 void ControlPlane::give_heartbeats(Time now) {
@@ -255,11 +262,56 @@ void ControlPlane::give_heartbeats(Time now) {
   links_.each([digests = own_.digests()](LinkId, ControlLink& link) { link.give_heartbeat(digests); });
 }
 
-void ControlPlane::report_life(Seat& seat, const Assertion& assertion) {
+void ControlPlane::inquire(Seat& seat, const std::set<Inquiry>& inquiries) {
+  const Lock lock(mutex_);
+  const Time now = std::chrono::steady_clock::now();
+  seat.inquiries = inquiries;
+  known_.with([&](Peers&, Directory& directory) { directory.inquires(seat.node, inquiries); });
+  write_inquiries(now);
+  give_heartbeats(now);
+}
+
+/// Publishers read the topic of subscribers. Accounts are asked of subscribers, too, which read the other
+/// one.
+void ControlPlane::write_inquiries(Time now) {
+  std::set<Inquiry> wanted;
+  for (const Seat& seat : seats_) wanted.insert(seat.inquiries.begin(), seat.inquiries.end());
+  use_reports();  // first: the answers come soon
+  std::erase_if(inquiries_, [&](const auto& item) SFT_NO_THREAD_SAFETY_ANALYSIS {
+    const auto& [inquiry, owner] = item;
+    if (wanted.contains(inquiry)) return false;
+    for (const Role role : both_roles) withdraw_owned(role, owner, now);
+    return true;
+  });
+  for (const Inquiry& inquiry : wanted) {
+    const auto [owned, is_new] = inquiries_.try_emplace(inquiry, random_id());
+    if (!is_new) continue;
+    for (const Role role : both_roles) {
+      if (role == Role::reader || inquiry.wants_accounts)
+        put(role, owned->second, RecordKind::inquiry, to_bytes(inquiry), now);
+    }
+  }
+}
+
+/// Returns true if other processes inquire. What fails is tried again by try_again().
+bool ControlPlane::use_reports() {
+  const auto [reads, writes] = known_.with([](Peers&, Directory& directory) {
+    return std::pair(directory.do_we_inquire(), directory.do_others_inquire());
+  });
+  (void)links_.use_reports(reads, writes);
+  return writes;
+}
+
+Discovery::Inquiries ControlPlane::inquiries() {
+  return known_.with([](Peers&, Directory& directory) { return directory.inquiries(); });
+}
+
+void ControlPlane::give_report(Seat& seat, const NodeReport& report) {
   {
     const Lock lock(mutex_);
-    known_.with([&](Peers&, Directory& directory) { directory.reported(seat.node, assertion); });
-    links_.each([&](LinkId, ControlLink& link) { (void)link.give_report(assertion); });
+    known_.with([&](Peers&, Directory& directory) { directory.reported(seat.node, report); });
+    if (use_reports())
+      links_.each([body = to_bytes(report)](LinkId, ControlLink& link) { link.give_report(body); });
   }
   known_.pass_on();
 }
@@ -291,6 +343,7 @@ Time ControlPlane::look(Time now) {
   });
   const KnownPeers::Todo todo = known_.look(heartbeats, now);
   for (const PeerAction& action : todo.of_links) act(action, now);
+  use_reports();
   if (now >= try_again_at_) try_again(now);
   give_heartbeats(now);
   if (std::optional<std::string> releases = known_.take_other_releases(now))

@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -44,7 +45,8 @@ class ControlPlane {
   struct Seat {
     explicit Seat(DiscoveryListener& listener) : node(std::make_shared<ListeningNode>(listener)) {}
     const std::shared_ptr<ListeningNode> node;
-    std::vector<Report> reports{};  ///< under the lock of the control plane
+    std::vector<Report> reports{};  ///< this and the next: under the lock of the control plane
+    std::set<Inquiry> inquiries{};
   };
   /// Seats are used by one thread at a time, and until leave().
   Seat& join(DiscoveryListener& listener);
@@ -57,7 +59,9 @@ class ControlPlane {
   void announce(Seat& seat, const Endpoint& endpoint);
   void send(const Request& request);
   void withdraw(EndpointId id);
-  void report_life(Seat& seat, const Assertion& assertion);
+  void inquire(Seat& seat, const std::set<Inquiry>& inquiries);
+  Discovery::Inquiries inquiries();
+  void give_report(Seat& seat, const NodeReport& report);
   std::vector<Discovery::KnownPublisher> publishers_of(std::string_view type_name);
   Time newcomer_at();
   Time look_after(Seat& seat, Time now);
@@ -67,6 +71,9 @@ class ControlPlane {
   void put(Role role, EndpointId owner, RecordKind kind, std::vector<std::byte> body, Time now)
       SFT_REQUIRES(mutex_);
   void withdraw_records(EndpointId id, Time now) SFT_REQUIRES(mutex_);
+  void withdraw_owned(Role role, std::uint64_t owner, Time now) SFT_REQUIRES(mutex_);
+  void write_inquiries(Time now) SFT_REQUIRES(mutex_);
+  bool use_reports() SFT_REQUIRES(mutex_);
   void give_heartbeats(Time now) SFT_REQUIRES(mutex_);
   Time look(Time now) SFT_REQUIRES(mutex_);
   void try_again(Time now) SFT_REQUIRES(mutex_);
@@ -94,7 +101,8 @@ class ControlPlane {
   std::vector<HostInterface> interfaces_ SFT_GUARDED_BY(mutex_);
   PeerAddresses peers_by_name_ SFT_GUARDED_BY(mutex_);
   std::list<Seat> seats_ SFT_GUARDED_BY(mutex_);
-  std::map<EndpointId, Role> roles_ SFT_GUARDED_BY(mutex_);  ///< of our own endpoints
+  std::map<EndpointId, Role> roles_ SFT_GUARDED_BY(mutex_);            ///< of our own endpoints
+  std::map<Inquiry, std::uint64_t> inquiries_ SFT_GUARDED_BY(mutex_);  ///< with the owner of the records
   OwnRecords own_ SFT_GUARDED_BY(mutex_);
   Links links_ SFT_GUARDED_BY(mutex_);  ///< ends first: its threads use `known_`
 

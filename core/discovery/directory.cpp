@@ -103,6 +103,7 @@ void Directory::record_changed(const RecordChanged& changed) {
   const Place place{changed.process, changed.role, changed.key.slot};
   if (changed.key.kind == RecordKind::announcement) take_announcement(place, changed.record);
   if (changed.key.kind == RecordKind::request) take_request(place, changed.record);
+  if (changed.key.kind == RecordKind::inquiry) take_inquiry(place, changed.record);
   const auto slot = slots_.find(place);
   if (slot != slots_.end() && !slot->second.endpoint && !slot->second.request) slots_.erase(slot);
 }
@@ -144,6 +145,15 @@ void Directory::take_request(const Place& place, const Record& record) {
   shown->second.request = slot.request;
   tell(concerned_by(shown->second),
        [copy = *slot.request](DiscoveryListener& to) { to.request_received(copy); });
+}
+
+void Directory::take_inquiry(const Place& place, const Record& record) {
+  inquiries_.erase(place);
+  if (record.is_withdrawn()) return;
+  Result<Inquiry> read = inquiry_in(*record.body);
+  if (!read) return refuse(read.error().message);
+  inquiries_.emplace(place, std::move(*read));
+  ++inquiries_made_;
 }
 
 /// Of a subscriber there has to be the request, too.
@@ -195,6 +205,7 @@ void Directory::show_next(EndpointId id) {
 
 void Directory::peer_lost(ProcessId process) {
   cut_.erase(process);
+  std::erase_if(inquiries_, [&](const auto& item) { return std::get<ProcessId>(item.first) == process; });
   std::vector<EndpointId> lost;
   const auto first = slots_.lower_bound(Place{process, Role::writer, 0});
   auto last = first;
@@ -238,40 +249,49 @@ void Directory::tell_seen(ListeningNodes to, const Entry& entry) {
   });
 }
 
-/// A report concerns those whom an endpoint of its node concerns, and those whose endpoints it asks about.
 template <class IsOf>
-void Directory::tell_report(const Assertion& report, IsOf is_of) {
-  std::vector<const Entry*> of_node;
-  for (const auto& [id, entry] : entries_) {
-    if (is_of(entry)) of_node.push_back(&entry);
-  }
-  if (of_node.empty()) return;
-  Assertion told = report;
-  told.announcer = of_node.front()->endpoint->announcer;
+void Directory::tell_report(NodeReport report, const std::shared_ptr<ListeningNode>& by, IsOf is_of) {
+  const auto is_foreign = [&](EndpointId id) {
+    const auto entry = entries_.find(id);
+    return entry == entries_.end() || !is_of(entry->second);
+  };
+  std::erase_if(report.living, is_foreign);
+  std::erase_if(report.progress, [&](const Progress& one) { return is_foreign(one.writer); });
+  std::erase_if(report.accounts, [&](const Account& one) {
+    return is_foreign(one.id.said_by == Role::writer ? one.id.pair.writer : one.id.pair.reader);
+  });
+  if (report.empty()) return;
   ListeningNodes to;
   for (const Node& node : nodes_) {
-    const auto is_own = [&](EndpointId id) {
-      const auto own = entries_.find(id);
-      return own != entries_.end() && own->second.node == node.listener;
-    };
-    const auto concerns_it = [&](const Entry* one) { return concerns(node, *one->endpoint); };
-    if (node.listener != of_node.front()->node &&
-        (std::ranges::any_of(of_node, concerns_it) || std::ranges::any_of(report.asked_about, is_own)))
-      to.push_back(node.listener);
+    if (node.listener != by && !node.inquiries.empty()) to.push_back(node.listener);
   }
-  tell(std::move(to),
-       [told = std::move(told)](DiscoveryListener& listener) { listener.liveliness_asserted(told); });
+  tell(std::move(to), [told = std::move(report)](DiscoveryListener& node) { node.report_received(told); });
 }
 
-void Directory::report_came(ProcessId process, Assertion report) {
-  tell_report(report, [&](const Entry& entry) {
-    return entry.place && std::get<ProcessId>(*entry.place) == process &&
-           entry.endpoint->node_id == report.node;
+void Directory::report_came(ProcessId process, NodeReport report) {
+  tell_report(std::move(report), nullptr, [&](const Entry& entry) {
+    return entry.place && std::get<ProcessId>(*entry.place) == process;
   });
 }
 
-void Directory::reported(const std::shared_ptr<ListeningNode>& node, const Assertion& report) {
-  tell_report(report, [&](const Entry& entry) { return entry.node == node; });
+void Directory::reported(const std::shared_ptr<ListeningNode>& node, const NodeReport& report) {
+  tell_report(report, node, [&](const Entry& entry) { return entry.node == node; });
+}
+
+void Directory::inquires(const std::shared_ptr<ListeningNode>& node, std::set<Inquiry> inquiries) {
+  of(node).inquiries = std::move(inquiries);
+  ++inquiries_made_;
+}
+
+bool Directory::do_we_inquire() const {
+  return std::ranges::any_of(nodes_, [](const Node& node) { return !node.inquiries.empty(); });
+}
+
+Discovery::Inquiries Directory::inquiries() const {
+  Discovery::Inquiries inquiries{.made = inquiries_made_};
+  for (const Node& node : nodes_) inquiries.all.insert(node.inquiries.begin(), node.inquiries.end());
+  for (const auto& [place, inquiry] : inquiries_) inquiries.all.insert(inquiry);
+  return inquiries;
 }
 
 void Directory::tell_departed(ListeningNodes to, EndpointId id) {

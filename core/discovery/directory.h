@@ -11,6 +11,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <tuple>
@@ -60,7 +61,8 @@ class Directory {
   void announced(const std::shared_ptr<ListeningNode>& node, Endpoint endpoint);
   void requested(const Request& request);
   void withdrawn(EndpointId id);
-  void reported(const std::shared_ptr<ListeningNode>& node, const Assertion& report);
+  void inquires(const std::shared_ptr<ListeningNode>& node, std::set<Inquiry> inquiries);
+  void reported(const std::shared_ptr<ListeningNode>& node, const NodeReport& report);
   std::vector<EndpointId> endpoints_of(const std::shared_ptr<ListeningNode>& node) const;
 
   // Other processes.
@@ -68,8 +70,8 @@ class Directory {
   void record_changed(const RecordChanged& changed);
   void peer_lost(ProcessId process);
   void paths_cut(const PathsCut& cut);
-  /// Of a node that the process has announced an endpoint of.
-  void report_came(ProcessId process, Assertion report);
+  /// What the report tells of endpoints that the process has announced counts.
+  void report_came(ProcessId process, NodeReport report);
   /// Somebody has said something that cannot be used.
   void refuse(std::string why);
 
@@ -80,6 +82,10 @@ class Directory {
   };
   std::vector<Notice> take_notices() { return std::exchange(notices_, {}); }
 
+  /// Of our own nodes and of other processes.
+  Discovery::Inquiries inquiries() const;
+  bool do_others_inquire() const { return !inquiries_.empty(); }
+  bool do_we_inquire() const;
   std::vector<Discovery::KnownPublisher> publishers_of(std::string_view type_name) const;
 
  private:
@@ -87,6 +93,7 @@ class Directory {
     std::shared_ptr<ListeningNode> listener;
     AnnouncerId number = 0;
     PerRole<bool> hears_all{};
+    std::set<Inquiry> inquiries{};
     PerRole<std::map<std::string, std::size_t>> topics{};  ///< of its endpoints, and how many each has
   };
   using Place = std::tuple<ProcessId, Role, std::uint32_t>;  ///< of a slot; our own endpoints have none
@@ -107,6 +114,7 @@ class Directory {
   ListeningNodes concerned_by(const Entry& entry) const;
   void take_announcement(const Place& place, const Record& record);
   void take_request(const Place& place, const Record& record);
+  void take_inquiry(const Place& place, const Record& record);
   void show(const Place& place);
   void end(EndpointId id, End how);
   void show_next(EndpointId id);
@@ -114,7 +122,7 @@ class Directory {
   void tell(ListeningNodes to, std::function<void(DiscoveryListener&)> call);
   void tell_seen(ListeningNodes to, const Entry& entry);
   template <class IsOf>
-  void tell_report(const Assertion& report, IsOf is_of);
+  void tell_report(NodeReport report, const std::shared_ptr<ListeningNode>& by, IsOf is_of);
   void tell_departed(ListeningNodes to, EndpointId id);
   template <class Which>
   void tell_of_all(const Node& node, Which which);
@@ -124,6 +132,8 @@ class Directory {
   std::vector<Node> nodes_;
   std::map<Place, Slot> slots_;
   std::map<EndpointId, Entry> entries_;
+  std::map<Place, Inquiry> inquiries_;  ///< of other processes
+  std::uint64_t inquiries_made_ = 0;
   std::map<ProcessId, std::vector<LinkId>> cut_;
   std::vector<Notice> notices_;
 };

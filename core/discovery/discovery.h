@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -59,8 +60,15 @@ class Discovery {
   virtual void announce(const Endpoint& endpoint) = 0;
   virtual void withdraw(EndpointId id) = 0;
   virtual void send(const Request& request) = 0;
-  /// Tells others more than that this process lives. The message may get lost.
-  virtual void assert_liveliness(const Assertion& assertion) = 0;
+  /// Asks all nodes for reports, until this node asks for something else.
+  virtual void inquire(const std::set<Inquiry>& inquiries) = 0;
+  struct Inquiries {
+    std::set<Inquiry> all{};  ///< of all nodes, this one too
+    std::uint64_t made = 0;   ///< differs from what it was if another node has begun to ask
+  };
+  virtual Inquiries inquiries() const = 0;
+  /// Tells the nodes that inquire. The report may get lost.
+  virtual void report(const NodeReport& report) = 0;
   /// When the latest newcomer among other processes was heard first; Time{} if there was none. What it
   /// announces may be yet to come. Any thread.
   virtual Time newcomer_at() const = 0;

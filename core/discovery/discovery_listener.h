@@ -17,8 +17,8 @@ class DiscoveryListener {
   /// The process of the endpoint does not answer. If it returns, the endpoint is seen again.
   virtual void endpoint_lost(EndpointId id) = 0;
   virtual void request_received(Request request) = 0;
-  /// A node tells more than that its process lives.
-  virtual void liveliness_asserted(Assertion assertion) = 0;
+  /// A node has reported of its own endpoints. Told to nodes that inquire.
+  virtual void report_received(NodeReport report) = 0;
   /// A control sample, or the type description in one, was refused.
   virtual void control_malformed(std::string why) = 0;
   /// Other interfaces are used now. Called on the thread that calls look_after().

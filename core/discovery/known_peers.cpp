@@ -117,7 +117,7 @@ void KnownPeers::heartbeat_came(LinkId link, const Heartbeat& heartbeat) {
   pass_on_notices(lock);
 }
 
-void KnownPeers::report_came(const RemoteParticipant& by, Assertion report) {
+void KnownPeers::report_came(const RemoteParticipant& by, NodeReport report) {
   Lock lock(mutex_);
   if (const std::optional<ProcessId> process = peers_.process_of(by))
     directory_.report_came(*process, std::move(report));

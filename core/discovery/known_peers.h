@@ -58,7 +58,7 @@ class KnownPeers final : public ControlLinkListener {
   void other_release_seen(const RemoteParticipant& id, std::uint32_t version) override;
   void record_came(const RemoteParticipant& by, Role role, const RecordKey& key, Record record) override;
   void heartbeat_came(LinkId link, const Heartbeat& heartbeat) override;
-  void report_came(const RemoteParticipant& by, Assertion report) override;
+  void report_came(const RemoteParticipant& by, NodeReport report) override;
   void sample_refused(std::string why) override;
 
  private:

@@ -104,7 +104,7 @@ Result<void> Links::open_link(OpenLink& link) {
                                   known_);
   if (!opened) return tl::unexpected(opened.error());
   link.link = std::move(*opened);
-  if (Result<void> heard = link.link->hear_reports(); !heard) return heard;
+  if (Result<void> used = link.link->use_reports(reads_reports_, writes_reports_); !used) return used;
   for (const Role role : both_roles) {
     if (!heard_[role]) continue;
     if (Result<void> heard = link.link->hear(role); !heard) return heard;
@@ -149,8 +149,18 @@ Result<void> Links::hear(Role role) {
   return result;
 }
 
-Result<void> Links::try_again() {
+Result<void> Links::use_reports(bool reads, bool writes) {
+  reads_reports_ = reads;
+  writes_reports_ = writes;
   Result<void> result;
+  for (const OpenLink& one : links_) {
+    if (Result<void> used = one.link->use_reports(reads, writes); !used) result = std::move(used);
+  }
+  return result;
+}
+
+Result<void> Links::try_again() {
+  Result<void> result = use_reports(reads_reports_, writes_reports_);
   for (const Role role : both_roles) {
     if (!heard_[role]) continue;
     if (Result<void> heard = hear(role); !heard) result = std::move(heard);

@@ -47,6 +47,8 @@ class Links {
   void close_all();
   /// Reads what others have of that role on all links, also on those that are opened later.
   Result<void> hear(Role role);
+  /// Reads or writes reports on all links, also on those that are opened later.
+  Result<void> use_reports(bool reads, bool writes);
   /// Reads and writes what could not be read or written before. The error is the last one.
   Result<void> try_again();
 
@@ -85,6 +87,7 @@ class Links {
   KnownPeers& known_;
   KnownHosts hosts_;
   PerRole<bool> heard_{};
+  bool reads_reports_ = false, writes_reports_ = false;
   LinkId links_made_ = 0;
   std::vector<std::string> failures_, warnings_;
   std::vector<OpenLink> links_;

@@ -131,12 +131,9 @@ std::vector<EndpointId> EndpointTable::lost_for(std::chrono::seconds duration, T
   return lost;
 }
 
-bool EndpointTable::progressed(NodeId node, const Progress& progress) {
+void EndpointTable::progressed(const Progress& progress) {
   TableEntry* const entry = find(progress.writer);
-  if (entry == nullptr || entry->endpoint.node_id != node || entry->endpoint.role != Role::writer)
-    return false;
-  entry->progress = progress;
-  return true;
+  if (entry != nullptr && entry->endpoint.role == Role::writer) entry->progress = progress;
 }
 
 const Progress* EndpointTable::progress_of(EndpointId id) const {

@@ -62,9 +62,8 @@ class EndpointTable {
   bool lost(EndpointId id, Time now);
   std::vector<EndpointId> lost_for(std::chrono::seconds duration, Time now) const;
 
-  /// Takes the progress of a writer as its node reports it. A report about a writer of another node changes
-  /// nothing, and false is returned.
-  bool progressed(NodeId node, const Progress& progress);
+  /// Takes the progress of a writer, as its node reports it.
+  void progressed(const Progress& progress);
   /// Null while nothing was told of that. Valid until the next event.
   const Progress* progress_of(EndpointId id) const;
 

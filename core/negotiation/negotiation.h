@@ -67,9 +67,8 @@ class Negotiation {
   /// it can.
   bool reach_changed(EndpointId writer, EndpointId reader, const std::string& why_not);
   bool tick(Time now);
-  /// Takes the progress of a writer as its node reports it. The desired states do not depend on it.
-  /// Returns false if it is not the writer's node.
-  bool progressed(NodeId node, const Progress& progress) { return facts_.table.progressed(node, progress); }
+  /// The desired states do not depend on it.
+  void progressed(const Progress& progress) { facts_.table.progressed(progress); }
 
   // Desired states, from the facts as they are.
   Serving serving(EndpointId writer) const;

@@ -15,6 +15,7 @@ bool ArrivalWatchdog::look(const Progress* progress, std::uint64_t signs, const 
     if (signs_) pause_ = {};  // it works
     excuse();
     signs_ = signs;
+    arrived_at_ = now;
   }
   if (progress != nullptr) advance(*progress, pair, now);
   if (!base_) return false;

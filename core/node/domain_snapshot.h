@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/control/control.h"
-#include "core/node/account_questions.h"
+#include "core/node/account_table.h"
 #include "sft/domain.h"
 
 namespace sft::core {

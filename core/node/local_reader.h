@@ -78,6 +78,9 @@ class LocalReader {
   /// `told`: the progress of writers that has just been told. `held_up`: a callback of this node may hold up
   /// what arrives. True if any was.
   bool restart_deaf(const std::vector<Progress>& told, bool held_up, Time now);
+  /// True if others have to report on the topic: nothing has arrived from some writer for a while, or the
+  /// reader has asked for a lease.
+  bool awaits_reports(Time now);
 
   /// Tells the user what has happened.
   void tell_events();
@@ -114,6 +117,7 @@ class LocalReader {
   std::map<EndpointId, Connecting> connecting_;
   std::map<EndpointId, RequestWatch> watched_;
   std::map<EndpointId, ArrivalWatchdog> watchdogs_;
+  Time reports_until_{};  ///< awaited at least so long
   std::map<EndpointId, Time>
       departed_;                        ///< writers of which datagrams may still be in flight, and since when
   Time memory_lost_at_ = Time::max();   ///< while what came by it can be taken; max: long ago

@@ -95,7 +95,7 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
     for (const std::string& text : *texts) node->log_.write(LogLevel::warning, "discovery: " + text);
   }
   node->reconciler_ =
-      std::make_unique<Reconciler>(node->id_, node->network_id_, node->memory_.get(), node->network_.get(),
+      std::make_unique<Reconciler>(node->network_id_, node->memory_.get(), node->network_.get(),
                                    *node->discovery_, node->dispatcher_, node->log_);
   node->opening_.emplace(EndpointOpening::Node{.options = node->options_,
                                                .names = names,
@@ -258,11 +258,10 @@ void NodeCore::request_received(Request request) {
   agent_.post([this, request = std::move(request)] { reconciler_->request_received(request); });
 }
 
-void NodeCore::liveliness_asserted(Assertion assertion) {
-  const bool has_time = assertion.writers.empty();
-  Agent::Task task = [this, assertion = std::move(assertion)] {
-    reconciler_->liveliness_asserted(assertion);
-  };
+/// Only a lease is urgent.
+void NodeCore::report_received(NodeReport report) {
+  const bool has_time = report.living.empty();
+  Agent::Task task = [this, report = std::move(report)] { reconciler_->report_received(report); };
   has_time ? agent_.post_for_next_tick(std::move(task)) : agent_.post(std::move(task));
 }
 
@@ -364,9 +363,12 @@ DomainSnapshot NodeCore::domain() {
     std::vector<KnownEndpoint> endpoints;
     PairAccounts accounts;
   };
-  ask_agent([this] { hear_everybody(); });
+  ask_agent([this] {
+    hear_everybody();
+    reconciler_->reports().ask_for_progress(std::chrono::steady_clock::now());
+  });
   Known known = ask_agent([&] {
-    return Known{reconciler_->known_endpoints(), reconciler_->accounts().known()};
+    return Known{reconciler_->known_endpoints(), reconciler_->reports().accounts()};
   });
   return domain_snapshot(std::move(known.endpoints), known.accounts, id_, network_id_);
 }
@@ -378,11 +380,11 @@ Result<AccountInquiry> NodeCore::ask_accounts(const std::shared_ptr<NodeCore>& s
   const std::string& name = found->topic;
   agent_.post([this, name] {
     hear_everybody();
-    reconciler_->accounts().ask(name);
+    reconciler_->reports().ask(name);
   });
   const auto end = [self, name](const void*) {
     if (is_forked_copy()) return;
-    self->agent_.post([node = self.get(), name] { node->reconciler_->accounts().ask_no_more(name); });
+    self->agent_.post([node = self.get(), name] { node->reconciler_->reports().ask_no_more(name); });
   };
   return AccountInquiry(std::shared_ptr<const void>(self.get(), end));
 }

@@ -29,8 +29,8 @@ bool has_to_be_watched(const Negotiation& negotiation, const LocalEndpoints& our
 }
 }  // namespace
 
-Reconciler::Reconciler(NodeId id, std::uint64_t network_id, SharedMemory* memory, Network* network,
-                       Discovery& discovery, Dispatcher& dispatcher, NodeLog& log)
+Reconciler::Reconciler(std::uint64_t network_id, SharedMemory* memory, Network* network, Discovery& discovery,
+                       Dispatcher& dispatcher, NodeLog& log)
     : discovery_(discovery),
       dispatcher_(dispatcher),
       log_(log),
@@ -38,8 +38,7 @@ Reconciler::Reconciler(NodeId id, std::uint64_t network_id, SharedMemory* memory
       control_watch_(negotiation_, log),
       attempts_(log, memory),
       context_{negotiation_, discovery, attempts_, log, memory, network},
-      accounts_(negotiation_, ours_),
-      life_(id) {
+      reports_(negotiation_, ours_, discovery) {
   negotiation_.self_changed(transports_.self());
   if (network != nullptr) negotiation_.network_changed(transports_.addresses(), transports_.links());
 }
@@ -59,6 +58,7 @@ void Reconciler::add_reader(const Endpoint& endpoint, LocalReader::Parts parts) 
       ours_.readers.try_emplace(endpoint.id, context_, endpoint, std::move(parts)).first->second;
   negotiation_.local_added(endpoint, added.core().type());
   dirty_ = true;
+  reports_.inquire(std::chrono::steady_clock::now());
   announce(endpoint.id);
   if (is_first) control_watch_.reader_added(endpoint.id, std::chrono::steady_clock::now());
 }
@@ -69,7 +69,6 @@ void Reconciler::remove(EndpointId id) {
   negotiation_.local_removed(id);
   dirty_ = true;
   discovery_.withdraw(id);
-  accounts_.removed(id);
   ours_.writers.erase(id);
   const auto reader = ours_.readers.find(id);
   if (reader == ours_.readers.end()) return;
@@ -89,7 +88,7 @@ void Reconciler::program_asserts(EndpointId id) {
   const auto writer = ours_.writers.find(id);
   if (writer == ours_.writers.end()) return;
   const Time now = std::chrono::steady_clock::now();
-  if (writer->second.watch_promises(now)) tell_of_life({id}, now);
+  if (writer->second.watch_promises(now)) report({id}, now);
 }
 
 void Reconciler::endpoint_seen(const Endpoint& endpoint) { dirty_ |= negotiation_.endpoint_seen(endpoint); }
@@ -104,14 +103,11 @@ void Reconciler::request_received(const Request& request) {
   dirty_ |= negotiation_.request_received(request);
 }
 
-void Reconciler::liveliness_asserted(const Assertion& assertion, Time now) {
-  std::vector<Progress> told;
-  for (const Progress& progress : assertion.progress) {
-    if (negotiation_.progressed(assertion.node, progress)) told.push_back(progress);
-  }
-  accounts_.hear(assertion, now);
-  for (auto& [id, reader] : ours_.readers) reader.asserted(assertion.writers);
-  if (!told.empty()) look_at_arrivals(told, now);
+void Reconciler::report_received(const NodeReport& report, Time now) {
+  for (const Progress& progress : report.progress) negotiation_.progressed(progress);
+  reports_.received(report, now);
+  for (auto& [id, reader] : ours_.readers) reader.asserted(report.living);
+  if (!report.progress.empty()) look_at_arrivals(report.progress, now);
 }
 
 /// `told`: the progress of writers that has just been told.
@@ -141,6 +137,7 @@ std::chrono::milliseconds Reconciler::tick(Time now) {
   hurried_ticks_ = look_after_connections(now) || awaits_port ? hurried_ticks_ + 1 : 0;
   watch_promises(now);
   if (now - arrivals_looked_at_ >= arrivals_pause) look_at_arrivals({}, now);
+  reports_.inquire(now);
   next_piece_of_work();
   discovery_looks_at_ = discovery_.look_after(now);
   next_piece_of_work();
@@ -240,15 +237,16 @@ void Reconciler::watch_promises(Time now) {
   for (auto& [id, writer] : ours_.writers) {
     if (writer.watch_promises(now)) living.push_back(id);
   }
-  if (!living.empty() || life_.is_sign_due(now)) tell_of_life(std::move(living), now);
+  if (!living.empty() || reports_.is_due(now)) report(std::move(living), now);
   for (auto& [id, reader] : ours_.readers) reader.watch_promises(now);
 }
 
-void Reconciler::tell_of_life(std::vector<EndpointId> living, Time now) {
-  const Assertion sign = life_.next_sign(std::move(living), ours_, accounts_, discovery_.newcomer_at(), now);
-  if (!sign.tells_anything()) return;
-  discovery_.assert_liveliness(sign);
-  liveliness_asserted(sign, now);  // our own readers
+void Reconciler::report(std::vector<EndpointId> living, Time now) {
+  NodeReport report = reports_.is_due(now) ? reports_.take(now) : NodeReport{};
+  report.living = std::move(living);
+  if (report.empty()) return;
+  discovery_.report(report);
+  report_received(report, now);  // our own readers
 }
 
 /// The time until the next tick: not longer than a deadline, a lease or the network can wait.

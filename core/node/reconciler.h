@@ -12,13 +12,12 @@
 
 #include "core/discovery/discovery.h"
 #include "core/negotiation/negotiation.h"
-#include "core/node/account_desk.h"
 #include "core/node/control_watch.h"
 #include "core/node/domain_snapshot.h"
 #include "core/node/local_endpoints.h"
 #include "core/node/node_context.h"
-#include "core/node/own_life.h"
 #include "core/node/port_attempts.h"
+#include "core/node/reports.h"
 #include "core/node/tick_pace.h"
 #include "core/node/transport_watch.h"
 #include "core/platform/clock.h"
@@ -31,8 +30,8 @@ namespace sft::core {
 class Reconciler {
  public:
   /// All that it is given outlives it; a transport is null if the node must not use it.
-  Reconciler(NodeId id, std::uint64_t network_id, SharedMemory* memory, Network* network,
-             Discovery& discovery, Dispatcher& dispatcher, NodeLog& log);
+  Reconciler(std::uint64_t network_id, SharedMemory* memory, Network* network, Discovery& discovery,
+             Dispatcher& dispatcher, NodeLog& log);
 
   void add_writer(const Endpoint& endpoint, std::shared_ptr<PublisherCore> core);
   void add_reader(const Endpoint& endpoint, LocalReader::Parts parts);
@@ -48,7 +47,7 @@ class Reconciler {
   void endpoint_departed(EndpointId id);
   void endpoint_lost(EndpointId id);
   void request_received(const Request& request);
-  void liveliness_asserted(const Assertion& assertion, Time now = std::chrono::steady_clock::now());
+  void report_received(const NodeReport& report, Time now = std::chrono::steady_clock::now());
 
   /// Looks after the transports and after what changes with time; returns when to be called again.
   std::chrono::milliseconds tick(Time now = std::chrono::steady_clock::now());
@@ -60,7 +59,7 @@ class Reconciler {
   std::vector<const Endpoint*> endpoints() const { return negotiation_.table().present(); }
   /// The same, with how far the writers are.
   std::vector<KnownEndpoint> known_endpoints() const;
-  AccountDesk& accounts() { return accounts_; }
+  Reports& reports() { return reports_; }
 
   // Any thread.
   /// Only what any thread may ask of it.
@@ -68,7 +67,7 @@ class Reconciler {
   std::uint64_t control_ignored() const { return control_ignored_.load(std::memory_order_relaxed); }
 
  private:
-  void tell_of_life(std::vector<EndpointId> living, Time now);
+  void report(std::vector<EndpointId> living, Time now);
   void watch_promises(Time now);
   void look_at_arrivals(const std::vector<Progress>& told, Time now);
   void look_after_memory(Time now);
@@ -91,8 +90,7 @@ class Reconciler {
   NodeContext context_;
   LocalEndpoints ours_;
   std::map<EndpointId, LocalReader> departing_;  ///< removed within callbacks that have not returned yet
-  AccountDesk accounts_;
-  OwnLife life_;
+  Reports reports_;
   TickPace tick_pace_;
   Time discovery_looks_at_{};  ///< the next time, at the latest
   Time arrivals_looked_at_{};

@@ -23,7 +23,7 @@ class Echo final : private core::DiscoveryListener {
   void endpoint_departed(core::EndpointId) override {}
   void endpoint_lost(core::EndpointId) override {}
   void request_received(core::Request request) override;
-  void liveliness_asserted(core::Assertion) override {}
+  void report_received(core::NodeReport) override {}
   void control_malformed(std::string) override {}
 
   std::mutex mutex_;

@@ -75,7 +75,14 @@ class ControlEar final : private core::DiscoveryListener {
   void announce(core::Role role, core::EndpointId id) { discovery_->announce(control_endpoint(role, id)); }
   void announce(const core::Endpoint& endpoint) { discovery_->announce(endpoint); }
   void withdraw(core::EndpointId id) { discovery_->withdraw(id); }
-  void tell(const core::Assertion& sign) { discovery_->assert_liveliness(sign); }
+  void inquire(const std::set<core::Inquiry>& inquiries) { discovery_->inquire(inquiries); }
+  bool is_asked(const core::Inquiry& inquiry) const {
+    return eventually([&] { return discovery_->inquiries().all.contains(inquiry); });
+  }
+  bool is_asked_nothing() const {
+    return eventually([&] { return discovery_->inquiries().all.empty(); });
+  }
+  void report(const core::NodeReport& report) { discovery_->report(report); }
   void ask(core::EndpointId reader, std::uint64_t sequence) {
     core::Request request;
     request.reader = reader;
@@ -102,10 +109,9 @@ class ControlEar final : private core::DiscoveryListener {
     const core::Lock lock(mutex_);
     return asked_;
   }
-  /// How often another node told it more than that its process lives.
-  std::size_t signs() const {
+  std::size_t reports() const {
     const core::Lock lock(mutex_);
-    return signs_;
+    return reports_;
   }
   /// Links that were made anew, as people read it.
   std::vector<std::string> renewals() const {
@@ -136,9 +142,9 @@ class ControlEar final : private core::DiscoveryListener {
     const core::Lock lock(mutex_);
     asked_ = std::max(asked_, request.sequence);
   }
-  void liveliness_asserted(core::Assertion) override {
+  void report_received(core::NodeReport) override {
     const core::Lock lock(mutex_);
-    ++signs_;
+    ++reports_;
   }
   void link_was_deaf(const std::string& what) override {
     const core::Lock lock(mutex_);
@@ -153,7 +159,7 @@ class ControlEar final : private core::DiscoveryListener {
   std::set<core::EndpointId> heard_ SFT_GUARDED_BY(mutex_);
   std::size_t gone_ SFT_GUARDED_BY(mutex_) = 0;
   std::uint64_t asked_ SFT_GUARDED_BY(mutex_) = 0;
-  std::size_t signs_ SFT_GUARDED_BY(mutex_) = 0;
+  std::size_t reports_ SFT_GUARDED_BY(mutex_) = 0;
   std::vector<std::string> refused_ SFT_GUARDED_BY(mutex_), renewals_ SFT_GUARDED_BY(mutex_);
   std::unique_ptr<core::Discovery> discovery_;
 };

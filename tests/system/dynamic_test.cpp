@@ -436,7 +436,7 @@ TEST_F(DynamicNodesTest,
     void endpoint_departed(core::EndpointId) override {}
     void endpoint_lost(core::EndpointId) override {}
     void request_received(core::Request) override {}
-    void liveliness_asserted(core::Assertion) override {}
+    void report_received(core::NodeReport) override {}
     void control_malformed(std::string) override {}
   } ignore;
   auto other = core::Discovery::open(

@@ -109,6 +109,30 @@ TEST_F(JointDiscoveryTest, HasOneReaderAndOneWriterOfATopicHoweverManyNodesShare
   EXPECT_TRUE(of_readers.writers_become(2));
 }
 
+TEST_F(JointDiscoveryTest, ExchangesReportsOnlyWhileANodeInquires) {
+  ControlEar writer("one-"), reader("two-");
+  const TopicWatch reports("sft_report");
+  const core::Inquiry inquiry{.topic = "points"};
+  writer.announce(Role::writer, 1);
+  reader.announce(Role::reader, 2);
+  EXPECT_TRUE(reader.hears(1) && writer.hears(2));
+  writer.report({.living = {1}});
+  EXPECT_TRUE(reports.writers_become(0)) << "no node has asked";
+  reader.inquire({inquiry});
+  EXPECT_TRUE(writer.is_asked(inquiry));
+  EXPECT_TRUE(reports.readers_become(1));
+  EXPECT_TRUE(eventually([&] {
+    writer.report({.living = {1}});
+    return reader.reports() > 0;
+  }));
+  EXPECT_TRUE(reports.writers_become(1));
+  reader.inquire({});
+  EXPECT_TRUE(reports.readers_become(0));
+  EXPECT_TRUE(writer.is_asked_nothing());
+  writer.look();
+  EXPECT_TRUE(reports.writers_become(0));
+}
+
 TEST_F(JointDiscoveryTest, TellsANewcomerOfTheProcessWhatIsInForce) {
   ControlEar first("one-"), other("two-");
   first.announce(Role::writer, 1);
@@ -158,9 +182,9 @@ TEST_F(JointDiscoveryTest, AnnouncesItselfToAStrangerOfWhichOnlyHeartbeatsCome) 
 
   const auto stranger =
       core::HeartbeatSocket::open({.ip = core::loopback_ipv4,
-                               .index = 1,
-                               .port = *core::dds_config(control_domain(), {}, "")->heartbeat_port,
-                               .reaches_own_host = true});
+                                   .index = 1,
+                                   .port = *core::dds_config(control_domain(), {}, "")->heartbeat_port,
+                                   .reaches_own_host = true});
   ASSERT_TRUE(stranger);
   EXPECT_TRUE(announces_within(10s, [&] { stranger->send({.participant = {7}, .process = 77}); }));
 }

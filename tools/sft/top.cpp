@@ -24,7 +24,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds key_pause{100};  // nodes report their progress about twice a second
+constexpr std::chrono::milliseconds key_pause{100};  // nodes report their progress about once a second
 
 struct View {
   std::uint32_t number;  ///< of the domain

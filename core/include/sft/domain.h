@@ -46,11 +46,9 @@ struct TopicInfo {
 };
 
 /// Asks the nodes of all publishers and subscribers of a topic for their counts of each pair, as long as it
-/// or a copy of it lives; Node::domain() has the answers. Questions and answers travel with the signs of life
-/// of the nodes. So the first answers come after some 0.7 s, at most 1.3 s (4 s with peers or without
-/// multicast), and are repeated as often. 64 publishers and subscribers are asked at a time, and a node tells
-/// 32 accounts at a time; if there are more, they take turns.
-/// An inquiry keeps its node alive. Any thread may destroy it.
+/// or a copy of it lives; Node::domain() has the answers. The first answers come after a second or so, and
+/// are repeated about once a second. A node reports 32 accounts at a time; if there are more, they take
+/// turns. An inquiry keeps its node alive. Any thread may destroy it.
 class AccountInquiry {
  public:
   AccountInquiry() = default;  ///< asks nobody
@@ -106,7 +104,8 @@ struct DomainSnapshot::Endpoint {
   // Publishers only.
   std::uint64_t max_sample_bytes = 0;  ///< of a body
   bool waits = false;                  ///< it waits for reliable readers that do not keep up
-  std::optional<Progress> progress{};  ///< nothing while its node has not told it
+  /// Nodes report it while Node::domain() is called now and then; nothing while its node has not.
+  std::optional<Progress> progress{};
 
   // Subscribers only.
   std::optional<std::string> fields{};  ///< that it asks for at present; empty if the type is not known

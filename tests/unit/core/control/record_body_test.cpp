@@ -75,6 +75,47 @@ TEST(RecordBodyTest, OfARequestAndAnInquiryComeAsTheyWereWritten) {
   EXPECT_EQ(inquiry_in(to_bytes(Inquiry{})).value(), Inquiry{});
 }
 
+NodeReport full_report() {
+  return {.living = {1, 2},
+          .progress = {{3, 4, 5}},
+          .accounts = {{.id = {{6, 7}, Role::writer},
+                        .by_writer = {.sent = 8,
+                                      .withheld = 9,
+                                      .dropped = 10,
+                                      .retained = 11,
+                                      .bytes_sent = 12,
+                                      .bytes_saved = 13}},
+                       {.id = {{6, 7}, Role::reader}, .by_reader = {.received = 14, .lost = 15}}}};
+}
+
+TEST(RecordBodyTest, OfAReportComesAsItWasWrittenWithoutTheCountsOfTheOtherSide) {
+  NodeReport report = full_report();
+  EXPECT_EQ(report_in(to_bytes(report)).value(), full_report());
+  report.accounts[0].by_reader.lost = 99;
+  report.accounts[1].by_writer.sent = 99;
+  EXPECT_EQ(report_in(to_bytes(report)).value(), full_report());
+  EXPECT_EQ(report_in(to_bytes(NodeReport{})).value(), NodeReport{});
+}
+
+TEST(RecordBodyTest, OfAReportHasRoomForAllThatMayBeInIt) {
+  NodeReport report = full_report();
+  report.living.resize(5000);
+  report.progress.resize(5000, report.progress[0]);
+  report.accounts.resize(5000, report.accounts[0]);
+  const std::vector<std::byte> bytes = to_bytes(report);
+  EXPECT_LE(bytes.size(), report_bytes_max);
+  const NodeReport come = report_in(bytes).value();
+  EXPECT_THAT(come.living, SizeIs(living_max));
+  EXPECT_THAT(come.progress, SizeIs(progress_max));
+  EXPECT_THAT(come.accounts, SizeIs(accounts_max));
+}
+
+TEST(RecordBodyTest, OfAReportIsRefusedWithAnAccountOfNeitherSide) {
+  NodeReport report = full_report();
+  report.accounts[1].id.said_by = static_cast<Role>(2);
+  EXPECT_FALSE(report_in(to_bytes(report)));
+}
+
 TEST(RecordBodyTest, LeavesTheRequestAndWhoAnnouncesOutOfAnEndpoint) {
   const Result<Endpoint> come = changed([](Endpoint& e) {
     e.announcer = 5;
@@ -97,6 +138,7 @@ TEST(RecordBodyTest, IsRefusedWhereverItIsCut) {
   expect_every_cut_refused(to_bytes(full_endpoint()), &endpoint_in);
   expect_every_cut_refused(to_bytes(full_request()), &request_in);
   expect_every_cut_refused(to_bytes(Inquiry{.topic = "points"}), &inquiry_in);
+  expect_every_cut_refused(to_bytes(full_report()), &report_in);
 }
 
 TEST(RecordBodyTest, IsRefusedWithTheNameOfWhatIsWrong) {

@@ -33,13 +33,14 @@ class Listener final : public DiscoveryListener {
   void request_received(Request request) override {
     said.push_back("request " + std::to_string(request.sequence) + " of " + std::to_string(request.reader));
   }
-  void liveliness_asserted(Assertion) override {}
+  void report_received(NodeReport report) override { reports.push_back(std::move(report)); }
   void control_malformed(std::string why) override { refused.push_back(std::move(why)); }
 
   std::vector<std::string> take() { return std::exchange(said, {}); }
 
   std::vector<std::string> said, refused;
   Endpoint seen;
+  std::vector<NodeReport> reports;
 };
 
 class DirectoryTest : public ::testing::Test {
@@ -290,6 +291,61 @@ TEST_F(DirectoryTest, LeavesOutTheAddressesOfANetworkThatIsCut) {
   directory.paths_cut({process_one, {}});
   tell();
   EXPECT_THAT(node->listener.seen.addresses, SizeIs(2));
+}
+
+TEST_F(DirectoryTest, GivesReportsToNodesThatInquireAsFarAsTheProcessHasAnnouncedWhatTheyAreAbout) {
+  const auto node = open(), silent = open();
+  announce(*node, endpoint(Role::reader, 1));
+  announce(*silent, endpoint(Role::reader, 2));
+  other_has(endpoint(Role::writer, 10));
+  other_has(endpoint(Role::writer, 20), process_two);
+  directory.inquires(node->node, {{.topic = "points"}});
+  NodeReport report;
+  report.living = {10, 20, 1, 99};
+  report.progress = {{10, 5, 0}, {20, 5, 0}};
+  report.accounts = {{.id = {{10, 1}, Role::writer}}, {.id = {{10, 1}, Role::reader}}};
+  directory.report_came(process_one, report);
+  directory.report_came(process_two, {.living = {10}});
+  tell();
+  ASSERT_THAT(node->listener.reports, SizeIs(1));
+  EXPECT_THAT(node->listener.reports[0].living, ElementsAre(10));
+  EXPECT_THAT(node->listener.reports[0].progress, ElementsAre(Progress{10, 5, 0}));
+  EXPECT_THAT(node->listener.reports[0].accounts, ElementsAre(report.accounts[0]));
+  EXPECT_THAT(silent->listener.reports, IsEmpty());
+}
+
+TEST_F(DirectoryTest, GivesReportsOfANodeToOthersOfTheProcess) {
+  const auto node = open(), other = open();
+  announce(*node, endpoint(Role::writer, 1));
+  for (const auto* const one : {&node, &other}) directory.inquires((*one)->node, {{}});
+  directory.reported(node->node, {.living = {1}});
+  tell();
+  EXPECT_THAT(node->listener.reports, IsEmpty());
+  EXPECT_THAT(other->listener.reports, SizeIs(1));
+}
+
+TEST_F(DirectoryTest, KnowsWhatNodesAndProcessesInquireUntilTheyDoNotOrAreLost) {
+  const auto node = open();
+  const Inquiry ours{.topic = "ours"}, theirs{.topic = "theirs", .wants_accounts = true};
+  const auto inquired = [&] { return directory.inquiries().all; };
+  const std::uint64_t made = directory.inquiries().made;
+  directory.inquires(node->node, {ours});
+  EXPECT_TRUE(directory.do_we_inquire());
+  EXPECT_FALSE(directory.do_others_inquire());
+  for (const Role role : both_roles) record(process_one, role, 5, RecordKind::inquiry, to_bytes(theirs));
+  EXPECT_THAT(inquired(), ElementsAre(ours, theirs));
+  EXPECT_NE(directory.inquiries().made, made);
+  EXPECT_TRUE(directory.do_others_inquire());
+  directory.record_changed({process_one, Role::writer, {5, RecordKind::inquiry}, {++revision, nullptr}});
+  EXPECT_THAT(inquired(), ElementsAre(ours, theirs)) << "it is on the other topic as well";
+  directory.peer_lost(process_one);
+  directory.inquires(node->node, {});
+  EXPECT_THAT(inquired(), IsEmpty());
+  EXPECT_FALSE(directory.do_we_inquire() || directory.do_others_inquire());
+  record(process_one, Role::reader, 5, RecordKind::inquiry, {std::byte{9}});
+  EXPECT_THAT(inquired(), IsEmpty());
+  tell();
+  EXPECT_THAT(node->listener.refused, SizeIs(1));
 }
 
 TEST_F(DirectoryTest, NamesAllPublishersOfAType) {

@@ -98,12 +98,14 @@ TEST_F(EndpointTableTest, OnlyTopicsOfOurEndpointsAreOurs) {
   EXPECT_FALSE(table.is_topic_of_ours("points")) << "only endpoints of other nodes are left there";
 }
 
-TEST_F(EndpointTableTest, OnlyAWritersOwnNodeReportsItsProgress) {
+TEST_F(EndpointTableTest, OnlyWritersHaveProgress) {
   table.enter(endpoint(Role::writer, 7));
-  EXPECT_FALSE(table.progressed(its_node + 1, {.writer = 7, .samples = 3}));
   EXPECT_EQ(table.progress_of(7), nullptr);
-  EXPECT_TRUE(table.progressed(its_node, {.writer = 7, .samples = 3}));
+  for (const EndpointId id : {7, 8}) table.progressed({.writer = id, .samples = 3});
   EXPECT_EQ(table.progress_of(7)->samples, 3U);
+  table.enter(endpoint(Role::reader, 9));
+  table.progressed({.writer = 9, .samples = 3});
+  EXPECT_EQ(table.progress_of(9), nullptr);
 }
 
 TEST_F(EndpointTableTest, ANewcomerThatIsRefusedIsCountedByTheNameOfItsNode) {

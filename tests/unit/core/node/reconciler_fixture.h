@@ -70,14 +70,17 @@ class TestDiscovery final : public Discovery {
   void announce(const Endpoint& endpoint) override { announced.push_back(endpoint); }
   void withdraw(EndpointId) override {}
   void send(const Request& request) override { sent.push_back(request); }
-  void assert_liveliness(const Assertion& assertion) override { asserted.push_back(assertion); }
-  Time newcomer_at() const override { return newcomer; }
+  void inquire(const std::set<Inquiry>& inquiries) override { inquired = inquiries; }
+  Inquiries inquiries() const override { return asked; }
+  void report(const NodeReport& report) override { reports.push_back(report); }
+  Time newcomer_at() const override { return {}; }
   Time look_after(Time) override { return next_look; }
   std::vector<Endpoint> announced;
   std::vector<Request> sent;
-  std::vector<Assertion> asserted;
+  std::set<Inquiry> inquired;  ///< by our node
+  Inquiries asked;
+  std::vector<NodeReport> reports;
   Time next_look = Time::max();  ///< as look_after() says
-  Time newcomer{};
 };
 
 /// A transport as far as it has addresses.
@@ -143,7 +146,6 @@ class ReconcilerTest : public ::testing::Test {
     reconciler.reconcile();
   }
 
-  static constexpr NodeId our_node = 55;
   const TypeSupport type{detail::TypeTable<PointCloud2>::type};
   const FieldMask mask = type.closed(FieldMask(F::height | F::width));
   const std::unique_ptr<DoorbellPage> bells = DoorbellPage::create();
@@ -155,7 +157,7 @@ class ReconcilerTest : public ::testing::Test {
   TestTransport network;
   NodeLog log{"node", LogLevel::warning,
               [this](LogLevel, std::string_view text) { logged.emplace_back(text); }};
-  Reconciler reconciler{our_node, 1, nullptr, &network, discovery, dispatcher, log};
+  Reconciler reconciler{1, nullptr, &network, discovery, dispatcher, log};
 };
 
 }  // namespace sft::core

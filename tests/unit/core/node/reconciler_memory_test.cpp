@@ -50,7 +50,7 @@ class ReconcilerInMemoryTest : public ReconcilerTest {
   }
 
   TestMemory memory;
-  Reconciler node{our_node, 1, &memory, nullptr, discovery, dispatcher, log};
+  Reconciler node{1, &memory, nullptr, discovery, dispatcher, log};
 };
 
 TEST_F(ReconcilerInMemoryTest, PublishersThatAreMadeUpTakeFewPortsAndGiveThemBackWhenTheyAreLost) {
@@ -132,7 +132,7 @@ TEST_F(ReconcilerInMemoryTest, ADaemonThatDoesNotAnswerIsNotAskedForOthersAtOnce
     std::vector<std::string> lines;
     NodeLog own_log("node", LogLevel::warning,
                     [&](LogLevel, std::string_view line) { lines.emplace_back(line); });
-    Reconciler own(our_node, 1, &memory, nullptr, discovery, dispatcher, own_log);
+    Reconciler own(1, &memory, nullptr, discovery, dispatcher, own_log);
     memory.asked_for.clear();
     memory.refusal = refusal;
     const auto begin = std::chrono::steady_clock::now();
@@ -212,7 +212,7 @@ TEST_F(ReconcilerTest, TheLogSaysWhySharedMemoryDoesNotComeUp) {
   NodeLog all("node", LogLevel::info, [&](LogLevel level, std::string_view text) {
     lines.push_back((level == LogLevel::warning ? "warning " : "info ") + std::string(text));
   });
-  Reconciler own(our_node, 1, &memory, &network, discovery, dispatcher, all);
+  Reconciler own(1, &memory, &network, discovery, dispatcher, all);
   const auto becomes = [&](Availability availability, const std::string& state) {
     memory.availability = availability;
     memory.state = state;

@@ -303,7 +303,7 @@ TEST_F(ReconcilerTest, AConnectionByWhichNothingArrivesIsSetUpAnewAndCounted) {
   const std::size_t before = discovery.sent.size();
   for (int i = 0; i < 8 && discovery.sent.size() == before; ++i) {
     samples += 100;
-    reconciler.liveliness_asserted({66, {}, {{7, samples, 0}}}, now += std::chrono::milliseconds(1000));
+    reconciler.report_received({.progress = {{7, samples, 0}}}, now += std::chrono::milliseconds(1000));
   }
   ASSERT_EQ(discovery.sent.size(), before + 1);
   EXPECT_THAT(discovery.sent.back().listening, IsEmpty());
@@ -325,116 +325,152 @@ TEST_F(ReconcilerTest, WhatAWriterSentLastIsMissedAlsoIfItsNodeTellsNothingMore)
   reconciler.endpoint_seen(writer);
   reconciler.reconcile();
   Time now = std::chrono::steady_clock::now() - std::chrono::minutes(1);
-  reconciler.liveliness_asserted({66, {}, {{7, 100, 0}}}, now);
-  reconciler.liveliness_asserted({66, {}, {{7, 200, 0}}}, now += std::chrono::milliseconds(1000));
+  reconciler.report_received({.progress = {{7, 100, 0}}}, now);
+  reconciler.report_received({.progress = {{7, 200, 0}}}, now += std::chrono::milliseconds(1000));
   for (int i = 0; i < 4; ++i) reconciler.tick(now += std::chrono::milliseconds(930));
   EXPECT_EQ(core->feed().status().restarts, 1U);
 }
 
-TEST_F(ReconcilerTest, ProgressIsToldOfWritersThatSentSomethingAndHaveReaders) {
-  const auto core = our_writer(7, std::make_shared<TestWriterPort>());
-  const auto alone = our_writer(8, std::make_shared<TestWriterPort>());
-  Endpoint reader = endpoint(Role::reader, 200);
-  reader.request.listening = {7};
-  reconciler.endpoint_seen(reader);
-  reconciler.reconcile();
-  const PointCloud2 cloud;
-  core->publish(&cloud);
-  alone->publish(&cloud);
+TEST_F(ReconcilerTest, AReaderThatHasGotNothingForTwoSecondsAsksForReportsOfItsTopic) {
+  our_reader(200);
+  writer_seen(7);
   Time now = std::chrono::steady_clock::now();
-  reconciler.tick(now += std::chrono::seconds(1));
-  ASSERT_FALSE(discovery.asserted.empty());
-  ASSERT_EQ(discovery.asserted.back().progress.size(), 1U);
-  EXPECT_EQ(discovery.asserted.back().progress[0].writer, 7U);
-  EXPECT_EQ(discovery.asserted.back().progress[0].samples, 1U);
-  const auto told_in = [&](int seconds) {
-    const std::size_t before = discovery.asserted.size();
-    for (int i = 0; i < seconds; ++i) reconciler.tick(now += std::chrono::seconds(1));
-    return discovery.asserted.size() - before;
+  const auto asks_after = [&](std::chrono::milliseconds duration) {
+    for (const Time end = now + duration; now < end;) reconciler.tick(now += std::chrono::milliseconds(100));
+    return discovery.inquired.contains({.topic = "points"});
   };
-  EXPECT_EQ(told_in(10), 2U) << "it may get lost twice, and nothing more was sent";
-  discovery.newcomer = now;
-  EXPECT_GE(told_in(10), 3U) << "a newcomer has not heard it";
+  EXPECT_FALSE(asks_after(std::chrono::milliseconds(1500)));
+  EXPECT_TRUE(asks_after(std::chrono::milliseconds(2500)));
+  writer_departed(7);
+  EXPECT_TRUE(asks_after(std::chrono::seconds(50))) << "writers that send now and then cost one question";
+  EXPECT_FALSE(asks_after(std::chrono::seconds(20)));
 }
 
-/// One of our publishers has a reader of another node, and one of our own.
-class AccountsTest : public ReconcilerTest {
+TEST_F(ReconcilerTest, AReaderThatAsksForALeaseAsksForReportsAtOnce) {
+  const auto port = std::make_shared<TestReaderPort>(connections);
+  auto core = std::make_shared<SubscriberCore>(SubscriberCore::Spec{.topic = "points",
+                                                                    .type = &type,
+                                                                    .feeds = {{.id = 200, .selection = mask}},
+                                                                    .options = {},
+                                                                    .callback = nullptr},
+                                               bells->at(1), nullptr);
+  core->ports().set_network(port);
+  Endpoint reader = endpoint(Role::reader, 200);
+  reader.qos.liveliness_lease = std::chrono::milliseconds(100);
+  reconciler.add_reader(reader, {core, port});
+  EXPECT_THAT(discovery.inquired, ElementsAre(Inquiry{.topic = "points"}));
+}
+
+/// Our publisher has a reader of another node, and one of our own.
+class ReportsTest : public ReconcilerTest {
  protected:
-  AccountsTest() {
+  ReportsTest() {
     our_reader(300);
     Endpoint reader = endpoint(Role::reader, 200);
-    reader.node_id = other_node;
-    reader.announcer = other_participant;
     reader.request.listening = {7};
     reconciler.endpoint_seen(reader);
     reconciler.reconcile();
   }
-  Assertion sign(std::vector<EndpointId> asked_about, std::vector<Account> accounts = {}) const {
-    return {.node = other_node,
-            .writers = {},
-            .asked_about = std::move(asked_about),
-            .accounts = std::move(accounts),
-            .announcer = other_participant};
+  void others_ask(std::set<Inquiry> inquiries) {
+    discovery.asked.all = std::move(inquiries);
+    ++discovery.asked.made;
   }
-  void hear(const Assertion& assertion) { reconciler.liveliness_asserted(assertion, now); }
-  /// Nothing if none came.
-  std::optional<Assertion> next_sign(std::chrono::milliseconds after = std::chrono::milliseconds(930)) {
-    const std::size_t before = discovery.asserted.size();
-    reconciler.tick(now += after);
-    return discovery.asserted.size() > before ? std::optional(discovery.asserted.back()) : std::nullopt;
+  /// What is reported within so many looks, each of which is due.
+  std::vector<NodeReport> reports_of(int looks = 1) {
+    discovery.reports.clear();
+    for (int i = 0; i < looks; ++i) reconciler.tick(now += std::chrono::milliseconds(930));
+    return discovery.reports;
   }
 
-  static constexpr NodeId other_node = 66;
-  static constexpr AnnouncerId other_participant = 4;
   const std::shared_ptr<PublisherCore> writer = our_writer(7, std::make_shared<TestWriterPort>());
+  const PointCloud2 cloud;
   Time now = std::chrono::steady_clock::now();
 };
 
-TEST_F(AccountsTest, AreToldInSignsOfLifeWhileSomebodyAsksAndNotLongerThanThreeSeconds) {
-  EXPECT_FALSE(next_sign()) << "nobody has asked";
-  hear(sign({7, 300, 200, 12345}));  // the last two are not ours
-  const auto told = next_sign()->accounts;
-  ASSERT_EQ(told.size(), 3U) << "of our writer with two readers, and of our reader with it";
-  EXPECT_EQ(told[0].id, (AccountId{{7, 200}, Role::writer}));
-  EXPECT_EQ(told[1].id, (AccountId{{7, 300}, Role::writer}));
-  EXPECT_EQ(told[2].id, (AccountId{{7, 300}, Role::reader}));
-  int signs = 1;
-  for (; next_sign(); ++signs) ASSERT_LT(signs, 10);
-  EXPECT_EQ(signs, 3) << "a sign each 930 ms";
+TEST_F(ReportsTest, TellTheProgressThreeTimesToThoseThatAsk) {
+  writer->publish(&cloud);
+  EXPECT_THAT(reports_of(3), IsEmpty()) << "no node has asked";
+  others_ask({{.topic = "clouds"}});
+  EXPECT_THAT(reports_of(3), IsEmpty());
+  others_ask({{.topic = "points"}});
+  const std::vector<NodeReport> reports = reports_of(10);
+  ASSERT_EQ(reports.size(), 3U) << "two of them may get lost";
+  ASSERT_EQ(reports[0].progress.size(), 1U);
+  EXPECT_EQ(reports[0].progress[0].writer, 7U);
+  EXPECT_EQ(reports[0].progress[0].samples, 1U);
+  others_ask({{.topic = "points"}});
+  EXPECT_EQ(reports_of(10).size(), 3U) << "another node has not heard it";
+  writer->publish(&cloud);
+  EXPECT_EQ(reports_of(10).size(), 3U);
+  others_ask({{}});
+  EXPECT_EQ(reports_of(10).size(), 3U) << "of all topics";
 }
 
-TEST_F(AccountsTest, OfAnEndpointThatIsGoneAreToldNoMore) {
-  hear(sign({7}));
-  reconciler.remove(7);
-  EXPECT_FALSE(next_sign());
+TEST_F(ReportsTest, TellTheAccountsOfPairsToThoseThatAsk) {
+  others_ask({{.topic = "points", .wants_accounts = true}});
+  const std::vector<NodeReport> reports = reports_of(5);
+  ASSERT_EQ(reports.size(), 5U) << "as long as others ask";
+  const std::vector<Account>& accounts = reports[0].accounts;
+  ASSERT_EQ(accounts.size(), 3U) << "of our publisher with two subscribers, and of ours with it";
+  EXPECT_EQ(accounts[0].id, (AccountId{{7, 200}, Role::writer}));
+  EXPECT_EQ(accounts[1].id, (AccountId{{7, 300}, Role::writer}));
+  EXPECT_EQ(accounts[2].id, (AccountId{{7, 300}, Role::reader}));
+  others_ask({});
+  EXPECT_THAT(reports_of(3), IsEmpty());
 }
 
-TEST_F(AccountsTest, AreAskedForOfOthersEndpointsOnTheTopicsThatTheProgramNames) {
-  EXPECT_FALSE(next_sign());
-  reconciler.accounts().ask("clouds");
-  EXPECT_FALSE(next_sign());
-  reconciler.accounts().ask("points");
-  reconciler.accounts().ask("points");
-  EXPECT_THAT(next_sign()->asked_about, ElementsAre(200));
-  reconciler.accounts().ask_no_more("points");
-  EXPECT_THAT(next_sign()->asked_about, ElementsAre(200)) << "it was asked twice";
-  reconciler.accounts().ask_no_more("points");
-  EXPECT_FALSE(next_sign());
+TEST_F(ReportsTest, AreAskedForOnTheTopicsThatTheProgramNamesUntilItTakesThatBackAsOften) {
+  Reports& ours = reconciler.reports();
+  ours.ask("points");
+  ours.ask("points");
+  const Inquiry accounts{.topic = "points", .wants_accounts = true};
+  EXPECT_THAT(discovery.inquired, ElementsAre(accounts));
+  ours.ask_no_more("points");
+  reports_of();
+  EXPECT_THAT(discovery.inquired, ElementsAre(accounts));
+  ours.ask_no_more("points");
+  reports_of();
+  EXPECT_THAT(discovery.inquired, IsEmpty());
+  ours.ask_for_progress(now);
+  EXPECT_THAT(discovery.inquired, ElementsAre(Inquiry{}));
+  now += std::chrono::seconds(11);
+  writer_departed(9);
+  reconciler.tick(now);
+  EXPECT_FALSE(discovery.inquired.contains({}));
 }
 
-TEST_F(AccountsTest, OfAPairAreWhatBothSidesTell) {
-  reconciler.accounts().ask("points");
-  hear(sign({}, {{.id = {{7, 200}, Role::reader}, .by_reader = {.received = 5, .lost = 6}}}));
-  const DomainSnapshot::Account pair =
-      reconciler.accounts().known(now + std::chrono::seconds(1)).at({7, 200});
+TEST_F(ReportsTest, OfAPairAreWhatBothSidesTell) {
+  reconciler.reports().ask("points");
+  reconciler.report_received(
+      {.accounts = {{.id = {{7, 200}, Role::reader}, .by_reader = {.received = 5, .lost = 6}}}}, now);
+  const auto known = [&](std::chrono::seconds after) {
+    return reconciler.reports().accounts(now + after).at({7, 200});
+  };
+  const DomainSnapshot::Account pair = known(std::chrono::seconds(1));
   ASSERT_TRUE(pair.publisher);
   EXPECT_EQ(pair.publisher->age, std::chrono::seconds(0)) << "this node counts";
   ASSERT_TRUE(pair.subscriber);
   EXPECT_EQ(pair.subscriber->received, 5U);
   EXPECT_EQ(pair.subscriber->lost, 6U);
   EXPECT_EQ(pair.subscriber->age, std::chrono::seconds(1));
-  EXPECT_EQ(reconciler.accounts().known(now + std::chrono::seconds(10)).at({7, 200}).subscriber,
-            std::nullopt);
+  EXPECT_EQ(known(std::chrono::seconds(10)).subscriber, std::nullopt);
+}
+
+TEST_F(ReportsTest, OfWhatIsNoPairOnATopicThatThisNodeAsksAboutCountForNothing) {
+  const auto knows = [&](const PairId& pair) {
+    reconciler.report_received({.accounts = {{.id = {pair, Role::reader}}}}, now);
+    const PairAccounts accounts = reconciler.reports().accounts(now);
+    const auto found = accounts.find(pair);
+    return found != accounts.end() && found->second.subscriber;
+  };
+  EXPECT_FALSE(knows({7, 200})) << "this node has not asked";
+  reconciler.reports().ask("points");
+  Endpoint elsewhere = endpoint(Role::reader, 400);
+  elsewhere.topic = "clouds";
+  reconciler.endpoint_seen(elsewhere);
+  for (const PairId& pair : {PairId{7, 400}, PairId{200, 200}, PairId{7, 99}, PairId{0, 0}})
+    EXPECT_FALSE(knows(pair));
+  EXPECT_TRUE(knows({7, 200}));
 }
 
 }  // namespace

@@ -1,0 +1,57 @@
+// The accounts of pairs that other nodes have reported. Accounts that are not renewed are forgotten. The
+// limits say how many there are: a process that reports without end loses its own newest accounts, and no
+// other process loses any (table_shares.h). Pure.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+
+#include "core/control/control.h"
+#include "core/negotiation/table_shares.h"
+#include "core/platform/clock.h"
+#include "sft/domain.h"
+
+namespace sft::core {
+
+using PairAccounts = std::map<PairId, DomainSnapshot::Account>;
+
+class AccountTable {
+ public:
+  struct Limits {
+    std::size_t accounts = 4096;
+    std::size_t of_announcer = 1024;
+    /// In that time a node can report 300 accounts, if no report gets lost.
+    std::chrono::milliseconds kept_for{10'000};
+  };
+  AccountTable() : AccountTable(Limits{}) {}
+  explicit AccountTable(const Limits& limits);
+
+  /// `by` has announced the endpoint whose account it is.
+  void enter(const Account& account, AnnouncerId by, Time now);
+  void clear();
+  /// All accounts that were reported lately, with their ages.
+  PairAccounts accounts(Time now);
+
+ private:
+  struct Entry {
+    Account account;
+    AnnouncerId by = 0;
+    std::uint64_t number = 0;  ///< names this entry in shares_
+    Time at{};
+  };
+  using Entries = std::map<AccountId, Entry>;
+  void erase(Entries::iterator entry);
+
+  const Limits limits_;
+  Entries entries_;
+  std::map<std::uint64_t, AccountId> numbers_;
+  TableShares shares_;
+  std::uint64_t numbered_ = 0;
+};
+
+/// Adds what one side counts of a pair to what is known of it.
+void add_to(PairAccounts& accounts, const Account& account, std::chrono::nanoseconds age);
+
+}  // namespace sft::core

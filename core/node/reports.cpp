@@ -1,0 +1,118 @@
+#include "core/node/reports.h"
+
+#include <optional>
+#include <utility>
+
+namespace sft::core {
+
+void Reports::ask(const std::string& topic) {
+  ++topics_[topic];
+  inquire(std::chrono::steady_clock::now());
+}
+
+void Reports::ask_for_progress(Time now) {
+  progress_until_ = now + asks_for_progress;
+  inquire(now);
+}
+
+void Reports::ask_no_more(const std::string& topic) {
+  const auto asked = topics_.find(topic);
+  if (asked != topics_.end() && --asked->second == 0) topics_.erase(asked);
+  if (topics_.empty()) table_.clear();
+}
+
+void Reports::inquire(Time now) {
+  std::set<Inquiry> wanted;
+  for (const auto& [topic, times] : topics_) wanted.insert({.topic = topic, .wants_accounts = true});
+  if (now < progress_until_) wanted.insert({});
+  for (auto& [id, reader] : ours_.readers) {
+    if (reader.awaits_reports(now)) wanted.insert({.topic = reader.core().spec().topic});
+  }
+  if (wanted == inquired_) return;
+  inquired_ = std::move(wanted);
+  discovery_.inquire(inquired_);
+}
+
+/// Whose endpoints they are has been checked. The other side of the pair has to be known as well.
+void Reports::received(const NodeReport& report, Time now) {
+  for (const Account& account : report.accounts) {
+    const Endpoint* const writer = negotiation_.table().known(account.id.pair.writer);
+    const Endpoint* const reader = negotiation_.table().known(account.id.pair.reader);
+    const bool is_pair = writer != nullptr && writer->role == Role::writer && reader != nullptr &&
+                         reader->role == Role::reader && writer->topic == reader->topic;
+    if (!is_pair || !asks_about(writer->topic)) continue;
+    table_.enter(account, (account.id.said_by == Role::writer ? writer : reader)->announcer, now);
+  }
+}
+
+NodeReport Reports::take(Time now) {
+  NodeReport report;
+  reported_at_ = now;
+  const auto [asked, made] = discovery_.inquiries();
+  const bool again = std::exchange(inquiries_made_, made) != made;
+  if (asked.empty()) return report;
+  report.progress = take_progress(asked, again);
+  report.accounts = take_accounts(asked);
+  return report;
+}
+
+/// The progress of writers that have sent something since they were named last, in turns. `again`: that of
+/// all, since another node has begun to ask.
+std::vector<Progress> Reports::take_progress(const std::set<Inquiry>& asked, bool again) {
+  const bool of_all_topics = asked.contains({});
+  std::vector<Progress> all;
+  progress_turns_.go_round(ours_.writers, progress_max, [&](auto& item) {
+    if (!of_all_topics && !asked.contains({.topic = item.second.core().spec().topic})) return false;
+    const std::optional<Progress> progress = item.second.take_progress(again);
+    if (progress) all.push_back(*progress);
+    return progress.has_value();
+  });
+  return all;
+}
+
+std::vector<Account> Reports::take_accounts(const std::set<Inquiry>& asked) {
+  const std::set<AccountId> all = accounts_of_ours(
+      [&](const std::string& topic) { return asked.contains({.topic = topic, .wants_accounts = true}); });
+  std::vector<Account> accounts;
+  account_turns_.go_round(all, accounts_max, [&](const AccountId& id) {
+    accounts.push_back(account(id));
+    return true;
+  });
+  return accounts;
+}
+
+/// The pairs that our endpoints of such topics match: of other pairs there is nothing to count.
+template <class IsOf>
+std::set<AccountId> Reports::accounts_of_ours(IsOf is_of) const {
+  std::set<AccountId> accounts;
+  for (const auto& [own, writer] : ours_.writers) {
+    if (!is_of(writer.core().spec().topic)) continue;
+    for (const EndpointId reader : writer.matching_readers()) accounts.insert({{own, reader}, Role::writer});
+  }
+  for (const auto& [own, reader] : ours_.readers) {
+    if (!is_of(reader.core().spec().topic)) continue;
+    for (const EndpointId writer : reader.matching_writers()) accounts.insert({{writer, own}, Role::reader});
+  }
+  return accounts;
+}
+
+/// `id` is one of accounts_of_ours().
+Account Reports::account(const AccountId& id) const {
+  Account account{.id = id};
+  if (id.said_by == Role::reader) {
+    account.by_reader = ours_.readers.at(id.pair.reader).ports().account_of(id.pair.writer);
+  } else {
+    account.by_writer = ours_.writers.at(id.pair.writer).account_of(id.pair.reader);
+  }
+  return account;
+}
+
+/// Joins what others have reported with the present accounts of our own endpoints.
+PairAccounts Reports::accounts(Time now) {
+  PairAccounts known = table_.accounts(now);
+  for (const AccountId& id : accounts_of_ours([this](const std::string& topic) { return asks_about(topic); }))
+    add_to(known, account(id), {});
+  return known;
+}
+
+}  // namespace sft::core

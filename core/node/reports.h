@@ -1,0 +1,72 @@
+// What this node asks others to report, what it reports to those that ask, and the accounts that others have
+// reported. A report tells how far publishers are, what both sides of pairs have counted, and which
+// publishers live although nothing else tells so. Reports are best effort, so that each of them is repeated.
+// The agent's.
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/discovery/discovery.h"
+#include "core/negotiation/negotiation.h"
+#include "core/node/account_table.h"
+#include "core/node/local_endpoints.h"
+#include "core/platform/clock.h"
+#include "core/platform/turns.h"
+
+namespace sft::core {
+
+class Reports {
+ public:
+  /// All outlive this object.
+  Reports(const Negotiation& negotiation, LocalEndpoints& ours, Discovery& discovery)
+      : negotiation_(negotiation), ours_(ours), discovery_(discovery) {}
+
+  // What the program wants to know.
+
+  /// The accounts of all pairs on that topic, until the program has said as often that it does not any more.
+  void ask(const std::string& topic);
+  void ask_no_more(const std::string& topic);
+  /// How far all publishers are, for a while.
+  void ask_for_progress(Time now);
+  /// The accounts that are known of the pairs that the program asks about.
+  PairAccounts accounts(Time now = std::chrono::steady_clock::now());
+
+  /// Tells others what this node asks for, if that has changed.
+  void inquire(Time now);
+  /// Another node has reported of its own endpoints.
+  void received(const NodeReport& report, Time now);
+
+  bool is_due(Time now) const { return now >= reported_at_ + pause; }
+  /// What has to be reported now beside the publishers that live, which then counts as reported; it may be
+  /// nothing.
+  NodeReport take(Time now);
+
+ private:
+  static constexpr std::chrono::milliseconds pause{900};  // at each look of a node that is idle
+  static constexpr std::chrono::seconds asks_for_progress{10};
+
+  bool asks_about(const std::string& topic) const { return topics_.contains(topic); }
+  std::vector<Progress> take_progress(const std::set<Inquiry>& asked, bool again);
+  std::vector<Account> take_accounts(const std::set<Inquiry>& asked);
+  template <class IsOf>
+  std::set<AccountId> accounts_of_ours(IsOf is_of) const;
+  Account account(const AccountId& id) const;
+
+  const Negotiation& negotiation_;
+  LocalEndpoints& ours_;
+  Discovery& discovery_;
+  std::map<std::string, std::size_t> topics_;  ///< with the number of times that the program asks about each
+  Time progress_until_{};
+  std::set<Inquiry> inquired_;        ///< by this node, as others know it
+  std::uint64_t inquiries_made_ = 0;  ///< as of the last report
+  Time reported_at_{};
+  Turns<EndpointId> progress_turns_;
+  Turns<AccountId> account_turns_;
+  AccountTable table_;
+};
+
+}  // namespace sft::core

@@ -1,0 +1,79 @@
+// These tests check how long accounts that others have reported are kept, and how many of them there is room
+// for.
+#include "core/node/account_table.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/core/start.h"
+
+namespace sft::core {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+constexpr AnnouncerId camera = 100, monitor = 200, liar = 300;
+
+class AccountTableTest : public ::testing::Test {
+ protected:
+  void camera_sent(std::uint64_t samples) {
+    table.enter({.id = {{1, 2}, Role::writer}, .by_writer = {.sent = samples}}, camera, now);
+  }
+  void monitor_received(std::uint64_t samples) {
+    table.enter({.id = {{1, 2}, Role::reader}, .by_reader = {.received = samples, .lost = 1}}, monitor, now);
+  }
+
+  AccountTable table{{.accounts = 100, .of_announcer = 30}};
+  Time now = test_start;
+};
+
+TEST_F(AccountTableTest, APairHasTheAccountsOfBothSidesWithTheirAges) {
+  camera_sent(5);
+  EXPECT_FALSE(table.accounts(now).at({1, 2}).subscriber);
+  now += 2s;
+  monitor_received(4);
+  const DomainSnapshot::Account pair = table.accounts(now).at({1, 2});
+  EXPECT_EQ(pair.publisher->sent, 5U);
+  EXPECT_EQ(pair.publisher->age, 2s);
+  EXPECT_EQ(pair.subscriber->received, 4U);
+  EXPECT_EQ(pair.subscriber->lost, 1U);
+  EXPECT_EQ(pair.subscriber->age, 0s);
+}
+
+TEST_F(AccountTableTest, AnAccountIsKeptForTenSecondsUnlessItIsRenewed) {
+  camera_sent(5);
+  now += 6s;
+  camera_sent(6);
+  now += 10s - 1ms;
+  EXPECT_EQ(table.accounts(now).at({1, 2}).publisher->sent, 6U);
+  now += 1ms;
+  EXPECT_THAT(table.accounts(now), IsEmpty());
+}
+
+TEST_F(AccountTableTest, AccountsOfOthersAreKeptHoweverManyOneProcessMakesUp) {
+  const auto lie = [&] {
+    for (EndpointId id = 1000; id < 1200; ++id) table.enter({.id = {{id, 2}, Role::writer}}, liar, now);
+  };
+  lie();
+  EXPECT_THAT(table.accounts(now), SizeIs(100));
+  camera_sent(5);
+  monitor_received(4);
+  lie();
+  const PairAccounts accounts = table.accounts(now);
+  EXPECT_THAT(accounts, SizeIs(99)) << "a pair has two of the hundred";
+  EXPECT_TRUE(accounts.at({1, 2}).publisher);
+  EXPECT_TRUE(accounts.at({1, 2}).subscriber);
+}
+
+TEST_F(AccountTableTest, IsEmptyOnceItIsCleared) {
+  camera_sent(5);
+  table.clear();
+  EXPECT_THAT(table.accounts(now), IsEmpty());
+  camera_sent(6);
+  EXPECT_THAT(table.accounts(now), SizeIs(1));
+}
+
+}  // namespace
+}  // namespace sft::core
