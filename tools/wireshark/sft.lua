@@ -1,5 +1,5 @@
 -- SFT in Wireshark: a dissector for its datagrams (udp_transport/wire/wire_format.md), and one for what publishers and
--- subscribers announce and ask for (core/control/sft_control.idl).
+-- subscribers announce and ask for (core/control/sft_control.idl), and for their heartbeats.
 --
 -- Copy this file into the folder "Personal Lua Plugins" (Help, About Wireshark, Folders), or try it with
 -- `tshark -X lua_script:sft.lua -r capture.pcap`. The dissector recognises datagrams by their contents, whatever their
@@ -9,8 +9,8 @@
 -- them to this one. Wireshark shows requests that did not fit into one datagram if the preference "Enable RTPS
 -- Reassembly" (rtps.enable_rtps_reassembly) is on.
 --
--- A new kind of datagram needs an entry in `kinds`, and a new flag an entry in `flags`. A new kind of entry in requests
--- needs an entry in `wants`. A new version of the control topics needs what is new, and `control_version`.
+-- A new kind of datagram needs an entry in `kinds`, and a new flag an entry in `flags`. A new kind of record needs an
+-- entry in `bodies`. A new version of the control topics needs what is new, and `control_version`.
 --
 -- Larger than usual: users copy one file, and datagrams are explained by the requests in the same capture.
 
@@ -634,60 +634,70 @@ end
 sft:register_heuristic("udp", looks_like_sft)
 DissectorTable.get("udp.port"):add_for_decode_as(sft)
 
--- Pulses: signs of life beside Cyclone (core/discovery/pulse.h). Their numbers are little-endian.
-local pulse = Proto("sft_pulse", "SFT pulse")
-local pulse_bytes = 22
-local p = {
-  version = ProtoField.uint8("sft_pulse.version", "Version"),
-  full_signs = ProtoField.uint8("sft_pulse.full_signs", "Full signs of life that were given, modulo 256"),
-  writers = ProtoField.uint24("sft_pulse.digest_of_writers", "Digest of publishers", base.HEX),
-  readers = ProtoField.uint24("sft_pulse.digest_of_readers", "Digest of subscribers", base.HEX),
-  participant = ProtoField.uint32("sft_pulse.participant", "Tag of the participant", base.HEX),
-  node = ProtoField.uint64("sft_pulse.node", "Node", base.HEX),
+-- Heartbeats of participants (core/discovery/heartbeat.h). Their numbers are little-endian.
+local heartbeat = Proto("sft_heartbeat", "SFT heartbeat")
+local heartbeat_bytes = 44
+local h = {
+  version = ProtoField.uint8("sft_heartbeat.version", "Version"),
+  participant = ProtoField.bytes("sft_heartbeat.participant", "Participant"),
+  process = ProtoField.uint64("sft_heartbeat.process", "Process", base.HEX),
+  writers = ProtoField.uint64("sft_heartbeat.digest_of_writers", "Digest of the records about publishers", base.HEX),
+  readers = ProtoField.uint64("sft_heartbeat.digest_of_readers", "Digest of the records about subscribers", base.HEX),
 }
-pulse.fields = p
+heartbeat.fields = h
 
-function pulse.dissector(buffer, pinfo, tree)
-  pinfo.cols.protocol = "SFT pulse"
-  pinfo.cols.info = "Node 0x" .. buffer(14, 8):le_uint64():tohex() .. " lives"
-  local item = tree:add(pulse, buffer(0, pulse_bytes))
-  item:add(p.version, buffer(2, 1))
-  item:add(p.full_signs, buffer(3, 1))
-  item:add_le(p.writers, buffer(4, 3))
-  item:add_le(p.readers, buffer(7, 3))
-  item:add_le(p.participant, buffer(10, 4))
-  item:add_le(p.node, buffer(14, 8))
+local function is_heartbeat(buffer) return buffer:len() >= heartbeat_bytes and buffer(0, 3):string() == "SHB" end
+
+local function read_heartbeat_of_process(buffer, tree)
+  local item = tree:add(heartbeat, buffer(0, heartbeat_bytes))
+  item:add(h.version, buffer(3, 1))
+  item:add(h.participant, buffer(4, 16))
+  item:add_le(h.process, buffer(20, 8))
+  item:add_le(h.writers, buffer(28, 8))
+  item:add_le(h.readers, buffer(36, 8))
+  return "Process 0x" .. buffer(20, 8):le_uint64():tohex() .. " lives"
 end
 
-local function looks_like_pulse(buffer, pinfo, tree)
-  if buffer:len() ~= pulse_bytes or buffer(0, 2):string() ~= "SP" then return false end
-  pulse.dissector(buffer, pinfo, tree)
+-- By the topic sft_heartbeat, in a sample of RTPS.
+function heartbeat.dissector(buffer, pinfo, tree)
+  if not is_heartbeat(buffer) then return 0 end
+  pinfo.cols.info:append(" [" .. read_heartbeat_of_process(buffer, tree) .. "]")
+  return heartbeat_bytes
+end
+
+local function looks_like_heartbeat(buffer, pinfo, tree)
+  if buffer:len() ~= heartbeat_bytes or not is_heartbeat(buffer) then return false end
+  pinfo.cols.protocol = "SFT heartbeat"
+  pinfo.cols.info = read_heartbeat_of_process(buffer, tree)
   return true
 end
 
-pulse:register_heuristic("udp", looks_like_pulse)
+heartbeat:register_heuristic("udp", looks_like_heartbeat)
 
--- Control samples from here on: what publishers announce on the topic sft_writer, and what subscribers announce and ask
--- for on the topic sft_reader. Their bytes are little-endian CDR (XCDR1).
+-- Control samples from here on: the records of a process about its publishers, on the topic sft_writer, and about its
+-- subscribers and what these ask for, on the topic sft_reader. The samples are little-endian CDR (XCDR1); in them are
+-- the bodies of core/control/record_body.h, whose members follow each other without padding.
 local control = Proto("sft_control", "SFT control sample")
 
-local control_version = 14
+local control_version = 15
 local struct_depth_max = 64
 local conditions_max, condition_depth_max = 32, 8
 local parts_max = 16
 local leaves_max = 4096
 
 local roles = { [0] = "publisher", [1] = "subscriber" }
+local kinds_of_records = { [0] = "announcement", [1] = "request", [2] = "inquiry" }
 local g = {
-  key = ProtoField.uint64("sft_control.key", "Key", base.HEX),
+  participant = ProtoField.bytes("sft_control.participant", "Participant"),
+  slot = ProtoField.uint32("sft_control.slot", "Slot"),
+  kind = ProtoField.uint8("sft_control.kind", "Kind", base.DEC, kinds_of_records),
+  body = ProtoField.none("sft_control.body", "Body"),
   reader = ProtoField.uint64("sft_control.reader", "Subscriber", base.HEX),
-  part = ProtoField.uint8("sft_control.part", "Part", base.DEC, { [0] = "announcement", [1] = "request" }),
-  endpoint = ProtoField.none("sft_control.endpoint", "Announcement"),
+  wants_accounts = ProtoField.bool("sft_control.inquiry.wants_accounts", "Wants accounts of pairs, not progress"),
   id = ProtoField.uint64("sft_control.id", "Id", base.HEX),
   version = ProtoField.uint8("sft_control.version", "Version"),
   role = ProtoField.uint8("sft_control.role", "Role", base.DEC, roles),
   node = ProtoField.uint64("sft_control.node", "Node", base.HEX),
-  lease = ProtoField.uint32("sft_control.lease_ms", "Lease of the node (ms)"),
   node_name = ProtoField.string("sft_control.node_name", "Name of the node"),
   topic = ProtoField.string("sft_control.topic", "Topic"),
   given_topic = ProtoField.string("sft_control.given_topic", "Topic as its program names it"),
@@ -720,7 +730,6 @@ local g = {
   lifespan = ProtoField.uint64("sft_control.lifespan_ns", "Lifespan (ns, 0: none)"),
   history_depth = ProtoField.uint32("sft_control.history_depth", "Depth of the history"),
   revision = ProtoField.uint64("sft_control.revision", "Revision"),
-  request = ProtoField.none("sft_control.request", "Request"),
   request_sequence = ProtoField.uint64("sft_control.request.sequence", "Sequence of the request"),
   mask_word = ProtoField.uint64("sft_control.request.mask_word", "Mask word", base.HEX),
   listening = ProtoField.uint64("sft_control.request.listening", "Listens to the publisher", base.HEX),
@@ -728,12 +737,8 @@ local g = {
   begun = ProtoField.uint64("sft_control.request.begun", "Got retained samples of the publisher", base.HEX),
   name = ProtoField.uint64("sft_control.request.name", "Mask in datagrams", base.HEX),
   selection = ProtoField.string("sft_control.request.selection", "Asks for"),
-  wants = ProtoField.none("sft_control.wants", "Wants beside the mask"),
-  want = ProtoField.none("sft_control.want", "Entry"),
-  want_kind = ProtoField.uint8("sft_control.want.kind", "Kind", base.DEC,
-                               { [1] = "period", [2] = "parts and conditions" }),
-  want_bytes = ProtoField.uint16("sft_control.want.bytes", "Bytes"),
-  period = ProtoField.uint32("sft_control.want.period_us", "One sample at most for each period of (us)"),
+  wants = ProtoField.none("sft_control.want", "Parts of fields, and conditions"),
+  period = ProtoField.uint32("sft_control.want.period_us", "One sample at most for each period of (us, 0: all)"),
   leaves = ProtoField.string("sft_control.want.leaves", "Leaves"),
   field_part = ProtoField.none("sft_control.want.part", "Part of a field"),
   leaf = ProtoField.uint32("sft_control.want.part.leaf", "Leaf"),
@@ -750,33 +755,23 @@ local control_malformed = ProtoExpert.new("sft_control.malformed", "Malformed", 
                                           expert.severity.ERROR)
 control.experts = { control_malformed }
 
-function Cursor:align(bytes)
-  local rest = self.at % bytes
-  if rest > 0 then self:take(bytes - rest) end
-end
--- Reads a number that CDR has aligned.
-function Cursor:aligned(field, bytes)
-  self:align(bytes)
-  return self:number(field, bytes)
-end
--- Returns the number of elements of a sequence of CDR. Each element takes so many bytes at least.
+-- Returns the number of items of a list. Each item takes so many bytes at least.
 function Cursor:count(bytes_each)
-  self:align(4)
   local range = self:take(4)
   local count = range and range:le_uint() or 0
   if count * bytes_each <= self:left() then return count end
-  self:fail("A sequence has more elements than there are bytes")
+  self:fail("A list has more items than there are bytes")
   return 0
 end
 function Cursor:ids(field)
-  for _ = 1, self:count(8) do self:aligned(field, 8) end
+  for _ = 1, self:count(8) do self:number(field, 8) end
 end
 function Cursor:text(field)
-  local range = self:take(math.max(self:count(1), 1))
+  local range = self:take(1)
+  local bytes = range and range:uint() or 0
+  if bytes > 0 then range = self:take(bytes) end
   if range == nil then return "" end
-  local last = range:len() - 1
-  if range(last, 1):uint() ~= 0 then self:fail("A text does not end with a zero byte") end
-  local text = last > 0 and range(0, last):string() or ""
+  local text = bytes > 0 and range:string(ENC_UTF_8) or ""
   self.tree:add(field, range, text)
   return text
 end
@@ -1201,48 +1196,19 @@ local function read_selection_mask(c)
   return set
 end
 
--- The kinds of entries of a request (core/control/wants.h) by number: functions that read what is in an entry, and
--- return its text.
-local wants = {
-  [1] = function(c, asked)
-    local us = c:number(g.period, 4)
-    if us == 0 then c:fail("A period is not 0") end
-    if c.failed then return nil end
-    if c:left() > 0 then c:fail("A period has 4 bytes") end
-    asked.rate = rate_text(us)
-    return asked.rate
-  end,
-  [2] = function(c, asked, type)
-    local follows = c:byte()
-    if follows > 0x07 then c:fail("A selection says what is unknown") end
-    local set = read_selection_mask(c)
-    if has(follows, 0x01) and not c.failed then read_parts(c, asked, set, type) end
-    if has(follows, 0x02) and not c.failed then read_conditions(c, asked, set, type) end
-    if has(follows, 0x04) and not c.failed then
-      local at, us = c.at, c:leb_of_32_bits()
-      if us == 0 then c:fail("A rate of 0 is not written") end
-      if not c.failed then c.tree:add(g.rate, c.buffer(at, c.at - at), rate_text(us)) end
-    end
-    if c:left() > 0 then c:fail("A selection is longer than what it says") end
-    return nil
-  end,
-}
-
--- Reads an entry of `wants`. Returns its text, and its kind.
-local function read_want(c, asked, type, last)
-  local kind, bytes = c:number(g.want_kind, 1), c:number(g.want_bytes, 2)
-  if c.failed then return nil end
-  if kind <= last then c:fail("Each kind of entry stands once, and the kinds ascend") end
-  if bytes > c:left() then c:fail("An entry is longer than what is left") end
-  if not wants[kind] and kind < 128 then c:fail("An entry of this kind must be known: the request is refused") end
-  if wants[kind] and bytes == 0 then c:fail("The entry is empty") end
-  local range = bytes > 0 and c:take(bytes)
-  if c.failed then return nil end
-  if not wants[kind] then return "Entry of an unknown kind, which may be left out", kind end
-  local inner = Cursor.new(range:tvb(), c.tree, c.expert_info)
-  local text = wants[kind](inner, asked, type)
-  c.failed = inner.failed
-  return text and "Entry: " .. text, kind
+-- Reads a selection as bytes (sft/selection.h): which parts of fields and which conditions a subscriber asks for.
+local function read_selection(c, asked, type)
+  local follows = c:byte()
+  if follows > 0x07 then c:fail("A selection says what is unknown") end
+  local set = read_selection_mask(c)
+  if has(follows, 0x01) and not c.failed then read_parts(c, asked, set, type) end
+  if has(follows, 0x02) and not c.failed then read_conditions(c, asked, set, type) end
+  if has(follows, 0x04) and not c.failed then
+    local at, us = c.at, c:leb_of_32_bits()
+    if us == 0 then c:fail("A rate of 0 is not written") end
+    if not c.failed then c.tree:add(g.rate, c.buffer(at, c.at - at), rate_text(us)) end
+  end
+  if c:left() > 0 then c:fail("A selection is longer than what it says") end
 end
 
 local function read_wants(c, asked, type)
@@ -1250,11 +1216,8 @@ local function read_wants(c, asked, type)
   if bytes == 0 then return end
   c:within(g.wants, function()
     local range = c:take(bytes)
-    local inner, last = Cursor.new(range:tvb(), c.tree, c.expert_info), 0
-    while not inner.failed and inner:left() > 0 do
-      local _, kind = inner:within(g.want, function() return read_want(inner, asked, type, last) end)
-      last = kind or last
-    end
+    local inner = Cursor.new(range:tvb(), c.tree, c.expert_info)
+    read_selection(inner, asked, type)
     asked.is_malformed = inner.failed
   end)
 end
@@ -1287,28 +1250,33 @@ end
 -- Reads a request. Returns its text; nil if it is no subscriber's.
 local function read_request(c, pinfo)
   local asked = { set = {}, words = {}, parts = {}, parts_raw = "", conditions = "", conditions_raw = "", rate = "" }
-  local reader = c:aligned(g.reader, 8)
-  c:aligned(g.version, 1)
-  c:aligned(g.request_sequence, 8)
+  local reader = c:number(g.reader, 8)
+  c:number(g.request_sequence, 8)
   for i = 1, c:count(8) do
-    local word, item = c:aligned(g.mask_word, 8)
+    local word, item = c:number(g.mask_word, 8)
     if word == nil then return nil end
     asked.words[i] = word
     add_leaves(asked.set, word, 64 * (i - 1))
     item:append_text(" (leaves " .. leaves_text(word, 64 * (i - 1)) .. ")")
   end
   local type = reader and known.types[reader:tohex()]
+  local period = c:number(g.period, 4)
+  if period and period > 0 then asked.rate = rate_text(period) end
   read_wants(c, asked, type)
   c:ids(g.listening)
   c:ids(g.attached)
   c:ids(g.begun)
-  if c.failed or asked.is_malformed or reader == UInt64(0) then return nil end
+  if c.failed or asked.is_malformed then return nil end
+  if reader == UInt64(0) then
+    c:fail("A request of no subscriber")
+    return nil
+  end
   asked.name = name_of(asked)
   local text = asked_text(asked, type)
   c.tree:add(g.selection, text):set_generated()
   c.tree:add(g.name, asked.name):set_generated()
   note(asked, type, known.topics[reader:tohex()], pinfo.number)
-  return text
+  return "subscriber asks for " .. text
 end
 
 -- Reads a type description. Notes the type of the endpoint for those who name leaves by number.
@@ -1326,15 +1294,15 @@ local function read_type(c, id, role)
   known.leaves[id:lower()] = (former == nil or former == type.leaves) and type.leaves
 end
 
+-- IPv4 addresses are written as ::ffff:a.b.c.d.
 local function read_endpoint_address(c)
-  local family = c:byte()
-  c:number(g.wireless, 1)
   local range = c:take(16)
   if range == nil then return nil end
-  local is_ipv4 = family == 4
+  local is_ipv4 = range(0, 8):le_uint64() == UInt64(0) and range(8, 4):uint() == 0xffff
   if is_ipv4 then c.tree:add(g.ipv4, range(12, 4)) else c.tree:add(g.ipv6, range) end
-  local port = c:aligned(g.port, 2)
-  c:aligned(g.receive_buffer, 4)
+  local port = c:number(g.port, 2)
+  c:number(g.receive_buffer, 4)
+  c:number(g.wireless, 1)
   if c.failed then return nil end
   local address = tostring(is_ipv4 and range(12, 4):ipv4() or range:ipv6())
   return string.format(is_ipv4 and "Address: %s:%d" or "Address: [%s]:%d", address, port)
@@ -1345,46 +1313,42 @@ local function read_places(c)
   local host = c:take(32)
   if host then c.tree:add(g.host, host) end
   c:text(g.memory_failure)
-  c:aligned(g.network, 8)
+  c:number(g.network, 8)
   c:number(g.may_use_shm, 1)
   c:number(g.may_use_udp, 1)
-  for _ = 1, c:count(24) do
+  for _ = 1, c:count(23) do
     if c.failed then return end
     c:within(g.address, function() return read_endpoint_address(c) end)
   end
-  c:aligned(g.doorbell_page, 8)
-  c:aligned(g.doorbell_slot, 4)
+  c:number(g.doorbell_page, 8)
+  c:number(g.doorbell_slot, 4)
 end
 
 local function read_qos(c)
   c:number(g.reliability, 1)
   c:number(g.durability, 1)
   c:number(g.liveliness, 1)
-  c:aligned(g.deadline, 8)
-  c:aligned(g.liveliness_lease, 8)
-  c:aligned(g.lifespan, 8)
-  c:aligned(g.history_depth, 4)
-end
-
-local function check_version(c, offset)
-  local range = c:left() > offset and c.buffer(c.at + offset, 1)
-  if range and range:uint() ~= control_version then c:fail("The version is not " .. control_version) end
+  c:number(g.deadline, 8)
+  c:number(g.liveliness_lease, 8)
+  c:number(g.lifespan, 8)
+  c:number(g.history_depth, 4)
 end
 
 -- Reads what a publisher or a subscriber announces. Returns its text.
-local function read_endpoint(c, pinfo)
-  check_version(c, 8)
-  c:aligned(g.key, 8)
-  c:number(g.version, 1)
+local function read_endpoint(c)
+  local id = c:number(g.id, 8)
   local role = c:number(g.role, 1)
-  local id = c:aligned(g.id, 8)
-  c:aligned(g.node, 8)
-  c:aligned(g.lease, 4)
+  c:number(g.node, 8)
   c:text(g.node_name)
   local topic = c:text(g.topic)
+  c:text(g.given_topic)
   local type_name = c:text(g.type_name)
-  c:aligned(g.type_hash, 8)
+  c:number(g.type_hash, 8)
   if c.failed then return nil end
+  if id == UInt64(0) or roles[role] == nil then
+    c:fail("An endpoint without id or role")
+    return nil
+  end
   known.topics[id:tohex()] = topic
   if role == 0 then
     local former = known.writers[id:lower()]
@@ -1392,95 +1356,77 @@ local function read_endpoint(c, pinfo)
   end
   read_type(c, id, role)
   read_places(c)
-  c:aligned(g.max_sample, 8)
+  c:number(g.max_sample, 8)
   c:number(g.waits, 1)
   read_qos(c)
-  c:align(8)
-  local _, request = c:within(g.request, function()
-    local text = read_request(c, pinfo)
-    return "Request: " .. (text or "none"), text
-  end)
-  c:aligned(g.revision, 8)
-  c:text(g.given_topic)
-  if c.failed then return nil end
-  local text = string.format("%s of %s, %s", roles[role] or "endpoint", topic, type_name)
-  return text .. (request and " asks for " .. request or "")
+  return not c.failed and string.format("%s of %s, %s", roles[role], topic, type_name) or nil
 end
 
--- Reads a sample of the topic sft_reader. Of its two sequences one has an element.
-local function read_reader_word(c, pinfo)
-  c:aligned(g.key, 8)
-  c:number(g.part, 1)
-  local text
-  for _ = 1, c:count(1) do
-    if c.failed then return nil end
-    c:align(8)
-    c:within(g.endpoint, function() text = read_endpoint(c, pinfo) end)
-  end
-  for _ = 1, c:count(1) do
-    if c.failed then return nil end
-    c:align(8)
-    check_version(c, 8)
-    c:within(g.request, function()
-      local request = read_request(c, pinfo)
-      text = request and "subscriber asks for " .. request
-    end)
-  end
+local function read_inquiry(c)
+  local topic = c:text(g.topic)
+  local wants_accounts = c:number(g.wants_accounts, 1)
+  local of = topic == "" and "all topics" or topic
+  return "asks for the " .. (wants_accounts == 1 and "accounts" or "progress") .. " of " .. of
+end
+
+-- Functions that read the bodies of records, by their kinds.
+local bodies = { [0] = read_endpoint, [1] = read_request, [2] = read_inquiry }
+
+local head_bytes = 36  -- of a record, before its body
+
+-- Reads the members of a record before its body. Returns the kind of the record; nil if only its key is there.
+local function read_head(c)
+  local participant = c:take(16)
+  if participant then c.tree:add(g.participant, participant) end
+  c:number(g.slot, 4)
+  local kind = c:number(g.kind, 1)
+  if c.buffer:len() < head_bytes then return nil end
+  local version = c:number(g.version, 1)
+  if version ~= control_version then c:fail("The version is not " .. control_version) end
+  if bodies[kind] == nil then c:fail("A record of an unknown kind") end
+  c:take(2)  -- padding
+  c:number(g.revision, 8)
+  return kind
+end
+
+-- Reads a control sample. Returns its text.
+local function read_record(c, pinfo)
+  local kind = read_head(c)
+  if kind == nil or c.failed then return nil end
+  local bytes = c:count(1)
+  if c.failed then return nil end
+  if bytes == 0 then return kinds_of_records[kind] .. " withdrawn" end
+  local _, text = c:within(g.body, function()
+    local inner = Cursor.new(c:take(bytes):tvb(), c.tree, c.expert_info)
+    local text = bodies[kind](inner, pinfo)
+    if text and inner:left() > 0 then inner:fail("The body is longer than what it says") end
+    c.failed = inner.failed
+    return nil, text
+  end)
+  if c:left() > 3 then c:fail("The sample is longer than what it says") end
   return text
 end
 
--- Reads the key of samples, which is all that the end of a publisher or a subscriber has. That of a subscriber has a
--- part.
-local function read_key(c)
-  local key = c:aligned(g.key, 8)
-  if c:left() > 0 then c:number(g.part, 1) end
-  return key and string.format("key %s", key:tohex())
-end
-
--- Reads a control sample, whose topic its bytes tell: a sample of the topic sft_writer has its version where one of
--- sft_reader has its part, which is 0 or 1.
 local function read_control(buffer, pinfo, root)
   local tree = root:add(control, buffer())
   local c = Cursor.new(buffer, tree, control_malformed)
-  local is_word = buffer:len() >= 9 and buffer(8, 1):uint() <= 1
-  local is_key = buffer:len() < 16
-  local text = (is_key and read_key or is_word and read_reader_word or read_endpoint)(c, pinfo)
-  if not is_key and not c.failed and c:left() > 3 then c:fail("The sample is longer than what it says") end
+  local is_key = buffer:len() < head_bytes
+  local text = read_record(c, pinfo)
+  if is_key and not c.failed then
+    tree:append_text(": the key of a record")
+    return
+  end
   if text == nil or c.failed then text = "malformed" end
   tree:append_text(": " .. text)
-  if not is_key then pinfo.cols.info:append(" [" .. text .. "]") end
+  pinfo.cols.info:append(" [" .. text .. "]")
 end
 
--- True if the bytes are what a text of CDR begins with and ends with. Returns where the text ends, too.
-local function is_text(buffer, at)
-  if buffer:len() < at + 4 then return false end
-  local bytes = buffer(at, 4):le_uint()
-  if bytes == 0 or bytes > 256 or buffer:len() < at + 4 + bytes then return false end
-  return buffer(at + 3 + bytes, 1):uint() == 0, at + 4 + bytes
-end
-
-local function looks_like_endpoint(buffer, at, role)
-  if buffer:len() < at + 40 then return false end
-  if buffer(at + 8, 1):uint() ~= control_version or buffer(at + 9, 1):uint() ~= role then return false end
-  at = at + 36
-  for _ = 1, 3 do
-    local is_one, behind = is_text(buffer, at)
-    if not is_one then return false end
-    at = behind + -behind % 4
-  end
-  return true
-end
-
--- True if bytes of an unknown topic are a control sample: the key is repeated, texts end, and the version is right.
+-- True if bytes of an unknown topic are a record: kind and version are right, and the body is as long as it says.
 local function looks_like_control(buffer)
-  if buffer:len() < 40 then return false end
-  if looks_like_endpoint(buffer, 0, 0) then return true end
-  local announcements = buffer(12, 4):le_uint()
-  if buffer(8, 1):uint() ~= 1 - announcements then return false end
-  if announcements == 1 then
-    return buffer(16, 8):le_uint64() == buffer(0, 8):le_uint64() and looks_like_endpoint(buffer, 16, 1)
-  end
-  return buffer(16, 4):le_uint() == 1 and buffer(32, 1):uint() == control_version
+  if buffer:len() < head_bytes then return false end
+  if buffer(20, 1):uint() > 2 or buffer(21, 1):uint() ~= control_version then return false end
+  local behind = buffer:len() - head_bytes - buffer(32, 4):le_uint()
+  return buffer(22, 2):uint() == 0 and behind >= 0 and behind <= 3
 end
 
 -- Wireshark's dissector of RTPS gives on what is in a sample if the type of the topic was announced in the capture. It
@@ -1532,7 +1478,8 @@ local function join_rtps()
   register_postdissector(unannounced)
 
   local types = DissectorTable.get("rtps.type_name")
-  for _, name in ipairs({ "sft_control_readerword", "sft_control_endpoint" }) do types:add(name, control) end
+  types:add("sft_control_record", control)
+  types:add("sft_control_heartbeatsample", heartbeat)
 end
 
 -- A Wireshark without the dissector of RTPS still shows datagrams.

@@ -1,11 +1,12 @@
 """Control samples made by hand, as bytes, and the datagrams of RTPS that bring them."""
 import struct
 
-VERSION = 14
-KEY = 0x778899  # of each announcement
-ANNOUNCED = {"sft_writer": "sft_control::Endpoint", "sft_reader": "sft_control::ReaderWord"}
-ENTITIES = {"sft_writer": 0x202, "sft_reader": 0x302, "chatter": 0x402}
+VERSION = 15
+ANNOUNCED = {"sft_writer": "sft_control::Record", "sft_reader": "sft_control::Record",
+             "sft_heartbeat": "sft_control::HeartbeatSample"}
+ENTITIES = {"sft_writer": 0x202, "sft_reader": 0x302, "chatter": 0x402, "sft_heartbeat": 0x502}
 PREFIX = bytes(range(1, 13))
+PARTICIPANT = PREFIX + bytes([0, 0, 1, 0xC1])
 
 
 def leb(number):
@@ -20,15 +21,14 @@ def short_text(text):
     return leb(len(text.encode())) + text.encode()
 
 
-class Cdr:
-    """Bytes of CDR, little-endian."""
+class Body:
+    """Bytes of the body of a record: numbers are little-endian and follow each other without padding."""
 
     def __init__(self):
         self.bytes = b""
 
     def put(self, form, *values):
-        for value in values:
-            self.bytes += bytes(-len(self.bytes) % struct.calcsize(form)) + struct.pack("<" + form, value)
+        self.bytes += struct.pack("<" + form, *values)
         return self
 
     def raw(self, data):
@@ -39,10 +39,10 @@ class Cdr:
         return self.put("I", len(data)).raw(data)
 
     def text(self, text):
-        return self.octets(text.encode() + b"\0")
+        return self.put("B", len(text.encode())).raw(text.encode())
 
     def ids(self, ids):
-        return self.put("I", len(ids)).put("Q", *ids)
+        return self.put(f"I{len(ids)}Q", len(ids), *ids)
 
 
 def part(leaf, rows=None, columns=None, channels=(), rule=0):
@@ -87,42 +87,65 @@ def selection(leaves, parts=(), conditions=(), rate=0):
     return out + (leb(rate) if rate else b"")
 
 
-def want(kind, data):
-    return struct.pack("<BH", kind, len(data)) + data
+class Wants:
+    """What a request has beside the mask: a period, and a selection as bytes."""
+
+    def __init__(self, period=0, selection_bytes=b""):
+        self.period, self.selection_bytes = period, selection_bytes
+
+    def __add__(self, other):
+        return Wants(self.period or other.period, self.selection_bytes or other.selection_bytes)
+
+
+WHOLE = Wants()
+
+
+def want(selection_bytes):
+    return Wants(selection_bytes=selection_bytes)
 
 
 def period(us):
-    return want(1, struct.pack("<I", us))
+    return Wants(period=us)
 
 
-def put_request(cdr, reader, leaves, wants=b"", words=1, listening=(), version=VERSION):
+def record(kind, body, slot=1, revision=1, version=VERSION):
+    return PARTICIPANT + struct.pack("<IBBHQI", slot, kind, version, 0, revision, len(body)) + body
+
+
+def key(kind=0, slot=1):
+    return PARTICIPANT + struct.pack("<IB", slot, kind)
+
+
+def request(reader=0x1122, leaves=(0,), wants=WHOLE, words=1, listening=(), **more):
     mask = sum(1 << leaf for leaf in leaves)
-    cdr.put("Q", reader).put("B", version).put("Q", 3)
-    cdr.ids([mask >> 64 * i & (1 << 64) - 1 for i in range(words)])
-    return cdr.octets(wants).ids(listening).ids([]).ids([])
+    body = Body().put("QQ", reader, 3).ids([mask >> 64 * i & (1 << 64) - 1 for i in range(words)])
+    body.put("I", wants.period).octets(wants.selection_bytes).ids(listening).ids([]).ids([])
+    return record(1, body.bytes, **more)
 
 
-def put_endpoint(cdr, endpoint_id, role, description=b"", topic="scan", memory_failure="", given_topic="", **request):
-    cdr.put("Q", KEY).put("B", VERSION, role).put("Q", endpoint_id, 0x77).put("I", 5000)
-    cdr.text("arm").text(topic).text("pkg::msg::Scan").put("Q", 0x99).octets(description)
-    cdr.raw(bytes(32)).text(memory_failure).put("Q", 5).raw(b"\1\1")
-    cdr.put("I", 1).raw(b"\4\0").raw(bytes(10) + b"\xff\xff" + bytes([10, 0, 0, 1])).put("H", 7000).put("I", 4096)
-    cdr.put("Q", 0).put("I", 0).put("Q", 1 << 20).raw(b"\0" + b"\1\0\0").put("Q", 0, 0, 0).put("I", 8)
-    return put_request(cdr, **{"reader": 0, "leaves": [], "words": 0, **request}).put("Q", 1).text(given_topic)
+def endpoint(endpoint_id, role, description=b"", topic="scan", memory_failure="", given_topic="", **more):
+    body = Body().put("QBQ", endpoint_id, role, 0x77)
+    body.text("arm").text(topic).text(given_topic).text("pkg::msg::Scan").put("Q", 0x99).octets(description)
+    body.raw(bytes(32)).text(memory_failure).put("Q", 5).raw(b"\1\1")
+    body.put("I", 1).raw(bytes(10) + b"\xff\xff" + bytes([10, 0, 0, 1])).put("HIB", 7000, 4096, 0)
+    body.put("QI", 0, 0).put("QB", 1 << 20, 0).raw(b"\1\0\0").put("QQQI", 0, 0, 0, 8)
+    return record(0, body.bytes, **more)
 
 
-def request(reader=0x1122, leaves=(0,), **more):
-    cdr = Cdr().put("Q", KEY).put("B", 1).put("I", 0, 1)
-    return put_request(cdr.put("Q"), reader, leaves, **more).bytes
-
-
-def subscriber(reader=0x1122, leaves=(0,), **more):
-    cdr = Cdr().put("Q", KEY).put("B", 0).put("I", 1)
-    return put_endpoint(cdr, reader, 1, reader=reader, leaves=leaves, **{"words": 1, **more}).put("I", 0).bytes
+def subscriber(reader=0x1122, description=b"", **more):
+    return endpoint(reader, 1, description, **more)
 
 
 def publisher(writer, description=b"", **more):
-    return put_endpoint(Cdr(), writer, 0, description, **more).bytes
+    return endpoint(writer, 0, description, **more)
+
+
+def inquiry(topic, wants_accounts=False, **more):
+    return record(2, Body().text(topic).put("?", wants_accounts).bytes, **more)
+
+
+def heartbeat(process, version=VERSION):
+    return b"SHB" + bytes([version]) + PARTICIPANT + struct.pack("<QQQ", process, 1, 2)
 
 
 def member(name, kind=11, shape=0, struct_number=None, attributes=b""):

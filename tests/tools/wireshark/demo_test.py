@@ -65,13 +65,13 @@ class DemoTest(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             pcap = self.capture(pathlib.Path(folder))
             rows = captures.dissect(pcap, ["_ws.col.Protocol", "sft.kind", "sft.malformed", "_ws.malformed",
-                                           "sft.leaves", "sft.total", "sft_pulse.node"])
+                                           "sft.leaves", "sft.total", "sft_heartbeat.process"])
         kinds = collections.Counter(row["sft.kind"] for row in rows)
         others = {row["_ws.col.Protocol"] for row in rows if not row["sft.kind"]}
-        self.assertLessEqual(others, {"RTPS", "MDNS", "SFT pulse"}, "what is no sample is discovery")
-        pulses = {row["sft_pulse.node"] for row in rows if row["_ws.col.Protocol"] == "SFT pulse"}
-        self.assertGreater(len(pulses), 1, "several nodes live")
-        self.assertNotIn("", pulses)
+        self.assertLessEqual(others, {"RTPS", "MDNS", "SFT heartbeat"}, "what is no sample is discovery")
+        processes = {row["sft_heartbeat.process"] for row in rows if row["_ws.col.Protocol"] == "SFT heartbeat"}
+        self.assertGreater(len(processes), 1, "several processes live")
+        self.assertNotIn("", processes)
         self.assertEqual([row for row in rows if row["sft.malformed"] or row["_ws.malformed"]], [])
         self.assertGreater(kinds["1"], 0)
         self.assertGreater(kinds["2"], 100)

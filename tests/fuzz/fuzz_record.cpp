@@ -1,0 +1,79 @@
+// Bodies of records as arbitrary bytes, after one octet that names the kind: nothing is read behind the end, what is
+// taken is within the bounds, and what is read is written again the same.
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <stdexcept>
+#include <vector>
+
+#include "core/control/record_body.h"
+
+namespace sft::core {
+namespace {
+
+using Bytes = std::vector<std::byte>;
+
+void require(bool condition, const char* what) {
+  if (!condition) throw std::logic_error(what);  // libFuzzer reports it as a crash
+}
+
+template <class What>
+bool is_refused(const Result<What>& read) {
+  if (read) return false;
+  require(read.error().code == Errc::malformed, "bytes are malformed, if anything");
+  require(!read.error().message.empty(), "an error says what is wrong");
+  return true;
+}
+
+/// Addresses of no use are left out, and names are mended: so only what is read is compared.
+void check_endpoint(const Bytes& bytes) {
+  const Result<Endpoint> read = endpoint_in(bytes);
+  if (is_refused(read)) return;
+  require(read->id != 0 && !read->topic.empty() && read->request.reader == read->id, "it is an endpoint");
+  require(read->addresses.size() <= addresses_max &&
+              read->type_description.size() <= type_description_bytes_max,
+          "there is room for no more");
+  const Bytes written = to_bytes(*read);
+  require(written.size() <= record_bytes_max, "a record has room for it");
+  require(endpoint_in(written) == *read, "what is written again is the same");
+}
+
+void check_request(const Bytes& bytes) {
+  const Result<Request> read = request_in(bytes);
+  if (is_refused(read)) return;
+  require(read->reader != 0 && read->sequence <= request_sequence_max, "it is a request");
+  require(read->mask_words.size() <= mask_words_max && read->parts.size() <= wants_bytes_max,
+          "there is room for no more fields");
+  for (const auto* const writers : {&read->listening, &read->attached, &read->begun})
+    require(writers->size() <= writers_per_reader_max, "there is room for no more writers");
+  require(to_bytes(*read) == bytes, "it is written in the same way");
+}
+
+void check_inquiry(const Bytes& bytes) {
+  const Result<Inquiry> read = inquiry_in(bytes);
+  if (is_refused(read)) return;
+  require(to_bytes(*read) == bytes, "it is written in the same way");
+}
+
+/// The bytes are read from memory of exactly their size, so that the address sanitizer sees the first byte too
+/// many.
+void check(std::span<const std::byte> input) {
+  if (input.empty()) return;
+  const Bytes body(input.begin() + 1, input.end());
+  switch (std::to_integer<unsigned>(input[0]) % 3) {
+    case 0:
+      return check_endpoint(body);
+    case 1:
+      return check_request(body);
+    default:
+      return check_inquiry(body);
+  }
+}
+
+}  // namespace
+}  // namespace sft::core
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  sft::core::check(std::as_bytes(std::span(data, size)));
+  return 0;
+}
