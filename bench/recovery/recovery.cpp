@@ -19,6 +19,8 @@ using hostile::Stage;
 using Times = std::vector<double>;
 
 constexpr double worst_ms_max = 1000;
+/// What was said in the names of others heals by a link that is made anew (SECURITY.md).
+constexpr double worst_ms_max_after_forgeries = 5000;
 constexpr double never = std::numeric_limits<double>::quiet_NaN();
 
 /// Honest programs, which run from act to act until one of them ends.
@@ -68,10 +70,12 @@ double middle_of(Times times) {
   return times.empty() ? never : quantile(times, 0.5);
 }
 
-void report(std::vector<Figure>& figures, const std::string& name, const Times& times, const Times& floor) {
+void report(std::vector<Figure>& figures, const Entry& entry, const Times& times, const Times& floor) {
+  const std::string name = "recovery_ms_" + std::string(entry.name);
+  const double most = entry.harm == hostile::Harm::forges ? worst_ms_max_after_forgeries : worst_ms_max;
   const char* reference = "publisher killed and started";
   figures.push_back({name + "_p50", middle_of(times), "ms", middle_of(floor), reference, {}});
-  figures.push_back({name + "_worst", worst_of(times), "ms", worst_of(floor), reference, worst_ms_max, true});
+  figures.push_back({name + "_worst", worst_of(times), "ms", worst_of(floor), reference, most, true});
 }
 
 bool is_wanted(const Entry& entry, const RecoveryScale& scale) {
@@ -95,7 +99,7 @@ std::vector<Figure> recovery_after_each_act(const RecoveryScale& scale) {
     for (int round = 0; round < scale.rounds; ++round)
       times.push_back(
           lives.recovery(entry, hostile::moments[static_cast<std::size_t>(round) % 3], scale.length));
-    report(figures, "recovery_ms_" + std::string(entry.name), times, floor);
+    report(figures, entry, times, floor);
   }
   return figures;
 }

@@ -26,9 +26,6 @@ inline constexpr std::size_t accounts_max = 32;
 inline constexpr std::size_t name_bytes_max = 255;
 inline constexpr std::size_t type_description_bytes_max = 65'536;
 
-/// The lease of a node that has not said another one, and of a node that reaches all others by multicast.
-inline constexpr std::chrono::milliseconds lease_default{5000};
-
 /// No request has a greater sequence: there is always one that is behind.
 inline constexpr std::uint64_t request_sequence_max = std::uint64_t{1} << 63;
 
@@ -103,18 +100,18 @@ struct Account {
   friend bool operator==(const Account&, const Account&) = default;
 };
 
-/// A node's sign of life. It names the writers of the node that live, the progress of those that have sent
-/// something lately, and what the node asks and answers about accounts. Most name nothing of all this.
+/// What a node tells beside what it announces: the writers of the node that live although nothing else tells
+/// so, the progress of those that have sent something lately, and what the node asks and answers about
+/// accounts.
 struct Assertion {
   NodeId node = 0;
   std::vector<EndpointId> writers;
   std::vector<Progress> progress{};
   std::vector<EndpointId> asked_about{};  ///< endpoints of others whose accounts it wants to know
   std::vector<Account> accounts{};        ///< of its own endpoints that others have asked about
-  bool wants_signs = false;               ///< everybody shall give signs of life often for a while
   AnnouncerId announcer = 0;              ///< who said it; does not travel
 
-  bool tells_more_than_life() const {
+  bool tells_anything() const {
     return !writers.empty() || !progress.empty() || !asked_about.empty() || !accounts.empty();
   }
   friend bool operator==(const Assertion&, const Assertion&) = default;
@@ -126,8 +123,6 @@ struct Endpoint {
   EndpointId id = 0;
   Role role{};
   NodeId node_id = 0;
-  /// The node of the endpoint lives if it was heard of within that time.
-  std::chrono::milliseconds life_lease = lease_default;
   std::string node;
   std::string topic;
   std::string given_topic;  ///< as its program names it; empty if that is `topic`

@@ -67,11 +67,10 @@ Result<void> check_lengths(const sft_control_SignNews& in) {
   return checked;
 }
 
-bool has_news(const Assertion& sign) { return sign.wants_signs || sign.tells_more_than_life(); }
+bool has_news(const Assertion& sign) { return sign.tells_anything(); }
 
 sft_control_SignNews news_of(const Assertion& sign, ControlStorage& storage) {
   sft_control_SignNews out{};
-  out.wants_signs = sign.wants_signs;
   out.writers = borrow(sign.writers, assertions_max);
   for (const Progress& p : sign.progress) {
     if (storage.progress.size() < progress_max) storage.progress.push_back({p.writer, p.samples, p.bytes});
@@ -89,7 +88,6 @@ sft_control_SignNews news_of(const Assertion& sign, ControlStorage& storage) {
 
 Result<void> take_news(const sft_control_SignNews& in, Assertion& sign) {
   if (Result<void> sound = check_lengths(in); !sound) return sound;
-  sign.wants_signs = in.wants_signs;
   sign.writers = copy(in.writers);
   for (std::uint32_t i = 0; i < in.progress._length; ++i) {
     const sft_control_Progress& p = in.progress._buffer[i];

@@ -69,7 +69,7 @@ class ControlLink {
   /// Tells others more than that the process lives. May get lost.
   Result<void> give_report(const Assertion& report);
   Result<void> hear_reports();
-  /// Calls hear(heartbeat) for each one that has come by UDP since the last call.
+  /// Calls hear(heartbeat, age) for each one that has come by UDP since the last call.
   template <class Hear>
   void take_heartbeats(Hear hear) {
     if (socket_) socket_->take(hear);

@@ -60,23 +60,17 @@ class SharedPlane final : public Discovery {
       : plane_(std::move(plane)), seat_(plane_->join(listener)) {}
   ~SharedPlane() override { plane_->leave(seat_); }
 
-  LifeSigns life_signs() const override {
-    const Timing& timing = plane_->timing();
-    return {timing.heartbeat_every, timing.heartbeat_every, timing.lease};
-  }
-  bool is_calm(Time) const override { return true; }
   Configuration configuration() const override { return plane_->configuration(); }
   Result<void> hear(Role role) override { return plane_->hear(seat_, role); }
   std::vector<KnownPublisher> publishers_of(std::string_view type_name) const override {
     return plane_->publishers_of(type_name);
   }
-  Result<void> announce(const Endpoint& endpoint) override { return plane_->announce(seat_, endpoint); }
+  void announce(const Endpoint& endpoint) override { plane_->announce(seat_, endpoint); }
   void withdraw(EndpointId id) override { plane_->withdraw(id); }
-  Result<void> send(const Request& request) override { return plane_->send(request); }
+  void send(const Request& request) override { plane_->send(request); }
   void assert_liveliness(const Assertion& report) override { plane_->report_life(seat_, report); }
   Time newcomer_at() const override { return plane_->newcomer_at(); }
-  Time met_at() const override { return plane_->newcomer_at(); }
-  Time look_after(Time now, const Awaited&) override { return plane_->look_after(seat_, now); }
+  Time look_after(Time now) override { return plane_->look_after(seat_, now); }
 
  private:
   const std::shared_ptr<ControlPlane> plane_;  ///< the last node ends it
@@ -199,8 +193,9 @@ Result<void> ControlPlane::hear(Seat& seat, Role role) {
   return heard;
 }
 
-/// The request goes first: a subscriber counts once both are there.
-Result<void> ControlPlane::announce(Seat& seat, const Endpoint& endpoint) {
+/// The request goes first: a subscriber counts once both are there. A topic that cannot be read yet is tried
+/// again by try_again().
+void ControlPlane::announce(Seat& seat, const Endpoint& endpoint) {
   {
     const Lock lock(mutex_);
     const Time now = std::chrono::steady_clock::now();
@@ -209,17 +204,16 @@ Result<void> ControlPlane::announce(Seat& seat, const Endpoint& endpoint) {
       directory.announced(seat.node, endpoint);
     });
     roles_[endpoint.id] = endpoint.role;
-    if (Result<void> heard = links_.hear(other(endpoint.role)); !heard) return heard;
+    (void)links_.hear(other(endpoint.role));
     if (endpoint.role == Role::reader)
       put(endpoint.role, endpoint.id, RecordKind::request, to_bytes(endpoint.request), now);
     put(endpoint.role, endpoint.id, RecordKind::announcement, to_bytes(endpoint), now);
     give_heartbeats(now);
   }
   known_.pass_on();
-  return {};
 }
 
-Result<void> ControlPlane::send(const Request& request) {
+void ControlPlane::send(const Request& request) {
   {
     const Lock lock(mutex_);
     const Time now = std::chrono::steady_clock::now();
@@ -229,7 +223,6 @@ Result<void> ControlPlane::send(const Request& request) {
     give_heartbeats(now);
   }
   known_.pass_on();
-  return {};
 }
 
 void ControlPlane::withdraw(EndpointId id) {
@@ -262,13 +255,11 @@ void ControlPlane::give_heartbeats(Time now) {
   links_.each([digests = own_.digests()](LinkId, ControlLink& link) { link.give_heartbeat(digests); });
 }
 
-/// That the process lives, heartbeats say.
 void ControlPlane::report_life(Seat& seat, const Assertion& assertion) {
   {
     const Lock lock(mutex_);
     known_.with([&](Peers&, Directory& directory) { directory.reported(seat.node, assertion); });
-    if (assertion.tells_more_than_life())
-      links_.each([&](LinkId, ControlLink& link) { (void)link.give_report(assertion); });
+    links_.each([&](LinkId, ControlLink& link) { (void)link.give_report(assertion); });
   }
   known_.pass_on();
 }
@@ -292,26 +283,28 @@ Time ControlPlane::look(Time now) {
   Time next = Time::max();
   if (watches_ && (watch_.changed() || now >= look_at_interfaces_at_)) look_at_interfaces(now);
   if (watches_) next = std::min(look_at_interfaces_at_, look_at_peers_by_name(now));
-  std::vector<std::pair<LinkId, Heartbeat>> heartbeats;
+  std::vector<KnownPeers::HeartbeatTaken> heartbeats;
   links_.each([&](LinkId id, ControlLink& link) {
-    link.take_heartbeats([&, id](const Heartbeat& one) { heartbeats.emplace_back(id, one); });
+    link.take_heartbeats([&, id](const Heartbeat& one, Time::duration age) {
+      heartbeats.push_back({.link = id, .heartbeat = one, .age = age});
+    });
   });
   const KnownPeers::Todo todo = known_.look(heartbeats, now);
   for (const PeerAction& action : todo.of_links) act(action, now);
-  if (now >= write_again_at_) write_again(now);
+  if (now >= try_again_at_) try_again(now);
   give_heartbeats(now);
   if (std::optional<std::string> releases = known_.take_other_releases(now))
     report({&DiscoveryListener::warned, std::move(*releases)});
   return std::min({next, todo.next, own_.heartbeat_due()});
 }
 
-void ControlPlane::write_again(Time now) {
-  write_again_at_ = now + timing_.try_again;
-  Result<void> result;
-  links_.each([&](LinkId, ControlLink& link) {
-    if (Result<void> written = link.write_again(); !written) result = std::move(written);
-  });
-  if (!result) report({&DiscoveryListener::warned, result.error().message + "; it is tried again"});
+/// A failure that lasts is reported once.
+void ControlPlane::try_again(Time now) {
+  try_again_at_ = now + timing_.try_again;
+  const Result<void> tried = links_.try_again();
+  const std::string failure = tried ? "" : tried.error().message;
+  if (std::exchange(failure_, failure) != failure && !tried)
+    report({&DiscoveryListener::warned, failure + "; it is tried again until it succeeds"});
 }
 
 void ControlPlane::act(const PeerAction& action, Time now) {

@@ -54,14 +54,13 @@ class ControlPlane {
   // These functions do what those of Discovery do.
   Discovery::Configuration configuration() const;
   Result<void> hear(Seat& seat, Role role);
-  Result<void> announce(Seat& seat, const Endpoint& endpoint);
-  Result<void> send(const Request& request);
+  void announce(Seat& seat, const Endpoint& endpoint);
+  void send(const Request& request);
   void withdraw(EndpointId id);
   void report_life(Seat& seat, const Assertion& assertion);
   std::vector<Discovery::KnownPublisher> publishers_of(std::string_view type_name);
   Time newcomer_at();
   Time look_after(Seat& seat, Time now);
-  const Timing& timing() const { return timing_; }
 
  private:
   Result<void> join_the_program(std::uint32_t domain) SFT_REQUIRES(mutex_);
@@ -70,7 +69,7 @@ class ControlPlane {
   void withdraw_records(EndpointId id, Time now) SFT_REQUIRES(mutex_);
   void give_heartbeats(Time now) SFT_REQUIRES(mutex_);
   Time look(Time now) SFT_REQUIRES(mutex_);
-  void write_again(Time now) SFT_REQUIRES(mutex_);
+  void try_again(Time now) SFT_REQUIRES(mutex_);
   void act(const PeerAction& action, Time now) SFT_REQUIRES(mutex_);
   void look_at_interfaces(Time now) SFT_REQUIRES(mutex_);
   Time look_at_peers_by_name(Time now) SFT_REQUIRES(mutex_);
@@ -90,7 +89,8 @@ class ControlPlane {
   bool watches_ SFT_GUARDED_BY(mutex_) = true;  ///< interfaces, unless the domain is the program's own
   NetworkWatch watch_ SFT_GUARDED_BY(mutex_);
   Time look_at_interfaces_at_ SFT_GUARDED_BY(mutex_){};
-  Time write_again_at_ SFT_GUARDED_BY(mutex_){};
+  Time try_again_at_ SFT_GUARDED_BY(mutex_){};
+  std::string failure_ SFT_GUARDED_BY(mutex_);  ///< of the last try; empty: all is written
   std::vector<HostInterface> interfaces_ SFT_GUARDED_BY(mutex_);
   PeerAddresses peers_by_name_ SFT_GUARDED_BY(mutex_);
   std::list<Seat> seats_ SFT_GUARDED_BY(mutex_);

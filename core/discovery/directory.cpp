@@ -234,12 +234,7 @@ void Directory::tell_seen(ListeningNodes to, const Entry& entry) {
   tell(std::move(to), [endpoint = entry.endpoint, request = entry.request](DiscoveryListener& listener) {
     Endpoint seen = *endpoint;
     if (request) seen.request = *request;
-    const NodeId node = seen.node_id;
-    const AnnouncerId announcer = seen.announcer;
     listener.endpoint_seen(std::move(seen));
-    Assertion lives{.node = node, .writers = {}};  // what lives is watched here, and no longer by the node
-    lives.announcer = announcer;
-    listener.liveliness_asserted(std::move(lives));
   });
 }
 

@@ -23,13 +23,6 @@ struct DiscoveryOptions {
   ThreadSettings threads{};   ///< of Cyclone's threads
 };
 
-/// The pace at which a node says that it lives, and the time without such a sign after which it is lost.
-struct LifeSigns {
-  std::chrono::milliseconds pause;
-  std::chrono::milliseconds pause_in_calm;
-  std::chrono::milliseconds lease;
-};
-
 class Discovery {
  public:
   /// `listener` outlives the discovery.
@@ -37,9 +30,6 @@ class Discovery {
                                                  DiscoveryListener& listener);
   virtual ~Discovery() = default;
 
-  virtual LifeSigns life_signs() const = 0;
-  /// True while signs of life may be as seldom as in calm.
-  virtual bool is_calm(Time now) const = 0;
   struct Configuration {
     std::string summary{};                ///< for people: how and where nodes are found
     std::vector<std::string> warnings{};  ///< for people: which of the user's settings do not hold, and why
@@ -64,28 +54,20 @@ class Discovery {
   /// Returns the publishers of that type, those of this process too. The process knows all publishers while
   /// any of its nodes has a subscriber.
   virtual std::vector<KnownPublisher> publishers_of(std::string_view type_name) const = 0;
-  /// Announces an endpoint of ours, or that it has changed.
-  virtual Result<void> announce(const Endpoint& endpoint) = 0;
+  /// Announces an endpoint of ours, or that it has changed. What cannot be written now, here and in the next
+  /// two functions, is written again by look_after() until others have it, with a warning.
+  virtual void announce(const Endpoint& endpoint) = 0;
   virtual void withdraw(EndpointId id) = 0;
-  virtual Result<void> send(const Request& request) = 0;
-  /// Tells that this node lives, and which of our writers do. The message may get lost; to be called at least
-  /// after each pause of the life signs, which is longer in calm.
+  virtual void send(const Request& request) = 0;
+  /// Tells others more than that this process lives. The message may get lost.
   virtual void assert_liveliness(const Assertion& assertion) = 0;
   /// When the latest newcomer among other processes was heard first; Time{} if there was none. What it
   /// announces may be yet to come. Any thread.
   virtual Time newcomer_at() const = 0;
-  /// When another process last began to hear what we say on one more topic, or we what it says; Time{} if
-  /// none did. What was told in a sign of life before that may not have reached it. Any thread.
-  virtual Time met_at() const = 0;
-  /// What the node waits for at present.
-  struct Awaited {
-    bool somebody = false;    ///< an endpoint is missing that has to be somewhere
-    bool every_sign = false;  ///< it counts who lives; else, in calm, repeated signs of life may be left out
-  };
   /// To be called often: takes interfaces into use and out of use, and lets nodes that have not heard of us,
   /// or have lost us, find us. Cyclone does that by itself every now and then. Returns when this node has to
   /// call it again at the latest; Time::max() if it need not hurry.
-  virtual Time look_after(Time now, const Awaited& awaited) = 0;
+  virtual Time look_after(Time now) = 0;
 };
 
 }  // namespace sft::core

@@ -12,18 +12,13 @@ namespace sft::core {
 /// news, and return. One call at a time.
 class DiscoveryListener {
  public:
-  /// Endpoint::life_lease is 0 if the endpoint was announced before, and its node has given no sign of life
-  /// within its lease.
   virtual void endpoint_seen(Endpoint endpoint) = 0;
   virtual void endpoint_departed(EndpointId id) = 0;
-  /// The endpoint's node stopped answering; if it returns, the endpoint is seen again.
+  /// The process of the endpoint does not answer. If it returns, the endpoint is seen again.
   virtual void endpoint_lost(EndpointId id) = 0;
   virtual void request_received(Request request) = 0;
-  /// A node says every now and then that it lives, and which of its writers do. In calm, signs that tell
-  /// nothing new may be left out, see Discovery::Awaited.
+  /// A node tells more than that its process lives.
   virtual void liveliness_asserted(Assertion assertion) = 0;
-  /// The node has not said for its whole lease that it lives.
-  virtual void node_lost(NodeId id) = 0;
   /// A control sample, or the type description in one, was refused.
   virtual void control_malformed(std::string why) = 0;
   /// Other interfaces are used now. Called on the thread that calls look_after().

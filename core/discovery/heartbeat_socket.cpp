@@ -3,6 +3,11 @@
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <sys/uio.h>
+
+#include <algorithm>
+#include <cstring>
+#include <ctime>
 
 namespace sft::core {
 
@@ -23,6 +28,24 @@ sockaddr_in ddsi_address_at(std::uint16_t port) {
   address.sin_port = htons(port);
   address.sin_addr.s_addr = htonl(ddsi_group);
   return address;
+}
+
+using ControlData = std::array<std::byte, CMSG_SPACE(sizeof(timespec))>;
+
+std::chrono::nanoseconds since_epoch(const timespec& time) {
+  return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
+}
+
+/// Returns how long ago the system has received the datagram. 0 if it does not say so, or if its clock was
+/// set meanwhile.
+std::chrono::nanoseconds age_of(msghdr& datagram, std::chrono::nanoseconds now) {
+  for (cmsghdr* one = CMSG_FIRSTHDR(&datagram); one != nullptr; one = CMSG_NXTHDR(&datagram, one)) {
+    if (one->cmsg_level != SOL_SOCKET || one->cmsg_type != SCM_TIMESTAMPNS) continue;
+    timespec received{};
+    std::memcpy(&received, CMSG_DATA(one), sizeof received);
+    return std::max(now - since_epoch(received), std::chrono::nanoseconds(0));
+  }
+  return {};
 }
 
 template <class Value>
@@ -51,6 +74,7 @@ std::optional<HeartbeatSocket> HeartbeatSocket::open(const Place& place) noexcep
       ::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 &&
       set_option(socket, IPPROTO_IP, IP_ADD_MEMBERSHIP, link);
   if (!is_ready) return std::nullopt;
+  set_option(socket, SOL_SOCKET, SO_TIMESTAMPNS, 1);
   return HeartbeatSocket(std::move(socket), place.port);
 }
 
@@ -65,14 +89,22 @@ void HeartbeatSocket::send(const Heartbeat& heartbeat) const noexcept {
 std::size_t HeartbeatSocket::receive() noexcept {
   std::array<iovec, batch> places{};
   std::array<mmsghdr, batch> datagrams{};
+  alignas(cmsghdr) std::array<ControlData, batch> control_data;
   for (std::size_t i = 0; i < batch; ++i) {
     places[i] = {buffers_[i].data(), buffers_[i].size()};
     datagrams[i].msg_hdr.msg_iov = &places[i];
     datagrams[i].msg_hdr.msg_iovlen = 1;
+    datagrams[i].msg_hdr.msg_control = control_data[i].data();
+    datagrams[i].msg_hdr.msg_controllen = control_data[i].size();
   }
   const int came = ::recvmmsg(socket_.get(), datagrams.data(), batch, MSG_DONTWAIT, nullptr);
   if (came <= 0) return 0;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(came); ++i) sizes_[i] = datagrams[i].msg_len;
+  timespec now{};
+  ::clock_gettime(CLOCK_REALTIME, &now);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(came); ++i) {
+    sizes_[i] = datagrams[i].msg_len;
+    ages_[i] = age_of(datagrams[i].msg_hdr, since_epoch(now));
+  }
   return static_cast<std::size_t>(came);
 }
 

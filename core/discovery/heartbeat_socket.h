@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -31,13 +32,14 @@ class HeartbeatSocket {
 
   /// More than these are left for the next time: whoever floods the port must not hold the caller up.
   static constexpr std::size_t taken_at_once_max = 2048;
-  /// Calls hear(heartbeat) for each one that has come since the last call. Other datagrams are dropped.
+  /// Calls hear(heartbeat, age) for each one that has come since the last call, with the time for which it has
+  /// waited in the socket. Other datagrams are dropped.
   template <class Hear>
   void take(Hear hear) {
     for (std::size_t taken = 0; taken < taken_at_once_max;) {
       const std::size_t came = receive();
       for (std::size_t i = 0; i < came; ++i) {
-        if (const auto heartbeat = decode_heartbeat(received(i))) hear(*heartbeat);
+        if (const auto heartbeat = decode_heartbeat(received(i))) hear(*heartbeat, ages_[i]);
       }
       if (came < batch) return;
       taken += came;
@@ -57,6 +59,7 @@ class HeartbeatSocket {
   std::uint16_t port_ = 0;
   std::array<Buffer, batch> buffers_{};
   std::array<std::size_t, batch> sizes_{};
+  std::array<std::chrono::nanoseconds, batch> ages_{};
 };
 
 }  // namespace sft::core

@@ -40,9 +40,9 @@ void KnownPeers::pass_on() {
   pass_on_notices(lock);
 }
 
-KnownPeers::Todo KnownPeers::look(const std::vector<std::pair<LinkId, Heartbeat>>& heartbeats, Time now) {
+KnownPeers::Todo KnownPeers::look(const std::vector<HeartbeatTaken>& heartbeats, Time now) {
   const Lock lock(mutex_);
-  for (const auto& [link, heartbeat] : heartbeats) peers_.heartbeat_came(link, heartbeat, now);
+  for (const auto& [link, heartbeat, age] : heartbeats) peers_.heartbeat_came(link, heartbeat, now, age);
   peers_.look(now);
   take_actions();
   return {std::exchange(of_links_, {}), peers_.next()};

@@ -36,8 +36,13 @@ class KnownPeers final : public ControlLinkListener {
     std::vector<PeerAction> of_links{};  ///< RenewLink, EndLink, Announce, HeartbeatsMissing
     Time next = Time::max();             ///< the time of the next look at the latest
   };
+  struct HeartbeatTaken {
+    LinkId link = 0;
+    Heartbeat heartbeat{};
+    Time::duration age{};  ///< as of Peers::heartbeat_came()
+  };
   /// Takes the heartbeats that have come, and looks after peers. No lock is needed.
-  Todo look(const std::vector<std::pair<LinkId, Heartbeat>>& heartbeats, Time now);
+  Todo look(const std::vector<HeartbeatTaken>& heartbeats, Time now);
   /// Before the link is opened.
   void link_made(LinkId link, const LinkSpec& spec);
   void link_replaced(LinkId link, LinkId by);

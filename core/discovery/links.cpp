@@ -149,6 +149,18 @@ Result<void> Links::hear(Role role) {
   return result;
 }
 
+Result<void> Links::try_again() {
+  Result<void> result;
+  for (const Role role : both_roles) {
+    if (!heard_[role]) continue;
+    if (Result<void> heard = hear(role); !heard) result = std::move(heard);
+  }
+  for (const OpenLink& one : links_) {
+    if (Result<void> written = one.link->write_again(); !written) result = std::move(written);
+  }
+  return result;
+}
+
 std::vector<LinkSpec> Links::specs() const {
   std::vector<LinkSpec> specs;
   for (const OpenLink& one : links_) {

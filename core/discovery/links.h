@@ -47,6 +47,8 @@ class Links {
   void close_all();
   /// Reads what others have of that role on all links, also on those that are opened later.
   Result<void> hear(Role role);
+  /// Reads and writes what could not be read or written before. The error is the last one.
+  Result<void> try_again();
 
   bool empty() const { return links_.empty(); }
   /// Of the links that did not retire.

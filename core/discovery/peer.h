@@ -12,6 +12,11 @@
 // of those that count, the one with the greatest revision holds, whichever link has brought it. All tables
 // are compared with the digests that the first participant gives which gives heartbeats regularly.
 //
+// This is all that the core does about trust. Without DDS Security a record or heartbeat that is forged in
+// the name of a process is not told from a true one. It is corrected like a record that was lost: the digests
+// of the process itself disagree with the table, and the link is made anew. With DDS Security Cyclone drops
+// what comes without a certificate (SECURITY.md).
+//
 // Pure: events and times go in, changes come out. One thread at a time.
 #pragma once
 

@@ -92,7 +92,9 @@ bool Peers::has_room(const Participant& of, Role role, const RecordKey& key, con
 }
 
 /// What comes by heartbeat of a process that the participant does not belong to was not sent by it.
-void Peers::heartbeat_came(LinkId link, const Heartbeat& heartbeat, Time now) {
+/// Heartbeats are read once a second. One that has waited much longer has done so since this process was held
+/// up, and newer ones may have found no room: then it counts as if it came now.
+void Peers::heartbeat_came(LinkId link, const Heartbeat& heartbeat, Time now, Time::duration age) {
   if (heartbeat.process == self_ || !care_.has(link)) return;
   const RemoteParticipant id{link, heartbeat.participant};
   const auto found = participants_.find(id);
@@ -100,7 +102,7 @@ void Peers::heartbeat_came(LinkId link, const Heartbeat& heartbeat, Time now) {
   Participant& participant = found->second;
   if (participant.is_ignored || participant.process != heartbeat.process) return;
   if (participant.is_late(timing_, now)) participant.regular_since = now;
-  participant.heard_at = now;
+  participant.heard_at = age < timing_.late ? now - age : now;
   if (std::exchange(participant.is_silent, false)) join(id, participant);
   peers_.at(heartbeat.process).heartbeat_came(id, heartbeat.digests, now);
 }
@@ -124,10 +126,8 @@ void Peers::leave(const RemoteParticipant& id, const Participant& participant) {
   peers_.erase(peer);
 }
 
-/// Where heartbeats do not arrive by UDP, they begin to come by Cyclone after a lease.
 Time Peers::silent_at(const Participant& participant) const {
-  return participant.heard_at ? *participant.heard_at + timing_.lease
-                              : participant.found_at + 2 * timing_.lease;
+  return participant.heard_at.value_or(participant.found_at) + timing_.lease;
 }
 
 /// Something is missing only if heartbeats go on by the same link: what does not come by a link that is cut
@@ -145,9 +145,12 @@ Time Peers::missed_at(LinkId link, const Participant& participant) const {
   return missed;
 }
 
+/// Where heartbeats do not arrive by UDP they have to come by Cyclone, so early that two of them come before
+/// the lease ends.
 Time Peers::unheard_at(LinkId link, const Participant& participant) const {
   const bool is_told = unheard_.contains(link) || care_.is_retired(link);
-  return participant.heard_at || is_told ? Time::max() : participant.found_at + timing_.lease;
+  return participant.heard_at || is_told ? Time::max()
+                                         : participant.found_at + (timing_.lease - timing_.late);
 }
 
 void Peers::look(Time now) {

@@ -91,7 +91,8 @@ class Peers {
   void participant_gone(const RemoteParticipant& id);
   /// A record may come before its participant is found. Returns false if there is no room for it.
   bool record_came(const RemoteParticipant& by, Role role, const RecordKey& key, Record record, Time now);
-  void heartbeat_came(LinkId link, const Heartbeat& heartbeat, Time now);
+  /// `age`: the time for which it has waited to be read.
+  void heartbeat_came(LinkId link, const Heartbeat& heartbeat, Time now, Time::duration age = {});
   /// To be called after all heartbeats that have come.
   void look(Time now);
 

@@ -10,15 +10,14 @@ namespace sft::core {
 struct Timing {
   using Milliseconds = std::chrono::milliseconds;
 
-  /// Each participant gives a heartbeat this often, and reads those of others: five come within a lease, so
-  /// that a network that loses a fifth of all datagrams seldom loses a participant.
+  /// Each participant gives a heartbeat this often, and reads those of others: six come within a lease. A
+  /// network that loses a fifth of all datagrams loses six in a row in one of 16,000 cases.
   Milliseconds heartbeat_every{1'000};
   /// A change is followed by a heartbeat at once, but not sooner than this after the heartbeat before: masks
   /// that change at 1 kHz cost two heartbeats a second.
   Milliseconds heartbeat_pause{500};
-  /// A participant without heartbeats for this time has ended. Heartbeats are read once a second, so that a
-  /// killed process is noticed within 7 s.
-  Milliseconds lease{5'500};
+  /// A participant without heartbeats for this time has ended: a killed process is noticed within 7 s.
+  Milliseconds lease{6'200};
   /// Two heartbeats in a row are missing: the way by this link may be cut, so that another one is preferred.
   Milliseconds late{2'500};
 

@@ -40,9 +40,8 @@ std::optional<Endpoint> EndpointTable::enter(const Endpoint& endpoint) {
   entry.endpoint.request.announcer = endpoint.announcer;
   descriptions_.enter(entry.endpoint);
   entry.lost_since.reset();
-  entry.silent = false;
+  lost_.erase(endpoint.id);
   index(entry);
-  note_whether_lost(entry);
   const AnnouncerId* const entered_by = shares_.announcer_of(endpoint.id);
   if (entered_by == nullptr || *entered_by != endpoint.announcer)
     shares_.enter(endpoint.id, endpoint.announcer, endpoint.topic);
@@ -64,7 +63,6 @@ void EndpointTable::index(const TableEntry& entry) {
   Topic& topic = topics_[entry.endpoint.topic];
   topic.endpoints.insert(entry.endpoint.id);
   topic.ours += entry.is_ours() ? 1 : 0;
-  nodes_[entry.endpoint.node_id].insert(entry.endpoint.id);
 }
 
 void EndpointTable::unindex(const TableEntry& entry) {
@@ -72,17 +70,6 @@ void EndpointTable::unindex(const TableEntry& entry) {
   topic->second.endpoints.erase(entry.endpoint.id);
   topic->second.ours -= entry.is_ours() ? 1 : 0;
   if (topic->second.endpoints.empty()) topics_.erase(topic);
-  const auto node = nodes_.find(entry.endpoint.node_id);
-  node->second.erase(entry.endpoint.id);
-  if (node->second.empty()) nodes_.erase(node);
-}
-
-void EndpointTable::note_whether_lost(const TableEntry& entry) {
-  if (entry.lost()) {
-    lost_.insert(entry.endpoint.id);
-  } else {
-    lost_.erase(entry.endpoint.id);
-  }
 }
 
 const TableEntry* EndpointTable::find(EndpointId id) const {
@@ -131,52 +118,25 @@ bool EndpointTable::lost(EndpointId id, Time now) {
   TableEntry* const entry = find(id);
   if (entry == nullptr || entry->is_ours() || entry->lost_since) return false;
   entry->lost_since = now;
-  note_whether_lost(*entry);
+  lost_.insert(id);
   return true;
-}
-
-bool EndpointTable::node_lost(NodeId id) {
-  bool changed = false;
-  const auto node = nodes_.find(id);
-  if (node == nodes_.end()) return changed;
-  for (const EndpointId endpoint : node->second) {
-    TableEntry& entry = entries_.at(endpoint);
-    if (entry.is_ours() || entry.silent) continue;
-    entry.silent = true;
-    note_whether_lost(entry);
-    changed = true;
-  }
-  return changed;
-}
-
-std::vector<TableEntry*> EndpointTable::node_returned(NodeId id) {
-  std::vector<TableEntry*> returned;
-  if (lost_.empty()) return returned;
-  const auto node = nodes_.find(id);
-  if (node == nodes_.end()) return returned;
-  for (const EndpointId endpoint : node->second) {
-    TableEntry& entry = entries_.at(endpoint);
-    if (!entry.silent) continue;
-    entry.silent = false;
-    note_whether_lost(entry);
-    returned.push_back(&entry);
-  }
-  return returned;
 }
 
 std::vector<EndpointId> EndpointTable::lost_for(std::chrono::seconds duration, Time now) const {
   std::vector<EndpointId> lost;
   for (const EndpointId id : lost_) {
     const TableEntry& entry = entries_.at(id);
-    if (entry.lost_since && now - *entry.lost_since >= duration) lost.push_back(id);
+    if (now - *entry.lost_since >= duration) lost.push_back(id);
   }
   return lost;
 }
 
-void EndpointTable::progressed(NodeId node, const Progress& progress) {
+bool EndpointTable::progressed(NodeId node, const Progress& progress) {
   TableEntry* const entry = find(progress.writer);
-  if (entry == nullptr || entry->endpoint.node_id != node) return;
-  if (entry->endpoint.role == Role::writer) entry->progress = progress;
+  if (entry == nullptr || entry->endpoint.node_id != node || entry->endpoint.role != Role::writer)
+    return false;
+  entry->progress = progress;
+  return true;
 }
 
 const Progress* EndpointTable::progress_of(EndpointId id) const {

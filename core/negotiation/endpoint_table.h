@@ -23,14 +23,13 @@ namespace sft::core {
 
 struct TableEntry {
   Endpoint endpoint;
-  const TypeSupport* type = nullptr;   ///< of our own endpoints
-  std::optional<Time> lost_since{};    ///< by discovery: if it returns, it is seen again
-  bool silent = false;                 ///< its node is not heard of
-  std::uint64_t arrival = 0;           ///< counts entries
+  const TypeSupport* type = nullptr;  ///< of our own endpoints
+  std::optional<Time> lost_since{};  ///< while its process does not answer: if that returns, it is seen again
+  std::uint64_t arrival = 0;         ///< counts entries
   std::optional<Progress> progress{};  ///< of writers, as it was told last
 
   bool is_ours() const { return type != nullptr; }
-  bool lost() const { return lost_since || silent; }
+  bool lost() const { return lost_since.has_value(); }
 };
 
 class EndpointTable {
@@ -59,24 +58,19 @@ class EndpointTable {
   /// Returns true if some endpoint of ours has the topic.
   bool is_topic_of_ours(std::string_view topic) const;
 
-  // These return whether anything has changed.
+  /// Returns whether anything has changed.
   bool lost(EndpointId id, Time now);
-  bool node_lost(NodeId id);
-  /// Returns the endpoints of the node, if it was silent. Those that discovery has lost remain lost.
-  std::vector<TableEntry*> node_returned(NodeId id);
   std::vector<EndpointId> lost_for(std::chrono::seconds duration, Time now) const;
 
   /// Takes the progress of a writer as its node reports it. A report about a writer of another node changes
-  /// nothing.
-  void progressed(NodeId node, const Progress& progress);
+  /// nothing, and false is returned.
+  bool progressed(NodeId node, const Progress& progress);
   /// Null while nothing was told of that. Valid until the next event.
   const Progress* progress_of(EndpointId id) const;
 
   std::size_t size() const { return entries_.size(); }
   /// All endpoints but the lost ones; ours too. Valid until the next event.
   std::vector<const Endpoint*> present() const;
-  /// Returns true if the table has an endpoint of that node.
-  bool knows(NodeId id) const { return nodes_.contains(id); }
   /// Null if there is none of that id. Valid until the next event.
   const Endpoint* known(EndpointId id) const;
   /// Returns true if some endpoint is lost.
@@ -95,13 +89,10 @@ class EndpointTable {
   void index(const TableEntry& entry);
   void unindex(const TableEntry& entry);
   void refuse(const Endpoint& endpoint);
-  /// Call this after each change of what makes an entry a lost one.
-  void note_whether_lost(const TableEntry& entry);
 
-  // An event of one endpoint or node is looked up in these, whatever the number of the others is.
+  // An event of one endpoint is looked up in these, whatever the number of the others is.
   std::map<EndpointId, TableEntry> entries_;
   std::map<std::string, Topic, std::less<>> topics_;  ///< of all entries
-  std::map<NodeId, std::set<EndpointId>> nodes_;      ///< of all entries
   std::set<EndpointId> lost_;                         ///< the entries that are lost
   TableShares shares_;                                ///< of those that are not ours
   DescriptionRoom descriptions_;                      ///< likewise

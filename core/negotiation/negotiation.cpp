@@ -106,18 +106,6 @@ bool Negotiation::endpoint_lost(EndpointId id, Time now) {
   return facts_.table.lost(id, now) && is_of_our_topic(facts_.table, id);
 }
 
-bool Negotiation::node_lost(NodeId id) { return facts_.table.node_lost(id); }
-
-bool Negotiation::node_returned(NodeId id) {
-  const std::vector<TableEntry*> returned = facts_.table.node_returned(id);
-  for (TableEntry* const entry : returned) {
-    if (entry->lost()) continue;
-    requests_.adopt_early(entry->endpoint);
-    facts_.history.begins_anew(entry->endpoint);
-  }
-  return !returned.empty();
-}
-
 bool Negotiation::request_received(const Request& request) {
   TableEntry* const reader = facts_.table.find(request.reader);
   if (reader != nullptr && reader->is_ours()) {

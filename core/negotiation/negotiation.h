@@ -50,9 +50,6 @@ class Negotiation {
   bool endpoint_seen(const Endpoint& endpoint);
   bool endpoint_departed(EndpointId id);
   bool endpoint_lost(EndpointId id, Time now);
-  /// All endpoints of a node are as lost, until it is heard of again; they are not forgotten for that.
-  bool node_lost(NodeId id);
-  bool node_returned(NodeId id);
   bool request_received(const Request& request);
   /// One of our readers needs other fields now.
   bool requirement_changed(EndpointId reader, const Selection& selection);
@@ -71,7 +68,8 @@ class Negotiation {
   bool reach_changed(EndpointId writer, EndpointId reader, const std::string& why_not);
   bool tick(Time now);
   /// Takes the progress of a writer as its node reports it. The desired states do not depend on it.
-  void progressed(NodeId node, const Progress& progress) { facts_.table.progressed(node, progress); }
+  /// Returns false if it is not the writer's node.
+  bool progressed(NodeId node, const Progress& progress) { return facts_.table.progressed(node, progress); }
 
   // Desired states, from the facts as they are.
   Serving serving(EndpointId writer) const;

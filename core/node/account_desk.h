@@ -17,10 +17,9 @@ namespace sft::core {
 
 class AccountDesk {
  public:
-  /// Both outlive this object. `asks_last`: a node that does not ask again within that time has lost
-  /// interest.
-  AccountDesk(const Negotiation& negotiation, const LocalEndpoints& ours, std::chrono::milliseconds asks_last)
-      : negotiation_(negotiation), ours_(ours), answers_(asks_last) {}
+  /// Both outlive this object.
+  AccountDesk(const Negotiation& negotiation, const LocalEndpoints& ours)
+      : negotiation_(negotiation), ours_(ours) {}
 
   /// The program wants to know the accounts of all pairs on that topic, until it has said as often that it
   /// does not any more.
@@ -33,12 +32,13 @@ class AccountDesk {
   void hear(const Assertion& sign, Time now);
   /// One of our endpoints was removed.
   void removed(EndpointId ours) { answers_.removed(ours); }
-  /// True if our signs of life ask or answer something at present.
-  bool has_to_tell(Time now) { return questions_.asks() || !answers_.asked_about(now).empty(); }
   /// Adds what our next sign of life asks and answers.
   void fill_in(Assertion& sign, Time now);
 
  private:
+  /// A node that does not ask again within that time has lost interest.
+  static constexpr std::chrono::milliseconds asks_last{3000};
+
   std::vector<EndpointId> questions();
   std::vector<Account> answers(Time now);
   void add_accounts_of(EndpointId own, std::set<AccountId>& accounts) const;
@@ -47,7 +47,7 @@ class AccountDesk {
   const Negotiation& negotiation_;
   const LocalEndpoints& ours_;
   AccountQuestions questions_;
-  AccountAnswers answers_;
+  AccountAnswers answers_{asks_last};
 };
 
 }  // namespace sft::core

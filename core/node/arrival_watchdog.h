@@ -38,14 +38,14 @@ class ArrivalWatchdog {
     bool awaits_history = false;
   };
 
-  /// To be called for each sign of life of the writer's node. `progress` is null if the node does not name
-  /// the writer, which then has sent nothing since it was named last. `signs` changes whenever something of
-  /// the writer arrives. Returns true if the connection has to be set up anew, which then counts as done.
+  /// To be called when the writer's node has just told its progress, and about once a second without it
+  /// (null): a progress that was told before something arrived must not be given after that. `signs` changes
+  /// whenever something of the writer arrives. Returns true if the connection has to be set up anew, which
+  /// then counts as done.
   bool look(const Progress* progress, std::uint64_t signs, const Pair& pair, Time now);
   /// There is no connection, or something else explains why nothing arrives: counting begins again.
   void excuse();
 
-  bool misses_samples() const { return missed_since_.has_value(); }
   std::uint64_t restarts() const { return restarts_; }
 
  private:

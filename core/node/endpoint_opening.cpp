@@ -62,7 +62,6 @@ Endpoint EndpointOpening::describe(Role role, const TopicName& name, const TypeS
   endpoint.id = random_id();
   endpoint.role = role;
   endpoint.node_id = node_.id;
-  endpoint.life_lease = node_.life_lease;
   endpoint.node = node_.options.name;
   endpoint.topic = name.topic;
   if (name.given.size() <= name_bytes_max) endpoint.given_topic = name.given;

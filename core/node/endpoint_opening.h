@@ -33,7 +33,6 @@ class EndpointOpening {
     const NodeOptions& options;
     std::shared_ptr<NodeNames> names;
     NodeId id = 0;
-    std::chrono::milliseconds life_lease{};
     SharedMemory* memory = nullptr;
     Network* network = nullptr;
     std::shared_ptr<BufferPool> heap;  ///< memory for samples outside of shared memory

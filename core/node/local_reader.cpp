@@ -219,7 +219,7 @@ void LocalReader::send_request() {
   const Request& request = node_.negotiation.local(id_)->request;
   has_news_ = true;
   feed_.requests(accepted_.latest().selection, request.sequence);
-  node_.outbox.request(id_, std::chrono::steady_clock::now());
+  node_.discovery.send(request);
 }
 
 void LocalReader::forget_what_was_in_flight(Time now) {
@@ -269,23 +269,17 @@ std::chrono::nanoseconds LocalReader::pace(std::chrono::nanoseconds longest) con
   return longest;
 }
 
-bool LocalReader::restart_deaf(const Assertion& assertion, bool held_up, Time now) {
+bool LocalReader::restart_deaf(const std::vector<Progress>& told, bool held_up, Time now) {
   bool restarted = false;
   for (auto& [writer, hearing] : heard_) {
-    const Endpoint* const endpoint = node_.negotiation.table().known(writer);
-    if (endpoint == nullptr || endpoint->node_id != assertion.node) continue;
-    if (!is_deaf(hearing, assertion, held_up, now)) continue;
+    if (!is_deaf(hearing, told, held_up, now)) continue;
     restart(hearing, now);
     restarted = true;
   }
   return restarted;
 }
 
-bool LocalReader::misses_samples() const {
-  return std::ranges::any_of(watchdogs_, [](const auto& item) { return item.second.misses_samples(); });
-}
-
-bool LocalReader::is_deaf(const Hearing& hearing, const Assertion& assertion, bool held_up, Time now) {
+bool LocalReader::is_deaf(const Hearing& hearing, const std::vector<Progress>& told, bool held_up, Time now) {
   const EndpointId writer = hearing.source.writer;
   const Request& request = node_.negotiation.local(id_)->request;
   const auto holds = [&](const auto& writers) { return std::ranges::find(writers, writer) != writers.end(); };
@@ -300,7 +294,7 @@ bool LocalReader::is_deaf(const Hearing& hearing, const Assertion& assertion, bo
     watchdog.excuse();
     return false;
   }
-  const auto named = std::ranges::find(assertion.progress, writer, &Progress::writer);
+  const auto named = std::ranges::find(told, writer, &Progress::writer);
   const bool lossy = !attached && !hearing.source.reliable;
   std::uint64_t signs = ports().arrivals(writer);
   // Parts of samples may arrive although no sample does.
@@ -310,7 +304,7 @@ bool LocalReader::is_deaf(const Hearing& hearing, const Assertion& assertion, bo
   const bool awaits_history =
       hearing.source.history_first && by != nullptr && by->history(writer) != HistoryProgress::came;
   return watchdog.look(
-      named == assertion.progress.end() ? nullptr : &*named, signs,
+      named == told.end() ? nullptr : &*named, signs,
       {.reliable = !lossy, .min_period_us = request.min_period_us, .awaits_history = awaits_history}, now);
 }
 

@@ -75,10 +75,9 @@ class LocalReader {
   /// Watches the callback, which is for all selections of the subscriber. Null but for the first one.
   CallbackWatch* callback() const { return callback_.get(); }
   /// Sets connections up anew by which nothing arrives, although their writer sends, as its node says.
-  /// `held_up`: a callback of this node may hold up what arrives. True if any was.
-  bool restart_deaf(const Assertion& assertion, bool held_up, Time now);
-  /// True if samples are missing that some writer has sent: each sign that its node lives counts then.
-  bool misses_samples() const;
+  /// `told`: the progress of writers that has just been told. `held_up`: a callback of this node may hold up
+  /// what arrives. True if any was.
+  bool restart_deaf(const std::vector<Progress>& told, bool held_up, Time now);
 
   /// Tells the user what has happened.
   void tell_events();
@@ -100,7 +99,7 @@ class LocalReader {
   bool look_after_history(const ReaderPort& port, EndpointId writer, Connections& connections);
   void accept();
   void watch_matching();
-  bool is_deaf(const Hearing& hearing, const Assertion& assertion, bool held_up, Time now);
+  bool is_deaf(const Hearing& hearing, const std::vector<Progress>& told, bool held_up, Time now);
   void restart(Hearing& hearing, Time now);
 
   NodeContext& node_;

@@ -9,7 +9,7 @@ namespace sft::core {
 
 namespace {
 constexpr std::chrono::milliseconds reach_again_after{1000};
-constexpr std::chrono::milliseconds paused_after{500};
+constexpr int progress_times = 3;
 }  // namespace
 
 LocalWriter::LocalWriter(NodeContext& node, const Endpoint& endpoint, std::shared_ptr<PublisherCore> core)
@@ -143,21 +143,16 @@ bool LocalWriter::watch_promises(Time now) {
 }
 
 std::optional<Progress> LocalWriter::take_progress(bool again) {
-  if (!has_readers()) return std::nullopt;
   const std::uint64_t published = core_->signs().published;
-  if (published == (again ? 0 : progress_told_)) return std::nullopt;
-  progress_told_ = published;
+  if (!has_readers() || published == 0) return std::nullopt;
+  if (again || std::exchange(progress_told_, published) != published) progress_left_ = progress_times;
+  if (progress_left_ == 0) return std::nullopt;
+  --progress_left_;
   return core_->progress();
 }
 
 std::uint64_t LocalWriter::sent_in_memory() const {
   return in_force_ && !in_force_->memory.empty() ? core_->signs().published : 0;
-}
-
-bool LocalWriter::has_paused(Time now) {
-  const std::uint64_t published = core_->signs().published;
-  if (std::exchange(published_, published) != published) published_at_ = now;
-  return has_readers() && published != progress_told_ && now - published_at_ >= paused_after;
 }
 
 /// States are copied and compared only if something can have happened.

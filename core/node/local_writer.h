@@ -48,12 +48,9 @@ class LocalWriter {
   bool watch_promises(Time now);
   /// How long the next look can wait; nothing if there is nothing to look at.
   std::optional<std::chrono::nanoseconds> pace() const { return watch_.pace(); }
-  /// How far the writer is; nothing if it has no readers, or has sent nothing since this was last asked.
-  /// `again`: since ever.
+  /// How far the writer is, a few times, since what tells it may get lost; nothing if it has no readers, or
+  /// has sent nothing since. `again`: some reader may not have heard it.
   std::optional<Progress> take_progress(bool again);
-  /// True if the writer has paused since it sent something of which no progress was taken. While samples
-  /// follow one another, each tells readers of those before it; after the last one only the progress does.
-  bool has_paused(Time now);
 
   /// Tells the user what has happened.
   void tell_events();
@@ -83,8 +80,7 @@ class LocalWriter {
   OfferWatch watch_;
   std::set<EndpointId> history_sent_;     ///< late readers that had been sent everything at the last tick
   std::uint64_t progress_told_ = 0;       ///< samples published when others were told of the progress last
-  std::uint64_t published_ = 0;           ///< at the last look of has_paused()
-  Time published_at_{};                   ///< when that number was seen first
+  int progress_left_ = 0;                 ///< how often that has to be told yet
   PublisherStatus told_;                  ///< the state up to which events were told
   bool has_news_ = false;                 ///< the state may differ from told_
   std::map<EndpointId, Retry> reaching_;  ///< readers in memory that could not be told of samples

@@ -2,8 +2,8 @@
 // and the user. The agent's.
 #pragma once
 
+#include "core/discovery/discovery.h"
 #include "core/negotiation/negotiation.h"
-#include "core/node/control_outbox.h"
 #include "core/node/port_attempts.h"
 #include "core/report/node_log.h"
 #include "core/seam/transport.h"
@@ -12,7 +12,7 @@ namespace sft::core {
 
 struct NodeContext {
   Negotiation& negotiation;
-  ControlOutbox& outbox;
+  Discovery& discovery;
   PortAttempts& attempts;
   NodeLog& log;
   SharedMemory* memory = nullptr;  ///< null if the node must not use it

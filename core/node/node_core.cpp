@@ -100,7 +100,6 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
   node->opening_.emplace(EndpointOpening::Node{.options = node->options_,
                                                .names = names,
                                                .id = node->id_,
-                                               .life_lease = node->discovery_->life_signs().lease,
                                                .memory = node->memory_.get(),
                                                .network = node->network_.get(),
                                                .heap = heap,
@@ -259,17 +258,12 @@ void NodeCore::request_received(Request request) {
   agent_.post([this, request = std::move(request)] { reconciler_->request_received(request); });
 }
 
-/// Signs of life of all nodes come all the time. One that tells nothing else does not wake the agent.
 void NodeCore::liveliness_asserted(Assertion assertion) {
-  const bool tells_more = assertion.tells_more_than_life();
+  const bool has_time = assertion.writers.empty();
   Agent::Task task = [this, assertion = std::move(assertion)] {
     reconciler_->liveliness_asserted(assertion);
   };
-  tells_more ? agent_.post(std::move(task)) : agent_.post_for_next_tick(std::move(task));
-}
-
-void NodeCore::node_lost(NodeId id) {
-  agent_.post([this, id] { reconciler_->node_lost(id); });
+  has_time ? agent_.post_for_next_tick(std::move(task)) : agent_.post(std::move(task));
 }
 
 void NodeCore::links_changed(const std::string& summary) {

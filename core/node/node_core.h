@@ -78,7 +78,6 @@ class NodeCore final : private DiscoveryListener {
   void endpoint_lost(EndpointId id) override;
   void request_received(Request request) override;
   void liveliness_asserted(Assertion assertion) override;
-  void node_lost(NodeId id) override;
   void control_malformed(std::string why) override;
   void links_changed(const std::string& summary) override;  // called by the agent
   void link_was_deaf(const std::string& what) override;     // called by the agent

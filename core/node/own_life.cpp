@@ -6,24 +6,16 @@
 namespace sft::core {
 
 namespace {
-constexpr std::chrono::milliseconds told_more_pause{500};
-/// At least one sign is given within that time.
-constexpr std::chrono::milliseconds tells_progress_again_for{1500};
+constexpr std::chrono::milliseconds progress_is_told_again_for{2500};
 }  // namespace
 
-/// Not more than two signs of life in a second tell more than that: a node that keeps a short lease gives far
-/// more of them.
 Assertion OwnLife::next_sign(std::vector<EndpointId> living, LocalEndpoints& ours, AccountDesk& accounts,
-                             Time met_at, Time now) {
-  told_at_ = now;
-  if (std::exchange(has_newcomer_, false)) newcomers_told_at_ = now;
+                             Time newcomer_at, Time now) {
   Assertion sign{id_, std::move(living)};
-  if (now < told_more_at_ + told_more_pause) return sign;
-  sign.progress = take_progress(ours, now - met_at < tells_progress_again_for);
+  if (!is_sign_due(now)) return sign;
+  told_at_ = now;
+  sign.progress = take_progress(ours, now - newcomer_at < progress_is_told_again_for);
   accounts.fill_in(sign, now);
-  const bool tells_accounts = !sign.asked_about.empty() || !sign.accounts.empty();
-  if (tells_accounts) accounts_told_at_ = now;
-  if (tells_accounts || !sign.progress.empty()) told_more_at_ = now;
   return sign;
 }
 

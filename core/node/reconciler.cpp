@@ -10,8 +10,8 @@ namespace sft::core {
 namespace {
 constexpr std::chrono::milliseconds tick_while_attaching{1};
 constexpr std::chrono::milliseconds tick_shortest{1};
-constexpr std::chrono::milliseconds asks_last_least{3000};
 constexpr std::chrono::seconds held_up_for{1};
+constexpr std::chrono::milliseconds arrivals_pause{900};
 constexpr const char* remedy_of_long_callbacks =
     "open a node of its own for a long callback, or give its work to another thread";
 constexpr int hurried_ticks_max = 1000;  // a connection that takes longer is not worth the looking
@@ -35,12 +35,11 @@ Reconciler::Reconciler(NodeId id, std::uint64_t network_id, SharedMemory* memory
       dispatcher_(dispatcher),
       log_(log),
       transports_(memory, network, network_id, log),
-      outbox_(negotiation_, discovery, log),
       control_watch_(negotiation_, log),
       attempts_(log, memory),
-      context_{negotiation_, outbox_, attempts_, log, memory, network},
-      accounts_(negotiation_, ours_, std::max(asks_last_least, 3 * discovery.life_signs().pause)),
-      life_(id, discovery.life_signs()) {
+      context_{negotiation_, discovery, attempts_, log, memory, network},
+      accounts_(negotiation_, ours_),
+      life_(id) {
   negotiation_.self_changed(transports_.self());
   if (network != nullptr) negotiation_.network_changed(transports_.addresses(), transports_.links());
 }
@@ -50,7 +49,7 @@ void Reconciler::add_writer(const Endpoint& endpoint, std::shared_ptr<PublisherC
   ours_.writers.try_emplace(endpoint.id, context_, endpoint, std::move(core));
   negotiation_.local_added(endpoint, type);
   dirty_ = true;
-  outbox_.announce(endpoint.id, std::chrono::steady_clock::now());
+  announce(endpoint.id);
 }
 
 void Reconciler::add_reader(const Endpoint& endpoint, LocalReader::Parts parts) {
@@ -60,9 +59,8 @@ void Reconciler::add_reader(const Endpoint& endpoint, LocalReader::Parts parts) 
       ours_.readers.try_emplace(endpoint.id, context_, endpoint, std::move(parts)).first->second;
   negotiation_.local_added(endpoint, added.core().type());
   dirty_ = true;
-  const Time now = std::chrono::steady_clock::now();
-  outbox_.announce(endpoint.id, now);
-  if (is_first) control_watch_.reader_added(endpoint.id, now);
+  announce(endpoint.id);
+  if (is_first) control_watch_.reader_added(endpoint.id, std::chrono::steady_clock::now());
 }
 
 /// Ports wait for the call of their listener to return. The agent must not wait for that: the callback in
@@ -70,7 +68,7 @@ void Reconciler::add_reader(const Endpoint& endpoint, LocalReader::Parts parts) 
 void Reconciler::remove(EndpointId id) {
   negotiation_.local_removed(id);
   dirty_ = true;
-  outbox_.withdraw(id);
+  discovery_.withdraw(id);
   accounts_.removed(id);
   ours_.writers.erase(id);
   const auto reader = ours_.readers.find(id);
@@ -94,22 +92,7 @@ void Reconciler::program_asserts(EndpointId id) {
   if (writer->second.watch_promises(now)) tell_of_life({id}, now);
 }
 
-void Reconciler::endpoint_seen(const Endpoint& endpoint) {
-  if (!negotiation_.table().knows(endpoint.node_id)) life_.newcomer_seen();
-  dirty_ |= negotiation_.endpoint_seen(endpoint);
-  if (!negotiation_.table().knows(endpoint.node_id)) return;
-  if (endpoint.life_lease.count() == 0) {
-    dirty_ |= negotiation_.node_lost(endpoint.node_id);
-  } else {
-    heard_of(endpoint);
-  }
-}
-
-/// The node of that endpoint has said something else than that it lives.
-void Reconciler::heard_of(const Endpoint& endpoint) {
-  silence_.heard(endpoint.node_id, endpoint.life_lease, std::chrono::steady_clock::now());
-  dirty_ |= negotiation_.node_returned(endpoint.node_id);
-}
+void Reconciler::endpoint_seen(const Endpoint& endpoint) { dirty_ |= negotiation_.endpoint_seen(endpoint); }
 
 void Reconciler::endpoint_departed(EndpointId id) { dirty_ |= negotiation_.endpoint_departed(id); }
 
@@ -118,22 +101,24 @@ void Reconciler::endpoint_lost(EndpointId id) {
 }
 
 void Reconciler::request_received(const Request& request) {
-  if (const Endpoint* reader = negotiation_.table().known(request.reader)) heard_of(*reader);
   dirty_ |= negotiation_.request_received(request);
 }
 
 void Reconciler::liveliness_asserted(const Assertion& assertion, Time now) {
-  silence_.lives(assertion.node);
-  dirty_ |= negotiation_.node_returned(assertion.node);
-  for (const Progress& progress : assertion.progress) negotiation_.progressed(assertion.node, progress);
+  std::vector<Progress> told;
+  for (const Progress& progress : assertion.progress) {
+    if (negotiation_.progressed(assertion.node, progress)) told.push_back(progress);
+  }
   accounts_.hear(assertion, now);
   for (auto& [id, reader] : ours_.readers) reader.asserted(assertion.writers);
-  const bool held_up = now - held_up_at_ < held_up_for;
-  for (auto& [id, reader] : ours_.readers) dirty_ |= reader.restart_deaf(assertion, held_up, now);
+  if (!told.empty()) look_at_arrivals(told, now);
 }
 
-void Reconciler::node_lost(NodeId id) {
-  if (silence_.is_lost(id, std::chrono::steady_clock::now())) dirty_ |= negotiation_.node_lost(id);
+/// `told`: the progress of writers that has just been told.
+void Reconciler::look_at_arrivals(const std::vector<Progress>& told, Time now) {
+  arrivals_looked_at_ = now;
+  const bool held_up = now - held_up_at_ < held_up_for;
+  for (auto& [id, reader] : ours_.readers) dirty_ |= reader.restart_deaf(told, held_up, now);
 }
 
 std::chrono::milliseconds Reconciler::tick(Time now) {
@@ -144,12 +129,10 @@ std::chrono::milliseconds Reconciler::tick(Time now) {
   next_piece_of_work();
   for (auto& [id, reader] : ours_.readers) reader.forget_what_was_in_flight(now);
   dirty_ |= negotiation_.tick(now);
-  for (const NodeId node : silence_.take_lost(now)) dirty_ |= negotiation_.node_lost(node);
   control_ignored_.store(negotiation_.ignored(), std::memory_order_relaxed);
   control_watch_.tell_of_refusals(now);
   control_watch_.name_misspelt_topics([this](const auto& type) { return discovery_.publishers_of(type); },
                                       now);
-  outbox_.look(now);
   next_piece_of_work();
   look_after_endpoints(now);
   next_piece_of_work();
@@ -157,17 +140,11 @@ std::chrono::milliseconds Reconciler::tick(Time now) {
   const bool awaits_port = context_.memory != nullptr && context_.memory->awaits_answer();
   hurried_ticks_ = look_after_connections(now) || awaits_port ? hurried_ticks_ + 1 : 0;
   watch_promises(now);
-  const Discovery::Awaited awaited{.somebody = negotiation_.table().misses_somebody(),
-                                   .every_sign = std::ranges::any_of(ours_.readers, [](const auto& item) {
-                                     return item.second.misses_samples();
-                                   })};
+  if (now - arrivals_looked_at_ >= arrivals_pause) look_at_arrivals({}, now);
   next_piece_of_work();
-  discovery_looks_at_ = discovery_.look_after(now, awaited);
+  discovery_looks_at_ = discovery_.look_after(now);
   next_piece_of_work();
-  const bool misses_memory = context_.memory != nullptr && !transports_.memory_ready();
-  if ((misses_memory && !discovery_.is_calm(now)) || !departing_.empty() ||
-      has_to_be_watched(negotiation_, ours_))
-    tick_pace_.stirred(now);
+  if (!departing_.empty() || has_to_be_watched(negotiation_, ours_)) tick_pace_.stirred(now);
   reconcile();
   log_.tick(now);
   const bool hurry = hurried_ticks_ > 0 && hurried_ticks_ <= hurried_ticks_max;
@@ -198,10 +175,11 @@ void Reconciler::look_after_addresses(Time now) {
   if (change == TransportWatch::NetworkChange::addresses) announce_all();
 }
 
+void Reconciler::announce(EndpointId id) { discovery_.announce(*negotiation_.next_announcement(id)); }
+
 void Reconciler::announce_all() {
-  const Time now = std::chrono::steady_clock::now();
-  for (const auto& [id, writer] : ours_.writers) outbox_.announce(id, now);
-  for (const auto& [id, reader] : ours_.readers) outbox_.announce(id, now);
+  for (const auto& [id, writer] : ours_.writers) announce(id);
+  for (const auto& [id, reader] : ours_.readers) announce(id);
 }
 
 void Reconciler::look_after_endpoints(Time now) {
@@ -259,26 +237,23 @@ bool Reconciler::look_after_connections(Time now) {
 
 void Reconciler::watch_promises(Time now) {
   std::vector<EndpointId> living;
-  bool has_paused = false;
   for (auto& [id, writer] : ours_.writers) {
     if (writer.watch_promises(now)) living.push_back(id);
-    has_paused |= writer.has_paused(now);
   }
-  const bool is_calm = discovery_.is_calm(now) && !accounts_.has_to_tell(now) && !has_paused;
-  if (!living.empty() || life_.is_sign_due(is_calm, now)) tell_of_life(std::move(living), now);
+  if (!living.empty() || life_.is_sign_due(now)) tell_of_life(std::move(living), now);
   for (auto& [id, reader] : ours_.readers) reader.watch_promises(now);
 }
 
 void Reconciler::tell_of_life(std::vector<EndpointId> living, Time now) {
-  const Assertion sign = life_.next_sign(std::move(living), ours_, accounts_, discovery_.met_at(), now);
+  const Assertion sign = life_.next_sign(std::move(living), ours_, accounts_, discovery_.newcomer_at(), now);
+  if (!sign.tells_anything()) return;
   discovery_.assert_liveliness(sign);
-  liveliness_asserted(sign);  // our own readers
+  liveliness_asserted(sign, now);  // our own readers
 }
 
 /// The time until the next tick: not longer than a deadline, a lease or the network can wait.
 std::chrono::milliseconds Reconciler::pace(Time now) const {
-  const bool is_calm = discovery_.is_calm(now);
-  std::chrono::nanoseconds pace = std::min(tick_pace_.next(now), life_.until_next(is_calm, now));
+  std::chrono::nanoseconds pace = tick_pace_.next(now);
   for (const Time next : {transports_.next_look(now), discovery_looks_at_}) {
     if (next - now < pace) pace = std::chrono::ceil<std::chrono::milliseconds>(next - now);
   }
@@ -290,7 +265,7 @@ std::chrono::milliseconds Reconciler::pace(Time now) const {
 std::chrono::milliseconds Reconciler::reconcile() {
   const Time now = std::chrono::steady_clock::now();
   for (const EndpointId id : control_watch_.take_contested(now)) {
-    outbox_.announce(id, now);
+    announce(id);
     if (const auto reader = ours_.readers.find(id); reader != ours_.readers.end())
       reader->second.send_request();
   }

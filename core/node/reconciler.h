@@ -13,14 +13,12 @@
 #include "core/discovery/discovery.h"
 #include "core/negotiation/negotiation.h"
 #include "core/node/account_desk.h"
-#include "core/node/control_outbox.h"
 #include "core/node/control_watch.h"
 #include "core/node/domain_snapshot.h"
 #include "core/node/local_endpoints.h"
 #include "core/node/node_context.h"
 #include "core/node/own_life.h"
 #include "core/node/port_attempts.h"
-#include "core/node/silence_watch.h"
 #include "core/node/tick_pace.h"
 #include "core/node/transport_watch.h"
 #include "core/platform/clock.h"
@@ -51,7 +49,6 @@ class Reconciler {
   void endpoint_lost(EndpointId id);
   void request_received(const Request& request);
   void liveliness_asserted(const Assertion& assertion, Time now = std::chrono::steady_clock::now());
-  void node_lost(NodeId id);
 
   /// Looks after the transports and after what changes with time; returns when to be called again.
   std::chrono::milliseconds tick(Time now = std::chrono::steady_clock::now());
@@ -71,14 +68,15 @@ class Reconciler {
   std::uint64_t control_ignored() const { return control_ignored_.load(std::memory_order_relaxed); }
 
  private:
-  void heard_of(const Endpoint& endpoint);
   void tell_of_life(std::vector<EndpointId> living, Time now);
   void watch_promises(Time now);
+  void look_at_arrivals(const std::vector<Progress>& told, Time now);
   void look_after_memory(Time now);
   void look_after_addresses(Time now);
   void look_after_endpoints(Time now);
   void tell_of_long_waits(const LocalReader& reader, const CallbackWatch::LongWaits& waits);
   bool look_after_connections(Time now);
+  void announce(EndpointId id);
   void announce_all();
   void settle();
   std::chrono::milliseconds pace(Time now) const;
@@ -88,9 +86,7 @@ class Reconciler {
   NodeLog& log_;
   TransportWatch transports_;
   Negotiation negotiation_;
-  ControlOutbox outbox_;
   ControlWatch control_watch_;
-  SilenceWatch silence_;
   PortAttempts attempts_;
   NodeContext context_;
   LocalEndpoints ours_;
@@ -99,9 +95,10 @@ class Reconciler {
   OwnLife life_;
   TickPace tick_pace_;
   Time discovery_looks_at_{};  ///< the next time, at the latest
-  Time held_up_at_{};          ///< when a callback that takes long was seen last
-  bool dirty_ = false;         ///< something changed that reconcile() has not seen
-  int hurried_ticks_ = 0;      ///< in a row, because some reader waits for its connection
+  Time arrivals_looked_at_{};
+  Time held_up_at_{};      ///< when a callback that takes long was seen last
+  bool dirty_ = false;     ///< something changed that reconcile() has not seen
+  int hurried_ticks_ = 0;  ///< in a row, because some reader waits for its connection
   std::atomic<std::uint64_t> control_ignored_{0};
 };
 

@@ -1,8 +1,7 @@
 // Decides how often a node looks after what does not tell of itself, like connections in shared memory and
 // calls that were tried in vain. A look costs a wake-up and some calls of the system, which is most of what
 // an idle node costs. So looks are frequent while something happens that they may be needed for, and become
-// rarer afterwards: also where discovery is not calm. Discovery and transports say themselves when they have
-// to be looked after earlier. Pure.
+// rarer afterwards. Discovery and transports say themselves when they have to be looked after earlier. Pure.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +18,7 @@ namespace sft::core {
 class TickPace {
  public:
   static constexpr std::chrono::milliseconds pause{50};
-  /// A look in calm gives a sign of life, too, where there are pulses.
+  /// So a look goes together with a heartbeat, which is given each second.
   static constexpr std::chrono::milliseconds pause_in_calm{932};
   static_assert(pause_in_calm <= Transport::poll_pause_max);
 

@@ -19,14 +19,14 @@ std::shared_ptr<NetworkReader> Waiter::receiver() const {
 bool Waiter::wait_until(Time deadline) {
   if (available()) return true;
   const Time began = Clock::now();
-  const std::chrono::nanoseconds spin = spinning_.spin();
+  const std::chrono::nanoseconds spin = spinning_.spin(spin_);
   const Time spin_until = deadline - began < spin ? deadline : began + spin;
   for (;;) {
     const std::uint32_t seen = bell_.rings.load(std::memory_order_seq_cst);
     const bool found = available();
     const Time now = Clock::now();
     if (found || now >= deadline || is_interrupted()) {
-      spinning_.waited(now - began, found);
+      spinning_.waited(now - began, found, spin_);
       return found;
     }
     const std::shared_ptr<NetworkReader> network = receiver();

@@ -11,8 +11,8 @@
 #include "core/platform/clock.h"
 #include "core/platform/doorbell.h"
 #include "core/platform/poll_handle.h"
-#include "core/subscribe/spin_choice.h"
 #include "core/subscribe/subscriber_ports.h"
+#include "core/sync/spin_choice.h"
 
 namespace sft::core {
 
@@ -22,7 +22,7 @@ class Waiter {
   /// All outlive this object. Whoever sets `interrupted` rings the doorbell afterwards.
   Waiter(std::vector<SubscriberPorts*> ports, Doorbell& bell, PollHandle* handle,
          std::chrono::nanoseconds spin, const std::atomic<bool>* interrupted = nullptr)
-      : ports_(std::move(ports)), bell_(bell), handle_(handle), interrupted_(interrupted), spinning_(spin) {}
+      : ports_(std::move(ports)), bell_(bell), handle_(handle), interrupted_(interrupted), spin_(spin) {}
 
   /// True if there is a sample.
   bool available() const;
@@ -57,7 +57,10 @@ class Waiter {
   Doorbell& bell_;
   PollHandle* const handle_;
   const std::atomic<bool>* const interrupted_;
-  SpinChoice spinning_;
+  const std::chrono::nanoseconds spin_;
+  // Two programs that answer each other, and sleep meanwhile, wait for two threads to be woken on two hosts.
+  // They have to find out that spinning would spare them that, so ten times the limit is a short wait.
+  SpinChoice spinning_{10};
 };
 
 }  // namespace sft::core

@@ -39,7 +39,6 @@ void check(FuzzedDataProvider data) {
   auto progress = elements<sft_control_Progress>(data, progress_max + 2);
   auto writers = elements<std::uint64_t>(data, assertions_max + 2);
   sft_control_SignNews news{};
-  news.wants_signs = data.ConsumeBool();
   put(news.accounts, accounts);
   put(news.asked_about, asked_about);
   put(news.progress, progress);

@@ -40,8 +40,11 @@ enum class Attacker : std::uint8_t {
 
 /// The harm that honest programs cannot be spared.
 enum class Harm : std::uint8_t {
-  none,        ///< nothing: all pairs are served
-  floods,      ///< the act takes so much of the network or the processor that samples may fail to come
+  none,    ///< nothing: all pairs are served
+  floods,  ///< the act takes so much of the network or the processor that samples may fail to come
+  /// The act speaks in the names of honest programs, which is not told from true words: samples may fail to
+  /// come, unless the honest ones have certificates.
+  forges,
   stops_near,  ///< the act stops the subscriber on the publisher's host
   /// Files of another account stay for good, which only that one or root can remove. Until then UDP will do
   /// in place of shared memory, if the status names one of them.

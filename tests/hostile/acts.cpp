@@ -6,6 +6,7 @@
 #include "tests/hostile/daemon_acts.h"
 #include "tests/hostile/datagram_acts.h"
 #include "tests/hostile/file_acts.h"
+#include "tests/hostile/forging_acts.h"
 #include "tests/hostile/overheard_acts.h"
 
 namespace sft::hostile {
@@ -15,6 +16,7 @@ namespace {
 using enum Attacker;
 constexpr Harm none = Harm::none;
 constexpr Harm floods = Harm::floods;
+constexpr Harm forges = Harm::forges;
 
 constexpr std::array all_acts{
     // Files of another account
@@ -68,15 +70,28 @@ constexpr std::array all_acts{
     Entry{"no_descriptors", "Leaves the publisher no descriptor more.", owner, none, no_descriptors},
 
     // The control topics
-    Entry{"forged_disposals", "Disposes of all endpoints of others.", neighbour, none, forged_disposals},
-    Entry{"forged_deaths", "Disposes of the signs of life of others.", neighbour, none, forged_deaths},
-    Entry{"requests_with_the_last_number", "Requests nothing in others' names, with sequence 2^64-1.",
-          neighbour, none, requests_with_the_last_number},
-    Entry{"requests_to_nobody", "Requests nothing in others' names, 100 sequences ahead.", neighbour, none,
-          requests_to_nobody},
-    Entry{"altered_announcements", "Announces others' endpoints at other addresses.", neighbour, none,
-          altered_announcements},
-    Entry{"repeated_announcements", "Repeats what others announced first.", neighbour, none,
+    Entry{"forged_disposals", "Disposes of all records of others, and withdraws them as their writers.",
+          neighbour, forges, forged_disposals},
+    Entry{"forged_deaths", "Disposes of the participants of others.", neighbour, forges, forged_deaths},
+    Entry{"requests_with_the_last_number", "Requests nothing as others' writers, with sequence 2^63.",
+          neighbour, forges, requests_with_the_last_number},
+    Entry{"altered_announcements", "Announces others' endpoints at other addresses, as their writers.",
+          neighbour, forges, altered_announcements},
+    Entry{"outdated_records", "Sends heartbeats of RTPS far ahead in the names of others' writers.",
+          neighbour, forges, outdated_records},
+    Entry{"claimed_processes", "Says that it belongs to others' processes, which have nothing.", neighbour,
+          forges, claimed_processes},
+    Entry{"copied_endpoints", "Announces others' endpoints as those of a process of its own.", neighbour,
+          forges, copied_endpoints},
+    Entry{"false_life", "Gives heartbeats in others' names, with the digests of other records.", neighbour,
+          forges, false_life},
+    Entry{"mutated_control", "Sends mutated messages of DDS and heartbeats, also in others' names.",
+          neighbour, forges, mutated_control},
+    Entry{"truncated_control", "Sends such messages that are cut off.", neighbour, forges, truncated_control},
+    Entry{"replayed_control", "Repeats such messages in any order.", neighbour, forges, replayed_control},
+    Entry{"requests_to_nobody", "Requests nothing for others' subscribers, 100 sequences ahead.", neighbour,
+          none, requests_to_nobody},
+    Entry{"repeated_announcements", "Repeats the records of others.", neighbour, none,
           repeated_announcements},
     Entry{"ten_thousand_readers", "Announces 10,000 subscribers.", neighbour, none, ten_thousand_readers},
     Entry{"a_thousand_masks", "Announces 1,000 subscribers with as many masks.", neighbour, none,
@@ -97,13 +112,14 @@ constexpr std::array all_acts{
           reflection},
     Entry{"reflection_to_the_own_host", "Does that, as if it were on the publisher's own host.", neighbour,
           none, reflection_to_the_own_host},
-    Entry{"false_life", "Says that others live, with publishers that they do not have.", neighbour, none,
-          false_life},
-    Entry{"false_progress", "Says that others have sent more than anybody received.", neighbour, none,
-          false_progress},
-    Entry{"questions_without_end", "Asks all the time for the accounts of all pairs.", neighbour, none,
-          questions_without_end},
-    Entry{"false_accounts", "Says in others' names what was sent and lost.", neighbour, none, false_accounts},
+    Entry{"unknown_records", "Writes records of unknown kinds and versions, and of others.", neighbour, none,
+          unknown_records},
+    Entry{"slots_without_end", "Writes records that are none in 40,000 slots.", neighbour, none,
+          slots_without_end},
+    Entry{"heartbeats_without_records", "Gives heartbeats of records that it does not have.", neighbour, none,
+          heartbeats_without_records},
+    Entry{"flood_of_heartbeats", "Sends 30,000 heartbeats a second of participants that do not exist.",
+          neighbour, floods, flood_of_heartbeats},
 
     // Datagrams
     Entry{"sequence_jumps", "Sends a sample of a sequence far ahead.", neighbour, none, sequence_jumps},

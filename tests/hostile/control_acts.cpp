@@ -6,6 +6,7 @@
 #include <memory>
 #include <set>
 
+#include "core/control/record_body.h"
 #include "sft/dynamic_type.h"
 #include "tests/hostile/control_voice.h"
 #include "tests/hostile/wire.h"
@@ -19,11 +20,16 @@ using core::Role;
 
 constexpr std::uint64_t last_number = std::numeric_limits<std::uint64_t>::max();
 
+/// A process that is made up.
+std::shared_ptr<ControlVoice> voice_of(Target& target) {
+  return std::make_shared<ControlVoice>(target.random() | 1);
+}
+
 /// Calls `say` for every honest endpoint of that role, every time.
-Act to_each(Role role, std::function<void(ControlVoice&, const Endpoint&)> say) {
-  const auto voice = std::make_shared<ControlVoice>();
-  return {.begin = {}, .go_on = [voice, role, say = std::move(say)] {
+Act to_each(Target& target, Role role, std::function<void(ControlVoice&, const Endpoint&)> say) {
+  return {.begin = {}, .go_on = [voice = voice_of(target), role, say = std::move(say)] {
             for (const Endpoint& endpoint : voice->heard(role)) say(*voice, endpoint);
+            voice->live();
           }};
 }
 
@@ -32,15 +38,15 @@ Act to_each(Role role, std::function<void(ControlVoice&, const Endpoint&)> say) 
 Act crowd(Target& target, Role role, std::size_t count,
           std::function<Endpoint(const Endpoint& honest, std::uint64_t node, std::uint64_t number)> make) {
   struct State {
-    explicit State(std::uint64_t id) : node(id) {}
+    explicit State(std::uint64_t id) : voice(id), node(id) {}
     ControlVoice voice;
     std::uint64_t node;
     std::size_t said = 0;
   };
-  const auto state = std::make_shared<State>(target.random());
+  const auto state = std::make_shared<State>(target.random() | 1);
   constexpr std::size_t at_a_time = 200;
   return {.begin = {}, .go_on = [state, role, count, make = std::move(make)] {
-            state->voice.assert_life(state->node);
+            state->voice.live();
             const auto honest = state->voice.heard(role);
             if (honest.empty()) return;
             for (std::size_t i = 0; i < at_a_time && state->said < count; ++i)
@@ -109,11 +115,11 @@ Act reflection_to(Target& target, bool own_host_of_the_writer) {
     std::uint64_t node;
     std::set<core::EndpointId> known;
   };
-  const auto state = std::make_shared<State>(target.random());
+  const auto state = std::make_shared<State>(target.random() | 1);
   return {.begin = {},
           .go_on =
               [=] {
-                state->voice.assert_life(state->node);
+                state->voice.live();
                 state->drain.count();
                 for (const Endpoint& writer : state->voice.heard(Role::writer)) {
                   if (writer.addresses.empty() || !state->known.insert(writer.id).second) continue;
@@ -134,32 +140,8 @@ Act reflection_to(Target& target, bool own_host_of_the_writer) {
 
 }  // namespace
 
-Act forged_disposals(Target&) {
-  const auto voice = std::make_shared<ControlVoice>();
-  return {.begin = {}, .go_on = [voice] {
-            for (const Endpoint& endpoint : voice->heard()) voice->dispose(endpoint.id);
-          }};
-}
-
-Act forged_deaths(Target&) {
-  const auto voice = std::make_shared<ControlVoice>();
-  return {.begin = {}, .go_on = [voice] {
-            for (const Endpoint& endpoint : voice->heard()) voice->dispose_life(endpoint.node_id);
-          }};
-}
-
-Act requests_with_the_last_number(Target&) {
-  return to_each(Role::reader, [](ControlVoice& voice, const Endpoint& reader) {
-    core::Request request = reader.request;
-    request.sequence = last_number;
-    request.listening.clear();
-    request.attached.clear();
-    voice.request(request);
-  });
-}
-
-Act requests_to_nobody(Target&) {
-  return to_each(Role::reader, [](ControlVoice& voice, const Endpoint& reader) {
+Act requests_to_nobody(Target& target) {
+  return to_each(target, Role::reader, [](ControlVoice& voice, const Endpoint& reader) {
     core::Request request = reader.request;
     request.sequence += 100;
     request.mask_words = {1};
@@ -169,24 +151,11 @@ Act requests_to_nobody(Target&) {
   });
 }
 
-Act altered_announcements(Target& target) {
-  const std::uint64_t node = target.random();
-  return to_each(Role::reader, [node](ControlVoice& voice, const Endpoint& reader) {
-    Endpoint altered = made_up_reader(reader, reader.id, node, nobody());
-    altered.request.sequence = reader.request.sequence + 1000;
-    altered.revision = reader.revision + 1000;
-    voice.announce(altered);
-  });
-}
-
-/// Repeats announcements, as a cache or a network may do.
-Act repeated_announcements(Target&) {
-  const auto voice = std::make_shared<ControlVoice>();
-  const auto first = std::make_shared<std::vector<Endpoint>>();
-  return {.begin = {}, .go_on = [=] {
-            const auto now = voice->heard();
-            if (first->size() < now.size()) *first = now;
-            for (const Endpoint& endpoint : *first) voice->announce(endpoint);
+/// Repeats records of others, as a cache may do, though not by their writers.
+Act repeated_announcements(Target& target) {
+  return {.begin = {}, .go_on = [voice = voice_of(target)] {
+            for (const auto& heard : voice->records_heard()) voice->write_raw(heard.role, heard.sample);
+            voice->live();
           }};
 }
 
@@ -236,34 +205,25 @@ Act names_with_control_characters(Target& target) {
       });
 }
 
-/// Bytes of the announcement that are nothing in particular.
+/// Records whose bytes are nothing in particular: an announcement that is changed, cut, or longer.
 Act senseless_announcements(Target& target) {
-  return to_each(Role::writer, [&random = target.random](ControlVoice& voice, const Endpoint& writer) {
-    const Endpoint reader = made_up_reader(writer, random(), random(), nobody());
-    core::ControlStorage storage;
-    sft_control_Endpoint raw = core::to_dds(reader, storage);
-    auto* bytes = reinterpret_cast<unsigned char*>(&raw.host);
-    for (std::size_t i = 0; i < sizeof raw.host; ++i) bytes[i] = static_cast<unsigned char>(random());
-    raw.version = static_cast<std::uint8_t>(random() % 2 == 0 ? raw.version : random());
-    raw.role = static_cast<std::uint8_t>(random() % 4);
-    raw.type_hash = random();
-    raw.max_sample_bytes = last_number;
-    raw.request.request_sequence = random();
-    for (std::uint64_t left = random() % 50; left > 0; --left)
-      storage.wants.push_back(static_cast<std::byte>(random() % 5));
-    const auto wants = static_cast<std::uint32_t>(storage.wants.size());
-    raw.request.wants = {wants, wants, reinterpret_cast<std::uint8_t*>(storage.wants.data()), false};
-    raw.qos.reliability = static_cast<std::uint8_t>(random());
-    raw.qos.deadline = random();
-    voice.announce_raw(raw);
+  const auto random = std::make_shared<Random>(target.random());
+  return to_each(target, Role::writer, [random](ControlVoice& voice, const Endpoint& writer) {
+    const Endpoint reader = made_up_reader(writer, (*random)(), (*random)(), nobody());
+    std::vector<std::byte> bytes = core::to_bytes(reader);
+    for (std::uint64_t left = (*random)() % 20; left > 0; --left)
+      bytes[(*random)() % bytes.size()] = static_cast<std::byte>((*random)());
+    if ((*random)() % 3 == 0) bytes.resize((*random)() % (2 * bytes.size()));
+    if (bytes.empty()) bytes.resize(1);
+    voice.announce_bytes((*random)() % 2 == 0 ? Role::reader : Role::writer, (*random)() % 500,
+                         std::move(bytes));
   });
 }
 
 /// Writers of which the short id is that of an honest one, and the whole one is smaller.
 Act twin_writers(Target& target) {
   const std::uint64_t node = target.random();
-  return to_each(Role::writer, [node](ControlVoice& voice, const Endpoint& writer) {
-    voice.assert_life(node);
+  return to_each(target, Role::writer, [node](ControlVoice& voice, const Endpoint& writer) {
     Endpoint twin = made_up_writer(writer, writer.id & 0xffff'ffff, node);
     twin.addresses = nobody();
     voice.announce(twin);
@@ -274,49 +234,49 @@ Act reflection(Target& target) { return reflection_to(target, false); }
 
 Act reflection_to_the_own_host(Target& target) { return reflection_to(target, true); }
 
-/// In the honest nodes' names, with writers that they do not have.
-Act false_life(Target& target) {
-  const auto voice = std::make_shared<ControlVoice>();
-  return {.begin = {}, .go_on = [voice, &random = target.random] {
-            for (const Endpoint& endpoint : voice->heard())
-              voice->assert_life(endpoint.node_id, {random(), random()});
+/// Of kinds or versions that no record has, in its own name and in those of others.
+Act unknown_records(Target& target) {
+  return {.begin = {}, .go_on = [voice = voice_of(target), &random = target.random] {
+            for (ControlVoice::HeardRecord heard : voice->records_heard()) {
+              const std::uint64_t numbers = random();
+              std::uint8_t& changed = numbers % 2 == 0 ? heard.sample.kind : heard.sample.version;
+              changed = static_cast<std::uint8_t>(128 + numbers % 128);
+              heard.sample.slot = static_cast<std::uint32_t>(numbers >> 32);
+              heard.sample.revision = last_number - numbers % 3;
+              const Role role = numbers % 5 < 2 ? Role::writer : Role::reader;
+              numbers % 7 < 3 ? voice->write_as_own(role, heard.sample)
+                              : voice->write_raw(role, heard.sample);
+            }
+            voice->live();
           }};
 }
 
-/// Says in the names of publishers that they have sent far more than anybody has received.
-Act false_progress(Target&) {
-  const auto sent = std::make_shared<std::uint64_t>(1'000'000);
-  return to_each(Role::writer, [sent](ControlVoice& voice, const Endpoint& writer) {
-    voice.assert_life(writer.node_id, {}, {{writer.id, *sent += 1000}});
-  });
-}
-
-/// About all endpoints that there are, and some that there are not.
-Act questions_without_end(Target& target) {
-  const auto voice = std::make_shared<ControlVoice>();
-  return {.begin = {}, .go_on = [voice, node = target.random(), &random = target.random] {
-            core::Assertion sign{.node = node, .writers = {}};
-            for (const Endpoint& endpoint : voice->heard()) sign.asked_about.push_back(endpoint.id);
-            while (sign.asked_about.size() < core::asked_about_max) sign.asked_about.push_back(random());
-            voice->assert_life(sign);
+/// Announcements that are none, each in a slot of its own.
+Act slots_without_end(Target& target) {
+  const auto slots = std::make_shared<std::uint64_t>(0);
+  return {.begin = {}, .go_on = [voice = voice_of(target), slots, &random = target.random] {
+            constexpr std::uint64_t at_a_time = 200, most = 40'000;
+            for (std::uint64_t i = 0; i < at_a_time && *slots < most; ++i)
+              voice->announce_bytes(Role::writer, ++*slots, Bytes(1 + random() % 500));
+            voice->live();
           }};
 }
 
-/// Gives accounts in the honest nodes' names, of pairs of each endpoint with all others.
-Act false_accounts(Target& target) {
-  const auto voice = std::make_shared<ControlVoice>();
-  return {.begin = {}, .go_on = [voice, &random = target.random] {
-            const std::vector<Endpoint> all = voice->heard();
-            for (const Endpoint& one : all) {
-              core::Assertion sign{.node = one.node_id, .writers = {}};
-              for (const Endpoint& other : all) {
-                core::Account account{
-                    .id = {{one.id, other.id}, random() % 2 == 0 ? Role::writer : Role::reader}};
-                account.by_writer = {.sent = random(), .bytes_saved = last_number};
-                account.by_reader = {.received = last_number, .lost = random()};
-                sign.accounts.push_back(account);
-              }
-              voice->assert_life(sign);
+/// A process of whose records something seems to be missing all the time.
+Act heartbeats_without_records(Target& target) {
+  return {.begin = {}, .go_on = [voice = voice_of(target), &random = target.random] {
+            voice->live({random(), random()});
+          }};
+}
+
+/// Of hosts that do not exist.
+Act flood_of_heartbeats(Target& target) {
+  return {.begin = {}, .go_on = [voice = voice_of(target), &random = target.random] {
+            constexpr int at_a_time = 300;
+            for (int i = 0; i < at_a_time; ++i) {
+              core::Heartbeat heartbeat{.process = random(), .digests = {random(), random()}};
+              for (std::uint8_t& octet : heartbeat.participant) octet = static_cast<std::uint8_t>(random());
+              voice->send(heartbeat);
             }
           }};
 }

@@ -1,15 +1,11 @@
-// Acts on the control topics: what is said in others' names, and too much of it.
+// Acts on the control topics: what a process says of itself, and too much of it.
 #pragma once
 
 #include "tests/hostile/act.h"
 
 namespace sft::hostile {
 
-Act forged_disposals(Target& target);
-Act forged_deaths(Target& target);
-Act requests_with_the_last_number(Target& target);
 Act requests_to_nobody(Target& target);
-Act altered_announcements(Target& target);
 Act repeated_announcements(Target& target);
 Act ten_thousand_readers(Target& target);
 Act a_thousand_masks(Target& target);
@@ -21,9 +17,9 @@ Act senseless_announcements(Target& target);
 Act twin_writers(Target& target);
 Act reflection(Target& target);
 Act reflection_to_the_own_host(Target& target);
-Act false_life(Target& target);
-Act false_progress(Target& target);
-Act questions_without_end(Target& target);
-Act false_accounts(Target& target);
+Act unknown_records(Target& target);
+Act slots_without_end(Target& target);
+Act heartbeats_without_records(Target& target);
+Act flood_of_heartbeats(Target& target);
 
 }  // namespace sft::hostile

@@ -3,144 +3,90 @@
 #include <dds/dds.h>
 
 #include <algorithm>
-#include <array>
-#include <functional>
-#include <memory>
+#include <chrono>
 #include <stdexcept>
+#include <utility>
+
+#include "core/control/record_body.h"
+#include "tests/pairs/control_participant.h"
 
 namespace sft::hostile {
 
 namespace {
 
-struct QosDeleter {
-  void operator()(dds_qos_t* qos) const { dds_delete_qos(qos); }
-};
-using Qos = std::unique_ptr<dds_qos_t, QosDeleter>;
-
-/// The QoS that matches what nodes use (core/negotiation/negotiation.md).
-Qos lasting() {
-  Qos qos(dds_create_qos());
-  dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
-  dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
-  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);
-  dds_qset_writer_data_lifecycle(qos.get(), false);
-  dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PARTICIPANT);
-  return qos;
-}
-
-Qos passing() {
-  Qos qos(dds_create_qos());
-  dds_qset_reliability(qos.get(), DDS_RELIABILITY_BEST_EFFORT, 0);
-  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 16);
-  dds_qset_liveliness(qos.get(), DDS_LIVELINESS_MANUAL_BY_TOPIC, DDS_SECS(5));
-  dds_qset_writer_data_lifecycle(qos.get(), false);
-  dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PARTICIPANT);
-  return qos;
-}
+using Clock = std::chrono::steady_clock;
 
 /// Multicasts of the loopback have ports of their own.
 constexpr const char* loopback_ports =
     "<Ports><MulticastMetaOffset>2</MulticastMetaOffset><MulticastDataOffset>3</MulticastDataOffset></Ports>";
 
-dds_entity_t sound(dds_entity_t entity) {
-  if (entity < 0) throw std::runtime_error(std::string("Cyclone DDS: ") + dds_strretcode(entity));
-  return entity;
-}
-
-template <class Sample, class Use>
-void take_all(dds_entity_t reader, Use use) {
-  std::array<void*, 1> sample{};
-  dds_sample_info_t info{};
-  while (dds_take(reader, sample.data(), &info, 1, 1) == 1) {
-    use(*static_cast<const Sample*>(sample[0]), info);
-    dds_return_loan(reader, sample.data(), 1);
-    sample[0] = nullptr;
-  }
-}
-
 }  // namespace
 
-/// One interface, in a Cyclone domain of its own that is domain 0 on the wire.
-class ControlVoice::Link {
+/// A Cyclone domain on one interface, which is domain 0 on the wire.
+class DomainOfLink {
  public:
-  Link(dds_domainid_t domain, const std::string& interface) {
+  DomainOfLink(dds_domainid_t number, const std::string& interface) {
     const std::string config =
         "<CycloneDDS><Domain id=\"any\"><General><Interfaces><NetworkInterface name=\"" + interface +
         "\" multicast=\"true\"/></Interfaces></General><Discovery>"
         "<ExternalDomainId>0</ExternalDomainId>" +
         (interface == "lo" ? loopback_ports : "") + "</Discovery></Domain></CycloneDDS>";
-    domain_ = sound(dds_create_domain(domain, config.c_str()));
-    const dds_entity_t participant = sound(dds_create_participant(domain, nullptr, nullptr));
-    const Qos control = lasting();
-    const Qos life = passing();
-    const auto topic = [&](const dds_topic_descriptor_t& type, const char* name, const Qos& qos) {
-      return sound(dds_create_topic(participant, &type, name, qos.get(), nullptr));
-    };
-    const dds_entity_t writers = topic(sft_control_Endpoint_desc, "sft_writer", control);
-    const dds_entity_t readers = topic(sft_control_ReaderWord_desc, "sft_reader", control);
-    const dds_entity_t lives = topic(sft_control_Assertion_desc, "sft_liveliness", life);
-    hears_writers = sound(dds_create_reader(participant, writers, control.get(), nullptr));
-    hears_readers = sound(dds_create_reader(participant, readers, control.get(), nullptr));
-    tells_of_writers = sound(dds_create_writer(participant, writers, control.get(), nullptr));
-    tells_of_readers = sound(dds_create_writer(participant, readers, control.get(), nullptr));
-    life_writer = sound(dds_create_writer(participant, lives, life.get(), nullptr));
+    entity_ = dds_create_domain(number, config.c_str());
+    if (entity_ < 0) throw std::runtime_error(std::string("Cyclone DDS: ") + dds_strretcode(entity_));
   }
-  ~Link() { dds_delete(domain_); }
-  Link(const Link&) = delete;
-  Link& operator=(const Link&) = delete;
-
-  void listen(std::map<core::EndpointId, core::Endpoint>& heard) {
-    take_all<sft_control_Endpoint>(hears_writers,
-                                   [&](const sft_control_Endpoint& sample, const dds_sample_info_t& info) {
-                                     if (!info.valid_data) return;
-                                     keys_[sample.id] = sample.instance;
-                                     if (auto endpoint = core::from_dds(sample))
-                                       heard[sample.id] = std::move(*endpoint);
-                                   });
-    take_all<sft_control_ReaderWord>(
-        hears_readers, [&](const sft_control_ReaderWord& word, const dds_sample_info_t& info) {
-          if (!info.valid_data) return;
-          auto said = core::from_dds(word);
-          if (!said) return;
-          if (auto* const announced = std::get_if<core::Endpoint>(&*said)) {
-            keys_[announced->id] = word.instance;
-            heard[announced->id] = std::move(*announced);
-            return;
-          }
-          auto& request = std::get<core::Request>(*said);
-          keys_[request.reader] = word.instance;
-          if (const auto reader = heard.find(request.reader); reader != heard.end())
-            reader->second.request = std::move(request);
-        });
-  }
-
-  /// Returns the key that the endpoint has on this link. An endpoint that this test announces has its id as
-  /// key.
-  std::uint64_t key_of(core::EndpointId id) const {
-    const auto heard = keys_.find(id);
-    return heard == keys_.end() ? id : heard->second;
-  }
-
-  dds_entity_t hears_writers = 0, hears_readers = 0;
-  dds_entity_t tells_of_writers = 0, tells_of_readers = 0;
-  dds_entity_t life_writer = 0;
+  ~DomainOfLink() { dds_delete(entity_); }
+  DomainOfLink(const DomainOfLink&) = delete;
+  DomainOfLink& operator=(const DomainOfLink&) = delete;
 
  private:
-  dds_entity_t domain_ = 0;
-  std::map<core::EndpointId, std::uint64_t> keys_;
+  dds_entity_t entity_ = 0;
 };
 
-ControlVoice::ControlVoice() {
-  dds_domainid_t domain = 1;
-  for (const char* interface : {"lo", "eth0"}) links_.push_back(std::make_unique<Link>(domain++, interface));
+struct ControlVoice::Link {
+  Link(dds_domainid_t number, const std::string& interface, core::ProcessId process)
+      : domain(number, interface), participant(number, interface, process) {}
+  DomainOfLink domain;
+  test::ControlParticipant participant;
+};
+
+ControlVoice::ControlVoice(core::ProcessId process) : own_(process, core::Timing{}) {
+  static dds_domainid_t domain = 0;
+  for (const char* interface : {"lo", "eth0"})
+    links_.push_back(std::make_unique<Link>(++domain, interface, process));
 }
 
 ControlVoice::~ControlVoice() = default;
 
+/// A withdrawn endpoint is kept: attacks go on against it.
+void ControlVoice::note(const test::ControlParticipant::Came& came) {
+  auto& known = records_[{came.participant, came.role, came.key}];
+  if (came.record.revision < known.record.revision) return;
+  known = came;
+  if (came.record.is_withdrawn()) return;
+  if (came.key.kind == core::RecordKind::announcement) {
+    if (auto endpoint = core::endpoint_in(*came.record.body)) {
+      endpoint->revision = came.record.revision;
+      heard_[endpoint->id] = std::move(*endpoint);
+    }
+  } else if (came.key.kind == core::RecordKind::request) {
+    if (auto request = core::request_in(*came.record.body)) requests_[request->reader] = std::move(*request);
+  }
+}
+
+void ControlVoice::listen() {
+  for (const auto& link : links_)
+    link->participant.take([this](const test::ControlParticipant::Came& came) { note(came); });
+}
+
 std::vector<core::Endpoint> ControlVoice::heard() {
-  for (const auto& link : links_) link->listen(heard_);
+  listen();
   std::vector<core::Endpoint> all;
-  for (const auto& [id, endpoint] : heard_) all.push_back(endpoint);
+  for (const auto& [id, endpoint] : heard_) {
+    const auto request = requests_.find(id);
+    if (endpoint.role == core::Role::reader && request == requests_.end()) continue;
+    core::Endpoint& one = all.emplace_back(endpoint);
+    if (request != requests_.end()) one.request = request->second;
+  }
   return all;
 }
 
@@ -150,66 +96,67 @@ std::vector<core::Endpoint> ControlVoice::heard(core::Role role) {
   return found;
 }
 
-void ControlVoice::announce(const core::Endpoint& endpoint) {
-  core::ControlStorage storage;
-  announce_raw(core::to_dds(endpoint, storage));
+std::vector<ControlVoice::HeardRecord> ControlVoice::records_heard() {
+  listen();
+  std::vector<HeardRecord> heard;
+  for (const auto& [of, came] : records_)
+    heard.push_back({came.role, came.writer, test::to_sample(came.participant, came.key, came.record)});
+  return heard;
 }
 
-void ControlVoice::announce_raw(const sft_control_Endpoint& endpoint) {
-  const bool is_writer = endpoint.role == static_cast<std::uint8_t>(core::Role::writer);
-  sft_control_Endpoint copy = endpoint;
-  for (const auto& link : links_) {
-    copy.instance = link->key_of(endpoint.id);
-    const sft_control_ReaderWord word = core::in_word(copy);
-    is_writer ? dds_write(link->tells_of_writers, &copy) : dds_write(link->tells_of_readers, &word);
-  }
+std::vector<test::ControlParticipant::Other> ControlVoice::participants() const {
+  return links_.back()->participant.others();
+}
+
+void ControlVoice::put(core::Role role, core::EndpointId id, core::RecordKind kind,
+                       std::vector<std::byte> bytes) {
+  const auto change = own_.put(role, id, kind, std::move(bytes), Clock::now());
+  if (!change) return;
+  for (const auto& link : links_) link->participant.write(role, change->key, change->record);
+}
+
+void ControlVoice::announce(const core::Endpoint& endpoint) {
+  announce_bytes(endpoint.role, endpoint.id, core::to_bytes(endpoint));
+  if (endpoint.role == core::Role::reader) request(endpoint.request);
 }
 
 void ControlVoice::request(const core::Request& request) {
-  core::ControlStorage storage;
-  sft_control_Request sample = core::to_dds(request, storage);
+  put(core::Role::reader, request.reader, core::RecordKind::request, core::to_bytes(request));
+}
+
+void ControlVoice::announce_bytes(core::Role role, core::EndpointId id, std::vector<std::byte> bytes) {
+  put(role, id, core::RecordKind::announcement, std::move(bytes));
+}
+
+void ControlVoice::live() {
+  const auto now = Clock::now();
+  if (now < own_.heartbeat_due()) return;
+  own_.heartbeat_given(now);
+  for (const auto& link : links_) link->participant.give_heartbeat();
+}
+
+void ControlVoice::write_raw(core::Role role, const sft_control_Record& sample) {
+  for (const auto& link : links_) link->participant.write_raw(role, sample);
+}
+
+void ControlVoice::write_as_own(core::Role role, sft_control_Record sample) {
   for (const auto& link : links_) {
-    const sft_control_ReaderWord word = core::in_word(sample, link->key_of(request.reader));
-    dds_write(link->tells_of_readers, &word);
+    std::ranges::copy(link->participant.guid(), sample.participant);
+    link->participant.write_raw(role, sample);
   }
 }
 
-void ControlVoice::dispose(core::EndpointId endpoint) {
-  for (const auto& link : links_) {
-    sft_control_Endpoint key{};
-    sft_control_ReaderWord reader_key{};
-    key.instance = reader_key.instance = link->key_of(endpoint);
-    dds_dispose(link->tells_of_writers, &key);
-    dds_dispose(link->tells_of_readers, &reader_key);
-  }
+void ControlVoice::dispose(core::Role role, const sft_control_Record& key) {
+  for (const auto& link : links_) link->participant.dispose(role, key);
 }
 
-void ControlVoice::unregister(core::EndpointId endpoint) {
-  for (const auto& link : links_) {
-    sft_control_Endpoint key{};
-    sft_control_ReaderWord reader_key{};
-    key.instance = reader_key.instance = link->key_of(endpoint);
-    dds_unregister_instance(link->tells_of_writers, &key);
-    dds_unregister_instance(link->tells_of_readers, &reader_key);
-  }
+void ControlVoice::live(const core::PerRole<std::uint64_t>& digests) {
+  for (const auto& link : links_) link->participant.send({link->participant.guid(), own_.process(), digests});
 }
 
-void ControlVoice::assert_life(core::NodeId node, const std::vector<core::EndpointId>& writers,
-                               const std::vector<core::Progress>& progress) {
-  assert_life(core::Assertion{node, writers, progress});
-}
+void ControlVoice::send(const core::Heartbeat& heartbeat) { links_.back()->participant.send(heartbeat); }
 
-void ControlVoice::assert_life(const core::Assertion& assertion) {
-  core::ControlStorage storage;
-  const sft_control_Assertion sample = core::to_dds(assertion, storage);
-  for (const auto& link : links_) dds_write(link->life_writer, &sample);
-}
-
-void ControlVoice::dispose_life(core::NodeId node) {
-  sft_control_Assertion key{};
-  key.node = node;
-  for (const auto& link : links_) dds_dispose(link->life_writer, &key);
-}
+std::vector<core::Heartbeat> ControlVoice::overheard() { return links_.back()->participant.overheard(); }
 
 core::Endpoint made_up_reader(const core::Endpoint& writer, std::uint64_t id, std::uint64_t node,
                               std::vector<core::UdpAddress> addresses) {
@@ -219,7 +166,6 @@ core::Endpoint made_up_reader(const core::Endpoint& writer, std::uint64_t id, st
   reader.node_id = node;
   reader.node = made_up;
   reader.revision = 1;
-  reader.life_lease = std::chrono::minutes(10);
   reader.host = {};
   reader.network = node;
   reader.may_use_memory = false;
@@ -240,7 +186,6 @@ core::Endpoint made_up_writer(const core::Endpoint& reader, std::uint64_t id, st
   writer.node_id = node;
   writer.node = made_up;
   writer.revision = 1;
-  writer.life_lease = std::chrono::minutes(10);
   writer.host = {};
   writer.network = node;
   writer.may_use_memory = false;

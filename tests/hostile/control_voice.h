@@ -1,22 +1,30 @@
 // Participants of the control topics that say whatever they like, on the network and, for nodes of their own
-// host, on the loopback. They hear what the honest nodes announce.
+// host, on the loopback. They are one process, and hear what the honest ones announce.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <memory>
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "core/control/control.h"
-#include "core/control/control_codec.h"
+#include "core/discovery/heartbeat.h"
+#include "core/discovery/own_records.h"
+#include "core/discovery/records.h"
+#include "sft_control.h"
+#include "tests/pairs/control_participant.h"
 
 namespace sft::hostile {
 
 class ControlVoice {
  public:
-  /// Speaks in the domain that the honest nodes use. Throws if there is no network.
-  ControlVoice();
+  /// Speaks in the domain that the honest nodes use, as a process with this id. With 0 it only listens, and
+  /// is no process to others. Throws if there is no network.
+  explicit ControlVoice(core::ProcessId process = 0);
   ~ControlVoice();
   ControlVoice(const ControlVoice&) = delete;
   ControlVoice& operator=(const ControlVoice&) = delete;
@@ -24,25 +32,52 @@ class ControlVoice {
   /// Everything that honest nodes announced, with the newest request of each reader.
   std::vector<core::Endpoint> heard();
   std::vector<core::Endpoint> heard(core::Role role);
+  struct HeardRecord {
+    core::Role role{};
+    dds_guid_t writer{};
+    sft_control_Record sample{};
+  };
+  /// The newest records of others, withdrawn ones included. Their bodies are valid until the next call.
+  std::vector<HeardRecord> records_heard();
+  /// The participants of others on the network, also those with certificates.
+  std::vector<test::ControlParticipant::Other> participants() const;
 
-  // All of these may be said in anybody's name.
+  // Records of its own. They may say anything of anybody's endpoints.
 
+  /// A reader's announcement comes with its request.
   void announce(const core::Endpoint& endpoint);
-  /// Writes the endpoint as it is: lengths, versions and names are not checked.
-  void announce_raw(const sft_control_Endpoint& endpoint);
   void request(const core::Request& request);
-  void dispose(core::EndpointId endpoint);
-  /// Takes an endpoint of one's own back without a word of disposal.
-  void unregister(core::EndpointId endpoint);
-  void assert_life(core::NodeId node, const std::vector<core::EndpointId>& writers = {},
-                   const std::vector<core::Progress>& progress = {});
-  void assert_life(const core::Assertion& assertion);
-  void dispose_life(core::NodeId node);
+  /// Writes these bytes as its announcement of the endpoint.
+  void announce_bytes(core::Role role, core::EndpointId id, std::vector<std::byte> bytes);
+  /// Writes a sample in its own name. Its heartbeats do not count it.
+  void write_as_own(core::Role role, sft_control_Record sample);
+  /// Gives a heartbeat if one is due.
+  void live();
+  /// Gives one with these digests.
+  void live(const core::PerRole<std::uint64_t>& digests);
+
+  // Whatever is not its own.
+
+  /// Writes the sample as it is on all links: names, keys and versions are not checked.
+  void write_raw(core::Role role, const sft_control_Record& sample);
+  void dispose(core::Role role, const sft_control_Record& key);
+  /// Sends it by the network.
+  void send(const core::Heartbeat& heartbeat);
+  /// Returns the heartbeats of others that have come by the network since the last call.
+  std::vector<core::Heartbeat> overheard();
 
  private:
-  class Link;
+  struct Link;
+  using RecordOf = std::tuple<core::ParticipantGuid, core::Role, core::RecordKey>;
+  void listen();
+  void note(const test::ControlParticipant::Came& came);
+  void put(core::Role role, core::EndpointId id, core::RecordKind kind, std::vector<std::byte> bytes);
+
   std::vector<std::unique_ptr<Link>> links_;
+  core::OwnRecords own_;
+  std::map<RecordOf, test::ControlParticipant::Came> records_;
   std::map<core::EndpointId, core::Endpoint> heard_;
+  std::map<core::EndpointId, core::Request> requests_;
 };
 
 /// The name of nodes that attackers make up.

@@ -86,12 +86,11 @@ void open_own_files_to_all() {
 /// An attacker that announces a reader which claims to share the memory of the publisher's host.
 class FalseNeighbour {
  public:
-  explicit FalseNeighbour(Random& random) : random_(random) {}
+  explicit FalseNeighbour(Random& random) : random_(random), node_(random() | 1), voice_(node_) {}
 
   /// Once for each publisher. `make_page` is given the name of the reader's page of doorbells.
   void announce_to_all(const std::function<void(const std::string&)>& make_page) {
     for (const core::Endpoint& writer : voice_.heard(core::Role::writer)) {
-      voice_.assert_life(node_);
       if (!writer.host.known() || !known_.insert({writer.id, writer.host.bytes}).second) continue;
       core::Endpoint reader = made_up_reader(writer, random_(), node_, {});
       reader.host = writer.host;
@@ -105,14 +104,15 @@ class FalseNeighbour {
       make_page(pages.back());
       voice_.announce(reader);
     }
+    voice_.live();
   }
 
   std::vector<std::string> pages;
 
  private:
   Random& random_;
+  std::uint64_t node_;
   ControlVoice voice_;
-  std::uint64_t node_ = random_();
   std::set<std::pair<core::EndpointId, std::array<std::uint8_t, 32>>> known_;
 };
 

@@ -3,6 +3,10 @@
 // bound.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <iterator>
+#include <vector>
+
 #include "tests/hostile/stage.h"
 #include "tests/support/test_seed.h"
 
@@ -23,25 +27,40 @@ class Hostile : public test::RandomTest, public ::testing::WithParamInterface<En
     if (const std::string refusal = Stage::refusal(); !refusal.empty()) GTEST_SKIP() << refusal;
   }
 
-  void expect_that_all_works_again(Moment moment) {
+  void expect_that_all_works_again(Moment moment, Certificates certificates) {
     SCOPED_TRACE(std::string(GetParam().sentence) + " It begins " + std::string(to_string(moment)) + ".");
-    Stage stage(random());
+    Stage stage(random(), certificates);
     const Outcome outcome = stage.perform(GetParam(), moment, length_of_an_act);
     for (const std::string& complaint : outcome.complaints) ADD_FAILURE() << complaint;
     for (const std::string& complaint : stage.end()) ADD_FAILURE() << complaint;
   }
+
+  /// At one of the three moments; or, with SFT_TEST_TIMES=3 or more, at all of them in turns.
+  void expect_that_all_works_again(Certificates certificates) {
+    const std::uint64_t first = random();
+    for (std::uint64_t i = 0; i < test::test_rounds(1); ++i)
+      expect_that_all_works_again(moments[(first + i) % moments.size()], certificates);
+  }
 };
 
-/// At one of the three moments; or, with SFT_TEST_TIMES=3 or more, at all of them in turns.
-TEST_P(Hostile, ActsCostNoMoreThanTheirTime) {
-  const std::uint64_t first = random();
-  for (std::uint64_t i = 0; i < test::test_rounds(1); ++i)
-    expect_that_all_works_again(moments[(first + i) % moments.size()]);
+TEST_P(Hostile, ActsCostNoMoreThanTheirTime) { expect_that_all_works_again(Certificates::none); }
+
+/// Those in others' names.
+class HostileToCertified : public Hostile {};
+
+TEST_P(HostileToCertified, ActsCostNothing) { expect_that_all_works_again(Certificates::all); }
+
+std::vector<Entry> forging_acts() {
+  std::vector<Entry> forging;
+  std::ranges::copy_if(acts(), std::back_inserter(forging),
+                       [](const Entry& entry) { return entry.harm == Harm::forges; });
+  return forging;
 }
 
 std::string name_of(const ::testing::TestParamInfo<Entry>& info) { return std::string(info.param.name); }
 
 INSTANTIATE_TEST_SUITE_P(Acts, Hostile, ::testing::ValuesIn(acts().begin(), acts().end()), name_of);
+INSTANTIATE_TEST_SUITE_P(Acts, HostileToCertified, ::testing::ValuesIn(forging_acts()), name_of);
 
 }  // namespace
 }  // namespace sft::hostile

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <stdexcept>
 #include <system_error>
@@ -36,6 +37,21 @@ test::Account account(uid_t user) {
       mount(test::program_directory().c_str(), programs, nullptr, MS_BIND, nullptr) != 0)
     throw std::system_error(errno, std::generic_category(), programs);
   return {user, programs};
+}
+
+/// Beside /tmp and /dev/shm, of which each host has its own.
+constexpr const char* certificates_directory = "/media/certificates";
+
+/// Makes the certificate of the honest programs. Returns whether they are to have one.
+Certificates made(Certificates certificates) {
+  if (certificates == Certificates::none || access(certificates_directory, X_OK) == 0) return certificates;
+  if (mount("tmpfs", "/media", "tmpfs", 0, "size=4m") != 0)
+    throw std::system_error(errno, std::generic_category(), "/media");
+  const std::string directory = certificates_directory;
+  const std::string command = std::string(programs) + "/make_certificates.sh " + directory +
+                              " honest && chown -R " + std::to_string(honest_user) + " " + directory;
+  if (std::system(command.c_str()) != 0) throw std::runtime_error("no certificates: " + command);
+  return certificates;
 }
 
 json honest_policies(bool is_reliable) { return {{"reliable", is_reliable}}; }
@@ -171,9 +187,10 @@ std::string Stage::refusal() {
   return test::Network::refusal();
 }
 
-Stage::Stage(std::uint64_t seed)
+Stage::Stage(std::uint64_t seed, Certificates certificates)
     : seed_(seed),
       honest_(account(honest_user)),
+      certificates_(made(certificates)),
       network_(seed),
       here_(network_),
       there_(network_),
@@ -189,18 +206,30 @@ Stage::Stage(std::uint64_t seed)
 
 Stage::~Stage() = default;
 
+json Stage::options(bool start_daemon) const {
+  json options{{"start_daemon", start_daemon}};
+  if (certificates_ == Certificates::all)
+    options["cyclonedds"] = std::string("file://") + certificates_directory + "/honest/cyclonedds.xml";
+  return options;
+}
+
+/// What is said in others' names harms only those without certificates.
+Harm Stage::harm_of(const Entry& entry) const {
+  return entry.harm == Harm::forges && certificates_ == Certificates::all ? Harm::none : entry.harm;
+}
+
 void Stage::launch() {
   if (!publisher_) {
     // Nobody takes the one that was killed for it.
     const std::string name = "publisher " + std::to_string(++publishers_);
-    publisher_ = std::make_unique<test::Peer>(here_, name, json{{"start_daemon", true}}, honest_);
+    publisher_ = std::make_unique<test::Peer>(here_, name, options(true), honest_);
     publisher_->advertise(honest_policies(true));
     publisher_->start_publishing(publishing_period);
   }
   for (const auto& pair : pairs_) {
     if (pair->subscriber) continue;
-    pair->subscriber = std::make_unique<test::Peer>(
-        pair->host, pair->name, json{{"start_daemon", pair->transport == "shm"}}, honest_);
+    pair->subscriber =
+        std::make_unique<test::Peer>(pair->host, pair->name, options(pair->transport == "shm"), honest_);
     pair->subscriber->subscribe("height, width", honest_policies(pair->is_reliable));
     pair->received = pair->received_by = 0;
   }
@@ -333,10 +362,12 @@ Outcome Stage::perform(const Entry& entry, Moment moment, Ms length) {
     // A pair that can be set up during the act must not count as recovery from the act.
     if (moment != Moment::after_they_started)
       test::eventually([&] { return all_served(); }, patience_while_setting_up, 20ms);
-    if (entry.harm != Harm::floods) expect_samples(outcome);
+    const Harm harm = harm_of(entry);
+    const bool spares_samples = harm != Harm::floods && harm != Harm::forges;
+    if (spares_samples) expect_samples(outcome);
     const auto left = std::chrono::duration_cast<Ms>(begin + length - Clock::now());
     poll(nullptr, 0, static_cast<int>(std::max<std::int64_t>(left.count(), 0)));
-    if (entry.harm != Harm::floods) expect_samples(outcome);
+    if (spares_samples) expect_samples(outcome);
     if (const std::string loot = actor.end(); !loot.empty()) outcome.complaints.push_back(loot);
     for (const auto& pair : pairs_) pair->is_stopped = false;
     const auto ended = Clock::now();

@@ -36,6 +36,9 @@ struct Outcome {
   std::optional<Ms> command_line{};
 };
 
+/// Whether the honest programs have certificates of DDS Security (tools/security).
+enum class Certificates : std::uint8_t { none, all };
+
 /// A publisher with a subscriber in shared memory and two by UDP on another host: one with reliable, one with
 /// best-effort delivery.
 class Stage {
@@ -44,7 +47,7 @@ class Stage {
   /// (isolated_host.h).
   static std::string refusal();
 
-  explicit Stage(std::uint64_t seed);
+  explicit Stage(std::uint64_t seed, Certificates certificates = Certificates::none);
   ~Stage();
   Stage(const Stage&) = delete;
   Stage& operator=(const Stage&) = delete;
@@ -66,6 +69,8 @@ class Stage {
   class Actor;
 
   void launch();
+  test::json options(bool start_daemon) const;
+  Harm harm_of(const Entry& entry) const;
   bool look(Pair& pair);
   bool all_served(Harm harm = Harm::none);
   void note_stopped(const Entry& entry, Outcome& outcome);
@@ -75,7 +80,9 @@ class Stage {
   std::string state();
 
   std::uint64_t seed_;
-  test::Account honest_;  // before the hosts, which are copies of what it mounts
+  // Before the hosts, which are copies of what these mount.
+  test::Account honest_;
+  const Certificates certificates_;
   test::Network network_;
   test::Host here_;
   test::Host there_;

@@ -13,6 +13,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <string_view>
 #include <system_error>
 
 namespace sft::hostile {
@@ -53,8 +54,29 @@ bool looks_like_sft(std::span<const std::byte> payload) {
   return version == udp::wire_version && kind >= 1 && kind <= static_cast<unsigned>(udp::DatagramKind::far);
 }
 
+/// Messages of RTPS, and heartbeats of participants.
+bool looks_like_control(std::span<const std::byte> payload) {
+  const auto begins_with = [&](std::string_view magic) {
+    return payload.size() >= magic.size() && std::memcmp(payload.data(), magic.data(), magic.size()) == 0;
+  };
+  return begins_with("RTPS") || begins_with("SHB");
+}
+
+bool is_of(Ear::Traffic traffic, std::uint16_t port, std::span<const std::byte> payload) {
+  if (traffic == Ear::Traffic::control) return looks_like_control(payload);
+  return (port < dds_ports_begin || port >= dds_ports_end) && looks_like_sft(payload);
+}
+
+/// Multicasts go by eth0, too.
+int with_multicast(int socket) {
+  ip_mreqn interface {};
+  interface.imr_ifindex = static_cast<int>(if_nametoindex("eth0"));
+  setsockopt(socket, IPPROTO_IP, IP_MULTICAST_IF, &interface, sizeof interface);
+  return socket;
+}
+
 /// Empty if the frame is not of interest.
-Overheard parse_frame(std::span<const std::byte> frame) {
+Overheard parse_frame(std::span<const std::byte> frame, Ear::Traffic traffic) {
   iphdr ip{};
   udphdr udp{};
   if (frame.size() < headers_bytes) return {};
@@ -64,7 +86,7 @@ Overheard parse_frame(std::span<const std::byte> frame) {
   std::memcpy(&udp, frame.data() + ip_bytes, sizeof udp);
   const auto payload = frame.subspan(ip_bytes + sizeof udp);
   const std::uint16_t port = ntohs(udp.dest);
-  if ((port >= dds_ports_begin && port < dds_ports_end) || !looks_like_sft(payload)) return {};
+  if (!is_of(traffic, port, payload)) return {};
   Overheard heard;
   heard.from.sin_family = heard.to.sin_family = AF_INET;
   heard.from.sin_addr.s_addr = ip.saddr;
@@ -114,7 +136,7 @@ std::vector<sockaddr_in> addresses_of(const core::Endpoint& endpoint) {
   return found;
 }
 
-Sender::Sender() : socket_(bound_socket()) {}
+Sender::Sender() : socket_(with_multicast(bound_socket())) {}
 Sender::~Sender() { close(socket_); }
 void Sender::send(std::span<const std::byte> datagram, const sockaddr_in& to) const {
   sendto(socket_, datagram.data(), datagram.size(), 0, generic(to), sizeof to);
@@ -122,8 +144,8 @@ void Sender::send(std::span<const std::byte> datagram, const sockaddr_in& to) co
 std::uint16_t Sender::port() const { return port_of(socket_); }
 
 Spoofer::Spoofer()
-    : socket_(
-          checked(::socket(AF_INET, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, IPPROTO_RAW), "raw socket")) {}
+    : socket_(with_multicast(
+          checked(::socket(AF_INET, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, IPPROTO_RAW), "raw socket"))) {}
 Spoofer::~Spoofer() { close(socket_); }
 void Spoofer::send(std::span<const std::byte> payload, const sockaddr_in& from, const sockaddr_in& to) const {
   iphdr ip{};
@@ -159,8 +181,9 @@ std::uint64_t Drain::count() {
   }
 }
 
-Ear::Ear()
-    : socket_(checked(::socket(AF_PACKET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, htons(ETH_P_IP)),
+Ear::Ear(Traffic traffic)
+    : traffic_(traffic),
+      socket_(checked(::socket(AF_PACKET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, htons(ETH_P_IP)),
                       "packet socket")) {}
 Ear::~Ear() { close(socket_); }
 std::vector<Overheard> Ear::listen() {
@@ -169,7 +192,7 @@ std::vector<Overheard> Ear::listen() {
   for (;;) {
     const ssize_t bytes = recv(socket_, frame.data(), frame.size(), MSG_DONTWAIT);
     if (bytes < 0) return heard;
-    Overheard one = parse_frame({frame.data(), static_cast<std::size_t>(bytes)});
+    Overheard one = parse_frame({frame.data(), static_cast<std::size_t>(bytes)}, traffic_);
     if (!one.payload.empty()) heard.push_back(std::move(one));
   }
 }

@@ -87,10 +87,11 @@ struct Overheard {
 };
 
 /// Hears what other hosts of this network send each other, as on a network without switches. It hears only
-/// datagrams that look like SFT's.
+/// datagrams that look like SFT's: samples and what goes with them, or what is said for the control plane.
 class Ear {
  public:
-  Ear();
+  enum class Traffic : std::uint8_t { data, control };
+  explicit Ear(Traffic traffic = Traffic::data);
   ~Ear();
   Ear(const Ear&) = delete;
   Ear& operator=(const Ear&) = delete;
@@ -98,6 +99,7 @@ class Ear {
   std::vector<Overheard> listen();
 
  private:
+  const Traffic traffic_;
   int socket_;
 };
 

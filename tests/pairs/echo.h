@@ -24,7 +24,6 @@ class Echo final : private core::DiscoveryListener {
   void endpoint_lost(core::EndpointId) override {}
   void request_received(core::Request request) override;
   void liveliness_asserted(core::Assertion) override {}
-  void node_lost(core::NodeId) override {}
   void control_malformed(std::string) override {}
 
   std::mutex mutex_;

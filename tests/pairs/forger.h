@@ -6,62 +6,62 @@
 
 #include <cstdint>
 #include <map>
-#include <optional>
+#include <memory>
+#include <set>
 #include <string>
+#include <tuple>
 #include <vector>
 
-#include "core/discovery/pulse_socket.h"
-#include "sft_control.h"
+#include "core/control/control.h"
+#include "tests/pairs/control_participant.h"
 
 namespace sft::test {
 
 class Forger {
  public:
   Forger();
-  ~Forger() { dds_delete(participant_); }
+  ~Forger();
   Forger(const Forger&) = delete;
   Forger& operator=(const Forger&) = delete;
 
-  /// Withdraws all endpoints that it knows of.
+  /// Disposes of all records of others, and writes for each that it was withdrawn.
   void withdraw_all();
-  /// Says for all readers that they listen to nobody, in requests that are so far ahead of theirs.
+  /// Says for all readers that they listen to nobody, in requests that are that far ahead of theirs: in the
+  /// names of their participants, and of a process that announces the same readers.
   void mute_all(std::uint64_t ahead);
-  /// Sends one sign of life in the name of each node's own writer of them, with a sequence number so far
-  /// ahead that all that the writer says afterwards is old.
-  void outdate_signs_of_life();
-  /// Says in the name of each writer of announcements and requests that nothing before such a number is left.
+  /// Makes a participant for each other process that says it belongs to that one, which has none of its
+  /// endpoints any more.
+  void claim_processes();
+  /// Says in the name of each writer of records that nothing before a great number is left.
   void outdate_announcements();
   /// Says for all readers that have made a request that they listen to nobody, as their own writers.
   void ask_for_nothing();
-  /// Complains of all participants: that something else came in their names than what they say.
-  void complain_of_all();
-  /// Answers each pulse that has come on eth0 since the last call with others in the name of the same node
-  /// and of one that is made up, which tell of other announcements and of full signs of life that nobody
-  /// gave.
-  void forge_pulses();
-  /// Says that it is a node's participant whose control topics are of that version.
+  /// Answers each heartbeat that has come on eth0 since the last call with others: in the same name, with the
+  /// digests of other records, and in the name of a process that is made up.
+  void forge_heartbeats();
+  /// Sends a heartbeat by the topic in the name of each writer of it, with a sequence number so far ahead
+  /// that all that the writer says afterwards is old.
+  void outdate_heartbeats();
+  /// Says that it is a participant whose control topics are of that version.
   void claim_version(unsigned version);
 
  private:
+  using RecordOf = std::tuple<core::ParticipantGuid, core::Role, core::RecordKey>;
+  struct Known {
+    dds_guid_t writer{};
+    core::Record record{};
+  };
+
   void look();
-  void set_user_data(const std::string& data);
-  std::vector<dds_guid_t> participants_of_others();
   /// The writers of this topic that others have. Those of participants that hide them are guessed: their
   /// entities have the same numbers as those of others.
   std::vector<dds_guid_t> writers_of(const std::string& topic);
 
-  dds_entity_t participant_ = 0;
-  dds_entity_t participants_ = 0, publications_ = 0;  ///< readers
-  struct Words {
-    dds_entity_t reader = 0, writer = 0;
-  };
-  Words of_writers_, of_readers_;
-  std::map<std::uint64_t, std::uint64_t>
-      known_;  ///< the sequence of the newest request by endpoint; 0: a writer
-  std::map<std::uint64_t, std::uint64_t> keys_;  ///< the key of each endpoint's announcement
-  std::map<std::uint64_t, dds_guid_t> asks_by_;  ///< the writer of a reader's requests
-  unsigned complaints_ = 0;
-  std::optional<core::PulseSocket> pulses_;
+  ControlParticipant self_;                   ///< without user data: it belongs to no process
+  dds_entity_t publications_ = 0;             ///< a reader
+  std::map<RecordOf, Known> known_;           ///< the newest record of each key
+  std::unique_ptr<ControlParticipant> twin_;  ///< of a process that announces the readers of others
+  std::map<core::ProcessId, std::unique_ptr<ControlParticipant>> claimants_;
 };
 
 }  // namespace sft::test

@@ -50,8 +50,8 @@ class Peer {
   void repeat_control() { ask({{"do", "repeat"}}); }
 
   /// Speaks for others on the control topics (forger.h): "watch", and when it has heard of them "withdraw",
-  /// or "mute" with requests that are so far `ahead`, "outdate signs of life", "outdate
-  /// announcements", "pulses" or "ask for nothing"; "claim version" of the control topics, `ahead`.
+  /// or "mute" with requests that are so far `ahead`, "claim processes", "outdate announcements",
+  /// "heartbeats" or "ask for nothing"; "claim version" of the control topics, `ahead`.
   void forge(const std::string& what, std::uint64_t ahead = 1) {
     ask({{"do", "forge"}, {"what", what}, {"ahead", ahead}});
   }

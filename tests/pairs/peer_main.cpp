@@ -171,11 +171,11 @@ class Peer {
     if (what == "watch") forger_ = std::make_unique<Forger>();
     if (what == "withdraw") forger_->withdraw_all();
     if (what == "mute") forger_->mute_all(command.at("ahead"));
-    if (what == "outdate signs of life") forger_->outdate_signs_of_life();
-    if (what == "pulses") forger_->forge_pulses();
+    if (what == "claim processes") forger_->claim_processes();
+    if (what == "heartbeats") forger_->forge_heartbeats();
+    if (what == "outdate heartbeats") forger_->outdate_heartbeats();
     if (what == "outdate announcements") forger_->outdate_announcements();
     if (what == "ask for nothing") forger_->ask_for_nothing();
-    if (what == "complain") forger_->complain_of_all();
     if (what == "claim version") forger_->claim_version(command.at("ahead"));
   }
 

@@ -83,8 +83,8 @@ TEST_F(Security, WhatSomebodyWithoutACertificateSaysInTheNamesOfAPairWithOneCost
   const auto end = std::chrono::steady_clock::now() + 10s;  // longer than a node waits for a first word
   while (std::chrono::steady_clock::now() < end) {
     forger.forge("outdate announcements");
-    forger.forge("outdate signs of life");
-    forger.forge("complain");
+    forger.forge("outdate heartbeats");
+    forger.forge("heartbeats");
     const std::uint64_t received = subscriber.status()["subscriber"]["received"];
     ASSERT_TRUE(comes_true([&] { return subscriber.status()["subscriber"]["received"] > received + 20; }))
         << "its samples come all the time";

@@ -72,23 +72,19 @@ class ControlEar final : private core::DiscoveryListener {
     discovery_ = std::move(core::Discovery::open(options, *this).value());
   }
 
-  void announce(core::Role role, core::EndpointId id) {
-    ASSERT_TRUE(discovery_->announce(control_endpoint(role, id)));
-  }
-  void announce(const core::Endpoint& endpoint) { ASSERT_TRUE(discovery_->announce(endpoint)); }
+  void announce(core::Role role, core::EndpointId id) { discovery_->announce(control_endpoint(role, id)); }
+  void announce(const core::Endpoint& endpoint) { discovery_->announce(endpoint); }
   void withdraw(core::EndpointId id) { discovery_->withdraw(id); }
   void tell(const core::Assertion& sign) { discovery_->assert_liveliness(sign); }
   void ask(core::EndpointId reader, std::uint64_t sequence) {
     core::Request request;
     request.reader = reader;
     request.sequence = sequence;
-    ASSERT_TRUE(discovery_->send(request));
+    discovery_->send(request);
   }
   void hear(core::Role role) { ASSERT_TRUE(discovery_->hear(role)); }
   /// As its agent does now and then.
-  void look(const core::Discovery::Awaited& awaited = {}) {
-    (void)discovery_->look_after(std::chrono::steady_clock::now(), awaited);
-  }
+  void look() { (void)discovery_->look_after(std::chrono::steady_clock::now()); }
 
   std::set<core::EndpointId> heard() const {
     const core::Lock lock(mutex_);
@@ -106,7 +102,7 @@ class ControlEar final : private core::DiscoveryListener {
     const core::Lock lock(mutex_);
     return asked_;
   }
-  /// How often it was told that another node lives.
+  /// How often another node told it more than that its process lives.
   std::size_t signs() const {
     const core::Lock lock(mutex_);
     return signs_;
@@ -144,7 +140,6 @@ class ControlEar final : private core::DiscoveryListener {
     const core::Lock lock(mutex_);
     ++signs_;
   }
-  void node_lost(core::NodeId) override {}
   void link_was_deaf(const std::string& what) override {
     const core::Lock lock(mutex_);
     renewals_.push_back(what);

@@ -314,9 +314,9 @@ TEST_F(DiscoveryTest, AKilledNodeIsNoticedWithinSeconds) {
 }
 
 /// As a firewall may do that knows the ports of DDS only.
-TEST_F(DiscoveryTest, NodesWhosePulsesAreDroppedHearOfEachOtherAllTheSame) {
+TEST_F(DiscoveryTest, NodesWhoseHeartbeatsAreDroppedKeepEachOtherAllTheSame) {
   const std::uint32_t domain = core::domain_id({}, std::getenv("ROS_DOMAIN_ID")).value();
-  const std::string port = std::to_string(core::dds_config(domain, {}, "").value().pulse_port.value());
+  const std::string port = std::to_string(core::dds_config(domain, {}, "").value().heartbeat_port.value());
   // ldh the port that the datagram goes to; jeq drop, pass
   for (const std::size_t number : {0U, 1U}) {
     if (!filter_what_is_sent(number, "4,40 0 0 36,21 1 0 " + port + ",6 0 0 0,6 0 0 2")) return;

@@ -8,13 +8,12 @@
 
 #include <chrono>
 #include <csignal>
-#include <functional>
 #include <memory>
 #include <set>
 #include <string>
 #include <vector>
 
-#include "core/discovery/pulse_socket.h"
+#include "core/discovery/heartbeat_socket.h"
 #include "core/sync/mutex.h"
 #include "tests/support/eventually.h"
 #include "tests/support/isolated_host.h"
@@ -34,25 +33,14 @@ class TopicWatch {
     writers_ = dds_create_reader(participant_.entity(), DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr);
   }
 
-  /// `meanwhile` is called again and again until then.
-  bool readers_become(
-      std::size_t wanted, const std::function<void()>& meanwhile = [] {}) const {
-    return become(readers_, wanted, meanwhile);
-  }
-  bool writers_become(
-      std::size_t wanted, const std::function<void()>& meanwhile = [] {}) const {
-    return become(writers_, wanted, meanwhile);
-  }
+  bool readers_become(std::size_t wanted) const { return become(readers_, wanted); }
+  bool writers_become(std::size_t wanted) const { return become(writers_, wanted); }
 
  private:
   /// The watch hears of one after the other, so that it has to see for a while that there are no more.
-  bool become(dds_entity_t builtin, std::size_t wanted, const std::function<void()>& meanwhile) const {
-    const auto counted = [&] {
-      meanwhile();
-      return count(builtin);
-    };
-    return eventually([&] { return counted() == wanted; }) &&
-           !eventually([&] { return counted() > wanted; }, std::chrono::milliseconds(200));
+  bool become(dds_entity_t builtin, std::size_t wanted) const {
+    return eventually([&] { return count(builtin) == wanted; }) &&
+           !eventually([&] { return count(builtin) > wanted; }, std::chrono::milliseconds(200));
   }
   std::size_t count(dds_entity_t builtin) const {
     std::size_t endpoints = 0;
@@ -114,60 +102,11 @@ TEST_F(JointDiscoveryTest, HasOneReaderAndOneWriterOfATopicHoweverManyNodesShare
   other.announce(Role::writer, 100);
   other.announce(Role::reader, 101);
   for (const auto& node : nodes) EXPECT_TRUE(node->hears(100));
-  const auto look = [&] {
-    other.look();
-    for (const auto& node : nodes) node->look();
-  };
-  const TopicWatch lives("sft_liveliness");
-  EXPECT_TRUE(lives.writers_become(2, look));
-  EXPECT_TRUE(lives.readers_become(2, look));
-  EXPECT_TRUE(TopicWatch("sft_writer").readers_become(2));
-}
-
-TEST_F(JointDiscoveryTest, BeginsWithFullSignsOfLifeOnceNodesHaveMet) {
-  ControlEar writer("one-"), reader("two-");
-  writer.announce(Role::writer, 1);
-  reader.announce(Role::reader, 2);
-  EXPECT_TRUE(reader.hears(1) && writer.hears(2));
-  const TopicWatch lives("sft_liveliness");
-  writer.tell({.node = 1, .writers = {}});
-  EXPECT_TRUE(lives.writers_become(0)) << "a pulse will do";
-  EXPECT_TRUE(lives.writers_become(2, [&] {
-    writer.look();
-    reader.look();
-  }));
-}
-
-TEST_F(JointDiscoveryTest, BeginsWithThemAtOnceWhereANodeHasMoreToTell) {
-  ControlEar writer("one-"), reader("two-");
-  const TopicWatch lives("sft_liveliness");
-  writer.announce(Role::writer, 1);
-  writer.tell({.node = 1, .writers = {1}});
-  EXPECT_TRUE(lives.writers_become(1));
-  core::Endpoint with_lease = control_endpoint(Role::reader, 2);
-  with_lease.qos.liveliness_lease = std::chrono::milliseconds(100);
-  reader.announce(with_lease);
-  EXPECT_TRUE(lives.readers_become(2)) << "who waits for signs of a writer has to hear them";
-}
-
-TEST_F(JointDiscoveryTest, LeavesOutSignsOfLifeThatTellNothingNewUnlessTheyAreAwaited) {
-  ControlEar writer("one-"), reader("two-");
-  writer.announce(Role::writer, 1);
-  reader.announce(Role::reader, 2);
-  EXPECT_TRUE(reader.hears(1) && writer.hears(2));
-  constexpr std::size_t turns = 10;
-  const auto signs_in_turns = [&](const core::Discovery::Awaited& awaited) {
-    const std::size_t before = reader.signs();
-    for (std::size_t i = 0; i < turns; ++i) {
-      writer.tell({.node = 1, .writers = {}});
-      reader.tell({.node = 2, .writers = {}});
-      writer.look();
-      reader.look(awaited);
-    }
-    return reader.signs() - before;
-  };
-  EXPECT_TRUE(eventually([&] { return signs_in_turns({}) == 0; }, std::chrono::seconds(30)));
-  EXPECT_GE(signs_in_turns({.every_sign = true}), turns);
+  const TopicWatch of_writers("sft_writer"), of_readers("sft_reader");
+  EXPECT_TRUE(of_writers.readers_become(2));
+  EXPECT_TRUE(of_writers.writers_become(1));
+  EXPECT_TRUE(of_readers.readers_become(1));
+  EXPECT_TRUE(of_readers.writers_become(2));
 }
 
 TEST_F(JointDiscoveryTest, TellsANewcomerOfTheProcessWhatIsInForce) {
@@ -201,29 +140,29 @@ TEST_F(JointDiscoveryTest, LetsNodesOfTheProcessHearEachOther) {
   EXPECT_TRUE(eventually([&] { return reader.heard().empty() && newcomer.heard().empty(); }));
 }
 
-TEST_F(JointDiscoveryTest, GreetsAStrangerOfWhomOnlyPulsesCome) {
+TEST_F(JointDiscoveryTest, AnnouncesItselfToAStrangerOfWhichOnlyHeartbeatsCome) {
   using namespace std::chrono_literals;
   ControlEar ear("one-");
   ParticipantWatch participants;
-  const auto is_greeted_within = [&](std::chrono::milliseconds duration, const auto& meanwhile) {
+  const auto announces_within = [&](std::chrono::milliseconds duration, const auto& meanwhile) {
     const int words = participants.words();
-    const auto is_greeted = [&] {
+    const auto has_announced = [&] {
       meanwhile();
       ear.look();
       return participants.words() > words;
     };
-    return eventually(is_greeted, duration);
+    return eventually(has_announced, duration);
   };
-  const auto is_quiet = [&] { return !is_greeted_within(2500ms, [] {}); };  // the last pause is shorter
-  ASSERT_TRUE(eventually(is_quiet, 30s)) << "the greetings at the start end";
+  const auto is_quiet = [&] { return !announces_within(2500ms, [] {}); };  // the last pause is shorter
+  ASSERT_TRUE(eventually(is_quiet, 30s)) << "the announcements at the start end";
 
   const auto stranger =
-      core::PulseSocket::open({.ip = core::loopback_ipv4,
+      core::HeartbeatSocket::open({.ip = core::loopback_ipv4,
                                .index = 1,
-                               .port = *core::dds_config(control_domain(), {}, "")->pulse_port,
+                               .port = *core::dds_config(control_domain(), {}, "")->heartbeat_port,
                                .reaches_own_host = true});
   ASSERT_TRUE(stranger);
-  EXPECT_TRUE(is_greeted_within(10s, [&] { stranger->send({.node = 77, .participant = 5}); }));
+  EXPECT_TRUE(announces_within(10s, [&] { stranger->send({.participant = {7}, .process = 77}); }));
 }
 
 TEST_F(JointDiscoveryTest, StaysWithTheOtherNodesWhenTheFirstOneGoes) {
@@ -296,10 +235,7 @@ TEST_F(JointDiscoveryTest, CarriesTwoHundredNodesInOneProcess) {
     const auto& others = id % 2 == 0 ? readers : writers;
     EXPECT_TRUE(eventually([&] { return nodes[id - 1]->heard() == others; })) << id;
   }
-  EXPECT_TRUE(TopicWatch("sft_liveliness").writers_become(2, [&] {
-    other.look();
-    for (const auto& node : nodes) node->look();
-  }));
+  EXPECT_TRUE(TopicWatch("sft_writer").writers_become(2));
   nodes.clear();
   EXPECT_TRUE(eventually([&] { return other.heard().empty(); })) << other.heard().size();
 }

@@ -1,12 +1,10 @@
 // A node listens to those whom its own endpoints may concern, and to everybody once it is told to.
-#include <dds/dds.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cstdint>
 #include <string>
 
-#include "core/control/control_codec.h"
 #include "tests/support/eventually.h"
 #include "tests/support/isolated_host.h"
 #include "tests/system/control_ear.h"
@@ -16,7 +14,6 @@ namespace {
 
 using core::Role;
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 
 enum class Nodes : std::uint8_t { of_one_process, of_several_processes };
 
@@ -74,26 +71,6 @@ TEST_P(RolesTest, AWriterThatComesLateHearsTheLatestRequestOfEachReader) {
   for (std::uint64_t sequence = 1; sequence < 10; ++sequence) reader.ask(1, sequence);
   writer.announce(Role::writer, 2);
   EXPECT_TRUE(eventually([&] { return writer.asked() == 9; }));
-}
-
-TEST_P(RolesTest, AnEndpointOnTheTopicOfTheOtherRoleIsRefusedAndToldOf) {
-  ControlEar reader(process("a"));
-  reader.announce(Role::reader, 1);
-  const LoopbackParticipant participant;
-  dds_qos_t* const qos = dds_create_qos();
-  dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
-  dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
-  const dds_entity_t topic =
-      dds_create_topic(participant.entity(), &sft_control_Endpoint_desc, "sft_writer", qos, nullptr);
-  const dds_entity_t writer = dds_create_writer(participant.entity(), topic, qos, nullptr);
-  dds_delete_qos(qos);
-  core::ControlStorage storage;
-  const core::Endpoint made_up = control_endpoint(Role::reader, 5);
-  const sft_control_Endpoint sample = core::to_dds(made_up, storage);
-  ASSERT_EQ(dds_write(writer, &sample), DDS_RETCODE_OK);
-  EXPECT_TRUE(eventually([&] { return !reader.refused().empty(); }));
-  EXPECT_THAT(reader.refused(), ElementsAre(HasSubstr("the topic of the other role")));
-  EXPECT_THAT(reader.heard(), ElementsAre());
 }
 
 }  // namespace

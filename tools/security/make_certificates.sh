@@ -54,10 +54,10 @@ EOF
   sign governance.xml
 }
 
-# NAME: permits the node to write and read the three control topics only.
+# NAME: permits the node to write and read the four control topics only.
 make_permissions() {
   local topic topics=''
-  for topic in sft_writer sft_reader sft_liveliness; do topics+="<topic>$topic</topic>"; done
+  for topic in sft_writer sft_reader sft_heartbeat sft_report; do topics+="<topic>$topic</topic>"; done
   topics="<topics>$topics</topics>"
   cat >"$1/permissions.xml" <<EOF
 <?xml version="1.0" encoding="utf-8"?>

@@ -1,124 +1,206 @@
 #include "udp_transport/multicast/multicast_plan.h"
 
 #include <algorithm>
-#include <map>
+#include <functional>
 #include <set>
 #include <utility>
 
 #include "udp_transport/multicast/one_copy.h"
-#include "udp_transport/multicast/plan_search.h"
 
 namespace sft::udp {
 
 namespace {
 
-bool are_alike(const PlanDestination& a, const PlanDestination& b) {
-  return a.fields == b.fields && a.alone_bytes == b.alone_bytes && a.datagram_bytes == b.datagram_bytes;
+/// Destinations that are sent one copy together, or one destination that is served alone.
+struct Share {
+  Selection fields{};
+  std::vector<std::size_t> members{};
+  PlanCost cost{};
+  bool is_group() const { return members.size() > 1; }
+};
+
+PlanCost cost_of(std::span<const Share> shares) {
+  PlanCost sum;
+  for (const Share& share : shares) sum = sum + share.cost;
+  return sum;
 }
 
-/// The destinations of one division, by kind, and the plan for them.
+/// The plan for the destinations of one division.
 class DivisionPlan {
  public:
   DivisionPlan(std::span<const PlanDestination> all, std::size_t division, const BodyBytes& body_bytes,
                const PlanLimits& limits)
-      : all_(all), kinds_(kinds_of(division)), search_(kinds_, body_bytes, limits) {}
-
-  /// Groups whose kinds are together at present. Those who came anew go where they cost least.
-  void take_over(const MulticastPlan& present, double samples_per_s, const PlanLimits& limits) {
-    places_.assign(kinds_.size(), PlanSearch::alone);
-    std::map<std::size_t, std::size_t> place_of;  // by the place of the group in the present plan
-    std::vector<std::size_t> newcomers;
-    for (std::size_t kind = 0; kind < kinds_.size(); ++kind) {
-      std::size_t group = PlanSearch::alone;
-      bool is_new = false;
-      for (const std::size_t member : members_[kind]) {
-        const std::size_t here = group_of(present, member);
-        is_new = is_new || all_[member].is_new;
-        if (group == PlanSearch::alone) group = here;
-      }
-      if (is_new) newcomers.push_back(kind);
-      if (group == PlanSearch::alone) continue;
-      const std::size_t next = place_of.size();
-      const std::size_t place = place_of.try_emplace(group, next).first->second;
-      if (place < limits.groups_max) places_[kind] = place;
+      : all_(all), body_bytes_(body_bytes), limits_(limits), equals_(equals_in(division)) {
+    std::vector<std::size_t> everyone;
+    for (const auto& members : equals_) {
+      everyone.insert(everyone.end(), members.begin(), members.end());
+      for (const std::size_t member : members) alone_.push_back(alone(member));
     }
-    cost_ = search_.cost_of(places_);
-    Places with_them = search_.insert(places_, newcomers);
-    const PlanCost cost = search_.cost_of(with_them);
-    if ((cost_.cost - cost.cost) * samples_per_s <= limits.gain_bytes_per_s) return;
-    places_ = std::move(with_them);
-    cost_ = cost;
+    everyone_ = everyone.size() > 1 ? together(std::move(everyone)) : alone_.front();
+    wire_max_ = limits_.wire_max * std::min(cost_of(alone_).wire, everyone_.cost.wire);
   }
 
-  /// Dissolves groups that are hardly worth anything any more. Who is in one of which nothing is heard for
-  /// long may be forgotten by a switch, and then misses the next sample.
-  void dissolve_if_rare(double samples_per_s, const PlanLimits& limits) {
-    const Places all_alone(kinds_.size(), PlanSearch::alone);
-    const PlanCost cost = search_.cost_of(all_alone);
-    if ((cost.cost - cost_.cost) * samples_per_s >= limits.gain_bytes_per_s / 2) return;
-    places_ = all_alone;
-    cost_ = cost;
+  /// Leaves the destinations in their groups. A destination that came anew joins the group of another one
+  /// that asks for the same.
+  void take_over(const MulticastPlan& present) {
+    std::vector<std::vector<std::size_t>> groups(present.size());
+    for (const auto& members : equals_) {
+      const auto is_in = [&](const PlannedGroup& group) {
+        return std::ranges::find_first_of(members, group.members) != members.end();
+      };
+      const auto group = std::ranges::find_if(present, is_in);
+      if (group == present.end()) {
+        for (const std::size_t member : members) shares_.push_back(alone(member));
+      } else {
+        auto& all = groups[static_cast<std::size_t>(group - present.begin())];
+        all.insert(all.end(), members.begin(), members.end());
+      }
+    }
+    for (auto& members : groups) {
+      if (members.size() == 1) shares_.push_back(alone(members.front()));
+      if (members.size() > 1) shares_.push_back(together(std::move(members)));
+    }
+  }
+
+  /// Dissolves groups that are hardly worth anything any more. A switch may forget the members of a group in
+  /// which nothing is heard for long, and these then miss the next sample.
+  void dissolve_if_rare(double samples_per_s) {
+    const double gain = cost_of(alone_).cost - cost_of(shares_).cost;
+    if (gain * samples_per_s < limits_.gain_bytes_per_s / 2) shares_ = alone_;
   }
 
   /// Changes whatever is worth it.
-  void improve(double samples_per_s, const PlanLimits& limits) {
-    Places best = search_.search(places_);
-    const PlanCost least = search_.cost_of(best);
-    const PlanCost gain = cost_ - least;
-    const bool must = !search_.allows(cost_) && gain.wire * samples_per_s > limits.gain_bytes_per_s;
+  void improve(double samples_per_s) {
+    std::vector<Share> better = share_where_equal();
+    if (cost_of(better).wire > limits_.wire_max * everyone_.cost.wire) better = unite(std::move(better));
+    const PlanCost present = cost_of(shares_), next = cost_of(better), gain = present - next;
+    const bool must = present.wire > wire_max_ && gain.wire * samples_per_s > limits_.gain_bytes_per_s;
     const bool pays =
-        gain.cost > limits.gain_min * least.cost && gain.cost * samples_per_s > limits.gain_bytes_per_s;
-    if (must || pays) places_ = std::move(best);
+        gain.cost > limits_.gain_min * next.cost && gain.cost * samples_per_s > limits_.gain_bytes_per_s;
+    if (must || pays) shares_ = std::move(better);
   }
 
   void add_to(MulticastPlan& plan) const {
-    std::map<std::size_t, PlannedGroup> groups;
-    for (std::size_t kind = 0; kind < kinds_.size(); ++kind) {
-      if (places_[kind] == PlanSearch::alone) continue;
-      PlannedGroup& group = groups[places_[kind]];
-      add_to_copy(group.fields, kinds_[kind].fields, group.members.empty());
-      group.members.insert(group.members.end(), members_[kind].begin(), members_[kind].end());
-    }
-    for (auto& [place, group] : groups) {
-      std::ranges::sort(group.members);
-      if (group.members.size() > 1) plan.push_back(std::move(group));
+    for (const Share& share : shares_) {
+      if (!share.is_group()) continue;
+      plan.push_back({share.fields, share.members});
+      std::ranges::sort(plan.back().members);
     }
   }
 
  private:
-  using Places = PlanSearch::Places;
-
-  std::vector<PlanKind> kinds_of(std::size_t division) {
-    std::vector<PlanKind> kinds;
+  /// The destinations of the division, those with the same fields together.
+  std::vector<std::vector<std::size_t>> equals_in(std::size_t division) const {
+    std::vector<std::vector<std::size_t>> equals;
     for (std::size_t i = 0; i < all_.size(); ++i) {
-      const PlanDestination& to = all_[i];
-      if (to.division != division) continue;
+      if (all_[i].division != division) continue;
       const auto known = std::ranges::find_if(
-          members_, [&](const auto& members) { return are_alike(all_[members.front()], to); });
-      if (known == members_.end()) {
-        members_.push_back({i});
-        kinds.push_back({to.fields, to.alone_bytes, to.datagram_bytes, 1});
-      } else {
-        known->push_back(i);
-        ++kinds[static_cast<std::size_t>(known - members_.begin())].destinations;
-      }
+          equals, [&](const auto& members) { return all_[members.front()].fields == all_[i].fields; });
+      known == equals.end() ? equals.push_back({i}) : known->push_back(i);
     }
-    return kinds;
+    return equals;
   }
 
-  static std::size_t group_of(const MulticastPlan& plan, std::size_t destination) {
-    for (std::size_t i = 0; i < plan.size(); ++i) {
-      if (std::ranges::binary_search(plan[i].members, destination)) return i;
+  Share alone(std::size_t destination) const {
+    const PlanDestination& to = all_[destination];
+    return {to.fields, {destination}, {to.alone_bytes, to.alone_bytes}};
+  }
+
+  Share together(std::vector<std::size_t> members) const {
+    Share share{.members = std::move(members)};
+    std::size_t datagram_bytes = SIZE_MAX;
+    for (const std::size_t member : share.members) {
+      add_to_copy(share.fields, all_[member].fields, member == share.members.front());
+      datagram_bytes = std::min(datagram_bytes, all_[member].datagram_bytes);
     }
-    return PlanSearch::alone;
+    const double bytes = wire_bytes(body_bytes_(share.fields), datagram_bytes, PlaceMark::in_group);
+    share.cost = {bytes, bytes};
+    for (const std::size_t member : share.members)
+      share.cost.cost += limits_.unwanted_weight * std::max(0.0, bytes - all_[member].alone_bytes);
+    return share;
+  }
+
+  /// A group for each selection that several ask for, if one copy is less than one for each of them. Of too
+  /// many groups those stay that save most.
+  std::vector<Share> share_where_equal() const {
+    struct Candidate {
+      Share group;
+      double saved = 0;
+    };
+    std::vector<Candidate> groups;
+    std::vector<Share> shares;
+    const auto serve_alone = [&](const std::vector<std::size_t>& members) {
+      for (const std::size_t member : members) shares.push_back(alone(member));
+    };
+    for (const auto& members : equals_) {
+      if (members.size() < 2) {
+        serve_alone(members);
+        continue;
+      }
+      Share group = together(members);
+      double saved = -group.cost.wire;
+      for (const std::size_t member : members) saved += all_[member].alone_bytes;
+      groups.push_back({std::move(group), saved});
+    }
+    std::ranges::stable_sort(groups, std::greater(), &Candidate::saved);
+    for (std::size_t i = 0; i < groups.size(); ++i) {
+      if (i < limits_.groups_max && groups[i].saved > 0)
+        shares.push_back(std::move(groups[i].group));
+      else
+        serve_alone(groups[i].group.members);
+    }
+    return shares;
+  }
+
+  /// One group under the union of all masks. The smallest shares stay out of it, as long as all together puts
+  /// no more on the wire than it may: so nobody gets a large field for a small one.
+  std::vector<Share> unite(std::vector<Share> apart) const {
+    std::ranges::stable_sort(apart, {}, [](const Share& share) { return share.cost.wire; });
+    std::vector<FieldMask> from(apart.size());  // the fields of the share there and of all behind it
+    for (std::size_t i = apart.size(); i-- > 0;)
+      from[i] = i + 1 == apart.size() ? apart[i].fields.mask() : apart[i].fields.mask() | from[i + 1];
+    std::vector<Share> shares;
+    std::vector<std::size_t> united;
+    std::size_t shares_united = 0, groups = 1;
+    FieldMask fields;
+    double outside = 0;
+    for (std::size_t i = 0; i < apart.size(); ++i) {
+      const Share& share = apart[i];
+      const std::size_t behind = apart.size() - i - 1;
+      bool stays_out = shares_united + behind > 1 && (!share.is_group() || groups < limits_.groups_max);
+      if (stays_out) {
+        const FieldMask rest = shares_united == 0 ? from[i + 1] : behind == 0 ? fields : fields | from[i + 1];
+        stays_out = outside + share.cost.wire + wire_of_all(rest) <= limits_.wire_max * everyone_.cost.wire;
+      }
+      if (stays_out) {
+        outside += share.cost.wire;
+        groups += share.is_group() ? 1 : 0;
+        shares.push_back(share);
+      } else {
+        fields = shares_united++ == 0 ? share.fields.mask() : fields | share.fields.mask();
+        united.insert(united.end(), share.members.begin(), share.members.end());
+      }
+    }
+    shares.push_back(together(std::move(united)));
+    return shares;
+  }
+
+  /// One copy with these fields, in datagrams that all paths take.
+  double wire_of_all(const FieldMask& fields) const {
+    std::size_t datagram_bytes = SIZE_MAX;
+    for (const Share& one : alone_)
+      datagram_bytes = std::min(datagram_bytes, all_[one.members.front()].datagram_bytes);
+    return wire_bytes(body_bytes_(fields), datagram_bytes, PlaceMark::in_group);
   }
 
   const std::span<const PlanDestination> all_;
-  std::vector<std::vector<std::size_t>> members_;  ///< of each kind
-  const std::vector<PlanKind> kinds_;
-  PlanSearch search_;
-  Places places_;
-  PlanCost cost_{};
+  const BodyBytes& body_bytes_;
+  const PlanLimits& limits_;
+  const std::vector<std::vector<std::size_t>> equals_;
+  std::vector<Share> alone_;
+  Share everyone_;
+  double wire_max_ = 0;
+  std::vector<Share> shares_;
 };
 
 }  // namespace
@@ -133,9 +215,9 @@ MulticastPlan plan_multicast(std::span<const PlanDestination> destinations, cons
     const std::optional<double> passing_per_s =
         std::ranges::find(destinations, division, &PlanDestination::division)->passing_per_s;
     const double here_per_s = passing_per_s.value_or(samples_per_s);
-    one.take_over(present, here_per_s, limits);
-    if (passing_per_s) one.dissolve_if_rare(here_per_s, limits);
-    one.improve(here_per_s, limits);
+    one.take_over(present);
+    if (passing_per_s) one.dissolve_if_rare(here_per_s);
+    one.improve(here_per_s);
     one.add_to(plan);
   }
   std::ranges::sort(plan, {}, [](const PlannedGroup& group) { return group.members.front(); });

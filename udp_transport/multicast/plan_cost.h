@@ -22,7 +22,6 @@ struct PlanDestination {
   double alone_bytes = 0;          ///< on the wire, if what each of them asks for is sent there alone
   std::size_t division = 0;        ///< a group has members of one division (divisions.h)
   std::size_t datagram_bytes = 0;  ///< that its path takes
-  bool is_new = false;             ///< it was not there, or had other fields, when the present plan was made
   /// All in its division are sent so many samples in a second, on average over some seconds. Empty: every
   /// sample.
   std::optional<double> passing_per_s{};
@@ -39,7 +38,7 @@ using MulticastPlan = std::vector<PlannedGroup>;
 struct PlanLimits {
   double unwanted_weight = 0.25;   ///< of a byte that a member gets and has not asked for
   double wire_max = 1.05;          ///< bytes on a link, by what one group, or none, would put there
-  double gain_min = 0.05;          ///< of what the best one costs: less is no reason to change anything
+  double gain_min = 0.05;          ///< of what another plan costs: less is no reason to change to it
   double gain_bytes_per_s = 4096;  ///< likewise
   std::size_t groups_max = 8;      ///< of a division
   /// The bytes that a body may have that nobody asked for as it is: a larger one might not be sent at all.

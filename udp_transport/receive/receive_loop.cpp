@@ -111,8 +111,10 @@ void ReceiveLoop::run() {
 void ReceiveLoop::receive_alone() {
   const Time begun = Clock::now();
   now_.steady = {};
-  const bool works = io_->receive(*this, next_deadline(), spin_choice_.choose(spins_.largest()));
-  spin_choice_.waited(now_.steady == Time{} ? Clock::duration::max() : now_.steady - begun);
+  const auto limit = spins_.largest();
+  const bool works = io_->receive(*this, next_deadline(), spinning_.spin(limit));
+  const bool found = now_.steady != Time{};
+  spinning_.waited(found ? now_.steady - begun : Clock::duration::max(), found, limit);
   end_hand_over();
   look_after_time();
   if (role_.end_turn(next_deadline())) ::eventfd_write(waiter_event_.get(), 1);

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "core/platform/thread.h"
+#include "core/sync/spin_choice.h"
 #include "udp_transport/io/datagram_io.h"
 #include "udp_transport/io/group_joins.h"
 #include "udp_transport/io/udp_socket.h"
@@ -17,7 +18,7 @@
 #include "udp_transport/receive/demultiplexer.h"
 #include "udp_transport/receive/reassembly.h"
 #include "udp_transport/receive/receiving_role.h"
-#include "udp_transport/receive/spin_choice.h"
+#include "udp_transport/receive/spin_limits.h"
 
 namespace sft::udp {
 
@@ -108,7 +109,9 @@ class ReceiveLoop final : private DatagramSink, public std::enable_shared_from_t
   PublishedCounters published_;
 
   // Used by the own thread.
-  SpinChoice spin_choice_;
+  // Spinning pays as long as samples come about as fast as a thread can be woken. A callback that answers at
+  // once, and gets the next sample for it, is quicker from then on.
+  core::SpinChoice spinning_{3};
 
   // Used by the receiving thread alone.
   const SendAck send_ack_;

@@ -1,6 +1,7 @@
 #include "udp_transport/reliable/sequence_watch.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "udp_transport/wire/datagram.h"
 
@@ -21,38 +22,51 @@ std::uint64_t reach_after(SequenceWatch::Time::duration silence) {
 
 }  // namespace
 
+bool SequenceWatch::Row::add(std::uint64_t sequence, Time now) {
+  if (datagrams++ == 0) since = now;
+  return std::exchange(last, sequence) < sequence && datagrams > 1;
+}
+
 bool SequenceWatch::judge(const Claim& claim, Time now) {
   const std::uint64_t sequence = claim.sequence;
-  if (newest() == 0) {
+  const bool is_ahead = sequence > newest();
+  if (newest() == 0 || (is_ahead && sequence - newest() <= reach_after(now - advanced_at_))) {
     advance(claim, now);
     return true;
   }
-  if (sequence > newest()) {
-    if (sequence - newest() <= reach_after(now - advanced_at_)) {
-      advance(claim, now);
-      return true;
-    }
-  } else if (newest() - sequence <= reach_back) {
-    const bool is_repair = claim.place != 0 && claim.place < newest_.place && !is_younger(claim);
-    const bool begins_anew = is_repair ? note_repair(claim, now) : note_late(claim, now);
-    if (begins_anew) begin_anew(claim, now);
-    newest_was_wrong_ = begins_anew && !is_repair;
-    return true;
-  }
-  if (!confirmed(claim, now)) return false;
-  newest_was_wrong_ = sequence < newest();
-  begin_anew(claim, now);
+  if (is_ahead || newest() - sequence > reach_back) return judge_far(claim, now);
+  judge_late(claim, now);
   return true;
+}
+
+/// Wrong numbers are seldom near each other, and true ones come between them while the writer is heard.
+bool SequenceWatch::judge_far(const Claim& claim, Time now) {
+  if (std::exchange(last_doubtful_, claim.datagram) == claim.datagram) return false;
+  if (distance(claim.sequence, far_.last) > reach) far_ = {};
+  if (!far_.add(claim.sequence, now) || !far_.lasts(now)) return false;
+  begin_anew(claim, now, claim.sequence < newest());
+  return true;
+}
+
+/// The newest sample itself, in another variant, is not late.
+void SequenceWatch::judge_late(const Claim& claim, Time now) {
+  far_ = {};
+  if (claim.sequence == newest()) return;
+  if (std::exchange(last_doubtful_, claim.datagram) == claim.datagram) return;
+  const bool was_published_later = is_younger(claim);
+  const bool is_repair = claim.place != 0 && claim.place < newest_.place && !was_published_later;
+  const bool ascends = late_.add(claim.sequence, now);
+  const bool are_many = ascends && late_.datagrams >= late_in_a_row && late_.lasts(now);
+  const bool counts = was_published_later || (claim.stamp_ns > newest_.stamp_ns && !is_repair);
+  const bool goes_on = counts && later_.add(claim.sequence, now) && later_.lasts(now);
+  if (goes_on || are_many) begin_anew(claim, now, goes_on);
 }
 
 void SequenceWatch::advance(const Claim& claim, Time now) {
   if (claim.datagram != newest_.datagram) count_step(claim, now);
   newest_ = claim;
   advanced_at_ = now;
-  doubted_ = 0;
-  late_.end();
-  later_.end();
-  repairs_.end();
+  far_ = late_ = later_ = {};
 }
 
 /// The samples of one packed datagram are one step: its stamp would else be taken for true at once.
@@ -63,71 +77,26 @@ void SequenceWatch::count_step(const Claim& claim, Time now) {
   steady_ = claim.sequence;
   steady_stamp_ns_ = claim.stamp_ns;
   steady_at_ = now;
-  ++advances_;
 }
 
-void SequenceWatch::begin_anew(const Claim& claim, Time now) {
-  if (advances_ > 0 && advances_ >= before_advances_) {
-    before_ = steady_;
-    before_advances_ = std::min(advances_, advances_counted_max);
-  }
-  advances_ = distance(claim.sequence, before_) <= reach ? before_advances_ : 0;
+void SequenceWatch::begin_anew(const Claim& claim, Time now, bool newest_was_wrong) {
   advance(claim, now);
+  newest_was_wrong_ = newest_was_wrong;
   ++numbering_;
 }
 
 std::uint64_t SequenceWatch::widen(std::uint32_t low) const {
-  const std::uint64_t goes_on = widen_sequence(before_, low);
-  return before_ != 0 && distance(goes_on, before_) <= reach ? goes_on : widen_sequence(newest(), low);
+  const std::uint64_t goes_on = widen_sequence(steady_, low);
+  return steady_ != 0 && distance(goes_on, steady_) <= reach ? goes_on : widen_sequence(newest(), low);
 }
 
-bool SequenceWatch::confirmed(const Claim& claim, Time now) {
-  const std::uint64_t sequence = claim.sequence;
-  const bool is_other = sequence != doubted_ || now - doubted_at_ >= repeated_after;
-  if (doubted_ != 0 && claim.datagram != doubted_datagram_ && distance(sequence, doubted_) <= reach &&
-      is_other)
-    return true;
-  const bool same_again = doubted_ == sequence;
-  doubted_ = sequence;
-  doubted_datagram_ = claim.datagram;
-  if (!same_again) doubted_at_ = now;
-  return false;
-}
-
-/// True if the newest sequence must have been wrong. The newest one itself, in another variant, is not late.
-bool SequenceWatch::note_late(const Claim& claim, Time now) {
-  const std::uint64_t sequence = claim.sequence;
-  if (sequence == newest() || claim.datagram == last_late_datagram_) return false;
-  last_late_datagram_ = claim.datagram;
-  late_.add(sequence, now);
-  const bool is_far = newest() - sequence > reach;
-  const bool are_enough = late_.count() >= late_in_a_row || (late_.count() >= 2 && is_far);
-  return note_later(claim, now) || (are_enough && late_.lasts(now) >= newest_doubted_after);
-}
-
-/// Counts those late ones that were published after the newest one, by their stamps. Their order means
-/// nothing: repairs of samples before them may come between them. But the numbering goes on with a new one.
-bool SequenceWatch::note_later(const Claim& claim, Time now) {
-  if (claim.stamp_ns <= newest_.stamp_ns && !is_younger(claim)) return false;
-  const bool ascends = later_.add_in_any_order(claim.sequence, now);
-  return ascends && later_.lasts(now) >= newest_doubted_after;
-}
-
-/// By its stamp it was published after the newest one came, whatever the stamp of that one says.
+/// True if by its stamp the sample was published after the newest one came, whatever the stamp of that one
+/// says: it may be as wrong as its sequence.
 bool SequenceWatch::is_younger(const Claim& claim) const {
   if (steady_ == 0) return false;
   const auto since_steady = static_cast<std::int64_t>(static_cast<std::uint64_t>(claim.stamp_ns) -
                                                       static_cast<std::uint64_t>(steady_stamp_ns_));
   return std::chrono::nanoseconds(since_steady) > advanced_at_ - steady_at_;
-}
-
-/// The place of the newest one can be wrong as well: then what looks like repairs goes on and on, and nothing
-/// else comes.
-bool SequenceWatch::note_repair(const Claim& claim, Time now) {
-  if (claim.datagram == last_late_datagram_) return false;
-  last_late_datagram_ = claim.datagram;
-  repairs_.add(claim.sequence, now);
-  return repairs_.count() >= late_in_a_row && repairs_.lasts(now) >= newest_doubted_after;
 }
 
 }  // namespace sft::udp

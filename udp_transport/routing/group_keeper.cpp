@@ -221,11 +221,8 @@ std::vector<PlanDestination> GroupKeeper::plan_destinations(std::vector<const De
     const std::size_t datagram_bytes = to->path().datagram_bytes();
     const PlaceMark mark = candidate.reliable ? PlaceMark::in_channel : PlaceMark::none;
     const double alone = sharing_.bytes_to(to, candidate.asked, mark, *sizes_);
-    const auto known = planned_for_.destinations.find(to);
-    const bool is_new =
-        known == planned_for_.destinations.end() || known->second.fields != candidate.together;
     PlanDestination& destination = destinations.emplace_back();
-    destination = {candidate.together, alone, candidate.division, datagram_bytes, is_new};
+    destination = {candidate.together, alone, candidate.division, datagram_bytes};
     if (candidate.gate != nullptr) destination.passing_per_s = measured_.passing.per_s(candidate.gate, now);
     places.push_back(to);
   }

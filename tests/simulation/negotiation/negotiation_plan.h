@@ -20,8 +20,7 @@ struct NegotiationPlan {
   struct Budget {
     int selection_changes = 0;
     int rate_changes = 0;
-    int losses = 0;    ///< one node does not hear another any more, for a while
-    int silences = 0;  ///< likewise, but only what it says of its life
+    int losses = 0;  ///< one node does not hear another any more, for a while
     int memory_changes = 0;
     int restarts = 0;  ///< killed, and started again
     int departures = 0;

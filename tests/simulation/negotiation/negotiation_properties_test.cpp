@@ -84,10 +84,6 @@ TEST_F(AllOrders, OfNodesThatLoseAndFindEachOther) {
   explore(one_pair({.selection_changes = 1, .losses = 1}), 8, 10);
 }
 
-TEST_F(AllOrders, OfNodesThatFallSilentAndAreHeardAgain) {
-  explore(one_pair({.selection_changes = 1, .losses = 1, .silences = 1}), 7, 9);
-}
-
 TEST_F(AllOrders, OfNodesThatAreKilledAndComeBack) {
   explore(one_pair({.selection_changes = 1, .restarts = 1}), 7, 9);
 }
@@ -122,7 +118,6 @@ class RandomOrders : public RandomTest {
     plan.budget = {.selection_changes = up_to(8),
                    .rate_changes = up_to(4),
                    .losses = up_to(4),
-                   .silences = up_to(3),
                    .memory_changes = up_to(4),
                    .restarts = up_to(3),
                    .departures = up_to(2),

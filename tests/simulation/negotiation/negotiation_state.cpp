@@ -48,11 +48,6 @@ void WorldNode::forget_history(Id reader) {
   for (auto& [writer_id, writer] : writers) writer.history_given.erase(reader);
 }
 
-bool WorldNode::knows_as_silent(const WorldNode& other) const {
-  return std::ranges::any_of(
-      told, [&](const auto& item) { return item.second.silent && holds(other.opened, item.first); });
-}
-
 bool WorldNode::connections_changed() const {
   for (const auto& [reader_id, reader] : readers) {
     const core::Request& request = negotiation.local(reader_id)->request;

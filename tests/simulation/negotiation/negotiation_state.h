@@ -71,10 +71,9 @@ struct WorldWriter {
 struct Told {
   std::shared_ptr<const core::Endpoint> endpoint;
   std::optional<core::Time> lost_since;
-  bool silent = false;                  ///< its node says no more that it lives
   std::uint64_t newest = 0;             ///< sequence of a request
   std::uint64_t newest_while_away = 0;  ///< told while there was no endpoint, or it was lost
-  bool lost() const { return lost_since || silent; }
+  bool lost() const { return lost_since.has_value(); }
 };
 struct WorldNode {
   core::NodeId id = 0;
@@ -97,7 +96,6 @@ struct WorldNode {
   void owe_what_has_not_begun(Id reader, const AskedRequests& asked);
   /// A reader that comes again after it went is another one as far as its writers can tell.
   void forget_history(Id reader);
-  bool knows_as_silent(const WorldNode& other) const;
   /// Returns true if a request does not say what is connected.
   bool connections_changed() const;
 };

@@ -25,9 +25,6 @@ class StepList {
     if (state_.left.repetitions > 0 && c.last_request != nullptr) add(What::request_repeated, to, from);
     if (c.found && (state_.left.losses > 0 || !state_.nodes[from].up)) add(What::node_lost, to, from);
     if (!c.found && state_.nodes[from].up) add(What::node_found, to, from);
-    const bool silent = state_.nodes[to].knows_as_silent(state_.nodes[from]);
-    if (silent && state_.nodes[from].up) add(What::node_heard_again, to, from);
-    if (!silent && c.found && state_.left.silences > 0) add(What::node_falls_silent, to, from);
   }
   void of_node(std::size_t n) {
     const WorldNode& node = state_.nodes[n];

@@ -30,8 +30,6 @@ struct NegotiationStep {
     datagram_comes,
     datagram_lost,
     history_leaves,
-    node_falls_silent,
-    node_heard_again,
   };
 
   What what{};

@@ -37,7 +37,7 @@ struct NegotiationWorld::StepKind {
 };
 
 /// The kinds of steps, in the order of NegotiationStep::What.
-const std::array<NegotiationWorld::StepKind, 22> NegotiationWorld::step_kinds{{
+const std::array<NegotiationWorld::StepKind, 20> NegotiationWorld::step_kinds{{
     {"announcement comes",
      [](auto& world, auto n, auto other) {
        world.deliver(n, world.state_.channels.take_announcement(other, n));
@@ -86,8 +86,6 @@ const std::array<NegotiationWorld::StepKind, 22> NegotiationWorld::step_kinds{{
      }},
     {"datagram lost", [](auto& world, auto, auto which) { world.state_.take_datagram(which); }},
     {"history leaves", [](auto& world, auto n, auto which) { world.give_history(n, which); }},
-    {"node falls silent", [](auto& world, auto n, auto other) { world.fall_silent(other, n); }},
-    {"node heard again", [](auto& world, auto n, auto other) { world.hear_again(other, n); }},
 }};
 
 NegotiationWorld::NegotiationWorld(const Plan& plan, const TypeSupport& type, Random* random)

@@ -43,7 +43,7 @@ class NegotiationWorld {
  private:
   struct StepKind;
   class Settling;
-  static const std::array<StepKind, 22> step_kinds;
+  static const std::array<StepKind, 20> step_kinds;
 
   void fail(const std::string& what);
 
@@ -64,8 +64,6 @@ class NegotiationWorld {
   void deliver(std::size_t to, const core::Request& request);
   void lose(std::size_t from, std::size_t to);
   void forget(std::size_t node);
-  void fall_silent(std::size_t from, std::size_t to);
-  void hear_again(std::size_t from, std::size_t to);
 
   void reconcile(std::size_t node);
   void reconcile_reader(std::size_t node, Id id, WorldReader& reader);

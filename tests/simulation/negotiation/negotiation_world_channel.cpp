@@ -40,7 +40,6 @@ void NegotiationWorld::deliver(std::size_t to, const Announcement& announcement)
   told.newest_while_away = 0;
   told.endpoint = announcement.endpoint;
   told.lost_since.reset();
-  told.silent = false;
   if (told.endpoint->role == Role::reader) node.owe_what_has_not_begun(announcement.id, state_.asked);
   changed(to, node.negotiation.endpoint_seen(*announcement.endpoint));
 }
@@ -67,38 +66,12 @@ void NegotiationWorld::lose(std::size_t from, std::size_t to) {
   changed(to, dirty);
 }
 
-/// The node's signs of life get lost; everything else arrives.
-void NegotiationWorld::fall_silent(std::size_t from, std::size_t to) {
-  --state_.left.silences;
-  WorldNode& node = state_.nodes[to];
-  for (auto& [id, told] : node.told) {
-    if (told.endpoint != nullptr && holds(state_.nodes[from].opened, id)) told.silent = true;
-  }
-  changed(to, node.negotiation.node_lost(state_.nodes[from].id));
-}
-
-void NegotiationWorld::hear_again(std::size_t from, std::size_t to) {
-  WorldNode& node = state_.nodes[to];
-  for (auto& [id, told] : node.told) {
-    if (!told.silent || !holds(state_.nodes[from].opened, id)) continue;
-    told.silent = false;
-    if (told.lost_since) continue;
-    told.newest = std::max(told.newest, std::exchange(told.newest_while_away, 0));
-    if (told.endpoint->role == Role::reader) node.owe_what_has_not_begun(id, state_.asked);
-  }
-  changed(to, node.negotiation.node_returned(state_.nodes[from].id));
-}
-
 void NegotiationWorld::forget(std::size_t n) {
   WorldNode& node = state_.nodes[n];
   node.now += std::chrono::seconds(60);
   for (auto& [id, told] : node.told) {
     if (!told.lost_since) continue;
-    told = {.endpoint = nullptr,
-            .lost_since = {},
-            .silent = false,
-            .newest = 0,
-            .newest_while_away = told.newest_while_away};
+    told = {.endpoint = nullptr, .lost_since = {}, .newest = 0, .newest_while_away = told.newest_while_away};
     node.forget_history(id);
   }
   changed(n, node.negotiation.tick(node.now));

@@ -13,7 +13,6 @@ class NegotiationWorld::Settling {
     for (const auto& [from, to] : world_.state_.channels.ends()) {
       if (world_.state_.nodes[from].up && !world_.state_.channels.between(from, to).found)
         world_.state_.find(from, to);
-      if (world_.state_.nodes[from].up) world_.hear_again(from, to);
       if (world_.state_.nodes[from].up) continue;
       if (world_.state_.channels.between(from, to).found) world_.lose(from, to);
     }

@@ -19,11 +19,12 @@ namespace {
 
 using namespace hosts;  // offsets in a frame
 
-constexpr std::uint32_t rtps_magic = 0x52545053;   // "RTPS", with which all messages of DDS begin
-constexpr std::uint32_t pulse_magic = 0x53500000;  // "SP", with which pulses begin (core/discovery/pulse.h)
+constexpr std::uint32_t rtps_magic = 0x52545053;  // "RTPS", with which all messages of DDS begin
+// "SHB", with which the heartbeats of participants begin (core/discovery/heartbeat.h)
+constexpr std::uint32_t heartbeat_magic = 0x53484200;
 
 /// Drops data, which is UDP over IPv4, not a later fragment (data is never fragmented by IP), and neither DDS
-/// nor a pulse.
+/// nor a heartbeat of a participant.
 /// The last two numbers of a jump tell how many lines to skip if the condition holds, and if it does not.
 constexpr std::array control_only{
     sock_filter BPF_STMT(BPF_LD | BPF_H | BPF_ABS, ether_type),
@@ -35,8 +36,8 @@ constexpr std::array control_only{
     sock_filter BPF_STMT(BPF_LDX | BPF_B | BPF_MSH, ip_header),  // X = length of the IP header
     sock_filter BPF_STMT(BPF_LD | BPF_W | BPF_IND, udp_payload),
     sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, rtps_magic, 3, 0),
-    sock_filter BPF_STMT(BPF_ALU | BPF_AND | BPF_K, 0xffff0000),
-    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, pulse_magic, 1, 0),
+    sock_filter BPF_STMT(BPF_ALU | BPF_AND | BPF_K, 0xffffff00),
+    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, heartbeat_magic, 1, 0),
     sock_filter BPF_STMT(BPF_RET | BPF_K, 0),
     sock_filter BPF_STMT(BPF_RET | BPF_K, 0xffffffff),
 };

@@ -28,15 +28,6 @@ TEST(ControlCodecTest, QuestionsAboutAccountsAndAnswersComeBackAsTheyWere) {
   EXPECT_EQ(from_dds(to_dds(with_accounts(), storage)), with_accounts());
 }
 
-TEST(ControlCodecTest, ASignOfLifeWithoutNewsIsAsShortAsCanBeAndAWishIsNews) {
-  ControlStorage storage;
-  Assertion sign{.node = 8, .writers = {}, .digest_of_writers = 0x123456, .digest_of_readers = 0x789abc};
-  EXPECT_FALSE(to_dds(sign, storage).news._d);
-  EXPECT_EQ(from_dds(to_dds(sign, storage)), sign);
-  sign.wants_signs = true;
-  EXPECT_EQ(from_dds(to_dds(sign, storage)), sign);
-}
-
 TEST(ControlCodecTest, MoreQuestionsAndAccountsThanASignOfLifeHasRoomForAreNotWritten) {
   Assertion sign = with_accounts();
   sign.asked_about.resize(1000, 21);

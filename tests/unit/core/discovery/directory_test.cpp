@@ -34,7 +34,6 @@ class Listener final : public DiscoveryListener {
     said.push_back("request " + std::to_string(request.sequence) + " of " + std::to_string(request.reader));
   }
   void liveliness_asserted(Assertion) override {}
-  void node_lost(NodeId) override {}
   void control_malformed(std::string why) override { refused.push_back(std::move(why)); }
 
   std::vector<std::string> take() { return std::exchange(said, {}); }

@@ -7,6 +7,7 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
+#include <chrono>
 #include <optional>
 #include <vector>
 
@@ -25,7 +26,7 @@ const HeartbeatSocket::Place heartbeats_on_loopback{
 
 std::vector<Heartbeat> heartbeats_taken(HeartbeatSocket& socket) {
   std::vector<Heartbeat> heartbeats;
-  socket.take([&](const Heartbeat& heartbeat) { heartbeats.push_back(heartbeat); });
+  socket.take([&](const Heartbeat& heartbeat, auto) { heartbeats.push_back(heartbeat); });
   return heartbeats;
 }
 
@@ -65,6 +66,17 @@ TEST_F(HeartbeatSocketTest, HeartbeatsWaitUntilTheyAreTaken) {
   EXPECT_THAT(heartbeats_taken(*other), SizeIs(100));
 }
 
+TEST_F(HeartbeatSocketTest, SaysHowLongAHeartbeatHasWaited) {
+  using namespace std::chrono_literals;
+  const auto sent = std::chrono::steady_clock::now();
+  one->send(heartbeat);
+  std::chrono::nanoseconds waited{};
+  while (std::chrono::steady_clock::now() < sent + 20ms) heartbeats_taken(*one);
+  other->take([&](const Heartbeat&, std::chrono::nanoseconds age) { waited = age; });
+  EXPECT_GE(waited, 10ms);
+  EXPECT_LE(waited, std::chrono::steady_clock::now() - sent + 1ms);
+}
+
 TEST_F(HeartbeatSocketTest, OtherDatagramsAreDropped) {
   const HeartbeatDatagram datagram = encode(heartbeat);
   std::vector<std::byte> octets(datagram.begin(), datagram.end());
@@ -85,7 +97,7 @@ TEST_F(HeartbeatSocketTest, WhatIsSentToTheHostItselfIsNotHeard) {
 TEST_F(HeartbeatSocketTest, AFloodDoesNotHoldUpWhoTakes) {
   for (int i = 0; i < 64; ++i) one->send(heartbeat);
   std::size_t heard = 0;
-  other->take([&](const Heartbeat&) {
+  other->take([&](const Heartbeat&, auto) {
     ++heard;
     one->send(heartbeat);  // so there is always another one
   });

@@ -155,6 +155,18 @@ TEST_F(PeersTest, MissesAProcessOnceNoLinkBringsHeartbeatsForALease) {
   EXPECT_THAT(renewed, IsEmpty());
 }
 
+/// Heartbeats are read once a second.
+TEST_F(PeersTest, CountsTheLeaseFromWhenAHeartbeatWasReceivedUnlessThisProcessWasHeldUpMeanwhile) {
+  const auto silent_after = [&](Time::duration age) {
+    peers.heartbeat_came(cable, {on(cable).guid, neighbour, {own.digest(), 0}}, now, age);
+    return peers.next() - now;
+  };
+  found(cable);
+  writes(0, "a", {cable});
+  EXPECT_EQ(silent_after(800ms), timing.lease - 800ms);
+  EXPECT_EQ(silent_after(20s), timing.lease);
+}
+
 TEST_F(PeersTest, MissesAProcessAtOnceWhenAllItsParticipantsAreGone) {
   meet_on_both_links();
   peers.participant_gone(on(cable));
@@ -289,7 +301,7 @@ TEST_F(PeersTest, ComparesWithTheHeartbeatsOfAnotherLinkWhereTheFirstOneIsCut) {
 TEST_F(PeersTest, SaysOnceThatHeartbeatsDoNotArriveAndHasTimeForThemToComeOtherwise) {
   found(cable);
   writes(0, "a", {cable});
-  now += timing.lease;
+  now += timing.lease - timing.late;
   look();
   EXPECT_THAT(unheard, ElementsAre(cable));
   EXPECT_THAT(holds, ElementsAre(Pair(0, "a")));
@@ -301,7 +313,7 @@ TEST_F(PeersTest, SaysOnceThatHeartbeatsDoNotArriveAndHasTimeForThemToComeOtherw
 TEST_F(PeersTest, MissesAProcessThatEndedBeforeItsFirstHeartbeat) {
   found(cable);
   writes(0, "a", {cable});
-  now += 2 * timing.lease;
+  now += timing.lease;
   look();
   EXPECT_EQ(losses, 1);
 }

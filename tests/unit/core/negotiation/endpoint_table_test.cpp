@@ -78,44 +78,14 @@ TEST_F(EndpointTableTest, ALostEndpointIsNotPresentUntilItIsSeenAgain) {
   EXPECT_FALSE(table.misses_somebody());
 }
 
-TEST_F(EndpointTableTest, ASilentNodeReturnsOnceAndOurEndpointsAreNeverLost) {
-  table.enter(endpoint(Role::reader, one_reader));
-  EXPECT_FALSE(table.lost(our_writer, now));
-  EXPECT_TRUE(table.node_lost(its_node));
-  EXPECT_EQ(table.present().size(), 1U);
-  EXPECT_EQ(table.node_returned(its_node).size(), 1U);
-  EXPECT_THAT(table.node_returned(its_node), IsEmpty());
-}
-
-TEST_F(EndpointTableTest, ANodeIsKnownAsLongAsAnEndpointOfItIsThere) {
-  constexpr NodeId other_node = its_node + 1;
-  for (const EndpointId id : {one_reader, other_reader}) {
-    Endpoint reader = endpoint(Role::reader, id);
-    reader.node_id = other_node;
-    table.enter(reader);
-  }
-  table.erase(one_reader);
-  EXPECT_TRUE(table.knows(other_node));
-  table.erase(other_reader);
-  EXPECT_FALSE(table.knows(other_node));
-}
+TEST_F(EndpointTableTest, OurEndpointsAreNeverLost) { EXPECT_FALSE(table.lost(our_writer, now)); }
 
 TEST_F(EndpointTableTest, ALostEndpointThatIsErasedIsNotMissed) {
   table.enter(endpoint(Role::reader, one_reader));
-  table.node_lost(its_node);
+  table.lost(one_reader, now);
   EXPECT_TRUE(table.misses_somebody());
   table.erase(one_reader);
   EXPECT_FALSE(table.misses_somebody());
-}
-
-TEST_F(EndpointTableTest, AnEndpointThatMovesToAnotherNodeIsLostAndReturnsWithThatNode) {
-  table.enter(endpoint(Role::reader, one_reader));
-  Endpoint moved = endpoint(Role::reader, one_reader);
-  moved.node_id = its_node + 1;
-  table.enter(moved);
-  EXPECT_FALSE(table.node_lost(its_node));
-  EXPECT_TRUE(table.node_lost(its_node + 1));
-  EXPECT_EQ(table.node_returned(its_node + 1).size(), 1U);
 }
 
 TEST_F(EndpointTableTest, OnlyTopicsOfOurEndpointsAreOurs) {
@@ -130,9 +100,9 @@ TEST_F(EndpointTableTest, OnlyTopicsOfOurEndpointsAreOurs) {
 
 TEST_F(EndpointTableTest, OnlyAWritersOwnNodeReportsItsProgress) {
   table.enter(endpoint(Role::writer, 7));
-  table.progressed(its_node + 1, {.writer = 7, .samples = 3});
+  EXPECT_FALSE(table.progressed(its_node + 1, {.writer = 7, .samples = 3}));
   EXPECT_EQ(table.progress_of(7), nullptr);
-  table.progressed(its_node, {.writer = 7, .samples = 3});
+  EXPECT_TRUE(table.progressed(its_node, {.writer = 7, .samples = 3}));
   EXPECT_EQ(table.progress_of(7)->samples, 3U);
 }
 

@@ -169,26 +169,12 @@ TEST_F(NegotiationTest, NothingIsSentToAReaderBeforeItSaysThatItListens) {
   EXPECT_EQ(negotiation.serving(100).network.at(0).selection.mask(), FieldMask(F::data));
 }
 
-TEST_F(NegotiationTest, WhatAReaderAskedForWhileItsNodeWasSilentHoldsOnceThatIsHeardAgain) {
-  our_writer();
-  Endpoint reader = endpoint(Role::reader, 7);
-  reader.node_id = 66;
-  negotiation.endpoint_seen(reader);
-  negotiation.node_lost(66);
-  EXPECT_FALSE(negotiation.request_received(request(7, 2, F::data)));
-  EXPECT_TRUE(negotiation.node_returned(66));
-  EXPECT_EQ(negotiation.serving(100).network.at(0).selection.mask(), FieldMask(F::data));
-}
-
 TEST_F(NegotiationTest, WhatALostReaderAskedForIsKeptUntilItIsSeenAgainHoweverLong) {
   our_writer();
   Endpoint reader = endpoint(Role::reader, 7);
-  reader.node_id = 66;
   negotiation.endpoint_seen(reader);
   negotiation.endpoint_lost(7, Time{});
-  negotiation.node_lost(66);
   negotiation.request_received(request(7, 2, F::data));
-  negotiation.node_returned(66);  // discovery has not found it again
   EXPECT_TRUE(negotiation.serving(100).network.empty());
   EXPECT_TRUE(negotiation.tick(Time{} + 60s)) << "the reader is forgotten, but not its request";
   negotiation.endpoint_seen(reader);
@@ -216,49 +202,6 @@ TEST_F(NegotiationTest, OurEndpointsAreAnnouncedWithTheAddressesOfNow) {
   EXPECT_EQ(negotiation.local(200)->addresses, after);
   our_writer();  // made with those of before
   EXPECT_EQ(negotiation.local(100)->addresses, after);
-}
-
-TEST_F(NegotiationTest, ANodeThatIsSilentIsNotServedUntilItIsHeardOfAgainAndNotForgotten) {
-  our_writer();
-  Endpoint reader = endpoint(Role::reader, 7), other = endpoint(Role::reader, 8);
-  reader.node_id = 70;
-  other.node_id = 80;
-  negotiation.endpoint_seen(reader);
-  negotiation.endpoint_seen(other);
-  EXPECT_FALSE(negotiation.table().misses_somebody());
-  EXPECT_TRUE(negotiation.node_lost(70));
-  EXPECT_TRUE(negotiation.table().misses_somebody());
-  negotiation.tick(Time{} + 1h);
-  ASSERT_EQ(negotiation.serving(100).network.size(), 1U);
-  EXPECT_EQ(negotiation.serving(100).network[0].reader, 8U);
-  EXPECT_EQ(negotiation.serving(100).readers.at(0).reason, "its node does not answer");
-  EXPECT_TRUE(negotiation.node_returned(70));
-  EXPECT_EQ(negotiation.serving(100).network.size(), 2U);
-  EXPECT_FALSE(negotiation.node_returned(70)) << "that is no news";
-}
-
-TEST_F(NegotiationTest, ANodeThatReturnsIsServedAsItAskedMeanwhile) {
-  our_writer();
-  Endpoint reader = endpoint(Role::reader, 7);
-  reader.node_id = 70;
-  negotiation.endpoint_seen(reader);
-  negotiation.node_lost(70);
-  negotiation.request_received(request(7, 2, F::data));
-  negotiation.node_returned(70);
-  EXPECT_EQ(negotiation.serving(100).network.at(0).selection.mask(), FieldMask(F::data));
-}
-
-TEST_F(NegotiationTest, ANodeThatDiscoveryHasGivenUpReturnsOnlyByDiscovery) {
-  our_writer();
-  Endpoint reader = endpoint(Role::reader, 7);
-  reader.node_id = 70;
-  negotiation.endpoint_seen(reader);
-  negotiation.node_lost(70);
-  negotiation.endpoint_lost(7, Time{});
-  negotiation.node_returned(70);
-  EXPECT_TRUE(negotiation.serving(100).network.empty());
-  negotiation.endpoint_seen(reader);
-  EXPECT_EQ(negotiation.serving(100).network.size(), 1U);
 }
 
 TEST_F(NegotiationTest, AReaderInTheSameNetworkStackIsReachedThroughLoopback) {

@@ -54,9 +54,8 @@ class LocalEndpointTest : public ::testing::Test {
   TestTransport network;
   TestMemory memory;
   Negotiation negotiation;
-  ControlOutbox outbox{negotiation, discovery, log};
   PortAttempts attempts{log};
-  NodeContext node{negotiation, outbox, attempts, log, &memory, &network};
+  NodeContext node{negotiation, discovery, attempts, log, &memory, &network};
 };
 
 }  // namespace sft::core

@@ -156,7 +156,7 @@ TEST_F(LocalReaderTest, AConnectionByWhichNothingArrivesIsClosedAndMadeAnewAfter
   for (int i = 0; i < 8 && !restarted; ++i) {
     sent += 100;
     now += std::chrono::milliseconds(650);
-    restarted = reader->restart_deaf({7, {}, {{7, sent, 0}}}, false, now);
+    restarted = reader->restart_deaf({{7, sent, 0}}, false, now);
   }
   EXPECT_TRUE(restarted);
   EXPECT_THAT(connections.writers, IsEmpty());
@@ -171,8 +171,7 @@ TEST_F(LocalReaderTest, WhileACallbackHoldsUpWhatArrivesNoConnectionCountsAsDeaf
   reader->look_after_connections();
   Time now = std::chrono::steady_clock::now();
   for (std::uint64_t i = 1; i <= 20; ++i)
-    EXPECT_FALSE(
-        reader->restart_deaf({7, {}, {{7, i * 100, 0}}}, true, now += std::chrono::milliseconds(650)));
+    EXPECT_FALSE(reader->restart_deaf({{7, i * 100, 0}}, true, now += std::chrono::milliseconds(650)));
   EXPECT_THAT(connections.writers, ElementsAre(7));
 }
 

@@ -133,7 +133,7 @@ TEST_F(LocalWriterTest, AReaderThatCannotBeToldOfSamplesIsNotServedInMemoryUntil
   EXPECT_THAT(served_in_memory(), ElementsAre(200));
 }
 
-TEST_F(LocalWriterTest, ItsProgressIsTakenOnceForAllThatWasSentAndOnlyIfSomebodyIsServed) {
+TEST_F(LocalWriterTest, ItsProgressIsTakenThreeTimesForAllThatWasSentAndOnlyIfAReaderIsServed) {
   open(over_network(Role::writer, 7));
   writer->reconcile();
   const PointCloud2 cloud;
@@ -141,10 +141,11 @@ TEST_F(LocalWriterTest, ItsProgressIsTakenOnceForAllThatWasSentAndOnlyIfSomebody
   EXPECT_FALSE(writer->take_progress(false));
   reader_listens(200);
   core->publish(&cloud);
-  const std::optional<Progress> progress = writer->take_progress(false);
-  ASSERT_TRUE(progress);
-  EXPECT_EQ(progress->writer, 7U);
-  EXPECT_EQ(progress->samples, 2U);
+  for (int i = 0; i < 3; ++i) {
+    const std::optional<Progress> progress = writer->take_progress(false);
+    ASSERT_TRUE(progress);
+    EXPECT_EQ(*progress, (Progress{.writer = 7, .samples = 2, .bytes = progress->bytes}));
+  }
   EXPECT_FALSE(writer->take_progress(false));
 }
 
@@ -155,11 +156,8 @@ TEST_F(LocalWriterTest, ItsProgressIsTakenAgainForThoseWhoMayNotHaveHeardIt) {
   EXPECT_FALSE(writer->take_progress(true)) << "nothing was sent";
   const PointCloud2 cloud;
   core->publish(&cloud);
-  ASSERT_TRUE(writer->take_progress(false));
-  const std::optional<Progress> again = writer->take_progress(true);
-  ASSERT_TRUE(again);
-  EXPECT_EQ(again->samples, 1U);
-  EXPECT_FALSE(writer->take_progress(false));
+  while (writer->take_progress(false)) continue;
+  EXPECT_TRUE(writer->take_progress(true));
 }
 
 TEST_F(LocalWriterTest, HasAnAccountOfEachReaderThatMatches) {

@@ -64,40 +64,20 @@ class TestReaderPort final : public IdleNetworkReader {
 
 class TestDiscovery final : public Discovery {
  public:
-  LifeSigns life_signs() const override { return life_signs_to_all; }
-  bool is_calm(Time) const override { return calm; }
   Configuration configuration() const override { return {}; }
   Result<void> hear(Role) override { return {}; }
   std::vector<KnownPublisher> publishers_of(std::string_view) const override { return {}; }
-  Result<void> announce(const Endpoint& endpoint) override {
-    if (fails()) return fail(Errc::system, "a control sample was not written: Timeout");
-    announced.push_back(endpoint);
-    return {};
-  }
+  void announce(const Endpoint& endpoint) override { announced.push_back(endpoint); }
   void withdraw(EndpointId) override {}
-  Result<void> send(const Request& request) override {
-    if (fails()) return fail(Errc::system, "a control sample was not written: Timeout");
-    sent.push_back(request);
-    return {};
-  }
+  void send(const Request& request) override { sent.push_back(request); }
   void assert_liveliness(const Assertion& assertion) override { asserted.push_back(assertion); }
-  Time newcomer_at() const override { return {}; }
-  Time met_at() const override { return met; }
-  Time look_after(Time, const Awaited& awaited) override {
-    awaits = awaited;
-    return next_look;
-  }
+  Time newcomer_at() const override { return newcomer; }
+  Time look_after(Time) override { return next_look; }
   std::vector<Endpoint> announced;
   std::vector<Request> sent;
   std::vector<Assertion> asserted;
-  int failures = 0;              ///< to come
   Time next_look = Time::max();  ///< as look_after() says
-  Awaited awaits;                ///< as it was told last
-  bool calm = false;
-  Time met{};
-
- private:
-  bool fails() { return failures > 0 && failures-- > 0; }
+  Time newcomer{};
 };
 
 /// A transport as far as it has addresses.

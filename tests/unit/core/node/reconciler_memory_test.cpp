@@ -164,11 +164,9 @@ TEST_F(ReconcilerInMemoryTest, AReaderSaysThatTheHistoryHasBegunOnceItComesThrou
 }
 
 TEST_F(ReconcilerInMemoryTest, ConnectionsAreLookedAfterOftenAsLongAsSamplesComeByThem) {
-  discovery.calm = true;
   open_reader(200);
   const Endpoint writer = here(Role::writer, 7);
   node.endpoint_seen(writer);
-  node.liveliness_asserted({.node = writer.node_id, .writers = {}});  // it is not lost
   memory.progress = HistoryProgress::came;
   Time now = std::chrono::steady_clock::now();
   node.tick(now += std::chrono::seconds(10));
@@ -182,13 +180,11 @@ TEST_F(ReconcilerInMemoryTest, ConnectionsAreLookedAfterOftenAsLongAsSamplesCome
 }
 
 TEST_F(ReconcilerInMemoryTest, ConnectionsAreLookedAfterOftenAsSoonAsALookFindsThatSamplesWent) {
-  discovery.calm = true;
   const auto publisher = open_writer(7);
   Endpoint reader = here(Role::reader, 200);
   reader.qos.durability = Durability::volatile_;
   reader.request.attached = {7};
   node.endpoint_seen(reader);
-  node.liveliness_asserted({.node = reader.node_id, .writers = {}});  // it is not lost
   Time now = std::chrono::steady_clock::now();
   node.tick(now += std::chrono::seconds(10));
   ASSERT_FALSE(memory.routes.empty());

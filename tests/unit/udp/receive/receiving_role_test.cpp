@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "udp_transport/receive/spin_choice.h"
+#include "udp_transport/receive/spin_limits.h"
 
 namespace sft::udp {
 namespace {
@@ -161,17 +161,6 @@ TEST_F(ReceivingRoleTest, EndsForEveryThreadWithTheTransport) {
   EXPECT_FALSE(role.begin());
   role.leave(now);
   EXPECT_EQ(role.enter(now), Entry::refused);
-}
-
-TEST(SpinChoice, SpinsForTheNextSampleOnlyIfTheLastOneCameSoon) {
-  SpinChoice choice;
-  EXPECT_EQ(choice.choose(20us), 0us) << "nothing has come yet";
-  choice.waited(50us);
-  EXPECT_EQ(choice.choose(20us), 20us);
-  EXPECT_EQ(choice.choose(0us), 0us);
-  choice.waited(1ms);
-  EXPECT_EQ(choice.choose(20us), 0us);
-  EXPECT_EQ(choice.choose(1s), 1s) << "a reader with a core of its own";
 }
 
 TEST(SpinLimits, GiveTheLargestLimitOfAllReaders) {

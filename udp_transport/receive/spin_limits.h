@@ -1,4 +1,4 @@
-// Decides whether to look for the next datagram with a busy core before sleeping. Pure.
+// The limits on spinning that the readers of a transport set. Any thread.
 #pragma once
 
 #include <atomic>
@@ -9,23 +9,6 @@
 
 namespace sft::udp {
 
-/// Spinning pays as long as samples come about as fast as a thread can be woken. A program that answers at
-/// once and gets the next sample for it is quicker from then on, and samples that come now and then cost
-/// nothing.
-class SpinChoice {
- public:
-  using Duration = std::chrono::nanoseconds;
-
-  Duration choose(Duration limit) const { return last_wait_ / worth_while <= limit ? limit : Duration{0}; }
-  /// Tells how long the next sample did not come.
-  void waited(Duration time) { last_wait_ = time; }
-
- private:
-  static constexpr int worth_while = 3;
-  Duration last_wait_ = Duration::max();
-};
-
-/// The limits on spinning that the readers of a transport set. Any thread.
 class SpinLimits {
  public:
   using Duration = std::chrono::nanoseconds;

@@ -1,0 +1,248 @@
+#include "tests/hostile/forging_acts.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <map>
+#include <memory>
+#include <set>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/control/record_body.h"
+#include "core/discovery/participant_data.h"
+#include "tests/hostile/control_voice.h"
+#include "tests/hostile/wire.h"
+#include "tests/pairs/rtps_message.h"
+
+namespace sft::hostile {
+
+namespace {
+
+using test::ControlParticipant;
+using test::RtpsMessage;
+
+constexpr std::uint64_t greatest_revision = std::numeric_limits<std::uint64_t>::max();
+
+/// Calls `act` each tenth time, which is ten times a second.
+std::function<void()> now_and_then(std::function<void()> act) {
+  constexpr int ticks_between = 10;
+  return [act = std::move(act), ticks = std::make_shared<int>(0)] {
+    if ((*ticks)++ % ticks_between == 0) act();
+  };
+}
+
+/// Writers that the participant may have: the numbers of entities of Cyclone DDS are small. With keys or
+/// without.
+std::vector<dds_guid_t> guessed_writers(const dds_guid_t& participant) {
+  constexpr std::uint8_t entities_max = 16, with_key = 0x02, without_key = 0x03;
+  std::vector<dds_guid_t> writers;
+  for (std::uint8_t number = 1; number <= entities_max; ++number) {
+    for (const std::uint8_t kind : {with_key, without_key}) {
+      dds_guid_t& writer = writers.emplace_back(participant);
+      std::ranges::copy(std::array<std::uint8_t, 4>{0, 0, number, kind}, writer.v + 12);
+    }
+  }
+  return writers;
+}
+
+core::ParticipantGuid octets_of(const dds_guid_t& guid) {
+  core::ParticipantGuid octets{};
+  std::ranges::copy(guid.v, octets.begin());
+  return octets;
+}
+
+/// Writes each record of this kind of others, changed, in the name of its writer, with the greatest revision.
+/// `change` returns the new body; nothing if the record is not of interest.
+Act rewritten(core::RecordKind kind,
+              std::function<std::vector<std::byte>(core::Role, std::span<const std::byte>)> change) {
+  const auto voice = std::make_shared<ControlVoice>();
+  const auto rewrite = [voice, kind, change = std::move(change)] {
+    for (ControlVoice::HeardRecord heard : voice->records_heard()) {
+      if (heard.sample.kind != static_cast<std::uint8_t>(kind) || heard.sample.body._length == 0) continue;
+      std::vector<std::byte> body =
+          change(heard.role, std::as_bytes(std::span(heard.sample.body._buffer, heard.sample.body._length)));
+      if (body.empty()) continue;
+      const auto size = static_cast<std::uint32_t>(body.size());
+      heard.sample.revision = greatest_revision;
+      heard.sample.body = {size, size, reinterpret_cast<std::uint8_t*>(body.data()), false};
+      RtpsMessage message(heard.writer);
+      message.add_heartbeat(test::far_ahead);
+      message.add_record(test::far_ahead, heard.sample);
+      message.send();
+    }
+  };
+  return {.begin = {}, .go_on = now_and_then(rewrite)};
+}
+
+/// What the honest ones have sent for the control plane, changed and sent again, also in their names.
+Act control_changed(Target& target, int at_a_time, std::function<void(Bytes&, Random&)> change) {
+  struct State {
+    explicit State(Random& numbers) : random(numbers) {}
+    Ear ear{Ear::Traffic::control};
+    Sender sender;
+    Spoofer spoofer;
+    std::vector<Overheard> kept;
+    Random& random;
+  };
+  const auto state = std::make_shared<State>(target.random);
+  return {.begin = {}, .go_on = [=] {
+            constexpr std::size_t kept_max = 300;
+            for (Overheard& heard : state->ear.listen()) {
+              if (state->kept.size() < kept_max) {
+                state->kept.push_back(std::move(heard));
+              } else {
+                state->kept[state->random() % kept_max] = std::move(heard);
+              }
+            }
+            for (int i = 0; i < at_a_time && !state->kept.empty(); ++i) {
+              Overheard one = state->kept[state->random() % state->kept.size()];
+              change(one.payload, state->random);
+              state->random() % 2 == 0 ? state->spoofer.send(one.payload, one.from, one.to)
+                                       : state->sender.send(one.payload, one.to);
+            }
+          }};
+}
+
+void mutate_body(Bytes& bytes, Random& random) {
+  for (std::uint64_t changes = 1 + random() % 3; changes > 0; --changes) {
+    std::byte& octet = bytes[random() % bytes.size()];
+    octet = random() % 2 == 0 ? octet ^ static_cast<std::byte>(1U << random() % 8)
+                              : static_cast<std::byte>(random() % 3 == 0 ? 0xff : random());
+  }
+  if (random() % 8 == 0) bytes.resize(1 + random() % bytes.size());
+}
+
+void cut_body(Bytes& bytes, Random& random) { bytes.resize(1 + random() % bytes.size()); }
+
+}  // namespace
+
+/// Withdraws the records of the first slots as well. Where the writers are hidden it guesses them.
+Act forged_disposals(Target& target) {
+  const auto voice = std::make_shared<ControlVoice>(target.random() | 1);
+  const auto dispose = [voice] {
+    for (const ControlVoice::HeardRecord& heard : voice->records_heard())
+      voice->dispose(heard.role, heard.sample);
+    for (const ControlParticipant::Other& other : voice->participants()) {
+      for (const dds_guid_t& writer : guessed_writers(other.guid)) {
+        RtpsMessage message(writer);
+        message.add_heartbeat(test::far_ahead);
+        message.add_record(test::far_ahead,
+                           test::to_sample(octets_of(other.guid), {}, {.revision = greatest_revision}));
+        message.send();
+      }
+    }
+  };
+  return {.begin = {}, .go_on = now_and_then(dispose)};
+}
+
+/// Disposes of the participants themselves, as if their processes had ended.
+Act forged_deaths(Target&) {
+  const auto voice = std::make_shared<ControlVoice>();
+  const auto dispose = [voice] {
+    for (const ControlParticipant::Other& other : voice->participants()) {
+      dds_guid_t writer = other.guid;
+      std::ranges::copy(RtpsMessage::entity_of_participants, writer.v + 12);
+      RtpsMessage message(writer);
+      message.add_end(other.guid);
+      message.send(RtpsMessage::Port::discovery);
+    }
+  };
+  return {.begin = {}, .go_on = now_and_then(dispose)};
+}
+
+Act requests_with_the_last_number(Target&) {
+  return rewritten(core::RecordKind::request, [](core::Role, std::span<const std::byte> body) {
+    auto request = core::request_in(body);
+    if (!request) return std::vector<std::byte>();
+    request->sequence = core::request_sequence_max;
+    request->listening.clear();
+    request->attached.clear();
+    return core::to_bytes(*request);
+  });
+}
+
+Act altered_announcements(Target&) {
+  return rewritten(core::RecordKind::announcement, [](core::Role role, std::span<const std::byte> body) {
+    auto endpoint = core::endpoint_in(body);
+    if (!endpoint || role != core::Role::reader) return std::vector<std::byte>();
+    endpoint->node = made_up;
+    endpoint->addresses = {own_address(9)};  // the port "discard"
+    return core::to_bytes(*endpoint);
+  });
+}
+
+/// Cyclone DDS takes all that these writers say afterwards for old.
+Act outdated_records(Target&) {
+  const auto voice = std::make_shared<ControlVoice>();
+  const auto outdate = [voice] {
+    for (const ControlParticipant::Other& other : voice->participants()) {
+      for (const dds_guid_t& writer : guessed_writers(other.guid)) {
+        RtpsMessage message(writer);
+        message.add_heartbeat(test::far_ahead);
+        message.send();
+      }
+    }
+  };
+  return {.begin = {}, .go_on = now_and_then(outdate)};
+}
+
+/// Its records withdraw what these processes have, and its heartbeats count them.
+Act claimed_processes(Target&) {
+  struct State {
+    ControlVoice honest;
+    std::map<core::ProcessId, std::unique_ptr<ControlVoice>> claimants;
+    std::set<core::ParticipantGuid> own;
+  };
+  const auto state = std::make_shared<State>();
+  const auto claim = [state] {
+    for (const ControlParticipant::Other& other : state->honest.participants()) {
+      const auto data = core::parse_participant_data(other.user_data);
+      if (!data || state->claimants.contains(data->process)) continue;
+      state->claimants[data->process] = std::make_unique<ControlVoice>(data->process);
+    }
+    for (const auto& [process, claimant] : state->claimants) {
+      for (const core::Endpoint& endpoint : state->honest.heard())
+        claimant->announce_bytes(endpoint.role, endpoint.id, {std::byte{0}});
+      claimant->live();
+    }
+  };
+  return {.begin = {}, .go_on = now_and_then(claim)};
+}
+
+/// Announces others' endpoints as its own, as they were first. Who hears of them first here has them so.
+Act copied_endpoints(Target& target) {
+  const auto voice = std::make_shared<ControlVoice>(target.random() | 1);
+  const auto first = std::make_shared<std::vector<core::Endpoint>>();
+  return {.begin = {}, .go_on = [=] {
+            const auto now = voice->heard();
+            if (first->size() < now.size()) *first = now;
+            for (const core::Endpoint& endpoint : *first) voice->announce(endpoint);
+            voice->live();
+          }};
+}
+
+/// Each heartbeat is followed by others in the same name, with the digests of other records.
+Act false_life(Target& target) {
+  const auto voice = std::make_shared<ControlVoice>();
+  const auto known = std::make_shared<std::map<core::ParticipantGuid, core::Heartbeat>>();
+  return {.begin = {}, .go_on = [voice, known, &random = target.random] {
+            for (const core::Heartbeat& heartbeat : voice->overheard())
+              (*known)[heartbeat.participant] = heartbeat;
+            for (auto& [participant, heartbeat] : *known) {
+              heartbeat.digests = {random(), random()};
+              voice->send(heartbeat);
+            }
+          }};
+}
+
+Act mutated_control(Target& target) { return control_changed(target, 15, mutate_body); }
+
+Act truncated_control(Target& target) { return control_changed(target, 15, cut_body); }
+
+Act replayed_control(Target& target) {
+  return control_changed(target, 15, [](Bytes&, Random&) {});
+}
+
+}  // namespace sft::hostile
