@@ -45,7 +45,9 @@ struct Participant {
   bool is_cropped = false;  ///< a record found no room, so that digests tell nothing
   bool is_ignored = false;  ///< it is our own one, or its process has too many
 
-  bool is_late(const Timing& timing, Time now) const { return !heard_at || now - *heard_at >= timing.late; }
+  bool is_late(const Timing& timing, Time now) const {
+    return now - heard_at.value_or(found_at) >= timing.late;
+  }
 };
 
 class Peer {

@@ -252,6 +252,21 @@ TEST_F(PeersTest, RefusesAParticipantThatClaimsAProcessWhichLives) {
   EXPECT_LE(renewed.size(), 3u) << "in 40 s";
 }
 
+TEST_F(PeersTest, RefusesAClaimThatComesBeforeTheFirstHeartbeatOfTheProcess) {
+  found(cable);
+  writes(0, "a", {cable});
+  const RemoteParticipant claimant = on(wlan, 99);
+  Records claimed;
+  claimed.put({0, {}}, {1000, nullptr});
+  peers.participant_found(claimant, neighbour, now);
+  peers.record_came(claimant, Role::writer, {0, {}}, {1000, nullptr}, now);
+  peers.heartbeat_came(wlan, {claimant.guid, neighbour, {claimed.digest(), 0}}, now);
+  look();
+  EXPECT_THAT(holds, ElementsAre(Pair(0, "a")));
+  goes_on(10s, {cable});
+  EXPECT_THAT(holds, ElementsAre(Pair(0, "a")));
+}
+
 TEST_F(PeersTest, RefusesAClaimOfAProcessThatHasNothingYet) {
   found(cable);
   heartbeats({cable});
