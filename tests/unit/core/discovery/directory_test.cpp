@@ -317,7 +317,7 @@ TEST_F(DirectoryTest, GivesReportsToNodesThatInquireAsFarAsTheProcessHasAnnounce
 TEST_F(DirectoryTest, GivesReportsOfANodeToOthersOfTheProcess) {
   const auto node = open(), other = open();
   announce(*node, endpoint(Role::writer, 1));
-  for (const auto* const one : {&node, &other}) directory.inquires((*one)->node, {{}});
+  for (const auto* const one : {&node, &other}) directory.inquires((*one)->node, {Inquiry{}});
   directory.reported(node->node, {.living = {1}});
   tell();
   EXPECT_THAT(node->listener.reports, IsEmpty());

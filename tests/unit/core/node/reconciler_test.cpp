@@ -402,7 +402,7 @@ TEST_F(ReportsTest, TellTheProgressThreeTimesToThoseThatAsk) {
   EXPECT_EQ(reports_of(10).size(), 3U) << "another node has not heard it";
   writer->publish(&cloud);
   EXPECT_EQ(reports_of(10).size(), 3U);
-  others_ask({{}});
+  others_ask({Inquiry{}});
   EXPECT_EQ(reports_of(10).size(), 3U) << "of all topics";
 }
 
