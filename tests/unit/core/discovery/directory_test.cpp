@@ -160,7 +160,7 @@ TEST_F(DirectoryTest, ShowsASubscriberOnceItsRequestIsThereToo) {
   other_asks(10, 1);
   EXPECT_THAT(told(*node), ElementsAre("seen 10"));
   EXPECT_EQ(node->listener.seen.request.sequence, 1u);
-  EXPECT_EQ(node->listener.seen.request.announcer, process_one);
+  EXPECT_EQ(node->listener.seen.announcer, process_one);
   other_asks(10, 2);
   EXPECT_THAT(told(*node), ElementsAre("request 2 of 10"));
 }
