@@ -34,8 +34,7 @@ enum class Role : std::uint8_t { writer, reader };
 
 constexpr Role other(Role role) { return role == Role::writer ? Role::reader : Role::writer; }
 
-/// An opaque number of the DDS participant that wrote a control sample, or of another node of this process;
-/// 0: unknown. A node may have several.
+/// The process that has announced an endpoint, or the number of another node of this process; 0: unknown.
 using AnnouncerId = std::uint64_t;
 
 /// A selective transmission request (STR).
@@ -51,7 +50,6 @@ struct Request {
   std::vector<EndpointId> listening;  ///< writers of which the reader takes datagrams
   std::vector<EndpointId> attached;   ///< writers that the reader hears through shared memory
   std::vector<EndpointId> begun;      ///< durable writers of which samples for this reader alone have come
-  AnnouncerId announcer = 0;          ///< who said it; does not travel
   friend bool operator==(const Request&, const Request&) = default;
 };
 
@@ -139,8 +137,7 @@ struct Endpoint {
   bool waits = false;
   Qos qos;
   Request request;
-  std::uint64_t revision = 0;  ///< counts the announcements of this endpoint
-  AnnouncerId announcer = 0;   ///< who said it; does not travel
+  AnnouncerId announcer = 0;  ///< who said it; does not travel
   friend bool operator==(const Endpoint&, const Endpoint&) = default;
 };
 

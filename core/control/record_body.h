@@ -21,7 +21,7 @@ inline constexpr std::size_t record_bytes_max = 131'072;
 inline constexpr std::size_t report_bytes_max = 16'384;
 
 /// What is longer than the bounds in control.h is cut, or left out if it makes no sense then. The request of
-/// a subscriber is a record of its own. What does not travel is left out: the announcer, the revision.
+/// a subscriber is a record of its own. What does not travel is left out: the announcer.
 std::vector<std::byte> to_bytes(const Endpoint& endpoint);
 std::vector<std::byte> to_bytes(const Request& request);
 std::vector<std::byte> to_bytes(const Inquiry& inquiry);

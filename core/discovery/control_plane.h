@@ -26,6 +26,7 @@
 namespace sft::core {
 
 /// Decides which links are wanted, writes what the process has, and describes all that to the user.
+/// Larger than usual: a third of its functions are those of Discovery, for each node of the process.
 class ControlPlane {
  public:
   /// The one that nodes of this process with equal options have, or a new one.

@@ -41,7 +41,7 @@ void Directory::hear_all(const std::shared_ptr<ListeningNode>& node, Role role) 
 
 void Directory::announced(const std::shared_ptr<ListeningNode>& node, Endpoint endpoint) {
   Node& hearer = of(node);
-  endpoint.announcer = endpoint.request.announcer = hearer.number;
+  endpoint.announcer = hearer.number;
   const auto known = entries_.find(endpoint.id);
   if (known != entries_.end() && known->second.node == nullptr) {  // another process has used the id
     tell_departed(concerned_by(known->second), endpoint.id);
@@ -67,7 +67,6 @@ void Directory::requested(const Request& request) {
   if (found == entries_.end() || found->second.node == nullptr) return;
   Entry& entry = found->second;
   entry.request = request;
-  entry.request->announcer = entry.endpoint->announcer;
   tell(concerned_by(entry), [copy = *entry.request](DiscoveryListener& to) { to.request_received(copy); });
 }
 
@@ -117,7 +116,6 @@ void Directory::take_announcement(const Place& place, const Record& record) {
       refuse("an endpoint on the topic of the other role");
     } else {
       endpoint = std::move(*read);
-      endpoint->revision = record.revision;
     }
   }
   Slot& slot = slots_[place];
@@ -139,7 +137,6 @@ void Directory::take_request(const Place& place, const Record& record) {
   Result<Request> read = request_in(*record.body);
   if (!read) return refuse(read.error().message);
   slot.request = std::move(*read);
-  slot.request->announcer = std::get<ProcessId>(place);
   const auto shown = entries_.find(slot.request->reader);
   if (shown == entries_.end() || shown->second.place != place) return show(place);
   shown->second.request = slot.request;

@@ -46,6 +46,8 @@ class ListeningNode {
 };
 using ListeningNodes = std::vector<std::shared_ptr<ListeningNode>>;
 
+/// Knows the endpoints and inquiries of all processes, and writes notices for the nodes that they concern.
+/// Larger than usual: an event of each kind has a function, for our own nodes as well as for other processes.
 class Directory {
  public:
   /// True if the address is in the network of the link.

@@ -37,7 +37,6 @@ std::optional<Endpoint> EndpointTable::enter(const Endpoint& endpoint) {
   std::optional<Endpoint> before;
   Endpoint known = std::exchange(entry.endpoint, endpoint);
   if (!is_new) before = std::move(known);
-  entry.endpoint.request.announcer = endpoint.announcer;
   descriptions_.enter(entry.endpoint);
   entry.lost_since.reset();
   lost_.erase(endpoint.id);

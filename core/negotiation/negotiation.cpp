@@ -8,13 +8,6 @@ namespace sft::core {
 
 namespace {
 
-/// Returns true if this is an earlier announcement of the same announcer, which has come late. Discovery
-/// decides which of several announcers is believed.
-bool is_outdated(const TableEntry& entry, const Endpoint& endpoint) {
-  const Endpoint& known = entry.endpoint;
-  return !entry.lost() && endpoint.announcer == known.announcer && endpoint.revision < known.revision;
-}
-
 /// Returns true if some endpoint of ours has the same topic.
 bool is_of_our_topic(const EndpointTable& table, EndpointId id) {
   const Endpoint* const endpoint = table.known(id);
@@ -30,8 +23,7 @@ Negotiation::Negotiation(const Limits& limits)
                                      .of_announcer = limits.of_announcer,
                                      .of_topic = limits.of_topic}),
              .history = {},
-             .unreachable = {}},
-      requests_(limits.endpoints) {}
+             .unreachable = {}} {}
 
 bool Negotiation::self_changed(const Self& self) {
   const bool new_host = self.host != facts_.host.self().host;
@@ -52,29 +44,22 @@ bool Negotiation::network_changed(const std::vector<UdpAddress>& addresses, cons
 void Negotiation::local_added(const Endpoint& endpoint, const TypeSupport& type) {
   Endpoint equipped = endpoint;
   facts_.host.equip(equipped);
-  facts_.erase(endpoint.id);  // somebody else may have used the id
+  facts_.erase(endpoint.id);  // another process may have used the id
   facts_.table.add_ours(equipped, type);
 }
 
 void Negotiation::local_removed(EndpointId id) { facts_.erase(id); }
 
+/// What still comes of another process that used the id of our endpoint before is ignored.
 bool Negotiation::endpoint_seen(const Endpoint& endpoint) {
-  TableEntry* const known = facts_.table.find(endpoint.id);
-  if (known != nullptr && known->is_ours()) {
-    contests_.announced(known->endpoint, endpoint);
-    return false;
-  }
-  if (known != nullptr && is_outdated(*known, endpoint)) return false;
+  const TableEntry* const known = facts_.table.find(endpoint.id);
+  if (known != nullptr && known->is_ours()) return false;
   bool concerns_ours = false;  // else no desired state depends on it
   if (known == nullptr && !admit(endpoint, concerns_ours)) return false;
   const std::optional<Endpoint> before = facts_.table.enter(endpoint);
   concerns_ours |= facts_.table.is_topic_of_ours(endpoint.topic) ||
                    (before && facts_.table.is_topic_of_ours(before->topic));
-  Endpoint& entered = facts_.table.find(endpoint.id)->endpoint;
-  // A request that another node made in the reader's name is not the reader's request.
-  if (before && before->node_id == endpoint.node_id) RemoteRequests::adopt(entered, before->request);
-  requests_.adopt_early(entered);
-  facts_.history.begins_anew(entered);
+  facts_.history.begins_anew(endpoint);
   return concerns_ours;
 }
 
@@ -90,13 +75,8 @@ bool Negotiation::admit(const Endpoint& newcomer, bool& concerns_ours) {
 }
 
 bool Negotiation::endpoint_departed(EndpointId id) {
-  requests_.forget(id);
-  TableEntry* const entry = facts_.table.find(id);
-  if (entry == nullptr) return false;
-  if (entry->is_ours()) {
-    contests_.withdrawn(entry->endpoint);
-    return false;
-  }
+  const TableEntry* const entry = facts_.table.find(id);
+  if (entry == nullptr || entry->is_ours()) return false;
   const bool concerns_ours = is_of_our_topic(facts_.table, id);
   facts_.erase(id);
   return concerns_ours;
@@ -106,18 +86,11 @@ bool Negotiation::endpoint_lost(EndpointId id, Time now) {
   return facts_.table.lost(id, now) && is_of_our_topic(facts_.table, id);
 }
 
+/// A reader that was refused, or is lost, is seen again with the request that is in force then.
 bool Negotiation::request_received(const Request& request) {
   TableEntry* const reader = facts_.table.find(request.reader);
-  if (reader != nullptr && reader->is_ours()) {
-    contests_.requested(reader->endpoint, request);
-    return false;
-  }
-  // A lost reader may be forgotten before it is seen again, but its request does not come again.
-  if (reader == nullptr || reader->lost()) {
-    requests_.keep(request);
-    return false;
-  }
-  if (!RemoteRequests::adopt(reader->endpoint, request)) return false;
+  if (reader == nullptr || reader->is_ours() || reader->lost()) return false;
+  reader->endpoint.request = request;
   facts_.history.begins_anew(reader->endpoint);
   return facts_.table.is_topic_of_ours(reader->endpoint.topic);
 }
@@ -179,13 +152,6 @@ std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
 const Endpoint* Negotiation::local(EndpointId id) const {
   const TableEntry* const ours = facts_.table.find_ours(id);
   return ours == nullptr ? nullptr : &ours->endpoint;
-}
-
-const Endpoint* Negotiation::next_announcement(EndpointId id) {
-  TableEntry* const ours = facts_.table.find_ours(id);
-  if (ours == nullptr) return nullptr;
-  ++ours->endpoint.revision;
-  return &ours->endpoint;
 }
 
 }  // namespace sft::core

@@ -13,11 +13,9 @@
 #include <vector>
 
 #include "core/control/control.h"
-#include "core/negotiation/contests.h"
 #include "core/negotiation/endpoint_table.h"
 #include "core/negotiation/hearing.h"
 #include "core/negotiation/known_facts.h"
-#include "core/negotiation/remote_requests.h"
 #include "core/negotiation/serving.h"
 #include "core/negotiation/type_comparisons.h"
 #include "core/platform/clock.h"
@@ -47,6 +45,8 @@ class Negotiation {
   /// network_changed().
   void local_added(const Endpoint& endpoint, const TypeSupport& type);
   void local_removed(EndpointId id);
+  // Discovery tells what it knows of the endpoints of others in its order: a request comes after its
+  // endpoint, and what comes later holds.
   bool endpoint_seen(const Endpoint& endpoint);
   bool endpoint_departed(EndpointId id);
   bool endpoint_lost(EndpointId id, Time now);
@@ -75,26 +75,20 @@ class Negotiation {
   std::vector<Hearing> hearing(EndpointId reader) const;
   /// Our endpoint as it should be announced, with the request in force.
   const Endpoint* local(EndpointId id) const;
-  /// The same for the next time that it is announced, in a revision of its own.
-  const Endpoint* next_announcement(EndpointId id);
 
   /// All endpoints, ours and others'. What it returns is valid until the next event.
   const EndpointTable& table() const { return facts_.table; }
   std::uint64_t definitions_compared() const { return comparisons_.compared(); }
-  /// Announcements and requests that were refused or dropped, because a table was full.
-  std::uint64_t ignored() const { return facts_.table.refused() + requests_.dropped(); }
+  /// Announcements that were refused, because the table was full.
+  std::uint64_t ignored() const { return facts_.table.refused(); }
   /// The same by the name of the node that they came from, where one was named, since this was last asked.
   std::map<std::string, std::uint64_t> take_refusals() { return facts_.table.take_refusals(); }
-  /// Returns the endpoints of ours that were contested since the last call. They have to be announced anew.
-  std::vector<Contests::Contested> take_contested() { return contests_.take(); }
 
  private:
   bool admit(const Endpoint& newcomer, bool& concerns_ours);
 
   Limits limits_;
   KnownFacts facts_;
-  RemoteRequests requests_;
-  Contests contests_;
   mutable TypeComparisons comparisons_;
 };
 

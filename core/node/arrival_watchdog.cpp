@@ -10,6 +10,11 @@ void ArrivalWatchdog::excuse() {
   missed_since_.reset();
 }
 
+bool ArrivalWatchdog::needs_progress(Time now) {
+  if (signs_ && now - arrived_at_ >= quiet_after) needs_progress_until_ = now + progress_needed_for;
+  return now < needs_progress_until_;
+}
+
 bool ArrivalWatchdog::look(const Progress* progress, std::uint64_t signs, const Pair& pair, Time now) {
   if (signs_ != signs) {
     if (signs_) pause_ = {};  // it works

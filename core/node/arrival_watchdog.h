@@ -29,6 +29,7 @@ class ArrivalWatchdog {
   static constexpr std::uint64_t slowest_bytes_per_s = 100'000;
   static constexpr std::chrono::seconds patience_with_history{10};
   static constexpr std::chrono::seconds quiet_after{2};
+  static constexpr std::chrono::seconds progress_needed_for{60};
   /// The pause between two restarts, which doubles up to the longest one as long as nothing arrives.
   static constexpr std::chrono::seconds pause_first{1};
   static constexpr std::chrono::seconds pause_longest{60};
@@ -47,8 +48,9 @@ class ArrivalWatchdog {
   /// There is no connection, or something else explains why nothing arrives: counting begins again.
   void excuse();
 
-  /// True if nothing has arrived for some time, so that the progress of the writer is needed.
-  bool is_quiet(Time now) const { return signs_ && now - arrived_at_ >= quiet_after; }
+  /// True if nothing has arrived for some time, so that the progress of the writer is needed, and for a while
+  /// longer: a writer that sends now and then does not make its reader ask each time.
+  bool needs_progress(Time now);
   std::uint64_t restarts() const { return restarts_; }
 
  private:
@@ -57,7 +59,8 @@ class ArrivalWatchdog {
   std::chrono::nanoseconds time_to_arrive(const Pair& pair) const;
 
   std::optional<std::uint64_t> signs_;
-  Time arrived_at_{};             ///< when signs_ changed
+  Time arrived_at_{};  ///< when signs_ changed
+  Time needs_progress_until_{};
   std::optional<Progress> base_;  ///< the progress that was told when something arrived last
   Progress latest_{};
   std::uint64_t periods_ = 0;  ///< of the maximum rate in which something was sent since base_

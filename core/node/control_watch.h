@@ -1,12 +1,10 @@
-// Watches the table of endpoints for what the log has to name: others speak in the name of our endpoints, or
-// announce more than there is room for, or a topic of ours may be misspelt. Decides when our endpoints are
-// announced anew, and writes to the log, both no faster than is of use. The agent's.
+// Watches the table of endpoints for what the log has to name: others announce more than there is room for,
+// or a topic of ours may be misspelt. Writes to the log no faster than is of use. The agent's.
 #pragma once
 
 #include <cstdint>
 #include <map>
 #include <string>
-#include <vector>
 
 #include "core/negotiation/negotiation.h"
 #include "core/node/misspelt_topics.h"
@@ -20,8 +18,6 @@ class ControlWatch {
   /// Both outlive it.
   ControlWatch(Negotiation& negotiation, NodeLog& log) : negotiation_(negotiation), log_(log) {}
 
-  /// Our endpoints that are to be announced anew now.
-  std::vector<EndpointId> take_contested(Time now);
   void tell_of_refusals(Time now);
 
   /// A subscriber of ours was opened.
@@ -29,15 +25,10 @@ class ControlWatch {
   void name_misspelt_topics(const MisspeltTopics::PublishersOf& publishers_of, Time now);
 
  private:
-  void complain(EndpointId ours, const std::string& how, std::size_t others);
-
   Negotiation& negotiation_;
   NodeLog& log_;
-  std::map<EndpointId, std::string> contested_;    ///< our endpoints, and what others did in their name
   std::map<std::string, std::uint64_t> refusals_;  ///< by the name of the node, not yet logged
   MisspeltTopics misspelt_topics_;
-  Time take_back_at_{};  ///< not before
-  Time complain_at_{};
   Time tell_of_refusals_at_{};
 };
 

@@ -17,8 +17,6 @@ constexpr std::chrono::milliseconds restart_pause{500};  // for the other side t
 /// Lost memory is not free for the next daemon while samples in it can be taken. sftd waits for that when it
 /// starts afresh, for 1.2 s at most, of which a node may take 1 s to notice.
 constexpr std::chrono::milliseconds lost_memory_kept{200};
-/// A writer that sends now and then must not make the reader ask each time.
-constexpr std::chrono::seconds reports_awaited_for{60};
 constexpr std::chrono::seconds network_preferred_min{2}, network_preferred_max{60};
 
 /// The first announcement of a writer that is heard may be somebody else's: a later one corrects it.
@@ -283,9 +281,7 @@ bool LocalReader::restart_deaf(const std::vector<Progress>& told, bool held_up, 
 
 bool LocalReader::awaits_reports(Time now) {
   if (requested_.liveliness_lease.count() != 0) return true;
-  const auto is_quiet = [&](const auto& item) { return item.second.is_quiet(now); };
-  if (std::ranges::any_of(watchdogs_, is_quiet)) reports_until_ = now + reports_awaited_for;
-  return now < reports_until_;
+  return std::ranges::any_of(watchdogs_, [&](auto& item) { return item.second.needs_progress(now); });
 }
 
 bool LocalReader::is_deaf(const Hearing& hearing, const std::vector<Progress>& told, bool held_up, Time now) {

@@ -117,7 +117,6 @@ class LocalReader {
   std::map<EndpointId, Connecting> connecting_;
   std::map<EndpointId, RequestWatch> watched_;
   std::map<EndpointId, ArrivalWatchdog> watchdogs_;
-  Time reports_until_{};  ///< awaited at least so long
   std::map<EndpointId, Time>
       departed_;                        ///< writers of which datagrams may still be in flight, and since when
   Time memory_lost_at_ = Time::max();   ///< while what came by it can be taken; max: long ago

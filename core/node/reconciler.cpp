@@ -172,7 +172,7 @@ void Reconciler::look_after_addresses(Time now) {
   if (change == TransportWatch::NetworkChange::addresses) announce_all();
 }
 
-void Reconciler::announce(EndpointId id) { discovery_.announce(*negotiation_.next_announcement(id)); }
+void Reconciler::announce(EndpointId id) { discovery_.announce(*negotiation_.local(id)); }
 
 void Reconciler::announce_all() {
   for (const auto& [id, writer] : ours_.writers) announce(id);
@@ -262,11 +262,6 @@ std::chrono::milliseconds Reconciler::pace(Time now) const {
 
 std::chrono::milliseconds Reconciler::reconcile() {
   const Time now = std::chrono::steady_clock::now();
-  for (const EndpointId id : control_watch_.take_contested(now)) {
-    announce(id);
-    if (const auto reader = ours_.readers.find(id); reader != ours_.readers.end())
-      reader->second.send_request();
-  }
   settle();
   for (auto& [id, writer] : ours_.writers) writer.tell_events();
   for (auto& [id, reader] : ours_.readers) reader.tell_events();

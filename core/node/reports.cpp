@@ -24,7 +24,7 @@ void Reports::ask_no_more(const std::string& topic) {
 void Reports::inquire(Time now) {
   std::set<Inquiry> wanted;
   for (const auto& [topic, times] : topics_) wanted.insert({.topic = topic, .wants_accounts = true});
-  if (now < progress_until_) wanted.insert({});
+  if (now < progress_until_) wanted.insert(Inquiry{});
   for (auto& [id, reader] : ours_.readers) {
     if (reader.awaits_reports(now)) wanted.insert({.topic = reader.core().spec().topic});
   }

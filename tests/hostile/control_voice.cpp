@@ -64,10 +64,7 @@ void ControlVoice::note(const test::ControlParticipant::Came& came) {
   known = came;
   if (came.record.is_withdrawn()) return;
   if (came.key.kind == core::RecordKind::announcement) {
-    if (auto endpoint = core::endpoint_in(*came.record.body)) {
-      endpoint->revision = came.record.revision;
-      heard_[endpoint->id] = std::move(*endpoint);
-    }
+    if (auto endpoint = core::endpoint_in(*came.record.body)) heard_[endpoint->id] = std::move(*endpoint);
   } else if (came.key.kind == core::RecordKind::request) {
     if (auto request = core::request_in(*came.record.body)) requests_[request->reader] = std::move(*request);
   }
@@ -165,7 +162,6 @@ core::Endpoint made_up_reader(const core::Endpoint& writer, std::uint64_t id, st
   reader.role = core::Role::reader;
   reader.node_id = node;
   reader.node = made_up;
-  reader.revision = 1;
   reader.host = {};
   reader.network = node;
   reader.may_use_memory = false;
@@ -185,7 +181,6 @@ core::Endpoint made_up_writer(const core::Endpoint& reader, std::uint64_t id, st
   writer.role = core::Role::writer;
   writer.node_id = node;
   writer.node = made_up;
-  writer.revision = 1;
   writer.host = {};
   writer.network = node;
   writer.may_use_memory = false;

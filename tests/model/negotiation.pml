@@ -141,7 +141,7 @@ inline start_reader() {
   writer_announced = writer_up
 }
 
-/* Negotiation::adopt */
+/* Of two records of a request the later one holds (Directory, Peer). */
 inline adopt(r, q) {
 #ifdef OLDER_REQUESTS_ACCEPTED
   table[r] = WITH_MEMORY_OF(q, table[r]);
@@ -154,7 +154,7 @@ inline adopt(r, q) {
 #endif
 }
 
-/* Negotiation::endpoint_seen */
+/* Directory::show and Negotiation::endpoint_seen */
 inline seen(r, a) {
 #ifdef ANNOUNCEMENTS_TAKE_BACK
   table[r] = a;
@@ -183,7 +183,7 @@ inline seen(r, a) {
 #define IS_THERE(r) (state[r] == KNOWN)
 #endif
 
-/* Negotiation::request_received */
+/* Directory keeps a request whose endpoint is not there; Negotiation::request_received */
 inline received(r, q) {
   if
   :: IS_THERE(r) -> adopt(r, q)

@@ -1,5 +1,7 @@
 #include "tests/simulation/negotiation/control_channels.h"
 
+#include <algorithm>
+
 namespace sft::test {
 
 void ControlChannels::close_to(std::size_t to) {
@@ -12,59 +14,46 @@ std::vector<ControlChannels::Ends> ControlChannels::ends() const {
   return all;
 }
 
-void ControlChannels::send(std::size_t from, const Announcement& announcement) {
+void ControlChannels::send(std::size_t from, const Word& word) {
   for (auto& [ends, channel] : channels_) {
-    if (ends.first == from && channel.found) post(channel, announcement);
+    if (ends.first == from && channel.found) post(channel, word);
   }
 }
 
-void ControlChannels::send(std::size_t from, const SentRequest& request) {
-  for (auto& [ends, channel] : channels_) {
-    if (ends.first == from && channel.found) post(channel, request);
-  }
-}
-
+/// An endpoint is found with the request that is in force.
 void ControlChannels::find(
     std::size_t from, std::size_t to, const std::map<core::EndpointId, SentRequest>& requests,
     const std::map<core::EndpointId, std::shared_ptr<const core::Endpoint>>& announced) {
   ControlChannel& channel = channels_.at({from, to});
   channel.found = true;
-  for (const auto& [id, endpoint] : announced) post(channel, {id, endpoint});
-  for (const auto& [id, request] : requests) post(channel, request);
-}
-
-Announcement ControlChannels::take_announcement(std::size_t from, std::size_t to) {
-  ControlChannel& channel = channels_.at({from, to});
-  channel.last_announcement = channel.announcements.front();
-  channel.announcements.pop_front();
-  return channel.last_announcement;
-}
-
-SentRequest ControlChannels::take_request(std::size_t from, std::size_t to) {
-  ControlChannel& channel = channels_.at({from, to});
-  const auto which = coin() ? static_cast<std::ptrdiff_t>((*random_)() % channel.requests.size()) : 0;
-  channel.last_request = channel.requests[static_cast<std::size_t>(which)];
-  channel.requests.erase(channel.requests.begin() + which);
-  return channel.last_request;
-}
-
-ControlChannels::UnderWay ControlChannels::take_all(std::size_t from, std::size_t to) {
-  ControlChannel& channel = channels_.at({from, to});
-  return {std::exchange(channel.announcements, {}), std::exchange(channel.requests, {})};
-}
-
-void ControlChannels::post(ControlChannel& c, Announcement announcement) {
-  if (random_ == nullptr || coin()) {
-    std::erase_if(c.announcements, [&](const Announcement& a) { return a.id == announcement.id; });
+  for (const auto& [id, endpoint] : announced) {
+    auto found = std::make_shared<core::Endpoint>(*endpoint);
+    if (const auto request = requests.find(id); request != requests.end()) found->request = *request->second;
+    post(channel, {.id = id, .endpoint = std::move(found)});
   }
-  c.announcements.push_back(std::move(announcement));
 }
 
-void ControlChannels::post(ControlChannel& c, SentRequest request) {
+Word ControlChannels::take(std::size_t from, std::size_t to) {
+  ControlChannel& channel = channels_.at({from, to});
+  const std::size_t which = coin() ? (*random_)() % channel.words.size() : 0;
+  const auto first = std::ranges::find(channel.words, channel.words[which].id, &Word::id);
+  channel.last = *first;
+  channel.words.erase(first);
+  return channel.last;
+}
+
+std::deque<Word> ControlChannels::take_all(std::size_t from, std::size_t to) {
+  return std::exchange(channels_.at({from, to}).words, {});
+}
+
+/// An announcement has the request in force in it.
+void ControlChannels::post(ControlChannel& channel, Word word) {
   if (random_ == nullptr || coin()) {
-    std::erase_if(c.requests, [&](const auto& r) { return r->reader == request->reader; });
+    std::erase_if(channel.words, [&](const Word& before) {
+      return before.id == word.id && (word.request == nullptr || before.request != nullptr);
+    });
   }
-  c.requests.push_back(std::move(request));
+  channel.words.push_back(std::move(word));
 }
 
 }  // namespace sft::test

@@ -1,6 +1,6 @@
-// The control channels between nodes. Each keeps the last of each endpoint and reader: what was overwritten
-// before it came may or may not come. Announcements come in order. Requests come at any time, and where
-// chance decides, in any order.
+// The control channels between nodes, as discovery has them: of each endpoint the words come in their order,
+// a request behind its announcement. What was overwritten before it came may or may not come. Where chance
+// decides, words of different endpoints come in any order.
 #pragma once
 
 #include <deque>
@@ -14,19 +14,19 @@
 
 namespace sft::test {
 
-struct Announcement {
-  core::EndpointId id = 0;
-  std::shared_ptr<const core::Endpoint> endpoint;  ///< null: withdrawn
-};
-
 using SentRequest = std::shared_ptr<const core::Request>;
+
+/// An announcement, a request, or neither: the endpoint is withdrawn.
+struct Word {
+  core::EndpointId id = 0;
+  std::shared_ptr<const core::Endpoint> endpoint{};
+  SentRequest request{};
+};
 
 struct ControlChannel {
   bool found = false;
-  std::deque<Announcement> announcements;
-  std::deque<SentRequest> requests;
-  Announcement last_announcement;
-  SentRequest last_request;
+  std::deque<Word> words;
+  Word last;
 };
 
 class ControlChannels {
@@ -45,26 +45,19 @@ class ControlChannels {
   const ControlChannel& between(std::size_t from, std::size_t to) const { return channels_.at({from, to}); }
   std::vector<Ends> ends() const;
 
-  /// These come to all that have found the sender.
-  void send(std::size_t from, const Announcement& announcement);
-  void send(std::size_t from, const SentRequest& request);
+  /// The word comes to all that have found the sender.
+  void send(std::size_t from, const Word& word);
   /// The receiver finds the sender, which has all of this to say.
   void find(std::size_t from, std::size_t to, const std::map<core::EndpointId, SentRequest>& requests,
             const std::map<core::EndpointId, std::shared_ptr<const core::Endpoint>>& announced);
 
-  Announcement take_announcement(std::size_t from, std::size_t to);
-  SentRequest take_request(std::size_t from, std::size_t to);
-  struct UnderWay {
-    std::deque<Announcement> announcements;
-    std::deque<SentRequest> requests;
-  };
+  Word take(std::size_t from, std::size_t to);
   /// Returns all that is under way, in the order in which it was sent.
-  UnderWay take_all(std::size_t from, std::size_t to);
+  std::deque<Word> take_all(std::size_t from, std::size_t to);
 
  private:
   bool coin() { return random_ != nullptr && (*random_)() % 2 == 0; }
-  void post(ControlChannel& channel, Announcement announcement);
-  void post(ControlChannel& channel, SentRequest request);
+  void post(ControlChannel& channel, Word word);
 
   Random* random_;
   std::map<Ends, ControlChannel> channels_;

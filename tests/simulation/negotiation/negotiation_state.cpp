@@ -34,7 +34,7 @@ bool WorldNode::has_begun(Id writer, Id reader, const AskedRequests& asked) cons
   if (const auto own = readers.find(reader); own != readers.end())
     return holds(negotiation.local(reader)->request.begun, writer);
   const auto known = told.find(reader);
-  if (known == told.end() || known->second.endpoint == nullptr) return false;
+  if (known == told.end()) return false;
   return holds(asked.at(reader, known->second.newest).request.begun, writer);
 }
 

@@ -71,8 +71,7 @@ struct WorldWriter {
 struct Told {
   std::shared_ptr<const core::Endpoint> endpoint;
   std::optional<core::Time> lost_since;
-  std::uint64_t newest = 0;             ///< sequence of a request
-  std::uint64_t newest_while_away = 0;  ///< told while there was no endpoint, or it was lost
+  std::uint64_t newest = 0;  ///< sequence of a request
   bool lost() const { return lost_since.has_value(); }
 };
 struct WorldNode {

@@ -18,11 +18,8 @@ class StepList {
   }
   void of_pair(std::size_t from, std::size_t to) {
     const ControlChannel& c = state_.channels.between(from, to);
-    if (!c.announcements.empty()) add(What::announcement_comes, to, from);
-    if (!c.requests.empty()) add(What::request_comes, to, from);
-    if (state_.left.repetitions > 0 && c.last_announcement.id != 0)
-      add(What::announcement_repeated, to, from);
-    if (state_.left.repetitions > 0 && c.last_request != nullptr) add(What::request_repeated, to, from);
+    if (!c.words.empty()) add(What::word_comes, to, from);
+    if (state_.left.repetitions > 0 && c.last.id != 0) add(What::word_repeated, to, from);
     if (c.found && (state_.left.losses > 0 || !state_.nodes[from].up)) add(What::node_lost, to, from);
     if (!c.found && state_.nodes[from].up) add(What::node_found, to, from);
   }

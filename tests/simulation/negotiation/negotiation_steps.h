@@ -10,10 +10,8 @@ namespace sft::test {
 
 struct NegotiationStep {
   enum class What : std::uint8_t {
-    announcement_comes,
-    request_comes,
-    announcement_repeated,
-    request_repeated,
+    word_comes,
+    word_repeated,
     agent_reconciles,
     agent_looks_after_connections,
     daemon_connects,

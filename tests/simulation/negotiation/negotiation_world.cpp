@@ -37,22 +37,13 @@ struct NegotiationWorld::StepKind {
 };
 
 /// The kinds of steps, in the order of NegotiationStep::What.
-const std::array<NegotiationWorld::StepKind, 20> NegotiationWorld::step_kinds{{
-    {"announcement comes",
-     [](auto& world, auto n, auto other) {
-       world.deliver(n, world.state_.channels.take_announcement(other, n));
-     }},
-    {"request comes", [](auto& world, auto n,
-                         auto other) { world.deliver(n, *world.state_.channels.take_request(other, n)); }},
-    {"announcement repeated",
+const std::array<NegotiationWorld::StepKind, 18> NegotiationWorld::step_kinds{{
+    {"word comes",
+     [](auto& world, auto n, auto other) { world.deliver(n, world.state_.channels.take(other, n)); }},
+    {"word repeated",
      [](auto& world, auto n, auto other) {
        --world.state_.left.repetitions;
-       world.deliver(n, world.state_.channels.between(other, n).last_announcement);
-     }},
-    {"request repeated",
-     [](auto& world, auto n, auto other) {
-       --world.state_.left.repetitions;
-       world.deliver(n, *world.state_.channels.between(other, n).last_request);
+       world.deliver(n, world.state_.channels.between(other, n).last);
      }},
     {"reconciles", [](auto& world, auto n, auto) { world.reconcile(n); }},
     {"looks after it", [](auto& world, auto n, auto) { world.look_after_connections(n); }},
@@ -200,7 +191,7 @@ void NegotiationWorld::depart(std::size_t n, std::size_t which) {
   node.forget_history(id);
   node.announced.erase(id);
   node.sent.erase(id);
-  state_.channels.send(n, Announcement{id, nullptr});
+  state_.channels.send(n, {.id = id});
   for (WorldNode& other : state_.nodes) {
     for (auto& [reader_id, reader] : other.readers) std::erase(reader.fed, id);
   }

@@ -2,10 +2,10 @@
 // channel, the transports and the reconciler do is modelled, one step at a time, so that a test may choose
 // the next step as it likes. After each step the world knows whether something is wrong.
 //
-// The control channel is reliable and keeps the last of each endpoint and reader: what was overwritten before
-// it came may or may not come, and anything may come twice. Between two nodes announcements come in order;
-// requests come at any time, and where chance decides, in any order. A node may lose another and find it
-// again, which brings all again that the other has to say. Nodes may be killed and come back under new ids.
+// Discovery keeps the last of each endpoint: what was overwritten before it came may or may not come, and
+// what came last may come twice. What is said of one endpoint comes in order. A node may lose another and
+// find it again, which brings all again that the other has to say. Nodes may be killed and come back under
+// new ids.
 #pragma once
 
 #include <array>
@@ -43,7 +43,7 @@ class NegotiationWorld {
  private:
   struct StepKind;
   class Settling;
-  static const std::array<StepKind, 20> step_kinds;
+  static const std::array<StepKind, 18> step_kinds;
 
   void fail(const std::string& what);
 
@@ -60,8 +60,9 @@ class NegotiationWorld {
   void announce(std::size_t node, Id id);
   void send_request(std::size_t node, Id reader);
   void note_request(std::size_t node, Id reader);
-  void deliver(std::size_t to, const Announcement& announcement);
-  void deliver(std::size_t to, const core::Request& request);
+  void deliver(std::size_t to, const Word& word);
+  void seen(std::size_t to, const std::shared_ptr<const core::Endpoint>& endpoint);
+  void requested(std::size_t to, const core::Request& request);
   void lose(std::size_t from, std::size_t to);
   void forget(std::size_t node);
 

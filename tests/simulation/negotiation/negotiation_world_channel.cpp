@@ -14,13 +14,13 @@ using core::Role;
 void NegotiationWorld::announce(std::size_t n, Id id) {
   auto endpoint = std::make_shared<const Endpoint>(*state_.nodes[n].negotiation.local(id));
   state_.nodes[n].announced[id] = endpoint;
-  state_.channels.send(n, Announcement{id, endpoint});
+  state_.channels.send(n, {.id = id, .endpoint = endpoint});
 }
 
 void NegotiationWorld::send_request(std::size_t n, Id reader) {
   auto request = std::make_shared<const Request>(state_.nodes[n].negotiation.local(reader)->request);
   state_.nodes[n].sent[reader] = request;
-  state_.channels.send(n, request);
+  state_.channels.send(n, {.id = reader, .request = request});
 }
 
 void NegotiationWorld::note_request(std::size_t n, Id reader) {
@@ -28,29 +28,29 @@ void NegotiationWorld::note_request(std::size_t n, Id reader) {
   state_.asked.note(node.negotiation.local(reader)->request, node.readers.at(reader).wanted);
 }
 
-void NegotiationWorld::deliver(std::size_t to, const Announcement& announcement) {
+void NegotiationWorld::deliver(std::size_t to, const Word& word) {
+  if (word.endpoint != nullptr) return seen(to, word.endpoint);
+  if (word.request != nullptr) return requested(to, *word.request);
   WorldNode& node = state_.nodes[to];
-  if (announcement.endpoint == nullptr) {
-    node.told.erase(announcement.id);
-    node.forget_history(announcement.id);
-    return changed(to, node.negotiation.endpoint_departed(announcement.id));
-  }
-  Told& told = node.told[announcement.id];
-  told.newest = std::max({told.newest, told.newest_while_away, announcement.endpoint->request.sequence});
-  told.newest_while_away = 0;
-  told.endpoint = announcement.endpoint;
-  told.lost_since.reset();
-  if (told.endpoint->role == Role::reader) node.owe_what_has_not_begun(announcement.id, state_.asked);
-  changed(to, node.negotiation.endpoint_seen(*announcement.endpoint));
+  node.told.erase(word.id);
+  node.forget_history(word.id);
+  changed(to, node.negotiation.endpoint_departed(word.id));
 }
 
-void NegotiationWorld::deliver(std::size_t to, const Request& request) {
+void NegotiationWorld::seen(std::size_t to, const std::shared_ptr<const Endpoint>& endpoint) {
   WorldNode& node = state_.nodes[to];
-  Told& told = node.told[request.reader];
-  const bool here = told.endpoint != nullptr && !told.lost();
-  std::uint64_t& newest = here ? told.newest : told.newest_while_away;
-  newest = std::max(newest, request.sequence);
-  if (here) node.owe_what_has_not_begun(request.reader, state_.asked);
+  node.told[endpoint->id] = {.endpoint = endpoint, .lost_since = {}, .newest = endpoint->request.sequence};
+  if (endpoint->role == Role::reader) node.owe_what_has_not_begun(endpoint->id, state_.asked);
+  changed(to, node.negotiation.endpoint_seen(*endpoint));
+}
+
+void NegotiationWorld::requested(std::size_t to, const Request& request) {
+  WorldNode& node = state_.nodes[to];
+  const auto told = node.told.find(request.reader);
+  if (told != node.told.end() && !told->second.lost()) {
+    told->second.newest = request.sequence;
+    node.owe_what_has_not_begun(request.reader, state_.asked);
+  }
   changed(to, node.negotiation.request_received(request));
 }
 
@@ -59,7 +59,7 @@ void NegotiationWorld::lose(std::size_t from, std::size_t to) {
   WorldNode& node = state_.nodes[to];
   bool dirty = false;
   for (auto& [id, told] : node.told) {
-    if (told.endpoint == nullptr || !holds(state_.nodes[from].opened, id)) continue;
+    if (!holds(state_.nodes[from].opened, id)) continue;
     if (!told.lost_since) told.lost_since = node.now;
     dirty |= node.negotiation.endpoint_lost(id, node.now);
   }
@@ -69,11 +69,10 @@ void NegotiationWorld::lose(std::size_t from, std::size_t to) {
 void NegotiationWorld::forget(std::size_t n) {
   WorldNode& node = state_.nodes[n];
   node.now += std::chrono::seconds(60);
-  for (auto& [id, told] : node.told) {
-    if (!told.lost_since) continue;
-    told = {.endpoint = nullptr, .lost_since = {}, .newest = 0, .newest_while_away = told.newest_while_away};
-    node.forget_history(id);
-  }
+  std::erase_if(node.told, [&](const auto& item) {
+    if (item.second.lost()) node.forget_history(item.first);
+    return item.second.lost();
+  });
   changed(n, node.negotiation.tick(node.now));
 }
 

@@ -25,9 +25,7 @@ class NegotiationWorld::Settling {
   bool deliver_all() {
     bool any = false;
     for (const auto& [from, to] : world_.state_.channels.ends()) {
-      const auto [announcements, requests] = world_.state_.channels.take_all(from, to);
-      for (const Announcement& announcement : announcements) world_.deliver(to, announcement);
-      for (const SentRequest& request : requests) world_.deliver(to, *request);
+      for (const Word& word : world_.state_.channels.take_all(from, to)) world_.deliver(to, word);
     }
     for (std::size_t n = 0; n < world_.state_.nodes.size(); ++n) {
       if (!world_.state_.nodes[n].up || !world_.state_.nodes[n].dirty) continue;

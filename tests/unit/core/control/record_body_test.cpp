@@ -119,7 +119,6 @@ TEST(RecordBodyTest, OfAReportIsRefusedWithAnAccountOfNeitherSide) {
 TEST(RecordBodyTest, LeavesTheRequestAndWhoAnnouncesOutOfAnEndpoint) {
   const Result<Endpoint> come = changed([](Endpoint& e) {
     e.announcer = 5;
-    e.revision = 6;
     e.request = full_request();
   });
   EXPECT_EQ(come.value(), full_endpoint());

@@ -160,7 +160,7 @@ TEST_F(DirectoryTest, ShowsASubscriberOnceItsRequestIsThereToo) {
   other_asks(10, 1);
   EXPECT_THAT(told(*node), ElementsAre("seen 10"));
   EXPECT_EQ(node->listener.seen.request.sequence, 1u);
-  EXPECT_EQ(node->listener.seen.request.announcer, process_one);
+  EXPECT_EQ(node->listener.seen.announcer, process_one);
   other_asks(10, 2);
   EXPECT_THAT(told(*node), ElementsAre("request 2 of 10"));
 }
@@ -317,7 +317,7 @@ TEST_F(DirectoryTest, GivesReportsToNodesThatInquireAsFarAsTheProcessHasAnnounce
 TEST_F(DirectoryTest, GivesReportsOfANodeToOthersOfTheProcess) {
   const auto node = open(), other = open();
   announce(*node, endpoint(Role::writer, 1));
-  for (const auto* const one : {&node, &other}) directory.inquires((*one)->node, {{}});
+  for (const auto* const one : {&node, &other}) directory.inquires((*one)->node, {Inquiry{}});
   directory.reported(node->node, {.living = {1}});
   tell();
   EXPECT_THAT(node->listener.reports, IsEmpty());

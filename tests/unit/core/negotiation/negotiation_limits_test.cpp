@@ -11,7 +11,7 @@ constexpr AnnouncerId flooder = 2;
 class Limits : public NegotiationTest {
  protected:
   Endpoint of(AnnouncerId announcer, Endpoint endpoint) {
-    endpoint.announcer = endpoint.request.announcer = announcer;
+    endpoint.announcer = announcer;
     endpoint.node = announcer == honest ? "honest" : "flooder";
     return endpoint;
   }

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "core/negotiation/early_requests.h"
-
 namespace sft::core {
 namespace {
 
@@ -68,41 +66,6 @@ TEST_F(TableSharesTest, WhatLeavesMakesRoom) {
   shares.remove(400);
   EXPECT_EQ(shares.size(), 0U);
   EXPECT_EQ(announce(1, 60, "points"), 40);
-}
-
-Request request(EndpointId reader, std::uint64_t sequence, AnnouncerId announcer) {
-  Request r;
-  r.reader = reader;
-  r.sequence = sequence;
-  r.announcer = announcer;
-  return r;
-}
-
-TEST(EarlyRequestsTest, OfOneReaderTheNewestOfItsOwnAnnouncerCounts) {
-  EarlyRequests early(10);
-  for (const std::uint64_t sequence : {2U, 4U, 3U}) early.keep(request(7, sequence, 1));
-  early.keep(request(7, 9, 2));
-  const auto taken = early.take(7, 1);
-  ASSERT_EQ(taken.size(), 1U);
-  EXPECT_EQ(taken[0].sequence, 4U);
-  EXPECT_TRUE(early.take(7, 1).empty());
-}
-
-TEST(EarlyRequestsTest, WhatOthersSaidCountsWhereItsOwnAnnouncerSaidNothing) {
-  EarlyRequests early(10);
-  early.keep(request(7, 9, 2));
-  EXPECT_EQ(early.take(7, 1).size(), 1U);
-}
-
-TEST(EarlyRequestsTest, WhoMakesUpReadersWithoutEndPushesOutItsOwn) {
-  EarlyRequests early(100);
-  EXPECT_FALSE(early.keep(request(7, 2, 1)));
-  for (EndpointId made_up = 1000; made_up < 11'000; ++made_up) early.keep(request(made_up, 1, 2));
-  EXPECT_TRUE(early.keep(request(8, 2, 1)));
-  EXPECT_EQ(early.take(7, 1).size(), 1U);
-  EXPECT_EQ(early.take(8, 1).size(), 1U);
-  EXPECT_EQ(early.take(10'999, 2).size(), 1U) << "the newest one is kept";
-  EXPECT_EQ(early.take(1000, 2).size(), 0U);
 }
 
 }  // namespace

@@ -119,6 +119,17 @@ TEST_F(ArrivalWatchdogTest, WhatWorksAgainIsRestartedSoonWhenItGoesDeafOnceMore)
   EXPECT_LE(restarted_at[before] - begin, 4s + 400ms);
 }
 
+TEST_F(ArrivalWatchdogTest, TheProgressIsNeededOnceNothingHasArrivedForTwoSecondsAndForAMinuteMore) {
+  EXPECT_FALSE(watchdog.needs_progress(now)) << "there is no connection";
+  watchdog.look(nullptr, 1, {}, now);
+  EXPECT_FALSE(watchdog.needs_progress(now + 1999ms));
+  EXPECT_TRUE(watchdog.needs_progress(now + 2s));
+  watchdog.look(nullptr, 2, {}, now + 61s);
+  EXPECT_TRUE(watchdog.needs_progress(now + 62s - 1ms));
+  EXPECT_FALSE(watchdog.needs_progress(now + 62s));
+  EXPECT_TRUE(watchdog.needs_progress(now + 63s));
+}
+
 TEST_F(ArrivalWatchdogTest, AQuietPairIsLeftAlone) {
   run({}, 10s);
   for (int i = 0; i < 1000; ++i) EXPECT_FALSE(watchdog.look(nullptr, arrived, {}, now += 650ms));

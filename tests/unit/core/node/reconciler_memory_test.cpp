@@ -114,12 +114,10 @@ TEST_F(ReconcilerInMemoryTest, AReaderConnectsAnewWhereItsPublisherBeginsToWaitA
     const EndpointId id = kind == Reliability::reliable ? 8 : 7;
     Endpoint writer = here(Role::writer, id);
     writer.qos.reliability = kind;
-    writer.revision = 1;
     node.endpoint_seen(writer);
     node.reconcile();
     memory.asked_for.clear();
     writer.waits = true;
-    writer.revision = 2;
     node.endpoint_seen(writer);
     node.reconcile();
     EXPECT_THAT(memory.connections, ::testing::Contains(id));

@@ -63,17 +63,15 @@ TEST_F(ReconcilerTest, AWriterThatCameBackAtOnceIsListenedToForLong) {
 
 TEST_F(ReconcilerTest, WhatAWriterThatIsHeardAnnouncesAnewReachesItsConnection) {
   our_reader(200);
-  Endpoint first = endpoint(Role::writer, 7);  // somebody else's, maybe
+  Endpoint first = endpoint(Role::writer, 7);
   first.max_sample_bytes = 1;
   first.waits = false;
-  first.revision = 1;
   reconciler.endpoint_seen(first);
   reconciler.reconcile();
   EXPECT_TRUE(connections.announced.empty());
   Endpoint second = first;
   second.max_sample_bytes = 1000;
   second.waits = true;
-  second.revision = 2;
   reconciler.endpoint_seen(second);
   reconciler.reconcile();
   ASSERT_EQ(connections.announced.size(), 1U);
@@ -243,38 +241,6 @@ TEST_F(ReconcilerTest, AnAddressThatComesOrGoesIsAnnounced) {
   EXPECT_EQ(discovery.announced.back().addresses, network.addresses_now);
 }
 
-TEST_F(ReconcilerTest, AnEndpointThatSomebodyElseWithdrawsIsAnnouncedAnewWithAWarning) {
-  our_reader(200);
-  reconciler.endpoint_departed(200);
-  reconciler.reconcile();
-  ASSERT_EQ(discovery.announced.size(), 2U);
-  EXPECT_GT(discovery.announced[1].revision, discovery.announced[0].revision);
-  EXPECT_EQ(discovery.sent.size(), 1U);
-  ASSERT_EQ(logged.size(), 1U);
-  EXPECT_NE(logged[0].find("our subscriber of topic 'points' was withdrawn by somebody else"),
-            std::string::npos)
-      << logged[0];
-}
-
-// A forger that sends a thousand requests a second makes this node neither answer as often nor fill its log.
-TEST_F(ReconcilerTest, ManyForgeriesAreAnsweredAtAPaceAndToldOfOnceASecond) {
-  our_reader(200);
-  const auto begin = std::chrono::steady_clock::now();
-  for (int i = 0; i < 1000; ++i) {
-    Request forged = endpoint(Role::reader, 200).request;
-    forged.sequence = 1000U + static_cast<std::uint64_t>(i) * 10;
-    requested(forged);
-  }
-  const auto tenths =
-      static_cast<std::size_t>((std::chrono::steady_clock::now() - begin) / std::chrono::milliseconds(100));
-  EXPECT_LE(discovery.sent.size(), 1 + tenths + 1);
-  EXPECT_LE(logged.size(), 1 + tenths / 10 + 1);
-  ASSERT_TRUE(test::eventually([&] {
-    reconciler.tick();
-    return discovery.sent.back().sequence > 10'990;
-  }));
-}
-
 TEST_F(ReconcilerTest, WhoAnnouncesMoreThanThereIsRoomForIsNamed) {
   for (EndpointId id = 1000; id < 5200; ++id) {
     Endpoint made_up = endpoint(Role::writer, id);
@@ -342,8 +308,7 @@ TEST_F(ReconcilerTest, AReaderThatHasGotNothingForTwoSecondsAsksForReportsOfItsT
   EXPECT_FALSE(asks_after(std::chrono::milliseconds(1500)));
   EXPECT_TRUE(asks_after(std::chrono::milliseconds(2500)));
   writer_departed(7);
-  EXPECT_TRUE(asks_after(std::chrono::seconds(50))) << "writers that send now and then cost one question";
-  EXPECT_FALSE(asks_after(std::chrono::seconds(20)));
+  EXPECT_FALSE(asks_after(std::chrono::milliseconds(1000)));
 }
 
 TEST_F(ReconcilerTest, AReaderThatAsksForALeaseAsksForReportsAtOnce) {
@@ -402,7 +367,7 @@ TEST_F(ReportsTest, TellTheProgressThreeTimesToThoseThatAsk) {
   EXPECT_EQ(reports_of(10).size(), 3U) << "another node has not heard it";
   writer->publish(&cloud);
   EXPECT_EQ(reports_of(10).size(), 3U);
-  others_ask({{}});
+  others_ask({Inquiry{}});
   EXPECT_EQ(reports_of(10).size(), 3U) << "of all topics";
 }
 
