@@ -46,8 +46,7 @@ core::RecordBody request_of_nothing(const core::Request& request, std::uint64_t 
 
 Forger::Forger()
     : self_(domain_0, interface, 0),
-      publications_(
-          dds_create_reader(self_.entity(), DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr)) {}
+      publications_(dds_create_reader(self_.entity(), DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr)) {}
 
 Forger::~Forger() = default;
 
