@@ -1,4 +1,5 @@
-// All times of the control plane. Whatever else waits there waits for a multiple of one of these.
+// All times of the control plane, each with its reason. Whatever else waits there waits for a multiple or a
+// part of one of these. There are 15 of them: a new one takes the place of another one.
 #pragma once
 
 #include <chrono>
@@ -27,7 +28,7 @@ struct Timing {
   /// The pause between two renewals of a link begins with `lease`, and doubles up to this while they do not
   /// help: a participant that somebody makes up costs no more.
   Milliseconds renew_pause_max{60'000};
-  /// A replaced link stays this long at least, for the first answers on the new one.
+  /// A replaced link stays this long at least: participants on the new one answer within one heartbeat.
   Milliseconds retire_after{1'000};
 
   /// Cyclone forgets a participant of which nothing comes for this time, and repeats its own announcements
@@ -36,15 +37,19 @@ struct Timing {
   /// The same where each peer is asked at all its ports: then announcements cost most.
   Milliseconds cyclone_lease_to_peers{160'000};
 
-  /// Interfaces are looked at, although netlink tells of changes.
+  /// Interfaces are looked at this often besides, since netlink drops messages when many come at once.
   Milliseconds look_at_interfaces{10'000};
-  /// What the system refused is tried again: a link, a list of interfaces, a record that was not written.
+  /// What the system refused is tried again after this time: a link, a list of interfaces, a record. That is
+  /// soon for people, and costs little while it goes on for hours.
   Milliseconds try_again{1'000};
-  /// A process that ends waits this long for others to have what it has written last.
+  /// A process that ends waits this long at most for others to have what it has written last. Participants
+  /// that live confirm it within milliseconds, and those that were killed never do.
   Milliseconds farewell_max{1'000};
-  /// The first links ask the peers by name that are looked up within this time. Other peers join later.
+  /// The first links ask the peers by name that are looked up within this time, as a name server that can be
+  /// reached answers within it. Other peers join later, by links that are made anew.
   Milliseconds wait_for_names{200};
-  /// Participants of other releases are named in the log no more often.
+  /// Participants of other releases are named in the log no more often, since they announce themselves again
+  /// and again.
   Milliseconds name_releases_every{60'000};
 };
 

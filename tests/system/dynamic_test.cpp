@@ -439,8 +439,9 @@ TEST_F(DynamicNodesTest,
     void report_received(core::NodeReport) override {}
     void control_malformed(std::string) override {}
   } ignore;
-  auto other = core::Discovery::open(
-      {.domain = core::domain_id({}, std::getenv("ROS_DOMAIN_ID")).value(), .user_config = ""}, ignore);
+  auto other = core::Discovery::open({.domain = core::domain_id({}, std::getenv("ROS_DOMAIN_ID")).value(),
+                                      .threads = {.name_prefix = "liar"}},
+                                     ignore);
   ASSERT_TRUE(other) << other.error().message;
   const auto announce = [&](core::EndpointId id, std::vector<std::byte> description) {
     core::Endpoint e;
