@@ -1,4 +1,5 @@
-// Heartbeats and the user data of participants as arbitrary bytes: what is taken for one is written again the same.
+// Heartbeats and the user data of participants as arbitrary bytes: what is taken for one is written again the
+// same.
 #include <cstddef>
 #include <cstdint>
 #include <span>

@@ -1,5 +1,5 @@
-// Bodies of records as arbitrary bytes, after one octet that names the kind: nothing is read behind the end, what is
-// taken is within the bounds, and what is read is written again the same.
+// Bodies of records and reports as arbitrary bytes, after one octet that names the kind: nothing is read
+// behind the end, what is taken is within the bounds, and what is read is written again the same.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -30,9 +30,9 @@ void check_endpoint(const Bytes& bytes) {
   const Result<Endpoint> read = endpoint_in(bytes);
   if (is_refused(read)) return;
   require(read->id != 0 && !read->topic.empty() && read->request.reader == read->id, "it is an endpoint");
-  require(read->addresses.size() <= addresses_max &&
-              read->type_description.size() <= type_description_bytes_max,
-          "there is room for no more");
+  require(
+      read->addresses.size() <= addresses_max && read->type_description.size() <= type_description_bytes_max,
+      "there is room for no more");
   const Bytes written = to_bytes(*read);
   require(written.size() <= record_bytes_max, "a record has room for it");
   require(endpoint_in(written) == *read, "what is written again is the same");
@@ -55,18 +55,26 @@ void check_inquiry(const Bytes& bytes) {
   require(to_bytes(*read) == bytes, "it is written in the same way");
 }
 
-/// The bytes are read from memory of exactly their size, so that the address sanitizer sees the first byte too
-/// many.
+void check_report(const Bytes& bytes) {
+  const Result<NodeReport> read = report_in(bytes);
+  if (is_refused(read)) return;
+  require(report_in(to_bytes(*read)) == *read, "what is written again is the same");
+}
+
+/// The bytes are read from memory of exactly their size, so that the address sanitizer sees the first byte
+/// too many.
 void check(std::span<const std::byte> input) {
   if (input.empty()) return;
   const Bytes body(input.begin() + 1, input.end());
-  switch (std::to_integer<unsigned>(input[0]) % 3) {
+  switch (std::to_integer<unsigned>(input[0]) % 4) {
     case 0:
       return check_endpoint(body);
     case 1:
       return check_request(body);
-    default:
+    case 2:
       return check_inquiry(body);
+    default:
+      return check_report(body);
   }
 }
 

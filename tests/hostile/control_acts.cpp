@@ -6,7 +6,6 @@
 #include <memory>
 #include <set>
 
-#include "core/control/record_body.h"
 #include "sft/dynamic_type.h"
 #include "tests/hostile/control_voice.h"
 #include "tests/hostile/wire.h"
@@ -233,6 +232,48 @@ Act twin_writers(Target& target) {
 Act reflection(Target& target) { return reflection_to(target, false); }
 
 Act reflection_to_the_own_host(Target& target) { return reflection_to(target, true); }
+
+/// Of the endpoints of others. Only what a process says of its own endpoints counts.
+Act false_progress(Target& target) {
+  const auto sent = std::make_shared<std::uint64_t>(1'000'000);
+  return to_each(target, Role::writer, [sent](ControlVoice& voice, const Endpoint& writer) {
+    voice.report({.living = {writer.id}, .progress = {{writer.id, *sent += 1000}}});
+  });
+}
+
+/// Of pairs of each endpoint with all others.
+Act false_accounts(Target& target) {
+  return {.begin = {}, .go_on = [voice = voice_of(target), &random = target.random] {
+            const std::vector<Endpoint> all = voice->heard();
+            for (const Endpoint& one : all) {
+              core::NodeReport report;
+              for (const Endpoint& other : all) {
+                core::Account account{
+                    .id = {{one.id, other.id}, random() % 2 == 0 ? Role::writer : Role::reader}};
+                account.by_writer = {.sent = random(), .bytes_saved = last_number};
+                account.by_reader = {.received = last_number, .lost = random()};
+                report.accounts.push_back(account);
+              }
+              voice->report(report);
+            }
+            voice->live();
+          }};
+}
+
+/// About all topics, and many that there are not, for accounts and progress in turns.
+Act questions_without_end(Target& target) {
+  const auto asked = std::make_shared<std::uint64_t>(0);
+  return {.begin = {}, .go_on = [voice = voice_of(target), asked] {
+            constexpr std::uint64_t at_a_time = 20, topics = 10'000;
+            voice->inquire(0, {.topic = "", .wants_accounts = *asked % 2 == 0});
+            for (std::uint64_t i = 0; i < at_a_time; ++i, ++*asked) {
+              const std::uint64_t number = 1 + *asked % topics;
+              voice->inquire(number, {.topic = "t" + std::to_string(number), .wants_accounts = i % 2 == 0});
+            }
+            ++*asked;
+            voice->live();
+          }};
+}
 
 /// Of kinds or versions that no record has, in its own name and in those of others.
 Act unknown_records(Target& target) {

@@ -7,7 +7,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/control/record_body.h"
 #include "tests/pairs/control_participant.h"
 
 namespace sft::hostile {
@@ -123,6 +122,14 @@ void ControlVoice::request(const core::Request& request) {
 
 void ControlVoice::announce_bytes(core::Role role, core::EndpointId id, std::vector<std::byte> bytes) {
   put(role, id, core::RecordKind::announcement, std::move(bytes));
+}
+
+void ControlVoice::inquire(std::uint64_t owner, const core::Inquiry& inquiry) {
+  put(core::Role::reader, owner, core::RecordKind::inquiry, core::to_bytes(inquiry));
+}
+
+void ControlVoice::report(const core::NodeReport& report) {
+  for (const auto& link : links_) link->participant.report(report);
 }
 
 void ControlVoice::live() {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/control/control.h"
+#include "core/control/record_body.h"
 #include "core/discovery/heartbeat.h"
 #include "core/discovery/own_records.h"
 #include "core/discovery/records.h"
@@ -49,6 +50,9 @@ class ControlVoice {
   void request(const core::Request& request);
   /// Writes these bytes as its announcement of the endpoint.
   void announce_bytes(core::Role role, core::EndpointId id, std::vector<std::byte> bytes);
+  void inquire(std::uint64_t owner, const core::Inquiry& inquiry);
+  /// Tells those that inquire, by a topic of its own.
+  void report(const core::NodeReport& report);
   /// Writes a sample in its own name. Its heartbeats do not count it.
   void write_as_own(core::Role role, sft_control_Record sample);
   /// Gives a heartbeat if one is due.

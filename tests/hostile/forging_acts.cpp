@@ -1,7 +1,6 @@
 #include "tests/hostile/forging_acts.h"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <map>
 #include <memory>
@@ -21,6 +20,7 @@ namespace sft::hostile {
 namespace {
 
 using test::ControlParticipant;
+using test::guessed_writers;
 using test::RtpsMessage;
 
 constexpr std::uint64_t greatest_revision = std::numeric_limits<std::uint64_t>::max();
@@ -31,20 +31,6 @@ std::function<void()> now_and_then(std::function<void()> act) {
   return [act = std::move(act), ticks = std::make_shared<int>(0)] {
     if ((*ticks)++ % ticks_between == 0) act();
   };
-}
-
-/// Writers that the participant may have: the numbers of entities of Cyclone DDS are small. With keys or
-/// without.
-std::vector<dds_guid_t> guessed_writers(const dds_guid_t& participant) {
-  constexpr std::uint8_t entities_max = 16, with_key = 0x02, without_key = 0x03;
-  std::vector<dds_guid_t> writers;
-  for (std::uint8_t number = 1; number <= entities_max; ++number) {
-    for (const std::uint8_t kind : {with_key, without_key}) {
-      dds_guid_t& writer = writers.emplace_back(participant);
-      std::ranges::copy(std::array<std::uint8_t, 4>{0, 0, number, kind}, writer.v + 12);
-    }
-  }
-  return writers;
 }
 
 core::ParticipantGuid octets_of(const dds_guid_t& guid) {

@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/control/record_body.h"
 #include "core/discovery/participant_data.h"
 
 namespace sft::test {
@@ -132,6 +133,21 @@ void ControlParticipant::dispose(core::Role role, const sft_control_Record& key)
 
 void ControlParticipant::give_heartbeat() {
   send({guid_, process_, {records_.writer.digest(), records_.reader.digest()}});
+}
+
+void ControlParticipant::report(const core::NodeReport& report) {
+  if (report_writer_ == 0) {
+    const Qos qos(dds_create_qos());
+    dds_qset_reliability(qos.get(), DDS_RELIABILITY_BEST_EFFORT, 0);
+    const dds_entity_t topic =
+        checked(dds_create_topic(participant_, &sft_control_Report_desc, "sft_report", qos.get(), nullptr));
+    report_writer_ = checked(dds_create_writer(participant_, topic, qos.get(), nullptr));
+  }
+  std::vector<std::byte> body = to_bytes(report);
+  const auto size = static_cast<std::uint32_t>(body.size());
+  const sft_control_Report sample{.version = sft_control_protocol_version,
+                                  .body = {size, size, reinterpret_cast<std::uint8_t*>(body.data()), false}};
+  dds_write(report_writer_, &sample);
 }
 
 void ControlParticipant::send(const core::Heartbeat& heartbeat) {

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "core/control/control.h"
 #include "core/discovery/heartbeat_socket.h"
 #include "core/discovery/records.h"
 #include "sft_control.h"
@@ -44,6 +45,8 @@ class ControlParticipant {
   /// Gives a heartbeat with the digests of its records.
   void give_heartbeat();
 
+  /// Tells those that inquire. May get lost.
+  void report(const core::NodeReport& report);
   /// Sends a heartbeat in any name, also to programs of its own host.
   void send(const core::Heartbeat& heartbeat);
   /// Returns the heartbeats of others that have come by UDP since the last call. Those that it has sent are
@@ -68,6 +71,7 @@ class ControlParticipant {
   const core::ProcessId process_;
   core::ParticipantGuid guid_{};
   core::PerRole<dds_entity_t> readers_{}, writers_{};
+  dds_entity_t report_writer_ = 0;
   core::PerRole<core::Records> records_{};
   std::optional<core::HeartbeatSocket> socket_;
   std::set<core::HeartbeatDatagram> sent_;

@@ -46,8 +46,7 @@ core::RecordBody request_of_nothing(const core::Request& request, std::uint64_t 
 
 Forger::Forger()
     : self_(domain_0, interface, 0),
-      publications_(
-          dds_create_reader(self_.entity(), DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr)) {}
+      publications_(dds_create_reader(self_.entity(), DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr)) {}
 
 Forger::~Forger() = default;
 
@@ -162,10 +161,12 @@ void Forger::forge_heartbeats() {
 }
 
 void Forger::outdate_heartbeats() {
-  for (const dds_guid_t& writer : writers_of("sft_heartbeat")) {
-    RtpsMessage message(writer);
-    message.add_data(far_ahead, std::string(core::heartbeat_bytes, '\0'));
-    message.send();
+  for (const ControlParticipant::Other& other : self_.others()) {
+    for (const dds_guid_t& writer : guessed_writers(other.guid)) {
+      RtpsMessage message(writer);
+      message.add_data(far_ahead, std::string(core::heartbeat_bytes, '\0'));
+      message.send();
+    }
   }
 }
 

@@ -39,8 +39,8 @@ class Forger {
   /// Answers each heartbeat that has come on eth0 since the last call with others: in the same name, with the
   /// digests of other records, and in the name of a process that is made up.
   void forge_heartbeats();
-  /// Sends a heartbeat by the topic in the name of each writer of it, with a sequence number so far ahead
-  /// that all that the writer says afterwards is old.
+  /// Sends a heartbeat by the topic in the name of each writer that may be one of it, with a sequence number
+  /// so far ahead that all that the writer says afterwards is old.
   void outdate_heartbeats();
   /// Says that it is a participant whose control topics are of that version.
   void claim_version(unsigned version);

@@ -8,10 +8,13 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <cstring>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "sft_control.h"
 
@@ -19,6 +22,20 @@ namespace sft::test {
 
 /// Sequence numbers that no honest writer reaches.
 inline constexpr std::uint64_t far_ahead = std::uint64_t{1} << 40;
+
+/// Writers that the participant may have: the numbers of entities of Cyclone DDS are small. With keys or
+/// without.
+inline std::vector<dds_guid_t> guessed_writers(const dds_guid_t& participant) {
+  constexpr std::uint8_t entities_max = 16, with_key = 0x02, without_key = 0x03;
+  std::vector<dds_guid_t> writers;
+  for (std::uint8_t number = 1; number <= entities_max; ++number) {
+    for (const std::uint8_t kind : {with_key, without_key}) {
+      dds_guid_t& writer = writers.emplace_back(participant);
+      std::ranges::copy(std::array<std::uint8_t, 4>{0, 0, number, kind}, writer.v + 12);
+    }
+  }
+  return writers;
+}
 
 class RtpsMessage {
  public:
