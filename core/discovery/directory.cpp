@@ -122,18 +122,10 @@ void Directory::take_announcement(const Place& place, const Record& record) {
   const std::optional<Endpoint> before = std::exchange(slot.endpoint, std::move(endpoint));
   const bool is_same =
       before && slot.endpoint && slot.endpoint->id == before->id && slot.endpoint->topic == before->topic;
-  const auto shown = before ? entries_.find(before->id) : entries_.end();
-  const bool is_shown = shown != entries_.end() && shown->second.place == place;
-  if (is_shown && !is_same) end(before->id, End::withdrawn);
-  if (is_shown && is_same && slot.endpoint->revision < before->revision) return show_anew(before->id, place);
-  show(place);
-}
-
-/// Nodes take nothing for newer than what they were told last. If that turns out to be forged, they are told
-/// of the endpoint anew.
-void Directory::show_anew(EndpointId id, const Place& place) {
-  tell_departed(concerned_by(entries_.at(id)), id);
-  entries_.erase(id);
+  if (before && !is_same) {
+    const auto shown = entries_.find(before->id);
+    if (shown != entries_.end() && shown->second.place == place) end(before->id, End::withdrawn);
+  }
   show(place);
 }
 
@@ -147,9 +139,6 @@ void Directory::take_request(const Place& place, const Record& record) {
   slot.request = std::move(*read);
   const auto shown = entries_.find(slot.request->reader);
   if (shown == entries_.end() || shown->second.place != place) return show(place);
-  const Entry& known = shown->second;
-  const std::uint64_t told = (known.request ? *known.request : known.endpoint->request).sequence;
-  if (slot.request->sequence < told) return show_anew(shown->first, place);
   shown->second.request = slot.request;
   tell(concerned_by(shown->second),
        [copy = *slot.request](DiscoveryListener& to) { to.request_received(copy); });

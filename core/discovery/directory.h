@@ -118,7 +118,6 @@ class Directory {
   void take_request(const Place& place, const Record& record);
   void take_inquiry(const Place& place, const Record& record);
   void show(const Place& place);
-  void show_anew(EndpointId id, const Place& place);
   void end(EndpointId id, End how);
   void show_next(EndpointId id);
   void leave_out_what_is_cut(ProcessId process, std::vector<UdpAddress>& addresses) const;

@@ -183,34 +183,6 @@ TEST_F(DirectoryTest, TakesTheLatestRequestForANodeThatComesLate) {
   EXPECT_EQ(node->listener.seen.request.sequence, 4u);
 }
 
-TEST_F(DirectoryTest, ShowsASubscriberAnewWhoseLatestRequestWasForged) {
-  const auto node = open();
-  announce(*node, endpoint(Role::writer, 1));
-  other_has(endpoint(Role::reader, 2));
-  other_asks(2, 3);
-  other_asks(2, 1000);
-  EXPECT_THAT(told(*node), ElementsAre("seen 2", "request 1000 of 2"));
-  other_asks(2, 3);
-  EXPECT_THAT(told(*node), ElementsAre("departed 2", "seen 2"));
-  EXPECT_EQ(node->listener.seen.request.sequence, 3U);
-  other_asks(2, 4);
-  EXPECT_THAT(told(*node), ElementsAre("request 4 of 2"));
-}
-
-TEST_F(DirectoryTest, ShowsAnEndpointAnewWhoseLatestAnnouncementWasForged) {
-  const auto node = open();
-  announce(*node, endpoint(Role::reader, 1));
-  const Endpoint writer = endpoint(Role::writer, 2);
-  other_has(writer);
-  revision = 1000;
-  other_has(writer);
-  EXPECT_THAT(told(*node), ElementsAre("seen 2", "seen 2"));
-  revision = 0;
-  other_has(writer);
-  EXPECT_THAT(told(*node), ElementsAre("departed 2", "seen 2"));
-  EXPECT_EQ(node->listener.seen.revision, 1U);
-}
-
 TEST_F(DirectoryTest, EndsTheEndpointWhoseSlotAnotherOneHas) {
   const auto node = open();
   announce(*node, endpoint(Role::writer, 1));
