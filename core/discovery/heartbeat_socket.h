@@ -32,8 +32,8 @@ class HeartbeatSocket {
 
   /// More than these are left for the next time: whoever floods the port must not hold the caller up.
   static constexpr std::size_t taken_at_once_max = 2048;
-  /// Calls hear(heartbeat, age) for each one that has come since the last call, with the time for which it has
-  /// waited in the socket. Other datagrams are dropped.
+  /// Calls hear(heartbeat, age) for each one that has come since the last call, with the time for which it
+  /// has waited in the socket. Other datagrams are dropped.
   template <class Hear>
   void take(Hear hear) {
     for (std::size_t taken = 0; taken < taken_at_once_max;) {

@@ -68,7 +68,8 @@ TEST_F(LinkCareTest, MakesNoneAnewThatIsNew) {
 
 TEST_F(LinkCareTest, WaitsLongerWhileThatDoesNotHelp) {
   misses({7});
-  EXPECT_THAT(pauses_within(5min), ElementsAre(timing.lease, 2 * timing.lease, 4 * timing.lease, 8 * timing.lease, 1min, 1min, 1min));
+  EXPECT_THAT(pauses_within(5min), ElementsAre(timing.lease, 2 * timing.lease, 4 * timing.lease,
+                                               8 * timing.lease, 1min, 1min, 1min));
 }
 
 TEST_F(LinkCareTest, WaitsNoLongerAgainOnceItHelpsOrTheProcessIsGone) {
