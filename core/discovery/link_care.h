@@ -48,7 +48,8 @@ class LinkCare {
 
   bool has(LinkId link) const { return links_.contains(link); }
   bool is_retired(LinkId link) const { return links_.at(link).retired_at.has_value(); }
-  /// The time from which on something is missing that is behind since then. Newcomers keep others waiting.
+  /// The time from which on something is missing that is behind since then. Newcomers keep others waiting,
+  /// but no longer than a lease: a process that crashes again and again is a newcomer each time.
   Time missed_from(LinkId link, Time behind_since, bool was_complete) const;
 
   struct Renewal {
@@ -81,7 +82,8 @@ class LinkCare {
     std::set<ProcessId> made_for{};  ///< the link was made anew for these, and they are not complete yet
     Time renew_at{};                 ///< not before: making it anew may have failed
     std::optional<Time> retired_at{};
-    Time look_again_at{};  ///< whether the retired link may end
+    Time look_again_at{};               ///< whether the retired link may end
+    std::optional<Time> stranger_at{};  ///< the first stranger for which nobody was asked
     bool has_stranger = false, was_asked = false;
     Time announce_at{};                          ///< not before
     std::chrono::milliseconds announce_pause{};  ///< behind the last announcement

@@ -68,7 +68,8 @@ TEST_F(LinkCareTest, MakesNoneAnewThatIsNew) {
 
 TEST_F(LinkCareTest, WaitsLongerWhileThatDoesNotHelp) {
   misses({7});
-  EXPECT_THAT(pauses_within(5min), ElementsAre(timing.lease, 2 * timing.lease, 4 * timing.lease, 8 * timing.lease, 1min, 1min, 1min));
+  EXPECT_THAT(pauses_within(5min), ElementsAre(timing.lease, 2 * timing.lease, 4 * timing.lease,
+                                               8 * timing.lease, 1min, 1min, 1min));
 }
 
 TEST_F(LinkCareTest, WaitsNoLongerAgainOnceItHelpsOrTheProcessIsGone) {
@@ -148,6 +149,15 @@ TEST_F(LinkCareTest, BeginsToWaitAnewWithEachNewcomerAndWhatComesOfIt) {
   EXPECT_EQ(care.missed_from(link, since, true), now + timing.settle + timing.settle_each);
 }
 
+TEST_F(LinkCareTest, WaitsALeaseLongerAtMostForNewcomersThatGoOnComing) {
+  const Time since = now;
+  for (int second = 0; second < 20; ++second) {
+    care.joined(link, now += 1s);
+    care.left(link);
+  }
+  EXPECT_EQ(care.missed_from(link, since, true), since + timing.lease + timing.settle);
+}
+
 TEST_F(LinkCareTest, DoesNotWaitAsLongInEachProcess) {
   EXPECT_EQ(LinkCare(64, timing).next(), Time::max());
   LinkCare other(32, timing);
@@ -169,6 +179,17 @@ TEST_F(LinkCareTest, DoesNotAskWhileOthersAreNew) {
   now += 2 * timing.settle - 1ms;
   care.stranger_came(link, now);
   EXPECT_FALSE(announces(10s));
+}
+
+TEST_F(LinkCareTest, AsksAfterALeaseAtTheLatestThoughOthersGoOnBeingNew) {
+  int asked = 0;
+  for (int second = 0; second < 20; ++second) {
+    care.joined(link, now);
+    care.stranger_came(link, now);
+    asked += announces(1s) ? 1 : 0;
+  }
+  EXPECT_GE(asked, 2);
+  EXPECT_LE(asked, 20s / timing.lease);
 }
 
 TEST_F(LinkCareTest, AsksEverMoreSeldomWhileTheStrangerStaysOne) {

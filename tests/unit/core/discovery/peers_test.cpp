@@ -193,6 +193,20 @@ TEST_F(PeersTest, MakesALinkAnewThatDoesNotBringWhatHeartbeatsCount) {
   EXPECT_THAT(renewed, ElementsAre(cable));
 }
 
+TEST_F(PeersTest, MakesALinkAnewInTimeThoughASilentParticipantGoesOnWriting) {
+  found(cable);
+  writes(0, "a", {cable});
+  const RemoteParticipant silent = on(cable, 99);
+  peers.participant_found(silent, neighbour + 1, now);
+  goes_on(10s, {cable});
+  writes(1, "b", {});
+  for (std::uint64_t i = 1; i <= 8; ++i) {
+    peers.record_came(silent, Role::writer, {0, {}}, {i, body("a")}, now);
+    goes_on(500ms, {cable});
+  }
+  EXPECT_THAT(renewed, ElementsAre(cable));
+}
+
 TEST_F(PeersTest, ForgetsWhatWasForgedOnALinkOnceAnotherOneIsRight) {
   found(cable);
   writes(0, "a", {cable});
