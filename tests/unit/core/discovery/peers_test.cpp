@@ -12,8 +12,10 @@ namespace {
 
 using namespace std::chrono_literals;
 using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
+using ::testing::Not;
 using ::testing::Pair;
 using ::testing::UnorderedElementsAre;
 
@@ -264,6 +266,22 @@ TEST_F(PeersTest, RefusesAParticipantThatClaimsAProcessWhichLives) {
   look();
   EXPECT_THAT(holds, ElementsAre(Pair(0, "b")));
   EXPECT_LE(renewed.size(), 3u) << "in 40 s";
+}
+
+TEST_F(PeersTest, RefusesAClaimAlsoWhenTheFirstParticipantIsGone) {
+  found(cable);
+  const RemoteParticipant claimant = on(cable, 99);
+  peers.participant_found(claimant, neighbour, now);
+  found(wlan);
+  writes(0, "a", {cable, wlan});
+  heartbeats({cable, wlan});
+  peers.participant_gone(on(cable));
+  for (int i = 0; i < 20; ++i) {
+    peers.heartbeat_came(cable, {claimant.guid, neighbour, {99, 0}}, now);
+    goes_on(500ms, {wlan});
+    EXPECT_THAT(holds, ElementsAre(Pair(0, "a")));
+  }
+  EXPECT_THAT(renewed, Not(Contains(wlan))) << "the claimant does not speak for it";
 }
 
 TEST_F(PeersTest, RefusesAClaimOfAProcessThatHasNothingYet) {
