@@ -39,11 +39,12 @@ struct Participant {
   std::optional<Time> heard_at{};  ///< the last heartbeat
   Time regular_since{};            ///< no two heartbeats in a row were missing since then
   PerRole<RemoteTable> tables{};
-  bool has_agreed = false;  ///< its tables were at least once what the process says that they are
-  bool is_suspect = false;  ///< something is missing in them, or is not the process's own
-  bool is_silent = false;   ///< no heartbeat came for the lease
-  bool is_cropped = false;  ///< a record found no room, so that digests tell nothing
-  bool is_ignored = false;  ///< it is our own one, or its process has too many
+  bool has_agreed = false;       ///< its tables were at least once what the process says that they are
+  bool is_suspect = false;       ///< something is missing in them, or is not the process's own
+  bool is_silent = false;        ///< no heartbeat came for the lease
+  bool is_cropped = false;       ///< a record found no room, so that digests tell nothing
+  bool is_own = false;           ///< our own process has it, or it says so
+  bool is_one_too_many = false;  ///< its process has as many as one may have
 
   bool is_late(const Timing& timing, Time now) const { return !heard_at || now - *heard_at >= timing.late; }
 };

@@ -6,9 +6,11 @@ namespace sft::core {
 
 namespace {
 
+bool is_ignored(const Participant& participant) { return participant.is_own || participant.is_one_too_many; }
+
 /// True if the participant can be judged: it is another process's, and is not silent.
 bool is_heard(const Participant& participant) {
-  return participant.process && !participant.is_ignored && !participant.is_silent;
+  return participant.process && !is_ignored(participant) && !participant.is_silent;
 }
 
 }  // namespace
@@ -30,12 +32,17 @@ void Peers::participant_found(const RemoteParticipant& id, ProcessId process, Ti
   if (!care_.has(id.link)) return;
   Participant& participant = participants_[id];
   if (participant.process) return;
-  const auto peer = peers_.find(process);
-  const bool is_one_too_many = peer != peers_.end() && peer->second.participants() >= limits_.participants;
   participant.process = process;
   participant.found_at = now;
-  participant.is_ignored = process == self_ || is_one_too_many;
-  if (participant.is_ignored) return;
+  participant.is_own = process == self_;
+  if (!participant.is_own) admit(id, participant, now);
+}
+
+/// One for which there is no room now may have room later.
+void Peers::admit(const RemoteParticipant& id, Participant& participant, Time now) {
+  const Peer* const peer = find(*participant.process);
+  participant.is_one_too_many = peer != nullptr && peer->participants() >= limits_.participants;
+  if (participant.is_one_too_many) return;
   newcomer_at_ = now;
   care_.joined(id.link, now);
   join(id, participant);
@@ -49,7 +56,7 @@ void Peers::participant_gone(const RemoteParticipant& id) {
   const auto found = participants_.find(id);
   if (found == participants_.end()) return;
   const Participant& participant = found->second;
-  if (participant.process && !participant.is_ignored) care_.left(id.link);
+  if (participant.process && !is_ignored(participant)) care_.left(id.link);
   if (is_heard(participant)) leave(id, participant);
   for (const Role role : both_roles) {
     records_ -= participant.tables[role].records().all().size();
@@ -62,7 +69,7 @@ bool Peers::record_came(const RemoteParticipant& by, Role role, const RecordKey&
                         Time now) {
   if (!care_.has(by.link)) return true;
   Participant& participant = participants_[by];
-  if (participant.is_ignored) return true;
+  if (is_ignored(participant)) return true;
   if (!has_room(participant, role, key, record)) {
     participant.is_cropped = true;
     return false;
@@ -100,7 +107,9 @@ void Peers::heartbeat_came(LinkId link, const Heartbeat& heartbeat, Time now, Ti
   const auto found = participants_.find(id);
   if (found == participants_.end() || !found->second.process) return care_.stranger_came(link, now);
   Participant& participant = found->second;
-  if (participant.is_ignored || participant.process != heartbeat.process) return;
+  if (participant.is_own || participant.process != heartbeat.process) return;
+  if (participant.is_one_too_many) admit(id, participant, now);
+  if (participant.is_one_too_many) return;
   if (participant.is_late(timing_, now)) participant.regular_since = now;
   participant.heard_at = age < timing_.late ? now - age : now;
   if (std::exchange(participant.is_silent, false)) join(id, participant);

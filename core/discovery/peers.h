@@ -115,6 +115,7 @@ class Peers {
   using Participants = std::map<RemoteParticipant, Participant>;
 
   bool has_room(const Participant& of, Role role, const RecordKey& key, const Record& record) const;
+  void admit(const RemoteParticipant& id, Participant& participant, Time now);
   void join(const RemoteParticipant& id, Participant& participant);
   void leave(const RemoteParticipant& id, const Participant& participant);
   Time silent_at(const Participant& participant) const;

@@ -417,6 +417,22 @@ TEST_F(PeersTest, MakesNoLinkAnewForAParticipantWhoseRecordsFindNoRoom) {
     EXPECT_FALSE(std::holds_alternative<RenewLink>(action));
 }
 
+TEST_F(PeersTest, TakesAParticipantForWhichItsProcessHadNoRoomOnceThereIsRoom) {
+  Peers small(own_process, timing, {.participants = 1});
+  small.listen(Role::writer, now);
+  small.link_made(cable, now);
+  const auto gives_a_heartbeat = [&](std::uint8_t number) {
+    small.heartbeat_came(cable, {on(cable, number).guid, neighbour, {}}, now);
+  };
+  for (const std::uint8_t number : {10, 11}) small.participant_found(on(cable, number), neighbour, now);
+  gives_a_heartbeat(11);
+  EXPECT_EQ(small.find(neighbour)->participants(), 1u);
+  small.participant_gone(on(cable, 10));
+  EXPECT_EQ(small.find(neighbour), nullptr);
+  gives_a_heartbeat(11);
+  EXPECT_NE(small.find(neighbour), nullptr);
+}
+
 TEST_F(PeersTest, ForgetsAllOfALinkThatIsGone) {
   meet_on_both_links();
   peers.link_gone(wlan);
