@@ -1,6 +1,7 @@
 #include "core/discovery/peer.h"
 
 #include <algorithm>
+#include <iterator>
 #include <set>
 #include <utility>
 
@@ -76,12 +77,16 @@ bool Peer::is_complete_beside(LinkId link) const {
       members_, [&](const Member& one) { return one.id.link != link && is_complete(*one.participant); });
 }
 
-std::vector<LinkId> Peer::cut_links(Time now) const {
-  std::vector<LinkId> cut;
+/// The process may have several participants on a link, since it makes its own links anew.
+Peer::Paths Peer::paths(Time now) const {
+  std::set<LinkId> late, in_time;
   for (const Member& one : members_) {
-    if (one.participant->heard_at && one.participant->is_late(timing_, now)) cut.push_back(one.id.link);
+    if (one.participant->heard_at)
+      (one.participant->is_late(timing_, now) ? late : in_time).insert(one.id.link);
   }
-  return cut.size() < members_.size() ? cut : std::vector<LinkId>{};
+  Paths paths{.heard = {in_time.begin(), in_time.end()}};
+  std::ranges::set_difference(late, in_time, std::back_inserter(paths.cut));
+  return paths.cut.empty() || paths.heard.empty() ? Paths{} : paths;
 }
 
 bool Peer::is_complete(const Participant& participant) const {

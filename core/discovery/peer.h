@@ -81,8 +81,13 @@ class Peer {
   bool is_complete() const;
   /// The same for any link but this one.
   bool is_complete_beside(LinkId link) const;
-  /// The links by which the process was heard and is not heard any more, though it is by another link.
-  std::vector<LinkId> cut_links(Time now) const;
+  /// Both are empty unless the process was heard by a link and is not heard any more, though it is by
+  /// another.
+  struct Paths {
+    std::vector<LinkId> cut{}, heard{};
+    friend bool operator==(const Paths&, const Paths&) = default;
+  };
+  Paths paths(Time now) const;
 
  private:
   struct Member {

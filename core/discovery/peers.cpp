@@ -188,10 +188,10 @@ void Peers::look_at(const RemoteParticipant& id, Participant& participant, Time 
 void Peers::look_at_paths(Time now) {
   for (const auto& [process, peer] : peers_) {
     if (peer.participants() < 2 && !cut_.contains(process)) continue;
-    std::vector<LinkId> links = peer.cut_links(now);
-    if (links == cut_[process]) continue;
-    cut_[process] = links;
-    actions_.emplace_back(PathsCut{process, std::move(links)});
+    const Peer::Paths paths = peer.paths(now);
+    if (paths == cut_[process]) continue;
+    cut_[process] = paths;
+    actions_.emplace_back(PathsCut{process, paths.cut, paths.heard});
   }
 }
 

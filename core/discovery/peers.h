@@ -40,6 +40,7 @@ struct RecordChanged {
 struct PathsCut {
   ProcessId process = 0;
   std::vector<LinkId> links{};
+  std::vector<LinkId> heard{};  ///< the other ones; two links may lead to the same network
 };
 /// Heartbeats of a participant that is there do not arrive on the link: a firewall may know the ports of DDS
 /// only. They have to go by Cyclone.
@@ -133,10 +134,10 @@ class Peers {
   Peer::Listened listened_{};
   Participants participants_;
   std::map<ProcessId, Peer> peers_;
-  std::map<ProcessId, std::vector<LinkId>> cut_;  ///< as it was told
-  std::set<LinkId> unheard_;                      ///< links on which HeartbeatsMissing was told
-  std::size_t records_ = 0;                       ///< of all participants
-  std::size_t bytes_ = 0;                         ///< of all these records
+  std::map<ProcessId, Peer::Paths> cut_;  ///< as it was told
+  std::set<LinkId> unheard_;              ///< links on which HeartbeatsMissing was told
+  std::size_t records_ = 0;               ///< of all participants
+  std::size_t bytes_ = 0;                 ///< of all these records
   Time newcomer_at_{};
   Time looked_at_{};
   std::vector<PeerAction> actions_;

@@ -321,6 +321,26 @@ TEST_F(PeersTest, SaysByWhichLinksTheWayToAProcessIsCut) {
   EXPECT_THAT(cut_links, IsEmpty());
 }
 
+TEST_F(PeersTest, TakesNoLinkForCutByWhichAnotherParticipantOfTheProcessIsHeard) {
+  meet_on_both_links();
+  const RemoteParticipant made_anew = on(cable, 50);
+  peers.participant_found(made_anew, neighbour, now);
+  for (int i = 0; i < 10; ++i) {
+    peers.heartbeat_came(cable, {made_anew.guid, neighbour, {own.digest(), 0}}, now);
+    goes_on(500ms, {wlan});
+    EXPECT_THAT(cut_links, IsEmpty());
+  }
+}
+
+TEST_F(PeersTest, TakesNoLinkForCutBesideOneByWhichTheProcessWasNeverHeard) {
+  found(cable);
+  heartbeats({cable});
+  found(wlan);
+  now += timing.late;
+  look();
+  EXPECT_THAT(cut_links, IsEmpty());
+}
+
 TEST_F(PeersTest, ComparesWithTheHeartbeatsOfAnotherLinkWhereTheFirstOneIsCut) {
   meet_on_both_links();
   goes_on(3s, {wlan});
