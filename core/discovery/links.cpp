@@ -83,8 +83,11 @@ Result<void> Links::open(const LinkSpec& spec, OpenLink* instead_of) {
 Result<void> Links::open_domain(OpenLink& link, const CycloneDomain* instead_of) {
   link.config = settings_.config.text_for(link.spec, hosts_);
   std::vector<std::string> complaints;
-  auto domain =
-      cyclone_domain({link.config, settings_.config.is_secured, settings_.threads}, instead_of, complaints);
+  auto domain = cyclone_domain({.config = link.config,
+                                .is_secured = settings_.config.is_secured,
+                                .threads = settings_.threads,
+                                .index = link.spec.index},
+                               instead_of, complaints);
   if (!domain) return tl::unexpected(domain.error());
   link.domain = std::move(*domain);
   for (std::string& complaint : complaints) {
