@@ -33,7 +33,7 @@ class LinkCare {
   /// A participant was found on the link.
   void joined(LinkId link, Time now);
   void left(LinkId link);
-  /// Something came of a participant of which not all has come yet.
+  /// A record came of a participant of which not all has come yet.
   void stirred(LinkId link, Time now);
   /// A heartbeat came of a participant that Cyclone does not know. It may have forgotten us, or we it.
   void stranger_came(LinkId link, Time now);

@@ -79,7 +79,8 @@ bool Peers::record_came(const RemoteParticipant& by, Role role, const RecordKey&
   bytes_ -= table.records().bytes();
   table.put(key, std::move(record));
   bytes_ += table.records().bytes();
-  if (is_heard(participant) && !participant.has_agreed) care_.stirred(by.link, now);
+  const bool is_on_its_way = !participant.has_agreed || table.behind_since();
+  if (is_heard(participant) && is_on_its_way) care_.stirred(by.link, now);
   if (is_heard(participant)) peers_.at(*participant.process).record_came(participant, role, key);
   return true;
 }

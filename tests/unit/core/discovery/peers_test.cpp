@@ -195,6 +195,19 @@ TEST_F(PeersTest, MakesALinkAnewThatDoesNotBringWhatHeartbeatsCount) {
   EXPECT_THAT(renewed, ElementsAre(cable));
 }
 
+TEST_F(PeersTest, MakesNoLinkAnewWhileRecordsOfAParticipantThatIsBehindGoOnComing) {
+  found(cable);
+  writes(0, "a", {cable});
+  heartbeats({cable});
+  for (std::uint32_t slot = 1; slot <= 10; ++slot) writes(slot, "b", {});
+  for (std::uint32_t slot = 1; slot <= 10; ++slot) {
+    goes_on(500ms, {cable});
+    peers.record_came(on(cable), Role::writer, {slot, {}}, {slot + 1, body("b")}, now);
+  }
+  goes_on(10s, {cable});
+  EXPECT_THAT(renewed, IsEmpty());
+}
+
 TEST_F(PeersTest, MakesALinkAnewInTimeThoughASilentParticipantGoesOnWriting) {
   found(cable);
   writes(0, "a", {cable});
