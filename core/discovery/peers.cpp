@@ -13,6 +13,10 @@ bool is_heard(const Participant& participant) {
   return participant.process && !is_ignored(participant) && !participant.is_silent;
 }
 
+Time silent_at(const Participant& participant, const Timing& timing) {
+  return participant.heard_at.value_or(participant.found_at) + timing.lease;
+}
+
 }  // namespace
 
 void Peers::listen(Role role, Time now) {
@@ -55,20 +59,28 @@ void Peers::participant_asks(const RemoteParticipant& id) {
 void Peers::participant_gone(const RemoteParticipant& id) {
   const auto found = participants_.find(id);
   if (found == participants_.end()) return;
-  const Participant& participant = found->second;
+  Participant& participant = found->second;
   if (participant.process && !is_ignored(participant)) care_.left(id.link);
   if (is_heard(participant)) leave(id, participant);
-  for (const Role role : both_roles) {
-    records_ -= participant.tables[role].records().all().size();
-    bytes_ -= participant.tables[role].records().bytes();
-  }
+  forget_tables(participant);
   participants_.erase(found);
+}
+
+void Peers::forget_tables(Participant& participant) {
+  for (RemoteTable* const table : {&participant.tables.writer, &participant.tables.reader}) {
+    records_ -= table->records().all().size();
+    bytes_ -= table->records().bytes();
+    *table = {};
+  }
+  participant.has_agreed = false;
 }
 
 bool Peers::record_came(const RemoteParticipant& by, Role role, const RecordKey& key, Record record,
                         Time now) {
   if (!care_.has(by.link)) return true;
-  Participant& participant = participants_[by];
+  const auto [entry, is_new] = participants_.try_emplace(by);
+  Participant& participant = entry->second;
+  if (is_new) participant.found_at = now;
   if (is_ignored(participant)) return true;
   if (!has_room(participant, role, key, record)) {
     participant.is_cropped = true;
@@ -86,7 +98,8 @@ bool Peers::record_came(const RemoteParticipant& by, Role role, const RecordKey&
 }
 
 bool Peers::has_room(const Participant& of, Role role, const RecordKey& key, const Record& record) const {
-  if (records_ < limits_.crowded && bytes_ < limits_.crowded_bytes) return true;
+  if (!limits_.are_reached(records_, bytes_)) return true;
+  if (!is_heard(of)) return false;
   const Record* const before = of.tables[role].records().find(key);
   const auto bytes_of_body = [](const Record& one) { return one.is_withdrawn() ? 0 : one.body->size(); };
   std::size_t records = before == nullptr ? 1 : 0;
@@ -96,7 +109,9 @@ bool Peers::has_room(const Participant& of, Role role, const RecordKey& key, con
     bytes += of.tables[each].records().bytes();
   }
   if (before != nullptr) bytes -= bytes_of_body(*before);
-  return records <= limits_.records && bytes <= limits_.bytes;
+  const bool adds_none = before != nullptr && bytes_of_body(record) <= bytes_of_body(*before);
+  return records <= limits_.records && bytes <= limits_.bytes &&
+         (adds_none || bytes_ < limits_.bytes_of_all());
 }
 
 /// What comes by heartbeat of a process that the participant does not belong to was not sent by it.
@@ -122,6 +137,7 @@ void Peers::join(const RemoteParticipant& id, Participant& participant) {
   const auto changed = [this, process](Role role, const RecordKey& key, const Record& record) {
     actions_.emplace_back(RecordChanged{process, role, key, record});
   };
+  participant.is_cropped = false;  // it may have found no room only since it was not heard
   const auto [peer, is_new] = peers_.try_emplace(process, timing_, listened_, changed);
   if (is_new) actions_.emplace_back(PeerFound{process});
   peer->second.join(id, participant);
@@ -134,10 +150,6 @@ void Peers::leave(const RemoteParticipant& id, const Participant& participant) {
   actions_.emplace_back(PeerLost{peer->first});
   cut_.erase(peer->first);
   peers_.erase(peer);
-}
-
-Time Peers::silent_at(const Participant& participant) const {
-  return participant.heard_at.value_or(participant.found_at) + timing_.lease;
 }
 
 /// Something is missing only if heartbeats go on by the same link: what does not come by a link that is cut
@@ -168,12 +180,28 @@ void Peers::look(Time now) {
   for (auto& [id, participant] : participants_) {
     if (is_heard(participant)) look_at(id, participant, now);
   }
+  look_at_room(now);
   look_at_paths(now);
   look_at_links(now);
 }
 
+/// Participants that are silent, and those that Cyclone does not find, are not there for the most part. Of
+/// one that is, a renewal of the link brings the records once more, as it does once there is room again.
+void Peers::look_at_room(Time now) {
+  const bool is_crowded = limits_.are_reached(records_, bytes_);
+  for (auto next = participants_.begin(); next != participants_.end();) {
+    const auto one = next++;
+    Participant& participant = one->second;
+    if (is_crowded && participant.process && !is_heard(participant)) forget_tables(participant);
+    if (!participant.process && now >= participant.found_at + timing_.lease)
+      participant_gone(RemoteParticipant(one->first));
+  }
+  if (!limits_.are_far(records_, bytes_)) return;
+  for (auto& [id, participant] : participants_) participant.is_cropped = false;
+}
+
 void Peers::look_at(const RemoteParticipant& id, Participant& participant, Time now) {
-  if (now >= silent_at(participant)) {
+  if (now >= silent_at(participant, timing_)) {
     leave(id, participant);
     participant.is_silent = true;
     for (const Role role : both_roles) participant.tables[role].expect_nothing();
@@ -225,8 +253,8 @@ Time Peers::next() const {
   Time next = care_.next();
   for (const auto& [id, participant] : participants_) {
     if (!is_heard(participant)) continue;
-    next = std::min(
-        {next, silent_at(participant), missed_at(id.link, participant), unheard_at(id.link, participant)});
+    next = std::min({next, silent_at(participant, timing_), missed_at(id.link, participant),
+                     unheard_at(id.link, participant)});
     const bool may_be_cut = participant.heard_at && peers_.at(*participant.process).participants() > 1;
     const Time late_at = may_be_cut ? *participant.heard_at + timing_.late : Time::max();
     if (late_at > looked_at_) next = std::min(next, late_at);

@@ -57,12 +57,20 @@ using PeerAction = std::variant<PeerFound, PeerLost, RecordChanged, PathsCut, He
                                 Announce, EndLink>;
 
 struct PeerLimits {
-  /// A participant may have this number of records, of so many bytes, in any case. It may have more while all
-  /// participants together have fewer records than `crowded`, of fewer bytes than `crowded_bytes`.
+  /// A participant that is heard may have this number of records, of so many bytes, while all together have
+  /// fewer bytes than bytes_of_all(). Any may have more while all together have fewer records than `crowded`,
+  /// of fewer bytes than `crowded_bytes`.
   std::size_t records = 2'048;
   std::size_t bytes = std::size_t{4} << 20;
   std::size_t crowded = 16'384;
   std::size_t crowded_bytes = std::size_t{64} << 20;
+  std::size_t bytes_of_all() const { return 4 * crowded_bytes; }
+  bool are_reached(std::size_t all_records, std::size_t all_bytes) const {
+    return all_records >= crowded || all_bytes >= crowded_bytes;
+  }
+  bool are_far(std::size_t all_records, std::size_t all_bytes) const {
+    return all_records < crowded / 4 * 3 && all_bytes < crowded_bytes / 4 * 3;
+  }
   /// Participants of one process: one on each link, and a second one where a link is made anew.
   std::size_t participants = 32;
 };
@@ -102,7 +110,6 @@ class Peers {
   std::vector<PeerAction> take_actions() { return std::exchange(actions_, {}); }
   /// The time of the next look at the latest; Time::max() if none is needed.
   Time next() const;
-  std::size_t size() const { return peers_.size(); }
   /// Null if the process is not there.
   const Peer* find(ProcessId process) const;
   /// The process that the participant speaks for; nothing if it counts for nothing.
@@ -119,10 +126,11 @@ class Peers {
   void admit(const RemoteParticipant& id, Participant& participant, Time now);
   void join(const RemoteParticipant& id, Participant& participant);
   void leave(const RemoteParticipant& id, const Participant& participant);
-  Time silent_at(const Participant& participant) const;
   Time missed_at(LinkId link, const Participant& participant) const;
   Time unheard_at(LinkId link, const Participant& participant) const;
   void look_at(const RemoteParticipant& id, Participant& participant, Time now);
+  void look_at_room(Time now);
+  void forget_tables(Participant& participant);
   void look_at_paths(Time now);
   void look_at_links(Time now);
   bool is_covered(LinkId link) const;

@@ -402,6 +402,7 @@ TEST_F(PeersTest, HasRoomForTheRecordsOfOthersWhateverOneParticipantHas) {
   small.listen(Role::writer, now);
   small.link_made(cable, now);
   const auto fill = [&](std::uint8_t number, std::uint32_t records) {
+    small.participant_found(on(cable, number), number, now);
     std::uint32_t room = 0;
     for (std::uint32_t slot = 0; slot < records; ++slot)
       room +=
@@ -411,6 +412,7 @@ TEST_F(PeersTest, HasRoomForTheRecordsOfOthersWhateverOneParticipantHas) {
   EXPECT_EQ(fill(10, 1000), 100u);
   EXPECT_EQ(fill(11, 1000), 10u);
   EXPECT_TRUE(small.record_came(on(cable, 11), Role::writer, {0, {}}, {9999, body("b")}, now));
+  small.participant_found(on(cable, 12), 12, now);
   EXPECT_FALSE(
       small.record_came(on(cable, 12), Role::writer, {0, {}}, {1, body(std::string(1001, 'x'))}, now));
   small.participant_gone(on(cable, 10));
@@ -424,6 +426,7 @@ TEST_F(PeersTest, HasRoomForTheBytesOfOthersWhateverOneParticipantHas) {
   small.listen(Role::writer, now);
   small.link_made(cable, now);
   const auto takes = [&](std::uint8_t number, std::uint32_t slot, std::size_t bytes) {
+    small.participant_found(on(cable, number), number, now);
     return small.record_came(on(cable, number), Role::writer, {slot, {}},
                              {slot + 1, body(std::string(bytes, 'x'))}, now);
   };
@@ -448,6 +451,74 @@ TEST_F(PeersTest, MakesNoLinkAnewForAParticipantWhoseRecordsFindNoRoom) {
   }
   for (const PeerAction& action : small.take_actions())
     EXPECT_FALSE(std::holds_alternative<RenewLink>(action));
+}
+
+TEST_F(PeersTest, HasNoMoreThanAllMayHaveTogether) {
+  Peers small(own_process, timing, {.records = 10, .bytes = 100, .crowded = 1000, .crowded_bytes = 100});
+  small.link_made(cable, now);
+  std::size_t taken = 0;
+  for (std::uint8_t number = 100; number < 120; ++number) {
+    small.participant_found(on(cable, number), number, now);
+    const Record record{1, body(std::string(100, 'x'))};
+    taken += small.record_came(on(cable, number), Role::writer, {0, {}}, record, now) ? 1 : 0;
+  }
+  EXPECT_EQ(taken, 4u);
+  EXPECT_TRUE(small.record_came(on(cable, 100), Role::writer, {0, {}}, {2, body("a")}, now));
+}
+
+TEST_F(PeersTest, HasNoRoomForParticipantsThatAreNotThereWhereItIsCrowded) {
+  Peers small(own_process, timing, {.records = 10, .crowded = 2});
+  small.link_made(cable, now);
+  const auto takes = [&](std::uint8_t number, std::uint32_t slot) {
+    return small.record_came(on(cable, number), Role::writer, {slot, {}}, {slot + 1, body("a")}, now);
+  };
+  for (const std::uint8_t number : {10, 11}) small.participant_found(on(cable, number), number, now);
+  EXPECT_TRUE(takes(10, 0));
+  EXPECT_TRUE(takes(10, 1));
+  EXPECT_TRUE(takes(11, 0)) << "it is heard";
+  EXPECT_FALSE(takes(12, 0)) << "no process has it";
+  now += timing.lease;
+  small.look(now);
+  EXPECT_TRUE(takes(12, 0)) << "those that are silent take no room";
+  EXPECT_TRUE(takes(12, 1));
+  EXPECT_FALSE(takes(11, 0)) << "it is silent";
+}
+
+TEST_F(PeersTest, FetchesWhatFoundNoRoomOnceThereIsRoom) {
+  Peers small(own_process, timing, {.records = 1, .crowded = 8});
+  small.listen(Role::writer, now);
+  small.link_made(cable, now);
+  const auto writes_on = [&](std::uint8_t number, std::uint32_t slot) {
+    return small.record_came(on(cable, number), Role::writer, {slot, {}}, {slot + 1, body("a")}, now);
+  };
+  const auto renewals_within = [&](Time::duration time) {
+    std::size_t renewals = 0;
+    for (const Time end = now + time; now < end; now += 1s) {
+      small.heartbeat_came(cable, {on(cable, 11).guid, neighbour, {99, 0}}, now);
+      small.look(now);
+      for (const PeerAction& action : small.take_actions())
+        renewals += std::holds_alternative<RenewLink>(action) ? 1 : 0;
+    }
+    return renewals;
+  };
+  small.participant_found(on(cable, 10), neighbour + 1, now);
+  small.participant_found(on(cable, 11), neighbour, now);
+  for (std::uint32_t slot = 0; slot < 8; ++slot) EXPECT_TRUE(writes_on(10, slot));
+  EXPECT_TRUE(writes_on(11, 0));
+  EXPECT_FALSE(writes_on(11, 1));
+  EXPECT_EQ(renewals_within(4s), 0u);
+  small.participant_gone(on(cable, 10));
+  EXPECT_GT(renewals_within(10s), 0u);
+}
+
+TEST_F(PeersTest, ForgetsRecordsWhoseParticipantIsNotFound) {
+  writes(0, "late", {cable});
+  now += timing.lease;
+  look();
+  found(cable);
+  look();
+  EXPECT_EQ(finds, 1);
+  EXPECT_THAT(holds, IsEmpty());
 }
 
 TEST_F(PeersTest, TakesAParticipantForWhichItsProcessHadNoRoomOnceThereIsRoom) {
