@@ -363,8 +363,10 @@ void ControlPlane::try_again(Time now) {
 void ControlPlane::act(const PeerAction& action, Time now) {
   if (const auto* const renewal = std::get_if<RenewLink>(&action)) {
     const std::string why = "something is missing of what a process has that heartbeats count";
-    if (auto renewed = links_.renew(renewal->link, why))
-      report({&DiscoveryListener::link_was_deaf, std::move(*renewed)});
+    const auto renewed = links_.renew(renewal->link, why);
+    if (renewed && !renewed->text.empty())
+      report(
+          {renewed->is_made ? &DiscoveryListener::link_was_deaf : &DiscoveryListener::warned, renewed->text});
     give_heartbeats(now);
   }
   if (const auto* const end = std::get_if<EndLink>(&action)) links_.close(end->link);

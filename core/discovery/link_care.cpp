@@ -81,9 +81,11 @@ LinkCare::Due LinkCare::look(const std::function<bool(ProcessId, LinkId)>& is_co
     }
     std::erase_if(link.made_for, [&, link_id = id](ProcessId one) { return is_complete(one, link_id); });
     if (link.made_for.empty()) link.pause = timing_.lease;
+    if (link.misses.empty()) link.retry_pause = {};
     if (!link.misses.empty() && now >= renewal_due(link)) {
       due.renewals.push_back({id, *link.misses.begin()});
-      link.renew_at = now + timing_.try_again;
+      link.retry_pause = std::clamp(2 * link.retry_pause, timing_.try_again, timing_.renew_pause_max);
+      link.renew_at = now + link.retry_pause;
     }
     if (const auto announced = announcement(id, link, now)) due.announcements.push_back(*announced);
   }

@@ -65,6 +65,7 @@ class LinkCare {
     std::vector<LinkId> ends{};       ///< these have to be closed
     std::vector<Announcement> announcements{};
   };
+  /// A renewal that fails is due again later, with pauses that double.
   /// `is_complete(process, link)`: all of that process has come on the link, or the process is not there.
   /// `is_covered(link)`: all of everybody who is heard on the link has come on another link.
   Due look(const std::function<bool(ProcessId, LinkId)>& is_complete,
@@ -81,6 +82,7 @@ class LinkCare {
     std::set<ProcessId> misses{};
     std::set<ProcessId> made_for{};  ///< the link was made anew for these, and they are not complete yet
     Time renew_at{};                 ///< not before: making it anew may have failed
+    std::chrono::milliseconds retry_pause{};  ///< behind the last attempt to make it anew
     std::optional<Time> retired_at{};
     Time look_again_at{};               ///< whether the retired link may end
     std::optional<Time> stranger_at{};  ///< the first stranger for which nobody was asked

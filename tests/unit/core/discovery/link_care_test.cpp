@@ -90,7 +90,7 @@ TEST_F(LinkCareTest, HelpsOneProcessBesideAnotherThatIsMadeUp) {
   EXPECT_THAT(pauses_within(30s), ElementsAre(timing.lease, 2 * timing.lease)) << "six is not helped";
 }
 
-TEST_F(LinkCareTest, TriesAgainSoonIfALinkCannotBeMade) {
+TEST_F(LinkCareTest, TriesAgainSoonAndThenLaterIfALinkCannotBeMade) {
   misses({7});
   now += timing.lease;
   const auto look = [&] {
@@ -101,6 +101,12 @@ TEST_F(LinkCareTest, TriesAgainSoonIfALinkCannotBeMade) {
   EXPECT_EQ(care.next(), now + timing.try_again);
   now += timing.try_again;
   EXPECT_EQ(look().renewals.size(), 1u);
+  EXPECT_EQ(care.next(), now + 2 * timing.try_again);
+  for (int i = 0; i < 10; ++i) {
+    now = care.next();
+    EXPECT_EQ(look().renewals.size(), 1u);
+  }
+  EXPECT_EQ(care.next(), now + timing.renew_pause_max);
 }
 
 TEST_F(LinkCareTest, KeepsAReplacedLinkUntilAllAreHeardOnAnotherOne) {
