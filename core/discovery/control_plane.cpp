@@ -257,7 +257,7 @@ void ControlPlane::withdraw_owned(Role role, std::uint64_t owner, Time now) {
 }
 
 void ControlPlane::give_heartbeats(Time now) {
-  if (now < own_.heartbeat_due()) return;
+  if (!own_.is_heartbeat_due(now)) return;
   own_.heartbeat_given(now);
   links_.each([digests = own_.digests()](LinkId, ControlLink& link) { link.give_heartbeat(digests); });
 }
