@@ -196,6 +196,9 @@ void ControlLink::write(Role role, const OwnRecords::Change& change) {
 }
 
 Result<void> ControlLink::write_again() {
+  if (wants_topic_) {
+    if (Result<void> used = use_topic(); !used) return used;
+  }
   while (!unwritten_.empty()) {
     const auto& [what, record] = *unwritten_.begin();
     if (Result<void> written = try_to_write(what.first, what.second, record); !written) return written;
@@ -233,6 +236,7 @@ void ControlLink::give_heartbeat(const PerRole<std::uint64_t>& digests) {
 }
 
 Result<void> ControlLink::use_topic() {
+  wants_topic_ = true;
   if (heartbeat_writer_ != 0) return {};
   const DdsListener listener(dds_create_listener(this));
   dds_lset_data_available(listener.get(), [](dds_entity_t reader, void* self) {
@@ -243,8 +247,12 @@ Result<void> ControlLink::use_topic() {
   const auto made = create_on_topic(
       participant_, {&sft_control_HeartbeatSample_desc, heartbeat_topic}, written.get(),
       [&](dds_entity_t on) {
+        const dds_entity_t writer = dds_create_writer(participant_, on, written.get(), nullptr);
+        if (writer < 0) return writer;
         const dds_entity_t reader = dds_create_reader(participant_, on, qos.get(), listener.get());
-        return reader < 0 ? reader : dds_create_writer(participant_, on, written.get(), nullptr);
+        if (reader >= 0) return writer;
+        dds_delete(writer);
+        return reader;
       });
   if (!made) return tl::unexpected(made.error());
   heartbeat_writer_ = *made;

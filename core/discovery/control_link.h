@@ -64,7 +64,8 @@ class ControlLink {
   Result<void> hear(Role role);
   /// What cannot be written is kept for write_again().
   void write(Role role, const OwnRecords::Change& change);
-  /// Writes what could not be written before. Returns the error if that fails again.
+  /// Writes what could not be written before, and uses the topic if it is to be used. Returns the error if
+  /// that fails again.
   Result<void> write_again();
   void give_heartbeat(const PerRole<std::uint64_t>& digests);
   /// Makes the reader and the writer of reports, or closes them.
@@ -76,7 +77,7 @@ class ControlLink {
   void take_heartbeats(Hear hear) {
     if (socket_) socket_->take(hear);
   }
-  /// Lets heartbeats go and come by the topic as well, and says so.
+  /// Lets heartbeats go and come by the topic as well, and says so. What fails is tried by write_again().
   Result<void> use_topic();
   bool uses_topic() const { return data_.uses_topic; }
   /// Makes the participant known once more to whoever is there, and asks all for the same.
@@ -120,6 +121,7 @@ class ControlLink {
   dds_entity_t heartbeat_writer_ = 0, report_topic_ = 0, report_writer_ = 0, report_reader_ = 0;
   PerRole<Topic> topics_;
   std::map<std::pair<Role, RecordKey>, Record> unwritten_;
+  bool wants_topic_ = false;  ///< for heartbeats
 
   /// Held while samples are taken and told, so that they are told in their order.
   Mutex taking_;

@@ -257,7 +257,7 @@ void ControlPlane::withdraw_owned(Role role, std::uint64_t owner, Time now) {
 }
 
 void ControlPlane::give_heartbeats(Time now) {
-  if (now < own_.heartbeat_due()) return;
+  if (!own_.is_heartbeat_due(now)) return;
   own_.heartbeat_given(now);
   links_.each([digests = own_.digests()](LinkId, ControlLink& link) { link.give_heartbeat(digests); });
 }
@@ -363,8 +363,10 @@ void ControlPlane::try_again(Time now) {
 void ControlPlane::act(const PeerAction& action, Time now) {
   if (const auto* const renewal = std::get_if<RenewLink>(&action)) {
     const std::string why = "something is missing of what a process has that heartbeats count";
-    if (auto renewed = links_.renew(renewal->link, why))
-      report({&DiscoveryListener::link_was_deaf, std::move(*renewed)});
+    const auto renewed = links_.renew(renewal->link, why);
+    if (renewed && !renewed->text.empty())
+      report(
+          {renewed->is_made ? &DiscoveryListener::link_was_deaf : &DiscoveryListener::warned, renewed->text});
     give_heartbeats(now);
   }
   if (const auto* const end = std::get_if<EndLink>(&action)) links_.close(end->link);
@@ -373,9 +375,7 @@ void ControlPlane::act(const PeerAction& action, Time now) {
   }
   if (const auto* const missing = std::get_if<HeartbeatsMissing>(&action)) {
     ControlLink* const link = links_.find(missing->link);
-    if (link == nullptr || link->uses_topic()) return;
-    if (const Result<void> used = link->use_topic(); !used)
-      report({&DiscoveryListener::warned, "heartbeats cannot go by Cyclone: " + used.error().message});
+    if (link != nullptr && !link->uses_topic()) (void)link->use_topic();  // try_again() reports a failure
   }
 }
 

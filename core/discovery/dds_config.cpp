@@ -71,10 +71,15 @@ constexpr int loopback_multicast_offset = 2;
 // Ports of a domain, as DDS prescribes them (RTPS 2.3, 9.6.1), and the port of heartbeats among those that it
 // leaves unused.
 constexpr unsigned first_port = 7400, ports_of_domain = 250, heartbeat_offset = 4;
-// What the user changes of how multicasts go may matter to heartbeats, too, which Cyclone does not send.
-constexpr std::array<std::string_view, 5> changes_of_multicasts{
-    "General/DontRoute", "General/MulticastRecvNetworkInterfaceAddresses", "General/MulticastTimeToLive",
-    "Discovery/Ports", "Discovery/SPDPMulticastAddress"};
+// What the user changes of how multicasts go, or who hears whom, may matter to heartbeats, too, which Cyclone
+// does not send.
+constexpr std::array<std::string_view, 6> changes_of_multicasts{
+    "General/DontRoute",
+    "General/MulticastRecvNetworkInterfaceAddresses",
+    "General/MulticastTimeToLive",
+    "Discovery/Ports",
+    "Discovery/SPDPMulticastAddress",
+    "Discovery/Tag"};
 
 std::string element(std::string_view name, std::string_view content) {
   return "<" + std::string(name) + ">" + std::string(content) + "</" + std::string(name) + ">";

@@ -216,7 +216,7 @@ void Directory::peer_lost(ProcessId process) {
 }
 
 void Directory::paths_cut(const PathsCut& cut) {
-  cut_[cut.process] = cut.links;
+  cut_[cut.process] = cut;
   std::vector<Place> places;
   for (const auto& [id, entry] : entries_) {
     if (entry.place && std::get<ProcessId>(*entry.place) == cut.process) places.push_back(*entry.place);
@@ -224,12 +224,14 @@ void Directory::paths_cut(const PathsCut& cut) {
   for (const Place& place : places) show(place);
 }
 
-/// Keeps an address in any case.
+/// Keeps an address in any case. A link that is closing leads where the one does that was made in its place.
 void Directory::leave_out_what_is_cut(ProcessId process, std::vector<UdpAddress>& addresses) const {
   const auto cut = cut_.find(process);
   if (cut == cut_.end()) return;
   const auto is_cut = [&](const UdpAddress& address) {
-    return std::ranges::any_of(cut->second, [&](LinkId link) { return leads_to_(link, address.ip); });
+    const auto leads_there = [&](LinkId link) { return leads_to_(link, address.ip); };
+    return std::ranges::any_of(cut->second.links, leads_there) &&
+           std::ranges::none_of(cut->second.heard, leads_there);
   };
   if (!std::ranges::all_of(addresses, is_cut)) std::erase_if(addresses, is_cut);
 }

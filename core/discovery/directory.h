@@ -136,7 +136,7 @@ class Directory {
   std::map<EndpointId, Entry> entries_;
   std::map<Place, Inquiry> inquiries_;  ///< of other processes
   std::uint64_t inquiries_made_ = 0;
-  std::map<ProcessId, std::vector<LinkId>> cut_;
+  std::map<ProcessId, PathsCut> cut_;
   std::vector<Notice> notices_;
 };
 

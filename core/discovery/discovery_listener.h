@@ -23,8 +23,7 @@ class DiscoveryListener {
   virtual void control_malformed(std::string why) = 0;
   /// Other interfaces are used now. Called on the thread that calls look_after().
   virtual void links_changed(const std::string& /*summary*/) {}
-  /// Somebody was not heard any more on one link, although he is there: the link was made anew, or could not
-  /// be. Called on the same thread.
+  /// Something of another process was missing on one link, which was made anew. Called on the same thread.
   virtual void link_was_deaf(const std::string& /*what*/) {}
   /// The user has to know that a participant has another release, that a peer by name has no address, or that
   /// the program has closed the sockets. Called on the same thread.

@@ -67,6 +67,7 @@ void KnownPeers::link_retired(LinkId link) {
 void KnownPeers::link_closed(LinkId link) {
   const Lock lock(mutex_);
   peers_.link_gone(link);
+  releases_.link_gone(link);
   specs_.erase(link);
 }
 

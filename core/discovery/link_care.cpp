@@ -36,10 +36,13 @@ void LinkCare::left(LinkId id) { --links_.at(id).participants; }
 
 void LinkCare::stirred(LinkId id, Time now) { links_.at(id).stirred_at = now; }
 
-/// While others are new, Cyclone is about to find the stranger, too.
+/// While others are new, Cyclone is about to find the stranger, too. Others may be new for ever, though.
 void LinkCare::stranger_came(LinkId id, Time now) {
   Link& link = links_.at(id);
-  if (now >= link.stirred_at + 2 * timing_.settle) link.has_stranger = true;
+  if (!link.stranger_at || now >= *link.stranger_at + 2 * timing_.lease) link.stranger_at = now;
+  if (now < std::min(link.stirred_at + 2 * timing_.settle, *link.stranger_at + timing_.lease)) return;
+  link.stranger_at.reset();
+  link.has_stranger = true;
 }
 
 void LinkCare::was_asked(LinkId id) { links_.at(id).was_asked = true; }
@@ -64,7 +67,8 @@ Time LinkCare::missed_from(LinkId id, Time behind_since, bool was_complete) cons
   const auto crowd = static_cast<int>(std::min(link.participants, crowd_max));
   Time::duration patience = timing_.settle + timing_.settle_each * crowd;
   patience += patience * static_cast<int>(self_ % 64) / 128;
-  return std::max(behind_since, link.stirred_at) + (was_complete ? patience : 2 * patience);
+  const Time begin = std::max(behind_since, std::min(link.stirred_at, behind_since + timing_.lease));
+  return begin + (was_complete ? patience : 2 * patience);
 }
 
 LinkCare::Due LinkCare::look(const std::function<bool(ProcessId, LinkId)>& is_complete,
@@ -77,9 +81,11 @@ LinkCare::Due LinkCare::look(const std::function<bool(ProcessId, LinkId)>& is_co
     }
     std::erase_if(link.made_for, [&, link_id = id](ProcessId one) { return is_complete(one, link_id); });
     if (link.made_for.empty()) link.pause = timing_.lease;
+    if (link.misses.empty()) link.retry_pause = {};
     if (!link.misses.empty() && now >= renewal_due(link)) {
       due.renewals.push_back({id, *link.misses.begin()});
-      link.renew_at = now + timing_.try_again;
+      link.retry_pause = std::clamp(2 * link.retry_pause, timing_.try_again, timing_.renew_pause_max);
+      link.renew_at = now + link.retry_pause;
     }
     if (const auto announced = announcement(id, link, now)) due.announcements.push_back(*announced);
   }

@@ -33,7 +33,7 @@ class LinkCare {
   /// A participant was found on the link.
   void joined(LinkId link, Time now);
   void left(LinkId link);
-  /// Something came of a participant of which not all has come yet.
+  /// A record came of a participant of which not all has come yet.
   void stirred(LinkId link, Time now);
   /// A heartbeat came of a participant that Cyclone does not know. It may have forgotten us, or we it.
   void stranger_came(LinkId link, Time now);
@@ -48,7 +48,8 @@ class LinkCare {
 
   bool has(LinkId link) const { return links_.contains(link); }
   bool is_retired(LinkId link) const { return links_.at(link).retired_at.has_value(); }
-  /// The time from which on something is missing that is behind since then. Newcomers keep others waiting.
+  /// The time from which on something is missing that is behind since then. Newcomers keep others waiting,
+  /// but no longer than a lease: a process that crashes again and again is a newcomer each time.
   Time missed_from(LinkId link, Time behind_since, bool was_complete) const;
 
   struct Renewal {
@@ -64,6 +65,7 @@ class LinkCare {
     std::vector<LinkId> ends{};       ///< these have to be closed
     std::vector<Announcement> announcements{};
   };
+  /// A renewal that fails is due again later, with pauses that double.
   /// `is_complete(process, link)`: all of that process has come on the link, or the process is not there.
   /// `is_covered(link)`: all of everybody who is heard on the link has come on another link.
   Due look(const std::function<bool(ProcessId, LinkId)>& is_complete,
@@ -80,8 +82,10 @@ class LinkCare {
     std::set<ProcessId> misses{};
     std::set<ProcessId> made_for{};  ///< the link was made anew for these, and they are not complete yet
     Time renew_at{};                 ///< not before: making it anew may have failed
+    std::chrono::milliseconds retry_pause{};  ///< behind the last attempt to make it anew
     std::optional<Time> retired_at{};
-    Time look_again_at{};  ///< whether the retired link may end
+    Time look_again_at{};               ///< whether the retired link may end
+    std::optional<Time> stranger_at{};  ///< the first stranger for which nobody was asked
     bool has_stranger = false, was_asked = false;
     Time announce_at{};                          ///< not before
     std::chrono::milliseconds announce_pause{};  ///< behind the last announcement

@@ -83,8 +83,11 @@ Result<void> Links::open(const LinkSpec& spec, OpenLink* instead_of) {
 Result<void> Links::open_domain(OpenLink& link, const CycloneDomain* instead_of) {
   link.config = settings_.config.text_for(link.spec, hosts_);
   std::vector<std::string> complaints;
-  auto domain =
-      cyclone_domain({link.config, settings_.config.is_secured, settings_.threads}, instead_of, complaints);
+  auto domain = cyclone_domain({.config = link.config,
+                                .is_secured = settings_.config.is_secured,
+                                .threads = settings_.threads,
+                                .index = link.spec.index},
+                               instead_of, complaints);
   if (!domain) return tl::unexpected(domain.error());
   link.domain = std::move(*domain);
   for (std::string& complaint : complaints) {
@@ -122,13 +125,15 @@ Links::OpenLink* Links::present(const LinkSpec& spec) {
   return link == links_.end() ? nullptr : &*link;
 }
 
-std::optional<std::string> Links::renew(LinkId id, const std::string& why) {
+std::optional<Links::Renewal> Links::renew(LinkId id, const std::string& why) {
   const auto link = std::ranges::find(links_, id, &OpenLink::id);
   if (link == links_.end() || link->is_retired || link->domain == nullptr) return std::nullopt;
   const std::string what = "on " + link->spec.interface + " " + why;
   const Result<void> opened = open(LinkSpec(link->spec), &*link);
-  return opened ? what + "; the link is made anew"
-                : what + "; the link cannot be made anew: " + opened.error().message;
+  if (opened) return Renewal{.is_made = true, .text = what + "; the link is made anew"};
+  const std::string& failure = opened.error().message;
+  if (std::exchange(link->failure, failure) == failure) return Renewal{};
+  return Renewal{.text = what + "; the link cannot be made anew, which is tried again: " + failure};
 }
 
 void Links::close(LinkId id) {

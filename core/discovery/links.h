@@ -41,8 +41,12 @@ class Links {
   /// be opened; such links are tried again by the next call. A link is made anew if it has to ask other
   /// addresses than before, as `hosts` has them.
   Result<void> use(const std::vector<LinkSpec>& wanted, const KnownHosts& hosts);
-  /// Makes a link anew. Returns what people should know of that.
-  std::optional<std::string> renew(LinkId link, const std::string& why);
+  struct Renewal {
+    bool is_made = false;
+    std::string text{};  ///< for people; empty if it failed as it did before
+  };
+  /// Makes a link anew. Returns nothing if there is no such link that can be.
+  std::optional<Renewal> renew(LinkId link, const std::string& why);
   void close(LinkId link);
   void close_all();
   /// Reads what others have of that role on all links, also on those that are opened later.
@@ -75,6 +79,7 @@ class Links {
     std::shared_ptr<const CycloneDomain> domain{};  ///< null if the program has made it
     std::unique_ptr<ControlLink> link{};
     bool is_retired = false;
+    std::string failure{};  ///< why it could not be made anew the last time
   };
 
   Result<void> open(const LinkSpec& spec, OpenLink* instead_of);

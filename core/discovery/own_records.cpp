@@ -50,6 +50,11 @@ Time OwnRecords::heartbeat_due() const {
   return *given_at_ + (confirms_ ? timing_.heartbeat_pause : timing_.heartbeat_every);
 }
 
+bool OwnRecords::is_heartbeat_due(Time now) const {
+  const auto early = changed_at_ ? std::chrono::milliseconds{} : timing_.heartbeat_every / 12;
+  return now + early >= heartbeat_due();
+}
+
 void OwnRecords::heartbeat_given(Time now) {
   confirms_ = changed_at_.has_value();
   changed_at_.reset();

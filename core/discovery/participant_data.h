@@ -43,6 +43,9 @@ class ReleaseWatch {
   /// A participant has another version, each time that this is heard.
   void seen(const RemoteParticipant& participant, std::uint32_t version);
   void gone(const RemoteParticipant& participant) { known_.erase(participant); }
+  void link_gone(LinkId link) {
+    std::erase_if(known_, [link](const RemoteParticipant& one) { return one.link == link; });
+  }
 
   struct Report {
     RemoteParticipant participant{};

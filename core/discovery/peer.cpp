@@ -1,6 +1,7 @@
 #include "core/discovery/peer.h"
 
 #include <algorithm>
+#include <iterator>
 #include <set>
 #include <utility>
 
@@ -26,8 +27,10 @@ void Peer::join(const RemoteParticipant& id, Participant& participant) {
   refresh_all();
 }
 
+/// One that claims the process and never agreed does not become the first one while another one has agreed.
 void Peer::leave(const RemoteParticipant& id) {
   std::erase_if(members_, [&](const Member& one) { return one.id == id; });
+  std::ranges::stable_partition(members_, [](const Member& one) { return one.participant->has_agreed; });
   refresh_all();
 }
 
@@ -74,12 +77,16 @@ bool Peer::is_complete_beside(LinkId link) const {
       members_, [&](const Member& one) { return one.id.link != link && is_complete(*one.participant); });
 }
 
-std::vector<LinkId> Peer::cut_links(Time now) const {
-  std::vector<LinkId> cut;
+/// The process may have several participants on a link, since it makes its own links anew.
+Peer::Paths Peer::paths(Time now) const {
+  std::set<LinkId> late, in_time;
   for (const Member& one : members_) {
-    if (one.participant->heard_at && one.participant->is_late(timing_, now)) cut.push_back(one.id.link);
+    if (one.participant->heard_at)
+      (one.participant->is_late(timing_, now) ? late : in_time).insert(one.id.link);
   }
-  return cut.size() < members_.size() ? cut : std::vector<LinkId>{};
+  Paths paths{.heard = {in_time.begin(), in_time.end()}};
+  std::ranges::set_difference(late, in_time, std::back_inserter(paths.cut));
+  return paths.cut.empty() || paths.heard.empty() ? Paths{} : paths;
 }
 
 bool Peer::is_complete(const Participant& participant) const {

@@ -39,11 +39,12 @@ struct Participant {
   std::optional<Time> heard_at{};  ///< the last heartbeat
   Time regular_since{};            ///< no two heartbeats in a row were missing since then
   PerRole<RemoteTable> tables{};
-  bool has_agreed = false;  ///< its tables were at least once what the process says that they are
-  bool is_suspect = false;  ///< something is missing in them, or is not the process's own
-  bool is_silent = false;   ///< no heartbeat came for the lease
-  bool is_cropped = false;  ///< a record found no room, so that digests tell nothing
-  bool is_ignored = false;  ///< it is our own one, or its process has too many
+  bool has_agreed = false;       ///< its tables were at least once what the process says that they are
+  bool is_suspect = false;       ///< something is missing in them, or is not the process's own
+  bool is_silent = false;        ///< no heartbeat came for the lease
+  bool is_cropped = false;       ///< a record found no room, so that digests tell nothing
+  bool is_own = false;           ///< our own process has it, or it says so
+  bool is_one_too_many = false;  ///< its process has as many as one may have
 
   bool is_late(const Timing& timing, Time now) const {
     return now - heard_at.value_or(found_at) >= timing.late;
@@ -82,8 +83,13 @@ class Peer {
   bool is_complete() const;
   /// The same for any link but this one.
   bool is_complete_beside(LinkId link) const;
-  /// The links by which the process was heard and is not heard any more, though it is by another link.
-  std::vector<LinkId> cut_links(Time now) const;
+  /// Both are empty unless the process was heard by a link and is not heard any more, though it is by
+  /// another.
+  struct Paths {
+    std::vector<LinkId> cut{}, heard{};
+    friend bool operator==(const Paths&, const Paths&) = default;
+  };
+  Paths paths(Time now) const;
 
  private:
   struct Member {

@@ -6,9 +6,15 @@ namespace sft::core {
 
 namespace {
 
+bool is_ignored(const Participant& participant) { return participant.is_own || participant.is_one_too_many; }
+
 /// True if the participant can be judged: it is another process's, and is not silent.
 bool is_heard(const Participant& participant) {
-  return participant.process && !participant.is_ignored && !participant.is_silent;
+  return participant.process && !is_ignored(participant) && !participant.is_silent;
+}
+
+Time silent_at(const Participant& participant, const Timing& timing) {
+  return participant.heard_at.value_or(participant.found_at) + timing.lease;
 }
 
 }  // namespace
@@ -30,12 +36,17 @@ void Peers::participant_found(const RemoteParticipant& id, ProcessId process, Ti
   if (!care_.has(id.link)) return;
   Participant& participant = participants_[id];
   if (participant.process) return;
-  const auto peer = peers_.find(process);
-  const bool is_one_too_many = peer != peers_.end() && peer->second.participants() >= limits_.participants;
   participant.process = process;
   participant.found_at = now;
-  participant.is_ignored = process == self_ || is_one_too_many;
-  if (participant.is_ignored) return;
+  participant.is_own = process == self_;
+  if (!participant.is_own) admit(id, participant, now);
+}
+
+/// One for which there is no room now may have room later.
+void Peers::admit(const RemoteParticipant& id, Participant& participant, Time now) {
+  const Peer* const peer = find(*participant.process);
+  participant.is_one_too_many = peer != nullptr && peer->participants() >= limits_.participants;
+  if (participant.is_one_too_many) return;
   newcomer_at_ = now;
   care_.joined(id.link, now);
   join(id, participant);
@@ -48,21 +59,29 @@ void Peers::participant_asks(const RemoteParticipant& id) {
 void Peers::participant_gone(const RemoteParticipant& id) {
   const auto found = participants_.find(id);
   if (found == participants_.end()) return;
-  const Participant& participant = found->second;
-  if (participant.process && !participant.is_ignored) care_.left(id.link);
+  Participant& participant = found->second;
+  if (participant.process && !is_ignored(participant)) care_.left(id.link);
   if (is_heard(participant)) leave(id, participant);
-  for (const Role role : both_roles) {
-    records_ -= participant.tables[role].records().all().size();
-    bytes_ -= participant.tables[role].records().bytes();
-  }
+  forget_tables(participant);
   participants_.erase(found);
+}
+
+void Peers::forget_tables(Participant& participant) {
+  for (RemoteTable* const table : {&participant.tables.writer, &participant.tables.reader}) {
+    records_ -= table->records().all().size();
+    bytes_ -= table->records().bytes();
+    *table = {};
+  }
+  participant.has_agreed = false;
 }
 
 bool Peers::record_came(const RemoteParticipant& by, Role role, const RecordKey& key, Record record,
                         Time now) {
   if (!care_.has(by.link)) return true;
-  Participant& participant = participants_[by];
-  if (participant.is_ignored) return true;
+  const auto [entry, is_new] = participants_.try_emplace(by);
+  Participant& participant = entry->second;
+  if (is_new) participant.found_at = now;
+  if (is_ignored(participant)) return true;
   if (!has_room(participant, role, key, record)) {
     participant.is_cropped = true;
     return false;
@@ -72,13 +91,15 @@ bool Peers::record_came(const RemoteParticipant& by, Role role, const RecordKey&
   bytes_ -= table.records().bytes();
   table.put(key, std::move(record));
   bytes_ += table.records().bytes();
-  if (participant.process && !participant.has_agreed) care_.stirred(by.link, now);
+  const bool is_on_its_way = !participant.has_agreed || table.behind_since();
+  if (is_heard(participant) && is_on_its_way) care_.stirred(by.link, now);
   if (is_heard(participant)) peers_.at(*participant.process).record_came(participant, role, key);
   return true;
 }
 
 bool Peers::has_room(const Participant& of, Role role, const RecordKey& key, const Record& record) const {
-  if (records_ < limits_.crowded && bytes_ < limits_.crowded_bytes) return true;
+  if (!limits_.are_reached(records_, bytes_)) return true;
+  if (!is_heard(of)) return false;
   const Record* const before = of.tables[role].records().find(key);
   const auto bytes_of_body = [](const Record& one) { return one.is_withdrawn() ? 0 : one.body->size(); };
   std::size_t records = before == nullptr ? 1 : 0;
@@ -88,7 +109,9 @@ bool Peers::has_room(const Participant& of, Role role, const RecordKey& key, con
     bytes += of.tables[each].records().bytes();
   }
   if (before != nullptr) bytes -= bytes_of_body(*before);
-  return records <= limits_.records && bytes <= limits_.bytes;
+  const bool adds_none = before != nullptr && bytes_of_body(record) <= bytes_of_body(*before);
+  return records <= limits_.records && bytes <= limits_.bytes &&
+         (adds_none || bytes_ < limits_.bytes_of_all());
 }
 
 /// What comes by heartbeat of a process that the participant does not belong to was not sent by it.
@@ -100,7 +123,9 @@ void Peers::heartbeat_came(LinkId link, const Heartbeat& heartbeat, Time now, Ti
   const auto found = participants_.find(id);
   if (found == participants_.end() || !found->second.process) return care_.stranger_came(link, now);
   Participant& participant = found->second;
-  if (participant.is_ignored || participant.process != heartbeat.process) return;
+  if (participant.is_own || participant.process != heartbeat.process) return;
+  if (participant.is_one_too_many) admit(id, participant, now);
+  if (participant.is_one_too_many) return;
   if (participant.is_late(timing_, now)) participant.regular_since = now;
   participant.heard_at = age < timing_.late ? now - age : now;
   if (std::exchange(participant.is_silent, false)) join(id, participant);
@@ -112,6 +137,7 @@ void Peers::join(const RemoteParticipant& id, Participant& participant) {
   const auto changed = [this, process](Role role, const RecordKey& key, const Record& record) {
     actions_.emplace_back(RecordChanged{process, role, key, record});
   };
+  participant.is_cropped = false;  // it may have found no room only since it was not heard
   const auto [peer, is_new] = peers_.try_emplace(process, timing_, listened_, changed);
   if (is_new) actions_.emplace_back(PeerFound{process});
   peer->second.join(id, participant);
@@ -124,10 +150,6 @@ void Peers::leave(const RemoteParticipant& id, const Participant& participant) {
   actions_.emplace_back(PeerLost{peer->first});
   cut_.erase(peer->first);
   peers_.erase(peer);
-}
-
-Time Peers::silent_at(const Participant& participant) const {
-  return participant.heard_at.value_or(participant.found_at) + timing_.lease;
 }
 
 /// Something is missing only if heartbeats go on by the same link: what does not come by a link that is cut
@@ -158,12 +180,28 @@ void Peers::look(Time now) {
   for (auto& [id, participant] : participants_) {
     if (is_heard(participant)) look_at(id, participant, now);
   }
+  look_at_room(now);
   look_at_paths(now);
   look_at_links(now);
 }
 
+/// Participants that are silent, and those that Cyclone does not find, are not there for the most part. Of
+/// one that is, a renewal of the link brings the records once more, as it does once there is room again.
+void Peers::look_at_room(Time now) {
+  const bool is_crowded = limits_.are_reached(records_, bytes_);
+  for (auto next = participants_.begin(); next != participants_.end();) {
+    const auto one = next++;
+    Participant& participant = one->second;
+    if (is_crowded && participant.process && !is_heard(participant)) forget_tables(participant);
+    if (!participant.process && now >= participant.found_at + timing_.lease)
+      participant_gone(RemoteParticipant(one->first));
+  }
+  if (!limits_.are_far(records_, bytes_)) return;
+  for (auto& [id, participant] : participants_) participant.is_cropped = false;
+}
+
 void Peers::look_at(const RemoteParticipant& id, Participant& participant, Time now) {
-  if (now >= silent_at(participant)) {
+  if (now >= silent_at(participant, timing_)) {
     leave(id, participant);
     participant.is_silent = true;
     for (const Role role : both_roles) participant.tables[role].expect_nothing();
@@ -179,10 +217,10 @@ void Peers::look_at(const RemoteParticipant& id, Participant& participant, Time 
 void Peers::look_at_paths(Time now) {
   for (const auto& [process, peer] : peers_) {
     if (peer.participants() < 2 && !cut_.contains(process)) continue;
-    std::vector<LinkId> links = peer.cut_links(now);
-    if (links == cut_[process]) continue;
-    cut_[process] = links;
-    actions_.emplace_back(PathsCut{process, std::move(links)});
+    const Peer::Paths paths = peer.paths(now);
+    if (paths == cut_[process]) continue;
+    cut_[process] = paths;
+    actions_.emplace_back(PathsCut{process, paths.cut, paths.heard});
   }
 }
 
@@ -215,8 +253,8 @@ Time Peers::next() const {
   Time next = care_.next();
   for (const auto& [id, participant] : participants_) {
     if (!is_heard(participant)) continue;
-    next = std::min(
-        {next, silent_at(participant), missed_at(id.link, participant), unheard_at(id.link, participant)});
+    next = std::min({next, silent_at(participant, timing_), missed_at(id.link, participant),
+                     unheard_at(id.link, participant)});
     const bool may_be_cut = participant.heard_at && peers_.at(*participant.process).participants() > 1;
     const Time late_at = may_be_cut ? *participant.heard_at + timing_.late : Time::max();
     if (late_at > looked_at_) next = std::min(next, late_at);

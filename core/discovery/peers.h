@@ -40,6 +40,7 @@ struct RecordChanged {
 struct PathsCut {
   ProcessId process = 0;
   std::vector<LinkId> links{};
+  std::vector<LinkId> heard{};  ///< the other ones; two links may lead to the same network
 };
 /// Heartbeats of a participant that is there do not arrive on the link: a firewall may know the ports of DDS
 /// only. They have to go by Cyclone.
@@ -56,12 +57,20 @@ using PeerAction = std::variant<PeerFound, PeerLost, RecordChanged, PathsCut, He
                                 Announce, EndLink>;
 
 struct PeerLimits {
-  /// A participant may have this number of records, of so many bytes, in any case. It may have more while all
-  /// participants together have fewer records than `crowded`, of fewer bytes than `crowded_bytes`.
+  /// A participant that is heard may have this number of records, of so many bytes, while all together have
+  /// fewer bytes than bytes_of_all(). Any may have more while all together have fewer records than `crowded`,
+  /// of fewer bytes than `crowded_bytes`.
   std::size_t records = 2'048;
   std::size_t bytes = std::size_t{4} << 20;
   std::size_t crowded = 16'384;
   std::size_t crowded_bytes = std::size_t{64} << 20;
+  std::size_t bytes_of_all() const { return 4 * crowded_bytes; }
+  bool are_reached(std::size_t all_records, std::size_t all_bytes) const {
+    return all_records >= crowded || all_bytes >= crowded_bytes;
+  }
+  bool are_far(std::size_t all_records, std::size_t all_bytes) const {
+    return all_records < crowded / 4 * 3 && all_bytes < crowded_bytes / 4 * 3;
+  }
   /// Participants of one process: one on each link, and a second one where a link is made anew.
   std::size_t participants = 32;
 };
@@ -101,7 +110,6 @@ class Peers {
   std::vector<PeerAction> take_actions() { return std::exchange(actions_, {}); }
   /// The time of the next look at the latest; Time::max() if none is needed.
   Time next() const;
-  std::size_t size() const { return peers_.size(); }
   /// Null if the process is not there.
   const Peer* find(ProcessId process) const;
   /// The process that the participant speaks for; nothing if it counts for nothing.
@@ -115,12 +123,14 @@ class Peers {
   using Participants = std::map<RemoteParticipant, Participant>;
 
   bool has_room(const Participant& of, Role role, const RecordKey& key, const Record& record) const;
+  void admit(const RemoteParticipant& id, Participant& participant, Time now);
   void join(const RemoteParticipant& id, Participant& participant);
   void leave(const RemoteParticipant& id, const Participant& participant);
-  Time silent_at(const Participant& participant) const;
   Time missed_at(LinkId link, const Participant& participant) const;
   Time unheard_at(LinkId link, const Participant& participant) const;
   void look_at(const RemoteParticipant& id, Participant& participant, Time now);
+  void look_at_room(Time now);
+  void forget_tables(Participant& participant);
   void look_at_paths(Time now);
   void look_at_links(Time now);
   bool is_covered(LinkId link) const;
@@ -132,10 +142,10 @@ class Peers {
   Peer::Listened listened_{};
   Participants participants_;
   std::map<ProcessId, Peer> peers_;
-  std::map<ProcessId, std::vector<LinkId>> cut_;  ///< as it was told
-  std::set<LinkId> unheard_;                      ///< links on which HeartbeatsMissing was told
-  std::size_t records_ = 0;                       ///< of all participants
-  std::size_t bytes_ = 0;                         ///< of all these records
+  std::map<ProcessId, Peer::Paths> cut_;  ///< as it was told
+  std::set<LinkId> unheard_;              ///< links on which HeartbeatsMissing was told
+  std::size_t records_ = 0;               ///< of all participants
+  std::size_t bytes_ = 0;                 ///< of all these records
   Time newcomer_at_{};
   Time looked_at_{};
   std::vector<PeerAction> actions_;

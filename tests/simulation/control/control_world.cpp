@@ -178,7 +178,7 @@ void ControlWorld::look(SimProcess& process) {
   }
   process.peers.look(now_);
   act(process);
-  if (process.own.heartbeat_due() > now_) return;
+  if (!process.own.is_heartbeat_due(now_)) return;
   process.own.heartbeat_given(now_);
   for (SimLink* const link : process.links) give_heartbeat(*link);
 }

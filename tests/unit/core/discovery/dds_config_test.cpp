@@ -159,7 +159,7 @@ TEST(DdsConfig, SendsNoHeartbeatsByUdpWhereTheyMightNotArriveOrWhereNodesHaveCer
        {"<General><AllowMulticast>false</></>", "<General><AllowMulticast>spdp</></>",
         "<General><AllowMulticast>ssm</></>", "<General><MulticastTimeToLive>1</></>",
         "<Discovery><SPDPMulticastAddress>239.255.0.7</></>", "<Discovery><Ports><Base>7500</></></>",
-        "<Security><Authentication><IdentityCertificate>file:a</></></>"})
+        "<Discovery><Tag>left</></>", "<Security><Authentication><IdentityCertificate>file:a</></></>"})
     EXPECT_EQ(config(user).heartbeat_port, std::nullopt) << user;
   EXPECT_EQ(config("", {.multicast = false}).heartbeat_port, std::nullopt);
   EXPECT_EQ(config("", {.peers = {"10.0.0.7"}}).heartbeat_port, std::nullopt);

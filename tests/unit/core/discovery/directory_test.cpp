@@ -275,7 +275,7 @@ TEST_F(DirectoryTest, FollowsAnEndpointToAnotherTopic) {
 
 TEST_F(DirectoryTest, LeavesOutTheAddressesOfANetworkThatIsCut) {
   const IpAddress by_lan(0x0a000001), by_radio(0x0b000001);
-  ways = {{1, by_lan}, {2, by_radio}};
+  ways = {{1, by_lan}, {2, by_radio}, {3, by_lan}};
   const auto node = open();
   announce(*node, endpoint(Role::reader, 1));
   Endpoint writer = endpoint(Role::writer, 10);
@@ -288,6 +288,9 @@ TEST_F(DirectoryTest, LeavesOutTheAddressesOfANetworkThatIsCut) {
   directory.paths_cut({process_one, {1, 2}});
   tell();
   EXPECT_THAT(node->listener.seen.addresses, SizeIs(2)) << "process_one way at least is tried";
+  directory.paths_cut({process_one, {1}, {3}});
+  tell();
+  EXPECT_THAT(node->listener.seen.addresses, SizeIs(2)) << "another link leads there";
   directory.paths_cut({process_one, {}});
   tell();
   EXPECT_THAT(node->listener.seen.addresses, SizeIs(2));

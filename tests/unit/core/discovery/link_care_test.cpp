@@ -90,7 +90,7 @@ TEST_F(LinkCareTest, HelpsOneProcessBesideAnotherThatIsMadeUp) {
   EXPECT_THAT(pauses_within(30s), ElementsAre(timing.lease, 2 * timing.lease)) << "six is not helped";
 }
 
-TEST_F(LinkCareTest, TriesAgainSoonIfALinkCannotBeMade) {
+TEST_F(LinkCareTest, TriesAgainSoonAndThenLaterIfALinkCannotBeMade) {
   misses({7});
   now += timing.lease;
   const auto look = [&] {
@@ -101,6 +101,12 @@ TEST_F(LinkCareTest, TriesAgainSoonIfALinkCannotBeMade) {
   EXPECT_EQ(care.next(), now + timing.try_again);
   now += timing.try_again;
   EXPECT_EQ(look().renewals.size(), 1u);
+  EXPECT_EQ(care.next(), now + 2 * timing.try_again);
+  for (int i = 0; i < 10; ++i) {
+    now = care.next();
+    EXPECT_EQ(look().renewals.size(), 1u);
+  }
+  EXPECT_EQ(care.next(), now + timing.renew_pause_max);
 }
 
 TEST_F(LinkCareTest, KeepsAReplacedLinkUntilAllAreHeardOnAnotherOne) {
@@ -149,6 +155,15 @@ TEST_F(LinkCareTest, BeginsToWaitAnewWithEachNewcomerAndWhatComesOfIt) {
   EXPECT_EQ(care.missed_from(link, since, true), now + timing.settle + timing.settle_each);
 }
 
+TEST_F(LinkCareTest, WaitsALeaseLongerAtMostForNewcomersThatGoOnComing) {
+  const Time since = now;
+  for (int second = 0; second < 20; ++second) {
+    care.joined(link, now += 1s);
+    care.left(link);
+  }
+  EXPECT_EQ(care.missed_from(link, since, true), since + timing.lease + timing.settle);
+}
+
 TEST_F(LinkCareTest, DoesNotWaitAsLongInEachProcess) {
   EXPECT_EQ(LinkCare(64, timing).next(), Time::max());
   LinkCare other(32, timing);
@@ -170,6 +185,17 @@ TEST_F(LinkCareTest, DoesNotAskWhileOthersAreNew) {
   now += 2 * timing.settle - 1ms;
   care.stranger_came(link, now);
   EXPECT_FALSE(announces(10s));
+}
+
+TEST_F(LinkCareTest, AsksAfterALeaseAtTheLatestThoughOthersGoOnBeingNew) {
+  int asked = 0;
+  for (int second = 0; second < 20; ++second) {
+    care.joined(link, now);
+    care.stranger_came(link, now);
+    asked += announces(1s) ? 1 : 0;
+  }
+  EXPECT_GE(asked, 2);
+  EXPECT_LE(asked, 20s / timing.lease);
 }
 
 TEST_F(LinkCareTest, AsksEverMoreSeldomWhileTheStrangerStaysOne) {

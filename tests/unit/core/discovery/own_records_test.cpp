@@ -87,6 +87,19 @@ TEST_F(OwnRecordsTest, AreCountedByAHeartbeatAtOnceAndOnceMoreSoon) {
   EXPECT_EQ(until_heartbeat(), timing.heartbeat_every);
 }
 
+TEST_F(OwnRecordsTest, ThatDoNotChangeAreCountedALittleEarlyByWhoLooksThen) {
+  own.heartbeat_given(now);
+  now += 900ms;
+  EXPECT_FALSE(own.is_heartbeat_due(now));
+  now += 32ms;
+  EXPECT_TRUE(own.is_heartbeat_due(now));
+  own.heartbeat_given(now);
+  now += timing.heartbeat_pause - 1ms;
+  announce(1, "a");
+  EXPECT_FALSE(own.is_heartbeat_due(now)) << "a change waits for the whole pause";
+  EXPECT_TRUE(own.is_heartbeat_due(now + 1ms));
+}
+
 TEST_F(OwnRecordsTest, ThatChangeWithoutEndCostTwoHeartbeatsASecond) {
   int heartbeats = 0;
   for (int i = 0; i < 10'000; ++i) {

@@ -90,5 +90,13 @@ TEST_F(ReleaseWatchTest, ReportsAParticipantAgainThatWasGone) {
   EXPECT_TRUE(watch.take_report(now + timing.name_releases_every));
 }
 
+TEST_F(ReleaseWatchTest, HasRoomForOthersOnceALinkIsGone) {
+  for (int participant = 0; participant < 256; ++participant) seen(static_cast<std::uint8_t>(participant));
+  EXPECT_TRUE(watch.take_report(now));
+  watch.link_gone(1);
+  watch.seen({2, {1}}, 3);
+  EXPECT_TRUE(watch.take_report(now + timing.name_releases_every));
+}
+
 }  // namespace
 }  // namespace sft::core

@@ -12,8 +12,10 @@ namespace {
 
 using namespace std::chrono_literals;
 using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
+using ::testing::Not;
 using ::testing::Pair;
 using ::testing::UnorderedElementsAre;
 
@@ -193,6 +195,33 @@ TEST_F(PeersTest, MakesALinkAnewThatDoesNotBringWhatHeartbeatsCount) {
   EXPECT_THAT(renewed, ElementsAre(cable));
 }
 
+TEST_F(PeersTest, MakesNoLinkAnewWhileRecordsOfAParticipantThatIsBehindGoOnComing) {
+  found(cable);
+  writes(0, "a", {cable});
+  heartbeats({cable});
+  for (std::uint32_t slot = 1; slot <= 10; ++slot) writes(slot, "b", {});
+  for (std::uint32_t slot = 1; slot <= 10; ++slot) {
+    goes_on(500ms, {cable});
+    peers.record_came(on(cable), Role::writer, {slot, {}}, {slot + 1, body("b")}, now);
+  }
+  goes_on(10s, {cable});
+  EXPECT_THAT(renewed, IsEmpty());
+}
+
+TEST_F(PeersTest, MakesALinkAnewInTimeThoughASilentParticipantGoesOnWriting) {
+  found(cable);
+  writes(0, "a", {cable});
+  const RemoteParticipant silent = on(cable, 99);
+  peers.participant_found(silent, neighbour + 1, now);
+  goes_on(10s, {cable});
+  writes(1, "b", {});
+  for (std::uint64_t i = 1; i <= 8; ++i) {
+    peers.record_came(silent, Role::writer, {0, {}}, {i, body("a")}, now);
+    goes_on(500ms, {cable});
+  }
+  EXPECT_THAT(renewed, ElementsAre(cable));
+}
+
 TEST_F(PeersTest, ForgetsWhatWasForgedOnALinkOnceAnotherOneIsRight) {
   found(cable);
   writes(0, "a", {cable});
@@ -265,6 +294,20 @@ TEST_F(PeersTest, RefusesAClaimThatComesBeforeTheFirstHeartbeatOfTheProcess) {
   EXPECT_THAT(holds, ElementsAre(Pair(0, "a")));
   goes_on(10s, {cable});
   EXPECT_THAT(holds, ElementsAre(Pair(0, "a")));
+TEST_F(PeersTest, RefusesAClaimAlsoWhenTheFirstParticipantIsGone) {
+  found(cable);
+  const RemoteParticipant claimant = on(cable, 99);
+  peers.participant_found(claimant, neighbour, now);
+  found(wlan);
+  writes(0, "a", {cable, wlan});
+  heartbeats({cable, wlan});
+  peers.participant_gone(on(cable));
+  for (int i = 0; i < 20; ++i) {
+    peers.heartbeat_came(cable, {claimant.guid, neighbour, {99, 0}}, now);
+    goes_on(500ms, {wlan});
+    EXPECT_THAT(holds, ElementsAre(Pair(0, "a")));
+  }
+  EXPECT_THAT(renewed, Not(Contains(wlan))) << "the claimant does not speak for it";
 }
 
 TEST_F(PeersTest, RefusesAClaimOfAProcessThatHasNothingYet) {
@@ -301,6 +344,26 @@ TEST_F(PeersTest, SaysByWhichLinksTheWayToAProcessIsCut) {
   goes_on(timing.late, {wlan});
   EXPECT_THAT(cut_links, ElementsAre(cable));
   goes_on(500ms, {cable, wlan});
+  EXPECT_THAT(cut_links, IsEmpty());
+}
+
+TEST_F(PeersTest, TakesNoLinkForCutByWhichAnotherParticipantOfTheProcessIsHeard) {
+  meet_on_both_links();
+  const RemoteParticipant made_anew = on(cable, 50);
+  peers.participant_found(made_anew, neighbour, now);
+  for (int i = 0; i < 10; ++i) {
+    peers.heartbeat_came(cable, {made_anew.guid, neighbour, {own.digest(), 0}}, now);
+    goes_on(500ms, {wlan});
+    EXPECT_THAT(cut_links, IsEmpty());
+  }
+}
+
+TEST_F(PeersTest, TakesNoLinkForCutBesideOneByWhichTheProcessWasNeverHeard) {
+  found(cable);
+  heartbeats({cable});
+  found(wlan);
+  now += timing.late;
+  look();
   EXPECT_THAT(cut_links, IsEmpty());
 }
 
@@ -352,6 +415,7 @@ TEST_F(PeersTest, HasRoomForTheRecordsOfOthersWhateverOneParticipantHas) {
   small.listen(Role::writer, now);
   small.link_made(cable, now);
   const auto fill = [&](std::uint8_t number, std::uint32_t records) {
+    small.participant_found(on(cable, number), number, now);
     std::uint32_t room = 0;
     for (std::uint32_t slot = 0; slot < records; ++slot)
       room +=
@@ -361,6 +425,7 @@ TEST_F(PeersTest, HasRoomForTheRecordsOfOthersWhateverOneParticipantHas) {
   EXPECT_EQ(fill(10, 1000), 100u);
   EXPECT_EQ(fill(11, 1000), 10u);
   EXPECT_TRUE(small.record_came(on(cable, 11), Role::writer, {0, {}}, {9999, body("b")}, now));
+  small.participant_found(on(cable, 12), 12, now);
   EXPECT_FALSE(
       small.record_came(on(cable, 12), Role::writer, {0, {}}, {1, body(std::string(1001, 'x'))}, now));
   small.participant_gone(on(cable, 10));
@@ -374,6 +439,7 @@ TEST_F(PeersTest, HasRoomForTheBytesOfOthersWhateverOneParticipantHas) {
   small.listen(Role::writer, now);
   small.link_made(cable, now);
   const auto takes = [&](std::uint8_t number, std::uint32_t slot, std::size_t bytes) {
+    small.participant_found(on(cable, number), number, now);
     return small.record_came(on(cable, number), Role::writer, {slot, {}},
                              {slot + 1, body(std::string(bytes, 'x'))}, now);
   };
@@ -398,6 +464,90 @@ TEST_F(PeersTest, MakesNoLinkAnewForAParticipantWhoseRecordsFindNoRoom) {
   }
   for (const PeerAction& action : small.take_actions())
     EXPECT_FALSE(std::holds_alternative<RenewLink>(action));
+}
+
+TEST_F(PeersTest, HasNoMoreThanAllMayHaveTogether) {
+  Peers small(own_process, timing, {.records = 10, .bytes = 100, .crowded = 1000, .crowded_bytes = 100});
+  small.link_made(cable, now);
+  std::size_t taken = 0;
+  for (std::uint8_t number = 100; number < 120; ++number) {
+    small.participant_found(on(cable, number), number, now);
+    const Record record{1, body(std::string(100, 'x'))};
+    taken += small.record_came(on(cable, number), Role::writer, {0, {}}, record, now) ? 1 : 0;
+  }
+  EXPECT_EQ(taken, 4u);
+  EXPECT_TRUE(small.record_came(on(cable, 100), Role::writer, {0, {}}, {2, body("a")}, now));
+}
+
+TEST_F(PeersTest, HasNoRoomForParticipantsThatAreNotThereWhereItIsCrowded) {
+  Peers small(own_process, timing, {.records = 10, .crowded = 2});
+  small.link_made(cable, now);
+  const auto takes = [&](std::uint8_t number, std::uint32_t slot) {
+    return small.record_came(on(cable, number), Role::writer, {slot, {}}, {slot + 1, body("a")}, now);
+  };
+  for (const std::uint8_t number : {10, 11}) small.participant_found(on(cable, number), number, now);
+  EXPECT_TRUE(takes(10, 0));
+  EXPECT_TRUE(takes(10, 1));
+  EXPECT_TRUE(takes(11, 0)) << "it is heard";
+  EXPECT_FALSE(takes(12, 0)) << "no process has it";
+  now += timing.lease;
+  small.look(now);
+  EXPECT_TRUE(takes(12, 0)) << "those that are silent take no room";
+  EXPECT_TRUE(takes(12, 1));
+  EXPECT_FALSE(takes(11, 0)) << "it is silent";
+}
+
+TEST_F(PeersTest, FetchesWhatFoundNoRoomOnceThereIsRoom) {
+  Peers small(own_process, timing, {.records = 1, .crowded = 8});
+  small.listen(Role::writer, now);
+  small.link_made(cable, now);
+  const auto writes_on = [&](std::uint8_t number, std::uint32_t slot) {
+    return small.record_came(on(cable, number), Role::writer, {slot, {}}, {slot + 1, body("a")}, now);
+  };
+  const auto renewals_within = [&](Time::duration time) {
+    std::size_t renewals = 0;
+    for (const Time end = now + time; now < end; now += 1s) {
+      small.heartbeat_came(cable, {on(cable, 11).guid, neighbour, {99, 0}}, now);
+      small.look(now);
+      for (const PeerAction& action : small.take_actions())
+        renewals += std::holds_alternative<RenewLink>(action) ? 1 : 0;
+    }
+    return renewals;
+  };
+  small.participant_found(on(cable, 10), neighbour + 1, now);
+  small.participant_found(on(cable, 11), neighbour, now);
+  for (std::uint32_t slot = 0; slot < 8; ++slot) EXPECT_TRUE(writes_on(10, slot));
+  EXPECT_TRUE(writes_on(11, 0));
+  EXPECT_FALSE(writes_on(11, 1));
+  EXPECT_EQ(renewals_within(4s), 0u);
+  small.participant_gone(on(cable, 10));
+  EXPECT_GT(renewals_within(10s), 0u);
+}
+
+TEST_F(PeersTest, ForgetsRecordsWhoseParticipantIsNotFound) {
+  writes(0, "late", {cable});
+  now += timing.lease;
+  look();
+  found(cable);
+  look();
+  EXPECT_EQ(finds, 1);
+  EXPECT_THAT(holds, IsEmpty());
+}
+
+TEST_F(PeersTest, TakesAParticipantForWhichItsProcessHadNoRoomOnceThereIsRoom) {
+  Peers small(own_process, timing, {.participants = 1});
+  small.listen(Role::writer, now);
+  small.link_made(cable, now);
+  const auto gives_a_heartbeat = [&](std::uint8_t number) {
+    small.heartbeat_came(cable, {on(cable, number).guid, neighbour, {}}, now);
+  };
+  for (const std::uint8_t number : {10, 11}) small.participant_found(on(cable, number), neighbour, now);
+  gives_a_heartbeat(11);
+  EXPECT_EQ(small.find(neighbour)->participants(), 1u);
+  small.participant_gone(on(cable, 10));
+  EXPECT_EQ(small.find(neighbour), nullptr);
+  gives_a_heartbeat(11);
+  EXPECT_NE(small.find(neighbour), nullptr);
 }
 
 TEST_F(PeersTest, ForgetsAllOfALinkThatIsGone) {
