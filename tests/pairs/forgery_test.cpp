@@ -86,7 +86,7 @@ TEST_F(Forgeries, AnotherProcessThatAnnouncesAReaderAndAsksForNothingCountsForNo
 }
 
 TEST_F(Forgeries, AParticipantThatClaimsTheProcessOfAnotherOneCountsForNothing) {
-  begin("height, width");
+  begin("recorded");
   const auto end = std::chrono::steady_clock::now() + 8s;  // longer than it takes to suspect a participant
   while (std::chrono::steady_clock::now() < end) {
     forger().forge("claim processes");

@@ -72,11 +72,14 @@ TEST_F(Security, ANodeWithCertificatesThatComesLaterIsServedByOneThatMetNodesWit
 TEST_F(Security, WhatSomebodyWithoutACertificateSaysInTheNamesOfAPairWithOneCostsItNothing) {
   Peer publisher(here(), "publisher", certified("publisher"));
   Peer subscriber(there(), "subscriber", certified("subscriber"));
-  Peer plain_publisher(here(), "plain publisher");  // shows which numbers the writers of nodes have
+  // These show which numbers the writers of nodes have, and that without a certificate the forger does harm.
+  Peer plain_publisher(here(), "plain publisher"), plain_subscriber(there(), "plain subscriber");
   Peer forger(there(), "forger");
   publisher.advertise();
   subscriber.subscribe("recorded");
   plain_publisher.advertise();
+  plain_subscriber.subscribe("height, width");
+  ASSERT_TRUE(agree(plain_publisher, plain_subscriber));
   forger.forge("watch");
   ASSERT_TRUE(agree(publisher, subscriber));
   publisher.start_publishing();
@@ -89,7 +92,7 @@ TEST_F(Security, WhatSomebodyWithoutACertificateSaysInTheNamesOfAPairWithOneCost
     ASSERT_TRUE(comes_true([&] { return subscriber.status()["subscriber"]["received"] > received + 20; }))
         << "its samples come all the time";
   }
-  EXPECT_GT(plain_publisher.status()["node"]["links_renewed"], 0) << "without a certificate it does harm";
+  EXPECT_GT(plain_publisher.status()["node"]["links_renewed"], 0);
   subscriber.read("height");
   EXPECT_TRUE(comes_true([&] { return is_served_with(publisher, subscriber, "height"); }));
   publisher.stop_publishing();

@@ -163,6 +163,8 @@ class DivisionPlan {
     std::vector<std::size_t> united;
     std::size_t shares_united = 0, groups = 1;
     FieldMask fields;
+    // Half of what may be added: what these acknowledge, and are sent for it, is not counted.
+    const double outside_max = (1 + limits_.wire_max) / 2 * everyone_.cost.wire;
     double outside = 0;
     for (std::size_t i = 0; i < apart.size(); ++i) {
       const Share& share = apart[i];
@@ -170,7 +172,7 @@ class DivisionPlan {
       bool stays_out = shares_united + behind > 1 && (!share.is_group() || groups < limits_.groups_max);
       if (stays_out) {
         const FieldMask rest = shares_united == 0 ? from[i + 1] : behind == 0 ? fields : fields | from[i + 1];
-        stays_out = outside + share.cost.wire + wire_of_all(rest) <= limits_.wire_max * everyone_.cost.wire;
+        stays_out = outside + share.cost.wire + wire_of_all(rest) <= outside_max;
       }
       if (stays_out) {
         outside += share.cost.wire;

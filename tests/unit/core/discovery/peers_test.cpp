@@ -294,6 +294,8 @@ TEST_F(PeersTest, RefusesAClaimThatComesBeforeTheFirstHeartbeatOfTheProcess) {
   EXPECT_THAT(holds, ElementsAre(Pair(0, "a")));
   goes_on(10s, {cable});
   EXPECT_THAT(holds, ElementsAre(Pair(0, "a")));
+}
+
 TEST_F(PeersTest, RefusesAClaimAlsoWhenTheFirstParticipantIsGone) {
   found(cable);
   const RemoteParticipant claimant = on(cable, 99);
