@@ -68,10 +68,6 @@ bool Peer::is_complete_on(LinkId link) const {
   });
 }
 
-bool Peer::is_complete() const {
-  return std::ranges::any_of(members_, [&](const Member& one) { return is_complete(*one.participant); });
-}
-
 bool Peer::is_complete_beside(LinkId link) const {
   return std::ranges::any_of(
       members_, [&](const Member& one) { return one.id.link != link && is_complete(*one.participant); });

@@ -78,9 +78,8 @@ class Peer {
   std::size_t participants() const { return members_.size(); }
   /// The records of that role that hold, also withdrawn ones.
   const Records& records(Role role) const { return records_[role]; }
-  /// True if all of the process that the last heartbeat counts has come by that link, or by any.
+  /// True if all of the process that the last heartbeat counts has come by that link.
   bool is_complete_on(LinkId link) const;
-  bool is_complete() const;
   /// The same for any link but this one.
   bool is_complete_beside(LinkId link) const;
   /// Both are empty unless the process was heard by a link and is not heard any more, though it is by

@@ -272,8 +272,4 @@ std::optional<ProcessId> Peers::process_of(const RemoteParticipant& id) const {
   return found == participants_.end() || !is_heard(found->second) ? std::nullopt : found->second.process;
 }
 
-bool Peers::is_complete() const {
-  return std::ranges::all_of(peers_, [](const auto& item) { return item.second.is_complete(); });
-}
-
 }  // namespace sft::core

@@ -114,8 +114,6 @@ class Peers {
   const Peer* find(ProcessId process) const;
   /// The process that the participant speaks for; nothing if it counts for nothing.
   std::optional<ProcessId> process_of(const RemoteParticipant& id) const;
-  /// True if all is known of all processes that their last heartbeats count.
-  bool is_complete() const;
   /// When a participant was found last; Time{} if none was. What it has may be yet to come.
   Time newcomer_at() const { return newcomer_at_; }
 
