@@ -17,7 +17,8 @@ using std::chrono::seconds;
 constexpr seconds patience_for_matching{20};
 constexpr seconds patience_for_shared_memory{8};
 constexpr seconds patience_for_arrival{2};
-// After they met, DDS participants repeat their introductions for about this long. Meanwhile the daemons that the hosts had to start become ready, and nodes announce that.
+// After they met, DDS participants repeat their introductions for about this long. Meanwhile the daemons that
+// the hosts had to start become ready, and nodes announce that.
 constexpr milliseconds settling{5'000};
 // Each process gives one heartbeat a second. The control traffic of any whole number of these
 // periods is nearly the same.
