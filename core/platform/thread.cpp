@@ -207,13 +207,13 @@ ThreadNames thread_names() {
   return names;
 }
 
-void prefix_threads_since(const ThreadNames& before, const std::string& prefix,
+void prefix_threads_since(const ThreadNames& before, const std::string& with,
                           std::span<const std::string_view> beginnings) {
   for (const auto& [thread, name] : names_once_given()) {
     const bool is_of_library = std::ranges::any_of(
         beginnings, [&text = name](std::string_view beginning) { return text.starts_with(beginning); });
     if (is_of_library && !before.contains(thread))
-      std::ofstream("/proc/self/task/" + thread + "/comm") << (prefix + name).substr(0, 15);
+      std::ofstream("/proc/self/task/" + thread + "/comm") << (with + name).substr(0, 15);
   }
 }
 
