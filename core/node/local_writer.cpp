@@ -145,7 +145,8 @@ bool LocalWriter::watch_promises(Time now) {
 std::optional<Progress> LocalWriter::take_progress(bool again) {
   const std::uint64_t published = core_->signs().published;
   if (!has_readers() || published == 0) return std::nullopt;
-  if (again || std::exchange(progress_told_, published) != published) progress_left_ = progress_times;
+  const bool is_new = std::exchange(progress_told_, published) != published;
+  if (again || is_new) progress_left_ = progress_times;
   if (progress_left_ == 0) return std::nullopt;
   --progress_left_;
   return core_->progress();

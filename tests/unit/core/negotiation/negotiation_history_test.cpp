@@ -20,11 +20,14 @@ class LateReaderTest : public NegotiationTest {
     reader.request.attached = {100};
     return reader;
   }
-  /// The reader says that its retained samples have begun to arrive.
+  /// The request of a reader whose retained samples have begun to arrive.
+  Request begun(EndpointId reader, std::uint64_t sequence) {
+    Request with_history = request(reader, sequence, F::data, {100});
+    with_history.begun = {100};
+    return with_history;
+  }
   void begin(EndpointId reader, std::uint64_t sequence) {
-    Request begun = request(reader, sequence, F::data, {100});
-    begun.begun = {100};
-    negotiation.request_received(begun);
+    negotiation.request_received(begun(reader, sequence));
   }
 };
 
@@ -69,7 +72,9 @@ TEST_F(LateReaderTest, ThatWasLostAndReturnsIsNotGivenItAgainAndOneThatWentIs) {
   begin(7, 2);
   negotiation.history_given(100, 7);
   negotiation.endpoint_lost(7, Time{});
-  negotiation.endpoint_seen(late_reader());
+  Endpoint returned = late_reader();
+  returned.request = begun(7, 2);
+  negotiation.endpoint_seen(returned);
   EXPECT_EQ(negotiation.serving(100).memory.size(), 1U);
   negotiation.endpoint_departed(7);
   negotiation.endpoint_seen(late_reader());
