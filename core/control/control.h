@@ -104,7 +104,7 @@ struct Inquiry {
   friend auto operator<=>(const Inquiry&, const Inquiry&) = default;
 };
 
-/// What a node tells those that inquire, of its own endpoints.
+/// A report of a node about its own endpoints, for the nodes that inquire.
 struct NodeReport {
   std::vector<EndpointId> living{};  ///< writers that live, although nothing else tells so
   std::vector<Progress> progress{};
@@ -137,7 +137,7 @@ struct Endpoint {
   bool waits = false;
   Qos qos;
   Request request;
-  AnnouncerId announcer = 0;  ///< who said it; does not travel
+  AnnouncerId announcer = 0;  ///< the participant that wrote the report; does not travel
   friend bool operator==(const Endpoint&, const Endpoint&) = default;
 };
 

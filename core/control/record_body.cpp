@@ -166,7 +166,7 @@ void each_member(Body& body,
   body.flag(inquiry.wants_accounts);
 }
 
-/// Of an account only the counts of the side that says it travel.
+/// An account travels with the counts of the side that reports it, and without those of the other side.
 template <class Body, class AnyAccount>
 void each_member_of_account(Body& body, AnyAccount& account) {
   body.number(account.id.pair.writer);

@@ -203,7 +203,7 @@ void CycloneSettings::add_domain(const CycloneElement& element, bool may_be_shor
   }
 }
 
-/// What Cyclone called otherwise formerly, or had in another group, is called as it is now.
+/// Settings that had another name or group in older releases of Cyclone get the present one.
 void CycloneSettings::add_group(CycloneElement group) {
   if (group.name.starts_with('@')) return;  // a name space, say
   if (equals(group.name, "Unsupported")) group.name = "Internal";

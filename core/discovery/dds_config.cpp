@@ -71,7 +71,7 @@ constexpr int loopback_multicast_offset = 2;
 // Ports of a domain, as DDS prescribes them (RTPS 2.3, 9.6.1), and the port of heartbeats among those that it
 // leaves unused.
 constexpr unsigned first_port = 7400, ports_of_domain = 250, heartbeat_offset = 4;
-// What the user changes of how multicasts go, or who hears whom, may matter to heartbeats, too, which Cyclone
+// Settings that change how multicasts go, or which nodes hear each other, matter to heartbeats, too. Cyclone
 // does not send.
 constexpr std::array<std::string_view, 6> changes_of_multicasts{
     "General/DontRoute",
@@ -182,7 +182,7 @@ std::string passed_through(const std::string& user_config, const CycloneSettings
 /// Each heartbeat that is repeated for one newcomer asks all readers, so a reader that has said already that
 /// it has everything waits for `AckDelay` before it says so again. News and gaps do not wait for that.
 ///
-/// What comes is put into one receive buffer behind the other, and so each of a node's domains touches all
+/// Received packets are put into one buffer behind the other, and so each of a node's domains touches all
 /// of a buffer in the end. Control traffic does not need the usual 1 MiB.
 constexpr std::string_view settings_of_all_links = R"(<Sizing><ReceiveBufferSize>256 KiB</></><Internal>
 <PreEmptiveAckDelay>0 ms</><NackDelay>1 ms</><AckDelay>1 s</><HeartbeatInterval max="2 s">20 ms</>

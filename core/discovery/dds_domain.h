@@ -58,8 +58,8 @@ struct DomainPlan {
   std::string config;
   bool is_secured = false;  ///< the configuration has DDS Security, which can name few numbers
   ThreadSettings threads{};
-  /// Of the interface: what the sockets of a domain have joined ends with a card, also if one comes back that
-  /// has the same name and address.
+  /// The index of the interface. Multicast groups that sockets have joined end with a card, also if one comes
+  /// back that has the same name and address.
   unsigned index = 0;
   friend bool operator<(const DomainPlan& a, const DomainPlan& b) {
     const auto key = [](const DomainPlan& plan) {

@@ -16,7 +16,7 @@ bool is_listed(const HostInterface& interface, const LinkRules& rules) {
   return std::ranges::any_of(rules.listed, [&](const auto& one) { return is_named(interface, one); });
 }
 
-/// Where there is no multicast nothing would be found, unless peers are asked one by one.
+/// Nodes find nothing on a link without multicast, unless peers are asked one by one.
 bool fits(const HostInterface& interface, const LinkRules& rules) {
   if (!rules.listed.empty()) return is_listed(interface, rules);
   return !belongs_to_containers(interface.name) && (interface.multicast || rules.peers);

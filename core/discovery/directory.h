@@ -72,7 +72,7 @@ class Directory {
   void record_changed(const RecordChanged& changed);
   void peer_lost(ProcessId process);
   void paths_cut(const PathsCut& cut);
-  /// What the report tells of endpoints that the process has announced counts.
+  /// Only those parts of the report count that are about endpoints which the process has announced.
   void report_came(ProcessId process, NodeReport report);
   /// Somebody has said something that cannot be used.
   void refuse(std::string why);
@@ -84,7 +84,7 @@ class Directory {
   };
   std::vector<Notice> take_notices() { return std::exchange(notices_, {}); }
 
-  /// Of our own nodes and of other processes.
+  /// The inquiries of our own nodes and of other processes.
   Discovery::Inquiries inquiries() const;
   bool do_others_inquire() const { return !inquiries_.empty(); }
   bool do_we_inquire() const;

@@ -85,7 +85,7 @@ class LinkCare {
     std::chrono::milliseconds retry_pause{};  ///< behind the last attempt to make it anew
     std::optional<Time> retired_at{};
     Time look_again_at{};               ///< whether the retired link may end
-    std::optional<Time> stranger_at{};  ///< the first stranger for which nobody was asked
+    std::optional<Time> stranger_at{};  ///< when the first stranger came since the last question
     bool has_stranger = false, was_asked = false;
     Time announce_at{};                          ///< not before
     std::chrono::milliseconds announce_pause{};  ///< behind the last announcement

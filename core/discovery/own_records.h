@@ -39,8 +39,8 @@ class OwnRecords {
   /// A heartbeat follows each change, and another one confirms it: who has read two heartbeats that count
   /// what did not arrive knows that it is missing.
   Time heartbeat_due() const;
-  /// True also a little earlier unless something has changed: who looks nearly once a second does not have to
-  /// wake up for the heartbeat besides.
+  /// True also a little earlier unless something has changed: an agent that looks nearly once a second does
+  /// not have to wake up for the heartbeat besides.
   bool is_heartbeat_due(Time now) const;
   void heartbeat_given(Time now);
 

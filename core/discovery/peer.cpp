@@ -27,7 +27,7 @@ void Peer::join(const RemoteParticipant& id, Participant& participant) {
   refresh_all();
 }
 
-/// One that claims the process and never agreed does not become the first one while another one has agreed.
+/// A participant that never agreed does not become the first one while another one has agreed.
 void Peer::leave(const RemoteParticipant& id) {
   std::erase_if(members_, [&](const Member& one) { return one.id == id; });
   std::ranges::stable_partition(members_, [](const Member& one) { return one.participant->has_agreed; });

@@ -42,7 +42,7 @@ void Peers::participant_found(const RemoteParticipant& id, ProcessId process, Ti
   if (!participant.is_own) admit(id, participant, now);
 }
 
-/// One for which there is no room now may have room later.
+/// A participant for which there is no room now may have room later.
 void Peers::admit(const RemoteParticipant& id, Participant& participant, Time now) {
   const Peer* const peer = find(*participant.process);
   participant.is_one_too_many = peer != nullptr && peer->participants() >= limits_.participants;
@@ -167,7 +167,7 @@ Time Peers::missed_at(LinkId link, const Participant& participant) const {
   return missed;
 }
 
-/// Where heartbeats do not arrive by UDP they have to come by Cyclone, so early that two of them come before
+/// Heartbeats that do not arrive by UDP have to come by Cyclone, so early that two of them come before
 /// the lease ends.
 Time Peers::unheard_at(LinkId link, const Participant& participant) const {
   const bool is_told = unheard_.contains(link) || care_.is_retired(link);

@@ -57,7 +57,7 @@ using PeerAction = std::variant<PeerFound, PeerLost, RecordChanged, PathsCut, He
                                 Announce, EndLink>;
 
 struct PeerLimits {
-  /// A participant that is heard may have this number of records, of so many bytes, while all together have
+  /// A participant that is heard may have this number of records and bytes while all together have
   /// fewer bytes than bytes_of_all(). Any may have more while all together have fewer records than `crowded`,
   /// of fewer bytes than `crowded_bytes`.
   std::size_t records = 2'048;

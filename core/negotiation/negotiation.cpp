@@ -50,7 +50,7 @@ void Negotiation::local_added(const Endpoint& endpoint, const TypeSupport& type)
 
 void Negotiation::local_removed(EndpointId id) { facts_.erase(id); }
 
-/// What still comes of another process that used the id of our endpoint before is ignored.
+/// Announcements of another process that used the id of our endpoint before are ignored.
 bool Negotiation::endpoint_seen(const Endpoint& endpoint) {
   const TableEntry* const known = facts_.table.find(endpoint.id);
   if (known != nullptr && known->is_ours()) return false;

@@ -1,4 +1,4 @@
-// What this node asks others to report, what it reports to those that ask, and the accounts that others have
+// The inquiries of this node, its reports to nodes that inquire, and the accounts that other nodes have
 // reported. A report tells how far publishers are, what both sides of pairs have counted, and which
 // publishers live although nothing else tells so. Reports are best effort, so that each of them is repeated.
 // The agent's.
@@ -25,7 +25,7 @@ class Reports {
   Reports(const Negotiation& negotiation, LocalEndpoints& ours, Discovery& discovery)
       : negotiation_(negotiation), ours_(ours), discovery_(discovery) {}
 
-  // What the program wants to know.
+  // Questions of the program.
 
   /// The accounts of all pairs on that topic, until the program has said as often that it does not any more.
   void ask(const std::string& topic);
@@ -41,7 +41,7 @@ class Reports {
   void received(const NodeReport& report, Time now);
 
   bool is_due(Time now) const { return now >= reported_at_ + pause; }
-  /// What has to be reported now beside the publishers that live, which then counts as reported; it may be
+  /// Returns the report that is due, without the publishers that live. It then counts as reported, and may be
   /// nothing.
   NodeReport take(Time now);
 

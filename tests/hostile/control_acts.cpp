@@ -233,7 +233,7 @@ Act reflection(Target& target) { return reflection_to(target, false); }
 
 Act reflection_to_the_own_host(Target& target) { return reflection_to(target, true); }
 
-/// Of the endpoints of others. Only what a process says of its own endpoints counts.
+/// The act reports about endpoints of others. Only what a process says of its own endpoints counts.
 Act false_progress(Target& target) {
   const auto sent = std::make_shared<std::uint64_t>(1'000'000);
   return to_each(target, Role::writer, [sent](ControlVoice& voice, const Endpoint& writer) {
@@ -241,7 +241,7 @@ Act false_progress(Target& target) {
   });
 }
 
-/// Of pairs of each endpoint with all others.
+/// The act reports accounts of pairs of each endpoint with all others.
 Act false_accounts(Target& target) {
   return {.begin = {}, .go_on = [voice = voice_of(target), &random = target.random] {
             const std::vector<Endpoint> all = voice->heard();
@@ -275,7 +275,7 @@ Act questions_without_end(Target& target) {
           }};
 }
 
-/// Of kinds or versions that no record has, in its own name and in those of others.
+/// The act writes records of kinds and versions that do not exist, in its own name and in those of others.
 Act unknown_records(Target& target) {
   return {.begin = {}, .go_on = [voice = voice_of(target), &random = target.random] {
             for (ControlVoice::HeardRecord heard : voice->records_heard()) {
@@ -310,7 +310,7 @@ Act heartbeats_without_records(Target& target) {
           }};
 }
 
-/// Of hosts that do not exist.
+/// The act gives heartbeats of hosts that do not exist.
 Act flood_of_heartbeats(Target& target) {
   return {.begin = {}, .go_on = [voice = voice_of(target), &random = target.random] {
             constexpr int at_a_time = 300;

@@ -62,7 +62,7 @@ Act rewritten(core::RecordKind kind,
   return {.begin = {}, .go_on = now_and_then(rewrite)};
 }
 
-/// What the honest ones have sent for the control plane, changed and sent again, also in their names.
+/// The act changes control messages of honest programs and sends them again, also in their names.
 Act control_changed(Target& target, int at_a_time, std::function<void(Bytes&, Random&)> change) {
   struct State {
     explicit State(Random& numbers) : random(numbers) {}

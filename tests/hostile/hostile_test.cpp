@@ -46,7 +46,7 @@ class Hostile : public test::RandomTest, public ::testing::WithParamInterface<En
 
 TEST_P(Hostile, ActsCostNoMoreThanTheirTime) { expect_that_all_works_again(Certificates::none); }
 
-/// Those in others' names.
+/// Acts in the names of others, against programs with certificates.
 class HostileToCertified : public Hostile {};
 
 TEST_P(HostileToCertified, ActsCostNothing) { expect_that_all_works_again(Certificates::all); }

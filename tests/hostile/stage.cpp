@@ -213,7 +213,7 @@ json Stage::options(bool start_daemon) const {
   return options;
 }
 
-/// What is said in others' names harms only those without certificates.
+/// Messages in the names of others harm only programs without certificates.
 Harm Stage::harm_of(const Entry& entry) const {
   return entry.harm == Harm::forges && certificates_ == Certificates::all ? Harm::none : entry.harm;
 }

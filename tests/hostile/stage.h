@@ -36,7 +36,7 @@ struct Outcome {
   std::optional<Ms> command_line{};
 };
 
-/// Whether the honest programs have certificates of DDS Security (tools/security).
+/// Says which honest programs have certificates of DDS Security (tools/security).
 enum class Certificates : std::uint8_t { none, all };
 
 /// A publisher with a subscriber in shared memory and two by UDP on another host: one with reliable, one with

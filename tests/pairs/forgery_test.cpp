@@ -164,6 +164,12 @@ TEST_F(OutdatedByForgery, AllNodesOfAProcessAreHeardAgain) {
   for (Peer* peer : {&publisher(), &reader()})
     EXPECT_TRUE(comes_true([&] { return all_are_served(*peer); })) << peer->status();
   EXPECT_GT(links_renewed(), 0U);
+  EXPECT_TRUE(comes_true([&] {
+    const json status = publisher().status();
+    return std::ranges::all_of(status.at("neighbours"), [&](const json& neighbour) {
+      return neighbour.at("links_renewed") == status.at("node").at("links_renewed");
+    });
+  })) << "nodes of a process share their links";
   for (Peer* peer : {&publisher(), &reader()}) {
     const json status = peer->status();
     for (const json& neighbour : status.at("neighbours"))

@@ -153,7 +153,7 @@ class DivisionPlan {
   }
 
   /// One group under the union of all masks. The smallest shares stay out of it, as long as all together puts
-  /// no more on the wire than it may: so nobody gets a large field for a small one.
+  /// no more on the wire than it may: so no reader gets a large field for a small one.
   std::vector<Share> unite(std::vector<Share> apart) const {
     std::ranges::stable_sort(apart, {}, [](const Share& share) { return share.cost.wire; });
     std::vector<FieldMask> from(apart.size());  // the fields of the share there and of all behind it

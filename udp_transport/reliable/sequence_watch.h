@@ -1,5 +1,6 @@
 // Decides which sequences of one writer count, since a network can change bits. One wrong number must not
-// make a reader deaf: all true samples would look late behind it. Pure: numbers and times in, answers out.
+// make a reader drop true samples, which would all look late behind it. Pure: numbers and times in, answers
+// out.
 //
 // A sequence far from the newest one counts only if nothing but such sequences comes. If only late samples
 // come, then the newest sequence was wrong. In both cases the numbering begins anew, which each sample tells

@@ -1,4 +1,4 @@
-// Which links of a process may share a domain of Cyclone.
+// Links of a process share a domain of Cyclone only if they may.
 #include "core/discovery/dds_domain.h"
 
 #include <gtest/gtest.h>

@@ -340,7 +340,7 @@ class ReportsTest : public ReconcilerTest {
     discovery.asked.all = std::move(inquiries);
     ++discovery.asked.made;
   }
-  /// What is reported within so many looks, each of which is due.
+  /// Returns the reports of that number of looks, each of which is due.
   std::vector<NodeReport> reports_of(int looks = 1) {
     discovery.reports.clear();
     for (int i = 0; i < looks; ++i) reconciler.tick(now += std::chrono::milliseconds(930));
