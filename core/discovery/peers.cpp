@@ -153,7 +153,8 @@ void Peers::leave(const RemoteParticipant& id, const Participant& participant) {
 }
 
 /// Something is missing only if heartbeats go on by the same link: what does not come by a link that is cut
-/// is no fault of the table.
+/// is no fault of the table. So a heartbeat has to follow the two that disagree. The second one may have come
+/// in a moment in which the link worked, too short for records to be sent again.
 Time Peers::missed_at(LinkId link, const Participant& participant) const {
   if (participant.is_suspect || participant.is_cropped) return Time::max();
   Time missed = Time::max();
@@ -161,7 +162,7 @@ Time Peers::missed_at(LinkId link, const Participant& participant) const {
     const std::optional<Time> behind = participant.tables[role].behind_since();
     if (!behind || !listened_[role]) continue;
     const Time since = std::max({*behind, *listened_[role], participant.regular_since});
-    if (participant.heard_at && *participant.heard_at >= since)
+    if (participant.heard_at && *participant.heard_at > since)
       missed = std::min(missed, care_.missed_from(link, since, participant.has_agreed));
   }
   return missed;

@@ -57,7 +57,7 @@ class PartReader final : public detail::PartsInPlace {
   Mutex mutex_;  ///< held while the bytes of a part are copied, by one of those who read the same sample
   std::vector<SampleHandle> copies_ SFT_GUARDED_BY(mutex_);  ///< of the parts
   SampleHandle together_ SFT_GUARDED_BY(mutex_);
-  detail::SampleState together_state_ SFT_GUARDED_BY(mutex_);
+  detail::SampleState together_state_;  ///< of `together_`: written once, before was_put_together_ is true
   bool was_put_together_ SFT_GUARDED_BY(mutex_) = false;
 };
 

@@ -165,7 +165,7 @@ void ControlWorld::give_heartbeat(SimLink& link) {
     at(now_ + up_to(5ms), [this, &hearer, &link, heartbeat] {
       if (!reaches(link, hearer)) return;
       channel(hearer, link).heard_at = now_;
-      hearer.unread.push_back(heartbeat);
+      hearer.unread.emplace_back(heartbeat, now_);
     });
   });
 }
@@ -173,8 +173,8 @@ void ControlWorld::give_heartbeat(SimLink& link) {
 void ControlWorld::look(SimProcess& process) {
   process.looked_at = now_;
   for (SimLink* const link : process.links) {
-    for (const Heartbeat& heartbeat : std::exchange(link->unread, {}))
-      process.peers.heartbeat_came(link->id, heartbeat, now_);
+    for (const auto& [heartbeat, came_at] : std::exchange(link->unread, {}))
+      process.peers.heartbeat_came(link->id, heartbeat, now_, now_ - came_at);
   }
   process.peers.look(now_);
   act(process);
@@ -302,7 +302,7 @@ void ControlWorld::attack() {
       victim.record_came(as, role, key, {own.empty() ? 1 : own.begin()->second.revision, lie}, now_);
       break;
     default:
-      hearer->unread.push_back({writer->guid, writer->process->id, {random_(), random_()}});
+      hearer->unread.emplace_back(Heartbeat{writer->guid, writer->process->id, {random_(), random_()}}, now_);
   }
 }
 
@@ -318,8 +318,8 @@ void ControlWorld::claim(const SimProcess& process, Time::duration lasts) {
       victim.participant_found(as, process.id, now_);
       victim.record_came(as, Role::writer, {0, RecordKind::announcement}, {~std::uint64_t{0}, lie}, now_);
       for (Time::duration after{}; after < lasts; after += 1s) {
-        at(now_ + after, [&hearer, guid, id = process.id, digests] {
-          if (hearer.is_open) hearer.unread.push_back({guid, id, digests});
+        at(now_ + after, [this, &hearer, guid, id = process.id, digests] {
+          if (hearer.is_open) hearer.unread.emplace_back(Heartbeat{guid, id, digests}, now_);
         });
       }
       at(now_ + lasts, [&hearer, as] {

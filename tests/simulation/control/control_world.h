@@ -31,7 +31,7 @@ struct SimLink {
   LinkId id = 0;
   ParticipantGuid guid{};
   bool is_open = true;
-  std::vector<Heartbeat> unread{};  ///< heartbeats that have come since the last look
+  std::vector<std::pair<Heartbeat, Time>> unread{};  ///< heartbeats since the last look, and when they came
 };
 
 /// What a user of the core knows of others by its actions alone.

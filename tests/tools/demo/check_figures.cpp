@@ -88,7 +88,7 @@ void check_wire(const json& run, double full_bytes, bool recorded) {
     expect(recorded ? learning > full_bytes : learning == 0,
            std::string("learning_bytes of ") + small + ": " + std::to_string(learning));
   }
-  const json& localiser = subscriber(run, "localiser");
+  const json localiser = subscriber(run, "localiser");
   const double large = localiser.at("wire_bytes_per_sample");
   const double part = recorded ? 1 : localiser_share;  // if it is recorded, it still learns
   // Bytes of lost samples were carried, too.

@@ -195,6 +195,18 @@ TEST_F(PeersTest, MakesALinkAnewThatDoesNotBringWhatHeartbeatsCount) {
   EXPECT_THAT(renewed, ElementsAre(cable));
 }
 
+/// The second one may have come in a moment in which a link that is cut worked.
+TEST_F(PeersTest, MakesNoLinkAnewUnlessAHeartbeatFollowsTheTwoThatDisagree) {
+  meet_on_both_links();
+  writes(1, "b", {wlan});
+  heartbeats({cable, wlan});
+  goes_on(500ms, {cable, wlan});
+  goes_on(30s, {wlan});
+  EXPECT_THAT(renewed, IsEmpty());
+  goes_on(10s, {cable, wlan});
+  EXPECT_THAT(renewed, ElementsAre(cable));
+}
+
 TEST_F(PeersTest, MakesNoLinkAnewWhileRecordsOfAParticipantThatIsBehindGoOnComing) {
   found(cable);
   writes(0, "a", {cable});

@@ -37,7 +37,7 @@ class TrustedFileTest : public ::testing::Test {
   }
 
   static constexpr uid_t stranger = 65'534;
-  static constexpr gid_t served = 70'100;
+  static constexpr gid_t served = 60'100;
   test::TemporaryDirectory directory_;
   std::string path_ = directory_.path() / "file";
 };
