@@ -313,7 +313,7 @@ TEST_P(PathsTest, BringReliableSamplesOfEverySizeBothWaysWhereARouterDropsLongPa
       core::UdpAddress here = near->addresses().at(0);
       here.ip = ip(1, 1);
       to_far.serve({{far.at(ip(2, 2)), "*", true}});
-      to_near.serve({{here, "*", true}});
+      far.here([&] { to_near.serve({{here, "*", true}}); });
       for (std::size_t n = 1; n <= 3; ++n) {
         to_far.publish(make_image(bytes));
         to_near.publish(make_image(bytes));
