@@ -76,12 +76,12 @@ core::NetworkWriter::Counters UdpWriter::counters() const noexcept {
           tally_->dropped.load(std::memory_order_relaxed)};
 }
 
-std::string UdpWriter::silence(core::EndpointId reader) const {
+std::string UdpWriter::path_trouble(core::EndpointId reader) const {
   const std::shared_ptr<const RouteTable> table = routes_.share();
   const auto lane = table->lanes_of.find(reader);
   if (lane == table->lanes_of.end()) return {};
   Destination& to = lane->second->destination();
-  if (!to.window().is_mute(std::chrono::steady_clock::now())) return {};
+  if (!to.window().is_mute(std::chrono::steady_clock::now())) return to.path().limit_in_words();
   const auto [ip, port] = to.path().address();
   return "the host did not answer at " + core::format(ip, port) +
          ": nothing is sent there until it does; see that its firewall lets UDP in, and ours the answers";

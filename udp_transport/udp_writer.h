@@ -35,7 +35,7 @@ class UdpWriter final : public core::NetworkWriter, private Tended {
   bool history_sent(core::EndpointId reader) noexcept override;
   Counters counters() const noexcept override;
   std::string multicast(core::EndpointId reader) const override { return keeper_.why(reader); }
-  std::string silence(core::EndpointId reader) const override;
+  std::string path_trouble(core::EndpointId reader) const override;
 
  private:
   void begin_sample() noexcept override;

@@ -240,8 +240,8 @@ PublisherStatus PublisherCore::status() const {
     reader.bytes_saved = delivered.bytes_saved;
     if (network_ != nullptr && reader.served && reader.transport == TransportKind::udp) {
       reader.multicast = network_->multicast(reader.id);
-      if (const std::string silence = network_->silence(reader.id); !silence.empty())
-        reader.reason += (reader.reason.empty() ? "" : "; ") + silence;
+      if (const std::string trouble = network_->path_trouble(reader.id); !trouble.empty())
+        reader.reason += (reader.reason.empty() ? "" : "; ") + trouble;
     }
   }
   return status;

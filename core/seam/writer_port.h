@@ -175,9 +175,9 @@ class SFT_CAPABILITY("batch") NetworkWriter : public WriterPort {
   /// The readers with which a reader shares what is sent, or the reason why it shares with nobody. Empty
   /// where that is no question.
   virtual std::string multicast(EndpointId reader) const = 0;
-  /// The reason why nothing is sent to a reader that is served: its host does not answer. Empty if there is
-  /// none.
-  virtual std::string silence(EndpointId reader) const = 0;
+  /// What is wrong with the path to a reader that is served: its host does not answer, so that nothing is
+  /// sent, or long datagrams do not arrive there. Empty if nothing is.
+  virtual std::string path_trouble(EndpointId reader) const = 0;
 
  private:
   friend class Transmission;

@@ -119,7 +119,7 @@ class FakeWriter final : public core::NetworkWriter {
 
   Counters counters() const noexcept override { return {.bytes_sent = bytes_sent_}; }
   std::string multicast(EndpointId) const override { return {}; }
-  std::string silence(EndpointId) const override { return {}; }
+  std::string path_trouble(EndpointId) const override { return {}; }
 
  private:
   /// Listeners are called at its end, which comes after that of a lock taken later.

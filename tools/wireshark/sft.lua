@@ -74,6 +74,7 @@ local f = {
   window = ProtoField.uint32("sft.report.window", "Window (bytes in flight)"),
   datagrams = ProtoField.uint32("sft.flow.datagrams", "Datagrams sent before"),
   came = ProtoField.uint32("sft.report.came", "Datagrams received"),
+  longest = ProtoField.uint32("sft.report.longest", "Longest datagram of late (bytes)"),
   sent_at = ProtoField.uint64("sft.flow.sent_at", "Sent at (hidden by a secret of the sender)"),
   next = ProtoField.uint64("sft.ack.next", "Next (all ordinals before it were received)"),
   missing = ProtoField.none("sft.missing", "Missing"),
@@ -472,7 +473,7 @@ local function read_flow(c, report)
   local window = c:number(report and f.window or f.reserved, 4)
   c:number(f.datagrams, 4)
   c:number(report and f.came or f.reserved, 4)
-  c:number(f.reserved, 4)
+  c:number(report and f.longest or f.reserved, 4)
   c:number(f.sent_at, 8)
   if c.failed then return "" end
   if c:left() > 0 then c:fail("Marks and reports have 40 bytes") end

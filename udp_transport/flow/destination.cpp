@@ -37,9 +37,11 @@ Connection& Destination::connection_after(std::uint64_t position) {
   return position == 0 || window_.passed(position) ? connections_.small() : connections_.last_in_line();
 }
 
-void Destination::sent(const Connection& by, std::size_t bytes, std::size_t datagrams, Time now) {
+void Destination::sent(const Connection& by, std::size_t bytes, std::size_t datagrams, std::size_t longest,
+                       Time now) {
   const bool aside = &by != &connections_.last_in_line();
-  if (const std::optional<FlowMark> due = window_.sent(bytes, datagrams, now, aside)) send(*due, now);
+  if (const std::optional<FlowMark> due = window_.sent(bytes, datagrams, longest, now, aside))
+    send(*due, now);
 }
 
 bool Destination::takes_control(Time now) {
@@ -73,6 +75,11 @@ Destination::Heard Destination::hear(const FlowReport& report, const core::IpAdd
   if (!heard.believed) return heard;
   if (heard.control_was_withheld) moves_.fetch_add(1, std::memory_order_relaxed);
   if (!path_.is_at(from)) path_.learn(from);
+  if (heard.lost_length != 0) {
+    path_.were_lost(heard.lost_length, now);
+  } else if (path_.length_in_doubt()) {
+    path_.arrived(report.longest, now);
+  }
   return heard;
 }
 

@@ -63,8 +63,9 @@ class Destination {
   /// Returns true if a heartbeat or an offer may go. What may not is withheld until the receiver reports, for
   /// which it is asked here: it may be all that is left to send.
   bool takes_control(Time now);
-  /// Notes what was sent through one of the connections. Sends the receiver a mark if one is due.
-  void sent(const Connection& by, std::size_t bytes, std::size_t datagrams, Time now);
+  /// Notes what was sent through one of the connections; `longest` is the length of the longest datagram.
+  /// Sends the receiver a mark if one is due.
+  void sent(const Connection& by, std::size_t bytes, std::size_t datagrams, std::size_t longest, Time now);
   /// Somebody waits for room: asks a receiver again that does not report.
   void mark(Time now);
   /// Learns from a send that was refused; the next one fits, and takes the way as it is now.
@@ -76,9 +77,8 @@ class Destination {
   void lives(Time now) { window_.lives(now); }
   /// The host there says that nobody has that port.
   void refused(Time now) { window_.refused(now); }
-  /// The other end has told what became of long datagrams (PathMtu).
-  void long_ones_were_lost(Time now) noexcept { path_.long_ones_were_lost(now); }
-  void long_ones_arrived(Time now) noexcept { path_.long_ones_arrived(now); }
+  /// An ack asks for something again: it is asked soon whether long datagrams arrive.
+  void asked_again() { window_.asked_again(); }
 
   /// Moves to another address of the same socket; datagrams on their way go on.
   void move_to(const SocketAddress& address, std::shared_ptr<UnprovenBudget> host) noexcept;

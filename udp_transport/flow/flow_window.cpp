@@ -103,7 +103,7 @@ bool FlowWindow::mark_is_due(Time now) const {
   if (!receiver_.heard()) return (waiting_ || is_news) && (!receiver_.is_asked() || may_retry());
   if (receiver_.is_silent(now)) return waiting_ && may_retry();
   if (sent_ - std::max(marked_, passed_) > mark_spacing()) return true;
-  if (is_news && receiver_.has_to_ask_anew(now)) return true;
+  if (is_news && receiver_.has_to_ask_anew(now, lengths_.in_doubt())) return true;
   return waiting_ && under_way() > 0 && may_retry();
 }
 
@@ -116,6 +116,7 @@ std::optional<FlowMark> FlowWindow::mark(Time now) {
   receiver_.ask(marked_ == sent_, now);
   rate_.mark(now);
   marked_ = sent_;
+  lengths_.mark(sent_);
   return FlowMark{
       .flow = flow_, .position = sent_, .datagrams = datagrams_, .sent_at_ns = hidden(ns_of(now))};
 }
@@ -130,6 +131,7 @@ bool FlowWindow::hear(const FlowReport& report, Time now) {
   pass_time(now);
   const bool was_awaited = !answers(now);
   learn(report, now);
+  lost_length_ = lengths_.judge(report, marked_at(report));
   if (!receiver_.heard()) unproven_.proven();
   unproven_.answered(now);
   receiver_.reported(now);
@@ -162,6 +164,7 @@ void FlowWindow::move(std::uint64_t secret, std::shared_ptr<UnprovenBudget> host
   round_trips_.forget();
   rate_ = {};
   congestion_.begin_anew();
+  lengths_ = {};
   passed_ = marked_ = reported_ = sent_;
 }
 

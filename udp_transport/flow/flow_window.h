@@ -20,6 +20,7 @@
 #include "udp_transport/flow/congestion_window.h"
 #include "udp_transport/flow/delivery_rate.h"
 #include "udp_transport/flow/flow_limits.h"
+#include "udp_transport/flow/length_watch.h"
 #include "udp_transport/flow/receiver_watch.h"
 #include "udp_transport/flow/round_trips.h"
 #include "udp_transport/flow/unproven_allowance.h"
@@ -65,6 +66,15 @@ class FlowWindow {
   std::size_t batch_bytes() const;
   /// `aside`: sent through another connection than the one that marks go by.
   void sent(std::size_t bytes, std::size_t datagrams, Time now, bool aside = false);
+
+  /// The longest datagram of what was sent had that length. Called after sent().
+  void note_length(std::size_t longest, Time now) {
+    if (limits_.asks) lengths_.sent(longest, now);
+  }
+  /// The receiver asks for something again: it is asked soon whether long datagrams arrive.
+  void asked_again() { lengths_.asked_again(); }
+  /// Returns the length of datagrams that have not arrived by a report that hear() has taken; else 0.
+  std::size_t lost_length() const { return lost_length_; }
 
   /// Returns the mark that is due, if any. The caller fills in its port, and sends it through the connection
   /// that was used last.
@@ -130,6 +140,8 @@ class FlowWindow {
   RoundTrips round_trips_;
   DeliveryRate rate_;
   CongestionWindow congestion_;
+  LengthWatch lengths_;
+  std::size_t lost_length_ = 0;  ///< by the last report
 };
 
 }  // namespace sft::udp

@@ -25,8 +25,14 @@ void PathMtu::kernel_says(std::size_t bytes) {
   losses_ = 0;
 }
 
-void PathMtu::lost(Time now) {
-  if (losses_++ == 0) first_loss_ = now;
+/// Datagrams that were sent before the present length held say nothing about it.
+void PathMtu::lost(std::size_t length, Time now) {
+  if (length > bytes_) return;
+  if (losses_++ == 0) {
+    first_loss_ = now;
+    lost_length_ = none;
+  }
+  lost_length_ = std::min(lost_length_, length);
   if (losses_ >= losses_max && now - first_loss_ >= patience) shorten(now);
 }
 
@@ -46,9 +52,11 @@ void PathMtu::shorten(Time now) {
   retry_after_ = std::min<Time::duration>(2 * retry_after_, retry_pause_max);
 }
 
-void PathMtu::arrived(Time now) {
-  losses_ = 0;
-  if (bytes_ <= proven_) return;
+/// A shorter one than is lost at present says nothing about that, nor does one that is shorter than possible
+/// prove the present length.
+void PathMtu::arrived(std::size_t length, Time now) {
+  if (length >= lost_length_) losses_ = 0;
+  if (length < bytes_ || bytes_ <= proven_) return;
   proven_ = bytes_;
   if (next_longer() < too_long_) next_try_ = now + search_pause;
 }

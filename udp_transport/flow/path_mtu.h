@@ -1,7 +1,7 @@
 // The largest length of datagrams for one destination. The kernel knows it of the route, and of routers that
 // have reported it (ICMP). It is shorter where a path drops long datagrams without a word (a black hole),
-// which only the receiver's reports can show. The algorithm follows RFC 8899 with samples as probes: a sample
-// that a probe loses is sent again. The class is pure.
+// which only the receiver's reports can show (length_watch.h). The algorithm follows RFC 8899 with samples as
+// probes: a reliable sample that a probe loses is sent again. The class is pure.
 #pragma once
 
 #include <chrono>
@@ -15,8 +15,8 @@ class PathMtu {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// Long datagrams are given up for lost after so many requests for them, none of them answered, over that
-  /// time: longer than a round trip, so that the first answer can have come.
+  /// Long datagrams are given up for lost after so many reports without them over that time: a queue that is
+  /// full for a moment may lose a whole train.
   static constexpr int losses_max = 5;
   static constexpr std::chrono::milliseconds patience{200};
   /// From one length that is found to work to the next, and from one that does not to the next try, at first
@@ -31,10 +31,12 @@ class PathMtu {
   bool in_doubt() const { return bytes_ < ceiling_ || losses_ > 0; }
 
   void kernel_says(std::size_t bytes);
-  /// Tells that all datagrams of the present length were missing again.
-  void lost(Time now);
-  /// At least one of them has arrived.
-  void arrived(Time now);
+  /// The length that longer datagrams have not got beyond; 0 if no such limit was found.
+  std::size_t limited_to() const { return bytes_ < ceiling_ ? bytes_ : 0; }
+  /// Datagrams of that length, or longer ones, were sent, and none has arrived.
+  void lost(std::size_t length, Time now);
+  /// The longest datagram that has arrived of late had that length.
+  void arrived(std::size_t length, Time now);
   /// Tries the next greater length when it is time.
   void look_after(Time now);
 
@@ -53,7 +55,8 @@ class PathMtu {
   std::size_t too_long_ = none;  ///< did not arrive
   Time next_try_{};
   Time::duration retry_after_ = retry_pause;
-  int losses_ = 0;  ///< without an arrival in between
+  int losses_ = 0;                  ///< without the arrival of something as long in between
+  std::size_t lost_length_ = none;  ///< the shortest of these
   Time first_loss_{};
 };
 

@@ -72,10 +72,12 @@ ReceiverWatch::Time::duration ReceiverWatch::retry_pause(const RoundTrips& round
                 : std::min<Time::duration>(after(std::max(asked_ - 1, 0)), limits_.mark_silent);
 }
 
-bool ReceiverWatch::has_to_ask_anew(Time now) const {
-  const auto unasked = acks_come_ ? limits_.mark_anew_behind_acks : limits_.mark_anew;
-  const Time::duration anew = asked_since_ ? limits_.mark_silent : unasked;
-  return now - std::max(heard_at_, marked_at_) >= anew;
+/// An ack tells nothing about what is in doubt.
+bool ReceiverWatch::has_to_ask_anew(Time now, bool in_doubt) const {
+  const Time told_at = in_doubt ? marked_at_ : std::max(heard_at_, marked_at_);
+  if (asked_since_) return now - told_at >= limits_.mark_silent;
+  if (in_doubt) return now - told_at >= limits_.mark_anew_in_doubt;
+  return now - told_at >= (acks_come_ ? limits_.mark_anew_behind_acks : limits_.mark_anew);
 }
 
 }  // namespace sft::udp

@@ -49,8 +49,9 @@ class ReceiverWatch {
 
   /// The time at which a mark that was not answered is followed by another one.
   Time next_retry(const RoundTrips& round_trips) const { return marked_at_ + retry_pause(round_trips); }
-  /// True if so long nothing was heard that what was sent since then has to be asked about.
-  bool has_to_ask_anew(Time now) const;
+  /// True if so long nothing was heard that what was sent since then has to be asked about. `in_doubt`: part
+  /// of it may not have arrived.
+  bool has_to_ask_anew(Time now, bool in_doubt = false) const;
 
  private:
   /// The number of unanswered marks that count as silence.

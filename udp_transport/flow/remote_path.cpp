@@ -19,12 +19,20 @@ RemotePath::RemotePath(const SocketAddress& address, std::size_t kernel_says)
 
 void RemotePath::publish_length() noexcept {
   datagram_bytes_.store(mtu_.datagram_bytes(), std::memory_order_relaxed);
+  limited_to_.store(mtu_.limited_to(), std::memory_order_relaxed);
   length_in_doubt_.store(mtu_.in_doubt(), std::memory_order_relaxed);
 }
 
 SocketAddress RemotePath::address() const {
   const core::Lock lock(mutex_);
   return address_;
+}
+
+std::string RemotePath::limit_in_words() const {
+  const std::size_t limit = limited_to();
+  if (limit == 0) return {};
+  return "datagrams longer than " + std::to_string(limit) + " bytes do not arrive at " +
+         core::format(address().ip) + ": samples go there in shorter ones";
 }
 
 bool RemotePath::is_at(const core::IpAddress& ip) const {
@@ -58,15 +66,15 @@ void RemotePath::learn_length(const SocketAddress& asked, std::size_t kernel_say
   publish_length();
 }
 
-void RemotePath::long_ones_were_lost(Time now) noexcept {
+void RemotePath::were_lost(std::size_t length, Time now) noexcept {
   const core::Lock lock(mutex_);
-  mtu_.lost(now);
+  mtu_.lost(length, now);
   publish_length();
 }
 
-void RemotePath::long_ones_arrived(Time now) noexcept {
+void RemotePath::arrived(std::size_t length, Time now) noexcept {
   const core::Lock lock(mutex_);
-  mtu_.arrived(now);
+  mtu_.arrived(length, now);
   publish_length();
 }
 

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cstddef>
 #include <deque>
+#include <string>
 
 #include "core/platform/ip_address.h"
 #include "core/sync/lock_order.h"
@@ -41,12 +42,18 @@ class RemotePath {
   void measure_anew(const SocketAddress& address, std::size_t kernel_says) noexcept;
 
   std::size_t datagram_bytes() const { return datagram_bytes_.load(std::memory_order_relaxed); }
+  /// Datagrams that are longer than this do not arrive, although the kernel would send them; 0: they do, as
+  /// far as is known.
+  std::size_t limited_to() const { return limited_to_.load(std::memory_order_relaxed); }
+  /// The same as a sentence; empty if there is no such limit.
+  std::string limit_in_words() const;
   /// True if it should be told when long datagrams arrive (PathMtu::in_doubt()).
   bool length_in_doubt() const { return length_in_doubt_.load(std::memory_order_relaxed); }
   /// The kernel was asked about the path to that address. Ignored if the socket has moved meanwhile.
   void learn_length(const SocketAddress& asked, std::size_t kernel_says) noexcept;
-  void long_ones_were_lost(Time now) noexcept;
-  void long_ones_arrived(Time now) noexcept;
+  // The other end has told what became of datagrams of that length (PathMtu).
+  void were_lost(std::size_t length, Time now) noexcept;
+  void arrived(std::size_t length, Time now) noexcept;
   /// From time to time: the path may take longer datagrams by now.
   void look_after(Time now) noexcept;
 
@@ -59,6 +66,7 @@ class RemotePath {
   std::deque<core::IpAddress> also_at_ SFT_GUARDED_BY(mutex_);
   PathMtu mtu_ SFT_GUARDED_BY(mutex_);
   std::atomic<std::size_t> datagram_bytes_;
+  std::atomic<std::size_t> limited_to_{0};
   std::atomic<bool> length_in_doubt_{false};
 };
 

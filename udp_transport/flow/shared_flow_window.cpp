@@ -62,10 +62,11 @@ bool SharedFlowWindow::takes_control(Time now) {
   return takes;
 }
 
-std::optional<FlowMark> SharedFlowWindow::sent(std::size_t bytes, std::size_t datagrams, Time now,
-                                               bool aside) {
+std::optional<FlowMark> SharedFlowWindow::sent(std::size_t bytes, std::size_t datagrams, std::size_t longest,
+                                               Time now, bool aside) {
   const core::Lock lock(mutex_);
   window_.sent(bytes, datagrams, now, aside);
+  window_.note_length(longest, now);
   return window_.mark(now);
 }
 
@@ -80,13 +81,20 @@ SharedFlowWindow::Heard SharedFlowWindow::hear(const FlowReport& report, Time no
   if (!window_.answers_a_mark(report)) return {};
   const bool goes_on = window_.hear(report, now);
   note_answers(now);
-  return {
-      .believed = true, .goes_on = goes_on, .control_was_withheld = std::exchange(control_withheld_, false)};
+  return {.believed = true,
+          .goes_on = goes_on,
+          .control_was_withheld = std::exchange(control_withheld_, false),
+          .lost_length = window_.lost_length()};
 }
 
 void SharedFlowWindow::lives(Time now) {
   const core::Lock lock(mutex_);
   window_.lives(now);
+}
+
+void SharedFlowWindow::asked_again() {
+  const core::Lock lock(mutex_);
+  window_.asked_again();
 }
 
 void SharedFlowWindow::refused(Time now) {

@@ -46,7 +46,9 @@ class SharedFlowWindow {
   /// True if a heartbeat or an offer may go. The next report tells if one was withheld.
   bool takes_control(Time now);
   /// Returns the mark that the caller sends to the receiver now, if one is due.
-  [[nodiscard]] std::optional<FlowMark> sent(std::size_t bytes, std::size_t datagrams, Time now, bool aside);
+  /// `longest` is the length of the longest datagram.
+  [[nodiscard]] std::optional<FlowMark> sent(std::size_t bytes, std::size_t datagrams, std::size_t longest,
+                                             Time now, bool aside);
   /// Somebody waits for room: asks a receiver again that does not report. Returns the mark as sent() does.
   [[nodiscard]] std::optional<FlowMark> await_room(Time now);
 
@@ -54,9 +56,11 @@ class SharedFlowWindow {
     bool believed = false;
     bool goes_on = false;               ///< somebody waited who may go on now
     bool control_was_withheld = false;  ///< since the last report; it may go now
+    std::size_t lost_length = 0;        ///< datagrams of that length have not arrived; 0: all have, it seems
   };
   [[nodiscard]] Heard hear(const FlowReport& report, Time now);
   void lives(Time now);
+  void asked_again();
   void refused(Time now);
   void move(std::uint64_t secret, std::shared_ptr<UnprovenBudget> host);
 

@@ -36,7 +36,9 @@ Arrival Demultiplexer::take(Malformed& d, const Envelope& envelope) {
 Arrival Demultiplexer::take(FlowMark& d, const Envelope& envelope) {
   const std::optional<SocketAddress> to = reassembly_.report_address(envelope.from.ip, d.port);
   if (to) {
-    outlets_.send_report(*to, shares_.answer(d, envelope.from, envelope.now.steady));
+    FlowReport report = shares_.answer(d, envelope.from, envelope.now.steady);
+    report.longest = longest_.answer(envelope.from.ip, envelope.bytes, envelope.now.steady);
+    outlets_.send_report(*to, report);
   } else {
     ++unknown_marks_;
   }

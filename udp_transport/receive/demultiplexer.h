@@ -9,6 +9,7 @@
 #include <span>
 
 #include "core/platform/ip_address.h"
+#include "udp_transport/flow/longest_arrivals.h"
 #include "udp_transport/flow/receive_shares.h"
 #include "udp_transport/io/datagram_io.h"
 #include "udp_transport/receive/reassembly.h"
@@ -50,6 +51,7 @@ class Demultiplexer {
   template <class FromWriter>
   Arrival take(FromWriter& d, const Envelope& envelope) {
     shares_.count(envelope.from);
+    longest_.note(envelope.from.ip, envelope.bytes, envelope.now.steady);
     return reassembly_.accept(d, envelope);
   }
   Arrival take(FlowMark& d, const Envelope& envelope);
@@ -60,6 +62,7 @@ class Demultiplexer {
   const Outlets outlets_;
   Reassembly& reassembly_;
   ReceiveShares shares_;
+  LongestArrivals longest_;
   core::IpAddress last_from_;  ///< the address that the last sample came from
   std::uint64_t unknown_marks_ = 0;
 };

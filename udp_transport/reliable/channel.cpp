@@ -132,9 +132,9 @@ void Channel::put_back(const Piece& piece) {
 
 Wake Channel::hear(const Ack& ack) {
   const Time time = now();
+  if (ack.channel == number_ && ack.missing_count > 0) to_->asked_again();
   const Time::duration round_trip = ack.missing_count == 0 ? Time::duration{} : to_->window().round_trip();
   const core::Lock lock(mutex_);
-  if (ack.channel == number_) judge_length(ack, time);
   window_.hear(ack, time, round_trip);
   if (window_.gone_wrong() && !life_.is_closed() && !went_wrong_.exchange(true, std::memory_order_relaxed)) {
     waiters_.release_publisher();
@@ -146,13 +146,6 @@ Wake Channel::hear(const Ack& ack) {
   const Wake sooner = looks_sooner(time);
   const Wake news = window_.has_work() ? attention_.wake() : Wake::none;
   return strongest(strongest(sooner, for_room), news);
-}
-
-void Channel::judge_length(const Ack& ack, Time now) {
-  const LengthWatch::Verdict verdict =
-      lengths_.judge(ack, window_, to_->path().datagram_bytes(), to_->path().length_in_doubt());
-  if (verdict.arrived) to_->long_ones_arrived(now);
-  if (verdict.lost) to_->long_ones_were_lost(now);
 }
 
 void Channel::end() {

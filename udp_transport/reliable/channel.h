@@ -16,7 +16,6 @@
 #include "udp_transport/outgoing/writer_tally.h"
 #include "udp_transport/reliable/attention.h"
 #include "udp_transport/reliable/channel_life.h"
-#include "udp_transport/reliable/length_watch.h"
 #include "udp_transport/reliable/resend_window.h"
 #include "udp_transport/reliable/room_waiters.h"
 
@@ -117,7 +116,6 @@ class Channel {
   bool wait_for_room(const Job& job, std::chrono::nanoseconds& patience, core::Lock& lock)
       SFT_REQUIRES(mutex_);
   Wake looks_sooner(Time now) SFT_REQUIRES(mutex_);
-  void judge_length(const Ack& ack, Time now) SFT_REQUIRES(mutex_);
 
   const std::uint32_t writer_;
   const std::uint32_t number_;
@@ -134,7 +132,6 @@ class Channel {
   ChannelLife life_ SFT_GUARDED_BY(mutex_);
   Attention attention_ SFT_GUARDED_BY(mutex_);
   RoomWaiters waiters_ SFT_GUARDED_BY(mutex_);
-  LengthWatch lengths_ SFT_GUARDED_BY(mutex_);
   /// Counts the moves of the destination that the window knows of.
   std::uint32_t moves_ SFT_GUARDED_BY(mutex_) = to_->moves();
 };

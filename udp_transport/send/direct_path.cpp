@@ -87,7 +87,7 @@ SendOutcome DirectPath::send_batch(Destination& to, Connection& by, std::size_t 
     tally_->bytes_sent.fetch_add(batch_.bytes(), std::memory_order_relaxed);
     tally_->limit.spend(batch_.bytes());
     side_->sender.limit().spend(batch_.bytes());
-    to.sent(by, batch_.bytes(), batch_.datagrams(), now);
+    to.sent(by, batch_.bytes(), batch_.datagrams(), batch_.longest(), now);
   } else if (outcome != SendOutcome::would_wait) {
     to.note(outcome);
     if (outcome == SendOutcome::too_long && to.path().datagram_bytes() < cut_for)

@@ -46,15 +46,16 @@ FlowSender::Progress FlowSender::send_a_few(SendFlow& flow, Time now) {
 }
 
 void FlowSender::account_for(SendFlow& flow, Connection& by, std::size_t batches, Time now) {
-  std::size_t bytes = 0, datagrams = 0;
+  std::size_t bytes = 0, datagrams = 0, longest = 0;
   for (const Batch& batch : std::span(batches_).first(batches)) {
     bytes += batch.bytes();
     datagrams += batch.datagrams();
+    longest = std::max(longest, batch.longest());
   }
   flow.tally().bytes_sent.fetch_add(bytes, std::memory_order_relaxed);
   flow.tally().limit.spend(bytes);
   limit_.spend(bytes);
-  flow.destination().sent(by, bytes, datagrams, now);
+  flow.destination().sent(by, bytes, datagrams, longest, now);
   if (flow.size == SendFlow::Size::large) flow.behind = flow.destination().window().position();
 }
 

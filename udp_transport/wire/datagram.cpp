@@ -329,6 +329,7 @@ void each_field(Is<FlowReport> auto& report, const auto& field) noexcept {
   field(16, report.window_bytes);
   field(20, report.datagrams);
   field(24, report.came);
+  field(28, report.longest);
   field(32, report.sent_at_ns);
 }
 

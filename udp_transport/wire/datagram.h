@@ -248,6 +248,9 @@ struct FlowReport {
   std::uint32_t datagrams = 0;
   /// So many of these datagrams came. All that were sent before the receiver knew the sender count as come.
   std::uint32_t came = 0;
+  /// Bytes of the longest datagram that came from the sender's address of late; 0 if the receiver does not
+  /// know.
+  std::uint32_t longest = 0;
   std::int64_t sent_at_ns = 0;
   friend bool operator==(const FlowReport&, const FlowReport&) = default;
 };

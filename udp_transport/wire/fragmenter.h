@@ -32,6 +32,8 @@ class Batch {
   std::span<const iovec> parts() const { return {parts_.data(), part_count_}; }
   std::size_t bytes() const { return bytes_; }
   std::size_t datagrams() const { return datagrams_; }
+  /// The length of the longest datagram.
+  std::size_t longest() const { return datagrams_ > 1 ? segment_bytes_ : bytes_; }
   /// The length of all datagrams but the last one; 0 if there is only one.
   std::uint16_t segment_bytes() const { return datagrams_ > 1 ? segment_bytes_ : std::uint16_t{0}; }
 

@@ -279,7 +279,7 @@ TEST_P(NetworkTest, SendsNextToNothingToAHostThatDidNotAskForIt) {
   ::close(socket);
   EXPECT_GT(came, 0U) << "it is asked";
   EXPECT_LT(came, 40'000U);
-  EXPECT_NE(small.port().silence(1), "");
+  EXPECT_NE(small.port().path_trouble(1), "");
 }
 
 TEST_P(NetworkTest, SendsNextToNothingToAPortOfThisHostThatNobodyAskedFor) {
@@ -299,7 +299,8 @@ TEST_P(NetworkTest, SendsNextToNothingToAPortOfThisHostThatNobodyAskedFor) {
   EXPECT_LE(came, 26'000U);
   ::close(socket);
   for (int n = 0; n < 10; ++n) publisher.publish(make_image(10'000));
-  EXPECT_TRUE(test::eventually([&] { return !publisher.port().silence(1).empty(); })) << "the host says so";
+  EXPECT_TRUE(test::eventually([&] { return !publisher.port().path_trouble(1).empty(); }))
+      << "the host says so";
 }
 
 TEST_P(NetworkTest, GoesOnWithinASecondAfterAHostThatCouldNotBeReachedIsBack) {
@@ -333,10 +334,10 @@ TEST_P(NetworkTest, GoesOnWithinASecondAfterAHostThatCouldNotBeReachedIsBack) {
   const std::string neighbour = "10.9." + std::to_string(net) + ".2", link = "to" + std::to_string(net);
   ASSERT_TRUE(run("ip neighbour replace " + neighbour + " lladdr 02:00:00:00:00:03 dev " + link));
   publish_until([] { return false; }, 3s);
-  EXPECT_NE(one.port().silence(1), "");
+  EXPECT_NE(one.port().path_trouble(1), "");
   ASSERT_TRUE(run("ip neighbour delete " + neighbour + " dev " + link));
   EXPECT_TRUE(publish_until(both_get_more(), 1s));
-  EXPECT_EQ(one.port().silence(1), "");
+  EXPECT_EQ(one.port().path_trouble(1), "");
 }
 
 TEST_P(NetworkTest, GoesOnWhenThePathTakesShorterDatagrams) {

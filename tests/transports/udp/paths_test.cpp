@@ -30,9 +30,9 @@ void run_all(const std::string& commands) {
 }
 
 /// Notes how long the longest datagram is that comes.
-class LengthWatch final : public test::PassingReceiver {
+class LongestSoFar final : public test::PassingReceiver {
  public:
-  LengthWatch(std::unique_ptr<DatagramReceiver> inner, std::atomic<std::size_t>& longest)
+  LongestSoFar(std::unique_ptr<DatagramReceiver> inner, std::atomic<std::size_t>& longest)
       : PassingReceiver(std::move(inner)), longest_(longest) {}
 
  private:
@@ -95,7 +95,7 @@ class Host {
   core::Network& open_transport(Backend backend) {
     here([&] {
       transport_ = open_udp_transport({.backend = backend}, test::make_pool(), [this](DatagramIo io) {
-                     io.receiver = std::make_unique<LengthWatch>(std::move(io.receiver), longest_);
+                     io.receiver = std::make_unique<LongestSoFar>(std::move(io.receiver), longest_);
                      return io;
                    }).value();
     });
@@ -152,6 +152,26 @@ class PathsTest : public testing::TestWithParam<Family> {
             host.name() + "; " + add_address(net, 1, out) + "; ip link set " + out + " up; ethtool -K " +
             out + " tx-udp-segmentation off > /dev/null");
     host.run_here(add_address(net, 2, "in0") + "; ip link set in0 up");
+  }
+
+  /// Another cable, from a router to a host behind it: network 2, the router is its number 1.
+  static void put_behind(Host& router, Host& far, unsigned mtu) {
+    const std::string mtus = std::to_string(mtu);
+    router.run_here("ip link add r1 mtu " + mtus + " type veth peer name in0 mtu " + mtus + " netns " +
+                    far.name() + "; " + add_address(2, 1, "r1") +
+                    "; ip link set r1 up; echo 1 > /proc/sys/net/" +
+                    (ipv6() ? "ipv6/conf/all/forwarding" : "ipv4/ip_forward"));
+    far.run_here(add_address(2, 2, "in0") + "; ip link set in0 up; ip route add default via " +
+                 address(2, 1));
+    run_all("ip route add " + address(2, 0) + bits() + " via " + address(1, 2));
+  }
+  /// From now on the router drops longer packets without a word, as some tunnels do. Whoever sends trains of
+  /// datagrams cuts them into packets before.
+  static void drop_longer_than(unsigned bytes, Host& router) {
+    router.run_here(
+        "nft add table inet silent; nft add chain inet silent f \"{ type filter hook forward "
+        "priority 0; }\"; nft add rule inet silent f meta length \\> " +
+        std::to_string(bytes) + " drop");
   }
 
   std::unique_ptr<core::Network> open() {
@@ -214,11 +234,7 @@ TEST_P(IPv4PathsTest, LeadToWhereIPv6IsSwitchedOff) {
 TEST_P(PathsTest, LearnsFromARouterWhatThePathBehindItTakes) {
   Host router, far;
   plug_in(router, 1, 9000);
-  router.run_here("ip link add r1 mtu 1400 type veth peer name in0 mtu 1400 netns " + far.name() + "; " +
-                  add_address(2, 1, "r1") + "; ip link set r1 up; echo 1 > /proc/sys/net/" +
-                  (ipv6() ? "ipv6/conf/all/forwarding" : "ipv4/ip_forward"));
-  far.run_here(add_address(2, 2, "in0") + "; ip link set in0 up; ip route add default via " + address(2, 1));
-  run_all("ip route add " + address(2, 0) + bits() + " via " + address(1, 2));
+  put_behind(router, far, 1400);
   Subscriber subscriber(far.open_transport(Backend::io_uring), {"*"});
   const auto near = open();
   Publisher publisher(*near);
@@ -275,6 +291,90 @@ TEST_P(PathsTest, LosesNoneOfManySmallSamplesWhereALinkTakesLessFromNowOn) {
     EXPECT_EQ(std::move(batch).flush(), 0U);
     EXPECT_EQ(subscriber.await(100 * n).size(), 100 * n);
   }
+}
+
+/// Bytes of samples that take one datagram that fits, one that does not, a few, and many.
+constexpr std::size_t all_sizes[] = {100, 1300, 1400, 9000, 1'600'000};
+
+TEST_P(PathsTest, BringReliableSamplesOfEverySizeBothWaysWhereARouterDropsLongPacketsSilently) {
+  Host router, far;
+  plug_in(router, 1, 9000);
+  put_behind(router, far, 1500);
+  drop_longer_than(1280, router);
+  for (const bool offload : {false, true}) {
+    far.run_here(std::string("ethtool -K in0 tx-udp-segmentation off gro ") + (offload ? "on" : "off"));
+    for (const std::size_t bytes : all_sizes) {
+      core::Network& there = far.open_transport(offload ? Backend::io_uring : Backend::sockets);
+      const auto near = open();
+      Subscriber far_one(there, {"*"}), near_one(*near, {"*"});
+      Publisher to_far(*near, 7), to_near(there, 8);
+      far_one.listen_reliably_to(to_far.id());
+      near_one.listen_reliably_to(to_near.id());
+      core::UdpAddress here = near->addresses().at(0);
+      here.ip = ip(1, 1);
+      to_far.serve({{far.at(ip(2, 2)), "*", true}});
+      far.here([&] { to_near.serve({{here, "*", true}}); });
+      for (std::size_t n = 1; n <= 3; ++n) {
+        to_far.publish(make_image(bytes));
+        to_near.publish(make_image(bytes));
+        ASSERT_EQ(far_one.await(n).size(), n) << bytes;
+        ASSERT_EQ(near_one.await(n).size(), n) << bytes;
+      }
+    }
+  }
+}
+
+/// They are lost until it is known how long datagrams may be. From then on they arrive.
+TEST_P(PathsTest, BringBestEffortSamplesOfEverySizeThereAndNameTheLimit) {
+  Host router, far;
+  plug_in(router, 1, 9000);
+  put_behind(router, far, 1500);
+  drop_longer_than(1280, router);
+  for (const std::size_t bytes : all_sizes) {
+    Subscriber subscriber(far.open_transport(Backend::io_uring), {"*"});
+    const auto near = open();
+    Publisher publisher(*near);
+    subscriber.listen_to(publisher.id());
+    publisher.serve({{far.at(ip(2, 2)), "*"}});
+    std::size_t came = 0;
+    const auto another_one_comes = [&] {
+      publisher.publish(make_image(bytes));
+      const std::size_t before = std::exchange(came, subscriber.await(came + 1, 0s).size());
+      return came > before;
+    };
+    for (int i = 0; i < 5; ++i)
+      EXPECT_TRUE(test::eventually(another_one_comes, test::patience, 20ms)) << bytes;
+    const std::string limit = "datagrams longer than " + std::to_string(payload(1280)) +
+                              " bytes do not arrive at " + address(2, 2) +
+                              ": samples go there in shorter ones";
+    EXPECT_EQ(publisher.port().path_trouble(1), bytes == 100 ? "" : limit) << bytes;
+  }
+}
+
+TEST_P(PathsTest, BringLongDatagramsAgainOnceTheRouterLetsThemPass) {
+  Host router, far;
+  plug_in(router, 1, 1500);
+  put_behind(router, far, 1500);
+  drop_longer_than(1280, router);
+  Subscriber subscriber(far.open_transport(Backend::io_uring), {"*"});
+  const auto near = open();
+  Publisher publisher(*near);
+  subscriber.listen_reliably_to(publisher.id());
+  publisher.serve({{far.at(ip(2, 2)), "*", true}});
+  publisher.publish(make_image(30'000));
+  ASSERT_EQ(subscriber.await(1).size(), 1U);
+  EXPECT_NE(publisher.port().path_trouble(1), "");
+  router.run_here("nft delete table inet silent");
+  const auto begin = std::chrono::steady_clock::now();
+  std::size_t n = 1;
+  EXPECT_TRUE(test::eventually([&] {
+    near->poll(begin + n * 11s);
+    publisher.publish(make_image(30'000));
+    ++n;
+    return subscriber.await(n).size() < n || publisher.port().path_trouble(1).empty();
+  }));
+  EXPECT_EQ(subscriber.await(n).size(), n);
+  EXPECT_EQ(far.longest(), payload(1500));
 }
 
 }  // namespace

@@ -39,7 +39,7 @@ class IdleNetworkWriter : public NetworkWriter {
   bool history_sent(EndpointId) noexcept override { return true; }
   Counters counters() const noexcept override { return {}; }
   std::string multicast(EndpointId) const override { return {}; }
-  std::string silence(EndpointId) const override { return {}; }
+  std::string path_trouble(EndpointId) const override { return {}; }
 
  protected:
   void begin_sample() noexcept override {}

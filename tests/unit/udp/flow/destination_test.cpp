@@ -23,10 +23,10 @@ class DestinationTest : public testing::Test {
 };
 
 TEST_F(DestinationTest, SendsWhatMustNotOvertakeBehindIt) {
-  to_.sent(to_.connection(), 100, 1, now_);
+  to_.sent(to_.connection(), 100, 1, 100, now_);
   ASSERT_TRUE(to_.hear(answer_to_mark(200'000), there_, now_).believed);
   EXPECT_EQ(&to_.connection_after(to_.window().position()), &to_.connection());
-  to_.sent(to_.bulk(), 100'000, 70, now_);
+  to_.sent(to_.bulk(), 100'000, 70, 1472, now_);
   EXPECT_EQ(&to_.connection_after(to_.window().position()), &to_.bulk());
   EXPECT_EQ(&to_.connection_after(0), &to_.connection()) << "nothing comes before position 0";
   ASSERT_TRUE(to_.hear(answer_to_mark(), there_, now_ + 1ms).believed);
@@ -35,7 +35,7 @@ TEST_F(DestinationTest, SendsWhatMustNotOvertakeBehindIt) {
 
 TEST_F(DestinationTest, BelievesAReportThatRepeatsItsMarkAndLearnsWhereTheReceiverIs) {
   EXPECT_FALSE(to_.window().answers());
-  to_.sent(to_.connection(), 100, 1, now_);
+  to_.sent(to_.connection(), 100, 1, 100, now_);
   FlowReport guess = answer_to_mark();
   guess.sent_at_ns = now_.time_since_epoch().count();
   EXPECT_FALSE(to_.hear(guess, there_, now_).believed) << "only who got the mark knows the time in it";
@@ -49,7 +49,7 @@ TEST_F(DestinationTest, BelievesAReportThatRepeatsItsMarkAndLearnsWhereTheReceiv
 }
 
 TEST_F(DestinationTest, HasToAnswerAnewWhereItHasMovedTo) {
-  to_.sent(to_.connection(), 100, 1, now_);
+  to_.sent(to_.connection(), 100, 1, 100, now_);
   const FlowReport before = answer_to_mark();
   ASSERT_TRUE(to_.hear(before, there_, now_).believed);
   to_.move_to({elsewhere_, 5000}, {});
@@ -77,14 +77,14 @@ TEST_F(DestinationTest, SendsNoHeartbeatsToWhoDoesNotAnswerAndThenOneAtOnce) {
   }
   EXPECT_EQ(few, 16);
   EXPECT_EQ(to_.moves(), 0U);
-  to_.sent(to_.connection(), 100, 1, now_);
+  to_.sent(to_.connection(), 100, 1, 100, now_);
   ASSERT_TRUE(to_.hear(answer_to_mark(), there_, now_).believed);
   EXPECT_EQ(to_.moves(), 1U) << "channels ask again at once";
   EXPECT_TRUE(to_.takes_control(now_));
 }
 
 TEST_F(DestinationTest, AsksWhoNeverAnsweredAlsoIfNothingButHeartbeatsIsLeftToSend) {
-  to_.sent(to_.connection(), 1000, 16, now_);
+  to_.sent(to_.connection(), 1000, 16, 100, now_);
   const std::size_t first = connections_.sent().size();
   EXPECT_EQ(first, 1U);
   Destination::Time time = now_;
@@ -95,12 +95,12 @@ TEST_F(DestinationTest, AsksWhoNeverAnsweredAlsoIfNothingButHeartbeatsIsLeftToSe
 }
 
 TEST_F(DestinationTest, AsksWhoFellSilentAlsoIfNothingButHeartbeatsIsLeftToSend) {
-  to_.sent(to_.connection(), 100, 1, now_);
+  to_.sent(to_.connection(), 100, 1, 100, now_);
   ASSERT_TRUE(to_.hear(answer_to_mark(), there_, now_).believed);
   Destination::Time time = now_;
   for (; to_.takes_control(time); time += 300ms) {
     ASSERT_LT(time, now_ + 20s);
-    if (time < now_ + 5s) to_.sent(to_.connection(), 100, 1, time);
+    if (time < now_ + 5s) to_.sent(to_.connection(), 100, 1, 100, time);
   }
   const std::size_t before = connections_.sent().size();
   for (const Destination::Time end = time + 5s; time < end; time += 1s) EXPECT_FALSE(to_.takes_control(time));

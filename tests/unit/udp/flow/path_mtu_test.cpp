@@ -22,7 +22,7 @@ class Path {
   void use_for(PathMtu::Time::duration time) {
     for (const auto end = now_ + time; now_ < end; now_ += 50ms) {
       const std::size_t before = mtu_.datagram_bytes();
-      before <= takes_ ? mtu_.arrived(now_) : mtu_.lost(now_);
+      before <= takes_ ? mtu_.arrived(mtu_.datagram_bytes(), now_) : mtu_.lost(mtu_.datagram_bytes(), now_);
       mtu_.look_after(now_);
       if (mtu_.datagram_bytes() != before) lengths_.push_back(mtu_.datagram_bytes() + headers);
     }
@@ -86,14 +86,15 @@ TEST(PathMtuTest, ShrinksToWhatEveryPathTakesWhereNothingElseArrives) {
   path.use_for(2s);
   EXPECT_EQ(path.take_lengths(), (std::vector<std::size_t>{1280, shortest + headers}));
   PathMtu ipv6(48, 1232, 1452);
-  for (int i = 0; i < 100; ++i) ipv6.lost(PathMtu::Time{1h} + i * 50ms);
+  for (int i = 0; i < 100; ++i) ipv6.lost(ipv6.datagram_bytes(), PathMtu::Time{1h} + i * 50ms);
   EXPECT_EQ(ipv6.datagram_bytes(), 1232U);
 }
 
 TEST(PathMtuTest, IsNotTakenInByLossOfAllLengths) {
   PathMtu mtu(headers, shortest, payload(1500));
   PathMtu::Time now{1h};
-  for (int i = 0; i < 10'000; ++i, now += 50ms) i % 5 == 4 ? mtu.arrived(now) : mtu.lost(now);
+  for (int i = 0; i < 10'000; ++i, now += 50ms)
+    i % 5 == 4 ? mtu.arrived(mtu.datagram_bytes(), now) : mtu.lost(mtu.datagram_bytes(), now);
   EXPECT_EQ(mtu.datagram_bytes(), payload(1500));
 }
 
@@ -101,9 +102,9 @@ TEST(PathMtuTest, IsNotTakenInByLossOfAllLengths) {
 TEST(PathMtuTest, WaitsForAtLeastARoundTrip) {
   PathMtu mtu(headers, shortest, payload(1500));
   const PathMtu::Time now{1h};
-  for (int i = 0; i < 100; ++i) mtu.lost(now + i * 1ms);
+  for (int i = 0; i < 100; ++i) mtu.lost(mtu.datagram_bytes(), now + i * 1ms);
   EXPECT_EQ(mtu.datagram_bytes(), payload(1500));
-  mtu.lost(now + PathMtu::patience);
+  mtu.lost(mtu.datagram_bytes(), now + PathMtu::patience);
   EXPECT_EQ(mtu.datagram_bytes(), payload(1280));
 }
 
@@ -131,10 +132,10 @@ TEST(PathMtuTest, TriesMoreSoonAgainOnAnotherWay) {
 TEST(PathMtuTest, CountsNoLossesOfAnotherWay) {
   PathMtu mtu(headers, shortest, payload(9000));
   PathMtu::Time now{1h};
-  for (int i = 1; i < PathMtu::losses_max; ++i, now += 100ms) mtu.lost(now);
+  for (int i = 1; i < PathMtu::losses_max; ++i, now += 100ms) mtu.lost(mtu.datagram_bytes(), now);
   mtu.kernel_says(payload(1500));
   EXPECT_FALSE(mtu.in_doubt());
-  mtu.lost(now);
+  mtu.lost(mtu.datagram_bytes(), now);
   EXPECT_EQ(mtu.datagram_bytes(), payload(1500));
 }
 
@@ -185,9 +186,9 @@ TEST(PathMtuTest, GrowsToWhatTheKernelSaysAndNotBeyond) {
 TEST(PathMtuTest, IsInDoubtFromTheFirstLossOn) {
   PathMtu mtu(headers, shortest, payload(1500));
   PathMtu::Time now{1h};
-  mtu.lost(now);
+  mtu.lost(mtu.datagram_bytes(), now);
   EXPECT_TRUE(mtu.in_doubt());
-  mtu.arrived(now);
+  mtu.arrived(mtu.datagram_bytes(), now);
   EXPECT_FALSE(mtu.in_doubt());
 }
 
@@ -195,7 +196,7 @@ TEST(PathMtuTest, TakesAsManyLossesForEachLength) {
   PathMtu mtu(headers, shortest, payload(1500));
   PathMtu::Time now{1h};
   const auto lose = [&](int count) {
-    for (; count > 0; --count, now += PathMtu::patience) mtu.lost(now);
+    for (; count > 0; --count, now += PathMtu::patience) mtu.lost(mtu.datagram_bytes(), now);
   };
   lose(PathMtu::losses_max);
   EXPECT_EQ(mtu.datagram_bytes(), payload(1280));
@@ -208,8 +209,8 @@ TEST(PathMtuTest, TakesAsManyLossesForEachLength) {
 TEST(PathMtuTest, TriesMoreAtTheMomentWhenItIsDue) {
   PathMtu mtu(headers, shortest, payload(1500));
   PathMtu::Time now{1h};
-  for (int i = 0; i < PathMtu::losses_max; ++i, now += 50ms) mtu.lost(now);
-  mtu.arrived(now);
+  for (int i = 0; i < PathMtu::losses_max; ++i, now += 50ms) mtu.lost(mtu.datagram_bytes(), now);
+  mtu.arrived(mtu.datagram_bytes(), now);
   mtu.look_after(now + PathMtu::search_pause - 1ns);
   EXPECT_EQ(mtu.datagram_bytes(), payload(1280));
   mtu.look_after(now + PathMtu::search_pause);
@@ -219,10 +220,42 @@ TEST(PathMtuTest, TriesMoreAtTheMomentWhenItIsDue) {
 TEST(PathMtuTest, TriesNothingWhileNobodyTellsWhatArrives) {
   PathMtu mtu(headers, shortest, payload(9000));
   PathMtu::Time now{1h};
-  for (int i = 0; i < PathMtu::losses_max; ++i, now += 50ms) mtu.lost(now);
+  for (int i = 0; i < PathMtu::losses_max; ++i, now += 50ms) mtu.lost(mtu.datagram_bytes(), now);
   ASSERT_EQ(mtu.datagram_bytes(), payload(1280));
   for (int i = 0; i < 10'000; ++i, now += 50ms) mtu.look_after(now);
   EXPECT_EQ(mtu.datagram_bytes(), payload(1280));
+}
+
+TEST(PathMtuTest, ShrinksForDatagramsThatAreShorterThanItsLength) {
+  PathMtu mtu(headers, shortest, payload(1500));
+  PathMtu::Time now{1h};
+  for (int i = 0; i < PathMtu::losses_max; ++i, now += 50ms) {
+    mtu.lost(1330, now);
+    mtu.arrived(300, now);
+  }
+  EXPECT_EQ(mtu.datagram_bytes(), payload(1280));
+  EXPECT_EQ(mtu.limited_to(), payload(1280));
+}
+
+TEST(PathMtuTest, TakesNoShorterDatagramForAProofOfItsLength) {
+  PathMtu mtu(headers, shortest, payload(1500));
+  PathMtu::Time now{1h};
+  for (int i = 0; i < PathMtu::losses_max; ++i, now += 50ms) mtu.lost(payload(1500), now);
+  mtu.arrived(payload(1280) - 1, now);
+  mtu.look_after(now + 1h);
+  EXPECT_EQ(mtu.datagram_bytes(), payload(1280));
+}
+
+TEST(PathMtuTest, CountsNoLossesOfDatagramsThatWereSentBeforeItShrank) {
+  PathMtu mtu(headers, shortest, payload(1500));
+  PathMtu::Time now{1h};
+  for (int i = 0; i < 10 * PathMtu::losses_max; ++i, now += 50ms) mtu.lost(payload(1500), now);
+  EXPECT_EQ(mtu.datagram_bytes(), payload(1280));
+}
+
+TEST(PathMtuTest, HasNoLimitWhereAllThatTheKernelSaysArrives) {
+  const PathMtu mtu(headers, shortest, payload(1500));
+  EXPECT_EQ(mtu.limited_to(), 0U);
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ class RemotePathTest : public testing::Test {
  protected:
   /// So many requests for long datagrams come without an answer that these count as lost.
   void lose_long_ones() {
-    for (int i = 0; i < PathMtu::losses_max; ++i, now_ += PathMtu::patience) path_.long_ones_were_lost(now_);
+    for (int i = 0; i < PathMtu::losses_max; ++i, now_ += PathMtu::patience) path_.were_lost(ethernet, now_);
   }
 
   static constexpr std::size_t ethernet = 1472;
@@ -34,12 +34,12 @@ TEST_F(RemotePathTest, IgnoresWhatTheKernelSaidOfAFormerAddress) {
 }
 
 TEST_F(RemotePathTest, TakesShorterDatagramsWhereLongOnesGetLostAndThenTriesLongerOnes) {
-  path_.long_ones_were_lost(now_);
+  path_.were_lost(ethernet, now_);
   EXPECT_TRUE(path_.length_in_doubt());
   lose_long_ones();
   const std::size_t shortened = path_.datagram_bytes();
   EXPECT_LT(shortened, ethernet);
-  path_.long_ones_arrived(now_);
+  path_.arrived(path_.datagram_bytes(), now_);
   path_.look_after(now_ + PathMtu::search_pause);
   EXPECT_GT(path_.datagram_bytes(), shortened);
 }

@@ -22,7 +22,7 @@ class SharedFlowWindowTest : public testing::Test {
   }
   /// The receiver answers the first mark.
   void get_to_know() {
-    const std::optional<FlowMark> mark = window_.sent(100, 1, now_, false);
+    const std::optional<FlowMark> mark = window_.sent(100, 1, 100, now_, false);
     ASSERT_TRUE(mark);
     ASSERT_TRUE(window_.hear(answer(*mark), now_).believed);
   }
@@ -46,7 +46,7 @@ TEST_F(SharedFlowWindowTest, AnswersFromTheFirstReportUntilALookFindsTheReceiver
   get_to_know();
   EXPECT_TRUE(window_.answers());
   for (int i = 0; i < 10; ++i, now_ += 200ms) {
-    static_cast<void>(window_.sent(100, 1, now_, false));
+    static_cast<void>(window_.sent(100, 1, 100, now_, false));
     static_cast<void>(window_.await_room(now_));
   }
   EXPECT_TRUE(window_.is_mute(now_));
@@ -57,13 +57,13 @@ TEST_F(SharedFlowWindowTest, AnswersFromTheFirstReportUntilALookFindsTheReceiver
 
 TEST_F(SharedFlowWindowTest, DoesNotAnswerAnyMoreOnceTheHostHasRefused) {
   get_to_know();
-  static_cast<void>(window_.sent(100'000, 70, now_ + 1s, false));
+  static_cast<void>(window_.sent(100'000, 70, 1472, now_ + 1s, false));
   window_.refused(now_ + 1s);
   EXPECT_FALSE(window_.answers());
 }
 
 TEST_F(SharedFlowWindowTest, HasToAnswerAnewAfterAMove) {
-  const std::optional<FlowMark> mark = window_.sent(100, 1, now_, false);
+  const std::optional<FlowMark> mark = window_.sent(100, 1, 100, now_, false);
   ASSERT_TRUE(mark);
   ASSERT_TRUE(window_.hear(answer(*mark), now_).believed);
   window_.move(secret + 1, {});
@@ -78,7 +78,7 @@ TEST_F(SharedFlowWindowTest, HasToAnswerAnewAfterAMove) {
 TEST_F(SharedFlowWindowTest, AnswersAlwaysIfNobodyIsAsked) {
   SharedFlowWindow unasked(flow, FlowLimits{.asks = false}, secret);
   EXPECT_TRUE(unasked.answers());
-  EXPECT_FALSE(unasked.sent(100, 1, now_, false)) << "no mark is due";
+  EXPECT_FALSE(unasked.sent(100, 1, 100, now_, false)) << "no mark is due";
   unasked.move(secret + 1, {});
   EXPECT_TRUE(unasked.answers());
 }
@@ -90,7 +90,7 @@ TEST_F(SharedFlowWindowTest, TellsOnceThatControlWasWithheldUntilTheReport) {
   ASSERT_TRUE(mark);
   EXPECT_TRUE(window_.hear(answer(*mark), now_).control_was_withheld);
   EXPECT_TRUE(window_.takes_control(now_));
-  mark = window_.sent(1'000'000, 700, now_ + 1ms, false);
+  mark = window_.sent(1'000'000, 700, 1472, now_ + 1ms, false);
   ASSERT_TRUE(mark);
   EXPECT_FALSE(window_.hear(answer(*mark), now_ + 2ms).control_was_withheld);
 }
@@ -117,7 +117,7 @@ TEST_F(SharedFlowWindowTest, TellsThatSomebodyMayGoOnWhoWaitedForRoom) {
 TEST_F(SharedFlowWindowTest, CountsAPositionAsPassedOnceItIsReported) {
   get_to_know();
   EXPECT_TRUE(window_.passed(window_.position()));
-  const std::optional<FlowMark> mark = window_.sent(1'000'000, 700, now_, false);
+  const std::optional<FlowMark> mark = window_.sent(1'000'000, 700, 1472, now_, false);
   ASSERT_TRUE(mark);
   EXPECT_FALSE(window_.passed(window_.position()));
   ASSERT_TRUE(window_.hear(answer(*mark), now_ + 3ms).believed);

@@ -97,7 +97,7 @@ TEST_F(LaneTest, KeepsThatBurstWhenTheReportCame) {
   const auto post = [&](std::uint32_t n) { return lane.post(test::make_job(*jobs_, n)).dropped; };
   for (std::uint32_t n = 1; n <= 10; ++n) EXPECT_EQ(post(n), 0U) << n;
   const auto now = std::chrono::steady_clock::now();
-  to->sent(to->connection(), 100, 1, now);
+  to->sent(to->connection(), 100, 1, 100, now);
   ASSERT_TRUE(to->hear(connections_.answer_to_mark(), core::IpAddress{0x7F000001U}, now).believed);
   for (std::uint32_t n = 11; n <= 20; ++n) EXPECT_EQ(post(n), 0U) << n;
   EXPECT_EQ(take_all(lane).size(), 20U);
@@ -109,7 +109,7 @@ TEST_F(LaneTest, KeepsNoBurstIfOnlyLargeSamplesHaveWaitedForTheReport) {
   Lane lane(to, 3, tally_);
   lane.post(test::make_job(*jobs_, 1, 2 * direct_bytes_max));
   const auto now = std::chrono::steady_clock::now();
-  to->sent(to->connection(), 100, 1, now);
+  to->sent(to->connection(), 100, 1, 100, now);
   ASSERT_TRUE(to->hear(connections_.answer_to_mark(), core::IpAddress{0x7F000001U}, now).believed);
   for (std::uint32_t n = 2; n <= 3; ++n) EXPECT_EQ(lane.post(test::make_job(*jobs_, n)).dropped, 0U);
   EXPECT_EQ(lane.post(test::make_job(*jobs_, 4)).dropped, 1U);

@@ -26,7 +26,7 @@ class DisbelievedAnswersTest : public testing::Test {
     const Channel::Posted posted = channel_->post(job, job->first, true);
     ASSERT_TRUE(posted.piece);
     static_cast<void>(channel_->finished(*posted.piece, now_));
-    to_->sent(to_->connection(), 100, 1, now_);
+    to_->sent(to_->connection(), 100, 1, 100, now_);
   }
   template <class Answer>
   void hear(const Answer& answer, const core::IpAddress& from) {

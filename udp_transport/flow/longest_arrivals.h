@@ -1,0 +1,76 @@
+// Remembers of each address that marks come from how long the longest datagram was that came from there of
+// late, whichever process there has sent it, and from whichever of its ports: all of them share one path. The
+// reports tell it. The class is pure.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "core/platform/ip_address.h"
+
+namespace sft::udp {
+
+class LongestArrivals {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  static constexpr std::size_t addresses_max = 256;
+  /// A datagram is remembered for so long, and for at most twice that. It is more than a sender looks back
+  /// (LengthWatch::judged_within).
+  static constexpr std::chrono::seconds period{1};
+  /// An address without a mark for so long is forgotten if another one needs its place.
+  static constexpr std::chrono::seconds kept_for{10};
+
+  LongestArrivals() { addresses_.reserve(addresses_max); }
+
+  /// A datagram came. An address of which no mark has come yet is not noted.
+  void note(const core::IpAddress& from, std::size_t bytes, Time now) {
+    if (last_ >= addresses_.size() || addresses_[last_].ip != from) {
+      const auto found = std::ranges::find(addresses_, from, &Address::ip);
+      if (found == addresses_.end()) return;
+      last_ = static_cast<std::size_t>(found - addresses_.begin());
+    }
+    Address& address = addresses_[last_];
+    address.forget_old(now);
+    address.present = std::max(address.present, static_cast<std::uint32_t>(bytes));
+  }
+
+  /// A mark came, which is a datagram, too. Returns the longest of late; 0 if the address was not known.
+  std::uint32_t answer(const core::IpAddress& from, std::size_t mark_length, Time now) {
+    const auto found = std::ranges::find(addresses_, from, &Address::ip);
+    if (found == addresses_.end()) {
+      if (addresses_.size() == addresses_max)
+        std::erase_if(addresses_, [&](const Address& one) { return now - one.marked_at > kept_for; });
+      if (addresses_.size() < addresses_max)
+        addresses_.push_back({.ip = from, .begun = now, .marked_at = now});
+      return 0;
+    }
+    found->marked_at = now;
+    note(from, mark_length, now);
+    return std::max(found->present, found->former);
+  }
+
+ private:
+  struct Address {
+    core::IpAddress ip;
+    Time begun{};  ///< the present period
+    Time marked_at{};
+    std::uint32_t present = 0, former = 0;  ///< the longest of this period, and of the one before
+
+    void forget_old(Time now) {
+      if (now - begun < period) return;
+      former = now - begun < 2 * period ? present : 0;
+      present = 0;
+      begun = now;
+    }
+  };
+
+  std::vector<Address> addresses_;
+  std::size_t last_ = 0;  ///< from which a datagram came last
+};
+
+}  // namespace sft::udp
