@@ -33,7 +33,7 @@ class FirstPorts {
   }
   void keep(core::EndpointId writer, Port port) { ports_[writer] = {port, Clock::now()}; }
   /// Gives back the ports of writers that the node does not open any more.
-  void give_back_unclaimed(Clock::time_point now) {
+  void give_back_untaken(Clock::time_point now) {
     std::erase_if(ports_, [now](const auto& item) {
       if (now - item.second.since < kept_for) return false;
       give_back(item.second.port);
@@ -68,7 +68,7 @@ class ShmTransport final : public core::SharedMemory {
       return Availability::starting;
     }
     session_ = std::move(state.session);
-    first_ports_.give_back_unclaimed(now);
+    first_ports_.give_back_untaken(now);
     if (session_ != nullptr) session_->prepare_chunks();
     return state.availability;
   }

@@ -58,7 +58,7 @@ class UdpTransport final : public core::Network {
   std::size_t max_sample_bytes() const noexcept override { return max_sample_bytes_; }
 
   core::Availability poll(std::chrono::steady_clock::time_point now) override {
-    send_side_->writers.tend(now);
+    send_side_->writers.maintain(now);
     const bool anew = std::exchange(network_has_changed_, false);
     if (anew || now - destinations_looked_after_at_ >= PathMtu::search_pause) {
       destinations_looked_after_at_ = now;
@@ -129,7 +129,7 @@ class UdpTransport final : public core::Network {
     Counters counters = receiver_->counters();
     counters.over_limit += send_side_->over_limit.load(std::memory_order_relaxed);
     counters.malformed += send_side_->malformed_answers.load(std::memory_order_relaxed);
-    counters.disbelieved += send_side_->answers_disbelieved.load(std::memory_order_relaxed);
+    counters.rejected += send_side_->answers_rejected.load(std::memory_order_relaxed);
     return counters;
   }
 

@@ -31,7 +31,7 @@ GroupKeeper::Setup groups_of(const core::WriterSpec& spec, SendSide& side,
   setup.queue_depth = side.queue_depth;
   setup.limits.merged_body_max = merged_share * static_cast<double>(side.max_sample_bytes);
   setup.tally = std::move(tally);
-  setup.roster = &side.groups;
+  setup.registry = &side.groups;
   setup.links = [&side](Multicast use) { return side.links.list(use); };
   setup.connect = [&side](std::uint32_t group, std::uint32_t own, std::size_t datagram_bytes) {
     DestinationLimits limits = side.limits;
@@ -61,14 +61,14 @@ UdpWriter::UdpWriter(const core::WriterSpec& spec, std::shared_ptr<SendSide> sid
       keeper_(groups_of(spec, *side_, tally_)),
       book_(spec.book),
       sender_(spec, side_, tally_, jobs_),
-      left_(std::make_shared<FanOut>(spec, side_, tally_, jobs_)) {
+      deferred_(std::make_shared<FanOut>(spec, side_, tally_, jobs_)) {
   routes_.replace(std::make_shared<RouteTable>());
   side_->writers.add(*this);
 }
 
 UdpWriter::~UdpWriter() {
   side_->writers.remove(*this);
-  left_->finish();
+  deferred_->finish();
 }
 
 core::NetworkWriter::Counters UdpWriter::counters() const noexcept {
@@ -88,7 +88,7 @@ std::string UdpWriter::path_trouble(core::EndpointId reader) const {
 }
 
 bool UdpWriter::history_sent(core::EndpointId reader) noexcept {
-  return side_->sender.stopped() || (left_->done() && variants_.late_lane_idle(reader));
+  return side_->sender.stopped() || (deferred_->done() && variants_.late_lane_idle(reader));
 }
 
 void UdpWriter::set_routes(std::vector<core::Route> routes) {
@@ -96,29 +96,29 @@ void UdpWriter::set_routes(std::vector<core::Route> routes) {
   make_table();
   if (variants_.concern_sender()) side_->sender.look_again();
   const Time now = std::chrono::steady_clock::now();
-  keeper_.tend(now);  // whoever is in a group from now on should hear that soon
-  side_->writers.tend_by(keeper_.next_duty(now));
+  keeper_.maintain(now);  // whoever is in a group from now on should hear that soon
+  side_->writers.maintain_by(keeper_.next_duty(now));
 }
 
-Tended::Time UdpWriter::tend(Time now) {
-  if (keeper_.replan(now) || channels_.some_went_wrong()) {
+Periodic::Time UdpWriter::maintain(Time now) {
+  if (keeper_.replan(now) || channels_.any_channel_failed()) {
     make_table();
     side_->sender.look_again();
   }
-  keeper_.tend(now);
+  keeper_.maintain(now);
   return keeper_.next_duty(now);
 }
 
 void UdpWriter::make_table() {
   auto table = make_route_table(type_, asked_for_, variants_, side_->destinations, &keeper_);
   if (book_ != nullptr) book_->enter(table->page);
-  greet_receivers(*table);
+  announce_to_receivers(*table);
   routes_.replace(std::move(table));
 }
 
 /// Who has not reported yet is asked now, so that the first large sample need not be copied until a report
 /// has come.
-void UdpWriter::greet_receivers(const RouteTable& table) {
+void UdpWriter::announce_to_receivers(const RouteTable& table) {
   const auto now = std::chrono::steady_clock::now();
   for (const auto& [reader, lane] : table.lanes_of) {
     Destination& to = lane->destination();
@@ -147,9 +147,9 @@ void UdpWriter::turn_to(const RouteTable& routes) noexcept {
   using core::DeliveryBook;
   send_held();
   held_for_ = holds_ ? routes_.loaded() : nullptr;
-  if (late_counts_ == DeliveryBook::LateCounts::to_come) left_->finish();
-  late_counts_ = left_->done() ? DeliveryBook::LateCounts::none : DeliveryBook::LateCounts::to_come;
-  if (book_ != nullptr) book_->turn_to(DeliveryBook::Teller::network, routes.page, late_counts_);
+  if (late_counts_ == DeliveryBook::LateCounts::to_come) deferred_->finish();
+  late_counts_ = deferred_->done() ? DeliveryBook::LateCounts::none : DeliveryBook::LateCounts::to_come;
+  if (book_ != nullptr) book_->turn_to(DeliveryBook::Origin::network, routes.page, late_counts_);
   in_use_ = &routes;
 }
 
@@ -172,7 +172,7 @@ core::SendStatus UdpWriter::send_begun(const core::SampleHandle& sample, core::R
   }
   if (BodySizes* sizes = in_use_->sizes.get())
     sizes->measure(core::state_of(*sample, type_.index_slots()), std::chrono::steady_clock::now(), holds_);
-  if (!holds_) sender_.be_patient(patience());
+  if (!holds_) sender_.set_timeout(timeout());
   if (groups.size() > 1) sample->complete();  // so that none waits for another one's large body to leave
   std::size_t missed = 0;
   std::size_t own = own_variants(*sample);
@@ -187,15 +187,15 @@ core::SendStatus UdpWriter::send_begun(const core::SampleHandle& sample, core::R
       --own;
     }
   }
-  const bool left = leave(sample, first_left, groups.size());
+  const bool left = defer(sample, first_left, groups.size());
   return missed == 0 && left ? core::SendStatus::sent : core::SendStatus::dropped;
 }
 
 /// The number of masks for which this thread sends the sample itself.
 std::size_t UdpWriter::own_variants(const core::SampleBuffer& sample) const noexcept {
-  if (!left_->done()) return 0;                    // nothing overtakes what was left before
+  if (!deferred_->done()) return 0;                // nothing overtakes what was left before
   if (max_blocking_.count() > 0) return SIZE_MAX;  // the sending thread does not wait
-  if (sample.capacity > direct_bytes_max) return left_->takes_large() ? 0 : large_variants_max;
+  if (sample.capacity > direct_bytes_max) return deferred_->takes_large() ? 0 : large_variants_max;
   return holds_ ? SIZE_MAX : small_variants_max;
 }
 
@@ -212,16 +212,16 @@ std::size_t UdpWriter::hold_or_send(const Audience& group, const core::SampleHan
   return sender_.send(group, sample);
 }
 
-void UdpWriter::hold(core::BatchPatience patience) noexcept {
+void UdpWriter::hold(core::BatchTimeout timeout) noexcept {
   assert(!holds_);
   holds_ = true;
-  if (patience == core::BatchPatience::fresh) sender_.be_patient(max_blocking_);
+  if (timeout == core::BatchTimeout::fresh) sender_.set_timeout(max_blocking_);
   missed_ = 0;
   held_for_ = routes_.loaded();
 }
 
 std::size_t UdpWriter::flush() noexcept {
-  sender_.be_no_more_patient_than(patience());
+  sender_.cap_timeout(timeout());
   send_held();
   holds_ = false;
   held_for_.reset();
@@ -238,13 +238,13 @@ void UdpWriter::count_missed(std::span<const Audience> groups) noexcept {
 
 /// Leaves the sample to the sending thread, for the groups without a maximum rate from `first` on. Returns
 /// false if an older sample had to go for it.
-bool UdpWriter::leave(const core::SampleHandle& sample, std::size_t first, std::size_t end) noexcept {
+bool UdpWriter::defer(const core::SampleHandle& sample, std::size_t first, std::size_t end) noexcept {
   const auto rest = std::span(routes_.loaded()->audiences).subspan(first, end - first);
   if (std::ranges::all_of(rest, [](const Audience& group) { return group.gate != nullptr; })) return true;
   send_held();
   sample->complete();
-  const FanOut::Posted posted = left_->post({sample, routes_.loaded(), first, end});
-  side_->sender.wake(posted.wake, left_);
+  const FanOut::Posted posted = deferred_->post({sample, routes_.loaded(), first, end});
+  side_->sender.wake(posted.wake, deferred_);
   if (posted.dropped > 0) side_->over_limit.fetch_add(posted.dropped, std::memory_order_relaxed);
   return posted.dropped == 0;
 }

@@ -20,13 +20,13 @@
 
 namespace sft::udp {
 
-class UdpWriter final : public core::NetworkWriter, private Tended {
+class UdpWriter final : public core::NetworkWriter, private Periodic {
  public:
   UdpWriter(const core::WriterSpec& spec, std::shared_ptr<SendSide> side);
   ~UdpWriter() override;
 
   core::SendStatus send(const core::SampleHandle& sample) noexcept override;
-  void be_patient(std::chrono::nanoseconds at_most) noexcept override { patience_max_ = at_most; }
+  void set_timeout(std::chrono::nanoseconds at_most) noexcept override { timeout_max_ = at_most; }
   void set_routes(std::vector<core::Route> routes) override;
   bool takes_postponed() const noexcept override { return true; }
   void begin_local_turn() noexcept override { side_->sender.local_turns().begin(); }
@@ -41,19 +41,19 @@ class UdpWriter final : public core::NetworkWriter, private Tended {
   void begin_sample() noexcept override;
   core::SendStatus send_begun(const core::SampleHandle& sample, core::Reach reach) noexcept override;
   void miss_begun() noexcept override;
-  void hold(core::BatchPatience patience) noexcept override;
+  void hold(core::BatchTimeout timeout) noexcept override;
   std::size_t flush() noexcept override;
-  Time tend(Time now) override;
+  Time maintain(Time now) override;
   void make_table();
-  void greet_receivers(const RouteTable& table);
+  void announce_to_receivers(const RouteTable& table);
   std::size_t own_variants(const core::SampleBuffer& sample) const noexcept;
   std::size_t hold_or_send(const Audience& group, const core::SampleHandle& sample) noexcept;
   void send_held() noexcept { missed_ += sender_.flush(); }
-  bool leave(const core::SampleHandle& sample, std::size_t first, std::size_t end) noexcept;
+  bool defer(const core::SampleHandle& sample, std::size_t first, std::size_t end) noexcept;
   static void count_missed(std::span<const Audience> groups) noexcept;
   void turn_to(const RouteTable& routes) noexcept;
 
-  std::chrono::nanoseconds patience() const noexcept { return std::min(max_blocking_, patience_max_); }
+  std::chrono::nanoseconds timeout() const noexcept { return std::min(max_blocking_, timeout_max_); }
 
   const TypeSupport& type_;
   const std::chrono::nanoseconds max_blocking_;
@@ -69,7 +69,7 @@ class UdpWriter final : public core::NetworkWriter, private Tended {
   const std::shared_ptr<core::DeliveryBook> book_;  ///< null: nobody asks what became of samples
 
   // Used by the publisher's thread.
-  std::chrono::nanoseconds patience_max_ = std::chrono::nanoseconds::max();
+  std::chrono::nanoseconds timeout_max_ = std::chrono::nanoseconds::max();
   const RouteTable nobody_;
   const RouteTable* in_use_ = &nobody_;           ///< of the sample begun last; whose page is open
   core::DeliveryBook::LateCounts late_counts_{};  ///< of what was left on the page before
@@ -77,7 +77,7 @@ class UdpWriter final : public core::NetworkWriter, private Tended {
   bool holds_ = false;                          ///< a batch lasts
   std::size_t missed_ = 0;                      ///< of what was held
   std::shared_ptr<const RouteTable> held_for_;  ///< keeps the groups of what is held
-  const std::shared_ptr<FanOut> left_;
+  const std::shared_ptr<FanOut> deferred_;
 };
 
 }  // namespace sft::udp

@@ -192,7 +192,7 @@ class CyclonePeer : public Peer {
   }
   /// Looks for the announcement of a writer.
   void know_writer(const Topic&) override {
-    constexpr double patience_s = 60;  // many nodes that start at once need time
+    constexpr double timeout_s = 60;  // many nodes that start at once need time
     const dds_entity_t announcements = checked(
         dds_create_reader(participant_.entity(), DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr));
     const auto announced = [&] {
@@ -202,7 +202,7 @@ class CyclonePeer : public Peer {
       if (count > 0) dds_return_loan(announcements, &sample, count);
       return count > 0;
     };
-    wait_until(announced, patience_s);
+    wait_until(announced, timeout_s);
     dds_delete(announcements);
   }
 

@@ -38,8 +38,8 @@ void sleep_until(std::int64_t ns) {
   }
 }
 
-bool wait_until(const std::function<bool()>& holds, double patience_s) {
-  const std::int64_t deadline = now_ns() + static_cast<std::int64_t>(patience_s * 1e9);
+bool wait_until(const std::function<bool()>& holds, double timeout_s) {
+  const std::int64_t deadline = now_ns() + static_cast<std::int64_t>(timeout_s * 1e9);
   while (!holds()) {
     if (now_ns() > deadline) return false;
     sleep_us(1000);

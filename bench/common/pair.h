@@ -66,6 +66,6 @@ void sleep_us(std::int64_t us);
 /// Sleeps until a time of now_ns().
 void sleep_until(std::int64_t ns);
 /// Waits until `holds` is true, which it checks every millisecond. False after the time.
-bool wait_until(const std::function<bool()>& holds, double patience_s = 20);
+bool wait_until(const std::function<bool()>& holds, double timeout_s = 20);
 
 }  // namespace sft::bench

@@ -13,7 +13,7 @@ namespace sft::bench {
 
 namespace {
 
-constexpr unsigned patience_s = 300;
+constexpr unsigned timeout_s = 300;
 
 }  // namespace
 
@@ -28,7 +28,7 @@ pid_t start_process(const std::function<int()>& run) {
   const pid_t child = fork();
   if (child != 0) return child;
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  alarm(patience_s);
+  alarm(timeout_s);
   std::exit(run());
 }
 

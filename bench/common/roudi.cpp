@@ -24,7 +24,7 @@ namespace sft::bench {
 
 namespace {
 
-constexpr std::int64_t patience_ns = 20'000'000'000;
+constexpr std::int64_t timeout_ns = 20'000'000'000;
 
 iox::RouDiConfig_t config() {
   iox::mepoo::MePooConfig pools;
@@ -65,7 +65,7 @@ Roudi::Roudi() {
   if (!test::isolation_refusal().empty()) give_up("this program is not isolated");
   const Shared<std::atomic<bool>> serving;
   process_ = start_on_core(0, [&] { return serve(*serving); });
-  const std::int64_t deadline = now_ns() + patience_ns;
+  const std::int64_t deadline = now_ns() + timeout_ns;
   while (!*serving) {
     if (now_ns() > deadline) give_up("it does not start");
     sleep_us(10'000);

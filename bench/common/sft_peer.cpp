@@ -215,8 +215,8 @@ class SftPeer : public Peer {
     return std::make_unique<SftReader<Small>>(node_, topic.name, options, std::move(arrived));
   }
   void know_writer(const Topic& topic) override {
-    constexpr std::chrono::seconds patience{60};  // many nodes that start at once need time
-    (void)node_.find_type(topic.name, patience).value();
+    constexpr std::chrono::seconds timeout{60};  // many nodes that start at once need time
+    (void)node_.find_type(topic.name, timeout).value();
   }
 
  private:

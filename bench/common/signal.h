@@ -19,11 +19,11 @@ class Signal {
     while (sem_wait(&semaphore_) != 0) {
     }
   }
-  /// False after the patience.
-  bool comes(double patience_s) {
+  /// False after the timeout.
+  bool comes(double timeout_s) {
     timespec until{};
     clock_gettime(CLOCK_MONOTONIC, &until);
-    until.tv_sec += static_cast<time_t>(patience_s);
+    until.tv_sec += static_cast<time_t>(timeout_s);
     return sem_clockwait(&semaphore_, CLOCK_MONOTONIC, &until) == 0;
   }
 

@@ -15,7 +15,7 @@ namespace sft::bench::isolation {
 
 namespace {
 
-constexpr double patience_s = 20;
+constexpr double timeout_s = 20;
 constexpr double recovery_s = 2;
 constexpr std::int64_t warm_up_us = 1'000'000;
 constexpr std::int64_t straggling_us = 500'000;  // for messages that arrive late
@@ -135,7 +135,7 @@ Watched watch(Pipeline& pipeline, Remote& remote, Phase phase, double phase_s) {
 void run_course(const Contender& contender, const std::shared_ptr<const hosts::EmulatedNetwork>& network,
                 const Scale& scale, Results& results) {
   Pipeline pipeline(contender, network, scale.rate_hz);
-  if (!wait_until([&] { return pipeline.is_ready(); }, patience_s)) {
+  if (!wait_until([&] { return pipeline.is_ready(); }, timeout_s)) {
     std::fprintf(stderr, "%s: the programs of one host did not find each other\n",
                  name_of(contender).c_str());
     return;

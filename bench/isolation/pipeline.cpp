@@ -57,14 +57,14 @@ Pipeline::Pipeline(const Contender& contender, std::shared_ptr<const hosts::Emul
                    double rate_hz)
     : contender_(contender),
       period_ns_(static_cast<std::int64_t>(1e9 / rate_hz)),
-      crowd_(std::move(network), remote_host) {
-  local_[0] = crowd_.start(0, [&] { return write_all(); });
+      processes_(std::move(network), remote_host) {
+  local_[0] = processes_.start(0, [&] { return write_all(); });
   for (std::size_t i = 0; i < local_readers; ++i)
-    local_[1 + i] = crowd_.start(0, [&] { return read_all(i); });
+    local_[1 + i] = processes_.start(0, [&] { return read_all(i); });
 }
 
 void Pipeline::start_remote() {
-  remote_ = crowd_.start(remote_host, [&] {
+  remote_ = processes_.start(remote_host, [&] {
     yield_to_others();
     return read_all(remote_reader);
   });

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "bench/common/contender.h"
-#include "bench/common/crowd.h"
+#include "bench/common/host_processes.h"
 #include "bench/common/shared.h"
 #include "bench/isolation/contender.h"
 #include "bench/isolation/observation.h"
@@ -44,7 +44,7 @@ class Pipeline {
   const Contender contender_;
   const std::int64_t period_ns_;
   const Shared<Board> board_;
-  Crowd crowd_;
+  HostProcesses processes_;
   std::array<pid_t, 1 + local_readers> local_{};
   pid_t remote_ = 0;  ///< 0: it was not started
 };

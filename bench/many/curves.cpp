@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t cloud_bytes = 16'000;
 constexpr std::int64_t period_us = 20'000;
-constexpr std::int64_t calm_us = 250'000;
+constexpr std::int64_t settled_us = 250'000;
 
 const std::vector<Curve::Cost> costs_of_sample{
     {"bytes", "B"}, {"publisher_cpu", "us"}, {"subscriber_cpu", "us"}, {"latency", "us"}};
@@ -50,13 +50,13 @@ Fields masks(std::size_t count) {
 Case readers_of_cloud(std::size_t readers, std::vector<Fields> phases, const ManyScale& scale) {
   const double few_s = scale.quick ? 0.35 : 1;
   return {.readers = readers,
-          .hosts = std::min(readers, crowd_hosts),
+          .hosts = std::min(readers, emulated_hosts),
           .topic = cloud_topic(cloud_bytes),
           .phases = std::move(phases),
           .settling_s = readers < 64 ? few_s : 2 * few_s,  // groups of many masks take longer to begin
           .samples = scale.quick ? std::uint64_t{10} : 40,
           .period_us = period_us,
-          .calm_us = calm_us};
+          .settled_us = settled_us};
 }
 
 Case one_reader(Topic topic, std::vector<Fields> phases, std::uint64_t samples) {
@@ -67,7 +67,7 @@ Case one_reader(Topic topic, std::vector<Fields> phases, std::uint64_t samples) 
           .settling_s = 0,
           .samples = samples,
           .period_us = period_us,
-          .calm_us = calm_us,
+          .settled_us = settled_us,
           .warming = samples};  // the traffic of joining goes on meanwhile
 }
 

@@ -6,7 +6,7 @@
 #include <atomic>
 #include <cstdio>
 
-#include "bench/common/crowd.h"
+#include "bench/common/host_processes.h"
 #include "bench/common/pair.h"
 #include "bench/common/shared.h"
 #include "bench/many/members.h"
@@ -16,25 +16,25 @@ namespace sft::bench {
 class Gathering {
  public:
   Gathering(const Member& member, std::size_t readers, std::size_t hosts)
-      : member_(member), readers_(readers), crowd_(hosts), begin_ns_(now_ns()) {
-    crowd_.start(0, [&] { return be_writer(); });
+      : member_(member), readers_(readers), processes_(hosts), begin_ns_(now_ns()) {
+    processes_.start(0, [&] { return be_writer(); });
     for (std::size_t i = 0; i < readers; ++i)
-      crowd_.start(crowd_.host_of_reader(i), [&] { return be_reader(); });
+      processes_.start(processes_.host_of_reader(i), [&] { return be_reader(); });
   }
 
   /// Waits until all are matched. If they are not in time, says so, and returns false.
-  bool wait(double patience_s) {
-    if (!wait_until([&] { return board_->matched.load() == readers_ + 1; }, patience_s)) {
+  bool wait(double timeout_s) {
+    if (!wait_until([&] { return board_->matched.load() == readers_ + 1; }, timeout_s)) {
       std::fprintf(stderr, "%s: %zu of %zu nodes were matched after %.0f s\n", member_.name,
-                   board_->matched.load(), readers_ + 1, patience_s);
+                   board_->matched.load(), readers_ + 1, timeout_s);
       board_->last_ns = now_ns();
       return false;
     }
     return true;
   }
-  /// The time from the start until the last one was matched, or until the patience was over.
+  /// The time from the start until the last one was matched, or until the timeout was over.
   double seconds() const { return static_cast<double>(board_->last_ns.load() - begin_ns_) / 1e9; }
-  const Crowd& crowd() const { return crowd_; }
+  const HostProcesses& processes() const { return processes_; }
 
  private:
   static constexpr std::int64_t pause_us =
@@ -66,7 +66,7 @@ class Gathering {
   const Member member_;
   const std::size_t readers_;
   const Shared<Board> board_;
-  Crowd crowd_;
+  HostProcesses processes_;
   const std::int64_t begin_ns_;
 };
 

@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "bench/common/crowd.h"
+#include "bench/common/host_processes.h"
 #include "bench/common/pair.h"
 #include "bench/common/shared.h"
 #include "bench/many/curve.h"
@@ -33,7 +33,7 @@ constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 /// The time that a contender may take for all sizes, or for each one if crowds stay together, and the part of
 /// it in which idle nodes are watched.
 struct Times {
-  double all_s, calm_s, window_s;
+  double all_s, settled_s, window_s;
 };
 
 std::string topic_name(std::size_t node, std::size_t topic) { return fmt::format("ring_{}_{}", node, topic); }
@@ -82,7 +82,7 @@ void allow_descriptors() {
 std::vector<std::size_t> nodes_of(std::size_t host, std::size_t nodes) {
   std::vector<std::size_t> numbers;
   if (host == 0) numbers.push_back(0);
-  for (std::size_t i = host; host > 0 && i < nodes; i += crowd_hosts) numbers.push_back(i);
+  for (std::size_t i = host; host > 0 && i < nodes; i += emulated_hosts) numbers.push_back(i);
   return numbers;
 }
 
@@ -118,44 +118,46 @@ double megabytes(const LinkBytes& bytes) { return static_cast<double>(bytes.sent
 class Ring {
  public:
   Ring(const Member& member, std::size_t nodes)
-      : member_(member), nodes_(nodes), crowd_(std::min(crowd_hosts, nodes - 1)), begin_ns_(now_ns()) {
-    for (std::size_t host = 0; host < crowd_.hosts(); ++host)
-      crowd_.start(host, [&, host] { return be_some_nodes(member, *board_, nodes_of(host, nodes), nodes); });
+      : member_(member), nodes_(nodes), processes_(std::min(emulated_hosts, nodes - 1)), begin_ns_(now_ns()) {
+    for (std::size_t host = 0; host < processes_.hosts(); ++host)
+      processes_.start(host,
+                       [&, host] { return be_some_nodes(member, *board_, nodes_of(host, nodes), nodes); });
   }
 
   /// Returns the costs of joining; nothing if not all are matched in time.
-  std::optional<std::vector<double>> join(double patience_s) const {
-    if (wait_until([&] { return board_->matched == nodes_; }, patience_s))
+  std::optional<std::vector<double>> join(double timeout_s) const {
+    if (wait_until([&] { return board_->matched == nodes_; }, timeout_s))
       return std::vector{static_cast<double>(board_->last_ns - begin_ns_) / 1e9,
-                         megabytes(crowd_.link_bytes()), crowd_.cpu_s()};
+                         megabytes(processes_.link_bytes()), processes_.cpu_s()};
     fmt::print(stderr,
                "{}: {} of {} nodes were matched after {:.0f} s, {:.1f} MB and {:.1f} s of processor "
                "time\n",
-               member_.name, board_->matched.load(), nodes_, patience_s, megabytes(crowd_.link_bytes()),
-               crowd_.cpu_s());
+               member_.name, board_->matched.load(), nodes_, timeout_s, megabytes(processes_.link_bytes()),
+               processes_.cpu_s());
     return std::nullopt;
   }
   /// Returns the time from the start of one more process until its node hears all that it subscribes to.
-  double newcomer_s(double patience_s) {
+  double newcomer_s(double timeout_s) {
     const std::int64_t begin_ns = now_ns();
-    crowd_.start(1, [&] { return be_a_newcomer(member_, *board_, nodes_); });
-    if (!wait_until([&] { return board_->newcomer_ns != 0; }, patience_s)) return unknown;
+    processes_.start(1, [&] { return be_a_newcomer(member_, *board_, nodes_); });
+    if (!wait_until([&] { return board_->newcomer_ns != 0; }, timeout_s)) return unknown;
     return static_cast<double>(board_->newcomer_ns - begin_ns) / 1e9;
   }
-  const Crowd& crowd() const { return crowd_; }
+  const HostProcesses& processes() const { return processes_; }
 
  private:
   const Member member_;
   const std::size_t nodes_;
   const Shared<Board> board_;
-  Crowd crowd_;
+  HostProcesses processes_;
   const std::int64_t begin_ns_;
 };
 
 /// The bytes that node 0 of each crowd receives in a second.
-std::vector<double> received_per_s(const std::vector<const Crowd*>& crowds, double seconds) {
+std::vector<double> received_per_s(const std::vector<const HostProcesses*>& crowds, double seconds) {
   std::vector<double> bytes;
-  for (const Crowd* crowd : crowds) bytes.push_back(-static_cast<double>(crowd->link_bytes(0).received));
+  for (const HostProcesses* processes : crowds)
+    bytes.push_back(-static_cast<double>(processes->link_bytes(0).received));
   const std::int64_t begin_ns = now_ns();
   sleep_us(static_cast<std::int64_t>(seconds * 1e6));
   const double elapsed_s = static_cast<double>(now_ns() - begin_ns) / 1e9;
@@ -173,13 +175,13 @@ void measure_alone(const Member& member, Curve& curve, const std::vector<std::si
   for (const std::size_t nodes : sizes) {
     const double left_s = times.all_s - static_cast<double>(now_ns() - begin_ns) / 1e9;
     Ring ring(member, nodes);
-    auto costs = ring.join(std::max(0., left_s - times.calm_s - times.window_s));
+    auto costs = ring.join(std::max(0., left_s - times.settled_s - times.window_s));
     if (!costs) {
       fmt::print(stderr, "{}: more nodes are not tried\n", member.name);
       return;
     }
-    sleep_us(static_cast<std::int64_t>(times.calm_s * 1e6));
-    costs->push_back(received_per_s({&ring.crowd()}, times.window_s).front());
+    sleep_us(static_cast<std::int64_t>(times.settled_s * 1e6));
+    costs->push_back(received_per_s({&ring.processes()}, times.window_s).front());
     costs->push_back(ring.newcomer_s(times.window_s));
     (curve.*add)(nodes, *costs);
   }
@@ -187,9 +189,9 @@ void measure_alone(const Member& member, Curve& curve, const std::vector<std::si
 
 /// Rings of one contender, which stay while others join.
 struct Rings {
-  void add(std::size_t nodes, double patience_s) {
+  void add(std::size_t nodes, double timeout_s) {
     rings.push_back(std::make_unique<const Ring>(member, nodes));
-    costs.push_back(rings.back()->join(patience_s).value_or(std::vector(3, unknown)));
+    costs.push_back(rings.back()->join(timeout_s).value_or(std::vector(3, unknown)));
   }
 
   /// The costs of a ring that has received so many bytes in a second.
@@ -213,11 +215,11 @@ void measure_together(Curve& curve, const std::vector<std::size_t>& sizes, const
     theirs.add(nodes, times.all_s);
     if (round % 2 == 1) ours.add(nodes, times.all_s);
   }
-  sleep_us(static_cast<std::int64_t>(times.calm_s * 1e6));
-  std::vector<const Crowd*> crowds;
+  sleep_us(static_cast<std::int64_t>(times.settled_s * 1e6));
+  std::vector<const HostProcesses*> crowds;
   for (std::size_t i = 0; i < sizes.size(); ++i) {
-    crowds.push_back(&ours.rings[i]->crowd());
-    crowds.push_back(&theirs.rings[i]->crowd());
+    crowds.push_back(&ours.rings[i]->processes());
+    crowds.push_back(&theirs.rings[i]->processes());
   }
   const std::vector<double> idle = received_per_s(crowds, times.window_s);
   for (std::size_t i = 0; i < sizes.size(); ++i) {

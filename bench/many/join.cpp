@@ -14,10 +14,10 @@ struct Joining {
 
 /// If not all are matched in time, the figures are those until then, and would be larger.
 void run(const Member& member, const ManyScale& scale, void (Tally::*add)(double), Joining& joining) {
-  Gathering gathering(member, readers, crowd_hosts);
+  Gathering gathering(member, readers, emulated_hosts);
   gathering.wait(scale.joining_s);
-  (joining.megabytes.*add)(static_cast<double>(gathering.crowd().link_bytes().sent) / 1e6);
-  (joining.cpu_s.*add)(gathering.crowd().cpu_s());
+  (joining.megabytes.*add)(static_cast<double>(gathering.processes().link_bytes().sent) / 1e6);
+  (joining.cpu_s.*add)(gathering.processes().cpu_s());
   (joining.time_s.*add)(gathering.seconds());
 }
 

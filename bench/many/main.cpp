@@ -9,7 +9,7 @@
 namespace {
 
 void shorten(sft::bench::ManyScale& scale) {
-  scale = {.quick = true, .rounds = 1, .calm_s = 10, .joining_s = 9, .window_s = 9};
+  scale = {.quick = true, .rounds = 1, .settled_s = 10, .joining_s = 9, .window_s = 9};
 }
 
 }  // namespace

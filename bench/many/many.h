@@ -10,12 +10,12 @@
 
 namespace sft::bench {
 
-inline constexpr std::size_t crowd_hosts = 8;  ///< on which readers run, besides the host of the publisher
+inline constexpr std::size_t emulated_hosts = 8;  ///< on which readers run, besides the host of the publisher
 
 struct ManyScale {
   bool quick = false;
   int rounds = 3;         ///< of each contender, in turns; the median counts
-  double calm_s = 30;     ///< how long nodes have been idle before they are measured
+  double settled_s = 30;  ///< how long nodes have been idle before they are measured
   double joining_s = 60;  ///< how long nodes may take to find each other
   /// How long idle nodes are measured in a round: longer than the pause between any two things that they say.
   double window_s = 45;

@@ -33,7 +33,7 @@ struct Tallies {
 
 Case many_masks(std::size_t readers, const ManyScale& scale, std::uint64_t samples) {
   return {.readers = readers,
-          .hosts = crowd_hosts,
+          .hosts = emulated_hosts,
           .topic = cloud_topic(data_bytes),
           .phases = {own_fields_and_data},
           .settling_s = scale.quick ? 1.5 : 6.,

@@ -46,7 +46,7 @@ class Publishing {
 
   int run() {
     if (!wait_until([&] { return board_.knowing.load() == case_.readers; }, joining_s)) return 1;
-    wait_for_calm();
+    wait_until_settled();
     for (std::size_t phase = 0; phase < case_.phases.size(); ++phase) {
       matched_ = (phase + 1) * case_.readers;
       costs_ = &board_.costs[phase];
@@ -60,7 +60,7 @@ class Publishing {
 
  private:
   static constexpr std::int64_t settling_period_us = 20'000;
-  static constexpr std::int64_t calm_bytes_per_s = 50'000;
+  static constexpr std::int64_t settled_bytes_per_s = 50'000;
   static constexpr double calming_s = 20;
   static constexpr double arriving_at_least = 0.95;  // of all samples, since the network loses none
   static constexpr double arriving_s = 0.2;          // after which a sample is lost
@@ -69,14 +69,14 @@ class Publishing {
   bool all_matched() const { return board_.matched.load() == matched_ && writer_->serves(case_.readers); }
 
   /// Waits until discovery is over, as far as its traffic shows.
-  void wait_for_calm() const {
+  void wait_until_settled() const {
     const std::int64_t end = now_ns() + static_cast<std::int64_t>(calming_s * 1e9);
     while (now_ns() < end) {
       const LinkBytes before = link_bytes();
-      sleep_us(case_.calm_us);
+      sleep_us(case_.settled_us);
       const LinkBytes now = link_bytes();
       if (now.received - before.received + now.sent - before.sent <
-          calm_bytes_per_s * case_.calm_us / 1'000'000)
+          settled_bytes_per_s * case_.settled_us / 1'000'000)
         return;
     }
   }
@@ -100,13 +100,13 @@ class Publishing {
 
   /// A sample waits until the one before has arrived.
   void send(std::uint64_t samples) {
-    const double patience_s = case_.topic.reliable ? arriving_reliably_s : arriving_s;
+    const double timeout_s = case_.topic.reliable ? arriving_reliably_s : arriving_s;
     for (std::uint64_t i = 0; i < samples; ++i) {
       const std::uint64_t all = board_.received + case_.readers;
       board_.sent_ns = now_ns();
       writer_->write(0);
       sleep_us(case_.period_us);
-      wait_until([&] { return board_.received >= all; }, patience_s);
+      wait_until([&] { return board_.received >= all; }, timeout_s);
     }
   }
 
@@ -178,14 +178,14 @@ int read(Board& board, const Member& member, const Case& of, std::size_t number)
 }  // namespace
 
 SampleCosts::SampleCosts(const Member& member, const Case& of)
-    : member_(member), phases_(of.phases.size()), crowd_(of.hosts) {
-  crowd_.start(0, [&] { return Publishing(*board_, member, of).run(); });
+    : member_(member), phases_(of.phases.size()), processes_(of.hosts) {
+  processes_.start(0, [&] { return Publishing(*board_, member, of).run(); });
   for (std::size_t i = 0; i < of.readers; ++i)
-    crowd_.start(crowd_.host_of_reader(i), [&, i] { return read(*board_, member, of, i); });
+    processes_.start(processes_.host_of_reader(i), [&, i] { return read(*board_, member, of, i); });
 }
 
 std::vector<Costs> SampleCosts::wait() {
-  if (!crowd_.first_succeeds()) std::fprintf(stderr, "%s: not all readers were served\n", member_.name);
+  if (!processes_.first_succeeds()) std::fprintf(stderr, "%s: not all readers were served\n", member_.name);
   return {board_->costs.begin(), board_->costs.begin() + static_cast<std::ptrdiff_t>(phases_)};
 }
 

@@ -9,7 +9,7 @@
 #include <limits>
 #include <vector>
 
-#include "bench/common/crowd.h"
+#include "bench/common/host_processes.h"
 #include "bench/common/shared.h"
 #include "bench/common/signal.h"
 #include "bench/many/members.h"
@@ -24,8 +24,9 @@ struct Case {
   double settling_s;  ///< for which samples are sent until the bytes settle; 0: it does not wait for that
   std::uint64_t samples;
   std::int64_t period_us;
-  std::int64_t calm_us = 1'000'000;  ///< a time in which discovery sends next to nothing is a sign of its end
-  std::uint64_t warming = 0;         ///< samples that do not count
+  std::int64_t settled_us =
+      1'000'000;              ///< a time in which discovery sends next to nothing is a sign of its end
+  std::uint64_t warming = 0;  ///< samples that do not count
 };
 
 /// The costs of a sample.
@@ -71,7 +72,7 @@ class SampleCosts {
   const Member member_;
   const std::size_t phases_;
   const Shared<Board> board_;
-  Crowd crowd_;
+  HostProcesses processes_;
 };
 
 }  // namespace sft::bench

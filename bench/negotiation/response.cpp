@@ -24,7 +24,7 @@ struct HeightProbe {
   static void read_wanted(const auto& sample) { (void)sample->height(); }
 };
 
-/// The patience with the last messages, which come within a millisecond.
+/// The timeout with the last messages, which come within a millisecond.
 constexpr std::int64_t arriving_ns = 1'000'000'000;
 
 using Act = std::function<void(std::uint64_t)>;

@@ -40,7 +40,7 @@ void publish_to_learner(Exchange& exchange, std::uint64_t messages) {
 /// the node asks for it.
 template <class Probe>
 void learn(Exchange& exchange, std::uint64_t messages) {
-  constexpr std::int64_t patience_ns = 1'000'000'000;
+  constexpr std::int64_t timeout_ns = 1'000'000'000;
   const FieldMask wanted = FieldMask(Probe::wanted);
   Node node = Node::open(udp_node_options("subscriber")).value();
   auto subscriber = node.subscriber<typename Probe::Message, recorded>(
@@ -54,7 +54,7 @@ void learn(Exchange& exchange, std::uint64_t messages) {
     const std::uint64_t n = exchange.received.load();
     if (exchange.sent.load() > n) {  // the request has arrived
       Probe::read_wanted(sample);    // on a busy machine, the field might be given up again before
-      exchange.failed = now_ns() > exchange.sent_at[n] + patience_ns;
+      exchange.failed = now_ns() > exchange.sent_at[n] + timeout_ns;
     } else if (n < messages && !sample.mask().contains(wanted) &&
                !subscriber.status().mask.contains(wanted)) {
       exchange.sent_at[n] = now_ns();

@@ -32,7 +32,7 @@ std::int64_t Schedule::slot_ns(std::size_t slot) const {
 
 std::int64_t Schedule::begin_ns(std::size_t phase) const {
   const auto messages = static_cast<std::int64_t>(pace_.settling + pace_.samples);
-  return learning_ns(pace_.learning, 0) + static_cast<std::int64_t>(pace_.calm_s * 1e9) +
+  return learning_ns(pace_.learning, 0) + static_cast<std::int64_t>(pace_.settled_s * 1e9) +
          static_cast<std::int64_t>(phase) * (messages * period_ns() + 2 * gap_ns);
 }
 

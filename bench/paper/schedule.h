@@ -12,7 +12,7 @@ namespace sft::bench::paper {
 struct Pace {
   double rate_hz = 25;        ///< messages a second, of each contender
   std::size_t learning = 10;  ///< messages of all phases at the beginning, from which SFT learns the fields
-  double calm_s = 3;  ///< from then until the first phase, for discovery and negotiation to come to an end
+  double settled_s = 3;  ///< from then until the first phase, for discovery and negotiation to come to an end
   std::size_t settling = 25;  ///< messages before those that count, in each phase
   std::size_t samples = 50;   ///< messages that count, in each phase
 };

@@ -14,7 +14,7 @@ namespace sft::bench::paper {
 
 namespace {
 
-constexpr double patience_s = 40;
+constexpr double timeout_s = 40;
 constexpr std::int64_t lead_ns = 300'000'000;  // from the decision to begin until the first message
 
 /// The turns of the contenders, since one may suffer from what another one does after its message.
@@ -43,7 +43,7 @@ Moment moment_at(const Teams& teams, std::int64_t ns) {
 /// Ends and removes those that are not ready in time.
 void wait_until_ready(Teams& teams) {
   const auto ready = [](const auto& team) { return team->is_ready(); };
-  if (wait_until([&] { return std::ranges::all_of(teams, ready); }, patience_s)) return;
+  if (wait_until([&] { return std::ranges::all_of(teams, ready); }, timeout_s)) return;
   std::erase_if(teams, [&](const auto& team) {
     if (ready(team)) return false;
     std::fprintf(stderr, "%s: not all nodes found each other%s\n", name_of(team->contender()).c_str(),

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "bench/common/crowd.h"
+#include "bench/common/host_processes.h"
 #include "bench/paper/record.h"
 #include "bench/paper/team.h"
 

@@ -43,9 +43,9 @@ Used Used::operator-(const Used& before) const {
 
 Team::Team(const Contender& contender, std::shared_ptr<const hosts::EmulatedNetwork> network,
            const Task& task, std::size_t slot)
-    : contender_(contender), task_(task), slot_(slot), crowd_(std::move(network), task.receivers) {
-  crowd_.start(0, [&] { return write_all(); });
-  for (std::size_t i = 0; i < task.receivers; ++i) crowd_.start(1 + i, [&] { return read_all(i); });
+    : contender_(contender), task_(task), slot_(slot), processes_(std::move(network), task.receivers) {
+  processes_.start(0, [&] { return write_all(); });
+  for (std::size_t i = 0; i < task.receivers; ++i) processes_.start(1 + i, [&] { return read_all(i); });
 }
 
 Topic Team::topic_of(std::size_t phase) const {
@@ -116,9 +116,10 @@ Arrived Team::note_arrivals(std::size_t phase, std::size_t receiver) const {
 
 Used Team::used() const {
   Used used{.s = static_cast<double>(now_ns()) / 1e9,
-            .sender_bytes = both(crowd_.link_bytes(0)),
-            .cpu_s = crowd_.cpu_s()};
-  for (std::size_t i = 0; i < task_.receivers; ++i) used.receiver_bytes[i] = both(crowd_.link_bytes(1 + i));
+            .sender_bytes = both(processes_.link_bytes(0)),
+            .cpu_s = processes_.cpu_s()};
+  for (std::size_t i = 0; i < task_.receivers; ++i)
+    used.receiver_bytes[i] = both(processes_.link_bytes(1 + i));
   return used;
 }
 

@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "bench/common/crowd.h"
+#include "bench/common/host_processes.h"
 #include "bench/common/shared.h"
 #include "bench/paper/messages.h"
 #include "bench/paper/record.h"
@@ -65,7 +65,7 @@ class Team {
   void begin(std::int64_t begin_ns) { board_->begin_ns = begin_ns; }
 
   Used used() const;
-  double resident_bytes() const { return crowd_.resident_bytes(); }
+  double resident_bytes() const { return processes_.resident_bytes(); }
   const Board& board() const { return *board_; }
   const Contender& contender() const { return contender_; }
   bool is_silent() const { return slot_ == silent; }
@@ -81,7 +81,7 @@ class Team {
   const Task task_;
   const std::size_t slot_;
   const Shared<Board> board_;
-  Crowd crowd_;
+  HostProcesses processes_;
 };
 
 }  // namespace sft::bench::paper

@@ -5,7 +5,7 @@
 
 #include <ostream>
 
-#include "bench/common/crowd.h"
+#include "bench/common/host_processes.h"
 #include "bench/common/pair.h"
 #include "bench/common/shared.h"
 #include "bench/paper/messages.h"
@@ -73,10 +73,10 @@ int subscribe(Board& board) {
 
 std::optional<Trace> response_trace() {
   const Shared<Board> board;
-  Crowd crowd(1);
-  crowd.start(0, [&] { return publish(*board); });
-  crowd.start(1, [&] { return subscribe(*board); });
-  if (!crowd.first_succeeds() || board->applied_ns.load() == 0) return std::nullopt;
+  HostProcesses processes(1);
+  processes.start(0, [&] { return publish(*board); });
+  processes.start(1, [&] { return subscribe(*board); });
+  if (!processes.first_succeeds() || board->applied_ns.load() == 0) return std::nullopt;
   const auto ms = [&](std::int64_t ns) { return static_cast<double>(ns - board->first_ns.load()) / 1e6; };
   Trace trace{.applied_ms = ms(board->applied_ns)};
   for (std::size_t i = 0; i < board->received.load(); ++i) {

@@ -11,12 +11,12 @@ namespace sft::bench::peers {
 
 namespace {
 
-constexpr std::int64_t patience_ns = 2'000'000'000;
+constexpr std::int64_t timeout_ns = 2'000'000'000;
 constexpr std::int64_t look_again_us = 50;
 constexpr std::size_t warm_up_min = 5;
 constexpr double warm_up_s = 0.1;
 constexpr std::uint64_t received_min = 8;  // messages from which a rate is taken, if they come in time
-constexpr double patience_of_rate_s = 1;
+constexpr double timeout_of_rate_s = 1;
 constexpr std::int64_t quiet_us = 50'000;  // no more messages come after a pause of this time
 
 std::int64_t ns_of(double seconds) { return static_cast<std::int64_t>(seconds * 1e9); }
@@ -69,7 +69,7 @@ double Sender::send_and_wait() {
   const std::int64_t due_ns = sent_at_ns + pace_.period_us * 1000;
   while (now_ns() < due_ns || last_received() < number_) {
     const std::int64_t now = now_ns();
-    if (now > sent_at_ns + patience_ns) return unknown;
+    if (now > sent_at_ns + timeout_ns) return unknown;
     if (sleeps()) sleep_us(std::max(look_again_us, (due_ns - now) / 1000));
   }
   return static_cast<double>(received_at_ns(number_) - sent_at_ns) / 1000;
@@ -93,7 +93,7 @@ void Sender::measure_latency() {
 
 void Sender::send_for(double seconds) {
   const std::uint64_t received_before = received();
-  const std::int64_t end_ns = now_ns() + ns_of(seconds), latest_ns = end_ns + ns_of(patience_of_rate_s);
+  const std::int64_t end_ns = now_ns() + ns_of(seconds), latest_ns = end_ns + ns_of(timeout_of_rate_s);
   for (std::int64_t now = now_ns();
        now < end_ns || (received() < received_before + received_min && now < latest_ns); now = now_ns())
     writer_.write(++number_);

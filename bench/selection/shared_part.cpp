@@ -22,7 +22,7 @@ using sensor_msgs::msg::PointCloud2;
 
 constexpr std::size_t readers_of_one_part = 4;
 constexpr std::int64_t pause_between_clouds_us = 100'000;
-constexpr double patience_s = 60;
+constexpr double timeout_s = 60;
 
 struct Progress {
   std::atomic<bool> done{false};
@@ -45,7 +45,7 @@ void publish_to_all(Progress& progress, std::uint64_t samples) {
         };
         return readers.size() == readers_of_one_part && std::ranges::all_of(readers, hears);
       },
-      patience_s);
+      timeout_s);
   const LinkBytes before = link_bytes();
   for (std::uint64_t n = 0; n < samples; ++n) {
     publisher.publish(cloud);

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::uint64_t readers = 8;
 constexpr std::int64_t asleep_us = 300;  // all readers sleep after this time
-constexpr std::int64_t patience_ns = 1'000'000'000;
+constexpr std::int64_t timeout_ns = 1'000'000'000;
 
 struct Board {
   std::atomic<std::uint64_t> ready{0};  ///< readers that have begun
@@ -34,7 +34,7 @@ struct Board {
     read.fetch_add(1, std::memory_order_release);
   }
   bool wait_for_all(std::uint64_t number) const {
-    const std::int64_t deadline = now_ns() + patience_ns;
+    const std::int64_t deadline = now_ns() + timeout_ns;
     while (read.load(std::memory_order_acquire) < number * readers) {
       if (now_ns() > deadline) return false;
       sleep_us(50);

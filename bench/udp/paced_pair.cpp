@@ -18,7 +18,7 @@ namespace sft::bench {
 namespace {
 
 constexpr std::int64_t settling_us = 1'000'000;  // most of the traffic of joining is over after this time
-constexpr double patience_s = 20;
+constexpr double timeout_s = 20;
 
 struct Board {
   std::atomic<std::uint64_t> received{0};
@@ -87,7 +87,7 @@ bool pass_paced(Contender contender, const Paced& paced, const TwoHosts& hosts,
     hosts.enter(0);
     return send(*board, contender, paced);
   });
-  bool passed = board->warm.comes(patience_s) && !board->failed;
+  bool passed = board->warm.comes(timeout_s) && !board->failed;
   if (passed) {
     const std::uint64_t all = board->received + paced.messages;
     begin({sender, receiver});

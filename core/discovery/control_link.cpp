@@ -314,8 +314,8 @@ void ControlLink::say_user_data() {
   dds_set_qos(participant_, user_data_qos(data_).get());
 }
 
-void ControlLink::flush(std::chrono::milliseconds patience) {
-  const auto end = std::chrono::steady_clock::now() + patience;
+void ControlLink::flush(std::chrono::milliseconds timeout) {
+  const auto end = std::chrono::steady_clock::now() + timeout;
   for (const Role role : both_roles) {
     const std::chrono::nanoseconds left = end - std::chrono::steady_clock::now();
     if (topics_[role].writer != 0 && left.count() > 0) dds_wait_for_acks(topics_[role].writer, left.count());

@@ -83,7 +83,7 @@ class ControlLink {
   /// Makes the participant known once more to whoever is there, and asks all for the same.
   void announce(bool asks);
   /// Waits until others have what was written, or not longer.
-  void flush(std::chrono::milliseconds patience);
+  void flush(std::chrono::milliseconds timeout);
 
  private:
   /// The records of one role.

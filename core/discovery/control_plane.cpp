@@ -129,7 +129,7 @@ Result<void> ControlPlane::open(std::uint32_t domain) {
 /// The program's own configuration of the domain holds, and its choice of interfaces. Nodes of other
 /// processes of this host are met on the loopback all the same. If that fails, the warnings say so.
 Result<void> ControlPlane::join_the_program(std::uint32_t domain) {
-  watches_ = false;
+  monitors_ = false;
   if (Result<void> joined = links_.join(domain); !joined) return joined;
   std::vector<LinkSpec> loopback;
   std::ranges::copy_if(desired_links(interfaces_that_count(config_).value_or(std::vector<HostInterface>()),
@@ -326,15 +326,15 @@ Time ControlPlane::look_after(Seat& seat, Time now) {
   }
   known_.pass_on();
   for (const Report& report : reports)
-    seat.node->tell([&](DiscoveryListener& listener) { (listener.*report.tell)(report.text); });
+    seat.node->notify([&](DiscoveryListener& listener) { (listener.*report.notify)(report.text); });
   return next;
 }
 
 /// Returns when it has to be called again at the latest.
 Time ControlPlane::look(Time now) {
   Time next = Time::max();
-  if (watches_ && (watch_.changed() || now >= look_at_interfaces_at_)) look_at_interfaces(now);
-  if (watches_) next = std::min(look_at_interfaces_at_, look_at_peers_by_name(now));
+  if (monitors_ && (monitor_.changed() || now >= look_at_interfaces_at_)) look_at_interfaces(now);
+  if (monitors_) next = std::min(look_at_interfaces_at_, look_at_peers_by_name(now));
   std::vector<KnownPeers::HeartbeatTaken> heartbeats;
   links_.each([&](LinkId id, ControlLink& link) {
     link.take_heartbeats([&, id](const Heartbeat& one, Time::duration age) {
@@ -365,8 +365,8 @@ void ControlPlane::act(const PeerAction& action, Time now) {
     const std::string why = "something is missing of what a process has that heartbeats count";
     const auto renewed = links_.renew(renewal->link, why);
     if (renewed && !renewed->text.empty())
-      report(
-          {renewed->is_made ? &DiscoveryListener::link_was_deaf : &DiscoveryListener::warned, renewed->text});
+      report({renewed->is_made ? &DiscoveryListener::link_was_renewed : &DiscoveryListener::warned,
+              renewed->text});
     give_heartbeats(now);
   }
   if (const auto* const end = std::get_if<EndLink>(&action)) links_.close(end->link);
@@ -380,7 +380,7 @@ void ControlPlane::act(const PeerAction& action, Time now) {
 }
 
 void ControlPlane::look_at_interfaces(Time now) {
-  if (watch_.was_closed()) return give_up();
+  if (monitor_.was_closed()) return give_up();
   std::optional<std::vector<HostInterface>> interfaces = interfaces_that_count(config_);
   const bool is_known = interfaces.has_value();
   const bool changed = is_known && *interfaces != interfaces_;
@@ -437,7 +437,7 @@ void ControlPlane::describe(const DesiredLinks& desired) {
 /// Cyclone's threads would keep a core busy with sockets that are closed. The links only go while the numbers
 /// of their descriptors are free: else Cyclone might close files that the program has opened since.
 void ControlPlane::give_up() {
-  watches_ = false;
+  monitors_ = false;
   if (has_no_open_files()) links_.close_all();
   report({&DiscoveryListener::warned, sockets_closed_by_the_program});
   const Lock lock(configuration_mutex_);

@@ -19,7 +19,7 @@
 #include "core/discovery/own_records.h"
 #include "core/discovery/timing.h"
 #include "core/platform/clock.h"
-#include "core/platform/network_watch.h"
+#include "core/platform/network_monitor.h"
 #include "core/platform/peer_addresses.h"
 #include "core/sync/mutex.h"
 
@@ -39,7 +39,7 @@ class ControlPlane {
 
   /// A report is told to a node on its own thread. It names a function of the listener, and has the text.
   struct Report {
-    void (DiscoveryListener::*tell)(const std::string& text) = nullptr;
+    void (DiscoveryListener::*notify)(const std::string& text) = nullptr;
     std::string text;
   };
   /// A node of this process.
@@ -94,8 +94,8 @@ class ControlPlane {
   /// Held while records are written, so that all links get them in one order, and while links are made and
   /// closed. Agents take it, and who opens or closes a node; nobody who holds another lock.
   Mutex mutex_;
-  bool watches_ SFT_GUARDED_BY(mutex_) = true;  ///< interfaces, unless the domain is the program's own
-  NetworkWatch watch_ SFT_GUARDED_BY(mutex_);
+  bool monitors_ SFT_GUARDED_BY(mutex_) = true;  ///< interfaces, unless the domain is the program's own
+  NetworkMonitor monitor_ SFT_GUARDED_BY(mutex_);
   Time look_at_interfaces_at_ SFT_GUARDED_BY(mutex_){};
   Time try_again_at_ SFT_GUARDED_BY(mutex_){};
   std::string failure_ SFT_GUARDED_BY(mutex_);  ///< of the last try; empty: all is written

@@ -35,7 +35,7 @@ ListeningNodes Directory::concerned_by(const Entry& entry) const {
 void Directory::hear_all(const std::shared_ptr<ListeningNode>& node, Role role) {
   Node& hearer = of(node);
   if (hearer.hears_all[role]) return;
-  tell_of_all(hearer, [&](const Endpoint& one) { return one.role == role && !concerns(hearer, one); });
+  notify_of_all(hearer, [&](const Endpoint& one) { return one.role == role && !concerns(hearer, one); });
   hearer.hears_all[role] = true;
 }
 
@@ -44,7 +44,7 @@ void Directory::announced(const std::shared_ptr<ListeningNode>& node, Endpoint e
   endpoint.announcer = hearer.number;
   const auto known = entries_.find(endpoint.id);
   if (known != entries_.end() && known->second.node == nullptr) {  // another process has used the id
-    tell_departed(concerned_by(known->second), endpoint.id);
+    notify_departed(concerned_by(known->second), endpoint.id);
     entries_.erase(known);
   }
   const bool is_new = !entries_.contains(endpoint.id);
@@ -53,10 +53,10 @@ void Directory::announced(const std::shared_ptr<ListeningNode>& node, Endpoint e
   entry.node = node;
   entry.place.reset();
   entry.endpoint = std::make_shared<const Endpoint>(std::move(endpoint));
-  tell_seen(concerned_by(entry), entry);
+  notify_seen(concerned_by(entry), entry);
   if (!is_new) return;
   const Endpoint& own = *entry.endpoint;
-  tell_of_all(hearer, [&](const Endpoint& one) {
+  notify_of_all(hearer, [&](const Endpoint& one) {
     return one.role == other(own.role) && one.topic == own.topic && !concerns(hearer, one);
   });
   ++hearer.topics[own.role][own.topic];
@@ -67,7 +67,7 @@ void Directory::requested(const Request& request) {
   if (found == entries_.end() || found->second.node == nullptr) return;
   Entry& entry = found->second;
   entry.request = request;
-  tell(concerned_by(entry), [copy = *entry.request](DiscoveryListener& to) { to.request_received(copy); });
+  notify(concerned_by(entry), [copy = *entry.request](DiscoveryListener& to) { to.request_received(copy); });
 }
 
 /// A node that has no endpoint of a topic any more is not told what becomes of others' endpoints of it, so it
@@ -86,7 +86,7 @@ void Directory::withdrawn(EndpointId id) {
   for (const auto& [other_id, entry] : entries_) {
     const Endpoint& one = *entry.endpoint;
     const bool was_told = one.role == other(endpoint->role) && one.topic == endpoint->topic;
-    if (was_told && entry.node != listener && !concerns(node, one)) tell_departed({listener}, other_id);
+    if (was_told && entry.node != listener && !concerns(node, one)) notify_departed({listener}, other_id);
   }
 }
 
@@ -140,8 +140,8 @@ void Directory::take_request(const Place& place, const Record& record) {
   const auto shown = entries_.find(slot.request->reader);
   if (shown == entries_.end() || shown->second.place != place) return show(place);
   shown->second.request = slot.request;
-  tell(concerned_by(shown->second),
-       [copy = *slot.request](DiscoveryListener& to) { to.request_received(copy); });
+  notify(concerned_by(shown->second),
+         [copy = *slot.request](DiscoveryListener& to) { to.request_received(copy); });
 }
 
 void Directory::take_inquiry(const Place& place, const Record& record) {
@@ -177,7 +177,7 @@ void Directory::show(const Place& place) {
   entry.place = place;
   entry.request.reset();
   entry.endpoint = std::make_shared<const Endpoint>(std::move(shown));
-  tell_seen(concerned_by(entry), entry);
+  notify_seen(concerned_by(entry), entry);
 }
 
 void Directory::end(EndpointId id, End how) {
@@ -185,9 +185,9 @@ void Directory::end(EndpointId id, End how) {
   if (!ended) return;
   ListeningNodes to = concerned_by(ended.mapped());
   if (how == End::lost) {
-    tell(std::move(to), [id](DiscoveryListener& listener) { listener.endpoint_lost(id); });
+    notify(std::move(to), [id](DiscoveryListener& listener) { listener.endpoint_lost(id); });
   } else {
-    tell_departed(std::move(to), id);
+    notify_departed(std::move(to), id);
   }
   show_next(id);
 }
@@ -236,12 +236,12 @@ void Directory::leave_out_what_is_cut(ProcessId process, std::vector<UdpAddress>
   if (!std::ranges::all_of(addresses, is_cut)) std::erase_if(addresses, is_cut);
 }
 
-void Directory::tell(ListeningNodes to, std::function<void(DiscoveryListener&)> call) {
+void Directory::notify(ListeningNodes to, std::function<void(DiscoveryListener&)> call) {
   if (!to.empty()) notices_.push_back({std::move(to), std::move(call)});
 }
 
-void Directory::tell_seen(ListeningNodes to, const Entry& entry) {
-  tell(std::move(to), [endpoint = entry.endpoint, request = entry.request](DiscoveryListener& listener) {
+void Directory::notify_seen(ListeningNodes to, const Entry& entry) {
+  notify(std::move(to), [endpoint = entry.endpoint, request = entry.request](DiscoveryListener& listener) {
     Endpoint seen = *endpoint;
     if (request) seen.request = *request;
     listener.endpoint_seen(std::move(seen));
@@ -249,7 +249,7 @@ void Directory::tell_seen(ListeningNodes to, const Entry& entry) {
 }
 
 template <class IsOf>
-void Directory::tell_report(NodeReport report, const std::shared_ptr<ListeningNode>& by, IsOf is_of) {
+void Directory::notify_report(NodeReport report, const std::shared_ptr<ListeningNode>& by, IsOf is_of) {
   const auto is_foreign = [&](EndpointId id) {
     const auto entry = entries_.find(id);
     return entry == entries_.end() || !is_of(entry->second);
@@ -264,17 +264,17 @@ void Directory::tell_report(NodeReport report, const std::shared_ptr<ListeningNo
   for (const Node& node : nodes_) {
     if (node.listener != by && !node.inquiries.empty()) to.push_back(node.listener);
   }
-  tell(std::move(to), [told = std::move(report)](DiscoveryListener& node) { node.report_received(told); });
+  notify(std::move(to), [told = std::move(report)](DiscoveryListener& node) { node.report_received(told); });
 }
 
 void Directory::report_came(ProcessId process, NodeReport report) {
-  tell_report(std::move(report), nullptr, [&](const Entry& entry) {
+  notify_report(std::move(report), nullptr, [&](const Entry& entry) {
     return entry.place && std::get<ProcessId>(*entry.place) == process;
   });
 }
 
 void Directory::reported(const std::shared_ptr<ListeningNode>& node, const NodeReport& report) {
-  tell_report(report, node, [&](const Entry& entry) { return entry.node == node; });
+  notify_report(report, node, [&](const Entry& entry) { return entry.node == node; });
 }
 
 void Directory::inquires(const std::shared_ptr<ListeningNode>& node, std::set<Inquiry> inquiries) {
@@ -293,21 +293,21 @@ Discovery::Inquiries Directory::inquiries() const {
   return inquiries;
 }
 
-void Directory::tell_departed(ListeningNodes to, EndpointId id) {
-  tell(std::move(to), [id](DiscoveryListener& listener) { listener.endpoint_departed(id); });
+void Directory::notify_departed(ListeningNodes to, EndpointId id) {
+  notify(std::move(to), [id](DiscoveryListener& listener) { listener.endpoint_departed(id); });
 }
 
 template <class Which>
-void Directory::tell_of_all(const Node& node, Which which) {
+void Directory::notify_of_all(const Node& node, Which which) {
   for (const auto& [id, entry] : entries_) {
-    if (entry.node != node.listener && which(*entry.endpoint)) tell_seen({node.listener}, entry);
+    if (entry.node != node.listener && which(*entry.endpoint)) notify_seen({node.listener}, entry);
   }
 }
 
 void Directory::refuse(std::string why) {
   ListeningNodes all;
   for (const Node& node : nodes_) all.push_back(node.listener);
-  tell(std::move(all), [why = std::move(why)](DiscoveryListener& to) { to.control_malformed(why); });
+  notify(std::move(all), [why = std::move(why)](DiscoveryListener& to) { to.control_malformed(why); });
 }
 
 std::vector<Discovery::KnownPublisher> Directory::publishers_of(std::string_view type_name) const {

@@ -34,7 +34,7 @@ class ListeningNode {
 
   /// Calls `call(listener)`, unless it is closed.
   template <class Call>
-  void tell(Call call) {
+  void notify(Call call) {
     gate_.call([&] { call(listener_); });
   }
   /// When it returns, the listener is not called any more.
@@ -121,13 +121,13 @@ class Directory {
   void end(EndpointId id, End how);
   void show_next(EndpointId id);
   void leave_out_what_is_cut(ProcessId process, std::vector<UdpAddress>& addresses) const;
-  void tell(ListeningNodes to, std::function<void(DiscoveryListener&)> call);
-  void tell_seen(ListeningNodes to, const Entry& entry);
+  void notify(ListeningNodes to, std::function<void(DiscoveryListener&)> call);
+  void notify_seen(ListeningNodes to, const Entry& entry);
   template <class IsOf>
-  void tell_report(NodeReport report, const std::shared_ptr<ListeningNode>& by, IsOf is_of);
-  void tell_departed(ListeningNodes to, EndpointId id);
+  void notify_report(NodeReport report, const std::shared_ptr<ListeningNode>& by, IsOf is_of);
+  void notify_departed(ListeningNodes to, EndpointId id);
   template <class Which>
-  void tell_of_all(const Node& node, Which which);
+  void notify_of_all(const Node& node, Which which);
 
   const LeadsTo leads_to_;
   AnnouncerId last_number_ = AnnouncerId{1} << 63;  ///< of nodes; of others it is the process

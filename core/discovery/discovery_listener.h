@@ -24,7 +24,7 @@ class DiscoveryListener {
   /// Other interfaces are used now. Called on the thread that calls look_after().
   virtual void links_changed(const std::string& /*summary*/) {}
   /// Something of another process was missing on one link, which was made anew. Called on the same thread.
-  virtual void link_was_deaf(const std::string& /*what*/) {}
+  virtual void link_was_renewed(const std::string& /*what*/) {}
   /// The user has to know that a participant has another release, that a peer by name has no address, or that
   /// the program has closed the sockets. Called on the same thread.
   virtual void warned(const std::string& /*what*/) {}

@@ -31,7 +31,7 @@ void KnownPeers::take_actions() {
 void KnownPeers::pass_on_notices(Lock& lock) {
   take_actions();
   delivery_.deliver(lock, directory_.take_notices(), [](const Directory::Notice& notice) {
-    for (const std::shared_ptr<ListeningNode>& node : notice.to) node->tell(notice.call);
+    for (const std::shared_ptr<ListeningNode>& node : notice.to) node->notify(notice.call);
   });
 }
 
@@ -73,7 +73,7 @@ void KnownPeers::link_closed(LinkId link) {
 
 std::optional<std::string> KnownPeers::take_other_releases(Time now) {
   const Lock lock(mutex_);
-  const std::optional<ReleaseWatch::Report> report = releases_.take_report(now);
+  const std::optional<ReleaseMonitor::Report> report = releases_.take_report(now);
   if (!report) return std::nullopt;
   const auto spec = specs_.find(report->participant.link);
   std::string text = "a participant with control protocol " + std::to_string(report->version) + " is on " +

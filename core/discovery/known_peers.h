@@ -68,7 +68,7 @@ class KnownPeers final : public ControlLinkListener {
   Mutex mutex_;
   Peers peers_ SFT_GUARDED_BY(mutex_);
   Directory directory_ SFT_GUARDED_BY(mutex_);
-  ReleaseWatch releases_ SFT_GUARDED_BY(mutex_);
+  ReleaseMonitor releases_ SFT_GUARDED_BY(mutex_);
   std::map<LinkId, LinkSpec> specs_ SFT_GUARDED_BY(mutex_);
   std::vector<PeerAction> of_links_ SFT_GUARDED_BY(mutex_);
   OrderedDelivery<Directory::Notice> delivery_ SFT_GUARDED_BY(mutex_);

@@ -37,19 +37,19 @@ void LinkCare::left(LinkId id) { --links_.at(id).participants; }
 void LinkCare::stirred(LinkId id, Time now) { links_.at(id).stirred_at = now; }
 
 /// While others are new, Cyclone is about to find the stranger, too. Others may be new for ever, though.
-void LinkCare::stranger_came(LinkId id, Time now) {
+void LinkCare::unknown_came(LinkId id, Time now) {
   Link& link = links_.at(id);
-  if (!link.stranger_at || now >= *link.stranger_at + 2 * timing_.lease) link.stranger_at = now;
-  if (now < std::min(link.stirred_at + 2 * timing_.settle, *link.stranger_at + timing_.lease)) return;
-  link.stranger_at.reset();
-  link.has_stranger = true;
+  if (!link.unknown_at || now >= *link.unknown_at + 2 * timing_.lease) link.unknown_at = now;
+  if (now < std::min(link.stirred_at + 2 * timing_.settle, *link.unknown_at + timing_.lease)) return;
+  link.unknown_at.reset();
+  link.has_unknown = true;
 }
 
 void LinkCare::was_asked(LinkId id) { links_.at(id).was_asked = true; }
 
 void LinkCare::network_changed(Time now) {
   for (auto& [id, link] : links_) {
-    link.has_stranger = true;
+    link.has_unknown = true;
     link.announce_at = now;
     link.announce_pause = {};
   }
@@ -64,11 +64,11 @@ void LinkCare::misses(const std::map<LinkId, std::set<ProcessId>>& processes) {
 
 Time LinkCare::missed_from(LinkId id, Time behind_since, bool was_complete) const {
   const Link& link = links_.at(id);
-  const auto crowd = static_cast<int>(std::min(link.participants, crowd_max));
-  Time::duration patience = timing_.settle + timing_.settle_each * crowd;
-  patience += patience * static_cast<int>(self_ % 64) / 128;
+  const auto crowd = static_cast<int>(std::min(link.participants, participants_counted_max));
+  Time::duration timeout = timing_.settle + timing_.settle_each * crowd;
+  timeout += timeout * static_cast<int>(self_ % 64) / 128;
   const Time begin = std::max(behind_since, std::min(link.stirred_at, behind_since + timing_.lease));
-  return begin + (was_complete ? patience : 2 * patience);
+  return begin + (was_complete ? timeout : 2 * timeout);
 }
 
 LinkCare::Due LinkCare::look(const std::function<bool(ProcessId, LinkId)>& is_complete,
@@ -101,8 +101,8 @@ bool LinkCare::may_end(LinkId id, Link& link, const std::function<bool(LinkId)>&
 /// Others who ask are answered no more often than heartbeats go. Who goes on giving heartbeats without being
 /// found is asked for ever more seldom.
 std::optional<LinkCare::Announcement> LinkCare::announcement(LinkId id, Link& link, Time now) const {
-  if ((!link.has_stranger && !link.was_asked) || now < link.announce_at) return std::nullopt;
-  const bool asks = std::exchange(link.has_stranger, false);
+  if ((!link.has_unknown && !link.was_asked) || now < link.announce_at) return std::nullopt;
+  const bool asks = std::exchange(link.has_unknown, false);
   link.was_asked = false;
   const auto longer = asks ? 2 * link.announce_pause : timing_.heartbeat_every;
   link.announce_pause = std::clamp(longer, timing_.heartbeat_every, timing_.lease);
@@ -117,7 +117,7 @@ Time LinkCare::next() const {
       next = std::min(next, link.look_again_at);
     } else {
       if (!link.misses.empty()) next = std::min(next, renewal_due(link));
-      if (link.has_stranger || link.was_asked) next = std::min(next, link.announce_at);
+      if (link.has_unknown || link.was_asked) next = std::min(next, link.announce_at);
     }
   }
   return next;

@@ -36,7 +36,7 @@ class LinkCare {
   /// A record came of a participant of which not all has come yet.
   void stirred(LinkId link, Time now);
   /// A heartbeat came of a participant that Cyclone does not know. It may have forgotten us, or we it.
-  void stranger_came(LinkId link, Time now);
+  void unknown_came(LinkId link, Time now);
   /// A participant that is known asks who is there.
   void was_asked(LinkId link);
   /// Cables, switches or interfaces have changed.
@@ -84,14 +84,14 @@ class LinkCare {
     Time renew_at{};                 ///< not before: making it anew may have failed
     std::chrono::milliseconds retry_pause{};  ///< behind the last attempt to make it anew
     std::optional<Time> retired_at{};
-    Time look_again_at{};               ///< whether the retired link may end
-    std::optional<Time> stranger_at{};  ///< when the first stranger came since the last question
-    bool has_stranger = false, was_asked = false;
+    Time look_again_at{};              ///< whether the retired link may end
+    std::optional<Time> unknown_at{};  ///< when the first stranger came since the last question
+    bool has_unknown = false, was_asked = false;
     Time announce_at{};                          ///< not before
     std::chrono::milliseconds announce_pause{};  ///< behind the last announcement
   };
   /// More participants of a link keep nothing waiting longer: somebody may make them up.
-  static constexpr std::size_t crowd_max = 100;
+  static constexpr std::size_t participants_counted_max = 100;
 
   static Time renewal_due(const Link& link) { return std::max(link.made_at + link.pause, link.renew_at); }
   bool may_end(LinkId id, Link& link, const std::function<bool(LinkId)>& is_covered, Time now) const;

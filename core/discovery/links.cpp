@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/platform/hold_up_watch.h"
+#include "core/platform/hold_up_monitor.h"
 
 namespace sft::core {
 

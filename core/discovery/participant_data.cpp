@@ -62,7 +62,7 @@ std::optional<std::uint32_t> other_release(std::string_view user_data) {
   return version && *version != control_protocol_version() ? version : std::nullopt;
 }
 
-void ReleaseWatch::seen(const RemoteParticipant& participant, std::uint32_t version) {
+void ReleaseMonitor::seen(const RemoteParticipant& participant, std::uint32_t version) {
   if (known_.size() >= known_max || !known_.insert(participant).second) return;
   if (next_) {
     ++next_->others;
@@ -71,7 +71,7 @@ void ReleaseWatch::seen(const RemoteParticipant& participant, std::uint32_t vers
   }
 }
 
-std::optional<ReleaseWatch::Report> ReleaseWatch::take_report(Time now) {
+std::optional<ReleaseMonitor::Report> ReleaseMonitor::take_report(Time now) {
   if (!next_ || now < not_before_) return std::nullopt;
   not_before_ = now + timing_.name_releases_every;
   return std::exchange(next_, std::nullopt);

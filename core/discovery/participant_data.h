@@ -36,9 +36,9 @@ std::optional<std::uint32_t> other_release(std::string_view user_data);
 
 /// Decides when the log names participants of other releases. However many of them somebody makes up, people
 /// read one line in a while.
-class ReleaseWatch {
+class ReleaseMonitor {
  public:
-  explicit ReleaseWatch(const Timing& timing) : timing_(timing) {}
+  explicit ReleaseMonitor(const Timing& timing) : timing_(timing) {}
 
   /// A participant has another version, each time that this is heard.
   void seen(const RemoteParticipant& participant, std::uint32_t version);

@@ -121,7 +121,7 @@ void Peers::heartbeat_came(LinkId link, const Heartbeat& heartbeat, Time now, Ti
   if (heartbeat.process == self_ || !care_.has(link)) return;
   const RemoteParticipant id{link, heartbeat.participant};
   const auto found = participants_.find(id);
-  if (found == participants_.end() || !found->second.process) return care_.stranger_came(link, now);
+  if (found == participants_.end() || !found->second.process) return care_.unknown_came(link, now);
   Participant& participant = found->second;
   if (participant.is_own || participant.process != heartbeat.process) return;
   if (participant.is_one_too_many) admit(id, participant, now);
@@ -189,11 +189,11 @@ void Peers::look(Time now) {
 /// Participants that are silent, and those that Cyclone does not find, are not there for the most part. Of
 /// one that is, a renewal of the link brings the records once more, as it does once there is room again.
 void Peers::look_at_room(Time now) {
-  const bool is_crowded = limits_.are_reached(records_, bytes_);
+  const bool is_full = limits_.are_reached(records_, bytes_);
   for (auto next = participants_.begin(); next != participants_.end();) {
     const auto one = next++;
     Participant& participant = one->second;
-    if (is_crowded && participant.process && !is_heard(participant)) forget_tables(participant);
+    if (is_full && participant.process && !is_heard(participant)) forget_tables(participant);
     if (!participant.process && now >= participant.found_at + timing_.lease)
       participant_gone(RemoteParticipant(one->first));
   }

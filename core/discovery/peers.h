@@ -58,18 +58,18 @@ using PeerAction = std::variant<PeerFound, PeerLost, RecordChanged, PathsCut, He
 
 struct PeerLimits {
   /// A participant that is heard may have this number of records and bytes while all together have
-  /// fewer bytes than bytes_of_all(). Any may have more while all together have fewer records than `crowded`,
-  /// of fewer bytes than `crowded_bytes`.
+  /// fewer bytes than bytes_of_all(). Any may have more while all together have fewer records than `full`,
+  /// of fewer bytes than `full_bytes`.
   std::size_t records = 2'048;
   std::size_t bytes = std::size_t{4} << 20;
-  std::size_t crowded = 16'384;
-  std::size_t crowded_bytes = std::size_t{64} << 20;
-  std::size_t bytes_of_all() const { return 4 * crowded_bytes; }
+  std::size_t full = 16'384;
+  std::size_t full_bytes = std::size_t{64} << 20;
+  std::size_t bytes_of_all() const { return 4 * full_bytes; }
   bool are_reached(std::size_t all_records, std::size_t all_bytes) const {
-    return all_records >= crowded || all_bytes >= crowded_bytes;
+    return all_records >= full || all_bytes >= full_bytes;
   }
   bool are_far(std::size_t all_records, std::size_t all_bytes) const {
-    return all_records < crowded / 4 * 3 && all_bytes < crowded_bytes / 4 * 3;
+    return all_records < full / 4 * 3 && all_bytes < full_bytes / 4 * 3;
   }
   /// Participants of one process: one on each link, and a second one where a link is made anew.
   std::size_t participants = 32;

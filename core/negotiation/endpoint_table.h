@@ -73,7 +73,7 @@ class EndpointTable {
   /// Null if there is none of that id. Valid until the next event.
   const Endpoint* known(EndpointId id) const;
   /// Returns true if some endpoint is lost.
-  bool misses_somebody() const { return !lost_.empty(); }
+  bool misses_peer() const { return !lost_.empty(); }
 
   /// Announcements that were refused, and entries that were removed, because the table was full.
   std::uint64_t refused() const { return refused_; }

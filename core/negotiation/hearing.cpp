@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "core/negotiation/id_list.h"
-#include "core/negotiation/pair_judge.h"
+#include "core/negotiation/pair_evaluator.h"
 
 namespace sft::core {
 
@@ -54,9 +54,9 @@ void hear_no_more_than_possible(std::vector<Hearing>& hearing, const EndpointTab
 std::vector<Hearing> hearing_of(const TableEntry& reader, const KnownFacts& facts,
                                 TypeComparisons& comparisons) {
   std::vector<Hearing> result;
-  PairJudge judge(facts.host.self(), comparisons);
+  PairEvaluator evaluator(facts.host.self(), comparisons);
   for (const TableEntry* writer : facts.table.counterparts(reader))
-    result.push_back(hear(*writer, reader.endpoint, judge.judge(*writer, reader), facts));
+    result.push_back(hear(*writer, reader.endpoint, evaluator.evaluate(*writer, reader), facts));
   if (result.size() > writers_per_reader_max) hear_no_more_than_possible(result, facts.table);
   return result;
 }

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "core/negotiation/endpoint_table.h"
-#include "core/negotiation/history_ledger.h"
+#include "core/negotiation/history_state.h"
 #include "core/negotiation/local_host.h"
 #include "core/negotiation/requested_selections.h"
 #include "core/negotiation/unreachable_readers.h"
@@ -13,7 +13,7 @@ namespace sft::core {
 struct KnownFacts {
   LocalHost host;
   EndpointTable table;
-  HistoryLedger history;
+  HistoryState history;
   UnreachableReaders unreachable;
   mutable RequestedSelections requested{};  ///< follows from the requests in the table
 

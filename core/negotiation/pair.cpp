@@ -51,7 +51,7 @@ void compare_types(const Pair& pair, const TypeSupport& type, TypeComparisons* c
 
 }  // namespace
 
-Verdict judge(const Pair& pair, const TypeSupport& type, const Self& self, TypeComparisons* comparisons) {
+Verdict evaluate(const Pair& pair, const TypeSupport& type, const Self& self, TypeComparisons* comparisons) {
   const auto& [writer, reader, we_write] = pair;
   Verdict verdict;
   compare_types(pair, type, comparisons, verdict);

@@ -43,7 +43,7 @@ struct Verdict {
 
 /// `type`: of what is ours; of the writer if both are. Without `comparisons` two definitions of a type are
 /// told apart, and not compared.
-Verdict judge(const Pair& pair, const TypeSupport& type, const Self& self, TypeComparisons* comparisons);
+Verdict evaluate(const Pair& pair, const TypeSupport& type, const Self& self, TypeComparisons* comparisons);
 
 /// Returns how the reader hears the writer, as its request in force tells. With `history_comes` the samples
 /// that were published before come first, over UDP.

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/negotiation/id_list.h"
-#include "core/negotiation/pair_judge.h"
+#include "core/negotiation/pair_evaluator.h"
 
 namespace sft::core {
 
@@ -83,19 +83,19 @@ void look_after_lease(const Endpoint& reader, const PublisherStatus::Reader& sta
   const bool matches = !status.incompatible_type && status.incompatible_policy == QosPolicy::none;
   if (!matches || reader.qos.liveliness_lease.count() == 0) return;
   serving.lease_requested = true;
-  const bool is_told_all = reader.request.min_period_us == 0 && status.selection.gate().is_open();
-  serving.samples_tell &= status.served && is_told_all;
+  const bool is_sent_all = reader.request.min_period_us == 0 && status.selection.gate().is_open();
+  serving.samples_assert &= status.served && is_sent_all;
 }
 
 }  // namespace
 
 Serving serving_of(const TableEntry& writer, const KnownFacts& facts, TypeComparisons& comparisons) {
   Serving serving;
-  PairJudge judge(facts.host.self(), comparisons);
+  PairEvaluator evaluator(facts.host.self(), comparisons);
   const std::vector<const TableEntry*> readers = facts.table.counterparts(writer);
   serving.readers.reserve(readers.size());
   for (const TableEntry* reader : readers) {
-    const Verdict verdict = judge.judge(writer, *reader);
+    const Verdict verdict = evaluator.evaluate(writer, *reader);
     serve(writer, *reader, verdict, facts, serving);
     look_after_lease(reader->endpoint, serving.readers.back(), serving);
   }

@@ -20,7 +20,7 @@ struct Serving {
   std::vector<Route> unreached;  ///< would be in `memory`, but the port cannot tell these of samples
   std::vector<PublisherStatus::Reader> readers;  ///< all of the topic, with reasons
   bool lease_requested = false;                  ///< some reader wants to know whether the writer lives
-  bool samples_tell = true;                      ///< and each of these gets every sample
+  bool samples_assert = true;                    ///< and each of these gets every sample
   bool history_owed = false;                     ///< some route has a history
 
   /// Returns true if both send the same to the same readers. What status() tells of these readers may differ.

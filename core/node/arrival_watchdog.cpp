@@ -60,7 +60,7 @@ std::chrono::nanoseconds ArrivalWatchdog::time_to_arrive(const Pair& pair) const
   const std::uint64_t samples = std::max<std::uint64_t>(latest_.samples - base_->samples, 1);
   const std::uint64_t bytes = latest_.bytes > base_->bytes ? latest_.bytes - base_->bytes : 0;
   const std::chrono::microseconds on_the_way(bytes / samples * 1'000'000 / slowest_bytes_per_s);
-  const std::chrono::seconds least = pair.awaits_history ? patience_with_history : patience;
+  const std::chrono::seconds least = pair.awaits_history ? timeout_with_history : timeout;
   return least + on_the_way + 2 * std::chrono::microseconds(pair.min_period_us);
 }
 

@@ -25,9 +25,9 @@ class ArrivalWatchdog {
   static constexpr std::uint64_t missing_where_lossy = 32;
   static constexpr std::uint64_t missing_where_reliable = 2;
   /// Added to the time that a sample takes on a link with `slowest_bytes_per_s`.
-  static constexpr std::chrono::seconds patience{2};
+  static constexpr std::chrono::seconds timeout{2};
   static constexpr std::uint64_t slowest_bytes_per_s = 100'000;
-  static constexpr std::chrono::seconds patience_with_history{10};
+  static constexpr std::chrono::seconds timeout_with_history{10};
   static constexpr std::chrono::seconds quiet_after{2};
   static constexpr std::chrono::seconds progress_needed_for{60};
   /// The pause between two restarts, which doubles up to the longest one as long as nothing arrives.

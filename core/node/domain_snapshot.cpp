@@ -76,7 +76,7 @@ DomainSnapshot::Pair pair_info(const Endpoint& writer, const Endpoint& reader,
                                       ? "the publisher's node has none yet"
                                       : "the publisher's node: " + writer.memory_failure};
   const Verdict verdict =
-      judge({writer, reader, true}, type ? type->support() : unknown, self, type ? &comparisons : nullptr);
+      evaluate({writer, reader, true}, type ? type->support() : unknown, self, type ? &comparisons : nullptr);
   const bool durable = writer.qos.durability == Durability::transient_local &&
                        reader.qos.durability == Durability::transient_local;
   const bool begun = std::ranges::find(reader.request.begun, writer.id) != reader.request.begun.end();
@@ -114,8 +114,8 @@ DomainSnapshot domain_snapshot(std::vector<KnownEndpoint> endpoints, const PairA
       if (reader.role != Role::reader || reader.topic != writer.topic) continue;
       DomainSnapshot::Pair& pair =
           snapshot.pairs.emplace_back(pair_info(writer, reader, types.of(writer), comparisons));
-      if (const auto told = accounts.find({writer.id, reader.id}); told != accounts.end())
-        pair.account = told->second;
+      if (const auto reported = accounts.find({writer.id, reader.id}); reported != accounts.end())
+        pair.account = reported->second;
     }
   }
   return snapshot;

@@ -26,8 +26,8 @@ bool EndpointOpening::may_use(TransportKind kind, TransportChoice choice) const 
 void EndpointOpening::tell_of(const TopicName& name) const {
   if (name.given.empty()) return;
   const std::string by = name.rules.empty() ? "" : ", by the remapping rule " + in_quotes(name.rules.front());
-  news_.log(LogLevel::info,
-            "the program's topic " + in_quotes(name.given) + " is " + in_quotes(name.topic) + by);
+  notifications_.log(LogLevel::info,
+                     "the program's topic " + in_quotes(name.given) + " is " + in_quotes(name.topic) + by);
 }
 
 Result<void> EndpointOpening::check(std::string_view topic, const TypeSupport& type,
@@ -70,9 +70,9 @@ Endpoint EndpointOpening::describe(Role role, const TopicName& name, const TypeS
   if (auto description = announced_description(type.type())) {
     endpoint.type_description = *std::move(description);
   } else if (role == Role::writer) {
-    news_.log(LogLevel::warning,
-              "topic " + in_quotes(name.topic) +
-                  ": the fields of its type are not announced: " + description.error().message);
+    notifications_.log(LogLevel::warning,
+                       "topic " + in_quotes(name.topic) +
+                           ": the fields of its type are not announced: " + description.error().message);
   }
   endpoint.may_use_memory = may_use(TransportKind::shm, choice);
   endpoint.may_use_network = may_use(TransportKind::udp, choice);
@@ -129,7 +129,7 @@ Result<EndpointOpening::Writer> EndpointOpening::open_writer(const TopicName& na
   if (!network) return tl::unexpected(network.error());
   std::function<void()> asserted;
   if (qos->liveliness == Liveliness::manual_by_topic)
-    asserted = [tell = news_.asserted, id = endpoint.id] { tell(id); };
+    asserted = [notify = notifications_.asserted, id = endpoint.id] { notify(id); };
   auto core = std::make_shared<PublisherCore>(
       PublisherCore::Spec{
           .id = endpoint.id,
@@ -141,7 +141,7 @@ Result<EndpointOpening::Writer> EndpointOpening::open_writer(const TopicName& na
           .on_event = options.on_event,
           .callbacks = &node_.callbacks,
           .asserted = std::move(asserted),
-          .refused = [log = news_.log](
+          .refused = [log = notifications_.log](
                          const std::string& why) { log(LogLevel::warning, "a message is not sent: " + why); },
           .max_blocking = options.max_blocking,
           .book = book},
@@ -281,11 +281,12 @@ std::shared_ptr<SubscriberCore> EndpointOpening::make_core(const std::vector<End
   std::vector<Feed::Spec> feeds;
   for (std::size_t i = 0; i < endpoints.size(); ++i) {
     const Endpoint& endpoint = endpoints[i];
-    feeds.push_back({.id = endpoint.id,
-                     .selection = selections[i].without_rate(),
-                     .min_period_us = endpoint.request.min_period_us,
-                     .qos = endpoint.qos,
-                     .changed = [tell = news_.requirement_changed, id = endpoint.id] { tell(id); }});
+    feeds.push_back(
+        {.id = endpoint.id,
+         .selection = selections[i].without_rate(),
+         .min_period_us = endpoint.request.min_period_us,
+         .qos = endpoint.qos,
+         .changed = [notify = notifications_.requirement_changed, id = endpoint.id] { notify(id); }});
   }
   std::shared_ptr<Recorder> recorder;
   if (order.requirement.recorded) {
@@ -332,11 +333,12 @@ std::uint32_t EndpointOpening::memory_depth_of(const Endpoint& reader) const {
   const std::uint32_t most = node_.memory == nullptr ? depth : node_.memory->max_depth();
   if (!reader.may_use_memory || depth <= most) return depth;
   const bool reliable = reader.qos.reliability == Reliability::reliable;
-  news_.log(reliable ? LogLevel::warning : LogLevel::info,
-            "topic '" + reader.topic + "': SubscriberOptions::depth is " + std::to_string(depth) +
-                ", but shared memory keeps " + std::to_string(most) +
-                " samples of each publisher on this host: take them sooner, or let reliable publishers "
-                "wait for reliable subscribers (PublisherOptions::max_blocking)");
+  notifications_.log(
+      reliable ? LogLevel::warning : LogLevel::info,
+      "topic '" + reader.topic + "': SubscriberOptions::depth is " + std::to_string(depth) +
+          ", but shared memory keeps " + std::to_string(most) +
+          " samples of each publisher on this host: take them sooner, or let reliable publishers "
+          "wait for reliable subscribers (PublisherOptions::max_blocking)");
   return most;
 }
 

@@ -42,12 +42,12 @@ class EndpointOpening {
     CallbackThread& callbacks;
   };
   /// Called by any thread with the id of an endpoint; each posts to the agent, and returns.
-  struct News {
+  struct Notifications {
     std::function<void(EndpointId)> asserted;
     std::function<void(EndpointId)> requirement_changed;
     std::function<void(LogLevel, std::string)> log;
   };
-  EndpointOpening(Node node, News news) : node_(std::move(node)), news_(std::move(news)) {}
+  EndpointOpening(Node node, Notifications news) : node_(std::move(node)), notifications_(std::move(news)) {}
 
   NodeNames& names() const { return *node_.names; }
 
@@ -104,7 +104,7 @@ class EndpointOpening {
   std::uint32_t memory_depth_of(const Endpoint& reader) const;
 
   const Node node_;
-  const News news_;
+  const Notifications notifications_;
 };
 
 }  // namespace sft::core

@@ -36,7 +36,7 @@ LocalReader::LocalReader(NodeContext& node, const Endpoint& endpoint, Parts part
       selection_(parts.selection),
       feed_(core_->feed(selection_)),
       network_(std::move(parts.network)),
-      callback_(selection_ == 0 ? std::make_unique<CallbackWatch>(core_) : nullptr),
+      callback_(selection_ == 0 ? std::make_unique<CallbackMonitor>(core_) : nullptr),
       requested_(endpoint.qos),
       accepted_({feed_.spec().selection, endpoint.request.min_period_us},
                 endpoint.qos.reliability == Reliability::reliable) {
@@ -64,7 +64,7 @@ void LocalReader::reconcile(std::size_t& unattached) {
   ports().hears(wanted);
   // A writer that was killed between handing over its last sample and waking us did not wake us.
   core_->wake();
-  has_news_ = true;
+  has_changes_ = true;
   watch_matching();
 }
 
@@ -195,7 +195,7 @@ bool LocalReader::may_try_again(Time now) const {
 }
 
 bool LocalReader::requirement_changed() {
-  has_news_ = true;  // status() says it already
+  has_changes_ = true;  // status() says it already
   const Wanted wanted{feed_.required(), ports().min_period_us()};
   const bool is_other = node_.negotiation.requirement_changed(id_, wanted.selection);
   const bool has_other_rate = node_.negotiation.rate_changed(id_, wanted.min_period_us);
@@ -217,7 +217,7 @@ void LocalReader::accept() {
 
 void LocalReader::send_request() {
   const Request& request = node_.negotiation.local(id_)->request;
-  has_news_ = true;
+  has_changes_ = true;
   feed_.requests(accepted_.latest().selection, request.sequence);
   node_.discovery.send(request);
 }
@@ -245,34 +245,35 @@ void LocalReader::watch_matching() {
   });
   for (const auto& [writer, hearing] : heard_) {
     if (!hearing.status.matched || watched_.contains(writer)) continue;
-    const RequestWatch watch(hearing.offered, requested_, ports().arrivals(writer),
-                             std::chrono::steady_clock::now());
-    if (watch.pace()) watched_.emplace(writer, watch);
+    const RequestMonitor monitor(hearing.offered, requested_, ports().arrivals(writer),
+                                 std::chrono::steady_clock::now());
+    if (monitor.pace()) watched_.emplace(writer, monitor);
   }
 }
 
 void LocalReader::watch_promises(Time now) {
-  for (auto& [writer, watch] : watched_) {
-    const std::uint64_t missed = watch.look(ports().arrivals(writer), now);
-    has_news_ |= ports().keeps_promises(writer, missed, watch.alive());
+  for (auto& [writer, monitor] : watched_) {
+    const std::uint64_t missed = monitor.look(ports().arrivals(writer), now);
+    has_changes_ |= ports().keeps_promises(writer, missed, monitor.alive());
   }
 }
 
 void LocalReader::asserted(const std::vector<EndpointId>& writers) {
   for (const EndpointId writer : writers) {
-    if (const auto watch = watched_.find(writer); watch != watched_.end()) watch->second.asserted();
+    if (const auto monitor = watched_.find(writer); monitor != watched_.end()) monitor->second.asserted();
   }
 }
 
 std::chrono::nanoseconds LocalReader::pace(std::chrono::nanoseconds longest) const {
-  for (const auto& [writer, watch] : watched_) longest = std::min(longest, watch.pace().value_or(longest));
+  for (const auto& [writer, monitor] : watched_)
+    longest = std::min(longest, monitor.pace().value_or(longest));
   return longest;
 }
 
-bool LocalReader::restart_deaf(const std::vector<Progress>& told, bool held_up, Time now) {
+bool LocalReader::restart_stalled(const std::vector<Progress>& reported, bool held_up, Time now) {
   bool restarted = false;
   for (auto& [writer, hearing] : heard_) {
-    if (!is_deaf(hearing, told, held_up, now)) continue;
+    if (!is_stalled(hearing, reported, held_up, now)) continue;
     restart(hearing, now);
     restarted = true;
   }
@@ -284,7 +285,8 @@ bool LocalReader::awaits_reports(Time now) {
   return std::ranges::any_of(watchdogs_, [&](auto& item) { return item.second.needs_progress(now); });
 }
 
-bool LocalReader::is_deaf(const Hearing& hearing, const std::vector<Progress>& told, bool held_up, Time now) {
+bool LocalReader::is_stalled(const Hearing& hearing, const std::vector<Progress>& reported, bool held_up,
+                             Time now) {
   const EndpointId writer = hearing.source.writer;
   const Request& request = node_.negotiation.local(id_)->request;
   const auto holds = [&](const auto& writers) { return std::ranges::find(writers, writer) != writers.end(); };
@@ -299,7 +301,7 @@ bool LocalReader::is_deaf(const Hearing& hearing, const std::vector<Progress>& t
     watchdog.excuse();
     return false;
   }
-  const auto named = std::ranges::find(told, writer, &Progress::writer);
+  const auto named = std::ranges::find(reported, writer, &Progress::writer);
   const bool lossy = !attached && !hearing.source.reliable;
   std::uint64_t signs = ports().arrivals(writer);
   // Parts of samples may arrive although no sample does.
@@ -309,7 +311,7 @@ bool LocalReader::is_deaf(const Hearing& hearing, const std::vector<Progress>& t
   const bool awaits_history =
       hearing.source.history_first && by != nullptr && by->history(writer) != HistoryProgress::came;
   return watchdog.look(
-      named == told.end() ? nullptr : &*named, signs,
+      named == reported.end() ? nullptr : &*named, signs,
       {.reliable = !lossy, .min_period_us = request.min_period_us, .awaits_history = awaits_history}, now);
 }
 
@@ -347,13 +349,13 @@ void LocalReader::restart(Hearing& hearing, Time now) {
 }
 
 /// States are copied and compared only if something can have happened.
-void LocalReader::tell_events() {
+void LocalReader::report_events() {
   const std::uint64_t losses = ports().losses();
-  has_news_ |= std::exchange(losses_told_, losses) != losses;
-  has_news_ |= ports().held_too_many() != told_.held_too_many;
-  if (!std::exchange(has_news_, false)) return;
-  core::tell_events(
-      *core_, told_, node_.log, [this] { return feed_.status(); },
+  has_changes_ |= std::exchange(losses_reported_, losses) != losses;
+  has_changes_ |= ports().held_too_many() != reported_.held_too_many;
+  if (!std::exchange(has_changes_, false)) return;
+  core::report_events(
+      *core_, reported_, node_.log, [this] { return feed_.status(); },
       [this](const SubscriberStatus& before, const SubscriberStatus& now) {
         std::vector<Event> events = events_between(before, now, core_->type(), requested_.reliability);
         for (Event& event : events) event.selection = static_cast<std::uint32_t>(selection_);

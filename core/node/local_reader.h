@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "core/negotiation/accepted_requests.h"
-#include "core/negotiation/qos_watch.h"
+#include "core/negotiation/qos_monitor.h"
 #include "core/node/arrival_watchdog.h"
-#include "core/node/callback_watch.h"
+#include "core/node/callback_monitor.h"
 #include "core/node/node_context.h"
 #include "core/platform/clock.h"
 #include "core/subscribe/subscriber_core.h"
@@ -73,17 +73,17 @@ class LocalReader {
   /// How long the next look can wait, no longer than `longest`.
   std::chrono::nanoseconds pace(std::chrono::nanoseconds longest) const;
   /// Watches the callback, which is for all selections of the subscriber. Null but for the first one.
-  CallbackWatch* callback() const { return callback_.get(); }
+  CallbackMonitor* callback() const { return callback_.get(); }
   /// Sets connections up anew by which nothing arrives, although their writer sends, as its node says.
-  /// `told`: the progress of writers that has just been told. `held_up`: a callback of this node may hold up
-  /// what arrives. True if any was.
-  bool restart_deaf(const std::vector<Progress>& told, bool held_up, Time now);
+  /// `reported`: the progress of writers that has just been told. `held_up`: a callback of this node may hold
+  /// up what arrives. True if any was.
+  bool restart_stalled(const std::vector<Progress>& reported, bool held_up, Time now);
   /// True if others have to report on the topic: nothing has arrived from some writer for a while, or the
   /// reader has asked for a lease.
   bool awaits_reports(Time now);
 
   /// Tells the user what has happened.
-  void tell_events();
+  void report_events();
   /// The writers that match, each with an account.
   std::vector<EndpointId> matching_writers() const;
 
@@ -102,7 +102,7 @@ class LocalReader {
   bool look_after_history(const ReaderPort& port, EndpointId writer, Connections& connections);
   void accept();
   void watch_matching();
-  bool is_deaf(const Hearing& hearing, const std::vector<Progress>& told, bool held_up, Time now);
+  bool is_stalled(const Hearing& hearing, const std::vector<Progress>& reported, bool held_up, Time now);
   void restart(Hearing& hearing, Time now);
 
   NodeContext& node_;
@@ -115,18 +115,18 @@ class LocalReader {
   // By writer:
   std::map<EndpointId, Hearing> heard_;  ///< what is in force
   std::map<EndpointId, Connecting> connecting_;
-  std::map<EndpointId, RequestWatch> watched_;
+  std::map<EndpointId, RequestMonitor> watched_;
   std::map<EndpointId, ArrivalWatchdog> watchdogs_;
   std::map<EndpointId, Time>
       departed_;                        ///< writers of which datagrams may still be in flight, and since when
   Time memory_lost_at_ = Time::max();   ///< while what came by it can be taken; max: long ago
   Time others_asked_at_ = Time::max();  ///< when other samples were asked for last; max: long ago
-  const std::unique_ptr<CallbackWatch> callback_;
+  const std::unique_ptr<CallbackMonitor> callback_;
   Qos requested_;
   AcceptedRequests accepted_;
-  SubscriberStatus told_;  ///< the state up to which events were told
-  bool has_news_ = false;  ///< the state may differ from told_
-  std::uint64_t losses_told_ = 0;
+  SubscriberStatus reported_;  ///< the state up to which events were told
+  bool has_changes_ = false;   ///< the state may differ from told_
+  std::uint64_t losses_reported_ = 0;
 };
 
 }  // namespace sft::core

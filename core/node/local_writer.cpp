@@ -16,7 +16,7 @@ LocalWriter::LocalWriter(NodeContext& node, const Endpoint& endpoint, std::share
     : node_(node),
       id_(endpoint.id),
       core_(std::move(core)),
-      watch_(endpoint.qos, std::chrono::steady_clock::now()) {}
+      monitor_(endpoint.qos, std::chrono::steady_clock::now()) {}
 
 void LocalWriter::reconcile() {
   Serving wanted = node_.negotiation.serving(id_);
@@ -25,7 +25,7 @@ void LocalWriter::reconcile() {
   if (in_force_ == wanted) return;
   const bool as_before = in_force_ && in_force_->serves_like(wanted);
   in_force_ = wanted;
-  has_news_ = true;
+  has_changes_ = true;
   as_before ? core_->show(wanted.readers) : core_->serve(wanted, memory_);
 }
 
@@ -135,17 +135,18 @@ bool LocalWriter::drop_memory() {
 }
 
 bool LocalWriter::watch_promises(Time now) {
-  const OfferWatch::Signs signs = core_->signs();
-  watch_.look(signs, now);
-  has_news_ |= core_->keeps_promises(watch_.deadlines_missed(), watch_.alive());
-  if (!watch_.rests(now)) core_->listen_for_assertions();
-  return in_force_ && in_force_->lease_requested && watch_.assertion_due(signs, in_force_->samples_tell, now);
+  const OfferMonitor::Signs signs = core_->signs();
+  monitor_.look(signs, now);
+  has_changes_ |= core_->keeps_promises(monitor_.deadlines_missed(), monitor_.alive());
+  if (!monitor_.rests(now)) core_->listen_for_assertions();
+  return in_force_ && in_force_->lease_requested &&
+         monitor_.assertion_due(signs, in_force_->samples_assert, now);
 }
 
 std::optional<Progress> LocalWriter::take_progress(bool again) {
   const std::uint64_t published = core_->signs().published;
   if (!has_readers() || published == 0) return std::nullopt;
-  const bool is_new = std::exchange(progress_told_, published) != published;
+  const bool is_new = std::exchange(progress_reported_, published) != published;
   if (again || is_new) progress_left_ = progress_times;
   if (progress_left_ == 0) return std::nullopt;
   --progress_left_;
@@ -157,11 +158,11 @@ std::uint64_t LocalWriter::sent_in_memory() const {
 }
 
 /// States are copied and compared only if something can have happened.
-void LocalWriter::tell_events() {
-  has_news_ |= core_->diverted() != told_.diverted;
-  if (!std::exchange(has_news_, false)) return;
-  core::tell_events(
-      *core_, told_, node_.log, [this] { return core_->status(); },
+void LocalWriter::report_events() {
+  has_changes_ |= core_->diverted() != reported_.diverted;
+  if (!std::exchange(has_changes_, false)) return;
+  core::report_events(
+      *core_, reported_, node_.log, [this] { return core_->status(); },
       [this](const PublisherStatus& before, const PublisherStatus& now) {
         return events_between(before, now, core_->type());
       });

@@ -10,7 +10,7 @@
 #include <set>
 #include <vector>
 
-#include "core/negotiation/qos_watch.h"
+#include "core/negotiation/qos_monitor.h"
 #include "core/node/node_context.h"
 #include "core/platform/clock.h"
 #include "core/publish/publisher_core.h"
@@ -47,13 +47,13 @@ class LocalWriter {
   /// Looks at what the publisher has promised. True if its readers have to be told now that it lives.
   bool watch_promises(Time now);
   /// How long the next look can wait; nothing if there is nothing to look at.
-  std::optional<std::chrono::nanoseconds> pace() const { return watch_.pace(); }
+  std::optional<std::chrono::nanoseconds> pace() const { return monitor_.pace(); }
   /// How far the writer is, a few times, since what tells it may get lost; nothing if it has no readers, or
   /// has sent nothing since. `again`: some reader may not have heard it.
   std::optional<Progress> take_progress(bool again);
 
   /// Tells the user what has happened.
-  void tell_events();
+  void report_events();
 
   /// The readers that match, each with an account.
   std::vector<EndpointId> matching_readers() const;
@@ -77,12 +77,12 @@ class LocalWriter {
   std::shared_ptr<LendingWriter> memory_;
   Retry opening_memory_;
   std::optional<Serving> in_force_;
-  OfferWatch watch_;
+  OfferMonitor monitor_;
   std::set<EndpointId> history_sent_;     ///< late readers that had been sent everything at the last tick
-  std::uint64_t progress_told_ = 0;       ///< samples published when others were told of the progress last
+  std::uint64_t progress_reported_ = 0;   ///< samples published when others were told of the progress last
   int progress_left_ = 0;                 ///< how often that has to be told yet
-  PublisherStatus told_;                  ///< the state up to which events were told
-  bool has_news_ = false;                 ///< the state may differ from told_
+  PublisherStatus reported_;              ///< the state up to which events were told
+  bool has_changes_ = false;              ///< the state may differ from told_
   std::map<EndpointId, Retry> reaching_;  ///< readers in memory that could not be told of samples
 };
 

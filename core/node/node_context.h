@@ -19,14 +19,15 @@ struct NodeContext {
   Network* network = nullptr;      ///< likewise
 };
 
-/// Tells the user what differs between the states that the user could have polled. `told`: the state that was
-/// told last. `read_status` returns the present one, and `differences` turns two states into events.
+/// Tells the user what differs between the states that the user could have polled. `reported`: the state that
+/// was told last. `read_status` returns the present one, and `differences` turns two states into events.
 template <class Core, class Status, class ReadStatus, class Differences>
-void tell_events(Core& core, Status& told, NodeLog& log, ReadStatus read_status, Differences differences) {
+void report_events(Core& core, Status& reported, NodeLog& log, ReadStatus read_status,
+                   Differences differences) {
   if (!core.events().is_set() && !log.wants(LogLevel::warning)) return;
   Status status = read_status();
-  const std::vector<Event> events = differences(told, status);
-  told = std::move(status);
+  const std::vector<Event> events = differences(reported, status);
+  reported = std::move(status);
   for (const Event& event : events) {
     log.write(core.spec().topic, event);
     core.events()(event);

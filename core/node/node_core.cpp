@@ -24,7 +24,7 @@ constexpr std::chrono::milliseconds interrupt_look_period{100};
 
 /// A user can do nothing about what holds an agent up. So nothing is measured unless the log has lines for
 /// debugging.
-HoldUpWatch::Report report_of_hold_ups(NodeLog& log) {
+HoldUpMonitor::Report report_of_hold_ups(NodeLog& log) {
   if (!log.wants(LogLevel::debug)) return {};
   return [&log](std::source_location what, std::chrono::milliseconds held_up) {
     log.write(LogLevel::debug, "the agent was held up for " + std::to_string(held_up.count()) + " ms by " +
@@ -40,7 +40,7 @@ void log_calls_left_out(CallbackThread& callbacks, NodeLog& log) {
                                    "callback of this program took long");
 }
 
-void tell_of_unfit(const std::vector<std::string>& rules, NodeLog& log) {
+void log_unfit(const std::vector<std::string>& rules, NodeLog& log) {
   for (const std::string& rule : rules) {
     log.write(LogLevel::warning,
               "the remapping rule " + in_quotes(rule) + " fits no topic and no node of this program");
@@ -53,7 +53,7 @@ class MissingClock {
   MissingClock(const NodeOptions& options, const NodeNames& names) {
     if (!options.use_sim_time) return;
     if (const Result<TopicName> name = names.topic(SimulatedClock::topic)) topic_ = name->topic;
-    due_ = std::chrono::steady_clock::now() + SimulatedClock::patience;
+    due_ = std::chrono::steady_clock::now() + SimulatedClock::timeout;
   }
   void look(const Reconciler& reconciler, NodeLog& log) {
     if (std::chrono::steady_clock::now() < due_) return;
@@ -107,14 +107,14 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
                                                .dispatcher = node->dispatcher_,
                                                .poller = node->poller_,
                                                .callbacks = node->callbacks_},
-                         node->news_of_endpoints());
+                         node->endpoint_notifications());
   Reconciler* const reconciler = node->reconciler_.get();
   const Agent::Duties duties{.tick =
                                  [node = node.get(), reconciler, heap, names,
                                   missing_clock = MissingClock(options, *names)]() mutable {
                                    log_calls_left_out(node->callbacks_, node->log_);
-                                   tell_of_unfit(names->take_unfit_rules(std::chrono::steady_clock::now()),
-                                                 node->log_);
+                                   log_unfit(names->take_unfit_rules(std::chrono::steady_clock::now()),
+                                             node->log_);
                                    missing_clock.look(*reconciler, node->log_);
                                    heap->give_back(std::chrono::steady_clock::now());
                                    return reconciler->tick();
@@ -138,7 +138,7 @@ NodeCore::NodeCore(const NodeOptions& options, Parts parts)
       poller_(wake_slots_.at(WakeSlots::poller), {"poll " + options.name, options.threads.callbacks}) {}
 
 NodeCore::~NodeCore() {
-  if (opening_) agent_.post([this] { tell_of_unfit(opening_->names().leave(), log_); });
+  if (opening_) agent_.post([this] { log_unfit(opening_->names().leave(), log_); });
   agent_.stop();  // runs the endpoints' withdrawals first, which were posted before the last handle went
   discovery_.reset();
   callbacks_.stop();
@@ -170,7 +170,7 @@ void NodeCore::dispose(NodeCore* node) {
   }
 }
 
-EndpointOpening::News NodeCore::news_of_endpoints() {
+EndpointOpening::Notifications NodeCore::endpoint_notifications() {
   return {
       .asserted = [this](EndpointId id) { agent_.post([this, id] { reconciler_->program_asserts(id); }); },
       .requirement_changed =
@@ -190,7 +190,7 @@ Result<detail::untyped::Publisher> NodeCore::open_publisher(const std::shared_pt
   if (!writer) return tl::unexpected(writer.error());
   const std::shared_ptr<PublisherCore> core = writer->core;
   const EndpointId id = writer->endpoint.id;
-  roster_.enter(*core);
+  registry_.enter(*core);
   agent_.post([this, writer = std::move(*writer)] {
     reconciler_->add_writer(writer.endpoint, writer.core);
     endpoints_changed_.raise();
@@ -199,7 +199,7 @@ Result<detail::untyped::Publisher> NodeCore::open_publisher(const std::shared_pt
   const auto close = [self, core, id](PublisherCore*) {
     if (is_forked_copy()) return;
     core->close();
-    self->roster_.strike_off(*core);
+    self->registry_.strike_off(*core);
     self->agent_.post([node = self.get(), id] { node->reconciler_->remove(id); });
   };
   return detail::untyped::Publisher(std::shared_ptr<PublisherCore>(core.get(), close));
@@ -219,7 +219,7 @@ Result<detail::untyped::Subscriber> NodeCore::open_subscriber(const std::shared_
   const auto close = [self, core, ids = std::move(ids), slot = reader->slot](SubscriberCore*) {
     if (is_forked_copy()) return;
     core->close();
-    self->roster_.strike_off(*core);
+    self->registry_.strike_off(*core);
     self->poller_.remove(*core);
     self->agent_.post([node = self.get(), ids, slot] {
       for (const EndpointId id : ids) node->reconciler_->remove(id);
@@ -227,7 +227,7 @@ Result<detail::untyped::Subscriber> NodeCore::open_subscriber(const std::shared_
     });
   };
   if (pollable) poller_.add(core);
-  roster_.enter(*core);
+  registry_.enter(*core);
   agent_.post([this, reader = std::move(*reader)]() mutable {
     for (EndpointOpening::ReaderEndpoint& opened : reader.endpoints)
       reconciler_->add_reader(opened.endpoint, std::move(opened.parts));
@@ -269,7 +269,7 @@ void NodeCore::links_changed(const std::string& summary) {
   log_.write(LogLevel::info, "discovery: " + summary);
 }
 
-void NodeCore::link_was_deaf(const std::string& what) {
+void NodeCore::link_was_renewed(const std::string& what) {
   counts_.links_renewed.fetch_add(1, std::memory_order_relaxed);
   log_.write(LogLevel::warning, "discovery: " + what);
 }
@@ -412,7 +412,7 @@ NodeStatus NodeCore::status() const {
   if (network_ != nullptr) {
     const Transport::Counters counters = network_->counters();
     status.datagrams_malformed = counters.malformed;
-    status.datagrams_unknown = counters.unknown + counters.disbelieved;
+    status.datagrams_unknown = counters.unknown + counters.rejected;
     status.samples_incomplete = counters.incomplete;
     status.over_limit = counters.over_limit;
   }
@@ -437,7 +437,7 @@ NodeSnapshot NodeCore::snapshot() const {
       .status = status(),
       .publishers = {},
       .subscribers = {}};
-  if (!is_forked_copy()) roster_.describe(snapshot);
+  if (!is_forked_copy()) registry_.describe(snapshot);
   return snapshot;
 }
 

@@ -15,7 +15,7 @@
 #include "core/control/remapping.h"
 #include "core/discovery/discovery.h"
 #include "core/node/endpoint_opening.h"
-#include "core/node/endpoint_roster.h"
+#include "core/node/endpoint_registry.h"
 #include "core/node/kept_types.h"
 #include "core/node/reconciler.h"
 #include "core/node/wake_slots.h"
@@ -69,7 +69,7 @@ class NodeCore final : private DiscoveryListener {
  private:
   NodeCore(const NodeOptions& options, Parts parts);
   static void dispose(NodeCore* node);
-  EndpointOpening::News news_of_endpoints();
+  EndpointOpening::Notifications endpoint_notifications();
   NodeOptions::LogSink posted(const NodeOptions::LogSink& sink);
 
   // DiscoveryListener: each call is posted to the agent, except where the agent calls itself.
@@ -80,7 +80,7 @@ class NodeCore final : private DiscoveryListener {
   void report_received(NodeReport report) override;
   void control_malformed(std::string why) override;
   void links_changed(const std::string& summary) override;  // called by the agent
-  void link_was_deaf(const std::string& what) override;     // called by the agent
+  void link_was_renewed(const std::string& what) override;  // called by the agent
   void warned(const std::string& what) override;
 
   /// Publishers, or subscribers, of all nodes are known soon after that. To be called by the agent.
@@ -108,7 +108,7 @@ class NodeCore final : private DiscoveryListener {
   CallbackThread callbacks_;            ///< for events, readers and the log
   NodeLog log_;                         ///< the agent's; it posts to the thread for callbacks
   EventCount endpoints_changed_;
-  mutable EndpointRoster roster_;
+  mutable EndpointRegistry registry_;
 
   Dispatcher dispatcher_;
   Dispatcher poller_;                       ///< makes file descriptors readable for samples in shared memory

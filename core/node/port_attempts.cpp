@@ -1,6 +1,6 @@
 #include "core/node/port_attempts.h"
 
-#include "core/platform/hold_up_watch.h"
+#include "core/platform/hold_up_monitor.h"
 
 namespace sft::core {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/platform/hold_up_watch.h"
+#include "core/platform/hold_up_monitor.h"
 
 namespace sft::core {
 
@@ -19,10 +19,10 @@ constexpr int hurried_ticks_max = 1000;  // a connection that takes longer is no
 /// True if only looks show what comes of it: an endpoint is missing, a late reader still gets retained
 /// samples, or a callback may take long.
 bool has_to_be_watched(const Negotiation& negotiation, const LocalEndpoints& ours) {
-  return negotiation.table().misses_somebody() ||
+  return negotiation.table().misses_peer() ||
          std::ranges::any_of(ours.writers, [](const auto& item) { return item.second.owes_history(); }) ||
          std::ranges::any_of(ours.readers, [](const auto& item) {
-           const CallbackWatch* const callback = item.second.callback();
+           const CallbackMonitor* const callback = item.second.callback();
            return item.second.core().is_called_back() ||
                   (callback != nullptr && callback->has_waiting_sample());
          });
@@ -35,7 +35,7 @@ Reconciler::Reconciler(std::uint64_t network_id, SharedMemory* memory, Network* 
       dispatcher_(dispatcher),
       log_(log),
       transports_(memory, network, network_id, log),
-      control_watch_(negotiation_, log),
+      control_monitor_(negotiation_, log),
       attempts_(log, memory),
       context_{negotiation_, discovery, attempts_, log, memory, network},
       reports_(negotiation_, ours_, discovery) {
@@ -60,7 +60,7 @@ void Reconciler::add_reader(const Endpoint& endpoint, LocalReader::Parts parts) 
   dirty_ = true;
   reports_.inquire(std::chrono::steady_clock::now());
   announce(endpoint.id);
-  if (is_first) control_watch_.reader_added(endpoint.id, std::chrono::steady_clock::now());
+  if (is_first) control_monitor_.reader_added(endpoint.id, std::chrono::steady_clock::now());
 }
 
 /// Ports wait for the call of their listener to return. The agent must not wait for that: the callback in
@@ -110,11 +110,11 @@ void Reconciler::report_received(const NodeReport& report, Time now) {
   if (!report.progress.empty()) look_at_arrivals(report.progress, now);
 }
 
-/// `told`: the progress of writers that has just been told.
-void Reconciler::look_at_arrivals(const std::vector<Progress>& told, Time now) {
+/// `reported`: the progress of writers that has just been told.
+void Reconciler::look_at_arrivals(const std::vector<Progress>& reported, Time now) {
   arrivals_looked_at_ = now;
   const bool held_up = now - held_up_at_ < held_up_for;
-  for (auto& [id, reader] : ours_.readers) dirty_ |= reader.restart_deaf(told, held_up, now);
+  for (auto& [id, reader] : ours_.readers) dirty_ |= reader.restart_stalled(reported, held_up, now);
 }
 
 std::chrono::milliseconds Reconciler::tick(Time now) {
@@ -126,9 +126,9 @@ std::chrono::milliseconds Reconciler::tick(Time now) {
   for (auto& [id, reader] : ours_.readers) reader.forget_what_was_in_flight(now);
   dirty_ |= negotiation_.tick(now);
   control_ignored_.store(negotiation_.ignored(), std::memory_order_relaxed);
-  control_watch_.tell_of_refusals(now);
-  control_watch_.name_misspelt_topics([this](const auto& type) { return discovery_.publishers_of(type); },
-                                      now);
+  control_monitor_.log_refusals(now);
+  control_monitor_.name_misspelt_topics([this](const auto& type) { return discovery_.publishers_of(type); },
+                                        now);
   next_piece_of_work();
   look_after_endpoints(now);
   next_piece_of_work();
@@ -149,7 +149,7 @@ std::chrono::milliseconds Reconciler::tick(Time now) {
 }
 
 void Reconciler::look_after_memory(Time now) {
-  const TransportWatch::MemoryChange change = transports_.look_at_memory(now);
+  const TransportMonitor::MemoryChange change = transports_.look_at_memory(now);
   if (!change.any) return;
   dirty_ |= negotiation_.self_changed(transports_.self());
   if (change.of_host) {  // the memory of the ports is gone, or another daemon's, which is to be asked at once
@@ -166,10 +166,10 @@ void Reconciler::look_after_memory(Time now) {
 
 /// Interfaces come and go: the addresses at which we are reached are then announced anew.
 void Reconciler::look_after_addresses(Time now) {
-  const TransportWatch::NetworkChange change = transports_.look_at_network(now);
-  if (change == TransportWatch::NetworkChange::none) return;
+  const TransportMonitor::NetworkChange change = transports_.look_at_network(now);
+  if (change == TransportMonitor::NetworkChange::none) return;
   dirty_ |= negotiation_.network_changed(transports_.addresses(), transports_.links());
-  if (change == TransportWatch::NetworkChange::addresses) announce_all();
+  if (change == TransportMonitor::NetworkChange::addresses) announce_all();
 }
 
 void Reconciler::announce(EndpointId id) { discovery_.announce(*negotiation_.local(id)); }
@@ -189,14 +189,14 @@ void Reconciler::look_after_endpoints(Time now) {
   for (auto& [id, reader] : ours_.readers) {
     dirty_ |= reader.may_try_again(now);
     if (reader.ports().take_held_back()) reader.core().wake();
-    if (CallbackWatch* const callback = reader.callback()) {
+    if (CallbackMonitor* const callback = reader.callback()) {
       if (callback->is_in_long_callback()) held_up_at_ = now;
-      tell_of_long_waits(reader, callback->look(now));
+      log_long_waits(reader, callback->look(now));
     }
   }
 }
 
-void Reconciler::tell_of_long_waits(const LocalReader& reader, const CallbackWatch::LongWaits& waits) {
+void Reconciler::log_long_waits(const LocalReader& reader, const CallbackMonitor::LongWaits& waits) {
   constexpr auto text_of = [](Time::duration time) {
     return std::to_string(std::chrono::round<std::chrono::milliseconds>(time).count()) + " ms";
   };
@@ -263,8 +263,8 @@ std::chrono::milliseconds Reconciler::pace(Time now) const {
 std::chrono::milliseconds Reconciler::reconcile() {
   const Time now = std::chrono::steady_clock::now();
   settle();
-  for (auto& [id, writer] : ours_.writers) writer.tell_events();
-  for (auto& [id, reader] : ours_.readers) reader.tell_events();
+  for (auto& [id, writer] : ours_.writers) writer.report_events();
+  for (auto& [id, reader] : ours_.readers) reader.report_events();
   return pace(now);
 }
 

@@ -12,14 +12,14 @@
 
 #include "core/discovery/discovery.h"
 #include "core/negotiation/negotiation.h"
-#include "core/node/control_watch.h"
+#include "core/node/control_monitor.h"
 #include "core/node/domain_snapshot.h"
 #include "core/node/local_endpoints.h"
 #include "core/node/node_context.h"
 #include "core/node/port_attempts.h"
 #include "core/node/reports.h"
 #include "core/node/tick_pace.h"
-#include "core/node/transport_watch.h"
+#include "core/node/transport_monitor.h"
 #include "core/platform/clock.h"
 #include "core/report/node_log.h"
 #include "core/seam/transport.h"
@@ -63,17 +63,17 @@ class Reconciler {
 
   // Any thread.
   /// Only what any thread may ask of it.
-  const TransportWatch& transports() const { return transports_; }
+  const TransportMonitor& transports() const { return transports_; }
   std::uint64_t control_ignored() const { return control_ignored_.load(std::memory_order_relaxed); }
 
  private:
   void report(std::vector<EndpointId> living, Time now);
   void watch_promises(Time now);
-  void look_at_arrivals(const std::vector<Progress>& told, Time now);
+  void look_at_arrivals(const std::vector<Progress>& reported, Time now);
   void look_after_memory(Time now);
   void look_after_addresses(Time now);
   void look_after_endpoints(Time now);
-  void tell_of_long_waits(const LocalReader& reader, const CallbackWatch::LongWaits& waits);
+  void log_long_waits(const LocalReader& reader, const CallbackMonitor::LongWaits& waits);
   bool look_after_connections(Time now);
   void announce(EndpointId id);
   void announce_all();
@@ -83,9 +83,9 @@ class Reconciler {
   Discovery& discovery_;
   Dispatcher& dispatcher_;
   NodeLog& log_;
-  TransportWatch transports_;
+  TransportMonitor transports_;
   Negotiation negotiation_;
-  ControlWatch control_watch_;
+  ControlMonitor control_monitor_;
   PortAttempts attempts_;
   NodeContext context_;
   LocalEndpoints ours_;

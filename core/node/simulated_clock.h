@@ -25,7 +25,7 @@ class SimulatedClock {
       "int32 sec\n"
       "uint32 nanosec\n";
   /// If no publisher of the topic is known after this time, the log says so.
-  static constexpr std::chrono::seconds patience{5};
+  static constexpr std::chrono::seconds timeout{5};
 
   explicit SimulatedClock(DynamicSubscriber&& samples) : samples_(std::move(samples)) {}
 

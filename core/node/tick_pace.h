@@ -19,8 +19,8 @@ class TickPace {
  public:
   static constexpr std::chrono::milliseconds pause{50};
   /// So a look goes together with a heartbeat, which is given each second.
-  static constexpr std::chrono::milliseconds pause_in_calm{932};
-  static_assert(pause_in_calm <= Transport::poll_pause_max);
+  static constexpr std::chrono::milliseconds pause_when_quiet{932};
+  static_assert(pause_when_quiet <= Transport::poll_pause_max);
 
   /// Something happens that has to be looked after.
   void stirred(Time now) { stirred_ = now; }
@@ -31,9 +31,9 @@ class TickPace {
   }
   /// Returns the time until the next look, which grows with the time for which nothing has happened.
   std::chrono::milliseconds next(Time now) const {
-    if (!stirred_) return pause_in_calm;
+    if (!stirred_) return pause_when_quiet;
     const auto half = std::chrono::duration_cast<std::chrono::milliseconds>((now - *stirred_) / 2);
-    return std::clamp(half, pause, pause_in_calm);
+    return std::clamp(half, pause, pause_when_quiet);
   }
 
  private:

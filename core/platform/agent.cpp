@@ -29,13 +29,13 @@ void Agent::post(Task task, std::source_location by) {
 }
 
 void Agent::post_for_next_tick(Task task, std::source_location by) {
-  bool is_crowded = false;
+  bool is_full = false;
   {
     const Lock lock(mutex_);
     tasks_.push_back({std::move(task), by});
-    is_crowded = tasks_.size() >= waiting_max;
+    is_full = tasks_.size() >= waiting_max;
   }
-  if (is_crowded) posted_.notify_one();
+  if (is_full) posted_.notify_one();
 }
 
 bool Agent::is_behind() {
@@ -45,7 +45,7 @@ bool Agent::is_behind() {
 
 void Agent::run() {
   thread_id_.store(std::this_thread::get_id());
-  HoldUpWatch watch(duties_.held_up, duties_.time);
+  HoldUpMonitor monitor(duties_.held_up, duties_.time);
   std::vector<Posted> batch;
   auto next_tick = std::chrono::steady_clock::now();
   for (;;) {
@@ -57,11 +57,11 @@ void Agent::run() {
       stopping = stopping_;
     }
     for (const Posted& posted : batch) {
-      watch.begin(posted.by);
+      monitor.begin(posted.by);
       posted.task();
     }
     if (stopping && batch.empty()) return;
-    watch.begin(std::source_location::current());
+    monitor.begin(std::source_location::current());
     if (!batch.empty()) {
       const auto pause = duties_.idle();
       next_tick = std::min(next_tick, std::chrono::steady_clock::now() + pause);
@@ -70,7 +70,7 @@ void Agent::run() {
     if (const auto now = std::chrono::steady_clock::now(); now >= next_tick) {
       next_tick = now + duties_.tick();
     }
-    watch.end();
+    monitor.end();
   }
 }
 

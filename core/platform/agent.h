@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/platform/hold_up_watch.h"
+#include "core/platform/hold_up_monitor.h"
 #include "core/platform/thread.h"
 #include "core/sync/mutex.h"
 #include "sft/result.h"
@@ -28,7 +28,7 @@ class Agent {
     std::function<std::chrono::milliseconds()> tick;
     std::function<std::chrono::milliseconds()> idle;
     /// Called for each piece of work that held the thread up. If it is empty, nothing is measured.
-    HoldUpWatch::Report held_up{};
+    HoldUpMonitor::Report held_up{};
     ReadTime time = &std::chrono::steady_clock::now;  ///< the clock that times the pieces
   };
 

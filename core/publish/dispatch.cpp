@@ -47,7 +47,7 @@ Dispatch::Dispatch(Setup setup)
 /// The network ceases here, too, to count for readers that it serves no more: a publisher that sends nothing
 /// there does not begin anything there either.
 void Dispatch::turn_to(const Outlets& outlets) noexcept {
-  book_->turn_to(DeliveryBook::Teller::publisher, outlets.page);
+  book_->turn_to(DeliveryBook::Origin::publisher, outlets.page);
   if (network_ != nullptr && !outlets.to_network) static_cast<void>(network_->begin());
   in_force_ = &outlets;
 }
@@ -128,7 +128,7 @@ void Dispatch::count_refusal(std::uint32_t body_bytes) noexcept {
 }
 
 PublishStatus Dispatch::send(const SampleHandle& sample, std::int64_t stamp_ns, Admission&& admission,
-                             std::chrono::nanoseconds& patience) noexcept {
+                             std::chrono::nanoseconds& timeout) noexcept {
   detail::SampleHeader& header = sample->header();
   header.sequence = sequence_.fetch_add(1, std::memory_order_relaxed) + 1;
   header.source_stamp_ns = stamp_ns;
@@ -143,7 +143,7 @@ PublishStatus Dispatch::send(const SampleHandle& sample, std::int64_t stamp_ns, 
   PublishStatus status = PublishStatus::ok;
   Reach reach = Reach::usual_routes;
   if (outlets.to_memory) {
-    const SendStatus there = send_to_memory(sample, patience);
+    const SendStatus there = send_to_memory(sample, timeout);
     if (there == SendStatus::displaced) status = PublishStatus::dropped;
     if (there == SendStatus::sent || there == SendStatus::displaced) {
       for (const Outlets::MemoryGroup& group : outlets.memory_groups) {
@@ -156,7 +156,7 @@ PublishStatus Dispatch::send(const SampleHandle& sample, std::int64_t stamp_ns, 
   }
   if (outlets.to_network && !outlets.to_memory) note_sent_over_network_alone(*sample);
   if (outlets.to_network || reach == Reach::fallback_routes_too) {
-    if (waits_) network_->be_patient(patience);
+    if (waits_) network_->set_timeout(timeout);
     if (send_over_network(sample, reach, admission.transmission) != SendStatus::sent)
       status = PublishStatus::dropped;
   }
@@ -165,7 +165,7 @@ PublishStatus Dispatch::send(const SampleHandle& sample, std::int64_t stamp_ns, 
 }
 
 /// The sample may have been lent elsewhere, before shared memory came up or while it had no chunk free.
-SendStatus Dispatch::send_to_memory(const SampleHandle& sample, std::chrono::nanoseconds& patience) noexcept {
+SendStatus Dispatch::send_to_memory(const SampleHandle& sample, std::chrono::nanoseconds& timeout) noexcept {
   LendingWriter& memory = *in_force_->memory;
   const std::span gates(in_force_->memory_gates);
   SampleHandle lent = sample;
@@ -176,9 +176,9 @@ SendStatus Dispatch::send_to_memory(const SampleHandle& sample, std::chrono::nan
     return SendStatus::dropped;
   }
   if (!gates.empty()) write_gate_table(*lent, type_.index_slots(), gates);
-  if (waits_) memory.be_patient(patience);
+  if (waits_) memory.set_timeout(timeout);
   const SendStatus status = memory.send(lent);
-  if (waits_) patience = memory.patience_left();
+  if (waits_) timeout = memory.time_left();
   if (status != SendStatus::sent && status != SendStatus::displaced)
     unavailable_.fetch_add(1, std::memory_order_relaxed);
   return status;
@@ -196,9 +196,9 @@ PublishStatus Dispatch::divert(const SampleBuffer& sample) noexcept {
   return status;
 }
 
-std::optional<Batch> Dispatch::batch(BatchPatience patience) noexcept {
+std::optional<Batch> Dispatch::batch(BatchTimeout timeout) noexcept {
   std::optional<Batch> batch;
-  if (network_ != nullptr) batch.emplace(network_->batch(patience));
+  if (network_ != nullptr) batch.emplace(network_->batch(timeout));
   return batch;
 }
 

@@ -104,13 +104,13 @@ class Dispatch {
   }
   /// Counts a sample that could not be made, so that readers see that one is missing.
   PublishStatus miss(Admission&& admission, std::uint32_t body_bytes) noexcept;
-  /// Sends a whole sample, or one that the outlets asked for. Waits for readers for at most `patience`, and
+  /// Sends a whole sample, or one that the outlets asked for. Waits for readers for at most `timeout`, and
   /// subtracts the time that it waited from it.
   PublishStatus send(const SampleHandle& sample, std::int64_t stamp_ns, Admission&& admission,
-                     std::chrono::nanoseconds& patience) noexcept;
+                     std::chrono::nanoseconds& timeout) noexcept;
 
   /// Returns nothing if the publisher does not use the network.
-  std::optional<Batch> batch(BatchPatience patience) noexcept;
+  std::optional<Batch> batch(BatchTimeout timeout) noexcept;
   /// Counts samples that were handed over and were not sent after all.
   void count_dropped(std::size_t samples) noexcept { dropped_.fetch_add(samples, std::memory_order_relaxed); }
 
@@ -134,7 +134,7 @@ class Dispatch {
       turn_to(*outlets);
   }
   void turn_to(const Outlets& outlets) noexcept;
-  SendStatus send_to_memory(const SampleHandle& sample, std::chrono::nanoseconds& patience) noexcept;
+  SendStatus send_to_memory(const SampleHandle& sample, std::chrono::nanoseconds& timeout) noexcept;
   SendStatus send_over_network(const SampleHandle& sample, Reach reach,
                                std::optional<Transmission>& begun) noexcept {
     if (begun) [[likely]]

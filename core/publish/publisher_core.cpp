@@ -65,16 +65,16 @@ PublishStatus PublisherCore::publish(const void* value) {
   const Dispatch::Call call(dispatch_);
   if (!maker_.accepts(call.outlets(), value)) return PublishStatus::invalid;
   if (!call.outlets().is_wanted) return dispatch_.withhold();
-  std::chrono::nanoseconds patience = spec_.max_blocking;
-  return publish_one(call, value, realtime_ns(), patience);
+  std::chrono::nanoseconds timeout = spec_.max_blocking;
+  return publish_one(call, value, realtime_ns(), timeout);
 }
 
 PublishStatus PublisherCore::publish_one(const Dispatch::Call& call, const void* value, std::int64_t stamp_ns,
-                                         std::chrono::nanoseconds& patience) {
+                                         std::chrono::nanoseconds& timeout) {
   const auto fields = detail::FieldSource::of_message(value);
   Dispatch::Admission admission = dispatch_.admit(fields, stamp_ns);
   if (!admission.passes) return dispatch_.withhold();
-  const SampleMaker::Made made = maker_.encode(call.outlets(), value, dispatch_.may_postpone(), patience);
+  const SampleMaker::Made made = maker_.encode(call.outlets(), value, dispatch_.may_postpone(), timeout);
   if (!made.sample) [[unlikely]] {
     if (made.why_not == PublishStatus::no_memory)
       return dispatch_.miss(std::move(admission), made.body_bytes);
@@ -82,20 +82,20 @@ PublishStatus PublisherCore::publish_one(const Dispatch::Call& call, const void*
     return made.why_not;
   }
   dispatch_.made(fields, stamp_ns);
-  const PublishStatus status = dispatch_.send(made.sample, stamp_ns, std::move(admission), patience);
+  const PublishStatus status = dispatch_.send(made.sample, stamp_ns, std::move(admission), timeout);
   maker_.sent(*made.sample);
   return status;
 }
 
 PublishedSpan PublisherCore::publish(const void* values, std::size_t count, std::size_t stride) {
   const auto* value = static_cast<const std::byte*>(values);
-  std::chrono::nanoseconds patience = spec_.max_blocking;
+  std::chrono::nanoseconds timeout = spec_.max_blocking;
   PublishedSpan all;
-  BatchPatience share = BatchPatience::fresh;
+  BatchTimeout share = BatchTimeout::fresh;
   while (count > 0) {
     const std::size_t some = std::min(count, span_at_once);
-    const PublishedSpan published = publish_some(value, some, stride, share, patience);
-    share = BatchPatience::continued;
+    const PublishedSpan published = publish_some(value, some, stride, share, timeout);
+    share = BatchTimeout::continued;
     all.published += published.published;
     if (all.status == PublishStatus::ok) all.status = published.status;
     value += some * stride;
@@ -106,7 +106,7 @@ PublishedSpan PublisherCore::publish(const void* values, std::size_t count, std:
 
 /// In one call, as far as whoever changes the outlets can tell.
 PublishedSpan PublisherCore::publish_some(const std::byte* values, std::size_t count, std::size_t stride,
-                                          BatchPatience share, std::chrono::nanoseconds& patience) {
+                                          BatchTimeout share, std::chrono::nanoseconds& timeout) {
   const Dispatch::Call call(dispatch_);
   const bool is_wanted = call.outlets().is_wanted;
   const std::int64_t stamp_ns = is_wanted ? realtime_ns() : 0;
@@ -115,7 +115,7 @@ PublishedSpan PublisherCore::publish_some(const std::byte* values, std::size_t c
   for (std::size_t i = 0; i < count; ++i) {
     const std::byte* const value = values + i * stride;
     const PublishStatus status = !maker_.accepts(call.outlets(), value) ? PublishStatus::invalid
-                                 : is_wanted ? publish_one(call, value, stamp_ns, patience)
+                                 : is_wanted ? publish_one(call, value, stamp_ns, timeout)
                                              : dispatch_.withhold();
     done.published += status == PublishStatus::ok ? 1 : 0;
     if (done.status == PublishStatus::ok) done.status = status;
@@ -136,22 +136,22 @@ Result<PublishStatus> PublisherCore::publish_cdr(std::span<const std::byte> byte
   const Result<std::uint32_t> size = maker_.converted_bytes(*payload);
   if (!size) return tl::unexpected(size.error());
   if (!is_wanted) return dispatch_.withhold();
-  std::chrono::nanoseconds patience = spec_.max_blocking;
+  std::chrono::nanoseconds timeout = spec_.max_blocking;
   const std::int64_t stamp_ns = realtime_ns();
-  const Result<SampleMaker::Made> made = maker_.convert(call.outlets(), *payload, *size, patience);
+  const Result<SampleMaker::Made> made = maker_.convert(call.outlets(), *payload, *size, timeout);
   if (!made) return tl::unexpected(made.error());
   Dispatch::Admission admission = dispatch_.admit(made->sample, stamp_ns);
   if (!admission.passes) return dispatch_.withhold();
   if (!made->sample) return dispatch_.miss(std::move(admission), made->body_bytes);
-  return dispatch_.send(made->sample, stamp_ns, std::move(admission), patience);
+  return dispatch_.send(made->sample, stamp_ns, std::move(admission), timeout);
 }
 
 Result<SampleHandle> PublisherCore::loan(const void* prototype,
                                          std::span<const detail::Reservation> reservations,
                                          detail::ReservedMemory memory) {
   const Dispatch::Call call(dispatch_);
-  std::chrono::nanoseconds patience = spec_.max_blocking;
-  return maker_.loan(call.outlets(), prototype, reservations, memory, patience);
+  std::chrono::nanoseconds timeout = spec_.max_blocking;
+  return maker_.loan(call.outlets(), prototype, reservations, memory, timeout);
 }
 
 PublishStatus PublisherCore::commit(SampleHandle sample, bool has_gaps) {
@@ -160,10 +160,10 @@ PublishStatus PublisherCore::commit(SampleHandle sample, bool has_gaps) {
   }
   const std::int64_t stamp_ns = realtime_ns();
   const Dispatch::Call call(dispatch_);
-  std::chrono::nanoseconds patience = spec_.max_blocking;
+  std::chrono::nanoseconds timeout = spec_.max_blocking;
   Dispatch::Admission admission = dispatch_.admit(sample, stamp_ns);
   if (!admission.passes) return dispatch_.withhold();
-  return dispatch_.send(sample, stamp_ns, std::move(admission), patience);
+  return dispatch_.send(sample, stamp_ns, std::move(admission), timeout);
 }
 
 void PublisherCore::expire_history() {
@@ -172,7 +172,7 @@ void PublisherCore::expire_history() {
 
 void PublisherCore::assert_liveliness() {
   asserted_.fetch_add(1, std::memory_order_relaxed);
-  if (spec_.asserted && !assertion_told_.exchange(true, std::memory_order_relaxed)) spec_.asserted();
+  if (spec_.asserted && !assertion_reported_.exchange(true, std::memory_order_relaxed)) spec_.asserted();
 }
 
 void PublisherCore::close() {
@@ -180,7 +180,7 @@ void PublisherCore::close() {
   readers_changed_.clear();
 }
 
-OfferWatch::Signs PublisherCore::signs() const {
+OfferMonitor::Signs PublisherCore::signs() const {
   return {dispatch_.published(), asserted_.load(std::memory_order_relaxed)};
 }
 

@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "core/negotiation/qos_watch.h"
+#include "core/negotiation/qos_monitor.h"
 #include "core/negotiation/serving.h"
 #include "core/publish/dispatch.h"
 #include "core/publish/history.h"
@@ -98,11 +98,11 @@ class PublisherCore {
 
   // The signs of life that the program gave, from which status() tells whether the publisher keeps its
   // promises.
-  OfferWatch::Signs signs() const;
+  OfferMonitor::Signs signs() const;
   /// Counts samples that went to all of its routes, so that it is a lower bound.
   Progress progress() const;
   /// Makes the next assertion of the program be told again.
-  void listen_for_assertions() { assertion_told_.store(false, std::memory_order_relaxed); }
+  void listen_for_assertions() { assertion_reported_.store(false, std::memory_order_relaxed); }
   /// Returns true if status() differs by it.
   bool keeps_promises(std::uint64_t deadlines_missed, bool alive);
   /// True if all that was for a late reader alone has left.
@@ -114,9 +114,9 @@ class PublisherCore {
 
  private:
   PublishStatus publish_one(const Dispatch::Call& call, const void* value, std::int64_t stamp_ns,
-                            std::chrono::nanoseconds& patience);
+                            std::chrono::nanoseconds& timeout);
   PublishedSpan publish_some(const std::byte* values, std::size_t count, std::size_t stride,
-                             BatchPatience share, std::chrono::nanoseconds& patience);
+                             BatchTimeout share, std::chrono::nanoseconds& timeout);
   /// Returns how many readers are served.
   std::size_t served() const SFT_REQUIRES(status_mutex_);
 
@@ -128,7 +128,7 @@ class PublisherCore {
   LateReaders late_readers_;  ///< of the agent's thread
 
   std::atomic<std::uint64_t> asserted_{0};
-  std::atomic<bool> assertion_told_{false};
+  std::atomic<bool> assertion_reported_{false};
   std::atomic<std::uint64_t> deadlines_missed_{0};
   std::atomic<bool> alive_{true};
   PostedCall<Event> events_;

@@ -17,18 +17,18 @@ namespace {
 /// The pause between two refusals that are logged.
 constexpr std::chrono::seconds refusals_pause{1};
 
-/// Waits until a reader gives memory back, as long as patience lasts.
-SampleHandle await_chunk(LendingWriter& memory, std::size_t bytes, std::chrono::nanoseconds& patience) {
+/// Waits until a reader gives memory back, as long as timeout lasts.
+SampleHandle await_chunk(LendingWriter& memory, std::size_t bytes, std::chrono::nanoseconds& timeout) {
   using Clock = std::chrono::steady_clock;
   constexpr std::chrono::milliseconds pause{1};
   if (bytes > memory.largest_loan_bytes()) return {};
   SampleHandle sample;
-  const Clock::time_point until = Clock::now() + patience;
+  const Clock::time_point until = Clock::now() + timeout;
   while (!sample && Clock::now() < until) {
     std::this_thread::sleep_for(std::min<Clock::duration>(pause, until - Clock::now()));
     sample = memory.loan(bytes);
   }
-  patience = std::max<std::chrono::nanoseconds>(until - Clock::now(), {});
+  timeout = std::max<std::chrono::nanoseconds>(until - Clock::now(), {});
   return sample;
 }
 
@@ -53,12 +53,12 @@ bool SampleMaker::is_sendable(const void* message) {
 }
 
 SampleMaker::Made SampleMaker::encode(const Outlets& outlets, const void* message, bool may_postpone,
-                                      std::chrono::nanoseconds& patience) {
+                                      std::chrono::nanoseconds& timeout) {
   const StructType& type = type_.type();
   const detail::EncodedSize size = detail::encoded_size(type, message, outlets.mask);
   if (size.status != detail::EncodeStatus::ok || size.bytes > product_.max_sample_bytes) [[unlikely]]
     return {{}, refuse(message, outlets.mask), 0};
-  Made made{lend(outlets, size.bytes, patience), PublishStatus::ok, size.bytes};
+  Made made{lend(outlets, size.bytes, timeout), PublishStatus::ok, size.bytes};
   if (!made.sample) {
     made.why_not = PublishStatus::no_memory;
     return made;
@@ -105,8 +105,8 @@ Result<std::uint32_t> SampleMaker::converted_bytes(const detail::Payload& payloa
 }
 
 Result<SampleMaker::Made> SampleMaker::convert(const Outlets& outlets, const detail::Payload& payload,
-                                               std::uint32_t body_bytes, std::chrono::nanoseconds& patience) {
-  SampleHandle sample = lend(outlets, body_bytes, patience);
+                                               std::uint32_t body_bytes, std::chrono::nanoseconds& timeout) {
+  SampleHandle sample = lend(outlets, body_bytes, timeout);
   if (!sample) return Made{{}, PublishStatus::no_memory, body_bytes};
   const std::span<std::byte> body(sample->data + layout_.body_offset, body_bytes);
   const detail::SampleState state{.body = body.data(), .body_bytes = body_bytes, .mask = &full_};
@@ -124,11 +124,11 @@ tl::unexpected<Error> SampleMaker::malformed(detail::WalkStatus why) const {
 
 Result<SampleHandle> SampleMaker::loan(const Outlets& outlets, const void* prototype,
                                        std::span<const detail::Reservation> reservations,
-                                       detail::ReservedMemory memory, std::chrono::nanoseconds& patience) {
+                                       detail::ReservedMemory memory, std::chrono::nanoseconds& timeout) {
   const detail::EncodedSize size = detail::encoded_size(type_.type(), prototype, full_, reservations);
   if (size.status != detail::EncodeStatus::ok || size.bytes > product_.max_sample_bytes)
     return tl::unexpected(fault_of(prototype, full_, reservations));
-  SampleHandle sample = lend(outlets, size.bytes, patience);
+  SampleHandle sample = lend(outlets, size.bytes, timeout);
   if (!sample) return fail(Errc::out_of_memory, "no memory free for a loan: readers or loans hold too much");
   fill_header(*sample, full_, size.bytes);
   const std::span body(sample->data + layout_.body_offset, size.bytes);
@@ -172,14 +172,14 @@ PublishStatus SampleMaker::move_together(SampleBuffer& sample) {
 }
 
 SampleHandle SampleMaker::lend(const Outlets& outlets, std::uint32_t body_bytes,
-                               std::chrono::nanoseconds& patience) noexcept {
+                               std::chrono::nanoseconds& timeout) noexcept {
   const std::size_t bytes = layout_.bytes(body_bytes);
   const std::size_t with_gates = bytes + gate_table_bytes(outlets.memory_gates.size());
   SampleHandle sample;
   if (outlets.to_memory) sample = outlets.memory->loan(with_gates);
   if (!sample && with_gates != bytes) sample = outlets.memory->loan(bytes);  // then it names no gates
-  if (!sample && outlets.needs_memory && patience.count() > 0)
-    sample = await_chunk(*outlets.memory, bytes, patience);
+  if (!sample && outlets.needs_memory && timeout.count() > 0)
+    sample = await_chunk(*outlets.memory, bytes, timeout);
   // The sample can still go over the network if there is no chunk for it.
   if (!sample && (!outlets.to_memory || outlets.to_network || outlets.has_fallback))
     sample = take_heap(bytes);

@@ -5,7 +5,7 @@
 // The memory comes from the port to shared memory if somebody reads there, else from the heap. A small sample
 // gets the memory of the sample before, if nobody has kept that.
 //
-// The publisher's thread calls everything. `patience` is the time that a function may wait for memory; the
+// The publisher's thread calls everything. `timeout` is the time that a function may wait for memory; the
 // function leaves of it what it did not need.
 #pragma once
 
@@ -53,7 +53,7 @@ class SampleMaker {
   /// called.
   /// REQUIRES: accepts().
   Made encode(const Outlets& outlets, const void* message, bool may_postpone,
-              std::chrono::nanoseconds& patience);
+              std::chrono::nanoseconds& timeout);
   /// The port is done with the sample that was encoded last.
   void sent(SampleBuffer& sample) noexcept {
     if (postponed_.empty()) return;
@@ -66,13 +66,13 @@ class SampleMaker {
   /// The bytes of the body that convert() makes of the payload.
   Result<std::uint32_t> converted_bytes(const detail::Payload& payload) const;
   Result<Made> convert(const Outlets& outlets, const detail::Payload& payload, std::uint32_t body_bytes,
-                       std::chrono::nanoseconds& patience);
+                       std::chrono::nanoseconds& timeout);
 
   /// Memory for a message that the program writes itself: a whole sample as encoded from the prototype, with
   /// room for the sequences that are reserved.
   Result<SampleHandle> loan(const Outlets& outlets, const void* prototype,
                             std::span<const detail::Reservation> reservations, detail::ReservedMemory memory,
-                            std::chrono::nanoseconds& patience);
+                            std::chrono::nanoseconds& timeout);
   /// A loan whose sequences were shortened where they lie becomes what encoding the shorter ones would have
   /// made.
   PublishStatus close_gaps(SampleBuffer& sample) noexcept;
@@ -86,7 +86,7 @@ class SampleMaker {
                  std::span<const detail::Reservation> reservations = {}) const;
   tl::unexpected<Error> malformed(detail::WalkStatus why) const;
   SampleHandle lend(const Outlets& outlets, std::uint32_t body_bytes,
-                    std::chrono::nanoseconds& patience) noexcept;
+                    std::chrono::nanoseconds& timeout) noexcept;
   /// The memory of the last sample, if nobody has kept that and it is not too large.
   SampleHandle take_heap(std::size_t bytes) noexcept {
     if (bytes > recycled_bytes_max) return heap_->take(bytes);

@@ -71,7 +71,7 @@ Reading DeliveryMeter::read() const noexcept {
   return r;
 }
 
-Reading DeliveryBook::Column::sum() const noexcept {
+Reading DeliveryBook::Counts::sum() const noexcept {
   Reading sum = meter.read();
   sum -= at_first;
   sum += late.read();
@@ -79,7 +79,7 @@ Reading DeliveryBook::Column::sum() const noexcept {
   return sum += before;
 }
 
-void DeliveryBook::Column::close(LateCounts late_counts) noexcept {
+void DeliveryBook::Counts::close(LateCounts late_counts) noexcept {
   const Reading now = meter.read();
   before += now;
   before -= at_first;
@@ -101,14 +101,14 @@ void DeliveryBook::Column::close(LateCounts late_counts) noexcept {
 }
 
 bool DeliveryBook::Account::open() const noexcept {
-  return std::any_of(std::begin(columns), std::end(columns), [](const Column& column) {
+  return std::any_of(std::begin(columns), std::end(columns), [](const Counts& column) {
     return column.meter.tally != nullptr || column.meter.gate != nullptr;
   });
 }
 
 Delivered DeliveryBook::Account::delivered() const noexcept {
   Delivered delivered;
-  for (const Column& column : columns) add(delivered, column.sum().delivered());
+  for (const Counts& column : columns) add(delivered, column.sum().delivered());
   delivered.retained = retained;
   return delivered;
 }
@@ -142,14 +142,14 @@ void DeliveryBook::forget_the_gone() {
   }
 }
 
-void DeliveryBook::turn_to(Teller teller, const Page& page, LateCounts late) noexcept {
-  const auto number = static_cast<std::size_t>(teller);
+void DeliveryBook::turn_to(Origin origin, const Page& page, LateCounts late) noexcept {
+  const auto number = static_cast<std::size_t>(origin);
   const Lock lock(mutex_);
   for (auto& [reader, account] : accounts_) account.columns[number].close(late);
   for (const auto& [reader, meter] : page) {
     const auto account = accounts_.find(reader);
     if (account == accounts_.end()) continue;
-    Column& column = account->second.columns[number];
+    Counts& column = account->second.columns[number];
     column.meter = meter;
     column.at_first = meter.read();
   }

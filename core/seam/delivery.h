@@ -88,7 +88,7 @@ class DeliveryMeter {
 class DeliveryBook {
  public:
   /// Those who count: the publisher itself, or its port to the network. Each turns pages of its own.
-  enum class Teller : std::uint8_t { publisher, network };
+  enum class Origin : std::uint8_t { publisher, network };
   using Page = std::vector<std::pair<std::uint64_t, DeliveryMeter>>;  ///< by id of the reader
 
   // The agent's thread.
@@ -105,7 +105,7 @@ class DeliveryBook {
   enum class LateCounts : std::uint8_t { none, to_come };
 
   /// Turns to that page. The publisher's thread. Allocates nothing.
-  void turn_to(Teller teller, const Page& page, LateCounts late = LateCounts::none) noexcept;
+  void turn_to(Origin origin, const Page& page, LateCounts late = LateCounts::none) noexcept;
 
   // Any thread.
 
@@ -114,7 +114,7 @@ class DeliveryBook {
   Delivered total() const;
 
  private:
-  struct Column {  ///< of one teller
+  struct Counts {  ///< of one teller
     DeliveryMeter::Reading before{};
     DeliveryMeter::Reading at_first{};  ///< on the present page
     DeliveryMeter meter{};
@@ -124,7 +124,7 @@ class DeliveryBook {
     DeliveryMeter::Reading sum() const noexcept;
   };
   struct Account {
-    Column columns[2];
+    Counts columns[2];
     std::uint64_t retained = 0;
     bool gone = false;
     bool open() const noexcept;

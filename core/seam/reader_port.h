@@ -115,7 +115,7 @@ class BorrowingReader : public ReaderPort {
   virtual bool some_wait() const noexcept = 0;
   /// Wakes writers that wait for room that take() has made since this was called last. After take(), without
   /// a lock: it may make a system call. Any thread.
-  virtual void tell_of_room() noexcept = 0;
+  virtual void notify_room() noexcept = 0;
   /// Times that as many samples of a writer were held as may be, and the next one could not be taken. Any
   /// thread.
   virtual std::uint64_t held_too_many() const noexcept = 0;

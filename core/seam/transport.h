@@ -61,7 +61,7 @@ class Transport {
     std::uint64_t incomplete = 0;  ///< samples of which a part never came
     std::uint64_t over_limit = 0;  ///< dropped to stay within a limit
     /// Answers to nothing that was sent, or from others than was sent to; marks of nobody who is read here.
-    std::uint64_t disbelieved = 0;
+    std::uint64_t rejected = 0;
   };
   /// Any thread.
   virtual Counters counters() const noexcept = 0;

@@ -15,9 +15,9 @@
 // SendStatus::lost_port. Nothing that a port is given refers to the caller once the call has returned, except
 // samples, whose handles share their memory.
 //
-// Threads. The publisher's thread is whichever thread publishes, one at a time. It calls send(), be_patient()
-// and whatever else is marked with its name. All else is called by the node's agent thread, except what is
-// marked "any thread". Both threads may call at the same time.
+// Threads. The publisher's thread is whichever thread publishes, one at a time. It calls send(),
+// set_timeout() and whatever else is marked with its name. All else is called by the node's agent thread,
+// except what is marked "any thread". Both threads may call at the same time.
 #pragma once
 
 #include <cassert>
@@ -73,7 +73,7 @@ class WriterPort {
 
   /// Limits what send() waits from now on, together with the limit of WriterSpec. Called by the publisher's
   /// thread.
-  virtual void be_patient(std::chrono::nanoseconds at_most) noexcept = 0;
+  virtual void set_timeout(std::chrono::nanoseconds at_most) noexcept = 0;
 
   /// Replaces the routes. The publisher's thread goes on with the earlier ones until the next sample. A
   /// reader without a route gets nothing, also if it is attached.
@@ -96,7 +96,7 @@ class LendingWriter : public WriterPort {
   virtual bool owns(const SampleBuffer& sample) const noexcept = 0;
 
   /// The rest of the time that the last send() might have waited. Called by the publisher's thread.
-  virtual std::chrono::nanoseconds patience_left() const noexcept = 0;
+  virtual std::chrono::nanoseconds time_left() const noexcept = 0;
 
   /// The reason why that reader, although it is attached, cannot be told here that a sample has come, and
   /// must be served otherwise. Empty if it can be told. The agent asks before the reader gets a route, and
@@ -123,7 +123,7 @@ enum class Reach : std::uint8_t {
 };
 
 /// The time that the samples of a batch may wait for readers.
-enum class BatchPatience : std::uint8_t {
+enum class BatchTimeout : std::uint8_t {
   fresh,     ///< all of them together as long as one sample may
   continued  ///< what the batch before has left of that
 };
@@ -141,7 +141,7 @@ class SFT_CAPABILITY("batch") NetworkWriter : public WriterPort {
 
   /// The samples that are sent while the batch lasts need not leave at once, so that small ones share
   /// datagrams. One batch at a time. Called by the publisher's thread.
-  [[nodiscard]] Batch batch(BatchPatience patience) noexcept SFT_ACQUIRE();
+  [[nodiscard]] Batch batch(BatchTimeout timeout) noexcept SFT_ACQUIRE();
 
   /// True if samples may be sent of which copies are postponed (SampleBuffer::postponed). The port then
   /// completes what it gives to other threads; of the rest some may never be copied, so that such a sample is
@@ -188,7 +188,7 @@ class SFT_CAPABILITY("batch") NetworkWriter : public WriterPort {
   /// Sends by the routes of the last begin_sample().
   virtual SendStatus send_begun(const SampleHandle& sample, Reach reach) noexcept = 0;
   virtual void miss_begun() noexcept = 0;
-  virtual void hold(BatchPatience patience) noexcept = 0;
+  virtual void hold(BatchTimeout timeout) noexcept = 0;
   virtual std::size_t flush() noexcept = 0;
 };
 
@@ -247,8 +247,8 @@ inline Transmission NetworkWriter::begin() noexcept {
   return Transmission(*this);
 }
 
-inline Batch NetworkWriter::batch(BatchPatience patience) noexcept SFT_NO_THREAD_SAFETY_ANALYSIS {
-  hold(patience);
+inline Batch NetworkWriter::batch(BatchTimeout timeout) noexcept SFT_NO_THREAD_SAFETY_ANALYSIS {
+  hold(timeout);
   return Batch(*this);
 }
 

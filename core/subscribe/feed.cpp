@@ -13,10 +13,10 @@ Feed::Feed(Spec spec, const Common& common)
     : spec_(std::move(spec)),
       common_(common),
       declared_(spec_.selection),
-      ports_({.patience = common.patience,
+      ports_({.timeout = common.timeout,
               .min_period_us = spec_.min_period_us,
               .slots = common.type.index_slots()},
-             asked(spec_.selection), common.tells_asked) {}
+             asked(spec_.selection), common.reports_asked) {}
 
 Selection Feed::required() const {
   const Selection declared = [this] {

@@ -38,12 +38,12 @@ class Feed {
   struct Common {
     const TypeSupport& type;
     std::string_view topic;
-    std::chrono::nanoseconds patience{0};  ///< see Intake::Options
-    std::uint32_t depth = 0;               ///< SubscriberOptions::depth
-    std::uint32_t memory_depth = 0;        ///< the part of it that shared memory keeps; 0: all
-    bool as_remote = false;                ///< SubscriberOptions::Recording::as_remote
-    bool tells_asked = false;              ///< see SubscriberPorts
-    Recorder* recorder = nullptr;          ///< null: the selection is declared
+    std::chrono::nanoseconds timeout{0};  ///< see Intake::Options
+    std::uint32_t depth = 0;              ///< SubscriberOptions::depth
+    std::uint32_t memory_depth = 0;       ///< the part of it that shared memory keeps; 0: all
+    bool as_remote = false;               ///< SubscriberOptions::Recording::as_remote
+    bool reports_asked = false;           ///< see SubscriberPorts
+    Recorder* recorder = nullptr;         ///< null: the selection is declared
   };
 
   /// The objects that `common` names outlive this one.

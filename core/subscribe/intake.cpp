@@ -79,7 +79,7 @@ bool Intake::may_wait(LazyRealtime& now) {
   // memory all the time. Only the path of the last sample tells of them.
   if (!was_diverted && !from.last_over_network) return false;
   const std::int64_t age_ns = now.ns() - (was_diverted ? diverted.source_stamp_ns : buffer.source_stamp_ns);
-  if (age_ns < 0 || age_ns >= options_.patience.count()) return false;
+  if (age_ns < 0 || age_ns >= options_.timeout.count()) return false;
   return !has_of(Inlet::network, buffer.writer);
 }
 

@@ -7,7 +7,7 @@
 // - Shared memory can be behind UDP: a sample that came by UDP lets earlier samples of its writer go first,
 //   even if they lie in shared memory behind samples of other writers.
 // - UDP can be behind shared memory: samples that do not fit into it are diverted. A sample in shared memory
-//   names the last one that its writer has diverted, and waits for it, but not longer than `patience`.
+//   names the last one that its writer has diverted, and waits for it, but not longer than `timeout`.
 // - Each sample is delivered once, also if both paths bring it.
 // - A sample that has expired is dropped, as is one that the maximum rate of the subscriber does not allow.
 #pragma once
@@ -40,9 +40,9 @@ inline bool goes_first(const SampleOrigin& a, const SampleOrigin& b) {
 class Intake {
  public:
   struct Options {
-    std::chrono::nanoseconds patience{0};  ///< for a diverted sample, from when that was published
-    std::uint32_t min_period_us = 0;       ///< of the maximum rate; 0: none
-    std::size_t slots = 0;                 ///< of the message type
+    std::chrono::nanoseconds timeout{0};  ///< for a diverted sample, from when that was published
+    std::uint32_t min_period_us = 0;      ///< of the maximum rate; 0: none
+    std::size_t slots = 0;                ///< of the message type
   };
 
   /// Where samples lie until it is their turn, each inlet with one sample. `overtaken`: a sample that was

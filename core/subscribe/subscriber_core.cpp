@@ -11,11 +11,11 @@ std::deque<Feed> make_feeds(const SubscriberCore::Spec& spec, Recorder* recorder
   const Feed::Common common{
       .type = *spec.type,
       .topic = spec.topic,
-      .patience = spec.diverted_patience,
+      .timeout = spec.diverted_timeout,
       .depth = spec.options.depth,
       .memory_depth = spec.memory_depth,
       .as_remote = spec.options.recording.as_remote,
-      .tells_asked = spec.limits_samples || (recorder != nullptr && recorder->records_channels()),
+      .reports_asked = spec.limits_samples || (recorder != nullptr && recorder->records_channels()),
       .recorder = recorder};
   std::deque<Feed> feeds;
   for (const Feed::Spec& feed : spec.feeds) feeds.emplace_back(feed, common);

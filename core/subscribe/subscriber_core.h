@@ -49,7 +49,7 @@ class SubscriberCore final : public ArrivalListener {
     std::unique_ptr<PollHandle> poll_handle{};  ///< null: the subscriber has no file descriptor
     /// How long a sample in shared memory waits for an earlier one that went by UDP: far longer than UDP
     /// takes within a host. But the earlier sample may be lost, and nobody should wait long for that.
-    std::chrono::nanoseconds diverted_patience = std::chrono::milliseconds(100);
+    std::chrono::nanoseconds diverted_timeout = std::chrono::milliseconds(100);
     std::uint32_t memory_depth = 0;  ///< the part of options.depth that shared memory keeps; 0: all
     const std::atomic<bool>* interrupted = nullptr;  ///< outlives the subscriber; null: nothing interrupts it
     ReadTime callback_clock = &std::chrono::steady_clock::now;  ///< tells whether a callback is slow

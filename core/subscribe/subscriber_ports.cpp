@@ -51,7 +51,7 @@ std::shared_ptr<NetworkReader> SubscriberPorts::network() {
   return network_;
 }
 
-void SubscriberPorts::tell_of_room() {
+void SubscriberPorts::notify_room() {
   if (!writers_wait_.load(std::memory_order_relaxed)) [[likely]]
     return;
   std::shared_ptr<BorrowingReader> memory;
@@ -59,7 +59,7 @@ void SubscriberPorts::tell_of_room() {
     const Lock lock(mutex_);
     memory = memory_.port();
   }
-  if (memory != nullptr) memory->tell_of_room();
+  if (memory != nullptr) memory->notify_room();
 }
 
 bool SubscriberPorts::find_next() {
@@ -106,7 +106,7 @@ SubscriberPorts::Next SubscriberPorts::next() {
 /// contains. The present one comes first.
 void SubscriberPorts::settle(Next& next) {
   next.is_copied = intake_.is_copied(next.info.transport);
-  if (!next.is_copied && !tells_asked_) return;
+  if (!next.is_copied && !reports_asked_) return;
   next.asked = asked_;
   if (next.info.transport == TransportKind::shm) return;
   const auto is_it = [&sample = *next.sample](const auto& asked) {
@@ -123,7 +123,7 @@ SubscriberPorts::Next SubscriberPorts::take() {
   Lock lock(mutex_);
   Next taken = next();
   lock.unlock();
-  tell_of_room();
+  notify_room();
   return taken;
 }
 
@@ -134,7 +134,7 @@ SubscriberPorts::Next SubscriberPorts::take_latest() {
   if (latest.sample) intake_.report_losses(latest);
   if (latest.sample) settle(latest);
   lock.unlock();
-  tell_of_room();
+  notify_room();
   return latest;
 }
 
@@ -144,7 +144,7 @@ std::optional<SampleOrigin> SubscriberPorts::next_origin() {
     const Lock lock(mutex_);
     if (find_next()) origin = intake_.next_origin();
   }
-  tell_of_room();
+  notify_room();
   return origin;
 }
 

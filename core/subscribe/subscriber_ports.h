@@ -31,9 +31,9 @@ class SubscriberPorts {
     bool is_copied = false;
   };
 
-  /// `tells_asked`: each sample comes with its request, also if it is delivered as it is.
-  SubscriberPorts(const Intake::Options& options, std::shared_ptr<const Asked> asked, bool tells_asked)
-      : tells_asked_(tells_asked), intake_(options) {
+  /// `reports_asked`: each sample comes with its request, also if it is delivered as it is.
+  SubscriberPorts(const Intake::Options& options, std::shared_ptr<const Asked> asked, bool reports_asked)
+      : reports_asked_(reports_asked), intake_(options) {
     requests(std::move(asked), 1);
   }
 
@@ -97,11 +97,11 @@ class SubscriberPorts {
   void settle(Next& next) SFT_REQUIRES(mutex_);
   Counts counts() const SFT_REQUIRES(mutex_);
   /// Called after samples may have been taken. The port may make a system call.
-  void tell_of_room() SFT_EXCLUDES(mutex_);
+  void notify_room() SFT_EXCLUDES(mutex_);
 
   static constexpr std::size_t earlier_max = 64;  ///< requests under which samples may still come
 
-  const bool tells_asked_;
+  const bool reports_asked_;
   Mutex mutex_ SFT_ACQUIRED_AFTER(lock_order::endpoints) SFT_ACQUIRED_BEFORE(lock_order::endpoint);
   Intake intake_ SFT_GUARDED_BY(mutex_);
   MemoryInlet memory_ SFT_GUARDED_BY(mutex_);

@@ -48,7 +48,7 @@ class CallGate {
     }
     ~Call() {
       innermost_ = outer_;
-      if ((gate_.state_.fetch_sub(1) & closed) != 0) Closing::tell_of_change();
+      if ((gate_.state_.fetch_sub(1) & closed) != 0) Closing::notify_change();
     }
     Call(const Call&) = delete;
     Call& operator=(const Call&) = delete;
@@ -85,7 +85,7 @@ class CallGate {
     static inline Condition changed;
     static inline Closing* first SFT_GUARDED_BY(mutex) = nullptr;
 
-    static void tell_of_change() noexcept {
+    static void notify_change() noexcept {
       const Lock lock(mutex);
       changed.notify_all();
     }

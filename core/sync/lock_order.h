@@ -16,12 +16,12 @@ namespace sft::core::lock_order {
 /// The border between two levels. It is never locked.
 struct SFT_CAPABILITY("level") Border {};
 
-/// Endpoints are asked for their status: EndpointRoster.
+/// Endpoints are asked for their status: EndpointRegistry.
 inline constexpr Border endpoints{};
 /// One endpoint: PublisherCore, SubscriberPorts, RemoteCopy.
 inline constexpr Border endpoint SFT_ACQUIRED_AFTER(endpoints){};
 /// What one endpoint, or one remote socket, has to send or to receive: Inbox, ShmReaderPort, Lane, Channel,
-/// ChannelRoster, DestinationDirectory, ScheduledWork, SubscriptionDirectory.
+/// ChannelRegistry, DestinationDirectory, ScheduledWork, SubscriptionDirectory.
 inline constexpr Border queues SFT_ACQUIRED_AFTER(endpoint){};
 /// Facts that several of these share: RemotePath, SharedFlowWindow, DeliveryBook, GroupReasons, Published.
 inline constexpr Border facts SFT_ACQUIRED_AFTER(queues){};

@@ -17,12 +17,12 @@ int main() {
   auto subscriber = node->subscriber<Battery, F::serial | F::charge>("battery");
   if (!subscriber) return std::fprintf(stderr, "%s\n", subscriber.error().message.c_str()), 1;
 
-  auto patience = 30s;  // for somebody to start a publisher
-  while (subscriber->wait(patience)) {
+  auto timeout = 30s;  // for somebody to start a publisher
+  while (subscriber->wait(timeout)) {
     while (const auto sample = subscriber->take()) {
       const std::string serial(sample->serial());
       std::printf("battery %s: %.1f %%\n", serial.c_str(), 100 * static_cast<double>(sample->charge()));
-      patience = 2s;
+      timeout = 2s;
     }
   }
   std::printf("shared memory: %s\n", node->status().shm.c_str());

@@ -21,11 +21,11 @@ int main(int argc, char** argv) {
   // Two numbers of each cloud, and of few clouds: the robot sends nothing else.
   auto points = node->subscriber<PointCloud2, F::height | F::width>("robot/points", {.max_rate_hz = 5});
   if (!points) return std::fprintf(stderr, "%s\n", points.error().message.c_str()), 1;
-  auto patience = 60s;  // for somebody to start the robot
-  while (points->wait(patience)) {
+  auto timeout = 60s;  // for somebody to start the robot
+  while (points->wait(timeout)) {
     while (const auto cloud = points->take())
       std::printf("%u x %u points\n", cloud->height(), cloud->width());
-    patience = 2s;
+    timeout = 2s;
   }
   std::printf("%lu clouds came, %lu were lost\n", points->status().received, points->status().lost);
 }

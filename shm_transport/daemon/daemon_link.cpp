@@ -88,14 +88,14 @@ void DaemonLink::look(const ShmOptions& options, Clock::time_point now) {
   if (!functions_are_replaced_) return publish(Availability::unavailable, not_replaced);
   const core::TrustedAccounts accepted =
       accepted_daemons(user_ids(options.daemon_users).value_or(std::vector<uid_t>{}));
-  HostWatch::Look found = HostWatch::look(accepted);
-  if (found.finding == HostWatch::Finding::starting) return await_host_file(options, now);
+  HostMonitor::Look found = HostMonitor::look(accepted);
+  if (found.finding == HostMonitor::Finding::starting) return await_host_file(options, now);
   deadline_.reset();
-  if (found.finding == HostWatch::Finding::alive) {
-    const auto& token = found.watch->file().token;
+  if (found.finding == HostMonitor::Finding::alive) {
+    const auto& token = found.monitor->file().token;
     if (std::exchange(registered_with_, token) != token) registering_.succeeded();
-    if (registering_.due(now)) begin_registration(options, std::move(*found.watch), now);
-  } else if (found.finding == HostWatch::Finding::foreign) {
+    if (registering_.due(now)) begin_registration(options, std::move(*found.monitor), now);
+  } else if (found.finding == HostMonitor::Finding::foreign) {
     publish(Availability::unavailable, why_not_accepted(found.user));
   } else if (const auto lock = read_daemon_lock();
              lock && lock->pid == 0 && accepted.include_user(lock->user)) {
@@ -165,34 +165,34 @@ void DaemonLink::give_up_launch(const std::string& reason, Clock::time_point now
   give_up(launching_, reason, now);
 }
 
-void DaemonLink::begin_registration(const ShmOptions& options, HostWatch watch, Clock::time_point now) {
-  if (watch.file().protocol != host_protocol) {
+void DaemonLink::begin_registration(const ShmOptions& options, HostMonitor monitor, Clock::time_point now) {
+  if (monitor.file().protocol != host_protocol) {
     return give_up(registering_,
-                   daemon_name(watch.file().pid) +
+                   daemon_name(monitor.file().pid) +
                        " is of another version than this program; end it (sftd stop), and start the sftd of "
                        "this program's "
                        "version",
                    now);
   }
-  auto channel = RoudiChannel::open(make_runtime_name(options.runtime_name_prefix), watch.user());
+  auto channel = RoudiChannel::open(make_runtime_name(options.runtime_name_prefix), monitor.user());
   if (!channel) {
     return give_up(registering_,
-                   daemon_name(watch.file().pid) + " cannot be reached: " + channel.error().message, now);
+                   daemon_name(monitor.file().pid) + " cannot be reached: " + channel.error().message, now);
   }
   channel_ = std::move(*channel);
-  watch_.emplace(std::move(watch));
+  monitor_.emplace(std::move(monitor));
   deadline_ = now + options.connect_deadline;
   phase_ = Phase::registering;
-  publish(Availability::starting, "this program registers with " + daemon_name(watch_->file().pid));
+  publish(Availability::starting, "this program registers with " + daemon_name(monitor_->file().pid));
 }
 
 std::shared_ptr<Session> DaemonLink::await_registration(const std::shared_ptr<IceoryxRuntime>& runtime,
                                                         Clock::time_point now) {
   const auto answer = channel_->poll_registration();
-  const std::string name = daemon_name(watch_->file().pid);
+  const std::string name = daemon_name(monitor_->file().pid);
   if (!answer) {
     give_up(registering_, answer.error().message, now);
-  } else if (!watch_->daemon_lives()) {
+  } else if (!monitor_->daemon_lives()) {
     give_up(registering_, name + " ended while this process registered", now);
   } else if (!*answer && now >= *deadline_) {
     // A daemon that was stopped answers the request when it goes on.
@@ -202,8 +202,8 @@ std::shared_ptr<Session> DaemonLink::await_registration(const std::shared_ptr<Ic
                 " does not answer; is it stopped, or is it built with another iceoryx "
                 "than " ICEORYX_LATEST_RELEASE_VERSION "?");
   } else if (*answer) {
-    auto session = Session::open(runtime, std::move(*watch_), std::move(channel_), **answer);
-    watch_.reset();
+    auto session = Session::open(runtime, std::move(*monitor_), std::move(channel_), **answer);
+    monitor_.reset();
     if (!session) {
       give_up(registering_, session.error().message, now);
       return nullptr;
@@ -233,7 +233,7 @@ std::shared_ptr<Session> DaemonLink::watch_session() {
 
 void DaemonLink::give_up(core::Retry& attempt, const std::string& reason, Clock::time_point now) {
   channel_.reset();
-  watch_.reset();
+  monitor_.reset();
   deadline_.reset();
   phase_ = Phase::looking;
   attempt.failed(reason, now,

@@ -50,7 +50,7 @@ class DaemonLink {
   void give_up_launch(const std::string& reason, Clock::time_point now);
   void await_launch(const ShmOptions& options, Clock::time_point now);
   void await_host_file(const ShmOptions& options, Clock::time_point now);
-  void begin_registration(const ShmOptions& options, HostWatch watch, Clock::time_point now);
+  void begin_registration(const ShmOptions& options, HostMonitor monitor, Clock::time_point now);
   std::shared_ptr<Session> await_registration(const std::shared_ptr<IceoryxRuntime>& runtime,
                                               Clock::time_point now);
   std::shared_ptr<Session> watch_session();
@@ -67,7 +67,7 @@ class DaemonLink {
   const bool functions_are_replaced_ = functions_are_replaced();  ///< as long as this process runs
   Phase phase_ = Phase::looking;
   std::optional<DaemonLaunch> launch_;
-  std::optional<HostWatch> watch_;
+  std::optional<HostMonitor> monitor_;
   std::unique_ptr<RoudiChannel> channel_;
   std::optional<Clock::time_point> deadline_;  ///< the end of the current phase
   core::Retry launching_;

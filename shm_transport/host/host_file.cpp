@@ -98,7 +98,7 @@ std::optional<HostFile> parse_host_file(std::string_view text) {
   return std::nullopt;
 }
 
-HostWatch::Look HostWatch::look(const core::TrustedAccounts& accepted) {
+HostMonitor::Look HostMonitor::look(const core::TrustedAccounts& accepted) {
   auto descriptor = core::open_trusted_file(host_file_path, O_RDONLY, {.everybody = true});
   struct stat opened {};
   if (!descriptor || !is_locked(descriptor->get()) || fstat(descriptor->get(), &opened) != 0) return {};
@@ -107,7 +107,7 @@ HostWatch::Look HostWatch::look(const core::TrustedAccounts& accepted) {
   const ssize_t bytes = pread(descriptor->get(), text, sizeof text, 0);
   const auto file = parse_host_file({text, static_cast<std::size_t>(std::max<ssize_t>(bytes, 0))});
   if (!file) return {.finding = Finding::starting};
-  return {.finding = Finding::alive, .watch = HostWatch(std::move(*descriptor), *file, opened.st_uid)};
+  return {.finding = Finding::alive, .monitor = HostMonitor(std::move(*descriptor), *file, opened.st_uid)};
 }
 
 std::string format_lock(const DaemonLock& lock) {

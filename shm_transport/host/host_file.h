@@ -57,7 +57,7 @@ std::string format(const HostFile& file);
 std::optional<HostFile> parse_host_file(std::string_view text);
 
 /// An open host file, which tells whether the daemon that wrote it still lives.
-class HostWatch {
+class HostMonitor {
  public:
   enum class Finding {
     absent,    ///< there is no file that somebody has locked
@@ -77,7 +77,7 @@ class HostWatch {
   bool daemon_lives() const noexcept { return is_locked(descriptor_.get()); }
 
  private:
-  HostWatch(Descriptor descriptor, HostFile file, uid_t user)
+  HostMonitor(Descriptor descriptor, HostFile file, uid_t user)
       : descriptor_(std::move(descriptor)), file_(std::move(file)), user_(user) {}
 
   Descriptor descriptor_;
@@ -85,10 +85,10 @@ class HostWatch {
   uid_t user_;
 };
 
-struct HostWatch::Look {
+struct HostMonitor::Look {
   Finding finding = Finding::absent;
-  std::optional<HostWatch> watch{};  ///< set if the finding is `alive`
-  uid_t user = 0;                    ///< the owner of the file, if the finding is `foreign`
+  std::optional<HostMonitor> monitor{};  ///< set if the finding is `alive`
+  uid_t user = 0;                        ///< the owner of the file, if the finding is `foreign`
 };
 
 /// The contents of the lock file of a living daemon in /tmp. They tell of a daemon also where its host file

@@ -236,18 +236,18 @@ Result<IpcMessage> RoudiChannel::receive(Clock::time_point deadline) {
 
 Result<PortLocation> RoudiChannel::create_publisher(const iox::capro::ServiceDescription& service,
                                                     const iox::popo::PublisherOptions& options,
-                                                    const Claim& claim, const Timeouts& timeouts) {
+                                                    const TakePort& take_port, const Timeouts& timeouts) {
   const auto make = [&](const std::string& label) {
     return request_for_port(IpcMessageType::CREATE_PUBLISHER, runtime_name_, service, options, label);
   };
   return ask_for_port(
       {.port = "publisher " + serialized(service), .wanted = IpcMessageType::CREATE_PUBLISHER_ACK}, make,
-      claim, timeouts);
+      take_port, timeouts);
 }
 
 Result<PortLocation> RoudiChannel::create_subscriber(const iox::capro::ServiceDescription& service,
                                                      const iox::popo::SubscriberOptions& options,
-                                                     const Claim& claim, const Timeouts& timeouts,
+                                                     const TakePort& take_port, const Timeouts& timeouts,
                                                      const std::string& remark) {
   const auto make = [&](const std::string& label) {
     return request_for_port(IpcMessageType::CREATE_SUBSCRIBER, runtime_name_, service, options, label);
@@ -257,19 +257,19 @@ Result<PortLocation> RoudiChannel::create_subscriber(const iox::capro::ServiceDe
   return ask_for_port({.port = "subscriber " + serialized(service) + queue,
                        .label = remark,
                        .wanted = IpcMessageType::CREATE_SUBSCRIBER_ACK},
-                      make, claim, timeouts);
+                      make, take_port, timeouts);
 }
 
 /// The daemon is asked one question at a time, since an error names no port: so it answers a known question.
 /// The label of `next` is a remark. The number of the request comes before it.
-Result<PortLocation> RoudiChannel::ask_for_port(Question next, const MakeRequest& make, const Claim& claim,
-                                                const Timeouts& timeouts) {
+Result<PortLocation> RoudiChannel::ask_for_port(Question next, const MakeRequest& make,
+                                                const TakePort& take_port, const Timeouts& timeouts) {
   const auto begun = Clock::now();
   const auto deadline = begun + timeouts.wait;
   const Turn turn(*this, deadline);
   if (!turn) return not_yet();
-  if (auto taken = take_answers(claim, begun); !taken) return tl::unexpected(taken.error());
-  drop_unclaimed(claim, begun);
+  if (auto taken = take_answers(take_port, begun); !taken) return tl::unexpected(taken.error());
+  drop_untaken(take_port, begun);
   const std::string port = next.port += next.label;
   if (!answers_.contains(port) && !question()) {
     next.label.insert(0, runtime_name_ + "#" + std::to_string(++requests_));
@@ -277,7 +277,7 @@ Result<PortLocation> RoudiChannel::ask_for_port(Question next, const MakeRequest
     next.overdue_at = begun + timeouts.overdue;
     set_question(std::move(next));
     ++unsettled_;
-    if (auto taken = take_answers(claim, deadline); !taken) return tl::unexpected(taken.error());
+    if (auto taken = take_answers(take_port, deadline); !taken) return tl::unexpected(taken.error());
   }
   if (auto answer = answers_.extract(port)) {
     --unsettled_;
@@ -292,11 +292,11 @@ Result<PortLocation> RoudiChannel::ask_for_port(Question next, const MakeRequest
 
 /// Takes messages until the question is answered, or the deadline is over. Messages that have come already
 /// are taken in any case.
-Result<void> RoudiChannel::take_answers(const Claim& claim, Clock::time_point deadline) {
+Result<void> RoudiChannel::take_answers(const TakePort& take_port, Clock::time_point deadline) {
   for (;;) {
     const auto message = receive(question() ? deadline : Clock::time_point{});
     if (message) {
-      note(*message, claim);
+      note(*message, take_port);
     } else if (message.error().code == Errc::unavailable) {
       return {};
     } else {
@@ -308,7 +308,7 @@ Result<void> RoudiChannel::take_answers(const Claim& claim, Clock::time_point de
 /// The daemon answers in the order of the questions. A port has the label of its question as well, an error
 /// has nothing: as long as answers are overdue, it is one of these. A port that was answered too late is
 /// given back.
-void RoudiChannel::note(const IpcMessage& message, const Claim& claim) {
+void RoudiChannel::note(const IpcMessage& message, const TakePort& take_port) {
   const std::optional<Question> asked = question();
   const auto answer = [&](Result<PortLocation> location) {
     answers_.insert_or_assign(asked->port, Answer{std::move(location), Clock::now() + kept_for});
@@ -321,7 +321,7 @@ void RoudiChannel::note(const IpcMessage& message, const Claim& claim) {
   }
   if (message.getNumberOfElements() != 3) return;
   const PortLocation location{number_at(message, 2), number_at(message, 1)};
-  const bool is_ours = claim(location, asked ? asked->label : "") && asked;
+  const bool is_ours = take_port(location, asked ? asked->label : "") && asked;
   if (!is_ours || type_of(message) != asked->wanted) return late_answer_came();
   overdue_ = 0;
   answer(location);
@@ -332,21 +332,21 @@ void RoudiChannel::late_answer_came() {
   if (unsettled_ > 0) --unsettled_;
 }
 
-void RoudiChannel::drop_unclaimed(const Claim& claim, Clock::time_point now) {
+void RoudiChannel::drop_untaken(const TakePort& take_port, Clock::time_point now) {
   std::erase_if(answers_, [&](const auto& item) {
     const Answer& answer = item.second;
     if (now < answer.kept_until) return false;
-    if (answer.location) claim(*answer.location, "");
+    if (answer.location) take_port(*answer.location, "");
     --unsettled_;
     return true;
   });
 }
 
-void RoudiChannel::give_back_unclaimed(const Claim& claim) {
+void RoudiChannel::give_back_untaken(const TakePort& take_port) {
   if (unsettled_ == 0) return;
   const auto now = Clock::now();
   const Turn turn(*this, now);
-  if (turn && take_answers(claim, now)) drop_unclaimed(claim, now);
+  if (turn && take_answers(take_port, now)) drop_untaken(take_port, now);
 }
 
 bool RoudiChannel::awaits_answer() const {

@@ -42,7 +42,7 @@ class RoudiChannel {
   /// Returns whether the port at this location was requested with this label (in m_nodeName), and gives the
   /// port back if it was not. So an answer that missed its deadline is not taken for the answer to a later
   /// request.
-  using Claim = std::function<bool(const PortLocation& location, const std::string& label)>;
+  using TakePort = std::function<bool(const PortLocation& location, const std::string& label)>;
 
   /// Asks the daemon to register this process under `runtime_name`, and does not wait for the answer.
   /// `daemon_user`: the account of the daemon.
@@ -59,16 +59,17 @@ class RoudiChannel {
   /// `remark`: a text behind the label, which other processes can read. Any thread. Requests take turns.
   /// The error is Errc::unavailable if the daemon has not answered yet, see awaits_answer().
   Result<PortLocation> create_publisher(const iox::capro::ServiceDescription& service,
-                                        const iox::popo::PublisherOptions& options, const Claim& claim,
+                                        const iox::popo::PublisherOptions& options, const TakePort& take_port,
                                         const Timeouts& timeouts);
   Result<PortLocation> create_subscriber(const iox::capro::ServiceDescription& service,
-                                         const iox::popo::SubscriberOptions& options, const Claim& claim,
-                                         const Timeouts& timeouts, const std::string& remark = {});
+                                         const iox::popo::SubscriberOptions& options,
+                                         const TakePort& take_port, const Timeouts& timeouts,
+                                         const std::string& remark = {});
   /// Returns whether the daemon was asked for a port, and its answer is neither there nor overdue. A call
   /// that has failed may succeed soon then. Any thread.
   bool awaits_answer() const;
   /// Gives ports back that were answered late, and that no call has asked for again. Any thread.
-  void give_back_unclaimed(const Claim& claim);
+  void give_back_untaken(const TakePort& take_port);
 
   /// Tells the daemon to remove everything that this process has there. Does not wait.
   void say_goodbye() noexcept;
@@ -89,12 +90,12 @@ class RoudiChannel {
   Result<void> send(const iox::runtime::IpcMessage& message, Clock::time_point deadline);
   Result<iox::runtime::IpcMessage> receive(Clock::time_point deadline);
   using MakeRequest = std::function<iox::runtime::IpcMessage(const std::string& label)>;
-  Result<PortLocation> ask_for_port(Question next, const MakeRequest& make, const Claim& claim,
+  Result<PortLocation> ask_for_port(Question next, const MakeRequest& make, const TakePort& take_port,
                                     const Timeouts& timeouts);
-  Result<void> take_answers(const Claim& claim, Clock::time_point deadline);
-  void note(const iox::runtime::IpcMessage& message, const Claim& claim);
+  Result<void> take_answers(const TakePort& take_port, Clock::time_point deadline);
+  void note(const iox::runtime::IpcMessage& message, const TakePort& take_port);
   void late_answer_came();
-  void drop_unclaimed(const Claim& claim, Clock::time_point now);
+  void drop_untaken(const TakePort& take_port, Clock::time_point now);
   std::optional<Question> question() const;
   void set_question(std::optional<Question> question);
 

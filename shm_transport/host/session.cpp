@@ -36,12 +36,12 @@ bool delivers_to(const PublisherPortData& publisher, const QueueData& queue) {
 
 }  // namespace
 
-Session::Session(std::shared_ptr<IceoryxRuntime> runtime, HostWatch watch,
+Session::Session(std::shared_ptr<IceoryxRuntime> runtime, HostMonitor monitor,
                  std::unique_ptr<RoudiChannel> channel)
     : runtime_(std::move(runtime)),
-      watch_(std::move(watch)),
+      monitor_(std::move(monitor)),
       channel_(std::move(channel)),
-      token_(host_token(watch_.file())) {}
+      token_(host_token(monitor_.file())) {}
 
 Session::~Session() {
   if (!lost_) {
@@ -50,10 +50,10 @@ Session::~Session() {
   }
 }
 
-Result<std::shared_ptr<Session>> Session::open(std::shared_ptr<IceoryxRuntime> runtime, HostWatch watch,
+Result<std::shared_ptr<Session>> Session::open(std::shared_ptr<IceoryxRuntime> runtime, HostMonitor monitor,
                                                std::unique_ptr<RoudiChannel> channel,
                                                const Registration& registration) {
-  std::shared_ptr<Session> session(new Session(std::move(runtime), std::move(watch), std::move(channel)));
+  std::shared_ptr<Session> session(new Session(std::move(runtime), std::move(monitor), std::move(channel)));
   if (auto mapped = session->map(registration); !mapped) return tl::unexpected(mapped.error());
   // If the daemon that wrote the token still lives, no other daemon has answered in between.
   if (!session->daemon_lives())
@@ -79,7 +79,7 @@ Result<void> Session::map(const Registration& registration) {
 /// Tries to map the samples for writing, and then for reading. Only the kernel knows which rights this
 /// process has, because the groups that a service manager or a container gives to a process are in no file.
 Result<void> Session::add_samples() {
-  const HostFile& file = watch_.file();
+  const HostFile& file = monitor_.file();
   auto added = add_segment(file.segment_id, file.segment, file.segment_bytes, true);
   if (added || added.error().code != Errc::no_permission) return added;
   can_write_ = false;
@@ -88,7 +88,7 @@ Result<void> Session::add_samples() {
 
 Result<void> Session::add_segment(std::uint64_t id, const std::string& name, std::size_t bytes,
                                   bool writable) {
-  auto mapping = Mapping::open(name, bytes, writable, watch_.user());
+  auto mapping = Mapping::open(name, bytes, writable, monitor_.user());
   if (!mapping) return tl::unexpected(mapping.error());
   if (!runtime_->announce_segment(id, mapping->bytes())) {
     return fail(Errc::address_in_use,
@@ -105,7 +105,7 @@ void Session::forget_segments() noexcept {
 
 const iox::roudi::PortPoolData* Session::port_pool() const {
   const std::span<std::byte> management = segments_.front().mapping.bytes();
-  const std::uint64_t offset = watch_.file().port_pool_offset;
+  const std::uint64_t offset = monitor_.file().port_pool_offset;
   if (offset == 0 || offset > management.size()) return nullptr;
   if (management.size() - offset < sizeof(iox::roudi::PortPoolData)) return nullptr;
   return reinterpret_cast<const iox::roudi::PortPoolData*>(management.data() + offset);
@@ -119,7 +119,7 @@ BasePortData* Session::port_at(const PortLocation& location, std::size_t bytes) 
   return reinterpret_cast<BasePortData*>(management.mapping.bytes().data() + location.offset);
 }
 
-RoudiChannel::Claim Session::claim() const {
+RoudiChannel::TakePort Session::take_port() const {
   return [this](const PortLocation& location, const std::string& label) {
     BasePortData* port = port_at(location, sizeof(BasePortData));
     if (port == nullptr) return false;
@@ -148,7 +148,7 @@ Result<PublisherPortData*> Session::create_publisher(core::EndpointId writer,
   options.historyCapacity = 0;
   options.subscriberTooSlowPolicy = iox::popo::ConsumerTooSlowPolicy::DISCARD_OLDEST_DATA;
   return answered_port<PublisherPortData>(
-      channel_->create_publisher(service_of(writer), options, claim(), timeouts));
+      channel_->create_publisher(service_of(writer), options, take_port(), timeouts));
 }
 
 Result<SubscriberPortData*> Session::create_subscriber(core::EndpointId writer, std::uint32_t depth,
@@ -160,7 +160,7 @@ Result<SubscriberPortData*> Session::create_subscriber(core::EndpointId writer, 
   options.subscribeOnCreate = depth != 0;
   options.queueFullPolicy = iox::popo::QueueFullPolicy::DISCARD_OLDEST_DATA;
   return answered_port<SubscriberPortData>(
-      channel_->create_subscriber(service_of(writer), options, claim(), timeouts, to_text(wishes)));
+      channel_->create_subscriber(service_of(writer), options, take_port(), timeouts, to_text(wishes)));
 }
 
 const SubscriberPortData* Session::port_of(const QueueData& queue) const noexcept {
@@ -179,14 +179,14 @@ void Session::admit_writers(std::uint64_t doorbell_page) const {
   if (fchown(page->get(), static_cast<uid_t>(-1), writers) == 0) return;
   // Only a member of a group can give a file to the group. A process that may only read is in the group of
   // readers.
-  if (const auto readers = watch_.file().readers)
+  if (const auto readers = monitor_.file().readers)
     std::ignore = fchown(page->get(), static_cast<uid_t>(-1), *readers);
   std::ignore = grant_to_group(path, writers);
 }
 
 core::TrustedAccounts Session::reader_accounts() const {
-  core::TrustedAccounts accounts{.users = {watch_.user()}, .groups = {segments_.front().mapping.group()}};
-  if (const auto readers = watch_.file().readers) accounts.groups.push_back(*readers);
+  core::TrustedAccounts accounts{.users = {monitor_.user()}, .groups = {segments_.front().mapping.group()}};
+  if (const auto readers = monitor_.file().readers) accounts.groups.push_back(*readers);
   return accounts;
 }
 
@@ -230,7 +230,7 @@ void Session::retire(SubscriberPortData* port) {
 }
 
 void Session::collect() {
-  channel_->give_back_unclaimed(claim());
+  channel_->give_back_untaken(take_port());
   const core::Lock lock(mutex_);
   if (lost_) return;
   std::erase_if(retired_, [this](SubscriberPortData* port) {

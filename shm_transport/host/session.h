@@ -34,7 +34,7 @@ class IceoryxRuntime;
 class Session : public std::enable_shared_from_this<Session> {
  public:
   /// Maps the segments of the daemon that answered. `runtime` keeps iceoryx usable in this process.
-  static Result<std::shared_ptr<Session>> open(std::shared_ptr<IceoryxRuntime> runtime, HostWatch watch,
+  static Result<std::shared_ptr<Session>> open(std::shared_ptr<IceoryxRuntime> runtime, HostMonitor monitor,
                                                std::unique_ptr<RoudiChannel> channel,
                                                const Registration& registration);
   ~Session();
@@ -43,8 +43,8 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Returns whether this process may write samples. Otherwise it may only read the samples of other
   /// processes.
   bool can_write() const { return can_write_; }
-  pid_t daemon_pid() const { return watch_.file().pid; }
-  bool daemon_lives() const noexcept { return watch_.daemon_lives(); }
+  pid_t daemon_pid() const { return monitor_.file().pid; }
+  bool daemon_lives() const noexcept { return monitor_.daemon_lives(); }
 
   Result<iox::popo::PublisherPortData*> create_publisher(core::EndpointId writer,
                                                          const RoudiChannel::Timeouts& timeouts);
@@ -97,11 +97,12 @@ class Session : public std::enable_shared_from_this<Session> {
     std::uint64_t id;
     Mapping mapping;
   };
-  Session(std::shared_ptr<IceoryxRuntime> runtime, HostWatch watch, std::unique_ptr<RoudiChannel> channel);
+  Session(std::shared_ptr<IceoryxRuntime> runtime, HostMonitor monitor,
+          std::unique_ptr<RoudiChannel> channel);
   Result<void> map(const Registration& registration);
   Result<void> add_segment(std::uint64_t id, const std::string& name, std::size_t bytes, bool writable);
   Result<void> add_samples();
-  RoudiChannel::Claim claim() const;
+  RoudiChannel::TakePort take_port() const;
   template <class PortData>
   Result<PortData*> answered_port(const Result<PortLocation>& location) const;
   void forget_segments() noexcept;
@@ -110,7 +111,7 @@ class Session : public std::enable_shared_from_this<Session> {
 
   const core::OfOneProcess of_one_process_;
   std::shared_ptr<IceoryxRuntime> runtime_;
-  HostWatch watch_;
+  HostMonitor monitor_;
   std::unique_ptr<RoudiChannel> channel_;
   core::HostToken token_;
   std::vector<Segment> segments_;  ///< the management segment is the first

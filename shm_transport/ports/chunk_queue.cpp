@@ -21,7 +21,7 @@ ChunkQueue::Taken ChunkQueue::take() noexcept {
   if (chunk == nullptr) return {};
   ChunkSlot* slot = slots_.take();
   slot->chunk = chunk;
-  return {.slot = slot, .overflowed = std::exchange(overflow_is_news_, false), .popped = ++popped_};
+  return {.slot = slot, .overflowed = std::exchange(overflow_is_unreported_, false), .popped = ++popped_};
 }
 
 /// Returns how many samples wait. Other programs can write the number that iceoryx keeps.
@@ -39,7 +39,7 @@ iox::mepoo::ChunkHeader* ChunkQueue::pop() noexcept {
   const ChunkInHand hand(data_);
   // The overflow is queried before the chunk is taken, because a later overflow may concern samples behind
   // this one.
-  overflow_is_news_ |= port_.hasLostChunksSinceLastCall();
+  overflow_is_unreported_ |= port_.hasLostChunksSinceLastCall();
   auto chunk = port_.tryGetChunk();
   return chunk.has_error() ? nullptr : const_cast<iox::mepoo::ChunkHeader*>(chunk.value());
 }
@@ -65,7 +65,7 @@ std::uint64_t ChunkQueue::arrivals() noexcept {
   const core::Lock lock(mutex_);
   if (lost_) return popped_ + overflows_ + remaining();
   if (port_.hasLostChunksSinceLastCall()) {
-    overflow_is_news_ = true;
+    overflow_is_unreported_ = true;
     ++overflows_;
   }
   return popped_ + overflows_ + waiting();
@@ -115,7 +115,7 @@ void ChunkQueue::lose(SessionMember::Loss loss) noexcept {
   const bool was_open = std::exchange(open_, false);
   if (loss == SessionMember::Loss::before) return;
   std::uint64_t arrived = was_open ? waiting() : arrived_;
-  overflow_is_news_ |= port_.hasLostChunksSinceLastCall();
+  overflow_is_unreported_ |= port_.hasLostChunksSinceLastCall();
   iox::popo::ChunkQueuePopper<iox::popo::SubscriberPortData::ChunkQueueData_t> popper(
       &data_.m_chunkReceiverData);
   for (; arrived > 0; --arrived) {

@@ -76,7 +76,7 @@ class ChunkQueue {
   std::uint64_t popped_ SFT_GUARDED_BY(mutex_) = 0;     ///< chunks taken out of the queue
   std::uint64_t overflows_ SFT_GUARDED_BY(mutex_) = 0;  ///< overflows that arrivals() has noticed
   /// An overflow was noticed, and take() has not told of it.
-  bool overflow_is_news_ SFT_GUARDED_BY(mutex_) = false;
+  bool overflow_is_unreported_ SFT_GUARDED_BY(mutex_) = false;
   /// As many chunks are borrowed as may be, and take() has told of it.
   bool at_limit_ SFT_GUARDED_BY(mutex_) = false;
 };

@@ -148,7 +148,7 @@ bool ShmReaderPort::some_wait() const noexcept {
   return std::ranges::any_of(writers_, has_some) || std::ranges::any_of(departed_, has_some);
 }
 
-void ShmReaderPort::tell_of_room() noexcept {
+void ShmReaderPort::notify_room() noexcept {
   for (;;) {
     std::shared_ptr<ChunkBorrower> due;
     {

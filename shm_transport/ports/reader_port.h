@@ -112,7 +112,7 @@ class ShmReaderPort final : public core::BorrowingReader {
   void disconnect(core::EndpointId writer) noexcept override;
   Counters counters() const noexcept override;
   std::uint64_t held_too_many() const noexcept override;
-  void tell_of_room() noexcept override;
+  void notify_room() noexcept override;
 
  private:
   using Writers = std::vector<std::shared_ptr<ChunkBorrower>>;

@@ -278,8 +278,8 @@ SendStatus ShmWriterPort::send(const SampleHandle& sample) noexcept {
   const Doorbells* bells = doorbells_.load();
   const bool wanted = bells != nullptr && bells->wanted();
   ChunkSlot& slot = ChunkSlot::of(*sample);
-  patience_ = std::min(max_blocking_, patience_max_);
-  auto committed = commit(slot, wanted, patience_.count() > 0);
+  timeout_ = std::min(max_blocking_, timeout_max_);
+  auto committed = commit(slot, wanted, timeout_.count() > 0);
   if (committed == ChunkLender::Commit::full) [[unlikely]]
     committed = commit_once_there_is_room(slot);
   if (committed == ChunkLender::Commit::lost) return SendStatus::lost_port;
@@ -307,16 +307,16 @@ ChunkLender::Commit ShmWriterPort::commit(ChunkSlot& slot, bool to_readers, bool
   return committed;
 }
 
-/// Waits until all readers for which this writer waits have room. If the patience ends before, the readers
+/// Waits until all readers for which this writer waits have room. If the timeout ends before, the readers
 /// without room lose their oldest sample.
 ChunkLender::Commit ShmWriterPort::commit_once_there_is_room(ChunkSlot& slot) noexcept {
-  const Clock::time_point until = Clock::now() + patience_;
+  const Clock::time_point until = Clock::now() + timeout_;
   auto committed = ChunkLender::Commit::full;
   while (committed == ChunkLender::Commit::full) {
     chunks_->await_room(slot, until);
     committed = commit(slot, true, Clock::now() < until);
   }
-  patience_ = std::max<std::chrono::nanoseconds>(until - Clock::now(), {});
+  timeout_ = std::max<std::chrono::nanoseconds>(until - Clock::now(), {});
   return committed;
 }
 

@@ -141,8 +141,8 @@ class ShmWriterPort final : public core::LendingWriter {
   }
   bool begin_with(const core::Route& to, const std::vector<core::SampleHandle>& retained,
                   std::uint64_t held_back) override;
-  void be_patient(std::chrono::nanoseconds at_most) noexcept override { patience_max_ = at_most; }
-  std::chrono::nanoseconds patience_left() const noexcept override { return patience_; }
+  void set_timeout(std::chrono::nanoseconds at_most) noexcept override { timeout_max_ = at_most; }
+  std::chrono::nanoseconds time_left() const noexcept override { return timeout_; }
 
  private:
   core::SendStatus drop() noexcept;
@@ -159,8 +159,8 @@ class ShmWriterPort final : public core::LendingWriter {
   std::vector<core::Route> routes_;                           ///< in force
 
   // The thread of the publisher uses these two members.
-  std::chrono::nanoseconds patience_max_ = std::chrono::nanoseconds::max();
-  std::chrono::nanoseconds patience_{0};  ///< how long the current sample may still wait
+  std::chrono::nanoseconds timeout_max_ = std::chrono::nanoseconds::max();
+  std::chrono::nanoseconds timeout_{0};  ///< how long the current sample may still wait
 
   core::Published<Doorbells> doorbells_;  ///< null if there are no routes
 };

@@ -47,9 +47,9 @@ std::string users_of(const std::optional<Status>& status) {
   return users;
 }
 
-bool ends_within(const Descriptor& process, std::chrono::milliseconds patience) {
+bool ends_within(const Descriptor& process, std::chrono::milliseconds timeout) {
   pollfd end{process.get(), POLLIN, 0};
-  return poll(&end, 1, static_cast<int>(patience.count())) > 0;
+  return poll(&end, 1, static_cast<int>(timeout.count())) > 0;
 }
 
 ExitCode exit_code_of_stop(const Error& error) {
@@ -71,7 +71,7 @@ ExitCode print_status(bool as_json) {
                                       reason + (status ? "; the table above shows the last status" : ""));
 }
 
-ExitCode stop_daemon(std::chrono::milliseconds patience) {
+ExitCode stop_daemon(std::chrono::milliseconds timeout) {
   const auto daemon = RunningDaemon::find();
   if (!daemon) return print_error(daemon.error().code, daemon.error().reason);
   const auto process = daemon->process();
@@ -80,7 +80,7 @@ ExitCode stop_daemon(std::chrono::milliseconds patience) {
   if (syscall(SYS_pidfd_send_signal, process->get(), SIGTERM, nullptr, 0) != 0)
     return print_error(ExitCode::failed,
                        fmt::format("no signal can be sent to the daemon (pid {})", daemon->pid()));
-  if (!ends_within(*process, patience)) {
+  if (!ends_within(*process, timeout)) {
     return print_error(
         ExitCode::no_answer,
         fmt::format("the daemon does not end; if it is stopped, continue it: kill -CONT {}", daemon->pid()));

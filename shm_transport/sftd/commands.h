@@ -11,6 +11,6 @@ namespace sft::shm {
 ExitCode print_status(bool as_json);
 
 /// Asks the daemon to end, waits until it has ended, and names the programs that still used it.
-ExitCode stop_daemon(std::chrono::milliseconds patience);
+ExitCode stop_daemon(std::chrono::milliseconds timeout);
 
 }  // namespace sft::shm

@@ -32,7 +32,7 @@ struct Arguments {
   bool status = false;
   bool status_as_json = false;
   bool stop = false;
-  double stop_patience_s = 10;
+  double stop_timeout_s = 10;
 };
 
 void declare_daemon(CLI::App& app, Arguments& arguments) {
@@ -66,7 +66,7 @@ void declare(CLI::App& app, Arguments& arguments) {
   status->add_flag("--json", arguments.status_as_json, "Print JSON");
   status->callback([&arguments] { arguments.status = true; });
   CLI::App* stop = app.add_subcommand("stop", "End the running sftd; programs that use it go on over UDP");
-  stop->add_option("--patience", arguments.stop_patience_s,
+  stop->add_option("--patience", arguments.stop_timeout_s,
                    "Wait at most this many seconds until sftd has ended")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
@@ -163,8 +163,8 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   if (arguments.status) return static_cast<int>(print_status(arguments.status_as_json));
   if (arguments.stop) {
-    const std::chrono::duration<double> patience(arguments.stop_patience_s);
-    return static_cast<int>(stop_daemon(std::chrono::duration_cast<std::chrono::milliseconds>(patience)));
+    const std::chrono::duration<double> timeout(arguments.stop_timeout_s);
+    return static_cast<int>(stop_daemon(std::chrono::duration_cast<std::chrono::milliseconds>(timeout)));
   }
   // The daemon leaves the directory in which it was started, so the path must not depend on that directory.
   if (!arguments.config_file.empty())

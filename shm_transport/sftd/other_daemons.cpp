@@ -23,7 +23,7 @@ tl::unexpected<StartFailure> refuse_beside_another() {
                                         std::to_string(other->pid));
   }
   const auto settled = [] {
-    return HostWatch::look({.everybody = true}).finding != HostWatch::Finding::absent ||
+    return HostMonitor::look({.everybody = true}).finding != HostMonitor::Finding::absent ||
            !is_locked_at(daemon_lock_path);
   };
   if (wait_until(std::chrono::seconds(1), settled)) return refuse(ExitCode::done, "already running");

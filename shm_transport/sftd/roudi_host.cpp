@@ -50,7 +50,7 @@ RoudiHost::RoudiHost(HostMemory& memory, iox::roudi::PortManager& ports, const G
       limits_(limits),
       log_(log),
       port_pool_(*memory.portPool().value()),
-      healer_(port_pool_, clients_, log),
+      lock_recovery_(port_pool_, clients_, log),
       auditor_(port_pool_, *memory.samples().pools),
       monitor_(port_pool_, *memory.samples().pools, memory.management()) {
   note_usage();  // usage() has a result from the first moment on
@@ -81,7 +81,7 @@ void RoudiHost::processMessage(const IpcMessage& message, const IpcMessageType& 
     // The ports of this process are about to be destroyed. iceoryx aborts if the lock of such a port is
     // closed.
     clients_.remove(name.c_str());
-    for (int i = 0; i < goodbye_looks_max && !healer_.heal(); ++i)
+    for (int i = 0; i < goodbye_looks_max && !lock_recovery_.recover(); ++i)
       std::this_thread::sleep_for(healing_interval);
     log_.debug(std::string(name.c_str()) + " says goodbye");
   }
@@ -148,7 +148,7 @@ void RoudiHost::audit_chunks() {
   if (deaths_ == 0 || (unaudited() == 0 && now < next_audit_)) return;
   const auto nobody_changes_ports = m_prcMgr.getScopeGuard();
   const auto [finding, freed] = auditor_.audit();
-  if (finding == ChunkAuditor::Finding::damaged) return tell_of_damage();
+  if (finding == ChunkAuditor::Finding::damaged) return log_damage();
   if (finding == ChunkAuditor::Finding::busy) return;
   unaudited_ = 0;
   next_audit_ = now + audit_interval;
@@ -158,8 +158,8 @@ void RoudiHost::audit_chunks() {
 
 /// Nothing mends a damaged list. The daemon starts afresh once no program uses its memory, as after a death
 /// whose lost chunks it cannot find.
-void RoudiHost::tell_of_damage() {
-  if (std::exchange(damage_told_, true)) return;
+void RoudiHost::log_damage() {
+  if (std::exchange(damage_reported_, true)) return;
   if (unaudited() == 0) ++unaudited_;
   log_.warning(
       "a list of free chunks in shared memory is damaged: chunks are missing, and one may be lent twice; end "
@@ -167,7 +167,7 @@ void RoudiHost::tell_of_damage() {
 }
 
 bool RoudiHost::remove_dead(const std::string& name) {
-  if (!healer_.heal())
+  if (!lock_recovery_.recover())
     return false;  // a lock of a dead process may still be closed; the next attempt is in 100 ms
   clients_.remove(name);
   {
@@ -183,7 +183,7 @@ bool RoudiHost::remove_dead(const std::string& name) {
 
 void RoudiHost::note_ports() {
   const auto nobody_changes_ports = m_prcMgr.getScopeGuard();
-  healer_.note_ports();
+  lock_recovery_.note_ports();
   auditor_.note_ports();
 }
 
@@ -200,7 +200,7 @@ void RoudiHost::note_usage() {
                            static_cast<std::uint32_t>(std::ranges::count_if(usage.subscribers, of_client))});
   }
   usage.leaks_healed = leaks_healed_;
-  usage.locks_healed = healer_.opened();
+  usage.locks_healed = lock_recovery_.opened();
   usage.deaths = deaths_;
   usage.unaudited = unaudited();
   usage.stamp_ns = core::realtime_ns();
@@ -220,7 +220,7 @@ void RoudiHost::heal_until_stopped() {
     while (!stopping_ && stop_.wait_until(lock, next_look)) continue;
     if (stopping_) return;
     lock.unlock();
-    healer_.heal();
+    lock_recovery_.recover();
     lock.lock();
   }
 }

@@ -2,7 +2,7 @@
 // safe if programs are killed or paused:
 // - A process counts as dead when it has ended, and not when it was silent for 1.5 s. A debugger may have
 //   stopped it.
-// - Locks that killed publishers left closed are opened (lock_healer.h).
+// - Locks that killed publishers left closed are opened (lock_recovery.h).
 // - Chunks that killed programs had in hand are freed (chunk_auditor.h).
 // - The daemon never kills a process, and errors of one client do not end the daemon.
 //
@@ -19,7 +19,7 @@
 #include "shm_transport/sftd/client_table.h"
 #include "shm_transport/sftd/groups.h"
 #include "shm_transport/sftd/host_memory.h"
-#include "shm_transport/sftd/lock_healer.h"
+#include "shm_transport/sftd/lock_recovery.h"
 #include "shm_transport/sftd/log.h"
 #include "shm_transport/sftd/settings.h"
 #include "shm_transport/sftd/usage_monitor.h"
@@ -64,7 +64,7 @@ class RoudiHost final : private HookGate, public iox::roudi::RouDi {
   void register_client(const iox::runtime::IpcMessage& registration, const iox::RuntimeName_t& name);
   bool remove_dead(const std::string& name);
   void audit_chunks();
-  void tell_of_damage();
+  void log_damage();
   void note_ports();
   void note_usage();
   void heal_until_stopped();
@@ -74,7 +74,7 @@ class RoudiHost final : private HookGate, public iox::roudi::RouDi {
   const Log& log_;
   iox::roudi::PortPool& port_pool_;
   ClientTable clients_;
-  LockHealer healer_;
+  LockRecovery lock_recovery_;
   ChunkAuditor auditor_;  ///< used with RouDi's lock on its processes held
   UsageMonitor monitor_;  ///< used with RouDi's lock on its processes held
   // The discovery thread of RouDi uses these members. Other threads read the atomic one.
@@ -82,7 +82,7 @@ class RoudiHost final : private HookGate, public iox::roudi::RouDi {
   std::atomic<std::uint64_t> unaudited_{0};
   std::uint64_t leaks_healed_ = 0;
   std::chrono::steady_clock::time_point next_audit_{};
-  bool damage_told_ = false;
+  bool damage_reported_ = false;
 
   mutable core::Mutex usage_mutex_;
   Usage usage_ SFT_GUARDED_BY(usage_mutex_);

@@ -44,9 +44,9 @@ std::string name_of(uid_t user) {
 }  // namespace
 
 tl::expected<RunningDaemon, RunningDaemon::Absence> RunningDaemon::find() {
-  auto found = HostWatch::look({.everybody = true});
-  if (found.watch) return RunningDaemon(found.watch->file().pid, found.watch->user(), host_file_path);
-  if (found.finding == HostWatch::Finding::starting)
+  auto found = HostMonitor::look({.everybody = true});
+  if (found.monitor) return RunningDaemon(found.monitor->file().pid, found.monitor->user(), host_file_path);
+  if (found.finding == HostMonitor::Finding::starting)
     return tl::unexpected(
         Absence{ExitCode::no_answer, "the daemon is starting, or was stopped while it started"});
   const auto lock = read_daemon_lock();

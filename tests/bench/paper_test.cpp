@@ -68,7 +68,8 @@ TEST(LeastBytes, CountTheHeadersOfEachFrame) {
 }
 
 TEST(Schedule, GivesEachContenderATurnOfItsOwn) {
-  const Schedule schedule({.rate_hz = 25, .learning = 0, .calm_s = 0, .settling = 2, .samples = 3}, 4, 1000);
+  const Schedule schedule({.rate_hz = 25, .learning = 0, .settled_s = 0, .settling = 2, .samples = 3}, 4,
+                          1000);
   constexpr std::int64_t period_ns = 40'000'000;
   EXPECT_EQ(schedule.due_ns(0, 0, 0), 1000);
   EXPECT_EQ(schedule.due_ns(0, 0, 3) - schedule.due_ns(0, 0, 2), period_ns / 4);
@@ -76,7 +77,8 @@ TEST(Schedule, GivesEachContenderATurnOfItsOwn) {
 }
 
 TEST(Schedule, CountsFromBeforeTheFirstMessageUntilAfterTheLast) {
-  const Schedule schedule({.rate_hz = 25, .learning = 0, .calm_s = 0, .settling = 2, .samples = 3}, 4, 1000);
+  const Schedule schedule({.rate_hz = 25, .learning = 0, .settled_s = 0, .settling = 2, .samples = 3}, 4,
+                          1000);
   EXPECT_GT(schedule.before_ns(0), schedule.due_ns(0, 1, 3));
   EXPECT_LT(schedule.before_ns(0), schedule.due_ns(0, 2, 0));
   EXPECT_GT(schedule.after_ns(0), schedule.due_ns(0, 4, 3));

@@ -4,7 +4,7 @@
 using namespace sft::core;
 
 SendStatus send_in_a_batch(NetworkWriter& port, const SampleHandle& sample) {
-  Batch batch = port.batch(BatchPatience::fresh);
+  Batch batch = port.batch(BatchTimeout::fresh);
   Transmission transmission = port.begin();
   const SendStatus status = std::move(transmission).send(sample, Reach::fallback_routes_too);
   port.begin().miss();

@@ -2,6 +2,6 @@
 #include "tests/compile_fail/ports.h"
 
 auto misuse(sft::core::NetworkWriter& port) {
-  auto batch = port.batch(sft::core::BatchPatience::fresh);
+  auto batch = port.batch(sft::core::BatchTimeout::fresh);
   return batch.flush();
 }

@@ -68,7 +68,7 @@ TEST_P(BackPressure, LosesNothingForAReaderThatStallsWhileItIsWaitedFor) {
     const std::uint64_t published = publishing.published();
     return std::exchange(before, published) == published && published >= bounded_depth;
   };
-  ASSERT_TRUE(eventually(waits, patience, 100ms));
+  ASSERT_TRUE(eventually(waits, hang_timeout, 100ms));
   EXPECT_LT(before, burst_samples) << "there is no room for more";
   EXPECT_EQ(reader.next_sequences(burst_samples), numbers(1, burst_samples));
   EXPECT_EQ(reader.discarded(), 0U);
@@ -90,7 +90,7 @@ TEST_P(BackPressure, WaitsForTheSlowerOfTwoReadersAndLosesNeitherOfThemAnything)
     }
   });
   for (std::uint64_t n = 1; n <= samples; ++n) {
-    ASSERT_TRUE(eventually([&] { return taken_by_fast >= n; }, patience, {}))
+    ASSERT_TRUE(eventually([&] { return taken_by_fast >= n; }, hang_timeout, {}))
         << "the fast reader waits for more than it has to";
     ASSERT_EQ(slow.next_sequences(1), numbers(n, n));
   }
@@ -145,10 +145,10 @@ TEST_P(BackPressure, EndsWithTheReaderThatIsWaitedFor) {
   writer.serve(reader);
   const auto begin = std::chrono::steady_clock::now();
   const Publishing publishing(writer, burst_samples);
-  ASSERT_TRUE(eventually([&] { return publishing.published() >= bounded_depth; }, patience));
+  ASSERT_TRUE(eventually([&] { return publishing.published() >= bounded_depth; }, hang_timeout));
   reader.destroy_port();
   writer.serve(std::vector<core::Route>{});
-  ASSERT_TRUE(eventually([&] { return publishing.published() == burst_samples; }, patience));
+  ASSERT_TRUE(eventually([&] { return publishing.published() == burst_samples; }, hang_timeout));
   EXPECT_LT(std::chrono::steady_clock::now() - begin, for_good);
 }
 

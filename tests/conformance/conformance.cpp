@@ -63,7 +63,7 @@ void Reader::accept(std::vector<core::Accepted> accepted) {
 void Reader::hear(const Writer& writer) {
   const Result<void> asked = port_->connect(source(writer));
   ASSERT_TRUE(asked) << asked.error().message;
-  ASSERT_TRUE(eventually([&] { return port_->connected(writer.id()); }, patience));
+  ASSERT_TRUE(eventually([&] { return port_->connected(writer.id()); }, hang_timeout));
 }
 
 core::Source Reader::source(const Writer& writer) const {
@@ -80,14 +80,14 @@ core::Route Reader::route(const Selection& asked) const {
 
 SampleHandle Reader::take() {
   SampleHandle sample = port_->take();
-  if (port_.memory() != nullptr) port_.memory()->tell_of_room();
+  if (port_.memory() != nullptr) port_.memory()->notify_room();
   return sample;
 }
 
 SampleHandle Reader::next() {
   SampleHandle sample;
   const auto came = [&] { return sample || (sample = take()); };
-  for (const auto deadline = Clock::now() + patience; Clock::now() < deadline;) {
+  for (const auto deadline = Clock::now() + hang_timeout; Clock::now() < deadline;) {
     const std::uint32_t seen = bell_.rings;
     if (came()) break;
     const bool received = port_.network() != nullptr && port_.network()->receive({bell_, seen, deadline, {}});
@@ -139,7 +139,7 @@ SendStatus Writer::publish(std::size_t data_bytes) {
 void Writer::publish_to(Reader& reader, std::size_t data_bytes) {
   const std::uint64_t before = reader.port().arrivals(id_);
   ASSERT_EQ(publish(data_bytes), SendStatus::sent);
-  ASSERT_TRUE(eventually([&] { return reader.port().arrivals(id_) != before; }, patience)) << sequence_;
+  ASSERT_TRUE(eventually([&] { return reader.port().arrivals(id_) != before; }, hang_timeout)) << sequence_;
 }
 
 Flood::Flood(Stage& stage, std::vector<core::Route> routes, std::size_t data_bytes, core::EndpointId id)

@@ -23,7 +23,7 @@
 namespace sft::conformance {
 
 using test::eventually;
-using test::patience;
+using test::hang_timeout;
 using udp::test::encoded_body;
 using udp::test::fields;
 using udp::test::Image;
@@ -64,7 +64,7 @@ class Reader final : private core::ArrivalListener {
   void accept(std::vector<core::Accepted> accepted);
 
   core::SampleHandle take();
-  /// The next sample, as soon as it has come; empty after `patience`.
+  /// The next sample, as soon as it has come; empty after `hang_timeout`.
   core::SampleHandle next();
   /// Waits for so many samples, and returns their sequences; fewer if they do not come.
   std::vector<std::uint64_t> next_sequences(std::size_t count);

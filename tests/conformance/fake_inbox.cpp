@@ -11,7 +11,7 @@ using core::SampleBuffer;
 using core::SampleHandle;
 
 FakeInbox::FakeInbox(const core::ReaderSpec& spec)
-    : id_(spec.id), depth_(std::max(spec.depth, 1U)), tell_listener_([listener = spec.listener] {
+    : id_(spec.id), depth_(std::max(spec.depth, 1U)), notify_listener_([listener = spec.listener] {
         if (listener != nullptr) listener->arrived();
       }) {}
 

@@ -20,10 +20,10 @@ class FakeInbox {
   /// False if the sample is not for this reader.
   bool put(core::SampleHandle sample);
   /// Calls the listener.
-  void announce() noexcept { tell_listener_(); }
+  void announce() noexcept { notify_listener_(); }
   /// When it returns, the listener is not called any more, and no call is inside any more but the one in
   /// which it is called itself.
-  void detach() noexcept { tell_listener_.clear(); }
+  void detach() noexcept { notify_listener_.clear(); }
 
   core::SampleHandle take();
   void connect(const core::Source& source);
@@ -55,7 +55,7 @@ class FakeInbox {
 
   const core::EndpointId id_;
   const std::size_t depth_;
-  core::GuardedCall<> tell_listener_;
+  core::GuardedCall<> notify_listener_;
 
   mutable std::mutex mutex_;  // guards what follows
   std::vector<core::Accepted> accepted_;

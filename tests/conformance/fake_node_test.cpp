@@ -130,7 +130,7 @@ TEST(NodeCounts, AreThoseOfTheTransportThatTheyNameAndOfNoOther) {
   };
   using Counts = std::vector<std::uint64_t>;
   const core::Transport::Counters by_network{
-      .malformed = 1, .unknown = 2, .incomplete = 4, .over_limit = 8, .disbelieved = 16};
+      .malformed = 1, .unknown = 2, .incomplete = 4, .over_limit = 8, .rejected = 16};
   const core::Transport::Counters by_memory{.malformed = 32, .over_limit = 64};
   auto network = [&] { return std::make_unique<Counting<core::IdleNetwork>>(by_network); };
   auto memory = [&] { return std::make_unique<Counting<core::IdleSharedMemory>>(by_memory); };

@@ -85,7 +85,7 @@ class FakeWriter final : public core::NetworkWriter {
     begin_sample();
     return send_begun(sample, Reach::usual_routes);
   }
-  void be_patient(std::chrono::nanoseconds) noexcept override {}  // nobody is ever waited for
+  void set_timeout(std::chrono::nanoseconds) noexcept override {}  // nobody is ever waited for
   bool takes_postponed() const noexcept override { return false; }
 
   // The agent's thread.
@@ -136,7 +136,7 @@ class FakeWriter final : public core::NetworkWriter {
     begun_ = newest_;
     core::DeliveryBook::Page page;
     for (const auto& line : begun_) page.push_back(entry_of(*line));
-    if (book_ != nullptr) book_->turn_to(core::DeliveryBook::Teller::network, page);
+    if (book_ != nullptr) book_->turn_to(core::DeliveryBook::Origin::network, page);
   }
 
   SendStatus send_begun(const SampleHandle& sample, Reach reach) noexcept override {
@@ -168,7 +168,7 @@ class FakeWriter final : public core::NetworkWriter {
   }
 
   // A batch spares nothing here: samples leave at once.
-  void hold(core::BatchPatience) noexcept override {}
+  void hold(core::BatchTimeout) noexcept override {}
   std::size_t flush() noexcept override { return 0; }
 
   static bool is_for(const Line& line, Reach reach) {

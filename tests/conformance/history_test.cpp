@@ -22,7 +22,7 @@ void hear_late(Reader& reader, const Writer& writer) {
   core::Source source = reader.source(writer);
   source.history_first = true;
   ASSERT_TRUE(reader.port().connect(source));
-  ASSERT_TRUE(eventually([&] { return reader.port().connected(writer.id()); }, patience));
+  ASSERT_TRUE(eventually([&] { return reader.port().connected(writer.id()); }, hang_timeout));
 }
 
 std::vector<SampleHandle> retain(Writer& writer, std::size_t data_bytes) {
@@ -62,7 +62,7 @@ TEST_P(LateReaders, AreServedAsAllOthersOnceTheirHistoryHasLeft) {
   writer.network_port().send_history(late(latecomer), retain(writer, 10));
   ASSERT_EQ(writer.publish(), SendStatus::sent);
   ASSERT_TRUE(
-      eventually([&] { return writer.network_port().history_sent(latecomer.route().reader); }, patience));
+      eventually([&] { return writer.network_port().history_sent(latecomer.route().reader); }, hang_timeout));
   writer.serve({early.route(), latecomer.route()});
   ASSERT_EQ(writer.publish(), SendStatus::sent);
   EXPECT_EQ(latecomer.next_sequences(5), numbers(1, 5));

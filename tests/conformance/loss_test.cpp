@@ -105,7 +105,7 @@ TEST_P(Conformance, KnowsWhatAReaderMissedThatTakesWhileSamplesCome) {
     while (writer.sequence() < samples) {
       EXPECT_EQ(writer.publish(), SendStatus::sent);
       if (writer.sequence() % burst != 0) continue;
-      EXPECT_TRUE(eventually([&] { return newest == writer.sequence(); }, patience, {}));
+      EXPECT_TRUE(eventually([&] { return newest == writer.sequence(); }, hang_timeout, {}));
     }
   });
   while (account.last() < samples) {

@@ -27,12 +27,12 @@ class ShmMedium final : public Medium {
   AnyTransport open() override {
     shm::ShmOptions options = test::own_daemon();
     options.port_wait = options.port_deadline =
-        patience;  // the daemon may have to wait for a processor; a node would ask again
+        hang_timeout;  // the daemon may have to wait for a processor; a node would ask again
     auto transport = shm::open_shm_transport(options).value();
     const auto ready = [&] {
       return transport->poll(std::chrono::steady_clock::now()) == core::Availability::ready;
     };
-    EXPECT_TRUE(eventually(ready, patience)) << transport->description();
+    EXPECT_TRUE(eventually(ready, hang_timeout)) << transport->description();
     return transport;
   }
   core::Locator locator(const AnyTransport&, const core::DoorbellAddress& bell) override { return bell; }
@@ -75,7 +75,7 @@ class ShmHistory : public Conformance {
   }
   void connect() {
     ASSERT_TRUE(late->port().connect({.writer = writer->id(), .history_first = true}));
-    ASSERT_TRUE(eventually([&] { return late->port().connected(writer->id()); }, patience));
+    ASSERT_TRUE(eventually([&] { return late->port().connected(writer->id()); }, hang_timeout));
   }
   std::optional<std::uint64_t> held_back() { return writer->lending_port().held_back(to_late.reader); }
   bool begin(std::optional<std::uint64_t> held_back) {
@@ -125,7 +125,7 @@ TEST_P(ShmHistory, IsGivenAgainToAReaderThatConnectsAgain) {
   EXPECT_EQ(late->next_sequences(3), numbers(1, 3));
   late->port().disconnect(writer->id());
   connect();
-  EXPECT_TRUE(eventually([&] { return begin(held_back()); }, patience));
+  EXPECT_TRUE(eventually([&] { return begin(held_back()); }, hang_timeout));
   EXPECT_EQ(late->next_sequences(3), numbers(1, 3));
 }
 
@@ -170,7 +170,7 @@ INSTANTIATE_TEST_SUITE_P(Shm, ShmWaiting, reliable_iceoryx, name_of);
 TEST_P(ShmWaiting, WakesAReaderThatChangesItsConditionsWhileTheWriterWaitsForAnother) {
   using namespace std::chrono_literals;
   constexpr std::uint32_t depth = 8;
-  Writer writer(stage, 1, patience);
+  Writer writer(stage, 1, hang_timeout);
   Reader full(stage, {.depth = depth}), changing(stage);
   full.hear(writer);
   changing.hear(writer);
@@ -191,7 +191,7 @@ TEST_P(ShmWaiting, WakesAReaderThatChangesItsConditionsWhileTheWriterWaitsForAno
     const std::uint32_t now = begun;
     return std::exchange(before, now) == depth + 1 && now == depth + 1;
   };
-  ASSERT_TRUE(eventually(waits, patience, 100ms));
+  ASSERT_TRUE(eventually(waits, hang_timeout, 100ms));
   const std::uint32_t rings = changing.rings();
   route.gate = open;
   writer.serve({full.route(), route});

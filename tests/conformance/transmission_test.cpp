@@ -41,7 +41,7 @@ TEST_P(Transmissions, OfABatchHaveAllLeftAtItsEnd) {
   Reader reader(stage);
   writer.serve(reader);
   for (std::uint64_t first = 1; first <= 21; first += 10) {
-    core::Batch batch = writer.network_port().batch(core::BatchPatience::fresh);
+    core::Batch batch = writer.network_port().batch(core::BatchTimeout::fresh);
     for (int i = 0; i < 10; ++i) ASSERT_EQ(writer.publish(10), SendStatus::sent);
     if (first == 21) break;  // a batch that is let go of leaves as well
     ASSERT_EQ(std::move(batch).flush(), 0U);

@@ -53,7 +53,7 @@ TEST_P(Conformance, WakesEachOfSeveralSleepers) {
   }
   for (std::uint64_t n = 1; n <= samples; ++n) {
     ASSERT_EQ(writer.publish(), SendStatus::sent);
-    ASSERT_TRUE(eventually([&] { return awake == n * readers.size(); }, patience)) << n;
+    ASSERT_TRUE(eventually([&] { return awake == n * readers.size(); }, hang_timeout)) << n;
   }
 }
 

@@ -33,9 +33,9 @@ struct Target {
 };
 
 enum class Attacker : std::uint8_t {
-  stranger,   ///< another account of the publisher's host, without any rights
-  owner,      ///< the account of the honest programs: what it does to itself by mistake
-  neighbour,  ///< root of another host of the network
+  other_account,  ///< another account of the publisher's host, without any rights
+  owner,          ///< the account of the honest programs: what it does to itself by mistake
+  neighbour,      ///< root of another host of the network
 };
 
 /// The harm that honest programs cannot be spared.

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "sft/dynamic_type.h"
-#include "tests/hostile/control_voice.h"
+#include "tests/hostile/forged_control.h"
 #include "tests/hostile/wire.h"
 
 namespace sft::hostile {
@@ -20,15 +20,15 @@ using core::Role;
 constexpr std::uint64_t last_number = std::numeric_limits<std::uint64_t>::max();
 
 /// A process that is made up.
-std::shared_ptr<ControlVoice> voice_of(Target& target) {
-  return std::make_shared<ControlVoice>(target.random() | 1);
+std::shared_ptr<ForgedControl> forged_control_of(Target& target) {
+  return std::make_shared<ForgedControl>(target.random() | 1);
 }
 
 /// Calls `say` for every honest endpoint of that role, every time.
-Act to_each(Target& target, Role role, std::function<void(ControlVoice&, const Endpoint&)> say) {
-  return {.begin = {}, .go_on = [voice = voice_of(target), role, say = std::move(say)] {
-            for (const Endpoint& endpoint : voice->heard(role)) say(*voice, endpoint);
-            voice->live();
+Act to_each(Target& target, Role role, std::function<void(ForgedControl&, const Endpoint&)> say) {
+  return {.begin = {}, .go_on = [forged_control = forged_control_of(target), role, say = std::move(say)] {
+            for (const Endpoint& endpoint : forged_control->heard(role)) say(*forged_control, endpoint);
+            forged_control->live();
           }};
 }
 
@@ -37,19 +37,19 @@ Act to_each(Target& target, Role role, std::function<void(ControlVoice&, const E
 Act crowd(Target& target, Role role, std::size_t count,
           std::function<Endpoint(const Endpoint& honest, std::uint64_t node, std::uint64_t number)> make) {
   struct State {
-    explicit State(std::uint64_t id) : voice(id), node(id) {}
-    ControlVoice voice;
+    explicit State(std::uint64_t id) : forged_control(id), node(id) {}
+    ForgedControl forged_control;
     std::uint64_t node;
     std::size_t said = 0;
   };
   const auto state = std::make_shared<State>(target.random() | 1);
   constexpr std::size_t at_a_time = 200;
   return {.begin = {}, .go_on = [state, role, count, make = std::move(make)] {
-            state->voice.live();
-            const auto honest = state->voice.heard(role);
+            state->forged_control.live();
+            const auto honest = state->forged_control.heard(role);
             if (honest.empty()) return;
             for (std::size_t i = 0; i < at_a_time && state->said < count; ++i)
-              state->voice.announce(make(honest[0], state->node, ++state->said));
+              state->forged_control.announce(make(honest[0], state->node, ++state->said));
           }};
 }
 
@@ -109,7 +109,7 @@ Endpoint numbered_reader(const Endpoint& writer, std::uint64_t node, std::uint64
 Act reflection_to(Target& target, bool own_host_of_the_writer) {
   struct State {
     explicit State(std::uint64_t id) : node(id) {}
-    ControlVoice voice;
+    ForgedControl forged_control;
     Drain drain;
     std::uint64_t node;
     std::set<core::EndpointId> known;
@@ -118,15 +118,15 @@ Act reflection_to(Target& target, bool own_host_of_the_writer) {
   return {.begin = {},
           .go_on =
               [=] {
-                state->voice.live();
+                state->forged_control.live();
                 state->drain.count();
-                for (const Endpoint& writer : state->voice.heard(Role::writer)) {
+                for (const Endpoint& writer : state->forged_control.heard(Role::writer)) {
                   if (writer.addresses.empty() || !state->known.insert(writer.id).second) continue;
                   Endpoint reader = made_up_reader(writer, id_of(state->node, 1), state->node,
                                                    {own_address(state->drain.port())});
                   reader.addresses[0].receive_buffer_bytes = 1U << 31;
                   if (own_host_of_the_writer) reader.network = writer.network;
-                  state->voice.announce(reader);
+                  state->forged_control.announce(reader);
                 }
               },
           .end = {},
@@ -140,21 +140,22 @@ Act reflection_to(Target& target, bool own_host_of_the_writer) {
 }  // namespace
 
 Act requests_to_nobody(Target& target) {
-  return to_each(target, Role::reader, [](ControlVoice& voice, const Endpoint& reader) {
+  return to_each(target, Role::reader, [](ForgedControl& forged_control, const Endpoint& reader) {
     core::Request request = reader.request;
     request.sequence += 100;
     request.mask_words = {1};
     request.listening.clear();
     request.attached.clear();
-    voice.request(request);
+    forged_control.request(request);
   });
 }
 
 /// Repeats records of others, as a cache may do, though not by their writers.
 Act repeated_announcements(Target& target) {
-  return {.begin = {}, .go_on = [voice = voice_of(target)] {
-            for (const auto& heard : voice->records_heard()) voice->write_raw(heard.role, heard.sample);
-            voice->live();
+  return {.begin = {}, .go_on = [forged_control = forged_control_of(target)] {
+            for (const auto& heard : forged_control->records_heard())
+              forged_control->write_raw(heard.role, heard.sample);
+            forged_control->live();
           }};
 }
 
@@ -207,25 +208,25 @@ Act names_with_control_characters(Target& target) {
 /// Records whose bytes are nothing in particular: an announcement that is changed, cut, or longer.
 Act senseless_announcements(Target& target) {
   const auto random = std::make_shared<Random>(target.random());
-  return to_each(target, Role::writer, [random](ControlVoice& voice, const Endpoint& writer) {
+  return to_each(target, Role::writer, [random](ForgedControl& forged_control, const Endpoint& writer) {
     const Endpoint reader = made_up_reader(writer, (*random)(), (*random)(), nobody());
     std::vector<std::byte> bytes = core::to_bytes(reader);
     for (std::uint64_t left = (*random)() % 20; left > 0; --left)
       bytes[(*random)() % bytes.size()] = static_cast<std::byte>((*random)());
     if ((*random)() % 3 == 0) bytes.resize((*random)() % (2 * bytes.size()));
     if (bytes.empty()) bytes.resize(1);
-    voice.announce_bytes((*random)() % 2 == 0 ? Role::reader : Role::writer, (*random)() % 500,
-                         std::move(bytes));
+    forged_control.announce_bytes((*random)() % 2 == 0 ? Role::reader : Role::writer, (*random)() % 500,
+                                  std::move(bytes));
   });
 }
 
 /// Writers of which the short id is that of an honest one, and the whole one is smaller.
 Act twin_writers(Target& target) {
   const std::uint64_t node = target.random();
-  return to_each(target, Role::writer, [node](ControlVoice& voice, const Endpoint& writer) {
+  return to_each(target, Role::writer, [node](ForgedControl& forged_control, const Endpoint& writer) {
     Endpoint twin = made_up_writer(writer, writer.id & 0xffff'ffff, node);
     twin.addresses = nobody();
-    voice.announce(twin);
+    forged_control.announce(twin);
   });
 }
 
@@ -236,15 +237,15 @@ Act reflection_to_the_own_host(Target& target) { return reflection_to(target, tr
 /// The act reports about endpoints of others. Only what a process says of its own endpoints counts.
 Act false_progress(Target& target) {
   const auto sent = std::make_shared<std::uint64_t>(1'000'000);
-  return to_each(target, Role::writer, [sent](ControlVoice& voice, const Endpoint& writer) {
-    voice.report({.living = {writer.id}, .progress = {{writer.id, *sent += 1000}}});
+  return to_each(target, Role::writer, [sent](ForgedControl& forged_control, const Endpoint& writer) {
+    forged_control.report({.living = {writer.id}, .progress = {{writer.id, *sent += 1000}}});
   });
 }
 
 /// The act reports accounts of pairs of each endpoint with all others.
 Act false_accounts(Target& target) {
-  return {.begin = {}, .go_on = [voice = voice_of(target), &random = target.random] {
-            const std::vector<Endpoint> all = voice->heard();
+  return {.begin = {}, .go_on = [forged_control = forged_control_of(target), &random = target.random] {
+            const std::vector<Endpoint> all = forged_control->heard();
             for (const Endpoint& one : all) {
               core::NodeReport report;
               for (const Endpoint& other : all) {
@@ -254,70 +255,71 @@ Act false_accounts(Target& target) {
                 account.by_reader = {.received = last_number, .lost = random()};
                 report.accounts.push_back(account);
               }
-              voice->report(report);
+              forged_control->report(report);
             }
-            voice->live();
+            forged_control->live();
           }};
 }
 
 /// About all topics, and many that there are not, for accounts and progress in turns.
 Act questions_without_end(Target& target) {
   const auto asked = std::make_shared<std::uint64_t>(0);
-  return {.begin = {}, .go_on = [voice = voice_of(target), asked] {
+  return {.begin = {}, .go_on = [forged_control = forged_control_of(target), asked] {
             constexpr std::uint64_t at_a_time = 20, topics = 10'000;
-            voice->inquire(0, {.topic = "", .wants_accounts = *asked % 2 == 0});
+            forged_control->inquire(0, {.topic = "", .wants_accounts = *asked % 2 == 0});
             for (std::uint64_t i = 0; i < at_a_time; ++i, ++*asked) {
               const std::uint64_t number = 1 + *asked % topics;
-              voice->inquire(number, {.topic = "t" + std::to_string(number), .wants_accounts = i % 2 == 0});
+              forged_control->inquire(number,
+                                      {.topic = "t" + std::to_string(number), .wants_accounts = i % 2 == 0});
             }
             ++*asked;
-            voice->live();
+            forged_control->live();
           }};
 }
 
 /// The act writes records of kinds and versions that do not exist, in its own name and in those of others.
 Act unknown_records(Target& target) {
-  return {.begin = {}, .go_on = [voice = voice_of(target), &random = target.random] {
-            for (ControlVoice::HeardRecord heard : voice->records_heard()) {
+  return {.begin = {}, .go_on = [forged_control = forged_control_of(target), &random = target.random] {
+            for (ForgedControl::HeardRecord heard : forged_control->records_heard()) {
               const std::uint64_t numbers = random();
               std::uint8_t& changed = numbers % 2 == 0 ? heard.sample.kind : heard.sample.version;
               changed = static_cast<std::uint8_t>(128 + numbers % 128);
               heard.sample.slot = static_cast<std::uint32_t>(numbers >> 32);
               heard.sample.revision = last_number - numbers % 3;
               const Role role = numbers % 5 < 2 ? Role::writer : Role::reader;
-              numbers % 7 < 3 ? voice->write_as_own(role, heard.sample)
-                              : voice->write_raw(role, heard.sample);
+              numbers % 7 < 3 ? forged_control->write_as_own(role, heard.sample)
+                              : forged_control->write_raw(role, heard.sample);
             }
-            voice->live();
+            forged_control->live();
           }};
 }
 
 /// Announcements that are none, each in a slot of its own.
 Act slots_without_end(Target& target) {
   const auto slots = std::make_shared<std::uint64_t>(0);
-  return {.begin = {}, .go_on = [voice = voice_of(target), slots, &random = target.random] {
+  return {.begin = {}, .go_on = [forged_control = forged_control_of(target), slots, &random = target.random] {
             constexpr std::uint64_t at_a_time = 200, most = 40'000;
             for (std::uint64_t i = 0; i < at_a_time && *slots < most; ++i)
-              voice->announce_bytes(Role::writer, ++*slots, Bytes(1 + random() % 500));
-            voice->live();
+              forged_control->announce_bytes(Role::writer, ++*slots, Bytes(1 + random() % 500));
+            forged_control->live();
           }};
 }
 
 /// A process of whose records something seems to be missing all the time.
 Act heartbeats_without_records(Target& target) {
-  return {.begin = {}, .go_on = [voice = voice_of(target), &random = target.random] {
-            voice->live({random(), random()});
+  return {.begin = {}, .go_on = [forged_control = forged_control_of(target), &random = target.random] {
+            forged_control->live({random(), random()});
           }};
 }
 
 /// The act gives heartbeats of hosts that do not exist.
 Act flood_of_heartbeats(Target& target) {
-  return {.begin = {}, .go_on = [voice = voice_of(target), &random = target.random] {
+  return {.begin = {}, .go_on = [forged_control = forged_control_of(target), &random = target.random] {
             constexpr int at_a_time = 300;
             for (int i = 0; i < at_a_time; ++i) {
               core::Heartbeat heartbeat{.process = random(), .digests = {random(), random()}};
               for (std::uint8_t& octet : heartbeat.participant) octet = static_cast<std::uint8_t>(random());
-              voice->send(heartbeat);
+              forged_control->send(heartbeat);
             }
           }};
 }

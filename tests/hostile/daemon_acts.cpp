@@ -16,7 +16,7 @@
 #include <stdexcept>
 
 #include "core/platform/doorbell.h"
-#include "tests/hostile/control_voice.h"
+#include "tests/hostile/forged_control.h"
 #include "tests/hostile/names.h"
 
 namespace sft::hostile {
@@ -86,11 +86,11 @@ void open_own_files_to_all() {
 /// An attacker that announces a reader which claims to share the memory of the publisher's host.
 class FalseNeighbour {
  public:
-  explicit FalseNeighbour(Random& random) : random_(random), node_(random() | 1), voice_(node_) {}
+  explicit FalseNeighbour(Random& random) : random_(random), node_(random() | 1), forged_control_(node_) {}
 
   /// Once for each publisher. `make_page` is given the name of the reader's page of doorbells.
   void announce_to_all(const std::function<void(const std::string&)>& make_page) {
-    for (const core::Endpoint& writer : voice_.heard(core::Role::writer)) {
+    for (const core::Endpoint& writer : forged_control_.heard(core::Role::writer)) {
       if (!writer.host.known() || !known_.insert({writer.id, writer.host.bytes}).second) continue;
       core::Endpoint reader = made_up_reader(writer, random_(), node_, {});
       reader.host = writer.host;
@@ -102,9 +102,9 @@ class FalseNeighbour {
       reader.request.attached = {writer.id};
       pages.push_back(core::DoorbellPage::path_of(reader.doorbell.page));
       make_page(pages.back());
-      voice_.announce(reader);
+      forged_control_.announce(reader);
     }
-    voice_.live();
+    forged_control_.live();
   }
 
   std::vector<std::string> pages;
@@ -112,7 +112,7 @@ class FalseNeighbour {
  private:
   Random& random_;
   std::uint64_t node_;
-  ControlVoice voice_;
+  ForgedControl forged_control_;
   std::set<std::pair<core::EndpointId, std::array<std::uint8_t, 32>>> known_;
 };
 

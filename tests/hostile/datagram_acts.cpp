@@ -6,7 +6,7 @@
 #include <map>
 #include <memory>
 
-#include "tests/hostile/control_voice.h"
+#include "tests/hostile/forged_control.h"
 #include "tests/hostile/wire.h"
 #include "udp_transport/wire/datagram.h"
 
@@ -36,7 +36,7 @@ Bytes sample(const FirstHeader& header) {
 }
 
 struct Senders {
-  ControlVoice voice;
+  ForgedControl forged_control;
   Sender sender;
 };
 
@@ -47,8 +47,8 @@ using PairUse =
 Act to_each_reader(PairUse use) {
   const auto senders = std::make_shared<Senders>();
   return {.begin = {}, .go_on = [senders, use = std::move(use)] {
-            const auto readers = senders->voice.heard(Role::reader);
-            for (const Endpoint& writer : senders->voice.heard(Role::writer)) {
+            const auto readers = senders->forged_control.heard(Role::reader);
+            for (const Endpoint& writer : senders->forged_control.heard(Role::writer)) {
               for (const Endpoint& reader : readers) {
                 for (const sockaddr_in& to : addresses_of(reader)) use(senders->sender, writer, reader, to);
               }
@@ -70,7 +70,7 @@ Act once_to_each_reader(PairUse use) {
 Act to_each_writer(std::function<void(const Sender&, const Endpoint& writer, const sockaddr_in& to)> use) {
   const auto senders = std::make_shared<Senders>();
   return {.begin = {}, .go_on = [senders, use = std::move(use)] {
-            for (const Endpoint& writer : senders->voice.heard(Role::writer)) {
+            for (const Endpoint& writer : senders->forged_control.heard(Role::writer)) {
               for (const sockaddr_in& to : addresses_of(writer)) use(senders->sender, writer, to);
             }
           }};

@@ -11,7 +11,7 @@
 
 #include "core/control/record_body.h"
 #include "core/discovery/participant_data.h"
-#include "tests/hostile/control_voice.h"
+#include "tests/hostile/forged_control.h"
 #include "tests/hostile/wire.h"
 #include "tests/pairs/rtps_message.h"
 
@@ -43,9 +43,9 @@ core::ParticipantGuid octets_of(const dds_guid_t& guid) {
 /// `change` returns the new body; nothing if the record is not of interest.
 Act rewritten(core::RecordKind kind,
               std::function<std::vector<std::byte>(core::Role, std::span<const std::byte>)> change) {
-  const auto voice = std::make_shared<ControlVoice>();
-  const auto rewrite = [voice, kind, change = std::move(change)] {
-    for (ControlVoice::HeardRecord heard : voice->records_heard()) {
+  const auto forged_control = std::make_shared<ForgedControl>();
+  const auto rewrite = [forged_control, kind, change = std::move(change)] {
+    for (ForgedControl::HeardRecord heard : forged_control->records_heard()) {
       if (heard.sample.kind != static_cast<std::uint8_t>(kind) || heard.sample.body._length == 0) continue;
       std::vector<std::byte> body =
           change(heard.role, std::as_bytes(std::span(heard.sample.body._buffer, heard.sample.body._length)));
@@ -66,7 +66,7 @@ Act rewritten(core::RecordKind kind,
 Act control_changed(Target& target, int at_a_time, std::function<void(Bytes&, Random&)> change) {
   struct State {
     explicit State(Random& numbers) : random(numbers) {}
-    Ear ear{Ear::Traffic::control};
+    Listener listener{Listener::Traffic::control};
     Sender sender;
     Spoofer spoofer;
     std::vector<Overheard> kept;
@@ -75,7 +75,7 @@ Act control_changed(Target& target, int at_a_time, std::function<void(Bytes&, Ra
   const auto state = std::make_shared<State>(target.random);
   return {.begin = {}, .go_on = [=] {
             constexpr std::size_t kept_max = 300;
-            for (Overheard& heard : state->ear.listen()) {
+            for (Overheard& heard : state->listener.listen()) {
               if (state->kept.size() < kept_max) {
                 state->kept.push_back(std::move(heard));
               } else {
@@ -106,11 +106,11 @@ void cut_body(Bytes& bytes, Random& random) { bytes.resize(1 + random() % bytes.
 
 /// Withdraws the records of the first slots as well. Where the writers are hidden it guesses them.
 Act forged_disposals(Target& target) {
-  const auto voice = std::make_shared<ControlVoice>(target.random() | 1);
-  const auto dispose = [voice] {
-    for (const ControlVoice::HeardRecord& heard : voice->records_heard())
-      voice->dispose(heard.role, heard.sample);
-    for (const ControlParticipant::Other& other : voice->participants()) {
+  const auto forged_control = std::make_shared<ForgedControl>(target.random() | 1);
+  const auto dispose = [forged_control] {
+    for (const ForgedControl::HeardRecord& heard : forged_control->records_heard())
+      forged_control->dispose(heard.role, heard.sample);
+    for (const ControlParticipant::Other& other : forged_control->participants()) {
       for (const dds_guid_t& writer : guessed_writers(other.guid)) {
         RtpsMessage message(writer);
         message.add_heartbeat(test::far_ahead);
@@ -125,9 +125,9 @@ Act forged_disposals(Target& target) {
 
 /// Disposes of the participants themselves, as if their processes had ended.
 Act forged_deaths(Target&) {
-  const auto voice = std::make_shared<ControlVoice>();
-  const auto dispose = [voice] {
-    for (const ControlParticipant::Other& other : voice->participants()) {
+  const auto forged_control = std::make_shared<ForgedControl>();
+  const auto dispose = [forged_control] {
+    for (const ControlParticipant::Other& other : forged_control->participants()) {
       dds_guid_t writer = other.guid;
       std::ranges::copy(RtpsMessage::entity_of_participants, writer.v + 12);
       RtpsMessage message(writer);
@@ -161,9 +161,9 @@ Act altered_announcements(Target&) {
 
 /// Cyclone DDS takes all that these writers say afterwards for old.
 Act outdated_records(Target&) {
-  const auto voice = std::make_shared<ControlVoice>();
-  const auto outdate = [voice] {
-    for (const ControlParticipant::Other& other : voice->participants()) {
+  const auto forged_control = std::make_shared<ForgedControl>();
+  const auto outdate = [forged_control] {
+    for (const ControlParticipant::Other& other : forged_control->participants()) {
       for (const dds_guid_t& writer : guessed_writers(other.guid)) {
         RtpsMessage message(writer);
         message.add_heartbeat(test::far_ahead);
@@ -177,21 +177,21 @@ Act outdated_records(Target&) {
 /// Its records withdraw what these processes have, and its heartbeats count them.
 Act claimed_processes(Target&) {
   struct State {
-    ControlVoice honest;
-    std::map<core::ProcessId, std::unique_ptr<ControlVoice>> claimants;
+    ForgedControl honest;
+    std::map<core::ProcessId, std::unique_ptr<ForgedControl>> impostors;
     std::set<core::ParticipantGuid> own;
   };
   const auto state = std::make_shared<State>();
   const auto claim = [state] {
     for (const ControlParticipant::Other& other : state->honest.participants()) {
       const auto data = core::parse_participant_data(other.user_data);
-      if (!data || state->claimants.contains(data->process)) continue;
-      state->claimants[data->process] = std::make_unique<ControlVoice>(data->process);
+      if (!data || state->impostors.contains(data->process)) continue;
+      state->impostors[data->process] = std::make_unique<ForgedControl>(data->process);
     }
-    for (const auto& [process, claimant] : state->claimants) {
+    for (const auto& [process, impostor] : state->impostors) {
       for (const core::Endpoint& endpoint : state->honest.heard())
-        claimant->announce_bytes(endpoint.role, endpoint.id, {std::byte{0}});
-      claimant->live();
+        impostor->announce_bytes(endpoint.role, endpoint.id, {std::byte{0}});
+      impostor->live();
     }
   };
   return {.begin = {}, .go_on = now_and_then(claim)};
@@ -199,26 +199,26 @@ Act claimed_processes(Target&) {
 
 /// Announces others' endpoints as its own, as they were first. Who hears of them first here has them so.
 Act copied_endpoints(Target& target) {
-  const auto voice = std::make_shared<ControlVoice>(target.random() | 1);
+  const auto forged_control = std::make_shared<ForgedControl>(target.random() | 1);
   const auto first = std::make_shared<std::vector<core::Endpoint>>();
   return {.begin = {}, .go_on = [=] {
-            const auto now = voice->heard();
+            const auto now = forged_control->heard();
             if (first->size() < now.size()) *first = now;
-            for (const core::Endpoint& endpoint : *first) voice->announce(endpoint);
-            voice->live();
+            for (const core::Endpoint& endpoint : *first) forged_control->announce(endpoint);
+            forged_control->live();
           }};
 }
 
 /// Each heartbeat is followed by others in the same name, with the digests of other records.
 Act false_life(Target& target) {
-  const auto voice = std::make_shared<ControlVoice>();
+  const auto forged_control = std::make_shared<ForgedControl>();
   const auto known = std::make_shared<std::map<core::ParticipantGuid, core::Heartbeat>>();
-  return {.begin = {}, .go_on = [voice, known, &random = target.random] {
-            for (const core::Heartbeat& heartbeat : voice->overheard())
+  return {.begin = {}, .go_on = [forged_control, known, &random = target.random] {
+            for (const core::Heartbeat& heartbeat : forged_control->overheard())
               (*known)[heartbeat.participant] = heartbeat;
             for (auto& [participant, heartbeat] : *known) {
               heartbeat.digests = {random(), random()};
-              voice->send(heartbeat);
+              forged_control->send(heartbeat);
             }
           }};
 }

@@ -21,9 +21,9 @@ udp::DatagramKind kind_of(const Overheard& heard) {
 
 /// Calls it for all that was overheard since the last time.
 Act with_overheard(std::function<void(const Overheard&)> use) {
-  const auto ear = std::make_shared<Ear>();
-  return {.begin = {}, .go_on = [ear, use = std::move(use)] {
-            for (const Overheard& heard : ear->listen()) use(heard);
+  const auto listener = std::make_shared<Listener>();
+  return {.begin = {}, .go_on = [listener, use = std::move(use)] {
+            for (const Overheard& heard : listener->listen()) use(heard);
           }};
 }
 
@@ -53,7 +53,7 @@ using Change = std::function<void(Bytes&, Random&)>;
 Act changed(Target& target, int at_a_time, std::function<bool(udp::DatagramKind)> wanted, Change change) {
   struct State {
     explicit State(Random& numbers) : random(numbers) {}
-    Ear ear;
+    Listener listener;
     Sender sender;
     Spoofer spoofer;
     Collection collection;
@@ -61,7 +61,7 @@ Act changed(Target& target, int at_a_time, std::function<bool(udp::DatagramKind)
   };
   const auto state = std::make_shared<State>(target.random);
   return {.begin = {}, .go_on = [=] {
-            for (const Overheard& heard : state->ear.listen()) {
+            for (const Overheard& heard : state->listener.listen()) {
               if (wanted(kind_of(heard))) state->collection.keep(heard);
             }
             if (state->collection.empty()) return;

@@ -25,11 +25,11 @@ using test::json;
 namespace {
 
 constexpr uid_t honest_user = 1;  // "daemon" in every /etc/group: sftd needs the name of its group
-constexpr uid_t stranger_user = 65534;
+constexpr uid_t other_user = 65534;
 constexpr const char* programs = "/srv";  // where accounts find them that may not enter the checkout
 constexpr std::chrono::microseconds publishing_period = 5ms;
-constexpr Ms patience = test::patience;
-constexpr Ms patience_while_setting_up = 2s;
+constexpr Ms hang_timeout = test::hang_timeout;
+constexpr Ms timeout_while_setting_up = 2s;
 
 /// In this process's own mount namespace, which all hosts are copies of.
 test::Account account(uid_t user) {
@@ -87,7 +87,7 @@ bool runs_as_root_of_many_accounts() {
   std::string line;
   std::getline(std::ifstream("/proc/self/uid_map"), line);
   return geteuid() == 0 && std::sscanf(line.c_str(), "%u %u %lu", &first, &outside, &count) == 3 &&
-         count > stranger_user;
+         count > other_user;
 }
 
 }  // namespace
@@ -133,9 +133,9 @@ class Stage::Actor {
       throw std::system_error(errno, std::generic_category(), "socketpair");
     socket_ = ends[0];
     const test::Host& host = entry.attacker == Attacker::neighbour ? stage.elsewhere_ : stage.here_;
-    const uid_t user = entry.attacker == Attacker::stranger ? stranger_user
-                       : entry.attacker == Attacker::owner  ? honest_user
-                                                            : 0;
+    const uid_t user = entry.attacker == Attacker::other_account ? other_user
+                       : entry.attacker == Attacker::owner       ? honest_user
+                                                                 : 0;
     process_.emplace(
         host, "hostile_actor",
         std::vector<std::string>{name_, std::to_string(honest_user), std::to_string(stage.seed_)}, ends[1],
@@ -170,7 +170,7 @@ class Stage::Actor {
   std::string hear() {
     pollfd readable{.fd = socket_, .events = POLLIN, .revents = 0};
     char text[1000];
-    if (poll(&readable, 1, static_cast<int>(patience.count())) <= 0) return {};
+    if (poll(&readable, 1, static_cast<int>(hang_timeout.count())) <= 0) return {};
     const ssize_t bytes = recv(socket_, text, sizeof text, 0);
     return {text, static_cast<std::size_t>(std::max<ssize_t>(bytes, 0))};
   }
@@ -277,7 +277,7 @@ bool Stage::start() {
       [&] {
         return all_served() && std::ranges::all_of(pairs_, [](const auto& p) { return p->received_by > 2; });
       },
-      patience, 10ms);
+      hang_timeout, 10ms);
 }
 
 /// Waits until the subscriber that the act stops has come to a halt: a signal takes effect a little later.
@@ -285,7 +285,7 @@ void Stage::note_stopped(const Entry& entry, Outcome& outcome) {
   if (entry.harm != Harm::stops_near) return;
   for (const auto& pair : pairs_) {
     if (pair->transport != "shm") continue;
-    pair->is_stopped = test::eventually([&] { return is_stopped(pair->subscriber->pid()); }, patience);
+    pair->is_stopped = test::eventually([&] { return is_stopped(pair->subscriber->pid()); }, hang_timeout);
     if (!pair->is_stopped) outcome.complaints.push_back("The act does not stop '" + pair->name + "'");
   }
 }
@@ -299,7 +299,7 @@ void Stage::expect_samples(Outcome& outcome) {
     return pairs_[i]->is_stopped || (look(*pairs_[i]), pairs_[i]->received > noted[i].received + 2);
   };
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
-    if (!test::eventually([&] { return comes(i); }, patience, 10ms))
+    if (!test::eventually([&] { return comes(i); }, hang_timeout, 10ms))
       outcome.complaints.push_back("While the act lasts nothing comes: " + pairs_[i]->state);
   }
 }
@@ -317,7 +317,7 @@ void Stage::await_recovery(const Entry& entry, Clock::time_point ended, Outcome&
     }
     return all;
   };
-  if (test::eventually(recovered, patience, 5ms)) {
+  if (test::eventually(recovered, hang_timeout, 5ms)) {
     outcome.recovery = std::chrono::duration_cast<Ms>(Clock::now() - ended);
   } else {
     outcome.complaints.push_back("After the act not all are served again:" + state());
@@ -335,7 +335,7 @@ void Stage::await_command_line(const Entry& entry, Clock::time_point ended, Outc
     if (code == shm::ExitCode::not_running || code == shm::ExitCode::no_answer) return false;
     return code != shm::ExitCode::done || all_served(entry.harm);
   };
-  if (test::eventually(is_over, patience, 5ms) && code == shm::ExitCode::done) {
+  if (test::eventually(is_over, hang_timeout, 5ms) && code == shm::ExitCode::done) {
     outcome.command_line = std::chrono::duration_cast<Ms>(Clock::now() - ended);
   } else {
     outcome.complaints.push_back("After the act `sftd status` ends with " +
@@ -361,7 +361,7 @@ Outcome Stage::perform(const Entry& entry, Moment moment, Ms length) {
     const auto begin = Clock::now();
     // A pair that can be set up during the act must not count as recovery from the act.
     if (moment != Moment::after_they_started)
-      test::eventually([&] { return all_served(); }, patience_while_setting_up, 20ms);
+      test::eventually([&] { return all_served(); }, timeout_while_setting_up, 20ms);
     const Harm harm = harm_of(entry);
     const bool spares_samples = harm != Harm::floods && harm != Harm::forges;
     if (spares_samples) expect_samples(outcome);

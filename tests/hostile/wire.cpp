@@ -62,8 +62,8 @@ bool looks_like_control(std::span<const std::byte> payload) {
   return begins_with("RTPS") || begins_with("SHB");
 }
 
-bool is_of(Ear::Traffic traffic, std::uint16_t port, std::span<const std::byte> payload) {
-  if (traffic == Ear::Traffic::control) return looks_like_control(payload);
+bool is_of(Listener::Traffic traffic, std::uint16_t port, std::span<const std::byte> payload) {
+  if (traffic == Listener::Traffic::control) return looks_like_control(payload);
   return (port < dds_ports_begin || port >= dds_ports_end) && looks_like_sft(payload);
 }
 
@@ -76,7 +76,7 @@ int with_multicast(int socket) {
 }
 
 /// Empty if the frame is not of interest.
-Overheard parse_frame(std::span<const std::byte> frame, Ear::Traffic traffic) {
+Overheard parse_frame(std::span<const std::byte> frame, Listener::Traffic traffic) {
   iphdr ip{};
   udphdr udp{};
   if (frame.size() < headers_bytes) return {};
@@ -181,12 +181,12 @@ std::uint64_t Drain::count() {
   }
 }
 
-Ear::Ear(Traffic traffic)
+Listener::Listener(Traffic traffic)
     : traffic_(traffic),
       socket_(checked(::socket(AF_PACKET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, htons(ETH_P_IP)),
                       "packet socket")) {}
-Ear::~Ear() { close(socket_); }
-std::vector<Overheard> Ear::listen() {
+Listener::~Listener() { close(socket_); }
+std::vector<Overheard> Listener::listen() {
   std::vector<Overheard> heard;
   std::array<std::byte, frame_bytes_max> frame{};
   for (;;) {

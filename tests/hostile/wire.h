@@ -88,13 +88,13 @@ struct Overheard {
 
 /// Hears what other hosts of this network send each other, as on a network without switches. It hears only
 /// datagrams that look like SFT's: samples and what goes with them, or what is said for the control plane.
-class Ear {
+class Listener {
  public:
   enum class Traffic : std::uint8_t { data, control };
-  explicit Ear(Traffic traffic = Traffic::data);
-  ~Ear();
-  Ear(const Ear&) = delete;
-  Ear& operator=(const Ear&) = delete;
+  explicit Listener(Traffic traffic = Traffic::data);
+  ~Listener();
+  Listener(const Listener&) = delete;
+  Listener& operator=(const Listener&) = delete;
   /// Returns what came since the last call.
   std::vector<Overheard> listen();
 

@@ -38,7 +38,7 @@ class NegotiationTest : public RandomTest {
 
 /// Looks a hundred times a second, since each look asks a peer.
 template <class Condition>
-bool comes_true(Condition condition, std::chrono::milliseconds within = patience) {
+bool comes_true(Condition condition, std::chrono::milliseconds within = hang_timeout) {
   return eventually(condition, within, 10ms);
 }
 

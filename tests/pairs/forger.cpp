@@ -91,15 +91,15 @@ void Forger::claim_processes() {
   for (const ControlParticipant::Other& other : self_.others()) {
     const auto data = core::parse_participant_data(other.user_data);
     if (!data || data->process == made_up_process) continue;
-    std::unique_ptr<ControlParticipant>& claimant = claimants_[data->process];
-    if (!claimant) claimant = std::make_unique<ControlParticipant>(domain_0, interface, data->process);
+    std::unique_ptr<ControlParticipant>& impostor = impostors_[data->process];
+    if (!impostor) impostor = std::make_unique<ControlParticipant>(domain_0, interface, data->process);
   }
-  for (const auto& [process, claimant] : claimants_) {
+  for (const auto& [process, impostor] : impostors_) {
     for (const auto& [what, known] : known_) {
       const auto& [participant, role, key] = what;
-      claimant->write(role, key, {.revision = known.record.revision + revisions_ahead});
+      impostor->write(role, key, {.revision = known.record.revision + revisions_ahead});
     }
-    claimant->give_heartbeat();
+    impostor->give_heartbeat();
   }
 }
 

@@ -61,7 +61,7 @@ class Forger {
   dds_entity_t publications_ = 0;             ///< a reader
   std::map<RecordOf, Known> known_;           ///< the newest record of each key
   std::unique_ptr<ControlParticipant> twin_;  ///< of a process that announces the readers of others
-  std::map<core::ProcessId, std::unique_ptr<ControlParticipant>> claimants_;
+  std::map<core::ProcessId, std::unique_ptr<ControlParticipant>> impostors_;
 };
 
 }  // namespace sft::test

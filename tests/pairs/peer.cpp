@@ -15,7 +15,7 @@
 namespace sft::test {
 
 namespace {
-constexpr int patience_ms = static_cast<int>(std::chrono::milliseconds(patience).count());
+constexpr int timeout_ms = static_cast<int>(std::chrono::milliseconds(hang_timeout).count());
 constexpr std::size_t answer_bytes_max = 256 * 1024;
 }  // namespace
 
@@ -64,7 +64,7 @@ json Peer::ask(const json& command) {
   const std::string text = command.dump();
   pollfd readable{.fd = socket_, .events = POLLIN, .revents = 0};
   std::vector<char> answer(answer_bytes_max);
-  if (send(socket_, text.data(), text.size(), MSG_NOSIGNAL) < 0 || poll(&readable, 1, patience_ms) <= 0)
+  if (send(socket_, text.data(), text.size(), MSG_NOSIGNAL) < 0 || poll(&readable, 1, timeout_ms) <= 0)
     throw std::runtime_error("peer " + name_ + " does not answer " + text);
   const ssize_t bytes = recv(socket_, answer.data(), answer.size(), 0);
   if (bytes <= 0) throw std::runtime_error("peer " + name_ + " died of " + text);

@@ -21,28 +21,28 @@ using Part = Selection::Part;
 using Range = Selection::Range;
 
 /// What a header claims of cells in rows.
-struct Claim {
+struct DeclaredGrid {
   std::uint64_t rows;
   std::uint64_t columns;
   std::uint64_t cell_bytes;
   std::uint64_t row_bytes;
 };
 
-bool contradicts_itself(const Claim& claim, std::uint64_t data_bytes) {
-  if (claim.rows == 0 || claim.columns == 0) return false;
-  if (claim.cell_bytes == 0) return true;
-  if (claim.rows > 1 && claim.columns * claim.cell_bytes > claim.row_bytes) return true;
-  return (claim.rows - 1) * claim.row_bytes + claim.columns * claim.cell_bytes > data_bytes;
+bool contradicts_itself(const DeclaredGrid& declared, std::uint64_t data_bytes) {
+  if (declared.rows == 0 || declared.columns == 0) return false;
+  if (declared.cell_bytes == 0) return true;
+  if (declared.rows > 1 && declared.columns * declared.cell_bytes > declared.row_bytes) return true;
+  return (declared.rows - 1) * declared.row_bytes + declared.columns * declared.cell_bytes > data_bytes;
 }
 
 /// The bytes of the cells that are kept, row by row, without anything between them.
 template <class Byte>
-std::vector<Byte> cells(const std::vector<Byte>& data, const Claim& claim, const Part& part) {
+std::vector<Byte> cells(const std::vector<Byte>& data, const DeclaredGrid& declared, const Part& part) {
   std::vector<Byte> kept;
-  for (const std::size_t row : indices(part.rows, claim.rows)) {
-    for (const std::size_t column : indices(part.columns, claim.columns)) {
-      for (std::size_t byte = 0; byte < claim.cell_bytes; ++byte)
-        kept.push_back(data[row * claim.row_bytes + column * claim.cell_bytes + byte]);
+  for (const std::size_t row : indices(part.rows, declared.rows)) {
+    for (const std::size_t column : indices(part.columns, declared.columns)) {
+      for (std::size_t byte = 0; byte < declared.cell_bytes; ++byte)
+        kept.push_back(data[row * declared.row_bytes + column * declared.cell_bytes + byte]);
     }
   }
   return kept;
@@ -139,19 +139,19 @@ std::vector<PointField> channels_of(const PointCloud2& cloud, const std::vector<
 }
 
 PointCloud2 cut(const PointCloud2& cloud, const Part& part) {
-  const Claim claim{cloud.height, cloud.width, cloud.point_step, cloud.row_step};
+  const DeclaredGrid declared{cloud.height, cloud.width, cloud.point_step, cloud.row_step};
   PointCloud2 result = cloud;
   result.data.clear();
   result.height = result.width = result.row_step = 0;
-  if (contradicts_itself(claim, cloud.data.size())) return result;
+  if (contradicts_itself(declared, cloud.data.size())) return result;
 
   result.height = count_of(part.rows, cloud.height);
   result.width = count_of(part.columns, cloud.width);
   if (part.channels.empty()) {
-    result.data = cells(cloud.data, claim, part);
+    result.data = cells(cloud.data, declared, part);
   } else {
     const std::vector<PointField> channels = channels_of(cloud, part.channels);
-    const std::vector<std::uint8_t> points = cells(cloud.data, claim, part);
+    const std::vector<std::uint8_t> points = cells(cloud.data, declared, part);
     for (std::size_t point = 0; point < points.size(); point += cloud.point_step) {
       for (const PointField& channel : channels) {
         const std::size_t bytes = bytes_of_datatype(channel.datatype) * channel.count;
@@ -181,15 +181,15 @@ Image cut(const Image& image, const Part& part) {
   if (is_bayer(image.encoding) && has_even_step) return image;
   if (is_in_pairs(image.encoding) && breaks_pairs(part.columns, image.width)) return image;
 
-  const Claim claim{image.height, image.width, *bytes, image.step};
+  const DeclaredGrid declared{image.height, image.width, *bytes, image.step};
   Image result = image;
   result.data.clear();
   result.height = result.width = result.step = 0;
-  if (contradicts_itself(claim, image.data.size())) return result;
+  if (contradicts_itself(declared, image.data.size())) return result;
   result.height = count_of(part.rows, image.height);
   result.width = count_of(part.columns, image.width);
   result.step = static_cast<std::uint32_t>(result.width * *bytes);
-  result.data = cells(image.data, claim, part);
+  result.data = cells(image.data, declared, part);
   if (is_bayer(image.encoding))
     result.encoding = bayer_from(image.encoding, part.rows.begin % 2 != 0, part.columns.begin % 2 != 0);
   return result;
@@ -197,14 +197,14 @@ Image cut(const Image& image, const Part& part) {
 
 OccupancyGrid cut(const OccupancyGrid& grid, const Part& part) {
   if (part.rows.step != part.columns.step) return grid;
-  const Claim claim{grid.info.height, grid.info.width, 1, grid.info.width};
+  const DeclaredGrid declared{grid.info.height, grid.info.width, 1, grid.info.width};
   OccupancyGrid result = grid;
   result.data.clear();
   result.info.height = result.info.width = 0;
-  if (contradicts_itself(claim, grid.data.size())) return result;
+  if (contradicts_itself(declared, grid.data.size())) return result;
   result.info.height = count_of(part.rows, grid.info.height);
   result.info.width = count_of(part.columns, grid.info.width);
-  result.data = cells(grid.data, claim, part);
+  result.data = cells(grid.data, declared, part);
   const double resolution = grid.info.resolution;
   result.info.resolution = static_cast<float>(resolution * part.rows.step);
 

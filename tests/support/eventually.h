@@ -9,11 +9,11 @@ namespace sft::test {
 
 /// What must happen happens within this time on any machine, however busy: what takes longer hangs. How fast
 /// something is belongs to a benchmark.
-inline constexpr std::chrono::seconds patience{60};
+inline constexpr std::chrono::seconds hang_timeout{60};
 
 /// Looks again after each pause; false if the condition does not hold in time.
 template <class Condition>
-bool eventually(Condition&& condition, std::chrono::milliseconds within = patience,
+bool eventually(Condition&& condition, std::chrono::milliseconds within = hang_timeout,
                 std::chrono::milliseconds pause = std::chrono::milliseconds(1)) {
   const auto deadline = std::chrono::steady_clock::now() + within;
   while (!condition()) {

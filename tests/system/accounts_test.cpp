@@ -34,7 +34,7 @@ class AccountsBetweenNodes : public PubSubTest {
   void exchange(int samples) {
     for (int i = 0; i < samples; ++i) {
       pub.publish(cloud(1, 5000));
-      EXPECT_TRUE(sub.wait(patience));
+      EXPECT_TRUE(sub.wait(hang_timeout));
       while (sub.take()) continue;
     }
   }

@@ -28,7 +28,7 @@ TEST_P(AllocationTest, PublishingAndReadingDeclaredFieldsAllocatesNothing) {
   std::uint64_t sum = 0;
   EXPECT_EQ(allocations_of([&] {
               pub.publish(message);
-              if (!sub.wait(patience)) return;
+              if (!sub.wait(hang_timeout)) return;
               const auto sample = sub.take();
               sum += sample->height();
               for (const auto field : sample->fields()) sum += field.name().size();
@@ -46,7 +46,7 @@ TEST_P(AllocationTest, JumpingToElementsOfEachSampleAllocatesNothing) {
   std::uint64_t sum = 0;
   EXPECT_EQ(allocations_of([&] {
               pub.publish(message);
-              if (!sub.wait(patience)) return;
+              if (!sub.wait(hang_timeout)) return;
               const auto sample = sub.take();
               sum += sample->fields()[40].name().size() + sample->fields().back().name().size();
             }),
@@ -63,7 +63,7 @@ TEST_P(AllocationTest, LoansAndRecordedReadersAllocateNothing) {
     auto loan = pub.loan(prototype, {.data = 3000});
     loan->shrink(F::data, 2000);
     std::move(*loan).publish();
-    if (!sub.wait(patience)) return;
+    if (!sub.wait(hang_timeout)) return;
     const auto sample = sub.take();
     read += sample->width() && sample->data() ? 1 : 0;
   };

@@ -33,12 +33,13 @@ class SameCopyTest : public ::testing::TestWithParam<const char*> {
   DynamicSubscriber subscribe(Node& node, bool as_remote) const {
     SubscriberOptions options{.reliability = Reliability::reliable, .depth = 100};
     options.recording.as_remote = as_remote;
-    return node.subscriber("points", node.find_type("points", patience).value(), GetParam(), options).value();
+    return node.subscriber("points", node.find_type("points", hang_timeout).value(), GetParam(), options)
+        .value();
   }
   /// All samples up to the last one, which passes all conditions here.
   static std::vector<Got> take_all(DynamicSubscriber& subscriber) {
     std::vector<Got> all;
-    while ((all.empty() || all.back().sequence < samples) && subscriber.wait(patience)) {
+    while ((all.empty() || all.back().sequence < samples) && subscriber.wait(hang_timeout)) {
       while (const DynamicSample sample = subscriber.take()) {
         Got& got = all.emplace_back();
         got.sequence = sample.info().sequence;

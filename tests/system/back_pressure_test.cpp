@@ -24,7 +24,7 @@ class ReliablePairTest : public PubSubTest {
   template <class S>
   static std::vector<std::uint64_t> take_all(S& subscriber, std::uint64_t last) {
     std::vector<std::uint64_t> numbers;
-    while (subscriber.wait(patience)) {
+    while (subscriber.wait(hang_timeout)) {
       while (const auto sample = subscriber.take()) numbers.push_back(sample.info().sequence);
       if (!numbers.empty() && numbers.back() >= last) break;
     }
@@ -70,7 +70,7 @@ TEST_P(ReliablePairTest, ASlowSubscriberAndAFastOneLoseNothing) {
   const std::jthread publishing = burst(publisher);
   const std::jthread taking([&] { EXPECT_EQ(take_all(quick, samples), up_to(samples)); });
   std::vector<std::uint64_t> numbers;
-  for (std::uint32_t i = 0; i < samples && slow.wait(patience); ++i) {
+  for (std::uint32_t i = 0; i < samples && slow.wait(hang_timeout); ++i) {
     const auto sample = slow.take();
     numbers.push_back(sample.info().sequence);
     if (i % 1000 == 0) poll(nullptr, 0, 5);

@@ -35,7 +35,7 @@ const std::map<std::string, Act> acts{
      }},
     {"`find_type()`, `topics()`, `domain()`, `ask_accounts()`",
      [](Scene& s) {
-       EXPECT_TRUE(s.here->find_type("points", patience));
+       EXPECT_TRUE(s.here->find_type("points", hang_timeout));
        EXPECT_FALSE(s.here->find_type("nobody has this", 1ms));
        EXPECT_FALSE(s.here->topics().empty());
        EXPECT_FALSE(s.here->domain().publishers.empty());
@@ -55,12 +55,12 @@ const std::map<std::string, Act> acts{
        EXPECT_TRUE(s.other_publisher->loan({}));
        static_cast<void>(s.other_subscriber->take());
        s.other_publisher->assert_liveliness();
-       EXPECT_TRUE(s.other_publisher->wait_for_subscribers(1, patience));
+       EXPECT_TRUE(s.other_publisher->wait_for_subscribers(1, hang_timeout));
      }},
     {"`wait()`",
      [](Scene& s) {
        EXPECT_EQ(s.other_publisher->publish({.height = 1}), PublishStatus::ok);
-       EXPECT_TRUE(s.other_subscriber->wait(patience));
+       EXPECT_TRUE(s.other_subscriber->wait(hang_timeout));
        EXPECT_TRUE(s.other_subscriber->take());
      }},
     {"`set_max_rate_hz()`, `set_selection()`",
@@ -138,7 +138,7 @@ class ActInCallback {
   }
   bool is_done() {
     std::unique_lock lock(mutex_);
-    return changed_.wait_for(lock, patience, [&] { return done_; });
+    return changed_.wait_for(lock, hang_timeout, [&] { return done_; });
   }
   void called(Kind kind) {
     {

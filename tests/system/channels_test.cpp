@@ -73,7 +73,7 @@ class RecordedChannelsTest : public ChannelsTest {
   }
   Cloud next() {
     pub.publish(numbered(++published));
-    return sub.wait(patience) ? sub.take() : Cloud();
+    return sub.wait(hang_timeout) ? sub.take() : Cloud();
   }
 
   Subscriber<PointCloud2, recorded> sub =
@@ -161,7 +161,7 @@ TEST_P(RecordedChannelsTest, AProgramThatReadsTheBytesOfThePointsIsSentAllOfThem
 }
 
 TEST_P(ChannelsTest, ChannelsOfADynamicViewAreRecordedAsWell) {
-  auto dynamic = b.subscriber("points", b.find_type("points", patience).value(), recorded,
+  auto dynamic = b.subscriber("points", b.find_type("points", hang_timeout).value(), recorded,
                               {.recording = {.learn_samples = 3}})
                      .value();
   const Selection wanted = closed("data{x,z}");
@@ -176,7 +176,7 @@ TEST_P(ChannelsTest, ChannelsOfADynamicViewAreRecordedAsWell) {
                                [&](const auto& reader) { return reader.selection == wanted; });
   }));
   pub.publish(numbered(++published));
-  ASSERT_TRUE(dynamic.wait(patience));
+  ASSERT_TRUE(dynamic.wait(hang_timeout));
   const DynamicSample sample = dynamic.take();
   EXPECT_EQ(sample.view()["data"].is_absent(), !in_shared_memory());
   EXPECT_EQ(sample.view()["fields"].is_absent(), !in_shared_memory());
@@ -190,7 +190,7 @@ TEST_P(ChannelsTest, ChannelsAreDeclaredWhenTheProgramIsCompiled) {
   EXPECT_EQ(declared.requirements().text.substr(0, 12), "header.stamp");
   expect_served(pub, 1);
   pub.publish(numbered(7));
-  ASSERT_TRUE(declared.wait(patience));
+  ASSERT_TRUE(declared.wait(hang_timeout));
   const auto sample = declared.take();
   EXPECT_EQ(sample->header().stamp().sec(), 7);
   EXPECT_EQ(sample->width(), 1U);
@@ -237,7 +237,7 @@ TEST_P(ChannelsTest, SlicesOfListsAreDeclaredWhenTheProgramIsCompiled) {
   scan.angle_increment = 0.25F;
   scan.ranges = {10, 11, 12, 13, 14};
   scans.publish(scan);
-  ASSERT_TRUE(declared.wait(patience));
+  ASSERT_TRUE(declared.wait(hang_timeout));
   const auto sample = declared.take();
   EXPECT_THAT(sample->ranges(), ElementsAre(11, 13));
   EXPECT_EQ(sample->angle_min(), 1.25F);

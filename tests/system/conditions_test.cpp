@@ -29,7 +29,7 @@ const SubscriberOptions all_kept{.reliability = Reliability::reliable, .depth = 
 
 class ConditionsTest : public PubSubTest {
  protected:
-  DynamicType type() { return b.find_type("points", patience).value(); }
+  DynamicType type() { return b.find_type("points", hang_timeout).value(); }
   static std::string text(const Rule& rule) { return "header.stamp @ " + rule.conditions; }
   /// The sample of which the conditions judge the number.
   static PointCloud2 sample(std::size_t place, std::uint32_t number) {
@@ -113,7 +113,7 @@ TEST_P(ConditionsTest, AReaderBehindAClosedGateIsNotWokenByAThousandSamples) {
   auto quiet = b.subscriber("points", type, "header.stamp @ row_step > 1000", all_kept).value();
   Node c = open("c");
   auto other =
-      c.subscriber("points", c.find_type("points", patience).value(), "header.stamp", all_kept).value();
+      c.subscriber("points", c.find_type("points", hang_timeout).value(), "header.stamp", all_kept).value();
   expect_served(pub, 2);
   publish({1001});
   EXPECT_EQ(until(quiet, 0), Places{0});

@@ -11,7 +11,7 @@
 #include "core/discovery/discovery.h"
 #include "tests/support/eventually.h"
 #include "tests/support/isolated_host.h"
-#include "tests/system/control_ear.h"
+#include "tests/system/control_reader.h"
 
 namespace sft::test {
 namespace {
@@ -24,11 +24,11 @@ using ::testing::IsEmpty;
 class Node {
  public:
   explicit Node(const std::string& process, const std::string& cyclone_config = "")
-      : ear_(process, cyclone_config) {}
-  ControlEar* operator->() { return &ear_; }
+      : reader_(process, cyclone_config) {}
+  ControlReader* operator->() { return &reader_; }
 
  private:
-  ControlEar ear_;
+  ControlReader reader_;
 };
 
 class ControlPlaneNodes : public ::testing::Test {

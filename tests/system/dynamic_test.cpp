@@ -63,7 +63,7 @@ class DynamicTest : public PubSubTest {
 
 TEST_P(DynamicTest, WhatAnotherProcessPublishesIsPrintedWithoutItsType) {
   const PublisherProcess publisher(GetParam());
-  const auto type = b.find_type("points", patience);
+  const auto type = b.find_type("points", hang_timeout);
   ASSERT_TRUE(type) << type.error().message;
   auto sub = b.subscriber("points", *type, "header, fields[].name, width, data").value();
   ASSERT_TRUE(sub.wait(15s));
@@ -85,12 +85,12 @@ TEST_P(DynamicTest, WhatAnotherProcessPublishesIsPrintedWithoutItsType) {
 
 TEST_P(DynamicTest, ItsMaskIsWhatThePublisherServes) {
   auto pub = a.publisher<PointCloud2>("points").value();
-  const DynamicType type = b.find_type("points", patience).value();
+  const DynamicType type = b.find_type("points", hang_timeout).value();
   auto sub = b.subscriber("points", type, "header.stamp fields[].name").value();
   expect_served(pub, 1);
   EXPECT_EQ(pub.status().readers[0].mask, FieldMask(F::header.stamp | F::fields.size | F::fields.each.name));
   pub.publish(small_cloud());
-  ASSERT_TRUE(sub.wait(patience));
+  ASSERT_TRUE(sub.wait(hang_timeout));
   const DynamicSample sample = sub.take();
   EXPECT_EQ(sample.view()["header"]["stamp"]["sec"].as<int>(), 7);
   EXPECT_EQ(sample.view()["fields"][1]["name"].as<std::string>(), "y");
@@ -108,11 +108,11 @@ TEST_P(DynamicTest, ItsMaskIsWhatThePublisherServes) {
 
 TEST_P(DynamicTest, AsRemoteLeavesASampleOnlyTheDeclaredFieldsInSharedMemoryToo) {
   auto pub = a.publisher<PointCloud2>("points").value();
-  const DynamicType type = b.find_type("points", patience).value();
+  const DynamicType type = b.find_type("points", hang_timeout).value();
   auto sub = b.subscriber("points", type, "width, fields[].name", {.recording = {.as_remote = true}}).value();
   expect_served(pub, 1);
   pub.publish(small_cloud());
-  ASSERT_TRUE(sub.wait(patience));
+  ASSERT_TRUE(sub.wait(hang_timeout));
   const DynamicSample sample = sub.take();
   EXPECT_EQ(sample.to_json().value(), R"({"width":1024,"fields":[{"name":"x"},{"name":"y"}]})");
   EXPECT_EQ(sub.status().received, 1U);
@@ -120,12 +120,12 @@ TEST_P(DynamicTest, AsRemoteLeavesASampleOnlyTheDeclaredFieldsInSharedMemoryToo)
 
 TEST_P(DynamicTest, ASubscriberThatDeclaresOnlyALengthSeesNoElements) {
   auto pub = a.publisher<PointCloud2>("points").value();
-  const DynamicType type = b.find_type("points", patience).value();
+  const DynamicType type = b.find_type("points", hang_timeout).value();
   auto sub = b.subscriber("points", type, "fields.size").value();
   auto whole = b.subscriber<PointCloud2>("points").value();  // so that the sample has everything, or may have
   expect_served(pub, 2);
   pub.publish(small_cloud());
-  ASSERT_TRUE(sub.wait(patience));
+  ASSERT_TRUE(sub.wait(hang_timeout));
   DynamicSample sample = sub.take();
   const DynamicSample moved = std::move(sample);
   EXPECT_EQ(moved.to_json().value(), R"({"fields.size":2})");
@@ -159,13 +159,13 @@ std::vector<float> numbers_in(std::span<const std::uint8_t> data) {
 
 TEST_P(DynamicTest, APartOfAFieldIsASmallerMessageOfTheSameType) {
   auto pub = a.publisher<PointCloud2>("points").value();
-  const DynamicType type = b.find_type("points", patience).value();
+  const DynamicType type = b.find_type("points", hang_timeout).value();
   auto sub = b.subscriber("points", type, "data{x,z}[1:4:2]").value();
   expect_served(pub, 1);
   EXPECT_FALSE(pub.status().readers[0].mask.contains(*type.support().find("header")->begin()));
   for (const std::uint64_t received : {1U, 2U}) {
     pub.publish(numbered_cloud(received == 1 ? 1000 : 50'000));
-    ASSERT_TRUE(sub.wait(patience));
+    ASSERT_TRUE(sub.wait(hang_timeout));
     const DynamicSample sample = received == 1 ? sub.take() : sub.take_latest();
     EXPECT_EQ(sample.info().transport, in_shared_memory() ? TransportKind::shm : TransportKind::udp);
     EXPECT_EQ(sample.to_json().value(),
@@ -186,15 +186,15 @@ TEST_P(DynamicTest, APartOfAFieldIsASmallerMessageOfTheSameType) {
 TEST_P(DynamicTest, PartsOfLargeMessagesComeToAllWhoAskForThem) {
   constexpr auto reliable = Reliability::reliable;
   auto pub = a.publisher<PointCloud2>("points", {.reliability = reliable}).value();
-  const DynamicType type = b.find_type("points", patience).value();
+  const DynamicType type = b.find_type("points", hang_timeout).value();
   auto every_fourth = b.subscriber("points", type, "data{intensity}[::4]", {.reliability = reliable}).value();
   auto three = b.subscriber("points", type, "header, data{y,z,intensity}").value();
   expect_served(pub, 2);
   constexpr std::uint32_t points = 100'000;
   for (int round = 0; round < 3; ++round) {
     pub.publish(numbered_cloud(points));
-    ASSERT_TRUE(every_fourth.wait(patience));
-    ASSERT_TRUE(three.wait(patience));
+    ASSERT_TRUE(every_fourth.wait(hang_timeout));
+    ASSERT_TRUE(three.wait(hang_timeout));
     const DynamicSample quarter = every_fourth.take(), most = three.take();
     const auto some = numbers_in(quarter.view()["data"].as<std::span<const std::uint8_t>>().value());
     ASSERT_EQ(some.size(), points / 4);
@@ -209,13 +209,13 @@ TEST_P(DynamicTest, PartsOfLargeMessagesComeToAllWhoAskForThem) {
 
 TEST_P(DynamicTest, APartOfAMessageThatContradictsItselfIsEmpty) {
   auto pub = a.publisher<PointCloud2>("points").value();
-  const DynamicType type = b.find_type("points", patience).value();
+  const DynamicType type = b.find_type("points", hang_timeout).value();
   auto sub = b.subscriber("points", type, "data{x}").value();
   expect_served(pub, 1);
   PointCloud2 cloud = numbered_cloud(5);
   cloud.width = 6;
   pub.publish(cloud);
-  ASSERT_TRUE(sub.wait(patience));
+  ASSERT_TRUE(sub.wait(hang_timeout));
   const DynamicSample sample = sub.take();
   EXPECT_EQ(sample.view()["width"].as<int>(), 0);
   EXPECT_EQ(sample.view()["data"].size(), 0U);
@@ -224,7 +224,7 @@ TEST_P(DynamicTest, APartOfAMessageThatContradictsItselfIsEmpty) {
 
 TEST_P(DynamicTest, AWrongPartIsAnErrorThatNamesTheColumn) {
   auto pub = a.publisher<PointCloud2>("points").value();
-  const DynamicType type = b.find_type("points", patience).value();
+  const DynamicType type = b.find_type("points", hang_timeout).value();
   const auto error_of = [&](const char* fields) {
     return b.subscriber("points", type, fields).error().message;
   };
@@ -235,7 +235,7 @@ TEST_P(DynamicTest, AWrongPartIsAnErrorThatNamesTheColumn) {
 
 TEST_P(DynamicTest, ACallbackGetsSamples) {
   auto pub = a.publisher<PointCloud2>("points").value();
-  const DynamicType type = b.find_type("points", patience).value();
+  const DynamicType type = b.find_type("points", hang_timeout).value();
   std::mutex mutex;
   std::vector<std::uint32_t> widths;
   auto sub = b.subscriber("points", type, "width", {}, [&](const DynamicSample& sample) {
@@ -256,10 +256,10 @@ TEST_P(DynamicTest, ATypeLivesAsLongAsWhatUsesIt) {
   std::optional<DynamicSample> last;
   for (int round = 0; round < 10; ++round) {
     std::optional<DynamicSubscriber> sub =
-        b.subscriber("points", b.find_type("points", patience).value(), "width").value();
+        b.subscriber("points", b.find_type("points", hang_timeout).value(), "width").value();
     expect_served(pub, 1);
     pub.publish(small_cloud());
-    ASSERT_TRUE(sub->wait(patience));
+    ASSERT_TRUE(sub->wait(hang_timeout));
     last = sub->take();
     pub.publish(small_cloud());  // one is under way, or not yet taken, when it goes
     sub.reset();
@@ -271,10 +271,10 @@ TEST_P(DynamicTest, ATypeLivesAsLongAsWhatUsesIt) {
 TEST_P(DynamicTest, CompiledAndDynamicSubscribersOfOneNodeGetTheSame) {
   auto pub = a.publisher<PointCloud2>("points").value();
   auto compiled = b.subscriber<PointCloud2>("points").value();
-  auto dynamic = b.subscriber("points", b.find_type("points", patience).value(), "*").value();
+  auto dynamic = b.subscriber("points", b.find_type("points", hang_timeout).value(), "*").value();
   expect_served(pub, 2);
   pub.publish(small_cloud());
-  ASSERT_TRUE(compiled.wait(patience) && dynamic.wait(patience));
+  ASSERT_TRUE(compiled.wait(hang_timeout) && dynamic.wait(hang_timeout));
   const auto one = compiled.take();
   const DynamicSample other = dynamic.take();
   EXPECT_TRUE(std::equal(one.cdr().begin(), one.cdr().end(), other.cdr().begin(), other.cdr().end()));
@@ -282,7 +282,7 @@ TEST_P(DynamicTest, CompiledAndDynamicSubscribersOfOneNodeGetTheSame) {
 
 TEST_P(DynamicTest, FieldsThatAreReadByNameAreRecorded) {
   auto pub = a.publisher<PointCloud2>("points").value();
-  const DynamicType type = b.find_type("points", patience).value();
+  const DynamicType type = b.find_type("points", hang_timeout).value();
   auto sub = b.subscriber("points", type, recorded,
                           {.recording = {.learn_samples = 1, .narrow_after_samples = 20, .as_remote = true}})
                  .value();
@@ -310,12 +310,12 @@ TEST_P(DynamicTest, FieldsThatAreReadByNameAreRecorded) {
 
 TEST_P(DynamicTest, PrintingASampleReadsAllOfIt) {
   auto pub = a.publisher<PointCloud2>("points").value();
-  auto sub = b.subscriber("points", b.find_type("points", patience).value(), recorded,
+  auto sub = b.subscriber("points", b.find_type("points", hang_timeout).value(), recorded,
                           {.recording = {.learn_samples = 1}})
                  .value();
   expect_served(pub, 1);
   pub.publish(small_cloud());
-  ASSERT_TRUE(sub.wait(patience));
+  ASSERT_TRUE(sub.wait(hang_timeout));
   EXPECT_TRUE(sub.take().to_yaml());
   EXPECT_EQ(sub.requirements().text, "*");
 }
@@ -344,7 +344,7 @@ TEST_F(DynamicNodesTest, ATopicThatNobodyPublishesIsAnErrorThatSaysWhatWasSeen) 
   EXPECT_THAT(b.find_type("points", 0s).error().message,
               HasSubstr("nobody publishes or subscribes to 'points'"));
   auto pub = a.publisher<nav_msgs::msg::Odometry>("odom").value();
-  ASSERT_TRUE(b.find_type("odom", patience));
+  ASSERT_TRUE(b.find_type("odom", hang_timeout));
   const auto missing = b.find_type("points", 1ms);
   ASSERT_FALSE(missing);
   EXPECT_EQ(missing.error().code, Errc::unavailable);
@@ -354,7 +354,8 @@ TEST_F(DynamicNodesTest, ATopicThatNobodyPublishesIsAnErrorThatSaysWhatWasSeen) 
 TEST_F(DynamicNodesTest, AnUnknownFieldIsAnErrorThatNamesTheNearest) {
   Node a = udp_node("a");
   auto pub = a.publisher<PointCloud2>("points").value();
-  const auto sub = a.subscriber("points", a.find_type("points", patience).value(), "header.stamp, hieght");
+  const auto sub =
+      a.subscriber("points", a.find_type("points", hang_timeout).value(), "header.stamp, hieght");
   ASSERT_FALSE(sub);
   EXPECT_EQ(sub.error().code, Errc::unknown_field);
   EXPECT_THAT(sub.error().message, HasSubstr("has no field 'hieght'; did you mean 'height'?"));
@@ -364,7 +365,7 @@ TEST_F(DynamicNodesTest, ATypeIsLearntFromASubscriberIfNobodyPublishes) {
   Node a = udp_node("a");
   Node b = udp_node("b");
   auto sub = a.subscriber<PointCloud2>("points").value();
-  const auto type = b.find_type("points", patience);
+  const auto type = b.find_type("points", hang_timeout);
   ASSERT_TRUE(type) << type.error().message;
   EXPECT_EQ(type->support().name(), TypeTable<PointCloud2>::type.name);
 }

@@ -130,7 +130,7 @@ TEST_F(FallbackTest, ASampleLargerThanTheLargestChunkComesByUdpInItsPlace) {
     for (const std::size_t bytes : {small_bytes, large_bytes, small_bytes, small_bytes})
       ASSERT_EQ(publisher.publish(cloud(++number, bytes)), PublishStatus::ok);
     for (std::uint32_t expected = number - 3; expected <= number; ++expected) {
-      ASSERT_TRUE(subscriber.wait(patience)) << expected;
+      ASSERT_TRUE(subscriber.wait(hang_timeout)) << expected;
       const auto sample = subscriber.take();
       ASSERT_EQ(sample->height(), expected);
       const bool is_large = sample->data().size() == large_bytes;
@@ -162,7 +162,7 @@ TEST_F(FallbackTest, WhatIsPublishedWhileNoChunkIsFreeComesByUdpInItsPlaceAndThe
   std::uint32_t number = 0;
   const auto pass_one_on = [&]() -> Sample<PointCloud2, F::height> {
     EXPECT_EQ(publisher.publish(cloud(++number, small_bytes)), PublishStatus::ok);
-    EXPECT_TRUE(subscriber.wait(patience)) << number;
+    EXPECT_TRUE(subscriber.wait(hang_timeout)) << number;
     auto sample = subscriber.take();
     EXPECT_EQ(sample->height(), number);
     return sample;
@@ -207,7 +207,7 @@ TEST_F(FallbackTest, AReliableReaderElsewhereThatStandsStillCostsReadersInMemory
   kill(remote, SIGSTOP);
   for (std::uint32_t number = 1; number <= 300; ++number) {
     ASSERT_EQ(publisher.publish(cloud(number, 100'000)), PublishStatus::ok);
-    ASSERT_TRUE(subscriber.wait(patience)) << number;
+    ASSERT_TRUE(subscriber.wait(hang_timeout)) << number;
     const auto sample = subscriber.take();
     ASSERT_EQ(sample->height(), number);
     ASSERT_EQ(sample.info().transport, TransportKind::shm);
@@ -229,9 +229,9 @@ TEST_F(FallbackTest, ALoanIsLentAllTheSameAndArrives) {
   auto loan = publisher.loan({.height = 7}, {.data = 20 << 20}).value();
   loan->data().back() = 9;
   EXPECT_EQ(std::move(loan).publish(), PublishStatus::ok);
-  ASSERT_TRUE(subscriber.wait(patience));
+  ASSERT_TRUE(subscriber.wait(hang_timeout));
   EXPECT_EQ(height_of(subscriber), 7U);
-  ASSERT_TRUE(all.wait(patience));
+  ASSERT_TRUE(all.wait(hang_timeout));
   const auto sample = all.take();
   EXPECT_EQ(sample->data().back(), 9);
 }
@@ -248,7 +248,7 @@ TEST_F(FallbackTest, AReaderWithoutUdpMissesWhatIsTooLargeAndThatIsCounted) {
   EXPECT_EQ(publisher.publish(cloud(2, large_bytes)), PublishStatus::no_memory);
   EXPECT_EQ(publisher.publish(cloud(3, small_bytes)), PublishStatus::ok);
   for (const std::uint32_t expected : {1U, 3U}) {
-    ASSERT_TRUE(subscriber.wait(patience));
+    ASSERT_TRUE(subscriber.wait(hang_timeout));
     EXPECT_EQ(height_of(subscriber), expected);
   }
   EXPECT_EQ(subscriber.status().lost, 1U);
@@ -273,7 +273,7 @@ TEST_F(FallbackTest, ADurablePublisherCountsEachSampleOnceByWhicheverWayItGoes) 
     for (const std::size_t bytes : {small_bytes, large_bytes, small_bytes}) {
       ASSERT_EQ(publisher.publish(cloud(++published, bytes)), PublishStatus::ok);
       diverted += bytes == large_bytes ? 1 : 0;
-      ASSERT_TRUE(subscriber.wait(patience));
+      ASSERT_TRUE(subscriber.wait(hang_timeout));
       EXPECT_EQ(height_of(subscriber), published);
     }
   };
@@ -380,7 +380,7 @@ TEST_F(FallbackTest, AReaderThatHoldsTooManyIsToldAndCostsThePublisherAndOthersN
   constexpr std::uint32_t published = 200;
   for (std::uint32_t number = 1; number <= published; ++number) {
     ASSERT_EQ(publisher.publish(cloud(number, small_bytes)), PublishStatus::ok);
-    ASSERT_TRUE(other.wait(patience));
+    ASSERT_TRUE(other.wait(hang_timeout));
     EXPECT_EQ(height_of(other), number);
     if (auto sample = holder.take()) held.push_back(std::move(sample));
   }

@@ -133,7 +133,7 @@ TEST_F(FirstWords, OfASubscriberThatHoldsTooManySamples) {
   ASSERT_TRUE(eventually([&] { return node.status().shm_ready; })) << node.status().shm;
   auto pub = publisher(node, {.transport = TransportChoice::shm});
   auto sub = subscriber(node, {.transport = TransportChoice::shm, .max_held = 2});
-  ASSERT_TRUE(pub.wait_for_subscribers(1, patience));
+  ASSERT_TRUE(pub.wait_for_subscribers(1, hang_timeout));
   std::vector<Sample<PointCloud2>> held;
   EXPECT_TRUE(eventually([&] {
     pub.publish({.height = 1});
@@ -163,7 +163,7 @@ TEST_F(FirstWords, OfACallbackThatHoldsUpAnotherOne) {
                                                    })
                           .value();
   const auto stop = node.subscriber<PointCloud2>("stop", [](const auto&) {}).value();
-  ASSERT_TRUE(camera.wait_for_subscribers(1, patience) && halt.wait_for_subscribers(1, patience));
+  ASSERT_TRUE(camera.wait_for_subscribers(1, hang_timeout) && halt.wait_for_subscribers(1, hang_timeout));
   camera.publish({.height = 1});
   ASSERT_TRUE(eventually([&] { return is_called.load(); }));
   halt.publish({.height = 1});
@@ -211,9 +211,9 @@ TEST_F(FirstWords, AreNoneOfAProgramThatIsRight) {
     Node node = open();
     auto pub = publisher(node, {.reliability = reliable});
     auto sub = subscriber(node, {.reliability = reliable});
-    ASSERT_TRUE(pub.wait_for_subscribers(1, patience));
+    ASSERT_TRUE(pub.wait_for_subscribers(1, hang_timeout));
     pub.publish({.height = 1});
-    EXPECT_TRUE(sub.wait(patience));
+    EXPECT_TRUE(sub.wait(hang_timeout));
   }
   EXPECT_EQ(printed(), "");
 }

@@ -32,7 +32,7 @@ TEST_F(ForeignPayloadTest, ThatArePlainArriveInOurEncoding) {
   for (const int encoding : {0x00, 0x01, 0x06, 0x07, 0x10, 0x11}) {
     const auto sent = pub.publish_cdr(payload(static_cast<std::uint8_t>(encoding), encoding % 2 == 1));
     ASSERT_TRUE(sent) << sent.error().message;
-    ASSERT_TRUE(sub.wait(patience));
+    ASSERT_TRUE(sub.wait(hang_timeout));
     const auto sample = sub.take();
     ASSERT_TRUE(sample);
     EXPECT_EQ(sample->sec(), 1);

@@ -57,7 +57,7 @@ class ForkTest : public PubSubTest {
     warnings_expected = false;
     held.emplace(Held{writing, reading, std::move(publisher), std::move(subscriber), std::move(called_back)});
     held->publisher.publish({.height = 1});
-    ASSERT_TRUE(held->subscriber.wait(patience));
+    ASSERT_TRUE(held->subscriber.wait(hang_timeout));
     held->sample = held->subscriber.take();
     held->loan = held->publisher.loan({.height = 2}, {.data = 100}).value();
     files_ = shared_files();
@@ -84,7 +84,7 @@ class ForkTest : public PubSubTest {
     const int called_before = called_;
     for (std::uint32_t i = 1; i <= 100; ++i) {
       ASSERT_EQ(held->publisher.publish({.height = i}), PublishStatus::ok);
-      ASSERT_TRUE(held->subscriber.wait(patience)) << i;
+      ASSERT_TRUE(held->subscriber.wait(hang_timeout)) << i;
       const auto sample = held->subscriber.take();
       EXPECT_EQ(sample->height(), i);
       EXPECT_EQ(sample.info().lost_before, 0U);
@@ -155,16 +155,16 @@ TEST_P(ForkTest, AProcessThatGoesOnWithWhatItFindsIsToldWhyNothingWorks) {
                   h.publisher.publish(std::vector<PointCloud2>(2)).status == PublishStatus::forked,
                   std::move(*h.loan).publish() == PublishStatus::forked,
                   refuses(h.publisher.loan({})),
-                  !h.publisher.wait_for_subscribers(1, patience),
+                  !h.publisher.wait_for_subscribers(1, hang_timeout),
                   h.publisher.status().readers.empty(),
-                  !h.subscriber.wait(patience),
+                  !h.subscriber.wait(hang_timeout),
                   !h.subscriber.take(),
                   !h.subscriber.take_latest(),
                   refuses(h.subscriber.set_max_rate_hz(1)),
                   h.subscriber.status().writers.empty(),
                   refuses(h.writing.publisher<PointCloud2>("more")),
                   refuses(h.writing.subscriber<PointCloud2>("more")),
-                  refuses(h.writing.find_type("points", patience)),
+                  refuses(h.writing.find_type("points", hang_timeout)),
                   refuses(h.writing.ask_accounts("points")),
                   h.writing.topics().empty(),
                   h.writing.domain().publishers.empty(),

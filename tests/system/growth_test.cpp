@@ -119,7 +119,7 @@ void open_subscriber_for_a_moment(Stage& stage, std::uint64_t round) {
 }
 void open_publisher(Stage& stage, std::uint64_t round) {
   auto publisher = stage.node.publisher<PointCloud2>("clouds").value();
-  ASSERT_TRUE(publisher.wait_for_subscribers(others, patience));
+  ASSERT_TRUE(publisher.wait_for_subscribers(others, hang_timeout));
   publisher.publish({.height = static_cast<std::uint32_t>(round)});
 }
 void open_node(Stage&, std::uint64_t round) {
@@ -129,7 +129,7 @@ void open_node(Stage&, std::uint64_t round) {
 void call_service(Stage& stage, std::uint64_t) {
   auto replies = stage.node.subscriber<SetBool_Response>("reply", {.reliability = reliable}).value();
   auto requests = stage.node.publisher<SetBool_Request>("request", {.reliability = reliable}).value();
-  ASSERT_TRUE(requests.wait_for_subscribers(others, patience));
+  ASSERT_TRUE(requests.wait_for_subscribers(others, hang_timeout));
   ASSERT_TRUE(eventually([&] {
     requests.publish({.data = true});
     const auto reply = replies.wait(10ms) ? replies.take() : decltype(replies.take()){};
@@ -158,7 +158,7 @@ void loan(Stage& stage, std::uint64_t round) {
   if (round % 2 == 0) std::move(*loan).publish();
 }
 void take_sample(Stage& stage, std::uint64_t) {
-  ASSERT_TRUE(stage.subscriber.wait(patience));
+  ASSERT_TRUE(stage.subscriber.wait(hang_timeout));
   ASSERT_TRUE(stage.subscriber.take());
 }
 void change_mask(Stage& stage, std::uint64_t round) {
@@ -173,7 +173,7 @@ void change_rate(Stage& stage, std::uint64_t round) {
 void ask(Stage& stage, std::uint64_t) {
   EXPECT_FALSE(stage.node.topics().empty());
   EXPECT_FALSE(stage.node.domain().publishers.empty());
-  EXPECT_TRUE(stage.node.find_type("source", patience));
+  EXPECT_TRUE(stage.node.find_type("source", hang_timeout));
   EXPECT_FALSE(stage.node.find_type("no topic", 0s));
   EXPECT_TRUE(stage.node.ask_accounts("source"));
 }
@@ -190,7 +190,7 @@ void change_links(Stage& stage, std::uint64_t) {
 
 void serve_group(Stage& stage, std::uint64_t) {
   auto publisher = stage.node.publisher<PointCloud2>("clouds").value();
-  ASSERT_TRUE(publisher.wait_for_subscribers(others, patience));
+  ASSERT_TRUE(publisher.wait_for_subscribers(others, hang_timeout));
   const auto in_group = [](const PublisherStatus::Reader& reader) {
     return reader.multicast.starts_with("group ");
   };
@@ -236,7 +236,7 @@ class Growth : public testing::TestWithParam<Act> {
     auto publisher = node.publisher<PointCloud2>("clouds", {.max_sample_bytes = 1 << 20}).value();
     auto subscriber = node.subscriber<PointCloud2>("source").value();
     stage_.emplace(Stage{std::move(node), std::move(publisher), std::move(subscriber)});
-    ASSERT_TRUE(stage_->publisher.wait_for_subscribers(others, patience));
+    ASSERT_TRUE(stage_->publisher.wait_for_subscribers(others, hang_timeout));
     expect_matched(stage_->subscriber);
     ASSERT_TRUE(eventually([&] {
       return stage_->node.status().shm_ready &&

@@ -17,7 +17,7 @@
 #include "core/sync/mutex.h"
 #include "tests/support/eventually.h"
 #include "tests/support/isolated_host.h"
-#include "tests/system/control_ear.h"
+#include "tests/system/control_reader.h"
 
 namespace sft::test {
 namespace {
@@ -26,9 +26,9 @@ using core::Role;
 using ::testing::ElementsAre;
 
 /// The readers and writers of a control topic on this host, as Cyclone tells of them.
-class TopicWatch {
+class TopicMonitor {
  public:
-  explicit TopicWatch(std::string topic) : topic_(std::move(topic)) {
+  explicit TopicMonitor(std::string topic) : topic_(std::move(topic)) {
     readers_ = dds_create_reader(participant_.entity(), DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION, nullptr, nullptr);
     writers_ = dds_create_reader(participant_.entity(), DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr);
   }
@@ -63,9 +63,9 @@ class TopicWatch {
 };
 
 /// How often participants of this host have said who they are, as Cyclone tells of them.
-class ParticipantWatch {
+class ParticipantMonitor {
  public:
-  ParticipantWatch()
+  ParticipantMonitor()
       : reader_(
             dds_create_reader(participant_.entity(), DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr)) {}
 
@@ -93,16 +93,16 @@ class JointDiscoveryTest : public ::testing::Test {
 };
 
 TEST_F(JointDiscoveryTest, HasOneReaderAndOneWriterOfATopicHoweverManyNodesShareIt) {
-  std::vector<std::unique_ptr<ControlEar>> nodes;
+  std::vector<std::unique_ptr<ControlReader>> nodes;
   for (core::EndpointId id = 1; id <= 8; ++id) {
-    nodes.push_back(std::make_unique<ControlEar>("one-"));
+    nodes.push_back(std::make_unique<ControlReader>("one-"));
     nodes.back()->announce(Role::reader, id);
   }
-  ControlEar other("two-");
+  ControlReader other("two-");
   other.announce(Role::writer, 100);
   other.announce(Role::reader, 101);
   for (const auto& node : nodes) EXPECT_TRUE(node->hears(100));
-  const TopicWatch of_writers("sft_writer"), of_readers("sft_reader");
+  const TopicMonitor of_writers("sft_writer"), of_readers("sft_reader");
   EXPECT_TRUE(of_writers.readers_become(2));
   EXPECT_TRUE(of_writers.writers_become(1));
   EXPECT_TRUE(of_readers.readers_become(1));
@@ -110,8 +110,8 @@ TEST_F(JointDiscoveryTest, HasOneReaderAndOneWriterOfATopicHoweverManyNodesShare
 }
 
 TEST_F(JointDiscoveryTest, ExchangesReportsOnlyWhileANodeInquires) {
-  ControlEar writer("one-"), reader("two-");
-  const TopicWatch reports("sft_report");
+  ControlReader writer("one-"), reader("two-");
+  const TopicMonitor reports("sft_report");
   const core::Inquiry inquiry{.topic = "points"};
   writer.announce(Role::writer, 1);
   reader.announce(Role::reader, 2);
@@ -134,7 +134,7 @@ TEST_F(JointDiscoveryTest, ExchangesReportsOnlyWhileANodeInquires) {
 }
 
 TEST_F(JointDiscoveryTest, TellsANewcomerOfTheProcessWhatIsInForce) {
-  ControlEar first("one-"), other("two-");
+  ControlReader first("one-"), other("two-");
   first.announce(Role::writer, 1);
   other.announce(Role::reader, 2);
   other.announce(Role::reader, 3);
@@ -144,7 +144,7 @@ TEST_F(JointDiscoveryTest, TellsANewcomerOfTheProcessWhatIsInForce) {
   other.withdraw(3);
   EXPECT_TRUE(eventually([&] { return !first.heard().contains(3); }));
 
-  ControlEar newcomer("one-");
+  ControlReader newcomer("one-");
   newcomer.announce(Role::writer, 4);
   EXPECT_TRUE(newcomer.hears(2));
   EXPECT_TRUE(eventually([&] { return newcomer.asked() == 7; }));
@@ -153,11 +153,11 @@ TEST_F(JointDiscoveryTest, TellsANewcomerOfTheProcessWhatIsInForce) {
 }
 
 TEST_F(JointDiscoveryTest, LetsNodesOfTheProcessHearEachOther) {
-  ControlEar writer("one-"), reader("one-");
+  ControlReader writer("one-"), reader("one-");
   writer.announce(Role::writer, 1);
   reader.announce(Role::reader, 2);
   EXPECT_TRUE(reader.hears(1) && writer.hears(2));
-  ControlEar newcomer("one-");
+  ControlReader newcomer("one-");
   newcomer.announce(Role::reader, 3);
   EXPECT_TRUE(newcomer.hears(1) && writer.hears(3));
   writer.withdraw(1);
@@ -166,13 +166,13 @@ TEST_F(JointDiscoveryTest, LetsNodesOfTheProcessHearEachOther) {
 
 TEST_F(JointDiscoveryTest, AnnouncesItselfToAStrangerOfWhichOnlyHeartbeatsCome) {
   using namespace std::chrono_literals;
-  ControlEar ear("one-");
-  ParticipantWatch participants;
+  ControlReader control_reader("one-");
+  ParticipantMonitor participants;
   const auto announces_within = [&](std::chrono::milliseconds duration, const auto& meanwhile) {
     const int words = participants.words();
     const auto has_announced = [&] {
       meanwhile();
-      ear.look();
+      control_reader.look();
       return participants.words() > words;
     };
     return eventually(has_announced, duration);
@@ -190,8 +190,8 @@ TEST_F(JointDiscoveryTest, AnnouncesItselfToAStrangerOfWhichOnlyHeartbeatsCome) 
 }
 
 TEST_F(JointDiscoveryTest, StaysWithTheOtherNodesWhenTheFirstOneGoes) {
-  auto first = std::make_unique<ControlEar>("one-");
-  ControlEar second("one-"), third("one-"), other("two-");
+  auto first = std::make_unique<ControlReader>("one-");
+  ControlReader second("one-"), third("one-"), other("two-");
   first->announce(Role::reader, 1);
   second.announce(Role::reader, 2);
   third.announce(Role::reader, 3);
@@ -208,7 +208,7 @@ TEST_F(JointDiscoveryTest, StaysWithTheOtherNodesWhenTheFirstOneGoes) {
   EXPECT_EQ(second.gone() + third.gone(), 0U) << "nobody is lost meanwhile";
   other.withdraw(10);
   EXPECT_TRUE(eventually([&] { return !second.heard().contains(10) && !third.heard().contains(10); }));
-  EXPECT_TRUE(TopicWatch("sft_writer").readers_become(1));
+  EXPECT_TRUE(TopicMonitor("sft_writer").readers_become(1));
 }
 
 // The number is not in the rest of the configuration, which is equal.
@@ -217,7 +217,7 @@ TEST_F(JointDiscoveryTest, IsNotSharedByNodesWhoseUserGivesTheDomainAnotherNumbe
     return "<CycloneDDS><Domain id=\"any\"><Discovery><ExternalDomainId>" + std::to_string(domain) +
            "</ExternalDomainId></Discovery></Domain></CycloneDDS>";
   };
-  ControlEar here("", numbered(70)), elsewhere("", numbered(71)), also_here("", numbered(70));
+  ControlReader here("", numbered(70)), elsewhere("", numbered(71)), also_here("", numbered(70));
   here.announce(Role::writer, 1);
   elsewhere.announce(Role::reader, 2);
   also_here.announce(Role::reader, 3);
@@ -232,11 +232,11 @@ TEST_F(JointDiscoveryTest, OfAProgramThatOpenedTheDomainItselfMeetsTheOtherProce
   if (program == 0) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     dds_create_participant(control_domain(), nullptr, nullptr);
-    ControlEar writer;
+    ControlReader writer;
     writer.announce(Role::writer, 1);
     for (;;) pause();
   }
-  ControlEar reader;
+  ControlReader reader;
   reader.announce(Role::reader, 2);
   EXPECT_TRUE(reader.hears(1));
   kill(program, SIGKILL);
@@ -244,12 +244,12 @@ TEST_F(JointDiscoveryTest, OfAProgramThatOpenedTheDomainItselfMeetsTheOtherProce
 }
 
 TEST_F(JointDiscoveryTest, CarriesTwoHundredNodesInOneProcess) {
-  ControlEar other("two-");
+  ControlReader other("two-");
   other.announce(Role::writer, 1000);
-  std::vector<std::unique_ptr<ControlEar>> nodes;
+  std::vector<std::unique_ptr<ControlReader>> nodes;
   std::set<core::EndpointId> writers{1000}, readers;
   for (core::EndpointId id = 1; id <= 200; ++id) {
-    nodes.push_back(std::make_unique<ControlEar>("one-"));
+    nodes.push_back(std::make_unique<ControlReader>("one-"));
     const bool is_writer = id % 2 == 0;
     nodes.back()->announce(is_writer ? Role::writer : Role::reader, id);
     (is_writer ? writers : readers).insert(id);
@@ -259,17 +259,17 @@ TEST_F(JointDiscoveryTest, CarriesTwoHundredNodesInOneProcess) {
     const auto& others = id % 2 == 0 ? readers : writers;
     EXPECT_TRUE(eventually([&] { return nodes[id - 1]->heard() == others; })) << id;
   }
-  EXPECT_TRUE(TopicWatch("sft_writer").writers_become(2));
+  EXPECT_TRUE(TopicMonitor("sft_writer").writers_become(2));
   nodes.clear();
   EXPECT_TRUE(eventually([&] { return other.heard().empty(); })) << other.heard().size();
 }
 
 TEST_F(JointDiscoveryTest, OutlivesNodesThatComeAndGo) {
-  ControlEar other("two-");
+  ControlReader other("two-");
   other.announce(Role::writer, 1000);
-  std::vector<std::unique_ptr<ControlEar>> nodes;
+  std::vector<std::unique_ptr<ControlReader>> nodes;
   for (core::EndpointId id = 1; id <= 40; ++id) {
-    nodes.push_back(std::make_unique<ControlEar>("one-"));
+    nodes.push_back(std::make_unique<ControlReader>("one-"));
     nodes.back()->announce(Role::reader, id);
     EXPECT_TRUE(nodes.back()->hears(1000)) << id;
     if (nodes.size() <= 3) continue;

@@ -189,7 +189,7 @@ TEST_F(KillTest, AReaderKilledWithSamplesInItsHandsCostsOtherReadersNothing) {
     auto loan = publisher.loan({.height = ++published}, {.data = cloud_bytes});
     ASSERT_TRUE(loan) << loan.error().message << " after " << published;
     ASSERT_EQ(std::move(*loan).publish(), PublishStatus::ok);
-    ASSERT_TRUE(subscriber.wait(patience));
+    ASSERT_TRUE(subscriber.wait(hang_timeout));
     const auto sample = subscriber.take();
     taken += sample->height() == published ? 1 : 0;
   };
@@ -334,7 +334,7 @@ TEST_F(KillTest, AReaderThatIsWaitedForAndKilledIsSoonWaitedForNoMore) {
   const auto begin = std::chrono::steady_clock::now();
   stalled.kill_now();
   publishing.join();
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, patience) << "not for each of its samples";
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, hang_timeout) << "not for each of its samples";
 }
 
 /// Takes from a subscriber with two selections on a thread of its own: on a busy machine it may take longer

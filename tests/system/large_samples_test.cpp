@@ -34,7 +34,7 @@ class LargeSamples : public PubSubTest {
     expect_served(pub, 1);
     for (int i = 0; i < 3; ++i) {
       EXPECT_EQ(pub.publish(message), PublishStatus::ok);
-      ASSERT_TRUE(sub.wait(patience));
+      ASSERT_TRUE(sub.wait(hang_timeout));
       const auto sample = sub.take();
       EXPECT_EQ(sample.info().transport, in_shared_memory() ? TransportKind::shm : TransportKind::udp);
       EXPECT_TRUE(sample.to_owned() == message) << i;
@@ -106,7 +106,7 @@ class ThreeLidars : public ::testing::Test {
       for (std::size_t i = 0; i < lidars; ++i) {
         ASSERT_EQ(publishers_[i].publish(cloud), PublishStatus::ok);
         for (std::size_t reader = number == 1 ? 0 : stalled; reader < readers; ++reader) {
-          ASSERT_TRUE(subscribers_[i][reader].wait(patience));
+          ASSERT_TRUE(subscribers_[i][reader].wait(hang_timeout));
           const auto sample = subscribers_[i][reader].take();
           ASSERT_EQ(sample->height(), number);
           ASSERT_EQ(sample.info().transport, TransportKind::shm);
@@ -166,7 +166,7 @@ TEST_F(MemoryOnDemand, IsNotTakenBeforeLargeSamplesArePublished) {
   PointCloud2 cloud;
   cloud.data.resize(30'000'000);
   publisher.publish(cloud);
-  ASSERT_TRUE(subscriber.wait(patience));
+  ASSERT_TRUE(subscriber.wait(hang_timeout));
   const auto sample = subscriber.take();
   EXPECT_EQ(sample.info().transport, TransportKind::shm);
   EXPECT_GE(used_mebibytes(), before + 28);
@@ -184,7 +184,7 @@ TEST_F(MemoryOnDemand, ThatTheHostDoesNotHaveSendsSamplesByUdp) {
   cloud.data.resize(30'000'000);
   const auto arrives_by = [&](TransportKind transport) {
     EXPECT_EQ(publisher.publish(cloud), PublishStatus::ok);
-    EXPECT_TRUE(subscriber.wait(patience));
+    EXPECT_TRUE(subscriber.wait(hang_timeout));
     const auto sample = subscriber.take();
     return sample && sample.info().transport == transport;
   };

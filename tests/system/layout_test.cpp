@@ -26,7 +26,7 @@ class LayoutNodesTest : public PubSubTest {
  protected:
   static constexpr std::uint32_t rows = 5, columns = 6;
 
-  DynamicType type() { return b.find_type("map", patience).value(); }
+  DynamicType type() { return b.find_type("map", hang_timeout).value(); }
 
   /// The height of a cell is 100 times its row, and its column; but for the number of the map.
   static HeightMap map(std::uint32_t number = 0) {
@@ -53,7 +53,7 @@ class LayoutNodesTest : public PubSubTest {
     return sample.view().find(field).as<std::uint32_t>().value();
   }
   DynamicSample next(auto& sub) {
-    EXPECT_TRUE(sub.wait(patience));
+    EXPECT_TRUE(sub.wait(hang_timeout));
     return sub.take();
   }
 
@@ -70,7 +70,7 @@ TEST_P(LayoutNodesTest, AStructThatIsTooLargeForTheStackIsCopiedToTheHeap) {
   sent->seq = 7;
   sent->data.back() = 9;
   ASSERT_EQ(frames.publish(*sent), PublishStatus::ok);
-  ASSERT_TRUE(sub.wait(patience));
+  ASSERT_TRUE(sub.wait(hang_timeout));
   const auto sample = sub.take();
   const auto copy = std::make_unique<LargeArray>();
   copy->data.front() = 1;
@@ -87,9 +87,9 @@ const SubscriberOptions reliable{.reliability = Reliability::reliable, .depth = 
 
 TEST_P(LayoutNodesTest, ADynamicSubscriberGetsTheRowsAndColumnsThatItNames) {
   auto cells = a.publisher<Cells>("cells", {.reliability = Reliability::reliable}).value();
-  auto sub =
-      b.subscriber("cells", b.find_type("cells", patience).value(), "cells[rows 2:4, columns ::2]", reliable)
-          .value();
+  auto sub = b.subscriber("cells", b.find_type("cells", hang_timeout).value(), "cells[rows 2:4, columns ::2]",
+                          reliable)
+                 .value();
   expect_served(cells, 1);
   Cells whole;
   whole.rows = rows;
@@ -127,7 +127,7 @@ TEST_P(LayoutNodesTest, ACompiledSubscriberAsksForAPartInItsOptions) {
   auto sub = b.subscriber<HeightMap, HeightMap::Field::heights>("map", options).value();
   expect_served(pub, 1);
   ASSERT_EQ(pub.publish(map()), PublishStatus::ok);
-  ASSERT_TRUE(sub.wait(patience));
+  ASSERT_TRUE(sub.wait(hang_timeout));
   const auto sample = sub.take();
   EXPECT_THAT(sample->heights(), ElementsAre(405));
 }

@@ -57,14 +57,14 @@ class NodeProcess : public NodeProcessWith<Report> {
   using NodeProcessWith::NodeProcessWith;
 
   bool is_open() const {
-    return eventually([&] { return report().opened.load(); }, patience);
+    return eventually([&] { return report().opened.load(); }, hang_timeout);
   }
   bool takes_samples() const {
     const std::uint64_t before = report().taken;
-    return eventually([&] { return report().taken > before + 10; }, patience);
+    return eventually([&] { return report().taken > before + 10; }, hang_timeout);
   }
   bool says(const std::string& text) const {
-    return eventually([&] { return report().told().find(text) != std::string::npos; }, patience);
+    return eventually([&] { return report().told().find(text) != std::string::npos; }, hang_timeout);
   }
 };
 
@@ -101,14 +101,14 @@ class LinksTest : public ::testing::Test {
       if (!made) GTEST_SKIP() << made.error().message;
       spaces_.push_back(std::move(*made));
     }
-    for (const std::size_t host : {robot, desk}) ASSERT_TRUE(run(host, "ip link set lo up"));
+    for (const std::size_t host : {robot, laptop}) ASSERT_TRUE(run(host, "ip link set lo up"));
     for (const char* name : {"first", "second", "third"}) {
       ASSERT_TRUE(run(room, "ip link add " + std::string(name) +
                                 " type bridge stp_state 0 mcast_snooping 0 && ip link set " + name + " up"));
     }
   }
 
-  static constexpr std::size_t robot = 0, desk = 1, room = 2;
+  static constexpr std::size_t robot = 0, laptop = 1, room = 2;
 
   const hosts::NetworkNamespace& host(std::size_t number) const { return spaces_[number]; }
   bool run(std::size_t where, const std::string& commands) const {
@@ -146,7 +146,7 @@ class LinksTest : public ::testing::Test {
           poll(nullptr, 0, 100);
           return before == subscriber.report().taken;
         },
-        patience);
+        hang_timeout);
   }
 
  private:
@@ -178,11 +178,11 @@ INSTANTIATE_TEST_SUITE_P(
 TEST_P(RobotsInterfaces, AreUsedWhetherTheyAreThereOrComeLate) {
   const auto& [cell, late] = GetParam();
   if (cell.has_another_network) plug_in(robot, "lan0", "10.1.0.1", "second");
-  plug_in(desk, "huc", "10.0.0.2");
+  plug_in(laptop, "huc", "10.0.0.2");
   if (!late) plug_in(robot, "huc", "10.0.0.1");
   const NodeProcess publisher(host(robot), options(cell.listed), publish);
   ASSERT_TRUE(publisher.is_open());
-  const NodeProcess subscriber(host(desk), options(), subscribe);
+  const NodeProcess subscriber(host(laptop), options(), subscribe);
   if (late) {
     ASSERT_TRUE(subscriber.is_open());
     if (!cell.has_another_network) {
@@ -206,9 +206,9 @@ class ChangesOfNetwork : public LinksTest {
     LinksTest::SetUp();
     if (IsSkipped()) return;
     plug_in(robot, "lan0", "10.0.0.1");
-    plug_in(desk, "lan0", "10.0.0.2");
+    plug_in(laptop, "lan0", "10.0.0.2");
     publisher_ = std::make_unique<NodeProcess>(host(robot), options(), publish);
-    subscriber_ = std::make_unique<NodeProcess>(host(desk), options(), subscribe);
+    subscriber_ = std::make_unique<NodeProcess>(host(laptop), options(), subscribe);
     ASSERT_TRUE(subscriber().takes_samples());
   }
   NodeProcess& publisher() { return *publisher_; }
@@ -235,7 +235,7 @@ class ChangesOfNetwork : public LinksTest {
 
 TEST_F(ChangesOfNetwork, OfBothAddressesByDhcp) {
   take_address(robot, "10.0.0.1", "10.7.0.11");
-  take_address(desk, "10.0.0.2", "10.7.0.12");
+  take_address(laptop, "10.0.0.2", "10.7.0.12");
   EXPECT_TRUE(comes_soon(subscriber()));
   EXPECT_TRUE(publisher().says("lan0 (10.7.0.11)"));
 }
@@ -246,7 +246,7 @@ TEST_F(ChangesOfNetwork, OfTheAddressOfThePublisher) {
 }
 
 TEST_F(ChangesOfNetwork, OfTheAddressOfTheSubscriber) {
-  take_address(desk, "10.0.0.2", "10.0.0.12");
+  take_address(laptop, "10.0.0.2", "10.0.0.12");
   EXPECT_TRUE(falls_silent(subscriber()));
   EXPECT_TRUE(comes_soon(subscriber()));
 }
@@ -267,14 +267,14 @@ TEST_F(ChangesOfNetwork, ByACableThatIsPulledAndPluggedInAgain) {
 
 TEST_F(ChangesOfNetwork, ByASwitchThatReboots) {
   ASSERT_TRUE(run(room, "ip link set first down"));
-  EXPECT_TRUE(eventually([&] { return publisher().report().matched == 0; }, patience));
+  EXPECT_TRUE(eventually([&] { return publisher().report().matched == 0; }, hang_timeout));
   ASSERT_TRUE(run(room, "ip link set first up"));
   EXPECT_TRUE(comes_soon(subscriber()));
 }
 
 TEST_F(ChangesOfNetwork, ByASecondNetworkThatOutlivesTheFirst) {
   plug_in(robot, "lan1", "10.1.0.1", "second");
-  plug_in(desk, "lan1", "10.1.0.2", "second");
+  plug_in(laptop, "lan1", "10.1.0.2", "second");
   EXPECT_TRUE(publisher().says("lan1 (10.1.0.1)"));
   EXPECT_TRUE(subscriber().says("lan1 (10.1.0.2)"));
   ASSERT_TRUE(run(robot, "ip link set lan0 down"));
@@ -286,7 +286,7 @@ TEST_F(ChangesOfNetwork, ByASecondNetworkThatOutlivesTheFirst) {
 /// there, too.
 TEST_F(ChangesOfNetwork, ByACutThatNobodySeesBesideAnotherNetwork) {
   plug_in(robot, "lan1", "10.1.0.1", "second");
-  plug_in(desk, "lan1", "10.1.0.2", "second");
+  plug_in(laptop, "lan1", "10.1.0.2", "second");
   EXPECT_TRUE(publisher().says("lan1 (10.1.0.1)"));
   EXPECT_TRUE(subscriber().says("lan1 (10.1.0.2)"));
   ASSERT_TRUE(subscriber().takes_samples());
@@ -299,14 +299,14 @@ TEST_F(ChangesOfNetwork, ByACutThatNobodySeesBesideAnotherNetwork) {
 
 TEST_F(LinksTest, AVpnThatComesUpIsUsed) {
   plug_in(robot, "lan0", "10.0.0.1", "first");
-  plug_in(desk, "lan0", "10.1.0.2", "second");
+  plug_in(laptop, "lan0", "10.1.0.2", "second");
   const NodeProcess publisher(host(robot), options(), publish);
-  const NodeProcess subscriber(host(desk), options(), subscribe);
+  const NodeProcess subscriber(host(laptop), options(), subscribe);
   ASSERT_TRUE(publisher.is_open());
   ASSERT_TRUE(subscriber.is_open());
   EXPECT_EQ(subscriber.report().matched, 0U);
   plug_in(robot, "vpn", "10.8.0.1", "third");
-  plug_in(desk, "vpn", "10.8.0.2", "third");
+  plug_in(laptop, "vpn", "10.8.0.2", "third");
   EXPECT_TRUE(comes_soon(subscriber));
 }
 
@@ -341,8 +341,8 @@ void publish_beside_many_files(Node& node, Report& report) {
 TEST_F(LinksTest, AnInterfaceThatComesWhileAProgramHasManyFilesIsUsedOnceItHasFewer) {
   const NodeProcess publisher(host(robot), options(), publish_beside_many_files);
   ASSERT_TRUE(publisher.is_open());
-  plug_in(desk, "huc", "10.0.0.2");
-  const NodeProcess subscriber(host(desk), options(), subscribe);
+  plug_in(laptop, "huc", "10.0.0.2");
+  const NodeProcess subscriber(host(laptop), options(), subscribe);
   plug_in(robot, "huc", "10.0.0.1");
   EXPECT_TRUE(publisher.says("file descriptors with numbers below 1024")) << publisher.report().told();
   publisher.report().may_close_files = true;
@@ -354,7 +354,7 @@ TEST_F(LinksTest, WithoutAnyInterfaceANodeSaysSo) {
   const NodeProcess::Role none = [](Node&, Report&) { pause(); };
   testing::internal::CaptureStderr();
   const NodeProcess node(host(robot), options(), none);
-  ASSERT_TRUE(eventually([&] { return node.report().failed.load(); }, patience));
+  ASSERT_TRUE(eventually([&] { return node.report().failed.load(); }, hang_timeout));
   EXPECT_NE(testing::internal::GetCapturedStderr().find("no network interface is up"), std::string::npos);
 }
 

@@ -56,9 +56,9 @@ TEST_F(NamesTest, SamplesGoWhereTheNamesLead) {
   Node monitor = open("monitor");
   auto pub = cam.publisher<Float64>("~/gain").value();
   auto sub = monitor.subscriber<Float64>("left/gain").value();
-  ASSERT_TRUE(pub.wait_for_subscribers(1, patience));
+  ASSERT_TRUE(pub.wait_for_subscribers(1, hang_timeout));
   pub.publish({.data = 7});
-  ASSERT_TRUE(sub.wait(patience));
+  ASSERT_TRUE(sub.wait(hang_timeout));
   const auto sample = sub.take();
   EXPECT_EQ(sample->data(), 7);
   EXPECT_EQ(sub.status().writers.at(0).node, "left/cam");
@@ -76,7 +76,7 @@ TEST_F(NamesTest, SamplesGoWhereTheNamesLead) {
 TEST_F(NamesTest, EverythingThatTakesATopicFollowsTheRules) {
   Node cam = open("cam", "left", {"gain:=/shared/gain"});
   auto typed = cam.subscriber<Float64>("gain").value();
-  const auto type = cam.find_type("gain", patience);
+  const auto type = cam.find_type("gain", hang_timeout);
   ASSERT_TRUE(type) << type.error().message;
   auto pub = cam.publisher("gain", *type).value();
   auto sub = cam.subscriber("gain", *type, "*").value();
@@ -98,7 +98,7 @@ TEST_F(NamesTest, AServiceIsRenamedByItsName) {
   };
   auto server = Service<SetBool>::open(lamp, "~/lights", answer).value();
   auto client = Client<SetBool>::open(hand, "light").value();
-  const Result<SetBool::Response> response = client.call({.data = true}, patience);
+  const Result<SetBool::Response> response = client.call({.data = true}, hang_timeout);
   ASSERT_TRUE(response) << response.error().message;
   EXPECT_TRUE(response->success);
 }

@@ -124,7 +124,7 @@ bool is_what_it_names(const DynamicSample& sample, std::uint32_t number) {
 /// Asks for one of the selections after another, as it is told.
 auto subscribe_in_turn(std::vector<std::string> selections) {
   return [selections = std::move(selections)](Node& node, Received& received) {
-    const DynamicType type = node.find_type("points", patience).value();
+    const DynamicType type = node.find_type("points", hang_timeout).value();
     std::vector<Selection> asked;
     for (const std::string& text : selections) {
       const TypeSupport& support = type.support();
@@ -157,7 +157,7 @@ auto subscribe_in_turn(std::vector<std::string> selections) {
 /// Asks for all of the selections at the same time, with a subscriber for each.
 auto subscribe_together(std::vector<std::string> selections) {
   return [selections = std::move(selections)](Node& node, Received& received) {
-    const DynamicType type = node.find_type("points", patience).value();
+    const DynamicType type = node.find_type("points", hang_timeout).value();
     std::vector<DynamicSubscriber> subscribers;
     std::vector<Selection> asked;
     for (const std::string& text : selections) {
@@ -208,7 +208,7 @@ class PartHostsTest : public testing::Test {
       subscribers_.push_back(std::make_unique<Subscriber>(network_->host(subscribers_.size() + 1), options(),
                                                           subscribe_in_turn(some)));
     }
-    ASSERT_TRUE(eventually([&] { return cast().served == selections.size(); }, patience));
+    ASSERT_TRUE(eventually([&] { return cast().served == selections.size(); }, hang_timeout));
   }
   Cloudcast& cast() { return publisher_->report(); }
   Received& received(std::size_t subscriber) { return subscribers_[subscriber]->report(); }
@@ -220,11 +220,11 @@ class PartHostsTest : public testing::Test {
           return std::ranges::all_of(subscribers_,
                                      [&](const auto& one) { return one->report().last == cast().wanted; });
         },
-        patience);
+        hang_timeout);
   }
   /// At least so many.
   bool publish_until_in_groups(std::size_t readers) {
-    return eventually([&] { return cast().in_groups >= readers || (publish_more(5), false); }, patience);
+    return eventually([&] { return cast().in_groups >= readers || (publish_more(5), false); }, hang_timeout);
   }
   /// Everybody has each sample before the next one is published, so nobody falls behind its group.
   double bytes_of_a_sample() {
@@ -238,7 +238,7 @@ class PartHostsTest : public testing::Test {
   testing::AssertionResult sends_at_most(double bytes) {
     double least = bytes_of_a_sample();
     const auto is_within = [&] { return least <= bytes || (least = bytes_of_a_sample()) <= bytes; };
-    const bool settles = eventually(is_within, patience);
+    const bool settles = eventually(is_within, hang_timeout);
     std::printf("%.0f bytes on the link for each sample, of at most %.0f\n", least, bytes);
     return settles ? testing::AssertionSuccess() : testing::AssertionFailure() << least << " bytes";
   }
@@ -283,7 +283,7 @@ TEST_F(PartHostsTest, TheSubscribersOfANodeCutTheirPartsOutOfOneCopy) {
   subscribers_.push_back(std::make_unique<Subscriber>(
       network_->host(1), options(),
       subscribe_together({"data[:3900]", "data[100:]", "data{x,y,z}", "height, width, data{ring}"})));
-  ASSERT_TRUE(eventually([&] { return cast().served == 4; }, patience));
+  ASSERT_TRUE(eventually([&] { return cast().served == 4; }, hang_timeout));
   EXPECT_TRUE(sends_at_most(1.2 * whole_bytes));
   expect_all_is_right();
 }
@@ -295,7 +295,8 @@ TEST_F(PartHostsTest, ASubscriberThatChangesItsPartLosesNothingAndNeitherDoOther
   for (std::uint32_t round = 1; round <= 15; ++round) {
     const auto next = static_cast<std::uint32_t>(round % in_turn.size());
     received(0).selection = next;
-    ASSERT_TRUE(eventually([&] { return received(0).named == next || (publish_more(2), false); }, patience))
+    ASSERT_TRUE(
+        eventually([&] { return received(0).named == next || (publish_more(2), false); }, hang_timeout))
         << "round " << round;
   }
   EXPECT_TRUE(publish_until_in_groups(4)) << "it has become calm";

@@ -159,7 +159,7 @@ class PeerNamesTest : public ::testing::TestWithParam<bool> {
   static core::FileDescriptor participant_at(const std::string& address) { return socket_at(address, 7440); }
   static bool is_asked(const core::FileDescriptor& participant) {
     pollfd waits{.fd = participant.get(), .events = POLLIN, .revents = 0};
-    return poll(&waits, 1, static_cast<int>(std::chrono::milliseconds(patience).count())) == 1;
+    return poll(&waits, 1, static_cast<int>(std::chrono::milliseconds(hang_timeout).count())) == 1;
   }
 
   static constexpr const char* unanswered =

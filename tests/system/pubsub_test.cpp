@@ -20,7 +20,7 @@ TEST_P(PubSubTest, ASampleArrivesWhole) {
   expect_served(pub, 1);
   const PointCloud2 sent = cloud(7, 300'000);
   EXPECT_EQ(pub.publish(sent), PublishStatus::ok);
-  ASSERT_TRUE(sub.wait(patience));
+  ASSERT_TRUE(sub.wait(hang_timeout));
   const auto sample = sub.take();
   EXPECT_EQ(sample.to_owned(), sent);
   EXPECT_EQ(sample.info().transport, in_shared_memory() ? TransportKind::shm : TransportKind::udp);
@@ -57,7 +57,7 @@ TEST_P(PubSubTest, EachSubscriberGetsTheFieldsItDeclared) {
   auto names = b.subscriber<PointCloud2, F::fields.each.name>("points").value();
   expect_served(pub, 2);
   pub.publish(cloud(7));
-  ASSERT_TRUE(scalars.wait(patience) && names.wait(patience));
+  ASSERT_TRUE(scalars.wait(hang_timeout) && names.wait(hang_timeout));
   const auto scalar = scalars.take();
   EXPECT_EQ(scalar->height(), 7U);
   EXPECT_EQ(scalar->width(), 8U);
@@ -85,7 +85,7 @@ TEST_P(PubSubTest, MessagesThatArePublishedTogetherAreSamplesLikeOthers) {
   EXPECT_EQ(done.status, PublishStatus::invalid);
   clouds.erase(clouds.begin() + 5);
   for (std::uint64_t sequence = 1; const PointCloud2& sent : clouds) {
-    ASSERT_TRUE(sub.wait(patience));
+    ASSERT_TRUE(sub.wait(hang_timeout));
     const auto sample = sub.take();
     EXPECT_EQ(sample.to_owned(), sent);
     EXPECT_EQ(sample.info().sequence, sequence++);
@@ -117,7 +117,7 @@ TEST_P(PubSubTest, ALoanIsFilledInPlace) {
   EXPECT_EQ(std::move(loan).publish(), PublishStatus::ok);
   expected.width = 44;
   expected.header.stamp.nanosec = 55;
-  ASSERT_TRUE(sub.wait(patience));
+  ASSERT_TRUE(sub.wait(hang_timeout));
   EXPECT_EQ(sub.take().to_owned(), expected);
 }
 
@@ -145,7 +145,7 @@ TEST_P(PubSubTest, ALoanThatShrankArrivesAsIfItHadBeenMadeSo) {
   PointCloud2 expected = cloud(3);
   expected.data.assign(33'333, 9);
   expected.is_dense = true;
-  ASSERT_TRUE(sub.wait(patience) && scalars.wait(patience));
+  ASSERT_TRUE(sub.wait(hang_timeout) && scalars.wait(hang_timeout));
   EXPECT_EQ(sub.take().to_owned(), expected);
   const auto scalar = scalars.take();
   EXPECT_TRUE(scalar->is_dense());
@@ -166,13 +166,13 @@ TEST_P(PubSubTest, NothingOfEarlierSamplesIsInALoan) {
   expected.data[7] = 1;
   for (int round = 0; round < 20; ++round) {
     pub.publish(canaries);
-    ASSERT_TRUE(sub.wait(patience));
+    ASSERT_TRUE(sub.wait(hang_timeout));
     EXPECT_EQ(sub.take().to_owned(), canaries);
     auto loan = pub.loan(prototype, {.data = 50'011}).value();
     loan->data()[7] = 1;
     loan.shrink(F::data, 41'111);
     EXPECT_EQ(std::move(loan).publish(), PublishStatus::ok);
-    ASSERT_TRUE(sub.wait(patience));
+    ASSERT_TRUE(sub.wait(hang_timeout));
     const auto sample = sub.take();
     EXPECT_EQ(sample.to_owned(), expected);
     EXPECT_EQ(std::ranges::count(sample.cdr(), std::byte{0xA5}), 0);
@@ -195,7 +195,7 @@ TEST_P(PubSubTest, ElementsAreReachedByTheirPosition) {
   message.fields.resize(100);
   for (std::size_t i = 0; i < 100; ++i) message.fields[i].name = std::to_string(1000 + i);
   pub.publish(message);
-  ASSERT_TRUE(sub.wait(patience) && rec.wait(patience));
+  ASSERT_TRUE(sub.wait(hang_timeout) && rec.wait(hang_timeout));
   const auto sample = sub.take();
   const auto fields = sample->fields();
   EXPECT_EQ(fields[70].name(), "1070");
@@ -212,9 +212,9 @@ TEST_P(PubSubTest, ASlashInFrontOfATopicCountsForNothingAndIsNotShown) {
   auto sub = b.subscriber<PointCloud2, F::height>("left/points").value();
   expect_served(pub, 1);
   pub.publish(cloud(7));
-  ASSERT_TRUE(sub.wait(patience));
+  ASSERT_TRUE(sub.wait(hang_timeout));
   EXPECT_EQ(a.snapshot().publishers.at(0).topic, "left/points");
-  EXPECT_TRUE(b.find_type("/left/points", patience));
+  EXPECT_TRUE(b.find_type("/left/points", hang_timeout));
   ASSERT_EQ(b.topics().size(), 1U);
   EXPECT_EQ(b.topics()[0].name, "left/points");
 }
@@ -230,7 +230,7 @@ TEST_P(PubSubTest, APublisherWaitsForAsManySubscribersAsItIsTold) {
   EXPECT_TRUE(pub.wait_for_subscribers(1, 20s));
   opener.join();
   pub.publish(cloud(7));
-  EXPECT_TRUE(first->wait(patience)) << "what is published then is sent to it";
+  EXPECT_TRUE(first->wait(hang_timeout)) << "what is published then is sent to it";
   EXPECT_FALSE(pub.wait_for_subscribers(2, 20ms));
   auto second = b.subscriber<PointCloud2, F::width>("points").value();
   EXPECT_TRUE(pub.wait_for_subscribers(2, std::chrono::nanoseconds::max()));
@@ -250,7 +250,7 @@ TEST_P(PubSubTest, SamplesCarryTheirMetadata) {
   std::uint64_t last = 0;
   std::uint64_t writer = 0;
   for (std::uint32_t i = 0; i < 3; ++i) {
-    ASSERT_TRUE(sub.wait(patience));
+    ASSERT_TRUE(sub.wait(hang_timeout));
     const auto sample = sub.take();
     const SampleInfo& info = sample.info();
     EXPECT_EQ(sample->height(), i);
@@ -274,13 +274,13 @@ TEST_P(PubSubTest, WhatDoesNotFitTheDepthIsLostOldestFirstAndCounted) {
   auto sub = b.subscriber<PointCloud2, F::height>("points", {.depth = 4}).value();
   expect_served(pub, 1);
   pub.publish(cloud(0));
-  ASSERT_TRUE(sub.wait(patience));
+  ASSERT_TRUE(sub.wait(hang_timeout));
   (void)sub.take();
   auto watcher = b.subscriber<PointCloud2, F::height>("points", {.depth = 64}).value();
   expect_served(pub, 2);
   for (std::uint32_t i = 1; i <= 20; ++i) pub.publish(cloud(i));
   std::uint32_t seen = 0;
-  while (seen < 20 && watcher.wait(patience)) {
+  while (seen < 20 && watcher.wait(hang_timeout)) {
     if (const auto sample = watcher.take()) seen = sample->height();
   }
   const auto first = sub.take();
@@ -381,7 +381,7 @@ TEST_P(PubSubTest, ACallbackThatIsKnownToTakeLongHoldsUpNoOtherSubscriber) {
   slow_pub.publish(cloud(2));
   EXPECT_TRUE(eventually([&] { return calls == 2; }));
   pub.publish(cloud(3));
-  EXPECT_TRUE(sub.wait(patience));
+  EXPECT_TRUE(sub.wait(hang_timeout));
   may_return = true;
 }
 
@@ -412,7 +412,7 @@ TEST_P(PubSubTest, ASampleOutlivesItsSubscriberItsNodeAndItsPublisher) {
   std::optional sub = b->subscriber<PointCloud2>("points").value();
   expect_served(*pub, 1);
   pub->publish(cloud(5, 100'000));
-  ASSERT_TRUE(sub->wait(patience));
+  ASSERT_TRUE(sub->wait(hang_timeout));
   const auto sample = sub->take();
   sub.reset();
   b.reset();
@@ -434,7 +434,7 @@ TEST_P(PubSubTest, PublishersAndSubscribersJoinAndLeaveInAnyOrder) {
     if (round % 2 == 1) open_pub();
     expect_served(*pub, 1);
     pub->publish(cloud(static_cast<std::uint32_t>(round)));
-    ASSERT_TRUE(sub->wait(patience));
+    ASSERT_TRUE(sub->wait(hang_timeout));
     const auto sample = sub->take();
     EXPECT_EQ(sample->height(), static_cast<std::uint32_t>(round));
     if (round % 3 == 0) {
@@ -476,7 +476,7 @@ TEST_P(PubSubTest, SeveralWritersOfATopicAreHeardWithTheirOwnSequences) {
     second.publish(cloud(100 + i));
   }
   std::size_t taken = 0;
-  while (taken < 20 && sub.wait(patience)) {
+  while (taken < 20 && sub.wait(hang_timeout)) {
     while (sub.take()) ++taken;
   }
   EXPECT_EQ(taken, 20U);
@@ -490,7 +490,7 @@ TEST_P(PubSubTest, APublisherAndASubscriberOfOneNodeHearEachOther) {
   auto sub = node.subscriber<PointCloud2, F::width>("points").value();
   expect_served(pub, 1);
   pub.publish(cloud(1));
-  ASSERT_TRUE(sub.wait(patience));
+  ASSERT_TRUE(sub.wait(hang_timeout));
   const auto sample = sub.take();
   EXPECT_EQ(sample->width(), 2U);
 }

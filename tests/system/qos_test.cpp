@@ -48,7 +48,7 @@ using sensor_msgs::msg::Image;
 template <class S>
 void expect_unbroken(S& late, int samples) {
   std::uint64_t last = 0;
-  for (int taken = 0; taken < samples && late.wait(patience); ++taken) {
+  for (int taken = 0; taken < samples && late.wait(hang_timeout); ++taken) {
     const auto sample = late.take();
     if (last != 0) {
       ASSERT_EQ(sample.info().sequence, last + 1);
@@ -134,11 +134,11 @@ TEST_P(QosTest, LossesAreTold) {
   auto watcher = b.subscriber<PointCloud2, F::height>("points", {.depth = 64}).value();
   expect_served(pub, 2);
   pub.publish(cloud(0));
-  ASSERT_TRUE(sub.wait(patience));
+  ASSERT_TRUE(sub.wait(hang_timeout));
   (void)sub.take();
   for (std::uint32_t i = 1; i <= 10; ++i) pub.publish(cloud(i));
   std::uint32_t seen = 0;
-  while (seen < 10 && watcher.wait(patience)) {
+  while (seen < 10 && watcher.wait(hang_timeout)) {
     if (const auto sample = watcher.take()) seen = sample->height();
   }
   const auto last = sub.take();
@@ -267,13 +267,13 @@ TEST_P(QosTest, ALateSubscriberGetsTheLastSamplesInOrderAndLiveOnesBehind) {
   pub.publish(cloud(21));
   std::vector<std::uint32_t> heights;
   while (heights.empty() || heights.back() != 21) {
-    ASSERT_TRUE(late.wait(patience));
+    ASSERT_TRUE(late.wait(hang_timeout));
     const auto sample = late.take();
     heights.push_back(sample->height());
   }
   EXPECT_EQ(heights, (std::vector<std::uint32_t>{16, 17, 18, 19, 20, 21}));
   EXPECT_EQ(late.status().lost, 0U);
-  ASSERT_TRUE(present_only.wait(patience));
+  ASSERT_TRUE(present_only.wait(hang_timeout));
   const auto first = present_only.take();
   EXPECT_EQ(first->height(), 21U);
   EXPECT_EQ(present_only.status().lost, 0U);
@@ -300,7 +300,7 @@ TEST_P(QosTest, WhatHasExpiredIsNotGivenToLateSubscribers) {
   auto late = b.subscriber<PointCloud2, F::height>("points", {.durability = transient_local}).value();
   expect_served(pub, 1);
   pub.publish(cloud(4));
-  ASSERT_TRUE(late.wait(patience));
+  ASSERT_TRUE(late.wait(hang_timeout));
   const auto first = late.take();
   EXPECT_EQ(first->height(), 4U);
 }
@@ -317,7 +317,7 @@ class RateTest : public QosTest {
   template <class S>
   static Heard hear(S& sub, std::uint64_t samples) {
     Heard heard;
-    while (heard.samples < samples && sub.wait(patience)) {
+    while (heard.samples < samples && sub.wait(hang_timeout)) {
       const auto sample = sub.take();
       if (!sample) continue;
       heard.last = sample.info();
@@ -483,7 +483,7 @@ void expect_paced(const NodeOptions& sending, const PublisherOptions& published)
   const auto begin = std::chrono::steady_clock::now();
   for (int i = 0; i < 30; ++i) EXPECT_EQ(publisher.publish(cloud), PublishStatus::ok);
   for (int i = 0; i < 30; ++i) {
-    ASSERT_TRUE(subscriber.wait(patience)) << i;
+    ASSERT_TRUE(subscriber.wait(hang_timeout)) << i;
     ASSERT_TRUE(subscriber.take());
   }
   const auto took = std::chrono::steady_clock::now() - begin;

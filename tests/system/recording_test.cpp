@@ -21,7 +21,7 @@ class RecordingTest : public PubSubTest {
   /// Publishes one more, and takes it.
   Sample<PointCloud2, recorded> next() {
     pub.publish(cloud(++published));
-    return sub->wait(patience) ? sub->take() : Sample<PointCloud2, recorded>();
+    return sub->wait(hang_timeout) ? sub->take() : Sample<PointCloud2, recorded>();
   }
 
   /// Publishes and reads until the publisher has applied `mask`; every sample must be right under the mask it
@@ -164,7 +164,8 @@ TEST_P(RecordingTest, WhatWasRecordedCanBeDeclared) {
   }
   const Requirements seen = sub->requirements();
   EXPECT_EQ(seen.text, "header.stamp.sec, fields.size, fields[].name");
-  const auto declared = a.subscriber("points", a.find_type("points", patience).value(), seen.text).value();
+  const auto declared =
+      a.subscriber("points", a.find_type("points", hang_timeout).value(), seen.text).value();
   EXPECT_EQ(declared.requirements().mask, seen.mask);
 }
 

@@ -7,7 +7,7 @@
 
 #include "tests/support/eventually.h"
 #include "tests/support/isolated_host.h"
-#include "tests/system/control_ear.h"
+#include "tests/system/control_reader.h"
 
 namespace sft::test {
 namespace {
@@ -34,7 +34,7 @@ INSTANTIATE_TEST_SUITE_P(Nodes, RolesTest,
                          });
 
 TEST_P(RolesTest, ReadersHearOfWritersOnlyAndWritersOfReadersUntilTheyAreToldToHearMore) {
-  ControlEar reader(process("a")), other_reader(process("b")), writer(process("c"));
+  ControlReader reader(process("a")), other_reader(process("b")), writer(process("c"));
   reader.announce(Role::reader, 1);
   other_reader.announce(Role::reader, 2);
   writer.announce(Role::writer, 3);
@@ -51,7 +51,7 @@ TEST_P(RolesTest, ReadersHearOfWritersOnlyAndWritersOfReadersUntilTheyAreToldToH
 }
 
 TEST_P(RolesTest, WhoeverHasNoEndpointHearsWhatItIsToldToHear) {
-  ControlEar reader(process("a")), writer(process("b")), observer(process("c"));
+  ControlReader reader(process("a")), writer(process("b")), observer(process("c"));
   reader.announce(Role::reader, 1);
   writer.announce(Role::writer, 2);
   EXPECT_TRUE(reader.hears(2) && writer.hears(1));
@@ -66,7 +66,7 @@ TEST_P(RolesTest, WhoeverHasNoEndpointHearsWhatItIsToldToHear) {
 }
 
 TEST_P(RolesTest, AWriterThatComesLateHearsTheLatestRequestOfEachReader) {
-  ControlEar reader(process("a")), writer(process("b"));
+  ControlReader reader(process("a")), writer(process("b"));
   reader.announce(Role::reader, 1);
   for (std::uint64_t sequence = 1; sequence < 10; ++sequence) reader.ask(1, sequence);
   writer.announce(Role::writer, 2);

@@ -91,7 +91,7 @@ class SelectionChangeTest : public PubSubTest {
  protected:
   static inline const SubscriberOptions deep{.reliability = Reliability::reliable, .depth = 200};
 
-  DynamicType type() { return b.find_type("points", patience).value(); }
+  DynamicType type() { return b.find_type("points", hang_timeout).value(); }
 
   Node a = open("a");
   Node b = open("b");
@@ -108,7 +108,7 @@ TEST_P(SelectionChangeTest, AWindowThatMovesGivesEachSampleThePartThatItNames) {
   for (std::int32_t round = 1; round <= 50; ++round) {
     ASSERT_TRUE(sub.set_selection(window(3 * round)));
     pub.publish(row(round));
-    ASSERT_TRUE(sub.wait(patience));
+    ASSERT_TRUE(sub.wait(hang_timeout));
     while (const DynamicSample sample = sub.take()) {
       ASSERT_TRUE(has_what_it_names(sample)) << "round " << round;
       ASSERT_EQ(sample.view()["data"].size().value(), 10U);
@@ -125,7 +125,7 @@ TEST_P(SelectionChangeTest, ASampleOfACompiledSubscriberNamesItsPart) {
   EXPECT_EQ(none.selection(), nullptr);
   expect_served(pub, 1);
   const auto begin_of_the_next = [&]() -> std::uint32_t {
-    EXPECT_TRUE(sub.wait(patience));
+    EXPECT_TRUE(sub.wait(hang_timeout));
     const auto sample = sub.take();
     if (!sample || sample.selection() == nullptr || sample.selection()->parts().size() != 1) return 0;
     EXPECT_TRUE(sample.selection()->mask().contains(F::header.stamp | F::data));
@@ -169,7 +169,7 @@ TEST_P(SelectionChangeTest, AThousandSelectionsInTrafficAreEachDecodedAsWhatThey
   };
   for (int change = 0; change < 1000 && !HasFatalFailure(); ++change) {
     ASSERT_TRUE(sub.set_selection(any_window()));
-    ASSERT_TRUE(sub.wait(patience)) << "change " << change;
+    ASSERT_TRUE(sub.wait(hang_timeout)) << "change " << change;
     take_all();
   }
   traffic.reset();
@@ -192,7 +192,7 @@ TEST_P(SelectionChangeTest, SelectionsOfAnyKindInTrafficAreEachDecodedAsWhatThey
   for (int change = 0; change < 1000 && !HasFatalFailure(); ++change) {
     const std::string asked = any.next();
     ASSERT_TRUE(sub.set_selection(asked)) << asked;
-    ASSERT_TRUE(sub.wait(patience)) << "change " << change << " to " << asked;
+    ASSERT_TRUE(sub.wait(hang_timeout)) << "change " << change << " to " << asked;
     while (const DynamicSample sample = sub.take()) {
       ASSERT_GT(sample.info().sequence, last);
       last = sample.info().sequence;

@@ -19,7 +19,7 @@ class SelectionNodesTest : public PubSubTest {
  protected:
   using Numbers = std::vector<std::uint32_t>;
 
-  DynamicType type() { return b.find_type("points", patience).value(); }
+  DynamicType type() { return b.find_type("points", hang_timeout).value(); }
   /// Publishes clouds with these heights, which are the numbers by which samples are known here.
   void publish(const Numbers& heights) {
     for (const std::uint32_t height : heights) ASSERT_EQ(pub.publish(cloud(height)), PublishStatus::ok);
@@ -29,7 +29,7 @@ class SelectionNodesTest : public PubSubTest {
   static Numbers until(S& sub, std::uint32_t last) {
     Numbers heights;
     while (heights.empty() || heights.back() != last) {
-      if (!sub.wait(patience)) {
+      if (!sub.wait(hang_timeout)) {
         ADD_FAILURE() << "sample " << last << " did not come";
         break;
       }
@@ -116,7 +116,7 @@ TEST_P(SelectionNodesTest, TheConditionsOfACompiledSubscriberStandInItsOptions) 
   publish({1, 2, 5, 3, 6});
   Numbers heights;
   while (heights.empty() || heights.back() != 6) {
-    ASSERT_TRUE(sub.wait(patience));
+    ASSERT_TRUE(sub.wait(hang_timeout));
     while (const auto sample = sub.take()) heights.push_back(sample->height());
   }
   EXPECT_THAT(heights, ElementsAre(5, 6));
@@ -181,7 +181,7 @@ TEST_P(SelectionNodesTest, ChannelsThatACloudLacksAreNamed) {
   auto sub = b.subscriber("points", type(), "height, data{y,ring,x}", deep).value();
   expect_served(pub, 1);
   publish({1});
-  ASSERT_TRUE(sub.wait(patience));
+  ASSERT_TRUE(sub.wait(hang_timeout));
   const DynamicSample sample = sub.take();
   EXPECT_THAT(sample.missing_channels(), ::testing::UnorderedElementsAre("ring", "x", "y"))
       << "fields[1] is called y, but has no elements";
@@ -194,7 +194,7 @@ TEST_P(SelectionNodesTest, ACompiledSampleNamesMissingChannelsToo) {
   EXPECT_TRUE(Sample<PointCloud2>().missing_channels().empty());
   expect_served(pub, 1);
   publish({1});
-  ASSERT_TRUE(sub.wait(patience));
+  ASSERT_TRUE(sub.wait(hang_timeout));
   const auto sample = sub.take();
   EXPECT_THAT(sample.missing_channels(), ::testing::UnorderedElementsAre("ring", "y"));
 }
@@ -215,13 +215,13 @@ TEST_P(SelectionNodesTest, ALateReaderGetsThePartsOfTheRetainedSamplesThatFulfil
   publish_each({1, 2, 3, 4, 5});
   SubscriberOptions options = deep;
   options.durability = Durability::transient_local;
-  const DynamicType type = b.find_type("retained", patience).value();
+  const DynamicType type = b.find_type("retained", hang_timeout).value();
   auto sub =
       b.subscriber("retained", type, "header.stamp, data[::100] @ header.stamp.sec > 3", options).value();
   expect_served(retaining, 1);
   const auto stamps_until = [&](std::int32_t last) {
     std::vector<std::int32_t> stamps;
-    while ((stamps.empty() || stamps.back() != last) && sub.wait(patience)) {
+    while ((stamps.empty() || stamps.back() != last) && sub.wait(hang_timeout)) {
       while (const DynamicSample sample = sub.take()) {
         stamps.push_back(sample.view()["header"]["stamp"]["sec"].as<std::int32_t>().value());
         const DynamicView data = sample.view()["data"];
@@ -248,7 +248,7 @@ TEST_P(SelectionNodesTest, ALateReaderWhoseConditionsNoRetainedSampleFulfilsGets
   publish_each({1, 2, 3, 4, 5});
   SubscriberOptions options = deep;
   options.durability = Durability::transient_local;
-  const DynamicType type = b.find_type("retained", patience).value();
+  const DynamicType type = b.find_type("retained", hang_timeout).value();
   auto sub = b.subscriber("retained", type, "height @ height > 100", options).value();
   expect_served(retaining, 1);
   publish_each({7, 101, 8, 102});

@@ -49,7 +49,7 @@ class ServiceTest : public PubSubTest {
 
   /// The sum, or what the error says.
   static std::string answer(Client<Add>& client, std::int64_t a, std::int64_t b,
-                            std::chrono::nanoseconds timeout = patience) {
+                            std::chrono::nanoseconds timeout = hang_timeout) {
     const auto response = client.call({.a = a, .b = b}, timeout);
     return response ? std::to_string(response->sum) : response.error().message;
   }
@@ -95,7 +95,7 @@ TEST_P(ServiceTest, AServiceOfThePackagesOfRos2Works) {
                         return SetBool::Response{.success = true, .message = request.data ? "on" : "off"};
                       }).value();
   auto client = Client<SetBool>::open(b, "lights").value();
-  EXPECT_EQ(client.call({.data = true}, patience).value().message, "on");
+  EXPECT_EQ(client.call({.data = true}, hang_timeout).value().message, "on");
 }
 
 TEST_P(ServiceTest, ACallWaitsForAServerThatComesLater) {
@@ -188,7 +188,7 @@ TEST_P(ServiceTest, AnAnswerGoesToItsAskerOnly) {
   EXPECT_EQ(answer(client, 1, 2), "3");
   ASSERT_TRUE(eventually([&] { return replies_to(a, "newcomer").served; }));
   const auto before = replies_to(a, "other");
-  const auto response = client.call({.a = 3, .b = 4, .bytes = 8'000'000}, patience);
+  const auto response = client.call({.a = 3, .b = 4, .bytes = 8'000'000}, hang_timeout);
   ASSERT_TRUE(response) << response.error().message;
   EXPECT_EQ(response->data, std::vector<std::uint8_t>(8'000'000, 7));
   ASSERT_TRUE(eventually([&] { return replies_to(a, "other").withheld > before.withheld; }));
@@ -278,7 +278,7 @@ TEST_P(ServiceTest, AResponseOrARequestThatIsTooLargeIsNamed) {
   Node a = open("server");
   const auto server = Service<Add>::open(a, "sum", &sum, {.max_sample_bytes = 10'000}).value();
   auto client = client_of(a);
-  const auto response = client.call({.bytes = 20'000}, patience);
+  const auto response = client.call({.bytes = 20'000}, hang_timeout);
   ASSERT_FALSE(response);
   EXPECT_THAT(response.error().message, HasSubstr("service 'sum': the response cannot be sent: "));
   EXPECT_EQ(answer(client, 1, 2), "3");
@@ -304,14 +304,15 @@ TEST_P(ServiceTest, AProgramWithoutTheTypeCallsByTopicsAlone) {
   Node b = open("tool");
   const auto server = serve(a);
   auto calls =
-      b.publisher("sum/call", b.find_type("sum/call", patience).value(), {.reliability = reliable}).value();
-  auto replies =
-      b.subscriber("sum/reply", b.find_type("sum/reply", patience).value(), "*", {.reliability = reliable})
+      b.publisher("sum/call", b.find_type("sum/call", hang_timeout).value(), {.reliability = reliable})
           .value();
-  ASSERT_TRUE(calls.wait_for_subscribers(1, patience));
+  auto replies = b.subscriber("sum/reply", b.find_type("sum/reply", hang_timeout).value(), "*",
+                              {.reliability = reliable})
+                     .value();
+  ASSERT_TRUE(calls.wait_for_subscribers(1, hang_timeout));
   ASSERT_TRUE(eventually([&] { return replies_to(a, "tool").served; }));
   const auto next_sum = [&]() -> std::int64_t {
-    if (!replies.wait(patience)) return -1;
+    if (!replies.wait(hang_timeout)) return -1;
     const auto sample = replies.take();
     return sample.view()["response"]["sum"].as<std::int64_t>().value();
   };

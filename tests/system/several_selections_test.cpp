@@ -35,7 +35,7 @@ class SeveralSelectionsTest : public PubSubTest {
   static SubscriberOptions with(std::vector<std::string> further) {
     return {.reliability = Reliability::reliable, .depth = 200, .further_selections = std::move(further)};
   }
-  DynamicType type() { return b.find_type("points", patience).value(); }
+  DynamicType type() { return b.find_type("points", hang_timeout).value(); }
   void publish(const std::vector<std::uint32_t>& heights) {
     for (const std::uint32_t height : heights) ASSERT_EQ(pub.publish(cloud(height)), PublishStatus::ok);
   }
@@ -45,7 +45,7 @@ class SeveralSelectionsTest : public PubSubTest {
   /// The next `count` samples, which have to come.
   static Came next(DynamicSubscriber& sub, std::size_t count) {
     Came came;
-    while (came.size() < count && sub.wait(patience)) {
+    while (came.size() < count && sub.wait(hang_timeout)) {
       while (const DynamicSample sample = sub.take()) came.push_back(of(sample));
     }
     return came;
@@ -80,7 +80,7 @@ TEST_P(SeveralSelectionsTest, ASampleHasTheFieldsAndTheSelectionThatItCameBy) {
   expect_served(pub, 2);
   publish({7});
   std::vector<std::string> seen;
-  while (seen.size() < 2 && sub.wait(patience)) {
+  while (seen.size() < 2 && sub.wait(hang_timeout)) {
     while (const DynamicSample sample = sub.take()) {
       seen.push_back(std::to_string(sample.info().selection) + ": " +
                      sample.type().support().format_mask(sample.mask()));
@@ -107,7 +107,7 @@ TEST_P(SeveralSelectionsTest, ACompiledSubscriberReadsWhatTheSampleHas) {
     ASSERT_EQ(odometry.publish(message), PublishStatus::ok);
   }
   std::vector<double> positions, covariances;
-  while (positions.size() + covariances.size() < 6 && sub.wait(patience)) {
+  while (positions.size() + covariances.size() < 6 && sub.wait(hang_timeout)) {
     while (const auto sample = sub.take()) {
       const auto pose = sample->pose();
       const bool is_second = sample.info().selection == 1;
@@ -135,7 +135,7 @@ TEST_P(SeveralSelectionsTest, DeclaredFieldsComeInSeveralParts) {
   row.point_step = 1;
   ASSERT_EQ(pub.publish(row), PublishStatus::ok);
   std::vector<std::size_t> bytes;
-  while (bytes.size() < 2 && sub.wait(patience)) {
+  while (bytes.size() < 2 && sub.wait(hang_timeout)) {
     while (const auto sample = sub.take()) bytes.push_back(sample->data().size());
   }
   EXPECT_THAT(bytes, UnorderedElementsAre((row.data.size() + 9) / 10, row.data.size()));
@@ -243,7 +243,8 @@ TEST_P(SeveralSelectionsTest, ADeadlineIsForTheFirstOneOnly) {
   options.on_event = [](const Event& event) { EXPECT_NE(event.kind, Event::Kind::deadline_missed); };
   auto promising =
       a.publisher<PointCloud2>("promised", {.reliability = Reliability::reliable, .deadline = 2s}).value();
-  auto sub = b.subscriber("promised", b.find_type("promised", patience).value(), "height", options).value();
+  auto sub =
+      b.subscriber("promised", b.find_type("promised", hang_timeout).value(), "height", options).value();
   // It may take longer than the deadline until shared memory is there.
   ASSERT_TRUE(eventually([&] {
     promising.publish(cloud(1));
@@ -290,7 +291,7 @@ TEST_P(HeldSelectionsTest, SamplesThatAreHeldOfOneLeaveTheOtherItsOwn) {
   expect_served(pub, 2);
   publish({1, 150, 2, 3});
   std::vector<DynamicSample> held;
-  while (held.size() < 3 && sub.wait(patience)) {
+  while (held.size() < 3 && sub.wait(hang_timeout)) {
     while (DynamicSample sample = sub.take()) held.push_back(std::move(sample));
   }
   ASSERT_THAT(held, SizeIs(3));
@@ -320,7 +321,7 @@ TEST_P(SeveralSelectionsTest, ACompiledSubscriberReadsPointsOfChannelsThatItSele
   const std::array<float, 6> xyz{1, 2, 3, 4, 5, 6};
   std::memcpy(row.data.data(), xyz.data(), sizeof xyz);
   ASSERT_EQ(pub.publish(row), PublishStatus::ok);
-  ASSERT_TRUE(sub.wait(patience));
+  ASSERT_TRUE(sub.wait(hang_timeout));
   const auto sample = sub.take();
   const auto points = sample->points<float, float>("x", "z");
   ASSERT_TRUE(points) << points.error().message;

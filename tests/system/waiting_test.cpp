@@ -91,7 +91,7 @@ TEST_P(WaitingTest, WaitWorksOnASubscriberWithAFileDescriptorToo) {
   expect_served(pub, 1);
   EXPECT_FALSE(sub.wait(5ms));
   pub.publish(cloud(7));
-  ASSERT_TRUE(sub.wait(patience));
+  ASSERT_TRUE(sub.wait(hang_timeout));
   EXPECT_EQ(taken(sub), 1U);
 }
 

@@ -14,9 +14,9 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-constexpr seconds patience_for_matching{20};
-constexpr seconds patience_for_shared_memory{8};
-constexpr seconds patience_for_arrival{2};
+constexpr seconds timeout_for_matching{20};
+constexpr seconds timeout_for_shared_memory{8};
+constexpr seconds timeout_for_arrival{2};
 // After they met, DDS participants repeat their introductions for about this long. Meanwhile the daemons that
 // the hosts had to start become ready, and nodes announce that.
 constexpr milliseconds settling{5'000};
@@ -99,7 +99,7 @@ bool Demo::served_as_wished(const Snapshot& now, std::size_t number, bool any_tr
 }
 
 Error Demo::not_ready(const Snapshot& now) const {
-  std::string text = fmt::format("not everybody was served within {} s:", patience_for_matching.count());
+  std::string text = fmt::format("not everybody was served within {} s:", timeout_for_matching.count());
   for (std::size_t i = 0; i < now.subscribers.size(); ++i) {
     if (served_as_wished(now, i, true)) continue;
     const SubscriberReport& report = now.subscribers[i];
@@ -136,7 +136,7 @@ Result<void> Demo::await_readiness() {
   for (;; now = look()) {
     if (!now) return tl::unexpected(now.error());
     const auto waited = now->at - start;
-    const bool any_transport = waited > patience_for_shared_memory;
+    const bool any_transport = waited > timeout_for_shared_memory;
     const std::string missing_names = missing(*now, any_transport);
     if (missing_names.empty()) {
       display_.say(fmt::format("All {} subscribers found the publisher within {:.1f} s.",
@@ -144,7 +144,7 @@ Result<void> Demo::await_readiness() {
       for (const std::string& line : format_refusals(now->publisher)) display_.say(line);
       return {};
     }
-    if (waited > patience_for_matching) return tl::unexpected(not_ready(*now));
+    if (waited > timeout_for_matching) return tl::unexpected(not_ready(*now));
     const Result<void> waiting = wait_until(now->at + poll_interval, "Not served yet: " + missing_names);
     if (!waiting) return waiting;
   }
@@ -186,7 +186,7 @@ Result<void> Demo::publish() {
 }
 
 Result<void> Demo::await_arrival() {
-  const auto deadline = Clock::now() + patience_for_arrival;
+  const auto deadline = Clock::now() + timeout_for_arrival;
   for (;;) {
     Result<Snapshot> now = look();
     if (!now) return tl::unexpected(now.error());

@@ -91,12 +91,12 @@ void block_only(std::initializer_list<int> signals) {
 
 void reap(pid_t child) { status_of(child); }
 
-void end_children(std::chrono::milliseconds patience) {
+void end_children(std::chrono::milliseconds timeout) {
   const sigset_t child_ended = set_of({SIGCHLD});
   sigprocmask(SIG_BLOCK, &child_ended, nullptr);
   for (const pid_t pid : children()) kill(pid, SIGTERM);
 
-  const auto deadline = std::chrono::steady_clock::now() + patience;
+  const auto deadline = std::chrono::steady_clock::now() + timeout;
   for (;;) {
     pid_t reaped = 0;
     while ((reaped = waitpid(-1, nullptr, WNOHANG)) > 0) continue;

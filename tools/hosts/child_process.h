@@ -25,7 +25,7 @@ void block_only(std::initializer_list<int> signals);
 /// Waits until that child has ended.
 void reap(pid_t child);
 
-/// Asks all children to end, kills those that have not ended after `patience`, and returns once none is left.
-void end_children(std::chrono::milliseconds patience);
+/// Asks all children to end, kills those that have not ended after `timeout`, and returns once none is left.
+void end_children(std::chrono::milliseconds timeout);
 
 }  // namespace sft::hosts

@@ -8,7 +8,7 @@ namespace sft::tool {
 
 namespace {
 
-constexpr const char* not_told = "not told yet";
+constexpr const char* not_reported = "not told yet";
 constexpr const char* account_row = "  {:<27.27} {:<3.3} {:>9.9} {:>18.18} {:>9.9} {:>7.7}";
 constexpr std::size_t sent_width = 9, withheld_width = 9, lost_width = 7;
 
@@ -27,7 +27,7 @@ bool is_told(const DomainSnapshot::Pair& pair) {
 }
 
 std::string sent_text(const DomainSnapshot::Pair& pair) {
-  if (!pair.account.publisher) return not_told;
+  if (!pair.account.publisher) return not_reported;
   const DomainSnapshot::Sent& account = *pair.account.publisher;
   std::string text = count_text(account.sent, "sample");
   text += whole_bytes(account) == 0
@@ -39,7 +39,7 @@ std::string sent_text(const DomainSnapshot::Pair& pair) {
 }
 
 std::string saved_text(const DomainSnapshot::Pair& pair) {
-  if (!pair.account.publisher) return not_told;
+  if (!pair.account.publisher) return not_reported;
   const DomainSnapshot::Sent& account = *pair.account.publisher;
   if (whole_bytes(account) == 0) return "0 B";
   return fmt::format("{}, {} of the whole samples", bytes_text(static_cast<double>(account.bytes_saved)),
@@ -47,13 +47,13 @@ std::string saved_text(const DomainSnapshot::Pair& pair) {
 }
 
 std::string withheld_text(const DomainSnapshot::Pair& pair) {
-  if (!pair.account.publisher) return not_told;
+  if (!pair.account.publisher) return not_reported;
   return fmt::format("{}; {} dropped", count_text(pair.account.publisher->withheld, "sample"),
                      pair.account.publisher->dropped);
 }
 
 std::string lost_text(const DomainSnapshot::Pair& pair) {
-  if (!pair.account.subscriber) return not_told;
+  if (!pair.account.subscriber) return not_reported;
   return fmt::format("{}; {} received", count_text(pair.account.subscriber->lost, "sample"),
                      pair.account.subscriber->received);
 }

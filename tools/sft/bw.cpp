@@ -73,8 +73,8 @@ std::uint64_t print_bytes(PublisherCounts& counts, bool json, Output& output) {
 
 ExitCode run_on_counts(PublisherCounts& counts, const BwOptions& options, bool json, Session& session) {
   std::uint64_t samples = 0;
-  tell_every_second(options.live, session.stop(),
-                    [&] { samples = print_bytes(counts, json, session.output()); });
+  report_every_second(options.live, session.stop(),
+                      [&] { samples = print_bytes(counts, json, session.output()); });
   return samples > 0 ? ExitCode::done : ExitCode::nothing;
 }
 
@@ -94,7 +94,7 @@ ExitCode run(const BwOptions& options, const CommonOptions& common, Session& ses
     if (!counted) return give_up(counted.error());
   }
   std::uint64_t samples = 0;
-  tell_every_second(options.live, session.stop(), [&] {
+  report_every_second(options.live, session.stop(), [&] {
     const Arrivals::Report size = (*measured)->report(options.live.window_s);
     const Arrivals::Report rate = options.every ? size : (*counted)->report(options.live.window_s);
     samples = rate.samples;

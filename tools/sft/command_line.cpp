@@ -270,7 +270,7 @@ std::string fault_of_command(const CLI::App& app, std::span<char* const> words) 
 }
 
 /// Prints a mistake that CLI11 found. CLI11 does not end the sentence.
-ExitCode tell_of_mistake(const CLI::App& app, const std::string& what) {
+ExitCode report_mistake(const CLI::App& app, const std::string& what) {
   const auto chosen = app.get_subcommands();
   const std::string help = chosen.empty() ? "sft --help" : "sft " + chosen.front()->get_name() + " --help";
   complain(what + "; '" + help + "' lists what is possible.");
@@ -294,8 +294,8 @@ std::variant<CommandLine, ExitCode> parse_command_line(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     const std::string fault = fault_of_command(app, std::span(argv, static_cast<std::size_t>(argc)));
-    if (!fault.empty()) return tell_of_mistake(app, fault);
-    if (error.get_exit_code() != 0) return tell_of_mistake(app, error.what());
+    if (!fault.empty()) return report_mistake(app, fault);
+    if (error.get_exit_code() != 0) return report_mistake(app, error.what());
     app.exit(error);  // prints the help that was asked for
     if (std::cout.flush()) return ExitCode::done;
     complain("the output cannot be written");

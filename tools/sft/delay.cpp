@@ -85,8 +85,8 @@ ExitCode run(const DelayOptions& options, const CommonOptions& common, Session& 
   }
   const auto arrivals = Arrivals::open(*topic, request(field), session.node());
   if (!arrivals) return give_up(arrivals.error());
-  tell_every_second(options.live, session.stop(),
-                    [&] { print(**arrivals, options, common.json, session.output()); });
+  report_every_second(options.live, session.stop(),
+                      [&] { print(**arrivals, options, common.json, session.output()); });
   return (*arrivals)->report(options.live.window_s).samples > 0 ? ExitCode::done : ExitCode::nothing;
 }
 

@@ -34,7 +34,7 @@ class Printer {
   }
 
   Result<void> print(const DynamicSample& sample) {
-    tell_of_missing_channels(sample);
+    report_missing_channels(sample);
     const Result<std::string> text = text_of(sample);
     if (!text) return tl::unexpected(text.error());
     if (format_ == Format::csv && !has_header_) output_.line(table_.header());
@@ -47,7 +47,7 @@ class Printer {
 
  private:
   /// The channels are a part of the data and not of the type, so only a sample shows that one is missing.
-  void tell_of_missing_channels(const DynamicSample& sample) {
+  void report_missing_channels(const DynamicSample& sample) {
     for (const std::string& channel : sample.missing_channels()) {
       if (!missing_.insert(channel).second) continue;
       complain(fmt::format(

@@ -83,7 +83,7 @@ ExitCode run(const HzOptions& options, const CommonOptions& common, Session& ses
     watched.push_back(std::move(*arrivals));
   }
   std::size_t sent = 0;  // topics of `counted` of which a sample was sent
-  tell_every_second(options.live, session.stop(), [&] {
+  report_every_second(options.live, session.stop(), [&] {
     for (const auto& arrivals : watched) print(*arrivals, options, common.json, session.output());
     sent = 0;
     for (const auto& counts : counted) sent += print_rate(*counts, common.json, session.output()) > 0 ? 1 : 0;

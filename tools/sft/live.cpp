@@ -5,7 +5,7 @@
 
 namespace sft::tool {
 
-void tell_every_second(const LiveOptions& options, Stop& stop, const std::function<void()>& tell) {
+void report_every_second(const LiveOptions& options, Stop& stop, const std::function<void()>& tell) {
   using Clock = std::chrono::steady_clock;
   const bool ends = options.for_s > 0;
   const auto end = Clock::now() + seconds(options.for_s);

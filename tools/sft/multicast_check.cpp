@@ -26,7 +26,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr const char* group =
     "239.255.83.70";  // in the range that any program may use within a site (RFC 2365)
-constexpr std::chrono::milliseconds patience{300};
+constexpr std::chrono::milliseconds timeout{300};
 
 struct Interface {
   std::string name;
@@ -79,7 +79,7 @@ class Loop {
     const std::uint64_t word = std::random_device()() | std::uint64_t{std::random_device()()} << 32;
     if (sendto(socket_, &word, sizeof word, 0, reinterpret_cast<sockaddr*>(&to_), sizeof to_) < 0)
       return std::strerror(errno);
-    for (const auto end = Clock::now() + patience; Clock::now() < end;) {
+    for (const auto end = Clock::now() + timeout; Clock::now() < end;) {
       if (stop.wait_for(end - Clock::now(), socket_)) return "stopped";
       std::uint64_t read = 0;
       if (recv(socket_, &read, sizeof read, 0) == sizeof read && read == word) return {};

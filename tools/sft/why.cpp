@@ -117,11 +117,11 @@ ExitCode run(const WhyOptions& options, const CommonOptions& common, Session& se
   if (!inquiry) return give_up(inquiry.error());
   Result<OneTopic> topic = look_at(options.topic, common, session);
   if (!topic) return give_up(topic.error());
-  const auto all_are_told = [&](const DomainSnapshot& domain) {
+  const auto all_are_reported = [&](const DomainSnapshot& domain) {
     topic = part_of(domain, topic->name);
     return std::ranges::all_of(topic->pairs, is_told);
   };
-  session.wait_until(all_are_told, common.wait_s);
+  session.wait_until(all_are_reported, common.wait_s);
   common.json ? print_pairs_json(*topic, session.output()) : print_text(*topic, options, session.output());
   const bool all_match = std::ranges::all_of(topic->pairs, &DomainSnapshot::Pair::matched);
   return all_match && !topic->pairs.empty() ? ExitCode::done : ExitCode::nothing;

@@ -72,12 +72,12 @@ void Destination::note(SendOutcome outcome) noexcept {
 
 Destination::Heard Destination::hear(const FlowReport& report, const core::IpAddress& from, Time now) {
   const Heard heard = window_.hear(report, now);
-  if (!heard.believed) return heard;
+  if (!heard.accepted) return heard;
   if (heard.control_was_withheld) moves_.fetch_add(1, std::memory_order_relaxed);
   if (!path_.is_at(from)) path_.learn(from);
   if (heard.lost_length != 0) {
     path_.were_lost(heard.lost_length, now);
-  } else if (path_.length_in_doubt()) {
+  } else if (path_.length_is_uncertain()) {
     path_.arrived(report.longest, now);
   }
   return heard;

@@ -32,7 +32,7 @@ void FlowWindow::announce(std::size_t receive_buffer_bytes) {
 }
 
 /// At which what was sent is believed to pass without a report: not while one is waited for.
-double FlowWindow::believed_rate() const {
+double FlowWindow::assumed_rate() const {
   if (!limits_.asks)
     return static_cast<double>(std::min(limits_.unheard_bytes_per_s, share_ * receiver_pauses_per_s));
   if (!receiver_.heard() || answer_is_due()) return 0;
@@ -42,7 +42,7 @@ double FlowWindow::believed_rate() const {
 void FlowWindow::pass_time(Time now) {
   if (now - passed_at_ < std::chrono::microseconds(1)) return;
   const std::chrono::duration<double> since = now - std::exchange(passed_at_, now);
-  const double bytes = std::min(since.count() * believed_rate(), 1e15);
+  const double bytes = std::min(since.count() * assumed_rate(), 1e15);
   passed_ = std::min(sent_, passed_ + static_cast<std::uint64_t>(bytes));
 }
 
@@ -103,7 +103,7 @@ bool FlowWindow::mark_is_due(Time now) const {
   if (!receiver_.heard()) return (waiting_ || is_news) && (!receiver_.is_asked() || may_retry());
   if (receiver_.is_silent(now)) return waiting_ && may_retry();
   if (sent_ - std::max(marked_, passed_) > mark_spacing()) return true;
-  if (is_news && receiver_.has_to_ask_anew(now, lengths_.in_doubt())) return true;
+  if (is_news && receiver_.has_to_ask_anew(now, lengths_.is_uncertain())) return true;
   return waiting_ && under_way() > 0 && may_retry();
 }
 
@@ -131,7 +131,7 @@ bool FlowWindow::hear(const FlowReport& report, Time now) {
   pass_time(now);
   const bool was_awaited = !answers(now);
   learn(report, now);
-  lost_length_ = lengths_.judge(report, marked_at(report));
+  lost_length_ = lengths_.evaluate(report, marked_at(report));
   if (!receiver_.heard()) unproven_.proven();
   unproven_.answered(now);
   receiver_.reported(now);
@@ -171,7 +171,7 @@ void FlowWindow::move(std::uint64_t secret, std::shared_ptr<UnprovenBudget> host
 FlowWindow::Time FlowWindow::next_ready(Time now) const {
   if (!answers(now) || (limits_.asks && answer_is_due()))
     return std::max(now, receiver_.next_retry(round_trips_));
-  const double seconds = static_cast<double>(window() / 4) / believed_rate();
+  const double seconds = static_cast<double>(window() / 4) / assumed_rate();
   return now + std::chrono::nanoseconds(static_cast<std::int64_t>(seconds * 1e9));
 }
 

@@ -20,8 +20,8 @@
 #include "udp_transport/flow/congestion_window.h"
 #include "udp_transport/flow/delivery_rate.h"
 #include "udp_transport/flow/flow_limits.h"
-#include "udp_transport/flow/length_watch.h"
-#include "udp_transport/flow/receiver_watch.h"
+#include "udp_transport/flow/length_monitor.h"
+#include "udp_transport/flow/receiver_monitor.h"
 #include "udp_transport/flow/round_trips.h"
 #include "udp_transport/flow/unproven_allowance.h"
 #include "udp_transport/flow/unproven_budget.h"
@@ -109,7 +109,7 @@ class FlowWindow {
 
  private:
   void pass_time(Time now);
-  double believed_rate() const;
+  double assumed_rate() const;
   bool answer_is_due() const { return marked_ > reported_; }
   void note_unproven(std::size_t bytes, std::size_t datagrams, Time now);
   std::size_t mark_spacing() const;
@@ -136,11 +136,11 @@ class FlowWindow {
   Time passed_at_{};      ///< when passed_ was brought up to date
   bool waiting_ = false;
   UnprovenAllowance unproven_;
-  ReceiverWatch receiver_;
+  ReceiverMonitor receiver_;
   RoundTrips round_trips_;
   DeliveryRate rate_;
   CongestionWindow congestion_;
-  LengthWatch lengths_;
+  LengthMonitor lengths_;
   std::size_t lost_length_ = 0;  ///< by the last report
 };
 

@@ -20,7 +20,7 @@ class LongestArrivals {
 
   static constexpr std::size_t addresses_max = 256;
   /// A datagram is remembered for so long, and for at most twice that. It is more than a sender looks back
-  /// (LengthWatch::judged_within).
+  /// (LengthMonitor::judged_within).
   static constexpr std::chrono::seconds period{1};
   /// An address without a mark for so long is forgotten if another one needs its place.
   static constexpr std::chrono::seconds kept_for{10};

@@ -33,7 +33,7 @@ void PathMtu::lost(std::size_t length, Time now) {
     lost_length_ = none;
   }
   lost_length_ = std::min(lost_length_, length);
-  if (losses_ >= losses_max && now - first_loss_ >= patience) shorten(now);
+  if (losses_ >= losses_max && now - first_loss_ >= timeout) shorten(now);
 }
 
 /// To what has been found to work, or else to what nearly every path takes, and then to what each does.

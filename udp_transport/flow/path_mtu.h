@@ -1,7 +1,7 @@
 // The largest length of datagrams for one destination. The kernel knows it of the route, and of routers that
 // have reported it (ICMP). It is shorter where a path drops long datagrams without a word (a black hole),
-// which only the receiver's reports can show (length_watch.h). The algorithm follows RFC 8899 with samples as
-// probes: a reliable sample that a probe loses is sent again. The class is pure.
+// which only the receiver's reports can show (length_monitor.h). The algorithm follows RFC 8899 with samples
+// as probes: a reliable sample that a probe loses is sent again. The class is pure.
 #pragma once
 
 #include <chrono>
@@ -18,7 +18,7 @@ class PathMtu {
   /// Long datagrams are given up for lost after so many reports without them over that time: a queue that is
   /// full for a moment may lose a whole train.
   static constexpr int losses_max = 5;
-  static constexpr std::chrono::milliseconds patience{200};
+  static constexpr std::chrono::milliseconds timeout{200};
   /// From one length that is found to work to the next, and from one that does not to the next try, at first
   /// and at last.
   static constexpr std::chrono::seconds search_pause{1}, retry_pause{10}, retry_pause_max{600};
@@ -28,7 +28,7 @@ class PathMtu {
 
   std::size_t datagram_bytes() const { return bytes_; }
   /// True if arrived() should be called.
-  bool in_doubt() const { return bytes_ < ceiling_ || losses_ > 0; }
+  bool is_uncertain() const { return bytes_ < ceiling_ || losses_ > 0; }
 
   void kernel_says(std::size_t bytes);
   /// The length that longer datagrams have not got beyond; 0 if no such limit was found.

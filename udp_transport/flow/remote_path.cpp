@@ -20,7 +20,7 @@ RemotePath::RemotePath(const SocketAddress& address, std::size_t kernel_says)
 void RemotePath::publish_length() noexcept {
   datagram_bytes_.store(mtu_.datagram_bytes(), std::memory_order_relaxed);
   limited_to_.store(mtu_.limited_to(), std::memory_order_relaxed);
-  length_in_doubt_.store(mtu_.in_doubt(), std::memory_order_relaxed);
+  length_is_uncertain_.store(mtu_.is_uncertain(), std::memory_order_relaxed);
 }
 
 SocketAddress RemotePath::address() const {

@@ -47,8 +47,8 @@ class RemotePath {
   std::size_t limited_to() const { return limited_to_.load(std::memory_order_relaxed); }
   /// The same as a sentence; empty if there is no such limit.
   std::string limit_in_words() const;
-  /// True if it should be told when long datagrams arrive (PathMtu::in_doubt()).
-  bool length_in_doubt() const { return length_in_doubt_.load(std::memory_order_relaxed); }
+  /// True if it should be told when long datagrams arrive (PathMtu::is_uncertain()).
+  bool length_is_uncertain() const { return length_is_uncertain_.load(std::memory_order_relaxed); }
   /// The kernel was asked about the path to that address. Ignored if the socket has moved meanwhile.
   void learn_length(const SocketAddress& asked, std::size_t kernel_says) noexcept;
   // The other end has told what became of datagrams of that length (PathMtu).
@@ -67,7 +67,7 @@ class RemotePath {
   PathMtu mtu_ SFT_GUARDED_BY(mutex_);
   std::atomic<std::size_t> datagram_bytes_;
   std::atomic<std::size_t> limited_to_{0};
-  std::atomic<bool> length_in_doubt_{false};
+  std::atomic<bool> length_is_uncertain_{false};
 };
 
 }  // namespace sft::udp

@@ -81,7 +81,7 @@ SharedFlowWindow::Heard SharedFlowWindow::hear(const FlowReport& report, Time no
   if (!window_.answers_a_mark(report)) return {};
   const bool goes_on = window_.hear(report, now);
   note_answers(now);
-  return {.believed = true,
+  return {.accepted = true,
           .goes_on = goes_on,
           .control_was_withheld = std::exchange(control_withheld_, false),
           .lost_length = window_.lost_length()};

@@ -53,7 +53,7 @@ class SharedFlowWindow {
   [[nodiscard]] std::optional<FlowMark> await_room(Time now);
 
   struct Heard {
-    bool believed = false;
+    bool accepted = false;
     bool goes_on = false;               ///< somebody waited who may go on now
     bool control_was_withheld = false;  ///< since the last report; it may go now
     std::size_t lost_length = 0;        ///< datagrams of that length have not arrived; 0: all have, it seems

@@ -39,7 +39,7 @@ std::vector<MulticastLink> multicast_links(Multicast use) {
 
 /// An empty list may mean that the system has refused: it is asked again.
 const std::vector<MulticastLink>& KnownMulticastLinks::list(Multicast use) {
-  const std::uint64_t changes = watch_.changes();
+  const std::uint64_t changes = monitor_.changes();
   if (links_.empty() || changes != changes_) links_ = ask_(use);
   changes_ = changes;
   return links_;

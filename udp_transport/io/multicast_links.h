@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/platform/network_watch.h"
+#include "core/platform/network_monitor.h"
 
 namespace sft::udp {
 
@@ -29,15 +29,15 @@ std::vector<MulticastLink> multicast_links(Multicast use);
 class KnownMulticastLinks {
  public:
   using Ask = std::vector<MulticastLink> (*)(Multicast use);
-  /// `watch` outlives it.
-  explicit KnownMulticastLinks(core::NetworkWatch& watch, Ask ask = multicast_links)
-      : watch_(watch), ask_(ask) {}
+  /// `monitor` outlives it.
+  explicit KnownMulticastLinks(core::NetworkMonitor& monitor, Ask ask = multicast_links)
+      : monitor_(monitor), ask_(ask) {}
 
   /// `use`: the same in each call.
   const std::vector<MulticastLink>& list(Multicast use);
 
  private:
-  core::NetworkWatch& watch_;
+  core::NetworkMonitor& monitor_;
   const Ask ask_;
   std::vector<MulticastLink> links_;
   std::uint64_t changes_ = 0;  ///< those of the network that the list takes into account

@@ -22,14 +22,14 @@ using core::IpAddress;
 
 // The kernel frees the sockets of a killed process, or of a closed ring, a little later: on a busy machine
 // that took more than 200 ms.
-constexpr std::chrono::milliseconds bind_patience{1000};
+constexpr std::chrono::milliseconds bind_timeout{1000};
 constexpr std::chrono::milliseconds bind_interval{10};
 
 std::string message_of(int error) { return std::system_category().message(error); }
 
-int bind_patiently(int fd, const SocketAddress& address, int family) {
+int bind_with_retries(int fd, const SocketAddress& address, int family) {
   const SystemAddress at(address, family);
-  const Clock::time_point deadline = Clock::now() + bind_patience;
+  const Clock::time_point deadline = Clock::now() + bind_timeout;
   while (::bind(fd, at.get(), at.bytes()) != 0) {
     if (errno != EADDRINUSE || address.port == 0 || Clock::now() > deadline) return errno;
     std::this_thread::sleep_for(bind_interval);
@@ -153,7 +153,7 @@ Result<std::shared_ptr<const UdpSocket>> open_udp_socket(const SocketOptions& op
   socket->fd = std::move(open.fd);
   socket->family = open.family;
   const int fd = socket->fd.get();
-  if (const int error = bind_patiently(fd, options.bind, open.family); error != 0) {
+  if (const int error = bind_with_retries(fd, options.bind, open.family); error != 0) {
     return bind_error(error, options.bind);
   }
   set_receive_buffer(fd, options.receive_buffer_bytes);

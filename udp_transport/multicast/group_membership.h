@@ -47,7 +47,7 @@ class GroupMembership {
 
   /// Notices what did not come.
   void look(Time now) {
-    if (owed_since_ != never && now - owed_since_ >= patience) lose(now);
+    if (owed_since_ != never && now - owed_since_ >= timeout) lose(now);
   }
 
   /// Returns true if the group is to be offered to the member now; it then counts as offered. It is not
@@ -63,7 +63,7 @@ class GroupMembership {
 
  private:
   static constexpr std::chrono::milliseconds report_expected{1000};
-  static constexpr std::chrono::milliseconds patience{500};
+  static constexpr std::chrono::milliseconds timeout{500};
   static constexpr std::chrono::milliseconds offer_pause_least{20};
   static constexpr std::chrono::milliseconds offer_pause_longest{2000};
 

@@ -33,7 +33,7 @@ std::shared_ptr<MulticastGroup> MulticastGroup::make(const Name& name, std::shar
                                                      std::vector<Member> members, std::uint16_t report_port) {
   std::shared_ptr<MulticastGroup> group(
       new MulticastGroup(name, std::move(lane), std::move(members), report_port));
-  group->lane_->end().tell(group);
+  group->lane_->end().notify(group);
   return group;
 }
 
@@ -224,7 +224,7 @@ GroupOffer MulticastGroup::farewell(std::size_t member) const {
       .writer = name_.writer, .group = name_.number, .member = member_names_[member], .port = report_port_};
 }
 
-void GroupRoster::add(const std::shared_ptr<MulticastGroup>& group) {
+void GroupRegistry::add(const std::shared_ptr<MulticastGroup>& group) {
   const core::Lock lock(mutex_);
   std::erase_if(known_, [](const auto& entry) { return entry.second.expired(); });
   std::erase_if(by_channel_, [](const auto& entry) { return entry.second.group.expired(); });
@@ -235,13 +235,13 @@ void GroupRoster::add(const std::shared_ptr<MulticastGroup>& group) {
   }
 }
 
-std::shared_ptr<MulticastGroup> GroupRoster::find(std::uint32_t writer, std::uint32_t number) {
+std::shared_ptr<MulticastGroup> GroupRegistry::find(std::uint32_t writer, std::uint32_t number) {
   const core::Lock lock(mutex_);
   const auto known = known_.find({writer, number});
   return known == known_.end() ? nullptr : known->second.lock();
 }
 
-GroupRoster::OfChannel GroupRoster::of_channel(std::uint32_t writer, std::uint32_t channel) {
+GroupRegistry::OfChannel GroupRegistry::of_channel(std::uint32_t writer, std::uint32_t channel) {
   const core::Lock lock(mutex_);
   const auto known = by_channel_.find({writer, channel});
   if (known == by_channel_.end()) return {};

@@ -139,7 +139,7 @@ class MulticastGroup final : public LaneListener {
 };
 
 /// The groups of all writers of a transport, so that each report finds its group. Any thread.
-class GroupRoster {
+class GroupRegistry {
  public:
   void add(const std::shared_ptr<MulticastGroup>& group);
   std::shared_ptr<MulticastGroup> find(std::uint32_t writer, std::uint32_t number);

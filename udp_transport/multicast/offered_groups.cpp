@@ -16,12 +16,12 @@ bool OfferedGroups::hear(const GroupOffer& offer, const SocketAddress& from, Tim
       std::ranges::find_if(groups_, [&](const Offered& group) { return group.offer.group == offer.group; });
   if (known != groups_.end()) {
     if (known->offer != offer && !comes_again(offer)) {
-      known->is_doubted = true;
+      known->is_unconfirmed = true;
       return false;
     }
     const bool was_right = known->misplaced < misplaced_max && in_use(*known, now);
     if (known->offer != offer && was_right) part_from(*known);
-    known->is_doubted = false;
+    known->is_unconfirmed = false;
     known->misplaced = 0;
     known->offer = offer;
     known->report_to = report_to;
@@ -68,9 +68,11 @@ void OfferedGroups::part_from(const Offered& group) {
   due_ = true;
 }
 
-bool OfferedGroups::comes_again(const GroupOffer& offer) { return offer == std::exchange(doubted_, offer); }
+bool OfferedGroups::comes_again(const GroupOffer& offer) {
+  return offer == std::exchange(unconfirmed_, offer);
+}
 
-bool OfferedGroups::place(FirstHeader& first, Time now, const ChannelWatch* channels) {
+bool OfferedGroups::place(FirstHeader& first, Time now, const ChannelMonitor* channels) {
   const auto known = std::ranges::find_if(
       groups_, [&](const Offered& group) { return group.offer.group == first.group.group; });
   if (known == groups_.end()) return false;
@@ -103,7 +105,7 @@ void OfferedGroups::came(Offered& group, std::uint64_t ordinal, Time now) {
   group.alive_at = now;
   group.heard = std::max(group.heard, ordinal);
   // A writer that is not told that its offer was heard repeats the offer.
-  if (group.is_doubted) return;
+  if (group.is_unconfirmed) return;
   if (group.reported_at == Time{} || now - group.reported_at >= group_report_pause) {
     group.reported_at = now;
     group.due = due_ = true;
@@ -119,7 +121,7 @@ void OfferedGroups::note(std::uint32_t group, bool misplaced) {
 void OfferedGroups::note(Offered& group, bool misplaced) {
   group.misplaced = misplaced ? group.misplaced + 1 : 0;
   if (group.misplaced < misplaced_max) return;
-  group.is_doubted = true;
+  group.is_unconfirmed = true;
   if (group.misplaced % misplaced_max == 0) group.due = due_ = true;
 }
 

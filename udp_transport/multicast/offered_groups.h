@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "udp_transport/io/datagram_io.h"
-#include "udp_transport/reliable/channel_watch.h"
+#include "udp_transport/reliable/channel_monitor.h"
 #include "udp_transport/wire/datagram.h"
 
 namespace sft::udp {
@@ -29,7 +29,7 @@ class OfferedGroups {
   /// group was not offered, or with another channel than the one that is followed, if any is: the sample
   /// comes otherwise then. However many samples of the group come, one offer alone says that they are of that
   /// channel. They must not count as so many claims: the writer itself may be naming the true channel.
-  bool place(FirstHeader& first, Time now, const ChannelWatch* channels = nullptr);
+  bool place(FirstHeader& first, Time now, const ChannelMonitor* channels = nullptr);
 
   /// A probe came by a group: that counts as if a sample had come. Ignored if that group was not offered.
   void hear(const GroupProbe& probe, Time now);
@@ -89,7 +89,7 @@ class OfferedGroups {
     std::uint64_t heard = 0;
     Time reported_at{};
     bool due = false;
-    bool is_doubted = false;      ///< an offer that says something else came last, or much was misplaced
+    bool is_unconfirmed = false;  ///< an offer that says something else came last, or much was misplaced
     std::uint32_t misplaced = 0;  ///< datagrams in a row
   };
   static constexpr std::uint32_t misplaced_max = 8;
@@ -110,7 +110,7 @@ class OfferedGroups {
   };
   std::vector<Parting> partings_;
   std::vector<Offered> groups_;  ///< the newest last
-  GroupOffer doubted_;           ///< an offer that contradicts what is known
+  GroupOffer unconfirmed_;       ///< an offer that contradicts what is known
   bool due_ = false;
 };
 

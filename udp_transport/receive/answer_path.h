@@ -20,14 +20,14 @@ class AnswerPath {
   /// A heartbeat asks for acks at this address. A single heartbeat does not turn acks away from where they
   /// went before: they go to both addresses until the next one.
   void turn_to(const SocketAddress& address) {
-    const bool confirmed = !confirmed_ || claimed_ == address;
+    const bool confirmed = !confirmed_ || unconfirmed_ == address;
     if (confirmed) confirmed_ = address;
-    claimed_.reset();
-    if (confirmed_ != address) claimed_ = address;
+    unconfirmed_.reset();
+    if (confirmed_ != address) unconfirmed_ = address;
   }
   void close() {
     confirmed_.reset();
-    claimed_.reset();
+    unconfirmed_.reset();
   }
   bool is_known() const { return confirmed_.has_value(); }
 
@@ -43,14 +43,14 @@ class AnswerPath {
     if (!covers(ack.bytes())) return;
     credit_.spend(copies() * ack.bytes());
     send(*confirmed_, ack);
-    if (claimed_) send(*claimed_, ack);
+    if (unconfirmed_) send(*unconfirmed_, ack);
   }
 
  private:
-  std::size_t copies() const { return claimed_ ? 2 : 1; }
+  std::size_t copies() const { return unconfirmed_ ? 2 : 1; }
 
   std::optional<SocketAddress> confirmed_;
-  std::optional<SocketAddress> claimed_;  ///< named by one heartbeat only so far
+  std::optional<SocketAddress> unconfirmed_;  ///< named by one heartbeat only so far
   AnswerCredit credit_;
 };
 

@@ -114,7 +114,7 @@ bool Delivery::deliver_next(core::EndpointId writer, Time now) {
   }
   window->release();
   if (window->holds_back()) {
-    lag_watch_.begin(now);
+    lag_monitor_.begin(now);
     readers_lag_.store(true, std::memory_order_relaxed);
   }
   return false;
@@ -160,7 +160,7 @@ void Delivery::look_after_readers(Time now) {
     some_is_left = some_is_left || (window != nullptr && window->holds_back());
   }
   leave();
-  lag_watch_.looked(now, some_was_taken, some_is_left);
+  lag_monitor_.looked(now, some_was_taken, some_is_left);
   readers_lag_.store(some_is_left, std::memory_order_relaxed);
 }
 

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "udp_transport/receive/hand_over.h"
-#include "udp_transport/receive/lag_watch.h"
+#include "udp_transport/receive/lag_monitor.h"
 #include "udp_transport/receive/reassembly.h"
 #include "udp_transport/receive/subscriptions.h"
 
@@ -46,7 +46,7 @@ class Delivery {
   /// Delivers to readers that had no room before.
   void look_after_readers(Time now);
   /// The time when look_after_readers() is due; Time::max() if no reader lags.
-  Time next_look() const { return lag_watch_.next_look(); }
+  Time next_look() const { return lag_monitor_.next_look(); }
   /// Some readers had no room for what is there. Any thread.
   bool readers_lag() const noexcept { return readers_lag_.load(std::memory_order_relaxed); }
 
@@ -65,7 +65,7 @@ class Delivery {
   SubscriptionDirectory subscriptions_;
   std::shared_ptr<const Subscriptions> wanted_;  ///< what the reassembly follows
   HandOver hand_over_;
-  LagWatch lag_watch_;
+  LagMonitor lag_monitor_;
   std::atomic<bool> readers_lag_{false};
   std::vector<core::SampleHandle> batch_;  ///< samples on their way to one inbox
 };

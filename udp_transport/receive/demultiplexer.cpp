@@ -7,8 +7,8 @@
 
 namespace sft::udp {
 
-Demultiplexer::Demultiplexer(Outlets outlets, Reassembly& reassembly, std::size_t receive_buffer_bytes)
-    : outlets_(std::move(outlets)), reassembly_(reassembly), shares_(receive_buffer_bytes) {}
+Demultiplexer::Demultiplexer(Handlers handlers, Reassembly& reassembly, std::size_t receive_buffer_bytes)
+    : handlers_(std::move(handlers)), reassembly_(reassembly), shares_(receive_buffer_bytes) {}
 
 Arrival Demultiplexer::accept(std::span<const std::byte> bytes, const SocketAddress& from,
                               ArrivalTime now) noexcept try {
@@ -38,7 +38,7 @@ Arrival Demultiplexer::take(FlowMark& d, const Envelope& envelope) {
   if (to) {
     FlowReport report = shares_.answer(d, envelope.from, envelope.now.steady);
     report.longest = longest_.answer(envelope.from.ip, envelope.bytes, envelope.now.steady);
-    outlets_.send_report(*to, report);
+    handlers_.send_report(*to, report);
   } else {
     ++unknown_marks_;
   }
@@ -48,8 +48,8 @@ Arrival Demultiplexer::take(FlowMark& d, const Envelope& envelope) {
 Arrival Demultiplexer::take(GroupOffer& d, const Envelope& envelope) {
   const std::optional<Reassembly::Joining> joining = reassembly_.accept(d, envelope);
   if (!joining) return {};
-  outlets_.keep_groups(reassembly_.groups());
-  if (joining->group != 0) outlets_.join_group(joining->group, envelope.from, joining->anew);
+  handlers_.keep_groups(reassembly_.groups());
+  if (joining->group != 0) handlers_.join_group(joining->group, envelope.from, joining->anew);
   return {};
 }
 
@@ -59,7 +59,7 @@ Arrival Demultiplexer::take(GroupProbe& d, const Envelope& envelope) {
 }
 
 Arrival Demultiplexer::take(Answer& d, const Envelope& envelope) {
-  outlets_.hear_answer(d, envelope.from, envelope.now.steady);
+  handlers_.hear_answer(d, envelope.from, envelope.now.steady);
   return {};
 }
 

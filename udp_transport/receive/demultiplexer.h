@@ -23,7 +23,7 @@ class Demultiplexer {
   using Time = std::chrono::steady_clock::time_point;
 
   /// accept() calls these for datagrams that bring no samples.
-  struct Outlets {
+  struct Handlers {
     /// Hands an answer to the half of the transport that sends.
     std::function<void(const Answer&, const SocketAddress& from, Time)> hear_answer;
     /// Sends a report: the answer to a mark.
@@ -35,7 +35,7 @@ class Demultiplexer {
   };
 
   /// The reassembly outlives the demultiplexer. All who send to the socket share `receive_buffer_bytes`.
-  Demultiplexer(Outlets outlets, Reassembly& reassembly, std::size_t receive_buffer_bytes);
+  Demultiplexer(Handlers handlers, Reassembly& reassembly, std::size_t receive_buffer_bytes);
 
   /// Returns what the datagram brought to readers. A datagram that there is no memory for counts as lost.
   Arrival accept(std::span<const std::byte> bytes, const SocketAddress& from, ArrivalTime now) noexcept;
@@ -59,7 +59,7 @@ class Demultiplexer {
   Arrival take(GroupProbe& d, const Envelope& envelope);
   Arrival take(Answer& d, const Envelope& envelope);
 
-  const Outlets outlets_;
+  const Handlers handlers_;
   Reassembly& reassembly_;
   ReceiveShares shares_;
   LongestArrivals longest_;

@@ -23,7 +23,7 @@ void Inbox::deliver(std::span<core::SampleHandle> samples, KeepLastQueue::Excess
     }
     for (core::SampleHandle& pushed_out : samples.first(enqueued.samples)) pushed_out.reset();
     samples = samples.subspan(enqueued.samples);
-    if (enqueued.kept > 0) tell_listener_();
+    if (enqueued.kept > 0) notify_listener_();
   }
 }
 

@@ -18,7 +18,7 @@ class Inbox {
  public:
   /// The listener may be null. `depth_bytes`: see ReaderSpec.
   Inbox(std::size_t depth, core::ArrivalListener* listener, std::uint64_t depth_bytes = 0)
-      : depth_(depth == 0 ? 1 : depth), depth_bytes_(depth_bytes), tell_listener_([listener] {
+      : depth_(depth == 0 ? 1 : depth), depth_bytes_(depth_bytes), notify_listener_([listener] {
           if (listener != nullptr) listener->arrived();
         }) {}
 
@@ -46,7 +46,7 @@ class Inbox {
 
   /// When it returns, the listener is not called any more, and no call is inside any more but the one in
   /// which it is called itself.
-  void detach() noexcept { tell_listener_.clear(); }
+  void detach() noexcept { notify_listener_.clear(); }
 
  private:
   struct Writer {
@@ -81,7 +81,7 @@ class Inbox {
   std::uint64_t arrivals_ SFT_GUARDED_BY(mutex_) = 0;
   std::uint64_t discarded_ SFT_GUARDED_BY(mutex_) = 0;
   std::uint64_t lost_unnoticed_ SFT_GUARDED_BY(mutex_) = 0;
-  core::GuardedCall<> tell_listener_;  ///< called without the mutex
+  core::GuardedCall<> notify_listener_;  ///< called without the mutex
 };
 
 }  // namespace sft::udp

@@ -29,7 +29,7 @@ void for_each_missing(std::uint32_t ordinal, const UnfinishedSample* sample, con
 
 bool has(const Datagram& d, std::uint8_t flag) { return (d.first.flags & flag) != 0; }
 
-std::uint64_t sequence_of(const FirstHeader& first, const SequenceWatch& sequences) {
+std::uint64_t sequence_of(const FirstHeader& first, const SequenceMonitor& sequences) {
   const auto with = [&](std::uint32_t high) { return std::uint64_t{high} << 32 | first.label.sequence; };
   if ((first.flags & channel_follows) != 0) return with(first.channel.sequence_high);
   if ((first.flags & group_follows) != 0) return with(first.group.sequence_high);
@@ -37,7 +37,7 @@ std::uint64_t sequence_of(const FirstHeader& first, const SequenceWatch& sequenc
 }
 
 /// A group ends with any sample: its last ones and the next one come by two sockets.
-bool may_overtake(std::uint64_t sequence, const FirstHeader& first, const SequenceWatch& sequences,
+bool may_overtake(std::uint64_t sequence, const FirstHeader& first, const SequenceMonitor& sequences,
                   const OfferedGroups& groups) {
   if (sequences.newest() == 0 || sequence <= sequences.newest() + 1) [[likely]]
     return false;
@@ -47,13 +47,13 @@ bool may_overtake(std::uint64_t sequence, const FirstHeader& first, const Sequen
 /// Another sample has begun at that place. It gives way if it makes no progress: it may have been forged.
 bool gives_way(ArrivedSamples& arrived, const SampleAssembly& samples, std::uint64_t place,
                const SampleLabel& label, IncomingWriter::Time now) {
-  constexpr std::chrono::milliseconds claim_holds{20};
+  constexpr std::chrono::milliseconds progress_holds{20};
   using State = ArrivedSamples::State;
   if (!arrived.slots().contains(place) || arrived.slots()[place].state != State::begun) return false;
   const SampleLabel claimed = arrived.slots()[place].label;
   if (claimed == label) return false;
   const UnfinishedSample* const sample = samples.find(claimed);
-  if (sample != nullptr && now - sample->last_progress() < claim_holds) return false;
+  if (sample != nullptr && now - sample->last_progress() < progress_holds) return false;
   arrived.give_back(place, now);
   return true;
 }
@@ -182,7 +182,7 @@ Arrival IncomingWriter::accept_first(const Datagram& d, const WantedMasks::Named
         gives_way(window_->samples(), samples_, met.place, d.label(), now.steady))
       met = window_->meet(d.first.channel, now.steady, same_datagram);
     if (met.standing == Standing::known && met.place != 0)
-      window_->samples().doubt(met.place, d.label().sequence);
+      window_->samples().unconfirm(met.place, d.label().sequence);
     drop_abandoned();
   }
   UnfinishedSample* sample = samples_.find(d.label());
@@ -288,7 +288,7 @@ Arrival IncomingWriter::complete(core::SampleHandle sample, const FirstHeader& f
     return {{}, facts_.stream_index, place != 0};
   }
   const bool overtakes = may_overtake(header.sequence, first, sequences_, groups_);
-  if (!believes({header.sequence, place, shared_.datagrams, header.source_stamp_ns}, now.steady)) {
+  if (!accepts({header.sequence, place, shared_.datagrams, header.source_stamp_ns}, now.steady)) {
     ++shared_.counters.malformed;
     if (place != 0) window_->samples().refuse(place);
     return {{}, facts_.stream_index, place != 0};
@@ -301,14 +301,14 @@ Arrival IncomingWriter::complete(core::SampleHandle sample, const FirstHeader& f
 
 /// A sample that waits under a sequence that turns out to be wrong has to come again. A writer that does not
 /// answer any more sends nothing new: somebody else repeats the samples behind its newest one.
-bool IncomingWriter::believes(const SequenceWatch::Claim& claim, Time now) {
-  if (!facts_.alive && claim.place == 0 && claim.sequence < sequences_.newest()) return false;
+bool IncomingWriter::accepts(const SequenceMonitor::Observed& observed, Time now) {
+  if (!facts_.alive && observed.place == 0 && observed.sequence < sequences_.newest()) return false;
   const std::uint32_t numbering = sequences_.numbering();
-  const bool believed = sequences_.believes(claim, now);
+  const bool accepted = sequences_.accepts(observed, now);
   const bool begins_anew = sequences_.numbering() != numbering;
   if (window_ != nullptr && begins_anew && sequences_.newest_was_wrong())
-    window_->samples().distrust_above(claim.sequence);
-  return believed;
+    window_->samples().distrust_above(observed.sequence);
+  return accepted;
 }
 
 /// Checks what a first datagram claims, before anything is allocated, and takes the memory for it.

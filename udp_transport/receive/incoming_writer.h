@@ -20,7 +20,7 @@
 #include "udp_transport/receive/sample_assembly.h"
 #include "udp_transport/receive/wanted_masks.h"
 #include "udp_transport/reliable/arrival_window.h"
-#include "udp_transport/reliable/sequence_watch.h"
+#include "udp_transport/reliable/sequence_monitor.h"
 #include "udp_transport/wire/datagram.h"
 
 namespace sft::udp {
@@ -128,7 +128,7 @@ class IncomingWriter {
                 ArrivalTime now);
   Arrival proceed(UnfinishedSample& sample, UnfinishedSample::Added added, ArrivalTime now);
   Arrival complete(core::SampleHandle sample, const FirstHeader& first, std::uint64_t place, ArrivalTime now);
-  bool believes(const SequenceWatch::Claim& claim, Time now);
+  bool accepts(const SequenceMonitor::Observed& observed, Time now);
 
   Refusal describe(const Datagram& d, const WantedMasks::Named& named, std::uint64_t place,
                    core::SampleHandle& buffer);
@@ -141,7 +141,7 @@ class IncomingWriter {
   ReassemblyMemory& shared_;
   Facts facts_;
   WantedMasks wanted_;
-  SequenceWatch sequences_;  ///< of the samples that were completed
+  SequenceMonitor sequences_;  ///< of the samples that were completed
   SampleAssembly samples_;
   std::unique_ptr<ArrivalWindow> window_;
   AnswerPath answers_;

@@ -24,7 +24,7 @@ struct ReassemblyLimits {
   std::size_t unfinished_per_writer = 32;                 ///< samples
   std::size_t parked_bytes = std::size_t{512} << 10;  ///< of all datagrams that came before their first one
   std::size_t gaps = 4096;                            ///< in one sample
-  std::chrono::milliseconds patience{500};            ///< a sample is dropped after so long without progress
+  std::chrono::milliseconds timeout{500};             ///< a sample is dropped after so long without progress
   ArrivalLimits channel{};                            ///< of what one writer sends reliably
 };
 
@@ -53,7 +53,7 @@ class ReassemblyMemory {
   /// There was no memory for a sample.
   void note_refused(Time now) { refused_at_ = now; }
   /// There was none lately: what is not used must not keep it.
-  bool is_short(Time now) const { return now - refused_at_ < limits.channel.claim_patience; }
+  bool is_short(Time now) const { return now - refused_at_ < limits.channel.confirm_timeout; }
 
   /// The time when the next unfinished sample may have to be dropped; empty while there are none.
   const std::optional<Time>& next_expiry() const { return next_expiry_; }
@@ -84,7 +84,7 @@ inline UnfinishedSamples::Handle ReassemblyMemory::begin_sample(const SampleLabe
   sample->begin(label, now);
   sample->set_place(place);
   ++unfinished_;
-  if (!next_expiry_) next_expiry_ = now + limits.patience;
+  if (!next_expiry_) next_expiry_ = now + limits.timeout;
   return sample;
 }
 

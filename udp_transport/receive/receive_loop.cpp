@@ -79,7 +79,7 @@ void ReceiveLoop::stop() {
 void ReceiveLoop::add(const core::ReaderSpec& reader) {
   if (reader.only_waited_for) return;
   spins_.add(reader.spin);
-  if (role_.add_tended()) {
+  if (role_.add_attended()) {
     io_->wake();
     ::eventfd_write(waiter_event_.get(), 1);
   }
@@ -89,7 +89,7 @@ void ReceiveLoop::add(const core::ReaderSpec& reader) {
 void ReceiveLoop::remove(const core::ReaderSpec& reader) {
   if (reader.only_waited_for) return;
   spins_.remove(reader.spin);
-  role_.remove_tended();
+  role_.remove_attended();
 }
 
 void ReceiveLoop::run() {
@@ -295,7 +295,7 @@ void ReceiveLoop::end() noexcept {
 
 void ReceiveLoop::publish_counters() noexcept {
   core::Transport::Counters counters = reassembly_.counters();
-  counters.disbelieved = demultiplexer_.unknown_marks();
+  counters.rejected = demultiplexer_.unknown_marks();
   published_.store(counters);
 }
 
@@ -304,7 +304,7 @@ void ReceiveLoop::PublishedCounters::store(const core::Transport::Counters& coun
   unknown_.store(counters.unknown, std::memory_order_relaxed);
   incomplete_.store(counters.incomplete, std::memory_order_relaxed);
   over_limit_.store(counters.over_limit, std::memory_order_relaxed);
-  disbelieved_.store(counters.disbelieved, std::memory_order_relaxed);
+  rejected_.store(counters.rejected, std::memory_order_relaxed);
 }
 
 core::Transport::Counters ReceiveLoop::PublishedCounters::load() const noexcept {
@@ -312,7 +312,7 @@ core::Transport::Counters ReceiveLoop::PublishedCounters::load() const noexcept 
           .unknown = unknown_.load(std::memory_order_relaxed),
           .incomplete = incomplete_.load(std::memory_order_relaxed),
           .over_limit = over_limit_.load(std::memory_order_relaxed),
-          .disbelieved = disbelieved_.load(std::memory_order_relaxed)};
+          .rejected = rejected_.load(std::memory_order_relaxed)};
 }
 
 }  // namespace sft::udp

@@ -75,7 +75,7 @@ class ReceiveLoop final : private DatagramSink, public std::enable_shared_from_t
     core::Transport::Counters load() const noexcept;
 
    private:
-    std::atomic<std::uint64_t> malformed_{0}, unknown_{0}, incomplete_{0}, over_limit_{0}, disbelieved_{0};
+    std::atomic<std::uint64_t> malformed_{0}, unknown_{0}, incomplete_{0}, over_limit_{0}, rejected_{0};
   };
 
   void run();

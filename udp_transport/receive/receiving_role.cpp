@@ -25,13 +25,13 @@ void ReceivingRole::update(Change change) {
 ReceivingRole::Entry ReceivingRole::enter(Time now) {
   Entry entry{};
   const bool entered = update_if([&](State& state) {
-    if (state.closed || state.tended > 0) {
+    if (state.closed || state.attended > 0) {
       entry = Entry::refused;
     } else if (state.inside != Inside::nobody) {
       entry = Entry::occupied;
     } else if (state.holder == Holder::own && state.in_turn) {
       entry = Entry::promised;
-      state.inside = Inside::somebody_with_a_promise;
+      state.inside = Inside::awaited_waiter;
       return true;
     } else {
       entry = Entry::taken;
@@ -47,7 +47,7 @@ ReceivingRole::Entry ReceivingRole::enter(Time now) {
 
 bool ReceivingRole::begin() {
   return update_if([](State& state) {
-    if (state.closed || state.tended > 0 || state.holder != Holder::waiter) return false;
+    if (state.closed || state.attended > 0 || state.holder != Holder::waiter) return false;
     state.in_turn = true;
     return true;
   });
@@ -61,8 +61,8 @@ void ReceivingRole::end(Time next_deadline) {
 
 bool ReceivingRole::lost() const {
   const State state = state_.load();
-  if (state.closed || state.tended > 0) return true;
-  return state.holder != Holder::waiter && state.inside != Inside::somebody_with_a_promise;
+  if (state.closed || state.attended > 0) return true;
+  return state.holder != Holder::waiter && state.inside != Inside::awaited_waiter;
 }
 
 ReceivingRole::Leaving ReceivingRole::leave(Time now) {
@@ -72,7 +72,7 @@ ReceivingRole::Leaving ReceivingRole::leave(Time now) {
   update([&](State& state) {
     state.inside = Inside::nobody;
     gives_it_back = state.holder == Holder::waiter;
-    is_awaited = state.behind > 0 || state.tended > 0;
+    is_awaited = state.behind > 0 || state.attended > 0;
     if (gives_it_back) state.holder = Holder::nobody;
   });
   if (!gives_it_back) return {};
@@ -93,17 +93,17 @@ void ReceivingRole::unwait_behind() {
   update([](State& state) { --state.behind; });
 }
 
-bool ReceivingRole::add_tended() {
+bool ReceivingRole::add_attended() {
   bool is_elsewhere = false;
   update([&](State& state) {
-    ++state.tended;
+    ++state.attended;
     is_elsewhere = state.holder != Holder::own;
   });
   return is_elsewhere;
 }
 
-void ReceivingRole::remove_tended() {
-  update([](State& state) { --state.tended; });
+void ReceivingRole::remove_attended() {
+  update([](State& state) { --state.attended; });
 }
 
 ReceivingRole::Look ReceivingRole::look(const State& state, Time now, bool readable) const {
@@ -130,16 +130,16 @@ ReceivingRole::Task ReceivingRole::next(Time now, bool readable) {
       // Twice in a row, a little apart: what has just come it is about to receive.
       const bool does_nothing =
           now_seen.seemed_idle && last_look_.seemed_idle && now_seen.turns == last_look_.turns;
-      const bool must_go = before.tended > 0 && !before.in_turn;
+      const bool must_go = before.attended > 0 && !before.in_turn;
       if (!does_nothing && !must_go) {
         last_look_ = now_seen;
         return {.duty = Duty::stand_by, .until = next_look(now)};
       }
     } else if (before.holder == Holder::nobody) {
-      const bool expected_back = before.behind == 0 && before.tended == 0 && now < last_used + vacancy;
+      const bool expected_back = before.behind == 0 && before.attended == 0 && now < last_used + vacancy;
       if (expected_back) return {.duty = Duty::stand_by, .until = last_used + vacancy};
     }
-    const bool polls = before.tended == 0 && now < last_used + own_again;
+    const bool polls = before.attended == 0 && now < last_used + own_again;
     State after = before;
     after.holder = Holder::own;
     after.in_turn = !polls;
@@ -165,10 +165,10 @@ bool ReceivingRole::end_turn(Time next_deadline) {
   bool passes_it_on = false;
   update([&](State& state) {
     state.in_turn = false;
-    passes_it_on = state.inside == Inside::somebody_with_a_promise;
+    passes_it_on = state.inside == Inside::awaited_waiter;
     if (!passes_it_on) return;
     state.inside = Inside::somebody;
-    if (state.tended == 0) state.holder = Holder::waiter;
+    if (state.attended == 0) state.holder = Holder::waiter;
   });
   return passes_it_on;
 }

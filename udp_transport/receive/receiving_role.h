@@ -60,8 +60,8 @@ class ReceivingRole {
   /// Registers a reader whose listener must be called at once, and by the own thread only. As long as there
   /// is such a reader, no other thread gets the role. True: the thread that has the role, and the own thread,
   /// have to be woken.
-  [[nodiscard]] bool add_tended();
-  void remove_tended();
+  [[nodiscard]] bool add_attended();
+  void remove_attended();
 
   // The own thread.
 
@@ -87,17 +87,17 @@ class ReceivingRole {
 
   /// Nobody receives any more; waits for no one. Any thread.
   void close();
-  /// A waiting thread is receiving. Its turn ends soon, also after close() and add_tended().
+  /// A waiting thread is receiving. Its turn ends soon, also after close() and add_attended().
   bool waiter_in_turn() const;
 
  private:
   enum class Holder : std::uint8_t { own, waiter, nobody };
   /// Says whether a thread is between enter() and leave().
-  enum class Inside : std::uint8_t { nobody, somebody, somebody_with_a_promise };
+  enum class Inside : std::uint8_t { nobody, somebody, awaited_waiter };
 
   /// All that decides who may receive, in one word, so that it changes at once.
   struct State {
-    std::uint16_t tended = 0;
+    std::uint16_t attended = 0;
     std::uint16_t behind = 0;
     Holder holder = Holder::own;
     Inside inside = Inside::nobody;

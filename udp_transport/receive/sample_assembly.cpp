@@ -85,7 +85,7 @@ bool SampleAssembly::drop_oldest(const SampleLabel& same_variant_first) {
 void SampleAssembly::expire(Time now, std::optional<Time>& next) {
   const auto& loose = unfinished_.loose();
   for (std::size_t i = 0; i < loose.size();) {
-    const Time expiry = loose[i]->last_progress() + shared_.limits.patience;
+    const Time expiry = loose[i]->last_progress() + shared_.limits.timeout;
     if (expiry <= now) {
       drop(SampleLabel(loose[i]->label()), shared_.counters.incomplete);
     } else {

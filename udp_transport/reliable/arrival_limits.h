@@ -16,7 +16,7 @@ struct ArrivalLimits {
   std::chrono::milliseconds ask_again_longest{250};
   /// A sample that has begun is given up, and begun anew, if neither it nor the first missing one gets any
   /// further for so long, although the writer is heard: what began it may not have been true.
-  std::chrono::milliseconds claim_patience{300};
+  std::chrono::milliseconds confirm_timeout{300};
   std::chrono::seconds forget_after{5};  ///< without a word from the writer nothing is asked for any more
   std::chrono::milliseconds spread{8};   ///< of what many may miss: later by up to so much, at random
   std::uint32_t seed = 1;                ///< of that

@@ -20,24 +20,24 @@ void ArrivalWindow::join(const Mark& left) {
 
 void ArrivalWindow::begin_with(Place place) {
   joining_ = false;
-  if (samples_.begin_with(place)) told_end_.begin(ordinal_of(place));
+  if (samples_.begin_with(place)) reported_end_.begin(ordinal_of(place));
 }
 
 /// False for a channel that does not count. What is missing of the one before will not come any more.
-bool ArrivalWindow::turn_to(const ChannelWatch::Claim& claim, Time now) {
-  switch (channels_.judge(claim, now)) {
-    case ChannelWatch::Verdict::present:
+bool ArrivalWindow::turn_to(const ChannelMonitor::Observed& observed, Time now) {
+  switch (channels_.evaluate(observed, now)) {
+    case ChannelMonitor::Verdict::present:
       return true;
-    case ChannelWatch::Verdict::ignore:
+    case ChannelMonitor::Verdict::ignore:
       return false;
-    case ChannelWatch::Verdict::turn:
+    case ChannelMonitor::Verdict::turn:
       break;
   }
-  const std::uint64_t begin = channels_.turn(claim.channel, ordinal_of(samples_.next()));
+  const std::uint64_t begin = channels_.turn(observed.channel, ordinal_of(samples_.next()));
   joining_ = false;
   ordinals_ = {};
   begin_channel(begin);
-  told_end_.begin(begin);
+  reported_end_.begin(begin);
   fresh_ = begin == 1;
   return true;
 }
@@ -52,7 +52,7 @@ void ArrivalWindow::begin_channel(std::uint64_t ordinal) {
 void ArrivalWindow::go_back_to(std::uint64_t ordinal) {
   begin_channel(ordinal);
   ordinals_.go_on_with(ordinal);
-  told_end_.go_back_to(ordinal);
+  reported_end_.go_back_to(ordinal);
   pending_ack_.want();
 }
 
@@ -83,7 +83,7 @@ ArrivalWindow::Met ArrivalWindow::meet(const ChannelMark& mark, Time now, bool s
   }
   fresh_ = false;
   ordinals_.advanced();
-  told_end_.agrees();
+  reported_end_.agrees();
   return {Standing::wanted, place};
 }
 
@@ -166,7 +166,7 @@ bool ArrivalWindow::follow(const Heartbeat& heartbeat, Time heard_before, Time n
 
 /// Returns true if everything that the writer has sent was passed over, and some of it has not arrived.
 bool ArrivalWindow::contradicts(const Heartbeat& heartbeat, Time now) {
-  if (fresh_ || !told_end_.is_news(heartbeat)) return false;
+  if (fresh_ || !reported_end_.is_news(heartbeat)) return false;
   const Place next = samples_.next();
   return places_.place_of(heartbeat.end) <= next && heartbeat.end < ordinal_of(next) &&
          ordinals_.passed_over(heartbeat.end - 1, false, now).has_value();
@@ -177,8 +177,8 @@ bool ArrivalWindow::contradicts(const Heartbeat& heartbeat, Time now) {
 bool ArrivalWindow::was_never_published(const Heartbeat& heartbeat, Time now) {
   const std::uint64_t end = heartbeat.end + heartbeat.waiting;
   if (!fresh_ && end < ordinal_of(samples_.next()) && places_.follows(end))
-    return told_end_.insists_on(end, now);
-  told_end_.agrees();
+    return reported_end_.insists_on(end, now);
+  reported_end_.agrees();
   return false;
 }
 

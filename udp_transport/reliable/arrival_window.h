@@ -13,12 +13,12 @@
 #include "core/seam/transport.h"
 #include "udp_transport/reliable/arrival_limits.h"
 #include "udp_transport/reliable/arrived_samples.h"
+#include "udp_transport/reliable/channel_monitor.h"
 #include "udp_transport/reliable/channel_places.h"
-#include "udp_transport/reliable/channel_watch.h"
-#include "udp_transport/reliable/ordinal_watch.h"
+#include "udp_transport/reliable/ordinal_monitor.h"
 #include "udp_transport/reliable/pending_ack.h"
 #include "udp_transport/reliable/reader_cursors.h"
-#include "udp_transport/reliable/told_end.h"
+#include "udp_transport/reliable/reported_end.h"
 #include "udp_transport/wire/datagram.h"
 
 namespace sft::udp {
@@ -97,13 +97,13 @@ class ArrivalWindow {
   /// Returns an ack without the missing samples; it counts as sent.
   Ack ack(std::uint32_t writer);
 
-  const ChannelWatch& channels() const { return channels_; }
+  const ChannelMonitor& channels() const { return channels_; }
 
  private:
   /// No writer keeps more samples than this, so no heartbeat spans more.
-  static constexpr std::uint64_t kept_max = OrdinalWatch::remembered;
+  static constexpr std::uint64_t kept_max = OrdinalMonitor::remembered;
 
-  bool turn_to(const ChannelWatch::Claim& claim, Time now);
+  bool turn_to(const ChannelMonitor::Observed& observed, Time now);
   void begin_channel(std::uint64_t ordinal);
   void go_back_to(std::uint64_t ordinal);
   void begin_with(Place place);
@@ -114,10 +114,10 @@ class ArrivalWindow {
   void ask_for_next(Time now);
 
   const ArrivalLimits limits_;
-  ChannelWatch channels_;
+  ChannelMonitor channels_;
   ChannelPlaces places_;
-  OrdinalWatch ordinals_;
-  ToldEnd told_end_;
+  OrdinalMonitor ordinals_;
+  ReportedEnd reported_end_;
   bool joining_ = false;  ///< nothing was heard yet since join()
   bool fresh_ = true;     ///< no ordinal of the channel is known yet
   ArrivedSamples samples_;

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "udp_transport/reliable/ordinal_watch.h"
+#include "udp_transport/reliable/ordinal_monitor.h"
 
 namespace sft::udp {
 
@@ -104,7 +104,7 @@ bool ArrivedSamples::makes_no_sense_again(Place place) {
   return slots_.contains(place) && std::exchange(slots_[place].makes_no_sense, true);
 }
 
-void ArrivedSamples::doubt(Place place, std::uint32_t sequence) {
+void ArrivedSamples::unconfirm(Place place, std::uint32_t sequence) {
   if (place < next_ || !slots_.contains(place) || slots_[place].state != State::whole) return;
   if (static_cast<std::uint32_t>(slots_[place].sample->sequence) != sequence) come_again(place);
 }
@@ -124,7 +124,7 @@ void ArrivedSamples::forget_unpublished(Place from, Time now) {
     unpublished_since_ = now;
     return;
   }
-  if (now - unpublished_since_ < OrdinalWatch::doubted_after) return;
+  if (now - unpublished_since_ < OrdinalMonitor::unconfirmed_after) return;
   for (; slots_.end() > from; slots_.pop_back()) {
     const Slot& last = slots_[slots_.end() - 1];
     if (last.state == State::whole) held_bytes_ -= last.sample->capacity;

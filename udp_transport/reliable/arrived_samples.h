@@ -69,12 +69,12 @@ class ArrivedSamples {
   bool makes_no_sense_again(Place place);
   /// A sample with that low half of a sequence came there. If another one waits there for those before it,
   /// one of both is wrong: it has to come again.
-  void doubt(Place place, std::uint32_t sequence);
+  void unconfirm(Place place, std::uint32_t sequence);
   /// Samples with a greater sequence have a wrong one, and have to come again.
   void distrust_above(std::uint64_t sequence);
   /// The writer says that it has published nothing from that place on. If it said so before, for
-  /// OrdinalWatch::doubted_after, of a place that was known of then, the places from there on are forgotten:
-  /// the writer's samples would find them taken.
+  /// OrdinalMonitor::unconfirmed_after, of a place that was known of then, the places from there on are
+  /// forgotten: the writer's samples would find them taken.
   void forget_unpublished(Place from, Time now);
   /// The sample begins anew, or another sample begins there.
   void give_back(Place place, Time now);
@@ -145,7 +145,7 @@ std::vector<ArrivedSamples::Gap> ArrivedSamples::due_gaps(Time now, const CameAt
     if (slot.settled()) continue;
     Time came = slot.state == State::begun ? came_at(slot.label) : Time{};
     const bool must_go_on = stuck || memory_is_short;
-    if (must_go_on && slot.state == State::begun && schedule_.has_lost_patience(came, now)) {
+    if (must_go_on && slot.state == State::begun && schedule_.has_timed_out(came, now)) {
       give_back(place, now);
       came = Time{};
     }

@@ -32,25 +32,25 @@ bool Channel::runs_ahead_with(const Job& job) const {
 }
 
 /// The mutex is not held while the call waits. False if it did not have to wait.
-bool Channel::wait_for_room(const Job& job, std::chrono::nanoseconds& patience, core::Lock& lock) {
+bool Channel::wait_for_room(const Job& job, std::chrono::nanoseconds& timeout, core::Lock& lock) {
   if (!runs_ahead_with(job)) [[likely]]
     return false;
   const Time begin = now();
-  const Time at_most = begin + patience;
-  const Time until = begin + std::min<std::chrono::nanoseconds>(patience, moment);
+  const Time at_most = begin + timeout;
+  const Time until = begin + std::min<std::chrono::nanoseconds>(timeout, moment);
   while (runs_ahead_with(job) && waiters_.wait_until(lock, until)) {
   }
   while (!has_room_for(job) && waiters_.wait_until(lock, at_most)) {
   }
-  patience = std::max(patience - (now() - begin), std::chrono::nanoseconds{0});
+  timeout = std::max(timeout - (now() - begin), std::chrono::nanoseconds{0});
   return true;
 }
 
 Channel::Posted Channel::post(JobHandle job, const FirstHeader& first, bool at_once,
-                              std::chrono::nanoseconds* patience) {
+                              std::chrono::nanoseconds* timeout) {
   Posted posted;
   core::Lock lock(mutex_);
-  posted.waited = patience != nullptr && wait_for_room(*job, *patience, lock);
+  posted.waited = timeout != nullptr && wait_for_room(*job, *timeout, lock);
   job->keep();
   const std::size_t samples = job->samples();
   posted.kept = window_.keep(std::move(job), first);
@@ -62,10 +62,10 @@ Channel::Posted Channel::post(JobHandle job, const FirstHeader& first, bool at_o
 }
 
 std::optional<Channel::Posted> Channel::post_ahead(const JobHandle& job, const FirstHeader& first,
-                                                   std::chrono::nanoseconds* patience) {
+                                                   std::chrono::nanoseconds* timeout) {
   Posted posted;
   core::Lock lock(mutex_);
-  posted.waited = patience != nullptr && wait_for_room(*job, *patience, lock);
+  posted.waited = timeout != nullptr && wait_for_room(*job, *timeout, lock);
   if (!window_.all_sent()) return {};
   job->keep();
   posted.kept = window_.keep(job, first);
@@ -74,9 +74,9 @@ std::optional<Channel::Posted> Channel::post_ahead(const JobHandle& job, const F
   return posted;
 }
 
-bool Channel::await_room(const Job& job, std::chrono::nanoseconds* patience) {
+bool Channel::await_room(const Job& job, std::chrono::nanoseconds* timeout) {
   core::Lock lock(mutex_);
-  if (patience != nullptr) wait_for_room(job, *patience, lock);
+  if (timeout != nullptr) wait_for_room(job, *timeout, lock);
   return has_room_for(job);
 }
 
@@ -141,7 +141,7 @@ Wake Channel::hear(const Ack& ack) {
     tally_->dropped.fetch_add(window_.kept(), std::memory_order_relaxed);
     return Wake::look;
   }
-  const Wake for_room = waiters_.tell();
+  const Wake for_room = waiters_.notify();
   if (!attention_.is_paid()) return for_room;
   const Wake sooner = looks_sooner(time);
   const Wake news = window_.has_work() ? attention_.wake() : Wake::none;

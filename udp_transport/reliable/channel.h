@@ -51,21 +51,21 @@ class Channel {
     bool waited = false;  ///< the call has waited for room
     ResendWindow::Kept kept{};
   };
-  /// `at_once`: the caller wants to send the sample itself. Waits for at most `patience` until no older
-  /// sample has to be given up for this one, and subtracts the time that it waited. Without `patience` it
+  /// `at_once`: the caller wants to send the sample itself. Waits for at most `timeout` until no older
+  /// sample has to be given up for this one, and subtracts the time that it waited. Without `timeout` it
   /// does not wait. It waits for a moment also if the kept samples are more than stays in a processor's
   /// caches: a publisher that is faster than the sending would encode into memory that has left the caches.
   Posted post(JobHandle job, const FirstHeader& first, bool at_once,
-              std::chrono::nanoseconds* patience = nullptr);
+              std::chrono::nanoseconds* timeout = nullptr);
   /// Posts the job only if nothing else waits to be sent. The caller then sends it. No other thread reads the
   /// job before the caller calls finished() or put_back().
   std::optional<Posted> post_ahead(const JobHandle& job, const FirstHeader& first,
-                                   std::chrono::nanoseconds* patience = nullptr);
+                                   std::chrono::nanoseconds* timeout = nullptr);
   /// True if the sample is neither acknowledged nor given up.
   bool keeps(std::uint64_t ordinal);
   /// Waits as post() does until the job can be posted, and no older sample has to be given up for it. False
   /// if there is no room for it then.
-  bool await_room(const Job& job, std::chrono::nanoseconds* patience);
+  bool await_room(const Job& job, std::chrono::nanoseconds* timeout);
   /// The same without waiting, for the sending thread: if there is no room, hear() tells when to look again.
   bool has_room_or_tells(const Job& job);
   /// True if all channels of the node together keep so much that a channel that keeps `bytes` has to give
@@ -113,7 +113,7 @@ class Channel {
  private:
   bool has_room_for(const Job& job) const SFT_REQUIRES(mutex_);
   bool runs_ahead_with(const Job& job) const SFT_REQUIRES(mutex_);
-  bool wait_for_room(const Job& job, std::chrono::nanoseconds& patience, core::Lock& lock)
+  bool wait_for_room(const Job& job, std::chrono::nanoseconds& timeout, core::Lock& lock)
       SFT_REQUIRES(mutex_);
   Wake looks_sooner(Time now) SFT_REQUIRES(mutex_);
 

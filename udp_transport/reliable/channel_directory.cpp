@@ -4,20 +4,20 @@
 
 namespace sft::udp {
 
-void ChannelRoster::add(const std::shared_ptr<Channel>& channel) {
+void ChannelRegistry::add(const std::shared_ptr<Channel>& channel) {
   const core::Lock lock(mutex_);
   std::erase_if(known_, [](const auto& entry) { return entry.second.expired(); });
   known_[{channel->writer(), channel->number()}] = channel;
 }
 
-std::shared_ptr<Channel> ChannelRoster::find(std::uint32_t writer, std::uint32_t number) {
+std::shared_ptr<Channel> ChannelRegistry::find(std::uint32_t writer, std::uint32_t number) {
   const core::Lock lock(mutex_);
   const auto known = known_.find({writer, number});
   return known == known_.end() ? nullptr : known->second.lock();
 }
 
-std::vector<std::shared_ptr<Channel>> ChannelRoster::find_at(std::uint32_t writer,
-                                                             const core::IpAddress& ip) {
+std::vector<std::shared_ptr<Channel>> ChannelRegistry::find_at(std::uint32_t writer,
+                                                               const core::IpAddress& ip) {
   std::vector<std::shared_ptr<Channel>> found;
   const core::Lock lock(mutex_);
   for (auto one = known_.lower_bound({writer, 0}); one != known_.end() && one->first.first == writer; ++one) {
@@ -41,7 +41,7 @@ std::shared_ptr<Channel> ChannelDirectory::find(const std::shared_ptr<Destinatio
     closed_ = true;
   }
   channel = std::make_shared<Channel>(writer_, unused_number(*to), to, tally_, ack_port_, memory_);
-  roster_.add(channel);
+  registry_.add(channel);
   known.channel = channel;
   return channel;
 }
@@ -50,11 +50,11 @@ std::shared_ptr<Channel> ChannelDirectory::find(const std::shared_ptr<Destinatio
 std::uint32_t ChannelDirectory::unused_number(const Destination& to) {
   for (;;) {
     const std::uint32_t number = to.name_of_channel(++last_number_);
-    if (number != 0 && roster_.find(writer_, number) == nullptr) return number;
+    if (number != 0 && registry_.find(writer_, number) == nullptr) return number;
   }
 }
 
-bool ChannelDirectory::some_went_wrong() const {
+bool ChannelDirectory::any_channel_failed() const {
   return std::ranges::any_of(channels_, [](const auto& item) {
     const std::shared_ptr<Channel> channel = item.second.channel.lock();
     return channel != nullptr && channel->went_wrong();

@@ -17,7 +17,7 @@
 namespace sft::udp {
 
 /// Any thread.
-class ChannelRoster {
+class ChannelRegistry {
  public:
   void add(const std::shared_ptr<Channel>& channel);
   /// Null if there is none, or no more.
@@ -37,11 +37,11 @@ using ReliableReaders = std::map<const Destination*, std::set<core::EndpointId>>
 /// Used by the agent's thread. The roster outlives it.
 class ChannelDirectory {
  public:
-  ChannelDirectory(std::uint32_t writer, std::shared_ptr<WriterTally> tally, ChannelRoster& roster,
+  ChannelDirectory(std::uint32_t writer, std::shared_ptr<WriterTally> tally, ChannelRegistry& registry,
                    std::uint16_t ack_port, std::shared_ptr<const KeptMemory> memory = {})
       : writer_(writer),
         tally_(std::move(tally)),
-        roster_(roster),
+        registry_(registry),
         ack_port_(ack_port),
         memory_(std::move(memory)) {}
   ~ChannelDirectory() { keep_to({}); }
@@ -52,7 +52,7 @@ class ChannelDirectory {
   std::shared_ptr<Channel> find(const std::shared_ptr<Destination>& to,
                                 const std::set<core::EndpointId>& readers);
   /// True if at least one channel can no longer be relied on: find() gives another one for it.
-  bool some_went_wrong() const;
+  bool any_channel_failed() const;
   /// All others end.
   void keep_to(const ReliableReaders& readers);
   /// True if channels were closed, or have ended, since this was called last.
@@ -63,7 +63,7 @@ class ChannelDirectory {
 
   const std::uint32_t writer_;
   const std::shared_ptr<WriterTally> tally_;
-  ChannelRoster& roster_;
+  ChannelRegistry& registry_;
   const std::uint16_t ack_port_;
   const std::shared_ptr<const KeptMemory> memory_;
   std::uint32_t last_number_ = 0;  ///< of all to whomever

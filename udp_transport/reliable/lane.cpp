@@ -106,14 +106,14 @@ void Lane::note_report(const Job& job) {
   }
 }
 
-void Lane::await_room(const Job& job, std::chrono::nanoseconds& patience) {
+void Lane::await_room(const Job& job, std::chrono::nanoseconds& timeout) {
   core::Lock lock(mutex_);
   note_report(job);
   if (closed() || has_room_for(job)) return;
   const Clock::time_point begin = Clock::now();
   bool has_time = true;
-  while (has_time && !closed() && !has_room_for(job)) has_time = room_.wait_until(lock, begin + patience);
-  patience = std::max<std::chrono::nanoseconds>(patience - (Clock::now() - begin), {});
+  while (has_time && !closed() && !has_room_for(job)) has_time = room_.wait_until(lock, begin + timeout);
+  timeout = std::max<std::chrono::nanoseconds>(timeout - (Clock::now() - begin), {});
 }
 
 void Lane::lose_current() {

@@ -69,9 +69,9 @@ class Lane {
   Posted post(JobHandle job);
   /// One more can be queued and nothing has to go for it.
   bool has_room();
-  /// Waits until the job can be queued and nothing has to go for it, as long as `patience` lasts, which it
+  /// Waits until the job can be queued and nothing has to go for it, as long as `timeout` lasts, which it
   /// uses up.
-  void await_room(const Job& job, std::chrono::nanoseconds& patience);
+  void await_room(const Job& job, std::chrono::nanoseconds& timeout);
 
   /// Notes the first sequence of the lane in a job that is sent without being queued.
   void mark(Job& job);

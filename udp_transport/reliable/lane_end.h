@@ -23,13 +23,13 @@ class LaneListener {
   virtual std::span<const Destination* const> receivers() const noexcept = 0;
 };
 
-/// Any thread, but for tell().
+/// Any thread, but for notify().
 class LaneEnd {
  public:
   explicit LaneEnd(std::shared_ptr<Destination> to) : to_(std::move(to)) {}
 
   /// The lane leads to a group. Called before anything else.
-  void tell(std::weak_ptr<LaneListener> group) {
+  void notify(std::weak_ptr<LaneListener> group) {
     group_ = std::move(group);
     is_group_ = true;
   }

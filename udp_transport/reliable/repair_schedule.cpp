@@ -27,7 +27,7 @@ void RepairSchedule::came_whole(const Entry& entry) {
 bool RepairSchedule::is_stuck(std::uint64_t next, Time first_came, Time now) {
   if (std::exchange(first_missing_, next) != next) first_missing_since_ = now;
   const Time since = std::max(first_missing_since_, first_came);
-  return now - since >= limits_.claim_patience && heard_at_ - since >= limits_.claim_patience / 2;
+  return now - since >= limits_.confirm_timeout && heard_at_ - since >= limits_.confirm_timeout / 2;
 }
 
 }  // namespace sft::udp

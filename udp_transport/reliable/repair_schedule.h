@@ -65,7 +65,7 @@ class RepairSchedule {
   bool is_stuck(std::uint64_t next, Time first_came, Time now);
   /// Returns true if a sample whose last part came at that time is to begin anew while is_stuck(), or while
   /// memory is short.
-  bool has_lost_patience(Time came, Time now) const { return now - came >= limits_.claim_patience; }
+  bool has_timed_out(Time came, Time now) const { return now - came >= limits_.confirm_timeout; }
 
   /// Somebody looks now at what is missing.
   void begin_look(Time now) {

@@ -24,7 +24,7 @@ class RoomWaiters {
   void note_sending_thread(bool waits) { sending_thread_waits_ = waits; }
 
   /// Less is kept than before. Wake::look if the sending thread waits for that.
-  [[nodiscard]] Wake tell() {
+  [[nodiscard]] Wake notify() {
     if (publisher_waits_) may_have_room_.notify_one();
     return std::exchange(sending_thread_waits_, false) ? Wake::look : Wake::none;
   }

@@ -19,7 +19,7 @@ class Farewells {
 
   static constexpr std::chrono::seconds farewell_after{1};  ///< what is under way arrives before
   /// So many members are told in a call, or if more are due, this part of them.
-  static constexpr std::size_t told_at_once = 8, part_told_at_once = 8;
+  static constexpr std::size_t notified_at_once = 8, part_notified_at_once = 8;
 
   /// The group is over. The farewell to a member ends the former groups of that member, too, so that each
   /// destination is in the list once.
@@ -35,7 +35,7 @@ class Farewells {
   void say(Time now, const Send& send) {
     const auto is_due = [now](const auto& item) { return now >= item.second.due; };
     const auto due = static_cast<std::size_t>(std::ranges::count_if(farewells_, is_due));
-    std::size_t left = std::max(told_at_once, due / part_told_at_once);
+    std::size_t left = std::max(notified_at_once, due / part_notified_at_once);
     std::erase_if(farewells_, [&](const auto& item) {
       if (left == 0 || !is_due(item)) return false;
       const Farewell& farewell = item.second;

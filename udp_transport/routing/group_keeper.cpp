@@ -19,7 +19,7 @@ constexpr std::size_t leaves_in_groups_max = 64 * WireMask::words_max;
 /// More than anything else costs, and little enough for sums of it to be exact to a byte.
 constexpr double too_much_body = 1e12;
 
-constexpr const char* restless = "it asks for that only since just now, or often for something else";
+constexpr const char* unsettled = "it asks for that only since just now, or often for something else";
 
 template <class Range, class Value>
 bool holds(const Range& range, const Value& value) {
@@ -72,7 +72,7 @@ void GroupKeeper::look_at(const std::vector<RouteBundle>& routes, Time now) {
     possible[i]->refusal = divisions[i].refusal;
   }
   if (!too_many_leaves_) sharing_.look_at(routes);
-  await_calm(now);
+  await_settled(now);
 }
 
 void GroupKeeper::look_at(const RouteBundle& bundle, Time now) {
@@ -98,15 +98,16 @@ void GroupKeeper::look_at(const RouteBundle& bundle, Time now) {
   }
 }
 
-void GroupKeeper::await_calm(Time now) {
-  calm_.begin_look();
+void GroupKeeper::await_settled(Time now) {
+  settling_times_.begin_look();
   for (auto& [to, candidate] : candidates_) {
     const SocketAddress address = to->path().address();
     const std::uint32_t min_period_us = candidate.some_samples ? candidate.some_samples->min_period_us : 0;
-    calm_.note(address, {candidate.asked, min_period_us, candidate.reliable, candidate.gets_more}, now);
-    candidate.calm_at = calm_.calm_at(address);
+    settling_times_.note(address, {candidate.asked, min_period_us, candidate.reliable, candidate.gets_more},
+                         now);
+    candidate.settled_at = settling_times_.settled_at(address);
   }
-  calm_.end_look(now);
+  settling_times_.end_look(now);
 }
 
 void GroupKeeper::choose_link(Candidate& candidate, Time now) const {
@@ -115,8 +116,8 @@ void GroupKeeper::choose_link(Candidate& candidate, Time now) const {
   if (now < packed_until_ && !candidate.some_samples)
     candidate.refusal = "samples that are published together share datagrams";
   if (too_many_leaves_) candidate.refusal = "its type has too many fields";
-  const auto deaf = deaf_until_.find(candidate.to.get());
-  if (deaf != deaf_until_.end() && now < deaf->second) candidate.refusal = "no multicast comes to it";
+  const auto deaf = unreached_until_.find(candidate.to.get());
+  if (deaf != unreached_until_.end() && now < deaf->second) candidate.refusal = "no multicast comes to it";
   if (!address.is_ipv4()) candidate.refusal = "it is reached by IPv6";
   if (!candidate.refusal.empty()) return;
   const std::uint32_t ip = address.ipv4();
@@ -136,7 +137,7 @@ void GroupKeeper::choose_link(Candidate& candidate, Time now) const {
 
 std::size_t GroupKeeper::possible(Time now) const {
   return static_cast<std::size_t>(
-      std::ranges::count_if(candidates_, [&](const auto& item) { return is_calm(item.second, now); }));
+      std::ranges::count_if(candidates_, [&](const auto& item) { return is_settled(item.second, now); }));
 }
 
 /// Samples are measured for one that may be in a group later, too: the plan is ready when another one comes.
@@ -156,12 +157,12 @@ void GroupKeeper::choose_sizes(Time now) {
 void GroupKeeper::keep_possible(Time now) {
   const auto must_leave = [&](const Destination* to) {
     const auto known = candidates_.find(to);
-    return known == candidates_.end() || !is_calm(known->second, now);
+    return known == candidates_.end() || !is_settled(known->second, now);
   };
   for (Planned& planned : planned_) std::erase_if(planned.members, must_leave);
   std::erase_if(planned_, [](const Planned& planned) { return planned.members.size() < 2; });
   if (std::erase_if(planned_for_.destinations, [&](const auto& item) { return must_leave(item.first); }) > 0)
-    planned_for_.someone_left = true;
+    planned_for_.member_left = true;
 }
 
 void GroupKeeper::merge(const Planned& planned, std::vector<RouteBundle>& routes) const {
@@ -189,7 +190,7 @@ std::shared_ptr<MulticastGroup> GroupKeeper::find(std::size_t place,
   const MulticastGroup::Name name{setup_.writer, ++last_number_, address(place)};
   auto group = MulticastGroup::make(name, std::make_shared<Lane>(to, setup_.queue_depth, setup_.tally),
                                     std::move(members), setup_.report_port);
-  setup_.roster->add(group);
+  setup_.registry->add(group);
   return found_.emplace_back(std::move(group));
 }
 
@@ -213,7 +214,7 @@ std::vector<PlanDestination> GroupKeeper::plan_destinations(std::vector<const De
                                                             Time now) {
   std::vector<PlanDestination> destinations;
   for (const auto& [to, candidate] : candidates_) {
-    if (!is_calm(candidate, now)) continue;
+    if (!is_settled(candidate, now)) continue;
     if (!sizes_->known_all(candidate.asked)) {
       sizes_->measure_next();
       if (!is_planned(to, candidate)) continue;
@@ -239,26 +240,26 @@ bool GroupKeeper::replan(Time now) {
   }
   if (sizes_ != nullptr && sizes_->samples() == 0) measured_.rate.emplace(now);
   const bool is_shared_otherwise = sizes_ != nullptr && sharing_.decide(*sizes_, now);
-  const bool came = someone_came(now);
+  const bool came = member_came(now);
   hasten(now);
   if (!may_plan(now)) return is_shared_otherwise;
   const bool is_better = plan(now) || is_shared_otherwise;
-  return is_better || (came && !someone_came(now));  // why() of those that came has another answer then
+  return is_better || (came && !member_came(now));  // why() of those that came has another answer then
 }
 
 /// Or asks for other fields than before. Those whose fields have never been sent wait for a sample.
-bool GroupKeeper::someone_came(Time now) const {
+bool GroupKeeper::member_came(Time now) const {
   return sizes_ != nullptr && std::ranges::any_of(candidates_, [&](const auto& item) {
            const auto known = planned_for_.destinations.find(item.first);
            const bool is_new =
                known == planned_for_.destinations.end() || known->second.fields != item.second.together;
-           return is_new && is_calm(item.second, now) && sizes_->known_all(item.second.asked);
+           return is_new && is_settled(item.second, now) && sizes_->known_all(item.second.asked);
          });
 }
 
 /// Plans soon if somebody came.
 void GroupKeeper::hasten(Time now) {
-  if (someone_came(now)) replan_at_ = std::min(replan_at_, std::max(now, planned_at_ + settling));
+  if (member_came(now)) replan_at_ = std::min(replan_at_, std::max(now, planned_at_ + settling));
 }
 
 /// What a sample takes is known when one was published.
@@ -274,7 +275,7 @@ bool GroupKeeper::is_news(std::span<const Destination* const> places,
   };
   constexpr double of_rates = 0.25;  // which differ from second to second
   const auto& before = planned_for_.destinations;
-  if (planned_for_.someone_left || places.size() != before.size()) return true;
+  if (planned_for_.member_left || places.size() != before.size()) return true;
   if (differ(planned_for_.samples_per_s, measured_.rate->per_s(), of_rates)) return true;
   for (std::size_t i = 0; i < places.size(); ++i) {
     const auto known = before.find(places[i]);
@@ -333,10 +334,10 @@ bool GroupKeeper::plan(Time now) {
 
 bool GroupKeeper::any_given_up(Time now) {
   bool some = false;
-  std::erase_if(deaf_until_, [&](const auto& item) { return item.second < now; });
+  std::erase_if(unreached_until_, [&](const auto& item) { return item.second < now; });
   for (const auto& group : groups_) {
     for (const Destination* to : group->given_up()) {
-      deaf_until_[to] = now + deaf_pause;
+      unreached_until_[to] = now + unreached_pause;
       some = true;
     }
   }
@@ -350,7 +351,7 @@ std::uint32_t GroupKeeper::address(std::size_t place) const {
   return private_groups | (16 + (mixed >> 8) % 224) << 8 | (mixed & 0xff);
 }
 
-void GroupKeeper::tend(Time now) {
+void GroupKeeper::maintain(Time now) {
   for (const auto& group : groups_) {
     for (const MulticastGroup::Offer& offer : group->offers(now))
       send(group->members()[offer.member].lane->destination(), offer.offer, now);
@@ -380,9 +381,9 @@ GroupKeeper::Time GroupKeeper::next_duty(Time now) const {
   if (sharing_.is_undecided(*sizes_)) return now;
   if (possible(Time::max()) < 2) return next;
   for (const auto& [to, candidate] : candidates_) {
-    if (candidate.refusal.empty() && candidate.calm_at > now) next = std::min(next, candidate.calm_at);
+    if (candidate.refusal.empty() && candidate.settled_at > now) next = std::min(next, candidate.settled_at);
   }
-  const bool will_plan = possible(now) > 1 && someone_came(now);
+  const bool will_plan = possible(now) > 1 && member_came(now);
   return will_plan ? std::min(next, std::max(replan_at_, now)) : next;
 }
 
@@ -395,10 +396,10 @@ void GroupKeeper::explain(const std::vector<RouteBundle>& routes, Time now) {
     for (const auto& [reader, to] : bundle.readers) {
       const Candidate& candidate = candidates_.at(to);
       const bool has_company = candidate.refusal.empty() && possible_in[candidate.division] > 1;
-      const bool waits = has_company && !is_calm(candidate, now);
+      const bool waits = has_company && !is_settled(candidate, now);
       const Selection& asked = bundle.wanted.selection;
       readers[reader] = {to,
-                         waits ? restless : candidate.refusal,
+                         waits ? unsettled : candidate.refusal,
                          asked,
                          sizes_ == nullptr ? nullptr : sizes_->part_size(asked),
                          sharing_.shares(to),

@@ -18,12 +18,12 @@
 #include "udp_transport/multicast/multicast_group.h"
 #include "udp_transport/multicast/multicast_plan.h"
 #include "udp_transport/multicast/sample_rate.h"
-#include "udp_transport/routing/calm_watch.h"
 #include "udp_transport/routing/farewells.h"
 #include "udp_transport/routing/group_reasons.h"
 #include "udp_transport/routing/mask_sharing.h"
 #include "udp_transport/routing/pass_rates.h"
 #include "udp_transport/routing/route_bundle.h"
+#include "udp_transport/routing/settling_times.h"
 
 namespace sft::udp {
 
@@ -40,7 +40,7 @@ class GroupKeeper {
     std::uint16_t report_port = 0;
     std::size_t queue_depth = 4;
     std::shared_ptr<WriterTally> tally;
-    GroupRoster* roster = nullptr;  ///< outlives it
+    GroupRegistry* registry = nullptr;  ///< outlives it
     Connect connect;
     PlanLimits limits{};
     /// The links that this host has at present.
@@ -64,8 +64,8 @@ class GroupKeeper {
   /// True if other groups would be better: routes have to be made anew then.
   bool replan(Time now);
   /// Tells members what they have to know.
-  void tend(Time now);
-  /// Returns when replan() or tend() has something to do that should not wait; Time::max() if nothing is
+  void maintain(Time now);
+  /// Returns when replan() or maintain() has something to do that should not wait; Time::max() if nothing is
   /// planned.
   Time next_duty(Time now) const;
 
@@ -82,7 +82,7 @@ class GroupKeeper {
     std::shared_ptr<const core::Gate> gate{};  ///< of these; null: every sample is for them
     bool reliable = false;
     bool gets_more = false;             ///< than a group is sent
-    Time calm_at{};                     ///< before, it is in no group
+    Time settled_at{};                  ///< before, it is in no group
     std::optional<std::size_t> link{};  ///< in links_; empty: it cannot be in a group
     std::string refusal{};              ///< why
     std::size_t division = 0;           ///< see divide()
@@ -96,7 +96,7 @@ class GroupKeeper {
   struct PlannedFor {
     std::map<const Destination*, PlanDestination> destinations{};
     double samples_per_s = 0;
-    bool someone_left = false;  ///< since then
+    bool member_left = false;  ///< since then
   };
 
   /// What is known of samples, asked for or not.
@@ -108,9 +108,9 @@ class GroupKeeper {
 
   void look_at(const std::vector<RouteBundle>& routes, Time now);
   void look_at(const RouteBundle& bundle, Time now);
-  void await_calm(Time now);
-  static bool is_calm(const Candidate& candidate, Time now) {
-    return candidate.refusal.empty() && now >= candidate.calm_at;
+  void await_settled(Time now);
+  static bool is_settled(const Candidate& candidate, Time now) {
+    return candidate.refusal.empty() && now >= candidate.settled_at;
   }
   bool any_given_up(Time now);
   std::size_t possible(Time now) const;
@@ -120,7 +120,7 @@ class GroupKeeper {
   void merge(const Planned& planned, std::vector<RouteBundle>& routes) const;
   bool plan(Time now);
   bool may_plan(Time now) const;
-  bool someone_came(Time now) const;
+  bool member_came(Time now) const;
   void hasten(Time now);
   std::vector<PlanDestination> plan_destinations(std::vector<const Destination*>& places, Time now);
   bool is_planned(const Destination* to, const Candidate& candidate) const;
@@ -133,14 +133,15 @@ class GroupKeeper {
   /// Readers come in bunches: groups are not made anew more often.
   static constexpr std::chrono::milliseconds settling{50};
   static constexpr std::chrono::seconds replan_pause{1};
-  static constexpr std::chrono::minutes deaf_pause{1};  ///< before one that heard nothing is offered a group
+  static constexpr std::chrono::minutes unreached_pause{
+      1};  ///< before one that heard nothing is offered a group
   static constexpr std::chrono::seconds packed_pause{10};  ///< since samples were published together
 
   const Setup setup_;
   const bool too_many_leaves_;  ///< masks are not sent in words then
   std::vector<MulticastLink> links_;
   std::map<const Destination*, Candidate> candidates_;
-  CalmWatch calm_;
+  SettlingTimes settling_times_;
   MaskSharing sharing_;
   Measured measured_;
   std::shared_ptr<BodySizes> sizes_;  ///< those that were measured, or null
@@ -148,7 +149,7 @@ class GroupKeeper {
   std::vector<Planned> planned_;
   std::vector<std::shared_ptr<MulticastGroup>> groups_, found_;
   Farewells farewells_;
-  std::map<const Destination*, Time> deaf_until_;
+  std::map<const Destination*, Time> unreached_until_;
   Time packed_until_{};
   std::uint32_t last_number_ = 0;
   Time replan_at_{};

@@ -14,21 +14,21 @@ using Time = std::chrono::steady_clock::time_point;
 
 /// The group sends what several of its members ask for.
 void hand_repairs_to_group(SendSide& side, Ack& ack, Time now) {
-  const GroupRoster::OfChannel in = side.groups.of_channel(ack.writer, ack.channel);
+  const GroupRegistry::OfChannel in = side.groups.of_channel(ack.writer, ack.channel);
   if (in.group == nullptr) return;
   const Wake wake = in.group->take_over_repairs(in.member, ack, now);
   if (wake != Wake::none) side.sender.wake(wake, MulticastGroup::lane_of(in.group));
 }
 
-Wake disbelieve(SendSide& side) {
-  side.answers_disbelieved.fetch_add(1, std::memory_order_relaxed);
+Wake reject(SendSide& side) {
+  side.answers_rejected.fetch_add(1, std::memory_order_relaxed);
   return Wake::none;
 }
 
 /// The receiver may follow a channel that the writer does not have. The channels that the writer does have to
 /// that receiver name themselves in full.
 Wake hear_of_unknown_channel(SendSide& side, const Ack& ack, const SocketAddress& from) {
-  Wake wake = disbelieve(side);
+  Wake wake = reject(side);
   for (const std::shared_ptr<Channel>& channel : side.channels.find_at(ack.writer, from.ip))
     wake = strongest(wake, channel->hear(ack));
   return wake;
@@ -37,20 +37,20 @@ Wake hear_of_unknown_channel(SendSide& side, const Ack& ack, const SocketAddress
 Wake hear(SendSide& side, const Ack& ack, const SocketAddress& from, Time now) {
   const std::shared_ptr<Channel> channel = side.channels.find(ack.writer, ack.channel);
   if (channel == nullptr) return hear_of_unknown_channel(side, ack, from);
-  if (!channel->destination().path().is_at(from.ip)) return disbelieve(side);
+  if (!channel->destination().path().is_at(from.ip)) return reject(side);
   channel->destination().lives(now);
   Ack alone = ack;
   if (ack.missing_count > 0) hand_repairs_to_group(side, alone, now);
   const Wake wake = channel->hear(alone);
-  if (channel->went_wrong()) disbelieve(side);
+  if (channel->went_wrong()) reject(side);
   return wake;
 }
 
 Wake hear(SendSide& side, const FlowReport& report, const SocketAddress& from, Time now) {
   const std::shared_ptr<Destination> to = side.destinations.of_flow(report.flow);
-  if (to == nullptr) return disbelieve(side);
+  if (to == nullptr) return reject(side);
   const Destination::Heard heard = to->hear(report, from.ip, now);
-  if (!heard.believed) return disbelieve(side);
+  if (!heard.accepted) return reject(side);
   return heard.goes_on ? Wake::look : Wake::none;
 }
 
@@ -58,7 +58,7 @@ Wake hear(SendSide& side, const GroupReport& report, const SocketAddress& from, 
   const std::shared_ptr<MulticastGroup> group = side.groups.find(report.writer, report.group);
   const auto member = group == nullptr ? std::nullopt : group->member_named(report.member);
   const bool is_of_member = member && group->members()[*member].lane->destination().path().is_at(from.ip);
-  if (!is_of_member) return disbelieve(side);
+  if (!is_of_member) return reject(side);
   group->hear(report, now);
   return Wake::none;
 }

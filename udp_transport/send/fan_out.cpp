@@ -24,20 +24,20 @@ FanOut::FanOut(const core::WriterSpec& spec, std::shared_ptr<SendSide> side,
       takes_large_(spec.asynchronous),
       sender_(spec, std::move(side), std::move(tally), std::move(jobs)) {}
 
-FanOut::Posted FanOut::post(Remainder remainder) noexcept {
+FanOut::Posted FanOut::post(DeferredSample deferred) noexcept {
   Posted posted;
-  while (const std::optional<Remainder> surplus = take_surplus_before(remainder)) {
+  while (const std::optional<DeferredSample> surplus = take_surplus_before(deferred)) {
     count_dropped(*surplus);
     ++posted.dropped;
   }
   try {
     const core::Lock lock(mutex_);
-    const std::size_t bytes = remainder.sample->capacity;
-    queue_.push_back(std::move(remainder));
+    const std::size_t bytes = deferred.sample->capacity;
+    queue_.push_back(std::move(deferred));
     queued_bytes_ += bytes;
     if (done_.exchange(false, std::memory_order_relaxed)) posted.wake = Wake::schedule;
   } catch (const std::bad_alloc&) {
-    count_dropped(remainder);
+    count_dropped(deferred);
     ++posted.dropped;
   }
   return posted;
@@ -45,7 +45,7 @@ FanOut::Posted FanOut::post(Remainder remainder) noexcept {
 
 /// Takes out what has to go for another one: the oldest, or the oldest large one if there are too many of
 /// these.
-std::optional<FanOut::Remainder> FanOut::take_surplus_before(const Remainder& newcomer) noexcept {
+std::optional<FanOut::DeferredSample> FanOut::take_surplus_before(const DeferredSample& newcomer) noexcept {
   const core::Lock lock(mutex_);
   if (queue_.empty()) return {};
   if (is_reliable(newcomer)) {
@@ -66,26 +66,26 @@ std::optional<FanOut::Remainder> FanOut::take_surplus_before(const Remainder& ne
   return pop_oldest();
 }
 
-bool FanOut::is_reliable(const Remainder& remainder) {
-  return std::ranges::any_of(audiences_of(remainder), [](const Audience& audience) {
+bool FanOut::is_reliable(const DeferredSample& deferred) {
+  return std::ranges::any_of(audiences_of(deferred), [](const Audience& audience) {
     return std::ranges::any_of(audience.channels, [](const auto& channel) { return channel != nullptr; });
   });
 }
 
-FanOut::Remainder FanOut::pop_oldest() noexcept {
-  Remainder oldest = std::move(queue_[queue_.begin()]);
+FanOut::DeferredSample FanOut::pop_oldest() noexcept {
+  DeferredSample oldest = std::move(queue_[queue_.begin()]);
   queue_.pop_front();
   queued_bytes_ -= oldest.sample->capacity;
   return oldest;
 }
 
-void FanOut::count_dropped(const Remainder& remainder) noexcept {
-  for (const Audience& audience : audiences_of(remainder)) {
+void FanOut::count_dropped(const DeferredSample& deferred) noexcept {
+  for (const Audience& audience : audiences_of(deferred)) {
     if (audience.gate == nullptr) audience.tally->dropped();
   }
 }
 
-std::optional<FanOut::Remainder> FanOut::take() noexcept {
+std::optional<FanOut::DeferredSample> FanOut::take() noexcept {
   const core::Lock lock(mutex_);
   if (queue_.empty()) {
     done_.store(true, std::memory_order_release);
@@ -95,10 +95,10 @@ std::optional<FanOut::Remainder> FanOut::take() noexcept {
 }
 
 void FanOut::carry_out() noexcept {
-  while (const std::optional<Remainder> remainder = take()) {
-    for (const Audience& audience : audiences_of(*remainder)) {
+  while (const std::optional<DeferredSample> deferred = take()) {
+    for (const Audience& audience : audiences_of(*deferred)) {
       if (audience.gate == nullptr)
-        tally_->dropped.fetch_add(sender_.send(audience, remainder->sample), std::memory_order_relaxed);
+        tally_->dropped.fetch_add(sender_.send(audience, deferred->sample), std::memory_order_relaxed);
     }
   }
 }

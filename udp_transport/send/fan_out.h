@@ -25,7 +25,7 @@ class FanOut final : public DeferredWork {
          std::shared_ptr<JobPool> jobs);
 
   /// A sample, and the audiences that it still has to be sent to: those of [first, end) that have no gate.
-  struct Remainder {
+  struct DeferredSample {
     core::SampleHandle sample;
     std::shared_ptr<const RouteTable> routes;
     std::size_t first = 0;
@@ -43,7 +43,7 @@ class FanOut final : public DeferredWork {
     Wake wake = Wake::none;
     std::size_t dropped = 0;  ///< older samples that had to go, since there were too many
   };
-  Posted post(Remainder remainder) noexcept;
+  Posted post(DeferredSample deferred) noexcept;
 
   /// Waits until nothing remains, unless it will not be sent any more: the writer's type may go then.
   void finish() noexcept;
@@ -52,25 +52,27 @@ class FanOut final : public DeferredWork {
   void carry_out() noexcept override;
 
  private:
-  static bool is_large(const Remainder& remainder) { return remainder.sample->capacity > direct_bytes_max; }
-  std::optional<Remainder> take_surplus_before(const Remainder& newcomer) noexcept;
-  /// The queue is not empty.
-  Remainder pop_oldest() noexcept SFT_REQUIRES(mutex_);
-  std::optional<Remainder> take() noexcept;
-  static std::span<const Audience> audiences_of(const Remainder& remainder) {
-    return std::span(remainder.routes->audiences).subspan(remainder.first, remainder.end - remainder.first);
+  static bool is_large(const DeferredSample& deferred) {
+    return deferred.sample->capacity > direct_bytes_max;
   }
-  static bool is_reliable(const Remainder& remainder);
-  static void count_dropped(const Remainder& remainder) noexcept;
+  std::optional<DeferredSample> take_surplus_before(const DeferredSample& newcomer) noexcept;
+  /// The queue is not empty.
+  DeferredSample pop_oldest() noexcept SFT_REQUIRES(mutex_);
+  std::optional<DeferredSample> take() noexcept;
+  static std::span<const Audience> audiences_of(const DeferredSample& deferred) {
+    return std::span(deferred.routes->audiences).subspan(deferred.first, deferred.end - deferred.first);
+  }
+  static bool is_reliable(const DeferredSample& deferred);
+  static void count_dropped(const DeferredSample& deferred) noexcept;
 
   const std::shared_ptr<SendSide> side_;
   const std::shared_ptr<WriterTally> tally_;
   const bool takes_large_;
   std::atomic<bool> done_{true};
   core::Mutex mutex_;
-  OrdinalRing<Remainder> queue_ SFT_GUARDED_BY(mutex_){1};  ///< the oldest first
-  std::size_t queued_bytes_ SFT_GUARDED_BY(mutex_) = 0;     ///< memory that the queued samples hold
-  VariantSender sender_;                                    ///< used by the sending thread
+  OrdinalRing<DeferredSample> queue_ SFT_GUARDED_BY(mutex_){1};  ///< the oldest first
+  std::size_t queued_bytes_ SFT_GUARDED_BY(mutex_) = 0;          ///< memory that the queued samples hold
+  VariantSender sender_;                                         ///< used by the sending thread
 };
 
 }  // namespace sft::udp

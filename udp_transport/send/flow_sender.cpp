@@ -14,7 +14,7 @@ FlowSender::Progress FlowSender::send_some(SendFlow& flow) {
   for (int calls = 0; progress == Progress::some && calls < calls_per_turn; ++calls) {
     if (flow.size == SendFlow::Size::large && local_turns_.is_due(std::chrono::steady_clock::now()))
       std::this_thread::yield();
-    if (calls > 0) ear_.listen();
+    if (calls > 0) answers_.listen();
     progress = send_a_few(flow, std::chrono::steady_clock::now());
   }
   if (progress == Progress::some) round_.at_once();
@@ -95,7 +95,7 @@ std::size_t FlowSender::cut_batches(SendFlow& flow, Time now) {
 
 FlowSender::Progress FlowSender::wait_for_room(SendFlow& flow, Connection& by, Time now) {
   if (!flow.full_since) flow.full_since = now;
-  const Time at_most = *flow.full_since + patience;
+  const Time at_most = *flow.full_since + timeout;
   if (now >= at_most) return Progress::lost;
   by.wait_for_room();
   round_.by(at_most);

@@ -10,7 +10,7 @@
 
 #include "udp_transport/flow/rate_limit.h"
 #include "udp_transport/io/datagram_io.h"
-#include "udp_transport/send/answer_ear.h"
+#include "udp_transport/send/answer_receiver.h"
 #include "udp_transport/send/local_turns.h"
 #include "udp_transport/send/next_round.h"
 #include "udp_transport/send/send_flow.h"
@@ -32,11 +32,11 @@ class FlowSender {
   }
   /// A flow whose connection is full for longer is lost: the memory of its sample is worth more elsewhere,
   /// and a receiver that had a part of the sample has given up.
-  static constexpr std::chrono::seconds patience{2};
+  static constexpr std::chrono::seconds timeout{2};
 
   /// `limit` is that of all writers. All of these outlive this object.
-  FlowSender(RateLimit& limit, LocalTurns& local_turns, AnswerEar& ear, NextRound& round)
-      : limit_(limit), local_turns_(local_turns), ear_(ear), round_(round) {}
+  FlowSender(RateLimit& limit, LocalTurns& local_turns, AnswerReceiver& answers, NextRound& round)
+      : limit_(limit), local_turns_(local_turns), answers_(answers), round_(round) {}
 
   /// Sends what may go in one turn, hears answers meanwhile, and makes way for readers on this host.
   Progress send_some(SendFlow& flow);
@@ -57,7 +57,7 @@ class FlowSender {
 
   RateLimit& limit_;
   LocalTurns& local_turns_;
-  AnswerEar& ear_;
+  AnswerReceiver& answers_;
   NextRound& round_;
   // The batches of the present call.
   std::array<Batch, batches_per_call> batches_;

@@ -33,21 +33,22 @@ std::size_t GroupDelivery::send(const Audience& audience, const core::SampleHand
     missed += send_to_group(audience, body) ? 0 : 1;
   }
   draft_.release();
-  return others.some_do_not ? missed + send_to_the_deaf(audience, sample) : missed;
+  return others.some_do_not ? missed + send_to_unconfirmed_members(audience, sample) : missed;
 }
 
 /// A publisher that waits for its readers waits for each reliable member, before anything of the sample
 /// leaves.
 void GroupDelivery::await_room(const Audience& audience) {
-  std::chrono::nanoseconds* const patience = unicast_.reliable.patience();
-  if (patience == nullptr) return;
+  std::chrono::nanoseconds* const timeout = unicast_.reliable.timeout();
+  if (timeout == nullptr) return;
   for (const std::shared_ptr<Channel>& channel : audience.channels) {
-    if (channel != nullptr) channel->await_room(draft_.job(), patience);
+    if (channel != nullptr) channel->await_room(draft_.job(), timeout);
   }
 }
 
 /// Sends to the best-effort members that do not hear the group.
-std::size_t GroupDelivery::send_to_the_deaf(const Audience& audience, const core::SampleHandle& sample) {
+std::size_t GroupDelivery::send_to_unconfirmed_members(const Audience& audience,
+                                                       const core::SampleHandle& sample) {
   Job& job = draft_.begin();
   if (!encoder_.encode(audience, *sample, job)) return 0;
   SampleEncoder::number(audience, job);

@@ -28,7 +28,7 @@ class GroupDelivery {
 
  private:
   void await_room(const Audience& audience);
-  std::size_t send_to_the_deaf(const Audience& audience, const core::SampleHandle& sample);
+  std::size_t send_to_unconfirmed_members(const Audience& audience, const core::SampleHandle& sample);
   std::size_t keep_for(const Audience& audience, std::size_t member, std::uint64_t ordinal, bool has_room);
   bool send_to_group(const Audience& audience, const core::SampleHandle& body);
 

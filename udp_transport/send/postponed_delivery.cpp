@@ -44,7 +44,7 @@ std::optional<std::size_t> PostponedDelivery::send_reliably(Lane& lane,
   ReliableDelivery& reliable = unicast_.reliable;
   draft_.keep(sample);
   std::optional<Channel::Posted> posted =
-      channel->post_ahead(draft_.handle(), draft_.job().first, reliable.patience());
+      channel->post_ahead(draft_.handle(), draft_.job().first, reliable.timeout());
   if (!posted) return {};
   Channel::Piece& piece = *posted->piece;
   piece.range.begin = send_located(piece.first, channel->destination());

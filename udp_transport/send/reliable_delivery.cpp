@@ -10,7 +10,7 @@ using Clock = std::chrono::steady_clock;
 /// have to go for the job.
 std::size_t ReliableDelivery::send_after_history(const std::shared_ptr<Lane>& lane) {
   if (draft_.job().is_small()) draft_.copy_for_channel();
-  if (patience_.count() > 0) lane->await_room(draft_.job(), patience_);
+  if (timeout_.count() > 0) lane->await_room(draft_.job(), timeout_);
   return best_effort_.enqueue(lane);
 }
 
@@ -25,7 +25,7 @@ std::size_t ReliableDelivery::send(const std::shared_ptr<Lane>& lane,
   if (small) draft_.copy_for_channel();
   const Clock::time_point now = Clock::now();
   const bool at_once = small && direct_.may_send(channel->destination(), job, now);
-  const Channel::Posted posted = channel->post(draft_.handle(), job.first, at_once, patience());
+  const Channel::Posted posted = channel->post(draft_.handle(), job.first, at_once, timeout());
   if (posted.piece)
     side_->sender.wake(direct_.send(*channel, *posted.piece, posted.waited ? Clock::now() : now));
   return settle(posted, channel, *lane, job_samples);

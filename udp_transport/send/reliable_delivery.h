@@ -36,12 +36,10 @@ class ReliableDelivery {
                      std::size_t job_samples);
 
   /// The publisher may wait so long, in all, until no older sample has to go for a new one.
-  void be_patient(std::chrono::nanoseconds patience) { patience_ = patience; }
-  void be_no_more_patient_than(std::chrono::nanoseconds patience) {
-    patience_ = std::min(patience_, patience);
-  }
+  void set_timeout(std::chrono::nanoseconds timeout) { timeout_ = timeout; }
+  void cap_timeout(std::chrono::nanoseconds timeout) { timeout_ = std::min(timeout_, timeout); }
   /// Null if the publisher must not wait. Whoever waits uses it up.
-  std::chrono::nanoseconds* patience() { return patience_.count() == 0 ? nullptr : &patience_; }
+  std::chrono::nanoseconds* timeout() { return timeout_.count() == 0 ? nullptr : &timeout_; }
 
  private:
   std::size_t send_after_history(const std::shared_ptr<Lane>& lane);
@@ -51,7 +49,7 @@ class ReliableDelivery {
   DirectPath& direct_;
   BestEffortDelivery& best_effort_;
   const bool waits_for_readers_;
-  std::chrono::nanoseconds patience_{0};
+  std::chrono::nanoseconds timeout_{0};
 };
 
 }  // namespace sft::udp

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/platform/network_watch.h"
+#include "core/platform/network_monitor.h"
 #include "core/seam/buffer_pool.h"
 #include "core/sync/guarded_call.h"
 #include "core/sync/mutex.h"
@@ -25,56 +25,56 @@
 namespace sft::udp {
 
 /// Something that has to be looked after now and then, on the agent's thread.
-class Tended {
+class Periodic {
  public:
   using Time = std::chrono::steady_clock::time_point;
   /// Returns when it wants to be looked after again; Time::max() if that has time.
-  virtual Time tend(Time now) = 0;
+  virtual Time maintain(Time now) = 0;
 
  protected:
-  ~Tended() = default;
+  ~Periodic() = default;
 };
 
 /// Any thread.
-class TendedRoster {
+class PeriodicTasks {
  public:
-  using Time = Tended::Time;
+  using Time = Periodic::Time;
 
-  void add(Tended& one) {
+  void add(Periodic& one) {
     const core::Lock lock(mutex_);
-    const auto tend = [&one](Time now, Time& next) { next = std::min(next, one.tend(now)); };
-    all_.push_back({&one, std::make_shared<Tend>(tend)});
+    const auto maintain = [&one](Time now, Time& next) { next = std::min(next, one.maintain(now)); };
+    all_.push_back({&one, std::make_shared<Maintain>(maintain)});
   }
   /// When it returns, `one` is not called any more, and no call is inside any more.
-  void remove(const Tended& one) {
+  void remove(const Periodic& one) {
     core::Lock lock(mutex_);
     const auto found = std::ranges::find(all_, &one, &Entry::one);
-    const std::shared_ptr<Tend> removed = std::move(found->tend);
+    const std::shared_ptr<Maintain> removed = std::move(found->maintain);
     all_.erase(found);
     lock.unlock();
     removed->clear();
   }
   /// The agent's thread: calls each in its turn, without keeping others out meanwhile. Allocates nothing
   /// while there are no more of them than before.
-  void tend(Time now) {
+  void maintain(Time now) {
     {
       const core::Lock lock(mutex_);
       round_ = all_;
     }
     next_ = Time::max();
-    for (const Entry& entry : round_) (*entry.tend)(now, next_);
+    for (const Entry& entry : round_) (*entry.maintain)(now, next_);
     round_.clear();
   }
-  /// The agent's thread: one of them wants tend() to be called by then.
-  void tend_by(Time next) { next_ = std::min(next_, next); }
-  /// The agent's thread: when tend() wants to be called again; Time::max() if that has time.
+  /// The agent's thread: one of them wants maintain() to be called by then.
+  void maintain_by(Time next) { next_ = std::min(next_, next); }
+  /// The agent's thread: when maintain() wants to be called again; Time::max() if that has time.
   Time next() const { return next_; }
 
  private:
-  using Tend = core::GuardedCall<Time, Time&>;
+  using Maintain = core::GuardedCall<Time, Time&>;
   struct Entry {
-    const Tended* one;
-    std::shared_ptr<Tend> tend;
+    const Periodic* one;
+    std::shared_ptr<Maintain> maintain;
   };
 
   core::Mutex mutex_;
@@ -93,13 +93,13 @@ struct SendSide {
 
   Sender sender;
   DestinationDirectory destinations;
-  ChannelRoster channels;
-  GroupRoster groups;
-  TendedRoster writers;
+  ChannelRegistry channels;
+  GroupRegistry groups;
+  PeriodicTasks writers;
   DestinationLimits limits;  ///< for multicast groups
   Multicast multicast = Multicast::automatic;
   // These two are the agent's.
-  core::NetworkWatch network_watch;
+  core::NetworkMonitor network_watch;
   KnownMulticastLinks links{network_watch};
   std::uint16_t answer_port = 0;     ///< where acks and reports come in
   std::size_t max_sample_bytes = 0;  ///< the largest body that is sent
@@ -107,7 +107,7 @@ struct SendSide {
   /// The node's own: what lies elsewhere is borrowed. May be null.
   std::shared_ptr<core::BufferPool> pool;
   std::shared_ptr<KeptMemory> kept = std::make_shared<KeptMemory>();
-  std::atomic<std::uint64_t> over_limit{0}, malformed_answers{0}, answers_disbelieved{0};
+  std::atomic<std::uint64_t> over_limit{0}, malformed_answers{0}, answers_rejected{0};
 };
 
 }  // namespace sft::udp

@@ -12,15 +12,15 @@ Sender::Sender(std::unique_ptr<DatagramSender> io, std::uint64_t max_bytes_per_s
     : io_(std::move(io)),
       limit_(max_bytes_per_s),
       scheduled_(*io_),
-      ear_(*io_, round_),
-      flow_sender_(limit_, local_turns_, ear_, round_),
+      answers_(*io_, round_),
+      flow_sender_(limit_, local_turns_, answers_, round_),
       lanes_(flow_sender_, scheduled_, round_),
       channels_(flow_sender_, round_) {}
 
 Sender::~Sender() { stop(); }
 
 Result<void> Sender::start(const core::ThreadSpec& thread, Hear hear) {
-  ear_.tell(std::move(hear));
+  answers_.tell(std::move(hear));
   Result<std::thread> started = core::start_thread(thread, [this] { run(); });
   if (!started) return tl::unexpected<Error>(std::move(started.error()));
   thread_ = std::move(*started);
@@ -38,7 +38,7 @@ void Sender::run() {
   ::prctl(PR_SET_TIMERSLACK, timer_slack_ns);
   while (!stopped()) {
     round_.begin();
-    ear_.listen();
+    answers_.listen();
     scheduled_.carry_out_deferred();
     take_over_scheduled();
     lanes_.send_small();

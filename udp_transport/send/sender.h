@@ -15,7 +15,7 @@
 #include "udp_transport/flow/rate_limit.h"
 #include "udp_transport/io/datagram_io.h"
 #include "udp_transport/outgoing/wake.h"
-#include "udp_transport/send/answer_ear.h"
+#include "udp_transport/send/answer_receiver.h"
 #include "udp_transport/send/channel_flows.h"
 #include "udp_transport/send/flow_sender.h"
 #include "udp_transport/send/lane_flows.h"
@@ -34,7 +34,7 @@ class Sender {
   Sender& operator=(const Sender&) = delete;
 
   /// Hears what comes back to answer_port(), on the sending thread, as hear_answer() does.
-  using Hear = AnswerEar::Hear;
+  using Hear = AnswerReceiver::Hear;
   Result<void> start(const core::ThreadSpec& thread, Hear hear = {});
   /// Queued samples are not sent any more. Not called by the sending thread.
   void stop();
@@ -88,7 +88,7 @@ class Sender {
 
   // Used by the sending thread alone.
   NextRound round_;
-  AnswerEar ear_;
+  AnswerReceiver answers_;
   FlowSender flow_sender_;
   LaneFlows lanes_;
   ChannelFlows channels_;

@@ -42,10 +42,8 @@ class VariantSender {
   std::size_t flush() noexcept;
 
   /// The publisher may wait so long, in all, until what is sent reliably costs nobody an older sample.
-  void be_patient(std::chrono::nanoseconds patience) { unicast_.reliable.be_patient(patience); }
-  void be_no_more_patient_than(std::chrono::nanoseconds patience) {
-    unicast_.reliable.be_no_more_patient_than(patience);
-  }
+  void set_timeout(std::chrono::nanoseconds timeout) { unicast_.reliable.set_timeout(timeout); }
+  void cap_timeout(std::chrono::nanoseconds timeout) { unicast_.reliable.cap_timeout(timeout); }
 
   /// False if there is nothing to send: the sample is malformed, or too large. Any thread.
   bool encode(const Audience& audience, const core::SampleBuffer& sample, Job& job) const {

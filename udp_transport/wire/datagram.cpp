@@ -48,7 +48,7 @@ void store_common(DatagramKind kind, std::uint8_t flags, const SampleLabel& labe
 }
 
 /// Returns the kind that the bytes claim to be. Empty if they are no datagram of this version.
-std::optional<DatagramKind> claimed_kind(std::span<const std::byte> bytes) noexcept {
+std::optional<DatagramKind> kind_of_bytes(std::span<const std::byte> bytes) noexcept {
   if (bytes.size() < following_header_bytes || bytes.size() > datagram_bytes_max) return {};
   const auto version_and_kind = load<std::uint8_t>(&bytes[at_kind]);
   if (version_and_kind >> 4 != wire_version) return {};
@@ -478,7 +478,7 @@ static std::optional<Following> read_far(std::span<const std::byte> bytes) noexc
 }
 
 AnyDatagram decode(std::span<const std::byte> bytes) noexcept {
-  const std::optional<DatagramKind> kind = claimed_kind(bytes);
+  const std::optional<DatagramKind> kind = kind_of_bytes(bytes);
   const auto as = [&]<class T>(std::in_place_type_t<T> type, const auto& sound) {
     return sound ? AnyDatagram(type, *sound) : AnyDatagram(Malformed{kind});
   };

@@ -5,11 +5,11 @@ using namespace sft::core;
 
 SendStatus send_in_batches(NetworkWriter& port, const SampleHandle& sample) {
   {
-    Batch batch = port.batch(BatchPatience::fresh);
+    Batch batch = port.batch(BatchTimeout::fresh);
     port.begin().miss();
     static_cast<void>(std::move(batch).flush());
   }
-  Batch batch = port.batch(BatchPatience::continued);
+  Batch batch = port.batch(BatchTimeout::continued);
   Transmission transmission = port.begin();
   return std::move(transmission).send(sample);
 }

@@ -2,6 +2,6 @@
 #include "tests/compile_fail/ports.h"
 
 void misuse(sft::core::NetworkWriter& port) {
-  sft::core::Batch batch = port.batch(sft::core::BatchPatience::fresh);
-  sft::core::Batch another = port.batch(sft::core::BatchPatience::fresh);
+  sft::core::Batch batch = port.batch(sft::core::BatchTimeout::fresh);
+  sft::core::Batch another = port.batch(sft::core::BatchTimeout::fresh);
 }

@@ -102,7 +102,7 @@ void ControlWorld::hear_announcement(SimLink& hearer, SimLink& of, bool asks, bo
 void ControlWorld::find(SimLink& hearer, SimLink& writer) {
   Channel& found = channel(hearer, writer);
   found.is_found = true;
-  found.is_deaf = false;
+  found.is_stalled = false;
   const unsigned number = ++found.number;
   const auto tell = [this, &hearer, &writer, number] {
     if (hearer.is_open && channel(hearer, writer).number == number)
@@ -138,7 +138,7 @@ void ControlWorld::write_to_all(SimProcess& process, Role role, const OwnRecords
 void ControlWorld::write(SimLink& hearer, SimLink& writer, Role role, const RecordKey& key,
                          const Record& record) {
   Channel& to = channel(hearer, writer);
-  if (!to.is_found || to.is_deaf) return;
+  if (!to.is_found || to.is_stalled) return;
   const Time soon = now_ + up_to(chance(loss_) ? resent_within : 2ms);
   const Time due = to.written.empty() ? soon : std::max(soon, to.written.back().first);
   to.written.emplace_back(due, [this, &hearer, &writer, role, key, record] {
@@ -154,7 +154,7 @@ void ControlWorld::deliver(SimLink& hearer, SimLink& writer, unsigned number) {
   while (!by.written.empty() && by.written.front().first <= now_) {
     const auto arrive = std::move(by.written.front().second);
     by.written.pop_front();
-    if (!by.is_deaf) arrive();
+    if (!by.is_stalled) arrive();
   }
 }
 
@@ -284,7 +284,7 @@ void ControlWorld::attack() {
   const std::uint64_t greatest = ~std::uint64_t{0};
   switch (below(7)) {
     case 0:  // a number far ahead
-      channel(*hearer, *writer).is_deaf = true;
+      channel(*hearer, *writer).is_stalled = true;
       break;
     case 1:  // a disposal of the participant
       forget(*hearer, *writer);

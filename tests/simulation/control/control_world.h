@@ -92,7 +92,7 @@ class ControlWorld {
   /// What one participant knows of another one, as Cyclone has it.
   struct Channel {
     bool is_found = false;
-    bool is_deaf = false;                                          ///< records are dropped as old
+    bool is_stalled = false;                                       ///< records are dropped as old
     Time heard_at{};                                               ///< anything
     unsigned number = 0;                                           ///< counts how often it was found
     std::deque<std::pair<Time, std::function<void()>>> written{};  ///< what arrives, and when, in its order

@@ -93,8 +93,8 @@ class NetworkPath final : public IdleNetworkWriter, public Path {
 
 class PathSwitch : public test::RandomTest {
  protected:
-  explicit PathSwitch(std::chrono::nanoseconds diverted_patience = std::chrono::milliseconds(1))
-      : patience(diverted_patience) {
+  explicit PathSwitch(std::chrono::nanoseconds diverted_timeout = std::chrono::milliseconds(1))
+      : hang_timeout(diverted_timeout) {
     subscriber.ports().set_memory(memory_reader);
     subscriber.ports().set_network(network_reader);
   }
@@ -177,7 +177,7 @@ class PathSwitch : public test::RandomTest {
 
   std::vector<std::uint32_t> periods_us{0};
   std::size_t refused_percent = 0;
-  const std::chrono::nanoseconds patience;
+  const std::chrono::nanoseconds hang_timeout;
   const TypeSupport type{TypeTable<PointCloud2>::type};
   const std::unique_ptr<DoorbellPage> bells = DoorbellPage::create();
   const std::shared_ptr<BufferPool> pool = BufferPool::make(1 << 22);
@@ -196,7 +196,7 @@ class PathSwitch : public test::RandomTest {
                              .options = {},
                              .callback = nullptr,
                              .copies = nullptr,
-                             .diverted_patience = patience},
+                             .diverted_timeout = hang_timeout},
                             bells->at(1),
                             nullptr};
   std::uint64_t published = 0;
@@ -227,9 +227,9 @@ TEST_F(PathSwitch, WhatSharedMemoryRefusesIsLostTakenOnceOrCountedAsWell) {
   EXPECT_EQ(memory_writer->uncovered + network_writer->uncovered, 0);
 }
 
-class PatientPathSwitch : public PathSwitch {
+class PathSwitchWithinTimeout : public PathSwitch {
  protected:
-  PatientPathSwitch() : PathSwitch(std::chrono::hours(1)) {
+  PathSwitchWithinTimeout() : PathSwitch(std::chrono::hours(1)) {
     Serving serving;
     serving.memory = {{reader_id, DoorbellAddress{}, type.full()}};
     serving.fallback = {fallback(serving.memory.front())};
@@ -240,7 +240,7 @@ class PatientPathSwitch : public PathSwitch {
 };
 
 // In shared memory a sample arrives when it is published; datagrams are under way for a while.
-TEST_F(PatientPathSwitch, WhatSharedMemoryRefusesComesByUdpInItsPlaceHoweverLate) {
+TEST_F(PathSwitchWithinTimeout, WhatSharedMemoryRefusesComesByUdpInItsPlaceHoweverLate) {
   refused_percent = 30;
   for (int step = 0; step < 100'000; ++step) {
     const std::size_t what = below(4);
@@ -267,7 +267,7 @@ TEST_F(PatientPathSwitch, WhatSharedMemoryRefusesComesByUdpInItsPlaceHoweverLate
 }
 
 /// Served by UDP the reader is attached while samples are under way.
-void PatientPathSwitch::expect_in_place(const Serving& over_network, const Serving& in_memory) {
+void PathSwitchWithinTimeout::expect_in_place(const Serving& over_network, const Serving& in_memory) {
   for (int round = 0; round < 100; ++round) {
     publisher.serve(over_network, memory_writer);
     publish();
@@ -287,14 +287,14 @@ void PatientPathSwitch::expect_in_place(const Serving& over_network, const Servi
   }
 }
 
-TEST_F(PatientPathSwitch, WhatIsStillUnderWayByUdpWhenTheReaderIsAttachedComesInItsPlace) {
+TEST_F(PathSwitchWithinTimeout, WhatIsStillUnderWayByUdpWhenTheReaderIsAttachedComesInItsPlace) {
   Serving over_network, in_memory;
   over_network.network = {{reader_id, UdpAddress{}, type.full()}};
   in_memory.memory = {{reader_id, DoorbellAddress{}, type.full()}};
   expect_in_place(over_network, in_memory);
 }
 
-TEST_F(PatientPathSwitch, WhatIsStillUnderWayByUdpComesInItsPlaceAlsoWhereOthersWereAttachedBefore) {
+TEST_F(PathSwitchWithinTimeout, WhatIsStillUnderWayByUdpComesInItsPlaceAlsoWhereOthersWereAttachedBefore) {
   const Route neighbour{neighbour_id, DoorbellAddress{}, type.full()};
   Serving over_network, in_memory;
   over_network.network = {{reader_id, UdpAddress{}, type.full()}};

@@ -19,8 +19,9 @@ constexpr auto send_pause = 60us;
 
 }  // namespace
 
-ChannelSender::ChannelSender(const Scenario& scenario, Random& random, Network& network, LossLedger& ledger)
-    : scenario_(scenario), random_(random), network_(network), ledger_(ledger) {
+ChannelSender::ChannelSender(const Scenario& scenario, Random& random, Network& network,
+                             LossAccount& loss_account)
+    : scenario_(scenario), random_(random), network_(network), loss_account_(loss_account) {
   open();
 }
 
@@ -36,9 +37,9 @@ udp::ResendWindow::Kept ChannelSender::keep(const udp::JobHandle& job, bool else
   const udp::ResendWindow::Kept kept = window_->keep(job, job->first, elsewhere);
   const std::uint64_t end = window_->parting().end;
   for (std::uint64_t i = 0; i < job->samples(); ++i)
-    ledger_.sent(number_, end - job->samples() + i, {job->sequence + i, job->first.mask});
+    loss_account_.sent(number_, end - job->samples() + i, {job->sequence + i, job->first.mask});
   const std::uint64_t oldest = end - window_->kept();
-  for (std::uint64_t i = oldest_kept_; i < oldest; ++i) ledger_.dropped(number_, i);
+  for (std::uint64_t i = oldest_kept_; i < oldest; ++i) loss_account_.dropped(number_, i);
   oldest_kept_ = oldest;
   return kept;
 }

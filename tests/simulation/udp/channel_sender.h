@@ -6,7 +6,7 @@
 #include <memory>
 #include <optional>
 
-#include "tests/simulation/udp/loss_ledger.h"
+#include "tests/simulation/udp/loss_account.h"
 #include "tests/simulation/udp/network.h"
 #include "tests/simulation/udp/scenario.h"
 #include "udp_transport/flow/flow_window.h"
@@ -19,7 +19,7 @@ class ChannelSender {
   using Size = udp::ResendWindow::Size;
 
   /// Opens the first channel. The arguments outlive this object.
-  ChannelSender(const Scenario& scenario, Random& random, Network& network, LossLedger& ledger);
+  ChannelSender(const Scenario& scenario, Random& random, Network& network, LossAccount& loss_account);
 
   /// Opens another channel. Nothing more is sent in the former one.
   void open();
@@ -55,7 +55,7 @@ class ChannelSender {
   const Scenario& scenario_;
   Random& random_;
   Network& network_;
-  LossLedger& ledger_;
+  LossAccount& loss_account_;
   std::uint32_t number_ = 0;
   std::unique_ptr<udp::ResendWindow> window_;
   std::unique_ptr<udp::FlowWindow> flow_;

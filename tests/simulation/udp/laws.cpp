@@ -36,7 +36,7 @@ void Laws::published(std::uint64_t sequence, Cloud cloud, Time now) {
 
 void Laws::process_started() {
   readers_.clear();
-  ledger_.process_started();
+  loss_account_.process_started();
   lost_ = 0;
 }
 
@@ -55,14 +55,14 @@ void Laws::asks(core::EndpointId reader, const Selection& wish) {
 void Laws::came(const core::SampleBuffer& sample) {
   if (scenario_.forgers) return;
   const std::string which = name_of(sample.sequence);
-  if (is_sound(sample, which) && !ledger_.came({sample.sequence, name_of_selection(sample)}))
+  if (is_sound(sample, which) && !loss_account_.came({sample.sequence, name_of_selection(sample)}))
     fail(which + " comes twice");
 }
 
 void Laws::refused(const udp::FirstHeader& first, std::uint64_t behind) {
   if (scenario_.forgers) return;
   const std::uint64_t sequence = udp::widen_sequence(next_sequence_, first.label.sequence);
-  ledger_.refused({sequence + behind, first.mask});
+  loss_account_.refused({sequence + behind, first.mask});
 }
 
 void Laws::taken(core::EndpointId reader, const core::SampleBuffer& sample, bool changes) {
@@ -169,7 +169,7 @@ void Laws::check_losses(udp::ArrivalWindow& arrivals) {
   const auto mark = arrivals.mark();
   if (arrivals.samples().lost() == lost_ || !mark) return;
   lost_ = arrivals.samples().lost();
-  const std::uint64_t missing = ledger_.lost(mark->channel, arrivals.samples().next());
+  const std::uint64_t missing = loss_account_.lost(mark->channel, arrivals.samples().next());
   if (missing != lost_)
     fail(std::to_string(lost_) + " are said to be lost, and " + std::to_string(missing) + " did not come");
 }
@@ -177,7 +177,7 @@ void Laws::check_losses(udp::ArrivalWindow& arrivals) {
 void Laws::check_end(const udp::ResendWindow& sent, std::uint32_t channel) {
   if (readers_.empty()) return;
   if (!sent.settled()) fail("the writer waits for an ack that does not come");
-  const std::uint64_t missing = ledger_.lost_in_the_end(channel);
+  const std::uint64_t missing = loss_account_.lost_in_the_end(channel);
   if (missing != lost_)
     fail_unless_forged(std::to_string(missing) + " did not come, and " + std::to_string(lost_) +
                        " are said to be lost");
@@ -199,11 +199,11 @@ void Laws::check_end(core::EndpointId reader, const Account& account) {
   for (const Variant& sample : account.owed) {
     if (account.got.contains(sample.sequence)) continue;
     const std::string which = name_of(sample.sequence, reader);
-    if (ledger_.was_refused(sample)) return fail(which + " came, and was refused");
-    if (ledger_.has_come(sample)) return fail(which + " came, and was not handed over");
-    if (ledger_.was_dropped(sample.sequence)) continue;
+    if (loss_account_.was_refused(sample)) return fail(which + " came, and was refused");
+    if (loss_account_.has_come(sample)) return fail(which + " came, and was not handed over");
+    if (loss_account_.was_dropped(sample.sequence)) continue;
     if (!scenario_.tight_reader) return fail(which + " did not come");
-    if (!ledger_.anything_came_from(sample.sequence))
+    if (!loss_account_.anything_came_from(sample.sequence))
       return fail(which + " is lost, and nothing behind it came");
   }
 }
@@ -213,7 +213,7 @@ void Laws::check_end(core::EndpointId reader, const Account& account) {
 void Laws::check_end_after_forgeries(const Account& account) {
   std::size_t owed = 0, missing = 0;
   for (const Variant& sample : account.owed) {
-    if (sample.sequence < first_owed_ || ledger_.was_dropped(sample.sequence)) continue;
+    if (sample.sequence < first_owed_ || loss_account_.was_dropped(sample.sequence)) continue;
     ++owed;
     missing += account.got.contains(sample.sequence) ? 0 : 1;
   }

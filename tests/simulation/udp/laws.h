@@ -10,7 +10,7 @@
 
 #include "core/seam/sample_buffer.h"
 #include "core/subscribe/sequence_account.h"
-#include "tests/simulation/udp/loss_ledger.h"
+#include "tests/simulation/udp/loss_account.h"
 #include "tests/simulation/udp/scenario.h"
 #include "tests/simulation/udp/topic.h"
 #include "udp_transport/reliable/resend_window.h"
@@ -28,7 +28,7 @@ class Laws {
   void fail(const std::string& what);
   /// Fails, unless a forged datagram can be the cause.
   void fail_unless_forged(const std::string& what);
-  LossLedger& ledger() { return ledger_; }
+  LossAccount& loss_account() { return loss_account_; }
 
   // What the writer reports.
 
@@ -118,7 +118,7 @@ class Laws {
   std::map<std::uint64_t, Published> published_;
   std::map<core::EndpointId, Account> readers_;
   std::set<core::EndpointId> left_;  ///< and did not come back
-  LossLedger ledger_;
+  LossAccount loss_account_;
   std::map<std::uint64_t, std::map<std::uint64_t, std::uint32_t>> passed_;  ///< numbers, by gate and sequence
   /// The sequences with which each gate began: again, where the writer has forgotten the gate meanwhile.
   std::map<std::uint64_t, std::set<std::uint64_t>> begun_;

@@ -129,7 +129,7 @@ void ReaderHost::check_kept() {
       return laws_.fail("former requests are kept");
 }
 
-void ReaderHost::tell_writer_of_wishes(Time now) {
+void ReaderHost::notify_writer_of_wishes(Time now) {
   std::erase_if(departed_, [now](const Departed& reader) { return reader.until <= now; });
   for (Reader& reader : readers_) {
     while (!reader.under_way.empty() && reader.under_way.front().first <= now) {
@@ -164,7 +164,7 @@ void ReaderHost::accept(const Bytes& bytes, Time now) {
   if (!heartbeat && reassembly_->counters().unknown > refused_before) refuse(samples, awaited);
   if (arrival.sample) laws_.came(*arrival.sample);
   for (const core::SampleHandle& sample : arrival.packed) laws_.came(*sample);
-  laws_.ledger().heard(before, arrivals()->mark(), heartbeat);
+  laws_.loss_account().heard(before, arrivals()->mark(), heartbeat);
 }
 
 /// Returns which samples of the datagram the window has not decided about, by their numbers in the datagram.

@@ -46,7 +46,7 @@ class ReaderHost {
   /// Fails if more is kept than what the present readers may need.
   void check_kept();
   /// The writer gets to know what readers have asked for long enough ago.
-  void tell_writer_of_wishes(Time now);
+  void notify_writer_of_wishes(Time now);
 
   void receive(const Bytes& bytes, Time now);
   /// Hands over samples for which readers had no room before, and sends the answers that are due.

@@ -22,7 +22,7 @@ World::World(std::uint64_t seed, Plan plan)
       scenario_(random_, plan),
       network_(scenario_.weather, scenario_.datagram_bytes, random_),
       laws_(scenario_),
-      channel_(scenario_, random_, network_, laws_.ledger()),
+      channel_(scenario_, random_, network_, laws_.loss_account()),
       group_(random_, network_, channel_, laws_),
       publisher_(scenario_, random_, channel_, group_, laws_),
       readers_(scenario_, random_, network_, laws_) {
@@ -49,7 +49,7 @@ bool World::step() {
   deliver();
   if (crash_at_ <= now_) crash();
   if (back_at_ <= now_) start_again();
-  readers_.tell_writer_of_wishes(now_);
+  readers_.notify_writer_of_wishes(now_);
   group_.send_due(now_);
   if (publisher_.next() <= now_) publish();
   if (channel_.next(now_) <= now_) channel_.send(now_);

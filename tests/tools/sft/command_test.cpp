@@ -300,7 +300,7 @@ TEST_F(CommandTest, DoctorNamesTheChunksThatWereAllInUse) {
   ASSERT_TRUE(eventually([&] { return camera.status().shm_ready; })) << camera.status().shm;
   auto images = camera.publisher<PointCloud2>("images", {.max_sample_bytes = 16'000'000}).value();
   auto all = camera.subscriber<PointCloud2>("images", {.depth_bytes = 0}).value();
-  ASSERT_TRUE(images.wait_for_subscribers(1, patience));
+  ASSERT_TRUE(images.wait_for_subscribers(1, hang_timeout));
   PointCloud2 image;
   image.data.resize(15'000'000);
   EXPECT_TRUE(eventually([&] { return images.publish(image) == PublishStatus::no_memory; }));

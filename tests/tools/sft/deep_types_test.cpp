@@ -103,7 +103,7 @@ TEST_F(DeepTypesTest, TheRateOfOneThatIsTooDeepIsThatWhichItsPublisherCounts) {
   auto publisher = robot.publisher("deep", definitions.type()).value();
   Node other = open("other");
   const auto subscriber = other.subscriber("deep", definitions.type(), "*").value();
-  ASSERT_TRUE(publisher.wait_for_subscribers(1, patience));
+  ASSERT_TRUE(publisher.wait_for_subscribers(1, hang_timeout));
   const Ticker publishing(20ms, [&](std::uint32_t) { EXPECT_TRUE(publisher.publish_json("{}")); });
   for (const char* command : {"hz", "bw"}) {
     const Ended ended = run_tool({command, "deep", "--json", "--for", "12"});

@@ -23,7 +23,7 @@ constexpr gid_t readers_group = 70'101;
 // them.
 inline const Identity a_writer{70'001, 70'001, {writers_group}};
 inline const Identity a_reader{70'002, 70'002, {readers_group}};
-inline const Identity a_stranger{70'003, 70'003, {}};
+inline const Identity another_account{70'003, 70'003, {}};
 inline const Identity nobody{65'534, 65'534, {}};
 
 /// A /run of the test's own, in which the directory /run/sft belongs to the user.
@@ -59,7 +59,7 @@ inline bool other_users_exist() {
   unsigned long count = 0;
   return std::sscanf(core::text_of("/proc/self/uid_map").c_str(), "%u %u %lu", &first, &outside, &count) ==
              3 &&
-         count > a_stranger.user;
+         count > another_account.user;
 }
 
 /// Puts the groups into an /etc/group of the test's own, and the programs where every user may run them.

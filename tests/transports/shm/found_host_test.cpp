@@ -13,10 +13,10 @@ namespace {
 
 class FoundHost : public ShmTest {
  protected:
-  static constexpr uid_t stranger = 65'534;
-  using Finding = shm::HostWatch::Finding;
+  static constexpr uid_t other_account = 65'534;
+  using Finding = shm::HostMonitor::Finding;
   static Finding found(const core::TrustedAccounts& accepted = {}) {
-    return shm::HostWatch::look(accepted).finding;
+    return shm::HostMonitor::look(accepted).finding;
   }
 };
 
@@ -35,10 +35,11 @@ TEST_F(FoundHost, IsAliveAsLongAsItsFileIsLocked) {
 TEST_F(FoundHost, OfAnotherAccountIsForeignUnlessThatAccountIsAccepted) {
   const auto lock = shm::FileLock::take(shm::host_file_path);
   ASSERT_TRUE(lock) << lock.error().message;
-  if (chown(shm::host_file_path, stranger, stranger) != 0) GTEST_SKIP() << "needs root, to give files away";
+  if (chown(shm::host_file_path, other_account, other_account) != 0)
+    GTEST_SKIP() << "needs root, to give files away";
   EXPECT_EQ(found(), Finding::foreign);
-  EXPECT_EQ(shm::HostWatch::look({}).user, stranger);
-  EXPECT_EQ(found({.users = {stranger}}), Finding::starting);
+  EXPECT_EQ(shm::HostMonitor::look({}).user, other_account);
+  EXPECT_EQ(found({.users = {other_account}}), Finding::starting);
 }
 
 TEST_F(FoundHost, HasALockThatIsReadOnlyWhileItIsHeld) {

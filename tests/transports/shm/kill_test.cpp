@@ -28,7 +28,7 @@ TEST_F(Kill, OfAWriterInATightLoopBlocksNobody) {
   constexpr std::uint32_t frame = 60'000;
   ChunkCounter chunks(node(), frame);
   const std::size_t before = chunks.free();
-  const std::string token = shm::format(shm::HostWatch::look({.everybody = true}).watch->file());
+  const std::string token = shm::format(shm::HostMonitor::look({.everybody = true}).monitor->file());
   for (int round = 1; round <= rounds; ++round) {
     const auto id = static_cast<core::EndpointId>(round);
     Process peer = start_peer({"publish", std::to_string(id), std::to_string(frame)});
@@ -40,7 +40,7 @@ TEST_F(Kill, OfAWriterInATightLoopBlocksNobody) {
     Writer writer(node(), 1000 + id);
     ASSERT_EQ(writer.send_frame(), SendStatus::sent) << round;
   }
-  EXPECT_EQ(shm::format(shm::HostWatch::look({.everybody = true}).watch->file()), token)
+  EXPECT_EQ(shm::format(shm::HostMonitor::look({.everybody = true}).monitor->file()), token)
       << "the daemon did not survive";
   EXPECT_TRUE(chunks.comes_to(before));
 }
@@ -135,8 +135,8 @@ TEST_F(Kill, MakesTheDaemonStartAfreshOnceItIsIdleIfItsMemoryIsDamaged) {
   leave();
   EXPECT_TRUE(eventually(
       [&] {
-        const auto found = shm::HostWatch::look({.everybody = true});
-        return found.watch && shm::host_token(found.watch->file()) != token;
+        const auto found = shm::HostMonitor::look({.everybody = true});
+        return found.monitor && shm::host_token(found.monitor->file()) != token;
       },
       30s));
   EXPECT_EQ(daemon_pid(), daemon) << "the daemon must start afresh in the same process";

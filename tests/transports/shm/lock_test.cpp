@@ -17,8 +17,8 @@ class HeldLock : public ShmNodeTest {
     ShmNodeTest::SetUp();
     if (IsSkipped() || HasFatalFailure()) return;
     session_ = shm::ProcessDaemon::shared()->advance(own_daemon(), Clock::now()).session;
-    publisher_ = session_->create_publisher(1, {patience, patience}).value();
-    auto* keeper = session_->create_subscriber(1, 0, {patience, patience}).value();
+    publisher_ = session_->create_publisher(1, {hang_timeout, hang_timeout}).value();
+    auto* keeper = session_->create_subscriber(1, 0, {hang_timeout, hang_timeout}).value();
     port_ = std::make_unique<shm::ShmWriterPort>(
         shm::ChunkLender::make(session_, *publisher_, *keeper, {.id = 1, .type = &frame_type()}, 16),
         std::make_shared<shm::DoorbellPages>(), statistics_);
@@ -48,7 +48,7 @@ TEST_F(HeldLock, CostsAWriterItsSampleAndDoesNotBlockIt) {
   for (std::uint64_t refused = 1; refused <= 20; ++refused) {
     const auto begin = Clock::now();
     EXPECT_EQ(send(), SendStatus::dropped);
-    EXPECT_LT(Clock::now() - begin, patience);
+    EXPECT_LT(Clock::now() - begin, hang_timeout);
     EXPECT_EQ(statistics_->over_limit, refused);
   }
 }
@@ -82,7 +82,7 @@ TEST_F(HeldLock, IsWaitedForWhileItIsHeldForMicroseconds) {
 
 // The writer of the queue lives, so the daemon does not open the lock.
 TEST_F(HeldLock, IsOnlyLookedAtByAReaderThatGivesItsPortBack) {
-  auto* port = session_->create_subscriber(1, 1, {patience, patience}).value();
+  auto* port = session_->create_subscriber(1, 1, {hang_timeout, hang_timeout}).value();
   ASSERT_TRUE(eventually([&] { return session_->feeder_of(*port) == publisher_; }));
   iox::popo::SubscriberPortUser(port).unsubscribe();
   ASSERT_TRUE(eventually([&] { return session_->feeder_of(*port) == nullptr; }));

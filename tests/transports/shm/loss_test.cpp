@@ -251,16 +251,16 @@ TEST_F(StoppedDaemon, BlocksNoCallBeyondItsDeadline) {
               EXPECT_NE(refused.error().message.find("stopped"), std::string::npos)
                   << refused.error().message;
             }),
-            patience);
-  EXPECT_LT(time_of([&] { EXPECT_FALSE(reader->port().connect({.writer = 9})); }), patience);
+            hang_timeout);
+  EXPECT_LT(time_of([&] { EXPECT_FALSE(reader->port().connect({.writer = 9})); }), hang_timeout);
   EXPECT_LT(time_of([&] {
               EXPECT_EQ(writer.send_frame(), SendStatus::sent);
               EXPECT_TRUE(reader->take());
             }),
-            patience)
+            hang_timeout)
       << "samples must flow without the daemon";
-  EXPECT_LT(time_of([&] { reader.reset(); }), patience);
-  EXPECT_LT(time_of([&] { node.poll(); }), patience);
+  EXPECT_LT(time_of([&] { reader.reset(); }), hang_timeout);
+  EXPECT_LT(time_of([&] { node.poll(); }), hang_timeout);
 }
 
 TEST_F(StoppedDaemon, DoesNotBlockTheEndOfANode) {
@@ -272,7 +272,7 @@ TEST_F(StoppedDaemon, DoesNotBlockTheEndOfANode) {
               writer.reset();
               node.reset();
             }),
-            patience);
+            hang_timeout);
 }
 
 TEST_F(StoppedDaemon, IsNamedByANodeThatStartsMeanwhile) {

@@ -444,7 +444,7 @@ TEST_F(ShmPorts, RingTheDoorbellOfALateReaderThatSleepsWhateverItsRate) {
   const auto page = core::DoorbellPage::create();
   core::Doorbell& bell = page->at(3);
   Writer writer(node(), 1);
-  std::thread sleeper([&] { bell.wait(Clock::now() + 10 * patience, [&] { return bell.rings > 0; }); });
+  std::thread sleeper([&] { bell.wait(Clock::now() + 10 * hang_timeout, [&] { return bell.rings > 0; }); });
   EXPECT_TRUE(eventually([&] { return bell.sleepers == 1; }));
   core::Route late{
       .reader = 5, .destination = core::DoorbellAddress{page->id(), 3}, .selection = {}, .history = 2};
@@ -452,7 +452,7 @@ TEST_F(ShmPorts, RingTheDoorbellOfALateReaderThatSleepsWhateverItsRate) {
   const auto begin = Clock::now();
   EXPECT_TRUE(writer.port().begin_with(late, {}, 0));
   sleeper.join();
-  EXPECT_LT(Clock::now() - begin, patience) << "the reader was not woken, and slept until its deadline";
+  EXPECT_LT(Clock::now() - begin, hang_timeout) << "the reader was not woken, and slept until its deadline";
 }
 
 /// A writer and a reader with a short queue.

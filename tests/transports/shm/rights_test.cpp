@@ -50,7 +50,7 @@ TEST_F(Rights, AReadersDoorbellIsRungByAWriterOfAnotherUser) {
 
 TEST_F(Rights, AStrangerIsToldAtOnceThatPermissionIsDenied) {
   const RunningSftd daemon = start_sftd_with_groups();
-  const std::string said = start(a_stranger, {"knock"}).line();
+  const std::string said = start(another_account, {"knock"}).line();
   EXPECT_TRUE(contains(said, "permission denied")) << said;
   // This user has no name here.
   EXPECT_TRUE(contains(said, "sftd serves the members of group sft_writers; give this program that group"))
@@ -66,7 +66,7 @@ TEST_F(Rights, AUserWhoIsNoMemberIsToldTheGroupAndTheCommand) {
 TEST_F(Rights, AStrangerMayNotOpenTheMemory) {
   const RunningSftd daemon = start_sftd_with_groups();
   for (const std::string name : {"sft_writers", "iceoryx_mgmt"}) {
-    Process look({"/bin/cat", "/dev/shm/" + name}, &a_stranger);
+    Process look({"/bin/cat", "/dev/shm/" + name}, &another_account);
     EXPECT_TRUE(contains(look.line(), "Permission denied"));
   }
 }
@@ -78,7 +78,7 @@ TEST_F(Rights, ADaemonWithoutGroupsInItsConfigurationServesItsOwnGroup) {
   ASSERT_EQ(writer.line(), "publishing");
   const Identity other_member{70'002, 70'002, {getegid()}};
   EXPECT_EQ(start(other_member, {"try-to-write", "1"}).line(), "reads 100");
-  EXPECT_TRUE(contains(start(a_stranger, {"knock"}).line(), "permission denied"));
+  EXPECT_TRUE(contains(start(another_account, {"knock"}).line(), "permission denied"));
 }
 
 TEST_F(Rights, ADaemonThatIsNotRootServesOtherUsers) {
@@ -91,7 +91,7 @@ TEST_F(Rights, ADaemonThatIsNotRootServesOtherUsers) {
 }
 
 TEST_F(Rights, ADaemonThatMayNotServeTheGroupSaysSo) {
-  Process daemon({programs_ + "sftd", "--config=/tmp/sftd.toml", "--foreground"}, &a_stranger);
+  Process daemon({programs_ + "sftd", "--config=/tmp/sftd.toml", "--foreground"}, &another_account);
   EXPECT_TRUE(contains(daemon.line(), "may not run as group sft_writers"));
   EXPECT_EQ(daemon.exit_code(), static_cast<int>(ExitCode::failed));
 }
@@ -114,7 +114,7 @@ TEST_F(Rights, AGroupWithoutMembersIsNamedWithTheCommandThatAddsOne) {
 
 TEST_F(Rights, EverybodyMaySeeTheStatusAndOnlyTheDaemonsUserMayStopIt) {
   const RunningSftd daemon = start_sftd_with_groups();
-  Process status({programs_ + "sftd", "status"}, &a_stranger);
+  Process status({programs_ + "sftd", "status"}, &another_account);
   EXPECT_TRUE(contains(status.all_output(), "sft_readers only subscribes"));
   EXPECT_EQ(status.exit_code(), static_cast<int>(ExitCode::done));
   Process stop({programs_ + "sftd", "stop"}, &a_writer);

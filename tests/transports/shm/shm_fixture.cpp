@@ -129,8 +129,8 @@ Process start_peer(std::vector<std::string> arguments) {
 }
 
 pid_t daemon_pid() {
-  const auto found = shm::HostWatch::look({.everybody = true});
-  return found.watch ? found.watch->file().pid : 0;
+  const auto found = shm::HostMonitor::look({.everybody = true});
+  return found.monitor ? found.monitor->file().pid : 0;
 }
 
 bool is_alive(pid_t pid) { return pid > 0 && ::kill(pid, 0) == 0; }

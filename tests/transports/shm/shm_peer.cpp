@@ -228,7 +228,7 @@ int main(int argc, char** argv) {
   Node node;
   if (wanted == "knock") return knock(node);
   const bool own = wanted == "attend" && argc > 2;
-  const auto longest = own ? std::chrono::seconds(std::strtol(argv[2], nullptr, 10)) : patience;
+  const auto longest = own ? std::chrono::seconds(std::strtol(argv[2], nullptr, 10)) : hang_timeout;
   if (!node.becomes(Availability::ready, longest)) {
     say("not ready: " + node->description());
     return 1;

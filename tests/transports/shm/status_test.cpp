@@ -164,7 +164,7 @@ class PortsAnsweredLate : public SftdCommands {
   static shm::ShmOptions without_waiting() {
     shm::ShmOptions options = no_daemon();
     options.port_wait = 0ms;
-    options.port_deadline = patience;
+    options.port_deadline = hang_timeout;
     return options;
   }
   Process daemon_;

@@ -70,7 +70,7 @@ class StoppedPeer : public ShmNodeTest {
 
   static bool returns_while_the_peer_stands_still(const SteppedPeer& peer, const std::function<void()>& act) {
     const auto done = std::async(std::launch::async, act);
-    if (done.wait_for(patience) == std::future_status::ready) return true;
+    if (done.wait_for(hang_timeout) == std::future_status::ready) return true;
     ADD_FAILURE() << "blocked by a peer that stands still at instruction " << peer.instruction();
     peer.clear_breakpoint();
     if (!peer.goes_to_mark()) ADD_FAILURE() << "the peer has ended";

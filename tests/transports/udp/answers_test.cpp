@@ -25,12 +25,12 @@ using test::Publisher;
 using test::Subscriber;
 
 /// Notes where answers are asked for, how many come to where samples are received, and how many marks do.
-class AnswerWatch final : public test::PassingReceiver {
+class AnswerMonitor final : public test::PassingReceiver {
  public:
   struct Seen {
     std::atomic<unsigned> port{0}, here{0}, marks{0};
   };
-  AnswerWatch(std::unique_ptr<DatagramReceiver> inner, Seen& seen)
+  AnswerMonitor(std::unique_ptr<DatagramReceiver> inner, Seen& seen)
       : PassingReceiver(std::move(inner)), seen_(seen) {}
 
  private:
@@ -47,9 +47,9 @@ class AnswerWatch final : public test::PassingReceiver {
 
 class AnswersTest : public TransportTest {
  protected:
-  std::unique_ptr<core::Network> open(AnswerWatch::Seen& seen, std::uint16_t port = 0) {
+  std::unique_ptr<core::Network> open(AnswerMonitor::Seen& seen, std::uint16_t port = 0) {
     return TransportTest::open({.port = port}, [&](DatagramIo io) {
-      io.receiver = std::make_unique<AnswerWatch>(std::move(io.receiver), seen);
+      io.receiver = std::make_unique<AnswerMonitor>(std::move(io.receiver), seen);
       return io;
     });
   }
@@ -78,7 +78,7 @@ class AnswersTest : public TransportTest {
       ASSERT_EQ(send_one(*connection, std::span(bytes).first(ack.bytes())), SendOutcome::sent);
   }
 
-  AnswerWatch::Seen seen_there_, seen_here_;
+  AnswerMonitor::Seen seen_there_, seen_here_;
 };
 
 INSTANTIATE_TEST_SUITE_P(Backends, AnswersTest, all_ways, way_name);
@@ -113,14 +113,14 @@ TEST_P(AnswersTest, AreCountedAndNotHeardAtThePortForSamples) {
   const auto before = there->counters().malformed;
   acknowledge_what_was_never_sent(*there, 1);
   EXPECT_TRUE(eventually([&] { return there->counters().malformed == before + 1; }));
-  EXPECT_EQ(there->counters().disbelieved, 0U);
+  EXPECT_EQ(there->counters().rejected, 0U);
 }
 
 TEST_P(AnswersTest, AreCountedWhereNothingWasSentThatTheyAnswer) {
   const std::uint16_t port = TransportTest::open()->addresses().at(0).port;  // is free again by now
   const auto there = open(seen_there_, port);
   acknowledge_what_was_never_sent(*there, 3);
-  EXPECT_TRUE(eventually([&] { return there->counters().disbelieved == 3; }));
+  EXPECT_TRUE(eventually([&] { return there->counters().rejected == 3; }));
   EXPECT_EQ(there->counters().malformed, 0U);
 }
 

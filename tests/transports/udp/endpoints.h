@@ -22,7 +22,7 @@
 
 namespace sft::udp::test {
 
-using sft::test::patience;
+using sft::test::hang_timeout;
 
 inline core::UdpAddress loopback_address(const core::Network& transport) {
   core::UdpAddress address = transport.addresses().at(0);
@@ -72,7 +72,7 @@ class Subscriber final : private core::ArrivalListener {
   core::NetworkReader& port() { return *port_; }
 
   /// Takes all samples as they come, until there are `count` in all. Fewer after `at_most`.
-  std::vector<core::SampleHandle> await(std::size_t count, std::chrono::seconds at_most = patience) {
+  std::vector<core::SampleHandle> await(std::size_t count, std::chrono::seconds at_most = hang_timeout) {
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, at_most, [&] { return taken_.size() >= count; });
     return taken_;
@@ -80,7 +80,7 @@ class Subscriber final : private core::ArrivalListener {
   /// Returns the samples that have come since the last call, once there are `count`; fewer after a while.
   std::vector<core::SampleHandle> await_new(std::size_t count) {
     std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, patience, [&] { return taken_.size() >= count; });
+    changed_.wait_for(lock, hang_timeout, [&] { return taken_.size() >= count; });
     return std::exchange(taken_, {});
   }
   std::vector<std::uint64_t> await_sequences(std::size_t count) {

@@ -17,7 +17,7 @@
 #include "udp_transport/multicast/multicast_plan.h"
 #include "udp_transport/multicast/probe_schedule.h"
 #include "udp_transport/reliable/resend_limits.h"
-#include "udp_transport/routing/calm_watch.h"
+#include "udp_transport/routing/settling_times.h"
 #include "udp_transport/wire/datagram.h"
 
 namespace sft::udp {
@@ -59,7 +59,7 @@ TEST_P(FanOutTest, PutsBytesOnTheWireByMasksAndNotByReceivers) {
   serve(2);
   const double two_readers = bytes_of_a_sample();
   serve(hosts);
-  const auto gathered = std::chrono::steady_clock::now() + CalmWatch::gathering;
+  const auto gathered = std::chrono::steady_clock::now() + SettlingTimes::gathering;
   ASSERT_TRUE(publish_until([&] { return std::chrono::steady_clock::now() >= gathered; }));
   const std::uint32_t before = published_;
   ASSERT_TRUE(publish_until([this] { return all_are_in_groups(); })) << publisher_->port().multicast(1);
@@ -78,7 +78,7 @@ TEST_P(FanOutTest, PutsBytesOnTheWireByMasksAndNotByReceivers) {
 TEST_P(FanOutTest, SendsTheNextSampleToGroupsAloneOnceTheirMembersWereProbed) {
   make_hosts({});
   serve(hosts);
-  const auto gathered = std::chrono::steady_clock::now() + CalmWatch::gathering;
+  const auto gathered = std::chrono::steady_clock::now() + SettlingTimes::gathering;
   ASSERT_TRUE(test::eventually([&] { return std::chrono::steady_clock::now() >= gathered; }));
   publish(GetParam() ? 2 : 1);
   EXPECT_LE(writer_->next_poll(), std::chrono::steady_clock::now() + ProbeSchedule::first_pause);
@@ -114,19 +114,19 @@ TEST_P(FanOutTest, PutsThemThereByReceiversWhereMulticastIsOff) {
   EXPECT_GT(bytes_of_a_sample(), 3.5 * two_readers);
 }
 
-class PatientFanOutTest : public ManyHostsTest {
+class WaitingFanOutTest : public ManyHostsTest {
  protected:
   void SetUp() override {
     ManyHostsTest::SetUp();
     if (IsSkipped()) return;
     open_publisher();
     publisher_ = std::make_unique<test::Publisher>(*writer_, test::Publisher::usual_id, 0, nullptr, false,
-                                                   test::patience);
+                                                   test::hang_timeout);
   }
 };
 
 /// The publisher may wait for a reader, also for one that shares a group with others.
-TEST_F(PatientFanOutTest, LosesNothingToAMemberOfAGroupThatIsCutOffForAWhile) {
+TEST_F(WaitingFanOutTest, LosesNothingToAMemberOfAGroupThatIsCutOffForAWhile) {
   constexpr std::uint32_t kept_most = ResendLimits{}.samples;
   constexpr std::uint32_t samples = kept_most + 2000;
   for (const unsigned number : {2, 3, 4}) ASSERT_TRUE(add_reader(number, "height", true));

@@ -89,9 +89,9 @@ class FaultyReceiver final : public PassingReceiver {
 };
 
 /// While it is deaf, this receiver hears nothing that was sent to a group.
-class DeafReceiver final : public PassingReceiver {
+class UnreachedReceiver final : public PassingReceiver {
  public:
-  DeafReceiver(std::unique_ptr<DatagramReceiver> inner, const std::atomic<bool>& deaf)
+  UnreachedReceiver(std::unique_ptr<DatagramReceiver> inner, const std::atomic<bool>& deaf)
       : PassingReceiver(std::move(inner)), deaf_(deaf) {}
 
  private:

@@ -67,13 +67,13 @@ Image part_of(Image image, const Selection& wanted) {
 }
 
 /// A gate of the publisher, beside the reference for the same conditions.
-class JudgedGate {
+class CheckedGate {
  public:
-  JudgedGate(std::shared_ptr<core::Gate> gate, const Selection& selection)
+  CheckedGate(std::shared_ptr<core::Gate> gate, const Selection& selection)
       : gate_(std::move(gate)), reference_(selection.gate().conditions) {}
 
   void reader_begins() { reference_.begin(); }
-  void judge(const Image& image, std::uint64_t sequence) {
+  void evaluate(const Image& image, std::uint64_t sequence) {
     static const std::vector<sft::test::SingleField> fields = sft::test::single_fields(image_type().type());
     const auto stamp_ns = static_cast<std::int64_t>(sequence);
     const auto source = detail::FieldSource::of_message(&image);
@@ -97,13 +97,13 @@ class JudgedGate {
 };
 
 /// The gates of all wishes that were ever asked for.
-class JudgedGates {
+class CheckedGates {
  public:
   /// Gives the routes their gates. Call opened() once they are in force.
   void give(std::vector<core::Route>& routes) {
     gates_.give(routes);
     for (const core::Route& route : routes)
-      if (route.gate != nullptr) judged_.try_emplace(route.gate->id(), gates_.of(route), route.selection);
+      if (route.gate != nullptr) checked_.try_emplace(route.gate->id(), gates_.of(route), route.selection);
   }
   /// The routes are in force, and these gates have been asked for anew.
   void opened(std::vector<core::Route> routes, const std::vector<std::uint64_t>& anew) {
@@ -111,22 +111,22 @@ class JudgedGates {
     serving.network = std::move(routes);
     gates_.open_for(serving);
     for (const std::uint64_t gate : anew)
-      if (gate != 0) judged_.at(gate).reader_begins();
+      if (gate != 0) checked_.at(gate).reader_begins();
   }
-  void judge(const Image& image, std::uint64_t sequence) {
-    for (auto& [id, gate] : judged_) gate.judge(image, sequence);
+  void evaluate(const Image& image, std::uint64_t sequence) {
+    for (auto& [id, gate] : checked_) gate.evaluate(image, sequence);
   }
   bool let_pass(const Selection& wish, std::uint64_t sequence) const {
-    return gate_of(wish) == 0 || judged_.at(gate_of(wish)).number(sequence);
+    return gate_of(wish) == 0 || checked_.at(gate_of(wish)).number(sequence);
   }
   /// 0: it has none.
   std::uint32_t number(const Selection& wish, std::uint64_t sequence) const {
-    return gate_of(wish) == 0 ? 0 : judged_.at(gate_of(wish)).number(sequence).value_or(0);
+    return gate_of(wish) == 0 ? 0 : checked_.at(gate_of(wish)).number(sequence).value_or(0);
   }
 
  private:
   core::Gates gates_{image_type()};
-  std::map<std::uint64_t, JudgedGate> judged_;  ///< by id
+  std::map<std::uint64_t, CheckedGate> checked_;  ///< by id
 };
 
 /// A reader, and what it has to get.
@@ -167,7 +167,7 @@ class GatedReader {
   void owe(std::uint64_t sequence) { owed_.push_back(sequence); }
   std::size_t owed() const { return owed_.size(); }
   /// Takes samples until it has all that it is owed. Returns what is wrong; empty if nothing is.
-  std::string catch_up(const JudgedGates& gates) {
+  std::string catch_up(const CheckedGates& gates) {
     std::string wrong;
     while (wrong.empty() && got_ < owed_.size()) {
       const auto samples = subscriber_->await_new(1);
@@ -184,7 +184,7 @@ class GatedReader {
   std::uint64_t kept_from_it() const { return owed_.back() - owed_.front() + 1 - received_; }
 
  private:
-  std::string take(const core::SampleBuffer& sample, const JudgedGates& gates) {
+  std::string take(const core::SampleBuffer& sample, const CheckedGates& gates) {
     const std::string which = "sample " + std::to_string(sample.sequence);
     const Selection* const named = named_by(sample);
     if (named == nullptr) return which + " is of something that the reader did not ask for";
@@ -288,7 +288,7 @@ class GateFanOutTest : public test::BridgeTest, public testing::WithParamInterfa
     ASSERT_TRUE(sample);
     // As a publisher does: what the gates withhold counts from the moment from which the routes hold.
     core::Transmission transmission = publisher_->port().begin();
-    gates_.judge(image, published_);
+    gates_.evaluate(image, published_);
     for (const auto& reader : readers_)
       if (gates_.let_pass(reader->wish(), published_)) reader->owe(published_);
     std::move(transmission).send(sample);
@@ -333,7 +333,7 @@ class GateFanOutTest : public test::BridgeTest, public testing::WithParamInterfa
   }
 
   const std::shared_ptr<core::DeliveryBook> book_ = std::make_shared<core::DeliveryBook>();
-  JudgedGates gates_;
+  CheckedGates gates_;
   std::atomic<bool> is_bad_{false};
   std::vector<std::unique_ptr<GatedReader>> readers_;
 

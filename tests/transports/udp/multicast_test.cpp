@@ -307,7 +307,7 @@ TEST_P(MulticastTest, FollowsMasksThatChange) {
 TEST_P(MulticastTest, ServesAloneAgainWhoHearsNothingMore) {
   add("*", true);
   add("*", true, [this](DatagramIo io) {
-    io.receiver = std::make_unique<test::DeafReceiver>(std::move(io.receiver), deaf_);
+    io.receiver = std::make_unique<test::UnreachedReceiver>(std::move(io.receiver), deaf_);
     return io;
   });
   serve();

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/platform/network_watch.h"
+#include "core/platform/network_monitor.h"
 #include "tests/support/isolated_host.h"
 #include "tests/support/pace.h"
 #include "tests/support/test_seed.h"
@@ -56,14 +56,14 @@ class NetworkTest : public testing::TestWithParam<Backend> {
   static core::UdpAddress dead_reader() { return {dead_address, 5000, 32 << 20}; }
 };
 
-TEST(NetworkWatchTest, NoticesAnAddressThatComesAndGoesAndNothingElse) {
+TEST(NetworkMonitorTest, NoticesAnAddressThatComesAndGoesAndNothingElse) {
   if (!sft::test::isolation_refusal().empty()) GTEST_SKIP() << sft::test::isolation_refusal();
-  core::NetworkWatch watch;
-  EXPECT_FALSE(watch.changed());
+  core::NetworkMonitor monitor;
+  EXPECT_FALSE(monitor.changed());
   for (const char* change : {"add", "delete"}) {
     ASSERT_TRUE(run(("ip address " + std::string(change) + " 10.8.0.1/24 dev lo").c_str()));
-    EXPECT_TRUE(watch.changed()) << change;
-    EXPECT_FALSE(watch.changed()) << "it was told";
+    EXPECT_TRUE(monitor.changed()) << change;
+    EXPECT_FALSE(monitor.changed()) << "it was told";
   }
 }
 
@@ -72,8 +72,8 @@ TEST(KnownMulticastLinksTest, AreAskedForOnceUntilTheNetworkChanges) {
   static int asked;
   asked = 0;
   const auto ask = [](Multicast use) { return ++asked, multicast_links(use); };
-  core::NetworkWatch watch;
-  KnownMulticastLinks links(watch, ask);
+  core::NetworkMonitor monitor;
+  KnownMulticastLinks links(monitor, ask);
   const auto knows = [&](std::uint32_t own) {
     return std::ranges::count(links.list(Multicast::automatic), own, &MulticastLink::own) > 0;
   };

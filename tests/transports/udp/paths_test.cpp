@@ -282,7 +282,7 @@ TEST_P(PathsTest, LosesNoneOfManySmallSamplesWhereALinkTakesLessFromNowOn) {
   publisher.serve({{far.at(ip(1, 2)), "*"}});
   for (std::size_t n = 1; n <= 3; ++n) {
     if (n == 2) run_all("ip link set out1 mtu 1300");
-    core::Batch batch = publisher.port().batch(core::BatchPatience::fresh);
+    core::Batch batch = publisher.port().batch(core::BatchTimeout::fresh);
     for (int i = 0; i < 100; ++i) {
       const core::SampleHandle sample = publisher.make(make_image(40));
       sample->source_stamp_ns = 7;
@@ -343,7 +343,7 @@ TEST_P(PathsTest, BringBestEffortSamplesOfEverySizeThereAndNameTheLimit) {
       return came > before;
     };
     for (int i = 0; i < 5; ++i)
-      EXPECT_TRUE(test::eventually(another_one_comes, test::patience, 20ms)) << bytes;
+      EXPECT_TRUE(test::eventually(another_one_comes, test::hang_timeout, 20ms)) << bytes;
     const std::string limit = "datagrams longer than " + std::to_string(payload(1280)) +
                               " bytes do not arrive at " + address(2, 2) +
                               ": samples go there in shorter ones";

@@ -101,22 +101,22 @@ class CountingReceiver final : public test::PassingReceiver {
 };
 
 TEST_P(ReliableTest, DeliversWhatGotLostAlsoIfTheReceiverHasNotAnsweredWhileItWasSentAllThatItMayBe) {
-  std::atomic<bool> is_deaf{true};
+  std::atomic<bool> is_stalled{true};
   std::atomic<std::size_t> came{0};
   const auto there = open();
   const auto here =
       open_udp_transport({.bind_address = core::loopback_ipv4, .backend = GetParam()}, test::make_pool(),
                          [&](DatagramIo io) {
                            io.receiver = std::make_unique<CountingReceiver>(std::move(io.receiver), came);
-                           return test::with_faults(std::move(io), {.loss = 1, .only_while = &is_deaf}, 1);
+                           return test::with_faults(std::move(io), {.loss = 1, .only_while = &is_stalled}, 1);
                          })
           .value();
   Subscriber subscriber(*here, {"*"});
   Publisher publisher(*there);
   join(publisher, subscriber, *here);
   for (std::size_t n = 1; n <= 12; ++n) ASSERT_EQ(publisher.publish(make_image(n)), core::SendStatus::sent);
-  ASSERT_TRUE(test::eventually([&] { return came >= FlowLimits().unproven_datagrams; }, test::patience));
-  is_deaf = false;
+  ASSERT_TRUE(test::eventually([&] { return came >= FlowLimits().unproven_datagrams; }, test::hang_timeout));
+  is_stalled = false;
   EXPECT_EQ(subscriber.await_sequences(12), up_to(12));
 }
 

@@ -10,7 +10,7 @@
 
 #include "tests/support/isolated_host.h"
 #include "tests/support/pace.h"
-#include "tests/support/standstill_watch.h"
+#include "tests/support/standstill_monitor.h"
 #include "tests/transports/udp/another_host.h"
 #include "tests/transports/udp/backends.h"
 #include "tests/transports/udp/endpoints.h"
@@ -29,9 +29,9 @@ constexpr auto duration = 5s;
 constexpr auto pause = 5ms;
 constexpr double link_bytes_per_s = 12.5e6;
 
-using sft::test::StandstillWatch;
-using WatchedClock = StandstillWatch::Clock;
-using Standstills = std::vector<StandstillWatch::Standstill>;
+using sft::test::StandstillMonitor;
+using WatchedClock = StandstillMonitor::Clock;
+using Standstills = std::vector<StandstillMonitor::Standstill>;
 
 /// A publisher here, and its reader there.
 struct Topic {
@@ -67,7 +67,7 @@ class SmallTopic {
       const bool lost = came_ns[done_] == 0;
       const WatchedClock::time_point until =
           lost ? from + bound : WatchedClock::time_point(came_ns[done_] * 1ns);
-      const WatchedClock::duration still = StandstillWatch::within(standstills, from, until);
+      const WatchedClock::duration still = StandstillMonitor::within(standstills, from, until);
       if (!lost)
         times.push_back(until - from - still);
       else if (still == 0ns)
@@ -146,7 +146,7 @@ TEST_P(ShapedLinkTest, KeepsSmallSamplesFastWhileLargeOnesFillTheLink) {
   small[0]->publish();  // has the kernel ask for the other host's address
   ASSERT_LT(small[0]->times().back(), 1s);
 
-  StandstillWatch watch(2);
+  StandstillMonitor monitor(2);
   const auto began = WatchedClock::now();
   sft::test::Pace schedule(pause, sft::test::Keeps::rate);
   for (int step = 0; step < duration / pause; ++step, schedule.await_turn()) {
@@ -159,7 +159,7 @@ TEST_P(ShapedLinkTest, KeepsSmallSamplesFastWhileLargeOnesFillTheLink) {
     all += topic->came();
     least = std::min(least, topic->came());
   }
-  const Standstills standstills = watch.end();
+  const Standstills standstills = monitor.end();
   for (const auto& topic : small) {
     const auto times = topic->times(standstills);
     ASSERT_FALSE(times.empty()) << "the machine stood still all the time";
@@ -168,7 +168,7 @@ TEST_P(ShapedLinkTest, KeepsSmallSamplesFastWhileLargeOnesFillTheLink) {
                                    << us(90) << " us; the machine stood still " << standstills.size()
                                    << " times";
   }
-  const std::chrono::duration<double> ran = duration - StandstillWatch::within(standstills, began, ended);
+  const std::chrono::duration<double> ran = duration - StandstillMonitor::within(standstills, began, ended);
   EXPECT_GE(static_cast<double>(all * LargeTopic::bytes), 0.7 * link_bytes_per_s * ran.count());
   EXPECT_GE(least, all / 4 / 4) << "each has its share";
 }

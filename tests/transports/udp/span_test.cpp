@@ -31,7 +31,7 @@ class SpanTest : public TransportTest {
     });
   }
   static void publish(Publisher& publisher, const std::vector<std::size_t>& data_bytes) {
-    core::Batch batch = publisher.port().batch(core::BatchPatience::fresh);
+    core::Batch batch = publisher.port().batch(core::BatchTimeout::fresh);
     for (const std::size_t bytes : data_bytes) {
       core::SampleHandle sample = publisher.make(make_image(bytes));
       sample->source_stamp_ns = 7;  // of the span
@@ -116,7 +116,7 @@ TEST_P(SpanTest, WaitsForAReaderThatDoesNotKeepUpAsLongAsItMay) {
   const auto pool = test::make_pool();
   const Image image = make_image(20);
   for (std::uint64_t sequence = 1; sequence <= 10'000;) {
-    core::Batch batch = port->batch(core::BatchPatience::fresh);
+    core::Batch batch = port->batch(core::BatchTimeout::fresh);
     for (int i = 0; i < 1000; ++i, ++sequence) {
       const core::SampleHandle sample = pool->take(test::sample_bytes(image, fields<Image>("*")));
       test::fill(*sample, image, fields<Image>("*"), 7, sequence);
@@ -157,11 +157,11 @@ class FullSpanTest : public SpanTest {
       routes.back().reliable = true;
     }
     port_->set_routes(routes);
-    for (int i = 0; i < 4; ++i) EXPECT_EQ(send(1024, core::BatchPatience::fresh), 0U);
+    for (int i = 0; i < 4; ++i) EXPECT_EQ(send(1024, core::BatchTimeout::fresh), 0U);
   }
   /// Returns how many were missed.
-  std::size_t send(std::size_t samples, core::BatchPatience patience) {
-    core::Batch batch = port_->batch(patience);
+  std::size_t send(std::size_t samples, core::BatchTimeout hang_timeout) {
+    core::Batch batch = port_->batch(hang_timeout);
     for (; samples > 0; --samples) {
       const core::SampleHandle sample = pool_->take(test::sample_bytes(image_, fields<Image>("*")));
       test::fill(*sample, image_, fields<Image>("*"), 7, ++sequence_);
@@ -188,8 +188,8 @@ INSTANTIATE_TEST_SUITE_P(Backends, FullSpanTest, test::both_backends, test::back
 TEST_P(FullSpanTest, WaitsForItsPartsTogetherNoLongerThanForOne) {
   open_to({9});
   const auto begin = std::chrono::steady_clock::now();
-  send(1024, core::BatchPatience::fresh);
-  for (int i = 0; i < 49; ++i) send(1024, core::BatchPatience::continued);
+  send(1024, core::BatchTimeout::fresh);
+  for (int i = 0; i < 49; ++i) send(1024, core::BatchTimeout::continued);
   const auto took = std::chrono::steady_clock::now() - begin;
   EXPECT_GE(took, max_blocking);
   EXPECT_LT(took, 25 * max_blocking) << "and not once for each of fifty parts";
@@ -197,8 +197,8 @@ TEST_P(FullSpanTest, WaitsForItsPartsTogetherNoLongerThanForOne) {
 
 TEST_P(FullSpanTest, CountsASampleOnceThatSeveralMiss) {
   open_to({9, 10}, 1);  // so that hardly anything leaves
-  for (int i = 0; i < 2; ++i) send(1024, core::BatchPatience::fresh);
-  EXPECT_EQ(send(10, core::BatchPatience::fresh), 10U);
+  for (int i = 0; i < 2; ++i) send(1024, core::BatchTimeout::fresh);
+  EXPECT_EQ(send(10, core::BatchTimeout::fresh), 10U);
 }
 
 }  // namespace

@@ -232,7 +232,7 @@ TEST_P(TransportTest, DeliversEachSampleOnceOrCountsIt) {
   const std::uint64_t seed = sft::test::test_seed();
   SCOPED_TRACE(sft::test::how_to_repeat());
   const auto there = open({.max_datagram_bytes = 1472});
-  const auto here = open({.reassembly = {.patience = std::chrono::milliseconds(20)}}, [&](DatagramIo io) {
+  const auto here = open({.reassembly = {.timeout = std::chrono::milliseconds(20)}}, [&](DatagramIo io) {
     return test::with_faults(std::move(io), {.loss = 0.0005, .repetition = 0.1, .swap = 0.1},
                              static_cast<unsigned>(seed));
   });

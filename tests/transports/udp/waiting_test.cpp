@@ -43,7 +43,7 @@ class Waited final : private core::ArrivalListener {
   void listen_to(const Publisher& publisher) { EXPECT_TRUE(port_->connect({publisher.id(), 0})); }
 
   /// The next sample; empty after `at_most`. Counts how often its thread received.
-  core::SampleHandle next(std::chrono::nanoseconds at_most = test::patience,
+  core::SampleHandle next(std::chrono::nanoseconds at_most = test::hang_timeout,
                           std::chrono::nanoseconds spin = 0ns) {
     const auto deadline = Clock::now() + at_most;
     for (;;) {
@@ -140,7 +140,7 @@ TEST_P(WaitingThread, CanKeepTheCoreBusyInstead) {
       ASSERT_TRUE(eventually([&] { return taken >= n; }));
     }
   });
-  for (std::uint64_t n = 1; n <= 200; ++n, ++taken) ASSERT_TRUE(reader.next(test::patience, 10ms)) << n;
+  for (std::uint64_t n = 1; n <= 200; ++n, ++taken) ASSERT_TRUE(reader.next(test::hang_timeout, 10ms)) << n;
   publishing.join();
   const long before = times_asleep();
   EXPECT_FALSE(reader.next(20ms, 20ms));

@@ -17,9 +17,9 @@ void refuse(Channel& channel, const Error& error) {
 }
 
 Result<nlohmann::json> detail::ask(Channel& channel, std::string_view role, const Order& order,
-                                   Clock::duration patience, const WhileWaiting& while_waiting) {
+                                   Clock::duration timeout, const WhileWaiting& while_waiting) {
   channel.send(order);
-  const auto deadline = Clock::now() + patience;
+  const auto deadline = Clock::now() + timeout;
   const auto next_look = [&] { return while_waiting ? Clock::now() + between_looks : deadline; };
   Channel::Received answer = channel.receive(std::min(deadline, next_look()));
   while (answer.event == Channel::Event::timeout && Clock::now() < deadline) {

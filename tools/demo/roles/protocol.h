@@ -102,14 +102,14 @@ using WhileWaiting = std::function<Result<void>()>;
 
 namespace detail {
 Result<nlohmann::json> ask(Channel& channel, std::string_view role, const Order& order,
-                           Clock::duration patience, const WhileWaiting& while_waiting);
+                           Clock::duration timeout, const WhileWaiting& while_waiting);
 }
 
 /// Sends the order and waits for the answer. `role` names the other side in errors.
 template <class Report>
-Result<Report> ask(Channel& channel, std::string_view role, const Order& order, Clock::duration patience,
+Result<Report> ask(Channel& channel, std::string_view role, const Order& order, Clock::duration timeout,
                    const WhileWaiting& while_waiting = {}) {
-  return detail::ask(channel, role, order, patience, while_waiting).map([](const nlohmann::json& j) {
+  return detail::ask(channel, role, order, timeout, while_waiting).map([](const nlohmann::json& j) {
     return j.get<Report>();
   });
 }

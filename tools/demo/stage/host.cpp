@@ -21,8 +21,8 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds patience_with_daemons{2'000};
-constexpr milliseconds patience_with_hosts{8'000};  // in which roles leave each other, and daemons end
+constexpr milliseconds timeout_with_daemons{2'000};
+constexpr milliseconds timeout_with_hosts{8'000};  // in which roles leave each other, and daemons end
 
 /// Moves the calling process into the network and mounts an empty /dev/shm and /tmp that only it and its
 /// children see. Its next child becomes the first process of a new process namespace; when that child ends,
@@ -69,7 +69,7 @@ Result<void> leave_this_host(const HostSettings& settings) {
   while (!running.empty() && sigwaitinfo(&awaited, nullptr) != SIGTERM) {
     for (pid_t gone = 0; (gone = waitpid(-1, nullptr, WNOHANG)) > 0;) std::erase(running, gone);
   }
-  hosts::end_children(patience_with_daemons);
+  hosts::end_children(timeout_with_daemons);
   _exit(0);
 }
 
@@ -151,7 +151,7 @@ Host::~Host() {
   pollfd ended{.fd = process.get(), .events = POLLIN, .revents = 0};
   int result = 0;
   do {
-    result = poll(&ended, 1, static_cast<int>(patience_with_hosts.count()));
+    result = poll(&ended, 1, static_cast<int>(timeout_with_hosts.count()));
   } while (result < 0 && errno == EINTR);
   if (result <= 0) kill(first_process_, SIGKILL);
   hosts::reap(first_process_);

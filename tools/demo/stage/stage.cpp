@@ -13,7 +13,7 @@ namespace {
 using std::chrono::seconds;
 
 // A role answers for the first time when its node is open.
-constexpr seconds patience{15};
+constexpr seconds timeout{15};
 
 struct Actor {
   const char* name;
@@ -111,12 +111,12 @@ Stage::~Stage() {
 }
 
 Result<PublisherReport> Stage::ask_publisher(const Order& order, const WhileWaiting& while_waiting) {
-  return demo::ask<PublisherReport>(hosts_[publisher_host_number].channel(1), "publisher", order, patience,
+  return demo::ask<PublisherReport>(hosts_[publisher_host_number].channel(1), "publisher", order, timeout,
                                     while_waiting);
 }
 
 Result<SubscriberReport> Stage::ask(const Subscriber& subscriber, const WhileWaiting& while_waiting) {
-  return demo::ask<SubscriberReport>(*subscriber.channel, subscriber.name, {}, patience, while_waiting);
+  return demo::ask<SubscriberReport>(*subscriber.channel, subscriber.name, {}, timeout, while_waiting);
 }
 
 }  // namespace sft::demo

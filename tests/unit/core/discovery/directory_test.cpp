@@ -92,12 +92,12 @@ class DirectoryTest : public ::testing::Test {
     directory.record_changed({process, role, {slot, RecordKind::request}, {++revision, nullptr}});
   }
   std::vector<std::string> told(Node& node) {
-    tell();
+    notify();
     return node.listener.take();
   }
-  void tell() {
+  void notify() {
     for (const Directory::Notice& notice : directory.take_notices()) {
-      for (const auto& to : notice.to) to->tell(notice.call);
+      for (const auto& to : notice.to) to->notify(notice.call);
     }
   }
 
@@ -286,13 +286,13 @@ TEST_F(DirectoryTest, LeavesOutTheAddressesOfANetworkThatIsCut) {
   ASSERT_THAT(node->listener.seen.addresses, SizeIs(1));
   EXPECT_EQ(node->listener.seen.addresses[0].ip, by_radio);
   directory.paths_cut({process_one, {1, 2}});
-  tell();
+  notify();
   EXPECT_THAT(node->listener.seen.addresses, SizeIs(2)) << "process_one way at least is tried";
   directory.paths_cut({process_one, {1}, {3}});
-  tell();
+  notify();
   EXPECT_THAT(node->listener.seen.addresses, SizeIs(2)) << "another link leads there";
   directory.paths_cut({process_one, {}});
-  tell();
+  notify();
   EXPECT_THAT(node->listener.seen.addresses, SizeIs(2));
 }
 
@@ -309,7 +309,7 @@ TEST_F(DirectoryTest, GivesReportsToNodesThatInquireAsFarAsTheProcessHasAnnounce
   report.accounts = {{.id = {{10, 1}, Role::writer}}, {.id = {{10, 1}, Role::reader}}};
   directory.report_came(process_one, report);
   directory.report_came(process_two, {.living = {10}});
-  tell();
+  notify();
   ASSERT_THAT(node->listener.reports, SizeIs(1));
   EXPECT_THAT(node->listener.reports[0].living, ElementsAre(10));
   EXPECT_THAT(node->listener.reports[0].progress, ElementsAre(Progress{10, 5, 0}));
@@ -322,7 +322,7 @@ TEST_F(DirectoryTest, GivesReportsOfANodeToOthersOfTheProcess) {
   announce(*node, endpoint(Role::writer, 1));
   for (const auto* const one : {&node, &other}) directory.inquires((*one)->node, {Inquiry{}});
   directory.reported(node->node, {.living = {1}});
-  tell();
+  notify();
   EXPECT_THAT(node->listener.reports, IsEmpty());
   EXPECT_THAT(other->listener.reports, SizeIs(1));
 }
@@ -347,7 +347,7 @@ TEST_F(DirectoryTest, KnowsWhatNodesAndProcessesInquireUntilTheyDoNotOrAreLost) 
   EXPECT_FALSE(directory.do_we_inquire() || directory.do_others_inquire());
   record(process_one, Role::reader, 5, RecordKind::inquiry, {std::byte{9}});
   EXPECT_THAT(inquired(), IsEmpty());
-  tell();
+  notify();
   EXPECT_THAT(node->listener.refused, SizeIs(1));
 }
 

@@ -173,7 +173,7 @@ TEST_F(LinkCareTest, DoesNotWaitAsLongInEachProcess) {
 
 TEST_F(LinkCareTest, AsksWhoIsThereIfAStrangerGivesHeartbeats) {
   now += 2 * timing.settle;
-  care.stranger_came(link, now);
+  care.unknown_came(link, now);
   const auto asked = after(0s).announcements;
   ASSERT_EQ(asked.size(), 1u);
   EXPECT_TRUE(asked[0].asks);
@@ -183,7 +183,7 @@ TEST_F(LinkCareTest, AsksWhoIsThereIfAStrangerGivesHeartbeats) {
 TEST_F(LinkCareTest, DoesNotAskWhileOthersAreNew) {
   care.joined(link, now);
   now += 2 * timing.settle - 1ms;
-  care.stranger_came(link, now);
+  care.unknown_came(link, now);
   EXPECT_FALSE(announces(10s));
 }
 
@@ -191,7 +191,7 @@ TEST_F(LinkCareTest, AsksAfterALeaseAtTheLatestThoughOthersGoOnBeingNew) {
   int asked = 0;
   for (int second = 0; second < 20; ++second) {
     care.joined(link, now);
-    care.stranger_came(link, now);
+    care.unknown_came(link, now);
     asked += announces(1s) ? 1 : 0;
   }
   EXPECT_GE(asked, 2);
@@ -201,7 +201,7 @@ TEST_F(LinkCareTest, AsksAfterALeaseAtTheLatestThoughOthersGoOnBeingNew) {
 TEST_F(LinkCareTest, AsksEverMoreSeldomWhileTheStrangerStaysOne) {
   int asked = 0;
   for (int second = 0; second < 120; ++second) {
-    care.stranger_came(link, now);
+    care.unknown_came(link, now);
     asked += announces(1s) ? 1 : 0;
   }
   EXPECT_LE(asked, 25);

@@ -52,50 +52,52 @@ TEST(ParticipantDataTest, NameTheOtherRelease) {
     EXPECT_FALSE(other_release(text)) << text;
 }
 
-class ReleaseWatchTest : public ::testing::Test {
+class ReleaseMonitorTest : public ::testing::Test {
  protected:
-  void seen(std::uint8_t participant, std::uint32_t version = 3) { watch.seen({1, {participant}}, version); }
+  void seen(std::uint8_t participant, std::uint32_t version = 3) {
+    monitor.seen({1, {participant}}, version);
+  }
 
   const Timing timing;
   Time now = Time(100s);
-  ReleaseWatch watch{timing};
+  ReleaseMonitor monitor{timing};
 };
 
-TEST_F(ReleaseWatchTest, ReportsAParticipantOnce) {
+TEST_F(ReleaseMonitorTest, ReportsAParticipantOnce) {
   seen(1);
   seen(1);
-  const auto report = watch.take_report(now);
+  const auto report = monitor.take_report(now);
   ASSERT_TRUE(report);
   EXPECT_EQ(report->version, 3u);
   EXPECT_EQ(report->others, 0u);
   seen(1);
-  EXPECT_FALSE(watch.take_report(now + timing.name_releases_every));
+  EXPECT_FALSE(monitor.take_report(now + timing.name_releases_every));
 }
 
-TEST_F(ReleaseWatchTest, ReportsManyInOneLineInAWhile) {
+TEST_F(ReleaseMonitorTest, ReportsManyInOneLineInAWhile) {
   seen(1);
-  EXPECT_TRUE(watch.take_report(now));
+  EXPECT_TRUE(monitor.take_report(now));
   for (std::uint8_t participant = 2; participant < 100; ++participant) seen(participant);
-  EXPECT_FALSE(watch.take_report(now + timing.name_releases_every - 1ms));
-  const auto report = watch.take_report(now + timing.name_releases_every);
+  EXPECT_FALSE(monitor.take_report(now + timing.name_releases_every - 1ms));
+  const auto report = monitor.take_report(now + timing.name_releases_every);
   ASSERT_TRUE(report);
   EXPECT_EQ(report->others, 97u);
 }
 
-TEST_F(ReleaseWatchTest, ReportsAParticipantAgainThatWasGone) {
+TEST_F(ReleaseMonitorTest, ReportsAParticipantAgainThatWasGone) {
   seen(1);
-  EXPECT_TRUE(watch.take_report(now));
-  watch.gone({1, {1}});
+  EXPECT_TRUE(monitor.take_report(now));
+  monitor.gone({1, {1}});
   seen(1);
-  EXPECT_TRUE(watch.take_report(now + timing.name_releases_every));
+  EXPECT_TRUE(monitor.take_report(now + timing.name_releases_every));
 }
 
-TEST_F(ReleaseWatchTest, HasRoomForOthersOnceALinkIsGone) {
+TEST_F(ReleaseMonitorTest, HasRoomForOthersOnceALinkIsGone) {
   for (int participant = 0; participant < 256; ++participant) seen(static_cast<std::uint8_t>(participant));
-  EXPECT_TRUE(watch.take_report(now));
-  watch.link_gone(1);
-  watch.seen({2, {1}}, 3);
-  EXPECT_TRUE(watch.take_report(now + timing.name_releases_every));
+  EXPECT_TRUE(monitor.take_report(now));
+  monitor.link_gone(1);
+  monitor.seen({2, {1}}, 3);
+  EXPECT_TRUE(monitor.take_report(now + timing.name_releases_every));
 }
 
 }  // namespace

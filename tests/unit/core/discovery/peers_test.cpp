@@ -276,11 +276,11 @@ TEST_F(PeersTest, RefusesAParticipantThatClaimsAProcessWhichLives) {
   writes(0, "a", {cable});
   heartbeats({cable});
   const auto claims = [&](LinkId link) {
-    const RemoteParticipant claimant = on(link, 99);
-    peers.participant_found(claimant, neighbour, now);
-    peers.record_came(claimant, Role::writer, {0, {}}, {1000, body("claimed")}, now);
-    peers.record_came(claimant, Role::writer, {1, {}}, {1001, body("claimed")}, now);
-    peers.heartbeat_came(link, {claimant.guid, neighbour, {99, 0}}, now);
+    const RemoteParticipant impostor = on(link, 99);
+    peers.participant_found(impostor, neighbour, now);
+    peers.record_came(impostor, Role::writer, {0, {}}, {1000, body("claimed")}, now);
+    peers.record_came(impostor, Role::writer, {1, {}}, {1001, body("claimed")}, now);
+    peers.heartbeat_came(link, {impostor.guid, neighbour, {99, 0}}, now);
   };
   for (int i = 0; i < 80; ++i) {
     claims(renewed.empty() ? wlan : last_link);
@@ -296,12 +296,12 @@ TEST_F(PeersTest, RefusesAParticipantThatClaimsAProcessWhichLives) {
 TEST_F(PeersTest, RefusesAClaimThatComesBeforeTheFirstHeartbeatOfTheProcess) {
   found(cable);
   writes(0, "a", {cable});
-  const RemoteParticipant claimant = on(wlan, 99);
+  const RemoteParticipant impostor = on(wlan, 99);
   Records claimed;
   claimed.put({0, {}}, {1000, nullptr});
-  peers.participant_found(claimant, neighbour, now);
-  peers.record_came(claimant, Role::writer, {0, {}}, {1000, nullptr}, now);
-  peers.heartbeat_came(wlan, {claimant.guid, neighbour, {claimed.digest(), 0}}, now);
+  peers.participant_found(impostor, neighbour, now);
+  peers.record_came(impostor, Role::writer, {0, {}}, {1000, nullptr}, now);
+  peers.heartbeat_came(wlan, {impostor.guid, neighbour, {claimed.digest(), 0}}, now);
   look();
   EXPECT_THAT(holds, ElementsAre(Pair(0, "a")));
   goes_on(10s, {cable});
@@ -310,14 +310,14 @@ TEST_F(PeersTest, RefusesAClaimThatComesBeforeTheFirstHeartbeatOfTheProcess) {
 
 TEST_F(PeersTest, RefusesAClaimAlsoWhenTheFirstParticipantIsGone) {
   found(cable);
-  const RemoteParticipant claimant = on(cable, 99);
-  peers.participant_found(claimant, neighbour, now);
+  const RemoteParticipant impostor = on(cable, 99);
+  peers.participant_found(impostor, neighbour, now);
   found(wlan);
   writes(0, "a", {cable, wlan});
   heartbeats({cable, wlan});
   peers.participant_gone(on(cable));
   for (int i = 0; i < 20; ++i) {
-    peers.heartbeat_came(cable, {claimant.guid, neighbour, {99, 0}}, now);
+    peers.heartbeat_came(cable, {impostor.guid, neighbour, {99, 0}}, now);
     goes_on(500ms, {wlan});
     EXPECT_THAT(holds, ElementsAre(Pair(0, "a")));
   }
@@ -327,10 +327,10 @@ TEST_F(PeersTest, RefusesAClaimAlsoWhenTheFirstParticipantIsGone) {
 TEST_F(PeersTest, RefusesAClaimOfAProcessThatHasNothingYet) {
   found(cable);
   heartbeats({cable});
-  const RemoteParticipant claimant = on(wlan, 99);
-  peers.participant_found(claimant, neighbour, now);
+  const RemoteParticipant impostor = on(wlan, 99);
+  peers.participant_found(impostor, neighbour, now);
   goes_on(2s, {cable});
-  peers.record_came(claimant, Role::writer, {0, {}}, {1000, body("claimed")}, now);
+  peers.record_came(impostor, Role::writer, {0, {}}, {1000, body("claimed")}, now);
   goes_on(2s, {cable});
   EXPECT_THAT(holds, IsEmpty());
 }
@@ -424,7 +424,7 @@ TEST_F(PeersTest, NamesTheTimeOfItsNextLook) {
 }
 
 TEST_F(PeersTest, HasRoomForTheRecordsOfOthersWhateverOneParticipantHas) {
-  const PeerLimits limits{.records = 10, .bytes = 1000, .crowded = 100, .participants = 2};
+  const PeerLimits limits{.records = 10, .bytes = 1000, .full = 100, .participants = 2};
   Peers small(own_process, timing, limits);
   small.listen(Role::writer, now);
   small.link_made(cable, now);
@@ -447,8 +447,7 @@ TEST_F(PeersTest, HasRoomForTheRecordsOfOthersWhateverOneParticipantHas) {
 }
 
 TEST_F(PeersTest, HasRoomForTheBytesOfOthersWhateverOneParticipantHas) {
-  const PeerLimits limits{
-      .records = 10, .bytes = 100, .crowded = 1000, .crowded_bytes = 1000, .participants = 2};
+  const PeerLimits limits{.records = 10, .bytes = 100, .full = 1000, .full_bytes = 1000, .participants = 2};
   Peers small(own_process, timing, limits);
   small.listen(Role::writer, now);
   small.link_made(cable, now);
@@ -465,7 +464,7 @@ TEST_F(PeersTest, HasRoomForTheBytesOfOthersWhateverOneParticipantHas) {
 }
 
 TEST_F(PeersTest, MakesNoLinkAnewForAParticipantWhoseRecordsFindNoRoom) {
-  Peers small(own_process, timing, {.records = 1, .bytes = 1000, .crowded = 1});
+  Peers small(own_process, timing, {.records = 1, .bytes = 1000, .full = 1});
   small.listen(Role::writer, now);
   small.link_made(cable, now);
   small.participant_found(on(cable), neighbour, now);
@@ -481,7 +480,7 @@ TEST_F(PeersTest, MakesNoLinkAnewForAParticipantWhoseRecordsFindNoRoom) {
 }
 
 TEST_F(PeersTest, HasNoMoreThanAllMayHaveTogether) {
-  Peers small(own_process, timing, {.records = 10, .bytes = 100, .crowded = 1000, .crowded_bytes = 100});
+  Peers small(own_process, timing, {.records = 10, .bytes = 100, .full = 1000, .full_bytes = 100});
   small.link_made(cable, now);
   std::size_t taken = 0;
   for (std::uint8_t number = 100; number < 120; ++number) {
@@ -494,7 +493,7 @@ TEST_F(PeersTest, HasNoMoreThanAllMayHaveTogether) {
 }
 
 TEST_F(PeersTest, HasNoRoomForParticipantsThatAreNotThereWhereItIsCrowded) {
-  Peers small(own_process, timing, {.records = 10, .crowded = 2});
+  Peers small(own_process, timing, {.records = 10, .full = 2});
   small.link_made(cable, now);
   const auto takes = [&](std::uint8_t number, std::uint32_t slot) {
     return small.record_came(on(cable, number), Role::writer, {slot, {}}, {slot + 1, body("a")}, now);
@@ -512,7 +511,7 @@ TEST_F(PeersTest, HasNoRoomForParticipantsThatAreNotThereWhereItIsCrowded) {
 }
 
 TEST_F(PeersTest, FetchesWhatFoundNoRoomOnceThereIsRoom) {
-  Peers small(own_process, timing, {.records = 1, .crowded = 8});
+  Peers small(own_process, timing, {.records = 1, .full = 8});
   small.listen(Role::writer, now);
   small.link_made(cable, now);
   const auto writes_on = [&](std::uint8_t number, std::uint32_t slot) {

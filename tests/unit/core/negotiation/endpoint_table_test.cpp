@@ -70,12 +70,12 @@ TEST_F(EndpointTableTest, ALostEndpointIsNotPresentUntilItIsSeenAgain) {
   table.enter(endpoint(Role::reader, one_reader));
   EXPECT_TRUE(table.lost(one_reader, now));
   EXPECT_FALSE(table.lost(one_reader, now));
-  EXPECT_TRUE(table.misses_somebody());
+  EXPECT_TRUE(table.misses_peer());
   EXPECT_EQ(table.present().size(), 1U);
   EXPECT_THAT(table.lost_for(60s, now + 59s), IsEmpty());
   EXPECT_THAT(table.lost_for(60s, now + 60s), ElementsAre(one_reader));
   table.enter(endpoint(Role::reader, one_reader));
-  EXPECT_FALSE(table.misses_somebody());
+  EXPECT_FALSE(table.misses_peer());
 }
 
 TEST_F(EndpointTableTest, OurEndpointsAreNeverLost) { EXPECT_FALSE(table.lost(our_writer, now)); }
@@ -83,9 +83,9 @@ TEST_F(EndpointTableTest, OurEndpointsAreNeverLost) { EXPECT_FALSE(table.lost(ou
 TEST_F(EndpointTableTest, ALostEndpointThatIsErasedIsNotMissed) {
   table.enter(endpoint(Role::reader, one_reader));
   table.lost(one_reader, now);
-  EXPECT_TRUE(table.misses_somebody());
+  EXPECT_TRUE(table.misses_peer());
   table.erase(one_reader);
-  EXPECT_FALSE(table.misses_somebody());
+  EXPECT_FALSE(table.misses_peer());
 }
 
 TEST_F(EndpointTableTest, OnlyTopicsOfOurEndpointsAreOurs) {

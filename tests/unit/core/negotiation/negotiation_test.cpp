@@ -333,11 +333,11 @@ TEST_F(NegotiationTest, AWriterIsAssertedForReadersThatAskedForALease) {
   reader.qos.liveliness_lease = 2s;
   negotiation.endpoint_seen(reader);
   EXPECT_TRUE(negotiation.serving(100).lease_requested);
-  EXPECT_TRUE(negotiation.serving(100).samples_tell);
+  EXPECT_TRUE(negotiation.serving(100).samples_assert);
   Request slower = request(8, 2, F::data);
   slower.min_period_us = 1;
   negotiation.request_received(slower);
-  EXPECT_FALSE(negotiation.serving(100).samples_tell);
+  EXPECT_FALSE(negotiation.serving(100).samples_assert);
 }
 
 TEST_F(NegotiationTest, AWriterWhoseNodeDoesNotAnswerIsHeardOfAsNotAlive) {

@@ -156,7 +156,7 @@ TEST_F(LocalReaderTest, AConnectionByWhichNothingArrivesIsClosedAndMadeAnewAfter
   for (int i = 0; i < 8 && !restarted; ++i) {
     sent += 100;
     now += std::chrono::milliseconds(650);
-    restarted = reader->restart_deaf({{7, sent, 0}}, false, now);
+    restarted = reader->restart_stalled({{7, sent, 0}}, false, now);
   }
   EXPECT_TRUE(restarted);
   EXPECT_THAT(connections.writers, IsEmpty());
@@ -171,7 +171,7 @@ TEST_F(LocalReaderTest, WhileACallbackHoldsUpWhatArrivesNoConnectionCountsAsDeaf
   reader->look_after_connections();
   Time now = std::chrono::steady_clock::now();
   for (std::uint64_t i = 1; i <= 20; ++i)
-    EXPECT_FALSE(reader->restart_deaf({{7, i * 100, 0}}, true, now += std::chrono::milliseconds(650)));
+    EXPECT_FALSE(reader->restart_stalled({{7, i * 100, 0}}, true, now += std::chrono::milliseconds(650)));
   EXPECT_THAT(connections.writers, ElementsAre(7));
 }
 
@@ -182,17 +182,17 @@ TEST_F(LocalReaderTest, DeadlinesOfAWriterAreWatchedOnlyAsLongAsItMatches) {
   Endpoint fits = over_network(Role::writer, 7);
   fits.qos.deadline = ours.qos.deadline;
   const auto missed = [&] { return core->feed().status().writers.at(0).deadlines_missed; };
-  constexpr std::chrono::hours calm{1};
+  constexpr std::chrono::hours quiet{1};
   seen(fits);
-  EXPECT_EQ(reader->pace(calm), ours.qos.deadline / 2);
+  EXPECT_EQ(reader->pace(quiet), ours.qos.deadline / 2);
   reader->watch_promises(soon());
   const std::uint64_t first = missed();
   EXPECT_GE(first, 599U);
   Endpoint promises_nothing = fits;
   promises_nothing.qos.deadline = {};
   seen(promises_nothing);
-  EXPECT_EQ(reader->pace(calm), calm);
-  reader->watch_promises(soon() + calm);
+  EXPECT_EQ(reader->pace(quiet), quiet);
+  reader->watch_promises(soon() + quiet);
   EXPECT_EQ(missed(), first);
   seen(fits);
   reader->watch_promises(std::chrono::steady_clock::now());
@@ -210,10 +210,10 @@ TEST_F(LocalReaderTest, ThatAWriterIsSilentIsToldAlsoIfTheNextOneLives) {
     writer.qos.liveliness_lease = std::chrono::seconds(lease);
     seen(writer);
   }
-  reader->tell_events();
+  reader->report_events();
   events.clear();
   reader->watch_promises(soon());
-  reader->tell_events();
+  reader->report_events();
   ASSERT_EQ(events.size(), 1U);
   EXPECT_EQ(events[0].kind, Event::Kind::liveliness_lost);
   EXPECT_EQ(events[0].peer, 7U);

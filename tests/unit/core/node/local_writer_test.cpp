@@ -174,10 +174,10 @@ TEST_F(LocalWriterTest, HasAnAccountOfEachReaderThatMatches) {
 TEST_F(LocalWriterTest, TellsEventsOnceAndOnlyIfSomethingHasHappened) {
   open(over_network(Role::writer, 7));
   reader_listens(200);
-  writer->tell_events();
+  writer->report_events();
   EXPECT_EQ(events.size(), 1U) << "a reader matches";
   const int looks = network_port->looks;
-  writer->tell_events();
+  writer->report_events();
   EXPECT_EQ(events.size(), 1U);
   EXPECT_EQ(network_port->looks, looks) << "no state is compared";
 }

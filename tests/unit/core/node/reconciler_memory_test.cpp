@@ -169,12 +169,12 @@ TEST_F(ReconcilerInMemoryTest, ConnectionsAreLookedAfterOftenAsLongAsSamplesCome
   Time now = std::chrono::steady_clock::now();
   node.tick(now += std::chrono::seconds(10));
   ASSERT_THAT(discovery.sent.back().attached, ElementsAre(7));
-  EXPECT_EQ(node.tick(now += std::chrono::seconds(2)), TickPace::pause_in_calm) << "everybody is asleep";
+  EXPECT_EQ(node.tick(now += std::chrono::seconds(2)), TickPace::pause_when_quiet) << "everybody is asleep";
   for (int i = 0; i < 3; ++i) {
     ++memory.arrivals;
     EXPECT_EQ(node.tick(now += std::chrono::milliseconds(50)), TickPace::pause);
   }
-  EXPECT_EQ(node.tick(now += std::chrono::seconds(2)), TickPace::pause_in_calm);
+  EXPECT_EQ(node.tick(now += std::chrono::seconds(2)), TickPace::pause_when_quiet);
 }
 
 TEST_F(ReconcilerInMemoryTest, ConnectionsAreLookedAfterOftenAsSoonAsALookFindsThatSamplesWent) {
@@ -186,7 +186,7 @@ TEST_F(ReconcilerInMemoryTest, ConnectionsAreLookedAfterOftenAsSoonAsALookFindsT
   Time now = std::chrono::steady_clock::now();
   node.tick(now += std::chrono::seconds(10));
   ASSERT_FALSE(memory.routes.empty());
-  EXPECT_EQ(node.tick(now += std::chrono::seconds(2)), TickPace::pause_in_calm) << "everybody is asleep";
+  EXPECT_EQ(node.tick(now += std::chrono::seconds(2)), TickPace::pause_when_quiet) << "everybody is asleep";
   const PointCloud2 cloud;
   publisher->publish(&cloud);
   EXPECT_EQ(node.tick(now += std::chrono::milliseconds(100)), TickPace::pause);

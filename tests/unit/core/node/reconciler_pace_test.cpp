@@ -7,22 +7,22 @@ namespace {
 TEST_F(ReconcilerTest, ANodeLooksAroundAgainWhenDiscoveryHasToAndSeldomOtherwise) {
   using std::chrono::milliseconds;
   const Time now = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-  EXPECT_EQ(reconciler.tick(now), TickPace::pause_in_calm);
+  EXPECT_EQ(reconciler.tick(now), TickPace::pause_when_quiet);
   discovery.next_look = now + milliseconds(42);
   EXPECT_EQ(reconciler.tick(now), milliseconds(42));
   discovery.next_look = now + std::chrono::hours(1);
-  EXPECT_EQ(reconciler.tick(now), TickPace::pause_in_calm);
+  EXPECT_EQ(reconciler.tick(now), TickPace::pause_when_quiet);
 }
 
 /// Looks in calm are so seldom that a short deadline or lease would be noticed late.
 TEST_F(ReconcilerTest, ANodeLooksTwiceInADeadlineAndSixTimesInALeaseThatItKeepsAlsoInCalm) {
   using std::chrono::milliseconds;
   constexpr milliseconds deadline{80}, lease{240}, requested{60};  // need more looks than anything else
-  const auto calm = [&](std::chrono::seconds after) {
+  const auto quiet = [&](std::chrono::seconds after) {
     return std::chrono::steady_clock::now() + std::chrono::seconds(10) + after;
   };
-  reconciler.tick(calm(std::chrono::seconds(0)));
-  ASSERT_EQ(reconciler.tick(calm(std::chrono::seconds(0))), TickPace::pause_in_calm);
+  reconciler.tick(quiet(std::chrono::seconds(0)));
+  ASSERT_EQ(reconciler.tick(quiet(std::chrono::seconds(0))), TickPace::pause_when_quiet);
   const auto open = [&](EndpointId id, const Qos& qos) {
     PublisherCore::Spec spec{id, "points", &type, 1 << 16};
     spec.qos = qos;
@@ -33,10 +33,10 @@ TEST_F(ReconcilerTest, ANodeLooksTwiceInADeadlineAndSixTimesInALeaseThatItKeepsA
     return reconciler.reconcile();
   };
   EXPECT_EQ(open(7, {.deadline = deadline}), deadline / 2) << "at once";
-  EXPECT_EQ(reconciler.tick(calm(std::chrono::seconds(5))), deadline / 2);
+  EXPECT_EQ(reconciler.tick(quiet(std::chrono::seconds(5))), deadline / 2);
   reconciler.remove(7);
   open(8, {.liveliness_lease = lease});
-  EXPECT_EQ(reconciler.tick(calm(std::chrono::seconds(10))), lease / 6);
+  EXPECT_EQ(reconciler.tick(quiet(std::chrono::seconds(10))), lease / 6);
   reconciler.remove(8);
   const auto port = std::make_shared<TestReaderPort>(connections);
   auto core = std::make_shared<SubscriberCore>(SubscriberCore::Spec{.topic = "points",
@@ -49,12 +49,12 @@ TEST_F(ReconcilerTest, ANodeLooksTwiceInADeadlineAndSixTimesInALeaseThatItKeepsA
   Endpoint reader = endpoint(Role::reader, 200), writer = endpoint(Role::writer, 9);
   reader.qos.deadline = writer.qos.deadline = requested;
   reconciler.add_reader(reader, {core, port});
-  reconciler.tick(calm(std::chrono::seconds(15)));
-  EXPECT_EQ(reconciler.tick(calm(std::chrono::seconds(20))), TickPace::pause_in_calm)
+  reconciler.tick(quiet(std::chrono::seconds(15)));
+  EXPECT_EQ(reconciler.tick(quiet(std::chrono::seconds(20))), TickPace::pause_when_quiet)
       << "no writer keeps the deadline";
   reconciler.endpoint_seen(writer);
   reconciler.reconcile();
-  EXPECT_EQ(reconciler.tick(calm(std::chrono::seconds(30))), requested / 2);
+  EXPECT_EQ(reconciler.tick(quiet(std::chrono::seconds(30))), requested / 2);
 }
 
 }  // namespace

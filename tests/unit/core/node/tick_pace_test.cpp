@@ -10,7 +10,7 @@ using namespace std::chrono_literals;
 constexpr Time begin{1h};
 
 TEST(TickPaceTest, LooksAreSeldomWhereNothingHasHappened) {
-  EXPECT_EQ(TickPace().next(begin), TickPace::pause_in_calm);
+  EXPECT_EQ(TickPace().next(begin), TickPace::pause_when_quiet);
 }
 
 TEST(TickPaceTest, LooksAreFrequentAfterSomethingHasHappenedAndBecomeRarer) {
@@ -21,7 +21,7 @@ TEST(TickPaceTest, LooksAreFrequentAfterSomethingHasHappenedAndBecomeRarer) {
   EXPECT_EQ(pace.next(begin + 240ms), 120ms);
   EXPECT_EQ(pace.next(begin + 400ms), 200ms);
   EXPECT_EQ(pace.next(begin + 1200ms), 600ms);
-  EXPECT_EQ(pace.next(begin + 1h), TickPace::pause_in_calm);
+  EXPECT_EQ(pace.next(begin + 1h), TickPace::pause_when_quiet);
 }
 
 TEST(TickPaceTest, LooksAreFrequentAnewAfterEachEvent) {
@@ -34,11 +34,11 @@ TEST(TickPaceTest, LooksAreFrequentAnewAfterEachEvent) {
 TEST(TickPaceTest, LooksAreFrequentWhileSamplesGoBySharedMemory) {
   TickPace pace;
   pace.note_traffic(0, begin);
-  EXPECT_EQ(pace.next(begin), TickPace::pause_in_calm);
+  EXPECT_EQ(pace.next(begin), TickPace::pause_when_quiet);
   pace.note_traffic(1, begin);
   EXPECT_EQ(pace.next(begin), TickPace::pause);
   pace.note_traffic(1, begin + 1s);
-  EXPECT_EQ(pace.next(begin + 2s), TickPace::pause_in_calm);
+  EXPECT_EQ(pace.next(begin + 2s), TickPace::pause_when_quiet);
 }
 
 }  // namespace

@@ -88,7 +88,7 @@ class PeerAddressesTest : public ::testing::Test {
   }
   /// Waits for the lookups that are under way, and returns what their answers have changed.
   PeerAddresses::Look answered(PeerAddresses& addresses) {
-    addresses.wait_for_answers(std::chrono::steady_clock::now() + sft::test::patience);
+    addresses.wait_for_answers(std::chrono::steady_clock::now() + sft::test::hang_timeout);
     return addresses.look_after(now_);
   }
 

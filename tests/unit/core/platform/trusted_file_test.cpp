@@ -36,7 +36,7 @@ class TrustedFileTest : public ::testing::Test {
     return error.message.find(what) != std::string::npos;
   }
 
-  static constexpr uid_t stranger = 65'534;
+  static constexpr uid_t unknown_sender = 65'534;
   static constexpr gid_t served = 60'100;
   test::TemporaryDirectory directory_;
   std::string path_ = directory_.path() / "file";
@@ -82,25 +82,26 @@ TEST_F(TrustedFileTest, AFileWithASecondNameIsRefused) {
 }
 
 TEST_F(TrustedFileTest, AFileOfAnotherAccountIsRefusedUnlessThatIsTrusted) {
-  if (!make_file_of(stranger, stranger)) GTEST_SKIP() << "needs root, to make files of other users";
-  EXPECT_TRUE(refuses("belongs to " + account_name(stranger)));
-  EXPECT_TRUE(open_trusted_file(path_, O_RDWR, {.users = {stranger}}));
+  if (!make_file_of(unknown_sender, unknown_sender))
+    GTEST_SKIP() << "needs root, to make files of other users";
+  EXPECT_TRUE(refuses("belongs to " + account_name(unknown_sender)));
+  EXPECT_TRUE(open_trusted_file(path_, O_RDWR, {.users = {unknown_sender}}));
   EXPECT_TRUE(open_trusted_file(path_, O_RDWR, {.everybody = true}));
-  EXPECT_EQ(refusal(O_RDWR, {.users = {stranger - 1}, .groups = {served}}).code, Errc::address_in_use);
+  EXPECT_EQ(refusal(O_RDWR, {.users = {unknown_sender - 1}, .groups = {served}}).code, Errc::address_in_use);
 }
 
 TEST_F(TrustedFileTest, AFileOfATrustedGroupIsByOneOfItsMembers) {
-  if (!make_file_of(stranger, served)) GTEST_SKIP() << "needs root, to make files of other users";
+  if (!make_file_of(unknown_sender, served)) GTEST_SKIP() << "needs root, to make files of other users";
   EXPECT_TRUE(open_trusted_file(path_, O_RDWR, {.groups = {served}}));
 }
 
 TEST_F(TrustedFileTest, RootAndThisAccountAreTrustedAnyway) {
   EXPECT_TRUE(TrustedAccounts{}.include_user(0));
   EXPECT_TRUE(TrustedAccounts{}.include_user(geteuid()));
-  if (seteuid(stranger) != 0) GTEST_SKIP() << "needs root, to become another user";
+  if (seteuid(unknown_sender) != 0) GTEST_SKIP() << "needs root, to become another user";
   EXPECT_TRUE(TrustedAccounts{}.include_user(0));
-  EXPECT_TRUE(TrustedAccounts{}.include_user(stranger));
-  EXPECT_FALSE(TrustedAccounts{}.include_user(stranger - 1));
+  EXPECT_TRUE(TrustedAccounts{}.include_user(unknown_sender));
+  EXPECT_FALSE(TrustedAccounts{}.include_user(unknown_sender - 1));
   EXPECT_EQ(seteuid(0), 0);
 }
 
@@ -108,7 +109,7 @@ TEST_F(TrustedFileTest, AFileThatThisAccountMayNotOpenIsForbidden) {
   make_file();
   ASSERT_EQ(chmod(directory_.path().c_str(), 0755), 0);
   ASSERT_EQ(chmod(path_.c_str(), 0600), 0);
-  if (seteuid(stranger) != 0) GTEST_SKIP() << "needs root, to become another user";
+  if (seteuid(unknown_sender) != 0) GTEST_SKIP() << "needs root, to become another user";
   const Error error = refusal();
   ASSERT_EQ(seteuid(0), 0);
   EXPECT_EQ(error.code, Errc::no_permission);

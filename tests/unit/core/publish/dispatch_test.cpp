@@ -41,7 +41,7 @@ class DispatchTest : public ::testing::Test {
     const Dispatch::Call call(dispatch);
     Dispatch::Admission admission = dispatch.admit(FieldSource::of_nothing(), stamp_ns);
     if (!admission.passes) return dispatch.withhold();
-    return dispatch.send(make_sample(*pool, type), stamp_ns, std::move(admission), patience);
+    return dispatch.send(make_sample(*pool, type), stamp_ns, std::move(admission), hang_timeout);
   }
 
   const TypeSupport type{TypeTable<PointCloud2>::type};
@@ -49,7 +49,7 @@ class DispatchTest : public ::testing::Test {
   const std::shared_ptr<NetworkLog> network = std::make_shared<NetworkLog>();
   const std::shared_ptr<MemoryLog> memory = std::make_shared<MemoryLog>();
   const std::shared_ptr<DeliveryBook> book = std::make_shared<DeliveryBook>();
-  std::chrono::nanoseconds patience{0};
+  std::chrono::nanoseconds hang_timeout{0};
   Dispatch dispatch{{&type, network, book, nullptr, false}};
 };
 
@@ -196,7 +196,7 @@ TEST_F(DurableDispatchTest, MakesEverySampleAndBeginsItOnceItIsInTheHistory) {
   Dispatch::Admission admission = durable.admit(FieldSource::of_nothing(), 1);
   EXPECT_TRUE(admission.passes);
   EXPECT_FALSE(admission.transmission);
-  durable.send(make_sample(*pool, type), 1, std::move(admission), patience);
+  durable.send(make_sample(*pool, type), 1, std::move(admission), hang_timeout);
   EXPECT_EQ(history.last(3, 0).size(), 1U);
 }
 
@@ -205,14 +205,16 @@ TEST_F(DurableDispatchTest, SendsByTheOutletsThatCameIntoForceMeanwhile) {
   serving.network = {network_route(1, type)};
   durable.serve(serving, nullptr);
   const Dispatch::Call call(durable);
-  EXPECT_EQ(durable.send(make_sample(*pool, type), 1, durable.admit(FieldSource::of_nothing(), 1), patience),
-            PublishStatus::ok);
+  EXPECT_EQ(
+      durable.send(make_sample(*pool, type), 1, durable.admit(FieldSource::of_nothing(), 1), hang_timeout),
+      PublishStatus::ok);
   EXPECT_EQ(network->take().back(), "send");
   Serving nobody;
   durable.serve(nobody, nullptr);  // waits for no call: what is in force provides for it
   network->take();
-  EXPECT_EQ(durable.send(make_sample(*pool, type), 2, durable.admit(FieldSource::of_nothing(), 2), patience),
-            PublishStatus::ok);
+  EXPECT_EQ(
+      durable.send(make_sample(*pool, type), 2, durable.admit(FieldSource::of_nothing(), 2), hang_timeout),
+      PublishStatus::ok);
   EXPECT_EQ(network->take(), (Calls{"begin"})) << "nobody reads there any more";
   EXPECT_FALSE(call.outlets().to_network) << "a call that goes on goes by these";
 }
@@ -226,8 +228,9 @@ TEST_F(DurableDispatchTest, BeginsASampleLateThatGoesByFallbackRoutes) {
   memory->is_full = true;
   const Dispatch::Call call(durable);
   network->take();
-  EXPECT_EQ(durable.send(make_sample(*pool, type), 1, durable.admit(FieldSource::of_nothing(), 1), patience),
-            PublishStatus::ok);
+  EXPECT_EQ(
+      durable.send(make_sample(*pool, type), 1, durable.admit(FieldSource::of_nothing(), 1), hang_timeout),
+      PublishStatus::ok);
   EXPECT_EQ(network->take(), (Calls{"begin", "send begun, by fallbacks too"}));
 }
 

@@ -38,7 +38,7 @@ class NetworkLog final : public IdleNetworkWriter {
     return note(reach == Reach::usual_routes ? "send begun" : "send begun, by fallbacks too", answer);
   }
   void miss_begun() noexcept override { note("miss", 0); }
-  void hold(BatchPatience) noexcept override { note("hold", 0); }
+  void hold(BatchTimeout) noexcept override { note("hold", 0); }
   std::size_t flush() noexcept override { return note("flush", std::size_t{0}); }
 
   template <class Result>

@@ -366,24 +366,24 @@ class FullMemoryPort final : public IdleLendingWriter {
     return {};
   }
   SendStatus send(const SampleHandle&) noexcept override {
-    patience_ -= waits;
+    timeout_ -= waits;
     return SendStatus::sent;
   }
-  void be_patient(std::chrono::nanoseconds at_most) noexcept override { patience_ = at_most; }
-  std::chrono::nanoseconds patience_left() const noexcept override { return patience_; }
+  void set_timeout(std::chrono::nanoseconds at_most) noexcept override { timeout_ = at_most; }
+  std::chrono::nanoseconds time_left() const noexcept override { return timeout_; }
 
   std::chrono::nanoseconds waits{0};
   int refusals = 0;
 
  private:
   const std::shared_ptr<BufferPool> memory_ = BufferPool::make(1 << 20);
-  std::chrono::nanoseconds patience_{0};
+  std::chrono::nanoseconds timeout_{0};
 };
 
-class PatientPort final : public IdleNetworkWriter {
+class WaitingPort final : public IdleNetworkWriter {
  public:
-  void be_patient(std::chrono::nanoseconds at_most) noexcept override { patience = at_most; }
-  std::chrono::nanoseconds patience{0};
+  void set_timeout(std::chrono::nanoseconds at_most) noexcept override { timeout = at_most; }
+  std::chrono::nanoseconds timeout{0};
 };
 
 class WaitingPublisherTest : public PublisherServingTest {
@@ -402,7 +402,7 @@ class WaitingPublisherTest : public PublisherServingTest {
 };
 
 TEST_F(WaitingPublisherTest, WaitsForReadersByBothPathsNoLongerThanForThoseByOne) {
-  const auto network = std::make_shared<PatientPort>();
+  const auto network = std::make_shared<WaitingPort>();
   PublisherCore core(waiting(), BufferPool::make(1 << 20), network);
   Serving serving;
   serving.memory = {local(true)};
@@ -411,7 +411,7 @@ TEST_F(WaitingPublisherTest, WaitsForReadersByBothPathsNoLongerThanForThoseByOne
   memory->waits = std::chrono::milliseconds(30);
   for (int i = 0; i < 2; ++i) {
     EXPECT_EQ(core.publish(&cloud), PublishStatus::ok);
-    EXPECT_EQ(network->patience, std::chrono::milliseconds(70)) << "for each sample anew";
+    EXPECT_EQ(network->timeout, std::chrono::milliseconds(70)) << "for each sample anew";
   }
 }
 
@@ -425,8 +425,8 @@ TEST_F(WaitingPublisherTest, WaitsForAChunkWhereAReliableReaderCanBeSentNothingB
   EXPECT_EQ(memory->refusals, 0);
 }
 
-TEST_F(WaitingPublisherTest, HasTheLessPatienceWithReadersTheLongerItHasWaitedForAChunk) {
-  const auto network = std::make_shared<PatientPort>();
+TEST_F(WaitingPublisherTest, WaitsTheShorterForReadersTheLongerItHasWaitedForAChunk) {
+  const auto network = std::make_shared<WaitingPort>();
   PublisherCore core(waiting(), BufferPool::make(1 << 20), network);
   Serving serving;
   serving.memory = {local(true)};
@@ -435,7 +435,7 @@ TEST_F(WaitingPublisherTest, HasTheLessPatienceWithReadersTheLongerItHasWaitedFo
   memory->refusals = 3;
   core.publish(&cloud);
   EXPECT_EQ(memory->refusals, 0);
-  EXPECT_LE(network->patience, std::chrono::milliseconds(97)) << "it looks once in a millisecond";
+  EXPECT_LE(network->timeout, std::chrono::milliseconds(97)) << "it looks once in a millisecond";
 }
 
 TEST_F(WaitingPublisherTest, WaitsForNoChunkOfBestEffortReaders) {

@@ -12,7 +12,7 @@
 namespace sft::core {
 namespace {
 
-using Teller = DeliveryBook::Teller;
+using Origin = DeliveryBook::Origin;
 constexpr std::uint64_t first_reader = 7;
 constexpr std::uint64_t neighbour = 8;
 
@@ -20,9 +20,9 @@ class DeliveryTest : public ::testing::Test {
  protected:
   using Tally = std::shared_ptr<DeliveryTally>;
   static Tally tally() { return std::make_shared<DeliveryTally>(); }
-  void turn_to(const DeliveryBook::Page& page, Teller teller = Teller::network) {
+  void turn_to(const DeliveryBook::Page& page, Origin origin = Origin::network) {
     book.enter(page);
-    book.turn_to(teller, page);
+    book.turn_to(origin, page);
   }
   DeliveryBook book;
 };
@@ -49,7 +49,7 @@ TEST_F(DeliveryTest, CountsGoOnFromPageToPageAndAddUpOverTellers) {
   one->sent(1, 5);
   other->sent(2, 5);
   const Tally local = tally();
-  turn_to({{first_reader, {.tally = local}}}, Teller::publisher);
+  turn_to({{first_reader, {.tally = local}}}, Origin::publisher);
   local->sent(0, 0);
   EXPECT_EQ(book.of(first_reader), (Delivered{.sent = 3, .bytes = 3, .bytes_saved = 7}));
   EXPECT_EQ(book.of(neighbour), (Delivered{.sent = 2, .bytes = 2, .bytes_saved = 8}));
@@ -59,11 +59,11 @@ TEST_F(DeliveryTest, WhatIsLeftOfThePageBeforeStillCountsIfItIsExpected) {
   const Tally before = tally(), now = tally();
   turn_to({{first_reader, {.tally = before}}});
   before->sent(1, 5);
-  book.turn_to(Teller::network, {{first_reader, {.tally = now}}}, DeliveryBook::LateCounts::to_come);
+  book.turn_to(Origin::network, {{first_reader, {.tally = now}}}, DeliveryBook::LateCounts::to_come);
   before->sent(1, 5);
   now->sent(1, 5);
   EXPECT_EQ(book.of(first_reader).sent, 3U);
-  book.turn_to(Teller::network, {});
+  book.turn_to(Origin::network, {});
   EXPECT_EQ(book.of(first_reader), (Delivered{.sent = 3, .bytes = 3, .bytes_saved = 12}));
   before->sent(1, 5);
   EXPECT_EQ(book.of(first_reader).sent, 3U);
@@ -74,7 +74,7 @@ TEST_F(DeliveryTest, WhatAGateWithholdsIsItsReadersFromWhenTheyCameToIt) {
   const auto withhold = [&gate = *gate] { gate.consider(detail::FieldSource::of_nothing(), 1); };
   withhold();  // passes
   withhold();
-  turn_to({{first_reader, {.gate = gate}}}, Teller::publisher);
+  turn_to({{first_reader, {.gate = gate}}}, Origin::publisher);
   withhold();
   withhold();
   EXPECT_EQ(book.of(first_reader).withheld, 2U);
@@ -93,13 +93,13 @@ TEST_F(DeliveryTest, WhatAQueueLosesWasNotSent) {
 TEST_F(DeliveryTest, WhatWentByASpareRouteIsToldApart) {
   const Tally usual = tally(), fallback = tally();
   book.enter({{first_reader, {}}});
-  book.turn_to(DeliveryBook::Teller::publisher, {{first_reader, {.tally = usual}}});
-  book.turn_to(DeliveryBook::Teller::network, {{first_reader, {.tally = fallback, .diverted = true}}});
+  book.turn_to(DeliveryBook::Origin::publisher, {{first_reader, {.tally = usual}}});
+  book.turn_to(DeliveryBook::Origin::network, {{first_reader, {.tally = fallback, .diverted = true}}});
   usual->sent(0, 0);
   fallback->sent(10, 15);
   fallback->sent(10, 15);
   EXPECT_EQ(book.of(first_reader), (Delivered{.sent = 3, .diverted = 2, .bytes = 20, .bytes_saved = 10}));
-  book.turn_to(DeliveryBook::Teller::network, {}, DeliveryBook::LateCounts::to_come);
+  book.turn_to(DeliveryBook::Origin::network, {}, DeliveryBook::LateCounts::to_come);
   fallback->sent(10, 15);
   EXPECT_EQ(book.of(first_reader).diverted, 3U);
 }

@@ -14,13 +14,13 @@ namespace sft::core {
 class IdleLendingWriter : public LendingWriter {
  public:
   SendStatus send(const SampleHandle&) noexcept override { return SendStatus::sent; }
-  void be_patient(std::chrono::nanoseconds) noexcept override {}
+  void set_timeout(std::chrono::nanoseconds) noexcept override {}
   void set_routes(std::vector<Route>) override {}
   SampleHandle loan(std::size_t) noexcept override { return {}; }
   std::size_t largest_loan_bytes() const noexcept override { return SIZE_MAX; }
   bool can_send(const SampleBuffer&) const noexcept override { return true; }
   bool owns(const SampleBuffer&) const noexcept override { return false; }
-  std::chrono::nanoseconds patience_left() const noexcept override { return {}; }
+  std::chrono::nanoseconds time_left() const noexcept override { return {}; }
   std::string why_unreachable(const Route&) override { return {}; }
   std::optional<std::uint64_t> held_back(EndpointId) noexcept override { return {}; }
   bool begin_with(const Route&, const std::vector<SampleHandle>&, std::uint64_t) override { return false; }
@@ -32,7 +32,7 @@ class IdleNetworkWriter : public NetworkWriter {
     begin_sample();
     return send_begun(sample, Reach::usual_routes);
   }
-  void be_patient(std::chrono::nanoseconds) noexcept override {}
+  void set_timeout(std::chrono::nanoseconds) noexcept override {}
   void set_routes(std::vector<Route>) override {}
   bool takes_postponed() const noexcept override { return false; }
   void send_history(const Route&, std::vector<SampleHandle>) override {}
@@ -45,7 +45,7 @@ class IdleNetworkWriter : public NetworkWriter {
   void begin_sample() noexcept override {}
   SendStatus send_begun(const SampleHandle&, Reach) noexcept override { return SendStatus::sent; }
   void miss_begun() noexcept override {}
-  void hold(BatchPatience) noexcept override {}
+  void hold(BatchTimeout) noexcept override {}
   std::size_t flush() noexcept override { return 0; }
 };
 
@@ -66,7 +66,7 @@ class IdleBorrowingReader : public IdleReader<BorrowingReader> {
  public:
   SampleHandle take_of(EndpointId) noexcept override { return {}; }
   bool some_wait() const noexcept override { return false; }
-  void tell_of_room() noexcept override {}
+  void notify_room() noexcept override {}
   std::uint64_t held_too_many() const noexcept override { return 0; }
 };
 

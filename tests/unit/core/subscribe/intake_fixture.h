@@ -94,8 +94,8 @@ class IntakeTest : public sft::test::RandomTest {
     return made;
   }
 
-  static constexpr std::int64_t patience_ns = 1000;
-  static constexpr Intake::Options usual{.patience = std::chrono::nanoseconds(patience_ns)};
+  static constexpr std::int64_t timeout_ns = 1000;
+  static constexpr Intake::Options usual{.timeout = std::chrono::nanoseconds(timeout_ns)};
   const std::shared_ptr<BufferPool> pool = BufferPool::make(64 << 20);
   std::deque<SampleHandle> memory, network;
   bool is_connected = true;  ///< by UDP, to all writers

@@ -113,10 +113,10 @@ TEST_F(DivertedTest, NobodyWaitsForAWriterThatIsNotConnectedByUdp) {
   EXPECT_FALSE(intake->take_held_back());
 }
 
-TEST_F(DivertedTest, NobodyWaitsLongerThanThePatienceSinceTheDivertedSampleWasSent) {
-  now_ns = 5 + patience_ns - 1;
+TEST_F(DivertedTest, WaitsNoLongerThanTheTimeoutSinceTheDivertedSampleWasSent) {
+  now_ns = 5 + timeout_ns - 1;
   EXPECT_FALSE(take().sample);
-  now_ns = 5 + patience_ns;
+  now_ns = 5 + timeout_ns;
   EXPECT_THAT(taken(), ElementsAre(3));
   EXPECT_EQ(status().lost, 1U);
 }
@@ -150,7 +150,7 @@ TEST_F(IntakeTest, WhatWasDivertedBeforeTheWriterWasHeardIsNotWaitedFor) {
 }
 
 TEST_F(IntakeTest, ADivertedSampleThatTheMaximumRateDoesNotAllowIsNotWaitedFor) {
-  reopen({.patience = std::chrono::nanoseconds(patience_ns), .min_period_us = 1});
+  reopen({.timeout = std::chrono::nanoseconds(timeout_ns), .min_period_us = 1});
   in_memory({.sequence = 1, .stamp_ns = 10'000});
   in_memory({.sequence = 2, .stamp_ns = 10'100});
   in_memory({.sequence = 4, .stamp_ns = 13'000, .diverted = 3, .diverted_ns = 10'200});
@@ -163,7 +163,7 @@ TEST_F(IntakeTest, AfterASampleThatCameByUdpAGapInSharedMemoryIsWaitedForToo) {
   over_network({1});
   EXPECT_THAT(taken(), ElementsAre(1));
   in_memory({3});
-  now_ns = 3 + patience_ns - 1;
+  now_ns = 3 + timeout_ns - 1;
   EXPECT_THAT(taken(), IsEmpty());
   over_network({2});
   EXPECT_THAT(taken(), ElementsAre(2, 3));
@@ -263,7 +263,7 @@ TEST_F(IntakeTest, WhatIsMissingBeforeAnExpiredSampleIsReportedByTheNextOneThatI
 }
 
 TEST_F(IntakeTest, TheMaximumRateWithholdsSamplesInSharedMemoryAndNoneThatItsWriterHasSentByUdp) {
-  reopen({.patience = std::chrono::nanoseconds(patience_ns), .min_period_us = 1});
+  reopen({.timeout = std::chrono::nanoseconds(timeout_ns), .min_period_us = 1});
   for (std::uint64_t i = 1; i <= 10; ++i)
     in_memory({.sequence = i, .stamp_ns = 100'000 + static_cast<std::int64_t>(i)});
   EXPECT_THAT(taken(), ElementsAre(1, 2));
@@ -463,7 +463,7 @@ class RandomPathsTest : public IntakeTest {
       some_are_taken();
     }
     for (Writer& writer : writers) std::ranges::move(writer.under_way, std::back_inserter(network));
-    now_ns += lossy ? patience_ns : 0;
+    now_ns += lossy ? timeout_ns : 0;
     for (Taken next = take(); next.sample; next = take()) note(next);
   }
   bool is_lost() { return lossy && random() % 5 == 0; }

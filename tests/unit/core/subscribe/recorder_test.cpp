@@ -317,10 +317,10 @@ TEST_F(AnyReads, AreFollowedAsPromisedAndEveryChangeIsToldOnce) {
 TEST_F(AnyReads, NeverFlap) {
   for (int round = 0; round < 100; ++round) {
     const std::size_t leaves = 1 + below(100);
-    const std::size_t patience = 1 + below(20);
-    open(leaves, {.learn_samples = 1, .narrow_after_samples = static_cast<std::uint32_t>(patience)});
+    const std::size_t hang_timeout = 1 + below(20);
+    open(leaves, {.learn_samples = 1, .narrow_after_samples = static_cast<std::uint32_t>(hang_timeout)});
     std::vector<std::size_t> periods;  // in samples, of the reads of each leaf
-    for (std::size_t leaf = 0; leaf < leaves; ++leaf) periods.push_back(1 + below(3 * patience));
+    for (std::size_t leaf = 0; leaf < leaves; ++leaf) periods.push_back(1 + below(3 * hang_timeout));
     std::vector<std::uint64_t> given_up_at(leaves, 0), read_at(leaves, 0);
     int times_given_up = 0;
     for (std::uint64_t n = 1; n <= 300; ++n) {
@@ -333,14 +333,14 @@ TEST_F(AnyReads, NeverFlap) {
       }
       Recorder::end(s);
       for (const std::size_t leaf : before - recorder->required().mask()) {
-        ASSERT_GT(periods[leaf], patience) << "it is read often enough";
-        ASSERT_EQ(n, read_at[leaf] + patience);
-        ASSERT_TRUE(given_up_at[leaf] == 0 || n > given_up_at[leaf] + patience);
+        ASSERT_GT(periods[leaf], hang_timeout) << "it is read often enough";
+        ASSERT_EQ(n, read_at[leaf] + hang_timeout);
+        ASSERT_TRUE(given_up_at[leaf] == 0 || n > given_up_at[leaf] + hang_timeout);
         given_up_at[leaf] = n;
         ++times_given_up;
       }
       for (std::size_t leaf = 0; leaf < leaves; ++leaf)
-        ASSERT_TRUE(n >= read_at[leaf] + patience || recorder->required().mask().contains(leaf)) << leaf;
+        ASSERT_TRUE(n >= read_at[leaf] + hang_timeout || recorder->required().mask().contains(leaf)) << leaf;
     }
     ASSERT_LE(told, 2 * times_given_up + 1) << "what was never given up does not come back";
   }

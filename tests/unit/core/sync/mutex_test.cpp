@@ -69,8 +69,8 @@ class Count {
     }
     raised_.notify_one();
   }
-  bool reaches(int count, std::chrono::nanoseconds patience) {
-    const auto deadline = std::chrono::steady_clock::now() + patience;
+  bool reaches(int count, std::chrono::nanoseconds hang_timeout) {
+    const auto deadline = std::chrono::steady_clock::now() + hang_timeout;
     Lock lock(mutex_);
     while (count_ < count && raised_.wait_until(lock, deadline)) continue;
     return count_ >= count;

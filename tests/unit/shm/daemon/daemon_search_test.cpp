@@ -63,7 +63,7 @@ TEST_F(DaemonSearchTest, ThePlacesOfAProcessAreBesideItAndWhereSftIsInstalled) {
   EXPECT_TRUE(places.built_in[0].ends_with("/sft/sftd")) << places.built_in[0];
 }
 
-TEST_F(DaemonSearchTest, BelievesNoPathThatEverybodyCanWrite) {
+TEST_F(DaemonSearchTest, AcceptsNoPathThatEveryAccountCanWrite) {
   const std::string place = make_program("a/sftd");
   EXPECT_EQ(found_built_in(place), place);
   chmod(path("a").c_str(), 01777);
@@ -78,7 +78,7 @@ TEST_F(DaemonSearchTest, BelievesNoPathThatEverybodyCanWrite) {
             place + " (which other accounts than root and this one can replace)");
 }
 
-TEST_F(DaemonSearchTest, BelievesNoPathOfAnotherAccount) {
+TEST_F(DaemonSearchTest, AcceptsNoPathOfAnotherAccount) {
   if (geteuid() != 0) return;  // only root can give a file away, and a suite must not skip
   const std::string place = make_program("a/sftd");
   fs::create_symlink(path("a"), path("link"));

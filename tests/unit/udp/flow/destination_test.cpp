@@ -24,12 +24,12 @@ class DestinationTest : public testing::Test {
 
 TEST_F(DestinationTest, SendsWhatMustNotOvertakeBehindIt) {
   to_.sent(to_.connection(), 100, 1, 100, now_);
-  ASSERT_TRUE(to_.hear(answer_to_mark(200'000), there_, now_).believed);
+  ASSERT_TRUE(to_.hear(answer_to_mark(200'000), there_, now_).accepted);
   EXPECT_EQ(&to_.connection_after(to_.window().position()), &to_.connection());
   to_.sent(to_.bulk(), 100'000, 70, 1472, now_);
   EXPECT_EQ(&to_.connection_after(to_.window().position()), &to_.bulk());
   EXPECT_EQ(&to_.connection_after(0), &to_.connection()) << "nothing comes before position 0";
-  ASSERT_TRUE(to_.hear(answer_to_mark(), there_, now_ + 1ms).believed);
+  ASSERT_TRUE(to_.hear(answer_to_mark(), there_, now_ + 1ms).accepted);
   EXPECT_EQ(&to_.connection_after(to_.window().position()), &to_.connection()) << "it has arrived";
 }
 
@@ -38,12 +38,12 @@ TEST_F(DestinationTest, BelievesAReportThatRepeatsItsMarkAndLearnsWhereTheReceiv
   to_.sent(to_.connection(), 100, 1, 100, now_);
   FlowReport guess = answer_to_mark();
   guess.sent_at_ns = now_.time_since_epoch().count();
-  EXPECT_FALSE(to_.hear(guess, there_, now_).believed) << "only who got the mark knows the time in it";
-  EXPECT_FALSE(to_.hear(guess, elsewhere_, now_).believed);
+  EXPECT_FALSE(to_.hear(guess, there_, now_).accepted) << "only who got the mark knows the time in it";
+  EXPECT_FALSE(to_.hear(guess, elsewhere_, now_).accepted);
   EXPECT_FALSE(to_.path().is_at(elsewhere_));
   EXPECT_FALSE(to_.window().answers());
   EXPECT_TRUE(to_.path().is_at(there_));
-  EXPECT_TRUE(to_.hear(answer_to_mark(), elsewhere_, now_).believed);
+  EXPECT_TRUE(to_.hear(answer_to_mark(), elsewhere_, now_).accepted);
   EXPECT_TRUE(to_.path().is_at(elsewhere_)) << "it has another address, too";
   EXPECT_TRUE(to_.window().answers());
 }
@@ -51,14 +51,14 @@ TEST_F(DestinationTest, BelievesAReportThatRepeatsItsMarkAndLearnsWhereTheReceiv
 TEST_F(DestinationTest, HasToAnswerAnewWhereItHasMovedTo) {
   to_.sent(to_.connection(), 100, 1, 100, now_);
   const FlowReport before = answer_to_mark();
-  ASSERT_TRUE(to_.hear(before, there_, now_).believed);
+  ASSERT_TRUE(to_.hear(before, there_, now_).accepted);
   to_.move_to({elsewhere_, 5000}, {});
   EXPECT_FALSE(to_.window().answers());
   EXPECT_FALSE(to_.path().is_at(there_));
-  EXPECT_FALSE(to_.hear(before, there_, now_).believed);
+  EXPECT_FALSE(to_.hear(before, there_, now_).accepted);
   EXPECT_EQ(to_.room(Destination::Size::large, now_), 0U);
   to_.mark(now_);
-  EXPECT_TRUE(to_.hear(answer_to_mark(), elsewhere_, now_).believed);
+  EXPECT_TRUE(to_.hear(answer_to_mark(), elsewhere_, now_).accepted);
   EXPECT_GT(to_.room(Destination::Size::large, now_), 0U);
 }
 
@@ -78,7 +78,7 @@ TEST_F(DestinationTest, SendsNoHeartbeatsToWhoDoesNotAnswerAndThenOneAtOnce) {
   EXPECT_EQ(few, 16);
   EXPECT_EQ(to_.moves(), 0U);
   to_.sent(to_.connection(), 100, 1, 100, now_);
-  ASSERT_TRUE(to_.hear(answer_to_mark(), there_, now_).believed);
+  ASSERT_TRUE(to_.hear(answer_to_mark(), there_, now_).accepted);
   EXPECT_EQ(to_.moves(), 1U) << "channels ask again at once";
   EXPECT_TRUE(to_.takes_control(now_));
 }
@@ -90,13 +90,13 @@ TEST_F(DestinationTest, AsksWhoNeverAnsweredAlsoIfNothingButHeartbeatsIsLeftToSe
   Destination::Time time = now_;
   for (; time < now_ + 10s; time += 1s) EXPECT_FALSE(to_.takes_control(time));
   EXPECT_GE(connections_.sent().size(), first + 5) << "of marks";
-  ASSERT_TRUE(to_.hear(answer_to_mark(), there_, time).believed);
+  ASSERT_TRUE(to_.hear(answer_to_mark(), there_, time).accepted);
   EXPECT_TRUE(to_.takes_control(time));
 }
 
 TEST_F(DestinationTest, AsksWhoFellSilentAlsoIfNothingButHeartbeatsIsLeftToSend) {
   to_.sent(to_.connection(), 100, 1, 100, now_);
-  ASSERT_TRUE(to_.hear(answer_to_mark(), there_, now_).believed);
+  ASSERT_TRUE(to_.hear(answer_to_mark(), there_, now_).accepted);
   Destination::Time time = now_;
   for (; to_.takes_control(time); time += 300ms) {
     ASSERT_LT(time, now_ + 20s);
@@ -105,7 +105,7 @@ TEST_F(DestinationTest, AsksWhoFellSilentAlsoIfNothingButHeartbeatsIsLeftToSend)
   const std::size_t before = connections_.sent().size();
   for (const Destination::Time end = time + 5s; time < end; time += 1s) EXPECT_FALSE(to_.takes_control(time));
   EXPECT_GE(connections_.sent().size(), before + 4) << "of marks";
-  ASSERT_TRUE(to_.hear(answer_to_mark(), there_, time).believed);
+  ASSERT_TRUE(to_.hear(answer_to_mark(), there_, time).accepted);
   EXPECT_TRUE(to_.takes_control(time));
 }
 

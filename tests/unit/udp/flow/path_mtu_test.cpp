@@ -43,7 +43,7 @@ TEST(PathMtuTest, IsWhatTheKernelSaysAsLongAsThatArrives) {
   path.use_for(1h);
   EXPECT_TRUE(path.take_lengths().empty());
   EXPECT_EQ(path.mtu().datagram_bytes(), payload(9000));
-  EXPECT_FALSE(path.mtu().in_doubt());
+  EXPECT_FALSE(path.mtu().is_uncertain());
   path.mtu().kernel_says(payload(1400));
   EXPECT_EQ(path.mtu().datagram_bytes(), payload(1400));
   path.mtu().kernel_says(payload(9000));
@@ -56,7 +56,7 @@ TEST(PathMtuTest, ShrinksWhereLongDatagramsVanishAndThenFindsHowLongTheyMayBe) {
   EXPECT_EQ(path.take_lengths(), (std::vector<std::size_t>{1280}));
   path.use_for(20s);
   EXPECT_EQ(path.take_lengths(), (std::vector<std::size_t>{1400, 1450, 1492, 1500, 4352, 1500}));
-  EXPECT_TRUE(path.mtu().in_doubt());
+  EXPECT_TRUE(path.mtu().is_uncertain());
 }
 
 TEST(PathMtuTest, TriesMoreEverMoreSeldomWhereThatIsInVain) {
@@ -78,7 +78,7 @@ TEST(PathMtuTest, GrowsAgainWhenThePathDoes) {
   path.takes(9000);
   path.use_for(11min);
   EXPECT_EQ(path.mtu().datagram_bytes(), payload(9000));
-  EXPECT_FALSE(path.mtu().in_doubt());
+  EXPECT_FALSE(path.mtu().is_uncertain());
 }
 
 TEST(PathMtuTest, ShrinksToWhatEveryPathTakesWhereNothingElseArrives) {
@@ -104,7 +104,7 @@ TEST(PathMtuTest, WaitsForAtLeastARoundTrip) {
   const PathMtu::Time now{1h};
   for (int i = 0; i < 100; ++i) mtu.lost(mtu.datagram_bytes(), now + i * 1ms);
   EXPECT_EQ(mtu.datagram_bytes(), payload(1500));
-  mtu.lost(mtu.datagram_bytes(), now + PathMtu::patience);
+  mtu.lost(mtu.datagram_bytes(), now + PathMtu::timeout);
   EXPECT_EQ(mtu.datagram_bytes(), payload(1280));
 }
 
@@ -134,7 +134,7 @@ TEST(PathMtuTest, CountsNoLossesOfAnotherWay) {
   PathMtu::Time now{1h};
   for (int i = 1; i < PathMtu::losses_max; ++i, now += 100ms) mtu.lost(mtu.datagram_bytes(), now);
   mtu.kernel_says(payload(1500));
-  EXPECT_FALSE(mtu.in_doubt());
+  EXPECT_FALSE(mtu.is_uncertain());
   mtu.lost(mtu.datagram_bytes(), now);
   EXPECT_EQ(mtu.datagram_bytes(), payload(1500));
 }
@@ -187,16 +187,16 @@ TEST(PathMtuTest, IsInDoubtFromTheFirstLossOn) {
   PathMtu mtu(headers, shortest, payload(1500));
   PathMtu::Time now{1h};
   mtu.lost(mtu.datagram_bytes(), now);
-  EXPECT_TRUE(mtu.in_doubt());
+  EXPECT_TRUE(mtu.is_uncertain());
   mtu.arrived(mtu.datagram_bytes(), now);
-  EXPECT_FALSE(mtu.in_doubt());
+  EXPECT_FALSE(mtu.is_uncertain());
 }
 
 TEST(PathMtuTest, TakesAsManyLossesForEachLength) {
   PathMtu mtu(headers, shortest, payload(1500));
   PathMtu::Time now{1h};
   const auto lose = [&](int count) {
-    for (; count > 0; --count, now += PathMtu::patience) mtu.lost(mtu.datagram_bytes(), now);
+    for (; count > 0; --count, now += PathMtu::timeout) mtu.lost(mtu.datagram_bytes(), now);
   };
   lose(PathMtu::losses_max);
   EXPECT_EQ(mtu.datagram_bytes(), payload(1280));

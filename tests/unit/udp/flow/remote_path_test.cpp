@@ -11,7 +11,7 @@ class RemotePathTest : public testing::Test {
  protected:
   /// So many requests for long datagrams come without an answer that these count as lost.
   void lose_long_ones() {
-    for (int i = 0; i < PathMtu::losses_max; ++i, now_ += PathMtu::patience) path_.were_lost(ethernet, now_);
+    for (int i = 0; i < PathMtu::losses_max; ++i, now_ += PathMtu::timeout) path_.were_lost(ethernet, now_);
   }
 
   static constexpr std::size_t ethernet = 1472;
@@ -22,7 +22,7 @@ class RemotePathTest : public testing::Test {
 
 TEST_F(RemotePathTest, TakesDatagramsAsLongAsTheKernelSays) {
   EXPECT_EQ(path_.datagram_bytes(), ethernet);
-  EXPECT_FALSE(path_.length_in_doubt());
+  EXPECT_FALSE(path_.length_is_uncertain());
   path_.learn_length(there_, 1372);
   EXPECT_EQ(path_.datagram_bytes(), 1372U);
 }
@@ -35,7 +35,7 @@ TEST_F(RemotePathTest, IgnoresWhatTheKernelSaidOfAFormerAddress) {
 
 TEST_F(RemotePathTest, TakesShorterDatagramsWhereLongOnesGetLostAndThenTriesLongerOnes) {
   path_.were_lost(ethernet, now_);
-  EXPECT_TRUE(path_.length_in_doubt());
+  EXPECT_TRUE(path_.length_is_uncertain());
   lose_long_ones();
   const std::size_t shortened = path_.datagram_bytes();
   EXPECT_LT(shortened, ethernet);
@@ -50,7 +50,7 @@ TEST_F(RemotePathTest, ForgetsOnAnotherPathWhichDatagramsWereLost) {
   EXPECT_LT(path_.datagram_bytes(), ethernet) << "nothing is known of the other path yet";
   path_.measure_anew(elsewhere_, 8972);
   EXPECT_EQ(path_.datagram_bytes(), 8972U);
-  EXPECT_FALSE(path_.length_in_doubt());
+  EXPECT_FALSE(path_.length_is_uncertain());
 }
 
 TEST_F(RemotePathTest, IsWhereItIsSentToAndWhereAnswersCameFrom) {

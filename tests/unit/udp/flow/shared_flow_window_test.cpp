@@ -24,7 +24,7 @@ class SharedFlowWindowTest : public testing::Test {
   void get_to_know() {
     const std::optional<FlowMark> mark = window_.sent(100, 1, 100, now_, false);
     ASSERT_TRUE(mark);
-    ASSERT_TRUE(window_.hear(answer(*mark), now_).believed);
+    ASSERT_TRUE(window_.hear(answer(*mark), now_).accepted);
   }
 
   static constexpr std::uint32_t flow = 7;
@@ -65,13 +65,13 @@ TEST_F(SharedFlowWindowTest, DoesNotAnswerAnyMoreOnceTheHostHasRefused) {
 TEST_F(SharedFlowWindowTest, HasToAnswerAnewAfterAMove) {
   const std::optional<FlowMark> mark = window_.sent(100, 1, 100, now_, false);
   ASSERT_TRUE(mark);
-  ASSERT_TRUE(window_.hear(answer(*mark), now_).believed);
+  ASSERT_TRUE(window_.hear(answer(*mark), now_).accepted);
   window_.move(secret + 1, {});
   EXPECT_FALSE(window_.answers());
-  EXPECT_FALSE(window_.hear(answer(*mark), now_).believed);
+  EXPECT_FALSE(window_.hear(answer(*mark), now_).accepted);
   const std::optional<FlowMark> anew = window_.await_room(now_);
   ASSERT_TRUE(anew);
-  EXPECT_TRUE(window_.hear(answer(*anew), now_).believed);
+  EXPECT_TRUE(window_.hear(answer(*anew), now_).accepted);
   EXPECT_TRUE(window_.answers());
 }
 
@@ -120,7 +120,7 @@ TEST_F(SharedFlowWindowTest, CountsAPositionAsPassedOnceItIsReported) {
   const std::optional<FlowMark> mark = window_.sent(1'000'000, 700, 1472, now_, false);
   ASSERT_TRUE(mark);
   EXPECT_FALSE(window_.passed(window_.position()));
-  ASSERT_TRUE(window_.hear(answer(*mark), now_ + 3ms).believed);
+  ASSERT_TRUE(window_.hear(answer(*mark), now_ + 3ms).accepted);
   EXPECT_TRUE(window_.passed(window_.position()));
   EXPECT_EQ(window_.round_trip(), 0ms) << "the first report came at once";
 }

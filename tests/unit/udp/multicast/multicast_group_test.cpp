@@ -120,7 +120,7 @@ TEST_F(MulticastGroupTest, IsOfferedOnceItIsKnownHowFarTheChannelIsAhead) {
   }
 }
 
-TEST_F(MulticastGroupTest, BelievesNoReportOfWhatWasNotSent) {
+TEST_F(MulticastGroupTest, AcceptsNoReportOfWhatWasNotSent) {
   const std::uint64_t sent = send();
   for (const std::uint64_t heard : {std::uint64_t{1}, sent - 2, sent + 1}) {
     report(0, heard);

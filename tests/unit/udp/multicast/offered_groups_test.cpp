@@ -33,7 +33,7 @@ class OfferedGroupsTest : public testing::Test {
   }
   bool offer_at(Time now) { return offer(1, 0, 0, now); }
   bool place(std::uint32_t group, std::uint64_t ordinal, Time now = test_start,
-             const ChannelWatch* channels = nullptr) {
+             const ChannelMonitor* channels = nullptr) {
     first_ = {};
     first_.flags = group_follows;
     first_.group = {group, 0, ordinal};
@@ -122,7 +122,7 @@ TEST_F(OfferedGroupsTest, AreToBeOfferedAgainAtOnceWhereSomebodyReplacesOrTakesB
 }
 
 TEST_F(OfferedGroupsTest, PlaceNothingInAChannelThatIsNotFollowedWhileAnotherIs) {
-  ChannelWatch channels;
+  ChannelMonitor channels;
   offer(1, 9);
   EXPECT_TRUE(place(1, 1, test_start, &channels)) << "none is known";
   channels.turn(4, 0);
@@ -134,7 +134,7 @@ TEST_F(OfferedGroupsTest, PlaceNothingInAChannelThatIsNotFollowedWhileAnotherIs)
 }
 
 TEST_F(OfferedGroupsTest, AreToBeOfferedAgainWhereTheirChannelIsNotFollowed) {
-  ChannelWatch channels;
+  ChannelMonitor channels;
   channels.turn(4, 0);
   offer(1, 9);
   for (std::uint64_t n = 1; n <= 7; ++n) EXPECT_FALSE(place(1, n, test_start, &channels));

@@ -30,7 +30,7 @@ using test::short_id;
 constexpr std::uint32_t heard_channel = 5;
 constexpr std::uint32_t group_address = private_groups | 3;
 const SocketAddress writers_node{core::IpAddress(0x0A630102), 7000};
-const SocketAddress stranger{core::IpAddress(0x0A630109), 7000};
+const SocketAddress unknown_sender{core::IpAddress(0x0A630109), 7000};
 
 constexpr std::array all_kinds{
     DatagramKind::first,  DatagramKind::following,   DatagramKind::heartbeat,    DatagramKind::ack,
@@ -202,9 +202,9 @@ TEST_F(DemultiplexerTest, TellsReliableReadersOfAHeartbeat) {
 }
 
 TEST_F(DemultiplexerTest, HandsAnswersOverAsTheyWereSentWhoeverSendsThem) {
-  receive(datagram_of(DatagramKind::ack), stranger);
-  receive(datagram_of(DatagramKind::report), stranger);
-  receive(datagram_of(DatagramKind::group_report), stranger);
+  receive(datagram_of(DatagramKind::ack), unknown_sender);
+  receive(datagram_of(DatagramKind::report), unknown_sender);
+  receive(datagram_of(DatagramKind::group_report), unknown_sender);
   ASSERT_EQ(handed_.answers.size(), 3U);
   const Ack& ack = std::get<Ack>(handed_.answers[0]);
   EXPECT_EQ(ack.next, 3U);
@@ -226,16 +226,16 @@ TEST_F(DemultiplexerTest, AnswersAMarkAtTheAddressThatItsNodeAnnounced) {
 }
 
 TEST_F(DemultiplexerTest, CountsMarksOfStrangersAndDoesNotAnswerThem) {
-  receive(datagram_of(DatagramKind::mark), stranger);
+  receive(datagram_of(DatagramKind::mark), unknown_sender);
   EXPECT_TRUE(handed_.is_nothing());
   EXPECT_EQ(demultiplexer_.unknown_marks(), 1U);
   EXPECT_EQ(demultiplexer_.senders(), 0U);
 }
 
 TEST_F(DemultiplexerTest, KnowsAnAddressByTheSamplesThatCameFromThere) {
-  receive(datagram_of(DatagramKind::whole), stranger);
+  receive(datagram_of(DatagramKind::whole), unknown_sender);
   ASSERT_EQ(handed_.samples, 1U);
-  receive(datagram_of(DatagramKind::mark), stranger);
+  receive(datagram_of(DatagramKind::mark), unknown_sender);
   ASSERT_EQ(handed_.reports.size(), 1U);
   EXPECT_EQ(handed_.reports[0].first, (SocketAddress{writers_node.ip, 4000}))
       << "reports go to the address that was announced all the same";

@@ -134,14 +134,14 @@ TEST_F(ReceivingRoleTest, StaysWithAThreadThatReceives) {
 
 TEST_F(ReceivingRoleTest, BelongsToTheOwnThreadAloneIfNoOtherMayCallListeners) {
   pass_to_waiter();
-  EXPECT_TRUE(role.add_tended()) << "both have to be woken";
+  EXPECT_TRUE(role.add_attended()) << "both have to be woken";
   EXPECT_TRUE(role.lost());
   EXPECT_FALSE(role.begin());
   EXPECT_TRUE(role.leave(now).wake);
   EXPECT_EQ(duty(), Duty::receive);
   EXPECT_EQ(role.enter(now), Entry::refused);
   EXPECT_FALSE(role.end_turn(no_deadline));
-  role.remove_tended();
+  role.remove_attended();
   EXPECT_EQ(role.enter(now), Entry::taken);
 }
 

@@ -16,8 +16,8 @@ class ChannelDirectoryTest : public testing::Test {
 
   test::Connections connections;
   DestinationDirectory destinations{{}, connections.connect()};
-  ChannelRoster roster;
-  ChannelDirectory channels{7, std::make_shared<WriterTally>(), roster, 5000};
+  ChannelRegistry registry;
+  ChannelDirectory channels{7, std::make_shared<WriterTally>(), registry, 5000};
 };
 
 TEST_F(ChannelDirectoryTest, KeepsAChannelAsLongAsOneOfItsReadersStays) {
@@ -59,14 +59,14 @@ TEST_F(ChannelDirectoryTest, BeginsAnotherOneWhereAcksAreOfWhatWasNeverSent) {
   ack(1);
   ack(std::uint64_t{1} << 62);
   EXPECT_FALSE(channel->closed()) << "one by itself can be a flipped bit";
-  EXPECT_FALSE(channels.some_went_wrong());
+  EXPECT_FALSE(channels.any_channel_failed());
   ack(2);
   EXPECT_TRUE(channel->closed());
-  EXPECT_TRUE(channels.some_went_wrong());
+  EXPECT_TRUE(channels.any_channel_failed());
   const auto next = channels.find(there, {1});
   EXPECT_NE(next, channel);
   EXPECT_FALSE(next->closed());
-  EXPECT_FALSE(channels.some_went_wrong());
+  EXPECT_FALSE(channels.any_channel_failed());
 }
 
 TEST_F(ChannelDirectoryTest, EndsChannelsToWhereNobodyIsServedReliablyAnyMore) {
@@ -96,12 +96,12 @@ TEST_F(ChannelDirectoryTest, TellsOnceThatChannelsWereClosedOrHaveEnded) {
 TEST_F(ChannelDirectoryTest, FindsTheChannelOfAnAckWhileSomebodyHoldsIt) {
   const auto there = to(1);
   auto channel = channels.find(there, {1});
-  EXPECT_EQ(roster.find(7, channel->number()), channel);
-  EXPECT_EQ(roster.find(7, channel->number() + 1), nullptr);
-  EXPECT_EQ(roster.find(8, channel->number()), nullptr);
+  EXPECT_EQ(registry.find(7, channel->number()), channel);
+  EXPECT_EQ(registry.find(7, channel->number() + 1), nullptr);
+  EXPECT_EQ(registry.find(8, channel->number()), nullptr);
   const std::uint32_t number = channel->number();
   channel.reset();
-  EXPECT_EQ(roster.find(7, number), nullptr);
+  EXPECT_EQ(registry.find(7, number), nullptr);
 }
 
 }  // namespace

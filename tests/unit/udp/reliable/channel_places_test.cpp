@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "udp_transport/reliable/told_end.h"
+#include "udp_transport/reliable/reported_end.h"
 
 namespace sft::udp {
 namespace {
@@ -25,9 +25,9 @@ TEST(ChannelPlacesTest, TakeOrdinalsThatAreNotFollowedForTheFirstOne) {
   EXPECT_EQ(places.first(), 10U);
 }
 
-TEST(ToldEndTest, IsBelievedOnceTheWriterInsistsOnIt) {
-  ToldEnd end;
-  const ToldEnd::Time now{1h};
+TEST(ReportedEndTest, IsBelievedOnceTheWriterInsistsOnIt) {
+  ReportedEnd end;
+  const ReportedEnd::Time now{1h};
   EXPECT_FALSE(end.insists_on(5, now));
   EXPECT_FALSE(end.insists_on(5, now + 249ms));
   EXPECT_TRUE(end.insists_on(5, now + 250ms));
@@ -36,8 +36,8 @@ TEST(ToldEndTest, IsBelievedOnceTheWriterInsistsOnIt) {
   EXPECT_FALSE(end.insists_on(6, now + 1s)) << "something new came in between";
 }
 
-TEST(ToldEndTest, TellsNothingNewOfSamplesThatAreNotFollowed) {
-  ToldEnd end;
+TEST(ReportedEndTest, TellsNothingNewOfSamplesThatAreNotFollowed) {
+  ReportedEnd end;
   end.begin(10);
   EXPECT_FALSE(end.is_news({.first = 5, .end = 10}));
   EXPECT_FALSE(end.is_news({.first = 11, .end = 11})) << "the writer keeps nothing";

@@ -26,7 +26,7 @@ class ChannelTest : public testing::Test {
   }
   Channel::Posted post(std::size_t bytes) {
     const JobHandle posted = job(bytes);
-    return channel.post(posted, posted->first, false, &patience);
+    return channel.post(posted, posted->first, false, &hang_timeout);
   }
   void ack(std::uint64_t next) {
     while (const auto piece = channel.next(ResendWindow::Size::large))
@@ -34,7 +34,7 @@ class ChannelTest : public testing::Test {
     static_cast<void>(channel.hear({.writer = 7, .channel = 3, .next = next}));
   }
 
-  std::chrono::nanoseconds patience = 60s;
+  std::chrono::nanoseconds hang_timeout = 60s;
   std::shared_ptr<JobPool> jobs = JobPool::make();
   test::Connections connections;
   DestinationDirectory destinations{{}, connections.connect()};
@@ -44,13 +44,13 @@ class ChannelTest : public testing::Test {
 TEST_F(ChannelTest, HoldsUpForAMomentWhoWouldRunAheadOfTheCaches) {
   EXPECT_FALSE(post(beyond_caches).waited);
   EXPECT_FALSE(post(beyond_caches).waited) << "one is encoded while the other one is sent";
-  EXPECT_EQ(patience, 60s);
+  EXPECT_EQ(hang_timeout, 60s);
   const Channel::Posted third = post(beyond_caches);
   EXPECT_TRUE(third.waited);
   EXPECT_EQ(third.kept.ordinal, 3u);
   EXPECT_EQ(third.kept.dropped, 0u);
-  EXPECT_LT(patience, 60s);
-  EXPECT_GT(patience, 30s) << "nothing is lost by going on";
+  EXPECT_LT(hang_timeout, 60s);
+  EXPECT_GT(hang_timeout, 30s) << "nothing is lost by going on";
 }
 
 TEST_F(ChannelTest, HoldsUpNobodyOnceWhatWasSentIsAcknowledged) {
@@ -60,8 +60,8 @@ TEST_F(ChannelTest, HoldsUpNobodyOnceWhatWasSentIsAcknowledged) {
   EXPECT_FALSE(post(beyond_caches).waited);
 }
 
-TEST_F(ChannelTest, HoldsUpNobodyWhoIsNotPatient) {
-  patience = 0ns;
+TEST_F(ChannelTest, HoldsUpNoPublisherThatMayNotWait) {
+  hang_timeout = 0ns;
   post(beyond_caches);
   post(beyond_caches);
   const JobHandle third = job(beyond_caches);
@@ -72,14 +72,14 @@ TEST_F(ChannelTest, HoldsUpNoSmallSamples) {
   for (int i = 0; i < 1000; ++i) ASSERT_FALSE(post(1000).waited) << i;
 }
 
-TEST_F(ChannelTest, UsesUpAllPatienceBeforeSamplesAreLost) {
+TEST_F(ChannelTest, UsesUpTheTimeoutBeforeSamplesAreLost) {
   bool lost = false;
   for (int i = 0; i < 20 && !lost; ++i) {
-    patience = 20ms;
+    hang_timeout = 20ms;
     lost = post(beyond_caches).kept.dropped > 0;
   }
   EXPECT_TRUE(lost);
-  EXPECT_EQ(patience, 0ns);
+  EXPECT_EQ(hang_timeout, 0ns);
 }
 
 class ChannelHeartbeatTest : public testing::Test {

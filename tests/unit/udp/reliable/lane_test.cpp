@@ -98,7 +98,7 @@ TEST_F(LaneTest, KeepsThatBurstWhenTheReportCame) {
   for (std::uint32_t n = 1; n <= 10; ++n) EXPECT_EQ(post(n), 0U) << n;
   const auto now = std::chrono::steady_clock::now();
   to->sent(to->connection(), 100, 1, 100, now);
-  ASSERT_TRUE(to->hear(connections_.answer_to_mark(), core::IpAddress{0x7F000001U}, now).believed);
+  ASSERT_TRUE(to->hear(connections_.answer_to_mark(), core::IpAddress{0x7F000001U}, now).accepted);
   for (std::uint32_t n = 11; n <= 20; ++n) EXPECT_EQ(post(n), 0U) << n;
   EXPECT_EQ(take_all(lane).size(), 20U);
 }
@@ -110,7 +110,7 @@ TEST_F(LaneTest, KeepsNoBurstIfOnlyLargeSamplesHaveWaitedForTheReport) {
   lane.post(test::make_job(*jobs_, 1, 2 * direct_bytes_max));
   const auto now = std::chrono::steady_clock::now();
   to->sent(to->connection(), 100, 1, 100, now);
-  ASSERT_TRUE(to->hear(connections_.answer_to_mark(), core::IpAddress{0x7F000001U}, now).believed);
+  ASSERT_TRUE(to->hear(connections_.answer_to_mark(), core::IpAddress{0x7F000001U}, now).accepted);
   for (std::uint32_t n = 2; n <= 3; ++n) EXPECT_EQ(lane.post(test::make_job(*jobs_, n)).dropped, 0U);
   EXPECT_EQ(lane.post(test::make_job(*jobs_, 4)).dropped, 1U);
 }
@@ -235,13 +235,13 @@ TEST_F(LaneTest, SendsNothingAnyMoreWhenItIsClosedBeforeItBegins) {
   EXPECT_EQ(held(), 0U);
 }
 
-TEST_F(LaneTest, WaitsNotAtAllIfThereIsRoomAndUsesUpThePatienceIfThereIsNone) {
-  std::chrono::nanoseconds patience = std::chrono::milliseconds(1);
-  one_.await_room(*job(1), patience);
-  EXPECT_EQ(patience, std::chrono::milliseconds(1));
+TEST_F(LaneTest, WaitsNotAtAllIfThereIsRoomAndForTheTimeoutIfThereIsNone) {
+  std::chrono::nanoseconds hang_timeout = std::chrono::milliseconds(1);
+  one_.await_room(*job(1), hang_timeout);
+  EXPECT_EQ(hang_timeout, std::chrono::milliseconds(1));
   for (std::uint32_t n = 1; n <= 3; ++n) one_.post(job(n));
-  one_.await_room(*job(4), patience);
-  EXPECT_EQ(patience.count(), 0);
+  one_.await_room(*job(4), hang_timeout);
+  EXPECT_EQ(hang_timeout.count(), 0);
 }
 
 /// By the time of next() the other thread most likely waits. If it does not, it finds room at once.
@@ -249,10 +249,10 @@ TEST_F(LaneTest, WaitsForRoomOnlyUntilAJobIsTaken) {
   for (std::uint32_t n = 1; n <= 3; ++n) one_.post(job(n));
   std::promise<void> begins;
   auto remaining = std::async(std::launch::async, [&, next = job(4)] {
-    std::chrono::nanoseconds patience = std::chrono::hours(1);
+    std::chrono::nanoseconds hang_timeout = std::chrono::hours(1);
     begins.set_value();
-    one_.await_room(*next, patience);
-    return patience;
+    one_.await_room(*next, hang_timeout);
+    return hang_timeout;
   });
   begins.get_future().wait();
   for (int turns = 0; turns < 100; ++turns) std::this_thread::yield();
@@ -273,7 +273,7 @@ struct NoGroup final : LaneListener {
 
 TEST_F(LaneTest, IsClearOnceNoGroupOfItsWriterHasSomethingToSend) {
   const auto group = std::make_shared<NoGroup>();
-  other_.end().tell(group);
+  other_.end().notify(group);
   EXPECT_TRUE(one_.is_clear());
   other_.post(job(1));
   EXPECT_FALSE(one_.is_clear());
@@ -296,7 +296,7 @@ TEST_F(LaneTest, IsClearOnceNoLaneThatReadersShareHasSomethingToSend) {
 
 TEST_F(LaneTest, OfAGroupIsClearOnceNoLaneOfItsWriterHasSomethingToSend) {
   const auto group = std::make_shared<NoGroup>();
-  other_.end().tell(group);
+  other_.end().notify(group);
   one_.post(job(1));
   EXPECT_FALSE(other_.is_clear());
   EXPECT_EQ(take_all(one_), Numbers{1});
@@ -315,7 +315,7 @@ struct Onlooker final : LaneListener {
   void departed(const Job& job, bool lost) noexcept override {
     lost_ones.push_back(lost ? job.first.label.sequence : 0);
     uses.push_back(std::async(std::launch::async, [this] { return lane.has_room(); }));
-    was_free = uses.back().wait_for(sft::test::patience) == std::future_status::ready && was_free;
+    was_free = uses.back().wait_for(sft::test::hang_timeout) == std::future_status::ready && was_free;
   }
   std::span<const Destination* const> receivers() const noexcept override { return {}; }
   Lane& lane;
@@ -326,7 +326,7 @@ struct Onlooker final : LaneListener {
 
 TEST_F(LaneTest, TellsWhatItLostWithoutKeepingOthersOut) {
   const auto listener = std::make_shared<Onlooker>(one_);
-  one_.end().tell(listener);
+  one_.end().notify(listener);
   for (std::uint32_t n = 1; n <= 4; ++n) one_.post(job(n));
   one_.close();
   one_.post(job(5));

@@ -70,7 +70,7 @@ TEST(RepairScheduleTest, LooksAtTheEarliestTimeButNotTooOftenAtManySamples) {
 }
 
 TEST(RepairScheduleTest, IsStuckOnlyWhileTheWriterIsHeardAndNothingGetsFurther) {
-  RepairSchedule schedule({.claim_patience = 300ms});
+  RepairSchedule schedule({.confirm_timeout = 300ms});
   EXPECT_FALSE(schedule.is_stuck(7, {}, test_start)) << "the first look begins the time";
   EXPECT_FALSE(schedule.is_stuck(7, {}, test_start + 300ms)) << "the writer was not heard";
   schedule.heard(test_start + 290ms);

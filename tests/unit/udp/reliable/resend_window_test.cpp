@@ -212,7 +212,7 @@ TEST_F(ResendWindowTest, LetsMoreGoWhereALargeSampleIsCutShort) {
   window.finished(*piece, now);
 }
 
-TEST_F(ResendWindowTest, BelievesAnAckOfWhatWasPutBackButHadLeft) {
+TEST_F(ResendWindowTest, AcceptsAnAckOfWhatWasPutBackButHadLeft) {
   keep(5);
   const auto piece = window.next(KeptSize::small, now);
   window.put_back(*piece);

@@ -4,9 +4,9 @@
 
 #include "core/seam/buffer_pool.h"
 #include "udp_transport/receive/keep_last_queue.h"
-#include "udp_transport/reliable/channel_watch.h"
-#include "udp_transport/reliable/ordinal_watch.h"
-#include "udp_transport/reliable/sequence_watch.h"
+#include "udp_transport/reliable/channel_monitor.h"
+#include "udp_transport/reliable/ordinal_monitor.h"
+#include "udp_transport/reliable/sequence_monitor.h"
 
 namespace sft::udp {
 namespace {
@@ -17,213 +17,214 @@ using namespace std::chrono_literals;
 
 class ResyncOfSequences : public testing::Test {
  protected:
-  bool believes(std::uint64_t sequence, std::uint64_t place = 0) {
-    return watch.believes({sequence, place, ++datagram, ++stamp_ns}, now);
+  bool accepts(std::uint64_t sequence, std::uint64_t place = 0) {
+    return monitor.accepts({sequence, place, ++datagram, ++stamp_ns}, now);
   }
-  SequenceWatch watch;
-  SequenceWatch::Time now{1h};
+  SequenceMonitor monitor;
+  SequenceMonitor::Time now{1h};
   std::uint64_t datagram = 0;
   std::int64_t stamp_ns = 0;
 };
 
-TEST_F(ResyncOfSequences, BelievesAnyFirstSequenceAndStepsWithinReach) {
-  EXPECT_TRUE(believes(5'000'000));
-  EXPECT_TRUE(believes(5'000'000 + SequenceWatch::reach));
-  EXPECT_EQ(watch.newest(), 5'000'000 + SequenceWatch::reach);
-  EXPECT_EQ(watch.numbering(), 0U);
+TEST_F(ResyncOfSequences, AcceptsAnyFirstSequenceAndStepsWithinReach) {
+  EXPECT_TRUE(accepts(5'000'000));
+  EXPECT_TRUE(accepts(5'000'000 + SequenceMonitor::reach));
+  EXPECT_EQ(monitor.newest(), 5'000'000 + SequenceMonitor::reach);
+  EXPECT_EQ(monitor.numbering(), 0U);
 }
 
 TEST_F(ResyncOfSequences, BelievesAJumpOutOfReachOnlyWhenOthersNearItGoOnForAWhile) {
-  believes(100);
-  EXPECT_FALSE(believes(10'000'001));
-  EXPECT_FALSE(believes(10'000'002));
+  accepts(100);
+  EXPECT_FALSE(accepts(10'000'001));
+  EXPECT_FALSE(accepts(10'000'002));
   now += 249ms;
-  EXPECT_FALSE(believes(10'000'004));
+  EXPECT_FALSE(accepts(10'000'004));
   now += 1ms;
-  EXPECT_FALSE(believes(10'000'003)) << "a numbering goes on with a new sequence";
-  EXPECT_EQ(watch.newest(), 100U);
-  EXPECT_TRUE(believes(10'000'005));
-  EXPECT_EQ(watch.numbering(), 1U);
-  EXPECT_FALSE(watch.newest_was_wrong());
+  EXPECT_FALSE(accepts(10'000'003)) << "a numbering goes on with a new sequence";
+  EXPECT_EQ(monitor.newest(), 100U);
+  EXPECT_TRUE(accepts(10'000'005));
+  EXPECT_EQ(monitor.numbering(), 1U);
+  EXPECT_FALSE(monitor.newest_was_wrong());
 }
 
 TEST_F(ResyncOfSequences, ComesBackFromAFirstSequenceThatWasFarTooHigh) {
-  believes(4'000'000'000);
-  EXPECT_FALSE(believes(2));
-  EXPECT_FALSE(believes(1)) << "datagrams overtake each other";
+  accepts(4'000'000'000);
+  EXPECT_FALSE(accepts(2));
+  EXPECT_FALSE(accepts(1)) << "datagrams overtake each other";
   now += 250ms;
-  EXPECT_TRUE(believes(3));
-  EXPECT_EQ(watch.newest(), 3U);
-  EXPECT_TRUE(watch.newest_was_wrong());
+  EXPECT_TRUE(accepts(3));
+  EXPECT_EQ(monitor.newest(), 3U);
+  EXPECT_TRUE(monitor.newest_was_wrong());
 }
 
 TEST_F(ResyncOfSequences, ForgetsAJumpOnceATrueSequenceComes) {
   for (const std::uint64_t true_one : {101U, 102U, 102U, 101U}) {
-    believes(100);
-    EXPECT_FALSE(believes(1'000'000'000));
+    accepts(100);
+    EXPECT_FALSE(accepts(1'000'000'000));
     now += 250ms;
-    EXPECT_TRUE(believes(true_one)) << "also one that is late, or comes again";
-    EXPECT_FALSE(believes(1'000'000'001));
+    EXPECT_TRUE(accepts(true_one)) << "also one that is late, or comes again";
+    EXPECT_FALSE(accepts(1'000'000'001));
   }
 }
 
 TEST_F(ResyncOfSequences, DoesNotLetADatagramConfirmItself) {
-  believes(100);
-  EXPECT_FALSE(watch.believes({1'000'000'000, 0, 99}, now));
+  accepts(100);
+  EXPECT_FALSE(monitor.accepts({1'000'000'000, 0, 99}, now));
   now += 250ms;
-  EXPECT_FALSE(watch.believes({1'000'000'001, 0, 99}, now));
+  EXPECT_FALSE(monitor.accepts({1'000'000'001, 0, 99}, now));
 }
 
 TEST_F(ResyncOfSequences, TakesNoRepetitionForAConfirmation) {
-  believes(100);
-  for (int i = 0; i < 10; ++i, now += 250ms) EXPECT_FALSE(believes(1'000'000'000));
+  accepts(100);
+  for (int i = 0; i < 10; ++i, now += 250ms) EXPECT_FALSE(accepts(1'000'000'000));
 }
 
 TEST_F(ResyncOfSequences, BelievesAtOnceWhatAWriterCanHavePublishedWhileItWasNotHeard) {
-  believes(100);
+  accepts(100);
   now += 1min;
-  EXPECT_TRUE(believes(100'000'000));
-  EXPECT_EQ(watch.numbering(), 0U) << "all of these are lost";
+  EXPECT_TRUE(accepts(100'000'000));
+  EXPECT_EQ(monitor.numbering(), 0U) << "all of these are lost";
 }
 
 TEST_F(ResyncOfSequences, BeginsAnewWhereLateSamplesAscendAndNothingNewComes) {
-  believes(100);
-  believes(60'000);
-  EXPECT_TRUE(believes(101));
+  accepts(100);
+  accepts(60'000);
+  EXPECT_TRUE(accepts(101));
   now += 250ms;
-  EXPECT_TRUE(believes(102));
-  EXPECT_EQ(watch.numbering(), 1U);
-  EXPECT_EQ(watch.newest(), 102U);
+  EXPECT_TRUE(accepts(102));
+  EXPECT_EQ(monitor.numbering(), 1U);
+  EXPECT_EQ(monitor.newest(), 102U);
 }
 
 TEST_F(ResyncOfSequences, BeginsAnewAlsoWhereRepairsComeBetweenTheNewSamples) {
-  believes(100);
-  believes(205);
+  accepts(100);
+  accepts(205);
   const std::int64_t before_it = stamp_ns - 1;
   for (const std::uint64_t n : {1U, 2U}) {
     now += 250ms;
-    EXPECT_TRUE(watch.believes({40 + n, 0, ++datagram, before_it}, now)) << "was published before it";
-    EXPECT_TRUE(believes(100 + n));
-    EXPECT_EQ(watch.numbering(), n - 1);
+    EXPECT_TRUE(monitor.accepts({40 + n, 0, ++datagram, before_it}, now)) << "was published before it";
+    EXPECT_TRUE(accepts(100 + n));
+    EXPECT_EQ(monitor.numbering(), n - 1);
   }
-  EXPECT_EQ(watch.newest(), 102U);
+  EXPECT_EQ(monitor.newest(), 102U);
 }
 
 TEST_F(ResyncOfSequences, BeginsAnewWithANewSampleAndNotWithARepair) {
-  believes(100);
-  believes(205);
-  believes(110);
+  accepts(100);
+  accepts(205);
+  accepts(110);
   now += 250ms;
-  believes(101);
-  EXPECT_EQ(watch.numbering(), 0U);
-  believes(111);
-  EXPECT_EQ(watch.newest(), 111U);
+  accepts(101);
+  EXPECT_EQ(monitor.numbering(), 0U);
+  accepts(111);
+  EXPECT_EQ(monitor.newest(), 111U);
 }
 
 TEST_F(ResyncOfSequences, StaysWithTheNewestWhereASlowPathBringsOlderSamplesLate) {
-  believes(100);
+  accepts(100);
   const std::int64_t before_the_newest = stamp_ns;
   stamp_ns += 100;
-  believes(129);
+  accepts(129);
   now += 1s;
   for (const std::uint64_t late : {108U, 109U, 110U})
-    EXPECT_TRUE(watch.believes({late, 0, ++datagram, before_the_newest}, now)) << late;
-  EXPECT_EQ(watch.numbering(), 0U);
+    EXPECT_TRUE(monitor.accepts({late, 0, ++datagram, before_the_newest}, now)) << late;
+  EXPECT_EQ(monitor.numbering(), 0U);
 }
 
 TEST_F(ResyncOfSequences, BeginsAnewAfterManyLateSamplesInARowThatComeOverAWhile) {
-  believes(60'000);
+  accepts(60'000);
   const std::int64_t stamp_of_each = stamp_ns - 1;  // earlier than that of the newest one
   const auto comes = [&](std::uint64_t late) {
     now += 4ms;
-    watch.believes({late, 0, ++datagram, stamp_of_each}, now);
+    monitor.accepts({late, 0, ++datagram, stamp_of_each}, now);
   };
-  for (std::uint64_t late = 1; late < SequenceWatch::late_in_a_row; ++late) comes(late);
-  EXPECT_EQ(watch.numbering(), 0U);
+  for (std::uint64_t late = 1; late < SequenceMonitor::late_in_a_row; ++late) comes(late);
+  EXPECT_EQ(monitor.numbering(), 0U);
   comes(1'000);
-  EXPECT_EQ(watch.numbering(), 1U);
+  EXPECT_EQ(monitor.numbering(), 1U);
 }
 
 TEST_F(ResyncOfSequences, StaysWithTheNewestWhereManyOlderSamplesThatWereHeldUpComeAllAtOnce) {
-  for (std::uint64_t sequence = 1; sequence <= 10; ++sequence) believes(sequence);
-  believes(150);
+  for (std::uint64_t sequence = 1; sequence <= 10; ++sequence) accepts(sequence);
+  accepts(150);
   now += 1ms;
   for (std::uint64_t late = 11; late < 150; ++late) {
     now += 1us;
-    EXPECT_TRUE(believes(late)) << late;
+    EXPECT_TRUE(accepts(late)) << late;
   }
-  EXPECT_EQ(watch.numbering(), 0U);
-  EXPECT_EQ(watch.newest(), 150U);
+  EXPECT_EQ(monitor.numbering(), 0U);
+  EXPECT_EQ(monitor.newest(), 150U);
 }
 
 TEST_F(ResyncOfSequences, DoesNotTakeRepairsForASignOfAWrongSequence) {
-  believes(1'000, 1'000);
+  accepts(1'000, 1'000);
   now += 1s;
-  for (std::uint64_t late = 1; late < 200; ++late) believes(late, late);
-  EXPECT_EQ(watch.numbering(), 0U);
+  for (std::uint64_t late = 1; late < 200; ++late) accepts(late, late);
+  EXPECT_EQ(monitor.numbering(), 0U);
 }
 
 TEST_F(ResyncOfSequences, DoesNotTakeTrueSamplesForRepairsForEver) {
-  believes(1'000, 1'000);
-  for (std::uint64_t n = 1; n < SequenceWatch::late_in_a_row; ++n) believes(n, n);
+  accepts(1'000, 1'000);
+  for (std::uint64_t n = 1; n < SequenceMonitor::late_in_a_row; ++n) accepts(n, n);
   now += 250ms;
-  EXPECT_EQ(watch.numbering(), 0U);
-  believes(SequenceWatch::late_in_a_row, SequenceWatch::late_in_a_row);
-  EXPECT_EQ(watch.numbering(), 1U);
-  EXPECT_FALSE(watch.newest_was_wrong()) << "it may be a long repair";
+  EXPECT_EQ(monitor.numbering(), 0U);
+  accepts(SequenceMonitor::late_in_a_row, SequenceMonitor::late_in_a_row);
+  EXPECT_EQ(monitor.numbering(), 1U);
+  EXPECT_FALSE(monitor.newest_was_wrong()) << "it may be a long repair";
 }
 
 TEST_F(ResyncOfSequences, KnowsByTheirStampsWhatWasPublishedAfterAWrongSequenceCame) {
-  const auto claim = [&](std::uint64_t sequence, SequenceWatch::Time published, std::uint64_t place = 0) {
+  const auto observed = [&](std::uint64_t sequence, SequenceMonitor::Time published,
+                            std::uint64_t place = 0) {
     const std::chrono::nanoseconds by_its_clock = published.time_since_epoch() + 7h;
-    return watch.believes({sequence, place, ++datagram, by_its_clock.count()}, now);
+    return monitor.accepts({sequence, place, ++datagram, by_its_clock.count()}, now);
   };
-  for (std::uint64_t n = 1; n <= 10; ++n, now += 10ms) claim(n, now, n);
-  claim(60'000, now + 24h, 1'000);  // its stamp and its place are wrong as well
+  for (std::uint64_t n = 1; n <= 10; ++n, now += 10ms) observed(n, now, n);
+  observed(60'000, now + 24h, 1'000);  // its stamp and its place are wrong as well
   now += 10ms;
-  for (std::uint64_t n = 11; n <= 14; ++n) claim(n, now - 50ms, n);
+  for (std::uint64_t n = 11; n <= 14; ++n) observed(n, now - 50ms, n);
   now += 300ms;
-  claim(15, now - 350ms, 15);
-  EXPECT_EQ(watch.numbering(), 0U) << "these were under way before that";
-  claim(16, now, 16);
+  observed(15, now - 350ms, 15);
+  EXPECT_EQ(monitor.numbering(), 0U) << "these were under way before that";
+  observed(16, now, 16);
   now += 250ms;
-  claim(17, now, 17);
-  EXPECT_EQ(watch.numbering(), 1U);
-  EXPECT_TRUE(watch.newest_was_wrong());
+  observed(17, now, 17);
+  EXPECT_EQ(monitor.numbering(), 1U);
+  EXPECT_TRUE(monitor.newest_was_wrong());
 }
 
 TEST_F(ResyncOfSequences, BelievesNoStampForTheSamplesOfOneDatagramOnly) {
-  const auto claim = [&](std::uint64_t sequence, std::chrono::nanoseconds stamp) {
-    return watch.believes({sequence, 0, datagram, stamp.count()}, now);
+  const auto observed = [&](std::uint64_t sequence, std::chrono::nanoseconds stamp) {
+    return monitor.accepts({sequence, 0, datagram, stamp.count()}, now);
   };
   for (std::uint64_t n = 1; n <= 10; ++n, now += 10ms) {
     ++datagram;
-    claim(n, n * 10ms);
+    observed(n, n * 10ms);
   }
   ++datagram;
-  for (std::uint64_t n = 300; n <= 310; ++n) claim(n, 24h * 365);  // nobody publishes at that time
+  for (std::uint64_t n = 300; n <= 310; ++n) observed(n, 24h * 365);  // nobody publishes at that time
   for (std::uint64_t n = 11; n <= 40; ++n, now += 10ms) {
     ++datagram;
-    claim(n, n * 10ms);
+    observed(n, n * 10ms);
   }
-  EXPECT_EQ(watch.newest(), 40U);
+  EXPECT_EQ(monitor.newest(), 40U);
 }
 
 TEST_F(ResyncOfSequences, DoesNotMistakeOvertakingSamplesForANewNumbering) {
-  believes(1'000);
+  accepts(1'000);
   for (std::uint64_t i = 1; i < 200; ++i) {
-    believes(900 + i);
-    believes(1'000 + i);
+    accepts(900 + i);
+    accepts(1'000 + i);
   }
-  EXPECT_EQ(watch.numbering(), 0U);
+  EXPECT_EQ(monitor.numbering(), 0U);
 }
 
 TEST_F(ResyncOfSequences, WidensToWhatWentOnBeforeAWrongSequenceCame) {
-  for (std::uint64_t n = 1; n <= 20; ++n) believes(n);
-  EXPECT_FALSE(believes(0xffff'fff0));
+  for (std::uint64_t n = 1; n <= 20; ++n) accepts(n);
+  EXPECT_FALSE(accepts(0xffff'fff0));
   now += 250ms;
-  EXPECT_TRUE(believes(0xffff'fff1));
-  EXPECT_EQ(watch.widen(21), 21U);
+  EXPECT_TRUE(accepts(0xffff'fff1));
+  EXPECT_EQ(monitor.widen(21), 21U);
 }
 
 TEST(ResyncOfQueues, TakeLowerSequencesOnceTheNumberingBeganAnew) {
@@ -251,217 +252,218 @@ TEST(ResyncOfQueues, TakeLowerSequencesOnceTheNumberingBeganAnew) {
 
 class ResyncOfChannels : public testing::Test {
  protected:
-  using Verdict = ChannelWatch::Verdict;
-  Verdict judge(std::uint32_t channel, std::uint64_t ordinal) {
-    return watch.judge({channel, ordinal, ordinal}, now);
+  using Verdict = ChannelMonitor::Verdict;
+  Verdict evaluate(std::uint32_t channel, std::uint64_t ordinal) {
+    return monitor.evaluate({channel, ordinal, ordinal}, now);
   }
   ResyncOfChannels() {
-    judge(100, 1);
-    watch.turn(100, 1);
+    evaluate(100, 1);
+    monitor.turn(100, 1);
   }
-  ChannelWatch watch;
-  ChannelWatch::Time now{1h};
+  ChannelMonitor monitor;
+  ChannelMonitor::Time now{1h};
 };
 
 TEST_F(ResyncOfChannels, TurnToAChannelThatBeginsAtOnce) {
-  EXPECT_EQ(judge(100, 5), Verdict::present);
-  EXPECT_EQ(judge(101, 1), Verdict::turn);
-  EXPECT_EQ(judge(4'000'000, 64), Verdict::turn);
+  EXPECT_EQ(evaluate(100, 5), Verdict::present);
+  EXPECT_EQ(evaluate(101, 1), Verdict::turn);
+  EXPECT_EQ(evaluate(4'000'000, 64), Verdict::turn);
 }
 
 TEST_F(ResyncOfChannels, TurnToAChannelThatIsUnderWayWhenItIsConfirmed) {
-  EXPECT_EQ(judge(101, 65), Verdict::ignore);
-  EXPECT_EQ(judge(100, 5), Verdict::present);
-  EXPECT_EQ(judge(101, 66), Verdict::ignore);
-  EXPECT_EQ(judge(101, 67), Verdict::turn);
+  EXPECT_EQ(evaluate(101, 65), Verdict::ignore);
+  EXPECT_EQ(evaluate(100, 5), Verdict::present);
+  EXPECT_EQ(evaluate(101, 66), Verdict::ignore);
+  EXPECT_EQ(evaluate(101, 67), Verdict::turn);
 }
 
 TEST_F(ResyncOfChannels, TurnBackWhereTheyLeftWhenOnlyTheFormerOneIsHeard) {
-  EXPECT_EQ(watch.turn(101, 7), 1U);
-  judge(101, 1);
-  EXPECT_EQ(judge(100, 7), Verdict::ignore) << "it may have been under way";
-  EXPECT_EQ(judge(100, 8), Verdict::ignore);
+  EXPECT_EQ(monitor.turn(101, 7), 1U);
+  evaluate(101, 1);
+  EXPECT_EQ(evaluate(100, 7), Verdict::ignore) << "it may have been under way";
+  EXPECT_EQ(evaluate(100, 8), Verdict::ignore);
   now += 250ms;
-  EXPECT_EQ(judge(100, 6), Verdict::ignore) << "that has come";
-  EXPECT_EQ(judge(100, 9), Verdict::turn);
-  EXPECT_EQ(watch.turn(100, 1), 7U);
+  EXPECT_EQ(evaluate(100, 6), Verdict::ignore) << "that has come";
+  EXPECT_EQ(evaluate(100, 9), Verdict::turn);
+  EXPECT_EQ(monitor.turn(100, 1), 7U);
 }
 
 TEST_F(ResyncOfChannels, TurnBackToAFormerOneThatWasFollowedTooFar) {
-  watch.turn(101, 1'000'000);
-  judge(101, 1);
-  for (std::uint32_t i = 1; i < ChannelWatch::behind_in_a_row; ++i)
-    EXPECT_EQ(judge(100, 6 + i), Verdict::ignore) << "these may be late";
+  monitor.turn(101, 1'000'000);
+  evaluate(101, 1);
+  for (std::uint32_t i = 1; i < ChannelMonitor::behind_in_a_row; ++i)
+    EXPECT_EQ(evaluate(100, 6 + i), Verdict::ignore) << "these may be late";
   now += 250ms;
-  EXPECT_EQ(judge(100, 20), Verdict::turn);
-  EXPECT_EQ(watch.turn(100, 1), 20U) << "it goes on with what comes";
+  EXPECT_EQ(evaluate(100, 20), Verdict::turn);
+  EXPECT_EQ(monitor.turn(100, 1), 20U) << "it goes on with what comes";
 }
 
 TEST_F(ResyncOfChannels, DoNotTurnBackForLateOnesWhileThePresentOneIsHeard) {
-  watch.turn(101, 1'000);
+  monitor.turn(101, 1'000);
   for (std::uint64_t i = 1; i < 100; ++i) {
     now += 100ms;
-    EXPECT_EQ(judge(100, i), Verdict::ignore);
-    EXPECT_EQ(judge(100, i), Verdict::ignore);
-    EXPECT_EQ(judge(101, i), Verdict::present);
+    EXPECT_EQ(evaluate(100, i), Verdict::ignore);
+    EXPECT_EQ(evaluate(100, i), Verdict::ignore);
+    EXPECT_EQ(evaluate(101, i), Verdict::present);
   }
 }
 
 TEST_F(ResyncOfChannels, DoNotTurnToUnconfirmedChannels) {
   for (std::uint64_t ordinal = 65; ordinal < 200; ++ordinal) {
-    EXPECT_EQ(judge(200, ordinal), Verdict::ignore);
-    EXPECT_EQ(judge(300, ordinal), Verdict::ignore);
+    EXPECT_EQ(evaluate(200, ordinal), Verdict::ignore);
+    EXPECT_EQ(evaluate(300, ordinal), Verdict::ignore);
   }
 }
 
 TEST_F(ResyncOfChannels, TakeOneDatagramForOneWitnessWhateverElseItSays) {
-  EXPECT_EQ(judge(101, 65), Verdict::ignore);
-  EXPECT_EQ(watch.judge({101, 66, 66, true}, now), Verdict::ignore);
-  EXPECT_EQ(judge(101, 67), Verdict::turn);
+  EXPECT_EQ(evaluate(101, 65), Verdict::ignore);
+  EXPECT_EQ(monitor.evaluate({101, 66, 66, true}, now), Verdict::ignore);
+  EXPECT_EQ(evaluate(101, 67), Verdict::turn);
 }
 
 TEST_F(ResyncOfChannels, DoNotTurnBackForALargeSampleThatIsStillUnderWay) {
-  watch.turn(101, 7);
-  for (std::uint32_t i = 0; i < 2 * ChannelWatch::in_a_row; ++i)
-    EXPECT_EQ(judge(100, 8), Verdict::ignore) << "it is one ordinal";
+  monitor.turn(101, 7);
+  for (std::uint32_t i = 0; i < 2 * ChannelMonitor::in_a_row; ++i)
+    EXPECT_EQ(evaluate(100, 8), Verdict::ignore) << "it is one ordinal";
 }
 
 TEST_F(ResyncOfChannels, DoNotTurnBackAtOnceForManyThatAreBehind) {
-  watch.turn(101, 1'000);
-  for (std::uint32_t i = 1; i < 2 * ChannelWatch::in_a_row; ++i)
-    EXPECT_EQ(judge(100, i), Verdict::ignore) << "they may be late";
+  monitor.turn(101, 1'000);
+  for (std::uint32_t i = 1; i < 2 * ChannelMonitor::in_a_row; ++i)
+    EXPECT_EQ(evaluate(100, i), Verdict::ignore) << "they may be late";
 }
 
 TEST_F(ResyncOfChannels, TurnBackForTheVeryNextOneOfAFormerChannel) {
-  watch.turn(101, 7);
-  EXPECT_EQ(judge(100, 7), Verdict::ignore);
+  monitor.turn(101, 7);
+  EXPECT_EQ(evaluate(100, 7), Verdict::ignore);
   now += 250ms;
-  EXPECT_EQ(judge(100, 7), Verdict::turn);
+  EXPECT_EQ(evaluate(100, 7), Verdict::turn);
 }
 
 TEST_F(ResyncOfChannels, TurnBackForManySamplesInARowThatAreNotBehind) {
-  watch.turn(101, 7);
-  for (std::uint32_t i = 1; i < ChannelWatch::in_a_row; ++i) EXPECT_EQ(judge(100, 6 + i), Verdict::ignore);
-  EXPECT_EQ(judge(100, 6 + ChannelWatch::in_a_row), Verdict::turn);
+  monitor.turn(101, 7);
+  for (std::uint32_t i = 1; i < ChannelMonitor::in_a_row; ++i)
+    EXPECT_EQ(evaluate(100, 6 + i), Verdict::ignore);
+  EXPECT_EQ(evaluate(100, 6 + ChannelMonitor::in_a_row), Verdict::turn);
 }
 
 TEST_F(ResyncOfChannels, TurnToOneWithTheSameLowBitsNotForTwoDatagrams) {
   constexpr std::uint32_t alike = 100 + (1U << 24);
-  EXPECT_EQ(judge(alike, 1), Verdict::ignore);
+  EXPECT_EQ(evaluate(alike, 1), Verdict::ignore);
   now += 250ms;
-  for (std::uint32_t i = 2; i < ChannelWatch::alike_in_a_row; ++i)
-    EXPECT_EQ(judge(alike, i), Verdict::ignore);
-  EXPECT_EQ(judge(alike, 4), Verdict::turn);
+  for (std::uint32_t i = 2; i < ChannelMonitor::alike_in_a_row; ++i)
+    EXPECT_EQ(evaluate(alike, i), Verdict::ignore);
+  EXPECT_EQ(evaluate(alike, 4), Verdict::turn);
 }
 
 TEST_F(ResyncOfChannels, GoOnWhereTheyLeftAChannelLast) {
-  watch.turn(101, 7);
-  EXPECT_EQ(watch.turn(100, 1), 7U);
-  watch.turn(101, 20);
-  EXPECT_EQ(watch.turn(100, 1), 20U);
+  monitor.turn(101, 7);
+  EXPECT_EQ(monitor.turn(100, 1), 7U);
+  monitor.turn(101, 20);
+  EXPECT_EQ(monitor.turn(100, 1), 20U);
 }
 
 TEST_F(ResyncOfChannels, RememberTheLastEightChannels) {
-  for (std::uint32_t channel = 101; channel <= 121; ++channel) watch.turn(channel, 7);
-  EXPECT_EQ(ChannelWatch(watch).turn(120, 1), 7U);
-  EXPECT_EQ(ChannelWatch(watch).turn(113, 1), 7U);
-  EXPECT_EQ(ChannelWatch(watch).turn(112, 1), 1U) << "this is taken for one that begins";
+  for (std::uint32_t channel = 101; channel <= 121; ++channel) monitor.turn(channel, 7);
+  EXPECT_EQ(ChannelMonitor(monitor).turn(120, 1), 7U);
+  EXPECT_EQ(ChannelMonitor(monitor).turn(113, 1), 7U);
+  EXPECT_EQ(ChannelMonitor(monitor).turn(112, 1), 1U) << "this is taken for one that begins";
 }
 
 TEST_F(ResyncOfChannels, IgnoreThoseJustBefore) {
-  EXPECT_EQ(judge(99, 1), Verdict::ignore);
-  EXPECT_EQ(judge(99, 2), Verdict::ignore);
+  EXPECT_EQ(evaluate(99, 1), Verdict::ignore);
+  EXPECT_EQ(evaluate(99, 2), Verdict::ignore);
 }
 
 TEST_F(ResyncOfChannels, DoNotTurnToOneWithTheSameLowBitsWhileThePresentOneIsHeard) {
   constexpr std::uint32_t alike = 100 + (1U << 24);
   for (int i = 0; i < 100; ++i) {
-    EXPECT_EQ(judge(alike, 1), Verdict::ignore);
-    EXPECT_EQ(judge(alike, 2), Verdict::ignore);
-    EXPECT_EQ(judge(100, 5), Verdict::present);
+    EXPECT_EQ(evaluate(alike, 1), Verdict::ignore);
+    EXPECT_EQ(evaluate(alike, 2), Verdict::ignore);
+    EXPECT_EQ(evaluate(100, 5), Verdict::present);
   }
-  for (std::uint32_t i = 1; i < ChannelWatch::alike_in_a_row; ++i)
-    EXPECT_EQ(judge(alike, i), Verdict::ignore);
+  for (std::uint32_t i = 1; i < ChannelMonitor::alike_in_a_row; ++i)
+    EXPECT_EQ(evaluate(alike, i), Verdict::ignore);
   now += 250ms;
-  EXPECT_EQ(judge(alike, 9), Verdict::turn) << "the writer may have had as many channels";
+  EXPECT_EQ(evaluate(alike, 9), Verdict::turn) << "the writer may have had as many channels";
 }
 
 TEST_F(ResyncOfChannels, WidenLowBitsToAChannelThatIsKnown) {
-  watch.turn(1'000'000, 1);
-  EXPECT_EQ(watch.widen(1'000'000 % 2048, 2048), 1'000'000U);
-  EXPECT_EQ(watch.widen(100, 2048), 100U);
-  EXPECT_EQ(watch.widen(1'000'001 % 2048, 2048), 1'000'001U);
-  EXPECT_EQ(watch.widen(999'999 % 2048, 2048), 999'999U);
+  monitor.turn(1'000'000, 1);
+  EXPECT_EQ(monitor.widen(1'000'000 % 2048, 2048), 1'000'000U);
+  EXPECT_EQ(monitor.widen(100, 2048), 100U);
+  EXPECT_EQ(monitor.widen(1'000'001 % 2048, 2048), 1'000'001U);
+  EXPECT_EQ(monitor.widen(999'999 % 2048, 2048), 999'999U);
 }
 
 TEST(ResyncOfOrdinals, GoBackToWhatWasPassedOverWhenNothingElseComes) {
-  OrdinalWatch watch;
-  OrdinalWatch::Time now{1h};
-  for (std::uint64_t ordinal = 1; ordinal <= 10; ++ordinal) watch.came(ordinal);
-  watch.advanced();
-  EXPECT_TRUE(watch.has_come(10));
-  EXPECT_FALSE(watch.has_come(11));
-  EXPECT_FALSE(watch.passed_over(10, false, now)) << "that is a repetition";
-  for (std::uint32_t i = 1; i < OrdinalWatch::doubted_by; ++i)
-    EXPECT_FALSE(watch.passed_over(10 + i, false, now)) << "it may come late";
+  OrdinalMonitor monitor;
+  OrdinalMonitor::Time now{1h};
+  for (std::uint64_t ordinal = 1; ordinal <= 10; ++ordinal) monitor.came(ordinal);
+  monitor.advanced();
+  EXPECT_TRUE(monitor.has_come(10));
+  EXPECT_FALSE(monitor.has_come(11));
+  EXPECT_FALSE(monitor.passed_over(10, false, now)) << "that is a repetition";
+  for (std::uint32_t i = 1; i < OrdinalMonitor::unconfirmed_by; ++i)
+    EXPECT_FALSE(monitor.passed_over(10 + i, false, now)) << "it may come late";
   now += 250ms;
-  EXPECT_EQ(watch.passed_over(30, false, now), 11U);
+  EXPECT_EQ(monitor.passed_over(30, false, now), 11U);
 }
 
 TEST(ResyncOfOrdinals, GoBackAfterManyInARowAndNotBefore) {
-  OrdinalWatch watch;
-  const OrdinalWatch::Time now{1h};
-  watch.advanced();
-  for (std::uint64_t ordinal = 1; ordinal < OrdinalWatch::passed_over_in_a_row; ++ordinal)
-    EXPECT_FALSE(watch.passed_over(ordinal, false, now));
-  EXPECT_EQ(watch.passed_over(200, false, now), 1U);
-  watch.advanced();
-  EXPECT_FALSE(watch.passed_over(201, false, now));
+  OrdinalMonitor monitor;
+  const OrdinalMonitor::Time now{1h};
+  monitor.advanced();
+  for (std::uint64_t ordinal = 1; ordinal < OrdinalMonitor::passed_over_in_a_row; ++ordinal)
+    EXPECT_FALSE(monitor.passed_over(ordinal, false, now));
+  EXPECT_EQ(monitor.passed_over(200, false, now), 1U);
+  monitor.advanced();
+  EXPECT_FALSE(monitor.passed_over(201, false, now));
 }
 
 TEST(ResyncOfOrdinals, GoBackAlsoWhereEachSecondDatagramIsOvertaken) {
-  OrdinalWatch watch;
-  OrdinalWatch::Time now{1h};
-  const OrdinalWatch::Time end = now + OrdinalWatch::doubted_after;
-  EXPECT_FALSE(watch.passed_over(11, false, now));
+  OrdinalMonitor monitor;
+  OrdinalMonitor::Time now{1h};
+  const OrdinalMonitor::Time end = now + OrdinalMonitor::unconfirmed_after;
+  EXPECT_FALSE(monitor.passed_over(11, false, now));
   std::uint64_t ordinal = 12;
   for (; now < end; now += 20ms, ordinal += 2) {
-    EXPECT_FALSE(watch.passed_over(ordinal + 1, false, now));
-    EXPECT_FALSE(watch.passed_over(ordinal, false, now));
+    EXPECT_FALSE(monitor.passed_over(ordinal + 1, false, now));
+    EXPECT_FALSE(monitor.passed_over(ordinal, false, now));
   }
-  EXPECT_EQ(watch.passed_over(ordinal, false, end), 11U);
+  EXPECT_EQ(monitor.passed_over(ordinal, false, end), 11U);
 }
 
 TEST(ResyncOfOrdinals, GoBackAlsoWhereOneWrongOrdinalFarAheadWasPassedOverAmongThem) {
-  OrdinalWatch watch;
-  OrdinalWatch::Time now{1h};
-  EXPECT_FALSE(watch.passed_over(11, false, now));
-  EXPECT_FALSE(watch.passed_over(5000, false, now));
-  for (std::uint64_t ordinal = 12; ordinal < 12 + OrdinalWatch::doubted_by - 1; ++ordinal)
-    EXPECT_FALSE(watch.passed_over(ordinal, false, now));
-  EXPECT_EQ(watch.passed_over(30, false, now + OrdinalWatch::doubted_after), 12U);
+  OrdinalMonitor monitor;
+  OrdinalMonitor::Time now{1h};
+  EXPECT_FALSE(monitor.passed_over(11, false, now));
+  EXPECT_FALSE(monitor.passed_over(5000, false, now));
+  for (std::uint64_t ordinal = 12; ordinal < 12 + OrdinalMonitor::unconfirmed_by - 1; ++ordinal)
+    EXPECT_FALSE(monitor.passed_over(ordinal, false, now));
+  EXPECT_EQ(monitor.passed_over(30, false, now + OrdinalMonitor::unconfirmed_after), 12U);
 }
 
 TEST(ResyncOfOrdinals, RememberWhatCameOnlyAsFarAsTheyCan) {
-  OrdinalWatch watch;
-  watch.came(1);
-  watch.came(OrdinalWatch::remembered);
-  EXPECT_TRUE(watch.has_come(1));
-  EXPECT_FALSE(watch.has_come(2));
-  watch.came(OrdinalWatch::remembered + 1);
-  EXPECT_FALSE(watch.has_come(1));
-  watch.came(std::uint64_t{1} << 62);
-  EXPECT_FALSE(watch.has_come(OrdinalWatch::remembered));
-  EXPECT_TRUE(watch.has_come(std::uint64_t{1} << 62));
+  OrdinalMonitor monitor;
+  monitor.came(1);
+  monitor.came(OrdinalMonitor::remembered);
+  EXPECT_TRUE(monitor.has_come(1));
+  EXPECT_FALSE(monitor.has_come(2));
+  monitor.came(OrdinalMonitor::remembered + 1);
+  EXPECT_FALSE(monitor.has_come(1));
+  monitor.came(std::uint64_t{1} << 62);
+  EXPECT_FALSE(monitor.has_come(OrdinalMonitor::remembered));
+  EXPECT_TRUE(monitor.has_come(std::uint64_t{1} << 62));
 }
 
 TEST(ResyncOfOrdinals, AreConfirmedByOthersNearThem) {
-  OrdinalWatch watch;
-  OrdinalWatch::Time now{1h};
-  EXPECT_FALSE(watch.confirmed(1'000'000, false, now));
-  EXPECT_FALSE(watch.confirmed(1'000'001, true, now));
-  EXPECT_FALSE(watch.confirmed(2'000'000, false, now));
-  EXPECT_TRUE(watch.confirmed(2'000'001, false, now));
+  OrdinalMonitor monitor;
+  OrdinalMonitor::Time now{1h};
+  EXPECT_FALSE(monitor.confirmed(1'000'000, false, now));
+  EXPECT_FALSE(monitor.confirmed(1'000'001, true, now));
+  EXPECT_FALSE(monitor.confirmed(2'000'000, false, now));
+  EXPECT_TRUE(monitor.confirmed(2'000'001, false, now));
 }
 
 }  // namespace

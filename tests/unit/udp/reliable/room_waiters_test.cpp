@@ -7,17 +7,17 @@ namespace {
 
 TEST(RoomWaitersTest, TellsTheSendingThreadOnceIfItWaits) {
   RoomWaiters waiters;
-  EXPECT_EQ(waiters.tell(), Wake::none);
+  EXPECT_EQ(waiters.notify(), Wake::none);
   waiters.note_sending_thread(true);
-  EXPECT_EQ(waiters.tell(), Wake::look);
-  EXPECT_EQ(waiters.tell(), Wake::none) << "the sending thread notes it again if there still is no room";
+  EXPECT_EQ(waiters.notify(), Wake::look);
+  EXPECT_EQ(waiters.notify(), Wake::none) << "the sending thread notes it again if there still is no room";
 }
 
 TEST(RoomWaitersTest, TellsTheSendingThreadNothingThatItDoesNotWaitForAnyMore) {
   RoomWaiters waiters;
   waiters.note_sending_thread(true);
   waiters.note_sending_thread(false);
-  EXPECT_EQ(waiters.tell(), Wake::none);
+  EXPECT_EQ(waiters.notify(), Wake::none);
 }
 
 TEST(RoomWaitersTest, LetsThePublisherGoOnWhenTheTimeIsOver) {

@@ -37,7 +37,7 @@ const std::vector<std::string> wishes{"data @ height > 500",
 
 class GatedChurnTest : public GroupKeeperTest {
  protected:
-  GatedChurnTest() { anything_passes_ = false; }  // judge() does it
+  GatedChurnTest() { anything_passes_ = false; }  // evaluate() does it
 
   /// A reader on one of so many hosts. Some share a process.
   static constexpr std::uint32_t hosts = 200;
@@ -76,13 +76,13 @@ class GatedChurnTest : public GroupKeeperTest {
       Image image = make_image(2000);
       image.height = static_cast<std::uint32_t>(random_() % 1000);
       image.width = static_cast<std::uint32_t>(random_() % 3);
-      judge(image);
+      evaluate(image);
       publish(image);
       if (keeper_->replan(now_)) {
         serve();
         note_groups();
       }
-      keeper_->tend(now_);
+      keeper_->maintain(now_);
     }
   }
 
@@ -135,7 +135,7 @@ class GatedChurnTest : public GroupKeeperTest {
     }
     return gate;
   }
-  void judge(const Image& image) {
+  void evaluate(const Image& image) {
     const auto stamp_ns = std::chrono::nanoseconds(now_.time_since_epoch()).count();
     const auto fields = detail::FieldSource::of_message(&image);
     for (const auto& [hash, known] : gates_) {

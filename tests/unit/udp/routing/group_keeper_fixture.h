@@ -23,7 +23,7 @@
 namespace sft::udp::test {
 
 using namespace std::chrono_literals;
-inline constexpr const char* restless =
+inline constexpr const char* unsettled =
     "alone: it asks for that only since just now, or often for something else";
 
 /// This host has 10.0.0.1 and 10.0.1.1 on two cables, and 10.0.2.1 on a wireless interface.
@@ -45,7 +45,7 @@ class GroupKeeperTest : public testing::Test {
     setup.use = use;
     setup.report_port = 9;
     setup.tally = tally_;
-    setup.roster = &roster_;
+    setup.registry = &registry_;
     setup.connect = [this](std::uint32_t group, std::uint32_t own, std::size_t datagram_bytes) {
       connected_.push_back({group, own, datagram_bytes});
       DestinationLimits limits;
@@ -194,7 +194,7 @@ class GroupKeeperTest : public testing::Test {
   std::shared_ptr<core::BufferPool> memory_ = core::BufferPool::make(std::size_t{1} << 20);
   std::shared_ptr<WriterTally> tally_ = std::make_shared<WriterTally>();
   DestinationDirectory destinations_{DestinationLimits{}, connections_.connect()};
-  GroupRoster roster_;
+  GroupRegistry registry_;
   std::map<const Destination*, std::shared_ptr<Lane>> lanes_;
   std::map<const Destination*, std::shared_ptr<Channel>> channels_;
 };

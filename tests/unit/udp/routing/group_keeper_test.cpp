@@ -33,20 +33,20 @@ TEST_F(GroupKeeperTest, HasNoDutyOnceNothingHasToBeDone) {
   EXPECT_FALSE(is_in_a_hurry()) << "one reader is no group";
   readers(1);
   serve();
-  EXPECT_EQ(keeper_->next_duty(now_), now_ + CalmWatch::gathering);
-  go_on(CalmWatch::gathering + 1ms);
+  EXPECT_EQ(keeper_->next_duty(now_), now_ + SettlingTimes::gathering);
+  go_on(SettlingTimes::gathering + 1ms);
   ASSERT_EQ(members(), 2U);
   for (const auto& group : groups_) {  // reliable members are offered the group once they have their places
     const std::uint64_t ordinal = group->next_ordinal(now_);
     for (std::size_t i = 0; i < 2; ++i) group->placed(i, ordinal, ordinal);
   }
-  keeper_->tend(now_);
+  keeper_->maintain(now_);
   EXPECT_TRUE(is_in_a_hurry());
-  for (int i = 0; i < 100; ++i, now_ += 1ms) keeper_->tend(now_);
+  for (int i = 0; i < 100; ++i, now_ += 1ms) keeper_->maintain(now_);
   EXPECT_FALSE(is_in_a_hurry()) << "nobody has reported, but probes end";
-  keeper_->tend(now_ += 1s);
+  keeper_->maintain(now_ += 1s);
   go_on(2s);
-  for (int i = 0; i < 100; ++i, now_ += 1ms) keeper_->tend(now_);
+  for (int i = 0; i < 100; ++i, now_ += 1ms) keeper_->maintain(now_);
   EXPECT_FALSE(is_in_a_hurry());
 }
 
@@ -292,7 +292,7 @@ TEST_F(GroupKeeperTest, TakesAMemberOutOfItsGroupWhenItsMaximumRateChangesAndInt
   routes_[1].gate = seldom;
   serve();
   EXPECT_EQ(members(), 2U) << "of those that are left, one is alone";
-  EXPECT_EQ(why(2), restless);
+  EXPECT_EQ(why(2), unsettled);
   go_on(300ms);
   EXPECT_EQ(members(), 3U);
 }
@@ -428,17 +428,17 @@ TEST_F(GroupKeeperTest, LeavesReadersAloneForAMinuteIfTheyHearNothing) {
   serve();
   go_on(200ms);
   ASSERT_EQ(members(), 3U);
-  const auto send_and_tend = [&] {
+  const auto send_and_maintain = [&] {
     for (const auto& group : groups_) {
       const std::uint64_t ordinal = group->next_ordinal(now_);
       for (std::size_t i = 0; i < 3; ++i) group->placed(i, ordinal, ordinal);
       for (std::size_t i = 0; i < 2; ++i)
         group->hear({7, group->name().number, group->farewell(i).member, ordinal}, now_);
     }
-    keeper_->tend(now_);
+    keeper_->maintain(now_);
   };
   const auto offered = now_;
-  for (; !keeper_->replan(now_) && now_ < offered + 1min; now_ += 10ms) send_and_tend();
+  for (; !keeper_->replan(now_) && now_ < offered + 1min; now_ += 10ms) send_and_maintain();
   EXPECT_GT(now_ - offered, 4s);
   EXPECT_LT(now_ - offered, 10s) << "nine offers, of which the last are 2 s apart";
   serve();
@@ -464,11 +464,11 @@ TEST_F(GroupKeeperTest, WithdrawsAGroupASecondAfterItsEnd) {
   ASSERT_EQ(members(), 3U);
   EXPECT_GT(groups_[0]->name().number, first->name().number) << "others make another group";
   const auto over = now_ - 10ms;
-  keeper_->tend(over + 900ms);
+  keeper_->maintain(over + 900ms);
   EXPECT_TRUE(withdrawn(*first).empty()) << "something of it may be under way";
-  keeper_->tend(over + 1010ms);
+  keeper_->maintain(over + 1010ms);
   EXPECT_EQ(withdrawn(*first), (std::vector<std::size_t>{0, 1}));
-  keeper_->tend(over + 2s);
+  keeper_->maintain(over + 2s);
   EXPECT_EQ(withdrawn(*first).size(), 2U) << "once";
 }
 
@@ -483,9 +483,9 @@ TEST_F(GroupKeeperTest, WithdrawsTheLastGroupOfAMemberAndWithItThoseBefore) {
   ASSERT_EQ(members(), 3U);
   const auto second = end_of_group();
   ASSERT_NE(second, first);
-  keeper_->tend(now_ + 999ms);
+  keeper_->maintain(now_ + 999ms);
   EXPECT_TRUE(withdrawn(*second).empty()) << "something of it may be under way";
-  keeper_->tend(now_ + 1s);
+  keeper_->maintain(now_ + 1s);
   EXPECT_TRUE(withdrawn(*first).empty());
   EXPECT_EQ(withdrawn(*second), (std::vector<std::size_t>{0, 1, 2}));
 }
@@ -502,12 +502,12 @@ TEST_F(GroupKeeperTest, WithdrawsALargeGroupFromEightMembersOrAnEighthAtATime) {
     std::size_t told = 0;
     for (std::size_t times = 0; told < size; ++times) {
       ASSERT_LT(times, 20U) << told << " of " << size;
-      keeper_->tend(now_);
+      keeper_->maintain(now_);
       const std::size_t rest = size - told;
       EXPECT_EQ(withdrawn(*group).size(), told + std::min(rest, std::max<std::size_t>(8, rest / 8)));
       told = withdrawn(*group).size();
     }
-    keeper_->tend(now_);
+    keeper_->maintain(now_);
     EXPECT_EQ(withdrawn(*group).size(), size) << "once";
   }
 }
@@ -584,7 +584,7 @@ TEST_F(GroupKeeperTest, MakesNoGroupForATypeWithTooManyFields) {
     for (std::uint32_t host = 10; host < 12; ++host)
       reader(first_link + host).selection = FieldMask::full(leaves);
     serve();
-    EXPECT_EQ(why(1), leaves > 2048 ? "alone: its type has too many fields" : restless);
+    EXPECT_EQ(why(1), leaves > 2048 ? "alone: its type has too many fields" : unsettled);
     keeper_ = nullptr;
   }
 }

@@ -105,7 +105,7 @@ TEST_F(PartGroupsTest, AWindowThatMovesAllTheTimeIsServedAloneAndTheOthersNotice
     const std::string window = "data[" + std::to_string(i) + ":" + std::to_string(50'000 + i) + "]";
     routes_[3].selection = selection_of<Image>(window);
     serve();
-    EXPECT_EQ(why(4), restless);
+    EXPECT_EQ(why(4), unsettled);
     EXPECT_EQ(sent_to(1), selection_of<Image>(window));
     go_on_with(100'000, 30ms);
     ASSERT_EQ(groups_.at(0), group) << "at move " << i;

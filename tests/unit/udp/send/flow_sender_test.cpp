@@ -68,7 +68,7 @@ TEST_F(FlowSenderTest, GoesOnBehindWhatTheSendBufferTook) {
   SendFlow one = flow(large_bytes);
   connections.take_batches(3);
   EXPECT_EQ(send(one), Progress::none);
-  EXPECT_EQ(round.time(), now + FlowSender::patience);
+  EXPECT_EQ(round.time(), now + FlowSender::timeout);
   connections.take_batches(SIZE_MAX);
   EXPECT_EQ(send(one), Progress::whole);
   EXPECT_EQ(connections.sent(), test::cut(sent_job->body(), to->path().datagram_bytes())) << "nothing twice";
@@ -78,15 +78,15 @@ TEST_F(FlowSenderTest, LosesASampleWhoseConnectionStaysFull) {
   SendFlow one = flow(large_bytes);
   connections.take_batches(0);
   EXPECT_EQ(sender.send_a_few(one, now), Progress::none);
-  EXPECT_EQ(sender.send_a_few(one, now + FlowSender::patience - 1ms), Progress::none);
-  EXPECT_EQ(sender.send_a_few(one, now + FlowSender::patience), Progress::lost);
+  EXPECT_EQ(sender.send_a_few(one, now + FlowSender::timeout - 1ms), Progress::none);
+  EXPECT_EQ(sender.send_a_few(one, now + FlowSender::timeout), Progress::lost);
 }
 
-TEST_F(FlowSenderTest, IsPatientAnewWhenSomethingHasLeft) {
+TEST_F(FlowSenderTest, WaitsForTheWholeTimeoutAgainWhenSomethingHasLeft) {
   SendFlow one = flow(large_bytes);
   connections.take_batches(0);
   EXPECT_EQ(send(one), Progress::none);
-  now += FlowSender::patience - 1ms;
+  now += FlowSender::timeout - 1ms;
   connections.take_batches(1);
   EXPECT_EQ(send(one), Progress::none);
   now += 1s;

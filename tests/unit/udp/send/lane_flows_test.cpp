@@ -108,7 +108,7 @@ class LaneFlowsOfGroupsTest : public LaneFlowsTest {
   std::shared_ptr<Lane> lane_to_group(std::uint16_t port, std::vector<const Destination*> members) {
     auto result = std::make_shared<Lane>(destination(port), 100, tally);
     groups.push_back(std::make_shared<GroupOf>(std::move(members)));
-    result->end().tell(groups.back());
+    result->end().notify(groups.back());
     return result;
   }
   /// The first of them is older, and its turn comes last.

@@ -40,7 +40,7 @@ class LostSamplesTest : public testing::Test {
     audience_->channels.push_back(reliable ? std::make_shared<Channel>(7, 1, to_, tally_, 9) : nullptr);
     const DeliveryBook::Page page{{reader, {.tally = audience_->tally, .losses = lane_->losses()}}};
     book_.enter(page);
-    book_.turn_to(DeliveryBook::Teller::network, page);
+    book_.turn_to(DeliveryBook::Origin::network, page);
   }
   core::SampleHandle make() {
     core::SampleHandle sample = memory_->take(test::sample_bytes(image_, all_));

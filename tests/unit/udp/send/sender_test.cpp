@@ -93,7 +93,7 @@ TEST(SenderTest, WaitsForNoConnectionOfAChannelThatIsAtRest) {
   channel->post(job, job->first, false);
   sender.schedule(std::move(channel));
   ASSERT_TRUE(sender.start("sender"));
-  EXPECT_EQ(seen.one_closed.get_future().wait_for(sft::test::patience), std::future_status::ready);
+  EXPECT_EQ(seen.one_closed.get_future().wait_for(sft::test::hang_timeout), std::future_status::ready);
   sender.stop();
   EXPECT_EQ(seen.awaited_closed, 0U);
 }

@@ -42,9 +42,9 @@ struct Sending {
   NoSender io{connections};
   RateLimit limit{0};
   NextRound round;
-  AnswerEar ear{io, round};
+  AnswerReceiver answer_receiver{io, round};
   LocalTurns local_turns;
-  FlowSender sender{limit, local_turns, ear, round};
+  FlowSender sender{limit, local_turns, answer_receiver, round};
   ScheduledWork scheduled{io};
 };
 

@@ -1,0 +1,60 @@
+// Processes on the hosts of a network of their own.
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "bench/common/hosts.h"
+
+namespace sft::bench {
+
+class HostProcesses {
+ public:
+  /// The host 0, and `hosts` others, which live as long as the crowd.
+  explicit HostProcesses(std::size_t hosts);
+  /// The host 0, and `hosts` others, of a network that several crowds may use one after the other.
+  HostProcesses(std::shared_ptr<const hosts::EmulatedNetwork> network, std::size_t hosts);
+  /// Ends all processes.
+  ~HostProcesses();
+  HostProcesses(const HostProcesses&) = delete;
+  HostProcesses& operator=(const HostProcesses&) = delete;
+
+  /// Calls `run` in a new process on a host.
+  pid_t start(std::size_t host, const std::function<int()>& run);
+  /// The host of a reader, by its number: all but host 0 in turns.
+  std::size_t host_of_reader(std::size_t number) const { return 1 + number % (hosts_ - 1); }
+
+  std::size_t hosts() const { return hosts_; }
+  std::size_t size() const { return members_.size(); }
+  /// Waits for the process that was started first. True if its exit code was 0.
+  bool first_succeeds();
+
+  // These functions return the sums over all processes, or over all interfaces.
+  double cpu_s() const;
+  double resident_bytes() const;
+  /// Memory that no file has: what the processes have written for themselves.
+  double anonymous_bytes() const;
+  /// REQUIRES: there is a process on each host.
+  LinkBytes link_bytes() const;
+
+  /// The bytes of the interface of one host. REQUIRES: there is a process on that host.
+  LinkBytes link_bytes(std::size_t host) const;
+
+ private:
+  struct Member {
+    pid_t process;
+    std::size_t host;
+  };
+
+  double sum_of_bytes(const char* file, const char* key) const;
+
+  const std::size_t hosts_;
+  const std::shared_ptr<const hosts::EmulatedNetwork> network_;
+  std::vector<Member> members_;
+};
+
+}  // namespace sft::bench

@@ -1,0 +1,31 @@
+// Judges the pairs of one of our endpoints, and has only so many definitions of types compared for it.
+#pragma once
+
+#include "core/negotiation/endpoint_table.h"
+#include "core/negotiation/pair.h"
+#include "core/negotiation/type_comparisons.h"
+
+namespace sft::core {
+
+class PairEvaluator {
+ public:
+  /// Both outlive this object.
+  PairEvaluator(const Self& self, TypeComparisons& comparisons) : self_(self), comparisons_(comparisons) {}
+
+  /// One of them is ours, or both.
+  Verdict evaluate(const TableEntry& writer, const TableEntry& reader) {
+    const bool we_write = writer.is_ours();
+    const TypeSupport& type = we_write ? *writer.type : *reader.type;
+    const bool differs = writer.endpoint.type_hash != reader.endpoint.type_hash;
+    const bool is_compared = !differs || ++definitions_ <= TypeComparisons::compared_at_once;
+    return core::evaluate({writer.endpoint, reader.endpoint, we_write}, type, self_,
+                          is_compared ? &comparisons_ : nullptr);
+  }
+
+ private:
+  const Self& self_;
+  TypeComparisons& comparisons_;
+  int definitions_ = 0;  ///< others than ours that were met so far
+};
+
+}  // namespace sft::core

@@ -1,0 +1,35 @@
+// Watches whether the callback of one subscriber takes long, or waits long for those of other subscribers of
+// the node. The agent's.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "core/node/long_wait.h"
+#include "core/platform/clock.h"
+#include "core/subscribe/subscriber_core.h"
+
+namespace sft::core {
+
+class CallbackMonitor {
+ public:
+  explicit CallbackMonitor(std::shared_ptr<SubscriberCore> core) : core_(std::move(core)) {}
+
+  struct LongWaits {
+    std::optional<Time::duration> of_sample;    ///< a sample has waited for its callback
+    std::optional<Time::duration> of_receiver;  ///< the thread that receives has waited for a callback
+  };
+  /// Returns waits that have become long, each once. Those of samples are counted.
+  LongWaits look(Time now);
+  /// A sample waits for the callback, which may take long.
+  bool has_waiting_sample() const { return of_sample_.is_under_way(); }
+  /// True while a callback runs that has run at several looks in a row.
+  bool is_in_long_callback();
+
+ private:
+  const std::shared_ptr<SubscriberCore> core_;
+  LongWait of_sample_, of_receiver_;
+  int looks_in_callback_ = 0;  ///< in a row
+};
+
+}  // namespace sft::core

@@ -1,0 +1,97 @@
+// Participants of the control topics that say whatever they like, on the network and, for nodes of their own
+// host, on the loopback. They are one process, and hear what the honest ones announce.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "core/control/control.h"
+#include "core/control/record_body.h"
+#include "core/discovery/heartbeat.h"
+#include "core/discovery/own_records.h"
+#include "core/discovery/records.h"
+#include "sft_control.h"
+#include "tests/pairs/control_participant.h"
+
+namespace sft::hostile {
+
+class ForgedControl {
+ public:
+  /// Speaks in the domain that the honest nodes use, as a process with this id. With 0 it only listens, and
+  /// is no process to others. Throws if there is no network.
+  explicit ForgedControl(core::ProcessId process = 0);
+  ~ForgedControl();
+  ForgedControl(const ForgedControl&) = delete;
+  ForgedControl& operator=(const ForgedControl&) = delete;
+
+  /// Everything that honest nodes announced, with the newest request of each reader.
+  std::vector<core::Endpoint> heard();
+  std::vector<core::Endpoint> heard(core::Role role);
+  struct HeardRecord {
+    core::Role role{};
+    dds_guid_t writer{};
+    sft_control_Record sample{};
+  };
+  /// The newest records of others, withdrawn ones included. Their bodies are valid until the next call.
+  std::vector<HeardRecord> records_heard();
+  /// The participants of others on the network, also those with certificates.
+  std::vector<test::ControlParticipant::Other> participants() const;
+
+  // Records of its own. They may say anything of anybody's endpoints.
+
+  /// A reader's announcement comes with its request.
+  void announce(const core::Endpoint& endpoint);
+  void request(const core::Request& request);
+  /// Writes these bytes as its announcement of the endpoint.
+  void announce_bytes(core::Role role, core::EndpointId id, std::vector<std::byte> bytes);
+  void inquire(std::uint64_t owner, const core::Inquiry& inquiry);
+  /// Tells those that inquire, by a topic of its own.
+  void report(const core::NodeReport& report);
+  /// Writes a sample in its own name. Its heartbeats do not count it.
+  void write_as_own(core::Role role, sft_control_Record sample);
+  /// Gives a heartbeat if one is due.
+  void live();
+  /// Gives one with these digests.
+  void live(const core::PerRole<std::uint64_t>& digests);
+
+  // Whatever is not its own.
+
+  /// Writes the sample as it is on all links: names, keys and versions are not checked.
+  void write_raw(core::Role role, const sft_control_Record& sample);
+  void dispose(core::Role role, const sft_control_Record& key);
+  /// Sends it by the network.
+  void send(const core::Heartbeat& heartbeat);
+  /// Returns the heartbeats of others that have come by the network since the last call.
+  std::vector<core::Heartbeat> overheard();
+
+ private:
+  struct Link;
+  using RecordOf = std::tuple<core::ParticipantGuid, core::Role, core::RecordKey>;
+  void listen();
+  void note(const test::ControlParticipant::Came& came);
+  void put(core::Role role, core::EndpointId id, core::RecordKind kind, std::vector<std::byte> bytes);
+
+  std::vector<std::unique_ptr<Link>> links_;
+  core::OwnRecords own_;
+  std::map<RecordOf, test::ControlParticipant::Came> records_;
+  std::map<core::EndpointId, core::Endpoint> heard_;
+  std::map<core::EndpointId, core::Request> requests_;
+};
+
+/// The name of nodes that attackers make up.
+inline constexpr const char* made_up = "made up";
+
+/// A reader that would fit this writer, at an address, as another node would announce it. It asks for all
+/// fields and listens to the writer.
+core::Endpoint made_up_reader(const core::Endpoint& writer, std::uint64_t id, std::uint64_t node,
+                              std::vector<core::UdpAddress> addresses);
+/// A writer that would fit this reader.
+core::Endpoint made_up_writer(const core::Endpoint& reader, std::uint64_t id, std::uint64_t node);
+
+}  // namespace sft::hostile

@@ -1,0 +1,167 @@
+// What one node hears of the control topics, without the rest of the node.
+#pragma once
+
+#include <dds/dds.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/discovery/dds_config.h"
+#include "core/discovery/desired_links.h"
+#include "core/discovery/discovery.h"
+#include "core/platform/domain_id.h"
+#include "core/sync/mutex.h"
+#include "tests/support/eventually.h"
+
+namespace sft::test {
+
+/// The DDS domain of the host that the test runs on.
+inline std::uint32_t control_domain() { return core::domain_id({}, std::getenv("ROS_DOMAIN_ID")).value(); }
+
+/// A participant of plain Cyclone DDS that hears and reaches the nodes of this host.
+class LoopbackParticipant {
+ public:
+  LoopbackParticipant() {
+    const core::LinkSpec loopback{.interface = "lo",
+                                  .ip = core::loopback_ipv4,
+                                  .prefix_bits = 8,
+                                  .loopback = true,
+                                  .reaches_own_host = true};
+    const std::string config = core::dds_config(control_domain(), {}, "").value().text_for(loopback);
+    domain_ = dds_create_domain(number, config.c_str());
+    participant_ = dds_create_participant(number, nullptr, nullptr);
+  }
+  ~LoopbackParticipant() { dds_delete(domain_); }
+  LoopbackParticipant(const LoopbackParticipant&) = delete;
+  LoopbackParticipant& operator=(const LoopbackParticipant&) = delete;
+
+  dds_entity_t entity() const { return participant_; }
+
+ private:
+  static constexpr dds_domainid_t number = 200;  ///< of the domain, in this process
+
+  dds_entity_t domain_ = 0, participant_ = 0;
+};
+
+inline core::Endpoint control_endpoint(core::Role role, core::EndpointId id) {
+  core::Endpoint e;
+  e.id = id;
+  e.role = role;
+  e.node_id = id;
+  e.topic = "points";
+  e.type_name = "Points";
+  e.request.reader = id;
+  return e;
+}
+
+/// What one node hears.
+class ControlReader final : private core::DiscoveryListener {
+ public:
+  /// Those with the same name use the same Cyclone domains. Others meet as if they were in other processes.
+  explicit ControlReader(const std::string& process = "", const std::string& cyclone_config = "") {
+    const core::DiscoveryOptions options{
+        .domain = control_domain(), .user_config = cyclone_config, .threads = {.name_prefix = process}};
+    discovery_ = std::move(core::Discovery::open(options, *this).value());
+  }
+
+  void announce(core::Role role, core::EndpointId id) { discovery_->announce(control_endpoint(role, id)); }
+  void announce(const core::Endpoint& endpoint) { discovery_->announce(endpoint); }
+  void withdraw(core::EndpointId id) { discovery_->withdraw(id); }
+  void inquire(const std::set<core::Inquiry>& inquiries) { discovery_->inquire(inquiries); }
+  bool is_asked(const core::Inquiry& inquiry) const {
+    return eventually([&] { return discovery_->inquiries().all.contains(inquiry); });
+  }
+  bool is_asked_nothing() const {
+    return eventually([&] { return discovery_->inquiries().all.empty(); });
+  }
+  void report(const core::NodeReport& report) { discovery_->report(report); }
+  void ask(core::EndpointId reader, std::uint64_t sequence) {
+    core::Request request;
+    request.reader = reader;
+    request.sequence = sequence;
+    discovery_->send(request);
+  }
+  void hear(core::Role role) { ASSERT_TRUE(discovery_->hear(role)); }
+  /// As its agent does now and then.
+  void look() { (void)discovery_->look_after(std::chrono::steady_clock::now()); }
+
+  std::set<core::EndpointId> heard() const {
+    const core::Lock lock(mutex_);
+    return heard_;
+  }
+  bool hears(core::EndpointId id) const {
+    return eventually([&] { return heard().contains(id); });
+  }
+  /// The number of endpoints that have departed or were lost.
+  std::size_t gone() const {
+    const core::Lock lock(mutex_);
+    return gone_;
+  }
+  std::uint64_t asked() const {
+    const core::Lock lock(mutex_);
+    return asked_;
+  }
+  std::size_t reports() const {
+    const core::Lock lock(mutex_);
+    return reports_;
+  }
+  /// Links that were made anew, as people read it.
+  std::vector<std::string> renewals() const {
+    const core::Lock lock(mutex_);
+    return renewals_;
+  }
+  std::vector<std::string> refused() const {
+    const core::Lock lock(mutex_);
+    return refused_;
+  }
+
+ private:
+  void endpoint_seen(core::Endpoint endpoint) override {
+    const core::Lock lock(mutex_);
+    heard_.insert(endpoint.id);
+    asked_ = std::max(asked_, endpoint.request.sequence);
+  }
+  void endpoint_departed(core::EndpointId id) override {
+    const core::Lock lock(mutex_);
+    heard_.erase(id);
+    ++gone_;
+  }
+  void endpoint_lost(core::EndpointId) override {
+    const core::Lock lock(mutex_);
+    ++gone_;
+  }
+  void request_received(core::Request request) override {
+    const core::Lock lock(mutex_);
+    asked_ = std::max(asked_, request.sequence);
+  }
+  void report_received(core::NodeReport) override {
+    const core::Lock lock(mutex_);
+    ++reports_;
+  }
+  void link_was_renewed(const std::string& what) override {
+    const core::Lock lock(mutex_);
+    renewals_.push_back(what);
+  }
+  void control_malformed(std::string why) override {
+    const core::Lock lock(mutex_);
+    refused_.push_back(std::move(why));
+  }
+
+  mutable core::Mutex mutex_;
+  std::set<core::EndpointId> heard_ SFT_GUARDED_BY(mutex_);
+  std::size_t gone_ SFT_GUARDED_BY(mutex_) = 0;
+  std::uint64_t asked_ SFT_GUARDED_BY(mutex_) = 0;
+  std::size_t reports_ SFT_GUARDED_BY(mutex_) = 0;
+  std::vector<std::string> refused_ SFT_GUARDED_BY(mutex_), renewals_ SFT_GUARDED_BY(mutex_);
+  std::unique_ptr<core::Discovery> discovery_;
+};
+
+}  // namespace sft::test

@@ -1,0 +1,76 @@
+#include "udp_transport/send/answer_receiver.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "tests/unit/udp/connections.h"
+
+namespace sft::udp {
+namespace {
+
+/// A sender to which answers of one byte come, counted from 0.
+class AnsweredSender final : public test::NoSender {
+ public:
+  using NoSender::NoSender;
+  Answer take_answer(std::span<std::byte> to) noexcept override {
+    if (taken == answers) return {};
+    to[0] = static_cast<std::byte>(taken++);
+    return {.bytes = 1, .from = {.ip = 0x7F000001, .port = 5}};
+  }
+  int answers = 0;
+  int taken = 0;
+};
+
+class AnswerReceiverTest : public testing::Test {
+ protected:
+  void tell(Wake wake) {
+    answer_receiver.tell([this, wake](std::span<const std::byte> datagram, const SocketAddress& from, auto) {
+      EXPECT_EQ(from.port, 5);
+      EXPECT_EQ(datagram.size(), 1U);
+      heard.push_back(std::to_integer<int>(datagram[0]));
+      return wake;
+    });
+  }
+
+  test::Connections connections;
+  AnsweredSender io{connections};
+  NextRound round;
+  AnswerReceiver answer_receiver{io, round};
+  std::vector<int> heard;
+};
+
+TEST_F(AnswerReceiverTest, HearsAllThatHasCome) {
+  tell(Wake::none);
+  io.answers = 3;
+  answer_receiver.listen();
+  EXPECT_EQ(heard, (std::vector{0, 1, 2}));
+  EXPECT_EQ(round.time(), NextRound::Time::max()) << "nothing may go on";
+}
+
+TEST_F(AnswerReceiverTest, AsksForARoundAtOnceIfSomethingMayGoOn) {
+  tell(Wake::look);
+  answer_receiver.listen();
+  EXPECT_EQ(round.time(), NextRound::Time::max());
+  io.answers = 1;
+  answer_receiver.listen();
+  EXPECT_EQ(round.time(), NextRound::Time{});
+}
+
+TEST_F(AnswerReceiverTest, LetsStrangersKeepItBusyForAWhileOnly) {
+  tell(Wake::none);
+  io.answers = 100;
+  answer_receiver.listen();
+  EXPECT_EQ(heard.size(), 64U);
+  answer_receiver.listen();
+  EXPECT_EQ(heard.size(), 100U);
+}
+
+TEST_F(AnswerReceiverTest, DropsAnswersIfNobodyHearsThem) {
+  io.answers = 3;
+  answer_receiver.listen();
+  EXPECT_EQ(io.taken, 3);
+}
+
+}  // namespace
+}  // namespace sft::udp

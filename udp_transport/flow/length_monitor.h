@@ -1,0 +1,72 @@
+// Judges by reports whether long datagrams arrive at a receiver: a path may drop these without a word
+// although short ones, as marks are, get through. Compares the lengths of what was sent with the longest
+// datagram that the receiver says has come of late (LongestArrivals). This needs no acks, so that it holds
+// for best effort, and for samples of any size. The class is pure.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+#include "udp_transport/wire/datagram.h"
+
+namespace sft::udp {
+
+class LengthMonitor {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  /// What was sent longer before a mark than this is not judged by the report: the receiver may have
+  /// forgotten it.
+  static constexpr std::chrono::milliseconds judged_within{500};
+
+  /// Datagrams were sent, of which the longest had that length.
+  void sent(std::size_t length, Time now) {
+    if (length > arrived_) since_mark_.add(length, now);
+  }
+  /// A mark was sent behind them. The datagrams between two marks are judged together, those of one pair of
+  /// marks at a time.
+  void mark(std::uint64_t position) {
+    if (!marked_.is_empty()) return;
+    marked_ = std::exchange(since_mark_, {});
+    position_ = position;
+  }
+  /// The receiver asks for something again: the next report should come soon.
+  void asked_again() { in_doubt_ = true; }
+  /// Long datagrams may not arrive: marks should follow them soon.
+  bool is_uncertain() const { return in_doubt_; }
+
+  /// Returns the length of datagrams that have not arrived; 0 if all have, as far as the report tells.
+  std::size_t evaluate(const FlowReport& report, Time marked_at) {
+    arrived_ = report.longest;
+    if (report.position < position_) return 0;
+    const Lengths sent = std::exchange(marked_, {});
+    const bool is_told = report.longest != 0 && marked_at - sent.last <= judged_within;
+    in_doubt_ = is_told && sent.longest > report.longest;
+    if (!in_doubt_) return 0;
+    return sent.shortest > report.longest ? sent.shortest : sent.longest;
+  }
+
+ private:
+  /// Of datagrams that are longer than those that have arrived.
+  struct Lengths {
+    std::size_t shortest = SIZE_MAX, longest = 0;
+    Time last{};
+
+    bool is_empty() const { return longest == 0; }
+    void add(std::size_t length, Time now) {
+      shortest = std::min(shortest, length);
+      longest = std::max(longest, length);
+      last = now;
+    }
+  };
+
+  std::size_t arrived_ = 0;  ///< the longest by the last report
+  Lengths since_mark_, marked_;
+  std::uint64_t position_ = 0;  ///< of the mark behind what is judged next
+  bool in_doubt_ = false;
+};
+
+}  // namespace sft::udp
