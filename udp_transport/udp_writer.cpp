@@ -14,7 +14,8 @@ namespace {
 /// with what has just made it wait, since a large sample has taken the caches.
 constexpr std::size_t small_variants_max = 4, large_variants_max = 1;
 
-/// At most, and less where a member's buffer is small; as the receiving kernel counts.
+/// The upper bound of the rate of a group, in bytes as the receiving kernel accounts them. The rate is lower
+/// where the buffer of a member is small.
 constexpr std::uint64_t group_bytes_per_s = 2'000'000'000;
 
 /// The bytes that a copy for several readers may have, by those that a sample may have at most: sizes are

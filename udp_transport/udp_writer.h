@@ -62,8 +62,8 @@ class UdpWriter final : public core::NetworkWriter, private Periodic {
   const std::shared_ptr<JobPool> jobs_;
 
   ChannelDirectory channels_;           ///< of the agent's thread
-  VariantDirectory variants_;           ///< likewise
-  GroupKeeper keeper_;                  ///< likewise
+  VariantDirectory variants_;           ///< of the agent's thread
+  GroupKeeper keeper_;                  ///< of the agent's thread
   std::vector<core::Route> asked_for_;  ///< likewise: as they were set
   core::Published<RouteTable> routes_;
   const std::shared_ptr<core::DeliveryBook> book_;  ///< null: nobody asks what became of samples

@@ -17,7 +17,7 @@ struct Published {
 
 struct Row {
   std::string name;   ///< of the figure
-  std::string title;  ///< in tables
+  std::string title;  ///< the title of the figure in tables
   Cases cases;
   std::optional<double> saving;          ///< of SFT's bytes in the paper: 0.491; negative: SFT takes more
   double bound = 1;                      ///< for SFT's bytes divided by the peers'

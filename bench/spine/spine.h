@@ -9,7 +9,7 @@
 namespace sft::bench {
 
 struct Scale {
-  std::uint64_t messages = 4000;  ///< per round
+  std::uint64_t messages = 4000;  ///< the number of messages in each round
   int rounds = 3;                 ///< of each contender, in turns; the median counts
 };
 

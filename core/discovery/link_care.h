@@ -87,7 +87,7 @@ class LinkCare {
     Time look_again_at{};              ///< whether the retired link may end
     std::optional<Time> unknown_at{};  ///< when the first stranger came since the last question
     bool has_unknown = false, was_asked = false;
-    Time announce_at{};                          ///< not before
+    Time announce_at{};                          ///< the link announces itself no earlier than this
     std::chrono::milliseconds announce_pause{};  ///< behind the last announcement
   };
   /// More participants of a link keep nothing waiting longer: somebody may make them up.

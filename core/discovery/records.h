@@ -40,7 +40,7 @@ struct PerRole {
 inline constexpr std::array both_roles{Role::writer, Role::reader};
 
 enum class RecordKind : std::uint8_t {
-  announcement,  ///< an endpoint
+  announcement,  ///< the record announces an endpoint
   request,       ///< what a subscriber asks for
   inquiry        ///< a topic whose progress or accounts the process wants to be told
 };

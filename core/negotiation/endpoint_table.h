@@ -25,7 +25,7 @@ struct TableEntry {
   Endpoint endpoint;
   const TypeSupport* type = nullptr;  ///< of our own endpoints
   std::optional<Time> lost_since{};  ///< while its process does not answer: if that returns, it is seen again
-  std::uint64_t arrival = 0;         ///< counts entries
+  std::uint64_t arrival = 0;         ///< the place of the entry in the order of arrival
   std::optional<Progress> progress{};  ///< of writers, as it was told last
 
   bool is_ours() const { return type != nullptr; }
@@ -94,7 +94,7 @@ class EndpointTable {
   std::map<std::string, Topic, std::less<>> topics_;  ///< of all entries
   std::set<EndpointId> lost_;                         ///< the entries that are lost
   TableShares shares_;                                ///< of those that are not ours
-  DescriptionRoom descriptions_;                      ///< likewise
+  DescriptionRoom descriptions_;                      ///< room for descriptions of remote endpoints
   std::uint64_t arrivals_ = 0;
   std::uint64_t refused_ = 0;
   std::map<std::string, std::uint64_t> refusals_;

@@ -37,7 +37,7 @@ class OfferMonitor {
  public:
   struct Signs {
     std::uint64_t published = 0;
-    std::uint64_t asserted = 0;  ///< explicitly
+    std::uint64_t asserted = 0;  ///< explicit assertions of liveliness
   };
   OfferMonitor(const Qos& offered, Time now);
 

@@ -16,7 +16,7 @@ struct NodeContext {
   PortAttempts& attempts;
   NodeLog& log;
   SharedMemory* memory = nullptr;  ///< null if the node must not use it
-  Network* network = nullptr;      ///< likewise
+  Network* network = nullptr;      ///< null if the node must not use the network
 };
 
 /// Tells the user what differs between the states that the user could have polled. `reported`: the state that

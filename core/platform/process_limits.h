@@ -8,8 +8,9 @@
 
 namespace sft::core {
 
-/// Errc::limit_exceeded says which limit it is, and how to raise it. Takes so many file descriptors, the
-/// addresses that so many threads need, and starts so many unless all limits are far, and gives all back.
+/// Errc::limit_exceeded says which limit it is, and how to raise it. The function opens `descriptors` files,
+/// reserves the addresses that `threads` threads need, starts that many threads unless all limits are far
+/// away, and gives all of it back.
 Result<void> check_room_for(std::size_t descriptors, std::size_t threads);
 
 /// Errc::limit_exceeded if this process does not have so many free file descriptors with numbers that

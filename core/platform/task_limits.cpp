@@ -25,7 +25,7 @@ std::optional<std::uint64_t> number_in(const fs::path& file) {
   return number;
 }
 
-/// The fourth word of /proc/loadavg: so many run, of so many.
+/// Field 4 of /proc/loadavg, "running/total".
 std::optional<std::uint64_t> threads_of_the_system(const fs::path& root) {
   std::ifstream stream(root / "proc/loadavg");
   std::string load, running;

@@ -33,7 +33,7 @@ class Dispatch {
     std::shared_ptr<NetworkWriter> network;  ///< null if the publisher must not use it
     std::shared_ptr<DeliveryBook> book;
     History* history = nullptr;  ///< keeps every sample; null if the publisher retains none
-    bool waits = false;          ///< for readers
+    bool waits = false;          ///< the publisher waits for readers
   };
   explicit Dispatch(Setup setup);
 

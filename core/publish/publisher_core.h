@@ -138,7 +138,7 @@ class PublisherCore {
       SFT_ACQUIRED_BEFORE(lock_order::endpoint);
   mutable Condition readers_known_;  ///< that they may be others than before
   std::vector<PublisherStatus::Reader> readers_ SFT_GUARDED_BY(status_mutex_);
-  FieldMask encoded_ SFT_GUARDED_BY(status_mutex_);  ///< at present
+  FieldMask encoded_ SFT_GUARDED_BY(status_mutex_);  ///< the fields that are encoded at present
 };
 
 }  // namespace sft::core

@@ -96,7 +96,7 @@ class NodeLog {
     std::string topic;
     Time next_line{};              ///< no line before
     std::chrono::seconds pause{};  ///< between the last two lines
-    std::uint64_t untold = 0;      ///< samples
+    std::uint64_t untold = 0;      ///< samples that no message has named yet
     void begin_pause(Time now);
   };
   const std::string node_;

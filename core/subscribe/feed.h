@@ -30,7 +30,7 @@ class Feed {
     /// Closed, and without a rate. If fields are recorded, it is asked for at first.
     Selection selection{};
     std::uint32_t min_period_us = 0;  ///< of its maximum rate; 0: all samples
-    Qos qos{};                        ///< requested
+    Qos qos{};                        ///< the QoS that the subscriber requests
     /// Called by any thread: lets the agent ask for what is needed now, and returns.
     std::function<void()> changed = [] {};
   };

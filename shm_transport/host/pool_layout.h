@@ -47,7 +47,7 @@ class PoolLayout {
   std::byte* const begin_;
   const std::uint32_t chunk_bytes_;
   const std::uint32_t chunk_count_;
-  std::uint32_t* const next_free_;  ///< by index
+  std::uint32_t* const next_free_;  ///< the next free chunk of each chunk, by index
 };
 
 /// Returns the pools of chunks, and behind them the pool of the headers of chunks

@@ -156,7 +156,7 @@ class ShmWriterPort final : public core::LendingWriter {
   const std::chrono::nanoseconds max_blocking_;
   const core::TrustedAccounts reader_accounts_;               ///< the accounts whose doorbells are rung
   std::vector<std::shared_ptr<core::DoorbellPage>> reached_;  ///< kept open until routes are set
-  std::vector<core::Route> routes_;                           ///< in force
+  std::vector<core::Route> routes_;                           ///< the routes that are in force
 
   // The thread of the publisher uses these two members.
   std::chrono::nanoseconds timeout_max_ = std::chrono::nanoseconds::max();

@@ -37,7 +37,7 @@ struct Stage {
   AnyTransport there;  ///< of the writers
   AnyTransport here;   ///< of the readers
   const std::unique_ptr<core::DoorbellPage> bells = core::DoorbellPage::create();
-  std::atomic<std::uint32_t> readers{0};  ///< so far
+  std::atomic<std::uint32_t> readers{0};  ///< the number of readers so far
 };
 
 struct ReaderOptions {

@@ -44,7 +44,7 @@ class FakeInbox {
     std::uint64_t newest = 0;    ///< sequence that has arrived
     std::uint64_t arrivals = 0;
     bool begun = false;         ///< from the sample taken last on, gaps tell what is missing
-    std::uint64_t dropped = 0;  ///< since then
+    std::uint64_t dropped = 0;  ///< samples dropped since then
   };
   const Writer* find(core::EndpointId id) const;
   Writer* find(core::EndpointId id);

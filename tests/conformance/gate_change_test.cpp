@@ -172,14 +172,14 @@ class GateChanges {
   std::optional<Reader> reader;
   Reader other{stage, {.masks = {"height, width"}}};  // the other reader does not accept that
   std::vector<Choice> choices;
-  std::vector<Span> spans{1};  ///< by sequence
+  std::vector<Span> spans{1};  ///< the span of each sample, by sequence
   std::mutex mutex;
-  std::condition_variable_any one_more;        ///< was published
+  std::condition_variable_any one_more;        ///< notified when a sample was published
   std::size_t published = 0;                   ///< written by the publisher, with the mutex
-  std::atomic<std::size_t> begun{0}, done{0};  ///< changes
+  std::atomic<std::size_t> begun{0}, done{0};  ///< changes that have begun, and that are done
   std::uint64_t last = 0;                      ///< the sequence that came last
   bool may_be_under_way = false;               ///< a sample, which the next one may displace
-  std::uint64_t displaced = 0;                 ///< samples
+  std::uint64_t displaced = 0;                 ///< samples that newer ones have displaced
   std::set<const Choice*> came;                ///< samples came that they have let pass
 };
 

@@ -183,10 +183,10 @@ class MovingWindow {
   Writer writer_{stage_, 1, {}, type()};
   Reader reader_{stage_, {.type = &type()}};
   core::AcceptedRequests requests_;
-  std::vector<Span> spans_{1};  ///< by sequence
+  std::vector<Span> spans_{1};  ///< the span of each sample, by sequence
   std::atomic<std::size_t> published_{0};
   std::atomic<std::size_t> still_since_{0};      ///< so many were published before the last change
-  std::atomic<std::size_t> begun_{0}, done_{0};  ///< changes
+  std::atomic<std::size_t> begun_{0}, done_{0};  ///< changes that have begun, and that are done
   std::uint64_t taken_ = 0;
   std::set<std::uint64_t> came_;  ///< the selections under which samples came
 };

@@ -18,7 +18,7 @@ namespace sft::test {
 
 struct DecoderInput {
   const MessageType* type = nullptr;
-  FieldMask mask{};                   ///< closed
+  FieldMask mask{};                   ///< a closed field mask
   FieldMask narrower{};               ///< closed, a subset of mask
   std::span<const std::byte> body{};  ///< within the input, not aligned
 };

@@ -26,7 +26,7 @@ class Taken {
 
  private:
   struct OfWriter {
-    std::uint64_t first = 0;  ///< sequence
+    std::uint64_t first = 0;  ///< the first sequence
     std::uint64_t last = 0;
     std::uint64_t received = 0;
     std::uint64_t by_shm = 0;

@@ -13,7 +13,7 @@ namespace sft::test {
 
 struct ValueTree {
   std::string name{};
-  std::size_t count = 0;           ///< elements
+  std::size_t count = 0;           ///< the number of elements
   std::string bytes{};             ///< of a string, or of all primitives of a member
   std::vector<ValueTree> inner{};  ///< members of a struct; elements that are strings or structs
   friend bool operator==(const ValueTree&, const ValueTree&) = default;

@@ -38,7 +38,7 @@ class LossyCable {
   /// The faults since the cable was made.
   struct Notes {
     std::atomic<bool> ready{false}, bad{false};
-    std::atomic<std::uint64_t> lost{0}, repeated{0}, swapped{0};  ///< frames
+    std::atomic<std::uint64_t> lost{0}, repeated{0}, swapped{0};  ///< numbers of frames
     /// Frames that the kernel had no room for, or did not take, which are unwanted losses.
     std::atomic<std::uint64_t> failed{0};
     /// Sequences of samples of which the cable lost a part, of any publisher.

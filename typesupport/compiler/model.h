@@ -38,7 +38,7 @@ enum sft_kind {
 // A single value, an array (dimension_count > 0) or a sequence of elements.
 struct sft_type {
   enum sft_kind kind;     ///< of one element; for an enumeration or bitmask, its integer
-  const char* name;       ///< scoped, of the element's struct, enumeration or bitmask; null otherwise
+  const char* name;       ///< the scoped name
   uint32_t string_bound;  ///< most characters of each string; 0: unbounded
   bool is_sequence;
   uint32_t bound;  ///< most elements of the sequence; 0: unbounded
@@ -83,7 +83,7 @@ enum sft_declaration_kind { SFT_CONSTANT, SFT_ALIAS, SFT_ENUMERATION, SFT_BITMAS
 // A declaration. Its kind says which members are set.
 struct sft_declaration {
   enum sft_declaration_kind kind;
-  const char* name;        ///< scoped
+  const char* name;        ///< the scoped name
   struct sft_type type;    ///< of a constant or an alias; for an enumeration or bitmask, its integer
   struct sft_value value;  ///< of a constant
   struct sft_enumerator* enumerators;

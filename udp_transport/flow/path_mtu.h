@@ -50,7 +50,7 @@ class PathMtu {
   std::size_t headers_;
   std::size_t shortest_;
   std::size_t ceiling_;          ///< what the kernel says
-  std::size_t bytes_;            ///< at present
+  std::size_t bytes_;            ///< the present length of datagrams
   std::size_t proven_ = 0;       ///< the greatest that has arrived; 0: none has yet
   std::size_t too_long_ = none;  ///< did not arrive
   Time next_try_{};

@@ -39,7 +39,7 @@ struct PlanLimits {
   double unwanted_weight = 0.25;   ///< of a byte that a member gets and has not asked for
   double wire_max = 1.05;          ///< bytes on a link, by what one group, or none, would put there
   double gain_min = 0.05;          ///< of what another plan costs: less is no reason to change to it
-  double gain_bytes_per_s = 4096;  ///< likewise
+  double gain_bytes_per_s = 4096;  ///< a gain of fewer bytes is no reason to change the plan
   std::size_t groups_max = 8;      ///< of a division
   /// The bytes that a body may have that nobody asked for as it is: a larger one might not be sent at all.
   double merged_body_max = std::numeric_limits<double>::infinity();

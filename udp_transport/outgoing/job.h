@@ -44,7 +44,7 @@ struct Job {
   detail::Projection projection;
   FirstHeader first;
   std::shared_ptr<const WireMask> mask;
-  std::uint64_t sequence = 0;     ///< whole
+  std::uint64_t sequence = 0;     ///< the whole sequence, not its low bits
   std::uint32_t whole_bytes = 0;  ///< of the sample's body with all fields; of a pack: of all
   std::uint32_t sent_bytes = 0;   ///< of the body; the lane that it is posted to sends the rest
 

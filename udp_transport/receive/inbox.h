@@ -55,7 +55,7 @@ class Inbox {
     bool connected = true;
     LateFilter filter{};
     bool taken = false;         ///< some sample of the writer was taken
-    std::uint64_t dropped = 0;  ///< since then
+    std::uint64_t dropped = 0;  ///< samples dropped since then
     std::uint64_t arrivals = 0;
   };
   Writer* find(core::EndpointId id) noexcept SFT_REQUIRES(mutex_);

@@ -12,7 +12,7 @@ class IntervalSet {
  public:
   struct Interval {
     std::uint32_t begin;
-    std::uint32_t end;  ///< exclusive
+    std::uint32_t end;  ///< the first value behind the interval
   };
 
   /// Returns how many bytes of [begin, end) were not in the set before. begin < end.

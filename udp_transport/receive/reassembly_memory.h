@@ -20,8 +20,8 @@ namespace sft::udp {
 struct ReassemblyLimits {
   std::size_t sample_bytes = std::size_t{64} << 20;       ///< of one body, whatever its writer announced
   std::size_t unfinished_bytes = std::size_t{128} << 20;  ///< of all unfinished bodies of one writer
-  std::size_t unfinished_per_variant = 4;                 ///< samples
-  std::size_t unfinished_per_writer = 32;                 ///< samples
+  std::size_t unfinished_per_variant = 4;                 ///< unfinished samples of one variant
+  std::size_t unfinished_per_writer = 32;                 ///< unfinished samples of one writer
   std::size_t parked_bytes = std::size_t{512} << 10;  ///< of all datagrams that came before their first one
   std::size_t gaps = 4096;                            ///< in one sample
   std::chrono::milliseconds timeout{500};             ///< a sample is dropped after so long without progress

@@ -69,7 +69,7 @@ class UnfinishedSample {
   core::SampleHandle buffer_;
   std::byte* body_ = nullptr;
   IntervalSet received_;
-  std::vector<std::byte> parked_;  ///< Parked and payload, in turns
+  std::vector<std::byte> parked_;  ///< fragments that came before the first one: {Parked, payload}*
   Time last_progress_;
   std::size_t index_ = 0;  ///< where it is among the others (unfinished_samples.h)
   UnfinishedSample* next_in_bucket_ = nullptr;

@@ -50,7 +50,7 @@ class RepairQueue {
   };
 
   std::vector<Repair> waiting_;   ///< the oldest first
-  std::deque<Sent> sent_lately_;  ///< likewise
+  std::deque<Sent> sent_lately_;  ///< the oldest first
   Pacer pacer_;
   bool is_paced_ = false;  ///< the last next() had to leave one for later
   std::uint64_t sent_ = 0;

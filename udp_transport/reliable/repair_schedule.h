@@ -67,12 +67,12 @@ class RepairSchedule {
   /// memory is short.
   bool has_timed_out(Time came, Time now) const { return now - came >= limits_.confirm_timeout; }
 
-  /// Somebody looks now at what is missing.
+  /// A look for missing samples begins now.
   void begin_look(Time now) {
     look_at_ = Time::max();
     looked_at_ = now;
   }
-  /// Has somebody look at that time. The window holds so many samples: many are not looked at too often.
+  /// Schedules the next look. Looks are rarer the more samples the window holds.
   void look_at(Time time, std::size_t samples);
   void nothing_is_missing() { look_at_ = Time::max(); }
   Time next_look() const { return look_at_; }

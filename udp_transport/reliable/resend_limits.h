@@ -12,7 +12,7 @@ struct ResendLimits {
   std::size_t bytes = std::size_t{64} << 20;          ///< of memory that these hold, but for the newest
   std::uint64_t repair_bytes_per_s = 100'000'000;     ///< live samples have the rest
   std::chrono::milliseconds heartbeat_delay{20};      ///< after the last sample
-  std::chrono::milliseconds heartbeat_pause{2000};    ///< on a good link, on average, where they are answered
+  std::chrono::milliseconds heartbeat_pause{2000};    ///< average pause between heartbeats while acks arrive
   std::chrono::milliseconds heartbeat_period{4000};   ///< while samples come as usual
   int heartbeats_saved = 4;                           ///< that may follow each other faster
   std::chrono::seconds mistrust{10};                  ///< of a link, after it has lost something

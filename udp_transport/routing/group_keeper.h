@@ -84,7 +84,7 @@ class GroupKeeper {
     bool gets_more = false;             ///< than a group is sent
     Time settled_at{};                  ///< before, it is in no group
     std::optional<std::size_t> link{};  ///< in links_; empty: it cannot be in a group
-    std::string refusal{};              ///< why
+    std::string refusal{};              ///< why it cannot be in a group
     std::size_t division = 0;           ///< see divide()
   };
   struct Planned {
@@ -96,7 +96,7 @@ class GroupKeeper {
   struct PlannedFor {
     std::map<const Destination*, PlanDestination> destinations{};
     double samples_per_s = 0;
-    bool member_left = false;  ///< since then
+    bool member_left = false;  ///< a member has left since then
   };
 
   /// What is known of samples, asked for or not.

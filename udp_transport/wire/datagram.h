@@ -244,9 +244,9 @@ struct FlowMark {
 struct FlowReport {
   std::uint32_t flow = 0;
   std::uint64_t position = 0;
-  std::uint32_t window_bytes = 0;  ///< so many bytes may be under way, as the receiving kernel counts
+  std::uint32_t window_bytes = 0;  ///< bytes that may be under way, as the receiving kernel accounts them
   std::uint32_t datagrams = 0;
-  /// So many of these datagrams came. All that were sent before the receiver knew the sender count as come.
+  /// The number of these datagrams that arrived. Those sent before the first mark count as arrived.
   std::uint32_t came = 0;
   /// Bytes of the longest datagram that came from the sender's address of late; 0 if the receiver does not
   /// know.

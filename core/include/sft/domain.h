@@ -116,9 +116,9 @@ struct DomainSnapshot::Endpoint {
 /// The counts of the publisher's node for one subscriber, with the meanings of PublisherStatus::Reader.
 struct DomainSnapshot::Sent {
   std::chrono::nanoseconds age{};  ///< the time since the counts came; 0 if the asked node made them itself
-  std::uint64_t sent = 0;          ///< samples
+  std::uint64_t sent = 0;          ///< samples that were sent
   std::uint64_t withheld = 0;      ///< samples that conditions or the maximum rate have withheld
-  std::uint64_t dropped = 0;       ///< samples
+  std::uint64_t dropped = 0;       ///< samples that were dropped
   std::uint64_t retained = 0;      ///< samples from before the subscriber came; not in the counts above
   std::uint64_t bytes_sent = 0;    ///< bytes of bodies over the network
   std::uint64_t bytes_saved = 0;   ///< bytes of the fields that were left out of these bodies
@@ -141,8 +141,8 @@ struct DomainSnapshot::Account {
 /// A publisher and a subscriber of one topic, as far as their announcements tell. Members that have no
 /// comment are as in PublisherStatus::Reader.
 struct DomainSnapshot::Pair {
-  std::uint64_t publisher = 0;     ///< id
-  std::uint64_t subscriber = 0;    ///< id
+  std::uint64_t publisher = 0;     ///< the id of the publisher
+  std::uint64_t subscriber = 0;    ///< the id of the subscriber
   bool matched = false;            ///< false: `reason` says why
   bool connected = false;          ///< the subscriber says that it hears the publisher, by `transport`
   TransportKind transport{};       ///< means something only while the pair is connected

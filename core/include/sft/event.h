@@ -21,7 +21,7 @@ struct Event {
     no_path,            ///< all fits, but no path is allowed to both; `text` says why there is none
     deadline_missed,    ///< the own promise on a publisher (`peer` is 0), the requested one on a subscriber
     liveliness_lost,    ///< of the publisher itself (`peer` is 0), or of a publisher, on a subscriber
-    liveliness_recovered,  ///< likewise
+    liveliness_recovered,  ///< as for `liveliness_lost`: the publisher is alive again
     samples_lost,          ///< only on subscribers
     samples_diverted,      ///< only on publishers: sent by UDP because shared memory could not take them
     held_too_many,  ///< only on subscribers: it holds max_held samples, and take() gives no more; `peer` is 0

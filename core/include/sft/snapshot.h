@@ -51,7 +51,7 @@ struct NodeSnapshot {
     std::uint64_t id = 0;                  ///< DomainSnapshot::Endpoint::id
     std::string topic;                     ///< without a slash at the beginning
     std::string type;                      ///< the name of the type
-    Qos qos;                               ///< offered
+    Qos qos;                               ///< the QoS that the subscriber requests
     std::string fields;                    ///< the fields that are encoded at present
     std::uint64_t published = 0;           ///< as in PublisherStatus
     std::uint64_t bytes_sent = 0;          ///< as in PublisherStatus
@@ -69,7 +69,7 @@ struct NodeSnapshot {
     std::uint64_t id = 0;   ///< DomainSnapshot::Endpoint::id
     std::string topic;      ///< without a slash at the beginning
     std::string type;       ///< the name of the type
-    Qos qos;                ///< requested
+    Qos qos;                ///< the QoS that the subscriber requests
     std::string fields;     ///< the fields that it asks for at present
     bool recorded = false;  ///< true: they were found by recording
     /// SampleInfo::selection of its samples. The entries of one subscriber stand behind each other.

@@ -93,7 +93,7 @@ class ControlWorld {
   struct Channel {
     bool is_found = false;
     bool is_stalled = false;                                       ///< records are dropped as old
-    Time heard_at{};                                               ///< anything
+    Time heard_at{};                                               ///< when anything of it arrived last
     unsigned number = 0;                                           ///< counts how often it was found
     std::deque<std::pair<Time, std::function<void()>>> written{};  ///< what arrives, and when, in its order
   };

@@ -25,7 +25,7 @@ class AskedRequests {
  public:
   struct Asked {
     core::Request request;
-    Selection selection;  ///< closed
+    Selection selection;  ///< a closed selection
   };
 
   /// `type` outlives this object.

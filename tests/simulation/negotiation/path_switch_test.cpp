@@ -65,7 +65,7 @@ class MemoryPath final : public IdleLendingWriter, public Path {
   }
   void set_routes(std::vector<Route> routes) override { put(std::move(routes)); }
 
-  bool refuses = false;  ///< to lend
+  bool refuses = false;  ///< the port refuses to lend memory
 
  private:
   std::shared_ptr<BufferPool> pool_;

@@ -59,7 +59,7 @@ class ChannelSender {
   std::uint32_t number_ = 0;
   std::unique_ptr<udp::ResendWindow> window_;
   std::unique_ptr<udp::FlowWindow> flow_;
-  std::uint64_t oldest_kept_ = 1;  ///< ordinal
+  std::uint64_t oldest_kept_ = 1;  ///< the lowest ordinal that is kept
   std::optional<Sending> sending_[2];
   Time send_at_ = start_time;
 };

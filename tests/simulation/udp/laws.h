@@ -84,7 +84,7 @@ class Laws {
   /// What one reader has to get, and has got.
   struct Account {
     std::vector<Variant> owed{};
-    std::set<std::uint64_t> got{};         ///< sequences
+    std::set<std::uint64_t> got{};         ///< sequences of the samples that arrived
     std::uint64_t last = 0;                ///< the sequence that the reader got last
     std::uint64_t last_gate = 0;           ///< the gate that this sample has passed; 0: none
     std::set<std::uint64_t> last_names{};  ///< the selections under which this sequence came
@@ -95,9 +95,9 @@ class Laws {
     std::uint64_t gate = 0;                 ///< of its latest wish
     std::uint64_t known_from = 0;           ///< the first sample under that wish; 0: there is none yet
     bool is_settled = false;                ///< it has got a sample that was sent under its latest wish
-    std::set<std::uint64_t> withheld{};     ///< sequences
+    std::set<std::uint64_t> withheld{};     ///< sequences of the samples that were withheld
     core::SequenceAccount numbers{};        ///< as a subscriber counts what is missing
-    core::AskedGates asked{};               ///< likewise
+    core::AskedGates asked{};               ///< gates as a subscriber counts them
   };
 
   bool is_sound(const core::SampleBuffer& sample, const std::string& which);

@@ -65,7 +65,7 @@ class LossAccount {
   std::uint64_t missing(const Channel& channel, std::uint64_t end) const;
 
   std::map<std::uint32_t, Channel> channels_;  ///< by number
-  std::set<std::uint64_t> dropped_;            ///< sequences
+  std::set<std::uint64_t> dropped_;            ///< sequences of the dropped samples
   std::set<Variant> came_;
   std::set<Variant> refused_;
 };

@@ -57,7 +57,7 @@ class Publisher {
   std::shared_ptr<udp::JobPool> jobs_ = udp::JobPool::make();
   std::shared_ptr<core::BufferPool> memory_ = core::BufferPool::make(std::size_t{64} << 20);
   core::Gates gates_{cloud_type()};
-  core::Serving serving_{};                                               ///< in force
+  core::Serving serving_{};                                               ///< the serving that is in force
   std::map<const core::Gate*, std::weak_ptr<const core::Gate>> given_{};  ///< gates, perhaps gone by now
   std::size_t gated_by_group_ = 0;
   std::uint64_t sequence_ = scenario_.first_sequence;  ///< of the next sample

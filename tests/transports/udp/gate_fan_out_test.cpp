@@ -225,8 +225,8 @@ class GatedReader {
   std::vector<Selection> asked_{};  ///< the latest is the last
   core::AskedGates asked_gates_{};
   core::SequenceAccount account_{};
-  std::vector<std::uint64_t> owed_{};  ///< sequences
-  std::size_t got_ = 0;                ///< of these
+  std::vector<std::uint64_t> owed_{};  ///< sequences of the samples that are owed
+  std::size_t got_ = 0;                ///< how many of the owed samples arrived
   std::uint64_t received_ = 0, lost_ = 0, withheld_ = 0;
 };
 

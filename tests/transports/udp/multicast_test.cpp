@@ -138,7 +138,7 @@ class MulticastTest : public TransportTest {
   }
 
   test::Hold hold_;                ///< outlives the transport that looks at it
-  std::atomic<bool> deaf_{false};  ///< likewise
+  std::atomic<bool> deaf_{false};  ///< outlives the transport that looks at it
   const std::shared_ptr<core::DeliveryBook> book_ = std::make_shared<core::DeliveryBook>();
   std::unique_ptr<core::Network> writer_;
   std::unique_ptr<Publisher> publisher_;

@@ -30,7 +30,7 @@ struct Order {
   enum class Kind { report, publish, halt };
   Kind kind = Kind::report;
   double hz = 0;              ///< for Kind::publish
-  std::uint64_t samples = 0;  ///< likewise
+  std::uint64_t samples = 0;  ///< the number of samples for Kind::publish
 };
 
 /// A reader as its publisher sees it.
@@ -67,7 +67,7 @@ struct Reception {
   std::string transport;                  ///< "shm" or "udp"
   std::string reason;                     ///< why this transport is used
   std::vector<std::string> fields;        ///< those that the subscriber asks for at present
-  std::vector<std::string> other_fields;  ///< all others
+  std::vector<std::string> other_fields;  ///< all fields that are not named above
   std::uint64_t received = 0;
   std::uint64_t lost = 0;
   std::uint64_t incomplete = 0;  ///< lost samples of which a part came

@@ -54,7 +54,7 @@ class ClientCall {
     Kind kind{};
     std::uint64_t server = 0;  ///< to send: the id of the server
     ServiceTime until{};       ///< to wait: for a reply, but no longer
-    std::string reason{};      ///< to fail
+    std::string reason{};      ///< why the call is to fail
   };
 
   ClientCall(std::string_view service, ServiceTime now, std::chrono::nanoseconds timeout);

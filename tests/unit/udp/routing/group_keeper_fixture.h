@@ -169,7 +169,7 @@ class GroupKeeperTest : public testing::Test {
     std::size_t datagram_bytes;
   };
   GroupKeeper::Time now_{1h};
-  bool anything_passes_ = true;  ///< a gate
+  bool anything_passes_ = true;  ///< a gate lets samples pass
   std::vector<core::Route> routes_;
   std::vector<RouteBundle> merged_;
   std::vector<std::shared_ptr<MulticastGroup>> groups_;

@@ -52,7 +52,7 @@ class Selection {
 
   /// The part of one leaf, which is an array or a sequence and in no other sequence.
   struct Part {
-    std::uint32_t leaf = 0;  ///< its number
+    std::uint32_t leaf = 0;  ///< the number of the leaf
     Range rows{};            ///< all, where the leaf has no rows
     Range columns{};         ///< elements, where the leaf has no rows
     /// Names, ascending, each once; empty: all. A name is printable UTF-8 without ',', '}' and outer blanks.
@@ -74,8 +74,8 @@ class Selection {
   struct Condition {
     /// Which of the members count, and how.
     enum class Kind : std::uint8_t {
-      all_of,   ///< its children
-      any_of,   ///< its children
+      all_of,   ///< all children hold
+      any_of,   ///< at least one child holds
       compare,  ///< a scalar leaf with a number
       changed,  ///< a leaf differs from what it was in the last sample that passed
       nth,      ///< every n-th sample
@@ -85,7 +85,7 @@ class Selection {
     enum class Comparison : std::uint8_t { less, less_or_equal, greater, greater_or_equal, equal, not_equal };
 
     Kind kind{};              ///< what it is
-    Comparison comparison{};  ///< of compare
+    Comparison comparison{};  ///< the comparison of a `compare` condition
     bool is_percent = false;  ///< of changed: the deadband is a part of the former value; not if it is 0
     std::vector<std::uint32_t> leaves{};  ///< compare: one; changed: ascending, each once
     std::uint32_t children = 0;           ///< of all_of and any_of: at least two
@@ -110,7 +110,7 @@ class Selection {
   static constexpr std::size_t channels_max = 64;        ///< of a part
   static constexpr std::size_t channel_bytes_max = 255;  ///< of a name
   static constexpr std::size_t conditions_max = 32;      ///< with the nodes between them
-  static constexpr std::size_t depth_max = 8;            ///< of conditions in conditions
+  static constexpr std::size_t depth_max = 8;            ///< the maximum nesting of `and` and `or`
   static constexpr std::size_t changed_leaves_max = 64;  ///< of a condition
   static constexpr std::size_t bytes_max = 2048;         ///< of to_bytes()
   /// The longest period of a condition or a rate.

@@ -32,7 +32,7 @@ inline constexpr std::size_t layout_roles = 13;
 /// A layout of one type, with the places of its fields in that type.
 struct Layout {
   enum class Form : std::uint8_t {
-    list,   ///< elements
+    list,   ///< has a number of elements
     cells,  ///< rows of cells, all of the same size
     points  ///< rows of cells with channels
   };
