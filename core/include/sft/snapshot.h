@@ -51,7 +51,7 @@ struct NodeSnapshot {
     std::uint64_t id = 0;                  ///< DomainSnapshot::Endpoint::id
     std::string topic;                     ///< without a slash at the beginning
     std::string type;                      ///< the name of the type
-    Qos qos;                               ///< the QoS that the subscriber requests
+    Qos qos;                               ///< the QoS that the publisher offers
     std::string fields;                    ///< the fields that are encoded at present
     std::uint64_t published = 0;           ///< as in PublisherStatus
     std::uint64_t bytes_sent = 0;          ///< as in PublisherStatus
