@@ -6,11 +6,14 @@ from typing import NamedTuple
 
 import comments
 import headers
+import lexer
 import rooms
 import structure
 from tree import line_at
 
 MID_SENTENCE_PERCENT_MAX = 5
+_PARTS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+")
+_ONE_WORD = re.compile(r"///< [a-z]+$")
 _TOOLS_OF_THE_LANGUAGE = re.compile(r"[a-z_0-9]+|(?:stdint|stddef|string|stdlib|stdio|stdbool|limits|inttypes)\.h")
 
 
@@ -217,6 +220,28 @@ def comment_blocks(tree, settings):
             yield path, block, comments.begins_in_mid_sentence(block, names)
 
 
+def identifiers_are_words_of_the_trade(tree, settings):
+    """Names of tests are sentences, and names in capitals those of a definition or a macro: both are free."""
+    for path in tree.code:
+        for token in lexer.read(tree.text(path)).tokens:
+            parts = _PARTS.findall(token.text) if token.kind == "word" else []
+            if token.text.isupper() or token.text[0].isupper() and len(parts) >= 4:
+                continue
+            for part in parts:
+                better = settings.metaphors.get(part.lower())
+                if better:
+                    yield Finding(path, token.line, f'{token.text}: "{part.lower()}" is a metaphor: {better}')
+
+
+def trailing_comments_have_a_noun(tree, settings):
+    for path in tree.code:
+        for number, line in enumerate(tree.lines(path), 1):
+            found = _ONE_WORD.search(line)
+            goes_on = found and not line[:found.start()].strip()
+            if found and not goes_on:
+                yield Finding(path, number, f'"{found[0]}" is a fragment: write what the member is, with its noun')
+
+
 def includes_have_one_style(tree, settings):
     """From the root of the project in double quotes; public headers as "sft/..." or <sft/...>."""
     top_folders = {path.split("/")[0] for path in tree.code}
@@ -250,5 +275,7 @@ ALL = {
     "public-types-are-few": public_types_are_few,
     "words-are-plain": words_are_plain,
     "comments-begin-with-their-subject": comments_begin_with_their_subject,
+    "identifiers-are-words-of-the-trade": identifiers_are_words_of_the_trade,
+    "trailing-comments-have-a-noun": trailing_comments_have_a_noun,
     "includes-have-one-style": includes_have_one_style,
 }

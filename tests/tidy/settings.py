@@ -22,6 +22,7 @@ class Settings:
         self.public_folders = data.get("public", {}).get("folders", [])
         self.public_libraries = data.get("public", {}).get("libraries", [])
         self.words = data.get("words", {})
+        self.metaphors = data.get("metaphors", {})
         self.unlisted = data.get("unlisted_sources", {})
         self.private_folders = data.get("private_include_folders", {})
         self.names = set(data.get("comments", {}).get("names", []))

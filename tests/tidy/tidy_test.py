@@ -45,6 +45,9 @@ names = ["sftd"]
 
 [words]
 "whatsoeverish" = "write a number"
+
+[metaphors]
+"earlike" = "write receiver"
 """
 
 
@@ -167,6 +170,17 @@ class LinesTest(TreeTest):
         self.write("a.md", "fine\nWhatsoeverish\n")
         self.write("low/a.h", "// whatsoeverish\n")
         self.assertEqual(self.found("words-are-plain"), ["low/a.h:1", "a.md:2"])
+
+
+class NamesTest(TreeTest):
+    def test_a_metaphor_in_a_name_is_found_but_in_no_comment_string_or_sentence(self):
+        self.write("low/a.h", 'int my_earlike;\n// earlike\nauto s = "earlike";\nint TheEarlikeHearsAll;\n'
+                              "EarlikeBox b;\n")
+        self.assertEqual(self.found("identifiers-are-words-of-the-trade"), ["low/a.h:1", "low/a.h:5"])
+
+    def test_a_trailing_comment_of_one_word_is_found(self):
+        self.write("low/a.h", "int a;  ///< likewise\nint b;  ///< the number of ears\nint c;  ///< id()\n")
+        self.assertEqual(self.found("trailing-comments-have-a-noun"), ["low/a.h:1"])
 
 
 class SizesTest(TreeTest):
