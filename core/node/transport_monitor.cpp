@@ -44,15 +44,14 @@ TransportMonitor::MemoryChange TransportMonitor::look_at_memory(Time now) {
   return change;
 }
 
-/// An attempt that follows a failed one is no news, only its outcome is. A program that is to start the
-/// daemon and cannot is set up wrongly: that is worth a warning.
+/// An attempt that follows a failed one is no news, only its outcome is. The first failure is a warning,
+/// since whole samples go by UDP from then on. It is none if there is no daemon because the user wants none.
 void TransportMonitor::log_memory() {
   const bool unavailable = memory_availability_ == Availability::unavailable;
   if (memory_availability_ == Availability::starting && !self_.memory_failure.empty()) return;
   if (unavailable && self_.memory_failure == logged_failure_) return;
   logged_failure_ = self_.memory_failure;
-  const bool not_started = logged_failure_.find("could not be started") != std::string::npos;
-  const bool warns = not_started && !std::exchange(memory_warned_, true);
+  const bool warns = unavailable && !memory_->lacks_daemon() && !std::exchange(memory_warned_, true);
   log_.write(warns ? LogLevel::warning : LogLevel::info, "shared memory: " + self_.memory_state);
 }
 

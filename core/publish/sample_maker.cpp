@@ -9,6 +9,7 @@
 #include "core/seam/gate_table.h"
 #include "sft/detail/encode.h"
 #include "sft/detail/encode_fault.h"
+#include "sft/options.h"
 
 namespace sft::core {
 
@@ -16,6 +17,13 @@ namespace {
 
 /// The pause between two refusals that are logged.
 constexpr std::chrono::seconds refusals_pause{1};
+
+/// By default, publishers may send the largest samples that there are.
+std::string what_to_do_about(std::size_t max_sample_bytes) {
+  return max_sample_bytes < PublisherOptions().max_sample_bytes
+             ? ": raise PublisherOptions::max_sample_bytes"
+             : ", which no option raises: divide it into several samples";
+}
 
 /// Waits until a reader gives memory back, as long as timeout lasts.
 SampleHandle await_chunk(LendingWriter& memory, std::size_t bytes, std::chrono::nanoseconds& timeout) {
@@ -89,7 +97,7 @@ Error SampleMaker::fault_of(const void* message, const FieldMask& mask,
       "topic '" + product_.topic + "': " + detail::encode_fault(type_, message, mask, most, reservations);
   const detail::EncodedSize size = detail::encoded_size(type_.type(), message, mask, reservations);
   if (size.status != detail::EncodeStatus::ok) return {Errc::invalid_argument, std::move(text)};
-  return {Errc::limit_exceeded, text + ": raise PublisherOptions::max_sample_bytes"};
+  return {Errc::limit_exceeded, text + what_to_do_about(most)};
 }
 
 Result<std::uint32_t> SampleMaker::converted_bytes(const detail::Payload& payload) const {
@@ -99,7 +107,7 @@ Result<std::uint32_t> SampleMaker::converted_bytes(const detail::Payload& payloa
     return fail(Errc::limit_exceeded, "topic '" + product_.topic + "': the payload has " +
                                           std::to_string(size.bytes) + " bytes; at most " +
                                           std::to_string(product_.max_sample_bytes) +
-                                          " may be sent: raise PublisherOptions::max_sample_bytes");
+                                          " may be sent" + what_to_do_about(product_.max_sample_bytes));
   }
   return size.bytes;
 }

@@ -99,7 +99,7 @@ TEST_F(FirstWords, OfAMessageThatIsTooLarge) {
   image.data.resize(70'000'000);
   EXPECT_EQ(pub.publish(image), PublishStatus::invalid);
   expect_says({"robot: a message is not sent: topic 'points': the message has ", "'data'",
-               "raise PublisherOptions::max_sample_bytes"});
+               "which no option raises"});
 }
 
 TEST_F(FirstWords, OfAStringWithANul) {

@@ -135,13 +135,19 @@ TEST_F(TransportMonitorTest, ATransportThatIsRuledOutNeverChanges) {
 
 TEST_F(TransportMonitorTest, TheSameFailureIsLoggedOnceAndTheAttemptsBetweenAreNot) {
   EXPECT_THAT(lines_if(Availability::unavailable, "/dev/shm is too small"),
-              ElementsAre("info node: shared memory: /dev/shm is too small"));
+              ElementsAre("louder node: shared memory: /dev/shm is too small"));
   EXPECT_THAT(lines_if(Availability::starting, "starts sftd"), IsEmpty());
   EXPECT_THAT(lines_if(Availability::unavailable, "/dev/shm is too small"), IsEmpty());
   EXPECT_THAT(lines_if(Availability::ready, "works"), ElementsAre("info node: shared memory: works"));
 }
 
-TEST_F(TransportMonitorTest, ADaemonThatCannotBeStartedIsWarnedOfOnce) {
+TEST_F(TransportMonitorTest, WithoutADaemonThatTheUserDoesNotWantThereIsNoWarning) {
+  memory.lacks = true;
+  EXPECT_THAT(lines_if(Availability::unavailable, "no sftd is running"),
+              ElementsAre("info node: shared memory: no sftd is running"));
+}
+
+TEST_F(TransportMonitorTest, TheFirstFailureIsAWarningAndFurtherOnesAreNot) {
   EXPECT_THAT(lines_if(Availability::unavailable, "sftd could not be started: not found"),
               ElementsAre("louder node: shared memory: sftd could not be started: not found"));
   EXPECT_THAT(lines_if(Availability::unavailable, "sftd could not be started: no rights"),
