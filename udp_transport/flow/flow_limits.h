@@ -7,6 +7,7 @@
 
 namespace sft::udp {
 
+/// Larger than usual: it has all times and sizes of a flow, each with its reason.
 struct FlowLimits {
   bool asks = true;  ///< false: nobody is asked to report, or waited for: a multicast group
   std::uint64_t unheard_bytes_per_s = 600'000'000;  ///< that pass where nobody is asked
@@ -29,7 +30,7 @@ struct FlowLimits {
   /// does what a mark would.
   std::chrono::milliseconds mark_anew_behind_acks{4500};
   /// The same while it is not sure that long datagrams arrive (LengthMonitor).
-  std::chrono::milliseconds mark_anew_in_doubt{40};
+  std::chrono::milliseconds mark_anew_unconfirmed{40};
   std::chrono::milliseconds silence{1000};  ///< after which nothing but marks is sent
   // Between two marks to a receiver that is silent, or has never reported: longer the longer it lasts, but it
   // is served again soon after it has come back.

@@ -34,9 +34,9 @@ class LengthMonitor {
     position_ = position;
   }
   /// The receiver asks for something again: the next report should come soon.
-  void asked_again() { in_doubt_ = true; }
+  void asked_again() { unconfirmed_ = true; }
   /// Long datagrams may not arrive: marks should follow them soon.
-  bool is_uncertain() const { return in_doubt_; }
+  bool is_uncertain() const { return unconfirmed_; }
 
   /// Returns the length of datagrams that have not arrived; 0 if all have, as far as the report tells.
   std::size_t evaluate(const FlowReport& report, Time marked_at) {
@@ -44,8 +44,8 @@ class LengthMonitor {
     if (report.position < position_) return 0;
     const Lengths sent = std::exchange(marked_, {});
     const bool is_told = report.longest != 0 && marked_at - sent.last <= judged_within;
-    in_doubt_ = is_told && sent.longest > report.longest;
-    if (!in_doubt_) return 0;
+    unconfirmed_ = is_told && sent.longest > report.longest;
+    if (!unconfirmed_) return 0;
     return sent.shortest > report.longest ? sent.shortest : sent.longest;
   }
 
@@ -66,7 +66,7 @@ class LengthMonitor {
   std::size_t arrived_ = 0;  ///< the longest by the last report
   Lengths since_mark_, marked_;
   std::uint64_t position_ = 0;  ///< of the mark behind what is judged next
-  bool in_doubt_ = false;
+  bool unconfirmed_ = false;
 };
 
 }  // namespace sft::udp

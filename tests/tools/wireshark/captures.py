@@ -88,7 +88,8 @@ def mark(position=1 << 33):
 
 
 def report(position=1 << 33, window=1 << 20):
-    return header(9, at_2=0, at_8=position % 2**32) + struct.pack("<IIIIIQ", position >> 32, window, 70, 69, 1472, 12345)
+    body = struct.pack("<IIIIIQ", position >> 32, window, 70, 69, 1472, 12345)
+    return header(9, at_2=0, at_8=position % 2**32) + body
 
 
 def packed(bodies, each, flags=0, marks=b"", padding=b""):
