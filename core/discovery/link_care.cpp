@@ -64,8 +64,8 @@ void LinkCare::misses(const std::map<LinkId, std::set<ProcessId>>& processes) {
 
 Time LinkCare::missed_from(LinkId id, Time behind_since, bool was_complete) const {
   const Link& link = links_.at(id);
-  const auto crowd = static_cast<int>(std::min(link.participants, participants_counted_max));
-  Time::duration timeout = timing_.settle + timing_.settle_each * crowd;
+  const auto participants = static_cast<int>(std::min(link.participants, participants_counted_max));
+  Time::duration timeout = timing_.settle + timing_.settle_each * participants;
   timeout += timeout * static_cast<int>(self_ % 64) / 128;
   const Time begin = std::max(behind_since, std::min(link.stirred_at, behind_since + timing_.lease));
   return begin + (was_complete ? timeout : 2 * timeout);

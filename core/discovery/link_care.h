@@ -84,8 +84,9 @@ class LinkCare {
     Time renew_at{};                 ///< not before: making it anew may have failed
     std::chrono::milliseconds retry_pause{};  ///< behind the last attempt to make it anew
     std::optional<Time> retired_at{};
-    Time look_again_at{};              ///< whether the retired link may end
-    std::optional<Time> unknown_at{};  ///< when the first stranger came since the last question
+    Time look_again_at{};  ///< whether the retired link may end
+    std::optional<Time>
+        unknown_at{};  ///< when the first unknown participant was heard since the last question
     bool has_unknown = false, was_asked = false;
     Time announce_at{};                          ///< the link announces itself no earlier than this
     std::chrono::milliseconds announce_pause{};  ///< behind the last announcement

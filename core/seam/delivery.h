@@ -114,7 +114,7 @@ class DeliveryBook {
   Delivered total() const;
 
  private:
-  struct Counts {  ///< of one teller
+  struct Counts {  ///< of one origin
     DeliveryMeter::Reading before{};
     DeliveryMeter::Reading at_first{};  ///< on the present page
     DeliveryMeter meter{};

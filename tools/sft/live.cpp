@@ -5,7 +5,7 @@
 
 namespace sft::tool {
 
-void report_every_second(const LiveOptions& options, Stop& stop, const std::function<void()>& tell) {
+void report_every_second(const LiveOptions& options, Stop& stop, const std::function<void()>& report) {
   using Clock = std::chrono::steady_clock;
   const bool ends = options.for_s > 0;
   const auto end = Clock::now() + seconds(options.for_s);
@@ -14,7 +14,7 @@ void report_every_second(const LiveOptions& options, Stop& stop, const std::func
     if (ends) pause = std::min<std::chrono::nanoseconds>(pause, end - Clock::now());
     if (pause.count() <= 0) break;
     const bool stopped = stop.wait_for(pause);
-    if (!stopped) tell();
+    if (!stopped) report();
   }
 }
 

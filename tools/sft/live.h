@@ -17,6 +17,6 @@ struct LiveOptions {
 };
 
 /// Calls `tell` once a second, until options.for_s have passed or the user wants to stop.
-void report_every_second(const LiveOptions& options, Stop& stop, const std::function<void()>& tell);
+void report_every_second(const LiveOptions& options, Stop& stop, const std::function<void()>& report);
 
 }  // namespace sft::tool

@@ -1,6 +1,6 @@
 // Remembers of each address that marks come from how long the longest datagram was that came from there of
 // late, whichever process there has sent it, and from whichever of its ports: all of them share one path. The
-// reports tell it. The class is pure.
+// reports carry it. The class is pure.
 #pragma once
 
 #include <algorithm>
@@ -19,10 +19,10 @@ class LongestArrivals {
   using Time = std::chrono::steady_clock::time_point;
 
   static constexpr std::size_t addresses_max = 256;
-  /// A datagram is remembered for so long, and for at most twice that. It is more than a sender looks back
-  /// (LengthMonitor::judged_within).
+  /// A datagram is remembered for one period at least, and for two at most. A sender looks back a shorter
+  /// time (LengthMonitor::remembered_for).
   static constexpr std::chrono::seconds period{1};
-  /// An address without a mark for so long is forgotten if another one needs its place.
+  /// An address that has sent no mark for this time is forgotten if another address needs its place.
   static constexpr std::chrono::seconds kept_for{10};
 
   LongestArrivals() { addresses_.reserve(addresses_max); }

@@ -15,7 +15,7 @@ class PathMtu {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// Long datagrams are given up for lost after so many reports without them over that time: a queue that is
+  /// Long datagrams count as lost after this number of reports without them over this time: a queue that is
   /// full for a moment may lose a whole train.
   static constexpr int losses_max = 5;
   static constexpr std::chrono::milliseconds timeout{200};

@@ -49,8 +49,8 @@ class ReceiverMonitor {
 
   /// The time at which a mark that was not answered is followed by another one.
   Time next_retry(const RoundTrips& round_trips) const { return marked_at_ + retry_pause(round_trips); }
-  /// True if so long nothing was heard that what was sent since then has to be asked about. `is_uncertain`:
-  /// part of it may not have arrived.
+  /// True if nothing was heard for a time after which the receiver has to be asked about what was sent.
+  /// `is_uncertain`: part of it may not have arrived.
   bool has_to_ask_anew(Time now, bool is_uncertain = false) const;
 
  private:

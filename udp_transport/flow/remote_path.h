@@ -47,11 +47,11 @@ class RemotePath {
   std::size_t limited_to() const { return limited_to_.load(std::memory_order_relaxed); }
   /// The same as a sentence; empty if there is no such limit.
   std::string limit_in_words() const;
-  /// True if it should be told when long datagrams arrive (PathMtu::is_uncertain()).
+  /// True if arrived() should be called when long datagrams arrive (PathMtu::is_uncertain()).
   bool length_is_uncertain() const { return length_is_uncertain_.load(std::memory_order_relaxed); }
   /// The kernel was asked about the path to that address. Ignored if the socket has moved meanwhile.
   void learn_length(const SocketAddress& asked, std::size_t kernel_says) noexcept;
-  // The other end has told what became of datagrams of that length (PathMtu).
+  // The receiver has reported whether datagrams of that length arrived (PathMtu).
   void were_lost(std::size_t length, Time now) noexcept;
   void arrived(std::size_t length, Time now) noexcept;
   /// From time to time: the path may take longer datagrams by now.

@@ -1,4 +1,4 @@
-// Decides which channel of a writer counts. One wrong channel number must not make a reader deaf to the
+// Decides which channel of a writer counts. One wrong channel number must not keep a reader from the
 // channel that the writer uses. Pure: numbers and times in, answers out.
 //
 // A channel that begins is followed at once. A channel that was followed before, or whose numbers do not look

@@ -1,5 +1,5 @@
 // Decides which ordinals of a channel are believed, where they contradict what is known. One wrong number
-// must not make a reader deaf to the samples that the writer sends. Pure: numbers and times in, answers out.
+// must not keep a reader from the samples that the writer sends. Pure: numbers and times in, answers out.
 #pragma once
 
 #include <bitset>

@@ -116,8 +116,9 @@ void GroupKeeper::choose_link(Candidate& candidate, Time now) const {
   if (now < packed_until_ && !candidate.some_samples)
     candidate.refusal = "samples that are published together share datagrams";
   if (too_many_leaves_) candidate.refusal = "its type has too many fields";
-  const auto deaf = unreached_until_.find(candidate.to.get());
-  if (deaf != unreached_until_.end() && now < deaf->second) candidate.refusal = "no multicast comes to it";
+  const auto unreached = unreached_until_.find(candidate.to.get());
+  if (unreached != unreached_until_.end() && now < unreached->second)
+    candidate.refusal = "no multicast comes to it";
   if (!address.is_ipv4()) candidate.refusal = "it is reached by IPv6";
   if (!candidate.refusal.empty()) return;
   const std::uint32_t ip = address.ipv4();

@@ -88,20 +88,20 @@ class FaultyReceiver final : public PassingReceiver {
   std::optional<std::vector<std::byte>> held_;
 };
 
-/// While it is deaf, this receiver hears nothing that was sent to a group.
+/// While it is unreached, this receiver gets nothing that was sent to a group.
 class UnreachedReceiver final : public PassingReceiver {
  public:
-  UnreachedReceiver(std::unique_ptr<DatagramReceiver> inner, const std::atomic<bool>& deaf)
-      : PassingReceiver(std::move(inner)), deaf_(deaf) {}
+  UnreachedReceiver(std::unique_ptr<DatagramReceiver> inner, const std::atomic<bool>& unreached)
+      : PassingReceiver(std::move(inner)), unreached_(unreached) {}
 
  private:
   void datagram(std::span<const std::byte> bytes, const SocketAddress& from) noexcept override {
     const auto d = parse(bytes);
     const bool of_group = d && d->kind == DatagramKind::first && (d->first.flags & group_follows) != 0;
-    if (!deaf_ || !of_group) pass_on(bytes, from);
+    if (!unreached_ || !of_group) pass_on(bytes, from);
   }
 
-  const std::atomic<bool>& deaf_;
+  const std::atomic<bool>& unreached_;
 };
 
 /// Keeps a receiving thread busy with one datagram, and notes in which order samples come from the sockets.

@@ -137,8 +137,8 @@ class MulticastTest : public TransportTest {
     return sequences;
   }
 
-  test::Hold hold_;                ///< outlives the transport that looks at it
-  std::atomic<bool> deaf_{false};  ///< outlives the transport that looks at it
+  test::Hold hold_;                     ///< outlives the transport that looks at it
+  std::atomic<bool> unreached_{false};  ///< outlives the transport that looks at it
   const std::shared_ptr<core::DeliveryBook> book_ = std::make_shared<core::DeliveryBook>();
   std::unique_ptr<core::Network> writer_;
   std::unique_ptr<Publisher> publisher_;
@@ -307,12 +307,12 @@ TEST_P(MulticastTest, FollowsMasksThatChange) {
 TEST_P(MulticastTest, ServesAloneAgainWhoHearsNothingMore) {
   add("*", true);
   add("*", true, [this](DatagramIo io) {
-    io.receiver = std::make_unique<test::UnreachedReceiver>(std::move(io.receiver), deaf_);
+    io.receiver = std::make_unique<test::UnreachedReceiver>(std::move(io.receiver), unreached_);
     return io;
   });
   serve();
   ASSERT_TRUE(come_together());
-  deaf_ = true;
+  unreached_ = true;
   ASSERT_TRUE(eventually([this] {
     publish_in_turn();
     return !hears(2);
@@ -320,7 +320,7 @@ TEST_P(MulticastTest, ServesAloneAgainWhoHearsNothingMore) {
   EXPECT_TRUE(hears(1));
   expect_all_of(0);
   expect_all_of(1);
-  deaf_ = false;
+  unreached_ = false;
   EXPECT_TRUE(come_together());
   expect_all_of(1);
 }

@@ -165,8 +165,8 @@ class PathsTest : public testing::TestWithParam<Family> {
                  address(2, 1));
     run_all("ip route add " + address(2, 0) + bits() + " via " + address(1, 2));
   }
-  /// From now on the router drops longer packets without a word, as some tunnels do. Whoever sends trains of
-  /// datagrams cuts them into packets before.
+  /// From now on the router drops longer packets without an error, as some tunnels do. The sending host cuts
+  /// trains of datagrams into packets before they get there.
   static void drop_longer_than(unsigned bytes, Host& router) {
     router.run_here(
         "nft add table inet silent; nft add chain inet silent f \"{ type filter hook forward "

@@ -32,7 +32,7 @@ class LengthMonitorTest : public testing::Test {
     return monitor_.evaluate({.position = mark.position, .longest = static_cast<std::uint32_t>(mark.longest)},
                              mark.at);
   }
-  std::size_t judge_now() { return evaluate(mark()); }
+  std::size_t evaluate_now() { return evaluate(mark()); }
 
   std::size_t takes_ = 1252;
   std::size_t longest_ = 0;
@@ -41,91 +41,91 @@ class LengthMonitorTest : public testing::Test {
   LengthMonitor monitor_;
 };
 
-TEST_F(LengthMonitorTest, TellsTheLengthOfDatagramsThatDidNotArriveWhereShorterOnesDid) {
+TEST_F(LengthMonitorTest, FindsTheLengthOfDatagramsThatDidNotArriveWhereShorterOnesDid) {
   send(100);
   send(1472);
-  EXPECT_EQ(judge_now(), 1472U);
+  EXPECT_EQ(evaluate_now(), 1472U);
   EXPECT_TRUE(monitor_.is_uncertain());
 }
 
-TEST_F(LengthMonitorTest, TellsItAlsoWhereNothingButMarksArrives) {
+TEST_F(LengthMonitorTest, FindsItAlsoWhereNothingButMarksArrives) {
   send(1472);
-  EXPECT_EQ(judge_now(), 1472U);
+  EXPECT_EQ(evaluate_now(), 1472U);
 }
 
-TEST_F(LengthMonitorTest, IsNotInDoubtWhereAllArrive) {
+TEST_F(LengthMonitorTest, IsCertainWhereAllArrive) {
   takes_ = 1472;
   for (int i = 0; i < 100; ++i) {
     send(1472);
     send(100);
-    EXPECT_EQ(judge_now(), 0U);
+    EXPECT_EQ(evaluate_now(), 0U);
     EXPECT_FALSE(monitor_.is_uncertain());
   }
 }
 
-TEST_F(LengthMonitorTest, TellsTheShortestOfAllThatDidNotArrive) {
+TEST_F(LengthMonitorTest, FindsTheShortestOfAllThatDidNotArrive) {
   send(1472);
   send(1300);
-  EXPECT_EQ(judge_now(), 1300U);
+  EXPECT_EQ(evaluate_now(), 1300U);
 }
 
-TEST_F(LengthMonitorTest, TellsTheLongestWhereASomewhatShorterOneArrived) {
+TEST_F(LengthMonitorTest, FindsTheLongestWhereASomewhatShorterOneArrived) {
   send(1472);
   send(1200);
-  EXPECT_EQ(judge_now(), 1472U);
+  EXPECT_EQ(evaluate_now(), 1472U);
 }
 
-TEST_F(LengthMonitorTest, JudgesNothingByAReceiverThatDoesNotKnow) {
+TEST_F(LengthMonitorTest, FindsNothingByAReceiverThatDoesNotReportLengths) {
   send(1472);
   EXPECT_EQ(evaluate({mark().position, 0, now_}), 0U);
   EXPECT_FALSE(monitor_.is_uncertain());
 }
 
-TEST_F(LengthMonitorTest, DoesNotJudgeWhatWasSentBehindTheMark) {
+TEST_F(LengthMonitorTest, FindsNothingAboutWhatWasSentBehindTheMark) {
   send(100);
   const Mark before = mark();
   send(1472);
   EXPECT_EQ(evaluate(before), 0U);
-  EXPECT_EQ(judge_now(), 1472U);
+  EXPECT_EQ(evaluate_now(), 1472U);
 }
 
-TEST_F(LengthMonitorTest, DoesNotJudgeWhatTheReceiverMayHaveForgotten) {
+TEST_F(LengthMonitorTest, FindsNothingAboutWhatTheReceiverMayHaveForgotten) {
   send(1472);
-  now_ += LengthMonitor::judged_within + 1ms;
-  EXPECT_EQ(judge_now(), 0U);
+  now_ += LengthMonitor::remembered_for + 1ms;
+  EXPECT_EQ(evaluate_now(), 0U);
 }
 
-TEST_F(LengthMonitorTest, JudgesThoughEachReportComesAfterFurtherMarks) {
+TEST_F(LengthMonitorTest, FindsLossesThoughEachReportComesAfterFurtherMarks) {
   std::vector<Mark> under_way;
-  int told = 0;
+  int reports = 0;
   for (int i = 0; i < 20; ++i, now_ += 1ms) {
     send(1472);
     under_way.push_back(mark());
     if (under_way.size() < 4) continue;
-    told += evaluate(under_way.front()) == 1472 ? 1 : 0;
+    reports += evaluate(under_way.front()) == 1472 ? 1 : 0;
     under_way.erase(under_way.begin());
   }
-  EXPECT_GE(told, 4);
+  EXPECT_GE(reports, 4);
 }
 
 TEST_F(LengthMonitorTest, NoticesThatAPathTakesLessFromNowOnOnceTheReceiverHasForgottenTheFormerOnes) {
   takes_ = 1472;
   send(1472);
-  EXPECT_EQ(judge_now(), 0U);
+  EXPECT_EQ(evaluate_now(), 0U);
   takes_ = 1252;
   longest_ = 0;
   send(1472);
-  EXPECT_EQ(judge_now(), 0U) << "1472 had arrived by the last report";
+  EXPECT_EQ(evaluate_now(), 0U) << "1472 had arrived by the last report";
   send(1472);
-  EXPECT_EQ(judge_now(), 1472U);
+  EXPECT_EQ(evaluate_now(), 1472U);
 }
 
-TEST_F(LengthMonitorTest, IsInDoubtWhileSomethingIsAskedForAgainUntilAReportShowsThatAllArrive) {
+TEST_F(LengthMonitorTest, IsUncertainWhileSomethingIsAskedForAgainUntilAReportShowsThatAllArrive) {
   takes_ = 1472;
   send(1472);
   monitor_.asked_again();
   EXPECT_TRUE(monitor_.is_uncertain());
-  EXPECT_EQ(judge_now(), 0U);
+  EXPECT_EQ(evaluate_now(), 0U);
   EXPECT_FALSE(monitor_.is_uncertain());
 }
 
