@@ -40,7 +40,8 @@ class Leases : public NegotiationTest {
   void expect_a_good_end(const std::string& mask) {
     publisher().stop_publishing();
     EXPECT_TRUE(agree(publisher(), reader()));
-    // A publisher that was stopped may count its reader as silent until it has read what came meanwhile.
+    // If the publisher was stopped for longer than the lease, Cyclone DDS may end the lease of the reader's
+    // participant when the publisher continues, and discover it anew. It is served again after that.
     EXPECT_TRUE(comes_true([&] { return is_served_with(publisher(), reader(), mask); }))
         << reader_of(publisher(), reader());
     EXPECT_TRUE(accounts_for_all(publisher(), reader()));
