@@ -88,7 +88,7 @@ double MaskSharing::bytes_to(const Destination* to, const std::vector<Selection>
 void MaskSharing::merge(std::vector<RouteBundle>& routes) const {
   for (const auto& [to, place] : several_) {
     if (!place.shares) continue;
-    const auto is_it = [to = to](const Destination* one) { return one == to; };
+    const auto is_it = [it = to](const Destination* one) { return one == it; };
     RouteBundle together = take_out(routes, is_it);
     if (together.destinations.empty()) continue;  // it is in a multicast group
     const auto known = std::ranges::find_if(routes, [&](const RouteBundle& bundle) {
