@@ -22,7 +22,7 @@ class Collector : public benchmark::BenchmarkReporter {
   bool ReportContext(const Context&) override { return true; }
   void ReportRuns(const std::vector<Run>& runs) override {
     for (const Run& run : runs) {
-      if (run.run_type != Run::RT_Iteration || run.error_occurred) continue;
+      if (run.run_type != Run::RT_Iteration) continue;
       std::vector<double>& of = times_[run.run_name.function_name];
       of.resize(std::max<std::size_t>(of.size(), static_cast<std::size_t>(run.repetition_index) + 1));
       of[static_cast<std::size_t>(run.repetition_index)] = run.GetAdjustedRealTime();
