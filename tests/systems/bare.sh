@@ -59,6 +59,18 @@ open_bare_system() {
   mount -t tmpfs -o mode=1777 tmpfs "$system/dev/shm"
 }
 
+# COMMAND...: runs it with the system as the root of a mount namespace. Behind a chroot alone, programs in further
+# namespaces are told the paths of this host, so that they do not find what lies beside them.
+in_bare_system() {
+  # shellcheck disable=SC2016 # the inner shell expands these variables
+  unshare --mount --propagation private bash -euc '
+    cd "$1"
+    mkdir -p .host
+    pivot_root . .host
+    umount -l /.host
+    exec "${@:2}"' bash "$system" "$@"
+}
+
 # CHECKOUT FOLDER: copies what git tracks or would track, as it is now.
 copy_checkout() {
   mkdir -p "$2"

@@ -26,8 +26,9 @@
 #
 # When you build for another architecture, the compilers of messages are programs of that architecture, too. They run if
 # this machine runs such programs (with Debian's package qemu-user-static, for example), or if
-# CMAKE_CROSSCOMPILING_EMULATOR says how. Or name the compilers of an SFT of the same release for this machine:
-#   -D SFT_MSGC=/usr/bin/sft_msgc -D SFT_IDL_PLUGIN=/usr/lib/x86_64-linux-gnu/sft/libcycloneddsidlsft.so
+# CMAKE_CROSSCOMPILING_EMULATOR says how. Or name the compilers of an SFT of the same release for this machine;
+# `gcc -dumpmachine` prints its TRIPLET:
+#   -D SFT_MSGC=/usr/bin/sft_msgc -D SFT_IDL_PLUGIN=/usr/lib/TRIPLET/sft/libcycloneddsidlsft.so
 include_guard(GLOBAL)
 include(${CMAKE_CURRENT_LIST_DIR}/SftNested.cmake)
 

@@ -1,7 +1,10 @@
 """Captures made by hand, and what Wireshark's dissector reads in captures."""
+import os
 import pathlib
+import shutil
 import struct
 import subprocess
+import tempfile
 
 SCRIPT = pathlib.Path(__file__).resolve().parents[3] / "tools/wireshark/sft.lua"
 SFT_PORT = 7777
@@ -20,20 +23,33 @@ def write_pcap(path, payloads):
             out.write(struct.pack("<IIII", number, 0, len(ip + udp), len(ip + udp)) + ip + udp)
 
 
+def run_tshark(path, arguments):
+    """Returns what tshark prints about that capture. Wireshark 4.4 runs no Lua script as root: root becomes nobody."""
+    nobody = 65534
+    account = {"user": nobody, "group": nobody, "extra_groups": []} if os.geteuid() == 0 else {}
+    with tempfile.TemporaryDirectory() as folder:
+        os.chmod(folder, 0o755)
+        files = [shutil.copy(file, folder) for file in (SCRIPT, path)]
+        for file in files:
+            os.chmod(file, 0o644)
+        command = ["tshark", "-n", "-X", f"lua_script:{files[0]}", "-r", files[1], *arguments]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=60, env={**os.environ, "HOME": folder},
+                              **account)
+    assert done.returncode == 0 and "Lua: Error" not in done.stderr, done.stderr
+    return done.stdout
+
+
 def dissect(path, fields, decode_as=False, preferences=()):
     """For each datagram the values of these fields; of one that occurs more than once all, joined by commas."""
     # The system gives out ports that other protocols are registered for: what a datagram looks like goes first.
-    command = ["tshark", "-n", "-o", "udp.try_heuristic_first:TRUE", "-X", f"lua_script:{SCRIPT}", "-r", str(path),
-               "-T", "fields", "-E", "separator=|"]
-    for preference in preferences:
-        command += ["-o", preference]
+    arguments = ["-T", "fields", "-E", "separator=|"]
+    for preference in ("udp.try_heuristic_first:TRUE", *preferences):
+        arguments += ["-o", preference]
     if decode_as:
-        command += ["-d", f"udp.port=={SFT_PORT},sft"]
+        arguments += ["-d", f"udp.port=={SFT_PORT},sft"]
     for field in fields:
-        command += ["-e", field]
-    done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=60)
-    assert "Lua: Error" not in done.stderr, done.stderr
-    return [dict(zip(fields, line.split("|"))) for line in done.stdout.splitlines()]
+        arguments += ["-e", field]
+    return [dict(zip(fields, line.split("|"))) for line in run_tshark(path, arguments).splitlines()]
 
 
 def header(kind, at_2=3, flags=0, writer=0x04030201, at_8=9):
