@@ -4,6 +4,7 @@ find_program(SFT_PYTHON python3 HINTS /usr/bin)  # that one knows Debian's rosid
 find_program(SFT_TSHARK tshark)
 find_program(SFT_SPIN spin)
 find_program(SFT_DOXYGEN doxygen)
+find_program(SFT_GIT git)
 
 # ROS 2's own compiler of messages, and the messages that ROS 2 tests it with: types of tests and benchmarks are made
 # with them.

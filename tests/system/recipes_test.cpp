@@ -37,6 +37,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
+/// Lines arrive at once. Newer C libraries refuse to change that once something was printed.
+[[maybe_unused]] const int line_buffered = std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);
+
 class RecipesTest : public testing::Test {
  protected:
   sft::Node node_ = sft::Node::open({.name = "here"}).value();
@@ -83,7 +86,6 @@ class PrintedLines {
 };
 
 TEST_F(RecipesTest, AnEventLoopCountsCloudsUntilItIsInterrupted) {
-  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);
   int clouds = 0;
   {
     PrintedLines printed;
@@ -99,7 +101,6 @@ TEST_F(RecipesTest, AnEventLoopCountsCloudsUntilItIsInterrupted) {
 }
 
 TEST_F(RecipesTest, AProgramThatWaitsEndsAtCtrlC) {
-  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);
   std::string line;
   {
     PrintedLines printed;

@@ -1,6 +1,7 @@
 """Captures made by hand, and what Wireshark's dissector reads in captures."""
 import os
 import pathlib
+import re
 import shutil
 import struct
 import subprocess
@@ -49,7 +50,9 @@ def dissect(path, fields, decode_as=False, preferences=()):
         arguments += ["-d", f"udp.port=={SFT_PORT},sft"]
     for field in fields:
         arguments += ["-e", field]
-    return [dict(zip(fields, line.split("|"))) for line in run_tshark(path, arguments).splitlines()]
+    # Wireshark 4.4 prints truth as a word.
+    printed = re.sub(r"\b(True|False)\b", lambda word: str(int(word[0] == "True")), run_tshark(path, arguments))
+    return [dict(zip(fields, line.split("|"))) for line in printed.splitlines()]
 
 
 def header(kind, at_2=3, flags=0, writer=0x04030201, at_8=9):
