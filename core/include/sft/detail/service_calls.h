@@ -93,7 +93,8 @@ class ServedCalls {
   Todo heard(std::uint64_t client, std::uint64_t number, ServiceTime now) {
     drop_expired(now);
     if (client == 0) return Todo::run;  // of `sft pub`, which gives its calls no numbers
-    const auto [at, is_new] = clients_.try_emplace(client);
+    // Not try_emplace(): Clang 17 refuses that of libstdc++ 14 as C++23.
+    const auto [at, is_new] = clients_.emplace(client, Client{});
     Client& known = at->second;
     known.heard = now;
     if (is_new || number > known.number) {
