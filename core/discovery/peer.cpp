@@ -23,6 +23,7 @@ const Record* newest(const std::vector<const Participant*>& among, Role role, co
 
 void Peer::join(const RemoteParticipant& id, Participant& participant) {
   members_.push_back({id, &participant});
+  links_.insert(id.link);
   if (is_complete(participant)) note_as_complete(participant);
   refresh_all();
 }
@@ -73,15 +74,25 @@ bool Peer::is_complete_beside(LinkId link) const {
       members_, [&](const Member& one) { return one.id.link != link && is_complete(*one.participant); });
 }
 
-/// The process may have several participants on a link, since it makes its own links anew.
+void Peer::link_replaced(LinkId link, LinkId by) {
+  if (links_.contains(link)) links_.insert(by);
+}
+
+/// The process may have several participants on a link, since it makes its own links anew. Of a participant
+/// without heartbeats nothing is known until it counts as silent: a firewall may let only Cyclone's datagrams
+/// pass.
 Peer::Paths Peer::paths(Time now) const {
-  std::set<LinkId> late, in_time;
+  if (links_.size() < 2) return {};
+  std::set<LinkId> in_time, unknown;
   for (const Member& one : members_) {
-    if (one.participant->heard_at)
-      (one.participant->is_late(timing_, now) ? late : in_time).insert(one.id.link);
+    if (!one.participant->heard_at)
+      unknown.insert(one.id.link);
+    else if (!one.participant->is_late(timing_, now))
+      in_time.insert(one.id.link);
   }
   Paths paths{.heard = {in_time.begin(), in_time.end()}};
-  std::ranges::set_difference(late, in_time, std::back_inserter(paths.cut));
+  std::ranges::copy_if(links_, std::back_inserter(paths.cut),
+                       [&](LinkId link) { return !in_time.contains(link) && !unknown.contains(link); });
   return paths.cut.empty() || paths.heard.empty() ? Paths{} : paths;
 }
 

@@ -23,6 +23,7 @@
 #include <cstddef>
 #include <functional>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "core/discovery/records.h"
@@ -67,6 +68,9 @@ class Peer {
   /// A participant is there, or is not silent any more. It outlives this object, or leave().
   void join(const RemoteParticipant& id, Participant& participant);
   void leave(const RemoteParticipant& id);
+  /// The link is made anew: where it led to the process, its successor should.
+  void link_replaced(LinkId link, LinkId by);
+  void link_gone(LinkId link) { links_.erase(link); }
   /// The participant has said which digests the records of the process have.
   void heartbeat_came(const RemoteParticipant& by, const PerRole<std::uint64_t>& digests, Time now);
   void record_came(Participant& of, Role role, const RecordKey& key);
@@ -82,8 +86,8 @@ class Peer {
   bool is_complete_on(LinkId link) const;
   /// The same for any link but this one.
   bool is_complete_beside(LinkId link) const;
-  /// Both are empty unless the process was heard by a link and is not heard any more, though it is by
-  /// another.
+  /// Both are empty unless the process was found by a link and is not heard by it any more, though it is by
+  /// another. A link that was cut stays so until the process is heard by it again, however long that takes.
   struct Paths {
     std::vector<LinkId> cut{}, heard{};
     friend bool operator==(const Paths&, const Paths&) = default;
@@ -106,6 +110,7 @@ class Peer {
   const Listened& listened_;
   const Changed changed_;
   std::vector<Member> members_;                      ///< the one that was there first is the first
+  std::set<LinkId> links_;                           ///< by which it has been found
   std::optional<PerRole<std::uint64_t>> digests_{};  ///< of the last heartbeat that counts
   PerRole<Records> records_{};
 };

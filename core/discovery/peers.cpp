@@ -28,8 +28,14 @@ void Peers::link_gone(LinkId link) {
        first != participants_.end() && first->first.link == link;
        first = participants_.lower_bound({link, {}}))
     participant_gone(RemoteParticipant(first->first));
+  for (auto& [process, peer] : peers_) peer.link_gone(link);
   care_.gone(link);
   unheard_.erase(link);
+}
+
+void Peers::link_replaced(LinkId link, LinkId by, Time now) {
+  for (auto& [process, peer] : peers_) peer.link_replaced(link, by);
+  care_.replaced(link, by, now);
 }
 
 void Peers::participant_found(const RemoteParticipant& id, ProcessId process, Time now) {
@@ -217,7 +223,6 @@ void Peers::look_at(const RemoteParticipant& id, Participant& participant, Time 
 
 void Peers::look_at_paths(Time now) {
   for (const auto& [process, peer] : peers_) {
-    if (peer.participants() < 2 && !cut_.contains(process)) continue;
     const Peer::Paths paths = peer.paths(now);
     if (paths == cut_[process]) continue;
     cut_[process] = paths;

@@ -36,7 +36,8 @@ struct RecordChanged {
   RecordKey key{};
   Record record{};
 };
-/// The process is heard by other links, but no longer by these: the way there is cut.
+/// The process is heard by other links, but no longer by these: the way there is cut. Both are empty once
+/// no way is cut any more.
 struct PathsCut {
   ProcessId process = 0;
   std::vector<LinkId> links{};
@@ -88,7 +89,7 @@ class Peers {
   void listen(Role role, Time now);
   /// Before it is opened.
   void link_made(LinkId link, Time now) { care_.made(link, now); }
-  void link_replaced(LinkId link, LinkId by, Time now) { care_.replaced(link, by, now); }
+  void link_replaced(LinkId link, LinkId by, Time now);
   void link_retired(LinkId link, Time now) { care_.retire(link, now); }
   void link_gone(LinkId link);
   /// Cables, switches or interfaces have changed.

@@ -16,6 +16,7 @@
 #include <sensor_msgs/msg/PointCloud2.hpp>
 #include <vector>
 
+#include "core/discovery/timing.h"
 #include "core/platform/file_descriptor.h"
 #include "tests/support/eventually.h"
 #include "tests/support/isolated_host.h"
@@ -68,6 +69,10 @@ class NodeProcess : public NodeProcessWith<Report> {
   }
 };
 
+constexpr std::chrono::milliseconds between_samples{5};  ///< between two samples
+/// After these a silent participant counts as lost.
+constexpr std::uint64_t samples_of_a_lease = core::Timing{}.lease / between_samples;
+
 void publish(Node& node, Report& report) {
   auto publisher = node.publisher<PointCloud2>("points").value();
   for (std::uint32_t i = 1;; ++i) {
@@ -76,7 +81,7 @@ void publish(Node& node, Report& report) {
     report.matched = served;
     report.tell(node.status().discovery);
     publisher.publish({.height = i});
-    poll(nullptr, 0, 5);
+    poll(nullptr, 0, between_samples.count());
   }
 }
 
@@ -294,6 +299,10 @@ TEST_F(ChangesOfNetwork, ByACutThatNobodySeesBesideAnotherNetwork) {
   ASSERT_TRUE(run(room, "ip link set " + cut + " down"));
   EXPECT_TRUE(falls_silent(subscriber()));
   EXPECT_TRUE(comes_soon(subscriber()));
+  const std::uint64_t before = subscriber().report().taken;
+  EXPECT_TRUE(eventually([&] { return subscriber().report().taken > before + samples_of_a_lease; },
+                         hang_timeout))
+      << "samples went back to the network that is cut";
   EXPECT_EQ(publisher().report().matched, 1U);
 }
 
