@@ -13,14 +13,14 @@ bool CongestionWindow::lost_much(const FlowReport& report) const {
   return came <= sent && sent - came > sent / 10 + 1;
 }
 
-/// A longer queue than need be, or much loss: somebody on the way has too much. As long as neither is, more
-/// is tried.
+/// A longer queue than necessary, or many losses, show that the path is overloaded. As long as there is
+/// neither, the window grows.
 void CongestionWindow::hear(const FlowReport& report, const Known& known) {
   const bool lost = known.counted && lost_much(report);
   datagrams_at_report_ = report.datagrams;
   came_at_report_ = report.came;
   if (lost || known.queueing > limits_.queueing) {
-    if (report.position <= turned_at_) return;  // of before it was made smaller
+    if (report.position <= turned_at_) return;  // a report about what was sent before the window shrank
     turned_at_ = known.sent;
     const std::size_t without_queue = lost ? 0 : std::min(known.taken, bytes_);
     bytes_ = std::max({limits_.least_bytes, bytes_ / 10 * 7, without_queue});

@@ -1,10 +1,10 @@
-// The bytes that may be under way to a remote socket: as many as the way carries without a queue in which
-// others have to wait. Pure.
+// Limits the bytes that may be under way to a remote socket to what the path carries without a queue that
+// delays other traffic. Uses no clock, thread or I/O.
 //
-// The window shrinks where a queue grows long or much is lost, and at most once for what was sent before. A
-// queue does not make it smaller than what the way takes without a long queue: a report that is late for
-// another reason says nothing of the window. The window grows only where it was the limit. It is never
-// smaller than FlowLimits::least_bytes.
+// The window shrinks if a queue grows long or many datagrams are lost, but at most once for what was sent
+// before it shrank. A queue does not make it smaller than what the path takes without a long queue, because
+// a report may also be late for another reason. The window grows only while it limits what is sent. It is
+// never smaller than FlowLimits::least_bytes.
 #pragma once
 
 #include <chrono>
@@ -22,22 +22,22 @@ class CongestionWindow {
 
   std::size_t bytes() const { return bytes_; }
 
-  /// The window was the limit for what was sent up to that position: at least half of it was under way.
+  /// Notes that the window limited what was sent up to `position`: at least half of it was under way.
   void was_full(std::uint64_t position) { full_at_ = position; }
-  /// Shrinks so that the own queue is short for a moment, which shows the shortest time there and back.
+  /// Shrinks so that our own queue is short for a moment, which shows the shortest round trip.
   void make_queue_short();
 
-  /// The facts by which a report is judged.
+  /// The facts by which hear() judges a report.
   struct Known {
-    bool counted = false;  ///< another report of this way came before
+    bool counted = false;  ///< another report of this path came before
     std::chrono::steady_clock::duration queueing{};
-    std::uint64_t reported = 0;  ///< the position of the report before
-    std::uint64_t sent = 0;      ///< up to now
-    std::size_t share = 0;       ///< of the receiver's buffer
-    std::size_t taken = 0;       ///< at the best rate of late, while a queue gets long
+    std::uint64_t reported = 0;  ///< position of the previous report
+    std::uint64_t sent = 0;      ///< position up to which datagrams were sent by now
+    std::size_t share = 0;       ///< our share of the receiver's buffer
+    std::size_t taken = 0;       ///< bytes taken at the best recent rate before a queue counts as long
   };
   void hear(const FlowReport& report, const Known& known);
-  /// The way is another one.
+  /// Begins again for another path.
   void begin_anew();
 
  private:
@@ -45,8 +45,8 @@ class CongestionWindow {
 
   FlowLimits limits_;
   std::size_t bytes_ = limits_.first_bytes;
-  std::uint64_t full_at_ = 0;    ///< position where as much as the way carries was under way last
-  std::uint64_t turned_at_ = 0;  ///< position where the window was made smaller
+  std::uint64_t full_at_ = 0;    ///< position where at least half of the window was under way last
+  std::uint64_t turned_at_ = 0;  ///< position where the window shrank last
   std::uint32_t datagrams_at_report_ = 0;
   std::uint32_t came_at_report_ = 0;
 };

@@ -18,7 +18,7 @@ void ConnectionPair::redirect(const SocketAddress& to) noexcept {
   if (Connection* const bulk = bulk_in_use()) bulk->redirect(to);
 }
 
-/// The socket may have moved before redirect() knows of the new connection.
+/// The socket may have moved before redirect() sees the new connection.
 Connection& ConnectionPair::bulk(const RemotePath& path) {
   if (bulk_ == nullptr) {
     const SocketAddress to = path.address();

@@ -1,5 +1,5 @@
-// The connections to one remote socket: one for what is small, and another one for large samples, so that
-// small ones do not queue behind these.
+// The connections to one remote socket: one for small samples and control, and one for large samples, so
+// that small datagrams do not queue behind large samples.
 #pragma once
 
 #include <atomic>
@@ -17,7 +17,7 @@ using Connect = std::function<std::unique_ptr<Connection>(const SocketAddress&)>
 
 class ConnectionPair {
  public:
-  /// `connect` is called now, and again for the first large sample.
+  /// Calls `connect` now, and again for the first large sample.
   ConnectionPair(Connect connect, const SocketAddress& to);
 
   // Any thread.
@@ -25,24 +25,25 @@ class ConnectionPair {
   Connection& small() { return *small_; }
   /// The connection for large samples; null before the first.
   Connection* bulk_in_use() { return bulk_in_use_.load(std::memory_order_acquire); }
-  /// Returns the connection that is behind everything that was sent.
+  /// Returns the connection whose datagrams leave behind everything that was sent.
   Connection& last_in_line() {
     Connection* const bulk = bulk_in_use();
     return bulk == nullptr ? *small_ : *bulk;
   }
-  /// Looks for the way anew: after a refusal, or for other routes and own addresses.
+  /// Looks up the path again: after a refusal, or if routes or our own addresses have changed.
   void reconnect() noexcept;
   void redirect(const SocketAddress& to) noexcept;
 
   std::size_t datagrams_per_call() const {
     return one_at_a_time_.load(std::memory_order_relaxed) ? 1 : batch_datagrams_max;
   }
-  /// The way out takes one datagram at a time only (SendOutcome::no_segments), until there is another one.
+  /// Sends one datagram per call from now on, until redirect(): the interface cannot segment
+  /// (SendOutcome::no_segments).
   void take_one_at_a_time() noexcept { one_at_a_time_.store(true, std::memory_order_relaxed); }
 
   // The sending thread.
 
-  /// The connection for large samples. The first call makes it.
+  /// Returns the connection for large samples. The first call makes it.
   Connection& bulk(const RemotePath& path);
 
  private:

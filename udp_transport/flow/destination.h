@@ -1,6 +1,6 @@
 // A remote socket that samples are sent to, and the path to it. All writers that serve readers behind the
-// socket share it. The path can change, since a socket has several addresses. At each address the socket has
-// to answer before it is sent more than a few datagrams (flow_window.h).
+// socket share it. The path can change, since a socket has several addresses. At each address the socket
+// has to answer before it is sent more than a few datagrams (flow_window.h).
 #pragma once
 
 #include <atomic>
@@ -22,7 +22,8 @@ namespace sft::udp {
 
 struct DestinationLimits {
   std::size_t datagram_bytes = datagram_bytes_max;
-  std::uint16_t report_port = 0;  ///< where receivers report to; 0: they are not asked, and need not answer
+  std::uint16_t report_port =
+      0;  ///< port that receivers report to; 0: they are not asked to report, and need not answer
   FlowLimits flow{};
 };
 
@@ -32,24 +33,25 @@ class Destination {
   using Size = FlowWindow::Size;
   using Heard = SharedFlowWindow::Heard;
 
-  /// `flow` is the number by which the receiver names this host; nobody else can guess it. `connect` is
-  /// called again for the first large sample. Channels to this socket are numbered from `channels` on, which
-  /// nobody else can guess either. `host` is the budget of the address, see FlowWindow.
+  /// `flow` is the number by which reports of the receiver name this destination; nobody else can guess it.
+  /// `connect` is called again for the first large sample. Channels to this socket are numbered from
+  /// `channels` on, which nobody else can guess either. `host` is the budget of the remote host
+  /// (FlowWindow).
   Destination(const SocketAddress& address, const DestinationLimits& limits, std::uint32_t flow,
               Connect connect, std::uint32_t channels = 0, std::shared_ptr<UnprovenBudget> host = {});
 
   // Any thread.
 
   std::uint32_t flow() const { return flow_; }
-  /// The channel of that number, which counts the channels of a writer, is called by this there.
+  /// Returns the number by which datagrams to this socket name the writer's channel `number`.
   std::uint32_t name_of_channel(std::uint32_t number) const { return channels_ + number; }
 
-  /// Answers questions about the address, and about the length of datagrams.
+  /// The address, and the length of datagrams.
   const RemotePath& path() const { return path_; }
-  /// Answers questions about how much may be under way.
+  /// How much may be under way.
   const SharedFlowWindow& window() const { return window_; }
 
-  /// The connection for what is small, and must not queue behind large samples.
+  /// The connection for small samples and control, which must not queue behind large samples.
   Connection& connection() { return connections_.small(); }
   /// Returns the connection for datagrams that must not overtake anything that was sent up to `position`.
   Connection& connection_after(std::uint64_t position);
@@ -57,33 +59,33 @@ class Destination {
   Connection* bulk_in_use() { return connections_.bulk_in_use(); }
   std::size_t datagrams_per_call() const { return connections_.datagrams_per_call(); }
 
-  /// The size of the remote socket's receive buffer as announced.
+  /// Sets the size of the remote socket's receive buffer as its node announced it.
   void set_receive_buffer(std::uint32_t bytes) { window_.announce(bytes); }
   std::size_t room(Size size, Time now) { return window_.room(size, now); }
-  /// Returns true if a heartbeat or an offer may go. What may not is withheld until the receiver reports, for
-  /// which it is asked here: it may be all that is left to send.
+  /// Returns true if a heartbeat or an offer may be sent. If not, it is withheld until the receiver
+  /// reports, and the receiver is asked for a report here, since nothing else may be left to send.
   bool takes_control(Time now);
   /// Notes what was sent through one of the connections; `longest` is the length of the longest datagram.
   /// Sends the receiver a mark if one is due.
   void sent(const Connection& by, std::size_t bytes, std::size_t datagrams, std::size_t longest, Time now);
-  /// Somebody waits for room: asks a receiver again that does not report.
+  /// Asks a receiver that does not report once more, since a sender waits for room.
   void mark(Time now);
-  /// Learns from a send that was refused; the next one fits, and takes the way as it is now.
+  /// Learns from a send that was refused. The next one fits, and takes the path as it is then.
   void note(SendOutcome outcome) noexcept;
 
-  /// A report that repeats one of our marks shows that the receiver is at the address that it comes from.
+  /// Takes a report. If it repeats one of our marks, the receiver is at the address that it comes from.
   [[nodiscard]] Heard hear(const FlowReport& report, const core::IpAddress& from, Time now);
-  /// An ack of one of its channels came.
+  /// Notes that an ack of one of the channels to this socket came.
   void lives(Time now) { window_.lives(now); }
-  /// The host there says that nobody has that port.
+  /// Notes that the host there says that no socket has that port (ICMP).
   void refused(Time now) { window_.refused(now); }
-  /// An ack asks for something again: it is asked soon whether long datagrams arrive.
+  /// Notes that an ack asks for something again. A mark will soon find out if long datagrams arrive.
   void asked_again() { window_.asked_again(); }
 
-  /// Moves to another address of the same socket; datagrams on their way go on.
+  /// Moves to another address of the same socket. Datagrams that are under way still count.
   void move_to(const SocketAddress& address, std::shared_ptr<UnprovenBudget> host) noexcept;
-  /// Counts these moves, and the returns of a receiver that was silent: what it is told again, it is told at
-  /// once.
+  /// Counts these moves, and the returns of a receiver that was silent. After each of them, heartbeats and
+  /// offers are due at once.
   std::uint32_t moves() const { return moves_.load(std::memory_order_relaxed); }
 
   // The sending thread.
@@ -91,9 +93,10 @@ class Destination {
   /// The connection for large samples. The first call makes it.
   Connection& bulk() { return connections_.bulk(path_); }
 
-  // The thread that looks after all destinations.
+  // The thread that maintains all destinations.
 
-  /// Called from time to time: the path may take longer datagrams by now. `anew`: it may be another one.
+  /// Tries longer datagrams if it is time, and asks the kernel about the path now and then. `anew`: routes
+  /// or our own addresses have changed.
   void look_after(Time now, bool anew) noexcept;
 
  private:
@@ -109,7 +112,7 @@ class Destination {
   ConnectionPair connections_;
   SharedFlowWindow window_;
   std::atomic<std::uint32_t> moves_{0};
-  Time kernel_asked_at_{};  ///< used by the thread that looks after the destination
+  Time kernel_asked_at_{};  ///< used by the thread that maintains the destinations
 };
 
 }  // namespace sft::udp

@@ -16,15 +16,15 @@ DestinationDirectory::Key DestinationDirectory::key_of(const core::UdpAddress& a
   return {address.node, {address.node == 0 ? address.ip : core::IpAddress{}, address.port}};
 }
 
-/// Returns the same number whenever that socket is known again: its process takes channels with greater
-/// numbers for newer ones.
+/// Returns the same number whenever that socket is known again, because its process takes a channel with a
+/// greater number for a newer one.
 std::uint32_t DestinationDirectory::first_channel(const Key& key) const {
   std::array<std::uint64_t, 5> words{key.first, 0, 0, key.second.ip.scope, key.second.port};
   std::memcpy(&words[1], key.second.ip.bytes.data(), key.second.ip.bytes.size());
   return static_cast<std::uint32_t>(keyed_hash(channel_key_, words));
 }
 
-/// A caller that does not know whose an address is may find a destination that is there at present.
+/// An address that does not name its node matches a destination that is at that address now.
 std::shared_ptr<Destination> DestinationDirectory::known(const core::UdpAddress& address) {
   std::erase_if(known_, [](const auto& entry) { return entry.second.expired(); });
   if (const auto found = known_.find(key_of(address)); found != known_.end()) return found->second.lock();
@@ -60,7 +60,7 @@ std::shared_ptr<Destination> DestinationDirectory::find(const core::UdpAddress& 
   return destination;
 }
 
-/// Nobody else can guess the number.
+/// Returns a random number, so that nobody else can guess it.
 std::uint32_t DestinationDirectory::unused_flow() {
   for (;;) {
     const auto flow = static_cast<std::uint32_t>(core::random_id());

@@ -20,18 +20,18 @@ class DestinationDirectory {
  public:
   DestinationDirectory(const DestinationLimits& limits, Connect connect);
 
-  /// The destination of that address, known or new: a new one is connected to, and the kernel asked for the
-  /// path's MTU. Where the address says whose it is, a known one moves there. It goes, with its connection,
-  /// when nobody sends there any more.
+  /// Returns the destination of that address. A new one is connected, and the kernel is asked for the
+  /// path's MTU. If the address names its node, a known destination moves to that address. A destination,
+  /// with its connections, goes when nobody sends to it any more.
   std::shared_ptr<Destination> find(const core::UdpAddress& address);
-  /// The one that reports by that number; null if there is none any more.
+  /// Returns the destination whose reports carry that number; null if there is none any more.
   std::shared_ptr<Destination> of_flow(std::uint32_t flow);
 
-  /// Looks after all known destinations. `anew`: routes or own addresses have changed.
+  /// Maintains all known destinations. `anew`: routes or our own addresses have changed.
   void look_after(PathMtu::Time now, bool anew);
 
  private:
-  /// One that has several addresses is known by its node and port, any other by its address.
+  /// Node and port if the address names its node, which may have several addresses; else address and port.
   using Key = std::pair<std::uint64_t, SocketAddress>;
   static Key key_of(const core::UdpAddress& address);
   std::uint32_t first_channel(const Key& key) const;

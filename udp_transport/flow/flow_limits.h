@@ -9,31 +9,35 @@ namespace sft::udp {
 
 /// Larger than usual: it has all times and sizes of a flow, each with its reason.
 struct FlowLimits {
-  bool asks = true;  ///< false: nobody is asked to report, or waited for: a multicast group
-  std::uint64_t unheard_bytes_per_s = 600'000'000;  ///< that pass where nobody is asked
-  std::uint64_t unasked_bytes_per_s = 1'000'000;    ///< that receivers take, as we believe without a report;
-                                                    ///< here datagrams count as long as they are
+  bool asks = true;  ///< false: no receiver is asked to report, or waited for, as for a multicast group
+  std::uint64_t unheard_bytes_per_s =
+      600'000'000;  ///< rate at which sent bytes are assumed to pass if no receiver is asked
+  std::uint64_t unasked_bytes_per_s = 1'000'000;  ///< rate that receivers are assumed to take without a
+                                                  ///< report; here a datagram counts with its length alone
   // These limits hold for a receiver that has not reported yet.
   std::size_t unproven_bytes = 24'000;
   std::size_t unproven_datagrams = 16;
-  std::size_t unproven_marks = 8;                  ///< more of them count as datagrams to the host
-  std::size_t first_bytes = std::size_t{1} << 20;  ///< under way, before anything is known of the way
-  std::size_t least_bytes = 32 * 1024;             ///< under way, however bad it is
+  std::size_t unproven_marks = 8;  ///< further marks count as datagrams to the host
+  std::size_t first_bytes = std::size_t{1}
+                            << 20;      ///< under way at most, before anything is known of the path
+  std::size_t least_bytes = 32 * 1024;  ///< least window, however bad the path is
   std::size_t mark_spacing_min = 24 * 1024;
   std::size_t mark_spacing_max = 3072 * 1024;
-  std::chrono::milliseconds queueing{4};    ///< more than the shortest time there and back
-  std::chrono::milliseconds mark_again{2};  ///< after twice the time there and back, but not before
+  std::chrono::milliseconds queueing{4};  ///< tolerated above the shortest round trip
+  std::chrono::milliseconds mark_again{
+      2};  ///< least time before a mark is repeated; usually twice the round trip
   std::chrono::milliseconds mark_again_unheard{10};
   std::chrono::milliseconds mark_again_longest{50};
-  std::chrono::milliseconds mark_anew{2000};  ///< after the last report, if anything is sent
-  /// The same where acks come. A slow reliable flow has one every 4 s (ResendLimits::heartbeat_period), which
-  /// does what a mark would.
+  std::chrono::milliseconds mark_anew{
+      2000};  ///< time after the last report at which a mark is due, if anything is sent
+  /// Replaces `mark_anew` where acks come. A slow reliable flow has an ack every 4 s
+  /// (ResendLimits::heartbeat_period), which does what a mark would.
   std::chrono::milliseconds mark_anew_behind_acks{4500};
-  /// The same while it is not sure that long datagrams arrive (LengthMonitor).
+  /// Replaces `mark_anew` while it is uncertain if long datagrams arrive (LengthMonitor).
   std::chrono::milliseconds mark_anew_unconfirmed{40};
-  std::chrono::milliseconds silence{1000};  ///< after which nothing but marks is sent
-  // Between two marks to a receiver that is silent, or has never reported: longer the longer it lasts, but it
-  // is served again soon after it has come back.
+  std::chrono::milliseconds silence{1000};  ///< time without an answer after which only marks are sent
+  // Pauses between two marks to a receiver that is silent, or has never reported. They grow with time, but
+  // a receiver that has come back is served again soon.
   std::chrono::milliseconds mark_silent{250};
   std::chrono::milliseconds mark_silent_longest{750};
   std::chrono::milliseconds mark_unproven_longest{2000};

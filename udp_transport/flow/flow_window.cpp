@@ -6,8 +6,8 @@
 namespace sft::udp {
 
 namespace {
-constexpr std::size_t receive_buffer_bytes_default = 212'992;  // Linux, where nothing was set
-/// While a receiver is kept from running, its buffer has to hold what comes.
+constexpr std::size_t receive_buffer_bytes_default = 212'992;  // the default of Linux
+/// The buffer has to hold what comes while the receiver's threads do not run, which is 1/500 s here.
 constexpr std::uint64_t receiver_pauses_per_s = 500;
 
 std::int64_t ns_of(FlowWindow::Time time) { return time.time_since_epoch().count(); }
@@ -25,13 +25,14 @@ FlowWindow::FlowWindow(std::uint32_t flow, const FlowLimits& limits, std::uint64
   announce(0);
 }
 
-/// Less than any system grants unasked is not believed: it would never get a sample. The rest may be others'.
+/// A smaller size than any system grants by default does not count: the receiver would never get a sample.
+/// Until the first report a quarter is assumed, since others may send to the same socket.
 void FlowWindow::announce(std::size_t receive_buffer_bytes) {
   if (!receiver_.heard())
     share_ = usable_bytes(std::max(receive_buffer_bytes, receive_buffer_bytes_default)) / 4;
 }
 
-/// At which what was sent is believed to pass without a report: not while one is waited for.
+/// Returns the bytes per second that are assumed to pass without a report; 0 while a report is due.
 double FlowWindow::assumed_rate() const {
   if (!limits_.asks)
     return static_cast<double>(std::min(limits_.unheard_bytes_per_s, share_ * receiver_pauses_per_s));
@@ -50,7 +51,7 @@ void FlowWindow::note_unproven(std::size_t bytes, std::size_t datagrams, Time no
   if (limits_.asks && !receiver_.heard()) unproven_.spend(bytes, datagrams, now);
 }
 
-/// Before the first report large samples wait; it opens the whole window a round trip later.
+/// Before the first report large samples wait. That report opens the whole window one round trip later.
 std::size_t FlowWindow::room(Size size, Time now) {
   pass_time(now);
   if (limits_.asks && !receiver_.heard()) {
@@ -80,8 +81,8 @@ void FlowWindow::sent(std::size_t bytes, std::size_t datagrams, Time now, bool a
   pass_time(now);
   const std::size_t taken = socket_bytes(bytes, datagrams);
   sent_ += taken;
-  // Whether or not somebody is seen to wait: the report of what fills a small window often comes before the
-  // sender looks for room again.
+  // This does not ask if a sender waits: the report for a full small window often comes before the sender
+  // looks for room again.
   if (congestion_.bytes() <= share_ && under_way() >= congestion_.bytes() / 2) congestion_.was_full(sent_);
   note_unproven(bytes, datagrams, now);
   expansion_ +=
@@ -89,7 +90,8 @@ void FlowWindow::sent(std::size_t bytes, std::size_t datagrams, Time now, bool a
   if (!aside) datagrams_ += static_cast<std::uint32_t>(datagrams);
 }
 
-/// Several in a window, of which a small one is soon full; but none for what is seldom and small.
+/// There are several marks in a window, since a small one is soon full, but none for small samples that are
+/// rare.
 std::size_t FlowWindow::mark_spacing() const {
   const std::size_t seldom = std::min(window() / 2, limits_.mark_spacing_min);
   const std::size_t part = window() / (window() < limits_.first_bytes ? 4 : 2);
@@ -142,8 +144,8 @@ bool FlowWindow::hear(const FlowReport& report, Time now) {
   return waiting_ && (was_awaited || under_way() <= limit / 2) && std::exchange(waiting_, false);
 }
 
-/// Learns from a report. Our own queue has to be short for a moment, so that the shortest time there and back
-/// shows again.
+/// Learns from a report. If the shortest round trip was too old, our own queue has to be short for a
+/// moment, so that the shortest one shows again.
 void FlowWindow::learn(const FlowReport& report, Time now) {
   const bool begins_anew = round_trips_.note(now - marked_at(report), now);
   rate_.report(report.position, marked_at(report), now);
@@ -156,7 +158,8 @@ void FlowWindow::learn(const FlowReport& report, Time now) {
                             .taken = rate_.bytes_within(round_trips_.shortest() + limits_.queueing)});
 }
 
-/// Datagrams that are under way no longer arrive, and everything that was learnt was about another way.
+/// Datagrams that are under way do not arrive any more, and everything that was learnt is about another
+/// path.
 void FlowWindow::move(std::uint64_t secret, std::shared_ptr<UnprovenBudget> host) {
   secret_ = secret;
   unproven_.begin_anew(std::move(host));

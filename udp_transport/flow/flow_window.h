@@ -1,12 +1,12 @@
-// Flow and congestion control towards one remote socket. It limits the bytes under way to what the receiver
-// reports that it has room for, and to what the way there carries without a queue that others have to stand
-// in.
+// Flow and congestion control towards one remote socket. It limits the bytes under way to the room that the
+// receiver reports, and to what the path carries without a queue that delays other traffic.
 //
-// A receiver has to answer. Before its first report a few small datagrams are sent there, and marks; after a
-// second of silence only marks. So nobody can make this host flood another one that did not ask for it.
+// A receiver has to answer. Before its first report it is sent only a few small datagrams and marks; after
+// a second of silence, only marks. So nobody can make this host flood another one that did not ask for it.
 //
-// The class is pure: calls and times go in, decisions come out. All amounts are in bytes as the receiving
-// kernel counts them (socket_bytes). Positions count what was sent.
+// The class uses no clock, thread or I/O: calls and times are passed in, decisions are returned. All
+// amounts are in bytes as the receiving kernel counts them (socket_bytes()). A position is the number of
+// such bytes sent so far.
 #pragma once
 
 #include <algorithm>
@@ -29,13 +29,13 @@
 
 namespace sft::udp {
 
-/// Returns how much of a socket's receive buffer datagrams take: the kernel keeps each of them with data of
+/// Returns how much of a socket's receive buffer datagrams take. The kernel keeps each of them with data of
 /// its own.
 constexpr std::size_t socket_bytes(std::size_t bytes, std::size_t datagrams) {
   constexpr std::size_t of_each_datagram = 832;
   return bytes + datagrams * of_each_datagram;
 }
-/// Returns the part of a receive buffer that senders may fill: the kernel gives back what was read in steps
+/// Returns the part of a receive buffer that senders may fill. The kernel gives back what was read in steps
 /// of a quarter.
 constexpr std::size_t usable_bytes(std::size_t receive_buffer_bytes) { return receive_buffer_bytes / 4 * 3; }
 
@@ -43,38 +43,39 @@ constexpr std::size_t usable_bytes(std::size_t receive_buffer_bytes) { return re
 class FlowWindow {
  public:
   using Time = std::chrono::steady_clock::time_point;
-  /// Small samples have a part of the window for themselves.
+  /// A part of the window is reserved for small samples.
   enum class Size : std::uint8_t { small, large };
 
-  /// `flow` is what the other end calls it by. `secret` hides the times in marks: only who got a mark can
-  /// repeat what it says. `host` is what all to that host may send before they are answered; null: no more
-  /// than one may.
+  /// `flow` is the number that the receiver's reports repeat. `secret` hides the times in marks: only a
+  /// receiver of a mark can repeat what it says. `host` is the budget for all destinations on that host
+  /// before they answer; null: only the allowance of this destination counts.
   FlowWindow(std::uint32_t flow, const FlowLimits& limits, std::uint64_t secret = 0,
              std::shared_ptr<UnprovenBudget> host = {});
 
-  /// Before a report: how large the socket's buffer is.
+  /// Sets the size of the remote socket's buffer, which counts until the first report.
   void announce(std::size_t receive_buffer_bytes);
 
-  /// Socket bytes that may be sent now. The last datagrams may take more. If there is no room, the sender
-  /// waits until hear() or next_ready() says that there is.
+  /// Returns the socket bytes that may be sent now; the last datagrams may exceed this. If there is no
+  /// room, the sender waits until hear() or next_ready() says that there is.
   std::size_t room(Size size, Time now);
-  /// Somebody waits for more room than there is.
+  /// Notes that a sender waits for more room than there is.
   void await_room() { waiting_ = true; }
-  /// Returns true if a heartbeat or an offer may go. It takes no room, apart from the few datagrams of the
-  /// beginning.
+  /// Returns true if a heartbeat or an offer may be sent. It takes no room in the window, but counts as one
+  /// of the few datagrams before the first report.
   bool takes_control(Time now);
-  /// The largest batch of which several fit into the window.
+  /// The size of the largest batch of which several fit into the window.
   std::size_t batch_bytes() const;
-  /// `aside`: sent through another connection than the one that marks go by.
+  /// `aside`: sent through another connection than marks are.
   void sent(std::size_t bytes, std::size_t datagrams, Time now, bool aside = false);
 
-  /// The longest datagram of what was sent had that length. Called after sent().
+  /// Notes the length of the longest datagram that was sent. Called after sent().
   void note_length(std::size_t longest, Time now) {
     if (limits_.asks) lengths_.sent(longest, now);
   }
-  /// The receiver asks for something again: it is asked soon whether long datagrams arrive.
+  /// Notes that the receiver asks for something again. A mark will soon find out if long datagrams arrive.
   void asked_again() { lengths_.asked_again(); }
-  /// Returns the length of datagrams that have not arrived by a report that hear() has taken; else 0.
+  /// Returns the length of datagrams that have not arrived, by the report that hear() took last; 0 if all
+  /// have.
   std::size_t lost_length() const { return lost_length_; }
 
   /// Returns the mark that is due, if any. The caller fills in its port, and sends it through the connection
@@ -82,28 +83,31 @@ class FlowWindow {
   std::optional<FlowMark> mark(Time now);
   /// Returns true if a report can be the answer to one of our marks.
   bool answers_a_mark(const FlowReport& report) const;
-  /// Takes a report of the other end; nonsense is ignored. Returns true if somebody waits who may go on now.
+  /// Takes a report of the receiver and ignores nonsense. Returns true if a sender that waits may go on
+  /// now.
   [[nodiscard]] bool hear(const FlowReport& report, Time now);
   /// Notes an authentic answer of the other end that is not a report.
   void lives(Time now) { receiver_.lives(now); }
-  /// The host there says that nobody has this port. A receiver that has just reported is believed instead.
+  /// Notes that the host there says that no socket has this port. Ignored if the receiver has just
+  /// reported.
   void refused(Time now) { receiver_.refused(now); }
   /// From now on datagrams go to another address, which has to answer first.
   void move(std::uint64_t secret, std::shared_ptr<UnprovenBudget> host = {});
-  /// When to try again, if nothing is heard until then.
+  /// The time to try again, if no report comes until then.
   Time next_ready(Time now) const;
 
   std::uint64_t position() const { return sent_; }
-  /// The shortest time there and back of late; 0: not known.
+  /// The shortest recent round trip; 0: not known.
   Time::duration round_trip() const {
     const auto shortest = round_trips_.shortest();
     return shortest == Time::duration::max() ? Time::duration{} : shortest;
   }
-  /// The receiver has reported, and is not silent: nobody else decides that something is sent there.
+  /// Returns true if the receiver has reported, and is not silent. So the receiver itself wants what is
+  /// sent to it, and not just an announcement that names it.
   bool answers(Time now) const { return !limits_.asks || (receiver_.heard() && !receiver_.is_mute(now)); }
-  /// True if the receiver was asked for a second, and never answered or does not answer any more.
+  /// Returns true if the receiver was asked for a second, and never answered or does not answer any more.
   bool is_mute(Time now) const { return receiver_.is_mute(now); }
-  /// True if everything that was sent up to that position has arrived, or never will.
+  /// Returns true if everything that was sent up to that position has arrived, or never will.
   bool passed(std::uint64_t position) const { return position <= (receiver_.heard() ? reported_ : passed_); }
   std::size_t under_way() const { return static_cast<std::size_t>(sent_ - passed_); }
   std::size_t window() const { return std::min(share_, congestion_.bytes()); }
@@ -115,7 +119,7 @@ class FlowWindow {
   void note_unproven(std::size_t bytes, std::size_t datagrams, Time now);
   std::size_t mark_spacing() const;
   bool mark_is_due(Time now) const;
-  /// The inverse of itself: hides a time in a mark, and recovers it from a report.
+  /// Hides a time in a mark, and recovers it from a report. It is its own inverse.
   std::int64_t hidden(std::int64_t ns) const {
     return static_cast<std::int64_t>(static_cast<std::uint64_t>(ns) ^ secret_);
   }
@@ -127,14 +131,14 @@ class FlowWindow {
   std::uint32_t flow_;
   FlowLimits limits_;
   std::uint64_t secret_;
-  std::size_t share_ = 0;  ///< of the receiver's buffer
+  std::size_t share_ = 0;  ///< our share of the receiver's buffer
   std::uint64_t sent_ = 0;
-  std::uint64_t passed_ = 0;    ///< reported, or believed to have passed
-  std::uint64_t reported_ = 0;  ///< the last report was of that
+  std::uint64_t passed_ = 0;    ///< position up to which all is reported or assumed to have passed
+  std::uint64_t reported_ = 0;  ///< position of the last report
   std::uint64_t marked_ = 0;
   std::uint32_t datagrams_ = 0;
-  double expansion_ = 1;  ///< socket bytes for each byte of late
-  Time passed_at_{};      ///< when passed_ was brought up to date
+  double expansion_ = 1;  ///< recent number of socket bytes for each byte sent
+  Time passed_at_{};      ///< when `passed_` was updated last
   bool waiting_ = false;
   UnprovenAllowance unproven_;
   ReceiverMonitor receiver_;
@@ -142,7 +146,7 @@ class FlowWindow {
   DeliveryRate rate_;
   CongestionWindow congestion_;
   LengthMonitor lengths_;
-  std::size_t lost_length_ = 0;  ///< by the last report
+  std::size_t lost_length_ = 0;  ///< as the last report shows
 };
 
 }  // namespace sft::udp

@@ -1,7 +1,7 @@
-// Finds by reports whether long datagrams arrive at a receiver: a path may drop these without an error
-// although short ones, as marks are, get through. Compares the lengths of what was sent with the longest
-// datagram that the receiver says has come of late (LongestArrivals). This needs no acks, so that it holds
-// for best effort, and for samples of any size. The class is pure.
+// Finds out from reports if long datagrams arrive at a receiver. A path may drop them without an error
+// although short ones, such as marks, get through. The class compares the lengths of what was sent with the
+// longest datagram that the receiver reports as recently received (LongestArrivals). This needs no acks, so
+// it works for best effort, and for samples of any size. The class uses no clock, thread or I/O.
 #pragma once
 
 #include <algorithm>
@@ -18,23 +18,23 @@ class LengthMonitor {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// A report is no evidence about what was sent longer before its mark than this: the receiver may have
-  /// forgotten it.
+  /// A report is no evidence about datagrams that were sent longer than this before its mark: the receiver
+  /// may have discarded their lengths.
   static constexpr std::chrono::milliseconds remembered_for{500};
 
-  /// Datagrams were sent, of which the longest had that length.
+  /// Notes that datagrams were sent. `length` is that of the longest.
   void sent(std::size_t length, Time now) {
     if (length > arrived_) since_mark_.add(length, now);
   }
-  /// A mark was sent behind them. One report is evidence about the datagrams between two marks.
+  /// Notes that a mark was sent behind them. One report is evidence about the datagrams between two marks.
   void mark(std::uint64_t position) {
     if (!marked_.is_empty()) return;
     marked_ = std::exchange(since_mark_, {});
     position_ = position;
   }
-  /// The receiver asks for something again: the next report should come soon.
+  /// Notes that the receiver asks for something again: the next report should come soon.
   void asked_again() { unconfirmed_ = true; }
-  /// Long datagrams may not arrive: marks should follow them soon.
+  /// Returns true if long datagrams might not arrive. Then a mark should follow them soon.
   bool is_uncertain() const { return unconfirmed_; }
 
   /// Returns the length of datagrams that have not arrived; 0 if all have, as far as the report shows.
@@ -49,7 +49,7 @@ class LengthMonitor {
   }
 
  private:
-  /// Of datagrams that are longer than those that have arrived.
+  /// Lengths of datagrams that are longer than the longest that is known to have arrived.
   struct Lengths {
     std::size_t shortest = SIZE_MAX, longest = 0;
     Time last{};
@@ -62,7 +62,7 @@ class LengthMonitor {
     }
   };
 
-  std::size_t arrived_ = 0;  ///< the longest by the last report
+  std::size_t arrived_ = 0;  ///< the longest datagram, by the last report
   Lengths since_mark_, marked_;
   std::uint64_t position_ = 0;  ///< the position of the mark whose report is evaluated next
   bool unconfirmed_ = false;

@@ -1,6 +1,6 @@
-// Remembers of each address that marks come from how long the longest datagram was that came from there of
-// late, whichever process there has sent it, and from whichever of its ports: all of them share one path. The
-// reports carry it. The class is pure.
+// Remembers for each address that marks come from how long the longest recent datagram from there was. All
+// processes and ports at an address count together, because they share one path. Reports carry this length.
+// The class uses no clock, thread or I/O.
 #pragma once
 
 #include <algorithm>
@@ -27,7 +27,7 @@ class LongestArrivals {
 
   LongestArrivals() { addresses_.reserve(addresses_max); }
 
-  /// A datagram came. An address of which no mark has come yet is not noted.
+  /// Notes a datagram. Ignored if no mark has come from that address yet.
   void note(const core::IpAddress& from, std::size_t bytes, Time now) {
     if (last_ >= addresses_.size() || addresses_[last_].ip != from) {
       const auto found = std::ranges::find(addresses_, from, &Address::ip);
@@ -39,7 +39,8 @@ class LongestArrivals {
     address.present = std::max(address.present, static_cast<std::uint32_t>(bytes));
   }
 
-  /// A mark came, which is a datagram, too. Returns the longest of late; 0 if the address was not known.
+  /// Notes a mark, which is a datagram, too. Returns the length of the longest recent datagram; 0 if the
+  /// address was not known.
   std::uint32_t answer(const core::IpAddress& from, std::size_t mark_length, Time now) {
     const auto found = std::ranges::find(addresses_, from, &Address::ip);
     if (found == addresses_.end()) {
@@ -57,9 +58,9 @@ class LongestArrivals {
  private:
   struct Address {
     core::IpAddress ip;
-    Time begun{};  ///< the present period
+    Time begun{};  ///< begin of the present period
     Time marked_at{};
-    std::uint32_t present = 0, former = 0;  ///< the longest of this period, and of the one before
+    std::uint32_t present = 0, former = 0;  ///< the longest of this period and of the previous one
 
     void forget_old(Time now) {
       if (now - begun < period) return;
@@ -70,7 +71,7 @@ class LongestArrivals {
   };
 
   std::vector<Address> addresses_;
-  std::size_t last_ = 0;  ///< from which a datagram came last
+  std::size_t last_ = 0;  ///< index of the address that the latest datagram came from
 };
 
 }  // namespace sft::udp

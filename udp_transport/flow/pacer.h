@@ -1,4 +1,4 @@
-// A token bucket: a burst, then a steady rate. Pure.
+// A token bucket: a burst, then a steady rate. Uses no clock, thread or I/O.
 #pragma once
 
 #include <algorithm>
@@ -12,22 +12,22 @@ class Pacer {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// A rate of 0 is no limit, for bursts neither.
-  /// Bursts have at least one byte.
+  /// A rate of 0 is no limit, nor is there one for bursts then. A burst has at least one byte.
   Pacer(std::uint64_t bytes_per_s, std::size_t burst_bytes)
       : bytes_per_s_(static_cast<double>(bytes_per_s)),
         burst_(static_cast<double>(std::max<std::size_t>(burst_bytes, 1))),
         quantum_(std::min(burst_ / 8, quantum_max)) {}
 
-  /// One more batch may go, and leaves `reserve` to others; it may take more than is left, which is made up
-  /// for before the next.
+  /// Returns true if one more batch may be sent, which leaves `reserve` bytes to others. The batch may take
+  /// more than is left; the next one waits until that is made up for.
   bool ready(Time now, std::size_t reserve = 0) {
     refill(now);
     return bytes_per_s_ == 0 || tokens_ > static_cast<double>(reserve);
   }
   void spend(std::size_t bytes) { tokens_ -= static_cast<double>(bytes); }
 
-  /// When to go on, if nothing is spent until then: once there is enough for more than a moment's work.
+  /// Returns the time to go on, if nothing is spent until then. Work goes on once there are tokens for a
+  /// few system calls, not just for a moment.
   Time next_ready(Time now, std::size_t reserve = 0) const {
     const double missing = static_cast<double>(reserve) - tokens_;
     if (bytes_per_s_ == 0 || missing < 0) return now;
@@ -36,7 +36,7 @@ class Pacer {
   }
 
  private:
-  static constexpr double quantum_max = 192 * 1024;  // three calls' worth
+  static constexpr double quantum_max = 192 * 1024;  // the bytes of three system calls
 
   void refill(Time now) {
     const std::chrono::duration<double> since = now - last_;
@@ -48,7 +48,7 @@ class Pacer {
   const double burst_;
   const double quantum_;
   double tokens_ = 0;
-  Time last_{};  ///< long ago: the first refill is a full one
+  Time last_{};  ///< long ago, so that the first refill fills the bucket
 };
 
 }  // namespace sft::udp

@@ -6,15 +6,15 @@
 namespace sft::udp {
 
 namespace {
-/// Packets that links and tunnels are made for: IPv6 at least, mobile networks, tunnels of overlay networks,
-/// PPPoE, Ethernet, FDDI, jumbo frames.
+/// Sizes of packets that links and tunnels are made for: the least of IPv6, mobile networks, tunnels of
+/// overlay networks, PPPoE, Ethernet, FDDI, jumbo frames.
 constexpr std::array<std::size_t, 7> packets{1280, 1400, 1450, 1492, 1500, 4352, 9000};
 }  // namespace
 
 PathMtu::PathMtu(std::size_t headers, std::size_t shortest, std::size_t kernel_says)
     : headers_(headers), shortest_(shortest), ceiling_(std::max(kernel_says, shortest)), bytes_(ceiling_) {}
 
-/// If the way has become another one, nothing that was found out about the old one holds.
+/// If the path has become another one, nothing that was learnt about the old one holds.
 void PathMtu::kernel_says(std::size_t bytes) {
   bytes = std::max(bytes, shortest_);
   if (bytes == ceiling_) return;
@@ -25,7 +25,7 @@ void PathMtu::kernel_says(std::size_t bytes) {
   losses_ = 0;
 }
 
-/// Datagrams that were sent before the present length held say nothing about it.
+/// A report about datagrams that were sent before the present length held says nothing about that length.
 void PathMtu::lost(std::size_t length, Time now) {
   if (length > bytes_) return;
   if (losses_++ == 0) {
@@ -36,7 +36,8 @@ void PathMtu::lost(std::size_t length, Time now) {
   if (losses_ >= losses_max && now - first_loss_ >= timeout) shorten(now);
 }
 
-/// To what has been found to work, or else to what nearly every path takes, and then to what each does.
+/// Shortens datagrams to a length that has been found to work. If there is none, it tries what nearly every
+/// path takes, and then what each path takes.
 void PathMtu::shorten(Time now) {
   losses_ = 0;
   if (bytes_ == shortest_) return;
@@ -52,8 +53,8 @@ void PathMtu::shorten(Time now) {
   retry_after_ = std::min<Time::duration>(2 * retry_after_, retry_pause_max);
 }
 
-/// A shorter one than is lost at present says nothing about that, nor does one that is shorter than possible
-/// prove the present length.
+/// A datagram that is shorter than the lost ones does not disprove their loss. One that is shorter than the
+/// present length does not prove that length.
 void PathMtu::arrived(std::size_t length, Time now) {
   if (length >= lost_length_) losses_ = 0;
   if (length < bytes_ || bytes_ <= proven_) return;
@@ -61,11 +62,11 @@ void PathMtu::arrived(std::size_t length, Time now) {
   if (next_longer() < too_long_) next_try_ = now + search_pause;
 }
 
-/// Tries a longer length only from a length that has arrived: otherwise nobody would notice that longer ones
-/// do not.
+/// Tries a longer length only if the present length has arrived. Otherwise a lost longer datagram would not
+/// be noticed.
 void PathMtu::look_after(Time now) {
   if (bytes_ >= ceiling_ || proven_ < bytes_ || now < next_try_) return;
-  if (next_longer() >= too_long_) too_long_ = none;  // it may have been mended meanwhile
+  if (next_longer() >= too_long_) too_long_ = none;  // the path may have been repaired meanwhile
   bytes_ = next_longer();
 }
 

@@ -1,7 +1,8 @@
-// The largest length of datagrams for one destination. The kernel knows it of the route, and of routers that
-// have reported it (ICMP). It is shorter where a path drops long datagrams without a word (a black hole),
-// which only the receiver's reports can show (length_monitor.h). The algorithm follows RFC 8899 with samples
-// as probes: a reliable sample that a probe loses is sent again. The class is pure.
+// The largest length of datagrams for one destination. The kernel knows the limits of the route, and those
+// that routers have reported (ICMP). A path that silently drops long datagrams (a black hole) has a smaller
+// limit, which only the receiver's reports can show (length_monitor.h). The algorithm follows RFC 8899 with
+// samples as probes: a reliable sample that is lost with a probe is sent again. The class uses no clock,
+// thread or I/O.
 #pragma once
 
 #include <chrono>
@@ -15,27 +16,27 @@ class PathMtu {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// Long datagrams count as lost after this number of reports without them over this time: a queue that is
+  /// Long datagrams count as lost after this number of reports without them over this time. A queue that is
   /// full for a moment may lose a whole train.
   static constexpr int losses_max = 5;
   static constexpr std::chrono::milliseconds timeout{200};
-  /// From one length that is found to work to the next, and from one that does not to the next try, at first
-  /// and at last.
+  /// The pause after a length that works before the next longer one is tried; and the first and the longest
+  /// pause after a length that fails before it is tried again.
   static constexpr std::chrono::seconds search_pause{1}, retry_pause{10}, retry_pause_max{600};
 
-  /// `headers`: bytes of IP and UDP. `shortest`: what every path takes.
+  /// `headers`: bytes of the IP and UDP headers. `shortest`: a length that every path takes.
   PathMtu(std::size_t headers, std::size_t shortest, std::size_t kernel_says);
 
   std::size_t datagram_bytes() const { return bytes_; }
-  /// True if arrived() should be called.
+  /// Returns true if arrived() should be called when long datagrams arrive.
   bool is_uncertain() const { return bytes_ < ceiling_ || losses_ > 0; }
 
   void kernel_says(std::size_t bytes);
-  /// The length that longer datagrams have not got beyond; 0 if no such limit was found.
+  /// The limit, if longer datagrams do not arrive; 0 if no such limit was found.
   std::size_t limited_to() const { return bytes_ < ceiling_ ? bytes_ : 0; }
-  /// Datagrams of that length, or longer ones, were sent, and none has arrived.
+  /// Notes that datagrams of that length or longer were sent, and none has arrived.
   void lost(std::size_t length, Time now);
-  /// The longest datagram that has arrived of late had that length.
+  /// Notes the length of the longest datagram that has arrived recently.
   void arrived(std::size_t length, Time now);
   /// Tries the next greater length when it is time.
   void look_after(Time now);
@@ -49,14 +50,14 @@ class PathMtu {
 
   std::size_t headers_;
   std::size_t shortest_;
-  std::size_t ceiling_;          ///< what the kernel says
+  std::size_t ceiling_;          ///< the kernel's limit
   std::size_t bytes_;            ///< the present length of datagrams
-  std::size_t proven_ = 0;       ///< the greatest that has arrived; 0: none has yet
-  std::size_t too_long_ = none;  ///< did not arrive
+  std::size_t proven_ = 0;       ///< the greatest length that has arrived; 0: none has yet
+  std::size_t too_long_ = none;  ///< a length that did not arrive
   Time next_try_{};
   Time::duration retry_after_ = retry_pause;
-  int losses_ = 0;                  ///< without the arrival of something as long in between
-  std::size_t lost_length_ = none;  ///< the shortest of these
+  int losses_ = 0;  ///< reports of losses in a row, without a datagram as long arriving in between
+  std::size_t lost_length_ = none;  ///< the shortest length of these losses
   Time first_loss_{};
 };
 

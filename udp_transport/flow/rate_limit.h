@@ -1,4 +1,4 @@
-// Limits the bytes per second that a writer, or all of a transport, may send, whichever thread sends them.
+// Limits the bytes per second that a writer or a whole transport may send, whichever thread sends them.
 #pragma once
 
 #include <algorithm>
@@ -11,12 +11,13 @@
 
 namespace sft::udp {
 
-/// Small samples go as long as anything is left, large ones leave them a quarter of a burst. Any thread.
+/// Small samples may be sent as long as any tokens are left; large samples leave a quarter of a burst to
+/// them. Any thread.
 class RateLimit {
  public:
   using Time = Pacer::Time;
 
-  /// 0: none.
+  /// A rate of 0 is no limit.
   explicit RateLimit(std::uint64_t bytes_per_s)
       : limited_(bytes_per_s != 0),
         batch_(limited_ ? static_cast<std::size_t>(bytes_per_s / 500) : SIZE_MAX),
@@ -36,7 +37,7 @@ class RateLimit {
   /// The largest part of a large sample that is sent at a time, so that small samples do not have to wait for
   /// more.
   std::size_t batch_bytes() const { return batch_; }
-  /// When to ask again, if nothing is spent until then.
+  /// The time to ask again, if nothing is spent until then.
   Time next_ready(bool small, Time now) {
     if (!limited_) return now;
     const core::Lock lock(mutex_);
@@ -44,7 +45,7 @@ class RateLimit {
   }
 
  private:
-  /// A train of datagrams, or what comes in 10 ms.
+  /// The bytes of a train of datagrams, or of 10 ms, if that is more.
   static std::size_t burst_for(std::uint64_t bytes_per_s) {
     return static_cast<std::size_t>(std::max<std::uint64_t>(64 * 1024, bytes_per_s / 100));
   }

@@ -1,6 +1,6 @@
-// Divides the buffer of our socket among those who send to it at present: together they may have no more
-// under way than the buffer holds. All addresses get the same share, however many senders claim to be behind
-// each. The class is pure.
+// Divides the buffer of our socket among its present senders: together they may have no more under way than
+// the buffer holds. All addresses get the same share, however many senders claim to be behind each. The
+// class uses no clock, thread or I/O.
 #pragma once
 
 #include <chrono>
@@ -16,15 +16,15 @@ namespace sft::udp {
 class ReceiveShares {
  public:
   using Time = std::chrono::steady_clock::time_point;
-  /// Senders that are known by their marks; more than these are answered with a very small share.
+  /// The number of senders that are known by their marks. Any further sender is told a very small share.
   static constexpr std::size_t senders_max = 256;
-  /// A sender that has not marked anything for so long needs no share.
+  /// A sender that has sent no mark for this time needs no share.
   static constexpr std::chrono::milliseconds at_rest_after{500};
   static constexpr std::size_t of_one_address_max = 64;
 
   explicit ReceiveShares(std::size_t receive_buffer_bytes);
 
-  /// A datagram came.
+  /// Counts a datagram that came.
   void count(const SocketAddress& from) {
     if (last_ < senders_.size() && senders_[last_].from == from) {
       ++senders_[last_].came;
@@ -32,7 +32,7 @@ class ReceiveShares {
       find_and_count(from);
     }
   }
-  /// Returns the answer to a mark.
+  /// Returns the report that answers a mark.
   FlowReport answer(const FlowMark& mark, const SocketAddress& from, Time now);
 
   std::size_t senders() const { return senders_.size(); }
@@ -41,8 +41,8 @@ class ReceiveShares {
   struct Sender {
     SocketAddress from;
     std::uint32_t flow = 0;
-    std::uint32_t came = 0;   ///< datagrams, and all that it sent before it was known
-    std::size_t granted = 0;  ///< as it was told last
+    std::uint32_t came = 0;   ///< number of datagrams that came, or were sent before the sender was known
+    std::size_t granted = 0;  ///< the share as the sender was told last
     Time marked_at{};
   };
   void find_and_count(const SocketAddress& from);
@@ -52,8 +52,8 @@ class ReceiveShares {
   Sender* known_or_new(const FlowMark& mark, const SocketAddress& from);
 
   const std::size_t usable_bytes_;
-  std::vector<Sender> senders_;  ///< by address
-  std::size_t last_ = 0;         ///< whose datagram came last
+  std::vector<Sender> senders_;  ///< ordered by address
+  std::size_t last_ = 0;         ///< index of the sender whose datagram came last
 };
 
 }  // namespace sft::udp

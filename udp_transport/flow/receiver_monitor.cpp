@@ -5,7 +5,7 @@
 namespace sft::udp {
 
 namespace {
-constexpr std::chrono::seconds longest_pause_between_marks{3};  // of those that are a silence
+constexpr std::chrono::seconds longest_pause_between_marks{3};  // within one silence
 }
 
 void ReceiverMonitor::ask(bool again, Time now) {
@@ -19,7 +19,7 @@ void ReceiverMonitor::ask(bool again, Time now) {
   put_off(now);
 }
 
-/// Keeps the later time, because one of several threads may have looked at the clock before.
+/// Keeps the later time, because another thread may have read the clock earlier.
 void ReceiverMonitor::put_off(Time now) { marked_at_ = std::max(marked_at_, now); }
 
 void ReceiverMonitor::note_life(Time now) {
@@ -54,9 +54,9 @@ void ReceiverMonitor::begin_anew() {
   refused_ = acks_come_ = false;
 }
 
-/// A receiver that does not answer is asked more and more seldom. On a short way the pause stays short as
-/// long as the receiver does not count as silent: there a missing answer was lost, and a longer pause would
-/// only make the window stand still for longer.
+/// A receiver that does not answer is asked more and more rarely. On a short path the pause stays short
+/// until the receiver counts as silent. A missing answer was lost there, and a longer pause would only stop
+/// the window for longer.
 ReceiverMonitor::Time::duration ReceiverMonitor::retry_pause(const RoundTrips& round_trips) const {
   if (is_mute(marked_at_)) {
     const Time::duration longest = heard_ ? limits_.mark_silent_longest : limits_.mark_unproven_longest;
@@ -72,7 +72,7 @@ ReceiverMonitor::Time::duration ReceiverMonitor::retry_pause(const RoundTrips& r
                 : std::min<Time::duration>(after(std::max(asked_ - 1, 0)), limits_.mark_silent);
 }
 
-/// An ack is no evidence about what is uncertain.
+/// An ack is no evidence that long datagrams arrive.
 bool ReceiverMonitor::has_to_ask_anew(Time now, bool is_uncertain) const {
   const Time told_at = is_uncertain ? marked_at_ : std::max(heard_at_, marked_at_);
   if (asked_since_) return now - told_at >= limits_.mark_silent;

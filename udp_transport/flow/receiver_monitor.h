@@ -1,7 +1,9 @@
-// Tells whether a receiver answers the marks that it is sent, and when it may be asked again. Pure.
+// Tells if a receiver answers the marks that it is sent, and when it may be asked again. Uses no clock,
+// thread or I/O.
 //
-// It counts as mute once several marks, which are not too far from each other, have been without an answer
-// for FlowLimits::silence: one may get lost, and a pause in what is sent is no silence of the receiver.
+// A receiver counts as mute if several marks, not too far from each other, have had no answer for
+// FlowLimits::silence. A single mark may get lost, and a pause in what is sent is no silence of the
+// receiver.
 #pragma once
 
 #include <chrono>
@@ -18,39 +20,40 @@ class ReceiverMonitor {
 
   explicit ReceiverMonitor(const FlowLimits& limits) : limits_(limits) {}
 
-  /// The receiver has reported.
+  /// Returns true if the receiver has reported.
   bool heard() const { return heard_; }
-  /// The receiver was asked, and never answered or does not answer any more.
+  /// Returns true if the receiver was asked, and never answered or does not answer any more.
   bool is_mute(Time now) const {
     return asked_since_ &&
            (refused_ || (asked_ >= marks_of_silence && now - *asked_since_ >= limits_.silence));
   }
-  /// The same, of a receiver that has reported.
+  /// Returns true if the receiver has reported, and is mute now.
   bool is_silent(Time now) const { return heard_ && is_mute(now); }
-  /// A mark was sent since it was heard last.
+  /// Returns true if a mark was sent after the receiver's last answer.
   bool is_asked() const { return asked_since_.has_value(); }
 
-  /// A mark is sent; `again`: nothing else was sent since the one before.
+  /// Notes that a mark is sent. `again`: nothing else was sent since the previous mark.
   void ask(bool again, Time now);
-  /// A mark was due and could not be sent: the next one may go in its turn.
+  /// Notes that a mark was due and could not be sent. The next one is due after the usual pause.
   void put_off(Time now);
   /// Returns true if a mark may have been sent at that time.
   bool may_have_asked_at(Time time) const {
     return first_marked_at_ != Time{} && time >= first_marked_at_ && time <= marked_at_;
   }
-  /// A report came.
+  /// Notes a report of the receiver.
   void reported(Time now);
-  /// The other end has said something else that only it can say.
+  /// Notes another answer that only the receiver can give.
   void lives(Time now);
-  /// The host there says that nobody has this port. A receiver that has just reported is believed instead.
+  /// Notes that the host there says that no socket has this port. Ignored if the receiver has just
+  /// reported.
   void refused(Time now);
-  /// The receiver has another address, which has to answer first.
+  /// Begins again: the receiver has another address, which has to answer first.
   void begin_anew();
 
-  /// The time at which a mark that was not answered is followed by another one.
+  /// The time at which a mark without an answer is followed by another one.
   Time next_retry(const RoundTrips& round_trips) const { return marked_at_ + retry_pause(round_trips); }
-  /// True if nothing was heard for a time after which the receiver has to be asked about what was sent.
-  /// `is_uncertain`: part of it may not have arrived.
+  /// Returns true if the receiver has to be asked about what was sent, since it has given no answer for too
+  /// long. `is_uncertain`: part of what was sent may not have arrived.
   bool has_to_ask_anew(Time now, bool is_uncertain = false) const;
 
  private:
@@ -64,9 +67,9 @@ class ReceiverMonitor {
   Time marked_at_{};
   Time first_marked_at_{};
   Time heard_at_{};
-  int unanswered_ = 0;               ///< marks that were sent again
-  std::optional<Time> asked_since_;  ///< the first mark behind the last report
-  int asked_ = 0;                    ///< marks since then
+  int unanswered_ = 0;               ///< marks that were repeated
+  std::optional<Time> asked_since_;  ///< time of the first mark after the last answer
+  int asked_ = 0;                    ///< number of marks since `asked_since_`
   bool refused_ = false;
   bool heard_ = false;
   bool acks_come_ = false;

@@ -1,7 +1,7 @@
-// The path to a remote socket: the address at which the socket is sent to at present, further addresses that
-// its answers have come from, and the length of datagrams that the path takes. Any thread.
+// The path to a remote socket: the present address of the socket, further addresses that its answers have
+// come from, and the length of datagrams that the path takes. Any thread.
 //
-// The class makes no system call: what the kernel says of the path is given to it.
+// The class makes no system call: callers pass in what the kernel says of the path.
 #pragma once
 
 #include <atomic>
@@ -21,40 +21,40 @@ class RemotePath {
  public:
   using Time = PathMtu::Time;
 
-  /// The last few addresses that answers came from count, beside the one that is sent to.
+  /// Beside the present address, this many others count: those that the latest answers came from.
   static constexpr std::size_t also_at_max = 4;
 
-  /// `kernel_says`: the longest datagram, as far as the kernel knows.
+  /// `kernel_says`: the length of the longest datagram, as far as the kernel knows.
   RemotePath(const SocketAddress& address, std::size_t kernel_says);
 
   SocketAddress address() const;
-  /// Returns true if a datagram from that address can be the receiver's word: we send there, or the receiver
-  /// has reported from there.
+  /// Returns true if a datagram from that address can be the receiver's: we send there, or the receiver has
+  /// reported from there.
   bool is_at(const core::IpAddress& ip) const;
-  /// The receiver has reported from there: its host has several addresses, or somebody on the way translates
-  /// addresses.
+  /// Notes that the receiver has reported from there. Its host has several addresses, or a router on the
+  /// way translates addresses.
   void learn(const core::IpAddress& ip);
 
-  /// From now on the socket is sent to at that address. False if that is so already. Lengths are those of the
-  /// former path until measure_anew().
+  /// Sends to that address from now on. Returns false if that is the present address already. Lengths are
+  /// those of the former path until measure_anew().
   bool move_to(const SocketAddress& address) noexcept;
-  /// Forgets what was learnt of lengths on another path.
+  /// Discards what was learnt about lengths on another path.
   void measure_anew(const SocketAddress& address, std::size_t kernel_says) noexcept;
 
   std::size_t datagram_bytes() const { return datagram_bytes_.load(std::memory_order_relaxed); }
-  /// Datagrams that are longer than this do not arrive, although the kernel would send them; 0: they do, as
-  /// far as is known.
+  /// The limit, if longer datagrams do not arrive although the kernel would send them; 0 if no such limit
+  /// is known.
   std::size_t limited_to() const { return limited_to_.load(std::memory_order_relaxed); }
-  /// The same as a sentence; empty if there is no such limit.
+  /// Says the limit in a sentence; empty if there is none.
   std::string limit_in_words() const;
-  /// True if arrived() should be called when long datagrams arrive (PathMtu::is_uncertain()).
+  /// Returns true if arrived() should be called when long datagrams arrive (PathMtu::is_uncertain()).
   bool length_is_uncertain() const { return length_is_uncertain_.load(std::memory_order_relaxed); }
-  /// The kernel was asked about the path to that address. Ignored if the socket has moved meanwhile.
+  /// Takes the kernel's answer about the path to `asked`. Ignored if the socket has moved meanwhile.
   void learn_length(const SocketAddress& asked, std::size_t kernel_says) noexcept;
-  // The receiver has reported whether datagrams of that length arrived (PathMtu).
+  // Note that the receiver has reported if datagrams of that length arrived (PathMtu).
   void were_lost(std::size_t length, Time now) noexcept;
   void arrived(std::size_t length, Time now) noexcept;
-  /// From time to time: the path may take longer datagrams by now.
+  /// Called from time to time: tries longer datagrams, since the path may take them by now.
   void look_after(Time now) noexcept;
 
  private:

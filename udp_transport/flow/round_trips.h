@@ -1,4 +1,4 @@
-// The times there and back on the way to a remote socket: the latest, and the shortest of late. Pure.
+// The latest round trip to a remote socket, and the shortest recent one. Uses no clock, thread or I/O.
 #pragma once
 
 #include <algorithm>
@@ -11,13 +11,13 @@ class RoundTrips {
   using Time = std::chrono::steady_clock::time_point;
   using Duration = Time::duration;
 
-  /// Routes change: a shortest time holds for so long.
+  /// Since routes change, a shortest round trip counts for this time.
   static constexpr std::chrono::seconds shortest_valid_for{10};
 
-  /// `unheard` is taken for the latest time until one is noted.
+  /// `unheard` counts as the latest round trip until one is noted.
   explicit RoundTrips(Duration unheard) : unheard_(unheard) {}
 
-  /// Notes a time. Returns true if the shortest one was too old; from now on another one counts.
+  /// Notes a round trip. Returns true if the shortest one was too old; then this one replaces it.
   bool note(Duration time, Time now) {
     latest_ = time;
     const bool begins_anew = now - shortest_since_ > shortest_valid_for;
@@ -28,7 +28,7 @@ class RoundTrips {
     shortest_ = std::min(shortest_, time);
     return begins_anew;
   }
-  /// The way is another one.
+  /// Begins again for another path.
   void forget() {
     latest_ = unheard_;
     shortest_ = Duration::max();
@@ -36,7 +36,7 @@ class RoundTrips {
 
   Duration latest() const { return latest_; }
   Duration shortest() const { return shortest_; }  ///< Duration::max(): not known
-  /// The time that the latest datagram stood in queues.
+  /// The time that the latest datagram waited in queues.
   Duration queueing() const { return latest_ - shortest_; }
 
  private:

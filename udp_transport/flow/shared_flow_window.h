@@ -1,5 +1,5 @@
-// A FlowWindow that several threads use: publishers and the sending thread send, and any thread may hear
-// reports. A lock guards the window. Questions that each sample asks are answered without the lock.
+// A FlowWindow for several threads: publishers and the sending thread send, and any thread may take
+// reports. A lock guards the window. Questions that come with each sample are answered without the lock.
 #pragma once
 
 #include <atomic>
@@ -40,23 +40,26 @@ class SharedFlowWindow {
   /// 0: not known.
   Time::duration round_trip() const;
   bool is_mute(Time now) const;
-  /// True if the receiver has reported, and was not silent at the last look.
+  /// Returns true if the receiver has reported, and was not silent when this was checked last.
   bool answers() const { return answers_.load(std::memory_order_relaxed); }
 
-  /// True if a heartbeat or an offer may go. The next report tells if one was withheld.
+  /// Returns true if a heartbeat or an offer may be sent. The next accepted report says if one was
+  /// withheld.
   bool takes_control(Time now);
   /// Returns the mark that the caller sends to the receiver now, if one is due.
   /// `longest` is the length of the longest datagram.
   [[nodiscard]] std::optional<FlowMark> sent(std::size_t bytes, std::size_t datagrams, std::size_t longest,
                                              Time now, bool aside);
-  /// Somebody waits for room: asks a receiver again that does not report. Returns the mark as sent() does.
+  /// Notes that a sender waits for room, so that a receiver that does not report is asked again. Returns
+  /// the mark for that as sent() does.
   [[nodiscard]] std::optional<FlowMark> await_room(Time now);
 
   struct Heard {
     bool accepted = false;
-    bool goes_on = false;               ///< somebody waited who may go on now
-    bool control_was_withheld = false;  ///< since the last report; it may go now
-    std::size_t lost_length = 0;        ///< datagrams of that length have not arrived; 0: all have, it seems
+    bool goes_on = false;  ///< a sender that waited may go on now
+    bool control_was_withheld =
+        false;                    ///< a heartbeat or an offer was, since the last report; it may be sent now
+    std::size_t lost_length = 0;  ///< length of datagrams that have not arrived; 0: none is known
   };
   [[nodiscard]] Heard hear(const FlowReport& report, Time now);
   void lives(Time now);

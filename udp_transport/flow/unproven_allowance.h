@@ -1,5 +1,5 @@
-// The allowance of a receiver before its first report: a few small datagrams and marks, and no more than its
-// host has left. So nobody can make this host flood another one that did not ask for it.
+// The allowance of a receiver before its first report: a few small datagrams and marks, and no more than
+// its host's budget has left. So nobody can make this host flood another one that did not ask for it.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,8 @@ class UnprovenAllowance {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// `host` is what all to that host may be sent before they answer; null: no more than this one may.
+  /// `host` limits what all receivers on that host may be sent before they answer; null: only the limits of
+  /// this receiver count.
   UnprovenAllowance(const FlowLimits& limits, std::shared_ptr<UnprovenBudget> host)
       : bytes_max_(limits.unproven_bytes),
         datagrams_max_(limits.unproven_datagrams),
@@ -38,18 +39,19 @@ class UnprovenAllowance {
     datagrams_ += datagrams;
     if (host_ != nullptr) host_->spend(datagrams, now);
   }
-  /// Returns whether a mark may go, and counts it then. The receiver has some of its own, and shares further
-  /// ones with its host.
+  /// Returns true if a mark may be sent, and counts it then. The receiver has an allowance of its own;
+  /// further marks count in the budget of its host.
   bool takes_mark(Time now) { return marks_++ < marks_max_ || host_ == nullptr || host_->takes_mark(now); }
-  /// The receiver has reported: what it was sent was welcome.
+  /// Notes that the receiver has reported. What it was sent was welcome, and is given back to the host's
+  /// budget.
   void proven() {
     if (host_ != nullptr) host_->give_back(datagrams_);
   }
-  /// Some report has come from the host.
+  /// Notes that a report has come from the host.
   void answered(Time now) {
     if (host_ != nullptr) host_->answered(now);
   }
-  /// The receiver has another address, which has to answer first.
+  /// Begins again: the receiver has another address, which has to answer first.
   void begin_anew(std::shared_ptr<UnprovenBudget> host) {
     host_ = std::move(host);
     bytes_ = datagrams_ = marks_ = 0;

@@ -1,6 +1,6 @@
-// UnprovenBudget limits what all destinations on one host together are sent before they report. Each may have
-// a few datagrams and marks (FlowLimits); however many of them somebody makes up, the host gets no more than
-// this. Any thread.
+// UnprovenBudget limits what all destinations on one host together are sent before they report. Each
+// destination may have a few datagrams and marks (FlowLimits). However many destinations somebody makes up,
+// the host gets no more than this. Any thread.
 #pragma once
 
 #include <algorithm>
@@ -23,7 +23,7 @@ class UnprovenBudget {
   static constexpr std::size_t datagrams_max = 64;
   /// One more datagram may be sent after each such time.
   static constexpr std::chrono::seconds refill{1};
-  /// A host counts as one that answers for so long after a report.
+  /// A host counts as answering for this time after a report.
   static constexpr std::chrono::seconds answers_for{10};
 
   std::size_t left(Time now) {
@@ -36,17 +36,18 @@ class UnprovenBudget {
     recover(now);
     spent_ = std::min(spent_ + datagrams, datagrams_max);
   }
-  /// A destination that was sent so many has reported: they were welcome.
+  /// Takes back datagrams to a destination that has reported: they were welcome.
   void give_back(std::size_t datagrams) {
     const core::Lock lock(mutex_);
     spent_ -= std::min(spent_, datagrams);
   }
-  /// Some destination there reports. Marks are welcome there for a while.
+  /// Notes that a destination on the host has reported. Marks are welcome there for a while.
   void answered(Time now) {
     const core::Lock lock(mutex_);
     answered_at_ = now;
   }
-  /// Returns whether one more mark may go to a destination that has had its own ones, and counts it then.
+  /// Returns true if one more mark may be sent to a destination that has used up its own, and counts it
+  /// then.
   bool takes_mark(Time now) {
     const core::Lock lock(mutex_);
     if (answered_at_ && now - *answered_at_ < answers_for) return true;
@@ -67,11 +68,11 @@ class UnprovenBudget {
 
   core::Mutex mutex_ SFT_ACQUIRED_AFTER(core::lock_order::facts) SFT_ACQUIRED_BEFORE(core::lock_order::jobs);
   std::size_t spent_ SFT_GUARDED_BY(mutex_) = 0;
-  Time since_ SFT_GUARDED_BY(mutex_){};  ///< when one datagram was forgiven last
+  Time since_ SFT_GUARDED_BY(mutex_){};  ///< when `spent_` was reduced last
   std::optional<Time> answered_at_ SFT_GUARDED_BY(mutex_){};
 };
 
-/// One for each host. Not thread-safe.
+/// The budgets of all hosts. Not thread-safe.
 class UnprovenBudgets {
  public:
   std::shared_ptr<UnprovenBudget> of(const core::IpAddress& host, UnprovenBudget::Time now) {
