@@ -22,8 +22,7 @@ namespace sft::udp {
 
 struct DestinationLimits {
   std::size_t datagram_bytes = datagram_bytes_max;
-  std::uint16_t report_port =
-      0;  ///< port that receivers report to; 0: they are not asked to report, and need not answer
+  std::uint16_t report_port = 0;  ///< where receivers report to; 0: they are not asked, and need not answer
   FlowLimits flow{};
 };
 

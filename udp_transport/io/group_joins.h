@@ -15,24 +15,24 @@ namespace sft::udp {
 /// Used by the receiving thread only.
 class GroupJoins {
  public:
-  /// A socket may be in 20 at a time, unless the system was told otherwise.
+  /// By default, Linux allows a socket 20 memberships.
   static constexpr std::size_t joins_max = 16;
 
   explicit GroupJoins(std::shared_ptr<const UdpSocket> socket) : socket_(std::move(socket)) {}
 
-  /// Joins the group on the link by which `towards` is reached, if there are not too many already: its writer
-  /// then hears that no probe comes, and serves this process alone. If the oldest were left instead, what
-  /// that one's writer sends would be lost until it has noticed, and that group would take the next one's
-  /// place. A group that was joined before is left first if `anew`: that alone makes the system report the
-  /// membership to switches again.
+  /// Joins the group on the link by which `towards` is reached, unless there are `joins_max` already. Then
+  /// its writer gets no report of a probe, and serves this process alone. If the oldest group were left
+  /// instead, samples of its writer would be lost until that writer noticed, and then that group would in
+  /// turn displace another one. If the group was joined before and `anew` is set, it is left first: only
+  /// that makes the system report the membership to switches again.
   void join(std::uint32_t group, const SocketAddress& towards, bool anew) noexcept;
-  /// Leaves all but these.
+  /// Leaves all groups but these.
   void keep_to(std::span<const std::uint32_t> groups) noexcept;
 
  private:
   struct Joined {
     std::uint32_t group = 0;
-    std::uint32_t own = 0;  ///< address on its link
+    std::uint32_t own = 0;  ///< our address on the link of the group
     friend bool operator==(const Joined&, const Joined&) = default;
   };
   void set(int option, const Joined& joined) noexcept;

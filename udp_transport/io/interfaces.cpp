@@ -19,8 +19,8 @@ using core::IpAddress;
 
 constexpr int mtu_default = 1500;
 
-/// From where the default route leaves the host, rather than the bridge of some container; any without one.
-/// Sends nothing.
+/// Returns the address from which the default route leaves the host, rather than that of some container's
+/// bridge; the address "any" if there is no such route. Sends nothing.
 IpAddress address_towards(const IpAddress& elsewhere) {
   const SystemAddress to({elsewhere, 9});
   const core::FileDescriptor probe(::socket(to.family(), SOCK_DGRAM | SOCK_CLOEXEC, 0));
@@ -31,7 +31,7 @@ IpAddress address_towards(const IpAddress& elsewhere) {
   return known ? to_address(from).ip : IpAddress{};
 }
 
-// Nobody has these addresses: RFC 5737, RFC 3849.
+// No host has these addresses: RFC 5737, RFC 3849.
 constexpr IpAddress elsewhere_ipv4{0xC0000201};
 constexpr IpAddress elsewhere_ipv6{
     IpAddress::Bytes{0x20, 0x01, 0x0d, 0xb8, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1}};
@@ -79,7 +79,7 @@ bool may_be_a_name(std::string_view text) {
          std::ranges::count(text, ':') < 2 && text.find_first_not_of("0123456789.") != text.npos;
 }
 
-/// "fe80::1%eth0", also where eth0 is not there yet.
+/// Returns true for "fe80::1%eth0", even if there is no eth0 yet.
 bool may_be_link_local(std::string_view text) {
   const std::size_t percent = text.find('%');
   if (percent == text.npos || !may_be_a_name(text.substr(percent + 1))) return false;
@@ -100,7 +100,7 @@ Result<void> check_interfaces(const std::vector<std::string>& chosen) {
   return {};
 }
 
-/// The first is what drivers of today have, the second those of before.
+/// Present drivers have the first folder, older ones the second.
 bool is_wireless(const std::string& interface, const std::string& interfaces) {
   const std::string folder = interfaces + "/" + interface;
   return ::access((folder + "/phy80211").c_str(), F_OK) == 0 ||

@@ -1,4 +1,4 @@
-// The host's network: its own addresses, and the largest datagram for an address.
+// The host's network: its own addresses, and the length of the longest datagram to an address.
 #pragma once
 
 #include <netinet/in.h>
@@ -17,13 +17,13 @@
 
 namespace sft::udp {
 
-/// An address as the calls of the system take it, of the family of the socket that it is for.
+/// An address in the form that system calls take, of the family of the socket that it is for.
 class SystemAddress {
  public:
-  /// Takes the address's own family; the address "any" gets `family_of_any`.
+  /// Uses the address's own family; the address "any" gets `family_of_any`.
   explicit SystemAddress(const SocketAddress& address, int family_of_any = AF_INET) noexcept;
-  /// For a socket that takes both families, IPv4 as IPv4-mapped (AF_INET6), or IPv4 only (AF_INET): that will
-  /// refuse others.
+  /// For a socket of both families (AF_INET6), where IPv4 is written as IPv4-mapped, or for one of IPv4
+  /// only (AF_INET), which refuses IPv6 addresses.
   static SystemAddress for_socket(const SocketAddress& address, int family) noexcept;
 
   const sockaddr* get() const noexcept { return reinterpret_cast<const sockaddr*>(&storage_); }
@@ -34,35 +34,36 @@ class SystemAddress {
 
  private:
   SystemAddress() = default;
-  sockaddr_in6 storage_{};  ///< or the shorter sockaddr_in
+  sockaddr_in6 storage_{};  ///< a sockaddr_in6, or the shorter sockaddr_in
 };
 
 /// Converts an address that the system has filled in; returns the address "any" for another family.
 SocketAddress to_address(const sockaddr_in6& of_either_family) noexcept;
 
-/// Checks what DiscoverySettings::interfaces may hold: the name of an interface, an address of it, or its
-/// network, as "10.0.0.0/24", or "10.0.0.0" with the length of the interface. The error names an entry that
-/// is none of these.
+/// Checks what DiscoverySettings::interfaces may hold: the name of an interface, one of its addresses, or
+/// its network, as "10.0.0.0/24", or "10.0.0.0" with the prefix length of the interface. The error names an
+/// entry that is none of these.
 Result<void> check_interfaces(const std::vector<std::string>& chosen);
 
-/// Returns the addresses of the interfaces that are up, or, if `chosen` is not empty, of these interfaces
-/// only. The order is: those of the default routes first, then IPv4 before IPv6, and link-local ones last of
-/// those with a carrier. Temporary addresses and those that are not ready for use are left out. 127.0.0.1 is
-/// returned only if there is no other. Empty while the system cannot list them.
+/// Returns the addresses of the interfaces that are up, or, if `chosen` is not empty, of those interfaces
+/// only. Addresses of the default routes come first, then IPv4 before IPv6, then link-local ones, and those
+/// without a carrier last. Temporary addresses and those that are not ready for use are left out. 127.0.0.1
+/// is returned only if there is no other. Empty while the system cannot list them.
 std::optional<std::vector<core::Link>> own_links(const std::vector<std::string>& chosen = {});
 
-/// Returns what the system says in the folder of that interface.
+/// Returns true if the system says so in the interface's folder under `interfaces`.
 bool is_wireless(const std::string& interface, const std::string& interfaces = "/sys/class/net");
 
 /// The bytes that IP and UDP put before a datagram.
 constexpr std::size_t headers_before_datagram(const core::IpAddress& to) { return to.is_ipv4() ? 28 : 48; }
 
-/// The largest datagram that every path takes: RFC 791 (576 bytes), RFC 8200 (1280).
+/// The longest datagram that every path takes: RFC 791 (packets of 576 bytes), RFC 8200 (1280).
 constexpr std::size_t datagram_bytes_of_every_path(const core::IpAddress& to) {
   return to.is_ipv4() ? datagram_bytes_min : 1280 - headers_before_datagram(to);
 }
 
-/// Bytes of the longest UDP payload that reaches the address in one piece, as far as the kernel knows by now.
+/// Returns the bytes of the longest UDP payload that reaches the address in one piece, as far as the kernel
+/// knows at present.
 std::uint16_t datagram_bytes_to(const SocketAddress& address) noexcept;
 
 }  // namespace sft::udp

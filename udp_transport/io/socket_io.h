@@ -1,5 +1,5 @@
-// Datagrams through plain socket calls: for kernels and containers that refuse io_uring. Same throughput, for
-// it comes from segmentation (GSO, GRO); one system call more for each wake-up.
+// Datagrams through plain socket calls, for kernels and containers that refuse io_uring. The throughput is
+// the same, since it comes from segmentation (GSO, GRO). Each wake-up takes one system call more.
 #pragma once
 
 #include <memory>

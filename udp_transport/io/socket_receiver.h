@@ -12,7 +12,7 @@ namespace sft::udp {
 
 class SocketReceiver final : public DatagramReceiver {
  public:
-  /// `wake_event`: an eventfd that does not block.
+  /// `wake_event` is an eventfd that does not block.
   SocketReceiver(std::shared_ptr<const UdpSocket> socket, FileDescriptor wake_event);
 
   bool receive(DatagramSink& sink, Time deadline, std::chrono::nanoseconds spin) noexcept override;
@@ -28,7 +28,7 @@ class SocketReceiver final : public DatagramReceiver {
   const std::shared_ptr<const UdpSocket> socket_;
   const FileDescriptor wake_event_;
   TrainReader trains_;
-  std::atomic<bool> woken_{false};  ///< for a loop that is busy
+  std::atomic<bool> woken_{false};  ///< set by wake(), for a thread that spins
 };
 
 }  // namespace sft::udp

@@ -28,7 +28,8 @@ class SocketConnection;
 struct Shared {
   std::shared_ptr<const UdpSocket> socket;
   std::atomic<std::size_t> own_sockets{0};
-  std::vector<SocketConnection*> waiting;  ///< for room; of the thread that calls await()
+  /// Connections that wait for room; used by the thread that calls await().
+  std::vector<SocketConnection*> waiting;
 };
 
 class SocketConnection final : public Connection {
@@ -51,7 +52,8 @@ class SocketConnection final : public Connection {
     if (own_) shared_->own_sockets.fetch_sub(1, std::memory_order_relaxed);
   }
 
-  /// With the address where it is not connected, or was not for a moment, while another thread did it anew.
+  /// Passes the address if the socket is not connected, or was not for a moment while another thread
+  /// connected it again.
   Sent try_send(std::span<const OutgoingBatch> batches) noexcept override {
     Sent sent{};
     if (connected_.load(std::memory_order_relaxed)) {
@@ -95,7 +97,8 @@ class SocketConnection final : public Connection {
     return to_;
   }
 
-  /// Again where it was redirected meanwhile, and may have been connected to where it went before that.
+  /// Connects again if the address has changed meanwhile, because the socket may be connected to the former
+  /// one.
   void connect() noexcept {
     if (!own_) return;
     SocketAddress to;
@@ -105,7 +108,7 @@ class SocketConnection final : public Connection {
     } while (to != address());
   }
 
-  /// Undone first: the kernel would keep the source address and the route that it chose before.
+  /// Disconnects first, since the kernel would keep the source address and the route that it chose before.
   void connect(const SystemAddress& to) noexcept {
     connected_.store(false, std::memory_order_relaxed);
     if (to.family() != family_.load(std::memory_order_relaxed)) change_family(to.family());
@@ -114,7 +117,7 @@ class SocketConnection final : public Connection {
     connected_.store(::connect(own_.get(), to.get(), to.bytes()) == 0, std::memory_order_relaxed);
   }
 
-  /// Another socket takes the place of this one, also for those who are just using it.
+  /// Puts another socket in place of this one, also for threads that are just using it.
   void change_family(int family) noexcept {
     const FileDescriptor other = open_sending_socket(shared_->socket->options, family);
     if (other && ::dup3(other.get(), own_.get(), O_CLOEXEC) >= 0)
@@ -122,10 +125,10 @@ class SocketConnection final : public Connection {
   }
 
   const std::shared_ptr<Shared> shared_;
-  FileDescriptor own_;       ///< invalid: the socket that receives sends for this one too
-  std::atomic<int> family_;  ///< of that socket
+  FileDescriptor own_;       ///< invalid: the receiving socket sends for this connection, too
+  std::atomic<int> family_;  ///< family of `own_`
   std::atomic<bool> connected_{false};
-  bool full_ = false;  ///< of the thread that calls await()
+  bool full_ = false;  ///< used by the thread that calls await()
   core::Mutex mutex_;
   SocketAddress to_ SFT_GUARDED_BY(mutex_);
 };
@@ -145,7 +148,7 @@ class SocketSender final : public DatagramSender {
   std::uint16_t answer_port() const noexcept override { return answers_ == nullptr ? 0 : answers_->port; }
   Answer take_answer(std::span<std::byte> to) noexcept override {
     if (answers_ == nullptr) return {};
-    for (;;) {  // an empty one is not the last
+    for (;;) {  // an empty datagram is not the last one
       sockaddr_in6 from{};
       socklen_t from_bytes = sizeof from;
       const ssize_t bytes = ::recvfrom(answers_->fd.get(), to.data(), to.size(), MSG_DONTWAIT,
@@ -165,14 +168,14 @@ class SocketSender final : public DatagramSender {
 
   void send_to(const SocketAddress& to, std::span<const std::byte> datagram) noexcept override {
     const SystemAddress address = SystemAddress::for_socket(to, shared_->socket->family);
-    const iovec part{const_cast<std::byte*>(datagram.data()), datagram.size()};  // it is only read
+    const iovec part{const_cast<std::byte*>(datagram.data()), datagram.size()};  // the datagram is only read
     const OutgoingBatch batch{{&part, 1}, 0};
     send_at_once(shared_->socket->fd.get(), {&batch, 1}, &address);
   }
 
   void await(Clock::time_point deadline) noexcept override {
     std::vector<SocketConnection*>& waiting = shared_->waiting;
-    const int answers = answers_ == nullptr ? -1 : answers_->fd.get();  // which poll() passes over
+    const int answers = answers_ == nullptr ? -1 : answers_->fd.get();  // poll() ignores -1
     polled_.assign({{.fd = wake_event_.get(), .events = POLLIN, .revents = 0},
                     {.fd = answers, .events = POLLIN, .revents = 0}});
     const std::size_t others = polled_.size();
@@ -192,9 +195,9 @@ class SocketSender final : public DatagramSender {
   void wake() noexcept override { ::eventfd_write(wake_event_.get(), 1); }
 
  private:
-  /// The program has closed all descriptors (closefrom(3)), so that nothing can be waited for any more.
+  /// The pause if the program has closed all descriptors (closefrom(3)), so that nothing can be waited for.
   static constexpr std::chrono::milliseconds pause_without_descriptors{100};
-  /// So many connections may be full at a time before memory is taken for that.
+  /// More connections than this that are full at a time cost an allocation.
   static constexpr std::size_t waiting_foreseen = 64;
 
   const std::shared_ptr<Shared> shared_;
@@ -205,9 +208,9 @@ class SocketSender final : public DatagramSender {
 
 constexpr std::size_t answers_buffer_bytes = 256 * 1024;
 
-/// Answers have a socket of their own, which the sending thread reads as it goes: nobody has to be woken for
-/// them. They do not if a user has chosen the port: firewalls, and routers that translate addresses, know
-/// that port.
+/// Answers have a socket of their own, which the sending thread reads between sends, so that no thread has
+/// to be woken for them. If a user has chosen the port, answers come to that port instead, because
+/// firewalls, and routers that translate addresses, know it.
 std::shared_ptr<const UdpSocket> open_answers(const SocketOptions& options) {
   if (options.bind.port != 0) return nullptr;
   Result<std::shared_ptr<const UdpSocket>> socket =

@@ -1,4 +1,4 @@
-// Sends through a connected socket for each address, which the sending thread polls where they are full.
+// Sends through a connected socket for each address. The sending thread polls those that are full.
 #pragma once
 
 #include <memory>
@@ -8,11 +8,11 @@
 
 namespace sft::udp {
 
-/// More addresses than that are sent to through the socket that receives, whose send buffer they share.
+/// If there are more addresses than this, the further ones share the receiving socket and its send buffer.
 inline constexpr std::size_t sending_sockets_max = 256;
 
-/// The connections of this sender send from the address that `socket` is bound to, with the send buffers that
-/// were asked for `socket`.
+/// The connections of this sender send from the address that `socket` is bound to. Their send buffers have
+/// the size that was asked for `socket`.
 Result<std::unique_ptr<DatagramSender>> open_socket_sender(std::shared_ptr<const UdpSocket> socket);
 
 }  // namespace sft::udp

@@ -1,15 +1,15 @@
-// Options of sockets that more than one kind of socket needs.
+// Options that more than one kind of socket needs.
 #pragma once
 
 #include <cstddef>
 
 namespace sft::udp {
 
-/// setsockopt() of an integer. Returns false if the system refused it.
+/// Calls setsockopt() with an integer. Returns false if the system refused it.
 bool set_int(int fd, int level, int name, int value);
 
-/// The system grants as much as it allows this process. Sizes are in bytes as the kernel counts them; 0 keeps
-/// the system's default.
+/// The system may grant less, up to its limit for this process. Sizes are in bytes as the kernel counts
+/// them; 0 keeps the system's default.
 void set_receive_buffer(int fd, std::size_t bytes);
 void set_send_buffer(int fd, std::size_t bytes);
 

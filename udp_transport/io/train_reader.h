@@ -1,4 +1,4 @@
-// Reads what has come to a socket, one train of datagrams at a time, with plain calls.
+// Reads the datagrams that have come to a socket, one train at a time, with plain calls.
 #pragma once
 
 #include <cstddef>
@@ -15,9 +15,9 @@ class TrainReader {
  public:
   explicit TrainReader(std::shared_ptr<const UdpSocket> socket);
 
-  /// Never waits. False if nothing is there.
+  /// Reads one train, without waiting. Returns false if there is none.
   bool read(DatagramSink& sink) noexcept;
-  /// The same, of what was sent to groups, even if the process has left them all.
+  /// The same for datagrams to groups, even if the process has left all groups.
   bool read_from_groups(DatagramSink& sink) noexcept;
 
  private:

@@ -20,7 +20,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using core::IpAddress;
 
-// The kernel frees the sockets of a killed process, or of a closed ring, a little later: on a busy machine
+// The kernel frees the sockets of a killed process, or of a closed ring, a little later. On a busy machine
 // that took more than 200 ms.
 constexpr std::chrono::milliseconds bind_timeout{1000};
 constexpr std::chrono::milliseconds bind_interval{10};
@@ -63,8 +63,8 @@ int get_int(int fd, int level, int name) {
   return ::getsockopt(fd, level, name, &value, &size) == 0 ? value : 0;
 }
 
-/// Datagrams that are too long for a path are refused instead of fragmented: one lost fragment would cost
-/// all. A socket of both families has both.
+/// Makes the kernel refuse datagrams that are too long for a path instead of fragmenting them, because one
+/// lost fragment would cost all. A socket of both families needs both options.
 void refuse_fragments(int fd, int family) {
   set_int(fd, IPPROTO_IP, IP_MTU_DISCOVER, IP_PMTUDISC_DO);
   if (family != AF_INET6) return;
@@ -84,11 +84,12 @@ struct OpenSocket {
   int family = AF_INET;
 };
 
-/// For IPv4 alone where the address is, or where the system was started without IPv6 (ipv6.disable=1).
+/// Opens a socket for both families, or for IPv4 alone if the address is IPv4 or if the system was started
+/// without IPv6 (ipv6.disable=1).
 OpenSocket open_socket_for(const IpAddress& address) {
   if (!address.is_ipv4()) {
     FileDescriptor both(::socket(AF_INET6, SOCK_DGRAM | SOCK_CLOEXEC, 0));
-    // Both families, whatever net.ipv6.bindv6only says.
+    // Take both families, whatever net.ipv6.bindv6only says.
     if (both && set_int(both.get(), IPPROTO_IPV6, IPV6_V6ONLY, address.is_any() ? 0 : 1))
       return {std::move(both), AF_INET6};
     if (!address.is_any()) return {{}, AF_INET6};
@@ -112,13 +113,13 @@ std::size_t segment_bytes(std::span<std::byte> control) noexcept {
 constexpr std::size_t messages_per_call = 8;
 constexpr int priority_interactive = 6, priority_bulk = 2;  // TC_PRIO_INTERACTIVE, TC_PRIO_BULK
 
-/// The argument of sendmsg() for one batch. It points into itself.
+/// The argument of sendmsg() for one batch. It has pointers into itself.
 class OutgoingMessage {
  public:
   const msghdr& set(const OutgoingBatch& batch, const SystemAddress* to) noexcept {
     header_ = {};
     if (to != nullptr) {
-      header_.msg_name = const_cast<sockaddr*>(to->get());  // the kernel only reads what it is given
+      header_.msg_name = const_cast<sockaddr*>(to->get());  // the kernel only reads it
       header_.msg_namelen = to->bytes();
     }
     header_.msg_iov = const_cast<iovec*>(batch.parts.data());
@@ -180,14 +181,14 @@ FileDescriptor open_sending_socket(const SocketOptions& options, int family) noe
   if (!options.bind.ip.is_any() && from.family() == family) ::bind(fd, from.get(), from.bytes());
   set_send_buffer(fd, options.send_buffer_bytes);
   set_int(fd, SOL_SOCKET, SO_PRIORITY, priority_interactive);
-  set_int(fd, SOL_SOCKET, SO_RCVBUF, 0);  // nobody reads what strangers send there
+  set_int(fd, SOL_SOCKET, SO_RCVBUF, 0);  // no code reads what strangers send there
   refuse_fragments(fd, family);
   return socket;
 }
 
 void give_way(int fd) noexcept { set_int(fd, SOL_SOCKET, SO_PRIORITY, priority_bulk); }
 
-/// True for a single buffer, which takes the kernel less time without a description of it all.
+/// Returns true if there is a single buffer, which send() takes in less time than a msghdr.
 static bool is_single(std::span<const OutgoingBatch> batches, const SystemAddress* to) noexcept {
   return to == nullptr && batches.size() == 1 && batches[0].segment_bytes == 0 &&
          batches[0].parts.size() == 1;
@@ -212,7 +213,7 @@ Connection::Sent send_at_once(int fd, std::span<const OutgoingBatch> batches,
     const int n = ::sendmmsg(fd, headers.data(), static_cast<unsigned>(left.size()), MSG_DONTWAIT);
     if (n > 0) sent.batches += static_cast<std::size_t>(n);
     if (n > 0 || errno == EINTR) continue;
-    // A connected socket says once what became of an earlier datagram, instead of sending the present one.
+    // A connected socket reports an error of an earlier datagram once, instead of sending the present one.
     sent.refused = sent.refused || is_refusal(errno);
     sent.outcome = outcome_of(errno, left[0].segment_bytes != 0);
     if (errno == EAGAIN || std::exchange(again, true)) return sent;
@@ -229,7 +230,7 @@ SendOutcome outcome_of(int error, bool segmented) noexcept {
       return SendOutcome::would_wait;
     case EMSGSIZE:
       return SendOutcome::too_long;
-    case EINVAL:  // kernels before 6.13 say so of segments that are longer than the path takes
+    case EINVAL:  // kernels before 6.13 return this if segments are longer than the path takes
       return segmented ? SendOutcome::too_long : SendOutcome::failed;
     case EIO:
       return SendOutcome::no_segments;  // a device without checksum offload, or a tunnel

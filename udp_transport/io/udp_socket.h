@@ -1,5 +1,5 @@
-// The sockets of a transport: the one that receives, those that send, and what all ways of using them share:
-// addresses, segmentation, trains of datagrams.
+// The sockets of a transport: the one that receives, those that send, and what both implementations of
+// datagram_io.h share: addresses, segmentation, trains of datagrams.
 #pragma once
 
 #include <netinet/in.h>
@@ -25,59 +25,63 @@ namespace sft::udp {
 using core::FileDescriptor;
 
 struct SocketOptions {
-  SocketAddress bind;                    ///< address 0: all, of both families; port 0: any
-  std::size_t receive_buffer_bytes = 0;  ///< wanted, as the kernel counts
+  SocketAddress bind;                    ///< address 0: all addresses of both families; port 0: any free port
+  std::size_t receive_buffer_bytes = 0;  ///< wanted size, as the kernel counts
   std::size_t send_buffer_bytes = 0;     ///< 0: the system's default
   bool hears_groups = false;
 };
 
-/// Not bound to an address it takes both families, IPv4 as IPv4-mapped, unless the system has no IPv6.
+/// If it is bound to no address, it takes both families (IPv4 as IPv4-mapped), unless the system has no
+/// IPv6.
 struct UdpSocket {
   FileDescriptor fd;
-  int family = AF_INET;  ///< of the addresses that it is used with
+  int family = AF_INET;  ///< family of the addresses that are used with it
   SocketOptions options;
   std::uint16_t port = 0;
-  std::uint32_t receive_buffer_bytes = 0;      ///< granted, as the kernel counts
+  std::uint32_t receive_buffer_bytes = 0;      ///< granted size, as the kernel counts
   bool receives_trains = false;                ///< UDP_GRO is on
-  std::string why_no_gro{};                    ///< unless it is
+  std::string why_no_gro{};                    ///< empty if UDP_GRO is on
   std::string why_no_gso{};                    ///< empty: the system has UDP_SEGMENT
-  GroupSocket groups{};                        ///< invalid where there can be none
-  mutable std::atomic<bool> in_groups{false};  ///< the group socket may receive something
+  GroupSocket groups{};                        ///< invalid if there is none
+  mutable std::atomic<bool> in_groups{false};  ///< true if the group socket may receive something
 
-  /// Becomes readable when something has come.
+  /// Returns a descriptor that becomes readable when a datagram has come.
   int readable() const noexcept { return groups.either_fd ? groups.either_fd.get() : fd.get(); }
 };
 
-/// A port that a process just left can stay in use for some 50 ms; this waits for it.
+/// Opens the receiving socket. A port that a process has just left can stay in use for some 50 ms; this
+/// waits for it.
 Result<std::shared_ptr<const UdpSocket>> open_udp_socket(const SocketOptions& options);
 
-/// One that sends only, to addresses of one family, from any free port and with a send buffer of its own; not
-/// connected yet. Where a device has a choice, what it sends goes first. Invalid where the process may not
-/// open more.
+/// Opens a socket that only sends, to addresses of one family, from any free port and with a send buffer of
+/// its own. It is not connected yet. Its datagrams go first if a device has a choice. Invalid if the
+/// process may not open more descriptors.
 FileDescriptor open_sending_socket(const SocketOptions& options, int family) noexcept;
-/// From now on the datagrams of other sockets go first.
+/// Lets the datagrams of other sockets go first from now on.
 void give_way(int fd) noexcept;
 
-/// sendmmsg() that never waits. `to` is null where the socket is connected.
+/// Calls sendmmsg() so that it never waits. `to` is null if the socket is connected.
 Connection::Sent send_at_once(int fd, std::span<const OutgoingBatch> batches,
                               const SystemAddress* to) noexcept;
 
-/// Returns what a failed send means, by its errno; `segmented` if several datagrams were sent.
+/// Returns what the errno of a failed send means. `segmented`: several datagrams were to be sent at once.
 SendOutcome outcome_of(int error, bool segmented) noexcept;
 
-/// Returns the time that is left until then, as ppoll() takes it.
+/// Returns the time that is left until the deadline, as ppoll() takes it.
 timespec time_until(std::chrono::steady_clock::time_point deadline) noexcept;
 
-/// ppoll() until then, or a signal. Whether any is ready; `revents` says which, and nothing otherwise.
+/// Calls ppoll() until the deadline or a signal. Returns true if any descriptor is ready; `revents` says
+/// which. Else all `revents` are 0.
 bool poll_until(std::span<pollfd> polled, std::chrono::steady_clock::time_point deadline) noexcept;
 
-/// The longest train that the kernel hands over at a time (UDP_GRO), and room for its one control message.
+/// The longest train that the kernel hands over at a time (UDP_GRO), and the room for its one control
+/// message.
 inline constexpr std::size_t train_bytes_max = 65536;
 inline constexpr std::size_t train_control_bytes = CMSG_SPACE(sizeof(int));
 
-/// Hands the datagrams of a train to the sink, between begin() and end(). `control` are the control messages
-/// that came with it; without the segment size among them the train is one datagram. `from` is of either
-/// family.
+/// Hands the datagrams of a train to the sink, between begin() and end(). `control` has the control
+/// messages that came with the train; without a segment size among them the train is one datagram. `from`
+/// is of either family.
 void hand_over(std::span<const std::byte> train, std::span<std::byte> control, const sockaddr_in6& from,
                DatagramSink& sink) noexcept;
 

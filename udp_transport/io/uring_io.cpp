@@ -30,7 +30,7 @@ __kernel_timespec until(Clock::time_point deadline) {
   return {.tv_sec = left.count() / 1'000'000'000, .tv_nsec = left.count() % 1'000'000'000};
 }
 
-/// A ring that is opened by any thread and then belongs to the one that first calls enable().
+/// A ring that any thread opens. It then belongs to the thread that calls enable() first.
 class Ring {
  public:
   Ring() = default;
@@ -38,7 +38,7 @@ class Ring {
   Ring& operator=(const Ring&) = delete;
   ~Ring() { close(); }
 
-  /// 0 or a positive errno.
+  /// Returns 0 or a positive errno.
   int open(unsigned entries, unsigned completions) noexcept {
     io_uring_params params{};
     params.flags = IORING_SETUP_R_DISABLED | IORING_SETUP_SINGLE_ISSUER | IORING_SETUP_DEFER_TASKRUN |
@@ -50,26 +50,27 @@ class Ring {
     return error;
   }
 
-  /// Registers files, which are then named by their position here. Returns 0 or a positive errno.
+  /// Registers files; operations name a file by its position in `files`. Returns 0 or a positive errno.
   template <std::size_t n>
   int register_files(const std::array<int, n>& files) noexcept {
     return -io_uring_register_files(&ring_, files.data(), n);
   }
 
-  /// 0 or a positive errno.
+  /// Returns 0 or a positive errno.
   int enable() noexcept {
     if (enabled_) return 0;
-    // The function for it is declared by liburing 2.3, but not exported.
+    // liburing 2.3 declares a function for this, but does not export it.
     const int result = io_uring_register(ring_.ring_fd, IORING_REGISTER_ENABLE_RINGS, nullptr, 0);
     enabled_ = result == 0;
-    if (enabled_) io_uring_register_ring_fd(&ring_);  // only saves time: where it is refused, all goes on
+    if (enabled_) io_uring_register_ring_fd(&ring_);  // only saves time; a refusal does not matter
     return -result;
   }
   bool enabled() const { return enabled_; }
 
   void close() noexcept {
     if (!open_) return;
-    io_uring_unregister_files(&ring_);  // at once, while the rest of a ring goes a little later
+    // Frees the files at once; the rest of a ring is freed a little later.
+    io_uring_unregister_files(&ring_);
     io_uring_queue_exit(&ring_);
     open_ = enabled_ = false;
   }
@@ -83,8 +84,8 @@ class Ring {
     return submission;
   }
 
-  /// Submits, then waits for that many completions or the deadline. Returns 0, or the errno with which the
-  /// kernel refused that.
+  /// Submits, then waits for that many completions or the deadline. Returns 0, or the errno if the kernel
+  /// refused that.
   int wait(unsigned completions, Clock::time_point deadline) noexcept {
     int result = 0;
     if (deadline == Clock::time_point::max()) {
@@ -99,15 +100,14 @@ class Ring {
     return waited ? 0 : -result;
   }
 
-  /// Returns true if wait() would return at once. It costs no system call: completions are put together only
-  /// in wait(), and this function sees the mark that something waits for that.
+  /// Returns true if wait() would return at once. This costs no system call: the kernel makes completions
+  /// only in wait(), but sets a flag as soon as there is work for it.
   bool has_news() noexcept {
     return (IO_URING_READ_ONCE(*ring_.sq.kflags) & IORING_SQ_TASKRUN) != 0 || io_uring_cq_ready(&ring_) != 0;
   }
   bool has_submissions() noexcept { return io_uring_sq_ready(&ring_) != 0; }
 
-  /// Calls `handle(completion)` for each one there is; a completion is
-  /// given back before the next is looked at.
+  /// Calls `handle(completion)` for each completion. Each is given back to the kernel before it is handled.
   template <class Handle>
   void for_each_completion(Handle&& handle) noexcept {
     io_uring_cqe* completion = nullptr;
@@ -126,7 +126,7 @@ class Ring {
   bool enabled_ = false;
 };
 
-/// Memory straight from the kernel: page-aligned, and touched only where datagrams came.
+/// Memory from the kernel: page-aligned, and touched only where datagrams came.
 class Pages {
  public:
   Pages() = default;
@@ -149,14 +149,15 @@ class Pages {
   std::size_t bytes_ = 0;
 };
 
-/// Buffers that the kernel picks from as trains arrive; each holds one train and what recvmsg tells of it.
+/// Buffers that the kernel picks from as trains arrive. Each holds one train and what recvmsg() says about
+/// it.
 class BufferRing {
  public:
-  static constexpr unsigned buffers = 4;  // so few that they stay in the nearest cache until they are read
+  static constexpr unsigned buffers = 4;  // few, so that they stay in the nearest cache until they are read
   static constexpr std::size_t buffer_bytes = train_bytes_max + 256;
   static constexpr std::uint16_t group = 0;
 
-  /// 0 or a positive errno.
+  /// Returns 0 or a positive errno.
   int open(io_uring* ring) noexcept {
     if (!entries_.map(buffers * sizeof(io_uring_buf)) || !memory_.map(buffers * buffer_bytes)) return ENOMEM;
     io_uring_buf_reg registration{};
@@ -184,7 +185,7 @@ class BufferRing {
 };
 
 std::string why_forbidden() {
-  int disabled = 0;  // 1: for those without a right, 2: for all; older kernels have no such file
+  int disabled = 0;  // 1: for processes without privilege, 2: for all; older kernels have no such file
   std::ifstream("/proc/sys/kernel/io_uring_disabled") >> disabled;
   if (disabled == 0) return "it is forbidden here (a seccomp profile, as containers have)";
   return "it is forbidden here (sysctl kernel.io_uring_disabled is " + std::to_string(disabled) + ")";
@@ -224,7 +225,8 @@ class UringReceiver final : public DatagramReceiver {
     if (refusal_.load(std::memory_order_relaxed) == 0) {
       const int error = receive_by_ring(sink, deadline, spin);
       if (error == 0) return true;
-      // Memory may be short for a moment only. Else the program, or whoever runs it, has forbidden the call.
+      // Memory may be short only for a moment. In all other cases the program, or its container, has
+      // forbidden the call.
       if (error != ENOMEM) refusal_.store(error, std::memory_order_relaxed);
     }
     return plain_.receive(sink, deadline, spin);
@@ -232,7 +234,7 @@ class UringReceiver final : public DatagramReceiver {
 
   void wake() noexcept override { plain_.wake(); }
 
-  /// Armed receives stay armed: a ring whose thread is elsewhere takes nothing from the socket.
+  /// Receives stay armed, because a ring takes nothing from the socket unless its thread asks for it.
   bool receive_now(DatagramSink& sink) noexcept override { return plain_.receive_now(sink); }
   bool receive_from_groups(DatagramSink& sink) noexcept override { return plain_.receive_from_groups(sink); }
   Descriptors descriptors() const noexcept override { return plain_.descriptors(); }
@@ -244,7 +246,7 @@ class UringReceiver final : public DatagramReceiver {
     return error == 0 ? "" : std::system_category().message(error);
   }
 
-  /// Closing an armed ring would keep the port in use for some time.
+  /// Cancels what is armed first: closing an armed ring would keep the port in use for some time.
   void finish() noexcept override {
     if (ring_.enabled() && armed()) {
       io_uring_sqe* s = ring_.next_submission();
@@ -258,11 +260,11 @@ class UringReceiver final : public DatagramReceiver {
   }
 
  private:
-  /// Room for an address of either family; the bytes behind it are aligned.
+  /// Room for an address of either family. The bytes behind it are aligned.
   static constexpr socklen_t sender_address_bytes = 32;
   static_assert(sender_address_bytes >= sizeof(sockaddr_in6) && sender_address_bytes % alignof(cmsghdr) == 0);
 
-  // The registered files.
+  // The positions of the registered files.
   static constexpr int socket_place = 0;
   static constexpr int wake_place = 1;
   static constexpr int group_place = 2;
@@ -277,7 +279,7 @@ class UringReceiver final : public DatagramReceiver {
     return ring_.register_files(std::array{datagrams, wake, socket_->groups.group_fd.get()});
   }
 
-  /// Returns 0, or the errno with which the kernel refused it.
+  /// Returns 0, or the errno if the kernel refused to receive.
   int receive_by_ring(DatagramSink& sink, Time deadline, std::chrono::nanoseconds spin) noexcept {
     if (const int error = ring_.enable(); error != 0) return error;
     arm();
@@ -293,7 +295,7 @@ class UringReceiver final : public DatagramReceiver {
 
   bool armed() const { return receive_armed_ || group_armed_ || wake_armed_; }
 
-  /// A multishot receive ends when it finds no free buffer, and on errors; nothing is lost meanwhile.
+  /// A multishot receive ends if it finds no free buffer, and on errors. Nothing is lost meanwhile.
   void arm() noexcept {
     if (!receive_armed_) arm_receive(socket_place, receive_tag, receive_armed_);
     if (!group_armed_ && socket_->groups.group_fd) arm_receive(group_place, group_tag, group_armed_);
@@ -315,8 +317,8 @@ class UringReceiver final : public DatagramReceiver {
     is_armed = true;
   }
 
-  /// Hands the train to the sink; without a sink the train is thrown away. Returns the errno if the kernel
-  /// will receive no more by the ring, or 0.
+  /// Hands the train to the sink; without a sink the train is discarded. Returns an errno if the kernel
+  /// will receive no more by the ring; else 0.
   int complete(const io_uring_cqe& completion, DatagramSink* sink) noexcept {
     if (completion.user_data == wake_tag) {
       eventfd_t ignored = 0;
@@ -326,7 +328,7 @@ class UringReceiver final : public DatagramReceiver {
     if (completion.user_data != receive_tag && completion.user_data != group_tag) return 0;
     if ((completion.flags & IORING_CQE_F_MORE) == 0)
       (completion.user_data == group_tag ? group_armed_ : receive_armed_) = false;
-    // Other errors are of single datagrams (an ICMP answer) or pass (no free buffer).
+    // Other errors concern single datagrams (an ICMP message) or are temporary (no free buffer).
     const bool ends = completion.res == -EINVAL || completion.res == -EOPNOTSUPP || completion.res == -EBADF;
     const int error = ends ? -completion.res : 0;
     if ((completion.flags & IORING_CQE_F_BUFFER) == 0) return error;
@@ -348,13 +350,13 @@ class UringReceiver final : public DatagramReceiver {
 
   const std::shared_ptr<const UdpSocket> socket_;
   SocketReceiver plain_;
-  msghdr layout_{};  ///< how much room each buffer leaves before the train
+  msghdr layout_{};  ///< the room that each buffer leaves before the train
   BufferRing buffers_;
-  Ring ring_;  // closed before the buffers go
+  Ring ring_;  // closed before `buffers_` is freed
   bool receive_armed_ = false;
   bool group_armed_ = false;
   bool wake_armed_ = false;
-  std::atomic<int> refusal_{0};  ///< the errno for which the ring is not used any more, or 0
+  std::atomic<int> refusal_{0};  ///< the errno because of which the ring is not used any more; else 0
 };
 
 tl::unexpected<Error> refused(int error) {

@@ -1,5 +1,5 @@
-// Datagrams through io_uring: one multishot receive into a ring of provided buffers. They are sent as
-// everywhere (socket_sender.h): a ring takes no fewer cycles for that. The only part that knows liburing.
+// Datagrams through io_uring: one multishot receive into a ring of provided buffers. Sending uses plain
+// calls (socket_sender.h), because a ring takes no fewer cycles for that. Only uring_io.cpp knows liburing.
 #pragma once
 
 #include <memory>
@@ -10,11 +10,11 @@
 
 namespace sft::udp {
 
-/// What errors of open_uring_io() begin with; the reason follows.
+/// Errors of open_uring_io() begin with this; the reason follows.
 inline constexpr std::string_view no_io_uring = "io_uring cannot be used: ";
 
-/// The error says why the kernel refused: too old (before 6.1),
-/// forbidden (seccomp, sysctl) or out of locked memory.
+/// The error says why the kernel refused: it is too old (before 6.1), forbids it (seccomp, sysctl), or may
+/// lock too little memory.
 Result<DatagramIo> open_uring_io(std::shared_ptr<const UdpSocket> socket);
 
 }  // namespace sft::udp

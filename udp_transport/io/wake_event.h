@@ -1,4 +1,4 @@
-// The eventfd by which other threads wake one that sleeps in the kernel.
+// The eventfd by which other threads wake a thread that sleeps in the kernel.
 #pragma once
 
 #include "core/platform/file_descriptor.h"

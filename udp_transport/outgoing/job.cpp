@@ -76,9 +76,9 @@ JobHandle JobPool::take() {
   return JobHandle(job.release());
 }
 
-/// Any job may be the next one for any mask. If each grew by itself, memory would be allocated again and
-/// again until each job had been used for each mask. So all spare jobs grow as soon as one has: few samples
-/// later none allocates any more. What is out grows when it comes back.
+/// Any job may be the next one for any mask. If each job grew by itself, memory would be allocated again
+/// and again until each job had been used for each mask. So all spare jobs grow as soon as one has grown,
+/// and a few samples later none allocates any more. A job in use grows when it comes back.
 void JobPool::widen(Job& job) noexcept try {
   const detail::Projection::Memory own = job.projection.memory();
   const bool is_wider = !widest_.suffices_for(own);
@@ -87,7 +87,7 @@ void JobPool::widen(Job& job) noexcept try {
   if (!own.suffices_for(widest_)) job.projection.reserve(widest_);
   if (!is_wider) return;
   for (const std::unique_ptr<Job>& spare : spare_) spare->projection.reserve(widest_);
-} catch (const std::bad_alloc&) {  // those that have too little grow when they are used
+} catch (const std::bad_alloc&) {  // a job whose projection has too little memory grows when it is used
 }
 
 void JobPool::recycle(std::unique_ptr<Job> job) noexcept {

@@ -19,34 +19,37 @@ namespace sft::udp {
 
 class JobPool;
 
-/// The name of one of a writer's masks on the wire.
+/// How datagrams name one of a writer's masks.
 struct WireMask {
-  /// The words of longer masks would fill most of the shortest first datagram. They are not sent: the hash
-  /// alone names such a mask.
+  /// Longer masks have no words on the wire, since these would fill most of the shortest first datagram.
+  /// The hash alone names such a mask.
   static constexpr std::size_t words_max = 32;
 
   std::uint16_t variant = 0;
-  std::uint64_t mask = 0;            ///< as in the header
-  std::vector<std::uint64_t> words;  ///< empty where the header says it all
+  std::uint64_t mask = 0;            ///< the mask field of the header
+  std::vector<std::uint64_t> words;  ///< empty if the header says it all
 };
 
-/// Larger bodies are sent by the sending thread: the publisher goes on after a few datagrams. Exception: a
-/// body that would have to be copied for that, and that the publisher can send from where it lies.
+/// The publisher's thread leaves larger bodies to the sending thread, so that it goes on after a few
+/// datagrams. Exception: it sends a body itself from where it lies, if the body would have to be copied
+/// otherwise.
 inline constexpr std::size_t direct_bytes_max = 16 * 1024;
 
-/// Written by the publisher's thread as long as no lane has it.
+/// The publisher's thread writes to a job only while no lane has it.
 ///
-/// A job may also be a pack: copies of small samples, all under one mask and with one stamp, whose sequences
-/// follow one another. In a pack `first` is the header of the first sample, but its total is that of all
-/// samples.
+/// A job may also be a pack: copies of small samples, all under one mask and with one stamp, whose
+/// sequences follow one another. In a pack `first` is the header of the first sample, but its total is that
+/// of all samples.
 struct Job {
-  core::SampleHandle sample;  ///< keeps what the projection refers to
+  core::SampleHandle sample;  ///< keeps the memory that the projection refers to
   detail::Projection projection;
   FirstHeader first;
   std::shared_ptr<const WireMask> mask;
-  std::uint64_t sequence = 0;     ///< the whole sequence, not its low bits
-  std::uint32_t whole_bytes = 0;  ///< of the sample's body with all fields; of a pack: of all
-  std::uint32_t sent_bytes = 0;   ///< of the body; the lane that it is posted to sends the rest
+  std::uint64_t sequence = 0;  ///< the whole sequence, not its low bits
+  /// Bytes of the sample's body with all fields; in a pack, of all bodies together.
+  std::uint32_t whole_bytes = 0;
+  /// Body bytes sent already; the lane that the job is posted to sends the rest.
+  std::uint32_t sent_bytes = 0;
 
   EncodedBody body() const { return body(first); }
   /// Returns the body with another header.
@@ -54,14 +57,15 @@ struct Job {
     if (is_pack()) return {header, mask->words, packed_, true};
     return {header, mask->words, copied_.data == nullptr ? projection.segments() : std::span(&copied_, 1)};
   }
-  /// Returns these samples of a pack; a single one is a sample like any other.
+  /// Returns `samples` samples of a pack from `part` on. A single one is like any other sample.
   EncodedBody body(const FirstHeader& header, std::size_t part, std::size_t samples) const {
     if (!is_pack()) return body(header);
     return {header, mask->words, std::span(packed_).subspan(part, samples), samples > 1};
   }
 
   bool is_pack() const { return !packed_.empty(); }
-  /// True if the publisher's thread sends the body itself, as far as there is room (`direct_bytes_max`).
+  /// Returns true if the publisher's thread sends the body itself, as far as there is room
+  /// (`direct_bytes_max`).
   bool is_small() const { return is_pack() || first.total <= direct_bytes_max; }
   std::size_t samples() const { return is_pack() ? packed_.size() : 1; }
   /// The length of one sample's body.
@@ -69,8 +73,8 @@ struct Job {
     return is_pack() ? static_cast<std::uint32_t>(packed_[part].bytes) : first.total;
   }
 
-  /// Returns the share of `part` in `whole_bytes`. The samples of a pack have equal shares, but for one byte,
-  /// so that all shares together are the whole.
+  /// Returns the share of `part` in `whole_bytes`. The samples of a pack have equal shares, except for one
+  /// byte, so that all shares add up to the whole.
   std::uint32_t whole_bytes_of(std::size_t part) const {
     const auto before = [&](std::size_t shares) {
       return static_cast<std::uint32_t>(std::uint64_t{whole_bytes} * shares / samples());
@@ -80,12 +84,12 @@ struct Job {
 
   /// Makes the job independent of the sample that it was encoded from.
   void copy_body();
-  /// The same, with memory of the caller for the copy. That memory is at least as large as the body.
+  /// The same, into memory of the caller, which is at least as large as the body.
   void copy_body(core::SampleHandle to);
-  /// Marks the job as one whose sample lies in borrowed memory, which is scarce.
+  /// Counts the job's sample as borrowed memory, which is scarce.
   void borrow();
-  /// A channel keeps the job from now on. The job counts as kept memory until its last handle is gone. Only
-  /// the thread that gives the job to channels calls this.
+  /// Counts the job as kept memory until its last handle is gone, since a channel keeps it from now on.
+  /// Called only by the thread that gives the job to channels.
   void keep();
   /// Adds a sample to a pack, or begins one. After seal() the pack can be sent, and takes no more samples.
   void pack(std::span<const detail::Segment> body);
@@ -95,7 +99,7 @@ struct Job {
   }
   void seal();
   std::size_t packed_bytes() const { return packed_bytes_; }
-  /// The memory that one of its samples keeps from others.
+  /// Returns the bytes of memory that the sample, or that part of a pack, occupies.
   std::size_t held_bytes(std::size_t part = 0) const {
     if (is_pack()) return packed_[part].bytes;
     return sample ? sample->capacity : copy_.size();
@@ -105,18 +109,18 @@ struct Job {
  private:
   friend class JobHandle;
   friend class JobPool;
-  std::vector<std::byte> copy_;  ///< of the body; empty if there is none
-  detail::Segment copied_{};     ///< the copy, wherever it lies
+  std::vector<std::byte> copy_;  ///< copy of the body, or of a pack's bodies; empty if there is none
+  detail::Segment copied_{};     ///< the copied body, in `copy_` or in memory of the caller
   std::size_t borrowed_bytes_ = 0;
   std::size_t kept_bytes_ = 0;
   std::vector<detail::Segment>
-      packed_;  ///< the samples of a pack, in the copy; until seal() their lengths only
+      packed_;  ///< the bodies of a pack, in `copy_`; before seal() only their lengths are set
   std::size_t packed_bytes_ = 0;
-  std::shared_ptr<JobPool> pool_;  ///< while it is out
+  std::shared_ptr<JobPool> pool_;  ///< set while the job is in use
   std::atomic<std::uint32_t> references_{0};
 };
 
-/// Handles share a job; with the last one it lets go of the sample and returns to its pool.
+/// Handles share a job. When the last handle goes, the job releases its sample and returns to its pool.
 class JobHandle {
  public:
   JobHandle() = default;
@@ -140,10 +144,10 @@ class JobHandle {
   Job* job_ = nullptr;
 };
 
-/// The jobs of one writer, kept for the memory that their projections have grown to. Any thread.
+/// The jobs of one writer. Spare jobs keep the memory that their projections have grown to. Any thread.
 class JobPool : public std::enable_shared_from_this<JobPool> {
  public:
-  /// `memory` counts what channels keep.
+  /// `memory` counts the bytes that channels keep.
   static std::shared_ptr<JobPool> make(std::shared_ptr<KeptMemory> memory = std::make_shared<KeptMemory>()) {
     return std::shared_ptr<JobPool>(new JobPool(std::move(memory)));
   }
@@ -152,7 +156,7 @@ class JobPool : public std::enable_shared_from_this<JobPool> {
   JobHandle take();
 
   bool has_borrowed() const { return borrowed_samples_.load(std::memory_order_relaxed) > 0; }
-  /// True if one more sample of so much borrowed memory may be held.
+  /// Returns true if one more sample with `bytes` bytes of borrowed memory may be held.
   bool may_borrow(std::size_t bytes) const {
     const std::size_t samples = borrowed_samples_.load(std::memory_order_relaxed);
     const std::size_t in_all = borrowed_bytes_.load(std::memory_order_relaxed) + bytes;
@@ -166,23 +170,24 @@ class JobPool : public std::enable_shared_from_this<JobPool> {
   void recycle(std::unique_ptr<Job> job) noexcept;
   void widen(Job& job) noexcept SFT_REQUIRES(mutex_);
 
-  /// Many masks, a few samples each, or what a process acknowledges at a time.
+  /// The number of spare jobs: for many masks with a few samples each, or for all samples that a process
+  /// acknowledges at a time.
   static constexpr std::size_t spare_max = 2048;
-  /// Spare jobs have as much memory for projections as any job ever needed, whichever mask it was for, unless
-  /// all jobs together would take more than this.
+  /// Each spare job has memory for the largest projection that any job needed, whichever its mask was,
+  /// unless all jobs together would take more than this.
   static constexpr std::size_t projections_bytes_max = std::size_t{4} << 20;
-  /// Longer copies are not kept for the next job.
+  /// A longer copy is not kept for the next job.
   static constexpr std::size_t spare_copy_bytes_max = 64 * 1024;
-  /// Enough for what is on its way to readers that keep up, and a few more. Others on this host need the
-  /// rest.
+  /// Enough for samples that are under way to readers that keep up, and for a few more. Other publishers on
+  /// this host need the rest.
   static constexpr std::size_t borrowed_samples_max = 8;
   static constexpr std::size_t borrowed_bytes_max = std::size_t{24} << 20;
   const std::shared_ptr<KeptMemory> memory_;
   std::atomic<std::size_t> borrowed_samples_{0}, borrowed_bytes_{0};
   core::Mutex mutex_ SFT_ACQUIRED_AFTER(core::lock_order::facts) SFT_ACQUIRED_BEFORE(core::lock_order::jobs);
-  std::vector<std::unique_ptr<Job>> spare_ SFT_GUARDED_BY(mutex_);  ///< with room for all that there are
-  std::size_t jobs_ SFT_GUARDED_BY(mutex_) = 0;                     ///< that are out or spare
-  detail::Projection::Memory widest_ SFT_GUARDED_BY(mutex_);        ///< that a job has come back with
+  std::vector<std::unique_ptr<Job>> spare_ SFT_GUARDED_BY(mutex_);  ///< with capacity for all jobs
+  std::size_t jobs_ SFT_GUARDED_BY(mutex_) = 0;                     ///< number of jobs in use and spare
+  detail::Projection::Memory widest_ SFT_GUARDED_BY(mutex_);        ///< the most that a returned job had
 };
 
 }  // namespace sft::udp

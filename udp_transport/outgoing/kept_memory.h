@@ -1,5 +1,5 @@
-// The memory that all channels of a transport keep for repairs, so that a few readers that do not keep up do
-// not take the memory of all publishers of the node.
+// Counts the memory that all channels of a transport keep for repairs, so that a few readers that do not
+// keep up do not take the memory of all publishers of the node.
 #pragma once
 
 #include <atomic>
@@ -18,9 +18,10 @@ class KeptMemory {
   void remove(std::size_t bytes) { used_.fetch_sub(bytes, std::memory_order_relaxed); }
   std::size_t used() const { return used_.load(std::memory_order_relaxed); }
 
-  /// True if a channel that keeps so much has to give up some of it once so many bytes more are added. No
-  /// channel may keep more than is left to all. So a single channel has a half, several channels that keep
-  /// much come to have equal shares, and as much as such a share is free for those that keep little.
+  /// Returns true if a channel that keeps `bytes` has to give up some of it once `more_bytes` are added in
+  /// all. No channel may keep more than is left to all. So a single channel can keep half of the limit.
+  /// Several channels that keep much tend to equal shares, and as much as such a share is free for channels
+  /// that keep little.
   bool wants_some_of(std::size_t bytes, std::size_t more_bytes = 0) const {
     const std::size_t used = this->used() + more_bytes;
     return used > limit_ || bytes > limit_ - used;

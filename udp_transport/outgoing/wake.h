@@ -1,5 +1,5 @@
-// The news that the sending thread has to be told after something was given to a lane or a channel, or an
-// answer was heard.
+// What the sending thread has to be told after something was given to a lane or a channel, or after an
+// answer came.
 #pragma once
 
 #include <algorithm>
@@ -7,10 +7,10 @@
 
 namespace sft::udp {
 
-/// Ordered: a later one includes those before it.
+/// Ordered: each includes the ones before it.
 enum class Wake : std::uint8_t {
   none,
-  look,      ///< it has to look at the lanes and channels that it knows (Sender::look_again())
+  look,      ///< it has to check the lanes and channels that it knows (Sender::look_again())
   schedule,  ///< it does not know this lane, channel or work yet (Sender::schedule())
 };
 

@@ -13,10 +13,10 @@ struct WriterTally {
   explicit WriterTally(std::uint64_t max_bytes_per_s = 0) : limit(max_bytes_per_s) {}
   RateLimit limit;
   std::atomic<std::uint64_t> bytes_sent{0};
-  std::atomic<std::uint64_t> dropped{0};  ///< taken from a lane, and then not sent
-  /// Lanes for which the sending thread has something to send, also those that get nothing new any more.
+  std::atomic<std::uint64_t> dropped{0};  ///< samples taken from a lane and then not sent
+  /// Lanes for which the sending thread has something to send, also those that get no new samples any more.
   std::atomic<std::uint32_t> busy_lanes{0};
-  /// The busy lanes that lead to readers with different masks: LaneEnd::is_merged().
+  /// Those busy lanes that lead to readers with different masks (LaneEnd::is_merged()).
   std::atomic<std::uint32_t> busy_merged_lanes{0};
 };
 

@@ -8,7 +8,7 @@ namespace sft::udp {
 
 namespace {
 
-// The offsets of the fields that all kinds of samples share, and of the fields behind them.
+// The offsets of the fields that all kinds of samples share, and then those of fields of single kinds.
 constexpr std::size_t at_kind = 0, at_flags = 1, at_variant = 2, at_writer = 4, at_sequence = 8;
 constexpr std::size_t at_total = 12, at_stamp = 16, at_mask = 24;
 constexpr std::size_t at_near_variant = 1, at_near_writer = 2, at_near_sequence = 6, at_near_offset = 10;
@@ -47,7 +47,7 @@ void store_common(DatagramKind kind, std::uint8_t flags, const SampleLabel& labe
   store(label.sequence, out + at_sequence);
 }
 
-/// Returns the kind that the bytes claim to be. Empty if they are no datagram of this version.
+/// Returns the kind that the bytes claim to be; empty if they are no datagram of this version.
 std::optional<DatagramKind> kind_of_bytes(std::span<const std::byte> bytes) noexcept {
   if (bytes.size() < following_header_bytes || bytes.size() > datagram_bytes_max) return {};
   const auto version_and_kind = load<std::uint8_t>(&bytes[at_kind]);
@@ -63,7 +63,7 @@ SampleLabel load_label(const std::byte* from) noexcept {
           .variant = load<std::uint16_t>(from + at_variant)};
 }
 
-/// Stores the mask, which has as many bytes as it needs.
+/// Stores the mask in two or eight bytes.
 void store_mask(std::uint64_t mask, std::byte* out) noexcept {
   if (is_narrow(mask)) return store(static_cast<std::uint16_t>(mask), out);
   store(mask, out);
@@ -71,7 +71,8 @@ void store_mask(std::uint64_t mask, std::byte* out) noexcept {
 
 std::uint8_t width_flag(std::uint64_t mask) noexcept { return is_narrow(mask) ? narrow_mask : 0; }
 
-/// Empty if the datagram ends before the mask does, or if a mask that needs two bytes has eight.
+/// Returns the mask; empty if the datagram ends before the mask does, or if a mask that needs two bytes has
+/// eight.
 std::optional<std::uint64_t> load_mask(std::span<const std::byte> bytes, std::size_t at,
                                        bool narrow) noexcept {
   if (bytes.size() < at + (narrow ? narrow_mask_bytes : wide_mask_bytes)) return {};
@@ -80,7 +81,8 @@ std::optional<std::uint64_t> load_mask(std::span<const std::byte> bytes, std::si
   return is_narrow(mask) ? std::nullopt : std::optional(mask);
 }
 
-/// Reads the header of a first or packed datagram, with the marks behind it that this kind may have.
+/// Reads the header of a first or packed datagram, with the marks behind it. `allowed` are the flags that
+/// this kind may have.
 std::optional<Datagram> read_described(DatagramKind kind, std::uint8_t allowed,
                                        std::span<const std::byte> bytes) noexcept {
   const auto sent_flags = load<std::uint8_t>(&bytes[at_flags]);
@@ -141,8 +143,8 @@ std::optional<Datagram> read_packed(std::span<const std::byte> bytes) noexcept {
   return d;
 }
 
-/// Reads the short header of a whole datagram. Fields that this header leaves out are 0, and the length of
-/// the datagram tells the total.
+/// Reads the short header of a whole datagram. Fields that this header leaves out are 0. The total follows
+/// from the length of the datagram.
 std::optional<Datagram> read_whole(std::span<const std::byte> bytes) noexcept {
   const auto bits = load<std::uint32_t>(bytes.data());
   const auto mask = load_mask(bytes, at_mask, (bits >> narrow_bit & 1) != 0);
@@ -164,7 +166,8 @@ std::optional<Datagram> read_whole(std::span<const std::byte> bytes) noexcept {
   return d.first.channel.ordinal == 0 ? std::nullopt : std::optional(d);
 }
 
-/// Reads a single datagram as the first one of a sample that has no other. Its length tells the total.
+/// Reads a single datagram as the first one of a sample that has no other. The total follows from its
+/// length.
 std::optional<Datagram> read_single(std::span<const std::byte> bytes) noexcept {
   const auto flags = load<std::uint8_t>(&bytes[at_flags]);
   const auto mask = load_mask(bytes, at_single_mask, (flags & narrow_mask) != 0);
@@ -356,7 +359,7 @@ void each_field(Is<GroupProbe> auto& probe, const auto& field) noexcept {
   field(16, probe.ordinal);
 }
 
-/// Writes `bytes` bytes. Those that are no field are 0.
+/// Writes `bytes` bytes. Those that belong to no field are 0.
 template <class T>
 void encode(DatagramKind kind, const T& from, std::size_t bytes, std::byte* out) noexcept {
   std::memset(out, 0, bytes);
@@ -364,7 +367,7 @@ void encode(DatagramKind kind, const T& from, std::size_t bytes, std::byte* out)
   each_field(from, Store{out});
 }
 
-/// Reads a datagram of so many bytes. Empty if the datagram has another length, or a flag.
+/// Reads a datagram of `length` bytes. Empty if it has another length, or any flag.
 template <class T>
 std::optional<T> read(std::span<const std::byte> bytes, std::size_t length) noexcept {
   if (bytes.size() != length || load<std::uint8_t>(&bytes[at_flags]) != 0) return {};
@@ -455,7 +458,7 @@ void encode(const GroupProbe& probe, std::byte* out) noexcept {
   encode(DatagramKind::group_probe, probe, group_probe_bytes, out);
 }
 
-/// A datagram without payload says nothing and is refused.
+/// Refuses a datagram without payload, since it says nothing.
 static std::optional<Following> read_following(std::span<const std::byte> bytes) noexcept {
   if (bytes.size() <= following_header_bytes) return {};
   const auto offset = load<std::uint16_t>(&bytes[at_near_offset]) |
@@ -467,7 +470,7 @@ static std::optional<Following> read_following(std::span<const std::byte> bytes)
                    .payload = bytes.subspan(following_header_bytes)};
 }
 
-/// One that ends beyond what a total can be is refused as well.
+/// Also refuses a datagram that ends beyond the greatest total.
 static std::optional<Following> read_far(std::span<const std::byte> bytes) noexcept {
   if (bytes.size() <= far_header_bytes || load<std::uint8_t>(&bytes[at_flags]) != 0) return {};
   const Following far{.label = load_label(bytes.data()),

@@ -1,4 +1,5 @@
-// The headers of SFT datagrams (wire_format.md): from structs to bytes and back. Pure and bounds-checked.
+// The headers of SFT datagrams (wire_format.md), from structs to bytes and back. Bounds-checked; uses no
+// clock, thread or I/O.
 #pragma once
 
 #include <array>
@@ -11,20 +12,20 @@
 namespace sft::udp {
 
 inline constexpr std::uint8_t wire_version = 2;
-// Headers of samples end with the mask. A mask below 2^16 has two bytes there, which is enough for all masks
-// of most message types, and any other has eight. These are the lengths with eight.
+// Headers of samples end with the mask. A mask below 2^16 takes two bytes there, which is enough for all
+// masks of most message types. Any other mask takes eight. These are the lengths with eight.
 inline constexpr std::size_t first_header_bytes = 32;
 inline constexpr std::size_t single_header_bytes = 28;
 inline constexpr std::size_t wide_mask_bytes = 8;
 inline constexpr std::size_t narrow_mask_bytes = 2;
 constexpr bool is_narrow(std::uint64_t mask) { return mask < std::uint64_t{1} << (8 * narrow_mask_bytes); }
-/// A header with this mask is shorter by so many bytes than one with a wide mask.
+/// Returns the bytes that a header with this mask is shorter than one with a wide mask.
 constexpr std::size_t mask_bytes_saved(std::uint64_t mask) {
   return is_narrow(mask) ? wide_mask_bytes - narrow_mask_bytes : 0;
 }
 inline constexpr std::size_t following_header_bytes = 13;
 inline constexpr std::size_t far_header_bytes = 16;
-/// A following datagram has room for variants and offsets below these. Others need a far one.
+/// A following datagram has room for variants and offsets below these. Others need a far datagram.
 inline constexpr std::uint32_t near_variants_end = 1 << 8;
 inline constexpr std::uint32_t near_offsets_end = 1 << 24;
 inline constexpr std::size_t datagram_bytes_max = 65507;  ///< the longest UDP payload over IPv4
@@ -33,25 +34,26 @@ inline constexpr std::size_t datagram_bytes_min = 548;    ///< every IPv4 path t
 enum class DatagramKind : std::uint8_t {
   first = 1,         ///< begins a sample
   following = 2,     ///< a later part of its body, within reach of a short header
-  heartbeat = 3,     ///< a writer tells what it has sent in a channel, and what it still has
-  ack = 4,           ///< a reader tells what has come in a channel, and what is missing
+  heartbeat = 3,     ///< a writer reports what it has sent in a channel, and what it still has
+  ack = 4,           ///< a reader reports what has come in a channel, and what is missing
   packed = 5,        ///< whole small samples, whose sequences and ordinals follow one another
-  group_offer = 6,   ///< a writer tells a process in which multicast group it sends the same
-  group_report = 7,  ///< a member tells what has come by a group
-  mark = 8,          ///< stands between samples: how much was sent to a socket up to here
-  report = 9,        ///< the receiver answers a mark, and tells how much may be under way
+  group_offer = 6,   ///< a writer tells a process in which multicast group it sends its samples
+  group_report = 7,  ///< a member reports what has come by a group
+  mark = 8,          ///< sent between samples: how much was sent to a socket so far
+  report = 9,        ///< the receiver answers a mark, and says how much may be under way
   whole = 10,        ///< a sample in a channel that fits into this datagram, with a short header
   group_probe = 11,  ///< sent to a multicast group between samples: members report that it came
-  single = 12,       ///< a sample without any mark that fits into this datagram; is read as a first datagram
-  far = 13,          ///< any later part of a body; is read as a following datagram
+  single = 12,       ///< a sample without any marks that fits into this datagram; read as a first datagram
+  far = 13,          ///< any later part of a body; read as a following datagram
 };
 
-/// Acks and reports answer what this process has sent. All other kinds come from a writer.
+/// Returns true for acks and reports, which answer what this process has sent. All other kinds come from a
+/// writer.
 constexpr bool is_answer(DatagramKind kind) {
   return kind == DatagramKind::ack || kind == DatagramKind::report || kind == DatagramKind::group_report;
 }
 
-/// Datagrams that carry samples, or parts of them.
+/// Returns true for datagrams that carry samples or parts of them.
 constexpr bool is_of_sample(DatagramKind kind) {
   return kind == DatagramKind::first || kind == DatagramKind::following || kind == DatagramKind::far ||
          kind == DatagramKind::packed || kind == DatagramKind::whole || kind == DatagramKind::single;
@@ -68,42 +70,43 @@ inline constexpr std::size_t history_bytes = 16;
 /// The sample travels in a channel, reliably: `channel` stands behind the history.
 inline constexpr std::uint8_t channel_follows = 8;
 inline constexpr std::size_t channel_bytes = 16;
-/// A whole datagram has room for variants below the first number, for a channel's number modulo the second,
-/// and for 32 bits of sequence and ordinal.
+/// A whole datagram has room for variants below `whole_variants_end`, for a channel's number modulo
+/// `whole_channels_end`, and for 32 bits of sequence and ordinal.
 inline constexpr std::uint32_t whole_variants_end = 1 << 10;
 inline constexpr std::uint32_t whole_channels_end = 1 << 11;
 /// The sample is sent to a multicast group: `group` stands behind the channel.
 inline constexpr std::uint8_t group_follows = 64;
 inline constexpr std::size_t group_bytes = 16;
-/// The mask is the union of the masks of several readers: the sample is for each reader whose mask it
-/// contains.
+/// The mask is the union of the masks of several readers. The sample is for each reader whose mask is
+/// contained in it.
 inline constexpr std::uint8_t merged_masks = 128;
-/// Groups are of the range that RFC 2365 leaves to everybody, 239.255.0.0/16. All datagrams to them go to one
-/// port, which DDS uses in no domain.
+/// Groups are in the range that RFC 2365 leaves to everybody, 239.255.0.0/16. All datagrams to groups go to
+/// one port, which DDS uses in no domain.
 inline constexpr std::uint32_t private_groups = 0xEFFF0000;
 inline constexpr std::uint16_t group_port = 22155;
 inline constexpr std::size_t group_offer_bytes = 32;
 inline constexpr std::size_t group_report_bytes = 24;
 inline constexpr std::size_t group_probe_bytes = 24;
-/// In a packed datagram the length of each sample stands before it. Without this flag all are equally long.
+/// In a packed datagram the length of each sample precedes it. Without this flag all samples are equally
+/// long.
 inline constexpr std::uint8_t lengths_follow = 16;
 inline constexpr std::size_t length_bytes = 2;
 inline constexpr std::size_t packed_samples_max = 256;
-/// The mask has two bytes. This flag is on the wire only, since the mask itself tells it.
+/// The mask has two bytes. This flag is on the wire only, since the value of the mask implies it.
 inline constexpr std::uint8_t narrow_mask = 32;
 inline constexpr std::size_t heartbeat_bytes = 32;
 inline constexpr std::size_t ack_header_bytes = 24;
 inline constexpr std::size_t missing_bytes = 12;
 inline constexpr std::size_t mark_bytes = 40;
 inline constexpr std::size_t report_bytes = 40;  ///< a report is no longer than the mark that it answers
-/// So many missing parts fit into an ack that every path takes.
+/// This number of missing parts fits into an ack that every path takes.
 inline constexpr std::size_t missing_max = (datagram_bytes_min - ack_header_bytes) / missing_bytes;
 
-/// Ordinals have this limit, so that no sum with an ordinal overflows.
+/// The limit of ordinals, so that no sum with an ordinal overflows.
 inline constexpr std::uint64_t ordinal_max = std::uint64_t{1} << 62;
 
-/// Names one encoding of one sample. All datagrams of that encoding have this label, and no others for a long
-/// time.
+/// Names one encoding of one sample. All datagrams of that encoding have this label, and no others for a
+/// long time.
 struct SampleLabel {
   std::uint32_t writer = 0;    ///< low half of the writer's id
   std::uint32_t sequence = 0;  ///< low half of the sequence
@@ -111,8 +114,8 @@ struct SampleLabel {
   friend bool operator==(const SampleLabel&, const SampleLabel&) = default;
 };
 
-/// The maximum rate of the gate that a sample passed at its writer (core/seam/gate.h), 0 if the gate has
-/// none, and the sample's number among those that passed the gate.
+/// The maximum rate of the gate that a sample passed at its writer (core/seam/gate.h), as a period, which
+/// is 0 if the gate has none; and the sample's number among those that passed the gate.
 struct RateMark {
   std::uint32_t min_period_us = 0;
   std::uint32_t ordinal = 0;
@@ -131,8 +134,8 @@ struct ChannelMark {
   std::uint32_t channel = 0;        ///< the writer's number for the channel
   std::uint32_t sequence_high = 0;  ///< high half of the sample's sequence
   std::uint64_t ordinal = 0;        ///< counts the samples in the channel, from 1
-  /// Before encoding: the other end knows the channel, so the low bits of its number are enough. After
-  /// decoding: only the low bits came.
+  /// Before encoding: true if the receiver knows the channel, so that the low bits of its number are
+  /// enough. After decoding: true if only the low bits came.
   bool in_short = false;
   friend bool operator==(const ChannelMark&, const ChannelMark&) = default;
 };
@@ -141,7 +144,7 @@ struct ChannelMark {
 struct GroupMark {
   std::uint32_t group = 0;          ///< the writer's number for the group
   std::uint32_t sequence_high = 0;  ///< high half of the sample's sequence
-  std::uint64_t ordinal = 0;        ///< counts the samples that were sent to the group, from any number on
+  std::uint64_t ordinal = 0;  ///< counts the samples that were sent to the group, from a random number on
   friend bool operator==(const GroupMark&, const GroupMark&) = default;
 };
 
@@ -171,13 +174,13 @@ struct FirstHeader {
 
 struct FollowingHeader {
   SampleLabel label;
-  std::uint32_t offset = 0;  ///< of the payload in the body
+  std::uint32_t offset = 0;  ///< offset of the payload in the body
 
   bool is_near() const { return label.variant < near_variants_end && offset < near_offsets_end; }
   std::size_t bytes() const { return is_near() ? following_header_bytes : far_header_bytes; }
 };
 
-/// The facts that the samples of a packed datagram share.
+/// What the samples of a packed datagram share.
 struct PackedHeader {
   FirstHeader first;             ///< the header of the first sample; its total is not sent
   std::uint16_t samples = 0;     ///< 1 to packed_samples_max
@@ -188,30 +191,34 @@ void encode(const FirstHeader& header, std::byte* out) noexcept;      ///< write
 void encode(const FollowingHeader& header, std::byte* out) noexcept;  ///< writes header.bytes()
 void encode(const PackedHeader& header, std::byte* out) noexcept;     ///< writes header.first.bytes()
 
-/// True if a whole datagram can say all that this header says. The datagram must also hold the whole body.
+/// Returns true if a whole datagram can express all that this header has. The datagram must also hold the
+/// whole body.
 bool fits_in_short(const FirstHeader& header) noexcept;
 void encode_in_short(const FirstHeader& header, std::byte* out) noexcept;  ///< writes bytes_in_short()
 
-/// True if a single datagram can say all that this header says. The datagram must also hold the whole body.
+/// Returns true if a single datagram can express all that this header has. The datagram must also hold the
+/// whole body.
 constexpr bool fits_in_single(const FirstHeader& header) { return (header.flags & ~merged_masks) == 0; }
 void encode_in_single(const FirstHeader& header, std::byte* out) noexcept;  ///< writes bytes_in_single()
 
-/// The header of a later sample, `samples` behind the first one. Sequences and ordinals follow one another.
+/// Returns the header of a later sample, `samples` behind the first one. Sequences and ordinals follow one
+/// another.
 FirstHeader header_behind(const FirstHeader& first, std::uint32_t samples, std::uint32_t total) noexcept;
 
-/// Tells about the samples in a channel: [first, end) were sent and can be sent again; those before cannot.
+/// Says which samples of a channel a writer has: [first, end) were sent and can be sent again; those before
+/// `first` cannot.
 struct Heartbeat {
   std::uint32_t writer = 0;
   std::uint32_t channel = 0;
   std::uint16_t port = 0;  ///< acks go to this port, at the address that the heartbeat comes from
   std::uint64_t first = 0;
   std::uint64_t end = 0;
-  std::uint32_t waiting = 0;  ///< so many from `end` on were published, and will be sent
+  std::uint32_t waiting = 0;  ///< number of samples from `end` on that were published, and will be sent
   friend bool operator==(const Heartbeat&, const Heartbeat&) = default;
 };
 
-/// A part of a sample that has not come: bytes [begin, end) of its body. If begin and end are equal, nothing
-/// of the sample has come yet, and its first datagram is asked for.
+/// A part of a sample that has not come: bytes [begin, end) of its body. If both are equal, nothing of the
+/// sample has come yet, and its first datagram is asked for.
 struct Missing {
   std::uint32_t ordinal = 0;  ///< low half of the sample's ordinal
   std::uint32_t begin = 0;
@@ -222,7 +229,7 @@ struct Missing {
 struct Ack {
   std::uint32_t writer = 0;
   std::uint32_t channel = 0;
-  std::uint64_t next = 0;  ///< an ordinal: nothing before it is wanted any more
+  std::uint64_t next = 0;  ///< an ordinal; no sample before it is wanted any more
   std::array<Missing, missing_max> missing{};
   std::size_t missing_count = 0;
 
@@ -230,12 +237,12 @@ struct Ack {
   std::size_t bytes() const { return ack_header_bytes + missing_count * missing_bytes; }
 };
 
-/// Tells a receiver how much was sent to its socket before this mark, by all writers of the sender.
+/// Says how much all writers of the sender have sent to the receiver's socket before this mark.
 struct FlowMark {
   std::uint32_t flow = 0;       ///< the sender's number for that socket
   std::uint16_t port = 0;       ///< the report goes to this port, at the address that the mark comes from
-  std::uint64_t position = 0;   ///< counts the bytes that were sent before the mark
-  std::uint32_t datagrams = 0;  ///< counts the datagrams that were sent before the mark from its port
+  std::uint64_t position = 0;   ///< bytes that were sent before the mark
+  std::uint32_t datagrams = 0;  ///< datagrams that were sent before the mark from its port
   std::int64_t sent_at_ns = 0;  ///< by the sender's clock
   friend bool operator==(const FlowMark&, const FlowMark&) = default;
 };
@@ -246,23 +253,23 @@ struct FlowReport {
   std::uint64_t position = 0;
   std::uint32_t window_bytes = 0;  ///< bytes that may be under way, as the receiving kernel accounts them
   std::uint32_t datagrams = 0;
-  /// The number of these datagrams that arrived. Those sent before the first mark count as arrived.
+  /// How many of these datagrams arrived. Those sent before the first mark count as arrived.
   std::uint32_t came = 0;
-  /// Bytes of the longest datagram that came from the sender's address of late; 0 if the receiver does not
+  /// Bytes of the longest datagram that came recently from the sender's address; 0 if the receiver does not
   /// know.
   std::uint32_t longest = 0;
   std::int64_t sent_at_ns = 0;
   friend bool operator==(const FlowReport&, const FlowReport&) = default;
 };
 
-/// Offers a multicast group to one member. The samples of the group belong to a channel, too: an ordinal in
-/// the channel is the ordinal in the group plus `ahead`.
+/// Offers a multicast group to one member. If the samples of the group belong to a channel, too, an ordinal
+/// in the channel is the ordinal in the group plus `ahead`.
 struct GroupOffer {
   std::uint32_t writer = 0;
   std::uint32_t group = 0;    ///< the writer's number for the group
   std::uint32_t member = 0;   ///< the member repeats this number in its reports
   std::uint16_t port = 0;     ///< reports go to this port, at the address that the offer comes from
-  std::uint32_t address = 0;  ///< the IPv4 address of the group; 0: the member is in the group no more
+  std::uint32_t address = 0;  ///< the IPv4 address of the group; 0: the member is not in the group any more
   std::uint32_t channel = 0;  ///< 0: the samples are in no channel, and are sent by best effort
   std::int64_t ahead = 0;
   friend bool operator==(const GroupOffer&, const GroupOffer&) = default;
@@ -272,15 +279,17 @@ struct GroupReport {
   std::uint32_t writer = 0;
   std::uint32_t group = 0;
   std::uint32_t member = 0;
-  std::uint64_t heard = 0;  ///< the last ordinal that has come; 0: the writer shall repeat the offer
+  std::uint64_t heard = 0;  ///< the last ordinal that has come; 0: the writer should repeat the offer
   friend bool operator==(const GroupReport&, const GroupReport&) = default;
 };
 
-/// Goes to the group itself. Whoever was offered the group reports the ordinal, as if a sample had come.
+/// Sent to the group itself. Each process that was offered the group reports the ordinal as if a sample had
+/// come.
 struct GroupProbe {
   std::uint32_t writer = 0;
   std::uint32_t group = 0;
-  std::uint64_t ordinal = 0;  ///< of the last sample that was sent to the group, or one below the first
+  /// Ordinal of the last sample that was sent to the group, or one below the first.
+  std::uint64_t ordinal = 0;
   friend bool operator==(const GroupProbe&, const GroupProbe&) = default;
 };
 
@@ -292,14 +301,14 @@ void encode(const Ack& ack, std::byte* out) noexcept;              ///< writes a
 void encode(const FlowMark& mark, std::byte* out) noexcept;        ///< writes mark_bytes
 void encode(const FlowReport& report, std::byte* out) noexcept;    ///< writes report_bytes
 
-/// A received datagram of a sample. Its header is sound, but what the header says of the sample is only
-/// claimed.
+/// A received datagram of a sample. Its header is well-formed, but what it says about the sample is not
+/// verified.
 struct Datagram {
   DatagramKind kind{};
-  /// A following datagram has only the label. A whole one reads as if a first one had said the same, but its
-  /// total includes the mask's words.
+  /// A following datagram has only the label. A whole datagram reads as if a first one had said the same,
+  /// but its total includes the mask's words.
   FirstHeader first;
-  std::uint32_t offset = 0;            ///< of the payload in the body; 0 in a first datagram
+  std::uint32_t offset = 0;            ///< offset of the payload in the body; 0 in a first datagram
   std::uint16_t samples = 0;           ///< as in the header of a packed datagram
   std::uint16_t bytes_each = 0;        ///< as in the header of a packed datagram
   std::span<const std::byte> payload;  ///< begins with the mask's words if mask_words_follow is set
@@ -307,14 +316,14 @@ struct Datagram {
   const SampleLabel& label() const { return first.label; }
 };
 
-/// A following datagram, near or far. It is the most frequent kind by far.
+/// A following datagram, near or far. This is by far the most frequent kind.
 struct Following {
   SampleLabel label;
-  std::uint32_t offset = 0;  ///< of the payload in the body
+  std::uint32_t offset = 0;  ///< offset of the payload in the body
   std::span<const std::byte> payload;
 };
 
-/// Bytes that are no sound datagram of this version.
+/// Bytes that are no well-formed datagram of this version.
 struct Malformed {
   std::optional<DatagramKind> kind;  ///< the kind that the bytes claim to be, if they claim one
 };
@@ -326,17 +335,17 @@ using Answer = std::variant<Ack, FlowReport, GroupReport>;
 using AnyDatagram =
     std::variant<Malformed, Following, Datagram, Heartbeat, FlowMark, GroupOffer, GroupProbe, Answer>;
 
-/// Looks at the kind of a datagram once, and reads the datagram as one of that kind.
+/// Reads the kind of a datagram, and then the datagram as one of that kind.
 AnyDatagram decode(std::span<const std::byte> bytes) noexcept;
 
-/// Takes the bodies of a packed datagram, one after the other, off its payload (behind the mask's words).
+/// Takes the bodies of a packed datagram, one after the other, from its payload (behind the mask's words).
 class PackedBodies {
  public:
   explicit PackedBodies(const Datagram& d)
       : rest_(d.payload), samples_(d.samples), bytes_each_(d.bytes_each) {}
 
-  /// True if all bodies are there, and nothing follows bodies of equal length. Only then next() may be
-  /// called, once for each body.
+  /// Returns true if all bodies are there, and nothing follows bodies of equal length. Only then may next()
+  /// be called, once for each body.
   bool sound() const noexcept;
   std::span<const std::byte> next() noexcept;
 
@@ -350,7 +359,7 @@ void store_word(std::uint64_t word, std::byte* out) noexcept;
 void store_length(std::size_t bytes, std::byte* out) noexcept;  ///< writes length_bytes
 std::uint64_t load_word(const std::byte* from) noexcept;
 
-/// The 64-bit sequence nearest to `reference` that has these low 32 bits; never below zero.
+/// Returns the 64-bit sequence nearest to `reference` that has these low 32 bits; never below zero.
 std::uint64_t widen_sequence(std::uint64_t reference, std::uint32_t low) noexcept;
 
 }  // namespace sft::udp

@@ -9,7 +9,7 @@ namespace sft::udp {
 
 void Batch::clear() { part_count_ = staged_ = bytes_ = datagrams_ = 0; }
 
-/// Room for bytes that are sent right behind all that is there.
+/// Returns room for bytes that are sent right behind all others of the batch.
 std::byte* Batch::stage(std::size_t bytes) {
   std::byte* place = staging_.get() + staged_;
   const bool extends =
@@ -26,7 +26,7 @@ std::byte* Batch::stage(std::size_t bytes) {
   return place;
 }
 
-/// The last datagram, since another one follows.
+/// Pads the last datagram to full length, since another one follows.
 void Batch::pad() {
   const std::size_t missing = datagrams_ * segment_bytes_ - bytes_;
   if (missing > 0) std::memset(stage(missing), 0, missing);
@@ -34,7 +34,8 @@ void Batch::pad() {
 
 void Batch::refer(const std::byte* data, std::size_t bytes) {
   assert(part_count_ < parts_max);
-  parts_[part_count_++] = {const_cast<std::byte*>(data), bytes};  // iovec has no const; it is only read
+  // Iovec has no const; the data are only read.
+  parts_[part_count_++] = {const_cast<std::byte*>(data), bytes};
   bytes_ += bytes;
 }
 
@@ -69,7 +70,7 @@ void Fragmenter::next(Batch& batch, std::size_t bytes_max, std::size_t datagrams
   } while (!done() && batch.datagrams_ < datagrams_max && bytes_with_next(batch) <= bytes_max);
 }
 
-/// The length of the batch with another datagram.
+/// Returns the length of the batch with another datagram.
 std::size_t Fragmenter::bytes_with_next(const Batch& batch) const {
   if (body_.packed) return batch.datagrams_ * batch.segment_bytes_ + next_pack().bytes;
   const std::size_t header = FollowingHeader{body_.first.label, offset_}.bytes();
@@ -106,7 +107,7 @@ void Fragmenter::append_mask_words(Batch& batch) const {
   for (const std::uint64_t word : body_.mask_words) store_word(word, batch.stage(sizeof word));
 }
 
-/// As many samples as fit, at least one.
+/// Returns the next pack: as many samples as fit, at least one.
 Fragmenter::Pack Fragmenter::next_pack() const {
   const std::size_t header = body_.first.bytes() + body_.mask_words.size_bytes();
   const std::size_t most = std::min(packed_samples_max, body_.segments.size() - segment_);
@@ -125,7 +126,8 @@ Fragmenter::Pack Fragmenter::next_pack() const {
   return pack;
 }
 
-/// All datagrams of a batch but the last have to be equally long: where lengths differ, zeros fill the rest.
+/// All datagrams of a batch but the last have to be equally long. Where their lengths differ, zeros fill
+/// the rest.
 void Fragmenter::append_packed(Batch& batch) {
   if (batch.datagrams_ > 0) batch.pad();
   const Pack pack = next_pack();

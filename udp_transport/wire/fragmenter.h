@@ -1,4 +1,5 @@
-// Cuts one encoded body into datagrams and lays these end to end, as one system call sends them (GSO). Pure.
+// Cuts one encoded body into datagrams and lays these end to end, as one system call sends them (GSO). Uses
+// no clock, thread or I/O.
 #pragma once
 
 #include <sys/uio.h>
@@ -15,19 +16,19 @@
 
 namespace sft::udp {
 
-/// Limits of one system call, on older kernels, too.
+/// Limits of one system call, which older kernels have, too.
 inline constexpr std::size_t batch_bytes_max = datagram_bytes_max;
 inline constexpr std::size_t batch_datagrams_max = 64;
 
-/// Runs of a body shorter than this are copied next to the header
-/// before them: cheaper than iovecs of their own for both.
+/// Runs of a body that are shorter than this are copied behind the header before them. That is cheaper than
+/// an iovec for each.
 inline constexpr std::size_t copy_bytes_max = 2048;
 
-/// Datagrams for one call. Refers to the body that they were cut
-/// from, and holds headers and short runs itself.
+/// Datagrams for one system call. A batch refers to the body that they were cut from, and holds headers and
+/// short runs itself.
 class Batch {
  public:
-  Batch() : staging_(new std::byte[batch_bytes_max]) {}  // not touched before it is needed
+  Batch() : staging_(new std::byte[batch_bytes_max]) {}  // its pages are not touched before they are needed
 
   std::span<const iovec> parts() const { return {parts_.data(), part_count_}; }
   std::size_t bytes() const { return bytes_; }
@@ -55,16 +56,16 @@ class Batch {
   std::uint16_t segment_bytes_ = 0;
 };
 
-/// A body and how it is called on the wire. The spans outlive the fragmenter.
+/// A body, and how datagrams name it. The spans outlive the fragmenter.
 struct EncodedBody {
   FirstHeader first;                          ///< total is the body's bytes
-  std::span<const std::uint64_t> mask_words;  ///< sent where the header's flag says so
+  std::span<const std::uint64_t> mask_words;  ///< sent if the header's flag says so
   std::span<const detail::Segment> segments;
-  /// Each segment is a small sample, one behind the other: these are cut into packed datagrams.
+  /// Each segment is a small sample, and they follow one another. They are cut into packed datagrams.
   bool packed = false;
 };
 
-/// A part of a body, [begin, end). From 0 on it has the first datagram, always as a whole.
+/// A part of a body, [begin, end). If it begins at 0, it includes the whole first datagram.
 struct BodyRange {
   std::uint32_t begin = 0;
   std::uint32_t end = UINT32_MAX;
@@ -77,14 +78,14 @@ class Fragmenter {
 
   std::size_t bytes() const { return body_.first.total; }  ///< of the body
   bool begun() const { return begun_; }
-  /// The place in the body up to which datagrams have been cut.
+  /// The offset in the body up to which datagrams have been cut.
   std::uint32_t offset() const { return offset_; }
   bool done() const { return body_.packed ? segment_ == body_.segments.size() : begun_ && offset_ >= end_; }
 
   /// Cuts the rest into datagrams of that length.
   void set_datagram_bytes(std::size_t bytes) { datagram_bytes_ = std::min(bytes, datagram_bytes_max); }
 
-  /// Replaces the batch by the next datagrams: at least one, even where the limits have no room for it.
+  /// Replaces the batch by the next datagrams: at least one, even if the limits have no room for it.
   void next(Batch& batch, std::size_t bytes_max = batch_bytes_max,
             std::size_t datagrams_max = batch_datagrams_max);
 
@@ -98,7 +99,7 @@ class Fragmenter {
 
   struct Pack {
     std::size_t samples = 0;
-    std::size_t bytes = 0;  ///< of the datagram
+    std::size_t bytes = 0;  ///< length of the datagram
   };
   Pack next_pack() const;
   void append_packed(Batch& batch);
@@ -107,10 +108,10 @@ class Fragmenter {
   std::size_t datagram_bytes_;
   std::uint32_t end_;
   bool begun_ = false;
-  std::uint32_t offset_ = 0;  ///< of the next payload in the body
+  std::uint32_t offset_ = 0;  ///< offset of the next payload in the body
   std::size_t segment_ = 0;
   std::size_t segment_offset_ = 0;
-  std::size_t bytes_each_ = 0;  ///< of packed samples; 0: they differ
+  std::size_t bytes_each_ = 0;  ///< length of each packed sample; 0: lengths differ
 };
 
 }  // namespace sft::udp

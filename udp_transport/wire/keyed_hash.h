@@ -1,4 +1,4 @@
-// SipHash-2-4: numbers that look random to whoever does not know the key, and are always the same for the
+// SipHash-2-4: a hash that looks random to anyone who does not know the key, and is always the same for the
 // same words.
 #pragma once
 
