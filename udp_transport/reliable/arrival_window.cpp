@@ -23,7 +23,8 @@ void ArrivalWindow::begin_with(Place place) {
   if (samples_.begin_with(place)) reported_end_.begin(ordinal_of(place));
 }
 
-/// False for a channel that does not count. What is missing of the one before will not come any more.
+/// Returns false if the claim's channel does not count. If the window turns to that channel, what is
+/// missing of the previous one will not come any more.
 bool ArrivalWindow::turn_to(const ChannelMonitor::Observed& observed, Time now) {
   switch (channels_.evaluate(observed, now)) {
     case ChannelMonitor::Verdict::present:
@@ -42,13 +43,13 @@ bool ArrivalWindow::turn_to(const ChannelMonitor::Observed& observed, Time now) 
   return true;
 }
 
-/// The present channel goes on with that ordinal: places count on.
+/// Continues with that ordinal of the present channel. Places count on.
 void ArrivalWindow::begin_channel(std::uint64_t ordinal) {
   samples_.lose_before(samples_.end(), !fresh_);
   places_.begin(ordinal, samples_.end());
 }
 
-/// Goes back to that ordinal: it and those behind it were passed over, and should not have been.
+/// Goes back to that ordinal, because it and those behind it were wrongly passed over.
 void ArrivalWindow::go_back_to(std::uint64_t ordinal) {
   begin_channel(ordinal);
   ordinals_.go_on_with(ordinal);
@@ -59,7 +60,7 @@ void ArrivalWindow::go_back_to(std::uint64_t ordinal) {
 ArrivalWindow::Met ArrivalWindow::meet(const ChannelMark& mark, Time now, bool same_datagram) {
   using State = ArrivedSamples::State;
   const auto channel = mark.in_short ? channels_.widen(mark.channel, whole_channels_end) : mark.channel;
-  if (!channel) return {Standing::beyond, 0};  // a heartbeat will say which one it is
+  if (!channel) return {Standing::beyond, 0};  // a heartbeat will name the channel in full
   if (!turn_to({*channel, mark.ordinal, mark.ordinal, same_datagram}, now)) return {Standing::beyond, 0};
   samples_.schedule().heard(now);
   const Place place = places_.place_of(mark.ordinal);
@@ -97,7 +98,7 @@ ArrivalWindow::Met ArrivalWindow::meet_passed_over(const ChannelMark& mark, Time
   return meet(mark, now, same_datagram);
 }
 
-/// The writer is far ahead: it tells how far once it is asked for what it does not have any more.
+/// The writer is far ahead. If it is asked for a sample that it does not have any more, it says how far.
 void ArrivalWindow::ask_for_next(Time now) {
   if (!fresh_) samples_.reach(samples_.next() + 1, now);
   pending_ack_.want();
@@ -146,8 +147,8 @@ void ArrivalWindow::hear(const Heartbeat& heartbeat, Time now) {
   readers_.end_requests(end + heartbeat.waiting);
 }
 
-/// Counts samples that the writer no longer has as lost. Returns false if that is further ahead than is
-/// believed. Samples that were never heard of before the first word of a writer were not for us.
+/// Counts samples that the writer no longer has as lost. Returns false if the writer claims to be too far
+/// ahead. Samples before the first heartbeat of a writer were not for this process.
 bool ArrivalWindow::follow(const Heartbeat& heartbeat, Time heard_before, Time now) {
   constexpr double sent_per_s_max = 1 << 22;
   const std::uint64_t known_end = ordinal_of(samples_.end());
@@ -172,8 +173,8 @@ bool ArrivalWindow::contradicts(const Heartbeat& heartbeat, Time now) {
          ordinals_.passed_over(heartbeat.end - 1, false, now).has_value();
 }
 
-/// Returns true if something arrived that the writer has not published yet: the writer says so again after so
-/// long, and nothing new has arrived meanwhile. The writer's next sample would take the place of that.
+/// Returns true if a sample arrived that the writer has not published yet: the writer repeats that after a
+/// while, and nothing new has arrived meanwhile. The writer's next sample would take the place of that one.
 bool ArrivalWindow::was_never_published(const Heartbeat& heartbeat, Time now) {
   const std::uint64_t end = heartbeat.end + heartbeat.waiting;
   if (!fresh_ && end < ordinal_of(samples_.next()) && places_.follows(end))

@@ -1,6 +1,7 @@
-// The reader's end of a channel (wire_format.md): decides what datagrams and heartbeats of the writer count,
-// and which place each sample has; hands samples over to the readers of this process; and tells what to
-// acknowledge and what to ask for. Pure: calls and times in, answers out.
+// The reader's end of a channel (wire_format.md). It decides which datagrams and heartbeats of the writer
+// count, and which place each sample has. It hands samples over to the readers of this process, and says
+// what to acknowledge and what to ask for. Uses no clock, thread or I/O: calls and times are passed in,
+// answers are returned.
 #pragma once
 
 #include <algorithm>
@@ -31,76 +32,77 @@ class ArrivalWindow {
   explicit ArrivalWindow(const ArrivalLimits& limits)
       : limits_(limits), samples_(limits), pending_ack_(limits.ack_bytes) {}
 
-  /// The progress of a window when nobody heard the writer any more.
+  /// The progress of a window when the last reader of the writer left.
   struct Mark {
     std::uint32_t channel = 0;
-    std::uint64_t end = 0;  ///< ordinal behind the last one that was known of
+    std::uint64_t end = 0;  ///< ordinal behind the last known sample
   };
   std::optional<Mark> mark() const;
-  /// A new window, of a writer that is heard again. In the same channel it begins with the first sample that
-  /// it hears of, not with those that were sent meanwhile.
+  /// Continues for a writer that has readers again. In the same channel the window begins with the first
+  /// sample that it meets, not with those that were sent meanwhile.
   void join(const Mark& left);
 
-  /// The treatment of a first datagram.
+  /// What becomes of a first datagram.
   enum class Standing : std::uint8_t {
     wanted,
-    known,   ///< it, or its whole sample, has come already, or is not wanted any more
-    beyond,  ///< it is of a channel of before, or there is no room for it; it will come again
+    known,  ///< the sample, or this datagram of it, has come already or is not wanted any more
+    /// The sample belongs to an earlier channel, or there is no room for it; the writer will send it again.
+    beyond,
   };
   struct Met {
     Standing standing{};
     Place place = 0;
   };
-  /// `same_datagram`: the last one that was met came in the same datagram.
+  /// `same_datagram`: the mark met before came in the same datagram.
   Met meet(const ChannelMark& mark, Time now, bool same_datagram = false);
 
-  // These three functions, and those of samples(), are about a place that was met.
+  // The next three functions, and those of samples(), are about a place that meet() returned.
 
   void whole(Place place, core::SampleHandle sample);
-  /// Tells that its sample will not come, or is for nobody here.
+  /// Notes that the sample will not come, or is for no reader of this process.
   void pass(Place place);
-  /// Tells that its sample makes no sense, although each datagram of it made sense. The sample is asked for
-  /// again; after the second time it is passed over.
+  /// Notes that the sample makes no sense, although each of its datagrams did. The first time it is asked
+  /// for again; the second time it is passed over.
   void refuse_or_pass(Place place);
   ArrivedSamples& samples() { return samples_; }
 
   void hear(const Heartbeat& heartbeat, Time now);
 
-  /// The next sample for that reader, in order; empty if there is none as yet. `accepts(buffer, request)`
-  /// tells whether one is for it, once anything of it has come; those of its requests before `request` are
-  /// over.
+  /// Returns the next sample for that reader, in order; empty if there is none yet. `accepts(buffer,
+  /// request)` says if a sample of which something has come is for the reader, whose requests before
+  /// `request` are over.
   template <class Accepts>
   core::SampleHandle next(core::EndpointId reader, const Accepts& accepts);
-  /// Sets who reads from now on. New readers begin with the first sample that has not arrived yet.
+  /// Sets the readers of the writer. New readers begin with the first sample that has not arrived yet.
   void set_readers(const std::vector<core::EndpointId>& readers) { readers_.set(readers, samples_.next()); }
-  /// Tells that the writer's samples are by now for that reader under that request, or a later one. Samples
-  /// that were published before may be under way for any time: up to the position that the next heartbeat
-  /// gives for the writer.
+  /// Notes that the writer now serves that reader under that request or a later one. Samples under earlier
+  /// requests may still be under way, up to the place that the next heartbeat gives for the writer.
   void heard(core::EndpointId reader, std::uint64_t request) { readers_.heard(reader, request); }
-  /// Lets go of what all of them have.
+  /// Releases the samples that all readers have taken.
   void release();
 
-  /// The writer waits for readers: what they have not got is not acknowledged, though it has come.
+  /// Sets whether the writer waits for its readers. If so, samples that a reader has not taken are not
+  /// acknowledged, although they have come.
   void set_awaited(bool awaited) { awaited_ = awaited; }
-  /// Something is there that not all of them have, after release().
+  /// Returns true if, after release(), there is a sample that some reader has not taken.
   bool holds_back() const { return samples_.slots().begin() < samples_.next(); }
-  /// True if the window goes on without lagging readers, or holds too much for them: they have to be given
-  /// some.
+  /// Returns true if the window goes on without lagging readers, or holds too much for them. Then they have
+  /// to be given samples even if that pushes out older ones.
   bool overtakes() const { return overtakes_; }
 
   /// The time when samples().due_gaps() may find something; Time::max() if never.
   Time next_look() const { return samples_.schedule().next_look(); }
   /// The ordinal of a place in the present channel.
   std::uint64_t ordinal_of(Place place) const { return places_.ordinal_of(place); }
-  /// True if something is to be acknowledged now.
+  /// Returns true if an ack is due now.
   bool ack_due() const { return pending_ack_.due(); }
-  /// Returns an ack without the missing samples; it counts as sent.
+  /// Returns an ack without missing parts. It counts as sent.
   Ack ack(std::uint32_t writer);
 
   const ChannelMonitor& channels() const { return channels_; }
 
  private:
-  /// No writer keeps more samples than this, so no heartbeat spans more.
+  /// No writer keeps more samples than this, so a heartbeat that spans more is ignored.
   static constexpr std::uint64_t kept_max = OrdinalMonitor::remembered;
 
   bool turn_to(const ChannelMonitor::Observed& observed, Time now);
@@ -118,7 +120,7 @@ class ArrivalWindow {
   ChannelPlaces places_;
   OrdinalMonitor ordinals_;
   ReportedEnd reported_end_;
-  bool joining_ = false;  ///< nothing was heard yet since join()
+  bool joining_ = false;  ///< no sample or heartbeat has come since join()
   bool fresh_ = true;     ///< no ordinal of the channel is known yet
   ArrivedSamples samples_;
   ReaderCursors readers_;

@@ -1,8 +1,9 @@
 // The samples of a writer that have arrived, have begun to arrive, or are missing, in the order of their
-// places. Pure: calls and times in, answers out.
+// places. Uses no clock, thread or I/O.
 //
-// No sample before next() is missing or incomplete. Samples behind it are held back, with a bound on their
-// bytes: beyond that the oldest missing sample is lost. So is a sample that the writer no longer has.
+// No sample before next() is missing or incomplete. Samples behind next() are held back, with a limit on
+// their bytes. Beyond that limit the oldest missing sample is lost. A sample that the writer no longer has
+// is lost, too.
 #pragma once
 
 #include <algorithm>
@@ -29,84 +30,85 @@ class ArrivedSamples {
   struct Slot {
     State state = State::missing;
     SampleLabel label{};
-    core::SampleHandle sample{};  ///< begun: as far as it has come
+    core::SampleHandle sample{};  ///< if `begun`, with what has come of it
     bool makes_no_sense = false;
     RepairSchedule::Entry repair{};
     bool settled() const { return state == State::whole || state == State::passed; }
   };
   struct Gap {
     Place place = 0;
-    std::optional<SampleLabel> label{};  ///< empty: nothing of it has come
+    std::optional<SampleLabel> label{};  ///< empty: nothing of the sample has come
   };
 
   explicit ArrivedSamples(const ArrivalLimits& limits)
       : samples_max_(limits.samples), held_bytes_max_(limits.held_bytes), schedule_(limits) {}
 
-  /// Begins with that place, unless there are places already, or they have counted beyond it. Returns true if
-  /// it does.
+  /// Begins with that place and returns true. Returns false if there are places already, or if places have
+  /// counted beyond it.
   bool begin_with(Place place);
-  /// Knows of all places before `end`, and makes room for them. Returns false if these are too many; then
-  /// there is room for those that fit.
+  /// Adds all places before `end`. Returns false if there is no room for all of them; then those that fit
+  /// are added.
   bool reach(Place end, Time now);
-  /// The samples before `end` will not come any more. `all_counted`: those that were never known of count as
-  /// lost, too.
+  /// Gives up the samples before `end`, which will not come any more. `all_counted`: those without a place
+  /// yet count as lost, too.
   void lose_before(Place end, bool all_counted);
-  /// Gives up the oldest missing samples while more bytes are held back behind them than may be.
+  /// Gives up the oldest missing samples while the samples behind them hold more bytes than allowed.
   void hold_no_more_than_allowed();
-  /// Lets go of the samples before `end`, which are settled.
+  /// Releases the samples before `end`, all of which are whole or passed.
   void release_before(Place end);
 
-  // These functions, but for give_back(), ignore a place that is not in slots().
+  // These functions, except give_back(), ignore a place that is not in slots().
 
-  /// The sample is being put together in that buffer, whose mask and addressee are set.
+  /// Notes that the sample is being put together in that buffer, whose mask and addressee are set.
   void begun(Place place, const SampleLabel& label, core::SampleHandle buffer);
-  /// Returns false if the sample is not wanted any more.
+  /// Notes a whole sample. Returns false if it is not wanted any more.
   bool whole(Place place, core::SampleHandle sample);
   void pass(Place place);
-  /// The datagrams of the sample make no sense: it is asked for again.
+  /// Asks for the sample again, because its datagrams make no sense.
   void refuse(Place place);
-  /// Notes that each datagram of the sample made sense, but not the sample. Returns true for the second time.
+  /// Notes that the sample makes no sense although each of its datagrams does. Returns true the second
+  /// time.
   bool makes_no_sense_again(Place place);
-  /// A sample with that low half of a sequence came there. If another one waits there for those before it,
-  /// one of both is wrong: it has to come again.
+  /// Notes that a sample with that low half of a sequence came for that place. If another sample waits
+  /// there for earlier ones, one of the two is wrong, and the place has to be filled again.
   void unconfirm(Place place, std::uint32_t sequence);
-  /// Samples with a greater sequence have a wrong one, and have to come again.
+  /// Asks again for samples with a greater sequence, because these sequences are wrong.
   void distrust_above(std::uint64_t sequence);
-  /// The writer says that it has published nothing from that place on. If it said so before, for
-  /// OrdinalMonitor::unconfirmed_after, of a place that was known of then, the places from there on are
-  /// forgotten: the writer's samples would find them taken.
+  /// Notes that the writer has published nothing from that place on. If it said so before,
+  /// OrdinalMonitor::unconfirmed_after ago, and of a place that was known then, the places from `from` on
+  /// are removed. Otherwise the writer's own samples would find them occupied.
   void forget_unpublished(Place from, Time now);
-  /// The sample begins anew, or another sample begins there.
+  /// Notes that the sample begins anew, or that another sample begins there.
   void give_back(Place place, Time now);
-  /// Some of the sample came once more.
+  /// Notes that a part of the sample came once more.
   void came_again(Place place);
-  /// Tells that so many parts of the sample were asked for.
+  /// Notes that `parts` parts of the sample were asked for.
   void asked_for(Place place, std::uint32_t parts);
 
-  /// Returns the gaps that have lasted so long that the samples are to be asked for now. `came_at(label)`
-  /// tells when the last part of a sample arrived. At most `gaps_max` are asked for at a time: others as
-  /// these come. Samples that have begun are given back if nothing gets any further, or where memory is
-  /// short: what began them may have claimed much, and not have been true.
+  /// Returns the gaps that have lasted so long that their samples are to be asked for now. `came_at(label)`
+  /// returns when the last part of a sample arrived. At most `gaps_max` samples are asked for at a time,
+  /// and further ones as these come. Samples that have begun are given back if nothing makes progress, or
+  /// if memory is short, because the datagrams that began them may have been wrong.
   template <class CameAt>
   std::vector<Gap> due_gaps(Time now, const CameAt& came_at, std::size_t gaps_max, bool memory_is_short);
-  /// Has somebody call due_gaps() at that time.
+  /// Schedules a call of due_gaps() at that time.
   void look_at(Time time) { schedule_.look_at(time, slots_.size()); }
   RepairSchedule& schedule() { return schedule_; }
   const RepairSchedule& schedule() const { return schedule_; }
 
-  /// Samples that had begun: what came of them may be let go of.
+  /// Samples that had begun, and whose parts may be released.
   struct Dropped {
-    std::vector<SampleLabel> abandoned;   ///< they will not become whole
-    std::vector<SampleLabel> given_back;  ///< they begin anew
+    std::vector<SampleLabel> abandoned;   ///< will not become whole
+    std::vector<SampleLabel> given_back;  ///< begin anew
     bool empty() const { return abandoned.empty() && given_back.empty(); }
   };
-  /// Those since the caller emptied it last.
+  /// The samples dropped since the caller cleared this last.
   Dropped& dropped() { return dropped_; }
 
   const OrdinalRing<Slot>& slots() const { return slots_; }
-  Place next() const { return next_; }  ///< the first that is missing or not whole
-  Place end() const { return end_; }    ///< behind the last one that is known of
-  /// The first that may still come.
+  Place next() const { return next_; }  ///< the first place that is missing or not whole
+  Place end() const { return end_; }    ///< behind the last known place
+  /// The first place whose sample may still come.
   Place first_wanted() const { return std::max(next_, skip_to_); }
   std::size_t held_bytes() const { return held_bytes_; }
   std::uint64_t lost() const { return lost_; }
@@ -120,11 +122,11 @@ class ArrivedSamples {
   OrdinalRing<Slot> slots_{1};
   Place next_ = 1;
   Place end_ = 1;
-  Place skip_to_ = 1;          ///< those before are lost; not above end_
-  Place unpublished_end_ = 0;  ///< end_ when the writer said that less was published; 0: it did not
-  Time unpublished_since_{};   ///< that time
+  Place skip_to_ = 1;          ///< samples before this are lost; at most `end_`
+  Place unpublished_end_ = 0;  ///< `end_` when the writer said that it had published less; 0: it did not
+  Time unpublished_since_{};   ///< time when the writer said that
   std::size_t held_bytes_ = 0;
-  std::size_t ready_bytes_ = 0;  ///< of these, before next_
+  std::size_t ready_bytes_ = 0;  ///< part of `held_bytes_` before `next_`
   std::uint64_t lost_ = 0;
   Dropped dropped_;
   RepairSchedule schedule_;
@@ -134,7 +136,7 @@ template <class CameAt>
 std::vector<ArrivedSamples::Gap> ArrivedSamples::due_gaps(Time now, const CameAt& came_at,
                                                           std::size_t gaps_max, bool memory_is_short) {
   std::vector<Gap> gaps;
-  std::size_t awaited = 0;  // asked for, and it is too early to ask again
+  std::size_t awaited = 0;  // samples that were asked for too recently to ask again
   schedule_.begin_look(now);
   if (schedule_.is_forgotten(now)) return gaps;
   const Place end = slots_.end();

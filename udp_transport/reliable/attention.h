@@ -1,5 +1,5 @@
-// The attention that the sending thread pays to a channel: whether it attends to the channel, and when it
-// looks at it next. So it is woken only for what it would not see in time. Pure.
+// Tracks whether the sending thread attends to a channel, and when it checks the channel next. So the
+// thread is woken only for what it would not see in time. Uses no clock, thread or I/O.
 #pragma once
 
 #include <chrono>
@@ -15,15 +15,16 @@ class Attention {
 
   /// True from attract() until rest().
   bool is_paid() const { return is_paid_; }
-  /// The channel has something to look after. Wake::schedule if the sending thread does not attend to it yet.
+  /// Notes that the channel needs the sending thread. Returns Wake::schedule if the thread does not attend
+  /// to it yet.
   [[nodiscard]] Wake attract() {
     if (std::exchange(is_paid_, true)) return Wake::none;
     looks_at_ = {};  // at once
     return Wake::schedule;
   }
-  /// The channel has something to send. Wake::look once until the next look.
+  /// Notes that the channel has something to send. Returns Wake::look once until the next check.
   [[nodiscard]] Wake wake() { return std::exchange(is_woken_, true) ? Wake::none : Wake::look; }
-  /// Something is due at that time. Wake::look if the sending thread would look later.
+  /// Notes that something is due at that time. Returns Wake::look if the sending thread would check later.
   [[nodiscard]] Wake look_by(Time due, Time now) {
     if (due >= looks_at_) return Wake::none;
     looks_at_ = now;
@@ -32,11 +33,11 @@ class Attention {
 
   // The sending thread.
 
-  /// The sending thread looks for something to send.
+  /// Notes that the sending thread checks for something to send.
   void looks() { is_woken_ = false; }
-  /// The sending thread has looked after the channel, and does so again by that time.
+  /// Notes that the sending thread has maintained the channel, and will do so again by that time.
   void looks_again_by(Time time) { looks_at_ = time; }
-  /// The sending thread attends to the channel no more.
+  /// Notes that the sending thread does not attend to the channel any more.
   void rest() { is_paid_ = false; }
 
  private:

@@ -6,9 +6,9 @@
 namespace sft::udp {
 
 namespace {
-/// About this many kept bytes stay in the caches. With fewer samples than these the sending would pause.
+/// About this many kept bytes stay in the caches. With fewer samples than this, sending would pause.
 constexpr std::size_t cached_bytes_max = std::size_t{8} << 20, cached_samples_min = 2;
-/// A large sample is sent within this time on a fast link. On a slow link, or after an ack was lost, a longer
+/// A large sample is sent within this time on a fast link. On a slow link, or after a lost ack, a longer
 /// pause would not help.
 constexpr std::chrono::milliseconds moment{10};
 
@@ -20,7 +20,7 @@ Heartbeat addressed(Heartbeat heartbeat, std::uint16_t port) {
 }
 }  // namespace
 
-/// True if the window can keep the job, or if the channel has ended.
+/// Returns true if the window can keep the job without giving up others, or if the channel has ended.
 bool Channel::has_room_for(const Job& job) const {
   return life_.has_ended() || window_.can_keep(job.samples(), job.held_bytes_in_all());
 }
@@ -31,7 +31,7 @@ bool Channel::runs_ahead_with(const Job& job) const {
   return window_.kept_bytes() + job.held_bytes_in_all() > cached_bytes_max;
 }
 
-/// The mutex is not held while the call waits. False if it did not have to wait.
+/// Unlocks the mutex while it waits. Returns false if it did not have to wait.
 bool Channel::wait_for_room(const Job& job, std::chrono::nanoseconds& timeout, core::Lock& lock) {
   if (!runs_ahead_with(job)) [[likely]]
     return false;
@@ -114,7 +114,7 @@ Wake Channel::departed(std::uint64_t ordinal) {
   return looks_sooner(time);
 }
 
-/// Wakes the sending thread if it attends to this channel, and has to look at it sooner than it would.
+/// Wakes the sending thread if it attends to this channel, and has to check it sooner than planned.
 Wake Channel::looks_sooner(Time now) {
   return attention_.is_paid() ? attention_.look_by(window_.next_look(now), now) : Wake::none;
 }
@@ -183,7 +183,7 @@ Channel::Care Channel::look_after() {
     life_.close();
     return {.heartbeat = addressed(window_.parting(), port_), .at_rest = true};
   }
-  const std::uint32_t moves = to_->moves();  // once: a move between two readings would never be noticed
+  const std::uint32_t moves = to_->moves();  // read once: a move between two reads would never be noticed
   if (std::exchange(moves_, moves) != moves) window_.way_changed(time);
   Care care;
   if (const auto heartbeat = window_.heartbeat(time)) care.heartbeat = addressed(*heartbeat, port_);

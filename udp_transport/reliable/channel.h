@@ -1,5 +1,5 @@
-// The samples that one writer sends reliably to one process: a ResendWindow, shared by the threads that
-// publish, send and receive acks. The lock is held for a few instructions, never over a system call.
+// The samples that one writer sends reliably to one process: a ResendWindow that is shared by the threads
+// that publish, send and receive acks. The lock is held for a few instructions, never during a system call.
 #pragma once
 
 #include <atomic>
@@ -26,7 +26,7 @@ class Channel {
   using Time = ResendWindow::Time;
   using Piece = ResendWindow::Piece;
 
-  /// `port` is where acks come in.
+  /// `port` is the port that acks come to.
   Channel(std::uint32_t writer, std::uint32_t number, std::shared_ptr<Destination> to,
           std::shared_ptr<WriterTally> tally, std::uint16_t port,
           std::shared_ptr<const KeptMemory> memory = {})
@@ -51,52 +51,54 @@ class Channel {
     bool waited = false;  ///< the call has waited for room
     ResendWindow::Kept kept{};
   };
-  /// `at_once`: the caller wants to send the sample itself. Waits for at most `timeout` until no older
-  /// sample has to be given up for this one, and subtracts the time that it waited. Without `timeout` it
-  /// does not wait. It waits for a moment also if the kept samples are more than stays in a processor's
-  /// caches: a publisher that is faster than the sending would encode into memory that has left the caches.
+  /// Posts a sample. `at_once`: the caller wants to send it itself. Waits for at most `timeout` until no
+  /// older sample has to be given up for this one, and subtracts the time that it waited; does not wait
+  /// without `timeout`. Also waits for a moment if the kept samples exceed a processor's caches, because a
+  /// publisher that is faster than the sending would encode into memory that has left the caches.
   Posted post(JobHandle job, const FirstHeader& first, bool at_once,
               std::chrono::nanoseconds* timeout = nullptr);
   /// Posts the job only if nothing else waits to be sent. The caller then sends it. No other thread reads the
   /// job before the caller calls finished() or put_back().
   std::optional<Posted> post_ahead(const JobHandle& job, const FirstHeader& first,
                                    std::chrono::nanoseconds* timeout = nullptr);
-  /// True if the sample is neither acknowledged nor given up.
+  /// Returns true if the sample is neither acknowledged nor given up.
   bool keeps(std::uint64_t ordinal);
-  /// Waits as post() does until the job can be posted, and no older sample has to be given up for it. False
-  /// if there is no room for it then.
+  /// Waits as post() does until the job can be posted without giving up an older sample. Returns false if
+  /// there is no room for it even then.
   bool await_room(const Job& job, std::chrono::nanoseconds* timeout);
-  /// The same without waiting, for the sending thread: if there is no room, hear() tells when to look again.
+  /// The same without waiting, for the sending thread. If there is no room, a later hear() wakes the
+  /// thread.
   bool has_room_or_tells(const Job& job);
-  /// True if all channels of the node together keep so much that a channel that keeps `bytes` has to give
-  /// some up.
+  /// Returns true if all channels of the node together keep so much that a channel that keeps `bytes` has
+  /// to give up some.
   bool must_give_up_some_of(std::size_t bytes) const {
     return memory_ != nullptr && memory_->wants_some_of(bytes);
   }
-  /// Posts a sample that a group sends, too. If the result is not `kept.elsewhere`, this channel sends the
+  /// Posts a sample that a group sends, too. If the result has no `kept.elsewhere`, this channel sends the
   /// sample as well.
   Posted post_shared(JobHandle job, const FirstHeader& first, bool elsewhere);
-  /// The sample was sent to the group. The sending thread may have to ask for acks sooner.
+  /// Notes that the sample was sent to the group. The sending thread may have to ask for acks sooner.
   [[nodiscard]] Wake departed(std::uint64_t ordinal);
-  /// Returns the job of a sample that was sent to the group; otherwise none.
+  /// Returns the job of a sample that was sent to the group; null for others.
   JobHandle sent_elsewhere(std::uint64_t ordinal);
-  /// The piece was sent about `now`. The sending thread may have to ask for acks sooner: it may have looked
-  /// while nothing had been sent yet.
+  /// Notes that the piece was sent at about `now`. The sending thread may have to ask for acks sooner,
+  /// because it may have checked before anything was sent.
   [[nodiscard]] Wake finished(const Piece& piece, Time now);
   void put_back(const Piece& piece);
-  /// The publisher has sent a large sample up to this position: heartbeats must not overtake it.
+  /// Notes that the publisher has sent a large sample up to this position. Heartbeats must not overtake it.
   void stay_behind(std::uint64_t position) { behind_.store(position, std::memory_order_relaxed); }
   std::uint64_t behind() const { return behind_.load(std::memory_order_relaxed); }
-  /// The ack may name another channel of the writer: see ResendWindow::hear().
+  /// Takes an ack. It may name another channel of the writer (ResendWindow::hear()).
   [[nodiscard]] Wake hear(const Ack& ack);
-  /// Acks of samples that were never sent have come: this channel ends, and another one has to begin.
+  /// Returns true if acks of samples that were never sent have come. This channel ends then, and another
+  /// one has to begin.
   bool went_wrong() const { return went_wrong_.load(std::memory_order_relaxed); }
 
   // The agent's thread.
 
-  /// The last reader of the channel has gone.
+  /// Notes that the last reader of the channel has gone.
   void end();
-  /// Ends the channel at once: other readers are served there now.
+  /// Ends the channel at once, because other readers are served there now.
   void close();
   bool closed();
 
@@ -106,7 +108,7 @@ class Channel {
   struct Care {
     std::optional<Heartbeat> heartbeat{};
     Time next_look{};
-    bool at_rest = false;  ///< nothing is left to do until the channel is posted to again
+    bool at_rest = false;  ///< nothing is left to do until a sample is posted again
   };
   Care look_after();
 
@@ -132,7 +134,7 @@ class Channel {
   ChannelLife life_ SFT_GUARDED_BY(mutex_);
   Attention attention_ SFT_GUARDED_BY(mutex_);
   RoomWaiters waiters_ SFT_GUARDED_BY(mutex_);
-  /// Counts the moves of the destination that the window knows of.
+  /// The number of moves of the destination that the window has taken into account.
   std::uint32_t moves_ SFT_GUARDED_BY(mutex_) = to_->moves();
 };
 

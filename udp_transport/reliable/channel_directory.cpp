@@ -27,7 +27,7 @@ std::vector<std::shared_ptr<Channel>> ChannelRegistry::find_at(std::uint32_t wri
   return found;
 }
 
-/// Readers that are new must not get what was sent to others before, so that has to be another channel.
+/// New readers must not get what was sent to others before, so they need another channel.
 std::shared_ptr<Channel> ChannelDirectory::find(const std::shared_ptr<Destination>& to,
                                                 const std::set<core::EndpointId>& readers) {
   Known& known = channels_[to.get()];
@@ -46,7 +46,7 @@ std::shared_ptr<Channel> ChannelDirectory::find(const std::shared_ptr<Destinatio
   return channel;
 }
 
-/// 0 is no channel; and numbers to different destinations can be equal by chance.
+/// 0 means no channel. Numbers to different destinations can be equal by chance.
 std::uint32_t ChannelDirectory::unused_number(const Destination& to) {
   for (;;) {
     const std::uint32_t number = to.name_of_channel(++last_number_);

@@ -1,5 +1,5 @@
-// The channels of one writer, one for each process that it serves reliably; and those of all writers of a
-// transport, so that acks find theirs.
+// The channels of one writer, one for each process that it serves reliably; and a registry of the channels
+// of all writers of a transport, which finds the channel of an ack.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ namespace sft::udp {
 class ChannelRegistry {
  public:
   void add(const std::shared_ptr<Channel>& channel);
-  /// Null if there is none, or no more.
+  /// Returns null if there is no such channel any more.
   std::shared_ptr<Channel> find(std::uint32_t writer, std::uint32_t number);
   /// Returns the channels of that writer to receivers at that address.
   std::vector<std::shared_ptr<Channel>> find_at(std::uint32_t writer, const core::IpAddress& ip);
@@ -31,10 +31,10 @@ class ChannelRegistry {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::weak_ptr<Channel>> known_ SFT_GUARDED_BY(mutex_);
 };
 
-/// The readers at each destination that are served reliably, under whatever masks.
+/// The readers at each destination that are served reliably, under any masks.
 using ReliableReaders = std::map<const Destination*, std::set<core::EndpointId>>;
 
-/// Used by the agent's thread. The roster outlives it.
+/// Used by the agent's thread. The registry outlives it.
 class ChannelDirectory {
  public:
   ChannelDirectory(std::uint32_t writer, std::shared_ptr<WriterTally> tally, ChannelRegistry& registry,
@@ -48,14 +48,15 @@ class ChannelDirectory {
   ChannelDirectory(const ChannelDirectory&) = delete;
   ChannelDirectory& operator=(const ChannelDirectory&) = delete;
 
-  /// The one to these readers at that destination, known or new: it goes on as long as one of them stays.
+  /// Returns the channel to these readers at that destination. A known channel goes on if at least one of
+  /// its readers stays; otherwise this is a new one.
   std::shared_ptr<Channel> find(const std::shared_ptr<Destination>& to,
                                 const std::set<core::EndpointId>& readers);
-  /// True if at least one channel can no longer be relied on: find() gives another one for it.
+  /// Returns true if at least one channel can no longer be relied on. find() replaces it.
   bool any_channel_failed() const;
-  /// All others end.
+  /// Ends the channels to all other destinations.
   void keep_to(const ReliableReaders& readers);
-  /// True if channels were closed, or have ended, since this was called last.
+  /// Returns true if channels were closed, or have ended, since this was called last.
   bool take_closed() { return std::exchange(closed_, false); }
 
  private:
@@ -66,8 +67,9 @@ class ChannelDirectory {
   ChannelRegistry& registry_;
   const std::uint16_t ack_port_;
   const std::shared_ptr<const KeptMemory> memory_;
-  std::uint32_t last_number_ = 0;  ///< of all to whomever
-  /// By destination, which it keeps alive. Routes and the sending thread hold them.
+  std::uint32_t last_number_ = 0;  ///< counts the channels to all destinations
+  /// By destination. Routes and the sending thread own the channels, and a channel keeps its destination
+  /// alive.
   struct Known {
     std::weak_ptr<Channel> channel;
     std::set<core::EndpointId> readers;

@@ -1,6 +1,6 @@
-// The places that the ordinals of the present channel have in a writer. Places count up over all channels of
-// a writer, one after the other: ordinal and place differ by the number of samples in the channels before.
-// Pure.
+// The places that the ordinals of the present channel have in a writer. Places count up over all channels
+// of a writer, one after the other. So ordinal and place differ by the number of samples in the former
+// channels. Uses no clock, thread or I/O.
 #pragma once
 
 #include <algorithm>
@@ -12,22 +12,22 @@ class ChannelPlaces {
  public:
   using Place = std::uint64_t;
 
-  /// A channel goes on at that place with that ordinal.
+  /// Continues with a channel whose next ordinal has that place.
   void begin(std::uint64_t ordinal, Place place) {
     base_ = place - ordinal;
     first_ordinal_ = ordinal;
   }
-  /// False for an ordinal before those that are followed.
+  /// Returns false for an ordinal before those that are followed.
   bool follows(std::uint64_t ordinal) const { return ordinal >= first_ordinal_; }
-  /// The place of that ordinal, or of the first one that is followed.
+  /// Returns the place of that ordinal, or of the first followed one if that is later.
   Place place_of(std::uint64_t ordinal) const { return base_ + std::max(ordinal, first_ordinal_); }
   std::uint64_t ordinal_of(Place place) const { return place - base_; }
-  /// The first place of the channel.
+  /// The first followed place of the channel.
   Place first() const { return place_of(first_ordinal_); }
 
  private:
   Place base_ = 0;                   ///< place of ordinal 0, modulo 2^64
-  std::uint64_t first_ordinal_ = 1;  ///< as far as the channel is followed
+  std::uint64_t first_ordinal_ = 1;  ///< first ordinal of the channel that is followed
 };
 
 }  // namespace sft::udp

@@ -1,5 +1,5 @@
-// Decides when a channel's next heartbeat is due (reliability.md): soon after the last sample, but seldom
-// while nothing gets lost, and ever more seldom while nobody answers. Pure.
+// Decides when a channel's next heartbeat is due (reliability.md): soon after the last sample, but rarely
+// while nothing is lost, and ever more rarely while no answer comes. Uses no clock, thread or I/O.
 #pragma once
 
 #include <chrono>
@@ -17,29 +17,30 @@ class HeartbeatSchedule {
 
   explicit HeartbeatSchedule(const ResendLimits& limits) : limits_(limits) {}
 
-  // `kept` is what is kept by then.
+  // `kept` is the amount that the channel keeps at that time.
 
-  /// A sample has left, or, if it is not new, a part of one that was sent before.
+  /// Notes that a sample was sent or, if it is not new, a part of a sample was sent again.
   void sent(bool is_new, Kept kept, Time now);
-  /// The other end has answered.
+  /// Notes that the receiver has answered.
   void answered(Kept kept, Time now);
-  /// The other end misses something that was sent.
+  /// Notes that the receiver misses something that was sent.
   void lost(Time now) { lost_at_ = now; }
-  /// The other end does not know something that only a heartbeat tells. The next plan heeds that.
+  /// Notes that the receiver needs something that only a heartbeat tells. The next plan takes that into
+  /// account.
   void want() { is_wanted_ = true; }
-  /// Has a heartbeat sent as soon as may be.
+  /// Sends a heartbeat as soon as possible.
   void want_soon(Kept kept, Time now) {
     want();
     plan(kept, now);
   }
-  /// The way to the other end is another one: asks at once, if anything is kept.
+  /// Notes that the path to the receiver has changed. A heartbeat is due at once if anything is kept.
   void way_changed(Kept kept, Time now);
 
   /// Returns true if a heartbeat is due; it counts as sent.
   bool take(Kept kept, Time now);
-  /// The time to look again, if nothing happens until then; Time::max() if never.
+  /// The time of the next check, if nothing happens until then; Time::max() if never.
   Time next() const { return next_; }
-  /// Heartbeats since the last answer.
+  /// The number of heartbeats since the last answer.
   int unanswered() const { return unanswered_; }
 
  private:
@@ -48,10 +49,10 @@ class HeartbeatSchedule {
   Time end_of_usual_pause() const;
 
   const ResendLimits limits_;
-  Time sample_at_{};              ///< when something left last
+  Time sample_at_{};              ///< when a sample, or a part of one, was sent last
   Time::duration usual_pause_{};  ///< between samples
-  Time heartbeat_at_{};           ///< the last one
-  Time paid_until_{};             ///< each heartbeat costs a heartbeat_pause
+  Time heartbeat_at_{};           ///< when the last heartbeat was sent
+  Time paid_until_{};             ///< each heartbeat adds a `heartbeat_pause` to this
   std::optional<Time> lost_at_;
   int unanswered_ = 0;
   bool is_wanted_ = false;

@@ -50,15 +50,15 @@ bool KeptSamples::can_keep(std::size_t samples, std::size_t bytes) const {
          (memory_ == nullptr || !memory_->wants_some_of(in_all, bytes));
 }
 
-/// Returns the limit if so much more is added. If all channels together keep too much, twice as much has to
-/// go, as long as necessary.
+/// Returns the limit in bytes once `added` bytes are added. If all channels together keep too much, this
+/// channel gives up twice as many bytes as it adds.
 std::size_t KeptSamples::bytes_max(std::size_t added) const {
   if (memory_ == nullptr || !memory_->wants_some_of(bytes_)) return bytes_max_;
   return std::min(bytes_max_, std::max(added, bytes_ - std::min(bytes_, 2 * added)));
 }
 
-/// The newest stays, however large it is. Where a large one is cut short by that, more goes: else the next
-/// one would be cut short as well, and nothing would ever come whole.
+/// The newest sample stays, however large it is. If a large sample is cut short because older ones go, half
+/// of all goes. Otherwise the next large sample would be cut short, too, and none would ever arrive whole.
 void KeptSamples::make_room(Kept& kept, std::size_t added) {
   const std::size_t bytes_max = this->bytes_max(added);
   bool cut_short = false;

@@ -1,7 +1,8 @@
-// The samples that a channel keeps until they are acknowledged, in the order of their ordinals: which of them
-// wait to be sent, are under way for the first time, or were sent. Pure.
+// The samples that a channel keeps until they are acknowledged, in the order of their ordinals. Each of
+// them waits to be sent, is under way for the first time, or was sent. Uses no clock, thread or I/O.
 //
-// There are never more samples or bytes than allowed, but for the newest sample: the oldest ones go.
+// There are never more samples or bytes than allowed, except for the newest sample. The oldest samples are
+// given up for that.
 #pragma once
 
 #include <cstddef>
@@ -19,8 +20,9 @@ namespace sft::udp {
 
 class KeptSamples {
  public:
-  /// One of two queues, so that a large sample does not hold up small ones. Small is what one system call
-  /// sends. (Job::is_small() is narrower: it is what the publisher's thread sends itself.)
+  /// One of two queues, so that a large sample does not hold up small ones. A small one fits into one
+  /// system call. (Job::is_small() is narrower: it means that the publisher's thread sends the sample
+  /// itself.)
   enum class Size : std::uint8_t { small, large };
   static Size size_of(std::size_t bytes) { return bytes <= batch_bytes_max ? Size::small : Size::large; }
 
@@ -28,52 +30,53 @@ class KeptSamples {
   struct Entry {
     FirstHeader first;
     JobHandle job;
-    std::uint32_t part = 0;        ///< its number in the pack that the job is
-    std::uint32_t sent_bytes = 0;  ///< of its body, before it was put back
+    std::uint32_t part = 0;        ///< index of the sample in its pack; 0 if the job is no pack
+    std::uint32_t sent_bytes = 0;  ///< bytes of its body that were sent before put_back()
     State state = State::waiting;
-    bool begun = false;  ///< once, if only a part of it was sent
+    bool begun = false;  ///< at least a part of it was sent
     bool elsewhere = false;
     std::size_t held_bytes() const { return job->held_bytes(part); }
     Size size() const { return size_of(first.total); }
   };
 
-  /// `memory` is what all channels keep; null: there is no limit in all.
+  /// `memory` counts what all channels keep; null: there is no common limit.
   KeptSamples(const ResendLimits& limits, std::uint64_t first_ordinal,
               std::shared_ptr<const KeptMemory> memory);
 
   struct Kept {
     std::uint64_t ordinal = 0;
-    // Older samples that had to go and were never sent:
+    // Older samples that were given up and had never been sent:
     std::size_t dropped = 0;
     std::uint64_t dropped_bytes = 0;
     std::uint64_t dropped_whole_bytes = 0;
-    std::size_t unacknowledged = 0;  ///< that had to go, too, and were sent: they may still arrive
-    bool elsewhere = false;          ///< as was asked for
+    std::size_t unacknowledged = 0;  ///< samples given up that had been sent, and may still arrive
+    bool elsewhere = false;          ///< a group sends the sample, as was asked for
   };
-  /// Keeps a sample, or each one of a pack; the ordinal is the first of those that are kept. `elsewhere`: the
-  /// sample is being sent by somebody else, unless more than half of what may be kept is.
+  /// Keeps a sample, or each sample of a pack. `ordinal` of the result is that of the first kept one.
+  /// `elsewhere`: a group sends the sample. That is refused if more than half of the limit is kept.
   Kept keep(const JobHandle& job, const FirstHeader& first, bool elsewhere);
-  /// Returns true if so much more can be kept, and nothing has to go for it.
+  /// Returns true if `samples` with `bytes` can be kept without giving up older ones.
   bool can_keep(std::size_t samples, std::size_t bytes) const;
-  /// The amount that is kept, of what may be.
+  /// How much is kept, relative to the limits.
   enum class Amount : std::uint8_t { nothing, at_most_half, more_than_half };
   Amount amount() const;
 
-  /// The first sample of that size that waits; end() if none does.
+  /// Returns the ordinal of the first waiting sample of that size; end() if none waits.
   std::uint64_t first_waiting(Size size);
-  /// Begins to send the sample, and so many behind it as wait, too, and are of the same pack. Returns how
-  /// many these are in all.
+  /// Begins to send the sample, and the waiting samples behind it in the same pack. Returns the number of
+  /// all these.
   std::uint32_t begin_sending(std::uint64_t ordinal);
-  /// Tells that so many samples have been sent; those that are not kept any more do not count.
+  /// Notes that `samples` samples have been sent. Those that are not kept any more do not count.
   void sent(std::uint64_t ordinal, std::uint32_t samples);
-  /// A group has sent the sample. Returns true for the first time; empty for samples that no group sends.
+  /// Notes that a group has sent the sample. Returns true the first time; empty for a sample that no group
+  /// sends.
   std::optional<bool> departed(std::uint64_t ordinal);
-  /// Puts so many samples back: each is to be sent on from that byte.
+  /// Puts `samples` samples back. Each is to be sent from byte `sent_bytes` of its body on.
   void put_back(std::uint64_t ordinal, std::uint32_t samples, std::uint32_t sent_bytes);
-  /// Each sample before was sent, or is gone.
+  /// Returns the ordinal before which each sample was sent or is gone.
   std::uint64_t sent_end() const;
 
-  /// Lets go of samples that the other end has, or has given up. It can have only what has begun.
+  /// Releases samples that the receiver has, or has given up. It can have only samples that have begun.
   void release_before(std::uint64_t next);
 
   bool contains(std::uint64_t ordinal) const { return entries_.contains(ordinal); }
@@ -94,8 +97,8 @@ class KeptSamples {
   const std::size_t bytes_max_;
   const std::shared_ptr<const KeptMemory> memory_;
   OrdinalRing<Entry> entries_;
-  std::uint64_t waiting_[2];  ///< by Size: no entry of that size before this one waits
-  std::uint64_t sent_;        ///< each before this one was sent
+  std::uint64_t waiting_[2];  ///< by Size: no entry of that size before this ordinal waits
+  std::uint64_t sent_;        ///< each entry before this ordinal was sent
   std::size_t bytes_ = 0;
 };
 

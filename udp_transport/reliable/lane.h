@@ -1,6 +1,6 @@
-// The samples of one writer for one destination, under one mask and limit, that could not be sent at once: a
-// queue from the publisher's thread to the sending thread that keeps the newest. A destination that falls
-// behind loses samples of its own lanes only.
+// The samples of one writer for one destination, under one mask and rate, that could not be sent at once: a
+// queue from the publisher's thread to the sending thread that keeps the newest ones. A destination that
+// falls behind loses only samples of its own lanes.
 #pragma once
 
 #include <atomic>
@@ -30,10 +30,10 @@ class Lane {
  public:
   enum class Start : std::uint8_t { open, held };
 
-  /// A held lane keeps what is posted until begin() gave it the history, which has to go first. Meanwhile
-  /// more may wait there than `depth`: 256 small samples, or with a channel as much as that may keep
-  /// (ResendLimits). In an open lane 4,096 small samples of 1 MiB in all may wait while its receiver is asked
-  /// to report for the first time, and for 250 ms after that if some have waited.
+  /// A held lane keeps what is posted until begin() adds the history, which has to be sent first. Meanwhile
+  /// more than `depth` may wait there: 256 small samples, or with a channel as many as that may keep
+  /// (ResendLimits). In an open lane 4,096 small samples of 1 MiB in all may wait while its receiver is
+  /// asked for its first report, and for 250 ms after that report if some have waited.
   Lane(std::shared_ptr<Destination> to, std::size_t depth, std::shared_ptr<WriterTally> tally,
        Start start = Start::open, std::shared_ptr<Channel> channel = {});
 
@@ -42,61 +42,63 @@ class Lane {
   LaneEnd& end() { return end_; }
   Destination& destination() const { return end_.destination(); }
   bool is_late() const { return late_; }
-  /// The jobs of the lane go on through this channel; null: they go to the destination.
+  /// The channel that sends the jobs of the lane; null: they go to the destination directly.
   Channel* channel() const { return channel_.get(); }
   const std::shared_ptr<Channel>& shared_channel() const { return channel_; }
-  /// Samples that were to go this way and did not.
+  /// Counts samples that were posted to this lane and not sent.
   const std::shared_ptr<core::LossTally>& losses() const { return losses_; }
-  /// No reader is there any more: queued jobs are dropped, and none is queued again.
+  /// Drops queued jobs and queues none any more, because no reader is left.
   void close();
   bool closed() const { return closed_.load(std::memory_order_acquire); }
 
-  /// The position of the destination where the last large sample of this lane ended; 0: there was none.
+  /// The position in the destination's stream of bytes where the last large sample of this lane ended; 0:
+  /// there was none.
   std::uint64_t behind() const { return behind_.load(std::memory_order_relaxed); }
 
   // The publisher's thread.
 
-  /// Nothing is queued or being sent by this lane.
+  /// Returns true if this lane queues and sends nothing.
   bool idle() const { return !busy_.load(std::memory_order_acquire); }
-  /// True if a sample that is sent now overtakes nothing: this lane is idle, and so is each lane of the
-  /// writer that may lead to the same receiver, if one of the two is merged.
+  /// Returns true if a sample that is sent now overtakes nothing. For that this lane must be idle, and so
+  /// must each lane of the writer that may lead to the same receiver, if one of the two is merged.
   bool is_clear() const;
 
   struct Posted {
     Wake wake = Wake::none;
-    std::size_t dropped = 0;  ///< older samples that had to go, since the queue was full
+    std::size_t dropped = 0;  ///< older samples that were given up, since the queue was full
   };
   Posted post(JobHandle job);
-  /// One more can be queued and nothing has to go for it.
+  /// Returns true if one more job can be queued without giving up an older one.
   bool has_room();
-  /// Waits until the job can be queued and nothing has to go for it, as long as `timeout` lasts, which it
-  /// uses up.
+  /// Waits until the job can be queued without giving up an older one, for at most `timeout`. Subtracts the
+  /// time that it waited.
   void await_room(const Job& job, std::chrono::nanoseconds& timeout);
 
-  /// Notes the first sequence of the lane in a job that is sent without being queued.
+  /// Notes in a job that is sent without being queued the first sequence of the lane.
   void mark(Job& job);
-  /// Samples that are sent from now on must not overtake those that were sent up to that position. Used
+  /// Samples that are sent from now on must not overtake those that were sent up to that position. Called
   /// by the sending thread, too.
   void stay_behind(std::uint64_t position) { behind_.store(position, std::memory_order_relaxed); }
 
   // The agent's thread.
 
-  /// Lets a held lane go on, once. The retained samples, however many, go before all that was posted.
+  /// Starts a held lane, once. All retained samples are sent before what was posted.
   [[nodiscard]] Wake begin(std::vector<JobHandle> history);
-  /// Nothing is queued, and the reader has acknowledged what was retained, where it does that: from now on
-  /// nothing that is published can push that out.
+  /// Returns true if nothing is queued, and the reader has acknowledged the retained samples (if it
+  /// acknowledges any). From then on no new sample can push them out.
   bool history_has_departed() const;
 
   // The sending thread.
 
-  /// The next job, valid until the next call; null if there is none, which makes the lane idle.
+  /// Returns the next job, valid until the next call. Returns null if there is none, which makes the lane
+  /// idle.
   const Job* next();
-  /// The job that next() returned.
+  /// The job that next() returned last.
   const JobHandle& current() const { return current_.job; }
   WriterTally& tally() const { return *tally_; }
-  /// The job that next() gave did not leave.
+  /// Notes that the job that next() returned was not sent.
   void lose_current();
-  /// The channel keeps the job that next() gave, under that ordinal.
+  /// Notes that the channel keeps the job that next() returned, under that ordinal.
   void passed_on(std::uint64_t ordinal);
 
  private:
@@ -110,21 +112,22 @@ class Lane {
   void note_report(const Job& job) SFT_REQUIRES(mutex_);
 
   LaneEnd end_;
-  const bool late_;  ///< began as held
+  const bool late_;  ///< began as a held lane
   const std::shared_ptr<Channel> channel_;
   const std::shared_ptr<WriterTally> tally_;
   const std::shared_ptr<core::LossTally> losses_ = std::make_shared<core::LossTally>();
-  std::atomic<bool> busy_;  ///< scheduled_ or held_, as the publisher sees it
+  std::atomic<bool> busy_;  ///< `scheduled_` or `held_`, for the publisher's thread
   std::atomic<bool> closed_{false};
   std::atomic<std::uint64_t> behind_{0};
-  std::atomic<std::uint64_t> last_retained_{0};  ///< its ordinal in the channel; 0: none was passed on
-  LaneQueue::Next current_;                      ///< the present job; used by the sending thread
-  bool is_lost_ = false;                         ///< the present job was not sent; used by the sending thread
+  /// Ordinal of the last retained sample in the channel; 0: none was passed on.
+  std::atomic<std::uint64_t> last_retained_{0};
+  LaneQueue::Next current_;  ///< the present job; used by the sending thread
+  bool is_lost_ = false;     ///< the present job was not sent; used by the sending thread
   core::Mutex mutex_ SFT_ACQUIRED_AFTER(core::lock_order::endpoint)
       SFT_ACQUIRED_BEFORE(core::lock_order::queues);
-  core::Condition room_;                                  ///< the queue has become shorter
-  bool scheduled_ SFT_GUARDED_BY(mutex_) = false;         ///< the sending thread knows of it
-  bool counts_as_merged_ SFT_GUARDED_BY(mutex_) = false;  ///< while it is scheduled
+  core::Condition room_;                                  ///< notified when the queue has become shorter
+  bool scheduled_ SFT_GUARDED_BY(mutex_) = false;         ///< the sending thread knows of the lane
+  bool counts_as_merged_ SFT_GUARDED_BY(mutex_) = false;  ///< set while the lane is scheduled
   bool held_ SFT_GUARDED_BY(mutex_);
   LaneQueue queue_ SFT_GUARDED_BY(mutex_);
   UnprovenBurst burst_ SFT_GUARDED_BY(mutex_);

@@ -1,5 +1,5 @@
-// The jobs that wait in a lane: first the retained samples for a late reader, then what was posted, the
-// oldest first. Pure.
+// The jobs that wait in a lane: first the retained samples for a late reader, then the posted jobs, both in
+// their order. Uses no clock, thread or I/O.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@ namespace sft::udp {
 
 class LaneQueue {
  public:
-  /// Limits of what was posted, where more than `depth` may wait.
+  /// Limits of posted jobs, if more than `depth` of them may wait.
   struct Limits {
     std::size_t jobs = 0;
     std::size_t bytes = 0;  ///< memory that the jobs hold
@@ -21,47 +21,47 @@ class LaneQueue {
 
   LaneQueue(std::size_t depth, const Limits& beyond_depth);
 
-  /// True if fewer jobs than `depth` were posted.
+  /// Returns true if fewer than `depth` posted jobs wait.
   bool has_room() const { return posted_.size() < depth_; }
-  /// True if the job is within the limits beyond the depth.
+  /// Returns true if the job is within the limits beyond the depth.
   bool has_room_beyond_depth(const Job& job) const {
     return posted_.size() < beyond_depth_.jobs && bytes_with(job) <= beyond_depth_.bytes;
   }
-  /// Memory that is held once the job is posted, too. Retained samples do not count.
+  /// Returns the memory that posted jobs hold, including this one. Retained samples do not count.
   std::size_t bytes_with(const Job& job) const { return posted_bytes_ + job.held_bytes_in_all(); }
   bool empty() const { return posted_.empty() && retained_.empty(); }
 
-  /// Callers look for room before; the queue takes every job.
+  /// Callers check for room before; the queue takes every job.
   void post(JobHandle job);
-  /// Takes out what was posted first. REQUIRES: a posted job waits.
+  /// Takes the oldest posted job. REQUIRES: a posted job waits.
   JobHandle pop_oldest();
-  /// These samples go before all that was posted.
+  /// Puts these samples before all posted jobs.
   void put_first(std::vector<JobHandle> retained);
 
   struct Next {
-    JobHandle job{};  ///< null: nothing waits
+    JobHandle job{};  ///< null: no job waits
     bool is_retained = false;
   };
-  /// Takes out the job that is sent next.
+  /// Takes the job that is to be sent next.
   Next take();
 
-  /// Notes the first sequence of the lane in a job for a late reader that is sent without being queued.
+  /// Notes in a job for a late reader that is sent without being queued the first sequence of the lane.
   void mark(Job& job);
 
   struct Contents {
     OrdinalRing<JobHandle> posted{0};
     std::vector<JobHandle> retained{};
   };
-  /// Takes out everything.
+  /// Takes everything.
   Contents clear();
 
  private:
   const std::size_t depth_;
   const Limits beyond_depth_;
-  std::vector<JobHandle> retained_;   ///< the newest first
-  OrdinalRing<JobHandle> posted_{0};  ///< the oldest first
+  std::vector<JobHandle> retained_;   ///< the newest is first
+  OrdinalRing<JobHandle> posted_{0};  ///< the oldest is first
   std::size_t posted_bytes_ = 0;
-  std::uint64_t first_sequence_ = 0;  ///< of the lane's first sample; 0: there was none
+  std::uint64_t first_sequence_ = 0;  ///< sequence of the lane's first sample; 0: there was none
 };
 
 }  // namespace sft::udp

@@ -30,12 +30,12 @@ class OrdinalRing {
     return const_cast<OrdinalRing&>(*this)[ordinal];  // NOLINT: looks only
   }
 
-  /// Makes room for so many items, so that these need no allocation. The ring is empty.
+  /// Allocates room for `items` items in advance. REQUIRES: the ring is empty.
   void reserve(std::size_t items) {
     assert(empty());
     items_.resize(std::max(items_.size(), std::bit_ceil(items)));
   }
-  /// Allocates only where there were never as many items before.
+  /// Allocates only if there were never as many items before.
   T& push_back(T item) {
     if (size_ == items_.size()) grow();
     ++size_;
@@ -50,7 +50,7 @@ class OrdinalRing {
     (*this)[end() - 1] = T{};
     --size_;
   }
-  /// REQUIRES: the ring is empty. The next item gets that ordinal.
+  /// Gives that ordinal to the next item. REQUIRES: the ring is empty.
   void begin_at(std::uint64_t ordinal) {
     assert(empty());
     begin_ = ordinal;
@@ -66,7 +66,7 @@ class OrdinalRing {
 
   std::uint64_t begin_;
   std::size_t size_ = 0;
-  std::vector<T> items_;  ///< as many as a power of two
+  std::vector<T> items_;  ///< the size is a power of two
 };
 
 }  // namespace sft::udp

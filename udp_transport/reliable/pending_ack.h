@@ -1,4 +1,5 @@
-// Decides when an ack is due: somebody wants one, or enough has come since the last one. Pure.
+// Decides when an ack is due: if one is wanted, or if enough has come since the last one. Uses no clock,
+// thread or I/O.
 #pragma once
 
 #include <cstddef>
@@ -15,18 +16,19 @@ class PendingAck {
   explicit PendingAck(std::size_t bytes_max) : bytes_max_(bytes_max) {}
 
   void want() { wanted_ = true; }
-  /// A sample with so long a body came, or one that nobody here wants.
+  /// Notes that a sample came, with `bytes` of body, or 0 if no reader here wants it.
   void came(std::size_t bytes) {
     bytes_ += bytes;
     ++samples_;
   }
-  /// Readers have all before that place: an ack is due if the last one told of less, for their sake.
+  /// Notes that readers have taken all samples before that place. If the last ack covered fewer because
+  /// readers had not taken them, an ack is due.
   void taken(Place place) {
     if (!acked_all_ && acked_ < place) wanted_ = true;
   }
   bool due() const { return wanted_ || bytes_ >= bytes_max_ || samples_ >= acked_at_once; }
 
-  /// An ack is sent that tells of all before `place`; all before `next` has come.
+  /// Notes that an ack is sent that covers all samples before `place`. All samples before `next` have come.
   void sent(Place place, Place next) {
     wanted_ = false;
     bytes_ = 0;

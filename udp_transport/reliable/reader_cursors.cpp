@@ -20,7 +20,7 @@ void ReaderCursors::heard(core::EndpointId reader, std::uint64_t request) {
   if (Cursor* cursor = find(reader)) cursor->heard = std::max(cursor->heard, request);
 }
 
-/// One request ends after the other: each is waited for until its end is reached.
+/// A reader's requests end one after the other: the next end is set only when the previous one is reached.
 void ReaderCursors::end_requests(Place published) {
   for (Cursor& cursor : cursors_) {
     cursor.turn();

@@ -1,8 +1,8 @@
 // The reliable readers of a writer in this process: which sample each of them gets next, and under which of
-// its requests. Pure.
+// its requests. Uses no clock, thread or I/O.
 //
-// A reader's place and request only go up. A request ends at a place: samples that were published before may
-// be under way for any time.
+// A reader's place and request only go up. A request ends at a place, because samples that were published
+// before the writer knew of the next request may still be under way.
 #pragma once
 
 #include <algorithm>
@@ -20,12 +20,12 @@ class ReaderCursors {
 
   struct Cursor {
     core::EndpointId id = 0;
-    Place place = 0;                 ///< the next that the reader has not got
-    std::uint64_t request = 0;       ///< earlier ones are over
-    std::uint64_t heard = 0;         ///< the writer knows of this one
-    std::uint64_t next_request = 0;  ///< begins at next_from
+    Place place = 0;                 ///< place of the next sample for the reader
+    std::uint64_t request = 0;       ///< request in force; earlier ones are over
+    std::uint64_t heard = 0;         ///< newest request that the writer knows of
+    std::uint64_t next_request = 0;  ///< the request that begins at `next_from`
     Place next_from = no_place;
-    /// Goes over to the next request where that begins.
+    /// Turns to the next request if `place` has reached its begin.
     void turn() {
       if (place < next_from) return;
       request = next_request;
@@ -33,22 +33,22 @@ class ReaderCursors {
     }
   };
 
-  /// Sets who reads from now on. New readers begin with that place.
+  /// Sets the readers. New ones begin with place `first`.
   void set(const std::vector<core::EndpointId>& readers, Place first);
-  /// All of them go on with that place.
+  /// Makes all readers continue with that place.
   void begin_at(Place place);
-  /// The writer's samples are by now for that reader under that request, or a later one.
+  /// Notes that the writer now serves that reader under that request or a later one.
   void heard(core::EndpointId reader, std::uint64_t request);
-  /// The samples before `published` are all that may be for readers under requests that the writer knew of
-  /// before.
+  /// Ends the requests before those that the writer knows of: only samples before `published` may still be
+  /// for readers under the earlier ones.
   void end_requests(Place published);
 
-  /// Null for others.
+  /// Returns null for an unknown reader.
   Cursor* find(core::EndpointId reader) {
     const auto cursor = std::ranges::find(cursors_, reader, &Cursor::id);
     return cursor == cursors_.end() ? nullptr : &*cursor;
   }
-  /// The first place that one of them has not got; `end` if all have got those before it.
+  /// Returns the first place that some reader has not taken; `end` if all have taken those before it.
   Place first_not_taken(Place end) const;
 
  private:

@@ -1,7 +1,8 @@
-// The parts of samples that are asked for once more, the oldest first, at a limited rate. Pure.
+// The parts of samples that receivers ask for again, the oldest first, at a limited rate. Uses no clock,
+// thread or I/O.
 //
-// A part waits at most once, however often it is asked for, and is not sent again while it may still be on
-// its way.
+// A part waits at most once, however often it is asked for, and is not sent again while it may still be
+// under way.
 #pragma once
 
 #include <chrono>
@@ -22,7 +23,8 @@ class RepairQueue {
   using Time = std::chrono::steady_clock::time_point;
   using Size = KeptSamples::Size;
 
-  static constexpr std::size_t repairs_max = 512;  ///< that wait; others have to be asked for again
+  /// Repairs that may wait; others have to be asked for again.
+  static constexpr std::size_t repairs_max = 512;
 
   explicit RepairQueue(std::uint64_t bytes_per_s);
 
@@ -31,17 +33,18 @@ class RepairQueue {
     BodyRange range;
   };
   void ask_for(const Repair& repair);
-  /// Forgets what was sent at that time or earlier: it has arrived by now.
+  /// Discards the record of repairs that were sent at that time or earlier, because they have arrived by
+  /// now.
   void forget_sent_before(Time time);
-  /// The samples before that ordinal are not kept any more.
+  /// Drops repairs of samples before that ordinal, which are not kept any more.
   void drop_before(std::uint64_t ordinal);
-  /// Takes the next part of that size, if the rate allows one now.
+  /// Takes the oldest waiting part whose length is of that size, if the rate allows a repair now.
   std::optional<Repair> next(Size size, Time now);
 
   bool empty() const { return waiting_.empty(); }
-  /// The time at which next() allows a repair; Time::max() if the last call gave one, or nothing waits.
+  /// The time when next() allows a repair; Time::max() if the last call returned one, or none waited.
   Time next_ready(Time now) const { return is_paced_ ? pacer_.next_ready(now) : Time::max(); }
-  std::uint64_t sent() const { return sent_; }  ///< parts in all
+  std::uint64_t sent() const { return sent_; }  ///< number of parts sent so far
 
  private:
   struct Sent {
@@ -49,10 +52,10 @@ class RepairQueue {
     Time at{};
   };
 
-  std::vector<Repair> waiting_;   ///< the oldest first
-  std::deque<Sent> sent_lately_;  ///< the oldest first
+  std::vector<Repair> waiting_;   ///< the oldest is first
+  std::deque<Sent> sent_lately_;  ///< the oldest is first
   Pacer pacer_;
-  bool is_paced_ = false;  ///< the last next() had to leave one for later
+  bool is_paced_ = false;  ///< the last next() had to postpone a repair
   std::uint64_t sent_ = 0;
 };
 

@@ -1,8 +1,8 @@
-// Decides when a missing sample is asked for, for the first time and again, and when somebody has to look for
-// such samples. Pure: calls and times in, answers out.
+// Decides when a missing sample is asked for, for the first time and again, and when the window has to be
+// checked for such samples. Uses no clock, thread or I/O.
 //
-// The delay before asking adapts: it doubles where samples come although they were asked for too early, and
-// shrinks while they come once. It is never less than ArrivalLimits::ask_after.
+// The delay before asking adapts. It doubles if samples come twice because they were asked for too early,
+// and shrinks while they come once. It is never less than ArrivalLimits::ask_after.
 #pragma once
 
 #include <algorithm>
@@ -23,56 +23,57 @@ class RepairSchedule {
 
   /// A sample that is missing, or has begun.
   struct Entry {
-    std::uint8_t asked = 0;   ///< times, since something of it came
-    std::uint32_t parts = 0;  ///< asked for last, less those of which something came again
+    std::uint8_t asked = 0;   ///< times asked since a part of it came
+    std::uint32_t parts = 0;  ///< parts asked for last that have not come twice
     Time asked_at{};
     Time ask_at{};
-    Time::duration apart{};  ///< later than others may ask
+    Time::duration apart{};  ///< random extra delay
   };
 
   explicit RepairSchedule(const ArrivalLimits& limits)
       : limits_(limits), delay_(limits.ask_after), random_(limits.seed) {}
 
-  /// The writer was heard. Without a word from it nothing is asked for after ArrivalLimits::forget_after.
+  /// Notes that the writer was heard. After ArrivalLimits::forget_after without that, nothing is asked for.
   void heard(Time now) { heard_at_ = now; }
   Time heard_at() const { return heard_at_; }
   bool is_forgotten(Time now) const { return now - heard_at_ > limits_.forget_after; }
 
-  /// Others get the same, and may miss the same at the same time: asks at times of its own from now on.
+  /// Asks at random times from now on, since other processes get the same samples and may miss the same
+  /// ones at the same time.
   void spread() { spread_ = limits_.spread; }
 
-  /// The entry of a sample that is known of from now on, and has not come.
+  /// Returns the entry of a sample that is known from now on, and has not come.
   Entry noticed(Time now);
-  /// The sample has to come again; it is not asked for at once.
+  /// Notes that the sample has to come again. It is not asked for at once.
   void noticed_again(Entry& entry) const { entry.ask_at = heard_at_ + delay_ + entry.apart; }
-  /// The time when the sample is to be asked for. `came` is the time when the last part of it came; it is
-  /// Time{} if nothing has.
+  /// Returns the time when the sample is to be asked for. `came` is the time when the last part of it came,
+  /// or Time{} if nothing has.
   Time due(Entry& entry, Time came) const;
   /// Notes that the sample is asked for now, and returns the time when it is to be asked for again.
   Time ask(Entry& entry, Time now) const;
-  /// Tells that so many parts of the sample were asked for.
+  /// Notes that `parts` parts of the sample were asked for.
   static void asked_for(Entry& entry, std::uint32_t parts) { entry.parts = parts > 0 ? parts : 1; }
-  /// Something of the sample came once more: if as much comes again as was asked for, that was too early;
-  /// less is what networks do.
+  /// Notes that a part of the sample came once more. If as many parts come again as were asked for, that
+  /// was too early; networks themselves repeat only a few.
   void came_again(Entry& entry);
-  /// The sample is whole.
+  /// Notes that the sample is whole.
   void came_whole(const Entry& entry);
-  /// The time when something that is noticed now may be asked for.
+  /// Returns the time when a part that is noticed as missing now may be asked for.
   Time soon(Time now) const { return now + delay_; }
 
-  /// Returns true if nothing that has begun gets any further, although the writer is heard: the first missing
+  /// Returns true if nothing that has begun makes progress, although the writer is heard: the first missing
   /// sample, whose last part came at `first_came`, is still the one at `next`.
   bool is_stuck(std::uint64_t next, Time first_came, Time now);
-  /// Returns true if a sample whose last part came at that time is to begin anew while is_stuck(), or while
-  /// memory is short.
+  /// Returns true if a sample whose last part came at that time has to begin anew while is_stuck(), or
+  /// while memory is short.
   bool has_timed_out(Time came, Time now) const { return now - came >= limits_.confirm_timeout; }
 
-  /// A look for missing samples begins now.
+  /// Notes that a check for missing samples begins now.
   void begin_look(Time now) {
     look_at_ = Time::max();
     looked_at_ = now;
   }
-  /// Schedules the next look. Looks are rarer the more samples the window holds.
+  /// Schedules the next check. Checks are rarer the more samples the window holds.
   void look_at(Time time, std::size_t samples);
   void nothing_is_missing() { look_at_ = Time::max(); }
   Time next_look() const { return look_at_; }
@@ -85,7 +86,7 @@ class RepairSchedule {
   Time heard_at_{};
   Time look_at_ = Time::max();
   Time looked_at_{};
-  std::uint64_t first_missing_ = 0;  ///< when is_stuck() was asked last
+  std::uint64_t first_missing_ = 0;  ///< the first missing place when is_stuck() was called last
   Time first_missing_since_{};
 };
 

@@ -1,4 +1,5 @@
-// The end of a channel as heartbeats tell it, where that contradicts what has come. Pure.
+// The end of a channel as heartbeats report it, if that contradicts what has come. Uses no clock, thread or
+// I/O.
 #pragma once
 
 #include <algorithm>
@@ -15,18 +16,18 @@ class ReportedEnd {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// The channel is followed from that ordinal on.
+  /// Follows the channel from that ordinal on.
   void begin(std::uint64_t ordinal) { new_from_ = ordinal; }
   void go_back_to(std::uint64_t ordinal) { new_from_ = std::min(new_from_, ordinal); }
-  /// True if the heartbeat tells of a sample that is followed.
+  /// Returns true if the heartbeat reports a sample that is followed.
   bool is_news(const Heartbeat& heartbeat) const {
     return heartbeat.end != heartbeat.first && heartbeat.end > new_from_;
   }
 
-  /// Nothing contradicts the writer, or something new came.
+  /// Notes that nothing contradicts the writer, or that a new sample came.
   void agrees() { end_ = 0; }
-  /// The writer says that it has published nothing from that ordinal on, but something of that came. Returns
-  /// true if it has said the same for OrdinalMonitor::unconfirmed_after.
+  /// Notes that the writer says that it has published nothing from `end` on, although such a sample came.
+  /// Returns true if it has said the same for OrdinalMonitor::unconfirmed_after.
   bool insists_on(std::uint64_t end, Time now) {
     if (std::exchange(end_, end) == end) return now - since_ >= OrdinalMonitor::unconfirmed_after;
     since_ = now;
@@ -34,8 +35,8 @@ class ReportedEnd {
   }
 
  private:
-  std::uint64_t new_from_ = 0;  ///< what heartbeats say of ordinals before this one is no news
-  std::uint64_t end_ = 0;       ///< as it is said, less than what has come; 0: it is not
+  std::uint64_t new_from_ = 0;  ///< reports of ordinals before this one are no news
+  std::uint64_t end_ = 0;       ///< reported end that is less than what has come; 0: none
   Time since_{};
 };
 

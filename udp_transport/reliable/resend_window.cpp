@@ -116,8 +116,8 @@ void ResendWindow::hear(const Ack& ack, Time now, Time::duration round_trip) {
   heartbeats_.answered(kept_.amount(), now);
 }
 
-/// A part that is asked for. What is under way for the first time comes anyway. If the sample is gone, or was
-/// never published, a heartbeat tells which samples there are.
+/// Handles a part that is asked for. A sample that is under way for the first time comes anyway. If the
+/// sample is gone, or was never published, a heartbeat says which samples there are.
 void ResendWindow::ask_for(const Missing& part, std::uint64_t next, Time now) {
   const std::uint64_t ordinal = widen_sequence(next, part.ordinal);
   if (!kept_.contains(ordinal)) return heartbeats_.want();
@@ -128,7 +128,7 @@ void ResendWindow::ask_for(const Missing& part, std::uint64_t next, Time now) {
 
 std::optional<Heartbeat> ResendWindow::heartbeat(Time now) {
   if (!heartbeats_.take(kept_.amount(), now)) return {};
-  // The other end may have taken another channel for this one: samples name it in full.
+  // The receiver may have taken another channel for this one, so samples name it in full.
   if (heartbeats_.unanswered() > 1) heard_ = false;
   const std::uint64_t end = kept_.sent_end();
   return Heartbeat{.writer = writer_,

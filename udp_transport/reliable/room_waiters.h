@@ -1,5 +1,5 @@
-// The threads that wait for room in a channel: the publisher's, which sleeps, and the sending one, which goes
-// on with something else and is told. All functions are called with the lock of the channel.
+// The threads that wait for room in a channel. The publisher's thread sleeps; the sending thread goes on
+// with something else and is notified. All functions are called with the lock of the channel.
 #pragma once
 
 #include <chrono>
@@ -12,23 +12,23 @@ namespace sft::udp {
 
 class RoomWaiters {
  public:
-  /// The publisher waits, in a loop, until room may have been made. False if the time is over. `lock` is that
-  /// of the channel; it is unlocked meanwhile.
+  /// Called by the publisher in a loop: waits until there may be room. Returns false at `time`. `lock` is
+  /// that of the channel, which is unlocked while this waits.
   bool wait_until(core::Lock& lock, std::chrono::steady_clock::time_point time) {
     publisher_waits_ = true;
     const bool in_time = may_have_room_.wait_until(lock, time);
     publisher_waits_ = false;
     return in_time;
   }
-  /// The sending thread has something that waits for room, or has nothing of that kind any more.
+  /// Sets whether the sending thread has something that waits for room.
   void note_sending_thread(bool waits) { sending_thread_waits_ = waits; }
 
-  /// Less is kept than before. Wake::look if the sending thread waits for that.
+  /// Notes that less is kept than before. Returns Wake::look if the sending thread waits for that.
   [[nodiscard]] Wake notify() {
     if (publisher_waits_) may_have_room_.notify_one();
     return std::exchange(sending_thread_waits_, false) ? Wake::look : Wake::none;
   }
-  /// The channel has ended: its publisher has to wait no longer.
+  /// Wakes the publisher, because the channel has ended.
   void release_publisher() { may_have_room_.notify_all(); }
 
  private:

@@ -11,7 +11,7 @@ namespace {
 
 std::uint64_t distance(std::uint64_t a, std::uint64_t b) { return a > b ? a - b : b - a; }
 
-/// Returns how far ahead a writer can be that was not heard for that time.
+/// Returns how far ahead a writer can be after that silence.
 std::uint64_t reach_after(SequenceMonitor::Time::duration silence) {
   using Seconds = std::chrono::duration<double>;
   constexpr double longest_s = 1e6;
@@ -39,7 +39,7 @@ bool SequenceMonitor::evaluate(const Observed& observed, Time now) {
   return true;
 }
 
-/// Wrong numbers are seldom near each other, and true ones come between them while the writer is heard.
+/// Wrong numbers are rarely near each other, and true ones come between them while the writer is heard.
 bool SequenceMonitor::evaluate_far(const Observed& observed, Time now) {
   if (std::exchange(last_unconfirmed_, observed.datagram) == observed.datagram) return false;
   if (distance(observed.sequence, far_.last) > reach) far_ = {};
@@ -69,7 +69,8 @@ void SequenceMonitor::advance(const Observed& observed, Time now) {
   far_ = late_ = later_ = {};
 }
 
-/// The samples of one packed datagram are one step: its stamp would else be taken for true at once.
+/// The samples of one packed datagram count as one step. Otherwise the stamp of a single datagram would be
+/// trusted at once.
 void SequenceMonitor::count_step(const Observed& observed, Time now) {
   const bool is_small = observed.sequence > newest() && observed.sequence - newest() <= small_step;
   small_steps_ = is_small ? small_steps_ + 1 : 0;
@@ -90,8 +91,8 @@ std::uint64_t SequenceMonitor::widen(std::uint32_t low) const {
   return steady_ != 0 && distance(goes_on, steady_) <= reach ? goes_on : widen_sequence(newest(), low);
 }
 
-/// True if by its stamp the sample was published after the newest one came, whatever the stamp of that one
-/// says: it may be as wrong as its sequence.
+/// Returns true if the stamp of the sample shows that it was published after the newest one came. The stamp
+/// of the newest one is not used, since it may be as wrong as its sequence.
 bool SequenceMonitor::is_younger(const Observed& observed) const {
   if (steady_ == 0) return false;
   const auto since_steady = static_cast<std::int64_t>(static_cast<std::uint64_t>(observed.stamp_ns) -

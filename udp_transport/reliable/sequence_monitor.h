@@ -1,10 +1,9 @@
 // Decides which sequences of one writer count, since a network can change bits. One wrong number must not
-// make a reader drop true samples, which would all look late behind it. Pure: numbers and times in, answers
-// out.
+// make a reader drop true samples, all of which would look late after it. Uses no clock, thread or I/O.
 //
 // A sequence far from the newest one counts only if nothing but such sequences comes. If only late samples
-// come, then the newest sequence was wrong. In both cases the numbering begins anew, which each sample tells
-// its readers (SampleBuffer::numbering).
+// come, the newest sequence was wrong. In both cases the numbering begins anew, and each sample tells its
+// readers so (SampleBuffer::numbering).
 #pragma once
 
 #include <chrono>
@@ -18,27 +17,27 @@ class SequenceMonitor {
 
   /// A sequence that is less than this ahead of the newest one counts at once.
   static constexpr std::uint64_t reach = std::uint64_t{1} << 16;
-  /// While a writer is not heard, this much is added to the reach for each second. No writer publishes more.
+  /// While a writer is not heard, this much is added to `reach` for each second. No writer publishes more.
   static constexpr std::uint64_t published_per_s_max = std::uint64_t{1} << 22;
   /// A sequence that is more than this behind the newest one is far from it, too.
   static constexpr std::uint64_t reach_back = std::uint64_t{1} << 26;
-  /// The numbering does not begin anew sooner than this after the first of the datagrams that say so: what
-  /// was held up on the way comes all at once.
+  /// The numbering begins anew at the earliest this long after the first datagram that suggests it, because
+  /// datagrams that were held up on the way come all at once.
   static constexpr std::chrono::milliseconds newest_unconfirmed_after{250};
-  /// Two late datagrams are enough if they were published after the newest sample, by their stamps. Of others
-  /// it takes this number: repairs, and what a slow path brings, are late as well.
+  /// Two late datagrams are enough if their stamps show that they were published after the newest sample.
+  /// Other late datagrams, which may be repairs or come by a slow path, have to be this many.
   static constexpr std::uint32_t late_in_a_row = 64;
 
   struct Observed {
     std::uint64_t sequence = 0;
-    /// The position in the channel of the writer; 0: in none. A sample that is behind in its channel, too, is
-    /// a repair.
+    /// The place in the channel of the writer; 0: in none. A sample whose place is behind, too, is a
+    /// repair.
     std::uint64_t place = 0;
-    /// Another number for each datagram, and not 0: one datagram does not confirm itself.
+    /// A different number for each datagram, not 0, because a datagram must not confirm itself.
     std::uint64_t datagram = 0;
     std::int64_t stamp_ns = 0;  ///< by the writer's clock
   };
-  /// Returns true if a sample that claims this may be delivered.
+  /// Returns true if a sample with these claims may be delivered.
   bool accepts(const Observed& observed, Time now) {
     const bool is_next =
         newest() != 0 && observed.sequence > newest() && observed.sequence - newest() <= reach;
@@ -47,26 +46,26 @@ class SequenceMonitor {
     advance(observed, now);
     return true;
   }
-  /// Returns the 64-bit sequence for these low bits of it: the one nearest to where the numbering went on in
-  /// small steps, or else the one nearest to the newest sequence.
+  /// Returns the 64-bit sequence that has these low bits and is nearest to where the numbering went on in
+  /// small steps, or else to the newest sequence.
   std::uint64_t widen(std::uint32_t low) const;
 
   std::uint64_t newest() const { return newest_.sequence; }
-  /// Tells of a numbering that has just begun anew whether everything above it was certainly wrong. If only
-  /// the number of late samples says so, they may have been repairs.
+  /// Called when a numbering has just begun anew: returns true if everything above it was certainly wrong.
+  /// If only the number of late samples suggests that, these may have been repairs.
   bool newest_was_wrong() const { return newest_was_wrong_; }
   /// Counts how often the numbering began anew.
   std::uint32_t numbering() const { return numbering_; }
 
  private:
-  /// Datagrams without any in between that says something else. Their order means nothing: datagrams
-  /// overtake each other, and repairs come between new samples. But a numbering goes on with a new one.
+  /// Datagrams in a row that suggest the same. Their order means nothing, because datagrams overtake each
+  /// other, and repairs come between new samples. But a numbering continues with a new sequence.
   struct Row {
     std::uint32_t datagrams = 0;
     std::uint64_t last = 0;
     Time since{};
 
-    /// Returns true if the sequence is above that of the datagram before.
+    /// Returns true if the sequence is above that of the previous datagram.
     bool add(std::uint64_t sequence, Time now);
     bool lasts(Time now) const { return now - since >= newest_unconfirmed_after; }
   };
@@ -79,17 +78,17 @@ class SequenceMonitor {
   void begin_anew(const Observed& observed, Time now, bool newest_was_wrong);
   bool is_younger(const Observed& observed) const;
 
-  Observed newest_{};  ///< its sequence is 0: none yet
+  Observed newest_{};  ///< sequence 0: there is none yet
   Time advanced_at_{};
   static constexpr std::uint64_t small_step = 64;
   static constexpr std::uint32_t steady_steps = 4;
-  std::uint32_t small_steps_ = 0;  ///< in a row, from datagram to datagram
-  std::uint64_t steady_ = 0;       ///< the newest sequence that was reached by small steps in a row
+  std::uint32_t small_steps_ = 0;  ///< number in a row, from datagram to datagram
+  std::uint64_t steady_ = 0;       ///< newest sequence reached by small steps in a row
   std::int64_t steady_stamp_ns_ = 0;
   Time steady_at_{};
-  Row far_;    ///< datagrams with sequences far from the newest one
-  Row late_;   ///< late datagrams
-  Row later_;  ///< those of the late datagrams that were published after the newest sample
+  Row far_;                             ///< datagrams with sequences far from the newest one
+  Row late_;                            ///< late datagrams
+  Row later_;                           ///< late datagrams that were published after the newest sample
   std::uint64_t last_unconfirmed_ = 0;  ///< the last datagram in any of these rows
   std::uint32_t numbering_ = 0;
   bool newest_was_wrong_ = false;

@@ -1,6 +1,6 @@
-// Tells whether small samples may pile up in a lane beyond its depth: while its receiver does not report, and
-// for a moment after the report, so that a burst is sent before any of its samples is dropped for others.
-// Pure.
+// Tells if small samples may pile up in a lane beyond its depth. They may while its receiver has not
+// reported, and for a moment after the report, so that a burst is sent before any of its samples is dropped
+// for others. Uses no clock, thread or I/O.
 #pragma once
 
 #include <chrono>
@@ -13,22 +13,22 @@ class UnprovenBurst {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// What has piled up may go on for so long after the report.
+  /// Jobs may still pile up for this time after the report.
   static constexpr std::chrono::milliseconds goes_on{250};
 
-  /// A job is posted, and the receiver has not reported.
+  /// Notes that a job is posted before the receiver has reported.
   void await_report(bool job_is_small) {
     awaits_report_ = true;
     small_ones_wait_ = small_ones_wait_ || job_is_small;
     reported_at_.reset();
   }
   bool awaits_report() const { return awaits_report_; }
-  /// A job is posted, and the receiver has reported since the job before.
+  /// Notes that a job is posted, and that the receiver has reported since the previous job.
   void reported(Time now) {
     awaits_report_ = false;
     if (std::exchange(small_ones_wait_, false)) reported_at_ = now;
   }
-  /// True for a moment after the report, if small jobs had waited for it.
+  /// Returns true for a moment after the report, if small jobs had waited for it.
   bool is_just_reported(Time now) const { return reported_at_ && now - *reported_at_ < goes_on; }
 
  private:
