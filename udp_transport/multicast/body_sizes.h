@@ -1,5 +1,5 @@
 // The lengths of a writer's bodies under any mask, and with the parts of fields that readers ask for. The
-// cost model asks for them. They are measured on samples as these are published, seldom.
+// cost model needs them. They are measured now and then on samples as these are published.
 #pragma once
 
 #include <atomic>
@@ -19,11 +19,11 @@ class BodySizes {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// `type` outlives it.
+  /// `type` outlives this object.
   explicit BodySizes(const StructType& type) : leaves_(type) {}
 
-  /// The publisher's thread: a sample is sent, by itself or of several that are published together.
-  /// Allocates nothing.
+  /// Called by the publisher's thread when it sends a sample. `of_several`: several samples are published
+  /// together. Allocates nothing.
   void measure(const detail::SampleState& sample, Time now, bool of_several = false) noexcept {
     if (of_several) several_.store(true, std::memory_order_relaxed);
     samples_.fetch_add(1, std::memory_order_relaxed);
@@ -39,24 +39,24 @@ class BodySizes {
 
   // The agent's thread.
 
-  /// These selections are measured from now on, as far as they have parts, and no others. `type` outlives
-  /// this object.
+  /// Measures the parts of these selections from now on, and no others. `type` outlives this object.
   void follow(const TypeSupport& type, std::span<const Selection> selections);
-  /// Samples with all of these fields have been measured, and parts of them, too. The parts are followed.
+  /// Returns true if samples with all fields of the selection have been measured, and its parts, too, which
+  /// must be followed.
   bool known(const Selection& selection) const;
   bool known_all(std::span<const Selection> selections) const;
-  /// Returns the length of a body with just that. Its parts are followed; otherwise they count as whole.
+  /// Returns the length of a body with just that. Parts that are not followed count as whole fields.
   double bytes_of(const Selection& selection) const;
   /// Null if the selection has no parts, or is not followed.
   std::shared_ptr<const PartSize> part_size(const Selection& selection) const;
 
   // Any thread.
 
-  /// The next sample is measured: somebody asks for other fields.
+  /// Measures the next sample, since readers ask for other fields.
   void measure_next() { asked_for_.store(true, std::memory_order_relaxed); }
   double bytes_of(const FieldMask& fields) const { return leaves_.bytes(fields); }
   std::uint64_t samples() const { return samples_.load(std::memory_order_relaxed); }
-  /// Some were published together since last asked.
+  /// Returns true if samples were published together since this was called last.
   bool take_several() { return several_.exchange(false, std::memory_order_relaxed); }
 
  private:
@@ -69,7 +69,7 @@ class BodySizes {
   std::atomic<bool> several_{false}, asked_for_{false};
   Time measured_at_{};            ///< used by the publisher's thread
   Parts followed_;                ///< used by the agent's thread
-  core::Published<Parts> parts_;  ///< the same, for the publisher's thread
+  core::Published<Parts> parts_;  ///< the same as `followed_`, for the publisher's thread
 };
 
 }  // namespace sft::udp

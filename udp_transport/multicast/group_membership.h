@@ -1,5 +1,5 @@
-// A writer's knowledge of one member of a multicast group: whether samples that are sent to the group arrive
-// at the member. The class is pure: calls and times go in, answers come out.
+// What a writer knows of one member of a multicast group: whether samples that are sent to the group arrive
+// at the member. Uses no clock, thread or I/O.
 #pragma once
 
 #include <algorithm>
@@ -8,25 +8,25 @@
 
 namespace sft::udp {
 
-/// While it hears samples of a group, a member reports so often.
+/// The pause between reports of a member while it hears samples of a group.
 inline constexpr std::chrono::milliseconds group_report_pause{900};
 
 class GroupMembership {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// True if the member has reported lately enough: it needs no copy of its own.
+  /// Returns true if the member has reported recently enough. Then it needs no copy of its own.
   bool hears() const { return hears_; }
 
-  /// A sample was sent to the group.
+  /// Notes that a sample was sent to the group.
   void sent(Time now) {
     sent_since_offer_ = true;
     if (hears_ && owed_since_ == never && now - reported_at_ >= report_expected) owed_since_ = now;
   }
 
-  /// Tells that the member has heard the sample with that ordinal.
+  /// Notes that the member has reported the sample with that ordinal.
   void reported(std::uint64_t heard, Time now) {
-    if (heard <= refused_at_) return;  // it says that of before
+    if (heard <= refused_at_) return;  // the member reports something from before refused()
     hears_ = true;
     reported_at_ = now;
     owed_since_ = never;
@@ -34,23 +34,23 @@ class GroupMembership {
     unanswered_ = 0;
   }
 
-  /// The member must have got a wrong offer: samples have no place where it says, or none come.
-  /// `last`: ordinal of the last sample that was sent to the group.
+  /// Notes that the member must have got a wrong offer: samples have no place where the offer says, or none
+  /// come. `last`: ordinal of the last sample that was sent to the group.
   void refused(std::uint64_t last, Time now) {
     refused_at_ = last;
-    if (!hears_) return;  // it is offered again anyway
+    if (!hears_) return;  // the member is offered the group again anyway
     lose(now);
   }
 
-  /// True if the group was offered so often that multicast seems not to reach the member at all.
+  /// Returns true if the group was offered so often that multicast seems not to reach the member at all.
   bool given_up() const { return unanswered_ >= offers_max; }
 
-  /// Notices what did not come.
+  /// Notices a report that is late.
   void look(Time now) {
     if (owed_since_ != never && now - owed_since_ >= timeout) lose(now);
   }
 
-  /// Returns true if the group is to be offered to the member now; it then counts as offered. It is not
+  /// Returns true if the group is to be offered to the member now, and counts it as offered. It is not
   /// offered again before something was sent that the member could have heard.
   bool offer_due(Time now) {
     if (hears_ || !sent_since_offer_ || now < offer_at_) return false;
@@ -74,17 +74,17 @@ class GroupMembership {
     sent_since_offer_ = true;
   }
 
-  static constexpr int offers_max = 9;  ///< some 5 s, if samples are sent meanwhile
+  static constexpr int offers_max = 9;  ///< takes some 5 s, if samples are sent meanwhile
   static constexpr Time never = Time::max();
 
   bool hears_ = false;
-  std::uint64_t refused_at_ = 0;  ///< only what it hears behind this tells that it hears again
+  std::uint64_t refused_at_ = 0;  ///< only a report of a later ordinal shows that it hears
   bool sent_since_offer_ = true;
   Time offer_at_{};
   std::chrono::milliseconds pause_ = offer_pause_least;
   int unanswered_ = 0;
   Time reported_at_{};
-  Time owed_since_ = never;  ///< a sample was sent that it should have reported
+  Time owed_since_ = never;  ///< time of a sample that should have been reported
 };
 
 }  // namespace sft::udp

@@ -1,6 +1,5 @@
-// The average sizes of the fields in the samples of one writer: how many elements the sequences have, and how
-// long the strings are. From these sizes the length of a body under any mask can be computed without a
-// sample.
+// The average sizes of the fields in the samples of one writer: how many elements sequences have, and how
+// long strings are. The length of a body under any mask can be computed from these without a sample.
 #pragma once
 
 #include <atomic>
@@ -15,24 +14,24 @@ namespace sft::udp {
 
 class LeafSizes {
  public:
-  /// `type` outlives it.
+  /// `type` outlives this object.
   explicit LeafSizes(const StructType& type);
 
-  /// One thread: notes the fields that the sample has. Of a collection of structs a few elements are looked
-  /// at. Each new average counts for a quarter. Allocates nothing.
+  /// Called by one thread. Measures the fields that the sample has, but only the first elements of a
+  /// collection of structs. Each new average counts for a quarter. Allocates nothing.
   void measure(const detail::SampleState& sample) noexcept;
 
   // Any thread.
 
-  /// All of these fields have been measured, or need not be.
+  /// Returns true if all of these fields have been measured, or have a fixed size.
   bool known(const FieldMask& fields) const;
-  /// The length of a body with these fields and no others. `fields` is closed.
+  /// Returns the length of a body with these fields and no others. `fields` is closed.
   double bytes(const FieldMask& fields) const;
 
  private:
-  static constexpr std::uint32_t elements_max = 32;  ///< that are looked at
+  static constexpr std::uint32_t elements_max = 32;  ///< elements that are measured at most
 
-  /// An average, and what the present sample adds to it.
+  /// An average, and the sum and number of what the present sample adds to it.
   struct Average {
     std::atomic<double> value{unmeasured};
     std::uint64_t sum = 0, count = 0;
@@ -47,9 +46,9 @@ class LeafSizes {
 
   const StructType& type_;
   const std::size_t leaves_;
-  std::unique_ptr<Average[]> elements_;  ///< by leaf: elements of a sequence
+  std::unique_ptr<Average[]> elements_;  ///< by leaf: number of elements of a sequence
   std::unique_ptr<Average[]> strings_;   ///< by leaf: bytes of a string, with its NUL
-  FieldMask sequences_, texts_;          ///< the leaves that have these averages
+  FieldMask sequences_, texts_;          ///< the leaves with an average in `elements_`, in `strings_`
 };
 
 }  // namespace sft::udp

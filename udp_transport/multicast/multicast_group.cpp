@@ -8,13 +8,13 @@
 namespace sft::udp {
 
 namespace {
-/// Samples that are asked for within this time were lost together.
+/// Members that ask for a sample within this time have probably lost it together.
 constexpr std::chrono::milliseconds asked_together{100};
-/// Only parts of a larger sample are missing: each member that asks is sent these parts alone.
+/// Of a larger sample only parts are missing, so each member that asks is sent these parts alone.
 constexpr std::size_t sent_again_bytes_max = std::size_t{16} << 10;
 constexpr std::uint64_t first_probed_max = std::uint64_t{1} << 48;
 
-/// The upper half is random.
+/// The upper half of each name is random, and the lower half is the member's index.
 std::vector<std::uint32_t> names_for(std::size_t members) {
   std::vector<std::uint32_t> names;
   for (std::size_t i = 0; i < members; ++i)
@@ -57,8 +57,8 @@ std::uint64_t MulticastGroup::next_ordinal(Time now) noexcept {
   return ++last_ordinal_;
 }
 
-/// A member in whose channel something else took a place would put what follows into wrong ones: the rest of
-/// a late reader's history can do that.
+/// If something else takes a place in a member's channel (the rest of a late reader's history can), all
+/// further samples would get wrong places there. So the group is broken then.
 void MulticastGroup::placed(std::size_t member, std::uint64_t ordinal, std::uint64_t in_channel) noexcept {
   const auto ahead = static_cast<std::int64_t>(in_channel - ordinal);
   {
@@ -68,7 +68,8 @@ void MulticastGroup::placed(std::size_t member, std::uint64_t ordinal, std::uint
     broken_.store(true, std::memory_order_relaxed);
     for (std::size_t i = 0; i < members_.size(); ++i) hears_[i].store(false, std::memory_order_relaxed);
   }
-  static_cast<void>(members_[member].channel->departed(in_channel));  // note_departed() does not find it
+  // Note_departed() does not find this sample.
+  static_cast<void>(members_[member].channel->departed(in_channel));
 }
 
 std::shared_ptr<Lane> MulticastGroup::lane_of(const std::shared_ptr<MulticastGroup>& group) {
@@ -138,8 +139,8 @@ Wake MulticastGroup::take_over_repairs(std::size_t member, Ack& ack, Time now) {
   return wake;
 }
 
-/// The first that asks is answered alone, and so is who asks once more: what was sent again may be lost
-/// again.
+/// The first member that asks is answered alone. So is one that asks once more, because what was sent again
+/// may be lost again.
 bool MulticastGroup::is_taken_over(std::size_t member, std::uint64_t in_channel, Time now, Wake& wake) {
   std::optional<std::int64_t> ahead;
   {
@@ -195,7 +196,7 @@ std::vector<MulticastGroup::Offer> MulticastGroup::offers(Time now) {
 
 std::optional<GroupProbe> MulticastGroup::probe(Time now) {
   const bool may_send =
-      is_answered() && !broken();  // a probe that may not be sent counts as sent all the same
+      is_answered() && !broken();  // a probe that may not be sent still counts as sent
   const core::Lock lock(mutex_);
   if (!probes_.due(now) || !may_send) return {};
   if (std::ranges::all_of(memberships_, &GroupMembership::hears)) {

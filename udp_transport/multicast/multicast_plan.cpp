@@ -40,8 +40,8 @@ class DivisionPlan {
     wire_max_ = limits_.wire_max * std::min(cost_of(alone_).wire, everyone_.cost.wire);
   }
 
-  /// Leaves the destinations in their groups. A destination that came anew joins the group of another one
-  /// that asks for the same.
+  /// Leaves the destinations in their groups. A new destination joins the group of another one that asks
+  /// for the same.
   void take_over(const MulticastPlan& present) {
     std::vector<std::vector<std::size_t>> groups(present.size());
     for (const auto& members : equals_) {
@@ -62,14 +62,14 @@ class DivisionPlan {
     }
   }
 
-  /// Dissolves groups that are hardly worth anything any more. A switch may forget the members of a group in
-  /// which nothing is heard for long, and these then miss the next sample.
+  /// Dissolves groups whose gain has become small. A switch may forget the members of a group in which
+  /// nothing is heard for long, and these members then miss the next sample.
   void dissolve_if_rare(double samples_per_s) {
     const double gain = cost_of(alone_).cost - cost_of(shares_).cost;
     if (gain * samples_per_s < limits_.gain_bytes_per_s / 2) shares_ = alone_;
   }
 
-  /// Changes whatever is worth it.
+  /// Changes to a better plan if the gain is large enough.
   void improve(double samples_per_s) {
     std::vector<Share> better = share_where_equal();
     if (cost_of(better).wire > limits_.wire_max * everyone_.cost.wire) better = unite(std::move(better));
@@ -89,7 +89,7 @@ class DivisionPlan {
   }
 
  private:
-  /// The destinations of the division, those with the same fields together.
+  /// Returns the destinations of the division. Those with equal fields are together.
   std::vector<std::vector<std::size_t>> equals_in(std::size_t division) const {
     std::vector<std::vector<std::size_t>> equals;
     for (std::size_t i = 0; i < all_.size(); ++i) {
@@ -120,8 +120,8 @@ class DivisionPlan {
     return share;
   }
 
-  /// A group for each selection that several ask for, if one copy is less than one for each of them. Of too
-  /// many groups those stay that save most.
+  /// Makes a group for each selection that several destinations ask for, if one copy has fewer bytes than
+  /// one for each of them. If there are too many groups, those that save most stay.
   std::vector<Share> share_where_equal() const {
     struct Candidate {
       Share group;
@@ -152,18 +152,19 @@ class DivisionPlan {
     return shares;
   }
 
-  /// One group under the union of all masks. The smallest shares stay out of it, as long as all together puts
-  /// no more on the wire than it may: so no reader gets a large field for a small one.
+  /// Makes one group under the union of all masks. The smallest shares stay out of it, as long as all
+  /// together put no more on the wire than allowed. So no reader of a small field gets a large one.
   std::vector<Share> unite(std::vector<Share> apart) const {
     std::ranges::stable_sort(apart, {}, [](const Share& share) { return share.cost.wire; });
-    std::vector<FieldMask> from(apart.size());  // the fields of the share there and of all behind it
+    std::vector<FieldMask> from(apart.size());  // [i]: the fields of share i and of all behind it
     for (std::size_t i = apart.size(); i-- > 0;)
       from[i] = i + 1 == apart.size() ? apart[i].fields.mask() : apart[i].fields.mask() | from[i + 1];
     std::vector<Share> shares;
     std::vector<std::size_t> united;
     std::size_t shares_united = 0, groups = 1;
     FieldMask fields;
-    // Half of what may be added: what these acknowledge, and are sent for it, is not counted.
+    // Half of what may be added, because acks of these destinations, and what they are sent for these, are
+    // not counted.
     const double outside_max = (1 + limits_.wire_max) / 2 * everyone_.cost.wire;
     double outside = 0;
     for (std::size_t i = 0; i < apart.size(); ++i) {
@@ -187,7 +188,7 @@ class DivisionPlan {
     return shares;
   }
 
-  /// One copy with these fields, in datagrams that all paths take.
+  /// Returns the bytes on the wire of one copy with these fields, in datagrams that all paths take.
   double wire_of_all(const FieldMask& fields) const {
     std::size_t datagram_bytes = SIZE_MAX;
     for (const Share& one : alone_)

@@ -1,5 +1,5 @@
-// Decides which readers of a writer are sent one copy together, by the cost model of multicast.md. It is
-// pure: sizes go in, a partition comes out.
+// Decides which readers of a writer are sent one copy together, by the cost model of multicast.md. Uses no
+// clock, thread or I/O.
 #pragma once
 
 #include <cstddef>
@@ -10,14 +10,14 @@
 
 namespace sft::udp {
 
-/// A plan that is good; or the present one with those in it who came anew, if there is too little to gain by
-/// changing more.
+/// Returns a good plan. If there is too little to gain by changing more, this is the present plan, to which
+/// new destinations are added.
 MulticastPlan plan_multicast(std::span<const PlanDestination> destinations, const BodyBytes& body_bytes,
                              double samples_per_s, const MulticastPlan& present, const PlanLimits& limits);
 
-/// Returns the places of the groups in the next plan, no two alike: a group is sent to an address that goes
-/// by its place. `places` are those of the present groups, which are left where they are. A group whose
-/// members have changed stays there, too, if it can.
+/// Returns the places of the groups in the next plan, all of them different. The address of a group follows
+/// from its place. `places` are those of the present groups. A group that stays keeps its place, and so
+/// does one whose members have changed, if it can.
 std::vector<std::size_t> keep_places(const MulticastPlan& present, std::span<const std::size_t> places,
                                      const MulticastPlan& next);
 

@@ -1,5 +1,5 @@
-// The multicast groups of one writer that this process was offered (multicast.md): where the samples of a
-// group belong in its channel, and what to report. Pure: calls and times in, answers out.
+// The multicast groups of one writer that were offered to this process (multicast.md): where the samples of
+// a group belong in its channel, and what to report. Uses no clock, thread or I/O.
 #pragma once
 
 #include <algorithm>
@@ -19,28 +19,29 @@ class OfferedGroups {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// An offer of a group that is known already, but says something else, replaces the one before when it
-  /// comes twice. One without an address takes that group back and those with lower numbers, if nothing of
-  /// these was heard lately, or when it comes twice. True if the address is to be joined anew: nothing of
-  /// that group has come for so long that a switch may not know of the membership, or not any more.
+  /// Takes an offer. An offer that contradicts that of a known group replaces it when it comes twice. An
+  /// offer without an address withdraws that group and those with lower numbers if none of them was heard
+  /// recently, or when it comes twice. Returns true if the address is to be joined again, because nothing
+  /// of that group has come for so long that a switch may not know of the membership.
   bool hear(const GroupOffer& offer, const SocketAddress& from, Time now);
 
-  /// A first datagram came by a group: gives it its place in the channel, if it has one there. False if that
-  /// group was not offered, or with another channel than the one that is followed, if any is: the sample
-  /// comes otherwise then. However many samples of the group come, one offer alone says that they are of that
-  /// channel. They must not count as so many claims: the writer itself may be naming the true channel.
+  /// Gives a first datagram that came by a group its place in the channel, if it has one there. Returns
+  /// false if that group was not offered, or was offered with another channel than the one that is
+  /// followed. The sample comes in another way then. However many samples of the group come, only one offer
+  /// says that they belong to its channel. So they do not count as claims about it, because the offer may
+  /// be wrong.
   bool place(FirstHeader& first, Time now, const ChannelMonitor* channels = nullptr);
 
-  /// A probe came by a group: that counts as if a sample had come. Ignored if that group was not offered.
+  /// Takes a probe that came by a group, which counts like a sample. Ignored if that group was not offered.
   void hear(const GroupProbe& probe, Time now);
   bool knows(std::uint32_t group) const;
 
-  /// Notes that a sample of that group has no position in the channel any more and had never arrived before,
-  /// or that it has one. If the former goes on, the offer was not what its writer sent, and the writer is
-  /// asked to repeat it.
+  /// Notes whether a sample of that group that had never arrived before has no place in the channel any
+  /// more. After several such samples in a row the offer must have been wrong, and the writer is asked to
+  /// repeat it.
   void note(std::uint32_t group, bool misplaced);
 
-  /// Calls `send(address, report)` for each that is due. After place().
+  /// Calls `send(address, report)` for each report that is due. Called after place().
   template <class Send>
   void report(const Send& send) {
     if (!due_) return;
@@ -56,15 +57,16 @@ class OfferedGroups {
 
   bool due() const { return due_; }
   bool empty() const { return groups_.empty(); }
-  /// Something of a group has come that is not over yet, as far as this process knows.
+  /// Returns true if samples of a group have come, and the group is not over yet, as far as this process
+  /// knows.
   bool were_heard() const {
     return std::ranges::any_of(groups_, [](const Offered& g) { return g.heard != 0; });
   }
-  /// Adds those that are to be joined.
+  /// Adds the addresses of the groups that are to be joined.
   void addresses(std::vector<std::uint32_t>& to) const;
 
  private:
-  /// Returns true if an offer that contradicts what is known came before.
+  /// Returns true if the previous contradicting offer was the same.
   bool comes_again(const GroupOffer& offer);
   void take_back(const GroupOffer& offer, Time now);
 
@@ -74,7 +76,7 @@ class OfferedGroups {
   }
   bool is_over(const Offered& group, Time now) const;
   bool make_room(Time now);
-  /// The numbers of a writer's groups turn over.
+  /// Compares by the difference, because the numbers of a writer's groups wrap around.
   static bool is_before(const GroupOffer& a, const GroupOffer& b) {
     return static_cast<std::int32_t>(a.group - b.group) < 0;
   }
@@ -85,32 +87,32 @@ class OfferedGroups {
   struct Offered {
     GroupOffer offer;
     SocketAddress report_to;
-    Time alive_at;  ///< joined, or heard
+    Time alive_at;  ///< when it was joined, or heard last
     std::uint64_t heard = 0;
     Time reported_at{};
     bool due = false;
-    bool is_unconfirmed = false;  ///< an offer that says something else came last, or much was misplaced
-    std::uint32_t misplaced = 0;  ///< datagrams in a row
+    bool is_unconfirmed = false;  ///< the latest offer said something else, or much was misplaced
+    std::uint32_t misplaced = 0;  ///< number of datagrams in a row
   };
   static constexpr std::uint32_t misplaced_max = 8;
-  /// The present one, and those of which something may still be under way.
+  /// The present group, and those of which samples may still be under way.
   static constexpr std::size_t groups_max = 4;
-  /// A switch knows of who joins sooner.
+  /// A switch learns of a new member sooner than this.
   static constexpr std::chrono::milliseconds silence_max{250};
-  /// A group that was heard within that time does not make room for another one, unless it is over.
+  /// A group that was heard within this time does not make room for another one, unless it is over.
   static constexpr std::chrono::milliseconds used_for{500};
-  /// A writer whose readers come one after another makes several groups in that time. Each is over when the
-  /// next one is heard, but something of it may still be under way for so long.
+  /// Samples of a group that is over may be under way for this time. A writer whose readers come one after
+  /// another makes several groups in that time, each of which is over when the next one is heard.
   static constexpr std::chrono::milliseconds under_way_for{100};
-  /// A group that is in use was replaced or taken back, and its writer is told so. The writer knows whether
-  /// it has said that. If not, it offers the group again at once.
+  /// Tells the writer that a group that was in use was replaced or withdrawn. If the writer has not done
+  /// that, it offers the group again at once.
   struct Parting {
     SocketAddress to;
     GroupReport report;
   };
   std::vector<Parting> partings_;
-  std::vector<Offered> groups_;  ///< the newest last
-  GroupOffer unconfirmed_;       ///< an offer that contradicts what is known
+  std::vector<Offered> groups_;  ///< the newest is last
+  GroupOffer unconfirmed_;       ///< the latest offer that contradicts what is known
   bool due_ = false;
 };
 

@@ -1,5 +1,5 @@
-// The bytes that a selection with parts leaves out of the samples of one writer, on average. They follow from
-// the numbers that a sample says of itself, without a projection.
+// The average number of bytes that a selection with parts leaves out of the samples of one writer. It
+// follows from what a sample says about itself, without a projection.
 #pragma once
 
 #include <atomic>
@@ -14,20 +14,20 @@ namespace sft::udp {
 
 class PartSize {
  public:
-  /// `type` outlives it.
+  /// `type` outlives this object.
   PartSize(const TypeSupport& type, Selection selection);
 
   const Selection& selection() const { return selection_; }
 
-  /// One thread: notes a sample that has all fields of the selection, and ignores others. Each new average
-  /// counts for a quarter, as that of a whole field does. Allocates nothing.
+  /// Called by one thread. Measures a sample that has all fields of the selection, and ignores others. Each
+  /// new average counts for a quarter, like that of a whole field. Allocates nothing.
   void measure(const detail::SampleState& sample) noexcept;
 
   // Any thread.
 
-  /// A sample has been measured.
+  /// Returns true if a sample has been measured.
   bool known() const { return value_.load(std::memory_order_relaxed) != unmeasured; }
-  /// Returns what the parts have less than their fields have as a whole.
+  /// Returns how many bytes less the parts have than their whole fields.
   double bytes_less() const;
 
  private:
@@ -36,7 +36,7 @@ class PartSize {
     detail::Layout::Field field{};
     const detail::Layout* layout = nullptr;
   };
-  static constexpr std::uint32_t strings_max = 32;  ///< that are looked at
+  static constexpr std::uint32_t strings_max = 32;  ///< strings that are measured at most
   static constexpr double unmeasured = -1;
 
   static bool strings_less(const detail::SampleState& sample, const Piece& piece, double& bytes);

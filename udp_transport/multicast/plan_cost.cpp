@@ -8,7 +8,8 @@
 namespace sft::udp {
 
 namespace {
-constexpr double lower_header_bytes = 14 + 20 + 8;  // Ethernet, IPv4, UDP: what interfaces count
+// Ethernet, IPv4, UDP, which counters of interfaces include.
+constexpr double lower_header_bytes = 14 + 20 + 8;
 }  // namespace
 
 double wire_bytes(double body_bytes, std::size_t datagram_bytes, PlaceMark place) {

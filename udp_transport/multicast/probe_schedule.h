@@ -1,5 +1,5 @@
 // Decides when a writer sends probes to a multicast group: soon after it has offered the group, so that
-// members report before the next sample. Pure: times in, decisions out.
+// members report before the next sample. Uses no clock, thread or I/O.
 #pragma once
 
 #include <chrono>
@@ -10,25 +10,25 @@ class ProbeSchedule {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// A member joins as soon as it reads the offer. Each probe comes twice as late as the one before, since a
-  /// busy member reads later, and a switch needs a moment to learn of a new member.
+  /// The pause before the first probe. A member joins as soon as it reads the offer. Each further pause is
+  /// twice as long, since a busy member reads later, and a switch needs a moment to learn of a new member.
   static constexpr std::chrono::milliseconds first_pause{2};
   static constexpr int probes_max = 5;
 
-  /// The group was offered to some members.
+  /// Notes that the group was offered to some members.
   void offered(Time now) {
     left_ = probes_max;
     pause_ = first_pause;
     next_ = now + pause_;
   }
-  /// Returns true if a probe is due now; it then counts as sent.
+  /// Returns true if a probe is due now, and counts it as sent.
   bool due(Time now) {
     if (now < next_) return false;
     pause_ *= 2;
     next_ = --left_ > 0 ? now + pause_ : Time::max();
     return true;
   }
-  /// All members have reported.
+  /// Stops probing, because all members have reported.
   void stop() { next_ = Time::max(); }
   /// Returns when due() will be true; Time::max() if no probe is planned.
   Time next() const { return next_; }

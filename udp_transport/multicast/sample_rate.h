@@ -1,5 +1,5 @@
-// How many samples a writer sends in a second, and how many of them pass a gate. Both are pure: counts and
-// times go in.
+// How many samples a writer sends per second, and how many of them pass a gate. Both classes use no clock,
+// thread or I/O.
 #pragma once
 
 #include <algorithm>
@@ -12,14 +12,14 @@ namespace sft::udp {
 class SampleRate {
  public:
   using Time = std::chrono::steady_clock::time_point;
-  /// Samples are counted for so long at least.
+  /// Samples are counted for at least this time.
   static constexpr std::chrono::milliseconds counting{100};
 
-  /// `samples` were sent before.
+  /// `samples` is the number of samples sent before.
   explicit SampleRate(Time now, std::uint64_t samples = 0) : since_(now), counted_(samples) {}
 
-  /// `samples` were sent in all until now. What was counted before is the rate until there is more to count.
-  /// The first samples count at once, although there may be more of them than it seems.
+  /// `samples` is the number of samples sent so far. The former rate holds until `counting` is over. The
+  /// first samples count at once, although their rate may be higher than it seems then.
   void count(std::uint64_t samples, Time now) {
     is_early_ = now - since_ < counting;
     if (is_early_ && per_s_ > 0) return;
@@ -30,7 +30,7 @@ class SampleRate {
     counted_ = samples;
   }
   double per_s() const { return per_s_; }
-  /// When there will be more to count, if the last call of count() came too early.
+  /// Returns when the next rate is ready, if the last call of count() came too early; else `otherwise`.
   Time due(Time otherwise) const { return is_early_ ? since_ + counting : otherwise; }
 
  private:
@@ -40,17 +40,17 @@ class SampleRate {
   bool is_early_ = false;
 };
 
-/// Samples may pass in bursts, and a group is of use only where they come steadily. So they are counted for
-/// longer.
+/// Counts for a longer time, because samples may pass in bursts, and a group is useful only if they come
+/// steadily.
 class PassRate {
  public:
   using Time = SampleRate::Time;
-  static constexpr std::chrono::seconds counting{5};  ///< at least, once so much time has passed
+  static constexpr std::chrono::seconds counting{5};  ///< at least, once this time has passed
 
-  /// The next sample that passes is the first one after a request, and does not count.
+  /// The next sample that passes does not count, because it is the first one after a request.
   PassRate(Time now, std::uint64_t passed) : former_{now, passed + 1}, latest_(former_) {}
 
-  /// `passed` have passed in all until now.
+  /// Returns the rate. `passed` is the number of samples that have passed so far.
   double per_s(Time now, std::uint64_t passed) {
     if (now - latest_.at >= counting) former_ = std::exchange(latest_, Count{now, passed});
     const std::chrono::duration<double> seconds =

@@ -1,6 +1,6 @@
-// Tells the members of multicast groups that are over that they are in these no more (multicast.md). A
-// farewell has time, and those to all members of a large group together would be as many bytes as some
-// samples. So a few are told at a time. Pure: groups and times go in, farewells come out.
+// Tells the members of multicast groups that are over that they are not in these groups any more
+// (multicast.md). A farewell is not urgent, and farewells to all members of a large group together would be
+// as many bytes as some samples. So only a few members are told at a time. Uses no clock, thread or I/O.
 #pragma once
 
 #include <algorithm>
@@ -17,11 +17,13 @@ class Farewells {
  public:
   using Time = MulticastGroup::Time;
 
-  static constexpr std::chrono::seconds farewell_after{1};  ///< what is under way arrives before
-  /// So many members are told in a call, or if more are due, this part of them.
+  /// Samples that are under way arrive before that.
+  static constexpr std::chrono::seconds farewell_after{1};
+  /// A call tells `notified_at_once` members. If more are due, it tells one in `part_notified_at_once` of
+  /// them, if that is more.
   static constexpr std::size_t notified_at_once = 8, part_notified_at_once = 8;
 
-  /// The group is over. The farewell to a member ends the former groups of that member, too, so that each
+  /// Notes that the group is over. The farewell to a member also ends that member's former groups, so each
   /// destination is in the list once.
   void note(const std::shared_ptr<MulticastGroup>& group, Time now) {
     for (std::size_t i = 0; i < group->members().size(); ++i) {
@@ -47,7 +49,7 @@ class Farewells {
   }
 
  private:
-  /// The last group of a destination that is over.
+  /// The latest group of a destination that is over.
   struct Farewell {
     std::shared_ptr<MulticastGroup> group;
     std::size_t member = 0;

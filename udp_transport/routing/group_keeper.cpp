@@ -13,10 +13,10 @@ namespace sft::udp {
 
 namespace {
 
-/// Masks of larger types are named by their hashes only.
+/// Masks of types with more leaves have no words on the wire, only hashes.
 constexpr std::size_t leaves_in_groups_max = 64 * WireMask::words_max;
 
-/// More than anything else costs, and little enough for sums of it to be exact to a byte.
+/// Costs more than anything else, but is small enough for exact sums of bytes.
 constexpr double too_much_body = 1e12;
 
 constexpr const char* unsettled = "it asks for that only since just now, or often for something else";
@@ -141,7 +141,8 @@ std::size_t GroupKeeper::possible(Time now) const {
       std::ranges::count_if(candidates_, [&](const auto& item) { return is_settled(item.second, now); }));
 }
 
-/// Samples are measured for one that may be in a group later, too: the plan is ready when another one comes.
+/// Measures samples also for a single destination that may be in a group later, so that the plan is ready
+/// when another one comes.
 void GroupKeeper::choose_sizes(Time now) {
   const bool measures = std::exchange(sizes_, nullptr) != nullptr;
   if (possible(Time::max()) == 0 && !sharing_.is_possible()) return;
@@ -154,7 +155,7 @@ void GroupKeeper::choose_sizes(Time now) {
   sizes_->follow(*setup_.type, asked);
 }
 
-/// A destination that cannot be in a group any more, or asks for something else, is served alone from now on.
+/// Serves a destination alone from now on if it cannot be in a group any more, or asks for something else.
 void GroupKeeper::keep_possible(Time now) {
   const auto must_leave = [&](const Destination* to) {
     const auto known = candidates_.find(to);
@@ -203,14 +204,14 @@ void GroupKeeper::merged(Time now) {
   reasons_.set_groups(groups_);
 }
 
-/// True if it is in a group, and is sent the same samples as before.
+/// Returns true if the destination is in a group, and is sent the same samples as before.
 bool GroupKeeper::is_planned(const Destination* to, const Candidate& candidate) const {
   return std::ranges::any_of(planned_, [&](const Planned& planned) {
     return planned.some_samples == candidate.some_samples && holds(planned.members, to);
   });
 }
 
-/// Those whose fields have never been sent wait for a sample.
+/// Leaves out destinations whose fields have never been sent: these wait for a sample.
 std::vector<PlanDestination> GroupKeeper::plan_destinations(std::vector<const Destination*>& places,
                                                             Time now) {
   std::vector<PlanDestination> destinations;
@@ -245,10 +246,11 @@ bool GroupKeeper::replan(Time now) {
   hasten(now);
   if (!may_plan(now)) return is_shared_otherwise;
   const bool is_better = plan(now) || is_shared_otherwise;
-  return is_better || (came && !member_came(now));  // why() of those that came has another answer then
+  return is_better || (came && !member_came(now));  // then why() of the new members has another answer
 }
 
-/// Or asks for other fields than before. Those whose fields have never been sent wait for a sample.
+/// Returns true if a destination is new, or asks for other fields than before. Those whose fields have
+/// never been sent wait for a sample.
 bool GroupKeeper::member_came(Time now) const {
   return sizes_ != nullptr && std::ranges::any_of(candidates_, [&](const auto& item) {
            const auto known = planned_for_.destinations.find(item.first);
@@ -258,23 +260,23 @@ bool GroupKeeper::member_came(Time now) const {
          });
 }
 
-/// Plans soon if somebody came.
+/// Plans soon if a destination is new.
 void GroupKeeper::hasten(Time now) {
   if (member_came(now)) replan_at_ = std::min(replan_at_, std::max(now, planned_at_ + settling));
 }
 
-/// What a sample takes is known when one was published.
+/// The bytes of a sample are known only after one was published.
 bool GroupKeeper::may_plan(Time now) const {
   return sizes_ != nullptr && sizes_->samples() > 0 && now >= replan_at_ && possible(now) > 1;
 }
 
-/// False if a plan was made for the same destinations, and for about the same bytes and rates.
+/// Returns false if the plan was made for the same destinations, and for about the same bytes and rates.
 bool GroupKeeper::is_news(std::span<const Destination* const> places,
                           std::span<const PlanDestination> all) const {
   const auto differ = [](double before, double now, double least = 0.01) {
     return std::abs(now - before) > least * before;
   };
-  constexpr double of_rates = 0.25;  // which differ from second to second
+  constexpr double of_rates = 0.25;  // rates differ from second to second
   const auto& before = planned_for_.destinations;
   if (planned_for_.member_left || places.size() != before.size()) return true;
   if (differ(planned_for_.samples_per_s, measured_.rate->per_s(), of_rates)) return true;
@@ -288,7 +290,7 @@ bool GroupKeeper::is_news(std::span<const Destination* const> places,
   return false;
 }
 
-/// True if other groups are better than the present ones.
+/// Makes a plan. Returns true if other groups are better than the present ones.
 bool GroupKeeper::plan(Time now) {
   measured_.rate->count(sizes_->samples(), now);
   replan_at_ = measured_.rate->due(now + replan_pause);
@@ -345,8 +347,9 @@ bool GroupKeeper::any_given_up(Time now) {
   return some;
 }
 
-/// 239.255.16.0 to 239.255.239.255, without those that others are known to use: two writers share one now and
-/// then, and ignore what the other sends.
+/// Returns an address from 239.255.16.0 to 239.255.239.255, a range that leaves out addresses which other
+/// software is known to use. Two writers may share one by chance; then receivers ignore what the other
+/// writer sends.
 std::uint32_t GroupKeeper::address(std::size_t place) const {
   const std::uint32_t mixed = (setup_.writer + static_cast<std::uint32_t>(place)) * 2654435769U >> 16;
   return private_groups | (16 + (mixed >> 8) % 224) << 8 | (mixed & 0xff);
@@ -390,7 +393,7 @@ GroupKeeper::Time GroupKeeper::next_duty(Time now) const {
 
 void GroupKeeper::explain(const std::vector<RouteBundle>& routes, Time now) {
   GroupReasons::Readers readers;
-  std::map<std::size_t, std::size_t> possible_in;  // a division
+  std::map<std::size_t, std::size_t> possible_in;  // by division
   for (const auto& [to, candidate] : candidates_)
     if (candidate.refusal.empty()) ++possible_in[candidate.division];
   for (const RouteBundle& bundle : routes) {

@@ -1,5 +1,5 @@
-// The multicast groups of one writer: which there are to be, by the cost model, and which there are
-// (multicast.md). Of the agent's thread, but for why().
+// Maintains the multicast groups of one writer: decides by the cost model which groups there should be, and
+// makes them (multicast.md). Used by the agent's thread, except for why().
 #pragma once
 
 #include <chrono>
@@ -30,46 +30,46 @@ namespace sft::udp {
 class GroupKeeper {
  public:
   using Time = GroupMembership::Time;
-  /// The way to a group on the link where we have that address, for datagrams of at most so many bytes.
+  /// Returns the destination for a group on the link where we have the address `own`, for datagrams of at
+  /// most `datagram_bytes`.
   using Connect = std::function<std::shared_ptr<Destination>(std::uint32_t group, std::uint32_t own,
                                                              std::size_t datagram_bytes)>;
   struct Setup {
     std::uint32_t writer = 0;
-    const TypeSupport* type = nullptr;  ///< outlives it
+    const TypeSupport* type = nullptr;  ///< outlives this object
     Multicast use = Multicast::automatic;
     std::uint16_t report_port = 0;
     std::size_t queue_depth = 4;
     std::shared_ptr<WriterTally> tally;
-    GroupRegistry* registry = nullptr;  ///< outlives it
+    GroupRegistry* registry = nullptr;  ///< outlives this object
     Connect connect;
     PlanLimits limits{};
-    /// The links that this host has at present.
+    /// Returns the present links of this host.
     std::function<std::vector<MulticastLink>(Multicast)> links = multicast_links;
   };
   explicit GroupKeeper(Setup setup);
 
-  // While routes are made anew, one after the other:
+  // Called when routes are made anew, in this order:
 
-  /// Puts what goes to the members of each group into one, which serves all of them. Whoever came just now,
-  /// or asks for something else, is served alone until it is calm. Readers of one process may share a copy,
-  /// too.
+  /// Merges the bundles of each group's members into one that serves all of them. A destination that has
+  /// just come, or asks for something else, is served alone until it is calm. Readers of one process may
+  /// share a copy, too.
   void merge(std::vector<RouteBundle>& routes, Time now);
-  /// The group at that place with these members, known or new.
+  /// Returns the group at that place with these members, known or new.
   std::shared_ptr<MulticastGroup> find(std::size_t place, std::vector<MulticastGroup::Member> members);
   void merged(Time now);
 
-  /// The sizes that have to be measured; null if nobody can be in a group.
+  /// The sizes that have to be measured; null if no destination can be in a group.
   const std::shared_ptr<BodySizes>& sizes() const { return sizes_; }
 
-  /// True if other groups would be better: routes have to be made anew then.
+  /// Returns true if other groups would be better. Then routes have to be made anew.
   bool replan(Time now);
-  /// Tells members what they have to know.
+  /// Sends the offers, probes and farewells that are due.
   void maintain(Time now);
-  /// Returns when replan() or maintain() has something to do that should not wait; Time::max() if nothing is
-  /// planned.
+  /// Returns when replan() or maintain() has urgent work; Time::max() if none is planned.
   Time next_duty(Time now) const;
 
-  /// Any thread: of a reader, in which group it is or why in none.
+  /// Returns in which group a reader is, or why it is in none. Any thread.
   std::string why(core::EndpointId reader) const { return reasons_.of(reader); }
 
  private:
@@ -77,32 +77,32 @@ class GroupKeeper {
     std::shared_ptr<Destination> to;
     std::vector<Selection> asked{};
     Selection together{};  ///< one_copy() for all of them
-    /// What all readers there ask for, if only some samples are for them.
+    /// If only some samples are for the readers there, what all of them ask for.
     std::optional<core::Wanted> some_samples{};
-    std::shared_ptr<const core::Gate> gate{};  ///< of these; null: every sample is for them
+    std::shared_ptr<const core::Gate> gate{};  ///< gate of these samples; null: every sample is for them
     bool reliable = false;
-    bool gets_more = false;             ///< than a group is sent
-    Time settled_at{};                  ///< before, it is in no group
-    std::optional<std::size_t> link{};  ///< in links_; empty: it cannot be in a group
+    bool gets_more = false;             ///< is sent more than a group is
+    Time settled_at{};                  ///< before this time, it is in no group
+    std::optional<std::size_t> link{};  ///< index in `links_`; empty: it cannot be in a group
     std::string refusal{};              ///< why it cannot be in a group
-    std::size_t division = 0;           ///< see divide()
+    std::size_t division = 0;           ///< result of divide()
   };
   struct Planned {
-    std::size_t place = 0;                       ///< its address goes by this
-    std::optional<core::Wanted> some_samples{};  ///< as of its members, which are Candidates
+    std::size_t place = 0;                       ///< determines the address
+    std::optional<core::Wanted> some_samples{};  ///< as Candidate has it for the members
     std::vector<const Destination*> members{};
   };
   /// The destinations and the rate that the present plan was made for.
   struct PlannedFor {
     std::map<const Destination*, PlanDestination> destinations{};
     double samples_per_s = 0;
-    bool member_left = false;  ///< a member has left since then
+    bool member_left = false;  ///< a member has left since the plan was made
   };
 
-  /// What is known of samples, asked for or not.
+  /// What is known of samples, whether or not it is needed at present.
   struct Measured {
     std::shared_ptr<BodySizes> sizes{};
-    std::optional<SampleRate> rate{};  ///< as soon as samples are measured
+    std::optional<SampleRate> rate{};  ///< set as soon as samples are measured
     PassRates passing{};
   };
 
@@ -130,21 +130,21 @@ class GroupKeeper {
   static void send(MulticastGroup& to, const GroupProbe& probe);
   void explain(const std::vector<RouteBundle>& routes, Time now);
 
-  /// Readers come in bunches: groups are not made anew more often.
+  /// Readers come in bunches, so groups are not made more often than this.
   static constexpr std::chrono::milliseconds settling{50};
   static constexpr std::chrono::seconds replan_pause{1};
   static constexpr std::chrono::minutes unreached_pause{
-      1};  ///< before one that heard nothing is offered a group
+      1};  ///< before a member that heard nothing is offered another group
   static constexpr std::chrono::seconds packed_pause{10};  ///< since samples were published together
 
   const Setup setup_;
-  const bool too_many_leaves_;  ///< masks are not sent in words then
+  const bool too_many_leaves_;  ///< then masks have no words on the wire
   std::vector<MulticastLink> links_;
   std::map<const Destination*, Candidate> candidates_;
   SettlingTimes settling_times_;
   MaskSharing sharing_;
   Measured measured_;
-  std::shared_ptr<BodySizes> sizes_;  ///< those that were measured, or null
+  std::shared_ptr<BodySizes> sizes_;  ///< `measured_.sizes`, or null if they are not needed
   PlannedFor planned_for_;
   std::vector<Planned> planned_;
   std::vector<std::shared_ptr<MulticastGroup>> groups_, found_;
@@ -153,7 +153,7 @@ class GroupKeeper {
   Time packed_until_{};
   std::uint32_t last_number_ = 0;
   Time replan_at_{};
-  Time planned_at_{};  ///< the last time that the plan changed
+  Time planned_at_{};  ///< when the plan changed last
   GroupReasons reasons_;
 };
 

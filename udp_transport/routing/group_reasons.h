@@ -1,5 +1,5 @@
-// What a program is told of each reader: in which multicast group it is and what the group costs it, or why
-// it is in none. Written by the agent's thread, read by any.
+// What a program is told about each reader: in which multicast group it is and what the group costs it, or
+// why it is in none. Written by the agent's thread, read by any thread.
 #pragma once
 
 #include <map>
@@ -21,9 +21,9 @@ class GroupReasons {
     const Destination* to = nullptr;
     std::string refusal{};                   ///< why it cannot be in a group; empty: it can
     Selection asked{};                       ///< what it asks for
-    std::shared_ptr<const PartSize> part{};  ///< of that, if it has parts and they are measured
-    bool shares = false;                     ///< all readers there are sent one copy if they are in no group
-    bool has_company = false;                ///< others could be in a group with it
+    std::shared_ptr<const PartSize> part{};  ///< size of its parts, if it has any and they are measured
+    bool shares = false;                     ///< readers there share one copy if they are in no group
+    bool has_company = false;                ///< other destinations could share a group with it
   };
   using Readers = std::map<core::EndpointId, Reader>;
   using Groups = std::vector<std::shared_ptr<MulticastGroup>>;
@@ -32,12 +32,11 @@ class GroupReasons {
   void set_readers(Readers readers, std::shared_ptr<BodySizes> sizes);
   void set_groups(Groups groups);
 
-  /// Any thread. Empty if nobody of that name is served.
+  /// Returns an empty string if no such reader is served. Any thread.
   std::string of(core::EndpointId reader) const;
 
  private:
-  /// Says how many bytes a copy for all readers at these destinations adds to those that the reader asked
-  /// for.
+  /// Says how many bytes a copy for all readers at these destinations has that this reader did not ask for.
   template <class IsThere>
   std::string unwanted(const Reader& reader, const IsThere& is_there) const SFT_REQUIRES(mutex_);
   std::string alone(const Reader& reader) const SFT_REQUIRES(mutex_);

@@ -1,6 +1,6 @@
 // Decides which processes are sent one copy of a sample that serves all their readers, instead of one copy
-// for each of them (multicast.md). That needs no multicast.
-// Pure: what is asked for, sizes and times go in, decisions come out. Of the agent's thread.
+// for each of their selections (multicast.md). That needs no multicast. Uses no clock, thread or I/O; used
+// by the agent's thread.
 #pragma once
 
 #include <chrono>
@@ -19,29 +19,30 @@ class MaskSharing {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// Readers share one copy if all copies together have `wire_max` times its bytes. They go on until half of
-  /// that surplus is gone.
+  /// Readers begin to share one copy if all their copies together have `wire_max` times its bytes. They
+  /// stop when half of that surplus is gone.
   explicit MaskSharing(const PlanLimits& limits) : limits_(limits) {}
 
-  /// Notes what the readers of each destination ask for. Leaves out destinations with a reader that is sent
-  /// something else than each sample: one with a maximum rate, with conditions, with retained samples, or in
-  /// shared memory.
+  /// Notes what the readers of each destination ask for. Leaves out destinations with a reader that is not
+  /// sent just each sample: one with a maximum rate, with conditions, with retained samples, or in shared
+  /// memory.
   void look_at(const std::vector<RouteBundle>& routes);
-  /// True if some destination is sent several copies: it matters how large these are.
+  /// Returns true if some destination is sent several copies, so that their sizes matter.
   bool is_possible() const { return !several_.empty(); }
 
-  /// Decides anew where selections have changed, and everywhere once in `pause`. True if a decision has
-  /// changed. Where the size of some field is not known yet, the former decision holds, and the next sample
-  /// is measured.
+  /// Decides again where selections have changed, and everywhere once in each `pause`. Returns true if a
+  /// decision has changed. Where the size of some field is not known yet, the former decision holds, and
+  /// the next sample is measured.
   bool decide(BodySizes& sizes, Time now);
-  /// True if decide() would decide on selections that have changed.
+  /// Returns true if selections have changed that decide() would decide on now.
   bool is_undecided(const BodySizes& sizes) const;
   bool shares(const Destination* to) const;
 
-  /// Bytes on the wire of one sample to a destination that asks for these, which need not be several.
+  /// Returns the bytes on the wire of one sample to a destination that asks for these selections; it may be
+  /// one only.
   double bytes_to(const Destination* to, const std::vector<Selection>& asked, PlaceMark place,
                   const BodySizes& sizes) const;
-  /// Puts the bundles of each destination that shares one copy, and is in no multicast group, into one.
+  /// Merges the bundles of each destination that shares one copy, and is in no multicast group, into one.
   void merge(std::vector<RouteBundle>& routes) const;
 
  private:

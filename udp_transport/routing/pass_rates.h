@@ -1,4 +1,4 @@
-// How many samples pass each gate of a writer in a second.
+// How many samples pass each gate of a writer per second.
 #pragma once
 
 #include <map>
@@ -13,15 +13,15 @@ class PassRates {
  public:
   using Time = PassRate::Time;
 
-  /// Counts from now on what passes the gate, unless it is counted already.
+  /// Counts from now on which samples pass the gate, unless that is counted already.
   void follow(const std::shared_ptr<const core::Gate>& gate, Time now) {
     rates_.try_emplace(gate, now, gate->passed());
   }
-  /// Forgets gates that nobody else has any more.
+  /// Removes gates that nothing else uses any more.
   void forget_unused() {
     std::erase_if(rates_, [](const auto& item) { return item.first.use_count() == 1; });
   }
-  /// REQUIRES: the gate is followed.
+  /// Returns the rate. REQUIRES: the gate is followed.
   double per_s(const std::shared_ptr<const core::Gate>& gate, Time now) {
     return rates_.at(gate).per_s(now, gate->passed());
   }

@@ -1,5 +1,5 @@
-// Puts routes together: readers with equal masks and limits share an encoding, and readers behind one socket
-// share a copy of it.
+// Bundles routes: readers with equal masks and limits share an encoding, and those behind one socket share
+// a copy of it.
 #pragma once
 
 #include <cstddef>
@@ -24,25 +24,26 @@ struct RouteBundle {
   std::shared_ptr<const core::Gate> gate{};
   std::vector<std::shared_ptr<Destination>> destinations{};
   std::vector<std::pair<core::EndpointId, const Destination*>> readers{};
-  ReliableReaders reliable{};  ///< those of the readers that are served reliably
-  /// The multicast group that sends to all of them; empty if none does.
+  ReliableReaders reliable{};  ///< the readers that are served reliably
+  /// The place of the multicast group that sends to all destinations; empty if none does.
   std::optional<std::size_t> multicast{};
-  /// The readers may ask for different things, and this is one_copy() for all of them.
+  /// The readers may ask for different things, and `wanted` is one_copy() for all of them.
   bool merged = false;
 
   void add(const std::shared_ptr<Destination>& to);
   void absorb(RouteBundle other);
-  /// The readers are sent other samples than each one as it is published, or by another way.
+  /// Returns true if the readers are not sent each sample as it is published, or in another way.
   bool is_for_some_samples() const {
     return gate != nullptr || late_reader != 0 || fallback || !wanted.selection.gate().is_open();
   }
 };
 
-/// Leaves out routes that do not lead to a UDP address. Spare bundles come last.
+/// Returns the bundles. Routes that do not lead to a UDP address are left out. Fallback bundles come last.
 std::vector<RouteBundle> bundle_routes(std::span<const core::Route> routes, DestinationDirectory& directory);
 
-/// Takes what goes to these destinations out of all bundles that are not merged, and merges it. Bundles may
-/// be left without destinations. REQUIRES: the same samples are for all their readers.
+/// Takes the routes to these destinations out of all bundles that are not merged, and returns them as one
+/// merged bundle. Bundles may be left without destinations. REQUIRES: the same samples are for all readers
+/// there.
 RouteBundle take_out(std::vector<RouteBundle>& routes, const std::function<bool(const Destination*)>& is_one);
 
 }  // namespace sft::udp

@@ -7,8 +7,8 @@ namespace sft::udp {
 
 namespace {
 
-/// None where the hash says it all, or has to: a selection with parts or conditions is known to those who
-/// asked for it.
+/// Returns the words of the mask. None if the hash says it all, or if the selection has parts or
+/// conditions: only those who asked for it know its hash.
 std::vector<std::uint64_t> words_to_send(const Selection& selection) {
   std::vector<std::uint64_t> words;
   const FieldMask& mask = selection.mask();
@@ -21,7 +21,8 @@ std::shared_ptr<const WireMask> make_wire_mask(const Selection& selection, std::
   return std::make_shared<WireMask>(WireMask{number, selection.hash(), words_to_send(selection)});
 }
 
-/// The transport that serves the readers on fallback routes counts what a gate withholds from them.
+/// Withheld samples on fallback routes are not counted here, since the transport that serves these readers
+/// counts them.
 void write_page(const RouteBundle& bundle, const Audience& audience, RouteTable& table) {
   for (const auto& [reader, destination] : bundle.readers) {
     const auto leads_there = [to = destination](const auto& lane) { return &lane->destination() == to; };
@@ -51,7 +52,8 @@ ReliableReaders reliable_readers(const std::vector<RouteBundle>& bundles) {
   return all;
 }
 
-/// True if another audience is sent the same by the same lane: readers in one process share a socket.
+/// Returns true if another audience is sent the same by the same lane, since readers in one process share a
+/// socket.
 bool is_reached_anyway(const RouteTable& table, const Audience& fallback, std::size_t lane) {
   return std::any_of(table.audiences.begin(), table.audiences.end(), [&](const Audience& audience) {
     if (&audience == &fallback || audience.wire != fallback.wire) return false;
@@ -104,8 +106,8 @@ std::shared_ptr<Lane> VariantDirectory::lane(Variant& variant, const std::shared
   return variant.lanes.emplace_back(std::make_shared<Lane>(to, queue_depth_, tally_));
 }
 
-/// A late lane is held until the history of its reader is known. It is made anew if the reader has moved,
-/// since what was queued does not reach the reader any more.
+/// A late lane is held until the history of its reader is known. If the reader has moved, it gets a new
+/// lane, because queued jobs do not reach it any more.
 std::shared_ptr<Lane> VariantDirectory::late_lane(core::EndpointId reader,
                                                   const std::shared_ptr<Destination>& to,
                                                   const std::shared_ptr<Channel>& channel) {
@@ -155,13 +157,13 @@ void VariantDirectory::next_round() {
     const auto oldest =
         std::min_element(variants_.begin(), variants_.end(),
                          [](const Variant& a, const Variant& b) { return a.last_use < b.last_use; });
-    if (oldest->last_use + 1 >= round_) return;  // all that are left were in use until now
+    if (oldest->last_use + 1 >= round_) return;  // all variants that are left were in use until now
     std::swap(*oldest, variants_.back());
     variants_.pop_back();
   }
 }
 
-/// A sample that passes a gate, is for one late reader, or has parts of fields, always leaves alone.
+/// A sample that passes a gate, is for one late reader, or has parts of fields is never packed.
 static void allow_packs(RouteTable& table) {
   const auto may_pack = [](const Audience& audience) {
     return audience.gate == nullptr && audience.late_reader == 0 && !audience.plan.has_parts();

@@ -1,5 +1,4 @@
-// The audiences of a writer: its readers by mask and maximum rate, with the numbers that these have on the
-// wire.
+// The audiences of a writer: its readers by mask and maximum rate, with the numbers of these on the wire.
 #pragma once
 
 #include <cstdint>
@@ -26,47 +25,47 @@ struct Audience {
   detail::ProjectionPlan plan;
   std::shared_ptr<const core::Gate> gate;  ///< null: every sample is for the audience
   core::EndpointId late_reader = 0;        ///< 0: the audience is not a late reader
-  bool fallback = false;                   ///< gets only samples that are meant for fallback routes, too
+  bool fallback = false;                   ///< also gets samples that are only for fallback routes
   std::shared_ptr<const WireMask> wire;
   std::vector<std::shared_ptr<Lane>> lanes;
-  /// One for each lane: not null if a reader there is served reliably.
+  /// One for each lane; null if no reader there is served reliably.
   std::vector<std::shared_ptr<Channel>> channels{};
-  /// If not null, the group sends to the whole audience, and lanes send only to members that do not hear the
-  /// group. Its members have the indices of the lanes.
+  /// If not null, this group sends to the whole audience, and lanes send only to members that do not hear
+  /// the group. A member has the same index as its lane.
   std::shared_ptr<MulticastGroup> multicast{};
   std::shared_ptr<core::DeliveryTally> tally = std::make_shared<core::DeliveryTally>();
-  /// Small samples that are published together may share datagrams: all samples of one mask leave before the
-  /// first one of another mask. So no destination may be sent several masks: a reader there that changes from
-  /// one mask to another would miss some samples.
+  /// Small samples that are published together may share datagrams. Then all samples of one mask leave
+  /// before the first one of another mask. So no destination may be sent several masks: a reader there that
+  /// changes from one mask to another would miss some samples.
   bool packs = false;
   /// Readers of the audience may ask for different things, and `wire` is a mask that contains all of them.
   bool merged = false;
 
-  /// True if the present sample is for the audience. Used by the publisher's thread.
+  /// Returns true if the present sample is for the audience. Used by the publisher's thread.
   bool wants_sample() const { return gate == nullptr || gate->passes(); }
 };
 
 /// Immutable: a change of routes makes another table.
 struct RouteTable {
-  std::vector<Audience> audiences;  ///< fallback ones last
-  core::DeliveryBook::Page page;    ///< which tallies are whose
-  /// The lanes that lead to each reader, without fallback ones.
+  std::vector<Audience> audiences;  ///< those of fallback routes come last
+  core::DeliveryBook::Page page;    ///< assigns tallies to readers
+  /// The lane to each reader, without fallback lanes.
   std::map<core::EndpointId, std::shared_ptr<Lane>> lanes_of;
 
-  std::size_t usual = 0;               ///< counts the audiences that are not fallback
-  std::shared_ptr<BodySizes> sizes{};  ///< to be measured; null: nobody asks
+  std::size_t usual = 0;               ///< number of audiences that are not fallback
+  std::shared_ptr<BodySizes> sizes{};  ///< to be measured; null: not needed
 
-  /// The audiences that a sample may be for.
+  /// Returns the audiences that the sample may be for.
   std::span<const Audience> reached(core::Reach reach) const {
     return std::span(audiences).first(reach == core::Reach::usual_routes ? usual : audiences.size());
   }
-  /// The audience that is this late reader; null if there is none.
+  /// Returns the audience of this late reader; null if there is none.
   const Audience* of_late_reader(core::EndpointId reader) const;
 };
 
-/// What readers ask of a writer now, and what they asked for before. Each such variant has its number and its
-/// lanes, so that its samples stay in order while routes change. A late reader has one lane whatever it asks
-/// for. A number is reused only after all others were used in between.
+/// What readers ask of a writer now, and what they asked for before. Each of these variants has its number
+/// and its lanes, so that its samples stay in order while routes change. A late reader has one lane,
+/// whatever it asks for. A number is reused only after all others have been used in between.
 class VariantDirectory {
  public:
   struct Variant {
@@ -81,16 +80,16 @@ class VariantDirectory {
     }
   };
 
-  /// `channels` outlives the directory. Null: nobody is served reliably.
+  /// `channels` outlives the directory. Null: no reader is served reliably.
   VariantDirectory(std::size_t queue_depth, std::shared_ptr<WriterTally> tally,
                    ChannelDirectory* channels = nullptr);
 
-  /// The known or new variant for such readers. Valid until the next call.
+  /// Returns the variant for such readers, known or new. Valid until the next call.
   Variant& find(const core::Wanted& wanted, core::EndpointId late_reader = 0);
-  /// The known or new lane of the variant to that destination.
+  /// Returns the lane of the variant to that destination, known or new.
   std::shared_ptr<Lane> lane(Variant& variant, const std::shared_ptr<Destination>& to,
                              const std::shared_ptr<Channel>& channel = {});
-  /// The channel of all readers there that are served reliably; null if nobody is.
+  /// Returns the channel of all readers there that are served reliably; null if there are no channels.
   std::shared_ptr<Channel> channel(const std::shared_ptr<Destination>& to,
                                    const std::set<core::EndpointId>& readers) {
     return channels_ == nullptr ? nullptr : channels_->find(to, readers);
@@ -99,23 +98,23 @@ class VariantDirectory {
     if (channels_ != nullptr) channels_->keep_to(readers);
   }
 
-  /// Closes and forgets all lanes but those to one of these destinations. Lanes of other late readers are
-  /// forgotten, too, but send what they have.
+  /// Closes and removes all lanes except those to these destinations. Lanes of late readers that are not in
+  /// `late_readers` are removed, too, but send what they have.
   void keep_lanes_to(const std::set<const Destination*>& served,
                      const std::set<core::EndpointId>& late_readers);
 
-  /// True if the sending thread should look: since this was called last, lanes or channels were closed, or a
-  /// destination has moved. What readers ask for does not concern it.
+  /// Returns true if the sending thread should check its lanes: since the last call, lanes or channels were
+  /// closed, or a destination has moved. Other changes of what readers ask for do not matter to it.
   bool concern_sender() {
     const bool closed_channels = channels_ != nullptr && channels_->take_closed();
     const bool some_moved = std::exchange(known_moves_, moves_) != moves_;
     return std::exchange(closed_, false) || closed_channels || some_moved;
   }
 
-  /// True if nothing waits in the lane of that late reader.
+  /// Returns true if the history of that late reader has departed, and nothing waits in its lane.
   bool late_lane_idle(core::EndpointId reader) const;
 
-  /// Forgets the longest unused ones beyond a few; called between rounds of find().
+  /// Removes the longest unused variants beyond a few. Called between rounds of find().
   void next_round();
 
  private:
@@ -133,12 +132,12 @@ class VariantDirectory {
   std::uint16_t next_number_ = 0;
   std::uint64_t round_ = 0;
   bool closed_ = false;
-  std::uint64_t moves_ = 0;        ///< of the destinations of all lanes of this round
-  std::uint64_t known_moves_ = 0;  ///< when concern_sender() was called last
+  std::uint64_t moves_ = 0;        ///< moves of the destinations of all lanes of this round
+  std::uint64_t known_moves_ = 0;  ///< value when concern_sender() was called last
 };
 
-/// The table of a writer of `type`, which outlives the table. Routes that do not lead to a UDP address are
-/// left out. Lanes to destinations that no route leads to any more are closed. Without a keeper there are no
+/// Returns the table of a writer of `type`, which outlives the table. Routes that do not lead to a UDP
+/// address are left out. Lanes to destinations without a route are closed. Without a keeper there are no
 /// multicast groups.
 std::shared_ptr<const RouteTable> make_route_table(const TypeSupport& type,
                                                    std::span<const core::Route> routes,
