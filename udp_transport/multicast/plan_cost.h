@@ -40,7 +40,7 @@ struct PlanLimits {
   /// A smaller gain, relative to the cost of the other plan, is no reason to change.
   double gain_min = 0.05;
   double gain_bytes_per_s = 4096;  ///< a smaller gain is no reason to change the plan
-  std::size_t groups_max = 8;      ///< groups of a division
+  std::size_t groups_max = 8;      ///< a gain of fewer bytes is no reason to change
   /// The bytes of a merged body that no reader asks for as it is. A larger one might be too large to be
   /// sent.
   double merged_body_max = std::numeric_limits<double>::infinity();

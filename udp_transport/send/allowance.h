@@ -1,4 +1,4 @@
-// The part of a sample that may be sent now.
+// How much of a sample may be sent now.
 #pragma once
 
 #include <cstddef>

@@ -7,7 +7,7 @@
 namespace sft::udp {
 
 namespace {
-constexpr std::size_t answers_at_once = 64;  // strangers may send more than can be heard
+constexpr std::size_t answers_at_once = 64;  // strangers may send more than can be handled
 }
 
 void AnswerReceiver::listen() {

@@ -1,4 +1,4 @@
-// Hears what comes back to the port for answers, on the sending thread.
+// Takes answers from the socket for answers, on the sending thread.
 #pragma once
 
 #include <chrono>
@@ -17,13 +17,15 @@ class AnswerReceiver {
  public:
   using Hear = std::function<Wake(std::span<const std::byte> datagram, const SocketAddress& from,
                                   std::chrono::steady_clock::time_point)>;
-  /// Both outlive this object.
+  /// Both arguments outlive this object.
   AnswerReceiver(DatagramSender& io, NextRound& round) : io_(io), round_(round) {}
 
-  /// Called before the sending thread begins. An empty function hears nothing.
+  /// Sets what handles an answer. Called before the sending thread begins. With an empty function, answers
+  /// are ignored.
   void tell(Hear hear) { hear_ = std::move(hear); }
-  /// Hears what has come, without waiting. The sending thread calls this between the calls for a large
-  /// sample, too: the sample goes on without waiting as long as answers come in time.
+  /// Takes the answers that have come, without waiting. The sending thread also calls this between the
+  /// system calls for a large sample, so that the sample goes on without a pause as long as answers come in
+  /// time.
   void listen();
 
  private:

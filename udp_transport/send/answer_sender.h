@@ -1,5 +1,6 @@
-// Sends answers: acks to the writers that are read reliably, and reports to all who ask for them. All of them
-// leave through one socket that is there anyway: whoever asks costs neither a descriptor nor memory.
+// Sends answers: acks to the writers that are read reliably, and reports to all senders that ask for them.
+// All answers leave through the receiving socket, so a sender that asks for many costs neither a descriptor
+// nor memory.
 #pragma once
 
 #include <memory>
@@ -15,7 +16,7 @@ class AnswerSender {
  public:
   explicit AnswerSender(std::shared_ptr<SendSide> side) : side_(std::move(side)) {}
 
-  /// Sends the answer at once or not at all: if it cannot be sent, another one will follow.
+  /// Sends the answer either at once or not at all. If it cannot be sent, a later one replaces it.
   void send(const SocketAddress& to, const Ack& ack);
   void send(const SocketAddress& to, const FlowReport& report);
   void send(const SocketAddress& to, const GroupReport& report);

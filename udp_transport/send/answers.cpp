@@ -12,7 +12,7 @@ namespace {
 
 using Time = std::chrono::steady_clock::time_point;
 
-/// The group sends what several of its members ask for.
+/// Leaves repairs that several members of the channel's group ask for to the group.
 void hand_repairs_to_group(SendSide& side, Ack& ack, Time now) {
   const GroupRegistry::OfChannel in = side.groups.of_channel(ack.writer, ack.channel);
   if (in.group == nullptr) return;
@@ -25,8 +25,8 @@ Wake reject(SendSide& side) {
   return Wake::none;
 }
 
-/// The receiver may follow a channel that the writer does not have. The channels that the writer does have to
-/// that receiver name themselves in full.
+/// The receiver may follow a channel that the writer does not have. So the writer's channels to that
+/// receiver name themselves in full.
 Wake hear_of_unknown_channel(SendSide& side, const Ack& ack, const SocketAddress& from) {
   Wake wake = reject(side);
   for (const std::shared_ptr<Channel>& channel : side.channels.find_at(ack.writer, from.ip))
@@ -67,7 +67,7 @@ Wake hear(SendSide& side, const GroupReport& report, const SocketAddress& from, 
 
 Wake hear_answer(SendSide& side, const Answer& answer, const SocketAddress& from, Time now) noexcept try {
   return std::visit([&](const auto& one) { return hear(side, one, from, now); }, answer);
-} catch (const std::bad_alloc&) {  // another one will come
+} catch (const std::bad_alloc&) {  // a later answer will come
   return Wake::none;
 }
 

@@ -1,4 +1,4 @@
-// Handles what comes back to those who send: acks, and reports of receivers and of members of groups.
+// Handles the answers to what was sent: acks, and reports of receivers and of members of groups.
 #pragma once
 
 #include <chrono>
@@ -10,13 +10,13 @@
 
 namespace sft::udp {
 
-/// Wake::look if something that waited may go on. An answer that is not believed is counted: it answers
+/// Returns Wake::look if something that waited may go on. An answer is rejected and counted if it answers
 /// nothing that was sent, or comes from another address than that was sent to. Used by one thread: the
-/// sending one, or the receiving one where there is no port for answers.
+/// sending thread, or the receiving thread if there is no port for answers.
 [[nodiscard]] Wake hear_answer(SendSide& side, const Answer& answer, const SocketAddress& from,
                                std::chrono::steady_clock::time_point now) noexcept;
 
-/// The same. A datagram that is no sound answer is counted as malformed.
+/// The same for an encoded answer. A datagram that is no well-formed answer is counted as malformed.
 [[nodiscard]] Wake hear_answer(SendSide& side, std::span<const std::byte> datagram, const SocketAddress& from,
                                std::chrono::steady_clock::time_point now) noexcept;
 

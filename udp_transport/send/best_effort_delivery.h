@@ -17,9 +17,9 @@ class BestEffortDelivery {
   BestEffortDelivery(std::shared_ptr<SendSide> side, Draft& draft, DirectPath& direct)
       : side_(std::move(side)), draft_(draft), direct_(direct) {}
 
-  /// Returns how many samples do not get there: the present ones, or older ones that had to go.
+  /// Returns how many samples do not get there: the present ones, or older ones that were given up.
   std::size_t send(const std::shared_ptr<Lane>& lane, const core::SampleHandle& sample);
-  /// Leaves the job to the lane. Returns 1 if older jobs had to go for it.
+  /// Leaves the job to the lane. Returns 1 if older jobs were given up for it.
   std::size_t enqueue(const std::shared_ptr<Lane>& lane);
 
  private:

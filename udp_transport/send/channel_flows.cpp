@@ -34,7 +34,7 @@ void ChannelFlows::forget_resting() {
   std::erase_if(attended_, [](const Attended& attended) { return attended.channel == nullptr; });
 }
 
-/// Small samples go on until there are none, or no room; large ones take turns.
+/// Sends small samples until there are none left, or no room; large samples take turns.
 void ChannelFlows::advance(SendFlow& flow) {
   for (std::size_t samples = 0; samples < small_samples_per_turn; ++samples) {
     if (!flow.piece) {
@@ -45,7 +45,8 @@ void ChannelFlows::advance(SendFlow& flow) {
                              flow.piece->range);
     }
     if (FlowSender::is_under_way(sender_.send_some(flow))) return;
-    static_cast<void>(flow.channel->finished(*flow.piece, Clock::now()));  // or lost, and will be asked for
+    // Or it was lost, and will be asked for.
+    static_cast<void>(flow.channel->finished(*flow.piece, Clock::now()));
     flow.piece.reset();
     flow.fragments.reset();
     if (flow.size == Size::large) break;
@@ -59,7 +60,7 @@ void ChannelFlows::look_after(Attended& attended) {
   round_.by(care.next_look);
   if (!care.at_rest) return;
   attended.channel.reset();
-  round_.at_once();  // what it keeps is let go of
+  round_.at_once();  // then the channel and what it keeps are released
 }
 
 /// Uses a connection that cannot overtake the samples that the heartbeat reports.

@@ -1,4 +1,4 @@
-// The channels that the sending thread serves: it sends what they give out, and their heartbeats.
+// The channels that the sending thread serves. It sends their samples, repairs and heartbeats.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ namespace sft::udp {
 /// Used by the sending thread.
 class ChannelFlows {
  public:
-  /// Both outlive this object.
+  /// Both arguments outlive this object.
   ChannelFlows(FlowSender& sender, NextRound& round) : sender_(sender), round_(round) {}
 
   void add(std::shared_ptr<Channel> channel);
@@ -23,13 +23,13 @@ class ChannelFlows {
   /// Gives one channel its turn with a large sample; `which` is less than count().
   void send_large(std::size_t which);
   std::size_t count() const { return attended_.size(); }
-  /// Forgets the channels that have nothing left to look after.
+  /// Removes the channels that need no attention any more.
   void forget_resting();
   void clear() { attended_.clear(); }
 
  private:
   struct Attended {
-    std::shared_ptr<Channel> channel;  ///< null: it is forgotten at the end of the round
+    std::shared_ptr<Channel> channel;  ///< null: removed at the end of the round
     SendFlow small, large;
   };
   void advance(SendFlow& flow);

@@ -1,4 +1,5 @@
-// Sends at once, on the thread that publishes: small samples, and large ones from where the program has them.
+// Sends at once, on the thread that publishes: small samples, and large ones from where the program has
+// them.
 #pragma once
 
 #include <chrono>
@@ -22,18 +23,18 @@ class DirectPath {
   DirectPath(std::shared_ptr<SendSide> side, std::shared_ptr<WriterTally> tally)
       : side_(std::move(side)), tally_(std::move(tally)) {}
 
-  /// Another sample is sent from now on: it has to be cut anew.
+  /// Called when another sample is sent from now on, which has to be cut first.
   void begin_sample() { cut_for_ = 0; }
 
-  /// True if there is room for more at the destination. Otherwise the sending thread goes on once there is
-  /// room. Before the first report of the destination the whole job has to fit.
+  /// Returns true if there is room for more at the destination. Otherwise the sending thread goes on once
+  /// there is room. Before the first report of the destination the whole job has to fit.
   bool may_send(Destination& to, const Job& job, Time now);
-  /// Sends a job by that lane. `would_wait` if the sending thread has to do it: the body is not small, or the
-  /// send buffer is full.
+  /// Sends a job of that lane. Returns `would_wait` if the sending thread has to do it, because the body is
+  /// not small or the send buffer is full.
   SendOutcome send(Lane& lane, Job& job);
-  /// Sends what a channel gave out. The sending thread has to send what cannot leave at once.
+  /// Sends a piece of that channel. If it cannot leave at once, the sending thread has to send it.
   Wake send(Channel& channel, const Channel::Piece& piece, Time now);
-  /// Sends as much of a large body as may go now. Returns how many bytes of the body were sent.
+  /// Sends as much of a large body as may be sent now. Returns how many bytes of the body were sent.
   std::uint32_t send_some(const EncodedBody& body, Destination& to);
 
  private:
@@ -43,7 +44,7 @@ class DirectPath {
   const std::shared_ptr<SendSide> side_;
   const std::shared_ptr<WriterTally> tally_;
   Batch batch_;  ///< datagrams of the present sample
-  /// The length of the datagrams in the batch; 0: the batch has none of the present sample.
+  /// The datagram length that the batch was cut for; 0: the batch has nothing of the present sample.
   std::size_t cut_for_ = 0;
 };
 

@@ -14,7 +14,7 @@ class Draft {
  public:
   explicit Draft(std::shared_ptr<JobPool> jobs) : jobs_(std::move(jobs)) {}
 
-  /// A job for the next sample.
+  /// Returns a job for the next sample.
   Job& begin() {
     if (!handle_) handle_ = jobs_->take();
     return *handle_;
@@ -22,26 +22,27 @@ class Draft {
   Job& job() const { return *handle_; }
   const JobHandle& handle() const { return handle_; }
 
-  /// The job is sent later, and keeps the sample until then. Where a channel has the job, it holds a copy of
-  /// the body instead, and counts what it holds. A pack has no sample: it keeps all by itself.
+  /// Makes the job keep the sample, because the job is sent later. If a channel has the job, it holds a
+  /// copy of the body instead, and counts that. A pack has no sample, since it holds copies.
   void keep(const core::SampleHandle& sample) {
     if (!handle_->sample && !is_kept_) handle_->sample = sample;
     is_kept_ = is_kept_ || handle_->is_pack();
   }
-  /// A channel keeps the small job, with a copy of the body. The body of a pack is a copy already.
+  /// Copies the body of a small job for a channel. The body of a pack is a copy already.
   void copy_for_channel() {
     if (!std::exchange(is_kept_, true) && !handle_->is_pack()) handle_->copy_body();
   }
-  /// Channels keep the large job. Of samples in borrowed memory, as many may be held there as are needed
-  /// while readers keep up, since other readers of that memory must not miss any. The others are copied into
-  /// `pool`, which may be null.
+  /// Prepares a large job for channels. Only as many samples in borrowed memory are kept there as are
+  /// needed while readers keep up, so that other readers of that memory miss none. Further samples are
+  /// copied into `pool`, which may be null.
   void keep_in_channels(const core::SampleHandle& sample, const std::shared_ptr<core::BufferPool>& pool);
 
-  /// The sample has been sent to the whole audience. The job is used again unless somebody has it.
+  /// Ends the sample, which has been sent to the whole audience. The job is used again unless a lane or a
+  /// channel has it.
   void release() {
     if (std::exchange(is_kept_, false) || handle_->sample) handle_ = {};
   }
-  /// Gives the job up, whatever it is.
+  /// Gives up the job in any case.
   void reset() {
     handle_ = {};
     is_kept_ = false;

@@ -9,10 +9,11 @@
 namespace sft::udp {
 
 namespace {
-/// The most samples in all. There may be as many large ones as in a lane: they hold much memory.
+/// The limit for best-effort samples. Large ones among them are limited to the depth of a lane, because
+/// they hold much memory.
 constexpr std::size_t samples_max = 64;
-// As many reliable samples may wait as a channel keeps: nothing repairs a sample that never got into a
-// channel.
+// As many reliable samples may wait as a channel keeps, because a sample that never got into a channel
+// cannot be repaired.
 constexpr std::size_t reliable_samples_max = ResendLimits{}.samples;
 constexpr std::size_t reliable_bytes_max = ResendLimits{}.bytes;
 }  // namespace
@@ -43,8 +44,8 @@ FanOut::Posted FanOut::post(DeferredSample deferred) noexcept {
   return posted;
 }
 
-/// Takes out what has to go for another one: the oldest, or the oldest large one if there are too many of
-/// these.
+/// Takes out a sample that has to be given up for another one: the oldest, or the oldest large one if there
+/// are too many large ones.
 std::optional<FanOut::DeferredSample> FanOut::take_surplus_before(const DeferredSample& newcomer) noexcept {
   const core::Lock lock(mutex_);
   if (queue_.empty()) return {};

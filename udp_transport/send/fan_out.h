@@ -1,5 +1,5 @@
-// The samples of one writer under the masks beyond the first few. The publisher's thread hands these over to
-// the sending thread, so that many masks do not hold up the publisher.
+// The samples of one writer under the masks beyond the first few. The publisher's thread hands these over
+// to the sending thread, so that many masks do not hold up the publisher.
 #pragma once
 
 #include <atomic>
@@ -34,18 +34,19 @@ class FanOut final : public DeferredWork {
 
   // The publisher's thread.
 
-  /// Nothing remains: what is sent now overtakes nothing.
+  /// Returns true if nothing remains, so that a sample that is sent now overtakes nothing.
   bool done() const { return done_.load(std::memory_order_acquire); }
-  /// With PublisherOptions::asynchronous large samples are handed over for all masks.
+  /// Returns true if large samples are handed over for all masks (PublisherOptions::asynchronous).
   bool takes_large() const { return takes_large_; }
 
   struct Posted {
     Wake wake = Wake::none;
-    std::size_t dropped = 0;  ///< older samples that had to go, since there were too many
+    std::size_t dropped = 0;  ///< older samples given up, since there were too many
   };
   Posted post(DeferredSample deferred) noexcept;
 
-  /// Waits until nothing remains, unless it will not be sent any more: the writer's type may go then.
+  /// Waits until nothing remains, or the sending thread has stopped. The writer's type may be destroyed
+  /// then.
   void finish() noexcept;
 
   /// The sending thread.
@@ -56,7 +57,7 @@ class FanOut final : public DeferredWork {
     return deferred.sample->capacity > direct_bytes_max;
   }
   std::optional<DeferredSample> take_surplus_before(const DeferredSample& newcomer) noexcept;
-  /// The queue is not empty.
+  /// REQUIRES: the queue is not empty.
   DeferredSample pop_oldest() noexcept SFT_REQUIRES(mutex_);
   std::optional<DeferredSample> take() noexcept;
   static std::span<const Audience> audiences_of(const DeferredSample& deferred) {
@@ -70,7 +71,7 @@ class FanOut final : public DeferredWork {
   const bool takes_large_;
   std::atomic<bool> done_{true};
   core::Mutex mutex_;
-  OrdinalRing<DeferredSample> queue_ SFT_GUARDED_BY(mutex_){1};  ///< the oldest first
+  OrdinalRing<DeferredSample> queue_ SFT_GUARDED_BY(mutex_){1};  ///< the oldest is first
   std::size_t queued_bytes_ SFT_GUARDED_BY(mutex_) = 0;          ///< memory that the queued samples hold
   VariantSender sender_;                                         ///< used by the sending thread
 };

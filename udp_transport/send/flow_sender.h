@@ -1,5 +1,5 @@
-// Sends as much of a flow as its destination and the limits of rates allow, and tells when the sending thread
-// has to go on with it.
+// Sends as much of a flow as its destination and the rate limits allow, and schedules when the sending
+// thread goes on with it.
 #pragma once
 
 #include <array>
@@ -23,24 +23,24 @@ class FlowSender {
   using Time = SendFlow::Time;
   enum class Progress : std::uint8_t {
     none,   ///< the flow has to wait
-    some,   ///< and there is more
+    some,   ///< a part was sent, and there is more
     whole,  ///< all has left
     lost,
   };
   static bool is_under_way(Progress progress) {
     return progress == Progress::none || progress == Progress::some;
   }
-  /// A flow whose connection is full for longer is lost: the memory of its sample is worth more elsewhere,
-  /// and a receiver that had a part of the sample has given up.
+  /// A flow whose connection is full for longer than this is lost. The memory of its sample is worth more
+  /// elsewhere, and a receiver that had a part of the sample has given it up.
   static constexpr std::chrono::seconds timeout{2};
 
-  /// `limit` is that of all writers. All of these outlive this object.
+  /// `limit` is that of all writers. All arguments outlive this object.
   FlowSender(RateLimit& limit, LocalTurns& local_turns, AnswerReceiver& answers, NextRound& round)
       : limit_(limit), local_turns_(local_turns), answers_(answers), round_(round) {}
 
-  /// Sends what may go in one turn, hears answers meanwhile, and makes way for readers on this host.
+  /// Sends what may be sent in one turn. Takes answers meanwhile, and yields to readers on this host.
   Progress send_some(SendFlow& flow);
-  /// Sends what may go in one call.
+  /// Sends what may be sent in one call.
   Progress send_a_few(SendFlow& flow, Time now);
 
  private:
@@ -49,10 +49,10 @@ class FlowSender {
   void account_for(SendFlow& flow, Connection& by, std::size_t batches, Time now);
   Progress wait_for_room(SendFlow& flow, Connection& by, Time now);
 
-  static constexpr int calls_per_turn = 8;  ///< then it is the turn of the next flow
+  static constexpr int calls_per_turn = 8;  ///< then the next flow has its turn
   static constexpr std::size_t batches_per_call = 8;
-  /// Socket bytes: what was cut is still in the nearest caches when the kernel copies it, and a receiver that
-  /// sleeps is woken by the first.
+  /// In socket bytes. Data that was cut is still in the nearest caches when the kernel copies it, and a
+  /// receiver that sleeps is woken by the first batch.
   static constexpr std::size_t bytes_per_call = batch_bytes_max;
 
   RateLimit& limit_;
@@ -62,7 +62,7 @@ class FlowSender {
   // The batches of the present call.
   std::array<Batch, batches_per_call> batches_;
   std::array<OutgoingBatch, batches_per_call> outgoing_;
-  std::array<std::optional<Fragmenter>, batches_per_call> rest_;  ///< what is left behind each batch
+  std::array<std::optional<Fragmenter>, batches_per_call> rest_;  ///< the rest of the body behind each batch
 };
 
 }  // namespace sft::udp

@@ -5,9 +5,9 @@
 
 namespace sft::udp {
 
-/// Each reliable member keeps the job in its channel: for repairs, or to send it itself while the member does
-/// not hear the group or has no room. Copies for the best-effort members that do not hear the group have no
-/// mark of the group.
+/// Each reliable member keeps the job in its channel, for repairs, or to send it if the member does not
+/// hear the group or the group has no room. Copies for best-effort members that do not hear the group have
+/// no mark of the group.
 std::size_t GroupDelivery::send(const Audience& audience, const core::SampleHandle& sample,
                                 const core::SampleHandle& body) {
   MulticastGroup& group = *audience.multicast;
@@ -27,7 +27,7 @@ std::size_t GroupDelivery::send(const Audience& audience, const core::SampleHand
   }
   const MulticastGroup::BestEffort others = group.best_effort();
   if (has_room || others.some_hear) {
-    // Channels share the job by now. Its own header is for the group alone.
+    // Channels share the job by now, with headers of their own. The job's header is for the group alone.
     job.first.flags |= group_follows;
     job.first.group = {group.name().number, static_cast<std::uint32_t>(sample->sequence >> 32), ordinal};
     missed += send_to_group(audience, body) ? 0 : 1;
@@ -36,7 +36,7 @@ std::size_t GroupDelivery::send(const Audience& audience, const core::SampleHand
   return others.some_do_not ? missed + send_to_unconfirmed_members(audience, sample) : missed;
 }
 
-/// A publisher that waits for its readers waits for each reliable member, before anything of the sample
+/// If the publisher waits for its readers, it waits for each reliable member before anything of the sample
 /// leaves.
 void GroupDelivery::await_room(const Audience& audience) {
   std::chrono::nanoseconds* const timeout = unicast_.reliable.timeout();
@@ -73,7 +73,7 @@ std::size_t GroupDelivery::keep_for(const Audience& audience, std::size_t member
   return unicast_.reliable.settle(posted, channel, *audience.lanes[member], 1);
 }
 
-/// False if the group does not get the sample, or loses an older one for it.
+/// Returns false if the group does not get the sample, or loses an older one for it.
 bool GroupDelivery::send_to_group(const Audience& audience, const core::SampleHandle& body) {
   MulticastGroup& group = *audience.multicast;
   const std::shared_ptr<Lane>& lane = group.lane();

@@ -1,4 +1,5 @@
-// Sends the present sample to a multicast group, and to those members alone that do not hear the group.
+// Sends the present sample to a multicast group, and separately to those members that do not hear the
+// group.
 #pragma once
 
 #include <cstddef>
@@ -16,13 +17,14 @@ namespace sft::udp {
 
 class GroupDelivery {
  public:
-  /// All but `side` outlive the delivery.
+  /// All arguments except `side` outlive the delivery.
   GroupDelivery(std::shared_ptr<SendSide> side, const SampleEncoder& encoder, Draft& draft,
                 DirectPath& direct, UnicastDelivery& unicast)
       : side_(std::move(side)), encoder_(encoder), draft_(draft), direct_(direct), unicast_(unicast) {}
 
-  /// The audience has a multicast group. `body` has the bytes of the job: it is the sample, or memory of the
-  /// parts that were taken out of the sample. Returns how many destinations do not get the sample.
+  /// REQUIRES: the audience has a multicast group. `body` holds the bytes of the job: it is the sample, or
+  /// memory with the parts that were taken from the sample. Returns how many destinations do not get the
+  /// sample.
   std::size_t send(const Audience& audience, const core::SampleHandle& sample,
                    const core::SampleHandle& body);
 

@@ -9,10 +9,10 @@ namespace {
 using Progress = FlowSender::Progress;
 using Size = SendFlow::Size;
 
-/// A group waits so long for a member to be sent what is older and goes to that member alone.
+/// The time that a group waits for an older sample that is sent to one of its members alone.
 constexpr std::chrono::milliseconds member_stalls_max{10};
 
-/// Both have a job of the same writer.
+/// REQUIRES: both flows have a job of the same writer.
 bool is_older(const SendFlow& one, const SendFlow& other) {
   const auto sequence = [](const SendFlow& flow) { return flow.lane->current()->first.label.sequence; };
   return static_cast<std::int32_t>(sequence(one) - sequence(other)) < 0;
@@ -38,7 +38,7 @@ void LaneFlows::forget_idle() {
   std::erase_if(flows_, [](const SendFlow& flow) { return flow.lane == nullptr; });
 }
 
-/// Takes the next job of the flow's lane; false if there is none.
+/// Takes the next job of the flow's lane. Returns false if there is none.
 bool LaneFlows::begin(SendFlow& flow) {
   flow.fragments.reset();
   flow.full_since.reset();
@@ -52,8 +52,8 @@ bool LaneFlows::begin(SendFlow& flow) {
   return true;
 }
 
-/// Hands the history of a late reader, and what waited for it, to the channel as far as there is room:
-/// nothing has to go there for samples that can wait here. False if nothing remains.
+/// Hands the history of a late reader, and the jobs that waited behind it, to the channel while there is
+/// room, so that the channel gives up nothing for jobs that can wait here. Returns false if no job remains.
 bool LaneFlows::pass_on(SendFlow& flow) {
   Lane& lane = *flow.lane;
   if (lane.closed()) flow.waits_for_room = false;
@@ -70,7 +70,7 @@ bool LaneFlows::pass_on(SendFlow& flow) {
   return false;
 }
 
-/// Sends what the flow may send now, and takes its next job when there is nothing left.
+/// Sends what the flow may send now, and takes its next job when that is done.
 void LaneFlows::advance(SendFlow& flow) {
   if (const SendFlow* other = holder_of(flow)) return note_stall(flow, other->stalled_since);
   const Progress progress = sender_.send_some(flow);
@@ -86,17 +86,17 @@ void LaneFlows::advance(SendFlow& flow) {
   if (!begin(flow)) flow.lane.reset();
 }
 
-/// Groups that wait for the flow look again when they may pass it. A flow stands still as long as the one
-/// does that it waits for.
+/// Schedules when groups that wait for the flow may pass it. A flow that waits for another one stalls as
+/// long as that one does.
 void LaneFlows::note_stall(SendFlow& flow, std::optional<SendFlow::Time> since) {
   if (since && !flow.stalled_since) round_.by(*since + member_stalls_max);
   flow.stalled_since = since;
 }
 
-/// Large samples of one writer go to a destination one after another, under whichever masks: a receiver puts
-/// only so many together at a time, and the first is whole sooner. Small ones pass between. Where a receiver
-/// gets one sample by a group or in a shared copy, and another one by another lane, the older one goes first.
-/// Returns a flow that has to go on before this one; null if there is none.
+/// Returns a flow that has to go on before this one; null if there is none. Large samples of one writer go
+/// to a destination one after another, under any masks: a receiver assembles only a few at a time, and the
+/// first one is whole sooner. Small samples may pass between them. If a receiver gets one sample by a group
+/// or in a shared copy, and another one by another lane, the older one goes first.
 const SendFlow* LaneFlows::holder_of(const SendFlow& flow) {
   if (flow.fragments->begun()) return nullptr;
   const Destination& to = flow.lane->destination();
@@ -111,7 +111,7 @@ const SendFlow* LaneFlows::holder_of(const SendFlow& flow) {
   return holder == flows_.end() ? nullptr : &*holder;
 }
 
-/// A group does not stand still for long because one of its members does.
+/// Returns true if a group may pass a flow to one of its members that has stalled for long enough.
 bool LaneFlows::may_pass(const SendFlow& flow, const SendFlow& other) {
   if (!flow.lane->end().is_group() || other.lane->end().is_group() || !other.stalled_since) return false;
   const SendFlow::Time at = *other.stalled_since + member_stalls_max;

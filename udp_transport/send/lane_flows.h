@@ -1,4 +1,4 @@
-// The lanes that the sending thread serves: it sends their jobs, one after another in each lane, or hands
+// The lanes that the sending thread serves. It sends their jobs, one after another in each lane, or hands
 // them to the channel of the lane.
 #pragma once
 
@@ -18,17 +18,17 @@ namespace sft::udp {
 /// Used by the sending thread.
 class LaneFlows {
  public:
-  /// `scheduled` takes channels that have something to look after again. All three outlive this object.
+  /// `scheduled` takes channels that need attention again. All three arguments outlive this object.
   LaneFlows(FlowSender& sender, ScheduledWork& scheduled, NextRound& round)
       : sender_(sender), scheduled_(scheduled), round_(round) {}
 
   void add(std::shared_ptr<Lane> lane) { flows_.emplace_back().lane = std::move(lane); }
-  /// Takes the next job where there is none, and sends small ones.
+  /// Takes the next job in each lane that has none in progress, and sends small ones.
   void send_small();
   /// Gives one lane its turn with a large job; `which` is less than count().
   void send_large(std::size_t which);
   std::size_t count() const { return flows_.size(); }
-  /// Forgets the lanes that have become idle.
+  /// Removes the lanes that have become idle.
   void forget_idle();
   void clear() { flows_.clear(); }
 
@@ -43,7 +43,7 @@ class LaneFlows {
   FlowSender& sender_;
   ScheduledWork& scheduled_;
   NextRound& round_;
-  std::vector<SendFlow> flows_;  ///< one without a lane is forgotten at the end of the round
+  std::vector<SendFlow> flows_;  ///< one without a lane is removed at the end of the round
 };
 
 }  // namespace sft::udp

@@ -1,6 +1,6 @@
-// Whose turn it is on the processors of this host: the sending thread makes way for publishers and their
-// readers here. It can be busy for milliseconds with a sample for other hosts, and a scheduler may let it go
-// on for that long while the thread that publishes, or a reader that was woken, waits for its processor.
+// Makes the sending thread yield to publishers and their readers on this host. That thread can be busy for
+// milliseconds with a sample for other hosts. A scheduler may let it go on for that long while the thread
+// that publishes, or a reader that was woken, waits for a processor.
 #pragma once
 
 #include <atomic>
@@ -13,18 +13,18 @@ namespace sft::udp {
 class LocalTurns {
  public:
   using Time = std::chrono::steady_clock::time_point;
-  /// From when the sending thread sees that a turn is over. Readers are woken by way of another thread of
+  /// The time from when the sending thread sees that a turn is over. Readers are woken by another thread of
   /// their process, one after another.
   static constexpr std::chrono::milliseconds time_to_wake{1};
 
-  // Publishers: a sample is being published to readers on this host. Any thread.
+  // Publishers call these when they begin and end publishing a sample to readers on this host. Any thread.
 
   void begin() noexcept { state_.fetch_add(one_under_way, std::memory_order_relaxed); }
   void end() noexcept { state_.fetch_add(one_over - one_under_way, std::memory_order_relaxed); }
 
   // The sending thread.
 
-  /// True while there is such a turn, and for a moment after each, when its readers wake up.
+  /// Returns true while there is such a turn, and for a moment after it, when its readers wake up.
   bool is_due(Time now) noexcept {
     const std::uint64_t state = state_.load(std::memory_order_relaxed);
     const auto over = static_cast<std::uint32_t>(state >> 32);
@@ -36,9 +36,9 @@ class LocalTurns {
  private:
   static constexpr std::uint64_t one_under_way = 1, one_over = std::uint64_t{1} << 32;
 
-  /// The turns that are under way in the lower half, and in the upper half how many are over.
+  /// The number of turns under way in the lower half, and of finished turns in the upper half.
   std::atomic<std::uint64_t> state_{0};
-  alignas(64) std::uint32_t over_ = 0;  ///< as the sending thread saw it last; apart from what others write
+  alignas(64) std::uint32_t over_ = 0;  ///< `over` when seen last; on a cache line of its own
   Time until_{};
 };
 

@@ -6,12 +6,13 @@
 namespace sft::udp {
 
 namespace {
-/// One system call takes a pack of this length, whatever the lengths of its samples.
+/// One system call takes a pack of this length, whatever the lengths of its samples are.
 constexpr std::size_t pack_bytes_most = 44'000;
 constexpr std::size_t pack_datagrams = 30;
-/// A quarter of what is acknowledged at a time or kept: the next pack can be filled meanwhile.
+/// A quarter of the samples that are acknowledged at a time or kept, so that the next pack can be filled
+/// meanwhile.
 constexpr std::size_t pack_samples_max = 1024;
-/// A datagram has room for so many samples at least: with fewer, sharing it gains little.
+/// A datagram has room for at least this many samples. With fewer, sharing it would gain little.
 constexpr std::size_t samples_per_datagram_min = 4;
 }  // namespace
 
@@ -29,7 +30,7 @@ Packer::Pack& Packer::pack_for(const Audience& audience) {
     datagram_bytes = std::min(datagram_bytes, lane->destination().path().datagram_bytes());
   const std::size_t header =
       first_header_bytes + channel_bytes + length_bytes + audience.wire->words.size() * sizeof(std::uint64_t);
-  // Every path takes such a sample in one datagram, so that no sample ever has to be cut.
+  // Every path takes such a sample in one datagram, so that no packed sample ever has to be cut.
   const std::size_t sample_bytes = std::min({datagram_bytes_min - header, side_->max_sample_bytes,
                                              (datagram_bytes - header) / samples_per_datagram_min});
   return packs_.emplace_back(Pack{&audience, jobs_->take(), sample_bytes,

@@ -16,16 +16,16 @@ namespace sft::udp {
 /// Used by one thread.
 class Packer {
  public:
-  /// The encoder outlives the packer. No sample is longer than `max_sample_bytes` of the send side.
+  /// The encoder outlives the packer. No sample is longer than SendSide::max_sample_bytes.
   Packer(std::shared_ptr<SendSide> side, const SampleEncoder& encoder, std::shared_ptr<JobPool> jobs)
       : side_(std::move(side)), encoder_(encoder), jobs_(std::move(jobs)) {}
 
   enum class Hold : std::uint8_t {
     held,
-    full,   ///< the sample has to wait for the packs to be sent
-    unfit,  ///< the sample is not small, or must not be packed: it is sent alone, after the packs
+    full,   ///< the sample has to wait until the packs are sent
+    unfit,  ///< the sample is not small, or must not be packed; it is sent alone, after the packs
   };
-  /// Copies a small sample into the pack of the audience, which lives until the packs are taken.
+  /// Copies a small sample into the pack of the audience. The audience lives until the packs are taken.
   Hold hold(const Audience& audience, const core::SampleHandle& sample) noexcept;
 
   /// A pack that can be sent.
@@ -36,7 +36,7 @@ class Packer {
     std::size_t pack_bytes_max;
     bool takes(const core::SampleBuffer& sample, std::size_t bytes) const;
   };
-  /// Calls `send(pack)` for each pack that is not empty, and forgets all of them.
+  /// Calls `send(pack)` for each pack that is not empty, and removes all packs.
   template <class Send>
   void take_packs(const Send& send) noexcept {
     for (const Pack& pack : packs_) {

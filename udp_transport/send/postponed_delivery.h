@@ -19,10 +19,10 @@ class PostponedDelivery {
   PostponedDelivery(Draft& draft, DirectPath& direct, UnicastDelivery& unicast)
       : draft_(draft), direct_(direct), unicast_(unicast) {}
 
-  /// True if nothing has to go before the sample, and there is a connection for it.
+  /// Returns true if nothing has to be sent before the sample, and there is a connection for it.
   static bool is_possible(const Audience& audience);
-  /// Sends by the only lane of the audience. Returns how many samples do not get there. Empty if something
-  /// else has to be sent before: nothing was sent then.
+  /// Sends through the only lane of the audience. Returns how many samples do not get there. Empty if
+  /// something else has to be sent first; then nothing was sent.
   std::optional<std::size_t> send(const Audience& audience, const core::SampleHandle& sample);
 
  private:
@@ -36,7 +36,7 @@ class PostponedDelivery {
   Draft& draft_;
   DirectPath& direct_;
   UnicastDelivery& unicast_;
-  std::vector<detail::Segment> located_;  ///< where the present body is
+  std::vector<detail::Segment> located_;  ///< where the present body lies
 };
 
 }  // namespace sft::udp

@@ -6,8 +6,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 }
 
-/// The job waits in the lane of a late reader: the history of that reader goes first, and no part of it may
-/// have to go for the job.
+/// Queues the job in the lane of a late reader, because the history of that reader is sent first, and no
+/// part of it may be given up for the job.
 std::size_t ReliableDelivery::send_after_history(const std::shared_ptr<Lane>& lane) {
   if (draft_.job().is_small()) draft_.copy_for_channel();
   if (timeout_.count() > 0) lane->await_room(draft_.job(), timeout_);
@@ -37,7 +37,7 @@ std::size_t ReliableDelivery::settle(const Channel::Posted& posted, const std::s
   const ResendWindow::Kept& kept = posted.kept;
   lane.losses()->lost(kept.dropped_bytes, kept.dropped_whole_bytes, kept.dropped);
   side_->over_limit.fetch_add(kept.dropped, std::memory_order_relaxed);
-  // A publisher that waited for room in vain is told of samples that may have arrived, too: nobody
+  // If a publisher waited for room in vain, samples that may have arrived count, too, because no reader
   // acknowledged them in all that time.
   const std::size_t gone = kept.dropped + (waits_for_readers_ ? kept.unacknowledged : 0);
   return std::min(gone, job_samples);

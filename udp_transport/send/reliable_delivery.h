@@ -18,7 +18,7 @@ namespace sft::udp {
 
 class ReliableDelivery {
  public:
-  /// The draft, the direct path and the best-effort delivery outlive this one. `waits_for_readers`: the
+  /// The draft, the direct path and the best-effort delivery outlive this object. `waits_for_readers`: the
   /// publisher may be held up until readers have acknowledged what was sent.
   ReliableDelivery(std::shared_ptr<SendSide> side, Draft& draft, DirectPath& direct,
                    BestEffortDelivery& best_effort, bool waits_for_readers)
@@ -28,17 +28,17 @@ class ReliableDelivery {
         best_effort_(best_effort),
         waits_for_readers_(waits_for_readers) {}
 
-  /// Returns how many older samples had to go for the present one.
+  /// Returns how many older samples were given up for the present one.
   std::size_t send(const std::shared_ptr<Lane>& lane, const std::shared_ptr<Channel>& channel);
-  /// Wakes the thread that has to look after the channel, and counts the losses. Returns how many older
-  /// samples had to go for the posted ones, and no more than these are.
+  /// Wakes the sending thread if the channel needs it, and counts the losses. Returns how many older
+  /// samples were given up for the posted ones, but at most the number of posted ones.
   std::size_t settle(const Channel::Posted& posted, const std::shared_ptr<Channel>& channel, Lane& lane,
                      std::size_t job_samples);
 
-  /// The publisher may wait so long, in all, until no older sample has to go for a new one.
+  /// Sets how long the publisher may wait in all until no older sample has to be given up for a new one.
   void set_timeout(std::chrono::nanoseconds timeout) { timeout_ = timeout; }
   void cap_timeout(std::chrono::nanoseconds timeout) { timeout_ = std::min(timeout_, timeout); }
-  /// Null if the publisher must not wait. Whoever waits uses it up.
+  /// Returns the remaining time, which a caller that waits uses up; null if the publisher must not wait.
   std::chrono::nanoseconds* timeout() { return timeout_.count() == 0 ? nullptr : &timeout_; }
 
  private:

@@ -19,7 +19,8 @@ bool SampleEncoder::encode(const Audience& audience, const core::SampleBuffer& s
   return true;
 }
 
-/// Jobs do not keep the memory of large parts for the next sample: there are many of them.
+/// Uses memory of the node's pool for large parts, because there are many jobs, and they would keep memory
+/// of their own.
 bool SampleEncoder::gather(const Audience& audience, const core::SampleBuffer& sample, Job& job) const {
   const detail::SampleState state = core::state_of(sample, type_.index_slots());
   const std::size_t bytes = job.projection.bytes_most(state, audience.plan);

@@ -1,4 +1,5 @@
-// Encodes a writer's samples for an audience: the body under its mask, and the header of the first datagram.
+// Encodes a writer's samples for an audience: the body under its mask, and the header of the first
+// datagram.
 #pragma once
 
 #include <cstdint>
@@ -11,21 +12,22 @@
 
 namespace sft::udp {
 
-/// Any thread, but for number().
+/// Any thread, except for number().
 class SampleEncoder {
  public:
   SampleEncoder(const core::WriterSpec& spec, std::shared_ptr<SendSide> side)
       : writer_(static_cast<std::uint32_t>(spec.id)), type_(*spec.type), side_(std::move(side)) {}
 
-  /// False if there is nothing to send: the sample is malformed, or too large. If large parts of fields were
-  /// asked for, the body lies in memory of the node's own, which the job then has as its sample.
+  /// Returns false if there is nothing to send, because the sample is malformed or too large. If large
+  /// parts of fields were asked for, the body lies in memory of the node itself, which the job then has as
+  /// its sample.
   bool encode(const Audience& audience, const core::SampleBuffer& sample, Job& job) const;
-  /// The publisher's thread: the sample has passed the gate of the audience, if there is one, and says as
-  /// which one. Retained samples pass no gate.
+  /// Called by the publisher's thread if the sample has passed the gate of the audience, if there is one.
+  /// Writes its number among the passed samples. Retained samples pass no gate.
   static void number(const Audience& audience, Job& job);
-  /// Writes all of the header but the length of the body.
+  /// Writes the whole header, except the length of the body.
   void describe(const Audience& audience, const core::SampleBuffer& sample, Job& job) const;
-  /// Projects the sample to the mask of the audience. False if the sample is malformed.
+  /// Projects the sample to the mask of the audience. Returns false if the sample is malformed.
   bool project(const Audience& audience, const core::SampleBuffer& sample, detail::Projection& body) const {
     return body.project(core::state_of(sample, type_.index_slots()), audience.plan);
   }
@@ -33,7 +35,7 @@ class SampleEncoder {
  private:
   bool gather(const Audience& audience, const core::SampleBuffer& sample, Job& job) const;
 
-  const std::uint32_t writer_;  ///< low half of the id
+  const std::uint32_t writer_;  ///< low half of the writer's id
   const TypeSupport& type_;
   const std::shared_ptr<SendSide> side_;
 };

@@ -17,17 +17,17 @@ namespace sft::udp {
 
 class ScheduledWork {
  public:
-  /// `io` is what the sending thread sleeps in. It outlives this object.
+  /// The sending thread sleeps in `io`, which outlives this object.
   explicit ScheduledWork(DatagramSender& io) : io_(io) {}
 
   // Any thread.
 
   void add(std::shared_ptr<Lane> lane);
   void add(std::shared_ptr<Channel> channel);
-  /// Work must be carried out before it is added again. Allocates nothing.
+  /// Work must have been carried out before it is added again. Allocates nothing.
   void add(std::shared_ptr<DeferredWork> work) noexcept;
-  /// Lets go of all that nobody has taken, and of what is added later: deferred work shares what owns the
-  /// sending thread.
+  /// Releases everything that was not taken, and ignores what is added later, because deferred work shares
+  /// ownership of the sending thread.
   void close();
 
   // The sending thread.
@@ -40,17 +40,17 @@ class ScheduledWork {
     std::vector<std::shared_ptr<Lane>> lanes;
     std::vector<std::shared_ptr<Channel>> channels;
 
-    static constexpr std::size_t few = 16;  ///< for which nothing is ever allocated later
+    static constexpr std::size_t few = 16;  ///< for this many nothing is allocated later
   };
-  /// Takes the lanes and channels that were added since the last call. `taken` is empty before; where
-  /// something is taken, its memory is used for what is added next.
+  /// Takes the lanes and channels that were added since the last call. `taken` is empty before. If
+  /// something is taken, its former memory is used for what is added next.
   void take(Taken& taken);
   void carry_out_deferred() {
     if (any_deferred_.load(std::memory_order_acquire)) carry_out_all_deferred();
   }
 
  private:
-  /// The lengths that these lists have grown to.
+  /// The capacities that these lists have reached.
   struct Room {
     std::size_t lanes = 0, channels = 0;
   };

@@ -1,4 +1,5 @@
-// The present job of one lane, or of one of a channel's two queues, as far as the sending thread has sent it.
+// The present job of one lane, or of one of a channel's two queues, as far as the sending thread has sent
+// it.
 #pragma once
 
 #include <chrono>
@@ -17,19 +18,20 @@ struct SendFlow {
   using Time = Clock::time_point;
   using Size = ResendWindow::Size;
 
-  std::shared_ptr<Lane> lane{};  ///< null: the flow is that of the channel
+  std::shared_ptr<Lane> lane{};  ///< null: the flow belongs to the channel
   std::shared_ptr<Channel> channel{};
   Size size{};
   std::optional<Fragmenter> fragments{};
-  std::optional<Time> full_since{};     ///< its connection, without anything sent since
-  std::optional<Time> stalled_since{};  ///< nothing of it could be sent since, for whichever reason
-  bool waits_for_room = false;          ///< the lane's current job, in the lane's channel
-  std::uint64_t behind = 0;  ///< the destination's position after what was sent last of a large sample
+  std::optional<Time> full_since{};     ///< when its connection became full, if nothing was sent since
+  std::optional<Time> stalled_since{};  ///< when it stalled, if nothing was sent since
+  bool waits_for_room = false;          ///< the lane's current job has no room in the lane's channel
+  std::uint64_t behind = 0;  ///< the destination's position behind the latest part of a large sample
   std::optional<Channel::Piece> piece{};  ///< keeps what the fragments refer to
 
   Destination& destination() const { return lane ? lane->destination() : channel->destination(); }
   WriterTally& tally() const { return lane ? lane->tally() : channel->tally(); }
-  /// A small sample overtakes large ones, unless it has to arrive behind one of them.
+  /// The connection of a small sample overtakes large samples, unless the sample has to arrive behind one
+  /// of them.
   Connection& connection() const {
     if (size == Size::large) return destination().bulk();
     return lane ? destination().connection_after(lane->behind()) : destination().connection();

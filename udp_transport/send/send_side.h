@@ -24,18 +24,18 @@
 
 namespace sft::udp {
 
-/// Something that has to be looked after now and then, on the agent's thread.
+/// Something that the agent's thread has to maintain now and then.
 class Periodic {
  public:
   using Time = std::chrono::steady_clock::time_point;
-  /// Returns when it wants to be looked after again; Time::max() if that has time.
+  /// Returns when it has to be called again; Time::max() if that is not urgent.
   virtual Time maintain(Time now) = 0;
 
  protected:
   ~Periodic() = default;
 };
 
-/// Any thread.
+/// Add and remove: any thread.
 class PeriodicTasks {
  public:
   using Time = Periodic::Time;
@@ -45,7 +45,7 @@ class PeriodicTasks {
     const auto maintain = [&one](Time now, Time& next) { next = std::min(next, one.maintain(now)); };
     all_.push_back({&one, std::make_shared<Maintain>(maintain)});
   }
-  /// When it returns, `one` is not called any more, and no call is inside any more.
+  /// When this returns, `one` is not called any more, and no call is in progress.
   void remove(const Periodic& one) {
     core::Lock lock(mutex_);
     const auto found = std::ranges::find(all_, &one, &Entry::one);
@@ -54,8 +54,8 @@ class PeriodicTasks {
     lock.unlock();
     removed->clear();
   }
-  /// The agent's thread: calls each in its turn, without keeping others out meanwhile. Allocates nothing
-  /// while there are no more of them than before.
+  /// The agent's thread: calls each task in turn, without keeping others out meanwhile. Allocates nothing
+  /// while there are no more tasks than before.
   void maintain(Time now) {
     {
       const core::Lock lock(mutex_);
@@ -65,9 +65,9 @@ class PeriodicTasks {
     for (const Entry& entry : round_) (*entry.maintain)(now, next_);
     round_.clear();
   }
-  /// The agent's thread: one of them wants maintain() to be called by then.
+  /// The agent's thread: a task wants maintain() to be called by that time.
   void maintain_by(Time next) { next_ = std::min(next_, next); }
-  /// The agent's thread: when maintain() wants to be called again; Time::max() if that has time.
+  /// The agent's thread: returns when maintain() has to be called again; Time::max() if that is not urgent.
   Time next() const { return next_; }
 
  private:
@@ -83,7 +83,7 @@ class PeriodicTasks {
   Time next_ = Time::max();
 };
 
-/// Outlives the transport as long as a writer does.
+/// Lives as long as the transport, and any of its writers.
 struct SendSide {
   SendSide(std::unique_ptr<DatagramSender> io, const DestinationLimits& to_each,
            std::uint64_t max_bytes_per_s = 0)
@@ -98,13 +98,13 @@ struct SendSide {
   PeriodicTasks writers;
   DestinationLimits limits;  ///< for multicast groups
   Multicast multicast = Multicast::automatic;
-  // These two are the agent's.
+  // These two are used by the agent's thread.
   core::NetworkMonitor network_watch;
   KnownMulticastLinks links{network_watch};
-  std::uint16_t answer_port = 0;     ///< where acks and reports come in
+  std::uint16_t answer_port = 0;     ///< where acks and reports come to
   std::size_t max_sample_bytes = 0;  ///< the largest body that is sent
   std::size_t queue_depth = 0;
-  /// The node's own: what lies elsewhere is borrowed. May be null.
+  /// The node's own memory; samples elsewhere are in borrowed memory. May be null.
   std::shared_ptr<core::BufferPool> pool;
   std::shared_ptr<KeptMemory> kept = std::make_shared<KeptMemory>();
   std::atomic<std::uint64_t> over_limit{0}, malformed_answers{0}, answers_rejected{0};

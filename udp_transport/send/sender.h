@@ -1,6 +1,6 @@
-// The sending thread: takes what publishers queued and sends it, as fast as each destination takes it. No
-// destination waits for another: where a send buffer is full, what has room goes on. Small samples go before
-// large ones, and these take turns.
+// The sending thread: sends what publishers have queued, as fast as each destination takes it. No
+// destination waits for another: if a send buffer is full, others go on. Small samples go before large
+// ones, and large ones take turns.
 #pragma once
 
 #include <atomic>
@@ -27,49 +27,50 @@ namespace sft::udp {
 
 class Sender {
  public:
-  /// Sends at most so many bytes per second; 0: no limit.
+  /// Sends at most `max_bytes_per_s`; 0: no limit.
   explicit Sender(std::unique_ptr<DatagramSender> io, std::uint64_t max_bytes_per_s = 0);
   ~Sender();
   Sender(const Sender&) = delete;
   Sender& operator=(const Sender&) = delete;
 
-  /// Hears what comes back to answer_port(), on the sending thread, as hear_answer() does.
+  /// Handles an answer that comes to answer_port(), on the sending thread, as hear_answer() does.
   using Hear = AnswerReceiver::Hear;
   Result<void> start(const core::ThreadSpec& thread, Hear hear = {});
-  /// Queued samples are not sent any more. Not called by the sending thread.
+  /// Ends the thread. Queued samples are not sent any more. Not called by the sending thread.
   void stop();
   bool stopped() const { return stopped_.load(std::memory_order_acquire); }
 
   // Any thread.
 
   std::unique_ptr<Connection> connect(const SocketAddress& to) { return io_->connect(to); }
-  /// Sends one datagram without a connection, at once or not at all.
+  /// Sends one datagram without a connection, either at once or not at all.
   void send_to(const SocketAddress& to, std::span<const std::byte> datagram) noexcept {
     io_->send_to(to, datagram);
   }
-  /// The limit of all writers.
+  /// The rate limit of all writers together.
   RateLimit& limit() { return limit_; }
   LocalTurns& local_turns() { return local_turns_; }
-  /// 0: there is none.
+  /// 0: there is no port for answers.
   std::uint16_t answer_port() const { return io_->answer_port(); }
   std::unique_ptr<Connection> connect_group(const SocketAddress& group, const SocketAddress& own) {
     return io_->connect_group(group, own);
   }
-  /// A lane that was idle has something to send, a channel that was at rest has something to look after, or
-  /// there is deferred work: see ScheduledWork.
+  /// Called if a lane that was idle has something to send, a channel that was at rest needs attention, or
+  /// there is deferred work (ScheduledWork).
   template <class One>
   void schedule(std::shared_ptr<One> one) {
     scheduled_.add(std::move(one));
   }
-  /// Lanes were closed, or channels have something to send: looks at all of them at once.
+  /// Makes the thread check all lanes and channels at once, since lanes were closed, or channels have
+  /// something to send.
   void look_again() noexcept { io_->wake(); }
-  /// Tells the sending thread what it has to know of a lane, a channel or work.
+  /// Wakes the sending thread for a lane, a channel or work, as far as `wake` says.
   template <class One>
   void wake(Wake wake, const std::shared_ptr<One>& one) {
     if (wake == Wake::schedule) return schedule(one);
     if (wake == Wake::look) look_again();
   }
-  /// The same, where there is nothing to schedule.
+  /// The same if there is nothing to schedule.
   void wake(Wake wake) noexcept {
     if (wake != Wake::none) look_again();
   }
@@ -93,7 +94,7 @@ class Sender {
   LaneFlows lanes_;
   ChannelFlows channels_;
   ScheduledWork::Taken taken_;
-  std::size_t turn_ = 0;  ///< which large one is the first
+  std::size_t turn_ = 0;  ///< the large flow that comes first in a round
 };
 
 }  // namespace sft::udp

@@ -1,4 +1,4 @@
-// Sends the present sample to each destination alone: reliably where a reader there wants that.
+// Sends the present sample to each destination separately, reliably if a reader there asks for that.
 #pragma once
 
 #include <cstddef>

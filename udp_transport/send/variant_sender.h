@@ -1,5 +1,4 @@
-// Sends a writer's samples under one mask after the other, by the delivery mode that suits each sample and
-// audience.
+// Sends a writer's samples under one mask after another, in the way that suits each sample and audience.
 #pragma once
 
 #include <chrono>
@@ -20,7 +19,7 @@
 
 namespace sft::udp {
 
-/// Used by one thread, but for encode().
+/// Used by one thread, except for encode().
 class VariantSender {
  public:
   VariantSender(const core::WriterSpec& spec, std::shared_ptr<SendSide> side,
@@ -33,19 +32,19 @@ class VariantSender {
 
   using Hold = Packer::Hold;
   /// Copies a small sample. flush() sends it in datagrams that it shares with others. The audience lives
-  /// until then.
+  /// until flush().
   Hold hold(const Audience& audience, const core::SampleHandle& sample) noexcept {
     return packer_.hold(audience, sample);
   }
-  /// Returns how many samples do not get to some destination, or cost it an older one. Each sample counts
-  /// once, since the samples in the packs of all audiences are the same.
+  /// Returns how many samples do not get to some destination, or made it lose an older one. Each sample
+  /// counts once, since the packs of all audiences have the same samples.
   std::size_t flush() noexcept;
 
-  /// The publisher may wait so long, in all, until what is sent reliably costs nobody an older sample.
+  /// Sets how long the publisher may wait in all until a reliable sample makes no reader lose an older one.
   void set_timeout(std::chrono::nanoseconds timeout) { unicast_.reliable.set_timeout(timeout); }
   void cap_timeout(std::chrono::nanoseconds timeout) { unicast_.reliable.cap_timeout(timeout); }
 
-  /// False if there is nothing to send: the sample is malformed, or too large. Any thread.
+  /// Returns false if there is nothing to send, because the sample is malformed or too large. Any thread.
   bool encode(const Audience& audience, const core::SampleBuffer& sample, Job& job) const {
     return encoder_.encode(audience, sample, job);
   }
