@@ -1,4 +1,4 @@
-// A subscriber's end of the wire.
+// A subscriber's end of the UDP transport.
 #pragma once
 
 #include <memory>
@@ -13,7 +13,7 @@ namespace sft::udp {
 class UdpReader final : public core::NetworkReader {
  public:
   UdpReader(const core::ReaderSpec& spec, std::shared_ptr<ReceiveLoop> receiver);
-  /// Waits for a call of the listener to return, unless it is made by that call.
+  /// Waits for a running call of the listener, unless that call destroys the reader.
   ~UdpReader() override;
 
   core::SampleHandle take() noexcept override { return inbox_->take(); }

@@ -21,7 +21,7 @@ namespace sft::udp {
 
 namespace {
 
-/// Advice for hosts where large samples would get lost.
+/// Returns advice for hosts where large samples would get lost; empty for others.
 std::string note_on_buffer(const UdpOptions& options, const UdpSocket& socket) {
   if (socket.receive_buffer_bytes >= options.receive_buffer_bytes) return "";
   return "; the system grants its socket " + std::to_string(socket.receive_buffer_bytes) + " of " +
@@ -30,7 +30,7 @@ std::string note_on_buffer(const UdpOptions& options, const UdpSocket& socket) {
          "net.core.rmem_max=" + std::to_string(options.receive_buffer_bytes / 2) + "'";
 }
 
-/// The ports share the two halves, and can outlive the transport; they do nothing then.
+/// Ports share the two halves, and can outlive the transport; they do nothing then.
 class UdpTransport final : public core::Network {
  public:
   UdpTransport(const UdpOptions& options, const UdpSocket& socket, std::string description,
@@ -93,7 +93,7 @@ class UdpTransport final : public core::Network {
     if (!addresses.empty()) return addresses;
     for (const core::Link& link : links())
       addresses.push_back({link.ip, port_, receive_buffer_bytes_, link.wireless});
-    // While none of the interfaces is there that were chosen, nodes of this host reach us all the same.
+    // Even if none of the chosen interfaces is there now, nodes of this host can reach us.
     if (addresses.empty()) addresses.push_back({core::loopback_ipv4, port_, receive_buffer_bytes_});
     return addresses;
   }
@@ -134,20 +134,20 @@ class UdpTransport final : public core::Network {
   }
 
  private:
-  const std::vector<NodeStatus::QuickPath> quick_paths_;  ///< io_uring is the first
+  const std::vector<NodeStatus::QuickPath> quick_paths_;  ///< io_uring is first
   const std::string description_;
   const std::size_t max_sample_bytes_;
   const core::IpAddress bound_to_;
   const std::vector<core::IpAddress> advertised_;
   const std::vector<std::string> interfaces_;
-  std::uint64_t network_changes_ = 0;  ///< seen so far
+  std::uint64_t network_changes_ = 0;  ///< count of changes seen so far
   bool network_has_changed_ = false;
   mutable core::Mutex links_mutex_;
-  /// The links as the system listed them last; at times it cannot.
+  /// The links when the system listed them last, which it cannot do at times.
   mutable std::vector<core::Link> links_ SFT_GUARDED_BY(links_mutex_);
   std::chrono::steady_clock::time_point destinations_looked_after_at_{};
   const std::uint16_t port_;
-  const int family_;  ///< of the socket: one of IPv6 takes both
+  const int family_;  ///< family of the socket; an IPv6 one takes both
   const std::uint32_t receive_buffer_bytes_;
   const std::shared_ptr<ReceiveLoop> receiver_;
   const std::shared_ptr<SendSide> send_side_;
@@ -204,7 +204,7 @@ std::shared_ptr<ReceiveLoop> make_receiver(const UdpOptions& options,
   ReceiveLoop::SendingHalf half;
   half.hear_answer = [send_side](const Answer& answer, const SocketAddress& from,
                                  std::chrono::steady_clock::time_point now) {
-    if (send_side->sender.answer_port() != 0) {  // answers have to come to that port
+    if (send_side->sender.answer_port() != 0) {  // then answers have to come to that port
       send_side->malformed_answers.fetch_add(1, std::memory_order_relaxed);
     } else {
       send_side->sender.wake(hear_answer(*send_side, answer, from, now));
@@ -245,7 +245,7 @@ Result<std::unique_ptr<core::Network>> open_udp_transport(const UdpOptions& opti
                                                   std::move(paths), receiver, send_side);
   if (Result<void> started = receiver->start(options.receive_thread); !started)
     return forward(started.error());
-  SendSide& side = *send_side;  // whose sender that is
+  SendSide& side = *send_side;  // its sender calls `hear`
   const auto hear = [&side](std::span<const std::byte> answer, const SocketAddress& from,
                             std::chrono::steady_clock::time_point now) {
     return hear_answer(side, answer, from, now);

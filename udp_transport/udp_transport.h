@@ -1,5 +1,5 @@
-// Samples over UDP, behind the seam of core/seam/transport.h. One socket that receives and one for each
-// address that is sent to; one receiving and one sending thread.
+// Samples over UDP, behind the seam of core/seam/transport.h. A transport has one socket that receives and
+// one for each address that it sends to, and one receiving and one sending thread.
 #pragma once
 
 #include <cstddef>
@@ -20,38 +20,39 @@
 namespace sft::udp {
 
 enum class Backend : std::uint8_t {
-  automatic,  ///< io_uring where the kernel lets us, plain sockets otherwise
+  automatic,  ///< io_uring if the kernel allows it, else plain sockets
   io_uring,
   sockets,
 };
 
 struct UdpOptions {
-  std::uint16_t port = 0;                               ///< 0: any free one
-  core::IpAddress bind_address{};                       ///< any: all of the host's, of both families
-  std::vector<core::IpAddress> advertised_addresses{};  ///< empty: the one bound to, or the host's
-  /// Else those of these, by name, address or network (interfaces.h); empty: of all that are up.
+  std::uint16_t port = 0;          ///< 0: any free one
+  core::IpAddress bind_address{};  ///< default: all addresses of the host, of both families
+  std::vector<core::IpAddress> advertised_addresses{};  ///< empty: `bind_address`, or those of the host
+  /// Limits the addresses of the host to these interfaces, by name, address or network (interfaces.h);
+  /// empty: all that are up.
   std::vector<std::string> interfaces{};
   Backend backend = Backend::automatic;
 
-  std::size_t max_sample_bytes = std::size_t{64} << 20;      ///< of a body, sent or received
+  std::size_t max_sample_bytes = std::size_t{64} << 20;      ///< of a body that is sent or received
   std::size_t receive_buffer_bytes = std::size_t{32} << 20;  ///< as the kernel counts; it may grant less
   std::size_t send_buffer_bytes = std::size_t{128} << 10;    ///< to each address; devices have short queues;
                                                              ///< 0: default
 
-  std::size_t max_datagram_bytes = datagram_bytes_max;  ///< sent, with our header; the path may take less
+  std::size_t max_datagram_bytes = datagram_bytes_max;  ///< with our header; a path may take less
   std::uint64_t max_bytes_per_s = 0;                    ///< of all that is sent; 0: no limit
   Multicast multicast = Multicast::automatic;
-  std::size_t send_queue_depth = 4;  ///< of a writer, under a mask, to an address: the newest wait
-  ReassemblyLimits reassembly{};     ///< its sample_bytes is set from max_sample_bytes
+  std::size_t send_queue_depth = 4;  ///< newest samples that wait, per writer, mask and address
+  ReassemblyLimits reassembly{};     ///< `sample_bytes` is set from max_sample_bytes
 
   core::ThreadSpec receive_thread = "sft-udp-recv";
   core::ThreadSpec send_thread = "sft-udp-send";
 };
 
-/// Puts something around the transport's I/O: loss, delay, repetition, another order.
+/// Wraps the transport's I/O, for tests: with loss, delay, repetition, another order.
 using DecorateIo = std::function<DatagramIo(DatagramIo)>;
 
-/// Received samples lie in memory of `pool`, the node's own.
+/// Received samples lie in memory of `pool`, which belongs to the node.
 Result<std::unique_ptr<core::Network>> open_udp_transport(const UdpOptions& options,
                                                           std::shared_ptr<core::BufferPool> pool,
                                                           const DecorateIo& decorate = {});

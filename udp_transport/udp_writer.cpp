@@ -10,16 +10,16 @@
 namespace sft::udp {
 
 namespace {
-/// Masks under which the publisher's thread sends a sample itself: with many it would be held up, and more so
-/// with what has just made it wait, since a large sample has taken the caches.
+/// The number of masks under which the publisher's thread sends a sample itself. More masks would hold it
+/// up, especially with large samples, which fill the caches.
 constexpr std::size_t small_variants_max = 4, large_variants_max = 1;
 
-/// The upper bound of the rate of a group, in bytes as the receiving kernel accounts them. The rate is lower
-/// where the buffer of a member is small.
+/// The upper limit of the rate of a group, in bytes as the receiving kernel counts them. The rate is lower
+/// if the buffer of a member is small.
 constexpr std::uint64_t group_bytes_per_s = 2'000'000'000;
 
-/// The bytes that a copy for several readers may have, by those that a sample may have at most: sizes are
-/// known as averages, and whoever asked for less has to get each sample.
+/// The largest merged copy, relative to the largest sample. Sizes are only known as averages, and readers
+/// that asked for less have to get each sample.
 constexpr double merged_share = 0.75;
 
 GroupKeeper::Setup groups_of(const core::WriterSpec& spec, SendSide& side,
@@ -37,7 +37,8 @@ GroupKeeper::Setup groups_of(const core::WriterSpec& spec, SendSide& side,
   setup.connect = [&side](std::uint32_t group, std::uint32_t own, std::size_t datagram_bytes) {
     DestinationLimits limits = side.limits;
     limits.datagram_bytes = datagram_bytes;
-    limits.report_port = 0;  // its members report what they are sent alone, so here their buffers have to do
+    // Members report only what they are sent alone, so their buffers limit the rate here.
+    limits.report_port = 0;
     limits.flow.first_bytes = std::numeric_limits<std::size_t>::max();
     limits.flow.unheard_bytes_per_s = group_bytes_per_s;
     const SocketAddress to{core::IpAddress(group), group_port};
@@ -97,7 +98,7 @@ void UdpWriter::set_routes(std::vector<core::Route> routes) {
   make_table();
   if (variants_.concern_sender()) side_->sender.look_again();
   const Time now = std::chrono::steady_clock::now();
-  keeper_.maintain(now);  // whoever is in a group from now on should hear that soon
+  keeper_.maintain(now);  // new members of a group should get its offer soon
   side_->writers.maintain_by(keeper_.next_duty(now));
 }
 
@@ -117,8 +118,8 @@ void UdpWriter::make_table() {
   routes_.replace(std::move(table));
 }
 
-/// Who has not reported yet is asked now, so that the first large sample need not be copied until a report
-/// has come.
+/// Asks receivers that have not reported yet for a report now, so that the first large sample need not be
+/// copied to wait for one.
 void UdpWriter::announce_to_receivers(const RouteTable& table) {
   const auto now = std::chrono::steady_clock::now();
   for (const auto& [reader, lane] : table.lanes_of) {
@@ -142,8 +143,8 @@ void UdpWriter::send_history(const core::Route& to, std::vector<core::SampleHand
   side_->sender.wake(lane->begin(std::move(jobs)), lane);
 }
 
-/// Samples that were left to the sending thread under the routes before still count. None may be left under
-/// older routes.
+/// Turns to another route table. Samples that were left to the sending thread under the previous routes
+/// still count, but none may be left under older routes.
 void UdpWriter::turn_to(const RouteTable& routes) noexcept {
   using core::DeliveryBook;
   send_held();
@@ -174,13 +175,14 @@ core::SendStatus UdpWriter::send_begun(const core::SampleHandle& sample, core::R
   if (BodySizes* sizes = in_use_->sizes.get())
     sizes->measure(core::state_of(*sample, type_.index_slots()), std::chrono::steady_clock::now(), holds_);
   if (!holds_) sender_.set_timeout(timeout());
-  if (groups.size() > 1) sample->complete();  // so that none waits for another one's large body to leave
+  // So that no audience waits until another one's large body has left.
+  if (groups.size() > 1) sample->complete();
   std::size_t missed = 0;
   std::size_t own = own_variants(*sample);
   std::size_t first_left = 0;
   for (std::size_t i = 0; i < groups.size(); ++i) {
     const Audience& group = groups[i];
-    if (group.gate != nullptr) {  // answers for this sample only while it is the last
+    if (group.gate != nullptr) {  // a gate answers only for the latest sample
       if (group.gate->passes()) missed += hold_or_send(group, sample);
     } else if (own > 0) {
       missed += hold_or_send(group, sample);
@@ -192,15 +194,15 @@ core::SendStatus UdpWriter::send_begun(const core::SampleHandle& sample, core::R
   return missed == 0 && left ? core::SendStatus::sent : core::SendStatus::dropped;
 }
 
-/// The number of masks for which this thread sends the sample itself.
+/// Returns the number of masks under which this thread sends the sample itself.
 std::size_t UdpWriter::own_variants(const core::SampleBuffer& sample) const noexcept {
-  if (!deferred_->done()) return 0;                // nothing overtakes what was left before
-  if (max_blocking_.count() > 0) return SIZE_MAX;  // the sending thread does not wait
+  if (!deferred_->done()) return 0;                // nothing may overtake deferred samples
+  if (max_blocking_.count() > 0) return SIZE_MAX;  // the sending thread must not wait for readers
   if (sample.capacity > direct_bytes_max) return deferred_->takes_large() ? 0 : large_variants_max;
   return holds_ ? SIZE_MAX : small_variants_max;
 }
 
-/// A sample that cannot be held does not overtake those that are held.
+/// Sends held samples first if the sample cannot be held, so that it does not overtake them.
 std::size_t UdpWriter::hold_or_send(const Audience& group, const core::SampleHandle& sample) noexcept {
   using Hold = VariantSender::Hold;
   Hold hold = holds_ ? sender_.hold(group, sample) : Hold::unfit;
@@ -237,8 +239,8 @@ void UdpWriter::count_missed(std::span<const Audience> groups) noexcept {
   }
 }
 
-/// Leaves the sample to the sending thread, for the groups without a maximum rate from `first` on. Returns
-/// false if an older sample had to go for it.
+/// Leaves the sample to the sending thread, for the audiences without a gate from `first` on. Returns false
+/// if an older sample was given up for it.
 bool UdpWriter::defer(const core::SampleHandle& sample, std::size_t first, std::size_t end) noexcept {
   const auto rest = std::span(routes_.loaded()->audiences).subspan(first, end - first);
   if (std::ranges::all_of(rest, [](const Audience& group) { return group.gate != nullptr; })) return true;

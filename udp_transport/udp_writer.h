@@ -1,5 +1,5 @@
-// A publisher's way onto the wire: one encoding for each distinct mask, sent from its own thread while it is
-// small and there are few.
+// A publisher's end of the UDP transport. It makes one encoding for each distinct mask. The publisher's
+// thread sends these itself if they are small and few.
 #pragma once
 
 #include <algorithm>
@@ -61,22 +61,22 @@ class UdpWriter final : public core::NetworkWriter, private Periodic {
   const std::shared_ptr<WriterTally> tally_;
   const std::shared_ptr<JobPool> jobs_;
 
-  ChannelDirectory channels_;           ///< of the agent's thread
-  VariantDirectory variants_;           ///< of the agent's thread
-  GroupKeeper keeper_;                  ///< of the agent's thread
-  std::vector<core::Route> asked_for_;  ///< likewise: as they were set
+  ChannelDirectory channels_;           ///< used by the agent's thread
+  VariantDirectory variants_;           ///< used by the agent's thread
+  GroupKeeper keeper_;                  ///< used by the agent's thread
+  std::vector<core::Route> asked_for_;  ///< the routes as they were set; used by the agent's thread
   core::Published<RouteTable> routes_;
-  const std::shared_ptr<core::DeliveryBook> book_;  ///< null: nobody asks what became of samples
+  const std::shared_ptr<core::DeliveryBook> book_;  ///< null: counts of samples are not needed
 
   // Used by the publisher's thread.
   std::chrono::nanoseconds timeout_max_ = std::chrono::nanoseconds::max();
   const RouteTable nobody_;
-  const RouteTable* in_use_ = &nobody_;           ///< of the sample begun last; whose page is open
-  core::DeliveryBook::LateCounts late_counts_{};  ///< of what was left on the page before
+  const RouteTable* in_use_ = &nobody_;           ///< table of the latest sample, whose page is open
+  core::DeliveryBook::LateCounts late_counts_{};  ///< of samples that were left under the page before
   VariantSender sender_;
-  bool holds_ = false;                          ///< a batch lasts
-  std::size_t missed_ = 0;                      ///< of what was held
-  std::shared_ptr<const RouteTable> held_for_;  ///< keeps the groups of what is held
+  bool holds_ = false;                          ///< true between hold() and flush()
+  std::size_t missed_ = 0;                      ///< number of held samples that were missed
+  std::shared_ptr<const RouteTable> held_for_;  ///< keeps the audiences of the held samples
   const std::shared_ptr<FanOut> deferred_;
 };
 

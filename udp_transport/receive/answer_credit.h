@@ -1,6 +1,7 @@
-// Limits the answers to a writer that has not shown that it is at the address that its node announced: at
-// most three times as many bytes as came in its name, as QUIC allows before it knows an address (RFC 9000,
-// section 8.1). So nobody gains by having us answer somebody else. The class is pure.
+// Limits the answers to a writer that has not shown that it is at the address that its node announced: to
+// three times as many bytes as came in its name, as QUIC does before it knows an address (RFC 9000, section
+// 8.1). So nobody gains by making this process answer somebody else. The class uses no clock, thread or
+// I/O.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,5 @@
-// The addresses that the acks of one writer go to, and the bytes that these acks may have. The class is pure.
+// The addresses that the acks of one writer go to, and the bytes that these acks may have. The class uses
+// no clock, thread or I/O.
 #pragma once
 
 #include <cstddef>
@@ -15,10 +16,10 @@ using SendAck = std::function<void(const SocketAddress&, const Ack&)>;
 
 class AnswerPath {
  public:
-  /// A datagram of the writer came: it may be answered with a few times as many bytes.
+  /// Notes that a datagram of the writer came. A few times as many bytes may be sent as answers.
   void received(std::size_t bytes) { credit_.received(bytes); }
-  /// A heartbeat asks for acks at this address. A single heartbeat does not turn acks away from where they
-  /// went before: they go to both addresses until the next one.
+  /// Notes that a heartbeat asks for acks at this address. A single heartbeat does not turn acks away from
+  /// the former address: they go to both addresses until the next heartbeat.
   void turn_to(const SocketAddress& address) {
     const bool confirmed = !confirmed_ || unconfirmed_ == address;
     if (confirmed) confirmed_ = address;
@@ -31,9 +32,9 @@ class AnswerPath {
   }
   bool is_known() const { return confirmed_.has_value(); }
 
-  /// True if an ack of that length may be sent to each address.
+  /// Returns true if an ack of that length may be sent to each address.
   bool covers(std::size_t ack_bytes) const { return credit_.covers(copies() * ack_bytes); }
-  /// The number of missing parts that a single ack could still ask for at each address.
+  /// The number of missing parts that one ack to each address may still ask for.
   std::size_t parts_covered() const {
     const std::size_t bytes = credit_.left() / copies();
     return bytes < ack_header_bytes ? 0 : (bytes - ack_header_bytes) / missing_bytes;
@@ -50,7 +51,7 @@ class AnswerPath {
   std::size_t copies() const { return unconfirmed_ ? 2 : 1; }
 
   std::optional<SocketAddress> confirmed_;
-  std::optional<SocketAddress> unconfirmed_;  ///< named by one heartbeat only so far
+  std::optional<SocketAddress> unconfirmed_;  ///< named by only one heartbeat so far
   AnswerCredit credit_;
 };
 

@@ -7,8 +7,7 @@
 namespace sft::udp {
 
 namespace {
-/// The number of samples that go to a reader in order before the next look whether that reader is still
-/// there.
+/// Samples that go to a reader in order before it is checked again if that reader is still there.
 constexpr std::size_t delivered_at_once = 256;
 }  // namespace
 
@@ -21,7 +20,7 @@ void Delivery::enter() {
   for (std::size_t i = 0; i < wanted_->streams.size(); ++i) follow_readers(i);
 }
 
-/// Tells the window of a reliable stream who reads it.
+/// Tells the window of a reliable stream which readers it has.
 void Delivery::follow_readers(std::size_t stream_index) {
   ArrivalWindow* window = reassembly_.window(stream_index);
   if (window == nullptr) return;
@@ -47,8 +46,8 @@ void Delivery::deliver(Arrival& arrival, Time now) {
   if (in_channel) deliver_in_order(writer, now);
 }
 
-/// Delivers to readers that take samples as they come. Listeners run while no subscriptions are in use: they
-/// may take long, and may connect and destroy readers.
+/// Delivers to readers that take samples as they come. Listeners run while no subscriptions are in use,
+/// because they may take long, and may connect and destroy readers.
 void Delivery::deliver_at_once(Arrival& arrival) {
   const auto in_turn = [&](const Subscriber& s) { return arrival.in_channel && s.reliable; };
   if (std::ranges::all_of(wanted_->subscribers[arrival.stream], in_turn)) return;
@@ -67,7 +66,7 @@ void Delivery::deliver_at_once(Arrival& arrival) {
   enter();
 }
 
-/// A sample that came alone waits if one before it is missing.
+/// Delivers samples in order. A sample that came by unicast waits if an earlier one is missing.
 void Delivery::hand_over(Arrival& arrival, core::EndpointId writer) {
   const std::span samples = arrival.sample ? std::span(&arrival.sample, 1) : arrival.packed;
   for (core::SampleHandle& sample : samples)
@@ -77,7 +76,7 @@ void Delivery::hand_over(Arrival& arrival, core::EndpointId writer) {
   while (hand_over_.is_full()) go_on_with(hand_over_.next());
 }
 
-/// Nobody may read the writer any more.
+/// The writer may have no reader any more.
 void Delivery::go_on_with(HandOver::Waiting waiting) {
   const std::optional<std::size_t> index = index_of(waiting.sample->header().writer);
   if (!index) return;
@@ -91,7 +90,7 @@ void Delivery::end_hand_over() noexcept {
   leave();
 }
 
-/// True if some reader had room for something.
+/// Returns true if some reader had room for a sample.
 bool Delivery::deliver_in_order(core::EndpointId writer, Time now) {
   bool any = false;
   while (deliver_next(writer, now)) any = true;
@@ -104,7 +103,7 @@ std::optional<std::size_t> Delivery::index_of(core::EndpointId writer) const {
   return static_cast<std::size_t>(stream - wanted_->streams.begin());
 }
 
-/// Delivers to one reader what it can get now, up to a limit. False if no reader can get anything.
+/// Delivers to one reader what it can get now, up to a limit. Returns false if no reader can get anything.
 bool Delivery::deliver_next(core::EndpointId writer, Time now) {
   const std::optional<std::size_t> index = index_of(writer);
   ArrivalWindow* window = index ? reassembly_.window(*index) : nullptr;
@@ -120,9 +119,8 @@ bool Delivery::deliver_next(core::EndpointId writer, Time now) {
   return false;
 }
 
-/// False if the reader can get nothing. Otherwise the subscriptions may have changed meanwhile. What a
-/// publisher that waits for its readers has sent is not pushed out by what comes next, as long as the
-/// publisher waits.
+/// Returns false if the reader can get nothing. Otherwise the subscriptions may have changed meanwhile. If
+/// a publisher waits for its readers, later samples do not push out earlier ones as long as it waits.
 bool Delivery::deliver_to(const Subscriber& subscriber, const Stream& stream, ArrivalWindow& window) {
   const auto accepts = [&](const core::SampleBuffer& s, std::uint64_t request) {
     return subscriber.accepts(s, request);

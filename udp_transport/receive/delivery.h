@@ -1,4 +1,5 @@
-// Hands samples to the inboxes of the readers that asked for them: at once, or in order to reliable readers.
+// Hands samples to the inboxes of the readers that asked for them: at once, or in order to reliable
+// readers.
 #pragma once
 
 #include <atomic>
@@ -25,21 +26,21 @@ class Delivery {
   /// Leaves all multicast groups but these, which are IPv4 addresses.
   using KeepGroups = std::function<void(std::span<const std::uint32_t> groups)>;
 
-  /// The reassembly outlives the delivery. It follows what the subscriptions want.
+  /// The reassembly outlives the delivery, which tells it what the subscriptions want.
   Delivery(Reassembly& reassembly, KeepGroups keep_groups)
       : reassembly_(reassembly), keep_groups_(std::move(keep_groups)) {}
 
-  /// Any thread, but for enter() and leave().
+  /// Any thread, except for enter() and leave().
   SubscriptionDirectory& subscriptions() { return subscriptions_; }
 
-  /// Datagrams may be taken until leave(), for those who are subscribed now.
+  /// Datagrams may be taken until leave(), for the present subscribers.
   void enter();
   void leave() { subscriptions_.leave(); }
-  /// Delivers what a datagram has brought, which is not nothing. Between enter() and leave().
+  /// Delivers what a datagram has brought, which must not be empty. Called between enter() and leave().
   void deliver(Arrival& arrival, Time now);
 
-  /// Some samples wait for what may lie in the socket of groups. They do so until it has come, or until
-  /// end_hand_over() says that nothing lies there.
+  /// Returns true if some samples wait for earlier ones that may lie in the socket of groups. They wait
+  /// until these have come, or until end_hand_over() says that there are none.
   bool hands_over() const noexcept { return hand_over_.is_under_way(); }
   void end_hand_over() noexcept;
 
@@ -47,7 +48,7 @@ class Delivery {
   void look_after_readers(Time now);
   /// The time when look_after_readers() is due; Time::max() if no reader lags.
   Time next_look() const { return lag_monitor_.next_look(); }
-  /// Some readers had no room for what is there. Any thread.
+  /// Returns true if some readers have no room for what has come. Any thread.
   bool readers_lag() const noexcept { return readers_lag_.load(std::memory_order_relaxed); }
 
  private:
@@ -63,7 +64,7 @@ class Delivery {
   Reassembly& reassembly_;
   const KeepGroups keep_groups_;
   SubscriptionDirectory subscriptions_;
-  std::shared_ptr<const Subscriptions> wanted_;  ///< what the reassembly follows
+  std::shared_ptr<const Subscriptions> wanted_;  ///< the subscriptions that the reassembly follows
   HandOver hand_over_;
   LagMonitor lag_monitor_;
   std::atomic<bool> readers_lag_{false};

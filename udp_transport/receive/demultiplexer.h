@@ -1,5 +1,5 @@
-// Decodes each datagram once and hands it to whoever it is for. Pure: bytes and times in; no I/O, no clock,
-// no thread of its own.
+// Decodes each datagram once and hands it to the class that handles it. Uses no clock, thread or I/O of its
+// own.
 #pragma once
 
 #include <chrono>
@@ -24,9 +24,9 @@ class Demultiplexer {
 
   /// accept() calls these for datagrams that bring no samples.
   struct Handlers {
-    /// Hands an answer to the half of the transport that sends.
+    /// Hands an answer to the sending half of the transport.
     std::function<void(const Answer&, const SocketAddress& from, Time)> hear_answer;
-    /// Sends a report: the answer to a mark.
+    /// Sends a report, which answers a mark.
     std::function<void(const SocketAddress& to, const FlowReport&)> send_report;
     /// Leaves all multicast groups but these, which are IPv4 addresses.
     std::function<void(std::span<const std::uint32_t> groups)> keep_groups;
@@ -34,20 +34,20 @@ class Demultiplexer {
     std::function<void(std::uint32_t group, const SocketAddress& towards, bool anew)> join_group;
   };
 
-  /// The reassembly outlives the demultiplexer. All who send to the socket share `receive_buffer_bytes`.
+  /// The reassembly outlives the demultiplexer. All senders to the socket share `receive_buffer_bytes`.
   Demultiplexer(Handlers handlers, Reassembly& reassembly, std::size_t receive_buffer_bytes);
 
-  /// Returns what the datagram brought to readers. A datagram that there is no memory for counts as lost.
+  /// Returns what the datagram brought to readers. If there is no memory for a datagram, it counts as lost.
   Arrival accept(std::span<const std::byte> bytes, const SocketAddress& from, ArrivalTime now) noexcept;
 
-  /// Counts marks of processes that have no writer that is read here.
+  /// The number of marks from processes that have no writer that is read here.
   std::uint64_t unknown_marks() const { return unknown_marks_; }
-  /// Counts the processes that share the receive buffer.
+  /// The number of processes that share the receive buffer.
   std::size_t senders() const { return shares_.senders(); }
 
  private:
   Arrival take(Malformed& d, const Envelope& envelope);
-  /// Takes datagrams of samples, and heartbeats: marks tell how many of these were sent.
+  /// Takes datagrams of samples, and heartbeats. Marks say how many of these were sent.
   template <class FromWriter>
   Arrival take(FromWriter& d, const Envelope& envelope) {
     shares_.count(envelope.from);
@@ -63,7 +63,7 @@ class Demultiplexer {
   Reassembly& reassembly_;
   ReceiveShares shares_;
   LongestArrivals longest_;
-  core::IpAddress last_from_;  ///< the address that the last sample came from
+  core::IpAddress last_from_;  ///< the address that the latest sample came from
   std::uint64_t unknown_marks_ = 0;
 };
 

@@ -1,7 +1,7 @@
-// Samples that wait because they came alone while one before them may still lie in the socket of groups:
-// where a group ends, its last sample and the next one come by two sockets, and nobody keeps the order of
-// these. Reliable readers need none of this, since they get samples in the order of their channel. Pure:
-// samples go in, and come out in the order of their sequences.
+// Samples that came by unicast, and wait because an earlier one may still lie in the socket of groups.
+// Where a group ends, its last sample and the next one come by two sockets, whose order is not kept.
+// Reliable readers do not need this, since they get samples in the order of their channel. Uses no clock,
+// thread or I/O: samples are passed in, and returned in the order of their sequences.
 #pragma once
 
 #include <cstddef>
@@ -16,21 +16,22 @@ namespace sft::udp {
 class HandOver {
  public:
   struct Waiting {
-    core::SampleHandle sample;  ///< empty: there is none
-    bool in_channel = false;    ///< reliable readers get it in its turn
-    bool overtakes = false;     ///< one before it is missing, as far as is known
+    core::SampleHandle sample;  ///< null: there is none
+    bool in_channel = false;    ///< reliable readers get it in order by the channel
+    bool overtakes = false;     ///< an earlier sample is missing, as far as is known
   };
 
-  /// Something waits. As long as nothing does, nothing else has to be asked.
+  /// Returns true if a sample waits. If none does, no other function has to be called.
   bool is_under_way() const { return !waiting_.empty(); }
-  /// Some sample of the writer waits.
+  /// Returns true if a sample of the writer waits.
   bool concerns(core::EndpointId writer) const;
   void add(Waiting one);
-  /// Takes out the next one of the writer, unless something before it is missing.
+  /// Takes out the next sample of the writer, unless an earlier one is missing.
   Waiting next(core::EndpointId writer);
-  /// Takes out the next one of any writer, whatever is missing: nothing more lies in the socket of groups.
+  /// Takes out the next sample of any writer, whatever is missing, because nothing more lies in the socket
+  /// of groups.
   Waiting next();
-  /// So many wait that no more memory should go for them.
+  /// Returns true if so many samples wait that they should not use more memory.
   bool is_full() const { return waiting_.size() >= waiting_max; }
 
  private:
@@ -39,9 +40,9 @@ class HandOver {
   std::vector<Waiting>::iterator first_of(core::EndpointId writer);
   Waiting take(std::vector<Waiting>::iterator which);
 
-  std::vector<Waiting> waiting_;  ///< by ascending sequence; as large as was needed so far
-  core::EndpointId last_of_ = 0;  ///< the writer of what was taken out last
-  std::uint64_t last_ = 0;        ///< and its sequence
+  std::vector<Waiting> waiting_;  ///< by ascending sequence; keeps its capacity
+  core::EndpointId last_of_ = 0;  ///< the writer of the sample that was taken out last
+  std::uint64_t last_ = 0;        ///< the sequence of that sample
 };
 
 }  // namespace sft::udp

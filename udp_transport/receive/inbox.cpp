@@ -42,12 +42,13 @@ Inbox::Enqueued Inbox::enqueue_some(std::span<core::SampleHandle> samples,
   return enqueued;
 }
 
-/// Leaves in `sample` what is to be released without the lock.
+/// Leaves in `sample` a sample that is to be released without the lock. Returns true if the sample was
+/// kept.
 bool Inbox::enqueue(core::SampleHandle& sample, KeepLastQueue::Excess excess) noexcept {
   Writer* writer = find(sample->header().writer);
   if (writer == nullptr || !writer->connected) return false;
   if (writer->filter.is_late() && !writer->filter.takes(*sample, std::chrono::steady_clock::now()))
-    return false;  // the sample is for others, or will come again in its turn
+    return false;  // the sample is for other readers, or will come again in order
   ++writer->arrivals;
   const KeepLastQueue::Put put = writer->queue.put(sample, ++arrivals_, excess);
   const std::size_t dropped = writer->queue.take_dropped();
@@ -86,7 +87,7 @@ core::SampleHandle Inbox::take() noexcept {
   core::SampleHandle sample = first->queue.pop();
   const std::uint64_t dropped = std::exchange(first->dropped, 0);
   if (!std::exchange(first->taken, true) && sample->oldest_retained == 0)
-    lost_unnoticed_ += dropped;  // nobody knew where its sequences began
+    lost_unnoticed_ += dropped;  // the reader did not know where its sequences began
   forget_the_finished();
   return sample;
 }
@@ -114,8 +115,8 @@ void Inbox::forget_the_finished() noexcept {
   std::erase_if(writers_, [](const Writer& w) { return !w.connected && w.queue.empty(); });
 }
 
-/// Takes the oldest sample of disconnected writers out, to be released without the lock; empty if there are
-/// no more of them than may be kept.
+/// Takes out the oldest sample of the disconnected writers, to be released without the lock. Returns null
+/// if no more are kept than allowed.
 core::SampleHandle Inbox::drop_surplus() noexcept {
   const auto departed = [](const Writer& w) { return !w.connected; };
   const core::Lock lock(mutex_);

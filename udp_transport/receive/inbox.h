@@ -1,4 +1,5 @@
-// Between the receiving thread, which delivers, and the threads of one reader, which take.
+// Passes samples from the receiving thread, which delivers them, to the threads of one reader, which take
+// them.
 #pragma once
 
 #include <cstdint>
@@ -24,19 +25,21 @@ class Inbox {
 
   /// Queues a sample of a connected writer and calls the listener, without a lock. The receiving thread.
   void deliver(core::SampleHandle sample) noexcept { deliver(std::span(&sample, 1)); }
-  /// Delivers several samples. Afterwards the handles are empty or hold what was pushed out. The listener is
-  /// called once for as many as can wait, so that no sample pushes out one that the listener takes at once.
+  /// Delivers several samples. Afterwards the handles are null or hold samples that were pushed out. The
+  /// listener is called once for as many samples as can wait, so that a sample is not pushed out before the
+  /// listener could take it.
   void deliver(std::span<core::SampleHandle> samples,
                KeepLastQueue::Excess excess = KeepLastQueue::Excess::pushed_out) noexcept;
 
-  /// Returns how many more samples of the writer can wait. None is refused: further ones push out the oldest.
+  /// Returns how many more samples of the writer can wait. Further samples are not refused, but push out
+  /// the oldest.
   std::size_t room(core::EndpointId writer) const noexcept;
 
   core::SampleHandle take() noexcept;
 
   void connect(const core::Source& source);
-  /// Queued samples can still be taken. All disconnected writers together keep as many as one connected
-  /// writer, the newest ones.
+  /// Queued samples can still be taken. All disconnected writers together keep as many samples as one
+  /// connected writer, the newest ones.
   void disconnect(core::EndpointId writer) noexcept;
   bool connected(core::EndpointId writer) const noexcept;
   core::HistoryProgress history(core::EndpointId writer) const noexcept;
@@ -44,8 +47,8 @@ class Inbox {
   std::uint64_t discarded() const noexcept;
   std::uint64_t lost_unnoticed() const noexcept;
 
-  /// When it returns, the listener is not called any more, and no call is inside any more but the one in
-  /// which it is called itself.
+  /// When this returns, the listener is not called any more, and no call is in progress except one that
+  /// calls this function itself.
   void detach() noexcept { notify_listener_.clear(); }
 
  private:
@@ -55,19 +58,19 @@ class Inbox {
     bool connected = true;
     LateFilter filter{};
     bool taken = false;         ///< some sample of the writer was taken
-    std::uint64_t dropped = 0;  ///< samples dropped since then
+    std::uint64_t dropped = 0;  ///< samples dropped since the last one was taken
     std::uint64_t arrivals = 0;
   };
   Writer* find(core::EndpointId id) noexcept SFT_REQUIRES(mutex_);
   const Writer* find(core::EndpointId id) const noexcept SFT_REQUIRES(mutex_);
   bool enqueue(core::SampleHandle& sample, KeepLastQueue::Excess excess) noexcept SFT_REQUIRES(mutex_);
   struct Enqueued {
-    std::size_t samples = 0;  ///< counts those that were looked at, from the first on
-    std::size_t kept = 0;     ///< so many of these were kept
+    std::size_t samples = 0;  ///< number of samples handled, from the first on
+    std::size_t kept = 0;     ///< number of these that were kept
   };
   Enqueued enqueue_some(std::span<core::SampleHandle> samples, KeepLastQueue::Excess excess) noexcept
       SFT_REQUIRES(mutex_);
-  /// The writer whose oldest sample came first.
+  /// Returns the writer, among those that fulfil the condition, whose oldest sample came first.
   template <class Condition>
   Writer* first_to_come(Condition condition) noexcept SFT_REQUIRES(mutex_);
   core::SampleHandle drop_surplus() noexcept;

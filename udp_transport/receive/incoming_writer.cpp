@@ -15,7 +15,8 @@ using Standing = ArrivalWindow::Standing;
 /// The number of missing parts that are asked for at a time. Others are asked for later.
 constexpr std::size_t asked_at_once_max = 8 * missing_max;
 
-/// Calls `ask(Missing)` for each part of a sample that has not come. The sample is null if nothing of it has.
+/// Calls `ask(Missing)` for each part of a sample that has not come. `sample` is null if nothing of it has
+/// come.
 template <class Ask>
 void for_each_missing(std::uint32_t ordinal, const UnfinishedSample* sample, const Ask& ask) {
   if (sample == nullptr) return ask(Missing{ordinal, 0, 0});
@@ -36,7 +37,8 @@ std::uint64_t sequence_of(const FirstHeader& first, const SequenceMonitor& seque
   return sequences.widen(first.label.sequence);
 }
 
-/// A group ends with any sample: its last ones and the next one come by two sockets.
+/// Returns true if an earlier sample may still lie in the socket of groups, because a group can end with
+/// any sample.
 bool may_overtake(std::uint64_t sequence, const FirstHeader& first, const SequenceMonitor& sequences,
                   const OfferedGroups& groups) {
   if (sequences.newest() == 0 || sequence <= sequences.newest() + 1) [[likely]]
@@ -44,7 +46,8 @@ bool may_overtake(std::uint64_t sequence, const FirstHeader& first, const Sequen
   return (first.flags & group_follows) == 0 && groups.were_heard();
 }
 
-/// Another sample has begun at that place. It gives way if it makes no progress: it may have been forged.
+/// Gives up another sample at that place if it makes no progress, because it may be forged. Returns true
+/// then.
 bool gives_way(ArrivedSamples& arrived, const SampleAssembly& samples, std::uint64_t place,
                const SampleLabel& label, IncomingWriter::Time now) {
   constexpr std::chrono::milliseconds progress_holds{20};
@@ -58,7 +61,7 @@ bool gives_way(ArrivedSamples& arrived, const SampleAssembly& samples, std::uint
   return true;
 }
 
-/// All but the writer and the sequence.
+/// Writes the whole header, except the writer and the sequence.
 void write_header(core::SampleBuffer& sample, const FirstHeader& first, const TypeSupport& type) {
   detail::SampleHeader& header = sample.header();
   header.index_slots = static_cast<std::uint16_t>(type.index_slots());
@@ -69,7 +72,7 @@ void write_header(core::SampleBuffer& sample, const FirstHeader& first, const Ty
   sample.trust_header();
 }
 
-/// Notes where the fields of the body are. False if the body is not one of that type.
+/// Builds the index of the fields in the body. Returns false if the body is not valid for the type.
 bool index_body(core::SampleBuffer& sample, const TypeSupport& type) {
   std::byte* body = sample.data + sample.header().body_offset;
   std::memcpy(body - detail::encapsulation_bytes, detail::encapsulation_cdr_le.data(),
@@ -117,7 +120,7 @@ bool IncomingWriter::follows(std::uint32_t channel) const {
 
 bool IncomingWriter::fits(const Datagram& d) {
   if (has(d, channel_follows) && follows(d.first.channel.channel)) return true;
-  Datagram copy = d;  // since the mask's words are taken off
+  Datagram copy = d;  // because named_by() takes the mask's words from it
   const WantedMasks::Named named = wanted_.named_by(copy);
   return named.mask != nullptr && !named.malformed &&
          std::max<std::size_t>(copy.first.total, copy.bytes_each) <= facts_.sample_bytes;
@@ -131,7 +134,7 @@ Arrival IncomingWriter::accept(Datagram& d, const Envelope& envelope) {
                                         : accept_first(d, named, envelope.now);
 }
 
-/// False if this process does not know the group, or the sample is not meant for those who read here now.
+/// Returns false if this process does not know the group, or the sample is not for its present readers.
 bool IncomingWriter::place_by_group(Datagram& d, Time now) {
   const bool is_placed = groups_.place(d.first, now, window_ == nullptr ? nullptr : &window_->channels());
   shared_.group_reports_due = shared_.group_reports_due || groups_.due();
@@ -143,7 +146,7 @@ bool IncomingWriter::place_by_group(Datagram& d, Time now) {
   return is_placed;
 }
 
-/// Each sample is accepted as if it had come alone.
+/// Accepts each sample as if it had come alone.
 Arrival IncomingWriter::accept_packed(const Datagram& packed, const WantedMasks::Named& named,
                                       ArrivalTime now) {
   PackedBodies bodies(packed);
@@ -211,7 +214,7 @@ Arrival IncomingWriter::accept_first(const Datagram& d, const WantedMasks::Named
   return complete(std::move(buffer), d.first, met.place, now);
 }
 
-/// The sample has more datagrams than this one, or some of them came before it.
+/// Begins a sample that has more datagrams than this one, or of which some came before it.
 Arrival IncomingWriter::begin(const Datagram& d, UnfinishedSample* sample, std::uint64_t place,
                               core::SampleHandle buffer, ArrivalTime now) {
   if (place != 0) window_->samples().begun(place, d.label(), buffer);
@@ -221,14 +224,14 @@ Arrival IncomingWriter::begin(const Datagram& d, UnfinishedSample* sample, std::
                     std::move(buffer));
   sample->add(0, d.payload, shared_.limits.gaps, now.steady);
   Arrival arrival = proceed(*sample, samples_.unpark(*sample, now.steady), now);
-  arrival.in_channel = place != 0;  // those before it may have turned out to be lost
+  arrival.in_channel = place != 0;  // earlier samples may have turned out to be lost
   return arrival;
 }
 
 Arrival IncomingWriter::accept(const Following& d, const Envelope& envelope) {
   const ArrivalTime now = envelope.now;
   answers_.received(envelope.bytes);
-  drop_abandoned();  // readers may have taken something, too
+  drop_abandoned();  // readers may have taken samples, too
   UnfinishedSample* sample = samples_.find(d.label);
   if (sample == nullptr) {
     if (samples_.is_finished(d.label) || elsewhere_.contains(d.label)) return {};
@@ -244,7 +247,7 @@ Arrival IncomingWriter::accept(const Following& d, const Envelope& envelope) {
   const std::uint32_t had = sample->received().covered();
   const auto added = sample->add(d.offset, d.payload, shared_.limits.gaps, now.steady);
   if (added == UnfinishedSample::Added::beyond_body) {
-    ++shared_.counters.malformed;  // the sample itself may be honest
+    ++shared_.counters.malformed;  // the sample itself may be sound
     return {};
   }
   const bool again = added == UnfinishedSample::Added::yes && sample->received().covered() == had;
@@ -252,7 +255,8 @@ Arrival IncomingWriter::accept(const Following& d, const Envelope& envelope) {
   return proceed(*sample, added, now);
 }
 
-/// Something was added to a described sample, or was refused. A sample that is sent reliably can come again.
+/// Goes on after a datagram was added to a described sample, or was refused. A reliable sample can come
+/// again.
 Arrival IncomingWriter::proceed(UnfinishedSample& sample, UnfinishedSample::Added added, ArrivalTime now) {
   using Added = UnfinishedSample::Added;
   const bool in_channel = sample.place() != 0;
@@ -299,8 +303,8 @@ Arrival IncomingWriter::complete(core::SampleHandle sample, const FirstHeader& f
   return {std::move(sample), facts_.stream_index, place != 0, {}, overtakes};
 }
 
-/// A sample that waits under a sequence that turns out to be wrong has to come again. A writer that does not
-/// answer any more sends nothing new: somebody else repeats the samples behind its newest one.
+/// Samples that wait under sequences that turn out to be wrong have to come again. If a writer does not
+/// answer any more, it sends nothing new. Then samples behind its newest one are repeated by somebody else.
 bool IncomingWriter::accepts(const SequenceMonitor::Observed& observed, Time now) {
   if (!facts_.alive && observed.place == 0 && observed.sequence < sequences_.newest()) return false;
   const std::uint32_t numbering = sequences_.numbering();
@@ -311,7 +315,7 @@ bool IncomingWriter::accepts(const SequenceMonitor::Observed& observed, Time now
   return accepted;
 }
 
-/// Checks what a first datagram claims, before anything is allocated, and takes the memory for it.
+/// Checks what a first datagram claims before anything is allocated, and takes memory for the sample.
 IncomingWriter::Refusal IncomingWriter::describe(const Datagram& d, const WantedMasks::Named& named,
                                                  std::uint64_t place, core::SampleHandle& buffer) {
   if (named.malformed) return Refusal::malformed;
@@ -336,7 +340,7 @@ IncomingWriter::Refusal IncomingWriter::describe(const Datagram& d, const Wanted
   return Refusal::none;
 }
 
-/// The samples behind the first missing one leave memory for that one: without it nobody gets the others.
+/// Samples behind the first missing one leave memory for that one, because no reader gets them without it.
 core::SampleHandle IncomingWriter::take_buffer(const Datagram& d, std::uint64_t place) {
   const std::size_t total = d.first.total;
   const std::size_t bytes = detail::SampleLayout(facts_.type->index_slots()).bytes(total);
@@ -350,7 +354,7 @@ std::size_t IncomingWriter::reserved_for_first_missing() const {
                   shared_.pool->limit_bytes() / 4);
 }
 
-/// A sample that is sent reliably comes again if only the memory for it is missing now.
+/// A reliable sample for which only memory is missing now comes again.
 Arrival IncomingWriter::refuse(const Datagram& d, std::uint64_t place, Refusal why, Time now) {
   core::Transport::Counters& counters = shared_.counters;
   const Arrival nothing{{}, facts_.stream_index, place != 0};
@@ -372,7 +376,7 @@ Arrival IncomingWriter::refuse(const Datagram& d, std::uint64_t place, Refusal w
   return nothing;
 }
 
-/// Counts a sample that is given up, whether it had begun or not. What still comes of it is ignored.
+/// Counts a sample that is given up, whether it had begun or not. Further datagrams of it are ignored.
 void IncomingWriter::drop(const SampleLabel& label, std::uint64_t& counter) {
   const std::uint64_t place = samples_.drop(SampleLabel(label), counter);
   if (place != 0 && window_ != nullptr) window_->pass(place);

@@ -1,6 +1,6 @@
-// The arrivals of one writer: from its datagrams to its samples. Pure: decoded datagrams and times in,
-// samples and acks out. Every datagram may be forged: nothing is taken for granted, and nothing is allocated
-// but within the limits.
+// The arrivals of one writer: makes samples and acks from its decoded datagrams. Uses no clock, thread or
+// I/O. Every datagram may be forged, so nothing is taken for granted, and memory is allocated only within
+// limits.
 #pragma once
 
 #include <cstddef>
@@ -25,14 +25,14 @@
 
 namespace sft::udp {
 
-/// A writer that is read here, and with which selections.
+/// A writer that is read here, and the selections that its readers ask for.
 struct Stream {
   core::EndpointId writer = 0;
   const TypeSupport* type = nullptr;  ///< outlives the stream
   std::size_t max_sample_bytes = 0;   ///< announced by the writer; 0: not known
   std::vector<Selection> selections;
-  bool reliable = false;   ///< some reader wants the samples reliably
-  bool waits = false;      ///< the publisher waits for the reliable readers
+  bool reliable = false;   ///< some reader asks for reliable delivery
+  bool waits = false;      ///< the publisher waits for its reliable readers
   core::Announced node{};  ///< acks and reports go to the addresses of this node
   bool alive = true;       ///< the node answers, as far as this process knows
 };
@@ -46,14 +46,14 @@ struct Envelope {
 
 /// The result of a datagram.
 struct Arrival {
-  core::SampleHandle sample;  ///< whole and valid; empty if the datagram completed none
+  core::SampleHandle sample;  ///< whole and valid; null if the datagram completed none
   std::size_t stream = 0;     ///< the writer's index among the streams
-  bool in_channel = false;    ///< reliable readers may now have something in order, this sample or others
-  /// The samples of a packed datagram, whole and valid. They may be moved out, and are gone with the next
+  bool in_channel = false;    ///< reliable readers may now get this sample or others in order
+  /// The samples of a packed datagram, whole and valid. They may be moved out, and are valid until the next
   /// datagram.
   std::span<core::SampleHandle> packed{};
-  /// True if a sample before these has not come. That sample may still lie in the socket of the groups, while
-  /// these came by unicast.
+  /// True if an earlier sample has not come. That sample may still lie in the socket of groups, while these
+  /// came by unicast.
   bool may_overtake = false;
 
   bool has_samples() const { return sample || !packed.empty(); }
@@ -69,18 +69,18 @@ class IncomingWriter {
 
   /// Sets what readers want of the writer from now on.
   void follow(const Stream& stream, std::size_t stream_index);
-  /// Opens the window of a reliable writer. `departed` is how far the writer was when it was read last.
+  /// Opens the window of a reliable writer. `departed` is the progress of the writer's former window.
   void open_window(const std::optional<ArrivalWindow::Mark>& departed);
-  /// Returns how far the writer was. Empty if the window was not open, or nothing was heard of the channel.
+  /// Returns the progress of the window; empty if it was not open, or nothing was heard of the channel.
   std::optional<ArrivalWindow::Mark> close_window();
 
-  /// The facts that are known of the writer itself.
+  /// What is known of the writer itself.
   struct Facts {
     core::EndpointId id = 0;
     const TypeSupport* type = nullptr;
     std::size_t stream_index = 0;
     bool alive = true;             ///< the writer's node answers
-    std::size_t sample_bytes = 0;  ///< the largest body that is taken
+    std::size_t sample_bytes = 0;  ///< the largest body that is accepted
     core::Announced node{};
     core::IpAddress came_from{};  ///< the address of the last sample; the node need not have announced it
 
@@ -88,7 +88,7 @@ class IncomingWriter {
   };
   const Facts& facts() const { return facts_; }
   void set_came_from(const core::IpAddress& ip) { facts_.came_from = ip; }
-  /// Null unless some reader wants the samples reliably.
+  /// Null unless some reader asks for reliable delivery.
   ArrivalWindow* window() { return window_.get(); }
 
   // Several writers may have one short id. These functions return true if the datagram can be from this
@@ -98,18 +98,19 @@ class IncomingWriter {
   bool fits(const Datagram& d);
   bool follows(std::uint32_t channel) const;
 
-  /// Takes the mask's words off the datagram, and gives a sample of a group its place in the channel.
+  /// Takes the mask's words from the datagram, and gives a sample of a group its place in the channel.
   Arrival accept(Datagram& d, const Envelope& envelope);
   Arrival accept(const Following& d, const Envelope& envelope);
-  /// The acks go to that address from now on.
+  /// Sends acks to `answers_to` from now on.
   Arrival accept(const Heartbeat& heartbeat, const SocketAddress& answers_to, const Envelope& envelope);
 
-  /// Drops what has made no progress for too long. `next` becomes the time when something is due.
+  /// Drops samples that have made no progress for too long. Lowers `next` to the time when the next one is
+  /// due.
   void expire(Time now, std::optional<Time>& next) { samples_.expire(now, next); }
-  /// Sends what is to be acknowledged or asked for by now.
+  /// Sends the acks that are due, and asks for what is missing.
   void answer(Time now, const SendAck& send);
-  /// The earliest time when answer() has something to ask for. Time::max() if never, or if nothing may be
-  /// asked for until more of the writer has come.
+  /// The earliest time when answer() has something to ask for. Time::max() if there is none, or if nothing
+  /// may be asked for until more of the writer has come.
   Time next_answer() const {
     const bool may_ask = window_ != nullptr && answers_.is_known() && answers_.parts_covered() > 0;
     return may_ask ? window_->next_look() : Time::max();
@@ -141,12 +142,12 @@ class IncomingWriter {
   ReassemblyMemory& shared_;
   Facts facts_;
   WantedMasks wanted_;
-  SequenceMonitor sequences_;  ///< of the samples that were completed
+  SequenceMonitor sequences_;  ///< of completed samples
   SampleAssembly samples_;
   std::unique_ptr<ArrivalWindow> window_;
   AnswerPath answers_;
   OfferedGroups groups_;
-  RecentLabels elsewhere_;  ///< samples of groups that were not offered: they come another way
+  RecentLabels elsewhere_;  ///< samples of groups that were not offered; they come in another way
 };
 
 }  // namespace sft::udp

@@ -1,5 +1,5 @@
-// The bytes of a body that have arrived: disjoint ranges in order. There is one range while datagrams arrive
-// in order.
+// The bytes of a body that have arrived, as disjoint ranges in order. There is one range while datagrams
+// arrive in order.
 #pragma once
 
 #include <cstddef>
@@ -15,23 +15,23 @@ class IntervalSet {
     std::uint32_t end;  ///< the first value behind the interval
   };
 
-  /// Returns how many bytes of [begin, end) were not in the set before. begin < end.
+  /// Returns how many bytes of [begin, end) were not in the set before. REQUIRES: begin < end.
   std::uint32_t add(std::uint32_t begin, std::uint32_t end);
 
-  /// True if adding that interval makes one interval more.
+  /// Returns true if adding that interval adds one to the number of intervals.
   bool stands_alone(std::uint32_t begin, std::uint32_t end) const;
 
   std::uint32_t covered() const { return covered_; }
   const std::vector<Interval>& intervals() const { return intervals_; }
 
-  /// Keeps its memory.
+  /// Keeps the allocated memory.
   void clear() {
     intervals_.clear();
     covered_ = 0;
   }
 
  private:
-  std::vector<Interval> intervals_;  ///< neither overlapping nor touching
+  std::vector<Interval> intervals_;  ///< neither overlap nor touch
   std::uint32_t covered_ = 0;
 };
 

@@ -1,5 +1,5 @@
-// Samples of one writer that wait to be taken: at most `depth`, in the order of their sequences, none twice.
-// Together they have a limited number of bytes, but one sample of any size may wait alone.
+// Samples of one writer that wait to be taken: at most `depth`, in the order of their sequences, none
+// twice. The number of their bytes is limited, but a single sample may have any size.
 #pragma once
 
 #include <cstddef>
@@ -13,32 +13,32 @@ namespace sft::udp {
 
 class KeepLastQueue {
  public:
-  /// `bytes_max` 0: there is no limit of bytes.
+  /// `bytes_max` 0: the bytes are not limited.
   explicit KeepLastQueue(std::size_t depth, std::uint64_t bytes_max = 0)
       : depth_(depth == 0 ? 1 : depth), bytes_max_(bytes_max) {}
 
   enum class Put : std::uint8_t {
     kept,
-    pushed_out,  ///< kept, and `sample` is now the oldest, which had to go for it
-    late,        ///< older than one that was taken or pushed out already
+    pushed_out,  ///< kept; `sample` is now the oldest, which was removed for it
+    late,        ///< older than one that was taken or pushed out
     repeated,
   };
-  /// The fate of samples that wait while their bytes are beyond the limit.
+  /// What becomes of samples that wait if their bytes exceed the limit.
   enum class Excess : bool {
     pushed_out,
-    kept,  ///< until they are taken, since the publisher waits for the reader: room() is 0 meanwhile
+    kept,  ///< until they are taken, since the publisher waits; room() is 0 then
   };
-  /// `arrival` counts up over all writers of a reader.
+  /// `arrival` counts the samples of all writers of a reader.
   Put put(core::SampleHandle& sample, std::uint64_t arrival, Excess excess = Excess::pushed_out);
 
-  /// Samples that were dropped since this was asked last, because their sequences turned out to be wrong, or
-  /// because one sample had more bytes than the one that was pushed out for it.
+  /// Returns the number of samples dropped since the last call, because their sequences turned out to be
+  /// wrong, or because a new sample had more bytes than the one that was pushed out for it.
   std::size_t take_dropped() { return std::exchange(dropped_, 0); }
 
   bool empty() const { return size_ == 0; }
   std::size_t size() const { return size_; }
-  /// How many more samples can wait, without one being pushed out for its place. If they are larger than the
-  /// last one, their bytes may exceed the limit.
+  /// Returns how many more samples can wait without one being pushed out. If they are larger than the last
+  /// one, their bytes may exceed the limit.
   std::size_t room() const;
   /// Returns the arrival of the oldest sample. REQUIRES: the queue is not empty.
   std::uint64_t arrival() const { return entries_[head_].arrival; }
@@ -58,9 +58,9 @@ class KeepLastQueue {
 
   std::size_t depth_;
   std::uint64_t bytes_max_;
-  std::uint64_t bytes_ = 0;       ///< of the samples that wait
-  std::uint64_t last_bytes_ = 0;  ///< of the sample that was put in last
-  std::vector<Entry> entries_;    ///< a ring, as large as was needed so far
+  std::uint64_t bytes_ = 0;       ///< bytes of the samples that wait
+  std::uint64_t last_bytes_ = 0;  ///< bytes of the sample that was put in last
+  std::vector<Entry> entries_;    ///< a ring that grows as needed
   std::size_t head_ = 0;
   std::size_t size_ = 0;
   std::uint64_t gone_ = 0;  ///< newest sequence that was taken or pushed out

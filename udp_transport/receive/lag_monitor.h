@@ -1,5 +1,5 @@
-// Tells when to look again at readers that had no room for what is there: soon while they take something, and
-// more and more seldom while they do not. The class is pure.
+// Says when to retry delivery to readers that had no room: soon while they take samples, and more and more
+// rarely while they do not. The class uses no clock, thread or I/O.
 #pragma once
 
 #include <algorithm>
@@ -13,11 +13,11 @@ class LagMonitor {
   static constexpr std::chrono::milliseconds soon{1};
   static constexpr std::chrono::milliseconds longest{16};
 
-  /// Some reader has no room.
+  /// Notes that some reader has no room.
   void begin(Time now) {
     if (look_at_ == Time::max()) look_at_ = now + pause_;
   }
-  /// After a look.
+  /// Notes the result of a retry.
   void looked(Time now, bool some_was_taken, bool some_is_left) {
     pause_ = some_was_taken || !some_is_left ? soon : std::min(2 * pause_, longest);
     look_at_ = some_is_left ? now + pause_ : Time::max();

@@ -13,7 +13,7 @@ bool LateFilter::takes(const core::SampleBuffer& sample, Time now) {
   }
   if (!alone && (waits_ || (now - alone_at_ < settling && !follows(sample)))) return false;
   const bool anew = sample.numbering > numbering_;
-  if (sample.sequence <= sequence_ && !anew) return true;  // known or late: the queue tells
+  if (sample.sequence <= sequence_ && !anew) return true;  // known or late, as the queue finds out
   numbering_ = std::max(numbering_, sample.numbering);
   sequence_ = sample.sequence;
   min_period_us_ = sample.min_period_us;
@@ -22,7 +22,7 @@ bool LateFilter::takes(const core::SampleBuffer& sample, Time now) {
   return true;
 }
 
-/// Nothing is missing in between, but what was withheld.
+/// Returns true if no sample is missing in between, except withheld ones.
 bool LateFilter::follows(const core::SampleBuffer& sample) const {
   if (sample.sequence <= sequence_ + 1 || sample.numbering > numbering_) return true;
   const bool is_numbered = sample.min_period_us != 0 || sample.gate != 0;

@@ -36,7 +36,7 @@ void Reassembly::set_streams(std::span<const Stream> streams) {
   for (auto& [id, known] : before) close_window(known->writer);
 }
 
-/// Several writers may have one short id: those that are alive come first.
+/// Several writers may have the same short id. Those that are alive come first.
 void Reassembly::note_short_ids(std::span<const Stream> streams) {
   for (const bool alive : {true, false}) {
     for (const Stream& stream : streams) {
@@ -69,10 +69,10 @@ void Reassembly::close_window(IncomingWriter& writer) {
   departed_.emplace_back(writer.facts().id, *mark);
 }
 
-/// Null if nobody here reads a writer with that short id. Somebody may announce writers with the short ids of
-/// others, and with the addresses of others, too. Among such twins the datagram belongs to one whose node
-/// announced the address that it came from, and that it fits; or else to one that at least announced that
-/// address; or else to the first one. `fits(writer)` tells whether it fits.
+/// Returns null if no reader here reads a writer with that short id. Somebody may announce writers with the
+/// short ids and the addresses of others. Among such twins the datagram belongs to one whose node announced
+/// the address that it came from, and that it fits. If there is none, it belongs to one that announced that
+/// address, or else to the first one. `fits(writer)` returns true if the datagram fits the writer.
 template <class Fits>
 IncomingWriter* Reassembly::find(std::uint32_t short_id, const core::IpAddress& from, const Fits& fits) {
   if (is_of_last(short_id)) return last_;

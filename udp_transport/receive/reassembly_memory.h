@@ -1,5 +1,5 @@
-// All writers that are read in a process share these while their samples are put together: limits, memory and
-// counters.
+// The limits, memory and counters that all writers that are read in a process share while their samples are
+// put together.
 #pragma once
 
 #include <chrono>
@@ -22,10 +22,11 @@ struct ReassemblyLimits {
   std::size_t unfinished_bytes = std::size_t{128} << 20;  ///< of all unfinished bodies of one writer
   std::size_t unfinished_per_variant = 4;                 ///< unfinished samples of one variant
   std::size_t unfinished_per_writer = 32;                 ///< unfinished samples of one writer
-  std::size_t parked_bytes = std::size_t{512} << 10;  ///< of all datagrams that came before their first one
-  std::size_t gaps = 4096;                            ///< in one sample
-  std::chrono::milliseconds timeout{500};             ///< a sample is dropped after so long without progress
-  ArrivalLimits channel{};                            ///< of what one writer sends reliably
+  /// All datagrams that came before the first one of their sample.
+  std::size_t parked_bytes = std::size_t{512} << 10;
+  std::size_t gaps = 4096;                 ///< in one sample
+  std::chrono::milliseconds timeout{500};  ///< a sample without progress for this time is dropped
+  ArrivalLimits channel{};                 ///< of each reliable writer
 };
 
 /// Not thread-safe.
@@ -36,9 +37,9 @@ class ReassemblyMemory {
   ReassemblyMemory(const ReassemblyLimits& reassembly_limits, std::shared_ptr<core::BufferPool> sample_pool)
       : limits(reassembly_limits), pool(std::move(sample_pool)) {}
 
-  /// An unfinished sample without data, which reuses the memory of an earlier one where it can.
+  /// Returns an unfinished sample without data, which reuses the memory of an earlier one if possible.
   UnfinishedSamples::Handle begin_sample(const SampleLabel& label, std::uint64_t place, Time now);
-  /// The writer has this sample no more.
+  /// Notes that a writer does not have this sample any more.
   void note_removed(const UnfinishedSample& sample);
   void recycle(UnfinishedSamples::Handle sample);
 
@@ -46,13 +47,13 @@ class ReassemblyMemory {
   void note_parked(std::size_t bytes) { parked_bytes_ += bytes; }
   void note_unparked(std::size_t bytes) { parked_bytes_ -= bytes; }
 
-  /// The part of the pool that is reserved for the samples that this node publishes: neither the samples that
-  /// others send nor those that subscribers keep may silence its publishers.
+  /// The part of the pool that is reserved for the samples that this node publishes. So neither samples
+  /// from others nor those that subscribers keep can prevent its publishers from publishing.
   std::size_t reserved_for_publishers() const { return pool->limit_bytes() / 4; }
 
-  /// There was no memory for a sample.
+  /// Notes that there was no memory for a sample.
   void note_refused(Time now) { refused_at_ = now; }
-  /// There was none lately: what is not used must not keep it.
+  /// Returns true if there was no memory for a sample recently. Then unused samples have to release theirs.
   bool is_short(Time now) const { return now - refused_at_ < limits.channel.confirm_timeout; }
 
   /// The time when the next unfinished sample may have to be dropped; empty while there are none.
@@ -62,15 +63,15 @@ class ReassemblyMemory {
   const ReassemblyLimits limits;
   const std::shared_ptr<core::BufferPool> pool;
   core::Transport::Counters counters;
-  std::uint64_t datagrams = 0;             ///< counts the datagrams of samples
+  std::uint64_t datagrams = 0;             ///< number of datagrams of samples
   bool group_reports_due = false;          ///< some writer waits for a report on its groups
   std::vector<core::SampleHandle> packed;  ///< the samples of the last packed datagram
   std::vector<core::SampleHandle>
-      pack_buffers;  ///< memory for the other samples of the present packed datagram
+      pack_buffers;  ///< memory for the samples of the present packed datagram that are still to come
 
  private:
   std::vector<UnfinishedSamples::Handle> recycled_;
-  std::size_t unfinished_ = 0;  ///< samples of all writers
+  std::size_t unfinished_ = 0;  ///< number of samples of all writers
   std::size_t parked_bytes_ = 0;
   Time refused_at_{};
   std::optional<Time> next_expiry_;

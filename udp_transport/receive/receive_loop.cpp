@@ -20,7 +20,7 @@ namespace sft::udp {
 
 namespace {
 using Clock = std::chrono::steady_clock;
-constexpr int trains_per_turn = 64;  // afterwards a thread that waits may have the role
+constexpr int trains_per_turn = 64;  // then a waiting thread may have the role
 constexpr int trains_per_hand_over = 1024;
 
 /// Makes an eventfd or timerfd unreadable again.
@@ -121,14 +121,14 @@ void ReceiveLoop::receive_alone() {
   if (!works) give_up();
 }
 
-/// The program has closed the descriptors of this loop (closefrom(3)), so that nothing can be waited for any
-/// more.
+/// Stops receiving: the program has closed the descriptors of this loop (closefrom(3)), so that it cannot
+/// wait for anything any more.
 void ReceiveLoop::give_up() {
   broken_.store(true, std::memory_order_relaxed);
   role_.close();
 }
 
-/// Waits for datagrams while threads that wait come and go: those take the role without waking this one.
+/// Waits for datagrams while waiting threads come and go, which take the role without waking this thread.
 void ReceiveLoop::poll(Time until) {
   const auto [datagrams, wake] = io_->descriptors();
   std::array<pollfd, 3> ready{{{.fd = datagrams, .events = POLLIN, .revents = 0},
@@ -181,7 +181,7 @@ bool ReceiveLoop::receive(const core::Waiting& waiting) noexcept {
 
 void ReceiveLoop::wake_receiver() noexcept { ::eventfd_write(waiter_event_.get(), 1); }
 
-/// Waits while another thread receives, and delivers to this one's reader.
+/// Waits while another thread receives, and delivers to this thread's reader.
 void ReceiveLoop::wait_behind(const core::Waiting& waiting) noexcept {
   if (role_.wait_behind()) io_->wake();
   if (!waiting.bell.spin(waiting.seen, waiting.spin_until))
@@ -202,7 +202,7 @@ void ReceiveLoop::wait_in_role(const core::Waiting& waiting) noexcept {
   }
 }
 
-/// A thread that waits has taken what its reader had, so that there may be room.
+/// Called when a waiting thread has taken what its reader had, so that there may be room.
 void ReceiveLoop::deliver_to_laggards() noexcept {
   if (!role_.begin()) return;
   const Time now = Clock::now();
@@ -211,8 +211,8 @@ void ReceiveLoop::deliver_to_laggards() noexcept {
   role_.end(next_deadline());
 }
 
-/// Receives one train of datagrams, so that a thread that waits for a sample of it need not wait for other
-/// trains. True if there was one.
+/// Receives only one train of datagrams, so that a thread that waits for a sample in it need not wait for
+/// further trains. Returns true if there was one.
 bool ReceiveLoop::receive_turn() noexcept {
   if (!role_.begin()) return false;
   const bool came = io_->receive_now(*this);
@@ -222,8 +222,8 @@ bool ReceiveLoop::receive_turn() noexcept {
   return came;
 }
 
-/// A sample came alone. Those that were sent before it have come as well: they lie in the socket of groups,
-/// or were lost.
+/// Ends a hand-over. A sample came by unicast, so those that were sent before it have come, too: they lie
+/// in the socket of groups, or were lost.
 void ReceiveLoop::end_hand_over() noexcept {
   if (!delivery_.hands_over()) [[likely]]
     return;
@@ -283,7 +283,7 @@ void ReceiveLoop::begin(ArrivalTime now) noexcept {
 void ReceiveLoop::datagram(std::span<const std::byte> bytes, const SocketAddress& from) noexcept {
   Arrival arrival = demultiplexer_.accept(bytes, from, now_);
   if (arrival.is_empty()) return;
-  if (arrival.has_samples()) publish_counters();  // before listeners can look at them
+  if (arrival.has_samples()) publish_counters();  // before listeners can read them
   delivery_.deliver(arrival, now_.steady);
 }
 

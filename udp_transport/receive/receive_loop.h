@@ -1,5 +1,5 @@
-// The thread that receives datagrams: the transport's own, or one that waits for a sample and receives
-// meanwhile (receiving_role.h).
+// The thread that receives datagrams: the transport's own thread, or a thread that waits for a sample and
+// receives meanwhile (receiving_role.h).
 #pragma once
 
 #include <atomic>
@@ -26,8 +26,7 @@ namespace sft::udp {
 /// receiving thread" is the thread that has the role.
 class ReceiveLoop final : private DatagramSink, public std::enable_shared_from_this<ReceiveLoop> {
  public:
-  /// The loop speaks through these with the half of the transport that sends. The receiving thread calls
-  /// them.
+  /// The functions of the sending half of the transport that the loop calls, on the receiving thread.
   struct SendingHalf {
     std::function<void(const Answer&, const SocketAddress& from, std::chrono::steady_clock::time_point)>
         hear_answer;
@@ -35,20 +34,20 @@ class ReceiveLoop final : private DatagramSink, public std::enable_shared_from_t
     std::function<void(const SocketAddress&, const FlowReport&)> send_report;
     Reassembly::SendGroupReport send_group_report;
   };
-  /// All who send to the socket share `receive_buffer_bytes`.
+  /// All senders to the socket share `receive_buffer_bytes`.
   ReceiveLoop(std::unique_ptr<DatagramReceiver> io, const ReassemblyLimits& limits,
               std::size_t receive_buffer_bytes, std::shared_ptr<core::BufferPool> pool,
               SendingHalf sending_half, const std::shared_ptr<GroupJoins>& joins);
 
   Result<void> start(const core::ThreadSpec& thread);
-  /// After this returns nothing is received. If a listener calls stop(), this holds once the listener has
-  /// returned.
+  /// Nothing is received after this has returned. If a listener calls stop(), this holds once the listener
+  /// has returned.
   void stop();
 
   // Any thread.
 
-  /// A reader with these wishes is there. After this returns no thread but the transport's own calls a
-  /// listener, unless its reader is only waited for.
+  /// Registers a reader. After this has returned, only the transport's own thread calls listeners, unless
+  /// the reader is only waited for.
   void add(const core::ReaderSpec& reader);
   void remove(const core::ReaderSpec& reader);
 
@@ -60,7 +59,7 @@ class ReceiveLoop final : private DatagramSink, public std::enable_shared_from_t
   SubscriptionDirectory& subscriptions() { return delivery_.subscriptions(); }
   core::Transport::Counters counters() const noexcept { return published_.load(); }
   struct Health {
-    bool is_broken = false;   ///< the system gave up on the socket
+    bool is_broken = false;   ///< the system does not let the socket receive any more
     std::string fell_back{};  ///< see DatagramReceiver::fell_back()
   };
   Health health() const { return {broken_.load(std::memory_order_relaxed), io_->fell_back()}; }
@@ -68,7 +67,7 @@ class ReceiveLoop final : private DatagramSink, public std::enable_shared_from_t
  private:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// The counters of the receiving thread, for all threads to see.
+  /// The counters of the receiving thread, which any thread can read.
   class PublishedCounters {
    public:
     void store(const core::Transport::Counters& counters) noexcept;
@@ -102,15 +101,15 @@ class ReceiveLoop final : private DatagramSink, public std::enable_shared_from_t
   std::unique_ptr<DatagramReceiver> io_;
   std::thread thread_;
   ReceivingRole role_;
-  FileDescriptor alarm_;         ///< a timerfd: wakes the own thread when a vacancy is over
+  FileDescriptor alarm_;         ///< a timerfd; wakes the transport's own thread at the end of a vacancy
   FileDescriptor waiter_event_;  ///< wakes the waiting thread that has the role, or is promised it
   SpinLimits spins_;
   std::atomic<bool> broken_{false};
   PublishedCounters published_;
 
-  // Used by the own thread.
-  // Spinning pays as long as samples come about as fast as a thread can be woken. A callback that answers at
-  // once, and gets the next sample for it, is quicker from then on.
+  // Used by the transport's own thread. Spinning pays off as long as samples come about as fast as a thread
+  // can be woken. A callback that answers at once, and gets the next sample for that, is quicker from then
+  // on.
   core::SpinChoice spinning_{3};
 
   // Used by the receiving thread alone.

@@ -110,7 +110,8 @@ ReceivingRole::Look ReceivingRole::look(const State& state, Time now, bool reada
   return {.seemed_idle = !state.in_turn && (readable || next_deadline_.load() <= now), .turns = turns_};
 }
 
-/// The own thread does not leave work that is due to a holder that may not do it.
+/// Work that is due must not depend on a holder that may not do it, so the own thread checks soon after
+/// that time.
 ReceivingRole::Time ReceivingRole::next_look(Time now) const {
   if (last_look_.seemed_idle) return now + second_look;
   const Time due = next_deadline_;
@@ -127,7 +128,7 @@ ReceivingRole::Task ReceivingRole::next(Time now, bool readable) {
     Look now_seen = last_look_;
     if (evicts) {
       now_seen = look(before, now, readable);
-      // Twice in a row, a little apart: what has just come it is about to receive.
+      // The holder must seem idle twice, because it may be about to receive what has just come.
       const bool does_nothing =
           now_seen.seemed_idle && last_look_.seemed_idle && now_seen.turns == last_look_.turns;
       const bool must_go = before.attended > 0 && !before.in_turn;
@@ -173,8 +174,8 @@ bool ReceivingRole::end_turn(Time next_deadline) {
   return passes_it_on;
 }
 
-/// The exchange, and that of leave(), order what both threads do around them: who finds the alarm set leaves
-/// the role before it has rung.
+/// Both this exchange and that of leave() order what the threads do around them: a thread that finds the
+/// alarm set has left the role before the alarm rings.
 void ReceivingRole::alarm_rang() { alarm_set_.exchange(false); }
 
 void ReceivingRole::close() {

@@ -1,4 +1,4 @@
-// Labels of the samples that were finished last, one way or the other: what still comes of them is no news.
+// Labels of the samples that were completed or given up last. Further datagrams of these are ignored.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,5 @@
-// The samples of one writer that are being put together, within the limits on their number and memory. Pure.
+// The samples of one writer that are being put together, within the limits on their number and memory. Uses
+// no clock, thread or I/O.
 #pragma once
 
 #include <cstddef>
@@ -22,12 +23,11 @@ class SampleAssembly {
   SampleAssembly(const SampleAssembly&) = delete;
   SampleAssembly& operator=(const SampleAssembly&) = delete;
 
-  /// Null if that sample has not begun. The pointer is valid until the sample is removed.
+  /// Returns null if that sample has not begun. The pointer is valid until the sample is removed.
   UnfinishedSample* find(const SampleLabel& label) const { return unfinished_.find(label); }
-  /// Begins a sample. A sample without a place in a channel makes room for itself: the oldest ones are
-  /// dropped.
+  /// Begins a sample. If it has no place in a channel, the oldest samples are dropped to make room for it.
   UnfinishedSample& begin(const SampleLabel& label, std::uint64_t place, Time now);
-  /// The first datagram of the sample has come. The buffer has room for the whole body.
+  /// Notes that the first datagram of the sample has come. The buffer has room for the whole body.
   void describe(UnfinishedSample& sample, const FirstHeader& first, std::size_t body_offset,
                 core::SampleHandle buffer);
   void set_place(UnfinishedSample& sample, std::uint64_t place) { unfinished_.set_place(sample, place); }
@@ -41,25 +41,25 @@ class SampleAssembly {
   void finish(const SampleLabel& label) { finished_.add(label); }
   bool is_finished(const SampleLabel& label) const { return finished_.contains(label); }
 
-  /// Takes a sample out. Empty if it has not begun.
+  /// Takes a sample out; null if it has not begun.
   UnfinishedSamples::Handle remove(const SampleLabel& label);
-  /// The sample begins anew later, if it comes again.
+  /// Removes a sample that begins anew if it comes again.
   void give_back(const SampleLabel& label);
-  /// Gives a sample up, whether it has begun or not, and counts it. Returns its place in the channel; 0 if it
-  /// had none.
+  /// Gives a sample up, whether it has begun or not, and counts it. Returns its place in the channel; 0 if
+  /// it had none.
   std::uint64_t drop(const SampleLabel& label, std::uint64_t& counter);
-  /// Drops samples without a place in a channel that have made no progress for too long. The channel decides
-  /// about all others. `next` becomes the time when the next one is due.
+  /// Drops samples without a place in a channel that have made no progress for too long. The channel
+  /// decides about all others. Lowers `next` to the time when the next one is due.
   void expire(Time now, std::optional<Time>& next);
-  /// No sample has a place in a channel from now on, so that all of them can expire.
+  /// Takes the place in a channel from all samples, so that all of them can expire.
   void forget_places();
 
-  /// Memory for a sample without a place in a channel. Older samples of the writer make room where memory is
-  /// short. Empty if that is not enough.
+  /// Takes memory for a sample without a place in a channel. If memory is short, older samples of the
+  /// writer are dropped. Returns null if that is not enough.
   core::SampleHandle take_buffer(std::size_t buffer_bytes, const SampleLabel& label, std::size_t body_bytes,
                                  bool is_whole);
-  /// Memory for a sample with a place in a channel. Nothing makes room for it, since it can come again later.
-  /// So much of the pool stays unused, besides what is reserved for publishers.
+  /// Takes memory for a sample with a place in a channel. No other sample is dropped for it, since it can
+  /// come again later. `reserved_bytes` of the pool stay unused, besides what is reserved for publishers.
   core::SampleHandle take_reliable_buffer(std::size_t buffer_bytes, std::size_t body_bytes,
                                           std::size_t reserved_bytes);
 
@@ -68,7 +68,7 @@ class SampleAssembly {
 
   ReassemblyMemory& shared_;
   UnfinishedSamples unfinished_;
-  std::size_t described_bytes_ = 0;  ///< of the bodies whose first datagram has come
+  std::size_t described_bytes_ = 0;  ///< bytes of the bodies whose first datagram has come
   RecentLabels finished_;
 };
 

@@ -11,9 +11,9 @@ namespace sft::udp {
 
 namespace {
 
-constexpr std::size_t twins_max = 64;  // with one short id, of which something is heard
+constexpr std::size_t twins_max = 64;  // living writers with one short id that are read
 
-/// The places of a stream's selections, by their hashes: there are many where many readers change theirs.
+/// The indices of a stream's selections, by their hashes. There are many if many readers change theirs.
 using SelectionPlaces = std::unordered_multimap<std::uint64_t, std::size_t>;
 
 void add(const Selection& selection, Stream& stream, SelectionPlaces& places) {
@@ -26,7 +26,7 @@ void add(const Selection& selection, Stream& stream, SelectionPlaces& places) {
   stream.selections.push_back(selection);
 }
 
-/// Puts the wishes of all readers of one writer together.
+/// Combines what all readers of one writer ask for.
 void join(Stream& stream, const TypeSupport* type, const core::Source& source,
           const std::vector<core::Accepted>& accepted, SelectionPlaces& places) {
   stream.writer = source.writer;
@@ -41,8 +41,8 @@ void join(Stream& stream, const TypeSupport* type, const core::Source& source,
 
 }  // namespace
 
-/// A sample for this reader alone has waited behind the history, and may come late. A merged sample has whole
-/// fields, of which the reader takes its parts.
+/// A sample for this reader alone has waited behind the history, and may come late. A merged sample has
+/// whole fields, from which the reader takes its parts.
 bool Subscriber::accepts(const core::SampleBuffer& sample, std::uint64_t first_request) const {
   const bool for_one = sample.addressee != 0;
   if (for_one && sample.addressee != reader) return false;
@@ -79,10 +79,10 @@ Result<void> SubscriptionDirectory::connect(const Inbox& inbox, const core::Sour
   return {};
 }
 
-/// Datagrams carry half of the writer's id, and one writer has one type. A few writers with one short id are
-/// told apart by their addresses.
+/// Datagrams carry half of the writer's id, and one writer has one type. A few writers with the same short
+/// id are distinguished by their addresses.
 Result<void> SubscriptionDirectory::check(const Reader& reader, const core::Source& source) const {
-  std::set<core::EndpointId> twins;  // those that are alive
+  std::set<core::EndpointId> twins;  // living ones
   for (const Reader& other : readers_) {
     for (const core::Source& known : other.sources) {
       if (static_cast<std::uint32_t>(known.writer) != static_cast<std::uint32_t>(source.writer)) continue;
@@ -144,7 +144,7 @@ SubscriptionDirectory::Reader& SubscriptionDirectory::find(const Inbox& inbox) {
 void SubscriptionDirectory::publish() {
   auto next = std::make_shared<Subscriptions>();
   std::unordered_map<core::EndpointId, std::size_t> places;
-  std::vector<SelectionPlaces> selections;  // for each stream
+  std::vector<SelectionPlaces> selections;  // one for each stream
   for (const Reader& reader : readers_) {
     for (const core::Source& source : reader.sources) {
       const auto [place, is_new] = places.try_emplace(source.writer, next->streams.size());

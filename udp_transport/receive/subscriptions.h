@@ -1,5 +1,5 @@
-// Tells the receiving thread who reads what. The receiving thread looks at a published value that does not
-// change. A thread that removes a reader waits until no former value is in use, and none is in use while
+// Tells the receiving thread which readers read which writers. That thread uses a published value that does
+// not change. A thread that removes a reader waits until no former value is in use; none is in use while
 // listeners run.
 #pragma once
 
@@ -19,16 +19,16 @@ namespace sft::udp {
 struct Subscriber {
   core::EndpointId reader = 0;
   std::shared_ptr<Inbox> inbox;
-  std::shared_ptr<const std::vector<core::Accepted>> accepted;  ///< the latest is the last
+  std::shared_ptr<const std::vector<core::Accepted>> accepted;  ///< the latest is last
   bool reliable = false;
 
-  /// Requests before `first_request` are over.
+  /// Returns true if the sample is for this reader, whose requests before `first_request` are over.
   bool accepts(const core::SampleBuffer& sample, std::uint64_t first_request = 0) const;
   /// The last request that the writer knows of.
   std::uint64_t heard_request() const;
 };
 
-/// The wishes of all readers of a transport, by writer.
+/// What all readers of a transport ask for, by writer.
 struct Subscriptions {
   std::vector<Stream> streams;
   std::vector<std::vector<Subscriber>> subscribers;  ///< for each stream
@@ -44,12 +44,12 @@ class SubscriptionDirectory {
   void announced(const Inbox& reader, const core::Source& source);
   void disconnect(const Inbox& reader, core::EndpointId writer);
   void accept(const Inbox& reader, std::vector<core::Accepted> accepted);
-  /// When it returns, the reader's type is not used any more. Not between enter() and leave().
+  /// When this returns, the reader's type is not used any more. Not called between enter() and leave().
   void remove(const Inbox& reader);
 
   // The receiving thread.
 
-  /// The latest subscriptions; their types may be used until leave().
+  /// Returns the latest subscriptions. Their types may be used until leave().
   const std::shared_ptr<const Subscriptions>& enter() {
     reading_.emplace(subscriptions_);
     subscriptions_.load();
@@ -74,7 +74,7 @@ class SubscriptionDirectory {
   std::vector<Reader> readers_ SFT_GUARDED_BY(mutex_);
   core::Published<Subscriptions> subscriptions_;
 
-  // The receiving thread's.
+  // Used by the receiving thread.
   std::optional<core::Published<Subscriptions>::Reading> reading_;
 };
 

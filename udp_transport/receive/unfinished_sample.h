@@ -1,5 +1,5 @@
-// One sample of which some datagrams came: its buffer once the first has described it, and until then the
-// bodies of those that were faster.
+// One sample of which some datagrams have come. It has a buffer once its first datagram has come, and until
+// then keeps the payloads of earlier ones.
 #pragma once
 
 #include <chrono>
@@ -18,43 +18,43 @@ class UnfinishedSample {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// Begins anew, with memory that is already there.
+  /// Begins anew, and reuses memory.
   void begin(const SampleLabel& label, Time now);
 
   const SampleLabel& label() const { return first_.label; }
   Time last_progress() const { return last_progress_; }
 
-  /// The position in its channel; 0: in none.
+  /// The place in its channel; 0: in none.
   std::uint64_t place() const { return place_; }
   void set_place(std::uint64_t place) { place_ = place; }
 
   bool described() const { return static_cast<bool>(buffer_); }
   const FirstHeader& first() const { return first_; }
-  /// The buffer's body has room for first.total bytes.
+  /// Sets the header and the buffer. The buffer's body has room for first.total bytes.
   void describe(const FirstHeader& first, std::size_t body_offset, core::SampleHandle buffer);
 
   enum class Added : std::uint8_t {
     yes,
-    beyond_body,    ///< nothing happened
-    too_many_gaps,  ///< nothing happened: there would be one gap more
+    beyond_body,    ///< the datagram was ignored
+    too_many_gaps,  ///< the datagram was ignored, since there would be one gap more
   };
-  /// Only for a described sample.
+  /// REQUIRES: the sample is described.
   Added add(std::uint32_t offset, std::span<const std::byte> payload, std::size_t gaps_max, Time now);
   bool whole() const { return described() && received_.covered() == first_.total; }
   core::SampleHandle take_buffer() { return std::move(buffer_); }
   const core::SampleHandle& buffer() const { return buffer_; }
   const IntervalSet& received() const { return received_; }
 
-  /// Only for a sample that is not described yet.
+  /// REQUIRES: the sample is not described yet.
   void park(std::uint32_t offset, std::span<const std::byte> payload, Time now);
   std::size_t parked_bytes() const { return parked_.size(); }
   static std::size_t bytes_to_park(std::span<const std::byte> payload) {
     return sizeof(Parked) + payload.size();
   }
-  /// Adds what was parked; if not all of it, says why. Afterwards nothing is parked.
+  /// Adds what was parked. If not all of it was added, the result says why. Afterwards nothing is parked.
   Added unpark(std::size_t gaps_max, Time now);
 
-  /// Gives the sample's memory back, but for small vectors.
+  /// Releases the sample's memory, except for small vectors.
   void clear();
 
  private:
@@ -65,13 +65,13 @@ class UnfinishedSample {
   };
 
   std::uint64_t place_ = 0;
-  FirstHeader first_;  ///< only the label while the sample is not described
+  FirstHeader first_;  ///< only the label until the sample is described
   core::SampleHandle buffer_;
   std::byte* body_ = nullptr;
   IntervalSet received_;
-  std::vector<std::byte> parked_;  ///< fragments that came before the first one: {Parked, payload}*
+  std::vector<std::byte> parked_;  ///< payloads that came before the first datagram: {Parked, payload}*
   Time last_progress_;
-  std::size_t index_ = 0;  ///< where it is among the others (unfinished_samples.h)
+  std::size_t index_ = 0;  ///< index in `UnfinishedSamples::placed_`
   UnfinishedSample* next_in_bucket_ = nullptr;
 };
 

@@ -5,7 +5,7 @@
 
 namespace sft::udp {
 
-/// The loose ones are searched from the end: datagrams of the newest are the most likely.
+/// Searches the loose ones from the end, because datagrams of the newest are the most likely.
 UnfinishedSample* UnfinishedSamples::search(const SampleLabel& label) const {
   if (last_found_ != nullptr && last_found_->label() == label) return last_found_;
   const auto loose = std::find_if(loose_.rbegin(), loose_.rend(),

@@ -1,5 +1,6 @@
-// The samples of one writer that have begun and are not whole yet. A sample is found by its label in bounded
-// time, however many have begun: whoever sends datagrams decides how many that are. Pure.
+// The samples of one writer that have begun and are not whole yet. A sample is found by its label in
+// bounded time, however many have begun, because anybody who sends datagrams decides how many these are.
+// Uses no clock, thread or I/O.
 #pragma once
 
 #include <cstddef>
@@ -16,20 +17,20 @@ class UnfinishedSamples {
   using Handle = std::unique_ptr<UnfinishedSample>;
 
   bool empty() const { return loose_.empty() && placed_.empty(); }
-  /// Samples that have no place in a channel, the oldest first. Their number is limited by whoever adds them.
+  /// Samples without a place in a channel; the oldest is first. Callers of add() limit their number.
   const std::vector<Handle>& loose() const { return loose_; }
   /// Samples that have a place in a channel, in any order.
   const std::vector<Handle>& placed() const { return placed_; }
 
-  /// Null if that sample has not begun. Valid until it is removed.
+  /// Returns null if that sample has not begun. Valid until the sample is removed.
   UnfinishedSample* find(const SampleLabel& label) const { return empty() ? nullptr : search(label); }
-  /// No other one has its label.
+  /// REQUIRES: no other sample has its label.
   UnfinishedSample& add(Handle sample);
-  /// Empty if it is not there.
+  /// Returns null if the sample is not there.
   Handle remove(const SampleLabel& label);
   /// Gives a sample its place in the channel of the writer; 0: it has none any more.
   void set_place(UnfinishedSample& sample, std::uint64_t place);
-  /// Forgets the positions of all samples.
+  /// Takes the place from all samples.
   void forget_places();
 
  private:
@@ -47,7 +48,7 @@ class UnfinishedSamples {
   Handle take_placed(UnfinishedSample& sample);
 
   std::vector<Handle> loose_;
-  std::vector<Handle> placed_;  ///< each knows its index here
+  std::vector<Handle> placed_;  ///< each sample knows its index here
   mutable std::vector<UnfinishedSample*> buckets_{
       8};  ///< samples with a place; the number of buckets is a power of two
   mutable UnfinishedSample* last_found_ = nullptr;

@@ -1,5 +1,5 @@
-// Under which masks somebody here reads a writer, or which parts of fields and under which conditions, and
-// which of them a datagram names.
+// The masks, parts of fields and conditions that readers of this process ask a writer for, and which of
+// them a datagram names.
 #pragma once
 
 #include <cstddef>
@@ -18,16 +18,16 @@ namespace sft::udp {
 
 class WantedMasks {
  public:
-  /// Sets what is wanted from now on; `type` outlives this object.
+  /// Sets what is wanted from now on. `type` outlives this object.
   void set(const TypeSupport& type, std::span<const Selection> selections);
 
   struct Named {
-    const FieldMask* mask = nullptr;  ///< null: one that nobody wants; valid until the next call
+    const FieldMask* mask = nullptr;  ///< null: no reader wants it; valid until the next call
     std::uint64_t parts = 0;          ///< as SampleBuffer::parts
     std::uint64_t conditions = 0;     ///< the hash of the conditions under which the sample is sent; 0: none
     bool malformed = false;
   };
-  /// A first, whole or packed datagram. Takes the mask's words off its payload.
+  /// Returns what a first, whole or packed datagram names. Takes the mask's words from its payload.
   Named named_by(Datagram& d);
 
  private:
@@ -42,7 +42,7 @@ class WantedMasks {
   static constexpr std::size_t merged_max = 8;
   const TypeSupport* type_ = nullptr;
   std::vector<Wanted> wanted_;     ///< by ascending hash
-  std::vector<FieldMask> merged_;  ///< unions that were met lately, each of something that is wanted
+  std::vector<FieldMask> merged_;  ///< unions met recently that contain a wanted mask
 };
 
 }  // namespace sft::udp

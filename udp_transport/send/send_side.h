@@ -35,7 +35,7 @@ class Periodic {
   ~Periodic() = default;
 };
 
-/// Add and remove: any thread.
+/// Any thread, except where a comment says otherwise.
 class PeriodicTasks {
  public:
   using Time = Periodic::Time;
