@@ -140,14 +140,14 @@ class UdpTransport final : public core::Network {
   const core::IpAddress bound_to_;
   const std::vector<core::IpAddress> advertised_;
   const std::vector<std::string> interfaces_;
-  std::uint64_t network_changes_ = 0;  ///< count of changes seen so far
+  std::uint64_t network_changes_ = 0;  ///< number of network changes seen so far
   bool network_has_changed_ = false;
   mutable core::Mutex links_mutex_;
   /// The links when the system listed them last, which it cannot do at times.
   mutable std::vector<core::Link> links_ SFT_GUARDED_BY(links_mutex_);
   std::chrono::steady_clock::time_point destinations_looked_after_at_{};
   const std::uint16_t port_;
-  const int family_;  ///< family of the socket; an IPv6 one takes both
+  const int family_;  ///< family of the socket; an IPv6 socket takes both
   const std::uint32_t receive_buffer_bytes_;
   const std::shared_ptr<ReceiveLoop> receiver_;
   const std::shared_ptr<SendSide> send_side_;
@@ -245,7 +245,7 @@ Result<std::unique_ptr<core::Network>> open_udp_transport(const UdpOptions& opti
                                                   std::move(paths), receiver, send_side);
   if (Result<void> started = receiver->start(options.receive_thread); !started)
     return forward(started.error());
-  SendSide& side = *send_side;  // its sender calls `hear`
+  SendSide& side = *send_side;  // `hear` is called by the sender of this side
   const auto hear = [&side](std::span<const std::byte> answer, const SocketAddress& from,
                             std::chrono::steady_clock::time_point now) {
     return hear_answer(side, answer, from, now);

@@ -26,21 +26,24 @@ enum class Backend : std::uint8_t {
 };
 
 struct UdpOptions {
-  std::uint16_t port = 0;          ///< 0: any free one
+  std::uint16_t port = 0;          ///< port that the socket is bound to; 0: any free one
   core::IpAddress bind_address{};  ///< default: all addresses of the host, of both families
-  std::vector<core::IpAddress> advertised_addresses{};  ///< empty: `bind_address`, or those of the host
+  /// Addresses to announce; empty: `bind_address`, or those of the host.
+  std::vector<core::IpAddress> advertised_addresses{};
   /// Limits the addresses of the host to these interfaces, by name, address or network (interfaces.h);
   /// empty: all that are up.
   std::vector<std::string> interfaces{};
   Backend backend = Backend::automatic;
 
-  std::size_t max_sample_bytes = std::size_t{64} << 20;      ///< of a body that is sent or received
-  std::size_t receive_buffer_bytes = std::size_t{32} << 20;  ///< as the kernel counts; it may grant less
-  std::size_t send_buffer_bytes = std::size_t{128} << 10;    ///< to each address; devices have short queues;
-                                                             ///< 0: default
+  std::size_t max_sample_bytes = std::size_t{64} << 20;  ///< limit of a body that is sent or received
+  /// Wanted size, as the kernel counts; it may grant less.
+  std::size_t receive_buffer_bytes = std::size_t{32} << 20;
+  /// Size for each address; devices have short queues; 0: default.
+  std::size_t send_buffer_bytes = std::size_t{128} << 10;
 
-  std::size_t max_datagram_bytes = datagram_bytes_max;  ///< with our header; a path may take less
-  std::uint64_t max_bytes_per_s = 0;                    ///< of all that is sent; 0: no limit
+  /// Longest datagram, with our header; a path may take less.
+  std::size_t max_datagram_bytes = datagram_bytes_max;
+  std::uint64_t max_bytes_per_s = 0;  ///< limit of all that is sent; 0: none
   Multicast multicast = Multicast::automatic;
   std::size_t send_queue_depth = 4;  ///< newest samples that wait, per writer, mask and address
   ReassemblyLimits reassembly{};     ///< `sample_bytes` is set from max_sample_bytes

@@ -71,11 +71,12 @@ class UdpWriter final : public core::NetworkWriter, private Periodic {
   // Used by the publisher's thread.
   std::chrono::nanoseconds timeout_max_ = std::chrono::nanoseconds::max();
   const RouteTable nobody_;
-  const RouteTable* in_use_ = &nobody_;           ///< table of the latest sample, whose page is open
-  core::DeliveryBook::LateCounts late_counts_{};  ///< of samples that were left under the page before
+  const RouteTable* in_use_ = &nobody_;  ///< table of the latest sample, whose page is open
+  /// State of the counts for samples that were left under the page before.
+  core::DeliveryBook::LateCounts late_counts_{};
   VariantSender sender_;
   bool holds_ = false;                          ///< true between hold() and flush()
-  std::size_t missed_ = 0;                      ///< number of held samples that were missed
+  std::size_t missed_ = 0;                      ///< number of held samples that some reader missed
   std::shared_ptr<const RouteTable> held_for_;  ///< keeps the audiences of the held samples
   const std::shared_ptr<FanOut> deferred_;
 };

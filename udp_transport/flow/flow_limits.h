@@ -9,10 +9,11 @@ namespace sft::udp {
 
 /// Larger than usual: it has all times and sizes of a flow, each with its reason.
 struct FlowLimits {
-  bool asks = true;  ///< false: no receiver is asked to report, or waited for, as for a multicast group
-  std::uint64_t unheard_bytes_per_s = 600'000'000;  ///< assumed to pass if no receiver is asked
-  std::uint64_t unasked_bytes_per_s = 1'000'000;    ///< assumed to pass without a report; here a datagram
-                                                    ///< counts with its length alone
+  /// False: receivers are neither asked to report nor waited for, as for a multicast group.
+  bool asks = true;
+  std::uint64_t unheard_bytes_per_s = 600'000'000;  ///< rate assumed to pass if no receiver is asked
+  /// Rate assumed to pass without a report; here a datagram counts with its length alone.
+  std::uint64_t unasked_bytes_per_s = 1'000'000;
   // These limits hold for a receiver that has not reported yet.
   std::size_t unproven_bytes = 24'000;
   std::size_t unproven_datagrams = 16;
@@ -21,11 +22,12 @@ struct FlowLimits {
   std::size_t least_bytes = 32 * 1024;             ///< least window, however bad the path is
   std::size_t mark_spacing_min = 24 * 1024;
   std::size_t mark_spacing_max = 3072 * 1024;
-  std::chrono::milliseconds queueing{4};    ///< tolerated above the shortest round trip
+  std::chrono::milliseconds queueing{4};    ///< queueing tolerated above the shortest round trip
   std::chrono::milliseconds mark_again{2};  ///< least time before a mark is repeated; else two round trips
   std::chrono::milliseconds mark_again_unheard{10};
   std::chrono::milliseconds mark_again_longest{50};
-  std::chrono::milliseconds mark_anew{2000};  ///< from the last report to the next mark, if anything is sent
+  /// Pause from the last report to the next mark, if anything is sent.
+  std::chrono::milliseconds mark_anew{2000};
   /// Replaces `mark_anew` where acks come. A slow reliable flow has an ack every 4 s
   /// (ResendLimits::heartbeat_period), which does what a mark would.
   std::chrono::milliseconds mark_anew_behind_acks{4500};

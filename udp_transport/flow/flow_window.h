@@ -146,7 +146,7 @@ class FlowWindow {
   DeliveryRate rate_;
   CongestionWindow congestion_;
   LengthMonitor lengths_;
-  std::size_t lost_length_ = 0;  ///< as the last report shows
+  std::size_t lost_length_ = 0;  ///< length of datagrams that have not arrived, by the last report
 };
 
 }  // namespace sft::udp

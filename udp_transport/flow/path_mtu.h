@@ -56,8 +56,8 @@ class PathMtu {
   std::size_t too_long_ = none;  ///< a length that did not arrive
   Time next_try_{};
   Time::duration retry_after_ = retry_pause;
-  int losses_ = 0;  ///< reports of losses in a row, without a datagram as long arriving in between
-  std::size_t lost_length_ = none;  ///< the shortest length of these losses
+  int losses_ = 0;                  ///< number of reports in a row that show losses
+  std::size_t lost_length_ = none;  ///< shortest lost datagram in these reports
   Time first_loss_{};
 };
 

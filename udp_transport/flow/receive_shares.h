@@ -52,7 +52,7 @@ class ReceiveShares {
   Sender* known_or_new(const FlowMark& mark, const SocketAddress& from);
 
   const std::size_t usable_bytes_;
-  std::vector<Sender> senders_;  ///< ordered by address
+  std::vector<Sender> senders_;  ///< in the order of their addresses
   std::size_t last_ = 0;         ///< index of the sender whose datagram came last
 };
 

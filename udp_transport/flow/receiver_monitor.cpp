@@ -5,7 +5,7 @@
 namespace sft::udp {
 
 namespace {
-constexpr std::chrono::seconds longest_pause_between_marks{3};  // within one silence
+constexpr std::chrono::seconds longest_pause_between_marks{3};  // longest pause within one silence
 }
 
 void ReceiverMonitor::ask(bool again, Time now) {

@@ -67,7 +67,7 @@ class ReceiverMonitor {
   Time marked_at_{};
   Time first_marked_at_{};
   Time heard_at_{};
-  int unanswered_ = 0;               ///< marks that were repeated
+  int unanswered_ = 0;               ///< number of repeated marks
   std::optional<Time> asked_since_;  ///< time of the first mark after the last answer
   int asked_ = 0;                    ///< number of marks since `asked_since_`
   bool refused_ = false;

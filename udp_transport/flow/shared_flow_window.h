@@ -57,7 +57,7 @@ class SharedFlowWindow {
   struct Heard {
     bool accepted = false;
     bool goes_on = false;               ///< a sender that waited may go on now
-    bool control_was_withheld = false;  ///< a heartbeat or offer since the last report; it may go now
+    bool control_was_withheld = false;  ///< a heartbeat or offer was withheld, and may go now
     std::size_t lost_length = 0;        ///< length of datagrams that have not arrived; 0: none is known
   };
   [[nodiscard]] Heard hear(const FlowReport& report, Time now);

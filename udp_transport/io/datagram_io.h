@@ -75,7 +75,7 @@ class DatagramReceiver {
 /// Datagrams for one address, laid end to end in `parts`. All but the last have `segment_bytes` bytes.
 struct OutgoingBatch {
   std::span<const iovec> parts;
-  std::uint16_t segment_bytes = 0;  ///< 0 if there is one datagram
+  std::uint16_t segment_bytes = 0;  ///< length of all datagrams but the last; 0 if there is only one
 };
 
 enum class SendOutcome : std::uint8_t {
@@ -118,7 +118,7 @@ class Connection {
 };
 
 inline SendOutcome send_one(Connection& by, std::span<const std::byte> datagram) noexcept {
-  const iovec part{const_cast<std::byte*>(datagram.data()), datagram.size()};  // it is only read
+  const iovec part{const_cast<std::byte*>(datagram.data()), datagram.size()};  // the datagram is only read
   const OutgoingBatch batch{{&part, 1}, 0};
   return by.try_send({&batch, 1}).outcome;
 }
@@ -140,7 +140,7 @@ class DatagramSender {
   /// to go to the socket that receives samples.
   virtual std::uint16_t answer_port() const noexcept { return 0; }
   struct Answer {
-    std::size_t bytes = 0;  ///< 0: no answer has come
+    std::size_t bytes = 0;  ///< length of the answer; 0: none has come
     SocketAddress from{};
   };
   /// Takes the next answer, without waiting. Called by the thread that calls await().
@@ -157,7 +157,7 @@ struct DatagramIo {
   std::unique_ptr<DatagramReceiver> receiver;
   std::unique_ptr<DatagramSender> sender;
   std::string description;        ///< part of a sentence, such as "io_uring with GRO and GSO"
-  std::string why_no_io_uring{};  ///< empty if io_uring is used
+  std::string why_no_io_uring{};  ///< why io_uring is not used; empty if it is
 };
 
 }  // namespace sft::udp

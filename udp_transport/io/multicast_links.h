@@ -17,7 +17,7 @@ enum class Multicast : std::uint8_t {
 
 struct MulticastLink {
   std::string interface;
-  std::uint32_t own = 0;  ///< our address there, IPv4, host byte order
+  std::uint32_t own = 0;  ///< our IPv4 address on the link, host byte order
   std::uint32_t netmask = 0;
   std::string refusal{};  ///< why this link is not used for multicast; empty: it may be used
 };

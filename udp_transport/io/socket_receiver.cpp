@@ -15,7 +15,7 @@ namespace sft::udp {
 namespace {
 using Clock = std::chrono::steady_clock;
 
-constexpr int trains_per_call = 64;  // before wake() and the deadline are checked again
+constexpr int trains_per_call = 64;  // most trains before wake() and the deadline are checked again
 }  // namespace
 
 SocketReceiver::SocketReceiver(std::shared_ptr<const UdpSocket> socket, FileDescriptor wake_event)

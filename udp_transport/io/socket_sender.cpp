@@ -125,7 +125,7 @@ class SocketConnection final : public Connection {
   }
 
   const std::shared_ptr<Shared> shared_;
-  FileDescriptor own_;       ///< invalid: the receiving socket sends for this connection, too
+  FileDescriptor own_;       ///< invalid: the connection sends through the receiving socket
   std::atomic<int> family_;  ///< family of `own_`
   std::atomic<bool> connected_{false};
   bool full_ = false;  ///< used by the thread that calls await()
@@ -201,7 +201,7 @@ class SocketSender final : public DatagramSender {
   static constexpr std::size_t waiting_foreseen = 64;
 
   const std::shared_ptr<Shared> shared_;
-  const std::shared_ptr<const UdpSocket> answers_;  ///< may be null
+  const std::shared_ptr<const UdpSocket> answers_;  ///< null if answers come to the receiving socket
   const FileDescriptor wake_event_;
   std::vector<pollfd> polled_;
 };

@@ -263,7 +263,7 @@ void hand_over(std::span<const std::byte> train, std::span<std::byte> control, c
   while (!train.empty()) {
     const std::size_t bytes = std::min(segment, train.size());
     if (train.size() > 2 * segment)
-      __builtin_prefetch(&train[2 * segment]);  // the kernel's copy left the caches
+      __builtin_prefetch(&train[2 * segment]);  // the kernel's copy of the train has left the nearest cache
     sink.datagram(train.first(bytes), source);
     train = train.subspan(bytes);
   }

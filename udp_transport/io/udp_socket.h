@@ -39,10 +39,10 @@ struct UdpSocket {
   SocketOptions options;
   std::uint16_t port = 0;
   std::uint32_t receive_buffer_bytes = 0;      ///< granted size, as the kernel counts
-  bool receives_trains = false;                ///< UDP_GRO is on
-  std::string why_no_gro{};                    ///< empty if UDP_GRO is on
-  std::string why_no_gso{};                    ///< empty: the system has UDP_SEGMENT
-  GroupSocket groups{};                        ///< invalid if there is none
+  bool receives_trains = false;                ///< true if UDP_GRO is on
+  std::string why_no_gro{};                    ///< why UDP_GRO is not on; empty if it is
+  std::string why_no_gso{};                    ///< why the system has no UDP_SEGMENT; empty if it has
+  GroupSocket groups{};                        ///< invalid if there is no group socket
   mutable std::atomic<bool> in_groups{false};  ///< true if the group socket may receive something
 
   /// Returns a descriptor that becomes readable when a datagram has come.

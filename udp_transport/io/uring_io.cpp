@@ -350,7 +350,7 @@ class UringReceiver final : public DatagramReceiver {
 
   const std::shared_ptr<const UdpSocket> socket_;
   SocketReceiver plain_;
-  msghdr layout_{};  ///< the room that each buffer leaves before the train
+  msghdr layout_{};  ///< says how much room each buffer leaves before the train
   BufferRing buffers_;
   Ring ring_;  // closed before `buffers_` is freed
   bool receive_armed_ = false;

@@ -16,8 +16,8 @@ struct DividedPlace {
   /// If only some samples are for the destination (those that pass conditions or a maximum rate), what all
   /// its readers ask for. Null: every sample is for it. Outlives the call.
   const core::Wanted* some_samples = nullptr;
-  bool is_in_group = false;  ///< a group of places that are in this division now
-  double bytes_per_s = 0;    ///< rate that it is sent if served alone; 0: not known yet
+  bool is_in_group = false;  ///< the place is in a group of places that are in this division now
+  double bytes_per_s = 0;    ///< rate that the place is sent if served alone; 0: not known yet
 };
 
 struct Division {

@@ -74,17 +74,17 @@ class GroupMembership {
     sent_since_offer_ = true;
   }
 
-  static constexpr int offers_max = 9;  ///< takes some 5 s, if samples are sent meanwhile
+  static constexpr int offers_max = 9;  ///< this many offers take some 5 s, if samples are sent meanwhile
   static constexpr Time never = Time::max();
 
   bool hears_ = false;
-  std::uint64_t refused_at_ = 0;  ///< only a report of a later ordinal shows that it hears
+  std::uint64_t refused_at_ = 0;  ///< only a report of a later ordinal shows that the member hears
   bool sent_since_offer_ = true;
   Time offer_at_{};
   std::chrono::milliseconds pause_ = offer_pause_least;
   int unanswered_ = 0;
   Time reported_at_{};
-  Time owed_since_ = never;  ///< time of a sample that should have been reported
+  Time owed_since_ = never;  ///< when a sample was sent that should have been reported
 };
 
 }  // namespace sft::udp

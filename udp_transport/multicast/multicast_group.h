@@ -37,7 +37,7 @@ class MulticastGroup final : public LaneListener {
   struct Name {
     std::uint32_t writer = 0;
     std::uint32_t number = 0;   ///< the writer's number for the group, never used again
-    std::uint32_t address = 0;  ///< IPv4, host byte order
+    std::uint32_t address = 0;  ///< IPv4 address, host byte order
   };
 
   /// `lane` leads to the group. `report_port` is the port that reports come to.
@@ -111,7 +111,7 @@ class MulticastGroup final : public LaneListener {
   /// A sample that was asked for recently.
   struct Asked {
     std::uint64_t ordinal = 0;
-    std::uint64_t by = 0;  ///< a bit for each member; more than 64 share bits
+    std::uint64_t by = 0;  ///< bit set of the members that asked; more than 64 share bits
     bool sent_again = false;
     Time at{};
   };
@@ -126,7 +126,7 @@ class MulticastGroup final : public LaneListener {
   /// The names of members in their reports. Nobody who alters a member's report can guess another member's
   /// name.
   const std::vector<std::uint32_t> member_names_;
-  std::unique_ptr<std::atomic<bool>[]> hears_;  ///< one for each member
+  std::unique_ptr<std::atomic<bool>[]> hears_;  ///< one flag for each member
 
   mutable core::Mutex mutex_;  ///< held for a few instructions
   std::vector<GroupMembership> memberships_ SFT_GUARDED_BY(mutex_);

@@ -87,12 +87,12 @@ class OfferedGroups {
   struct Offered {
     GroupOffer offer;
     SocketAddress report_to;
-    Time alive_at;  ///< when it was joined, or heard last
+    Time alive_at;  ///< when the group was joined, or heard last
     std::uint64_t heard = 0;
     Time reported_at{};
     bool due = false;
     bool is_unconfirmed = false;  ///< the latest offer said something else, or much was misplaced
-    std::uint32_t misplaced = 0;  ///< number of datagrams in a row
+    std::uint32_t misplaced = 0;  ///< number of misplaced datagrams in a row
   };
   static constexpr std::uint32_t misplaced_max = 8;
   /// The present group, and those of which samples may still be under way.
@@ -111,7 +111,7 @@ class OfferedGroups {
     GroupReport report;
   };
   std::vector<Parting> partings_;
-  std::vector<Offered> groups_;  ///< the newest is last
+  std::vector<Offered> groups_;  ///< the newest group is last
   GroupOffer unconfirmed_;       ///< the latest offer that contradicts what is known
   bool due_ = false;
 };

@@ -18,10 +18,11 @@ using BodyBytes = std::function<double(const Selection&)>;
 
 /// A process that may be in a group.
 struct PlanDestination {
-  Selection fields{};              ///< one_copy() for all its readers
-  double alone_bytes = 0;          ///< bytes on the wire, if it is served alone
-  std::size_t division = 0;        ///< all members of a group have the same one (divisions.h)
-  std::size_t datagram_bytes = 0;  ///< length that its path takes
+  Selection fields{};      ///< one_copy() for all readers of the process
+  double alone_bytes = 0;  ///< bytes on the wire of one sample, if the process is served alone
+  /// Number of the division; all members of a group have the same one (divisions.h).
+  std::size_t division = 0;
+  std::size_t datagram_bytes = 0;  ///< length of datagrams that its path takes
   /// Samples per second that its division is sent, on average over some seconds. Empty: every sample.
   std::optional<double> passing_per_s{};
 };
@@ -36,7 +37,7 @@ using MulticastPlan = std::vector<PlannedGroup>;
 
 struct PlanLimits {
   double unwanted_weight = 0.25;  ///< cost of a byte that a member gets unasked
-  double wire_max = 1.05;         ///< bytes on a link, relative to one group or none
+  double wire_max = 1.05;         ///< bytes on a link at most, relative to one group or none
   /// A smaller gain, relative to the cost of the other plan, is no reason to change.
   double gain_min = 0.05;
   double gain_bytes_per_s = 4096;  ///< a smaller gain is no reason to change the plan

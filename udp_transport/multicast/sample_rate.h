@@ -45,7 +45,8 @@ class SampleRate {
 class PassRate {
  public:
   using Time = SampleRate::Time;
-  static constexpr std::chrono::seconds counting{5};  ///< at least, once this time has passed
+  /// Least time that samples are counted, once it has passed.
+  static constexpr std::chrono::seconds counting{5};
 
   /// The next sample that passes does not count, because it is the first one after a request.
   PassRate(Time now, std::uint64_t passed) : former_{now, passed + 1}, latest_(former_) {}

@@ -116,7 +116,7 @@ struct Job {
   std::vector<detail::Segment>
       packed_;  ///< the bodies of a pack, in `copy_`; before seal() only their lengths are set
   std::size_t packed_bytes_ = 0;
-  std::shared_ptr<JobPool> pool_;  ///< set while the job is in use
+  std::shared_ptr<JobPool> pool_;  ///< the job's pool, while the job is in use
   std::atomic<std::uint32_t> references_{0};
 };
 
@@ -185,9 +185,10 @@ class JobPool : public std::enable_shared_from_this<JobPool> {
   const std::shared_ptr<KeptMemory> memory_;
   std::atomic<std::size_t> borrowed_samples_{0}, borrowed_bytes_{0};
   core::Mutex mutex_ SFT_ACQUIRED_AFTER(core::lock_order::facts) SFT_ACQUIRED_BEFORE(core::lock_order::jobs);
-  std::vector<std::unique_ptr<Job>> spare_ SFT_GUARDED_BY(mutex_);  ///< with capacity for all jobs
-  std::size_t jobs_ SFT_GUARDED_BY(mutex_) = 0;                     ///< number of jobs in use and spare
-  detail::Projection::Memory widest_ SFT_GUARDED_BY(mutex_);        ///< the most that a returned job had
+  /// Spare jobs; has capacity for all jobs.
+  std::vector<std::unique_ptr<Job>> spare_ SFT_GUARDED_BY(mutex_);
+  std::size_t jobs_ SFT_GUARDED_BY(mutex_) = 0;               ///< number of jobs in use and spare
+  detail::Projection::Memory widest_ SFT_GUARDED_BY(mutex_);  ///< the most memory that a returned job had
 };
 
 }  // namespace sft::udp

@@ -10,8 +10,8 @@ namespace sft::udp {
 /// Ordered: each includes the ones before it.
 enum class Wake : std::uint8_t {
   none,
-  look,      ///< it has to check the lanes and channels that it knows (Sender::look_again())
-  schedule,  ///< it does not know this lane, channel or work yet (Sender::schedule())
+  look,      ///< the thread has to check the lanes and channels that it knows (Sender::look_again())
+  schedule,  ///< the thread does not know this lane, channel or work yet (Sender::schedule())
 };
 
 inline Wake strongest(Wake a, Wake b) { return std::max(a, b); }

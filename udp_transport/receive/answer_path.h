@@ -51,7 +51,7 @@ class AnswerPath {
   std::size_t copies() const { return unconfirmed_ ? 2 : 1; }
 
   std::optional<SocketAddress> confirmed_;
-  std::optional<SocketAddress> unconfirmed_;  ///< named by only one heartbeat so far
+  std::optional<SocketAddress> unconfirmed_;  ///< an address that only one heartbeat has named so far
   AnswerCredit credit_;
 };
 

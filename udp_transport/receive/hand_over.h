@@ -16,8 +16,8 @@ namespace sft::udp {
 class HandOver {
  public:
   struct Waiting {
-    core::SampleHandle sample;  ///< null: there is none
-    bool in_channel = false;    ///< reliable readers get it in order by the channel
+    core::SampleHandle sample;  ///< null: no sample waits
+    bool in_channel = false;    ///< reliable readers get the sample in the order of the channel
     bool overtakes = false;     ///< an earlier sample is missing, as far as is known
   };
 
@@ -40,7 +40,7 @@ class HandOver {
   std::vector<Waiting>::iterator first_of(core::EndpointId writer);
   Waiting take(std::vector<Waiting>::iterator which);
 
-  std::vector<Waiting> waiting_;  ///< by ascending sequence; keeps its capacity
+  std::vector<Waiting> waiting_;  ///< in the order of their sequences; keeps its capacity
   core::EndpointId last_of_ = 0;  ///< the writer of the sample that was taken out last
   std::uint64_t last_ = 0;        ///< the sequence of that sample
 };

@@ -66,7 +66,7 @@ class Inbox {
   bool enqueue(core::SampleHandle& sample, KeepLastQueue::Excess excess) noexcept SFT_REQUIRES(mutex_);
   struct Enqueued {
     std::size_t samples = 0;  ///< number of samples handled, from the first on
-    std::size_t kept = 0;     ///< number of these that were kept
+    std::size_t kept = 0;     ///< number of these samples that were kept
   };
   Enqueued enqueue_some(std::span<core::SampleHandle> samples, KeepLastQueue::Excess excess) noexcept
       SFT_REQUIRES(mutex_);

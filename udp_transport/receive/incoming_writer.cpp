@@ -120,7 +120,7 @@ bool IncomingWriter::follows(std::uint32_t channel) const {
 
 bool IncomingWriter::fits(const Datagram& d) {
   if (has(d, channel_follows) && follows(d.first.channel.channel)) return true;
-  Datagram copy = d;  // because named_by() takes the mask's words from it
+  Datagram copy = d;  // named_by() takes the mask's words from its argument
   const WantedMasks::Named named = wanted_.named_by(copy);
   return named.mask != nullptr && !named.malformed &&
          std::max<std::size_t>(copy.first.total, copy.bytes_each) <= facts_.sample_bytes;
@@ -197,7 +197,7 @@ Arrival IncomingWriter::accept_first(const Datagram& d, const WantedMasks::Named
     const bool is_old = sample != nullptr || samples_.is_finished(d.label());
     if (is_wanted || !is_old) groups_.note(d.first.group.group, !is_wanted);
   }
-  if (is_wanted && met.place != 0 && repeated) {  // it had begun before it was wanted reliably
+  if (is_wanted && met.place != 0 && repeated) {  // the sample had begun before it was wanted reliably
     samples_.set_place(*sample, met.place);
     window_->samples().begun(met.place, sample->label(), sample->buffer());
   }
@@ -247,7 +247,7 @@ Arrival IncomingWriter::accept(const Following& d, const Envelope& envelope) {
   const std::uint32_t had = sample->received().covered();
   const auto added = sample->add(d.offset, d.payload, shared_.limits.gaps, now.steady);
   if (added == UnfinishedSample::Added::beyond_body) {
-    ++shared_.counters.malformed;  // the sample itself may be sound
+    ++shared_.counters.malformed;  // the sample itself may be well-formed
     return {};
   }
   const bool again = added == UnfinishedSample::Added::yes && sample->received().covered() == had;

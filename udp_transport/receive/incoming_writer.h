@@ -142,7 +142,7 @@ class IncomingWriter {
   ReassemblyMemory& shared_;
   Facts facts_;
   WantedMasks wanted_;
-  SequenceMonitor sequences_;  ///< of completed samples
+  SequenceMonitor sequences_;  ///< judges the sequences of completed samples
   SampleAssembly samples_;
   std::unique_ptr<ArrivalWindow> window_;
   AnswerPath answers_;

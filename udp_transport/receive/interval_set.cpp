@@ -5,7 +5,7 @@
 namespace sft::udp {
 
 std::uint32_t IntervalSet::add(std::uint32_t begin, std::uint32_t end) {
-  if (!intervals_.empty() && intervals_.back().end == begin) {  // in order
+  if (!intervals_.empty() && intervals_.back().end == begin) {  // the new interval continues the last one
     intervals_.back().end = end;
     covered_ += end - begin;
     return end - begin;

@@ -31,7 +31,7 @@ class IntervalSet {
   }
 
  private:
-  std::vector<Interval> intervals_;  ///< neither overlap nor touch
+  std::vector<Interval> intervals_;  ///< no two overlap or touch
   std::uint32_t covered_ = 0;
 };
 

@@ -19,14 +19,14 @@ class KeepLastQueue {
 
   enum class Put : std::uint8_t {
     kept,
-    pushed_out,  ///< kept; `sample` is now the oldest, which was removed for it
-    late,        ///< older than one that was taken or pushed out
+    pushed_out,  ///< the sample is kept, and `sample` is now the oldest one, which was removed for it
+    late,        ///< the sample is older than one that was taken or pushed out
     repeated,
   };
   /// What becomes of samples that wait if their bytes exceed the limit.
   enum class Excess : bool {
     pushed_out,
-    kept,  ///< until they are taken, since the publisher waits; room() is 0 then
+    kept,  ///< samples stay until they are taken, since the publisher waits; room() is 0 then
   };
   /// `arrival` counts the samples of all writers of a reader.
   Put put(core::SampleHandle& sample, std::uint64_t arrival, Excess excess = Excess::pushed_out);

@@ -13,7 +13,8 @@ bool LateFilter::takes(const core::SampleBuffer& sample, Time now) {
   }
   if (!alone && (waits_ || (now - alone_at_ < settling && !follows(sample)))) return false;
   const bool anew = sample.numbering > numbering_;
-  if (sample.sequence <= sequence_ && !anew) return true;  // known or late, as the queue finds out
+  // The queue finds out if the sample is known or late.
+  if (sample.sequence <= sequence_ && !anew) return true;
   numbering_ = std::max(numbering_, sample.numbering);
   sequence_ = sample.sequence;
   min_period_us_ = sample.min_period_us;

@@ -18,15 +18,15 @@
 namespace sft::udp {
 
 struct ReassemblyLimits {
-  std::size_t sample_bytes = std::size_t{64} << 20;       ///< of one body, whatever its writer announced
-  std::size_t unfinished_bytes = std::size_t{128} << 20;  ///< of all unfinished bodies of one writer
+  std::size_t sample_bytes = std::size_t{64} << 20;  ///< limit of one body, whatever its writer announced
+  std::size_t unfinished_bytes = std::size_t{128} << 20;  ///< limit of all unfinished bodies of one writer
   std::size_t unfinished_per_variant = 4;                 ///< unfinished samples of one variant
   std::size_t unfinished_per_writer = 32;                 ///< unfinished samples of one writer
   /// All datagrams that came before the first one of their sample.
   std::size_t parked_bytes = std::size_t{512} << 10;
-  std::size_t gaps = 4096;                 ///< in one sample
+  std::size_t gaps = 4096;                 ///< gaps in one sample
   std::chrono::milliseconds timeout{500};  ///< a sample without progress for this time is dropped
-  ArrivalLimits channel{};                 ///< of each reliable writer
+  ArrivalLimits channel{};                 ///< limits of the window of a reliable writer
 };
 
 /// Not thread-safe.

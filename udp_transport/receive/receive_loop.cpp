@@ -20,7 +20,7 @@ namespace sft::udp {
 
 namespace {
 using Clock = std::chrono::steady_clock;
-constexpr int trains_per_turn = 64;  // then a waiting thread may have the role
+constexpr int trains_per_turn = 64;  // most trains before a waiting thread may have the role
 constexpr int trains_per_hand_over = 1024;
 
 /// Makes an eventfd or timerfd unreadable again.

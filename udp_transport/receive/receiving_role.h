@@ -27,7 +27,8 @@ class ReceivingRole {
   static constexpr std::chrono::milliseconds vacancy{1};  ///< time in which the last holder may be back
   /// Pause between checks of a holder by the own thread.
   static constexpr std::chrono::milliseconds look_period{50};
-  static constexpr std::chrono::milliseconds second_look{2};  ///< the same if the holder seems to do nothing
+  /// Pause between checks of a holder that seems to do nothing.
+  static constexpr std::chrono::milliseconds second_look{2};
   /// After this time without waiting threads the transport's own thread stays in the kernel again. Then the
   /// next waiting thread has to wake it.
   static constexpr std::chrono::seconds own_again{1};
@@ -68,9 +69,9 @@ class ReceivingRole {
   // The own thread.
 
   enum class Duty : std::uint8_t {
-    receive,   ///< alone: a turn has begun, in which the thread may sleep
-    poll,      ///< wait, and call take_turn() when something is there
-    stand_by,  ///< wait until the deadline
+    receive,   ///< a turn has begun, in which the thread may sleep, since it is alone
+    poll,      ///< the thread waits, and calls take_turn() when something is there
+    stand_by,  ///< the thread waits until the deadline
     stop,
   };
   struct Task {
@@ -130,7 +131,7 @@ class ReceivingRole {
   std::atomic<std::uint64_t> turns_{0};  ///< number of turns that have ended
   std::atomic<Time> next_deadline_{Time::max()};
   std::atomic<Time> last_used_{Time::min()};  ///< when a waiting thread used the role last
-  Look last_look_;                            ///< of the own thread
+  Look last_look_;                            ///< what the own thread saw last
 };
 
 }  // namespace sft::udp

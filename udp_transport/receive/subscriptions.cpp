@@ -82,7 +82,7 @@ Result<void> SubscriptionDirectory::connect(const Inbox& inbox, const core::Sour
 /// Datagrams carry half of the writer's id, and one writer has one type. A few writers with the same short
 /// id are distinguished by their addresses.
 Result<void> SubscriptionDirectory::check(const Reader& reader, const core::Source& source) const {
-  std::set<core::EndpointId> twins;  // living ones
+  std::set<core::EndpointId> twins;  // living writers with that short id
   for (const Reader& other : readers_) {
     for (const core::Source& known : other.sources) {
       if (static_cast<std::uint32_t>(known.writer) != static_cast<std::uint32_t>(source.writer)) continue;
@@ -144,7 +144,7 @@ SubscriptionDirectory::Reader& SubscriptionDirectory::find(const Inbox& inbox) {
 void SubscriptionDirectory::publish() {
   auto next = std::make_shared<Subscriptions>();
   std::unordered_map<core::EndpointId, std::size_t> places;
-  std::vector<SelectionPlaces> selections;  // one for each stream
+  std::vector<SelectionPlaces> selections;  // one map for each stream
   for (const Reader& reader : readers_) {
     for (const core::Source& source : reader.sources) {
       const auto [place, is_new] = places.try_emplace(source.writer, next->streams.size());

@@ -19,7 +19,7 @@ namespace sft::udp {
 struct Subscriber {
   core::EndpointId reader = 0;
   std::shared_ptr<Inbox> inbox;
-  std::shared_ptr<const std::vector<core::Accepted>> accepted;  ///< the latest is last
+  std::shared_ptr<const std::vector<core::Accepted>> accepted;  ///< the latest request is last
   bool reliable = false;
 
   /// Returns true if the sample is for this reader, whose requests before `first_request` are over.
@@ -31,7 +31,7 @@ struct Subscriber {
 /// What all readers of a transport ask for, by writer.
 struct Subscriptions {
   std::vector<Stream> streams;
-  std::vector<std::vector<Subscriber>> subscribers;  ///< for each stream
+  std::vector<std::vector<Subscriber>> subscribers;  ///< one vector for each stream
 };
 
 class SubscriptionDirectory {

@@ -65,11 +65,11 @@ class UnfinishedSample {
   };
 
   std::uint64_t place_ = 0;
-  FirstHeader first_;  ///< only the label until the sample is described
+  FirstHeader first_;  ///< has only the label until the sample is described
   core::SampleHandle buffer_;
   std::byte* body_ = nullptr;
   IntervalSet received_;
-  std::vector<std::byte> parked_;  ///< payloads that came before the first datagram: {Parked, payload}*
+  std::vector<std::byte> parked_;  ///< {Parked, payload}* of datagrams that came before the first one
   Time last_progress_;
   std::size_t index_ = 0;  ///< index in `UnfinishedSamples::placed_`
   UnfinishedSample* next_in_bucket_ = nullptr;

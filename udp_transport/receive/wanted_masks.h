@@ -22,8 +22,8 @@ class WantedMasks {
   void set(const TypeSupport& type, std::span<const Selection> selections);
 
   struct Named {
-    const FieldMask* mask = nullptr;  ///< null: no reader wants it; valid until the next call
-    std::uint64_t parts = 0;          ///< as SampleBuffer::parts
+    const FieldMask* mask = nullptr;  ///< null: no reader wants such samples; valid until the next call
+    std::uint64_t parts = 0;          ///< value of SampleBuffer::parts
     std::uint64_t conditions = 0;     ///< the hash of the conditions under which the sample is sent; 0: none
     bool malformed = false;
   };
@@ -41,7 +41,7 @@ class WantedMasks {
 
   static constexpr std::size_t merged_max = 8;
   const TypeSupport* type_ = nullptr;
-  std::vector<Wanted> wanted_;     ///< by ascending hash
+  std::vector<Wanted> wanted_;     ///< in the order of their hashes
   std::vector<FieldMask> merged_;  ///< unions met recently that contain a wanted mask
 };
 

@@ -30,7 +30,7 @@ class ArrivedSamples {
   struct Slot {
     State state = State::missing;
     SampleLabel label{};
-    core::SampleHandle sample{};  ///< if `begun`, with what has come of it
+    core::SampleHandle sample{};  ///< the buffer of a sample that has begun, or the whole sample
     bool makes_no_sense = false;
     RepairSchedule::Entry repair{};
     bool settled() const { return state == State::whole || state == State::passed; }
@@ -98,8 +98,8 @@ class ArrivedSamples {
 
   /// Samples that had begun, and whose parts may be released.
   struct Dropped {
-    std::vector<SampleLabel> abandoned;   ///< will not become whole
-    std::vector<SampleLabel> given_back;  ///< begin anew
+    std::vector<SampleLabel> abandoned;   ///< samples that will not become whole
+    std::vector<SampleLabel> given_back;  ///< samples that begin anew
     bool empty() const { return abandoned.empty() && given_back.empty(); }
   };
   /// The samples dropped since the caller cleared this last.

@@ -46,7 +46,7 @@ class Channel {
   WriterTally& tally() const { return *tally_; }
 
   struct Posted {
-    std::optional<Piece> piece{};  ///< the caller sends it, and then calls finished() or put_back()
+    std::optional<Piece> piece{};  ///< the caller sends this piece, and then calls finished() or put_back()
     Wake wake = Wake::none;
     bool waited = false;  ///< the call has waited for room
     ResendWindow::Kept kept{};

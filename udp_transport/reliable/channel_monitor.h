@@ -40,7 +40,7 @@ class ChannelMonitor {
     std::uint32_t channel = 0;
     std::uint64_t first = 0;
     std::uint64_t last = 0;
-    bool same_datagram = false;  ///< the claim before came in the same datagram
+    bool same_datagram = false;  ///< the previous claim came in the same datagram
   };
   enum class Verdict : std::uint8_t {
     present,  ///< the claim is about the channel that is followed
@@ -75,7 +75,7 @@ class ChannelMonitor {
 
   std::optional<std::uint32_t> present_;
   Time heard_at_{};
-  std::vector<Former> former_;           ///< the newest is last
+  std::vector<Former> former_;           ///< former channels; the newest is last
   std::uint32_t unconfirmed_ = 0;        ///< number of another channel that may have to be followed
   std::uint32_t observations_ = 0;       ///< number of its datagrams since the present channel was heard
   Time unconfirmed_since_{};             ///< when the first of these datagrams came

@@ -45,7 +45,7 @@ void HeartbeatSchedule::plan(Kept kept, Time now) {
   if (kept == Kept::nothing) {
     next_ = Time::max();
   } else if (heartbeat_at_ == Time{}) {
-    next_ = now;  // it names the port for acks
+    next_ = now;  // the first heartbeat names the port for acks
   } else if (is_wanted_) {
     next_ = std::min(next_, std::max(now, heartbeat_at_ + limits_.heartbeat_delay));
   } else if (kept == Kept::more_than_half) {

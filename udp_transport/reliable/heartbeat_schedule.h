@@ -50,7 +50,7 @@ class HeartbeatSchedule {
 
   const ResendLimits limits_;
   Time sample_at_{};              ///< when a sample, or a part of one, was sent last
-  Time::duration usual_pause_{};  ///< between samples
+  Time::duration usual_pause_{};  ///< usual pause between samples
   Time heartbeat_at_{};           ///< when the last heartbeat was sent
   Time paid_until_{};             ///< each heartbeat adds a `heartbeat_pause` to this
   std::optional<Time> lost_at_;

@@ -112,11 +112,11 @@ class Lane {
   void note_report(const Job& job) SFT_REQUIRES(mutex_);
 
   LaneEnd end_;
-  const bool late_;  ///< began as a held lane
+  const bool late_;  ///< the lane began as a held one
   const std::shared_ptr<Channel> channel_;
   const std::shared_ptr<WriterTally> tally_;
   const std::shared_ptr<core::LossTally> losses_ = std::make_shared<core::LossTally>();
-  std::atomic<bool> busy_;  ///< `scheduled_` or `held_`, for the publisher's thread
+  std::atomic<bool> busy_;  ///< `scheduled_` or `held_`, as the publisher's thread sees it
   std::atomic<bool> closed_{false};
   std::atomic<std::uint64_t> behind_{0};
   /// Ordinal of the last retained sample in the channel; 0: none was passed on.

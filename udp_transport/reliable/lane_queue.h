@@ -16,7 +16,7 @@ class LaneQueue {
   /// Limits of posted jobs, if more than `depth` of them may wait.
   struct Limits {
     std::size_t jobs = 0;
-    std::size_t bytes = 0;  ///< memory that the jobs hold
+    std::size_t bytes = 0;  ///< bytes of memory that the jobs hold
   };
 
   LaneQueue(std::size_t depth, const Limits& beyond_depth);
@@ -58,8 +58,8 @@ class LaneQueue {
  private:
   const std::size_t depth_;
   const Limits beyond_depth_;
-  std::vector<JobHandle> retained_;   ///< the newest is first
-  OrdinalRing<JobHandle> posted_{0};  ///< the oldest is first
+  std::vector<JobHandle> retained_;   ///< in reverse order: the newest is first
+  OrdinalRing<JobHandle> posted_{0};  ///< in order: the oldest is first
   std::size_t posted_bytes_ = 0;
   std::uint64_t first_sequence_ = 0;  ///< sequence of the lane's first sample; 0: there was none
 };

@@ -52,8 +52,8 @@ class OrdinalMonitor {
   std::bitset<remembered> came_;
   std::uint64_t came_end_ = 0;  ///< no ordinal from here on has come
   Time passed_over_since_{};
-  std::uint32_t passed_over_ = 0;          ///< number of datagrams in a row
-  std::uint32_t samples_passed_over_ = 0;  ///< number of different ordinals in these
+  std::uint32_t passed_over_ = 0;          ///< number of datagrams in a row of passed-over samples
+  std::uint32_t samples_passed_over_ = 0;  ///< number of different ordinals in this row
   std::uint64_t first_passed_over_ = 0;
   std::uint64_t last_passed_over_ = 0;
   std::uint64_t unconfirmed_ = 0;  ///< an ordinal that has yet to be confirmed; 0: none

@@ -66,7 +66,7 @@ class OrdinalRing {
 
   std::uint64_t begin_;
   std::size_t size_ = 0;
-  std::vector<T> items_;  ///< the size is a power of two
+  std::vector<T> items_;  ///< its size is a power of two
 };
 
 }  // namespace sft::udp

@@ -21,8 +21,8 @@ class ReaderCursors {
   struct Cursor {
     core::EndpointId id = 0;
     Place place = 0;                 ///< place of the next sample for the reader
-    std::uint64_t request = 0;       ///< request in force; earlier ones are over
-    std::uint64_t heard = 0;         ///< newest request that the writer knows of
+    std::uint64_t request = 0;       ///< the request in force; earlier ones are over
+    std::uint64_t heard = 0;         ///< the newest request that the writer knows of
     std::uint64_t next_request = 0;  ///< the request that begins at `next_from`
     Place next_from = no_place;
     /// Turns to the next request if `place` has reached its begin.

@@ -52,8 +52,8 @@ class RepairQueue {
     Time at{};
   };
 
-  std::vector<Repair> waiting_;   ///< the oldest is first
-  std::deque<Sent> sent_lately_;  ///< the oldest is first
+  std::vector<Repair> waiting_;   ///< repairs that wait; the oldest is first
+  std::deque<Sent> sent_lately_;  ///< repairs under way; the oldest is first
   Pacer pacer_;
   bool is_paced_ = false;  ///< the last next() had to postpone a repair
   std::uint64_t sent_ = 0;

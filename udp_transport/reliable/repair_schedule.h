@@ -23,7 +23,7 @@ class RepairSchedule {
 
   /// A sample that is missing, or has begun.
   struct Entry {
-    std::uint8_t asked = 0;   ///< times asked since a part of it came
+    std::uint8_t asked = 0;   ///< number of times asked since a part of the sample came
     std::uint32_t parts = 0;  ///< parts asked for last that have not come twice
     Time asked_at{};
     Time ask_at{};

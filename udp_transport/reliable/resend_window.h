@@ -33,7 +33,7 @@ class ResendWindow {
     BodyRange range{};
     std::uint64_t ordinal = 0;
     bool is_repair = false;
-    std::uint32_t part = 0;  ///< in a pack: the first sample to send; `samples` is how many
+    std::uint32_t part = 0;  ///< of a pack: index of the first sample to send
     std::uint32_t samples = 1;
     EncodedBody body() const { return job->body(first, part, samples); }
   };
@@ -101,7 +101,7 @@ class ResendWindow {
 
   std::size_t kept() const { return kept_.size(); }
   std::size_t kept_bytes() const { return kept_.bytes(); }
-  std::uint64_t repairs() const { return repairs_.sent(); }  ///< parts that were sent again
+  std::uint64_t repairs() const { return repairs_.sent(); }  ///< number of parts that were sent again
 
  private:
   Piece piece_of(std::uint64_t ordinal) const;

@@ -35,7 +35,7 @@ class SequenceMonitor {
     std::uint64_t place = 0;
     /// A different number for each datagram, not 0, because a datagram must not confirm itself.
     std::uint64_t datagram = 0;
-    std::int64_t stamp_ns = 0;  ///< by the writer's clock
+    std::int64_t stamp_ns = 0;  ///< time of publishing, by the writer's clock
   };
   /// Returns true if a sample with these claims may be delivered.
   bool accepts(const Observed& observed, Time now) {
@@ -78,18 +78,18 @@ class SequenceMonitor {
   void begin_anew(const Observed& observed, Time now, bool newest_was_wrong);
   bool is_younger(const Observed& observed) const;
 
-  Observed newest_{};  ///< sequence 0: there is none yet
+  Observed newest_{};  ///< sequence 0: there is no newest one yet
   Time advanced_at_{};
   static constexpr std::uint64_t small_step = 64;
   static constexpr std::uint32_t steady_steps = 4;
-  std::uint32_t small_steps_ = 0;  ///< number in a row, from datagram to datagram
+  std::uint32_t small_steps_ = 0;  ///< number of small steps in a row, from datagram to datagram
   std::uint64_t steady_ = 0;       ///< newest sequence reached by small steps in a row
   std::int64_t steady_stamp_ns_ = 0;
   Time steady_at_{};
   Row far_;                             ///< datagrams with sequences far from the newest one
   Row late_;                            ///< late datagrams
   Row later_;                           ///< late datagrams that were published after the newest sample
-  std::uint64_t last_unconfirmed_ = 0;  ///< the last datagram in any of these rows
+  std::uint64_t last_unconfirmed_ = 0;  ///< number of the last datagram in any of these rows
   std::uint32_t numbering_ = 0;
   bool newest_was_wrong_ = false;
 };

@@ -393,7 +393,7 @@ GroupKeeper::Time GroupKeeper::next_duty(Time now) const {
 
 void GroupKeeper::explain(const std::vector<RouteBundle>& routes, Time now) {
   GroupReasons::Readers readers;
-  std::map<std::size_t, std::size_t> possible_in;  // by division
+  std::map<std::size_t, std::size_t> possible_in;  // number of possible members by division
   for (const auto& [to, candidate] : candidates_)
     if (candidate.refusal.empty()) ++possible_in[candidate.division];
   for (const RouteBundle& bundle : routes) {

@@ -76,20 +76,20 @@ class GroupKeeper {
   struct Candidate {
     std::shared_ptr<Destination> to;
     std::vector<Selection> asked{};
-    Selection together{};  ///< one_copy() for all of them
+    Selection together{};  ///< one_copy() for all of `asked`
     /// If only some samples are for the readers there, what all of them ask for.
     std::optional<core::Wanted> some_samples{};
     std::shared_ptr<const core::Gate> gate{};  ///< gate of these samples; null: every sample is for them
     bool reliable = false;
-    bool gets_more = false;             ///< is sent more than a group is
-    Time settled_at{};                  ///< before this time, it is in no group
-    std::optional<std::size_t> link{};  ///< index in `links_`; empty: it cannot be in a group
-    std::string refusal{};              ///< why it cannot be in a group
-    std::size_t division = 0;           ///< result of divide()
+    bool gets_more = false;             ///< the destination is sent more than a group is
+    Time settled_at{};                  ///< before this time the destination is in no group
+    std::optional<std::size_t> link{};  ///< index in `links_`; empty: the destination cannot be in a group
+    std::string refusal{};              ///< why the destination cannot be in a group
+    std::size_t division = 0;           ///< number of its division (divide())
   };
   struct Planned {
-    std::size_t place = 0;                       ///< determines the address
-    std::optional<core::Wanted> some_samples{};  ///< as Candidate has it for the members
+    std::size_t place = 0;                       ///< place of the group, which determines its address
+    std::optional<core::Wanted> some_samples{};  ///< what the members ask for, as in Candidate
     std::vector<const Destination*> members{};
   };
   /// The destinations and the rate that the present plan was made for.
@@ -102,7 +102,7 @@ class GroupKeeper {
   /// What is known of samples, whether or not it is needed at present.
   struct Measured {
     std::shared_ptr<BodySizes> sizes{};
-    std::optional<SampleRate> rate{};  ///< set as soon as samples are measured
+    std::optional<SampleRate> rate{};  ///< empty until samples are measured
     PassRates passing{};
   };
 
@@ -135,10 +135,11 @@ class GroupKeeper {
   static constexpr std::chrono::seconds replan_pause{1};
   static constexpr std::chrono::minutes unreached_pause{
       1};  ///< before a member that heard nothing is offered another group
-  static constexpr std::chrono::seconds packed_pause{10};  ///< since samples were published together
+  /// Pause without groups after samples were published together.
+  static constexpr std::chrono::seconds packed_pause{10};
 
   const Setup setup_;
-  const bool too_many_leaves_;  ///< then masks have no words on the wire
+  const bool too_many_leaves_;  ///< masks of such types have no words on the wire
   std::vector<MulticastLink> links_;
   std::map<const Destination*, Candidate> candidates_;
   SettlingTimes settling_times_;

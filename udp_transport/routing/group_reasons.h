@@ -19,11 +19,12 @@ class GroupReasons {
  public:
   struct Reader {
     const Destination* to = nullptr;
-    std::string refusal{};                   ///< why it cannot be in a group; empty: it can
-    Selection asked{};                       ///< what it asks for
-    std::shared_ptr<const PartSize> part{};  ///< size of its parts, if it has any and they are measured
-    bool shares = false;                     ///< readers there share one copy if they are in no group
-    bool has_company = false;                ///< other destinations could share a group with it
+    std::string refusal{};  ///< why the destination cannot be in a group; empty: it can
+    Selection asked{};      ///< what the reader asks for
+    /// Size of the parts in `asked`, if there are any and they are measured.
+    std::shared_ptr<const PartSize> part{};
+    bool shares = false;       ///< the readers there share one copy if they are in no group
+    bool has_company = false;  ///< other destinations could share a group with it
   };
   using Readers = std::map<core::EndpointId, Reader>;
   using Groups = std::vector<std::shared_ptr<MulticastGroup>>;

@@ -48,7 +48,7 @@ class MaskSharing {
  private:
   struct Place {
     std::vector<Selection> asked{};
-    Selection together{};  ///< one_copy() for all of them
+    Selection together{};  ///< one_copy() for all of `asked`
     PlaceMark mark = PlaceMark::none;
     std::size_t datagram_bytes = 0;
     bool is_decided = false;

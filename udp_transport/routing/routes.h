@@ -25,7 +25,7 @@ struct Audience {
   detail::ProjectionPlan plan;
   std::shared_ptr<const core::Gate> gate;  ///< null: every sample is for the audience
   core::EndpointId late_reader = 0;        ///< 0: the audience is not a late reader
-  bool fallback = false;                   ///< also gets samples that are only for fallback routes
+  bool fallback = false;  ///< the audience also gets samples that are only for fallback routes
   std::shared_ptr<const WireMask> wire;
   std::vector<std::shared_ptr<Lane>> lanes;
   /// One for each lane; null if no reader there is served reliably.
@@ -47,13 +47,13 @@ struct Audience {
 
 /// Immutable: a change of routes makes another table.
 struct RouteTable {
-  std::vector<Audience> audiences;  ///< those of fallback routes come last
-  core::DeliveryBook::Page page;    ///< assigns tallies to readers
+  std::vector<Audience> audiences;  ///< audiences of fallback routes come last
+  core::DeliveryBook::Page page;    ///< says which tallies count for which reader
   /// The lane to each reader, without fallback lanes.
   std::map<core::EndpointId, std::shared_ptr<Lane>> lanes_of;
 
-  std::size_t usual = 0;               ///< number of audiences that are not fallback
-  std::shared_ptr<BodySizes> sizes{};  ///< to be measured; null: not needed
+  std::size_t usual = 0;               ///< number of audiences that are not fallback ones
+  std::shared_ptr<BodySizes> sizes{};  ///< sizes that have to be measured; null: none
 
   /// Returns the audiences that the sample may be for.
   std::span<const Audience> reached(core::Reach reach) const {
@@ -133,7 +133,7 @@ class VariantDirectory {
   std::uint64_t round_ = 0;
   bool closed_ = false;
   std::uint64_t moves_ = 0;        ///< moves of the destinations of all lanes of this round
-  std::uint64_t known_moves_ = 0;  ///< value when concern_sender() was called last
+  std::uint64_t known_moves_ = 0;  ///< `moves_` when concern_sender() was called last
 };
 
 /// Returns the table of a writer of `type`, which outlives the table. Routes that do not lead to a UDP

@@ -22,9 +22,9 @@ class SettlingTimes {
   /// What a destination asks for. A change of any member makes another group.
   struct Asked {
     std::vector<Selection> selections{};  ///< in any order, none twice
-    std::uint32_t min_period_us = 0;      ///< of the only selection, if it has a maximum rate
+    std::uint32_t min_period_us = 0;      ///< maximum rate of the only selection, as a period
     bool reliable = false;
-    bool gets_more = false;  ///< is sent more than a group is
+    bool gets_more = false;  ///< the destination is sent more than a group is
   };
 
   /// Requests to a new destination within this time are no changes, because those of its readers come one

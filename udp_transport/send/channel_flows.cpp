@@ -60,7 +60,7 @@ void ChannelFlows::look_after(Attended& attended) {
   round_.by(care.next_look);
   if (!care.at_rest) return;
   attended.channel.reset();
-  round_.at_once();  // then the channel and what it keeps are released
+  round_.at_once();  // the channel, and what it keeps, are released after the round
 }
 
 /// Uses a connection that cannot overtake the samples that the heartbeat reports.

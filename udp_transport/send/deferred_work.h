@@ -12,7 +12,7 @@ class DeferredWork {
 
  private:
   friend class ScheduledWork;
-  std::shared_ptr<DeferredWork> next_;  ///< while the work is scheduled
+  std::shared_ptr<DeferredWork> next_;  ///< the work that was added before, while this one is scheduled
 };
 
 }  // namespace sft::udp

@@ -52,7 +52,7 @@ class Draft {
  private:
   const std::shared_ptr<JobPool> jobs_;
   JobHandle handle_;
-  bool is_kept_ = false;  ///< by a channel
+  bool is_kept_ = false;  ///< a channel keeps the job
 };
 
 }  // namespace sft::udp

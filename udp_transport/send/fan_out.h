@@ -41,7 +41,7 @@ class FanOut final : public DeferredWork {
 
   struct Posted {
     Wake wake = Wake::none;
-    std::size_t dropped = 0;  ///< older samples given up, since there were too many
+    std::size_t dropped = 0;  ///< number of older samples given up, since there were too many
   };
   Posted post(DeferredSample deferred) noexcept;
 
@@ -71,7 +71,7 @@ class FanOut final : public DeferredWork {
   const bool takes_large_;
   std::atomic<bool> done_{true};
   core::Mutex mutex_;
-  OrdinalRing<DeferredSample> queue_ SFT_GUARDED_BY(mutex_){1};  ///< the oldest is first
+  OrdinalRing<DeferredSample> queue_ SFT_GUARDED_BY(mutex_){1};  ///< the oldest sample is first
   std::size_t queued_bytes_ SFT_GUARDED_BY(mutex_) = 0;          ///< memory that the queued samples hold
   VariantSender sender_;                                         ///< used by the sending thread
 };

@@ -22,7 +22,7 @@ class FlowSender {
  public:
   using Time = SendFlow::Time;
   enum class Progress : std::uint8_t {
-    none,   ///< the flow has to wait
+    none,   ///< nothing was sent: the flow has to wait
     some,   ///< a part was sent, and there is more
     whole,  ///< all has left
     lost,
@@ -49,7 +49,7 @@ class FlowSender {
   void account_for(SendFlow& flow, Connection& by, std::size_t batches, Time now);
   Progress wait_for_room(SendFlow& flow, Connection& by, Time now);
 
-  static constexpr int calls_per_turn = 8;  ///< then the next flow has its turn
+  static constexpr int calls_per_turn = 8;  ///< system calls before the next flow has its turn
   static constexpr std::size_t batches_per_call = 8;
   /// In socket bytes. Data that was cut is still in the nearest caches when the kernel copies it, and a
   /// receiver that sleeps is woken by the first batch.
@@ -62,7 +62,7 @@ class FlowSender {
   // The batches of the present call.
   std::array<Batch, batches_per_call> batches_;
   std::array<OutgoingBatch, batches_per_call> outgoing_;
-  std::array<std::optional<Fragmenter>, batches_per_call> rest_;  ///< the rest of the body behind each batch
+  std::array<std::optional<Fragmenter>, batches_per_call> rest_;  ///< the fragmenter behind each batch
 };
 
 }  // namespace sft::udp

@@ -43,7 +43,7 @@ class LaneFlows {
   FlowSender& sender_;
   ScheduledWork& scheduled_;
   NextRound& round_;
-  std::vector<SendFlow> flows_;  ///< one without a lane is removed at the end of the round
+  std::vector<SendFlow> flows_;  ///< a flow without a lane is removed at the end of the round
 };
 
 }  // namespace sft::udp

@@ -38,7 +38,8 @@ class LocalTurns {
 
   /// The number of turns under way in the lower half, and of finished turns in the upper half.
   std::atomic<std::uint64_t> state_{0};
-  alignas(64) std::uint32_t over_ = 0;  ///< `over` when seen last; on a cache line of its own
+  /// Number of finished turns when seen last; on a cache line of its own.
+  alignas(64) std::uint32_t over_ = 0;
   Time until_{};
 };
 

@@ -36,7 +36,7 @@ class PostponedDelivery {
   Draft& draft_;
   DirectPath& direct_;
   UnicastDelivery& unicast_;
-  std::vector<detail::Segment> located_;  ///< where the present body lies
+  std::vector<detail::Segment> located_;  ///< segments of the present body in the program's memory
 };
 
 }  // namespace sft::udp

@@ -40,7 +40,7 @@ class ScheduledWork {
     std::vector<std::shared_ptr<Lane>> lanes;
     std::vector<std::shared_ptr<Channel>> channels;
 
-    static constexpr std::size_t few = 16;  ///< for this many nothing is allocated later
+    static constexpr std::size_t few = 16;  ///< for this many lanes or channels nothing is allocated later
   };
   /// Takes the lanes and channels that were added since the last call. `taken` is empty before. If
   /// something is taken, its former memory is used for what is added next.
@@ -64,7 +64,7 @@ class ScheduledWork {
   Taken added_ SFT_GUARDED_BY(mutex_);
   Room room_ SFT_GUARDED_BY(mutex_);
   std::shared_ptr<DeferredWork> deferred_
-      SFT_GUARDED_BY(mutex_);  ///< the last one; each knows the one before
+      SFT_GUARDED_BY(mutex_);  ///< the last work added; each one knows the one before
   std::atomic<bool> any_deferred_{false};
 };
 

@@ -22,8 +22,8 @@ struct SendFlow {
   std::shared_ptr<Channel> channel{};
   Size size{};
   std::optional<Fragmenter> fragments{};
-  std::optional<Time> full_since{};     ///< when its connection became full, if nothing was sent since
-  std::optional<Time> stalled_since{};  ///< when it stalled, if nothing was sent since
+  std::optional<Time> full_since{};     ///< when the flow's connection became full, if nothing was sent since
+  std::optional<Time> stalled_since{};  ///< when the flow stalled, if nothing was sent since
   bool waits_for_room = false;          ///< the lane's current job has no room in the lane's channel
   std::uint64_t behind = 0;  ///< the destination's position behind the latest part of a large sample
   std::optional<Channel::Piece> piece{};  ///< keeps what the fragments refer to

@@ -96,12 +96,12 @@ struct SendSide {
   ChannelRegistry channels;
   GroupRegistry groups;
   PeriodicTasks writers;
-  DestinationLimits limits;  ///< for multicast groups
+  DestinationLimits limits;  ///< limits of each destination; multicast groups get a copy
   Multicast multicast = Multicast::automatic;
   // These two are used by the agent's thread.
   core::NetworkMonitor network_watch;
   KnownMulticastLinks links{network_watch};
-  std::uint16_t answer_port = 0;     ///< where acks and reports come to
+  std::uint16_t answer_port = 0;     ///< port that acks and reports come to
   std::size_t max_sample_bytes = 0;  ///< the largest body that is sent
   std::size_t queue_depth = 0;
   /// The node's own memory; samples elsewhere are in borrowed memory. May be null.

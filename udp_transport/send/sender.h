@@ -94,7 +94,7 @@ class Sender {
   LaneFlows lanes_;
   ChannelFlows channels_;
   ScheduledWork::Taken taken_;
-  std::size_t turn_ = 0;  ///< the large flow that comes first in a round
+  std::size_t turn_ = 0;  ///< determines which large flow comes first in a round
 };
 
 }  // namespace sft::udp

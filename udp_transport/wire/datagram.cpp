@@ -21,7 +21,7 @@ constexpr unsigned words_bit = 8, merged_bit = 9, narrow_bit = 10, short_variant
 constexpr unsigned short_channel_bit = 21;
 static_assert(whole_variants_end == 1U << (short_channel_bit - short_variant_bit) &&
               whole_channels_end == 1U << (32 - short_channel_bit));
-constexpr std::size_t at_count = 2;  // in acks
+constexpr std::size_t at_count = 2;  // offset of the number of missing parts in an ack
 
 template <std::unsigned_integral T>
 void store(T value, std::byte* out) noexcept {
@@ -529,7 +529,7 @@ bool PackedBodies::sound() const noexcept {
     if (rest_.size() - at < bytes) return false;
     at += bytes;
   }
-  return true;  // what follows is padding
+  return true;  // bytes behind the last body are padding
 }
 
 std::span<const std::byte> PackedBodies::next() noexcept {

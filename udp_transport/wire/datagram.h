@@ -32,8 +32,8 @@ inline constexpr std::size_t datagram_bytes_max = 65507;  ///< the longest UDP p
 inline constexpr std::size_t datagram_bytes_min = 548;    ///< every IPv4 path takes payloads of this length
 
 enum class DatagramKind : std::uint8_t {
-  first = 1,         ///< begins a sample
-  following = 2,     ///< a later part of its body, within reach of a short header
+  first = 1,         ///< the first datagram of a sample
+  following = 2,     ///< a later part of a body, within reach of a short header
   heartbeat = 3,     ///< a writer reports what it has sent in a channel, and what it still has
   ack = 4,           ///< a reader reports what has come in a channel, and what is missing
   packed = 5,        ///< whole small samples, whose sequences and ordinals follow one another

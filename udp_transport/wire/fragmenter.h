@@ -58,7 +58,7 @@ class Batch {
 
 /// A body, and how datagrams name it. The spans outlive the fragmenter.
 struct EncodedBody {
-  FirstHeader first;                          ///< total is the body's bytes
+  FirstHeader first;                          ///< its total is the number of bytes of the body
   std::span<const std::uint64_t> mask_words;  ///< sent if the header's flag says so
   std::span<const detail::Segment> segments;
   /// Each segment is a small sample, and they follow one another. They are cut into packed datagrams.
@@ -76,7 +76,7 @@ class Fragmenter {
  public:
   Fragmenter(const EncodedBody& body, std::size_t datagram_bytes, BodyRange range = {});
 
-  std::size_t bytes() const { return body_.first.total; }  ///< of the body
+  std::size_t bytes() const { return body_.first.total; }  ///< length of the body
   bool begun() const { return begun_; }
   /// The offset in the body up to which datagrams have been cut.
   std::uint32_t offset() const { return offset_; }
