@@ -23,7 +23,7 @@ class ConnectionPair {
   // Any thread.
 
   Connection& small() { return *small_; }
-  /// The connection for large samples; null before the first.
+  /// Returns the connection for large samples; null before the first.
   Connection* bulk_in_use() { return bulk_in_use_.load(std::memory_order_acquire); }
   /// Returns the connection whose datagrams leave behind everything that was sent.
   Connection& last_in_line() {

@@ -54,7 +54,7 @@ void Destination::mark(Time now) {
   if (const std::optional<FlowMark> due = window_.await_room(now)) send(*due, now);
 }
 
-/// If the mark does not leave, a later one replaces it.
+/// Sends a mark. If it does not leave, a later one replaces it.
 void Destination::send(FlowMark mark, Time now) {
   mark.port = limits_.report_port;
   std::array<std::byte, mark_bytes> encoded;

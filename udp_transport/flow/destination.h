@@ -50,11 +50,11 @@ class Destination {
   /// How much may be under way.
   const SharedFlowWindow& window() const { return window_; }
 
-  /// The connection for small samples and control, which must not queue behind large samples.
+  /// Returns the connection for small samples and control, which must not queue behind large samples.
   Connection& connection() { return connections_.small(); }
   /// Returns the connection for datagrams that must not overtake anything that was sent up to `position`.
   Connection& connection_after(std::uint64_t position);
-  /// The connection for large samples; null before the first.
+  /// Returns the connection for large samples; null before the first.
   Connection* bulk_in_use() { return connections_.bulk_in_use(); }
   std::size_t datagrams_per_call() const { return connections_.datagrams_per_call(); }
 
@@ -89,7 +89,7 @@ class Destination {
 
   // The sending thread.
 
-  /// The connection for large samples. The first call makes it.
+  /// Returns the connection for large samples. The first call makes it.
   Connection& bulk() { return connections_.bulk(path_); }
 
   // The thread that maintains all destinations.

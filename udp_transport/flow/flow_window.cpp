@@ -90,8 +90,8 @@ void FlowWindow::sent(std::size_t bytes, std::size_t datagrams, Time now, bool a
   if (!aside) datagrams_ += static_cast<std::uint32_t>(datagrams);
 }
 
-/// There are several marks in a window, since a small one is soon full, but none for small samples that are
-/// rare.
+/// Returns the socket bytes between two marks. There are several marks in a window, since a small one is
+/// soon full, but none for small samples that are rare.
 std::size_t FlowWindow::mark_spacing() const {
   const std::size_t seldom = std::min(window() / 2, limits_.mark_spacing_min);
   const std::size_t part = window() / (window() < limits_.first_bytes ? 4 : 2);
@@ -158,8 +158,8 @@ void FlowWindow::learn(const FlowReport& report, Time now) {
                             .taken = rate_.bytes_within(round_trips_.shortest() + limits_.queueing)});
 }
 
-/// Datagrams that are under way do not arrive any more, and everything that was learnt is about another
-/// path.
+/// Sends to another address. Datagrams that are under way do not arrive any more, and everything that was
+/// learnt is about another path.
 void FlowWindow::move(std::uint64_t secret, std::shared_ptr<UnprovenBudget> host) {
   secret_ = secret;
   unproven_.begin_anew(std::move(host));

@@ -63,7 +63,7 @@ class FlowWindow {
   /// Returns true if a heartbeat or an offer may be sent. It takes no room in the window, but counts as one
   /// of the few datagrams before the first report.
   bool takes_control(Time now);
-  /// The size of the largest batch of which several fit into the window.
+  /// Returns the size of the largest batch of which several fit into the window.
   std::size_t batch_bytes() const;
   /// `aside`: sent through another connection than marks are.
   void sent(std::size_t bytes, std::size_t datagrams, Time now, bool aside = false);
@@ -91,13 +91,13 @@ class FlowWindow {
   /// Notes that the host there says that no socket has this port. Ignored if the receiver has just
   /// reported.
   void refused(Time now) { receiver_.refused(now); }
-  /// From now on datagrams go to another address, which has to answer first.
+  /// Sends to another address from now on, which has to answer first.
   void move(std::uint64_t secret, std::shared_ptr<UnprovenBudget> host = {});
-  /// The time to try again, if no report comes until then.
+  /// Returns the time to try again, if no report comes until then.
   Time next_ready(Time now) const;
 
   std::uint64_t position() const { return sent_; }
-  /// The shortest recent round trip; 0: not known.
+  /// Returns the shortest recent round trip; 0: not known.
   Time::duration round_trip() const {
     const auto shortest = round_trips_.shortest();
     return shortest == Time::duration::max() ? Time::duration{} : shortest;

@@ -32,7 +32,7 @@ class PathMtu {
   bool is_uncertain() const { return bytes_ < ceiling_ || losses_ > 0; }
 
   void kernel_says(std::size_t bytes);
-  /// The limit, if longer datagrams do not arrive; 0 if no such limit was found.
+  /// Returns the limit, if longer datagrams do not arrive; 0 if no such limit was found.
   std::size_t limited_to() const { return bytes_ < ceiling_ ? bytes_ : 0; }
   /// Notes that datagrams of that length or longer were sent, and none has arrived.
   void lost(std::size_t length, Time now);

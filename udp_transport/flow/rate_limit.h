@@ -34,10 +34,10 @@ class RateLimit {
     const core::Lock lock(mutex_);
     pacer_.spend(bytes);
   }
-  /// The largest part of a large sample that is sent at a time, so that small samples do not have to wait for
-  /// more.
+  /// Returns the largest part of a large sample that is sent at a time, so that small samples do not have
+  /// to wait for more.
   std::size_t batch_bytes() const { return batch_; }
-  /// The time to ask again, if nothing is spent until then.
+  /// Returns the time to ask again, if nothing is spent until then.
   Time next_ready(bool small, Time now) {
     if (!limited_) return now;
     const core::Lock lock(mutex_);
@@ -45,7 +45,7 @@ class RateLimit {
   }
 
  private:
-  /// The bytes of a train of datagrams, or of 10 ms, if that is more.
+  /// Returns the bytes of a train of datagrams, or of 10 ms, if that is more.
   static std::size_t burst_for(std::uint64_t bytes_per_s) {
     return static_cast<std::size_t>(std::max<std::uint64_t>(64 * 1024, bytes_per_s / 100));
   }

@@ -72,7 +72,7 @@ ReceiverMonitor::Time::duration ReceiverMonitor::retry_pause(const RoundTrips& r
                 : std::min<Time::duration>(after(std::max(asked_ - 1, 0)), limits_.mark_silent);
 }
 
-/// An ack is no evidence that long datagrams arrive.
+/// An ack is no evidence that long datagrams arrive, so it does not count if that is uncertain.
 bool ReceiverMonitor::has_to_ask_anew(Time now, bool is_uncertain) const {
   const Time told_at = is_uncertain ? marked_at_ : std::max(heard_at_, marked_at_);
   if (asked_since_) return now - told_at >= limits_.mark_silent;

@@ -50,7 +50,7 @@ class ReceiverMonitor {
   /// Begins again: the receiver has another address, which has to answer first.
   void begin_anew();
 
-  /// The time at which a mark without an answer is followed by another one.
+  /// Returns the time at which a mark without an answer is followed by another one.
   Time next_retry(const RoundTrips& round_trips) const { return marked_at_ + retry_pause(round_trips); }
   /// Returns true if the receiver has to be asked about what was sent, since it has given no answer for too
   /// long. `is_uncertain`: part of what was sent may not have arrived.

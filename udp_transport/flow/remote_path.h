@@ -42,8 +42,8 @@ class RemotePath {
   void measure_anew(const SocketAddress& address, std::size_t kernel_says) noexcept;
 
   std::size_t datagram_bytes() const { return datagram_bytes_.load(std::memory_order_relaxed); }
-  /// The limit, if longer datagrams do not arrive although the kernel would send them; 0 if no such limit
-  /// is known.
+  /// Returns the limit, if longer datagrams do not arrive although the kernel would send them; 0 if no such
+  /// limit is known.
   std::size_t limited_to() const { return limited_to_.load(std::memory_order_relaxed); }
   /// Says the limit in a sentence; empty if there is none.
   std::string limit_in_words() const;

@@ -36,7 +36,7 @@ class RoundTrips {
 
   Duration latest() const { return latest_; }
   Duration shortest() const { return shortest_; }  ///< Duration::max(): not known
-  /// The time that the latest datagram waited in queues.
+  /// Returns the time that the latest datagram waited in queues.
   Duration queueing() const { return latest_ - shortest_; }
 
  private:

@@ -26,7 +26,7 @@ class SharedFlowWindow {
   SharedFlowWindow(std::uint32_t flow, const FlowLimits& limits, std::uint64_t secret,
                    std::shared_ptr<UnprovenBudget> host = {});
 
-  /// The size of the remote socket's receive buffer as announced; 0 if none was.
+  /// Returns the size of the remote socket's receive buffer as announced; 0 if none was.
   std::uint32_t receive_buffer_bytes() const { return receive_buffer_bytes_.load(std::memory_order_relaxed); }
   void announce(std::uint32_t receive_buffer_bytes);
 
@@ -37,7 +37,7 @@ class SharedFlowWindow {
   Time next_ready(Time now) const;
   std::uint64_t position() const;
   bool passed(std::uint64_t position) const;
-  /// 0: not known.
+  /// Returns the shortest recent round trip; 0: not known.
   Time::duration round_trip() const;
   bool is_mute(Time now) const;
   /// Returns true if the receiver has reported, and was not silent when this was checked last.

@@ -51,13 +51,14 @@ class DatagramReceiver {
   virtual bool receive(DatagramSink& sink, Time deadline, std::chrono::nanoseconds spin) noexcept = 0;
   /// Makes the present receive() return, or the next one. Any thread.
   virtual void wake() noexcept = 0;
-  /// The last call. Leaves nothing behind in the kernel that would hold the port.
+  /// Called last. Leaves nothing behind in the kernel that would hold the port.
   virtual void finish() noexcept = 0;
 
   /// Hands over the next datagrams without waiting. Returns false if there are none. Any thread, while no
   /// other one is in this function or in receive().
   virtual bool receive_now(DatagramSink& sink) noexcept = 0;
-  /// The same for datagrams to multicast groups, which come to a socket of their own.
+  /// Hands over the next datagrams to multicast groups, as receive_now() does. They come to a socket of
+  /// their own.
   virtual bool receive_from_groups(DatagramSink& sink) noexcept = 0;
   /// Descriptors for poll(2). `datagrams` is readable while there are datagrams, `wake` from wake() until
   /// it is read.
@@ -107,7 +108,7 @@ class Connection {
 
   /// Looks up the path again: after a refusal, or if routes or the host's own addresses change. Any thread.
   virtual void reconnect() noexcept = 0;
-  /// The same to another address of the same socket. Any thread.
+  /// Connects to another address of the same socket. Any thread.
   virtual void redirect(const SocketAddress& to) noexcept = 0;
 
   /// Called after `would_wait`: makes the next await() return once there is room. The thread that calls
@@ -136,8 +137,8 @@ class DatagramSender {
   /// Any thread.
   virtual void send_to(const SocketAddress& to, std::span<const std::byte> datagram) noexcept = 0;
 
-  /// The port of a socket that receives only answers to what was sent. 0: there is none, and answers have
-  /// to go to the socket that receives samples.
+  /// Returns the port of a socket that receives only answers to what was sent. 0: there is none, and
+  /// answers have to go to the socket that receives samples.
   virtual std::uint16_t answer_port() const noexcept { return 0; }
   struct Answer {
     std::size_t bytes = 0;  ///< length of the answer; 0: none has come

@@ -22,8 +22,8 @@ class SystemAddress {
  public:
   /// Uses the address's own family; the address "any" gets `family_of_any`.
   explicit SystemAddress(const SocketAddress& address, int family_of_any = AF_INET) noexcept;
-  /// For a socket of both families (AF_INET6), where IPv4 is written as IPv4-mapped, or for one of IPv4
-  /// only (AF_INET), which refuses IPv6 addresses.
+  /// Makes an address for a socket of both families (AF_INET6), where IPv4 is written as IPv4-mapped, or
+  /// for one of IPv4 only (AF_INET), which refuses IPv6 addresses.
   static SystemAddress for_socket(const SocketAddress& address, int family) noexcept;
 
   const sockaddr* get() const noexcept { return reinterpret_cast<const sockaddr*>(&storage_); }
@@ -54,10 +54,10 @@ std::optional<std::vector<core::Link>> own_links(const std::vector<std::string>&
 /// Returns true if the system says so in the interface's folder under `interfaces`.
 bool is_wireless(const std::string& interface, const std::string& interfaces = "/sys/class/net");
 
-/// The bytes that IP and UDP put before a datagram.
+/// Returns the bytes that IP and UDP put before a datagram.
 constexpr std::size_t headers_before_datagram(const core::IpAddress& to) { return to.is_ipv4() ? 28 : 48; }
 
-/// The longest datagram that every path takes: RFC 791 (packets of 576 bytes), RFC 8200 (1280).
+/// Returns the longest datagram that every path takes: RFC 791 (packets of 576 bytes), RFC 8200 (1280).
 constexpr std::size_t datagram_bytes_of_every_path(const core::IpAddress& to) {
   return to.is_ipv4() ? datagram_bytes_min : 1280 - headers_before_datagram(to);
 }

@@ -17,7 +17,7 @@ class TrainReader {
 
   /// Reads one train, without waiting. Returns false if there is none.
   bool read(DatagramSink& sink) noexcept;
-  /// The same for datagrams to groups, even if the process has left all groups.
+  /// Reads one train of datagrams to groups, as read() does, even if the process has left all groups.
   bool read_from_groups(DatagramSink& sink) noexcept;
 
  private:

@@ -295,7 +295,8 @@ class UringReceiver final : public DatagramReceiver {
 
   bool armed() const { return receive_armed_ || group_armed_ || wake_armed_; }
 
-  /// A multishot receive ends if it finds no free buffer, and on errors. Nothing is lost meanwhile.
+  /// Arms what is not armed. A multishot receive ends if it finds no free buffer, and on errors. Nothing is
+  /// lost meanwhile.
   void arm() noexcept {
     if (!receive_armed_) arm_receive(socket_place, receive_tag, receive_armed_);
     if (!group_armed_ && socket_->groups.group_fd) arm_receive(group_place, group_tag, group_armed_);

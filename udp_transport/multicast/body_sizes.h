@@ -47,7 +47,7 @@ class BodySizes {
   bool known_all(std::span<const Selection> selections) const;
   /// Returns the length of a body with just that. Parts that are not followed count as whole fields.
   double bytes_of(const Selection& selection) const;
-  /// Null if the selection has no parts, or is not followed.
+  /// Returns null if the selection has no parts, or is not followed.
   std::shared_ptr<const PartSize> part_size(const Selection& selection) const;
 
   // Any thread.

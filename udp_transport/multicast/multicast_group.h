@@ -73,9 +73,9 @@ class MulticastGroup final : public LaneListener {
 
   /// Notes that a sample that was sent to the group has departed, or is lost. Any thread.
   [[nodiscard]] Wake note_departed(const Job& job, bool lost) noexcept;
-  /// The same for a sample in the lane. The sending thread needs no wake then.
+  /// Notes that a sample in the lane has departed. The sending thread calls this, so it needs no wake.
   void departed(const Job& job, bool lost) noexcept override { static_cast<void>(note_departed(job, lost)); }
-  /// The members, whether they hear the group or not.
+  /// Returns the members, whether they hear the group or not.
   std::span<const Destination* const> receivers() const noexcept override { return receivers_; }
   void hear(const GroupReport& report, Time now);
   /// Returns the index of the member with that name in reports; empty if there is none.

@@ -68,7 +68,7 @@ struct Job {
   /// (`direct_bytes_max`).
   bool is_small() const { return is_pack() || first.total <= direct_bytes_max; }
   std::size_t samples() const { return is_pack() ? packed_.size() : 1; }
-  /// The length of one sample's body.
+  /// Returns the length of one sample's body.
   std::uint32_t body_bytes(std::size_t part) const {
     return is_pack() ? static_cast<std::uint32_t>(packed_[part].bytes) : first.total;
   }
@@ -84,7 +84,7 @@ struct Job {
 
   /// Makes the job independent of the sample that it was encoded from.
   void copy_body();
-  /// The same, into memory of the caller, which is at least as large as the body.
+  /// Copies the body into memory of the caller, which is at least as large as the body.
   void copy_body(core::SampleHandle to);
   /// Counts the job's sample as borrowed memory, which is scarce.
   void borrow();

@@ -34,7 +34,7 @@ class AnswerPath {
 
   /// Returns true if an ack of that length may be sent to each address.
   bool covers(std::size_t ack_bytes) const { return credit_.covers(copies() * ack_bytes); }
-  /// The number of missing parts that one ack to each address may still ask for.
+  /// Returns the number of missing parts that one ack to each address may still ask for.
   std::size_t parts_covered() const {
     const std::size_t bytes = credit_.left() / copies();
     return bytes < ack_header_bytes ? 0 : (bytes - ack_header_bytes) / missing_bytes;

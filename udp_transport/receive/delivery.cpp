@@ -76,7 +76,7 @@ void Delivery::hand_over(Arrival& arrival, core::EndpointId writer) {
   while (hand_over_.is_full()) go_on_with(hand_over_.next());
 }
 
-/// The writer may have no reader any more.
+/// Delivers a sample that waited, unless its writer has no reader any more.
 void Delivery::go_on_with(HandOver::Waiting waiting) {
   const std::optional<std::size_t> index = index_of(waiting.sample->header().writer);
   if (!index) return;

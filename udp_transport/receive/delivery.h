@@ -46,7 +46,7 @@ class Delivery {
 
   /// Delivers to readers that had no room before.
   void look_after_readers(Time now);
-  /// The time when look_after_readers() is due; Time::max() if no reader lags.
+  /// Returns the time when look_after_readers() is due; Time::max() if no reader lags.
   Time next_look() const { return lag_monitor_.next_look(); }
   /// Returns true if some readers have no room for what has come. Any thread.
   bool readers_lag() const noexcept { return readers_lag_.load(std::memory_order_relaxed); }

@@ -40,9 +40,9 @@ class Demultiplexer {
   /// Returns what the datagram brought to readers. If there is no memory for a datagram, it counts as lost.
   Arrival accept(std::span<const std::byte> bytes, const SocketAddress& from, ArrivalTime now) noexcept;
 
-  /// The number of marks from processes that have no writer that is read here.
+  /// Returns the number of marks from processes that have no writer that is read here.
   std::uint64_t unknown_marks() const { return unknown_marks_; }
-  /// The number of processes that share the receive buffer.
+  /// Returns the number of processes that share the receive buffer.
   std::size_t senders() const { return shares_.senders(); }
 
  private:

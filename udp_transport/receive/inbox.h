@@ -38,8 +38,8 @@ class Inbox {
   core::SampleHandle take() noexcept;
 
   void connect(const core::Source& source);
-  /// Queued samples can still be taken. All disconnected writers together keep as many samples as one
-  /// connected writer, the newest ones.
+  /// Disconnects the writer. Its queued samples can still be taken. All disconnected writers together keep
+  /// as many samples as one connected writer, the newest ones.
   void disconnect(core::EndpointId writer) noexcept;
   bool connected(core::EndpointId writer) const noexcept;
   core::HistoryProgress history(core::EndpointId writer) const noexcept;
@@ -47,8 +47,8 @@ class Inbox {
   std::uint64_t discarded() const noexcept;
   std::uint64_t lost_unnoticed() const noexcept;
 
-  /// When this returns, the listener is not called any more, and no call is in progress except one that
-  /// calls this function itself.
+  /// Ends calls of the listener. When this returns, none is in progress except one that calls this function
+  /// itself.
   void detach() noexcept { notify_listener_.clear(); }
 
  private:

@@ -88,7 +88,7 @@ class IncomingWriter {
   };
   const Facts& facts() const { return facts_; }
   void set_came_from(const core::IpAddress& ip) { facts_.came_from = ip; }
-  /// Null unless some reader asks for reliable delivery.
+  /// Returns null unless some reader asks for reliable delivery.
   ArrivalWindow* window() { return window_.get(); }
 
   // Several writers may have one short id. These functions return true if the datagram can be from this
@@ -109,13 +109,13 @@ class IncomingWriter {
   void expire(Time now, std::optional<Time>& next) { samples_.expire(now, next); }
   /// Sends the acks that are due, and asks for what is missing.
   void answer(Time now, const SendAck& send);
-  /// The earliest time when answer() has something to ask for. Time::max() if there is none, or if nothing
-  /// may be asked for until more of the writer has come.
+  /// Returns the earliest time when answer() has something to ask for. Time::max() if there is none, or if
+  /// nothing may be asked for until more of the writer has come.
   Time next_answer() const {
     const bool may_ask = window_ != nullptr && answers_.is_known() && answers_.parts_covered() > 0;
     return may_ask ? window_->next_look() : Time::max();
   }
-  /// The multicast groups that the writer has offered.
+  /// Returns the multicast groups that the writer has offered.
   OfferedGroups& groups() { return groups_; }
 
  private:

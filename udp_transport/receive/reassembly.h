@@ -70,7 +70,7 @@ class Reassembly {
 
   /// Drops samples that have made no progress for too long.
   void expire(Time now);
-  /// The earliest time when expire() has something to do; empty while no sample has begun.
+  /// Returns the earliest time when expire() has something to do; empty while no sample has begun.
   std::optional<Time> next_expiry() const { return shared_.next_expiry(); }
 
   const Counters& counters() const { return shared_.counters; }

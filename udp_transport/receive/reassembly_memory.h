@@ -47,8 +47,8 @@ class ReassemblyMemory {
   void note_parked(std::size_t bytes) { parked_bytes_ += bytes; }
   void note_unparked(std::size_t bytes) { parked_bytes_ -= bytes; }
 
-  /// The part of the pool that is reserved for the samples that this node publishes. So neither samples
-  /// from others nor those that subscribers keep can prevent its publishers from publishing.
+  /// Returns the part of the pool that is reserved for the samples that this node publishes. So neither
+  /// samples from others nor those that subscribers keep can prevent its publishers from publishing.
   std::size_t reserved_for_publishers() const { return pool->limit_bytes() / 4; }
 
   /// Notes that there was no memory for a sample.

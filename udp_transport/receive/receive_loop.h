@@ -40,8 +40,8 @@ class ReceiveLoop final : private DatagramSink, public std::enable_shared_from_t
               SendingHalf sending_half, const std::shared_ptr<GroupJoins>& joins);
 
   Result<void> start(const core::ThreadSpec& thread);
-  /// Nothing is received after this has returned. If a listener calls stop(), this holds once the listener
-  /// has returned.
+  /// Ends receiving: nothing is received after this has returned. If a listener calls stop(), this holds
+  /// once the listener has returned.
   void stop();
 
   // Any thread.
@@ -51,9 +51,9 @@ class ReceiveLoop final : private DatagramSink, public std::enable_shared_from_t
   void add(const core::ReaderSpec& reader);
   void remove(const core::ReaderSpec& reader);
 
-  /// See NetworkReader::receive().
+  /// Implements NetworkReader::receive().
   bool receive(const core::Waiting& waiting) noexcept;
-  /// See Network::wake_receiver().
+  /// Implements Network::wake_receiver().
   void wake_receiver() noexcept;
 
   SubscriptionDirectory& subscriptions() { return delivery_.subscriptions(); }

@@ -85,7 +85,7 @@ class ReceivingRole {
   bool take_turn();
   /// Returns true if a waiting thread has the role now and has to be woken.
   [[nodiscard]] bool end_turn(Time next_deadline);
-  /// The own thread's alarm has rung.
+  /// Notes that the own thread's alarm has rung.
   void alarm_rang();
 
   /// Ends receiving, without waiting for any thread. Any thread.
@@ -120,7 +120,7 @@ class ReceivingRole {
   /// Applies `change` to the state. It may be called several times.
   template <class Change>
   void update(Change change);
-  /// The same, but if `change` returns false, the state stays as it is, and update_if() returns false.
+  /// Like update(), but if `change` returns false, the state stays as it is, and update_if() returns false.
   template <class Change>
   bool update_if(Change change);
   Look look(const State& state, Time now, bool readable) const;

@@ -37,7 +37,7 @@ class SampleAssembly {
   /// Adds all datagrams that came before the first one.
   UnfinishedSample::Added unpark(UnfinishedSample& sample, Time now);
 
-  /// Further datagrams of this sample are ignored.
+  /// Ignores further datagrams of this sample.
   void finish(const SampleLabel& label) { finished_.add(label); }
   bool is_finished(const SampleLabel& label) const { return finished_.contains(label); }
 

@@ -24,7 +24,7 @@ struct Subscriber {
 
   /// Returns true if the sample is for this reader, whose requests before `first_request` are over.
   bool accepts(const core::SampleBuffer& sample, std::uint64_t first_request = 0) const;
-  /// The last request that the writer knows of.
+  /// Returns the last request that the writer knows of.
   std::uint64_t heard_request() const;
 };
 
@@ -44,7 +44,8 @@ class SubscriptionDirectory {
   void announced(const Inbox& reader, const core::Source& source);
   void disconnect(const Inbox& reader, core::EndpointId writer);
   void accept(const Inbox& reader, std::vector<core::Accepted> accepted);
-  /// When this returns, the reader's type is not used any more. Not called between enter() and leave().
+  /// Removes the reader. When this returns, the reader's type is not used any more. Not called between
+  /// enter() and leave().
   void remove(const Inbox& reader);
 
   // The receiving thread.

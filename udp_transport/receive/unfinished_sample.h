@@ -24,7 +24,7 @@ class UnfinishedSample {
   const SampleLabel& label() const { return first_.label; }
   Time last_progress() const { return last_progress_; }
 
-  /// The place in its channel; 0: in none.
+  /// Returns the place in its channel; 0: in none.
   std::uint64_t place() const { return place_; }
   void set_place(std::uint64_t place) { place_ = place; }
 

@@ -98,7 +98,8 @@ ArrivalWindow::Met ArrivalWindow::meet_passed_over(const ChannelMark& mark, Time
   return meet(mark, now, same_datagram);
 }
 
-/// The writer is far ahead. If it is asked for a sample that it does not have any more, it says how far.
+/// Asks a writer that is far ahead for a sample that it may not have any more, so that it says how far
+/// ahead it is.
 void ArrivalWindow::ask_for_next(Time now) {
   if (!fresh_) samples_.reach(samples_.next() + 1, now);
   pending_ack_.want();

@@ -90,9 +90,9 @@ class ArrivalWindow {
   /// to be given samples even if that pushes out older ones.
   bool overtakes() const { return overtakes_; }
 
-  /// The time when samples().due_gaps() may find something; Time::max() if never.
+  /// Returns the time when samples().due_gaps() may find something; Time::max() if never.
   Time next_look() const { return samples_.schedule().next_look(); }
-  /// The ordinal of a place in the present channel.
+  /// Returns the ordinal of a place in the present channel.
   std::uint64_t ordinal_of(Place place) const { return places_.ordinal_of(place); }
   /// Returns true if an ack is due now.
   bool ack_due() const { return pending_ack_.due(); }

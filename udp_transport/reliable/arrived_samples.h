@@ -102,13 +102,13 @@ class ArrivedSamples {
     std::vector<SampleLabel> given_back;  ///< samples that begin anew
     bool empty() const { return abandoned.empty() && given_back.empty(); }
   };
-  /// The samples dropped since the caller cleared this last.
+  /// Returns the samples dropped since the caller cleared this last.
   Dropped& dropped() { return dropped_; }
 
   const OrdinalRing<Slot>& slots() const { return slots_; }
   Place next() const { return next_; }  ///< the first place that is missing or not whole
   Place end() const { return end_; }    ///< behind the last known place
-  /// The first place whose sample may still come.
+  /// Returns the first place whose sample may still come.
   Place first_wanted() const { return std::max(next_, skip_to_); }
   std::size_t held_bytes() const { return held_bytes_; }
   std::uint64_t lost() const { return lost_; }

@@ -13,7 +13,7 @@ class Attention {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// True from attract() until rest().
+  /// Returns true from attract() until rest().
   bool is_paid() const { return is_paid_; }
   /// Notes that the channel needs the sending thread. Returns Wake::schedule if the thread does not attend
   /// to it yet.

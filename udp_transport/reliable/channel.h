@@ -66,8 +66,8 @@ class Channel {
   /// Waits as post() does until the job can be posted without giving up an older sample. Returns false if
   /// there is no room for it even then.
   bool await_room(const Job& job, std::chrono::nanoseconds* timeout);
-  /// The same without waiting, for the sending thread. If there is no room, a later hear() wakes the
-  /// thread.
+  /// Returns true if the job can be posted without giving up an older sample. If not, a later hear() wakes
+  /// the sending thread, which calls this.
   bool has_room_or_tells(const Job& job);
   /// Returns true if all channels of the node together keep so much that a channel that keeps `bytes` has
   /// to give up some.

@@ -38,9 +38,9 @@ class HeartbeatSchedule {
 
   /// Returns true if a heartbeat is due; it counts as sent.
   bool take(Kept kept, Time now);
-  /// The time of the next check, if nothing happens until then; Time::max() if never.
+  /// Returns the time of the next check, if nothing happens until then; Time::max() if never.
   Time next() const { return next_; }
-  /// The number of heartbeats since the last answer.
+  /// Returns the number of heartbeats since the last answer.
   int unanswered() const { return unanswered_; }
 
  private:

@@ -42,7 +42,7 @@ class Lane {
   LaneEnd& end() { return end_; }
   Destination& destination() const { return end_.destination(); }
   bool is_late() const { return late_; }
-  /// The channel that sends the jobs of the lane; null: they go to the destination directly.
+  /// Returns the channel that sends the jobs of the lane; null: they go to the destination directly.
   Channel* channel() const { return channel_.get(); }
   const std::shared_ptr<Channel>& shared_channel() const { return channel_; }
   /// Counts samples that were posted to this lane and not sent.
@@ -51,8 +51,8 @@ class Lane {
   void close();
   bool closed() const { return closed_.load(std::memory_order_acquire); }
 
-  /// The position in the destination's stream of bytes where the last large sample of this lane ended; 0:
-  /// there was none.
+  /// Returns the position in the destination's stream of bytes where the last large sample of this lane
+  /// ended; 0: there was none.
   std::uint64_t behind() const { return behind_.load(std::memory_order_relaxed); }
 
   // The publisher's thread.

@@ -18,8 +18,8 @@ class LaneListener {
   virtual ~LaneListener() = default;
   /// Any thread. `lost`: the job was not sent completely.
   virtual void departed(const Job& job, bool lost) noexcept = 0;
-  /// The receivers of what is sent to the lane's destination, which is a group. They do not change during
-  /// the life of the listener. Any thread.
+  /// Returns the receivers of what is sent to the lane's destination, which is a group. They do not change
+  /// during the life of the listener. Any thread.
   virtual std::span<const Destination* const> receivers() const noexcept = 0;
 };
 

@@ -42,7 +42,8 @@ class RepairQueue {
   std::optional<Repair> next(Size size, Time now);
 
   bool empty() const { return waiting_.empty(); }
-  /// The time when next() allows a repair; Time::max() if the last call returned one, or none waited.
+  /// Returns the time when next() allows a repair; Time::max() if the last call returned one, or none
+  /// waited.
   Time next_ready(Time now) const { return is_paced_ ? pacer_.next_ready(now) : Time::max(); }
   std::uint64_t sent() const { return sent_; }  ///< number of parts sent so far
 

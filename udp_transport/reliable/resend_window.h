@@ -83,7 +83,7 @@ class ResendWindow {
   /// Returns the last heartbeat, which says that nothing is kept any more.
   Heartbeat parting() const;
 
-  /// The time of the next check, if nothing happens until then; Time::max() if never.
+  /// Returns the time of the next check, if nothing happens until then; Time::max() if never.
   Time next_look(Time now) const;
   /// Returns true if `samples` with `bytes` can be kept without giving up older ones.
   bool can_keep(std::size_t samples, std::size_t bytes) const { return kept_.can_keep(samples, bytes); }
@@ -92,7 +92,7 @@ class ResendWindow {
 
   /// Returns the bytes of the sample's body, if the sample was sent and is kept.
   std::optional<std::uint32_t> bytes_sent(std::uint64_t ordinal) const;
-  /// The samples in [begin, end) are kept.
+  /// The samples in [begin(), end()) are kept.
   std::uint64_t begin() const { return kept_.begin(); }
   std::uint64_t end() const { return kept_.end(); }
 

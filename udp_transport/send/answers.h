@@ -16,7 +16,8 @@ namespace sft::udp {
 [[nodiscard]] Wake hear_answer(SendSide& side, const Answer& answer, const SocketAddress& from,
                                std::chrono::steady_clock::time_point now) noexcept;
 
-/// The same for an encoded answer. A datagram that is no well-formed answer is counted as malformed.
+/// Handles an encoded answer in the same way. A datagram that is no well-formed answer is counted as
+/// malformed.
 [[nodiscard]] Wake hear_answer(SendSide& side, std::span<const std::byte> datagram, const SocketAddress& from,
                                std::chrono::steady_clock::time_point now) noexcept;
 

@@ -49,7 +49,7 @@ class FanOut final : public DeferredWork {
   /// then.
   void finish() noexcept;
 
-  /// The sending thread.
+  /// Called by the sending thread.
   void carry_out() noexcept override;
 
  private:

@@ -30,8 +30,8 @@ struct SendFlow {
 
   Destination& destination() const { return lane ? lane->destination() : channel->destination(); }
   WriterTally& tally() const { return lane ? lane->tally() : channel->tally(); }
-  /// The connection of a small sample overtakes large samples, unless the sample has to arrive behind one
-  /// of them.
+  /// Returns the connection that the flow is sent by. A small sample overtakes large samples, unless it has
+  /// to arrive behind one of them.
   Connection& connection() const {
     if (size == Size::large) return destination().bulk();
     return lane ? destination().connection_after(lane->behind()) : destination().connection();

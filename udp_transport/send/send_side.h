@@ -45,7 +45,7 @@ class PeriodicTasks {
     const auto maintain = [&one](Time now, Time& next) { next = std::min(next, one.maintain(now)); };
     all_.push_back({&one, std::make_shared<Maintain>(maintain)});
   }
-  /// When this returns, `one` is not called any more, and no call is in progress.
+  /// Removes a task. When this returns, it is not called any more, and no call is in progress.
   void remove(const Periodic& one) {
     core::Lock lock(mutex_);
     const auto found = std::ranges::find(all_, &one, &Entry::one);
@@ -54,8 +54,8 @@ class PeriodicTasks {
     lock.unlock();
     removed->clear();
   }
-  /// The agent's thread: calls each task in turn, without keeping others out meanwhile. Allocates nothing
-  /// while there are no more tasks than before.
+  /// Calls each task in turn, without keeping others out meanwhile. Allocates nothing while there are no
+  /// more tasks than before. The agent's thread.
   void maintain(Time now) {
     {
       const core::Lock lock(mutex_);
@@ -65,9 +65,9 @@ class PeriodicTasks {
     for (const Entry& entry : round_) (*entry.maintain)(now, next_);
     round_.clear();
   }
-  /// The agent's thread: a task wants maintain() to be called by that time.
+  /// Makes the next call of maintain() happen by that time. The agent's thread.
   void maintain_by(Time next) { next_ = std::min(next_, next); }
-  /// The agent's thread: returns when maintain() has to be called again; Time::max() if that is not urgent.
+  /// Returns when maintain() has to be called again; Time::max() if that is not urgent. The agent's thread.
   Time next() const { return next_; }
 
  private:

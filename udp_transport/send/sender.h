@@ -47,10 +47,10 @@ class Sender {
   void send_to(const SocketAddress& to, std::span<const std::byte> datagram) noexcept {
     io_->send_to(to, datagram);
   }
-  /// The rate limit of all writers together.
+  /// Returns the rate limit of all writers together.
   RateLimit& limit() { return limit_; }
   LocalTurns& local_turns() { return local_turns_; }
-  /// 0: there is no port for answers.
+  /// Returns the port that answers come to; 0: there is none of its own.
   std::uint16_t answer_port() const { return io_->answer_port(); }
   std::unique_ptr<Connection> connect_group(const SocketAddress& group, const SocketAddress& own) {
     return io_->connect_group(group, own);
@@ -70,7 +70,7 @@ class Sender {
     if (wake == Wake::schedule) return schedule(one);
     if (wake == Wake::look) look_again();
   }
-  /// The same if there is nothing to schedule.
+  /// Wakes the sending thread if there is nothing to schedule.
   void wake(Wake wake) noexcept {
     if (wake != Wake::none) look_again();
   }

@@ -470,7 +470,7 @@ static std::optional<Following> read_following(std::span<const std::byte> bytes)
                    .payload = bytes.subspan(following_header_bytes)};
 }
 
-/// Also refuses a datagram that ends beyond the greatest total.
+/// Reads a far datagram. Refuses one without payload, or one that ends beyond the greatest total.
 static std::optional<Following> read_far(std::span<const std::byte> bytes) noexcept {
   if (bytes.size() <= far_header_bytes || load<std::uint8_t>(&bytes[at_flags]) != 0) return {};
   const Following far{.label = load_label(bytes.data()),

@@ -159,7 +159,7 @@ struct FirstHeader {
   ChannelMark channel{};      ///< set where channel_follows is set
   GroupMark group{};          ///< set where group_follows is set
 
-  /// The header's length with all marks that the flags announce, without the mask's words.
+  /// Returns the header's length with all marks that the flags announce, without the mask's words.
   std::size_t bytes() const { return at_group() + ((flags & group_follows) != 0 ? group_bytes : 0); }
   std::size_t at_group() const { return at_channel() + ((flags & channel_follows) != 0 ? channel_bytes : 0); }
   std::size_t at_channel() const {
@@ -167,7 +167,7 @@ struct FirstHeader {
   }
   std::size_t at_history() const { return at_rate() + ((flags & rate_follows) != 0 ? rate_bytes : 0); }
   std::size_t at_rate() const { return first_header_bytes - mask_bytes_saved(mask); }
-  /// The lengths of the headers of a whole and of a single datagram, without the mask's words.
+  /// Returns the lengths of the headers of a whole and of a single datagram, without the mask's words.
   std::size_t bytes_in_short() const { return at_rate(); }
   std::size_t bytes_in_single() const { return single_header_bytes - mask_bytes_saved(mask); }
 };

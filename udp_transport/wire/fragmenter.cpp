@@ -34,7 +34,7 @@ void Batch::pad() {
 
 void Batch::refer(const std::byte* data, std::size_t bytes) {
   assert(part_count_ < parts_max);
-  // Iovec has no const; the data are only read.
+  // The data are only read, but iovec has no const.
   parts_[part_count_++] = {const_cast<std::byte*>(data), bytes};
   bytes_ += bytes;
 }

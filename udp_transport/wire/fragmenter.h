@@ -33,9 +33,9 @@ class Batch {
   std::span<const iovec> parts() const { return {parts_.data(), part_count_}; }
   std::size_t bytes() const { return bytes_; }
   std::size_t datagrams() const { return datagrams_; }
-  /// The length of the longest datagram.
+  /// Returns the length of the longest datagram.
   std::size_t longest() const { return datagrams_ > 1 ? segment_bytes_ : bytes_; }
-  /// The length of all datagrams but the last one; 0 if there is only one.
+  /// Returns the length of all datagrams but the last one; 0 if there is only one.
   std::uint16_t segment_bytes() const { return datagrams_ > 1 ? segment_bytes_ : std::uint16_t{0}; }
 
  private:
@@ -78,7 +78,7 @@ class Fragmenter {
 
   std::size_t bytes() const { return body_.first.total; }  ///< length of the body
   bool begun() const { return begun_; }
-  /// The offset in the body up to which datagrams have been cut.
+  /// Returns the offset in the body up to which datagrams have been cut.
   std::uint32_t offset() const { return offset_; }
   bool done() const { return body_.packed ? segment_ == body_.segments.size() : begun_ && offset_ >= end_; }
 
