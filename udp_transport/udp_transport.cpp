@@ -143,7 +143,7 @@ class UdpTransport final : public core::Network {
   std::uint64_t network_changes_ = 0;  ///< number of network changes seen so far
   bool network_has_changed_ = false;
   mutable core::Mutex links_mutex_;
-  /// The links when the system listed them last, which it cannot do at times.
+  /// The links when the system listed them last, for times when it cannot list them.
   mutable std::vector<core::Link> links_ SFT_GUARDED_BY(links_mutex_);
   std::chrono::steady_clock::time_point destinations_looked_after_at_{};
   const std::uint16_t port_;

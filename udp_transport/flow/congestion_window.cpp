@@ -13,8 +13,8 @@ bool CongestionWindow::lost_much(const FlowReport& report) const {
   return came <= sent && sent - came > sent / 10 + 1;
 }
 
-/// A longer queue than necessary, or many losses, show that the path is overloaded. As long as there is
-/// neither, the window grows.
+/// Takes a report. A longer queue than necessary, or many losses, show that the path is overloaded, and the
+/// window shrinks. Otherwise it grows.
 void CongestionWindow::hear(const FlowReport& report, const Known& known) {
   const bool lost = known.counted && lost_much(report);
   datagrams_at_report_ = report.datagrams;

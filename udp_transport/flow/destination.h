@@ -69,7 +69,8 @@ class Destination {
   void sent(const Connection& by, std::size_t bytes, std::size_t datagrams, std::size_t longest, Time now);
   /// Asks a receiver that does not report once more, since a sender waits for room.
   void mark(Time now);
-  /// Learns from a send that was refused. The next one fits, and takes the path as it is then.
+  /// Adapts to a send that was refused, so that the next one has a length that fits, and uses the present
+  /// path.
   void note(SendOutcome outcome) noexcept;
 
   /// Takes a report. If it repeats one of our marks, the receiver is at the address that it comes from.
@@ -78,13 +79,14 @@ class Destination {
   void lives(Time now) { window_.lives(now); }
   /// Notes that the host there says that no socket has that port (ICMP).
   void refused(Time now) { window_.refused(now); }
-  /// Notes that an ack asks for something again. A mark will soon find out if long datagrams arrive.
+  /// Notes that an ack asks for something again. A mark is then sent soon, to find out if long datagrams
+  /// arrive.
   void asked_again() { window_.asked_again(); }
 
   /// Moves to another address of the same socket. Datagrams that are under way still count.
   void move_to(const SocketAddress& address, std::shared_ptr<UnprovenBudget> host) noexcept;
-  /// Counts these moves, and the returns of a receiver that was silent. After each of them, heartbeats and
-  /// offers are due at once.
+  /// Returns the number of these moves, and of the returns of a receiver that was silent. After each of
+  /// them, heartbeats and offers are due at once.
   std::uint32_t moves() const { return moves_.load(std::memory_order_relaxed); }
 
   // The sending thread.

@@ -24,7 +24,8 @@ std::uint32_t DestinationDirectory::first_channel(const Key& key) const {
   return static_cast<std::uint32_t>(keyed_hash(channel_key_, words));
 }
 
-/// An address that does not name its node matches a destination that is at that address now.
+/// Returns a known destination; null if there is none. An address that does not name its node matches a
+/// destination that is at that address now.
 std::shared_ptr<Destination> DestinationDirectory::known(const core::UdpAddress& address) {
   std::erase_if(known_, [](const auto& entry) { return entry.second.expired(); });
   if (const auto found = known_.find(key_of(address)); found != known_.end()) return found->second.lock();

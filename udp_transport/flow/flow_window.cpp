@@ -81,8 +81,8 @@ void FlowWindow::sent(std::size_t bytes, std::size_t datagrams, Time now, bool a
   pass_time(now);
   const std::size_t taken = socket_bytes(bytes, datagrams);
   sent_ += taken;
-  // This does not ask if a sender waits: the report for a full small window often comes before the sender
-  // looks for room again.
+  // The window limits even if no sender waits, because the report for a full small window often comes
+  // before the sender looks for room again.
   if (congestion_.bytes() <= share_ && under_way() >= congestion_.bytes() / 2) congestion_.was_full(sent_);
   note_unproven(bytes, datagrams, now);
   expansion_ +=

@@ -72,7 +72,8 @@ class FlowWindow {
   void note_length(std::size_t longest, Time now) {
     if (limits_.asks) lengths_.sent(longest, now);
   }
-  /// Notes that the receiver asks for something again. A mark will soon find out if long datagrams arrive.
+  /// Notes that the receiver asks for something again. A mark is then due soon, to find out if long
+  /// datagrams arrive.
   void asked_again() { lengths_.asked_again(); }
   /// Returns the length of datagrams that have not arrived, by the report that hear() took last; 0 if all
   /// have.
@@ -103,7 +104,7 @@ class FlowWindow {
     return shortest == Time::duration::max() ? Time::duration{} : shortest;
   }
   /// Returns true if the receiver has reported, and is not silent. So the receiver itself wants what is
-  /// sent to it, and not just an announcement that names it.
+  /// sent; an announcement alone, which can be forged, does not count.
   bool answers(Time now) const { return !limits_.asks || (receiver_.heard() && !receiver_.is_mute(now)); }
   /// Returns true if the receiver was asked for a second, and never answered or does not answer any more.
   bool is_mute(Time now) const { return receiver_.is_mute(now); }

@@ -26,7 +26,8 @@ class LengthMonitor {
   void sent(std::size_t length, Time now) {
     if (length > arrived_) since_mark_.add(length, now);
   }
-  /// Notes that a mark was sent behind them. One report is evidence about the datagrams between two marks.
+  /// Notes that a mark was sent behind these datagrams. One report is evidence about the datagrams between
+  /// two marks.
   void mark(std::uint64_t position) {
     if (!marked_.is_empty()) return;
     marked_ = std::exchange(since_mark_, {});

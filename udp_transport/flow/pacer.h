@@ -26,8 +26,8 @@ class Pacer {
   }
   void spend(std::size_t bytes) { tokens_ -= static_cast<double>(bytes); }
 
-  /// Returns the time to go on, if nothing is spent until then. Work goes on once there are tokens for a
-  /// few system calls, not just for a moment.
+  /// Returns the time to go on, if nothing is spent until then. By that time there are tokens for a few
+  /// system calls, so that the caller does not wake for a few bytes.
   Time next_ready(Time now, std::size_t reserve = 0) const {
     const double missing = static_cast<double>(reserve) - tokens_;
     if (bytes_per_s_ == 0 || missing < 0) return now;

@@ -29,9 +29,9 @@ std::size_t ReceiveShares::addresses() const {
   return n;
 }
 
-/// How much of a new sender's data has arrived is not known. All of it counts as arrived, because the
-/// sender would take the rest for lost. If a sender's marks come from another port, its path has changed,
-/// and what arrived before does not count.
+/// Returns the mark's sender, known or new; null if there are too many. How much of a new sender's data has
+/// arrived is not known. All of it counts as arrived, because the sender would take the rest for lost. If a
+/// sender's marks come from another port, its path has changed, and what arrived before does not count.
 ReceiveShares::Sender* ReceiveShares::known_or_new(const FlowMark& mark, const SocketAddress& from) {
   const auto found = std::ranges::find_if(
       senders_, [&](const Sender& known) { return known.flow == mark.flow && known.from.ip == from.ip; });

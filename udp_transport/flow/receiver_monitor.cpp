@@ -54,9 +54,9 @@ void ReceiverMonitor::begin_anew() {
   refused_ = acks_come_ = false;
 }
 
-/// A receiver that does not answer is asked more and more rarely. On a short path the pause stays short
-/// until the receiver counts as silent. A missing answer was lost there, and a longer pause would only stop
-/// the window for longer.
+/// Returns the pause before an unanswered mark is repeated. It grows while the receiver does not answer. On
+/// a short path it stays short until the receiver counts as silent. A missing answer was lost there, and a
+/// longer pause would only stop the window for longer.
 ReceiverMonitor::Time::duration ReceiverMonitor::retry_pause(const RoundTrips& round_trips) const {
   if (is_mute(marked_at_)) {
     const Time::duration longest = heard_ ? limits_.mark_silent_longest : limits_.mark_unproven_longest;

@@ -128,7 +128,7 @@ class DatagramSender {
  public:
   virtual ~DatagramSender() = default;
 
-  /// Any thread. The connection may outlive the sender, but must not wait for room then.
+  /// Makes a connection. It may outlive the sender, but must not wait for room then. Any thread.
   virtual std::unique_ptr<Connection> connect(const SocketAddress& to) = 0;
   /// Connects to a multicast group, on the link where this host has the address `own`.
   virtual std::unique_ptr<Connection> connect_group(const SocketAddress& group, const SocketAddress& own) = 0;

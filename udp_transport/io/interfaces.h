@@ -51,7 +51,7 @@ Result<void> check_interfaces(const std::vector<std::string>& chosen);
 /// is returned only if there is no other. Empty while the system cannot list them.
 std::optional<std::vector<core::Link>> own_links(const std::vector<std::string>& chosen = {});
 
-/// Returns true if the system says so in the interface's folder under `interfaces`.
+/// Returns true if the interface's folder under `interfaces` says that it is wireless.
 bool is_wireless(const std::string& interface, const std::string& interfaces = "/sys/class/net");
 
 /// Returns the bytes that IP and UDP put before a datagram.

@@ -43,8 +43,8 @@ void SocketReceiver::wake() noexcept {
   woken_.store(true, std::memory_order_relaxed);
 }
 
-/// Clears the flag. wake() may set it after its event was read, and a flag that stayed set would end each
-/// later spin.
+/// Returns true if the flag was set, and clears it. wake() may set it after its event was read, and a flag
+/// that stayed set would end each later spin.
 bool SocketReceiver::was_woken() noexcept {
   return woken_.load(std::memory_order_relaxed) && woken_.exchange(false, std::memory_order_relaxed);
 }

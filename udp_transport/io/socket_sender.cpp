@@ -52,7 +52,7 @@ class SocketConnection final : public Connection {
     if (own_) shared_->own_sockets.fetch_sub(1, std::memory_order_relaxed);
   }
 
-  /// Passes the address if the socket is not connected, or was not for a moment while another thread
+  /// Sends with the address if the socket is not connected, or was not for a moment while another thread
   /// connected it again.
   Sent try_send(std::span<const OutgoingBatch> batches) noexcept override {
     Sent sent{};

@@ -11,8 +11,8 @@ namespace sft::udp {
 /// If there are more addresses than this, the further ones share the receiving socket and its send buffer.
 inline constexpr std::size_t sending_sockets_max = 256;
 
-/// The connections of this sender send from the address that `socket` is bound to. Their send buffers have
-/// the size that was asked for `socket`.
+/// Opens a sender. Its connections send from the address that `socket` is bound to, and their send buffers
+/// have the size that was asked for `socket`.
 Result<std::unique_ptr<DatagramSender>> open_socket_sender(std::shared_ptr<const UdpSocket> socket);
 
 }  // namespace sft::udp

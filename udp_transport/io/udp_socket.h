@@ -31,8 +31,8 @@ struct SocketOptions {
   bool hears_groups = false;
 };
 
-/// If it is bound to no address, it takes both families (IPv4 as IPv4-mapped), unless the system has no
-/// IPv6.
+/// The receiving socket. If it is bound to no particular address, it takes both families (IPv4 as
+/// IPv4-mapped), unless the system has no IPv6.
 struct UdpSocket {
   FileDescriptor fd;
   int family = AF_INET;  ///< family of the addresses that are used with it

@@ -13,8 +13,8 @@ namespace sft::udp {
 /// Errors of open_uring_io() begin with this; the reason follows.
 inline constexpr std::string_view no_io_uring = "io_uring cannot be used: ";
 
-/// The error says why the kernel refused: it is too old (before 6.1), forbids it (seccomp, sysctl), or may
-/// lock too little memory.
+/// Opens io_uring. The error says why the kernel refused: it is too old (before 6.1), forbids it (seccomp,
+/// sysctl), or may lock too little memory.
 Result<DatagramIo> open_uring_io(std::shared_ptr<const UdpSocket> socket);
 
 }  // namespace sft::udp

@@ -6,7 +6,7 @@
 
 namespace sft::udp {
 
-/// The descriptor does not block, and programs that this one starts do not inherit it.
+/// Opens an eventfd that does not block. Programs that this one starts do not inherit it.
 Result<core::FileDescriptor> open_wake_event();
 
 }  // namespace sft::udp

@@ -41,11 +41,12 @@ class BodySizes {
 
   /// Measures the parts of these selections from now on, and no others. `type` outlives this object.
   void follow(const TypeSupport& type, std::span<const Selection> selections);
-  /// Returns true if samples with all fields of the selection have been measured, and its parts, too, which
-  /// must be followed.
+  /// Returns true if samples with all fields of the selection have been measured, and its parts, too. The
+  /// parts must be followed.
   bool known(const Selection& selection) const;
   bool known_all(std::span<const Selection> selections) const;
-  /// Returns the length of a body with just that. Parts that are not followed count as whole fields.
+  /// Returns the length of a body with exactly that selection. Parts that are not followed count as whole
+  /// fields.
   double bytes_of(const Selection& selection) const;
   /// Returns null if the selection has no parts, or is not followed.
   std::shared_ptr<const PartSize> part_size(const Selection& selection) const;

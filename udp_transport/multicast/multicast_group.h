@@ -59,8 +59,8 @@ class MulticastGroup final : public LaneListener {
   bool hears(std::size_t member) const noexcept { return hears_[member].load(std::memory_order_relaxed); }
   /// Notes the place of a sample in the member's channel.
   void placed(std::size_t member, std::uint64_t ordinal, std::uint64_t in_channel) noexcept;
-  /// Returns true if a member's own socket has answered, and is not silent. So a real receiver wants what
-  /// is sent.
+  /// Returns true if a member's own socket has answered, and is not silent, so that a real receiver wants
+  /// what is sent.
   bool is_answered() const noexcept;
   /// Returns true if nothing may be sent to the group any more.
   bool broken() const noexcept { return broken_.load(std::memory_order_relaxed); }

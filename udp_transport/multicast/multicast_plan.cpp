@@ -163,8 +163,8 @@ class DivisionPlan {
     std::vector<std::size_t> united;
     std::size_t shares_united = 0, groups = 1;
     FieldMask fields;
-    // Half of what may be added, because acks of these destinations, and what they are sent for these, are
-    // not counted.
+    // Only half of the surplus may be used, because acks of these destinations, and repairs, are not
+    // counted.
     const double outside_max = (1 + limits_.wire_max) / 2 * everyone_.cost.wire;
     double outside = 0;
     for (std::size_t i = 0; i < apart.size(); ++i) {

@@ -27,9 +27,8 @@ class OfferedGroups {
 
   /// Gives a first datagram that came by a group its place in the channel, if it has one there. Returns
   /// false if that group was not offered, or was offered with another channel than the one that is
-  /// followed. The sample comes in another way then. However many samples of the group come, only one offer
-  /// says that they belong to its channel. So they do not count as claims about it, because the offer may
-  /// be wrong.
+  /// followed. The sample comes in another way then. All places in a group rest on a single offer, which
+  /// may be wrong. So samples of the group, however many, do not count as claims about the channel.
   bool place(FirstHeader& first, Time now, const ChannelMonitor* channels = nullptr);
 
   /// Takes a probe that came by a group, which counts like a sample. Ignored if that group was not offered.

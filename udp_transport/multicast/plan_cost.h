@@ -23,7 +23,7 @@ struct PlanDestination {
   /// Number of the division; all members of a group have the same one (divisions.h).
   std::size_t division = 0;
   std::size_t datagram_bytes = 0;  ///< length of datagrams that its path takes
-  /// Samples per second that its division is sent, on average over some seconds. Empty: every sample.
+  /// Samples per second that pass for its division, on average over some seconds. Empty: every sample does.
   std::optional<double> passing_per_s{};
 };
 
@@ -42,8 +42,8 @@ struct PlanLimits {
   double gain_min = 0.05;
   double gain_bytes_per_s = 4096;  ///< a smaller gain is no reason to change the plan
   std::size_t groups_max = 8;      ///< a gain of fewer bytes is no reason to change
-  /// The bytes of a merged body that no reader asks for as it is. A larger one might be too large to be
-  /// sent.
+  /// The largest merged body that no reader asks for as it is, in bytes. A larger one might be too large to
+  /// be sent.
   double merged_body_max = std::numeric_limits<double>::infinity();
 };
 

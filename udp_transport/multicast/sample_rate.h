@@ -18,8 +18,9 @@ class SampleRate {
   /// `samples` is the number of samples sent before.
   explicit SampleRate(Time now, std::uint64_t samples = 0) : since_(now), counted_(samples) {}
 
-  /// `samples` is the number of samples sent so far. The former rate holds until `counting` is over. The
-  /// first samples count at once, although their rate may be higher than it seems then.
+  /// Updates the rate; `samples` is the number of samples sent so far. The former rate holds until
+  /// `counting` is over. The first samples count at once, although their rate may be higher than it seems
+  /// then.
   void count(std::uint64_t samples, Time now) {
     is_early_ = now - since_ < counting;
     if (is_early_ && per_s_ > 0) return;

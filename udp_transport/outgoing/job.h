@@ -30,9 +30,9 @@ struct WireMask {
   std::vector<std::uint64_t> words;  ///< empty if the header says it all
 };
 
-/// The publisher's thread leaves larger bodies to the sending thread, so that it goes on after a few
-/// datagrams. Exception: it sends a body itself from where it lies, if the body would have to be copied
-/// otherwise.
+/// Longer bodies are sent by the sending thread, so that the publisher goes on after a few datagrams.
+/// Exception: the publisher's thread sends a longer body itself from where it lies, if the body would have
+/// to be copied otherwise.
 inline constexpr std::size_t direct_bytes_max = 16 * 1024;
 
 /// The publisher's thread writes to a job only while no lane has it.

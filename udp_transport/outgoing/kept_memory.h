@@ -18,10 +18,10 @@ class KeptMemory {
   void remove(std::size_t bytes) { used_.fetch_sub(bytes, std::memory_order_relaxed); }
   std::size_t used() const { return used_.load(std::memory_order_relaxed); }
 
-  /// Returns true if a channel that keeps `bytes` has to give up some of it once `more_bytes` are added in
-  /// all. No channel may keep more than is left to all. So a single channel can keep half of the limit.
-  /// Several channels that keep much tend to equal shares, and as much as such a share is free for channels
-  /// that keep little.
+  /// Returns true if a channel that keeps `bytes` has to give up some of it once all channels together keep
+  /// `more_bytes` more. No channel may keep more than is left to all. So a single channel can keep half of
+  /// the limit. Several channels that keep much tend to equal shares, and as much as such a share is free
+  /// for channels that keep little.
   bool wants_some_of(std::size_t bytes, std::size_t more_bytes = 0) const {
     const std::size_t used = this->used() + more_bytes;
     return used > limit_ || bytes > limit_ - used;

@@ -7,7 +7,8 @@
 namespace sft::udp {
 
 namespace {
-/// Samples that go to a reader in order before it is checked again if that reader is still there.
+/// The number of samples that go to a reader in order before it is checked again if that reader is still
+/// there.
 constexpr std::size_t delivered_at_once = 256;
 }  // namespace
 
@@ -66,7 +67,8 @@ void Delivery::deliver_at_once(Arrival& arrival) {
   enter();
 }
 
-/// Delivers samples in order. A sample that came by unicast waits if an earlier one is missing.
+/// Delivers samples in the order of their sequences. A sample that came by unicast waits if an earlier one
+/// is missing.
 void Delivery::hand_over(Arrival& arrival, core::EndpointId writer) {
   const std::span samples = arrival.sample ? std::span(&arrival.sample, 1) : arrival.packed;
   for (core::SampleHandle& sample : samples)
@@ -119,8 +121,9 @@ bool Delivery::deliver_next(core::EndpointId writer, Time now) {
   return false;
 }
 
-/// Returns false if the reader can get nothing. Otherwise the subscriptions may have changed meanwhile. If
-/// a publisher waits for its readers, later samples do not push out earlier ones as long as it waits.
+/// Delivers to one reader what it can get in order. Returns false if that is nothing; otherwise the
+/// subscriptions may have changed meanwhile. If a publisher waits for its readers, later samples do not
+/// push out earlier ones as long as it waits.
 bool Delivery::deliver_to(const Subscriber& subscriber, const Stream& stream, ArrivalWindow& window) {
   const auto accepts = [&](const core::SampleBuffer& s, std::uint64_t request) {
     return subscriber.accepts(s, request);

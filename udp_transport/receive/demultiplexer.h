@@ -30,7 +30,7 @@ class Demultiplexer {
     std::function<void(const SocketAddress& to, const FlowReport&)> send_report;
     /// Leaves all multicast groups but these, which are IPv4 addresses.
     std::function<void(std::span<const std::uint32_t> groups)> keep_groups;
-    /// Joins a group on the link towards that address; `anew` even if it was joined before.
+    /// Joins a group on the link towards that address. `anew`: leaves it first if it was joined before.
     std::function<void(std::uint32_t group, const SocketAddress& towards, bool anew)> join_group;
   };
 

@@ -134,7 +134,8 @@ Arrival IncomingWriter::accept(Datagram& d, const Envelope& envelope) {
                                         : accept_first(d, named, envelope.now);
 }
 
-/// Returns false if this process does not know the group, or the sample is not for its present readers.
+/// Gives a sample of a group its place. Returns false if this process does not know the group, or the
+/// sample is not for its present readers.
 bool IncomingWriter::place_by_group(Datagram& d, Time now) {
   const bool is_placed = groups_.place(d.first, now, window_ == nullptr ? nullptr : &window_->channels());
   shared_.group_reports_due = shared_.group_reports_due || groups_.due();
@@ -303,8 +304,9 @@ Arrival IncomingWriter::complete(core::SampleHandle sample, const FirstHeader& f
   return {std::move(sample), facts_.stream_index, place != 0, {}, overtakes};
 }
 
-/// Samples that wait under sequences that turn out to be wrong have to come again. If a writer does not
-/// answer any more, it sends nothing new. Then samples behind its newest one are repeated by somebody else.
+/// Returns true if a sample may be delivered. Samples that wait under sequences that turn out to be wrong
+/// have to come again. A writer that does not answer any more sends nothing new, so a sample behind its
+/// newest one is a repetition by somebody else.
 bool IncomingWriter::accepts(const SequenceMonitor::Observed& observed, Time now) {
   if (!facts_.alive && observed.place == 0 && observed.sequence < sequences_.newest()) return false;
   const std::uint32_t numbering = sequences_.numbering();
@@ -340,7 +342,8 @@ IncomingWriter::Refusal IncomingWriter::describe(const Datagram& d, const Wanted
   return Refusal::none;
 }
 
-/// Samples behind the first missing one leave memory for that one, because no reader gets them without it.
+/// Takes memory for a sample. Samples behind the first missing one leave memory for that one, because no
+/// reader gets them without it.
 core::SampleHandle IncomingWriter::take_buffer(const Datagram& d, std::uint64_t place) {
   const std::size_t total = d.first.total;
   const std::size_t bytes = detail::SampleLayout(facts_.type->index_slots()).bytes(total);

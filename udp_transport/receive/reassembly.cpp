@@ -36,7 +36,7 @@ void Reassembly::set_streams(std::span<const Stream> streams) {
   for (auto& [id, known] : before) close_window(known->writer);
 }
 
-/// Several writers may have the same short id. Those that are alive come first.
+/// Notes which writers have which short id. Several may have the same; those that are alive come first.
 void Reassembly::note_short_ids(std::span<const Stream> streams) {
   for (const bool alive : {true, false}) {
     for (const Stream& stream : streams) {

@@ -56,7 +56,7 @@ class ReassemblyMemory {
   /// Returns true if there was no memory for a sample recently. Then unused samples have to release theirs.
   bool is_short(Time now) const { return now - refused_at_ < limits.channel.confirm_timeout; }
 
-  /// The time when the next unfinished sample may have to be dropped; empty while there are none.
+  /// Returns the time when the next unfinished sample may have to be dropped; empty while there are none.
   const std::optional<Time>& next_expiry() const { return next_expiry_; }
   void set_next_expiry(const std::optional<Time>& time) { next_expiry_ = time; }
 

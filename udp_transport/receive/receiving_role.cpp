@@ -110,8 +110,8 @@ ReceivingRole::Look ReceivingRole::look(const State& state, Time now, bool reada
   return {.seemed_idle = !state.in_turn && (readable || next_deadline_.load() <= now), .turns = turns_};
 }
 
-/// Work that is due must not depend on a holder that may not do it, so the own thread checks soon after
-/// that time.
+/// Returns when the own thread checks the holder next. Work that is due must not depend on a holder that
+/// may not do it, so this is soon after work is due.
 ReceivingRole::Time ReceivingRole::next_look(Time now) const {
   if (last_look_.seemed_idle) return now + second_look;
   const Time due = next_deadline_;

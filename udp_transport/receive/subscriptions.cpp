@@ -79,8 +79,8 @@ Result<void> SubscriptionDirectory::connect(const Inbox& inbox, const core::Sour
   return {};
 }
 
-/// Datagrams carry half of the writer's id, and one writer has one type. A few writers with the same short
-/// id are distinguished by their addresses.
+/// Checks that the reader may connect. Datagrams carry half of the writer's id, and one writer has one
+/// type. A few writers with the same short id are distinguished by their addresses.
 Result<void> SubscriptionDirectory::check(const Reader& reader, const core::Source& source) const {
   std::set<core::EndpointId> twins;  // living writers with that short id
   for (const Reader& other : readers_) {

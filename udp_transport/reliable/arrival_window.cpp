@@ -23,8 +23,8 @@ void ArrivalWindow::begin_with(Place place) {
   if (samples_.begin_with(place)) reported_end_.begin(ordinal_of(place));
 }
 
-/// Returns false if the claim's channel does not count. If the window turns to that channel, what is
-/// missing of the previous one will not come any more.
+/// Turns to the claim's channel if the claim counts; returns false if it does not. What is missing of the
+/// previous channel will not come any more.
 bool ArrivalWindow::turn_to(const ChannelMonitor::Observed& observed, Time now) {
   switch (channels_.evaluate(observed, now)) {
     case ChannelMonitor::Verdict::present:
@@ -174,8 +174,9 @@ bool ArrivalWindow::contradicts(const Heartbeat& heartbeat, Time now) {
          ordinals_.passed_over(heartbeat.end - 1, false, now).has_value();
 }
 
-/// Returns true if a sample arrived that the writer has not published yet: the writer repeats that after a
-/// while, and nothing new has arrived meanwhile. The writer's next sample would take the place of that one.
+/// Returns true if a sample arrived that the writer has not published yet: the writer's heartbeats have
+/// said so for a while, and nothing new has arrived meanwhile. The writer's next sample would take that
+/// place.
 bool ArrivalWindow::was_never_published(const Heartbeat& heartbeat, Time now) {
   const std::uint64_t end = heartbeat.end + heartbeat.waiting;
   if (!fresh_ && end < ordinal_of(samples_.next()) && places_.follows(end))

@@ -86,8 +86,8 @@ class ArrivalWindow {
   void set_awaited(bool awaited) { awaited_ = awaited; }
   /// Returns true if, after release(), there is a sample that some reader has not taken.
   bool holds_back() const { return samples_.slots().begin() < samples_.next(); }
-  /// Returns true if the window goes on without lagging readers, or holds too much for them. Then they have
-  /// to be given samples even if that pushes out older ones.
+  /// Returns true if the window goes on without waiting for lagging readers, or holds too much for them.
+  /// Then they are given samples even if that pushes out older ones.
   bool overtakes() const { return overtakes_; }
 
   /// Returns the time when samples().due_gaps() may find something; Time::max() if never.

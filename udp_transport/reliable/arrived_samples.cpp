@@ -46,7 +46,8 @@ void ArrivedSamples::lose_before(Place end, bool all_counted) {
   advance();
 }
 
-/// Does not count samples before the first missing one, because these go to the readers now.
+/// Gives up missing samples until the limit holds. Samples before the first missing one do not count,
+/// because these go to the readers now.
 void ArrivedSamples::hold_no_more_than_allowed() {
   while (held_bytes_ - ready_bytes_ > held_bytes_max_) lose_before(next_ + 1, false);
 }

@@ -43,8 +43,8 @@ class ArrivedSamples {
   explicit ArrivedSamples(const ArrivalLimits& limits)
       : samples_max_(limits.samples), held_bytes_max_(limits.held_bytes), schedule_(limits) {}
 
-  /// Begins with that place and returns true. Returns false if there are places already, or if places have
-  /// counted beyond it.
+  /// Makes `place` the first place and returns true. Returns false if there are places already, or if
+  /// next() is behind it.
   bool begin_with(Place place);
   /// Adds all places before `end`. Returns false if there is no room for all of them; then those that fit
   /// are added.
@@ -70,13 +70,13 @@ class ArrivedSamples {
   /// time.
   bool makes_no_sense_again(Place place);
   /// Notes that a sample with that low half of a sequence came for that place. If another sample waits
-  /// there for earlier ones, one of the two is wrong, and the place has to be filled again.
+  /// there, one of the two is wrong, and the place has to be filled again.
   void unconfirm(Place place, std::uint32_t sequence);
   /// Asks again for samples with a greater sequence, because these sequences are wrong.
   void distrust_above(std::uint64_t sequence);
-  /// Notes that the writer has published nothing from that place on. If it said so before,
-  /// OrdinalMonitor::unconfirmed_after ago, and of a place that was known then, the places from `from` on
-  /// are removed. Otherwise the writer's own samples would find them occupied.
+  /// Notes that the writer has published nothing from `from` on. If it said so for
+  /// OrdinalMonitor::unconfirmed_after, of places that were known when it said so first, these places are
+  /// removed. Otherwise the writer's own samples would find them occupied.
   void forget_unpublished(Place from, Time now);
   /// Notes that the sample begins anew, or that another sample begins there.
   void give_back(Place place, Time now);

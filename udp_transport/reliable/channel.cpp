@@ -31,7 +31,7 @@ bool Channel::runs_ahead_with(const Job& job) const {
   return window_.kept_bytes() + job.held_bytes_in_all() > cached_bytes_max;
 }
 
-/// Unlocks the mutex while it waits. Returns false if it did not have to wait.
+/// Waits for room, with the mutex unlocked. Returns false if it did not have to wait.
 bool Channel::wait_for_room(const Job& job, std::chrono::nanoseconds& timeout, core::Lock& lock) {
   if (!runs_ahead_with(job)) [[likely]]
     return false;

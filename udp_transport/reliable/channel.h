@@ -51,10 +51,10 @@ class Channel {
     bool waited = false;  ///< the call has waited for room
     ResendWindow::Kept kept{};
   };
-  /// Posts a sample. `at_once`: the caller wants to send it itself. Waits for at most `timeout` until no
-  /// older sample has to be given up for this one, and subtracts the time that it waited; does not wait
-  /// without `timeout`. Also waits for a moment if the kept samples exceed a processor's caches, because a
-  /// publisher that is faster than the sending would encode into memory that has left the caches.
+  /// Posts a sample. `at_once`: the caller wants to send it itself. With `timeout`, waits for at most that
+  /// time until no older sample has to be given up for this one, and subtracts the time that it waited. It
+  /// also waits for a moment if the kept samples exceed a processor's caches, because a publisher that is
+  /// faster than the sending would encode into memory that has left the caches.
   Posted post(JobHandle job, const FirstHeader& first, bool at_once,
               std::chrono::nanoseconds* timeout = nullptr);
   /// Posts the job only if nothing else waits to be sent. The caller then sends it. No other thread reads the

@@ -46,8 +46,8 @@ std::shared_ptr<Channel> ChannelDirectory::find(const std::shared_ptr<Destinatio
   return channel;
 }
 
-/// Returns a number that is not 0, which means no channel, and not in use: numbers to different
-/// destinations can be equal by chance.
+/// Returns an unused number. 0 means no channel, and numbers to different destinations can be equal by
+/// chance.
 std::uint32_t ChannelDirectory::unused_number(const Destination& to) {
   for (;;) {
     const std::uint32_t number = to.name_of_channel(++last_number_);

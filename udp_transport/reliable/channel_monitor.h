@@ -32,7 +32,7 @@ class ChannelMonitor {
   static constexpr std::uint32_t alike_in_a_row = 4;
 
   /// If this many datagrams of a former channel, after that silence, are behind the position where it was
-  /// left, that position was wrong, too.
+  /// left, it had been followed too far.
   static constexpr std::uint32_t behind_in_a_row = 4;
 
   /// What a datagram says: the ordinal of a sample as both `first` and `last`, or the range of a heartbeat.

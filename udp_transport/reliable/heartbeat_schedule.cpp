@@ -10,8 +10,8 @@ void HeartbeatSchedule::sent(bool is_new, Kept kept, Time now) {
   if (unanswered_ == 0) plan(kept, now);
 }
 
-/// A pause that is much longer, as after a burst, hardly counts. The pause can be negative, because two
-/// threads that send at the same time may note their samples in the wrong order.
+/// Learns the pause between samples. A much longer one, as after a burst, hardly counts. It can be
+/// negative, because two threads that send at the same time may note their samples in the wrong order.
 void HeartbeatSchedule::learn_pause(Time::duration pause) {
   pause = std::max(pause, Time::duration{});
   if (usual_pause_ == Time::duration{}) {
@@ -34,8 +34,8 @@ void HeartbeatSchedule::way_changed(Kept kept, Time now) {
   next_ = now;
 }
 
-/// A loss is noticed with the next sample, so a heartbeat matters only if no further sample comes. It is
-/// sent for that as often as there are heartbeats to spare.
+/// Returns the time when a heartbeat is useful. A loss is noticed with the next sample, so a heartbeat
+/// matters only if none comes as usual. It is sent then if there are heartbeats to spare.
 HeartbeatSchedule::Time HeartbeatSchedule::end_of_usual_pause() const {
   const Time affordable = paid_until_ - limits_.heartbeats_saved * limits_.heartbeat_pause;
   return std::max(sample_at_ + 2 * usual_pause_, affordable);

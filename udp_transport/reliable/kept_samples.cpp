@@ -57,8 +57,9 @@ std::size_t KeptSamples::bytes_max(std::size_t added) const {
   return std::min(bytes_max_, std::max(added, bytes_ - std::min(bytes_, 2 * added)));
 }
 
-/// The newest sample stays, however large it is. If a large sample is cut short because older ones go, half
-/// of all goes. Otherwise the next large sample would be cut short, too, and none would ever arrive whole.
+/// Gives up the oldest samples until the limits hold. The newest one stays, however large it is. If a large
+/// sample is cut short by that, half of all goes. Otherwise the next large one would be cut short, too, and
+/// none would ever arrive whole.
 void KeptSamples::make_room(Kept& kept, std::size_t added) {
   const std::size_t bytes_max = this->bytes_max(added);
   bool cut_short = false;

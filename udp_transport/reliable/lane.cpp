@@ -63,7 +63,7 @@ std::optional<Lane::Posted> Lane::queue_up(JobHandle& job, JobHandle& oldest) {
   return Posted{.wake = was_idle ? Wake::schedule : Wake::none};
 }
 
-/// The sending thread knows of a scheduled lane until next() finds no job.
+/// Notes whether the sending thread knows of the lane, which it does until next() finds no job.
 void Lane::set_scheduled(bool scheduled) {
   scheduled_ = scheduled;
   const auto note = [&](std::atomic<std::uint32_t>& busy) {

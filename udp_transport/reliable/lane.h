@@ -74,9 +74,9 @@ class Lane {
   /// time that it waited.
   void await_room(const Job& job, std::chrono::nanoseconds& timeout);
 
-  /// Notes in a job that is sent without being queued the first sequence of the lane.
+  /// Writes the first sequence of the lane into a job that is sent without being queued.
   void mark(Job& job);
-  /// Samples that are sent from now on must not overtake those that were sent up to that position. Called
+  /// Makes samples that are sent from now on not overtake those that were sent up to that position. Called
   /// by the sending thread, too.
   void stay_behind(std::uint64_t position) { behind_.store(position, std::memory_order_relaxed); }
 

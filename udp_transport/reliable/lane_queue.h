@@ -45,7 +45,7 @@ class LaneQueue {
   /// Takes the job that is to be sent next.
   Next take();
 
-  /// Notes in a job for a late reader that is sent without being queued the first sequence of the lane.
+  /// Writes the first sequence of the lane into a job for a late reader that is sent without being queued.
   void mark(Job& job);
 
   struct Contents {

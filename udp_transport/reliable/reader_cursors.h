@@ -39,8 +39,8 @@ class ReaderCursors {
   void begin_at(Place place);
   /// Notes that the writer now serves that reader under that request or a later one.
   void heard(core::EndpointId reader, std::uint64_t request);
-  /// Ends the requests before those that the writer knows of: only samples before `published` may still be
-  /// for readers under the earlier ones.
+  /// Notes that all samples before `published` were published under requests that the writer knew of
+  /// before. So earlier requests of the readers end there.
   void end_requests(Place published);
 
   /// Returns null for an unknown reader.

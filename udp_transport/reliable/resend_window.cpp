@@ -44,7 +44,7 @@ bool ResendWindow::has_work() {
          kept_.first_waiting(Size::large) != kept_.end();
 }
 
-/// Repairs and live samples take turns, so that neither starves the other.
+/// Returns a repair or a sample. They take turns, so that neither starves the other.
 std::optional<ResendWindow::Piece> ResendWindow::next(Size size, Time now) {
   const bool repair_first = !std::exchange(repair_was_last_, false);
   std::optional<Piece> piece = repair_first ? next_repair(size, now) : next_sample(size);

@@ -39,7 +39,8 @@ bool SequenceMonitor::evaluate(const Observed& observed, Time now) {
   return true;
 }
 
-/// Wrong numbers are rarely near each other, and true ones come between them while the writer is heard.
+/// Returns true if a far sequence counts. Wrong numbers are rarely near each other, and true ones come
+/// between them while the writer is heard.
 bool SequenceMonitor::evaluate_far(const Observed& observed, Time now) {
   if (std::exchange(last_unconfirmed_, observed.datagram) == observed.datagram) return false;
   if (distance(observed.sequence, far_.last) > reach) far_ = {};
@@ -69,8 +70,8 @@ void SequenceMonitor::advance(const Observed& observed, Time now) {
   far_ = late_ = later_ = {};
 }
 
-/// The samples of one packed datagram count as one step. Otherwise the stamp of a single datagram would be
-/// trusted at once.
+/// Counts small steps. The samples of one packed datagram are one step; otherwise the stamp of a single
+/// datagram would be trusted at once.
 void SequenceMonitor::count_step(const Observed& observed, Time now) {
   const bool is_small = observed.sequence > newest() && observed.sequence - newest() <= small_step;
   small_steps_ = is_small ? small_steps_ + 1 : 0;

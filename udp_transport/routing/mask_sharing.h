@@ -20,7 +20,7 @@ class MaskSharing {
   using Time = std::chrono::steady_clock::time_point;
 
   /// Readers begin to share one copy if all their copies together have `wire_max` times its bytes. They
-  /// stop when half of that surplus is gone.
+  /// stop sharing when half of that surplus is gone.
   explicit MaskSharing(const PlanLimits& limits) : limits_(limits) {}
 
   /// Notes what the readers of each destination ask for. Leaves out destinations with a reader that is not

@@ -32,7 +32,8 @@ struct RouteBundle {
 
   void add(const std::shared_ptr<Destination>& to);
   void absorb(RouteBundle other);
-  /// Returns true if the readers are not sent each sample as it is published, or in another way.
+  /// Returns true if the readers are not sent each sample as it is published: they have a gate, retained
+  /// samples, or a fallback route.
   bool is_for_some_samples() const {
     return gate != nullptr || late_reader != 0 || fallback || !wanted.selection.gate().is_open();
   }

@@ -21,8 +21,8 @@ std::shared_ptr<const WireMask> make_wire_mask(const Selection& selection, std::
   return std::make_shared<WireMask>(WireMask{number, selection.hash(), words_to_send(selection)});
 }
 
-/// Withheld samples on fallback routes are not counted here, since the transport that serves these readers
-/// counts them.
+/// Enters the readers into the table's page. Samples that a gate withholds on fallback routes are not
+/// counted here, since the transport that serves these readers counts them.
 void write_page(const RouteBundle& bundle, const Audience& audience, RouteTable& table) {
   for (const auto& [reader, destination] : bundle.readers) {
     const auto leads_there = [to = destination](const auto& lane) { return &lane->destination() == to; };
@@ -106,8 +106,8 @@ std::shared_ptr<Lane> VariantDirectory::lane(Variant& variant, const std::shared
   return variant.lanes.emplace_back(std::make_shared<Lane>(to, queue_depth_, tally_));
 }
 
-/// A late lane is held until the history of its reader is known. If the reader has moved, it gets a new
-/// lane, because queued jobs do not reach it any more.
+/// Returns the lane of a late reader. A new lane is held until the history of its reader is known. If the
+/// reader has moved, it gets a new one, because queued jobs do not reach it any more.
 std::shared_ptr<Lane> VariantDirectory::late_lane(core::EndpointId reader,
                                                   const std::shared_ptr<Destination>& to,
                                                   const std::shared_ptr<Channel>& channel) {
@@ -163,7 +163,8 @@ void VariantDirectory::next_round() {
   }
 }
 
-/// A sample that passes a gate, is for one late reader, or has parts of fields is never packed.
+/// Allows packs. A sample that passes a gate, is for one late reader, or has parts of fields is never
+/// packed.
 static void allow_packs(RouteTable& table) {
   const auto may_pack = [](const Audience& audience) {
     return audience.gate == nullptr && audience.late_reader == 0 && !audience.plan.has_parts();

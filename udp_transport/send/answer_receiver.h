@@ -20,8 +20,8 @@ class AnswerReceiver {
   /// Both arguments outlive this object.
   AnswerReceiver(DatagramSender& io, NextRound& round) : io_(io), round_(round) {}
 
-  /// Sets what handles an answer. Called before the sending thread begins. With an empty function, answers
-  /// are ignored.
+  /// Sets the function that handles answers; an empty one ignores them. Called before the sending thread
+  /// begins.
   void tell(Hear hear) { hear_ = std::move(hear); }
   /// Takes the answers that have come, without waiting. The sending thread also calls this between the
   /// system calls for a large sample, so that the sample goes on without a pause as long as answers come in

@@ -12,7 +12,7 @@ namespace {
 
 using Time = std::chrono::steady_clock::time_point;
 
-/// Leaves repairs that several members of the channel's group ask for to the group.
+/// Leaves repairs to the group if several members of the channel's group ask for them.
 void hand_repairs_to_group(SendSide& side, Ack& ack, Time now) {
   const GroupRegistry::OfChannel in = side.groups.of_channel(ack.writer, ack.channel);
   if (in.group == nullptr) return;
@@ -25,8 +25,8 @@ Wake reject(SendSide& side) {
   return Wake::none;
 }
 
-/// The receiver may follow a channel that the writer does not have. So the writer's channels to that
-/// receiver name themselves in full.
+/// Rejects the ack: the receiver may follow a channel that the writer does not have. So the writer's
+/// channels to that receiver name themselves in full.
 Wake hear_of_unknown_channel(SendSide& side, const Ack& ack, const SocketAddress& from) {
   Wake wake = reject(side);
   for (const std::shared_ptr<Channel>& channel : side.channels.find_at(ack.writer, from.ip))

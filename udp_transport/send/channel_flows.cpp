@@ -63,7 +63,7 @@ void ChannelFlows::look_after(Attended& attended) {
   round_.at_once();  // the channel, and what it keeps, are released after the round
 }
 
-/// Uses a connection that cannot overtake the samples that the heartbeat reports.
+/// Sends a heartbeat by a connection that cannot overtake the samples that it reports.
 void ChannelFlows::send(const Heartbeat& heartbeat, const Attended& attended) {
   std::array<std::byte, heartbeat_bytes> bytes;
   encode(heartbeat, bytes.data());

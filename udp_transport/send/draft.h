@@ -22,8 +22,8 @@ class Draft {
   Job& job() const { return *handle_; }
   const JobHandle& handle() const { return handle_; }
 
-  /// Makes the job keep the sample, because the job is sent later. If a channel has the job, it holds a
-  /// copy of the body instead, and counts that. A pack has no sample, since it holds copies.
+  /// Makes the job keep the sample, because the job is sent later. If a channel has the job, that holds a
+  /// copy of the body instead. A pack has no sample, since it holds copies.
   void keep(const core::SampleHandle& sample) {
     if (!handle_->sample && !is_kept_) handle_->sample = sample;
     is_kept_ = is_kept_ || handle_->is_pack();

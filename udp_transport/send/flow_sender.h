@@ -51,8 +51,8 @@ class FlowSender {
 
   static constexpr int calls_per_turn = 8;  ///< system calls before the next flow has its turn
   static constexpr std::size_t batches_per_call = 8;
-  /// In socket bytes. Data that was cut is still in the nearest caches when the kernel copies it, and a
-  /// receiver that sleeps is woken by the first batch.
+  /// In socket bytes. Such data is still in the nearest caches when the kernel copies it, and a receiver
+  /// that sleeps is woken by the first call.
   static constexpr std::size_t bytes_per_call = batch_bytes_max;
 
   RateLimit& limit_;

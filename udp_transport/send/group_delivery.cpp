@@ -5,9 +5,9 @@
 
 namespace sft::udp {
 
-/// Each reliable member keeps the job in its channel, for repairs, or to send it if the member does not
-/// hear the group or the group has no room. Copies for best-effort members that do not hear the group have
-/// no mark of the group.
+/// Sends to all members. Each reliable member keeps the job in its channel, for repairs, or to send it if
+/// the member does not hear the group or the group has no room. Copies for best-effort members that do not
+/// hear the group have no mark of the group.
 std::size_t GroupDelivery::send(const Audience& audience, const core::SampleHandle& sample,
                                 const core::SampleHandle& body) {
   MulticastGroup& group = *audience.multicast;
@@ -36,8 +36,8 @@ std::size_t GroupDelivery::send(const Audience& audience, const core::SampleHand
   return others.some_do_not ? missed + send_to_unconfirmed_members(audience, sample) : missed;
 }
 
-/// If the publisher waits for its readers, it waits for each reliable member before anything of the sample
-/// leaves.
+/// Waits for room if the publisher waits for its readers: for each reliable member, before anything of the
+/// sample leaves.
 void GroupDelivery::await_room(const Audience& audience) {
   std::chrono::nanoseconds* const timeout = unicast_.reliable.timeout();
   if (timeout == nullptr) return;

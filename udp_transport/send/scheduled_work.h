@@ -24,7 +24,7 @@ class ScheduledWork {
 
   void add(std::shared_ptr<Lane> lane);
   void add(std::shared_ptr<Channel> channel);
-  /// Work must have been carried out before it is added again. Allocates nothing.
+  /// Adds work, which must have been carried out before it is added again. Allocates nothing.
   void add(std::shared_ptr<DeferredWork> work) noexcept;
   /// Releases everything that was not taken, and ignores what is added later, because deferred work shares
   /// ownership of the sending thread.

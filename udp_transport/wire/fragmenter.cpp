@@ -126,8 +126,8 @@ Fragmenter::Pack Fragmenter::next_pack() const {
   return pack;
 }
 
-/// All datagrams of a batch but the last have to be equally long. Where their lengths differ, zeros fill
-/// the rest.
+/// Appends a packed datagram. All datagrams of a batch but the last have to be equally long. Where their
+/// lengths differ, zeros fill the rest.
 void Fragmenter::append_packed(Batch& batch) {
   if (batch.datagrams_ > 0) batch.pad();
   const Pack pack = next_pack();
