@@ -31,7 +31,7 @@ struct SocketOptions {
   bool hears_groups = false;
 };
 
-/// The receiving socket. If it is bound to no particular address, it takes both families (IPv4 as
+/// A socket that receives. If it is bound to no particular address, it takes both families (IPv4 as
 /// IPv4-mapped), unless the system has no IPv6.
 struct UdpSocket {
   FileDescriptor fd;
@@ -49,7 +49,7 @@ struct UdpSocket {
   int readable() const noexcept { return groups.either_fd ? groups.either_fd.get() : fd.get(); }
 };
 
-/// Opens the receiving socket. A port that a process has just left can stay in use for some 50 ms; this
+/// Opens a socket that receives. A port that a process has just left can stay in use for some 50 ms; this
 /// waits for it.
 Result<std::shared_ptr<const UdpSocket>> open_udp_socket(const SocketOptions& options);
 
