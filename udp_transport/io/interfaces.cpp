@@ -100,7 +100,7 @@ Result<void> check_interfaces(const std::vector<std::string>& chosen) {
   return {};
 }
 
-/// Present drivers have the first folder, older ones the second.
+/// Returns true if the folder says so: present drivers have the first subfolder, older ones the second.
 bool is_wireless(const std::string& interface, const std::string& interfaces) {
   const std::string folder = interfaces + "/" + interface;
   return ::access((folder + "/phy80211").c_str(), F_OK) == 0 ||

@@ -66,7 +66,7 @@ class ReceivingRole {
   [[nodiscard]] bool add_attended();
   void remove_attended();
 
-  // The own thread.
+  // The transport's own thread.
 
   enum class Duty : std::uint8_t {
     receive,   ///< a turn has begun, in which the thread may sleep, since it is alone

@@ -51,7 +51,7 @@ class SampleAssembly {
   /// Drops samples without a place in a channel that have made no progress for too long. The channel
   /// decides about all others. Lowers `next` to the time when the next one is due.
   void expire(Time now, std::optional<Time>& next);
-  /// Takes the place in a channel from all samples, so that all of them can expire.
+  /// Removes the places in a channel from all samples, so that all of them can expire.
   void forget_places();
 
   /// Takes memory for a sample without a place in a channel. If memory is short, older samples of the

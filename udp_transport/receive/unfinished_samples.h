@@ -24,13 +24,13 @@ class UnfinishedSamples {
 
   /// Returns null if that sample has not begun. Valid until the sample is removed.
   UnfinishedSample* find(const SampleLabel& label) const { return empty() ? nullptr : search(label); }
-  /// REQUIRES: no other sample has its label.
+  /// Adds a sample. REQUIRES: no other one has its label.
   UnfinishedSample& add(Handle sample);
-  /// Returns null if the sample is not there.
+  /// Removes a sample and returns it; null if it is not there.
   Handle remove(const SampleLabel& label);
   /// Gives a sample its place in the channel of the writer; 0: it has none any more.
   void set_place(UnfinishedSample& sample, std::uint64_t place);
-  /// Takes the place from all samples.
+  /// Removes the places in a channel from all samples.
   void forget_places();
 
  private:

@@ -68,8 +68,8 @@ class ChannelDirectory {
   const std::uint16_t ack_port_;
   const std::shared_ptr<const KeptMemory> memory_;
   std::uint32_t last_number_ = 0;  ///< counts the channels to all destinations
-  /// By destination. Routes and the sending thread own the channels, and a channel keeps its destination
-  /// alive.
+  /// The channel to a destination, and its readers. Routes and the sending thread own the channel, which
+  /// keeps its destination alive.
   struct Known {
     std::weak_ptr<Channel> channel;
     std::set<core::EndpointId> readers;

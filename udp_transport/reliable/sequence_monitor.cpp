@@ -49,7 +49,7 @@ bool SequenceMonitor::evaluate_far(const Observed& observed, Time now) {
   return true;
 }
 
-/// The newest sample itself, in another variant, is not late.
+/// Handles a late sample. The newest sample itself, in another variant, is not late.
 void SequenceMonitor::evaluate_late(const Observed& observed, Time now) {
   far_ = {};
   if (observed.sequence == newest()) return;

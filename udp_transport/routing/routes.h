@@ -63,8 +63,8 @@ struct RouteTable {
   const Audience* of_late_reader(core::EndpointId reader) const;
 };
 
-/// What readers ask of a writer now, and what they asked for before. Each of these variants has its number
-/// and its lanes, so that its samples stay in order while routes change. A late reader has one lane,
+/// The variants: what readers ask of a writer now, and what they asked for before. Each variant has its
+/// number and its lanes, so that its samples stay in order while routes change. A late reader has one lane,
 /// whatever it asks for. A number is reused only after all others have been used in between.
 class VariantDirectory {
  public:

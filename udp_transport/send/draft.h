@@ -14,7 +14,7 @@ class Draft {
  public:
   explicit Draft(std::shared_ptr<JobPool> jobs) : jobs_(std::move(jobs)) {}
 
-  /// Returns a job for the next sample.
+  /// Returns the job for the next sample.
   Job& begin() {
     if (!handle_) handle_ = jobs_->take();
     return *handle_;
