@@ -47,7 +47,8 @@ std::string marked(std::string_view name, bool needs_mark) {
   return std::string(name) + (needs_mark ? "_" : "");
 }
 
-/// Generated code names std:: and sft::, and an inner name must not hide them.
+/// Returns true for a name that would hide the std:: or sft:: of generated code if it were the name of an
+/// inner namespace.
 bool hides_a_namespace(std::string_view name) { return name == "std" || name == "sft"; }
 
 std::string module_name(std::string_view name, bool is_outermost) {

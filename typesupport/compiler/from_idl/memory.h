@@ -1,4 +1,4 @@
-// Memory of the reader. Without memory, the process ends, since a compiler can do nothing better.
+// Memory of the reader. The process ends if there is none, since a compiler can do nothing better.
 #pragma once
 
 #include <stddef.h>

@@ -7,8 +7,8 @@
 
 namespace sft::msg {
 
-/// The text that IDL files include to nest the message: its constants and its struct. Defaults and units are
-/// left out, since the message's own header has them.
+/// Returns the text that IDL files include to nest the message: its constants and its struct. Defaults and
+/// units are left out, since the message's own header has them.
 std::string idl_text(const Definition& definition);
 
 }  // namespace sft::msg

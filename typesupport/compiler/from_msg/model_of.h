@@ -22,12 +22,12 @@ class ModelOf {
  public:
   /// The model of a message.
   ModelOf(const Definition& definition, const Files& files);
-  /// The model of a service, which has the definitions that parse_service() returns.
+  /// The model of a service from the definitions that parse_service() returns.
   ModelOf(const TypeName& service, const std::vector<Definition>& definitions, const Files& files);
   ModelOf(const ModelOf&) = delete;
   ModelOf& operator=(const ModelOf&) = delete;
 
-  /// Lives as long as this object. The caller must not pass it to sft_file_free().
+  /// Valid as long as this object. The caller must not pass it to sft_file_free().
   const sft_file& file() const { return file_; }
 
  private:
