@@ -52,10 +52,10 @@ struct sft_value {
   union {
     bool boolean;
     char character;
-    int64_t integer;   ///< of int8 to int64
-    uint64_t natural;  ///< of octet, uint8 to uint64, a bitmask
+    int64_t integer;   ///< the value of int8 to int64
+    uint64_t natural;  ///< the value of octet, uint8 to uint64, or a bitmask
     double real;
-    const char* text;  ///< of a string; for an enumeration, the enumerator's identifier
+    const char* text;  ///< the value of a string; for an enumeration, the enumerator's identifier
   };
 };
 

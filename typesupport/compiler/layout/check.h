@@ -26,9 +26,9 @@ struct sft_rule {
   const char* text;
 };
 
-/// A mistake in a rule. Its text lies in this struct.
+/// A mistake in a rule. This struct holds its text.
 struct sft_rule_fault {
-  size_t rule;  ///< its number in the list
+  size_t rule;  ///< the index of the rule in the list
   size_t at;    ///< the position in the text of the rule, in bytes
   char text[400];
 };
