@@ -76,7 +76,7 @@ Roudi::Roudi() {
 
 Roudi::~Roudi() {
   close(mounts_);
-  kill(process_, SIGKILL);  // the kernel frees its memory with its namespace
+  kill(process_, SIGKILL);  // the kernel frees the daemon's memory together with its namespace
   succeeds(process_);
 }
 
