@@ -19,7 +19,7 @@ using sensor_msgs::msg::PointCloud2;
 
 constexpr std::int64_t period_us = 50'000;
 
-/// Publishes the cloud at 20 Hz; its stamp is the number of the sample.
+/// Publishes the cloud at 20 Hz. The seconds of its stamp are the number of the sample.
 void publish(Exchange& exchange, std::uint64_t samples) {
   Node node = Node::open(udp_node_options("lidar")).value();
   auto publisher = node.publisher<PointCloud2>("points").value();
@@ -37,7 +37,7 @@ void publish(Exchange& exchange, std::uint64_t samples) {
   wait_until([&] { return exchange.received.load() >= samples; }, 2);
 }
 
-/// `bytes` gets what came in by the link for a sample, with the headers of all layers.
+/// Sets `bytes` to the bytes per sample that the link has received, with the headers of all layers.
 void subscribe(Exchange& exchange, const std::string& fields, std::uint64_t samples, double& bytes) {
   Node node = Node::open(udp_node_options("reader")).value();
   const DynamicType type = node.find_type("points", std::chrono::seconds(20)).value();
@@ -58,7 +58,7 @@ void subscribe(Exchange& exchange, const std::string& fields, std::uint64_t samp
 
 struct Measured {
   std::vector<double> us;  ///< from publish() to the callback
-  double bytes = 0;        ///< of a sample
+  double bytes = 0;        ///< bytes per sample
 };
 
 Measured measure(const TwoHosts& hosts, const std::string& fields, std::uint64_t samples) {
