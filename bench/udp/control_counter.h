@@ -1,4 +1,5 @@
-// Counts the datagrams of SFT without samples on this host's interface, in both directions.
+// Counts SFT's control datagrams, which have no part of a sample, on this host's interface in both
+// directions.
 #pragma once
 
 #include <cstdint>
@@ -14,10 +15,10 @@ struct ControlTraffic {
 
 class ControlCounter {
  public:
-  /// Ends the program with a message if it may not count.
+  /// Ends the program with a message if it cannot capture packets, for example without root's rights.
   ControlCounter();
 
-  /// The traffic since the counter was made, or since the last call.
+  /// Returns the traffic since the counter was made, or since the last call.
   ControlTraffic read() const;
 
  private:

@@ -15,18 +15,18 @@ namespace sft::bench {
 
 namespace {
 
-/// Samples of SFT at a steady pace from one host to another.
+/// Samples of SFT at a constant rate from one host to another.
 struct Flow {
   Topic topic;
   std::uint64_t samples = 0;
   std::int64_t period_us = 0;
 };
 
-/// The traffic of samples. All figures are not a number if samples were missing.
+/// The traffic of samples. All numbers are NaN if samples were missing.
 struct Passage {
   static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-  double link_bytes = unknown;         ///< bytes sent, minus those in as much time without samples
+  double link_bytes = unknown;         ///< bytes sent, minus those sent in the same time without samples
   double control_bytes = unknown;      ///< bytes of SFT's datagrams without samples, in both directions
   double control_datagrams = unknown;  ///< number of these datagrams
   double seconds = unknown;
@@ -41,7 +41,7 @@ class Sender {
  public:
   Sender(Exchange& exchange, Writer& writer) : exchange_(exchange), writer_(writer) {}
 
-  /// Sends samples. True if all samples have arrived so far.
+  /// Sends samples. Returns true if all samples have arrived so far.
   bool send(std::uint64_t samples, std::int64_t period_us) {
     const std::int64_t begin = now_ns();
     for (std::uint64_t i = 0; i < samples; ++i) {
@@ -111,7 +111,7 @@ constexpr std::uint32_t fixed_body_bytes = 20;
 constexpr double frame_headers = 14 + 20 + 8;  // of Ethernet, IPv4 and UDP
 constexpr double frame_payload_max = 1472;     // at an MTU of 1500
 
-/// The bytes of frames without any header of SFT, all of them full except the last one.
+/// Returns the bytes of frames without headers of SFT, all of them full except the last one.
 double packed_perfectly(double body_bytes) {
   return body_bytes + std::ceil(body_bytes / frame_payload_max) * frame_headers;
 }
@@ -119,7 +119,7 @@ double packed_perfectly(double body_bytes) {
 struct Size {
   const char* name;
   std::uint32_t body_bytes;
-  std::uint64_t samples;  ///< per second
+  std::uint64_t samples;  ///< the number of samples per second
 };
 
 Figure overhead(const Size& size, bool reliable, const TwoHosts& hosts) {
@@ -138,7 +138,7 @@ double data_bytes(const Flow& flow) {
   return static_cast<double>(flow.samples) * (flow.topic.bulk_bytes + fixed_body_bytes);
 }
 
-/// The control traffic in percent of the samples.
+/// Returns the control traffic in percent of the samples.
 Figure percentage(const char* name, const Flow& flow, const TwoHosts& hosts) {
   return {name, 100 * pass(flow, hosts).control_bytes / data_bytes(flow), "%", {}, "of the samples' bytes",
           1};
