@@ -261,7 +261,7 @@ bool Conditions::has_changed(const Field& field, const Condition& condition, con
   return is_beyond(number_of(field.kind, bits), number_of(field.kind, field.bits), condition);
 }
 
-/// Returns null if the bytes of an encoded sample are not what they claim to be.
+/// Returns null if the bytes of an encoded sample are malformed.
 const std::byte* Conditions::find(const Field& field, const FieldSource& sample) {
   if (sample.message_ != nullptr) return sample.message_ + field.offset;
   if (sample.sample_ == nullptr) return nullptr;

@@ -117,7 +117,7 @@ std::string fault_of_channel(const SampleState& s, std::uint64_t fields, std::ui
   return "channel '" + name + "' has changed";  // another program has written to the sample meanwhile
 }
 
-/// Returns false if the bytes of the sample are not what they claim to be.
+/// Returns false if the bytes of the sample are malformed.
 bool find_channels(const SampleState& s, std::uint64_t fields, std::uint32_t point_step,
                    std::span<WantedChannel> wanted) {
   const Extent all = checked_length(s, fields);
@@ -164,7 +164,7 @@ Result<CellGrid> grid_of(const Header& header, std::span<const std::byte> data) 
                                    text(data.size()) + " bytes of data");
 }
 
-/// Returns false if the bytes of the sample are not what they claim to be.
+/// Returns false if the bytes of the sample are malformed.
 bool read_header(const CloudPlace& cloud, Header& header) {
   const auto& [height, width, fields, is_big_endian, point_step, row_step, data] = cloud.offsets;
   std::uint8_t byte_order = 0;

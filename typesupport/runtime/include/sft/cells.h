@@ -24,7 +24,7 @@
 //   - the sample was sent without a field that gives the number of rows or columns or the size of a cell:
 //     unavailable. If fields are recorded, the subscriber asks for that field from then on. A program that
 //     declares a mask has to declare these fields, too. A program that declares a part need not.
-//   - the bytes are not what they claim to be: malformed
+//   - the bytes of the sample are inconsistent or end early: malformed
 // Values in big-endian fields of bytes are swapped. A field that claims more cells than it holds is empty.
 //
 // The points of clouds are read with points() (points.h). In templates, as in a

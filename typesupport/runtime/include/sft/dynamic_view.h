@@ -9,8 +9,8 @@
 // Navigation always returns a view, which is in one of three states:
 //   - it can be read: the view is true
 //   - absent: the sample was sent without the field; reading its value is an error, never zero
-//   - error(): there is no such field or element, or the bytes are not what they claim to be (then the sample
-//     is flagged malformed, too)
+//   - error(): there is no such field or element, or the bytes are malformed (then the sample is flagged,
+//   too)
 //
 // If the subscriber records, testing whether a view is true counts as an access, and so does reading its
 // value. For a struct that is an access to its first leaf. is_absent() is no access.
@@ -87,7 +87,7 @@ class DynamicView {
 
   // ---- what it is ----
 
-  /// Returns true if the value can be read: it was sent, and its bytes are what they claim to be.
+  /// Returns true if the value can be read: it was sent, and its bytes are valid.
   explicit operator bool() const {
     note();
     return error_ == nullptr && present_;

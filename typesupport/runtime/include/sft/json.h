@@ -37,8 +37,7 @@ struct JsonOptions {
   std::size_t output_bytes_max = 64 * 1024 * 1024;  ///< approximately; a longer text is an error
 };
 
-/// Writes a whole sample, or any part of it that is present. An error if the bytes are not what they claim to
-/// be.
+/// Writes a whole sample, or any part of it that is present. An error if the bytes are malformed.
 Result<std::string> to_json(const DynamicView& view, const JsonOptions& options = {});
 
 /// Options for reading JSON.

@@ -22,7 +22,7 @@
 //     is_bigendian, point_step, row_step and data, or without a channel that is recorded: unavailable. The
 //     subscriber asks for it from then on. If a mask without one of the fields is declared, points() does not
 //     compile.
-//   - the bytes are not what they claim to be: malformed
+//   - the bytes of the sample are inconsistent or end early: malformed
 // If fields are recorded, channels are recorded, too: a subscriber whose program reads a cloud by points()
 // only is sent these channels only. A program that reads `fields`, `point_step`, `row_step` or `data` itself
 // is sent whole points. In a sample with only some channels, these four fields count as not sent. If

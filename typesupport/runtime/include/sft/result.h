@@ -22,7 +22,7 @@ enum class Errc {
   invalid_argument,  ///< the caller passed something that can never work
   unknown_field,     ///< a mask or path names a field that the type does not have
   type_mismatch,     ///< bytes or an endpoint have another type
-  malformed,         ///< bytes are not what they claim to be
+  malformed,         ///< bytes are inconsistent, end early, or have another format
   limit_exceeded,    ///< something is larger than a limit in force
   unavailable,       ///< a daemon, a device or a file is not there at present
   no_permission,

@@ -36,8 +36,7 @@ struct YamlOptions {
   std::size_t output_bytes_max = 64 * 1024 * 1024;  ///< a longer text is an error
 };
 
-/// Writes a whole sample, or any part of it that is present. An error if the bytes are not what they claim to
-/// be.
+/// Writes a whole sample, or any part of it that is present. An error if the bytes are malformed.
 Result<std::string> to_yaml(const DynamicView& view, const YamlOptions& options = {});
 
 /// Turns one document of YAML into the JSON of the same message, which cdr_from_json() (json.h) takes and

@@ -31,7 +31,7 @@ class Cut {
 
   /// Finds a part of the field `data`, which must not be of strings: of them nothing is found. `layout` is
   /// null for a list without a layout. The sample must have all fields of the layout. Returns false if the
-  /// bytes of the sample are not what they claim to be.
+  /// bytes of the sample are malformed.
   bool find(const SampleState& s, const Layout* layout, const Layout::Field& data,
             const Selection::Part& part);
 

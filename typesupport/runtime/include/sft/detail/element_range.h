@@ -43,7 +43,7 @@ class ElementRange : public std::ranges::view_base {
     Arrow operator->() const { return {**this}; }
     value_type operator[](difference_type n) const { return *(*this + n); }
 
-    /// Moves to the next element, which is the end if the bytes are not what they claim to be.
+    /// Moves to the next element, which is the end if the bytes are malformed.
     iterator& operator++() {
       const std::uint32_t next = behind(offset());
       if (next == no_offset) s_->flag_malformed();

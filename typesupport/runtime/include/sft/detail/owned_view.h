@@ -19,8 +19,8 @@ template <class Place>
 concept has_declared_struct = Place::has_whole && !Place::may_lack;
 
 /// Copies the struct S at that place. If fields may be lacking, the result is an Optional, which is empty if
-/// a field is lacking. If the bytes are not what they claim to be, the struct has its default values, and the
-/// sample is flagged as malformed.
+/// a field is lacking. If the bytes are malformed, the struct has its default values, and the sample is
+/// flagged as malformed.
 template <class S, class Place>
 auto owned_at(const Place& place) {
   static_assert(sizeof(S) <= (1 << 20), "the struct is too large for the stack: read its fields one by one");

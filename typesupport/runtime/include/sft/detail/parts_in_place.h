@@ -20,7 +20,7 @@ struct PartInPlace {
   const Cut* cut = nullptr;  ///< where its cells lie
 
   /// Returns all bytes in place if they are contiguous there. Returns nothing if they are not, or if they are
-  /// not what they claim to be.
+  /// malformed.
   std::optional<std::span<const std::byte>> contiguous() const noexcept;
   /// Copies cut->bytes() together. Must not be called for a part that is the whole field, which is
   /// contiguous.
@@ -36,7 +36,7 @@ class PartsInPlace {
   /// valid as long as the sample.
   virtual std::optional<std::span<const std::byte>> bytes_of(std::size_t leaf) noexcept = 0;
   /// Returns the sample with its parts, which the first call puts together. It is empty if there is no
-  /// memory, or if the bytes are not what they claim to be. Any thread; valid as long as the sample.
+  /// memory, or if the bytes are malformed. Any thread; valid as long as the sample.
   virtual const SampleState& put_together() noexcept = 0;
 
  protected:

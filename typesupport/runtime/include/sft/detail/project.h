@@ -99,8 +99,8 @@ class ProjectionPlan {
 class Projection {
  public:
   /// Projects `source` to the plan's mask. Uses source.index, which must be valid. Returns false if the
-  /// source does not have all fields of the mask, or if its bytes are not what they claim to be. Allocates
-  /// nothing in steady state.
+  /// source does not have all fields of the mask, or if its bytes are malformed. Allocates nothing in steady
+  /// state.
   bool project(const SampleState& source, const ProjectionPlan& plan);
 
   /// The same for a plan with parts, all in one piece in `memory`. bytes_most() bytes suffice for nearly all

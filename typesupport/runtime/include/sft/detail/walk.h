@@ -34,7 +34,7 @@ struct SampleState {
   ElementIndex* elements = nullptr;      ///< stores where elements begin; null: a jump walks over elements
   PartsInPlace* parts = nullptr;         ///< has the parts that are not in the body (parts_in_place.h); null:
                                          ///< there are none
-  mutable bool malformed = false;        ///< set if a getter met bytes that are not what they claim to be
+  mutable bool malformed = false;        ///< set if a getter met bytes that are malformed
 
   // Atomic, since several threads may read one sample.
   void flag_malformed() const noexcept { __atomic_store_n(&malformed, true, __ATOMIC_RELAXED); }
