@@ -37,8 +37,7 @@ struct Topic {
   bool reliable = true;
   bool durable = false;     ///< true: late readers get the last sample, too, and delivery is reliable
   std::uint32_t depth = 8;  ///< the number of samples that either side keeps
-  bool spinning = false;    ///< true: Reader::wait() keeps its core busy until a sample comes, if the
-                            ///< contender can do so
+  bool spinning = false;    ///< true: Reader::wait() spins until a sample comes, if the contender can
   bool batching = false;    ///< samples that are written together may share datagrams
 
   /// SFT's readers ask for the number and the stamp only, and not for the data.
@@ -49,8 +48,7 @@ struct Topic {
   std::uint16_t id = 0;      ///< the number of the topic, unique and below 64
   std::size_t readers = 1;   ///< the number of readers that the writer has, at most 16
   std::size_t reader = 0;    ///< the number of this reader
-  bool on_one_host = false;  ///< true: all readers are on the writer's host; false: each reader is on a host
-                             ///< of its own
+  bool on_one_host = false;  ///< true: on the writer's host; false: each reader on a host of its own
 };
 
 class Writer {
@@ -119,8 +117,7 @@ class Peer {
   virtual void know_writer(const Topic& /*topic*/) {}
 };
 
-inline constexpr std::uint32_t sent_cloud_bytes = 6'291'456;    ///< bytes of the data of 393,216 points of 16
-                                                                ///< bytes
+inline constexpr std::uint32_t sent_cloud_bytes = 6'291'456;    ///< 393,216 points of 16 bytes
 inline constexpr std::int64_t iceoryx_connecting_us = 300'000;  ///< iceoryx connects ports every 100 ms
 
 using Contender = std::unique_ptr<Peer> (*)();

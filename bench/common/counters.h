@@ -15,8 +15,7 @@ namespace sft::bench {
 
 /// The work of a thread or of a process so far. A count that this machine cannot measure is missing.
 struct Counts {
-  std::optional<std::int64_t> instructions{};  ///< instructions of the program, and of the kernel on its
-                                               ///< behalf
+  std::optional<std::int64_t> instructions{};  ///< those of the program, and of the kernel for it
   std::optional<std::int64_t> cache_misses{};
   std::optional<std::int64_t> system_calls{};
   std::map<std::string, std::int64_t> calls{};  ///< the system calls that are counted by name

@@ -9,8 +9,7 @@
 namespace sft::bench::isolation {
 
 inline constexpr std::size_t local_readers = 3;
-inline constexpr std::size_t remote_reader = local_readers;  ///< the index of the remote reader, behind the
-                                                             ///< local ones
+inline constexpr std::size_t remote_reader = local_readers;  ///< the index of the remote reader
 inline constexpr std::size_t messages_max = 8192;
 
 /// The notes of all processes of a run, in memory that they share. The index into an array is the number of a
@@ -23,10 +22,8 @@ struct Board {
   std::atomic<bool> remote_matched{false};
   std::int64_t due_ns[messages_max] = {};
   std::int64_t sent_ns[messages_max] = {};                        ///< before the call that writes the message
-  std::int64_t returned_ns[messages_max] = {};                    ///< after that call; 0: the call has not
-                                                                  ///< returned
-  std::int64_t page_faults[messages_max] = {};                    ///< page faults of the publisher's thread
-                                                                  ///< in that call
+  std::int64_t returned_ns[messages_max] = {};                    ///< after that call; 0: it has not returned
+  std::int64_t page_faults[messages_max] = {};                    ///< of the publisher's thread in that call
   std::int64_t arrived_ns[local_readers + 1][messages_max] = {};  ///< 0: the reader has not read the message
 };
 

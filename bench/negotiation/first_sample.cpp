@@ -59,8 +59,7 @@ class OneSample {
 };
 
 constexpr std::int64_t period_us = 100;
-constexpr std::int64_t settled_us = 100'000;  // after this time the control traffic of the last change is
-                                              // over
+constexpr std::int64_t settled_us = 100'000;  // the control traffic of a change is over after it
 
 /// Whether the publisher's node starts at the same moment, or has been running for a while.
 enum class Sender { starts_too, runs };

@@ -18,8 +18,7 @@ enum class Way {
 struct Contender {
   Way way{};
   bool reliable = false;
-  bool multicast = false;  ///< false: all samples are sent by unicast; true: the middleware may choose
-                           ///< multicast
+  bool multicast = false;  ///< false: samples are sent by unicast only; true: multicast is allowed
 
   bool is_sft() const { return way <= Way::sft_full; }
   friend auto operator<=>(const Contender&, const Contender&) = default;

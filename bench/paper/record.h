@@ -38,9 +38,9 @@ std::size_t least_bytes(std::size_t cdr_bytes);
 
 /// The messages of a case: those of the parametric study, or messages with a name.
 struct Case {
-  std::string name;               ///< "parametric", "laserscan", ...
-  Configuration configuration{};  ///< for a parametric case; for other cases only its number of receivers is
-                                  ///< used
+  std::string name;  ///< "parametric", "laserscan", ...
+  /// The configuration of a parametric case. Of other cases only the number of receivers is used.
+  Configuration configuration{};
   std::size_t repeat = 0;
 };
 

@@ -11,8 +11,7 @@ namespace sft::bench::paper {
 
 struct Pace {
   double rate_hz = 25;        ///< messages per second of each contender
-  std::size_t learning = 10;  ///< messages of all phases at the beginning, from which SFT learns the needed
-                              ///< fields
+  std::size_t learning = 10;  ///< the first messages of all phases, from which SFT learns the needed fields
   double settled_s = 3;  ///< time between these and the first phase, in which discovery and negotiation end
   std::size_t settling = 25;  ///< messages of each phase before those that are counted
   std::size_t samples = 50;   ///< messages of each phase that are counted

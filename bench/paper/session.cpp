@@ -210,8 +210,7 @@ Stage::Stage(std::vector<Contender> contenders) : contenders_(std::move(contende
 
 void run_session(const Stage& stage, std::size_t receivers, const std::vector<Phase>& phases,
                  const Pace& pace, std::uint64_t seed, Results& results) {
-  constexpr std::size_t repetitions_max = 6;  // in the whole benchmark, so that it ends in time on a busy
-                                              // machine
+  constexpr std::size_t repetitions_max = 6;  // in the whole benchmark, which has to end in time
   const Team::Task task{receivers, phases, pace, stage.contenders().size()};
   Results session = try_session(stage, task, seed);
   if (is_mostly_disturbed(session) && results.repeated_sessions < repetitions_max) {

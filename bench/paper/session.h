@@ -33,8 +33,7 @@ class Stage {
 struct Results {
   std::vector<Record> records;
   std::vector<double> late_us;        ///< how much later than planned the writers wrote, for each message
-  std::size_t repeated_sessions = 0;  ///< sessions that were repeated because most of their records were
-                                      ///< disturbed
+  std::size_t repeated_sessions = 0;  ///< sessions that were repeated because of disturbed records
 };
 
 /// Adds the records of a session to `results`. `seed` determines the slots of the contenders. Contenders that

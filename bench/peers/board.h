@@ -29,8 +29,7 @@ struct Receipts {
 
 struct ReaderNotes {
   std::atomic<pid_t> process{0};
-  alignas(64) std::atomic<std::size_t> sizes_done{0};  ///< sizes of which the reader has received the last
-                                                       ///< message
+  alignas(64) std::atomic<std::size_t> sizes_done{0};  ///< sizes whose last message was received
   Receipts receipts[sizes_max];
 };
 

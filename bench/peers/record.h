@@ -24,8 +24,7 @@ struct Record {
   double p50_us = unknown, p90_us = unknown, p99_us = unknown, p999_us = unknown;
   double paced_cpu_us = unknown;  ///< the CPU time per message, of all processes, while latency is measured
   double per_s = unknown;         ///< messages per second that each reader received
-  double fast_cpu_us = unknown;   ///< the CPU time per message, of all processes, while messages are sent as
-                                  ///< fast as possible
+  double fast_cpu_us = unknown;   ///< the CPU time per message, of all processes, at the highest rate
   double lost = unknown;          ///< the share of messages that a reader did not receive
 };
 

@@ -15,8 +15,7 @@ constexpr std::int64_t timeout_ns = 2'000'000'000;
 constexpr std::int64_t look_again_us = 50;
 constexpr std::size_t warm_up_min = 5;
 constexpr double warm_up_s = 0.1;
-constexpr std::uint64_t received_min = 8;  // the minimum number of messages for a rate, if they arrive in
-                                           // time
+constexpr std::uint64_t received_min = 8;  // the least messages for a rate, if they arrive in time
 constexpr double timeout_of_rate_s = 1;
 constexpr std::int64_t quiet_us = 50'000;  // no more messages arrive after a pause of this time
 

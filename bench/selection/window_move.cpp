@@ -62,8 +62,7 @@ void publish_rows(Exchange& exchange, std::uint64_t moves, Publishing publishing
   ::prctl(PR_SET_TIMERSLACK, 1UL);
   const PointCloud2 row = one_row();
   std::atomic<Publisher<PointCloud2>*> at_once{nullptr};
-  std::mutex publishing_mutex;  // this thread and that of the node publish; publish() is for one thread at a
-                                // time
+  std::mutex publishing_mutex;  // two threads publish here; publish() is for one at a time
   const auto publish_one = [&](Publisher<PointCloud2>& publisher) {
     const std::scoped_lock lock(publishing_mutex);
     publisher.publish(row);

@@ -12,8 +12,7 @@ namespace sft::bench {
 struct Scale {
   int rounds = 3;                 ///< rounds of each contender, in turns; the median is used
   double seconds = 1;             ///< the time for which a stream of samples is measured
-  std::uint64_t messages = 2000;  ///< messages of 64 bytes per round and contender; a fiftieth of these for
-                                  ///< large ones
+  std::uint64_t messages = 2000;  ///< messages of 64 bytes per round and contender; fewer large ones
 };
 
 /// The highest rate of reliable samples of 4 MiB, and its processor time.

@@ -29,8 +29,7 @@ int main() {
   if (!client) return std::fprintf(stderr, "%s\n", client.error().message.c_str()), 1;
 
   Measure::Request path{.points = {{.x = 0, .y = 0}, {.x = 3, .y = 4}, {.x = 3, .y = 6}}};
-  const auto too_early = client->call(path, 100ms);  // there is no server yet: the call returns the reason
-                                                     // after 100 ms
+  const auto too_early = client->call(path, 100ms);  // fails after 100 ms: there is no server yet
   std::printf("%s\n", too_early ? "there is a server" : too_early.error().message.c_str());
 
   auto server = sft::Service<Measure>::open(*node, "measure_path", &measure);

@@ -34,8 +34,7 @@ int main() {
   for (int received = 0; received < 10;) {
     if (poll(watched, 2, 5000) <= 0) return std::puts("nothing happened for 5 s"), 1;
     if (watched[0].revents != 0) {
-      while (const auto sample = commands.take()) {  // until there is none: then the descriptor is not
-                                                     // readable any more
+      while (const auto sample = commands.take()) {  // until the descriptor is not readable any more
         std::printf("command %d: %.1f m/s\n", ++received, sample->linear().x());
       }
     }

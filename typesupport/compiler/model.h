@@ -63,8 +63,7 @@ struct sft_member {
   const char* name;
   struct sft_type type;
   struct sft_value initial;            ///< the default of a single value; unset: value-initialized
-  struct sft_value* initial_elements;  ///< the default of a sequence, or of an array in which the last index
-                                       ///< runs fastest
+  struct sft_value* initial_elements;  ///< the default of a sequence or an array; the last index runs fastest
   size_t initial_element_count;        ///< 0: value-initialized
   bool is_key;
   const char* unit;    ///< null: no unit is given
@@ -94,8 +93,7 @@ struct sft_declaration {
 
 // All paths are absolute. If files are copies, the paths are those of the originals.
 struct sft_file {
-  const char* copies;  ///< "", or a directory of copies that idlc reads: /a/b.idl is copied to
-                       ///< <copies>/a/b.idl
+  const char* copies;  ///< "", or the directory where idlc reads a copy of /a/b.idl as <copies>/a/b.idl
   const char* path;
   const char*
       outer_namespace;    ///< "::my::robot", with which all scoped names begin; null: none (emit/enclosed.h)

@@ -136,8 +136,7 @@ std::string initializer(const sft_member& member) {
   for (const sft_value& value : std::span(member.initial_elements, member.initial_element_count)) {
     elements += (elements.empty() ? "" : ", ") + value_text(member.type, value);
   }
-  return elements.empty() ? "{}" : " = {" + elements + "}";  // C++ allows the braces of inner dimensions to
-                                                             // be left out
+  return elements.empty() ? "{}" : " = {" + elements + "}";  // inner dimensions need no braces of their own
 }
 
 std::string string_literal(std::string_view text) { return quoted(text, '"'); }

@@ -131,8 +131,7 @@ constexpr Tie excludes[] = {{Role::encoding, Role::cell_bytes}, {Role::encoding,
 std::optional<Fault> fault_of_roles(const Rule& rule) {
   const auto wrong = [&rule](Role role, const std::string& text) {
     const std::string name(name_of(role));
-    return Fault{0, rule[role]->at - name.size() - 1, name + text};  // the position of the role, not of its
-                                                                     // member
+    return Fault{0, rule[role]->at - name.size() - 1, name + text};  // the position of the role's name
   };
   for (const auto& [role, other] : needs) {
     if (rule[role] && !rule[other])

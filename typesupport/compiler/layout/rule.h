@@ -22,8 +22,7 @@ using Role = detail::LayoutRole;
 /// The word that begins a rule in comments of .msg files, and with which IDL annotates a member.
 inline constexpr std::string_view annotation = "@sft_layout";
 inline constexpr std::size_t rule_bytes_max = 255;
-inline constexpr std::size_t also_max = 16;   ///< the maximum number of fields that share one rule, beside
-                                              ///< the annotated field
+inline constexpr std::size_t also_max = 16;   ///< the maximum number of other fields that share a rule
 inline constexpr std::size_t rules_max = 64;  ///< the maximum number in one struct
 
 /// One rule, `rows=height columns=width`. Paths are relative to the struct of the annotated field.

@@ -123,8 +123,7 @@ class Converter {
 };
 
 struct Encoding {
-  std::uint16_t code;  ///< the code of the big-endian encoding; that of the little-endian encoding is the
-                       ///< next one
+  std::uint16_t code;  ///< of the big-endian encoding; that of the little-endian one follows it
   const char* name;
   bool is_plain;
   bool is_xcdr2;

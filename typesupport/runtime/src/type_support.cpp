@@ -69,8 +69,7 @@ Result<FieldMask> TypeSupport::find(std::string_view path) const {
   const auto found =
       std::find_if(nodes_.begin(), nodes_.end(), [&](const Node& n) { return n.path == path; });
   if (found == nodes_.end()) {
-    const std::string_view meant = path.substr(0, 255);  // a longer path resembles no field, and would take
-                                                         // time
+    const std::string_view meant = path.substr(0, 255);  // a longer path resembles no field
     const auto nearest = std::min_element(nodes_.begin(), nodes_.end(), [&](const Node& a, const Node& b) {
       return edit_distance(a.path, meant) < edit_distance(b.path, meant);
     });

@@ -57,9 +57,7 @@ class Walker {
 
   bool elements(const StructType& type, std::size_t leaf, std::uint32_t n) {
     if (is_packed(type, leaf)) return packed(type, n);
-    if (!s_.mask->any_of(leaf, leaf_count(type)))
-      return true;  // the elements take no bytes, whatever their
-                    // number is
+    if (!s_.mask->any_of(leaf, leaf_count(type))) return true;  // the elements take no bytes
     for (std::uint32_t i = 0; i < n; ++i) {
       const std::uint64_t before = at_;
       if (!structure(type, leaf)) return false;

@@ -249,8 +249,7 @@ class Cells<Cell>::iterator {
   detail::CellGrid grid_ = detail::CellGrid{}.joined();
   detail::CellReader<Cell> reader_{};
   std::uint64_t offset_ = 0;                   ///< the bytes from the first cell to the present one
-  std::uint64_t row_end_ = grid_.row_bytes();  ///< the bytes from the first cell to the end of the present
-                                               ///< row
+  std::uint64_t row_end_ = grid_.row_bytes();  ///< the bytes from the first cell to the end of its row
 };
 
 namespace detail {

@@ -24,12 +24,10 @@ class DynamicType {
     std::size_t bytes = 65'536;               ///< of the description
     std::size_t name_bytes = 255;             ///< the maximum length of each name and unit
     std::uint32_t array_elements = 1U << 28;  ///< the maximum length of each array, over all its dimensions
-    std::size_t depth = 32;                   ///< the maximum nesting of structs; real types have some 25
-                                              ///< levels at most
+    std::size_t depth = 32;                   ///< the maximum nesting of structs; real types: up to 25
     std::size_t leaves = 4096;                ///< the maximum number that a request can name
     std::size_t members = 32'768;             ///< the maximum number of members and enumerators together
     std::size_t path_bytes = 1 << 20;         ///< the approximate maximum for the paths of all leaves
-                                              ///< together
   };
 
   /// Reads a description (type_description.md). The bytes may be hostile: time and memory are proportional

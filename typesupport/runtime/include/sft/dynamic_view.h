@@ -197,8 +197,7 @@ class DynamicView {
   const FieldMask* declared_ = nullptr;  ///< the mask that the reader declared; null: all that the sample has
   const StructType::Member* member_ = nullptr;
   const StructType* type_ = nullptr;
-  Place place_{};  ///< the place of a struct or of a part in place; otherwise only leaf and offset have a
-                   ///< meaning
+  Place place_{};  ///< otherwise than of a struct or a part in place, only leaf and offset are used
   Node node_ = Node::value;
   bool present_ = true;
   bool is_in_place_ = false;  ///< true for a part of a field that is not in the body of the sample

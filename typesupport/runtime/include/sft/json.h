@@ -31,8 +31,7 @@ namespace sft {
 /// Options for writing JSON.
 struct JsonOptions {
   int indent = -1;                                  ///< spaces per level; -1: one line
-  std::size_t elements_max = SIZE_MAX;              ///< the maximum for each array and sequence, except those
-                                                    ///< in base64
+  std::size_t elements_max = SIZE_MAX;              ///< the most of each array and sequence, except in base64
   bool bytes_as_base64 = true;                      ///< false: numbers
   std::size_t output_bytes_max = 64 * 1024 * 1024;  ///< approximately; a longer text is an error
 };

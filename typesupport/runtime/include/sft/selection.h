@@ -87,12 +87,12 @@ class Selection {
 
     Kind kind{};              ///< the kind of the node
     Comparison comparison{};  ///< the comparison of a `compare` condition
-    bool is_percent = false;  ///< for `changed`: the deadband is a percentage of the former value; without
-                              ///< effect if the deadband is 0
+    /// In `changed`: the deadband is a percentage of the former value. False if the deadband is 0.
+    bool is_percent = false;
     std::vector<std::uint32_t> leaves{};  ///< of `compare`: one; of `changed`: ascending, each once
     std::uint32_t children = 0;           ///< the number of children of all_of and any_of: at least two
-    Number number{std::uint64_t{0}};  ///< of `compare`: the number; of `changed`: the deadband; of `nth`: n;
-                                      ///< of `elapsed`: microseconds
+    /// The number in `compare`, the deadband in `changed`, n in `nth`, and microseconds in `elapsed`.
+    Number number{std::uint64_t{0}};
     friend bool operator==(const Condition&, const Condition&) = default;
   };
 

@@ -63,25 +63,20 @@ struct StructType {
     /// One element, a fixed number of them, or a variable number.
     enum class Shape : std::uint8_t { single, array, sequence };
 
-    std::string_view name;    ///< as in the IDL
-    Kind kind{};              ///< the kind of one element; an enumeration has the kind of the integer that
-                              ///< holds it
-    Shape shape{};            ///< of the member
-    std::uint32_t count = 1;  ///< the elements of an array, over all its dimensions; otherwise 1
-    std::uint32_t bound = 0;  ///< the maximum number of elements of a sequence; 0: unbounded
-    std::uint32_t string_bound = 0;         ///< the maximum length of each string in characters, without the
-                                            ///< NUL; 0: unbounded
-    const StructType* type = nullptr;       ///< the element's type if the kind is structure, otherwise null
+    std::string_view name;             ///< as in the IDL
+    Kind kind{};                       ///< the kind of one element; of an enumeration, that of its integer
+    Shape shape{};                     ///< the shape of the member
+    std::uint32_t count = 1;           ///< the elements of an array, over all its dimensions; otherwise 1
+    std::uint32_t bound = 0;           ///< the maximum number of elements of a sequence; 0: unbounded
+    std::uint32_t string_bound = 0;    ///< the most characters of each string without NUL; 0: unbounded
+    const StructType* type = nullptr;  ///< the element's type if the kind is structure, otherwise null
     const EnumType* enumeration = nullptr;  ///< what the integer stands for; null: it is only an integer
-    std::size_t offset = 0;  ///< the offset in the compiled struct; 0 in a DynamicType, like stride and
-                             ///< access
+    std::size_t offset = 0;  ///< the offset in the compiled struct; 0 in a DynamicType, as the next two
     std::size_t stride = 0;  ///< the distance of two elements in the compiled struct
-    const detail::SequenceAccess* access = nullptr;  ///< access to the compiled std::vector if the shape is
-                                                     ///< sequence
+    const detail::SequenceAccess* access = nullptr;  ///< reads a compiled std::vector; only of a sequence
     bool key = false;                                ///< true for `@key`: the member is always sent
     std::string_view unit{};                         ///< from `@unit`, to be shown to people
-    std::string_view layout{};  ///< from `@sft_layout`: how the field is made of rows and columns
-                                ///< (selection.md)
+    std::string_view layout{};  ///< from `@sft_layout`: how it has rows and columns (selection.md)
   };
 
   std::string_view name;            ///< "sensor_msgs::msg::PointCloud2"
@@ -95,8 +90,7 @@ struct StructType {
   /// these have to be checked. 0 for other structs.
   std::uint32_t packed_bytes = 0;
   std::uint32_t alignment = 1;       ///< the largest alignment of all primitives and lengths in it
-  bool is_packed_in_memory = false;  ///< true if it is packed, and the compiled struct has the very same
-                                     ///< bytes
+  bool is_packed_in_memory = false;  ///< true: packed, and the compiled struct has the same bytes
   /// Only in a DynamicType: the first leaf of each member, counted from the first leaf of the struct. With
   /// it a walk finds the members with selected leaves and does not look at all other members. A type that
   /// was received may have very many members.

@@ -71,8 +71,7 @@ class ProjectionPlan {
     std::uint32_t first_block = 0;
     std::uint32_t blocks = 0;
     std::uint32_t alignment = 1;              ///< the largest alignment of its blocks
-    std::array<std::uint64_t, 8> bytes_at{};  ///< the bytes with padding, by the offset modulo 8 at which the
-                                              ///< run begins
+    std::array<std::uint64_t, 8> bytes_at{};  ///< bytes with padding, by the offset of the run modulo 8
   };
   struct Step {
     std::size_t slot = 0;  ///< the slot of its beginning in the source

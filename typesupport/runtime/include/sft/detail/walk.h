@@ -32,8 +32,7 @@ struct SampleState {
   const FieldMask* mask = nullptr;       ///< leaves that are present
   AccessLog* log = nullptr;              ///< null unless the reader records
   ElementIndex* elements = nullptr;      ///< stores where elements begin; null: a jump walks over elements
-  PartsInPlace* parts = nullptr;         ///< has the parts that are not in the body (parts_in_place.h); null:
-                                         ///< there are none
+  PartsInPlace* parts = nullptr;         ///< null: all parts are in the body (parts_in_place.h)
   mutable bool malformed = false;        ///< set if a getter met bytes that are malformed
 
   // Atomic, since several threads may read one sample.
