@@ -133,9 +133,9 @@ std::unique_ptr<Peer> fast_dds_peer();
 // The following contenders have their default settings. Writers of SFT do not wait for readers, and writers
 // of DDS wait for at most a second. Both sides keep only the last samples.
 
-std::unique_ptr<Peer> sft_usual_peer();    ///< by UDP
+std::unique_ptr<Peer> sft_usual_peer();    ///< uses UDP
 std::unique_ptr<Peer> sft_unicast_peer();  ///< the same without multicast
-std::unique_ptr<Peer> sft_local_peer();    ///< in shared memory, and by UDP to other hosts
+std::unique_ptr<Peer> sft_local_peer();    ///< uses shared memory, and UDP to other hosts
 std::unique_ptr<Peer> cyclone_usual_peer();
 std::unique_ptr<Peer> cyclone_unicast_peer();
 /// Cyclone DDS with the text of a configuration.

@@ -45,7 +45,7 @@ class CycloneParticipant {
 
   const dds_entity_t domain_;  ///< negative: the domain belongs to another participant
   const dds_entity_t participant_;
-  mutable std::map<std::string, dds_entity_t> topics_;  ///< by name; dds_find_topic() crashes at times
+  mutable std::map<std::string, dds_entity_t> topics_;  ///< by name, since dds_find_topic() can crash
 };
 
 }  // namespace sft::bench

@@ -67,7 +67,7 @@ std::vector<std::byte> encoded(const T& message) {
   const StructType& type = detail::TypeTable<T>::type;
   const FieldMask full = type_support<T>().full();
   const std::uint32_t bytes = detail::encoded_size(type, &message, full).bytes;
-  std::vector<std::uint64_t> memory((bytes + 7) / 8);  // of 8-byte words, for the alignment
+  std::vector<std::uint64_t> memory((bytes + 7) / 8);  // words of 8 bytes are aligned as bodies must be
   const std::span<std::byte> body = std::as_writable_bytes(std::span(memory)).first(bytes);
   std::vector<std::uint32_t> index(detail::slot_count(type));
   detail::encode(type, &message, full, body, index);

@@ -17,7 +17,7 @@ namespace sft::bench {
 namespace {
 
 constexpr std::uint16_t port = 45'901;
-constexpr int datagram_bytes = 1472;  // of a packet of 1,500 bytes
+constexpr int datagram_bytes = 1472;  // the payload of a packet of 1,500 bytes
 
 sockaddr_in address(in_addr_t ip) {
   sockaddr_in address{};

@@ -27,10 +27,10 @@ namespace {
 constexpr std::uint16_t first_port = 44'000;
 constexpr int segment_bytes = 1472;  // an MTU of 1500 without the headers of IPv4 and UDP
 constexpr std::size_t train_bytes = 44 * segment_bytes;
-constexpr std::size_t small_datagram_bytes = 112;  // as large as with SFT's headers
+constexpr std::size_t small_datagram_bytes = 112;  // the same as with SFT's headers
 constexpr std::size_t received_bytes_max = 65'536;
 constexpr int buffer_bytes = 16 << 20;
-constexpr std::uint64_t again = 0;  // instead of a number: all unacknowledged samples follow once more
+constexpr std::uint64_t again = 0;  // in place of a number: all unacknowledged samples follow once more
 
 int udp_socket() {
   const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);

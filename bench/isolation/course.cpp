@@ -18,7 +18,7 @@ namespace {
 constexpr double timeout_s = 20;
 constexpr double recovery_s = 2;
 constexpr std::int64_t warm_up_us = 1'000'000;
-constexpr std::int64_t straggling_us = 500'000;  // for messages that arrive late
+constexpr std::int64_t straggling_us = 500'000;  // the time for late messages
 
 struct Watched {
   Phase phase;

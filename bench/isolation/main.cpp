@@ -20,7 +20,7 @@ namespace {
 using namespace sft::bench;
 using namespace sft::bench::isolation;
 
-constexpr unsigned shm_mebibytes = 1024;  // as on a usual robot: enough for all of sftd's default memory
+constexpr unsigned shm_mebibytes = 1024;  // enough for all of sftd's default memory, as on a usual robot
 
 const std::map<std::string, Middleware> middleware_by_option{
     {"sft", Middleware::sft}, {"cyclone", Middleware::cyclone}, {"fast_dds", Middleware::fast_dds}};

@@ -21,9 +21,10 @@ struct Board {
   std::atomic<std::uint64_t> remote_latest{0};  ///< the greatest number that the remote reader has read
   std::atomic<bool> remote_matched{false};
   std::int64_t due_ns[messages_max] = {};
-  std::int64_t sent_ns[messages_max] = {};                        ///< before the call that writes the message
-  std::int64_t returned_ns[messages_max] = {};                    ///< after that call; 0: it has not returned
-  std::int64_t page_faults[messages_max] = {};                    ///< of the publisher's thread in that call
+  std::int64_t sent_ns[messages_max] = {};                        ///< the time before the call that writes
+  std::int64_t returned_ns[messages_max] = {};                    ///< the time after it; 0: it has not
+                                                                  ///< returned
+  std::int64_t page_faults[messages_max] = {};                    ///< page faults of the thread in that call
   std::int64_t arrived_ns[local_readers + 1][messages_max] = {};  ///< 0: the reader has not read the message
 };
 
@@ -40,7 +41,7 @@ struct Resources {
 };
 
 struct Observation {
-  std::vector<double> local_us{};  ///< from before the call that writes until a local reader has the message
+  std::vector<double> local_us{};    ///< the times from before the writing call until a local reader has read
   std::vector<double> publish_us{};  ///< the duration of that call
   std::vector<double> late_us{};     ///< how much later than planned the publisher wrote
   std::int64_t page_faults = 0;      ///< page faults in all these calls

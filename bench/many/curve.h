@@ -47,7 +47,7 @@ class Curve {
   std::vector<std::size_t> sizes_;
   std::vector<Cost> costs_;
   std::string reference_;
-  std::vector<std::vector<Tally>> tallies_;  ///< for each cost and each size
+  std::vector<std::vector<Tally>> tallies_;  ///< one tally for each cost and each size
 };
 
 }  // namespace sft::bench

@@ -27,7 +27,7 @@ namespace sft::bench {
 
 namespace {
 
-constexpr std::size_t topics = 5;  // that each node publishes, and as many to which it subscribes
+constexpr std::size_t topics = 5;  // topics that each node publishes, and to which it subscribes
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 /// `all_s` is the time limit of a contender for all sizes together, or for each size if rings keep running.

@@ -19,9 +19,9 @@ namespace sft::bench {
 struct Case {
   std::size_t readers;
   std::size_t hosts;
-  Topic topic;                 ///< with messages
+  Topic topic;                 ///< a topic with messages
   std::vector<Fields> phases;  ///< the fields for which the same readers ask, one phase after the other
-  double settling_s;  ///< for how long samples are sent until the bytes settle; 0: it does not wait for that
+  double settling_s;           ///< the time for the bytes to settle while samples are sent; 0: none
   std::uint64_t samples;
   std::int64_t period_us;
   std::int64_t settled_us = 1'000'000;  ///< discovery has ended if it sends next to nothing for this time

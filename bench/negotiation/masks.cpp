@@ -68,7 +68,7 @@ double copy_us(const PointCloud2& cloud, const std::vector<std::uint64_t>& rubbi
 
 /// The results of one round.
 struct Costs {
-  double allocations = 0;  ///< per sample
+  double allocations = 0;  ///< the number per sample
   double copy_us = 0;      ///< the time of a memcpy of the data
 };
 
@@ -122,7 +122,7 @@ struct Asking {
   bool asynchronous = false;
   std::size_t nodes = 1;  ///< the number of the readers' nodes
   Rounds times{};
-  double allocations = 0;  ///< per sample, in the worst round
+  double allocations = 0;  ///< the number per sample, in the worst round
   std::vector<double> copies_us{};
 
   void run(const TwoHosts& hosts) {

@@ -24,7 +24,7 @@ namespace {
 using sensor_msgs::msg::Imu;
 
 constexpr std::size_t topics = 10;
-constexpr int samples = 100;  // on each topic
+constexpr int samples = 100;  // the number on each topic
 constexpr int control_topics = 3;
 
 /// Returns the anonymous memory of this process in MB.

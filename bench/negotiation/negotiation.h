@@ -10,10 +10,10 @@
 namespace sft::bench {
 
 struct Scale {
-  std::uint64_t messages = 400;     ///< per round and contender
+  std::uint64_t messages = 400;     ///< the number per round and contender
   int rounds = 3;                   ///< rounds of each contender, in turns; the median is used
   int starts = 25;                  ///< starts of new nodes, for each contender and case
-  std::uint64_t late_readers = 50;  ///< per round and contender
+  std::uint64_t late_readers = 50;  ///< the number per round and contender
 };
 
 /// The time that recording adds to a getter, after the first access to the field in a sample.

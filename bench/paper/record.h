@@ -57,12 +57,12 @@ struct Record {
   Case of;
   Contender contender{};
   std::vector<Received> receivers{};
-  double sender_bytes = unknown;               ///< per message, in both directions, without idle traffic
+  double sender_bytes = unknown;               ///< per message, both directions, without idle traffic
   double idle_bytes_per_s = unknown;           ///< traffic of the sender's host without messages
   double idle_receiver_bytes_per_s = unknown;  ///< traffic of all receivers' hosts together
-  double p50_us = unknown;  ///< from the call until the receiver has its fields, over all receivers
+  double p50_us = unknown;                     ///< the time from the call until a receiver has its fields
   double p99_us = unknown;
-  double cpu_us = unknown;          ///< per message and for all processes, idle work included
+  double cpu_us = unknown;          ///< CPU time per message, of all processes, with idle work
   double resident_bytes = unknown;  ///< memory of all processes at the end of the session
 
   /// True if the machine stopped the writer for so long that messages may have been counted in another phase.

@@ -15,7 +15,7 @@ namespace sft::bench::paper {
 namespace {
 
 constexpr double timeout_s = 40;
-constexpr std::int64_t lead_ns = 300'000'000;  // from the decision to begin until the first message
+constexpr std::int64_t lead_ns = 300'000'000;  // the time from the decision to begin until the first message
 
 /// Returns random slots of the contenders, since one may suffer from the work of another one after its
 /// message.
@@ -54,8 +54,8 @@ void wait_until_ready(Teams& teams) {
 }
 
 struct Measured {
-  Used phase;  ///< from before until after the messages that are counted
-  Used idle;   ///< of the twin in the same time
+  Used phase;  ///< the resources from before until after the counted messages
+  Used idle;   ///< the resources of the twin in the same time
   double resident_bytes = 0;
 };
 
@@ -210,7 +210,7 @@ Stage::Stage(std::vector<Contender> contenders) : contenders_(std::move(contende
 
 void run_session(const Stage& stage, std::size_t receivers, const std::vector<Phase>& phases,
                  const Pace& pace, std::uint64_t seed, Results& results) {
-  constexpr std::size_t repetitions_max = 6;  // in the whole benchmark, which has to end in time
+  constexpr std::size_t repetitions_max = 6;  // the maximum of the whole benchmark, which has to end in time
   const Team::Task task{receivers, phases, pace, stage.contenders().size()};
   Results session = try_session(stage, task, seed);
   if (is_mostly_disturbed(session) && results.repeated_sessions < repetitions_max) {

@@ -15,7 +15,7 @@ namespace sft::bench::peers {
 struct Trial {
   Case of;
   Entrant entrant;
-  std::vector<std::uint32_t> sizes;  ///< at most sizes_max
+  std::vector<std::uint32_t> sizes;  ///< at most sizes_max of them
   Pace pace;
 };
 

@@ -57,7 +57,7 @@ void subscribe(Exchange& exchange, const std::string& fields, std::uint64_t samp
 }
 
 struct Measured {
-  std::vector<double> us;  ///< from publish() to the callback
+  std::vector<double> us;  ///< times from publish() to the callback
   double bytes = 0;        ///< bytes per sample
 };
 
@@ -85,7 +85,7 @@ std::vector<Figure> parts_between_hosts(std::uint64_t samples, int rounds) {
     bytes = part.bytes;
   }
   const double coordinates = 12.0 * cloud.width * cloud.height;
-  constexpr double payload_bytes = 1472, header_bytes = 14 + 20 + 8;  // of Ethernet, IPv4 and UDP
+  constexpr double payload_bytes = 1472, header_bytes = 14 + 20 + 8;  // headers of Ethernet, IPv4 and UDP
   const double least = coordinates + std::ceil(coordinates / payload_bytes) * header_bytes;
   return {{"channels_xyz_wire", bytes, "B", least, "12 B a point in full datagrams, on the link", 1.02},
           {"channels_xyz_latency", part_us.p50(), "us", whole_us.p50(), "the whole cloud", 0.5}};

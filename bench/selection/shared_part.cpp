@@ -85,7 +85,7 @@ std::vector<Figure> shared_part_of_hosts(std::uint64_t samples) {
   }
   const PointCloud2 cloud = ouster_cloud();
   const double coordinates = 12.0 * cloud.width * cloud.height;
-  constexpr double payload_bytes = 1472, header_bytes = 14 + 20 + 8;  // of Ethernet, IPv4 and UDP
+  constexpr double payload_bytes = 1472, header_bytes = 14 + 20 + 8;  // headers of Ethernet, IPv4 and UDP
   const double one_copy = coordinates + std::ceil(coordinates / payload_bytes) * header_bytes;
   return {{"channels_group_wire", progress->bytes, "B", one_copy,
            "one copy of x, y and z in full datagrams, for four hosts", 1.05}};

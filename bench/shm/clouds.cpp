@@ -11,9 +11,9 @@ namespace sft::bench {
 
 namespace {
 
-constexpr double loan_bound = 1. / 10;   // times the time of a standard message of the others
-constexpr double fixed_bound = 1. / 3;   // times the time of their loans of fixed size
-constexpr double owned_bound = 1 / 1.5;  // times the time of a standard message of the others
+constexpr double loan_bound = 1. / 10;   // relative to a standard message of the others
+constexpr double fixed_bound = 1. / 3;   // relative to their loans of fixed size
+constexpr double owned_bound = 1 / 1.5;  // relative to a standard message of the others
 
 }  // namespace
 

@@ -9,7 +9,7 @@
 namespace sft::bench {
 
 struct Scale {
-  std::uint64_t messages = 1600;  ///< per round and contender; an eighth of these if whole clouds are copied
+  std::uint64_t messages = 1600;  ///< messages per round and contender; fewer copies of whole clouds
   int rounds = 3;                 ///< rounds of each contender, in turns; the median is used
   double idle_s = 10;             ///< how long a waiting node is observed
 };

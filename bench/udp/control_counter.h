@@ -9,7 +9,7 @@
 namespace sft::bench {
 
 struct ControlTraffic {
-  std::int64_t bytes = 0;  ///< with all headers
+  std::int64_t bytes = 0;  ///< bytes of frames, with all headers
   std::int64_t datagrams = 0;
 };
 

@@ -108,8 +108,8 @@ Passage pass(const Flow& flow, const TwoHosts& hosts) {
 
 // Of a bulk sample: its number, its stamp, and the length of its data.
 constexpr std::uint32_t fixed_body_bytes = 20;
-constexpr double frame_headers = 14 + 20 + 8;  // of Ethernet, IPv4 and UDP
-constexpr double frame_payload_max = 1472;     // at an MTU of 1500
+constexpr double frame_headers = 14 + 20 + 8;  // headers of Ethernet, IPv4 and UDP
+constexpr double frame_payload_max = 1472;     // the payload at an MTU of 1500
 
 /// Returns the bytes of frames without headers of SFT, all of them full except the last one.
 double packed_perfectly(double body_bytes) {

@@ -51,7 +51,7 @@ struct Constant {
 struct Layout {
   std::string text;          ///< empty: no rule is given
   std::uint32_t line = 0;    ///< the line in which the text begins
-  std::uint32_t column = 0;  ///< from 1
+  std::uint32_t column = 0;  ///< the column in which it begins, from 1
 
   bool operator==(const Layout&) const = default;
 };
@@ -80,7 +80,7 @@ struct Problem {
   std::uint32_t line;
   std::string member;        ///< the field or constant; empty: the error is not in one of these
   std::string text;          ///< what is wrong, and what to do
-  std::uint32_t column = 0;  ///< from 1; 0: the error concerns the whole line
+  std::uint32_t column = 0;  ///< the column, from 1; 0: the error concerns the whole line
 };
 
 }  // namespace sft::msg

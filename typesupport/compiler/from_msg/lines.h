@@ -10,7 +10,7 @@ namespace sft::msg {
 
 /// One line; its parts refer to the text.
 struct Line {
-  std::uint32_t number;      ///< from 1
+  std::uint32_t number;      ///< the number of the line, from 1
   std::string_view code;     ///< the text before the comment, without spaces around it; may be empty
   std::string_view comment;  ///< the text of the comment without the '#' in front
   bool has_comment;

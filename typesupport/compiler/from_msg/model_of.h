@@ -44,7 +44,7 @@ class ModelOf {
   std::deque<std::vector<sft_value>> initials_;
   std::vector<const char*> includes_;
   std::vector<const char*> sources_;
-  std::deque<std::vector<sft_member>> members_;  // of each struct
+  std::deque<std::vector<sft_member>> members_;  // the members of each struct
   std::vector<sft_declaration> declarations_;
   sft_file file_{};
 };

@@ -351,7 +351,7 @@ std::optional<Fault> check_rules(const SeenTypes& types, const void* type,
   if (rules.size() > rules_max)
     return Fault{rules[rules_max].member, 0,
                  "a struct has at most " + std::to_string(rules_max) + " layouts"};
-  std::map<std::string, std::size_t> owners;  // by path: the member whose rule names it
+  std::map<std::string, std::size_t> owners;  // the path of a member, and the member whose rule names it
   const auto taken = [&](const std::string& path, std::size_t member) {
     const auto [known, is_new] = owners.try_emplace(path, member);
     return !is_new && known->second != member;

@@ -56,7 +56,7 @@ struct SeenMember {
   std::string_view name;
   detail::Kind kind{};
   detail::Shape shape{};
-  const void* type = nullptr;  ///< for SeenTypes::member() if the kind is structure; null: not known here
+  const void* type = nullptr;  ///< SeenTypes::member() takes it; null: no structure, or not known here
 };
 
 /// The structs among which a rule looks for members.

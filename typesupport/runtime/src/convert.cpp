@@ -123,7 +123,7 @@ class Converter {
 };
 
 struct Encoding {
-  std::uint16_t code;  ///< of the big-endian encoding; that of the little-endian one follows it
+  std::uint16_t code;  ///< the code of big-endian bytes; the next one is that of little-endian bytes
   const char* name;
   bool is_plain;
   bool is_xcdr2;

@@ -475,7 +475,7 @@ bool Projection::project(const SampleState& source, const ProjectionPlan& plan, 
 
 std::size_t Projection::bytes_most(const SampleState& source, const ProjectionPlan& plan) {
   if (!source.mask->contains(plan.mask()) || !find_cuts(source, plan)) return 0;
-  constexpr std::size_t padding = 7;  // in front of each member and of each length
+  constexpr std::size_t padding = 7;  // bytes in front of each member and of each length
   std::uint64_t bytes = source.body_bytes + 2 * padding * (plan.steps_.size() + plan.blocks_.size() + 1);
   for (std::size_t i = 0; i < plan.parts_.size(); ++i) bytes -= cuts_[i].bytes_less();
   return bytes;

@@ -21,7 +21,7 @@ class DynamicType {
  public:
   /// Limits for a description or a text. The limits from `leaves` on count a struct as often as it is used.
   struct Limits {
-    std::size_t bytes = 65'536;               ///< of the description
+    std::size_t bytes = 65'536;               ///< the maximum length of the description
     std::size_t name_bytes = 255;             ///< the maximum length of each name and unit
     std::uint32_t array_elements = 1U << 28;  ///< the maximum length of each array, over all its dimensions
     std::size_t depth = 32;                   ///< the maximum nesting of structs; real types: up to 25

@@ -89,7 +89,7 @@ class Selection {
     Comparison comparison{};  ///< the comparison of a `compare` condition
     /// In `changed`: the deadband is a percentage of the former value. False if the deadband is 0.
     bool is_percent = false;
-    std::vector<std::uint32_t> leaves{};  ///< of `compare`: one; of `changed`: ascending, each once
+    std::vector<std::uint32_t> leaves{};  ///< one in `compare`; ascending and each once in `changed`
     std::uint32_t children = 0;           ///< the number of children of all_of and any_of: at least two
     /// The number in `compare`, the deadband in `changed`, n in `nth`, and microseconds in `elapsed`.
     Number number{std::uint64_t{0}};

@@ -29,7 +29,7 @@ struct SequenceAccess;
 struct EnumType {
   /// One name of an enumeration with its value, or one flag of a bitmask with its bit set.
   struct Enumerator {
-    std::string_view name;  ///< as in the IDL
+    std::string_view name;  ///< the name in the IDL
     std::uint64_t value;    ///< the value; of a flag: with its bit set
   };
 
@@ -63,7 +63,7 @@ struct StructType {
     /// One element, a fixed number of them, or a variable number.
     enum class Shape : std::uint8_t { single, array, sequence };
 
-    std::string_view name;             ///< as in the IDL
+    std::string_view name;             ///< the name in the IDL
     Kind kind{};                       ///< the kind of one element; of an enumeration, that of its integer
     Shape shape{};                     ///< the shape of the member
     std::uint32_t count = 1;           ///< the elements of an array, over all its dimensions; otherwise 1
@@ -75,12 +75,12 @@ struct StructType {
     std::size_t stride = 0;  ///< the distance of two elements in the compiled struct
     const detail::SequenceAccess* access = nullptr;  ///< reads a compiled std::vector; only of a sequence
     bool key = false;                                ///< true for `@key`: the member is always sent
-    std::string_view unit{};                         ///< from `@unit`, to be shown to people
-    std::string_view layout{};  ///< from `@sft_layout`: how it has rows and columns (selection.md)
+    std::string_view unit{};                         ///< the text of `@unit`, to be shown to people
+    std::string_view layout{};  ///< the rule of `@sft_layout`: how it has rows and columns (selection.md)
   };
 
   std::string_view name;            ///< "sensor_msgs::msg::PointCloud2"
-  std::span<const Member> members;  ///< in the order of the IDL; at least one
+  std::span<const Member> members;  ///< the members in the order of the IDL; at least one
   std::size_t leaves = 0;           ///< the number of leaves that a mask can select in it
 
   // The members from here on are for SFT's own code.

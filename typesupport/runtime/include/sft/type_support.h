@@ -30,10 +30,8 @@ class TypeSupport {
   std::string_view name() const { return type_->name; }
   /// The number of leaf fields that the type has.
   std::size_t leaves() const { return paths_.size(); }
-  std::size_t index_slots() const {
-    return slots_;
-  }  ///< for SFT's own code: the number of offsets in a
-     ///< sample's index
+  /// For SFT's own code: the number of offsets in a sample's index.
+  std::size_t index_slots() const { return slots_; }
 
   /// FNV-1a of the structure (names, kinds, shapes, bounds, keys and enumerators, but no units). Compatible
   /// types have equal hashes.

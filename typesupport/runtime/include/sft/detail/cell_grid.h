@@ -57,10 +57,10 @@ struct CellGrid {
 struct CellsPlace {
   const SampleState* sample = nullptr;
   const FieldMask* declared = nullptr;  ///< the mask that the reader declared; null: all that the sample has
-  const Layout* layout = nullptr;       ///< of this sample's type; null: the elements are one row of cells
+  const Layout* layout = nullptr;       ///< that of this sample's type; null: the elements are one row
   const Member* member = nullptr;
   std::size_t leaf = 0;
-  std::uint64_t offset = 0;  ///< where the field begins in the body
+  std::uint64_t offset = 0;  ///< the offset of the field in the body
 };
 
 /// Finds the cells, which must have this size. Notes which fields it reads if reads are recorded.

@@ -57,7 +57,7 @@ class Cut {
   std::span<const Run> runs() const { return {runs_.data(), run_count_}; }
 
   // The new values of the fields with a role.
-  std::uint32_t natural(LayoutRole role) const;  ///< of the roles rows, columns, cell_bytes, row_bytes
+  std::uint32_t natural(LayoutRole role) const;  ///< the roles rows, columns, cell_bytes and row_bytes
   double real(LayoutRole role) const { return reals_[static_cast<std::size_t>(role)]; }
   const std::array<double, 3>& position() const { return position_; }
   std::span<const Channel> channels() const { return {channels_.data(), channel_count_}; }

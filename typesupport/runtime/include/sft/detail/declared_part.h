@@ -33,8 +33,8 @@ struct DeclaredRange {
 
 /// The part of one leaf. It is unused if all of its members are 0.
 struct DeclaredPart {
-  static constexpr std::size_t channel_bytes_max =
-      128;  ///< of all names, with a comma behind each, and a NUL
+  /// The maximum length of all names, with a comma behind each, and a NUL.
+  static constexpr std::size_t channel_bytes_max = 128;
 
   std::uint32_t leaf = 0;
   DeclaredRange rows{};

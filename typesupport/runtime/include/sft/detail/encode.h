@@ -16,7 +16,7 @@ enum class EncodeStatus : std::uint8_t {
   ok,
   too_large,       ///< the body would have 4 GiB or more, or a string or sequence exceeds its bound
   string_has_nul,  ///< CDR ends a string at its first NUL
-  bad_boolean,     ///< in an array or a sequence, where a boolean is stored as a byte
+  bad_boolean,     ///< a byte in an array or a sequence of booleans is neither 0 nor 1
 };
 const char* to_string(EncodeStatus status);
 

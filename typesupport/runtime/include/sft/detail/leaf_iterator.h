@@ -55,7 +55,7 @@ class LeafIterator {
 
   const Set* set_ = nullptr;
   std::size_t word_ = 0;
-  std::uint64_t bits_ = 0;  ///< of the present word, the bits that are not yet visited
+  std::uint64_t bits_ = 0;  ///< the bits of the present word that are not yet visited
 };
 
 }  // namespace sft::detail

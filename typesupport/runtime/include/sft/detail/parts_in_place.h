@@ -17,7 +17,7 @@ namespace sft::detail {
 struct PartInPlace {
   const SampleState* source = nullptr;
   Layout::Field data{};
-  const Cut* cut = nullptr;  ///< where its cells lie
+  const Cut* cut = nullptr;  ///< the place of its cells
 
   /// Returns all bytes in place if they are contiguous there. Returns nothing if they are not, or if they are
   /// malformed.

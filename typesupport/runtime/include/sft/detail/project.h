@@ -58,7 +58,7 @@ class ProjectionPlan {
   struct Change {
     std::optional<std::size_t> part{};  ///< the number of the part; none: nothing changes
     std::optional<LayoutRole> role{};   ///< none: the field itself
-    std::size_t coordinate = 0;         ///< for the role origin: the number of the coordinate, 0 to 2
+    std::size_t coordinate = 0;         ///< the number of the coordinate of an origin, 0 to 2
   };
 
   /// A leaf with a known size: a primitive or an array of primitives.

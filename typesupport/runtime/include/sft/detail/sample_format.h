@@ -24,10 +24,10 @@ struct SampleHeader {
   std::uint16_t index_slots = 0;
   std::uint16_t gates = 0;           ///< their number in the table behind the body (core/seam/gate_table.h)
   std::uint64_t writer = 0;          ///< the writer's id, chosen at random for each of its lives
-  std::uint64_t sequence = 0;        ///< from 1
+  std::uint64_t sequence = 0;        ///< counted from 1
   std::int64_t source_stamp_ns = 0;  ///< CLOCK_REALTIME at publish
   std::uint64_t type_hash = 0;
-  std::uint32_t body_offset = 0;  ///< from the header's first byte
+  std::uint32_t body_offset = 0;  ///< the offset from the header's first byte
   std::uint32_t body_bytes = 0;
   // Sequence and stamp of the writer's newest earlier sample that was sent only by UDP, because shared memory
   // was not in use yet or could not take it. That sample may arrive later than this one. 0: there was none.
