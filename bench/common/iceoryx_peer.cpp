@@ -48,7 +48,8 @@ class IceoryxWriter : public LendingWriter {
         data_(copies ? topic.bulk_bytes - sizeof(std::uint64_t) : 0, std::byte{1}),
         readers_(topic.readers) {}
 
-  /// Returns all or none, since iceoryx does not give their number. Each reader knows its own state.
+  /// Returns the number of all readers or 0, since iceoryx only tells whether there is one. Each reader
+  /// knows its own state.
   std::size_t readers() const override { return publisher_.hasSubscribers() ? readers_ : 0; }
   void prepare(std::uint64_t number) override {
     publisher_.loan(bytes_).and_then([&](void* chunk) { chunk_ = chunk; }).or_else([](auto) {

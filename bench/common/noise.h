@@ -12,8 +12,8 @@ class Noise {
  public:
   Noise() : begin_(now()) {}
 
-  /// Shares of the time of all processors since this object was made, in percent. A process for which this
-  /// one has waited counts as a part of the benchmark. A daemon that outlives this process does not.
+  /// Shares of the time of all processors since this object was made, in percent. A child process
+  /// counts as `own` once this process has waited for its end. A daemon that outlives this process does not.
   struct Shares {
     double own = 0, other_programs = 0, other_machines = 0;
   };

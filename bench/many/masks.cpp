@@ -41,7 +41,7 @@ Case many_masks(std::size_t readers, const ManyScale& scale, std::uint64_t sampl
           .period_us = 50'000};
 }
 
-/// This number of samples takes 8.5 s. The processor time of a node includes its work beside samples. Cyclone
+/// This number of samples takes 8.5 s. The processor time of a node includes its control traffic. Cyclone
 /// DDS renews the leases of all nodes at once every 8 s: half as many samples would include a renewal or not,
 /// by chance. A node of SFT sends a heartbeat every second.
 constexpr std::uint64_t samples_of_a_period = 170;

@@ -37,7 +37,7 @@ struct Board {
 
 /// The resources that a team has used up to a moment.
 struct Used {
-  double s = 0;  ///< the present time
+  double s = 0;  ///< the time at that moment
   double sender_bytes = 0;
   std::array<double, receivers_max> receiver_bytes{};
   double cpu_s = 0;

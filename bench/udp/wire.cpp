@@ -33,9 +33,8 @@ struct Passage {
 };
 
 constexpr std::uint64_t samples_before = 10;
-constexpr std::int64_t settling_us = 500'000;  // the traffic of joining is over after this time
-constexpr std::int64_t quiet_us_max =
-    2'000'000;  // long enough, since idle traffic is small against the samples
+constexpr std::int64_t settling_us = 500'000;     // the traffic of joining is over after this time
+constexpr std::int64_t quiet_us_max = 2'000'000;  // long enough: samples are far more than idle traffic
 
 class Sender {
  public:

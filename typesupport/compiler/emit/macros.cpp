@@ -8,7 +8,7 @@ namespace sft::idl {
 namespace {
 
 // The macros that GCC 12 and Clang 16 with glibc 2.36 define when a generated header, <cfenv>, <cfloat>,
-// <cmath> and <csignal> are included. Each name stands between spaces.
+// <cmath> and <csignal> are included. Each name is between two spaces.
 constexpr std::string_view macros =
     " ADJ_ESTERROR ADJ_FREQUENCY ADJ_MAXERROR ADJ_MICRO ADJ_NANO ADJ_OFFSET ADJ_OFFSET_SINGLESHOT "
     "ADJ_OFFSET_SS_READ ADJ_SETOFFSET ADJ_STATUS ADJ_TAI ADJ_TICK ADJ_TIMECONST AIO_PRIO_DELTA_MAX "

@@ -43,7 +43,7 @@ bool belongs_to_struct(const sft_file& file, const sft_declaration& constant);
 /// enumerations.
 bool is_reservable(const Field& field);
 
-/// Returns true if the view gets points(). The runtime compiles it if the types of the fields are those of a
+/// Returns true if the view gets points(). A call compiles only if the types of the fields are those of a
 /// cloud, too.
 bool is_cloud(const Message& message);
 

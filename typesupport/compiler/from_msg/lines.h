@@ -18,8 +18,8 @@ struct Line {
   std::uint32_t comment_column;  ///< the column in which the comment begins, from 1
 };
 
-/// Normalizes `text`: all lines end with '
-/// ', all other white space is spaces, and a byte order mark is removed.
+/// Normalizes `text`: all lines end with '\n', all other white space is spaces, and a byte order mark is
+/// removed.
 std::string with_plain_spaces(std::string_view text);
 
 /// Iterates over the lines of a text with plain spaces, which must outlive the iterator.

@@ -1,4 +1,4 @@
-// The cells of a field in rows and columns, read where they lie: pixels, cells of a map, beams, and the
+// The cells of a field in rows and columns, read in place: pixels, cells of a map, beams, and the
 // elements of any sequence of numbers. The getter of such a field takes the type of a cell:
 //
 //   using Rgb = std::array<std::uint8_t, 3>;

@@ -9,13 +9,12 @@
 // Navigation always returns a view, which is in one of three states:
 //   - it can be read: the view is true
 //   - absent: the sample was sent without the field; reading its value is an error, never zero
-//   - error(): there is no such field or element, or the bytes are malformed (then the sample is flagged,
-//   too)
+//   - error(): there is no such field or element, or the bytes are malformed (and the sample is flagged)
 //
 // If the subscriber records, testing whether a view is true counts as an access, and so does reading its
 // value. For a struct that is an access to its first leaf. is_absent() is no access.
 //
-// A view owns nothing. It must not outlive the sample and the type that it came from. Several threads may
+// A view owns nothing. It must not outlive the sample and the type to which it refers. Several threads may
 // read one sample. Errors of a read are values (result.h); no function throws.
 #pragma once
 

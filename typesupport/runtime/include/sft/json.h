@@ -32,8 +32,8 @@ namespace sft {
 struct JsonOptions {
   int indent = -1;                                  ///< spaces per level; -1: one line
   std::size_t elements_max = SIZE_MAX;              ///< the most of each array and sequence, except in base64
-  bool bytes_as_base64 = true;                      ///< false: numbers
-  std::size_t output_bytes_max = 64 * 1024 * 1024;  ///< approximately; a longer text is an error
+  bool bytes_as_base64 = true;                      ///< false: bytes are written as numbers
+  std::size_t output_bytes_max = 64 * 1024 * 1024;  ///< the approximate maximum; more is an error
 };
 
 /// Writes a whole sample, or any part of it that is present. An error if the bytes are malformed.

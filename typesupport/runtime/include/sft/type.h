@@ -30,7 +30,7 @@ struct EnumType {
   /// One name of an enumeration with its value, or one flag of a bitmask with its bit set.
   struct Enumerator {
     std::string_view name;  ///< the name in the IDL
-    std::uint64_t value;    ///< the value; of a flag: with its bit set
+    std::uint64_t value;    ///< for a flag, a number with its bit set
   };
 
   std::string_view name;                    ///< "my_pkg::msg::Color"

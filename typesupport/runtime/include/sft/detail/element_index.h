@@ -17,7 +17,7 @@
 
 namespace sft::detail {
 
-/// Strings (`type` is null) or structs that lie behind one another in a body.
+/// Strings (`type` is null) or structs in a body, one behind the other.
 struct Elements {
   const StructType* type = nullptr;
   std::size_t leaf = 0;     ///< the first leaf of the structs in the root type

@@ -11,7 +11,7 @@
 
 namespace sft::detail {
 
-/// The meaning of a field for the field with the layout, of which a part is taken.
+/// The role of a field in the layout of another field, of which a part is taken.
 enum class LayoutRole : std::uint8_t {
   rows,        ///< the number of rows; uint32, as are the next three
   columns,     ///< the number of columns of a row

@@ -1,6 +1,6 @@
 // Lazy views. A generated View<Place> has one getter per member, and the Place says where the members are: at
 // slots of the index (IndexedPlace), or one behind the other in an element of a sequence (ElementPlace). A
-// view owns nothing and must not outlive the sample that it came from.
+// view owns nothing and must not outlive the sample to which it refers.
 //
 //   scalar               -> its value             string               -> std::string_view
 //   array, sequence      -> std::span             ... of strings       -> StringRange
