@@ -44,7 +44,7 @@ struct Topic {
   bool two_fields = false;
   Wanted wanted{};
   std::optional<std::chrono::nanoseconds> spin{};  ///< SubscriberOptions::spin of SFT's readers
-  // For contenders that have neither discovery nor names:
+  // The following members are for contenders that have neither discovery nor names.
   std::uint16_t id = 0;      ///< the number of the topic, unique and below 64
   std::size_t readers = 1;   ///< the number of readers that the writer has, at most 16
   std::size_t reader = 0;    ///< the number of this reader
@@ -138,7 +138,7 @@ std::unique_ptr<Peer> sft_unicast_peer();  ///< the same without multicast
 std::unique_ptr<Peer> sft_local_peer();    ///< uses shared memory, and UDP to other hosts
 std::unique_ptr<Peer> cyclone_usual_peer();
 std::unique_ptr<Peer> cyclone_unicast_peer();
-/// Cyclone DDS with the text of a configuration.
+/// Cyclone DDS with the given text as its configuration.
 std::unique_ptr<Peer> cyclone_peer_with(const std::string& config);
 std::unique_ptr<Peer> fast_dds_usual_peer();
 std::unique_ptr<Peer> fast_dds_multicast_peer();

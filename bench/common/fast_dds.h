@@ -93,7 +93,7 @@ Qos best_effort(Qos qos) {
   return qos;
 }
 
-/// A participant in domain 0 with these transports.
+/// A participant in domain 0 with the transports that are passed.
 class Participant {
  public:
   template <class... TransportDescriptors>

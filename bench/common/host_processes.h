@@ -33,15 +33,15 @@ class HostProcesses {
   /// Waits for the process that was started first. Returns true if its exit code was 0.
   bool first_succeeds();
 
-  // These functions return the sums over all processes, or over all interfaces.
+  // The following functions return the sums over all processes, or over all interfaces.
   double cpu_s() const;
   double resident_bytes() const;
   /// The memory that no file backs: what the processes have written for themselves.
   double anonymous_bytes() const;
-  /// REQUIRES: there is a process on each host.
+  /// The bytes of all hosts' interfaces. REQUIRES: there is a process on each host.
   LinkBytes link_bytes() const;
 
-  /// The bytes of the interface of one host. REQUIRES: there is a process on that host.
+  /// The bytes of one host's interface. REQUIRES: there is a process on that host.
   LinkBytes link_bytes(std::size_t host) const;
 
  private:

@@ -1,4 +1,4 @@
-// Hosts joined by a network, for one benchmark.
+// Hosts that are joined by a network, for one benchmark.
 #pragma once
 
 #include <functional>

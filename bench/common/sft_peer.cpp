@@ -73,7 +73,7 @@ class SftLoanWriter : public LendingWriter {
     prototype_.number = number;
     loan_ = publisher_.loan_for_overwrite(prototype_, {.data = data_bytes_}).value();
     const auto data = (*loan_)->data();
-    if (data.back() != written) std::ranges::fill(data, written);  // only the first time
+    if (data.back() != written) std::ranges::fill(data, written);  // once per memory
   }
   void publish() override { std::move(*loan_).publish(); }
 
@@ -85,7 +85,7 @@ class SftLoanWriter : public LendingWriter {
   std::optional<Loan<Bulk>> loan_;
 };
 
-/// Publishes loans of clouds. Does not write their data.
+/// Publishes clouds in loans. Does not write their data.
 class CloudLoanWriter : public LendingWriter {
  public:
   CloudLoanWriter(Node& node, const Topic& topic)
@@ -105,7 +105,7 @@ class CloudLoanWriter : public LendingWriter {
   std::optional<Loan<PointCloud2>> loan_;
 };
 
-/// Publishes a cloud in the program's own memory.
+/// Publishes a cloud from the program's own memory.
 class CloudWriter : public LendingWriter {
  public:
   CloudWriter(Node& node, const Topic& topic)
@@ -138,7 +138,7 @@ class CloudReader : public Reader {
   Subscriber<PointCloud2, CloudField::height | CloudField::width> subscriber_;
 };
 
-/// Calls the getters of all leaves of a part of a sample.
+/// Calls the getters of all leaves in a part of a sample.
 void read_all(const DynamicView& part) {
   if (part.is_struct()) {
     for (const DynamicView& member : part.members()) read_all(member);

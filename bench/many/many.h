@@ -38,12 +38,13 @@ std::vector<Figure> join_64(const ManyScale& scale);
 /// that an idle node receives, and the exponents with which both grow. One round.
 std::vector<Figure> growth(const ManyScale& scale);
 
-// Curves: the costs of SFT and of Cyclone DDS at four sizes each, in turns, and their exponents.
+// The following groups are curves: the costs of SFT and of Cyclone DDS at four sizes, in turns, with
+// exponents.
 
 /// The costs of a sample for readers of a cloud of 16 kB on up to eight hosts: first for 1 to 64 readers that
 /// all ask for its data, then for 64 readers with 1 to 64 different masks.
 std::vector<Figure> readers(const ManyScale& scale);
-/// 2 to 32 nodes with ten endpoints each, as in growth().
+/// The costs of 2 to 32 nodes with ten endpoints each, as in growth().
 std::vector<Figure> nodes(const ManyScale& scale);
 /// Messages of 8 to 512 fields of 4 bytes: the costs of a sample for one reader that asks for one field, and
 /// for every other field, and the time until a request for another field is in force.

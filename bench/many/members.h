@@ -25,7 +25,7 @@ using Fields = std::function<std::string(std::size_t)>;
 Topic cloud_topic(std::size_t data_bytes, const std::string& name = "points");
 /// Messages of this number of bytes in CDR, sent reliably.
 Topic bulk_topic(std::size_t bytes);
-/// Messages of plain numbers, all 0, best effort.
+/// Messages whose members are numbers, all of them 0, best effort.
 template <class T>
 Topic zeros_topic(const dds_topic_descriptor& cyclone_type) {
   return {.name = "points", .messages = shared(std::vector<T>(1), cyclone_type), .reliable = false};

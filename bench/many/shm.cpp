@@ -59,7 +59,7 @@ std::vector<Figure> shm_publish(const ManyScale& scale) {
           medium.figure("shm_publish_16kB", "us", "iceoryx WaitSet", 1.2)};
 }
 
-/// The noise is the largest difference between two rounds of the default.
+/// Compares values of `spin`. The noise is the largest difference between two rounds of the default.
 std::vector<Figure> shm_wait(const ManyScale& scale) {
   constexpr std::array spins{microseconds(0), microseconds(5), microseconds(50), microseconds(200)};
   const std::uint64_t messages = scale.quick ? 60 : 400;

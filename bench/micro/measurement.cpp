@@ -59,7 +59,7 @@ Batch copying(std::size_t bytes) {
   return batch_of([from, to, bytes] { std::memcpy(to->data(), from->data(), bytes); });
 }
 
-/// Google Benchmark takes settings for all benchmarks as a command line.
+/// Passes settings to Google Benchmark, which takes them for all benchmarks as a command line.
 void set_up() {
   static bool done = false;
   if (std::exchange(done, true)) return;

@@ -104,7 +104,7 @@ void read_as_new_node(Exchange& exchange, const Contestant& program) {
   exchange.received = 1;
 }
 
-/// Starts new processes once, and adds the time to the first sample in milliseconds.
+/// Starts new processes on both hosts, and adds the time to the first sample in milliseconds.
 void start(const Contestant& program, const TwoHosts& hosts, Sender publisher, std::vector<double>& ms) {
   const auto us = run_pair(hosts.sides([=](Exchange& e) { publish_to_new_node(e, program, publisher); },
                                        [=](Exchange& e) { read_as_new_node(e, program); }),

@@ -1,4 +1,4 @@
-// The contenders.
+// The contenders of the experiments.
 #pragma once
 
 #include <compare>

@@ -47,7 +47,7 @@ class Experiments {
     for (const Row& row : point_cloud_rows()) say(receivers_table(results_.records, row));
     return row_figures(results_.records, point_cloud_rows());
   }
-  /// Returns the figures over all cases that were measured before.
+  /// Returns figures over all cases that the groups before have measured.
   std::vector<Figure> bounds() const {
     std::vector<Figure> figures = configuration_figures(results_.records);
     if (figures.empty()) return {};

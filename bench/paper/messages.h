@@ -22,7 +22,7 @@ SharedMessages point_clouds();
 /// Scans of a robot's laser, with 361 ranges and as many intensities.
 SharedMessages recorded_laser_scans(const std::filesystem::path& data);
 SharedMessages recorded_battery_states(const std::filesystem::path& data);
-/// The map of a building.
+/// Returns the map of a building.
 SharedMessages recorded_occupancy_grids(const std::filesystem::path& data);
 /// The first 16 kB of points of a rotating lidar's cloud.
 SharedMessages recorded_point_clouds(const std::filesystem::path& data);

@@ -20,7 +20,7 @@ struct Pace {
 /// Returns an error if the contenders' slots would be too short; otherwise an empty text.
 std::string check(const Pace& pace, std::size_t contenders);
 
-/// All times are of CLOCK_MONOTONIC in nanoseconds.
+/// The schedule of a session. All times are nanoseconds of CLOCK_MONOTONIC.
 class Schedule {
  public:
   Schedule(const Pace& pace, std::size_t contenders, std::int64_t begin_ns)

@@ -15,7 +15,7 @@
 
 namespace sft::bench::paper {
 
-/// Messages of one type on a topic of their own.
+/// Messages of one type on their own topic.
 struct Phase {
   Case of;
   SharedMessages messages;

@@ -7,7 +7,7 @@
 
 namespace sft::bench::paper {
 
-/// Times are in milliseconds since the first message was published.
+/// The events of a change. Times are in milliseconds since the first message was published.
 struct Trace {
   struct Message {
     double at_ms = 0;      ///< when the receiver got the message

@@ -16,7 +16,7 @@ namespace {
 
 using sft_bench::Bulk;
 
-constexpr unsigned memory_mebibytes = 1024;  // sftd takes half of it
+constexpr unsigned memory_mebibytes = 1024;  // twice the memory that sftd takes
 
 /// Starts sftd, which continues to run after the node is closed. Returns true once sftd lends memory.
 bool start_daemon() {

@@ -1,4 +1,4 @@
-// Tables for people.
+// Tables of results for people.
 #pragma once
 
 #include <string>

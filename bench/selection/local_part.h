@@ -23,7 +23,7 @@ class LocalPart {
   void take_and_release();
   /// Returns a copy that is the same as for a reader on another host.
   core::SampleHandle copied() const { return copies_->of(sample_, *asked_->plan); }
-  /// The sample that stays taken.
+  /// The sample that is taken and kept.
   const detail::SampleState& state() const { return state_; }
 
  private:

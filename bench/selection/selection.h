@@ -8,7 +8,7 @@
 
 namespace sft::bench {
 
-/// Measures the way from an encoded sample to the payload with parts of a field.
+/// Measures the time to make the payload with parts of a field from an encoded sample.
 std::vector<Figure> gathering_parts(int rounds);
 /// Measures loops over the points of a whole cloud and of a part, compared with loops that know the layout.
 std::vector<Figure> reading_points(int rounds);

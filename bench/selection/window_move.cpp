@@ -49,7 +49,7 @@ PointCloud2 one_row() {
   return row;
 }
 
-/// When the publisher sends the next row after a window has moved.
+/// When the publisher sends the next row after a move of a window.
 enum class Publishing : std::uint8_t {
   at_once,  ///< as soon as the window is in force, like a map server
   paced,    ///< some 60 us after the previous row, like a very fast sensor

@@ -29,7 +29,7 @@ Figure lines_per_field() {
     std::ifstream stream(file.path());
     for (std::string line; std::getline(stream, line);) {
       if (line.find_first_not_of(" \t") != std::string::npos) ++lines;
-      if (line.find("sft::member<") != std::string::npos) ++fields;  // a row in the table of a type
+      if (line.find("sft::member<") != std::string::npos) ++fields;  // a row of a type's table
     }
   }
   return {"generated_lines_per_field", lines / fields, "", {}, "of all headers, blank lines aside", 40};
@@ -41,7 +41,7 @@ std::string replaced(std::string text, std::string_view what, std::string_view b
   return text;
 }
 
-/// Writes calls of all getters below `view`.
+/// Returns code that calls all getters below `view`.
 std::string reads(const StructType& type, const std::string& view, int depth = 0) {
   std::string code;
   const std::string element = "e" + std::to_string(depth);

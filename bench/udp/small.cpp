@@ -43,7 +43,7 @@ class Rally {
   void return_of(std::uint64_t number, Writer& writer) {
     const std::int64_t now = now_ns();
     if (number != rounds() + 1 || over()) return;
-    exchange_.received_at[number - 1] = (now - sent_at_ns_) / 2;  // sent_at is 0
+    exchange_.received_at[number - 1] = (now - sent_at_ns_) / 2;  // a latency, since sent_at stays 0
     exchange_.received = number;
     if (number < messages_ && answers_at_once_) serve(writer);
   }

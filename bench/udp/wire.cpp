@@ -105,7 +105,7 @@ Passage pass(const Flow& flow, const TwoHosts& hosts) {
   return *passage;
 }
 
-// Of a bulk sample: its number, its stamp, and the length of its data.
+// The number, the stamp, and the length of the data of a bulk sample.
 constexpr std::uint32_t fixed_body_bytes = 20;
 constexpr double frame_headers = 14 + 20 + 8;  // headers of Ethernet, IPv4 and UDP
 constexpr double frame_payload_max = 1472;     // the payload at an MTU of 1500

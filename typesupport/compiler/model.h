@@ -64,7 +64,7 @@ struct sft_member {
   struct sft_type type;
   struct sft_value initial;            ///< the default of a single value; unset: value-initialized
   struct sft_value* initial_elements;  ///< the default of a sequence or an array; the last index runs fastest
-  size_t initial_element_count;        ///< 0: value-initialized
+  size_t initial_element_count;        ///< 0: it is value-initialized
   bool is_key;
   const char* unit;    ///< null: no unit is given
   const char* layout;  ///< a rule in the spelling of layout/rule.h; null: no rule is given
@@ -96,7 +96,7 @@ struct sft_file {
   const char* copies;  ///< "", or the directory where idlc reads a copy of /a/b.idl as <copies>/a/b.idl
   const char* path;
   const char*
-      outer_namespace;    ///< "::my::robot", with which all scoped names begin; null: none (emit/enclosed.h)
+      outer_namespace;    ///< "::my::robot", the beginning of all scoped names; null: none (emit/enclosed.h)
   const char** includes;  ///< files that this file includes directly
   size_t include_count;
   const char** sources;  ///< this file, and all files that it includes, directly or not

@@ -25,7 +25,7 @@ class Enclosed {
  private:
   void enclose(const char*& scoped);
 
-  const std::string prefix_;  ///< "::my::robot"
+  const std::string prefix_;  ///< for example "::my::robot"
   std::deque<std::string> names_;
   std::deque<std::vector<sft_member>> members_;
   std::vector<sft_declaration> declarations_;

@@ -21,7 +21,7 @@ struct Constant {
 
 /// Refers to the model, and must not outlive it.
 struct Message {
-  std::string_view idl_name;  ///< "sensor_msgs::msg::PointCloud2"
+  std::string_view idl_name;  ///< for example "sensor_msgs::msg::PointCloud2"
   std::string name;           ///< the name in C++, "PointCloud2"
   std::string qualified;      ///< the name in C++, "::sensor_msgs::msg::PointCloud2"
   std::vector<Constant> constants;

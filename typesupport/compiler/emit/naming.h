@@ -12,13 +12,13 @@ namespace sft::idl {
 /// standard headers.
 std::string identifier(std::string_view name);
 
-/// The last name of "::pkg::msg::X": "X".
+/// Returns the last name of "::pkg::msg::X", which is "X".
 std::string_view last_name(std::string_view scoped);
 
 /// Returns the name of a type. It also avoids the names that every generated struct defines.
 std::string type_name(std::string_view scoped);
 
-/// The namespace of "::pkg::msg::X": "pkg::msg", empty at global scope.
+/// Returns the namespace of "::pkg::msg::X", which is "pkg::msg"; empty at global scope.
 std::string namespace_of(std::string_view scoped);
 
 /// Returns true for an identifier that generated code can use unchanged as a namespace.

@@ -10,9 +10,9 @@ struct sft_reading {
   struct sft_file* file;  ///< the file that is being filled
   const void* node;       ///< the node whose line reports name
   const char* owner;      ///< the scoped name of the declaration
-  const char* member;     ///< null outside of members
+  const char* member;     ///< the name of the member; null outside of members
   uint32_t column;        ///< the column that reports name; 0: they name none
-  bool is_refused;        ///< set by the first sft_refuse()
+  bool is_refused;        ///< true after the first sft_refuse()
 };
 
 /// Reports on stderr what is wrong and what to do, as `format` says. Reading continues, so that one run

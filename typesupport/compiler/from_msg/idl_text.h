@@ -1,4 +1,4 @@
-// Writes a definition as IDL.
+// Writes the definition of a message as IDL.
 #pragma once
 
 #include <string>

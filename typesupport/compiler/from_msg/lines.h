@@ -8,7 +8,7 @@
 
 namespace sft::msg {
 
-/// One line; its parts refer to the text.
+/// One line. Its members refer to the text.
 struct Line {
   std::uint32_t number;      ///< the number of the line, from 1
   std::string_view code;     ///< the text before the comment, without spaces around it; may be empty

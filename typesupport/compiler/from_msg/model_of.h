@@ -11,13 +11,13 @@
 
 namespace sft::msg {
 
-/// The place of a file, and the files that it depends on.
+/// The place of a file, and the files on which it depends.
 struct Files {
   std::filesystem::path root;  ///< the file is <root>/<package>/msg/<Name>.msg, or .../srv/<Name>.srv
   std::vector<std::filesystem::path> nested;
 };
 
-/// A file of the model, with everything that it points to.
+/// A file of the model, with everything to which it points.
 class ModelOf {
  public:
   /// The model of a message.

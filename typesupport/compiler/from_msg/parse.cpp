@@ -70,7 +70,8 @@ class Parser {
   }
 
  private:
-  /// Adds the member that a message without fields has in ROS 2, so that both have the same byte on the wire.
+  /// Adds the member that ROS 2 adds to a message without fields, so that both have the same byte on the
+  /// wire.
   void add_member_of_empty_message() {
     Type type;
     type.kind = SFT_UINT8;

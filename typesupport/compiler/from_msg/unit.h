@@ -1,4 +1,4 @@
-// Finds units in comments.
+// Finds the units of fields in comments.
 #pragma once
 
 #include <string_view>

@@ -19,7 +19,7 @@ namespace sft::layout {
 using Form = detail::Layout::Form;
 using Role = detail::LayoutRole;
 
-/// The word that begins a rule in comments of .msg files, and with which IDL annotates a member.
+/// The word with which a rule begins in comments of .msg files, and with which IDL annotates a member.
 inline constexpr std::string_view annotation = "@sft_layout";
 inline constexpr std::size_t rule_bytes_max = 255;
 inline constexpr std::size_t also_max = 16;   ///< the maximum number of other fields that share a rule
@@ -28,7 +28,7 @@ inline constexpr std::size_t rules_max = 64;  ///< the maximum number in one str
 /// One rule, `rows=height columns=width`. Paths are relative to the struct of the annotated field.
 struct Rule {
   struct Path {
-    std::string text;    ///< "info.width"
+    std::string text;    ///< for example "info.width"
     std::size_t at = 0;  ///< the position in the rule, in bytes from 0
   };
 

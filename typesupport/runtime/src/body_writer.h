@@ -45,7 +45,7 @@ class BodyWriter {
   std::uint64_t put(std::uint64_t at, const void* data, std::size_t bytes) const {
     assert(at + bytes <= body_.size());
     std::byte* to = body_.data() + at;
-    switch (bytes) {  // single primitives: one instruction each
+    switch (bytes) {  // a single primitive takes one instruction
       case 0:
         break;
       case 1:

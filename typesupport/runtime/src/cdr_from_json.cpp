@@ -122,7 +122,7 @@ class CdrWriter {
   static constexpr std::string_view stamp_name = "builtin_interfaces::msg::Time";
   static constexpr std::string_view header_name = "std_msgs::msg::Header";
 
-  /// The value that the word "now" or "auto" stands for, if the options allow these words.
+  /// Returns the value for which the word "now" or "auto" stands, if the options allow these words.
   std::optional<Json> meant_by_a_word(const StructType& type, const Json& json) const {
     if (!options_.now) return {};
     if (type.name == header_name && json == "auto") return Json{{"stamp", "now"}};
@@ -255,7 +255,7 @@ class CdrWriter {
     expected(*json, m.enumeration == nullptr ? range : names_of(*m.enumeration) + " or " + range);
   }
 
-  /// The value of "GREEN", or of "READ | WRITE" for a bitmask.
+  /// Returns the value of "GREEN", or of "READ | WRITE" for a bitmask; nothing if a name is unknown.
   static std::optional<std::uint64_t> value_of(const EnumType& type, std::string_view text) {
     std::uint64_t value = 0;
     for (;;) {

@@ -236,7 +236,7 @@ bool Cut::find_channels(const SampleState& s, const Layout& layout, const Part& 
     if (wanted == part.channels.end() || *wanted != text_of(s, name)) continue;
     if (std::exchange(is_known[static_cast<std::size_t>(wanted - part.channels.begin())], true)) continue;
     const std::uint64_t bytes = std::uint64_t{channel_type_bytes(*type)} * *count;
-    if (bytes == 0 || *offset + bytes > cell_bytes) continue;  // missing
+    if (bytes == 0 || *offset + bytes > cell_bytes) continue;  // the channel counts as missing
     channels_[channel_count_++] = {name, *offset, static_cast<std::uint32_t>(bytes), *count, *type};
   }
   pack_channels();

@@ -251,7 +251,7 @@ class DynamicType::Parser {
     return sum.depth <= limits_.depth || beyond(m, limits_.depth, "structs in one another");
   }
 
-  // ---- pieces ----
+  // ---- parts of a description ----
 
   bool byte(std::uint8_t& value) {
     if (at_ == out_.bytes.size()) return fail("it ends too early");

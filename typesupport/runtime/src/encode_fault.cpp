@@ -25,7 +25,7 @@ class FaultFinder {
     return fault_;
   }
 
-  /// The bytes of each leaf, if there was no fault.
+  /// The bytes of each leaf. REQUIRES: there was no fault.
   const std::vector<std::uint64_t>& bytes() const { return bytes_; }
 
  private:

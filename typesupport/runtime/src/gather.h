@@ -1,4 +1,4 @@
-// Copies the cells of a part together.
+// Copies the cells of a part to contiguous memory.
 #pragma once
 
 #include <cstddef>

@@ -123,7 +123,7 @@ class Projection::Writer {
     postponed_ = postponed;
   }
 
-  /// Leaves the parts empty.
+  /// Makes this writer leave the parts empty.
   Writer& without_parts() {
     without_parts_ = true;
     return *this;
@@ -424,7 +424,7 @@ class Projection::Writer {
   std::span<std::byte> memory_{};
   const PostponedCopies* postponed_ = nullptr;
   bool without_parts_ = false;
-  bool failed_ = false;  ///< there was too little memory
+  bool failed_ = false;  ///< true: there was too little memory
 };
 
 void Projection::reserve(const Memory& memory) {

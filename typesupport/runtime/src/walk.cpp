@@ -61,7 +61,7 @@ class Walker {
     for (std::uint32_t i = 0; i < n; ++i) {
       const std::uint64_t before = at_;
       if (!structure(type, leaf)) return false;
-      if (at_ == before) break;  // only empty collections of empty structs: the rest takes no bytes either
+      if (at_ == before) break;  // these elements take no bytes, and the rest takes none either
     }
     return true;
   }

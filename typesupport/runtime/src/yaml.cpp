@@ -178,7 +178,7 @@ class YamlWriter {
       check_length();
     }
     out_ += ']';
-    comment(m, size - std::min(size, printed));  // a length in shared memory may change
+    comment(m, size - std::min(size, printed));  // the size in shared memory may have changed meanwhile
     out_ += '\n';
   }
 

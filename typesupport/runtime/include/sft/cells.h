@@ -115,7 +115,7 @@ template <class Cell>
 class Cells : public std::ranges::view_base {
  public:
   class iterator;
-  /// A cell.
+  /// The type of a cell.
   using value_type = Cell;
 
   /// Has no cells.
@@ -124,7 +124,7 @@ class Cells : public std::ranges::view_base {
   Cells(const detail::CellGrid& grid, const detail::CellReader<Cell>& reader)
       : grid_(grid), reader_(reader) {}
 
-  /// The number of rows: 1 if the field has none, and 0 if it contradicts itself.
+  /// The number of rows: 1 if the field has no rows, and 0 if the field contradicts itself.
   std::size_t rows() const { return grid_.rows; }
   /// The number of cells in a row.
   std::size_t columns() const { return grid_.columns; }
@@ -161,7 +161,7 @@ class Cells : public std::ranges::view_base {
   /// The last cell. REQUIRES: !empty().
   Cell back() const { return at(rows() - 1, columns() - 1); }
 
-  /// Iterates over the cells, row by row.
+  /// The first cell. Iterators go over the cells row by row.
   iterator begin() const { return {grid_.joined(), reader_, 0}; }
   /// The end, behind the last cell.
   iterator end() const { return {grid_.joined(), reader_, size()}; }
@@ -301,7 +301,7 @@ Result<Cells<Cell>> cells_of(const DynamicView& message, std::string_view path) 
 
 }  // namespace sft
 
-/// @cond not in the reference: Doxygen takes no specialization of what it does not know
+/// @cond not in the reference: Doxygen does not accept specializations of unknown templates
 template <class Cell>
 inline constexpr bool std::ranges::enable_borrowed_range<sft::Cells<Cell>> = true;
 /// @endcond

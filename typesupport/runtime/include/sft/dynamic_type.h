@@ -40,7 +40,7 @@ class DynamicType {
     return parse(description, Limits());
   }
 
-  /// The name as in the IDL: "sensor_msgs::msg::Imu".
+  /// The name in the IDL: "sensor_msgs::msg::Imu".
   std::string_view name() const { return type().name; }
   /// The tables of the type, valid as long as any handle of it.
   const StructType& type() const;

@@ -67,7 +67,7 @@ class DynamicView {
 
   // ---- navigation ----
 
-  /// A member of a struct.
+  /// Returns a member of a struct.
   DynamicView operator[](std::string_view member) const;
   /// An element of an array or a sequence, counted from 0. For elements that are strings or structs it walks
   /// over all elements in front. Use elements() to read all of them.
@@ -126,10 +126,10 @@ class DynamicView {
   /// The value of a number, a text or an enumeration. Texts are valid as long as the sample.
   Result<Scalar> scalar() const;
 
-  /// The value as a T, which is: bool or char; an integer type into which the integer fits; float or double,
-  /// also for an integer that it holds exactly; std::string_view or std::string; std::span<const E> for a
-  /// collection of the primitive E (std::uint8_t for booleans; also std::byte for octets). Texts and spans
-  /// refer to the sample.
+  /// Returns the value as a T. T is one of: bool or char; an integer type that can hold the integer; float or
+  /// double, also for an integer that it holds exactly; std::string_view or std::string; std::span<const E>
+  /// for a collection of the primitive E (std::uint8_t for booleans, and also std::byte for octets). Texts
+  /// and spans refer to the sample.
   template <class T>
   Result<T> as() const;
 
@@ -228,11 +228,11 @@ class DynamicView::Members {
     Place place_;
   };
 
-  /// DynamicView::members() makes these.
+  /// For DynamicView::members().
   explicit Members(DynamicView of) : of_(std::move(of)) {}
-  /// Iterates over the range.
+  /// The first member.
   iterator begin() const { return {&of_, 0}; }
-  /// Iterates over the range.
+  /// The end, behind the last member.
   iterator end() const {
     return {&of_, of_.is_struct() && of_.error() == nullptr ? of_.type_->members.size() : 0};
   }
@@ -271,11 +271,11 @@ class DynamicView::Elements {
     std::size_t left_ = 0;
   };
 
-  /// DynamicView::elements() makes these.
+  /// For DynamicView::elements().
   explicit Elements(DynamicView of);
-  /// Iterates over the range.
+  /// The first element.
   iterator begin() const { return {&of_, first_, left_}; }
-  /// Iterates over the range.
+  /// The end, behind the last element.
   iterator end() const { return {&of_, 0, 0}; }
 
  private:

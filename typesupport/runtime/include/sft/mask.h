@@ -33,10 +33,10 @@
 
 namespace sft {
 
-/// A set of leaves of message type T that is known when the program is compiled; a template argument.
+/// A set of leaves of message type T that is known at compile time; for template arguments.
 template <class T>
 struct Mask {
-  /// The message type.
+  /// The message type of the mask.
   using Type = T;
   /// The number of a leaf.
   using value_type = std::size_t;
@@ -47,7 +47,7 @@ struct Mask {
   /// The number of leaves of the type, in the set or not.
   static constexpr std::size_t leaves = detail::leaf_count_of<T>;
 
-  /// Bit i of word w is leaf 64 w + i.
+  /// Bit b of word i stands for leaf 64 * i + b.
   std::array<std::uint64_t, (leaves + 63) / 64> words{};  // public: a template argument has no private parts
 
   /// True if the leaf is in the mask.
@@ -110,8 +110,8 @@ inline constexpr Mask<T> all = Mask<T>::range(0, detail::leaf_count_of<T>);
 
 namespace detail {
 
-/// All leaves below one node of T's tree. The struct has no members of its own but a conversion, so that the
-/// names of a message's fields, which are members of classes derived from it, never collide with it.
+/// All leaves below one node of T's tree. The struct has no member function but a conversion. So the names of
+/// a message's fields, which are members of derived classes, never collide with one.
 template <class T, std::size_t First, std::size_t Count>
 struct FieldNode {
   using Type = T;
@@ -191,7 +191,7 @@ using detail::operator==;
 
 namespace detail {
 
-/// Whole fields of message type T, and fields of which only a part is declared.
+/// Whole fields of message type T, and fields of which a part is declared.
 template <class T>
 struct Declared {
   Mask<T> whole{};        ///< the fields of which no part is declared
@@ -237,14 +237,14 @@ struct FieldPart {
   constexpr FieldPart range(std::uint32_t begin, std::uint32_t end, std::uint32_t step = 1) const {
     return columns(begin, end, step);
   }
-  /// The rows [begin, end).
+  /// Keeps the rows [begin, end).
   constexpr FieldPart rows(std::uint32_t begin, std::uint32_t end, std::uint32_t step = 1) const {
     FieldPart other = *this;
     if (other.part.rows != DeclaredRange{}) a_range_is_given_twice();
     other.part.rows = declared_range(begin, end, step);
     return other;
   }
-  /// The columns [begin, end).
+  /// Keeps the columns [begin, end).
   constexpr FieldPart columns(std::uint32_t begin, std::uint32_t end, std::uint32_t step = 1) const {
     FieldPart other = *this;
     if (other.part.columns != DeclaredRange{}) a_range_is_given_twice();
@@ -283,7 +283,7 @@ template <class A, class B>
 requires((PartSet<A> && (PartSet<B> || FieldSet<B>)) || (FieldSet<A> && PartSet<B>)) constexpr auto operator|(
     const A& a, const B& b) {
   auto joined = to_declared(a);
-  const decltype(joined) other = to_declared(b);  // fields of one message type
+  const decltype(joined) other = to_declared(b);  // both have fields of the same message type
   const DeclaredParts parts = joined.parts;
   joined.whole = joined.whole | other.whole;
   joined.parts = {};
@@ -363,7 +363,7 @@ class FieldMask {
   /// The empty set of a type with this number of leaves.
   explicit FieldMask(std::size_t leaves) : leaves_(leaves), more_(leaves > 64 ? (leaves - 1) / 64 : 0) {}
 
-  /// Converts a Mask<T> or the name of a field.
+  /// Converts a Mask<T> or the name of a field to a FieldMask.
   template <detail::FieldSet F>
   explicit FieldMask(const F& fields) : FieldMask(detail::leaf_count_of<detail::TypeOfFields<F>>) {
     const Mask mask(fields);

@@ -35,8 +35,8 @@ namespace sft {
 Result<std::string> to_msg(const DynamicType& type);
 
 /// Makes the type `name` ("sensor_msgs/PointCloud2", "sensor_msgs/msg/PointCloud2" or
-/// "sensor_msgs::msg::PointCloud2") as `text` defines it. The text may be hostile. An error names the
-/// message, the line within its definition and the field, and says what to do.
+/// "sensor_msgs::msg::PointCloud2") from its definition in `text`. The text may be hostile. An error names
+/// the message, the line within its definition and the field, and says what to do.
 Result<DynamicType> from_msg(std::string_view name, std::string_view text,
                              const DynamicType::Limits& limits = {});
 

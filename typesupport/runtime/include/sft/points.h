@@ -66,7 +66,7 @@ constexpr std::uint8_t point_type() {
   return 0;
 }
 
-/// Reads some channels of a point.
+/// Reads the wanted channels of a point.
 template <class... Ts>
 struct CellReader<std::tuple<Ts...>> {
   std::array<std::uint32_t, sizeof...(Ts)> offsets{};  ///< the offset of each channel in the point
@@ -84,7 +84,7 @@ struct CellReader<std::tuple<Ts...>> {
   }
 };
 
-/// The channels that a program names, with their types.
+/// Returns the channels that a program names, with their types.
 template <class... Ts, std::convertible_to<std::string_view>... Names>
 std::array<WantedChannel, sizeof...(Ts)> wanted_channels(const Names&... names) {
   static_assert(sizeof...(Ts) > 0 && ((point_type<Ts>() != 0) && ...),

@@ -28,14 +28,14 @@ enum class Errc {
   no_permission,
   address_in_use,
   out_of_memory,
-  system,  ///< the operating system refused; the message says what
+  system,  ///< the operating system refused something; the message says what
 };
 
 /// An error.
 struct Error {
   /// The kind of error, for programs.
   Errc code;
-  std::string message;  ///< names the thing and what to do about it
+  std::string message;  ///< names what failed, and what to do about it
 };
 
 }  // namespace sft

@@ -23,7 +23,7 @@
 
 namespace sft {
 
-/// Fields of a message type, whole or in part, and when samples are sent.
+/// A selection of fields of a message type, whole or in part, and of samples.
 class Selection {
  public:
   /// Every step-th index of [begin, end). The canonical form has begin = end = 0 and step = 1 for an empty
@@ -52,7 +52,7 @@ class Selection {
 
   /// The part of one leaf, which is an array or a sequence and is in no other sequence.
   struct Part {
-    std::uint32_t leaf = 0;  ///< the number of the leaf
+    std::uint32_t leaf = 0;  ///< the number of the leaf in the type
     Range rows{};            ///< the rows that are kept; all if the leaf has no rows
     Range columns{};         ///< the columns that are kept; the elements if the leaf has no rows
     /// The names of the channels that are kept, in ascending order and each once; empty: all channels. A
@@ -79,7 +79,7 @@ class Selection {
       any_of,   ///< at least one child holds
       compare,  ///< a scalar leaf is compared with a number
       changed,  ///< a leaf differs from what it was in the last sample that passed
-      nth,      ///< every n-th sample
+      nth,      ///< the sample is an n-th one
       elapsed   ///< no sample has passed for a period
     };
     /// The relation of the field to the number.
@@ -141,7 +141,7 @@ class Selection {
 
   /// The same with another gate. The error says which limit is exceeded.
   Result<Selection> with_gate(Gate gate) const;
-  /// The same fields and parts of every sample.
+  /// The same fields and parts, but every sample.
   Selection without_gate() const;
   /// The same without a maximum rate; the conditions stay.
   Selection without_rate() const;
@@ -177,7 +177,7 @@ class Selection {
     std::uint64_t gate_hash = 0;
   };
   FieldMask mask_;
-  std::shared_ptr<const Extra> extra_;  ///< null: no parts, and the gate is open
+  std::shared_ptr<const Extra> extra_;  ///< null: there are no parts, and the gate is open
 };
 
 }  // namespace sft

@@ -33,7 +33,7 @@ struct EnumType {
     std::uint64_t value;    ///< for a flag, a number with its bit set
   };
 
-  std::string_view name;                    ///< "my_pkg::msg::Color"
+  std::string_view name;                    ///< for example "my_pkg::msg::Color"
   bool is_bitmask;                          ///< false: an enumeration
   std::span<const Enumerator> enumerators;  ///< at least one
 };
@@ -60,7 +60,7 @@ struct StructType {
       string,
       structure
     };
-    /// One element, a fixed number of them, or a variable number.
+    /// The number of elements of a member: one, a fixed number, or a variable number.
     enum class Shape : std::uint8_t { single, array, sequence };
 
     std::string_view name;             ///< the name in the IDL
@@ -70,7 +70,7 @@ struct StructType {
     std::uint32_t bound = 0;           ///< the maximum number of elements of a sequence; 0: unbounded
     std::uint32_t string_bound = 0;    ///< the most characters of each string without NUL; 0: unbounded
     const StructType* type = nullptr;  ///< the element's type if the kind is structure, otherwise null
-    const EnumType* enumeration = nullptr;  ///< what the integer stands for; null: it is only an integer
+    const EnumType* enumeration = nullptr;  ///< the enumeration; null: it is only an integer
     std::size_t offset = 0;  ///< the offset in the compiled struct; 0 in a DynamicType, as the next two
     std::size_t stride = 0;  ///< the distance of two elements in the compiled struct
     const detail::SequenceAccess* access = nullptr;  ///< reads a compiled std::vector; only of a sequence
@@ -79,12 +79,12 @@ struct StructType {
     std::string_view layout{};  ///< the rule of `@sft_layout`: how it has rows and columns (selection.md)
   };
 
-  std::string_view name;            ///< "sensor_msgs::msg::PointCloud2"
+  std::string_view name;            ///< for example "sensor_msgs::msg::PointCloud2"
   std::span<const Member> members;  ///< the members in the order of the IDL; at least one
   std::size_t leaves = 0;           ///< the number of leaves that a mask can select in it
 
   // The members from here on are for SFT's own code.
-  std::size_t index_slots = 0;  ///< offsets that a sample's index has for this type (detail/type_table.h)
+  std::size_t index_slots = 0;  ///< offsets in a sample's index (detail/type_table.h)
   /// Size of a packed struct, such as a point: CDR always encodes it as that many bytes, without padding,
   /// from the next multiple of `alignment` on. A packed struct has no strings, sequences or booleans, since
   /// these have to be checked. 0 for other structs.

@@ -26,7 +26,7 @@ class TypeSupport {
 
   /// The tables that were passed to the constructor.
   const StructType& type() const { return *type_; }
-  /// The name as in the IDL: "sensor_msgs::msg::Imu".
+  /// The name in the IDL: "sensor_msgs::msg::Imu".
   std::string_view name() const { return type_->name; }
   /// The number of leaf fields that the type has.
   std::size_t leaves() const { return paths_.size(); }
@@ -49,7 +49,7 @@ class TypeSupport {
   /// The shortest list of paths that names exactly `mask`: "header, height, fields[].name"; "*" for all
   /// fields, "" for none. parse_mask() reads it.
   std::string format_mask(const FieldMask& mask) const;
-  /// The paths of format_mask(), each by itself.
+  /// The paths in the text of format_mask(), one by one.
   std::vector<std::string> field_names(const FieldMask& mask) const;
 
   /// The selection that the text describes (selection.md). The error begins with the column, from 1, of what
@@ -70,13 +70,13 @@ class TypeSupport {
   /// For SFT's own code: how the field is made of rows and columns; null: the field has no layout.
   const detail::Layout* layout_of(std::size_t leaf) const;
 
-  /// The mask without a field.
+  /// The mask without any field.
   FieldMask none() const { return FieldMask(leaves()); }
   /// The mask of all fields.
   FieldMask full() const { return FieldMask::full(leaves()); }
 
  private:
-  struct Node {  ///< an inner node or a leaf of the tree; in depth-first order
+  struct Node {  ///< an inner node or a leaf of the tree; nodes are in depth-first order
     std::string path;
     std::size_t first;
     std::size_t count;
@@ -106,12 +106,12 @@ const TypeSupport& type_support() {
   return support;
 }
 
-/// TypeSupport::format_mask() of a Mask<T>, a combination of fields or the name of one.
+/// Returns TypeSupport::format_mask() of a Mask<T>, a combination of fields, or the name of a field.
 template <detail::FieldSet F>
 std::string to_string(const F& fields) {
   return type_support<detail::TypeOfFields<F>>().format_mask(FieldMask(fields));
 }
-/// TypeSupport::format_mask() of a FieldMask of T: `sft::to_string<PointCloud2>(sample.mask())`.
+/// Returns TypeSupport::format_mask() of a FieldMask of T: `sft::to_string<PointCloud2>(sample.mask())`.
 template <class T>
 std::string to_string(const FieldMask& mask) {
   return type_support<T>().format_mask(mask);

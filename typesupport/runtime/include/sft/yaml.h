@@ -31,9 +31,9 @@ struct YamlOptions {
   /// The maximum number of elements that are written of each array and sequence; a comment gives the number
   /// of the others.
   std::size_t elements_max = 128;
-  std::size_t text_bytes_max = 4096;                ///< the same for the bytes of each string
+  std::size_t text_bytes_max = 4096;                ///< the maximum of bytes that are written of each string
   bool units = false;                               ///< true: comments give the units of members
-  std::size_t output_bytes_max = 64 * 1024 * 1024;  ///< a longer text is an error
+  std::size_t output_bytes_max = 64 * 1024 * 1024;  ///< the maximum; a longer text is an error
 };
 
 /// Writes a whole sample, or any part of it that is present. An error if the bytes are malformed.

@@ -31,7 +31,7 @@ class AccessLog {
  public:
   class Listener {
    public:
-    /// Called at the first access in this sample to a leaf, on the reading thread: it must not block.
+    /// Called at the first access to a leaf of this sample, on the reading thread. Must not block.
     virtual void first_read(std::size_t leaf) noexcept = 0;
     /// Returns the number of a channel of the cloud that has its points in this leaf. Returns nothing if
     /// channels of that leaf are not, or no longer, noted one by one. A channel has the same number in all

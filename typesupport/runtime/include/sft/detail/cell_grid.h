@@ -53,7 +53,7 @@ struct CellGrid {
   }
 };
 
-/// A sequence of numbers in a sample.
+/// The place of a sequence of numbers in a sample.
 struct CellsPlace {
   const SampleState* sample = nullptr;
   const FieldMask* declared = nullptr;  ///< the mask that the reader declared; null: all that the sample has

@@ -46,7 +46,7 @@ class Conditions {
   /// process have to be checked.
   static Result<void> check(const StructType& type, std::span<const Condition> conditions);
 
-  /// No conditions, which hold for each sample.
+  /// Makes no conditions. They hold for each sample.
   Conditions() = default;
   /// REQUIRES: check() has accepted the conditions.
   Conditions(const StructType& type, std::vector<Condition> conditions);

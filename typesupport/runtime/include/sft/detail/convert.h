@@ -37,7 +37,7 @@ namespace sft::detail {
 
 /// The body of a payload, and its encoding. Owns nothing.
 struct Payload {
-  std::span<const std::byte> body;  ///< without the padding that the encapsulation announces; at any address
+  std::span<const std::byte> body;  ///< the body without announced padding; at any address
   std::endian byte_order = std::endian::little;
   bool is_xcdr2 = false;
 

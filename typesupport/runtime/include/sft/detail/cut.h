@@ -101,7 +101,7 @@ class Cut {
   std::size_t run_count_ = 0;
   std::size_t channel_count_ = 0;
   std::array<Run, Selection::channels_max> runs_{};
-  std::array<Channel, Selection::channels_max> channels_{};  ///< ascending by offset
+  std::array<Channel, Selection::channels_max> channels_{};  ///< in ascending order of offsets
 };
 
 }  // namespace sft::detail

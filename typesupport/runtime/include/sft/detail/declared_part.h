@@ -56,7 +56,7 @@ struct NameText {
   constexpr NameText(const char (&text)[Bytes]) {  // NOLINT(google-explicit-constructor)
     for (std::size_t i = 0; i < Bytes; ++i) bytes[i] = text[i];
   }
-  static constexpr std::size_t size() { return Bytes - 1; }  // without the NUL at the end
+  static constexpr std::size_t size() { return Bytes - 1; }  // not counting the NUL at the end
 };
 
 // Functions whose names describe mistakes in a declaration. They are not constexpr: a call during constant

@@ -16,7 +16,7 @@ struct StructPlace {
   std::size_t leaf;      ///< the first leaf of the struct
   std::uint64_t offset;  ///< the offset of the struct in the body
 };
-/// The same for one struct within the sample.
+/// The same for one struct inside the sample, at `place`.
 WalkStatus decode_struct(const SampleState& s, const StructType& type, StructPlace place, void* value);
 
 }  // namespace sft::detail

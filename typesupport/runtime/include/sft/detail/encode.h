@@ -14,8 +14,8 @@ namespace sft::detail {
 
 enum class EncodeStatus : std::uint8_t {
   ok,
-  too_large,       ///< the body would have 4 GiB or more, or a string or sequence exceeds its bound
-  string_has_nul,  ///< CDR ends a string at its first NUL
+  too_large,       ///< the body has 4 GiB or more, or a string or sequence exceeds its bound
+  string_has_nul,  ///< a string contains NUL, which ends it in CDR
   bad_boolean,     ///< a byte in an array or a sequence of booleans is neither 0 nor 1
 };
 const char* to_string(EncodeStatus status);

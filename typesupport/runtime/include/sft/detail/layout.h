@@ -29,10 +29,10 @@ enum class LayoutRole : std::uint8_t {
 };
 inline constexpr std::size_t layout_roles = 13;
 
-/// A layout of one type, with the places of its fields in that type.
+/// The layout of a field in a type, with the places of the fields that belong to it.
 struct Layout {
   enum class Form : std::uint8_t {
-    list,   ///< has a number of elements
+    list,   ///< a number of elements, without rows
     cells,  ///< rows of cells, all of the same size
     points  ///< rows of cells with channels
   };

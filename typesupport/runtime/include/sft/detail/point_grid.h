@@ -22,14 +22,14 @@ class DynamicView;
 
 namespace detail {
 
-/// The members of a cloud that its points need.
+/// The members of a cloud that are needed to find its points.
 inline constexpr std::array<std::string_view, 7> cloud_fields{
     "height", "width", "fields", "is_bigendian", "point_step", "row_step", "data"};
 
-/// The numbers of these members in a struct, in the same order.
+/// The numbers of these members in a struct, in the order of cloud_fields.
 using CloudMembers = std::array<std::size_t, cloud_fields.size()>;
 
-/// The places at which these members begin in a sample, in the same order.
+/// The offsets at which these members begin in a sample, in the order of cloud_fields.
 struct CloudPlace {
   const SampleState* sample = nullptr;
   std::array<std::uint64_t, cloud_fields.size()> offsets{};

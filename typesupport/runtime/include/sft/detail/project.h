@@ -44,7 +44,7 @@ class ProjectionPlan {
   const Layout::Field& data(std::size_t i) const { return parts_[i].data; }
   /// Returns true if views can read the parts in place, which they cannot for parts of sequences of texts.
   bool can_stay_in_place() const;
-  std::uint64_t parts_hash() const { return parts_hash_; }  ///< Selection::parts_hash()
+  std::uint64_t parts_hash() const { return parts_hash_; }  ///< the value of Selection::parts_hash()
 
  private:
   friend class Projection;
@@ -54,7 +54,7 @@ class ProjectionPlan {
     Layout::Field data{};
     const Layout* layout = nullptr;
   };
-  /// What a part changes: the field itself, or one that depends on it.
+  /// What a part changes: the field itself, or a field that depends on it.
   struct Change {
     std::optional<std::size_t> part{};  ///< the number of the part; none: nothing changes
     std::optional<LayoutRole> role{};   ///< none: the field itself
@@ -122,7 +122,7 @@ class Projection {
     return project(source, ProjectionPlan(type, mask));
   }
 
-  /// The memory of a projection, which grows with the masks and samples that it has seen.
+  /// The memory of a projection. It grows with the masks and samples that were projected.
   struct Memory {
     std::size_t staging_bytes = 0;
     std::size_t segments = 0;
@@ -149,7 +149,7 @@ class Projection {
   bool find_cuts(const SampleState& source, const ProjectionPlan& plan);
 
   std::vector<Cut> cuts_;           ///< one for each part of the plan
-  std::vector<std::byte> staging_;  ///< grows and keeps its size
+  std::vector<std::byte> staging_;  ///< grows, and never shrinks
   std::vector<Segment> segments_;
   std::size_t bytes_ = 0;
 };

@@ -15,7 +15,7 @@
 namespace sft::detail {
 
 inline constexpr std::uint32_t no_offset = 0xFFFF'FFFF;
-inline constexpr std::uint32_t sample_magic = 0x31544653;  // "SFT1"
+inline constexpr std::uint32_t sample_magic = 0x31544653;  // the bytes "SFT1"
 inline constexpr std::size_t encapsulation_bytes = 4;
 inline constexpr std::array<std::uint8_t, encapsulation_bytes> encapsulation_cdr_le{0x00, 0x01, 0x00, 0x00};
 
@@ -25,7 +25,7 @@ struct SampleHeader {
   std::uint16_t gates = 0;           ///< entries of the table behind the body (core/seam/gate_table.h)
   std::uint64_t writer = 0;          ///< the writer's random id, a new one after a restart
   std::uint64_t sequence = 0;        ///< counted from 1
-  std::int64_t source_stamp_ns = 0;  ///< CLOCK_REALTIME at publish
+  std::int64_t source_stamp_ns = 0;  ///< CLOCK_REALTIME when it was published
   std::uint64_t type_hash = 0;
   std::uint32_t body_offset = 0;  ///< the offset from the header's first byte
   std::uint32_t body_bytes = 0;

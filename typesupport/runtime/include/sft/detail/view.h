@@ -97,7 +97,7 @@ struct StringStep {
   static Value read(const SampleState& s, std::uint64_t offset) { return string_at(s, offset); }
 };
 
-/// A getter of several strings returns this range.
+/// The range that a getter of several strings returns.
 using StringRange = ElementRange<StringStep>;
 
 template <auto R, class S, std::size_t Leaf>

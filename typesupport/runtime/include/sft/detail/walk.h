@@ -26,7 +26,7 @@ class PartsInPlace;
 
 /// A CDR body under a mask, as it was when the sample was taken. Owns nothing.
 struct SampleState {
-  const std::byte* body = nullptr;  ///< 8-aligned
+  const std::byte* body = nullptr;  ///< the first byte, aligned to 8
   std::uint32_t body_bytes = 0;
   const std::uint32_t* index = nullptr;  ///< one offset per slot; may be null if the body is only walked
   const FieldMask* mask = nullptr;       ///< leaves that are present
