@@ -81,7 +81,7 @@ void Link::widen() const {
   check(network_->run_on_switch({"tc", "qdisc", "del", "dev", hosts::EmulatedNetwork::port(host_), "root"}));
 }
 
-/// Carries out what happens to the remote reader.
+/// Applies each phase to the remote reader.
 class Remote {
  public:
   Remote(Pipeline& pipeline, Link link) : pipeline_(pipeline), link_(std::move(link)) {}

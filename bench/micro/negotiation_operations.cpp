@@ -25,7 +25,7 @@ class Topic {
     if (negotiation_.serving(writer_).network.size() != readers) std::abort();
   }
 
-  /// Changes the request of one reader, each time of the next one, which asks for other fields.
+  /// Makes the next reader ask for other fields. The readers take turns.
   void change_a_request() {
     ++sequence_;
     const core::EndpointId reader = first_reader_ + sequence_ % readers_;

@@ -118,8 +118,8 @@ void Sender::count_lost() {
   result_.lost = static_cast<double>(number_ - received()) / static_cast<double>(number_);
 }
 
-/// Readers wait for a message, so that only a message can tell them that they are done. It is sent again in
-/// case it was lost.
+/// Readers wait for a message, so that only a message can end them. The last message is sent again in case
+/// it was lost.
 bool Sender::finish() {
   constexpr int tries = 5;
   board_.last_number[size_] = number_ + 1;

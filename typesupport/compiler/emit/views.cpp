@@ -47,7 +47,7 @@ void emit_points(Code& code) {
   code.line("  }}");
 }
 
-/// Writes to_owned(), and a conversion to the struct, which only views have that cannot lack any field.
+/// Writes to_owned(), and a conversion to the struct for views that cannot lack a field.
 void emit_copies(Code& code, const Message& message) {
   code.line("  auto to_owned() const requires sft::detail::has_whole_struct<Place_> {{");
   code.line("    return sft::detail::owned_at<{}>(at_);", message.qualified);

@@ -23,7 +23,7 @@ using Role = detail::LayoutRole;
 inline constexpr std::string_view annotation = "@sft_layout";
 inline constexpr std::size_t rule_bytes_max = 255;
 inline constexpr std::size_t also_max = 16;   ///< the maximum number of other fields that share a rule
-inline constexpr std::size_t rules_max = 64;  ///< the maximum number in one struct
+inline constexpr std::size_t rules_max = 64;  ///< the maximum number of rules in one struct
 
 /// One rule, `rows=height columns=width`. Paths are relative to the struct of the annotated field.
 struct Rule {
