@@ -22,7 +22,7 @@ struct Board {
   std::atomic<bool> remote_matched{false};
   std::int64_t due_ns[messages_max] = {};
   std::int64_t sent_ns[messages_max] = {};                        ///< the time before the call that writes
-  std::int64_t returned_ns[messages_max] = {};                    ///< the time after it; 0: not known
+  std::int64_t returned_ns[messages_max] = {};                    ///< the time after it; 0: it still runs
   std::int64_t page_faults[messages_max] = {};                    ///< page faults of the thread in that call
   std::int64_t arrived_ns[local_readers + 1][messages_max] = {};  ///< 0: the reader has not read the message
 };

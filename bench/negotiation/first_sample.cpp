@@ -37,7 +37,7 @@ class OneSample {
     reader_ = peer.reader(topic, std::move(arrived));
   }
 
-  /// Waits for the sample. Returns false if it does not arrive within some seconds.
+  /// Waits for the sample. Returns false if it does not arrive within five seconds.
   bool wait() {
     if (is_called_) came_.wait(false);
     for (int second = 0; second < 5 && !came_; ++second) {

@@ -19,7 +19,8 @@ struct Row {
   std::string name;   ///< the name of the figure
   std::string title;  ///< the title of the figure in tables
   Cases cases;
-  std::optional<double> saving;          ///< the share of bytes saved in the paper; negative: SFT takes more
+  /// The share of bytes that SFT saves in the paper, such as 0.491. Negative: SFT takes more.
+  std::optional<double> saving;
   double bound = 1;                      ///< the bound of SFT's bytes divided by the peers' bytes
   bool sends_all = false;                ///< true: each receiver needs all fields
   std::optional<Published> published{};  ///< set if the paper has the measurements themselves

@@ -9,9 +9,10 @@
 namespace sft::bench {
 
 struct Scale {
-  std::uint64_t messages = 1600;  ///< messages per round and contender; fewer copies of whole clouds
-  int rounds = 3;                 ///< rounds of each contender, in turns; the median is used
-  double idle_s = 10;             ///< how long a waiting node is observed
+  /// Messages per round and contender; an eighth of them if whole clouds are copied.
+  std::uint64_t messages = 1600;
+  int rounds = 3;      ///< rounds of each contender, in turns; the median is used
+  double idle_s = 10;  ///< how long a waiting node is observed
 };
 
 /// The time from publish() of a loan, a 6.3 MB cloud, until the reader has read height and width: for a

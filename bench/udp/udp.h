@@ -10,9 +10,10 @@
 namespace sft::bench {
 
 struct Scale {
-  int rounds = 3;                 ///< rounds of each contender, in turns; the median is used
-  double seconds = 1;             ///< the time for which a stream of samples is measured
-  std::uint64_t messages = 2000;  ///< messages of 64 bytes per round and contender; fewer large ones
+  int rounds = 3;      ///< rounds of each contender, in turns; the median is used
+  double seconds = 1;  ///< the time for which a stream of samples is measured
+  /// Messages of 64 bytes per round and contender; a fiftieth of them if they are large.
+  std::uint64_t messages = 2000;
 };
 
 /// The highest rate of reliable samples of 4 MiB, and its processor time.

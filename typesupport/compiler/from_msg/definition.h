@@ -78,7 +78,8 @@ struct Definition {
 /// An error in a definition.
 struct Problem {
   std::uint32_t line;
-  std::string member;        ///< the field or constant; empty: the error is not in one of these
+  /// The field or constant. Empty: the error concerns the line or the whole message.
+  std::string member;
   std::string text;          ///< what is wrong, and what to do
   std::uint32_t column = 0;  ///< the column, from 1; 0: the error concerns the whole line
 };

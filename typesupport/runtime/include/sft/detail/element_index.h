@@ -47,7 +47,8 @@ std::uint32_t element_begin(const SampleState& s, const Elements& elements, std:
 /// number of threads may use it at once.
 class ElementIndex {
  public:
-  static constexpr std::size_t tables_max = 4096;            ///< the most indexed collections in a sample
+  /// The maximum number of tables, one per collection. In further collections of a sample a jump is a walk.
+  static constexpr std::size_t tables_max = 4096;
   static constexpr std::size_t kept_bytes_max = 256 * 1024;  ///< the maximum of the memory that clear() keeps
 
   ElementIndex();

@@ -22,7 +22,8 @@ inline constexpr std::array<std::uint8_t, encapsulation_bytes> encapsulation_cdr
 struct SampleHeader {
   std::uint32_t magic = sample_magic;
   std::uint16_t index_slots = 0;
-  std::uint16_t gates = 0;           ///< entries of the table behind the body (core/seam/gate_table.h)
+  /// The number of gates in the table behind the body (core/seam/gate_table.h).
+  std::uint16_t gates = 0;
   std::uint64_t writer = 0;          ///< the writer's random id, a new one after a restart
   std::uint64_t sequence = 0;        ///< counted from 1
   std::int64_t source_stamp_ns = 0;  ///< CLOCK_REALTIME when it was published
